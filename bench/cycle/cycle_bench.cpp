@@ -1,0 +1,212 @@
+// One whole evaluation: skin to link wrenches, laws (spline joint + skin joint + gravity), one resolver
+// sub-step, guard; beside the same work with KDL, and the hand-written floor of its dynamics.
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "bench/floor/ur5_floor.hpp"
+#include "bench/support/rows.hpp"
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/tactile/dense_skin.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
+#include "tests/support/kdl_oracle.hpp"
+
+using namespace skinctl;
+
+namespace {
+
+constexpr Nanoseconds period = 2_ms;  // one sub-step
+
+template <class T>
+auto law() {
+  JointControlSettings<6, T> s;
+  s.lambda = T(25);
+  s.K_c = T(5);
+  s.tb = T(4);
+  return SplineJoint<6, T>(s) + SkinJointControl{} + GravityControl{};
+}
+template <class T>
+auto resolver() {
+  ResolverConfiguration<6, T> c{
+      .limits = limits_of<ur5::Description, T>(T(15)), .period = period, .delay = 8_ms};
+  c.lag = T(0.005);
+  c.shape.decay = T(6);
+  return Resolver<Interface::position, ur5::Model, T>(ur5::Model{}, c);
+}
+template <class T>
+auto guard() {
+  return Guard<Interface::position, 6, T>(
+      {.limits = limits_of<ur5::Description, T>(T(15)), .period = period});
+}
+
+/// Runs cycles; each gets as many samples as send-on-delta lets through: 13 % of 250 a second and cell.
+template <class T, class Scene>
+void run(benchmark::State& state, const Scene& scene, std::size_t cells) {
+  auto memory = std::make_unique<typename Scene::Memory>();
+  State<6, T> measured;
+  measured.q = JointPosition<6, T>{T(0), T(-1.2), T(1.4), T(-1.8), T(-1.57), T(0.3)};
+  scene.start(*memory, measured);
+  oracle::Random random(1);
+  const std::size_t per_cycle = cells * 65 / 1000;
+  std::vector<CellSample> samples(64 * per_cycle + 1);
+  for (auto& s : samples) {
+    s.cell = 1 + static_cast<std::uint32_t>(random.index(static_cast<int>(cells) + 1));
+    s.force = {static_cast<float>(random.uniform(0, 0.1)), 0, 0};
+  }
+  Nanoseconds now = 0;
+  std::size_t k = 0;
+  const bench::CountAllocations counted(state);
+  for (auto _ : state) {
+    now += period;
+    const auto batch = std::span(samples).subspan(per_cycle * (k++ % 64), per_cycle);
+    for (auto& s : batch) s.time = now;
+    typename Scene::Input input;
+    input.now = now;
+    input.measured = measured;
+    input.measured.time = now;
+    input.samples = batch;
+    const auto out = scene.step(*memory, input);
+    measured.q = out.command.position;
+    measured.dq = out.command.velocity;
+    benchmark::DoNotOptimize(measured);
+  }
+}
+
+/// The same from whole frames of readings: one number a cell.
+template <class T, std::size_t Cells, class Policy>
+void run_dense(benchmark::State& state) {
+  const auto skin = std::apply(
+      [](const auto&... patch) {
+        return DenseSkin<ur5::Model, Policy, std::remove_cvref_t<decltype(patch)>...>(patch...);
+      },
+      ur5::skin_patches<Cells>());
+  using Dense = std::remove_cvref_t<decltype(skin)>;
+  const auto robot = resolver<T>();
+  const auto control = law<T>();
+  auto frame = std::make_unique<typename Dense::Frame>();
+  for (std::size_t i = 0; i < ur5::skin_cells<Cells>[2]; ++i)
+    frame->template at<2>(i) = static_cast<typename Dense::Stored>(0.001 * static_cast<double>(i % 7));
+  State<6, T> measured;
+  measured.q = JointPosition<6, T>{T(0), T(-1.2), T(1.4), T(-1.8), T(-1.57), T(0.3)};
+  auto memory = robot.start(measured);
+  using Known =
+      typename std::remove_cvref_t<decltype(robot)>::template Knows<std::remove_cvref_t<decltype(control)>,
+                                                                    typename Dense::Wrenches>;
+  typename Dense::Wrenches touch = skin.wrenches(*frame);
+  const auto start = robot.state(memory);
+  auto law_memory = control.start(Known(robot.model(), start, robot.planned_step(), touch));
+  Nanoseconds now = 0;
+  const bench::CountAllocations counted(state);
+  for (auto _ : state) {
+    now += period;
+    measured.time = now;
+    benchmark::DoNotOptimize(frame.get());
+    benchmark::ClobberMemory();
+    touch = skin.wrenches(*frame);
+    const auto out = robot.step(memory, control, law_memory, measured, robot.interval(memory, now),
+                                std::span<const typename Dense::Wrenches>(&touch, 1));
+    measured.q = out.command.position;
+    benchmark::DoNotOptimize(measured);
+  }
+}
+
+template <class T>
+void skinctl_rows() {
+  const std::string end = std::string("/skinctl/") + bench::scalar_name<T>;
+  const auto with = [&]<std::size_t Cells>(std::integral_constant<std::size_t, Cells>) {
+    benchmark::RegisterBenchmark(
+        ("cycle/evaluation/ur5-" + std::to_string(Cells) + end).c_str(), [](benchmark::State& s) {
+          SkinSettings skin;
+          skin.max_age = 10_s;
+          run<T>(s, Cycle(resolver<T>(), law<T>(), ur5_skin<Cells, T>({}, skin), guard<T>()), Cells);
+        });
+  };
+  benchmark::RegisterBenchmark(("cycle/evaluation/ur5" + end).c_str(), [](benchmark::State& s) {
+    run<T>(s, Cycle(resolver<T>(), law<T>(), guard<T>()), 0);
+  });
+  with(std::integral_constant<std::size_t, 260>{});
+  with(std::integral_constant<std::size_t, 1260>{});
+  using Policy = std::conditional_t<std::is_same_v<T, double>, DoubleSum, FloatSum>;
+  benchmark::RegisterBenchmark(("cycle/evaluation/ur5-1260-frames" + end).c_str(),
+                               run_dense<T, 1260, Policy>);
+}
+
+/// The same quantities with KDL: cell by cell or link by link, inverse dynamics, mass matrix.
+template <std::size_t Cells>
+void kdl_row(const char* scene, bool per_cell) {
+  const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());
+  const std::string name =
+      std::string("cycle/evaluation/") + scene + (per_cell ? "/kdl_per_cell/double" : "/kdl_per_link/double");
+  struct Place {
+    int link;
+    double p[3], u[6];
+  };
+  std::vector<Place> places;
+  if constexpr (Cells > 0) {
+    std::apply(
+        [&](const auto&... patch) {
+          const auto one = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& p) {
+            for (const auto& c : p.placed()) {
+              const auto u = unit_wrench(c.X_LC);
+              const auto o = c.X_LC.origin();
+              places.push_back({int(I),
+                                {o.x, o.y, o.z},
+                                {u.force.x, u.force.y, u.force.z, u.moment.x, u.moment.y, u.moment.z}});
+            }
+          };
+          (one(patch), ...);
+        },
+        ur5::skin_patches<Cells>());
+  }
+  bench::row<6>(name, [robot, places, per_cell](const auto& s) {
+    bench::Numbers<6> tau;
+    bench::Numbers<36> M, J;
+    robot->inverse_dynamics(s.q.data, s.dq.data, s.ddq.data, tau.data);
+    robot->mass_matrix(s.q.data, M.data);
+    const auto add = [&](const double* w) {
+      for (std::size_t r = 0; r < 6; ++r)
+        for (std::size_t j = 0; j < 6; ++j) tau.data[j] += J.data[6 * r + j] * w[r];
+    };
+    if (per_cell) {
+      for (const Place& c : places) {
+        robot->jacobian(c.link, c.p, s.q.data, J.data);
+        add(c.u);
+      }
+    } else {
+      double w[6][6] = {};
+      for (const Place& c : places)
+        for (std::size_t r = 0; r < 6; ++r) w[c.link][r] += 0.1 * c.u[r];
+      const double origin[3] = {0, 0, 0};
+      for (int link = 0; link < 6 && !places.empty(); ++link) {
+        robot->jacobian(link, origin, s.q.data, J.data);
+        add(w[link]);
+      }
+    }
+    benchmark::DoNotOptimize(M);
+    return tau;
+  });
+}
+
+const bool registered = [] {
+  skinctl_rows<double>();
+  skinctl_rows<float>();
+  kdl_row<0>("ur5", false);
+  kdl_row<260>("ur5-260", false);
+  kdl_row<1260>("ur5-1260", false);
+  kdl_row<260>("ur5-260", true);
+  kdl_row<1260>("ur5-1260", true);
+  bench::row<6>("cycle/evaluation/ur5/floor/double", [](const auto& s) {
+    bench::Numbers<12> out;
+    bench_floor::ur5::floor_yr_theta(s.q.data, s.dq.data, s.dq_r.data, s.ddq.data, out.data);
+    bench_floor::ur5::floor_forward_dynamics(s.q.data, s.dq.data, s.tau.data, out.data + 6);
+    return out;
+  });
+  return true;
+}();
+
+}  // namespace

@@ -1,0 +1,111 @@
+// One cycle of the resolver around a law that costs nothing: measurement, observer, sub-steps, limits,
+// command. Beside it what the equations of one sub-step cost alone, by hand and with KDL: M, C dq, G and a
+// solution.
+#include <random>
+
+#include "bench/floor/ur5_floor.hpp"
+#include "bench/support/rows.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/resolver/resolver.hpp"
+#include "skinctl/resolver/torque_resolver.hpp"
+#include "tests/support/kdl_oracle.hpp"
+
+using namespace skinctl;
+
+namespace {
+
+template <class T>
+struct Constant {
+  struct Memory {};
+  static constexpr Needs needs{};
+  static constexpr Role role = Role::reactive;
+  JointTorque<6, T> push;
+  template <class K>
+  Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <class K>
+  JointTorque<6, T> torque(const Memory&, const K&) const noexcept {
+    return push;
+  }
+  template <class K>
+  Memory advance(const Memory&, const K&, T, Opposition) const noexcept {
+    return {};
+  }
+};
+
+template <class T>
+ResolverConfiguration<6, T> configuration(Interface interface, Nanoseconds period) {
+  ResolverConfiguration<6, T> c{
+      .limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8_ms};
+  c.lag = T(0.01);
+  c.shape.viscous = {T(30), T(30), T(20), T(3), T(2), T(1)};
+  if (interface != Interface::torque) c.shape.decay = T(1);
+  return c;
+}
+
+// The robot does what is declared; the push changes its sign every second.
+template <Interface I, class T, class Integrator>
+void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lead = T(0)) {
+  auto c = configuration<T>(I, period);
+  c.lead = lead;
+  if (I != Interface::torque) c.shape.coulomb = JointTorque<6, T>::constant(coulomb);
+  const Resolver<I, ur5::Model, T, Integrator> resolver(ur5::Model{}, c);
+  std::mt19937_64 rng(1);
+  std::uniform_real_distribution<double> angle(-2, 2);
+  State<6, T> measured;
+  for (auto& q : measured.q) q = T(angle(rng));
+  auto memory = resolver.start(measured);
+  const auto gravity = gravity_torque(ur5::Model{}, measured.q);
+  Constant<T> law{gravity};
+  typename Constant<T>::Memory law_memory;
+  const NoTouch touches[max_substeps] = {};
+  Nanoseconds now = 0;
+  const bench::CountAllocations counted(state);
+  for (auto _ : state) {
+    now += period;
+    measured.time = now;
+    if constexpr (I != Interface::torque) measured.q = memory.under_way.reached;
+    for (std::size_t i = 0; i < 6; ++i)
+      law.push[i] = gravity[i] + ((now / 1'000'000'000) % 2 == 0 ? T(1) : T(-1));
+    const auto out = resolver.step(memory, law, law_memory, measured, resolver.interval(memory, now),
+                                   std::span<const NoTouch>(touches));
+    benchmark::DoNotOptimize(out);
+  }
+}
+
+template <class T>
+void skinctl_rows() {
+  const std::string end = std::string("/skinctl/") + bench::scalar_name<T>;
+  const auto add = [&](const char* scene, auto run) {
+    benchmark::RegisterBenchmark((std::string("resolver/step/") + scene + end).c_str(), run);
+  };
+  constexpr auto position = Interface::position;
+  add("ur5", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2_ms); });
+  add("ur5-implicit-friction", [](auto& s) { cycles<position, T, ImplicitFriction>(s, 2_ms); });
+  add("ur5-semi-implicit-euler", [](auto& s) { cycles<position, T, SemiImplicitEuler>(s, 2_ms); });
+  add("ur5-dry-friction", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2_ms, T(0.5)); });
+  add("ur5-lead", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2_ms, T(0), T(0.018)); });
+  add("ur5-four-substeps", [](auto& s) { cycles<position, T, CrankNicolson>(s, 8_ms); });
+  add("ur5-velocity", [](auto& s) { cycles<Interface::velocity, T, CrankNicolson>(s, 2_ms); });
+  add("ur5-torque", [](auto& s) { cycles<Interface::torque, T, CrankNicolson>(s, 2_ms); });
+}
+
+const bool registered = [] {
+  skinctl_rows<double>();
+  skinctl_rows<float>();
+  bench::row<6>("resolver/step/ur5/floor/double", [](const auto& s) {
+    bench::Numbers<6> ddq;
+    bench_floor::ur5::floor_forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
+    return ddq;
+  });
+  const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());
+  bench::row<6>("resolver/step/ur5/kdl/double", [robot](const auto& s) {
+    bench::Numbers<6> ddq;
+    robot->forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
+    return ddq;
+  });
+  return true;
+}();
+
+}  // namespace

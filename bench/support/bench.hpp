@@ -1,0 +1,33 @@
+// What every benchmark of the loop reports besides its time.
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include "tests/support/allocation_guard.hpp"
+
+namespace skinctl::bench {
+
+/// Counts the calls to the allocator of the measured loop and reports them as `allocs`, a call:
+///
+///     const CountAllocations counted(state);
+///     for (auto _ : state) benchmark::DoNotOptimize(inverse_dynamics(...));
+///
+/// Whatever follows the loop in the same block counts as well; `state.SetItemsProcessed` alone makes two
+/// calls.
+class CountAllocations {
+ public:
+  explicit CountAllocations(benchmark::State& state) : state_(state) {}
+  ~CountAllocations() {
+    const auto count = guard_.count();
+    state_.counters["allocs"] =
+        benchmark::Counter(static_cast<double>(count), benchmark::Counter::kAvgIterations);
+  }
+  CountAllocations(const CountAllocations&) = delete;
+  CountAllocations& operator=(const CountAllocations&) = delete;
+
+ private:
+  benchmark::State& state_;
+  test::AllocationGuard guard_;
+};
+
+}  // namespace skinctl::bench

@@ -1,0 +1,66 @@
+# What tests, benchmarks and examples share: ccache, their own flags, and which peers a source includes.
+include_guard()
+
+find_program(SKINCTL_CCACHE ccache)
+if(SKINCTL_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  # Precompiled headers are cached only with these; a second clone finds the objects of the first.
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1
+    "CCACHE_SLOPPINESS=pch_defines,time_macros" "${SKINCTL_CCACHE}")
+endif()
+
+# Programs hide what they define: the weak Eigen functions that a distribution's library calls must stay its own.
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+
+set(skinctl_sanitizer_flags "")
+if(SKINCTL_SANITIZERS)
+  set(skinctl_sanitizer_flags "-fsanitize=${SKINCTL_SANITIZERS}" -fno-sanitize-recover=all -fno-omit-frame-pointer)
+endif()
+
+# The flags of everything of ours that is compiled.
+add_library(skinctl_program INTERFACE)
+target_link_libraries(skinctl_program INTERFACE skinctl::skinctl)
+target_include_directories(skinctl_program INTERFACE "${PROJECT_SOURCE_DIR}")
+target_compile_options(skinctl_program INTERFACE ${skinctl_sanitizer_flags})
+target_link_options(skinctl_program INTERFACE ${skinctl_sanitizer_flags})
+if(SKINCTL_MARCH)
+  target_compile_options(skinctl_program INTERFACE "-march=${SKINCTL_MARCH}")
+endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # Without the time stamp a precompiled header is the same in every build, so that ccache finds it.
+  target_compile_options(skinctl_program INTERFACE "SHELL:-Xclang -fno-pch-timestamp")
+endif()
+
+# skinctl_target_name(<variable> <source>): tests/core/real_test.cpp -> core_real_test
+function(skinctl_target_name variable source)
+  file(RELATIVE_PATH name "${PROJECT_SOURCE_DIR}" "${source}")
+  string(REGEX REPLACE "^(tests|bench|examples)/|\\.cpp$" "" name "${name}")
+  string(MAKE_C_IDENTIFIER "${name}" name)
+  set(${variable} "${name}" PARENT_SCOPE)
+endfunction()
+
+# skinctl_included_files(<variable> <source>): quoted includes of tests/ and bench/ and angled ones, transitively.
+function(skinctl_included_files variable source)
+  set(seen "")
+  set(open "${source}")
+  while(open)
+    list(POP_FRONT open file)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+    file(STRINGS "${file}" lines REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"]")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^[^<\"]*[<\"]([^>\"]*)[>\"].*" "\\1" name "${line}")
+      if(name IN_LIST seen)
+        continue()
+      endif()
+      list(APPEND seen "${name}")
+      get_filename_component(folder "${file}" DIRECTORY)
+      foreach(base "${folder}" "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/tests" "${PROJECT_SOURCE_DIR}/bench")
+        if(EXISTS "${base}/${name}")
+          list(APPEND open "${base}/${name}")
+          break()
+        endif()
+      endforeach()
+    endforeach()
+  endwhile()
+  set(${variable} "${seen}" PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,54 @@
+#include "examples/adapters/skin/datagram.hpp"
+
+#include <bit>
+
+namespace adapters::skin {
+namespace {
+
+template <class U>
+U little(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
+  U x = 0;
+  for (std::size_t k = sizeof(U); k > 0; --k) x = static_cast<U>((x << 8) | bytes[at + k - 1]);
+  return x;
+}
+float real(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
+  return std::bit_cast<float>(little<std::uint32_t>(bytes, at));
+}
+
+}  // namespace
+
+bool parse(std::span<const std::uint8_t> bytes, Datagram& out) noexcept {
+  if (bytes.size() < header_size || bytes.size() > largest) return false;
+  if (bytes[0] != 'S' || bytes[1] != 'K' || bytes[2] != 'I' || bytes[3] != 'N') return false;
+  if (little<std::uint16_t>(bytes, 4) != 1) return false;
+  const std::size_t count = little<std::uint16_t>(bytes, 6);
+  if (count > most_samples || bytes.size() != header_size + count * sample_size) return false;
+  out.sequence = little<std::uint32_t>(bytes, 8);
+  out.sent = static_cast<skinctl::Nanoseconds>(little<std::uint64_t>(bytes, 12));
+  out.samples = bytes.subspan(header_size);
+  return true;
+}
+
+skinctl::CellSample Datagram::sample(std::size_t i) const noexcept {
+  const auto bytes = samples.subspan(i * sample_size, sample_size);
+  skinctl::CellSample s;
+  s.cell = little<std::uint32_t>(bytes, 0);
+  s.time = static_cast<skinctl::Nanoseconds>(little<std::uint64_t>(bytes, 4));
+  for (std::size_t k = 0; k < 3; ++k) s.force[k] = real(bytes, 12 + 4 * k);
+  s.proximity = real(bytes, 24);
+  for (std::size_t k = 0; k < 3; ++k) s.acceleration[k] = real(bytes, 28 + 4 * k);
+  s.temperature = real(bytes, 40);
+  return s;
+}
+
+bool plausible(const skinctl::CellSample& s, const Datagram& datagram, skinctl::Nanoseconds oldest) noexcept {
+  if (skinctl::check(s).any()) return false;
+  for (const float a : s.acceleration)
+    if (!(a >= -1000 && a <= 1000)) return false;
+  if (!(s.temperature >= -100 && s.temperature <= 200)) return false;
+  // Without overflow for any two stamps.
+  return s.time <= datagram.sent &&
+         (datagram.sent < skinctl::Nanoseconds(INT64_MIN) + oldest || s.time >= datagram.sent - oldest);
+}
+
+}  // namespace adapters::skin

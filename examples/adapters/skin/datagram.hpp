@@ -1,0 +1,33 @@
+// The skin datagram as PROTOCOL.md defines it: from bytes to samples, every byte checked.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "skinctl/sensing/cell_sample.hpp"
+
+namespace adapters::skin {
+
+inline constexpr std::size_t header_size = 20, sample_size = 44, most_samples = 33;
+inline constexpr std::size_t largest = header_size + most_samples * sample_size;
+
+/// A datagram whose frame is right; its samples are still to be checked one by one.
+struct Datagram {
+  std::uint32_t sequence = 0;
+  skinctl::Nanoseconds sent = 0;  ///< the sender's clock
+  std::span<const std::uint8_t> samples;
+
+  [[nodiscard]] std::size_t count() const noexcept { return samples.size() / sample_size; }
+  /// Sample `i` < `count()`, times by the sender's clock.
+  [[nodiscard]] skinctl::CellSample sample(std::size_t i) const noexcept;
+};
+
+/// False for bytes that are no datagram of version 1: wrong magic, version, count or length.
+bool parse(std::span<const std::uint8_t> bytes, Datagram& out) noexcept;
+
+/// Whether a sample may be used: finite, in the sensors' ranges, and not from after the time of sending or
+/// more than `oldest` before it.
+bool plausible(const skinctl::CellSample& sample, const Datagram& datagram,
+               skinctl::Nanoseconds oldest) noexcept;
+
+}  // namespace adapters::skin

@@ -1,0 +1,65 @@
+// Receives skin datagrams and puts their samples on the robot's clock.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "examples/adapters/skin/datagram.hpp"
+
+namespace adapters::skin {
+
+struct ReceiverConfig {
+  std::string address = "127.0.0.1";          ///< of this computer
+  std::uint16_t port = 0;                     ///< 0: any
+  skinctl::Nanoseconds oldest = 100'000'000;  ///< a sample so long before its sending is refused
+  skinctl::Nanoseconds forget = 200'000'000;  ///< after so long without datagrams another sender may begin
+  std::size_t most_samples = 8192;            ///< of one poll; more stay in the socket until the next
+};
+
+/// What arrived and what was refused, since the start.
+struct Statistics {
+  std::uint64_t datagrams = 0, samples = 0;
+  std::uint64_t lost = 0;         ///< gaps in the sequence numbers
+  std::uint64_t nonsense = 0;     ///< not a datagram of ours
+  std::uint64_t strangers = 0;    ///< from another sender
+  std::uint64_t late = 0;         ///< repeated or overtaken
+  std::uint64_t bad_samples = 0;  ///< implausible
+};
+
+/// A bound UDP socket. Throws `ConnectionError` where it cannot be bound; after that nothing throws or
+/// allocates.
+class Receiver {
+ public:
+  explicit Receiver(const ReceiverConfig& config);
+
+  /// The samples that have arrived, on the robot's clock, which shows `now`. The sender's clock is tied to it
+  /// by the smallest difference of arrival and sending that was seen; that estimate may rise by 50 ppm, for
+  /// clocks drift.
+  std::span<const skinctl::CellSample> poll(skinctl::Nanoseconds now) noexcept;
+
+  /// How long nothing has arrived, by the robot's clock.
+  [[nodiscard]] skinctl::Nanoseconds silent_for(skinctl::Nanoseconds now) const noexcept {
+    return now - heard_at_;
+  }
+  [[nodiscard]] bool heard() const noexcept { return statistics_.datagrams > 0; }
+  [[nodiscard]] const Statistics& statistics() const noexcept { return statistics_; }
+  [[nodiscard]] std::uint16_t port() const { return socket_.local_endpoint().port(); }
+
+ private:
+  void take(const Datagram& datagram, skinctl::Nanoseconds now) noexcept;
+
+  ReceiverConfig config_;
+  boost::asio::io_context io_;
+  boost::asio::ip::udp::socket socket_;
+  boost::asio::ip::udp::endpoint sender_;
+  std::vector<skinctl::CellSample> samples_;
+  Statistics statistics_;
+  bool has_sender_ = false;
+  std::uint32_t newest_ = 0;
+  skinctl::Nanoseconds offset_ = 0, offset_at_ = 0, heard_at_ = 0;
+};
+
+}  // namespace adapters::skin

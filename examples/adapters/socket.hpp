@@ -1,0 +1,59 @@
+// A TCP stream with deadlines: what both ends of a robot's protocols need and no more.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+namespace adapters {
+
+/// A peer that cannot be reached, has gone, or talks nonsense. The text says who and what.
+class ConnectionError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+using Timeout = std::chrono::milliseconds;
+
+/// How reading from a stream ended.
+enum class Read { some, nothing, closed };
+
+/// A connected stream. Nothing here waits longer than it is told.
+class Stream {
+ public:
+  Stream() : socket_(io_) {}
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+
+  /// Connects to `host:port` as `peer` (its name in errors). Throws `ConnectionError`.
+  void connect(const std::string& host, std::uint16_t port, const std::string& peer, Timeout timeout);
+  /// Waits for a connection on `acceptor`; only one from `from`, if that is an address, is taken. Throws
+  /// `ConnectionError`.
+  void accept(boost::asio::ip::tcp::acceptor& acceptor, const boost::asio::ip::address& from,
+              const std::string& peer, Timeout timeout);
+  /// This computer's address on the way to the peer.
+  [[nodiscard]] std::string local_address() const;
+  [[nodiscard]] boost::asio::ip::address remote_address() const;
+  [[nodiscard]] bool is_open() const noexcept { return socket_.is_open(); }
+
+  /// What has arrived, waiting at most `timeout` for the first byte.
+  Read read_some(std::span<std::uint8_t> into, std::size_t& count, Timeout timeout) noexcept;
+  /// Sends all of it or fails, within `timeout`.
+  bool write(std::span<const std::uint8_t> bytes, Timeout timeout) noexcept;
+  void close() noexcept;
+
+ private:
+  boost::asio::io_context io_;
+  boost::asio::ip::tcp::socket socket_;
+};
+
+/// Binds `address:port` (port 0: any) to wait for connections. Throws `ConnectionError`.
+boost::asio::ip::tcp::acceptor listen(boost::asio::io_context& io, const std::string& address,
+                                      std::uint16_t port);
+
+}  // namespace adapters

@@ -1,0 +1,131 @@
+// The main job: a stiff UR5 covered with skin gives way where it is touched, and goes back to its task.
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "examples/adapters/socket.hpp"
+#include "examples/compliant_ur5/report.hpp"
+#include "examples/compliant_ur5/run.hpp"
+#include "skinctl/core/contract.hpp"
+
+namespace {
+
+std::atomic<bool> stop_asked = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+void on_signal(int) {
+  stop_asked = true;
+}
+
+void write_json(const compliant_ur5::RunLog& log, const std::string& path) {
+  nlohmann::ordered_json out;
+  out["title"] = log.title;
+  out["peak_force"] = log.peak_force;
+  out["rigid_peak_force"] = log.rigid_peak_force;
+  for (const auto& f : log.scenario) out["scenario"][f.name] = f.value;
+  for (const auto& f : log.result) out["result"][f.name] = f.value;
+  for (const auto& t : log.touches)
+    out["touches"].push_back({{"start", t.start},
+                              {"link", t.link},
+                              {"cell", t.cell},
+                              {"peak_force", t.peak_force},
+                              {"true_peak_force", t.true_peak_force},
+                              {"deflection", t.deflection},
+                              {"give_way", t.give_way},
+                              {"return_error", t.return_error}});
+  for (const auto& t : log.times)
+    out["times_us"][t.stage] = {{"median", t.median}, {"p99", t.p99}, {"p99.9", t.p999}, {"max", t.max}};
+  std::ofstream file(path);
+  file << out.dump(2) << '\n';
+  if (!file) throw skinctl::ConfigurationError("cannot write " + path);
+}
+
+int run(int argc, char** argv) {
+  compliant_ur5::Settings s;
+  s.scenario = COMPLIANT_UR5_SCENARIO;
+  s.report = "compliant_ur5.html";
+  std::string interface = "position", robot, picture;
+  CLI::App app(
+      "A position- or velocity-commanded UR5 with skin gives way to touch and goes back to its task.");
+  app.add_option("--robot", robot,
+                 "host of a real UR5; without it a simulated one is started in this process");
+  app.add_option("--skin", s.skin_port, "UDP port on which skin datagrams arrive (0: any)");
+  app.add_option("--scenario", s.scenario, "TOML file: control, task, and the simulation's touches")
+      ->check(CLI::ExistingFile);
+  app.add_option("--touch", s.touch_profile,
+                 "CSV time,force: a recorded press instead of the scenario's touches")
+      ->check(CLI::ExistingFile);
+  app.add_option("--cycles", s.cycles, "end after so many cycles (0: as long as the scenario lasts)");
+  app.add_option("--rate", s.rate, "cycles a second")->check(CLI::IsMember({125.0, 500.0}));
+  app.add_option("--interface", interface, "what is commanded")
+      ->check(CLI::IsMember({"position", "velocity"}));
+  app.add_option("--speed", s.speed, "of the simulation: 0 as fast as possible, in step; 1 real time")
+      ->check(CLI::Range(0.0, 100.0));
+  app.add_flag("--rigid", s.rigid, "the skin does not act: what a stiff arm does to the finger");
+  app.add_flag("!--no-compare", s.compare, "do not run the scenario rigid as well");
+  app.add_flag("--quiet", s.quiet, "print errors only");
+  app.add_option("--record", s.record, "write every input and command to a file");
+  app.add_option("--replay", s.replay, "run a recording again and compare every command")
+      ->check(CLI::ExistingFile);
+  app.add_option("--report", s.report, "HTML report with plots (empty: none)");
+  app.add_option("--json", s.json, "summary as JSON");
+  app.add_option("--picture", picture, "one SVG of force and deflection");
+  app.add_option("--rtde-port", s.rtde_port);
+  app.add_option("--script-port", s.script_port);
+  app.add_option("--dashboard-port", s.dashboard_port);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : static_cast<int>(compliant_ur5::Outcome::refused);
+  }
+  if (!robot.empty()) s.robot = robot;
+  s.interface = interface == "position" ? skinctl::Interface::position : skinctl::Interface::velocity;
+  compliant_ur5::read_scenario(s.scenario, s);
+  if (!s.replay.empty()) return static_cast<int>(compliant_ur5::replay(s));
+
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+  compliant_ur5::RunLog log;
+  auto outcome = compliant_ur5::run(s, stop_asked, log);
+  if (outcome == compliant_ur5::Outcome::fine && s.compare && !s.rigid && !s.robot && s.speed == 0) {
+    compliant_ur5::Settings rigid = s;
+    rigid.rigid = rigid.quiet = true;
+    rigid.record.clear();
+    compliant_ur5::RunLog stiff;
+    const auto other = compliant_ur5::run(rigid, stop_asked, stiff);
+    if (other == compliant_ur5::Outcome::fine) {
+      log.rigid_peak_force = stiff.peak_force;
+      if (!s.quiet && log.peak_force > 0)
+        std::printf("  %-34s %.1f N: %.1f times as much\n", "the same touches on a rigid arm",
+                    stiff.peak_force, stiff.peak_force / log.peak_force);
+    } else {
+      outcome = other;
+    }
+  }
+  if (!s.report.empty()) {
+    compliant_ur5::write_report(log, s.report);
+    if (!s.quiet) std::printf("\nreport: %s\n", s.report.c_str());
+  }
+  if (!s.json.empty()) write_json(log, s.json);
+  if (!picture.empty()) {
+    std::ofstream file(picture);
+    file << compliant_ur5::picture(log);
+    if (!file) throw skinctl::ConfigurationError("cannot write " + picture);
+  }
+  return static_cast<int>(outcome);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const skinctl::ConfigurationError& e) {
+    std::fprintf(stderr, "compliant_ur5: %s\n", e.what());
+    return static_cast<int>(compliant_ur5::Outcome::refused);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "compliant_ur5: %s\n", e.what());
+    return static_cast<int>(compliant_ur5::Outcome::lost);
+  }
+}

@@ -1,0 +1,16 @@
+# The report of a run: a library, its tests, and a look at the page in a real browser.
+add_library(compliant_ur5_report STATIC report.cpp svg_plot.cpp)
+target_link_libraries(compliant_ur5_report PUBLIC skinctl_program)
+
+if(SKINCTL_BUILD_TESTS)
+  enable_testing()
+  find_package(doctest REQUIRED)
+  foreach(name IN ITEMS report_test report_in_browser)
+    add_executable(compliant_ur5_${name} tests/${name}.cpp)
+    target_link_libraries(compliant_ur5_${name} PRIVATE compliant_ur5_report doctest::doctest)
+    add_test(NAME examples/compliant_ur5/${name} COMMAND compliant_ur5_${name})
+    set_tests_properties(examples/compliant_ur5/${name} PROPERTIES LABELS examples TIMEOUT 300)
+  endforeach()
+  # Skipped, and ctest says so, where there is no Chromium.
+  set_tests_properties(examples/compliant_ur5/report_in_browser PROPERTIES SKIP_RETURN_CODE 77)
+endif()

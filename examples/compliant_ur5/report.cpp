@@ -1,0 +1,555 @@
+#include "examples/compliant_ur5/report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "examples/compliant_ur5/report_style.hpp"
+#include "examples/compliant_ur5/svg_plot.hpp"
+#include "skinctl/core/status.hpp"
+
+namespace compliant_ur5 {
+namespace {
+
+using plotting::decimal;
+using plotting::escaped;
+using plotting::Plot;
+using plotting::significant;
+
+constexpr double degrees = 180 / std::numbers::pi;
+constexpr double wide = 700, narrow = 320;
+
+std::string link_name(int link) {
+  constexpr const char* names[] = {"shoulder", "upper arm", "forearm", "wrist 1", "wrist 2", "wrist 3"};
+  return link >= 0 && link < 6 ? names[link] : "link " + std::to_string(link);
+}
+
+bool gave_way(const TouchSummary& t) {
+  return std::isfinite(t.give_way) && t.give_way >= 0;
+}
+
+double worst_return(const RunLog& log) {
+  double worst = 0;
+  for (const TouchSummary& t : log.touches)
+    if (std::isfinite(t.return_error)) worst = std::max(worst, std::abs(t.return_error));
+  return worst;
+}
+
+/// How many times more a rigid arm pushed; 0: unknown.
+double ratio(const RunLog& log) {
+  const bool known = std::isfinite(log.rigid_peak_force) && log.rigid_peak_force > 0 &&
+                     std::isfinite(log.peak_force) && log.peak_force > 0;
+  return known ? log.rigid_peak_force / log.peak_force : 0;
+}
+
+double duration(const RunLog& log) {
+  double longest = 0;
+  for (const LogEntry& e : log.entries)
+    if (std::isfinite(e.time)) longest = std::max(longest, e.time);
+  return longest;
+}
+
+std::string seconds(double s) {
+  return decimal(s, s < 10 ? 1 : 0) + " s";
+}
+
+/// Keeps numbers and their units on one line.
+std::string unbroken(std::string text) {
+  for (const char* unit : {" N", " mm", " s"})
+    for (std::size_t at = text.find(unit); at != std::string::npos; at = text.find(unit, at + 1))
+      if (at > 0 && text[at - 1] >= '0' && text[at - 1] <= '9') text.replace(at, 1, "\u00A0");
+  return text;
+}
+
+template <class Value>
+plotting::Series series(const RunLog& log, std::string name, Value&& value) {
+  plotting::Series s;
+  s.name = std::move(name);
+  s.x.reserve(log.entries.size());
+  s.y.reserve(log.entries.size());
+  for (const LogEntry& e : log.entries) {
+    s.x.push_back(e.time);
+    s.y.push_back(value(e));
+  }
+  return s;
+}
+
+template <class Value>
+void add_joints(Plot& plot, const RunLog& log, Value&& value) {
+  for (std::size_t j = 0; j < 6; ++j)
+    plot.series.push_back(
+        series(log, "joint " + std::to_string(j + 1), [&](const LogEntry& e) { return value(e, j); }));
+}
+
+/// Both signs of each joint's limit; joints with the same limit share a line.
+void add_limits(Plot& plot, const std::array<double, 6>& limits, double scale, int decimals,
+                const std::string& unit) {
+  std::vector<std::pair<double, std::string>> groups;
+  for (std::size_t j = 0; j < 6; ++j) {
+    if (!std::isfinite(limits[j]) || limits[j] <= 0) continue;
+    const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& g) {
+      return std::abs(g.first - limits[j]) < 1e-9 * limits[j];
+    });
+    const std::string joint = std::to_string(j + 1);
+    if (same == groups.end())
+      groups.emplace_back(limits[j], joint);
+    else
+      same->second += ", " + joint;
+  }
+  std::sort(groups.begin(), groups.end());
+  for (const auto& [limit, joints] : groups) {
+    std::string name;
+    if (groups.size() <= 2)
+      name = "limit" + (groups.size() == 2 ? " of " + joints : "") + ": ";
+    else if (&joints == &groups.back().second)
+      name = "limits: " + decimal(groups.front().first * scale, decimals) + " to ";
+    if (!name.empty()) name += decimal(limit * scale, decimals) + ' ' + unit;
+    plot.limits.push_back({limit * scale, name});
+    plot.limits.push_back({-limit * scale, ""});
+  }
+}
+
+void add_touches(Plot& plot, const RunLog& log) {
+  for (std::size_t i = 0; i < log.touches.size(); ++i) {
+    const TouchSummary& t = log.touches[i];
+    const std::string number = std::to_string(i + 1);
+    plot.bands.push_back({t.start, t.end, number,
+                          "touch " + number + ": " + link_name(t.link) + ", cell " + std::to_string(t.cell) +
+                              ", " + decimal(t.peak_force, 1) + " N"});
+  }
+}
+
+Plot force_plot(const RunLog& log) {
+  Plot plot;
+  plot.title = "Touch force";
+  plot.y_name = "force [N]";
+  plot.series.push_back(series(log, "felt by the skin", [](const LogEntry& e) { return e.force; }));
+  if (log.rigid_peak_force > 0)
+    plot.limits.push_back(
+        {log.rigid_peak_force, "peak of a rigid arm: " + decimal(log.rigid_peak_force, 0) + " N"});
+  add_touches(plot, log);
+  return plot;
+}
+
+Plot farthest_plot(const RunLog& log) {
+  Plot plot;
+  plot.title = "Deflection";
+  plot.y_name = "deflection, farthest joint [deg]";
+  plot.series.push_back(series(log, "deflection", [](const LogEntry& e) { return degrees * e.deflection; }));
+  plot.series.back().color = 2;
+  add_touches(plot, log);
+  return plot;
+}
+
+Plot deflection_plot(const RunLog& log) {
+  Plot plot;
+  plot.title = "Joint deflection";
+  plot.y_name = "from the task [deg]";
+  add_joints(plot, log, [](const LogEntry& e, std::size_t j) {
+    return degrees * (static_cast<double>(e.q[j]) - static_cast<double>(e.target[j]));
+  });
+  add_touches(plot, log);
+  return plot;
+}
+
+Plot velocity_plot(const RunLog& log) {
+  Plot plot;
+  plot.title = "Commanded velocity";
+  plot.y_name = "[deg/s]";
+  add_joints(plot, log,
+             [](const LogEntry& e, std::size_t j) { return degrees * static_cast<double>(e.velocity[j]); });
+  add_limits(plot, log.velocity_limit, degrees, 0, "deg/s");
+  add_touches(plot, log);
+  return plot;
+}
+
+Plot acceleration_plot(const RunLog& log) {
+  Plot plot;
+  plot.title = "Commanded acceleration";
+  plot.y_name = "[rad/s\u00B2]";
+  add_joints(plot, log,
+             [](const LogEntry& e, std::size_t j) { return static_cast<double>(e.acceleration[j]); });
+  add_limits(plot, log.acceleration_limit, 1, 1, "rad/s\u00B2");
+  add_touches(plot, log);
+  return plot;
+}
+
+std::string law_name(const RunLog& log, std::size_t law) {
+  return log.laws[law].empty() ? "law " + std::to_string(law + 1) : log.laws[law];
+}
+
+Plot shares_plot(const RunLog& log) {
+  Plot plot;
+  plot.title = "Share of each law";
+  plot.y_name = "torque, all joints [N m]";
+  for (std::size_t law = 0; law < log.laws.size(); ++law)
+    plot.series.push_back(series(log, law_name(log, law), [law](const LogEntry& e) {
+      double sum = 0;
+      for (const float tau : e.shares[law]) sum += static_cast<double>(tau) * static_cast<double>(tau);
+      return std::sqrt(sum);
+    }));
+  add_touches(plot, log);
+  return plot;
+}
+
+Plot joint_shares_plot(const RunLog& log, std::size_t joint) {
+  Plot plot;
+  plot.title = "Joint " + std::to_string(joint + 1) + ": torque of each law";
+  plot.y_name = "[N m]";
+  plot.width = narrow;
+  plot.height = 190;
+  for (std::size_t law = 0; law < log.laws.size(); ++law)
+    plot.series.push_back(series(log, law_name(log, law), [law, joint](const LogEntry& e) {
+      return static_cast<double>(e.shares[law][joint]);
+    }));
+  add_touches(plot, log);
+  return plot;
+}
+
+std::size_t not_finite(const Plot& plot) {
+  std::size_t n = 0;
+  for (const plotting::Series& s : plot.series)
+    for (std::size_t i = 0; i < s.y.size(); ++i) n += !std::isfinite(s.x[i]) || !std::isfinite(s.y[i]);
+  return n;
+}
+
+/// Boxes that switch curves on and off without a script.
+std::string switches(const Plot& plot, const std::string& id) {
+  if (plot.series.size() < 2) return {};
+  std::string out;
+  for (std::size_t i = 0; i < plot.series.size(); ++i) {
+    const std::string k = std::to_string(i);
+    out += "<input type=checkbox checked class=k" + k + " id=" + id + k + "><label for=" + id + k +
+           "><svg class=sp viewBox=\"0 0 20 8\" aria-hidden=true><g class=key><path class=s" + k +
+           " d=\"M1 4H19\"/></g></svg>" + escaped(plot.series[i].name) + "</label>";
+  }
+  return out;
+}
+
+std::string svg_of_class(const Plot& plot, const std::string& cls) {
+  std::string svg = plotting::inline_svg(plot);
+  return svg.replace(svg.find("class=\"sp\""), 10, "class=\"sp " + cls + '"');
+}
+
+std::string figure(Plot plot, const std::string& id, const std::string& says, double height,
+                   const std::string& more = {}) {
+  std::string out = "<figure id=" + id + "><figcaption><h2>" + escaped(plot.title) + "</h2><p>" + says;
+  if (const std::size_t n = not_finite(plot))
+    out += " <span class=bad>" + std::to_string(n) + (n == 1 ? " value is" : " values are") +
+           " not finite and left out.</span>";
+  out += "</p></figcaption>" + switches(plot, id);
+  plot.width = wide, plot.height = height;
+  out += svg_of_class(plot, "wide");
+  plot.width = narrow, plot.height = std::max(0.85 * height, 215.0);
+  out += svg_of_class(plot, "narrow");
+  return out + more + "</figure>\n";
+}
+
+std::string bars(const RunLog& log) {
+  const double rigid = log.rigid_peak_force, ours = log.peak_force;
+  if (ratio(log) == 0) return {};
+  const double top = std::max(rigid, ours);
+  const auto bar = [&](const char* cls, const char* name, double force) {
+    return "<span>" + std::string(name) + "</span><span class=\"bar " + cls +
+           "\"><i style=\"width:" + std::to_string(static_cast<int>(std::lround(74 * force / top))) +
+           "%\"></i><b>" + decimal(force, force < 10 ? 1 : 0) + " N</b></span>";
+  };
+  return "<section><h2>Hardest contact, the same touches</h2><div class=bars>" +
+         bar("rigid", "Rigid arm", rigid) + bar("ours", "With skin", ours) + "</div></section>\n";
+}
+
+std::string tile(const std::string& name, const std::string& value, const std::string& note = {}) {
+  return "<div class=tile><dt>" + name + "</dt><dd>" + value +
+         (note.empty() ? "" : "<small>" + note + "</small>") + "</dd></div>";
+}
+
+/// Largest share of its limit that any joint's command used, with the joint; negative: no limit is known.
+std::pair<double, std::size_t> largest_use(const RunLog& log, std::array<float, 6> LogEntry::* of,
+                                           const std::array<double, 6>& limits) {
+  std::pair<double, std::size_t> use{-1, 0};
+  for (std::size_t j = 0; j < 6; ++j) {
+    if (!std::isfinite(limits[j]) || limits[j] <= 0) continue;
+    for (const LogEntry& e : log.entries) {
+      const double u = std::abs(static_cast<double>((e.*of)[j])) / limits[j];
+      if (u > use.first) use = {u, j};
+    }
+  }
+  return use;
+}
+
+std::string tiles(const RunLog& log) {
+  double slowest = -1, farthest = 0;
+  std::size_t yielded = 0;
+  for (const TouchSummary& t : log.touches) {
+    if (gave_way(t)) slowest = std::max(slowest, t.give_way), ++yielded;
+    if (std::isfinite(t.deflection)) farthest = std::max(farthest, t.deflection);
+  }
+  std::string out = "<dl class=tiles>";
+  out +=
+      tile("Peak contact force", decimal(log.peak_force, 1) + " N",
+           ratio(log) > 0 ? decimal(ratio(log), 1) + " times lower than rigid" : "a rigid arm was not run");
+  if (!log.touches.empty()) {
+    out += tile("Gave way", std::to_string(yielded) + " of " + std::to_string(log.touches.size()),
+                slowest >= 0 ? "by 1 mm within " + decimal(1e3 * slowest, 0) + " ms" : "");
+    out += tile("Farthest deflection", decimal(1e3 * farthest, 1) + " mm", "of a touched point");
+    out +=
+        tile("Back to its task", decimal(1e3 * worst_return(log), 2) + " mm", "largest error after a touch");
+  }
+  const auto use = [&](const char* name, std::array<float, 6> LogEntry::* of,
+                       const std::array<double, 6>& limits) {
+    const auto [share, joint] = largest_use(log, of, limits);
+    if (share >= 0)
+      out += tile(name, decimal(100 * share, 0) + " %",
+                  "of the limit at most, joint " + std::to_string(joint + 1));
+  };
+  use("Velocity used", &LogEntry::velocity, log.velocity_limit);
+  use("Acceleration used", &LogEntry::acceleration, log.acceleration_limit);
+  return out + "</dl>\n";
+}
+
+std::string touch_table(const RunLog& log) {
+  if (log.touches.empty()) return {};
+  const bool truth = std::any_of(log.touches.begin(), log.touches.end(),
+                                 [](const TouchSummary& t) { return t.true_peak_force >= 0; });
+  double hardest = 0;
+  for (const TouchSummary& t : log.touches)
+    if (std::isfinite(t.peak_force)) hardest = std::max(hardest, t.peak_force);
+  std::string out =
+      "<section><h2>Every touch</h2><p>Numbered as in the plots.</p><div class=scroll "
+      "tabindex=0><table><thead><tr>"
+      "<th scope=col>#<th class=word scope=col>Link<th scope=col>Peak force<small>N</small>"
+      "<th scope=col>Deflection<small>mm</small><th scope=col>Time to give way<small>ms</small>"
+      "<th scope=col>Return error<small>mm</small>";
+  if (truth) out += "<th scope=col>Finger\u2019s own peak<small>N</small>";
+  out +=
+      "<th scope=col>Cell<th scope=col>From<small>s</small><th "
+      "scope=col>Lasted<small>s</small></tr></thead><tbody>\n";
+  const auto cell = [&](const std::string& v, bool bad = false) {
+    out += (bad ? "<td class=bad>" : "<td>") + v;
+  };
+  for (std::size_t i = 0; i < log.touches.size(); ++i) {
+    const TouchSummary& t = log.touches[i];
+    out += "<tr>";
+    cell(std::to_string(i + 1));
+    out += "<th class=word scope=row>" + link_name(t.link);
+    const double share =
+        hardest > 0 && std::isfinite(t.peak_force) ? std::clamp(t.peak_force / hardest, 0.0, 1.0) : 0;
+    out += "<td class=meter style=\"--v:" + std::to_string(static_cast<int>(100 * share)) + "%\">" +
+           decimal(t.peak_force, 1);
+    cell(decimal(1e3 * t.deflection, 1), t.deflection < 0);
+    cell(gave_way(t) ? decimal(1e3 * t.give_way, 0) : "never", !gave_way(t));
+    cell(decimal(1e3 * t.return_error, 2));
+    if (truth) cell(t.true_peak_force >= 0 ? decimal(t.true_peak_force, 1) : "\u2013");
+    cell(std::to_string(t.cell));
+    cell(decimal(t.start, 2));
+    cell(decimal(t.end - t.start, 2));
+    out += "</tr>\n";
+  }
+  return out + "</tbody></table></div></section>\n";
+}
+
+std::string time_table(const RunLog& log) {
+  if (log.times.empty()) return {};
+  std::string out =
+      "<section><h2>Cycle times</h2><p>Microseconds of one cycle on the machine that ran this, by stage.</p>"
+      "<div class=scroll tabindex=0><table><thead><tr><th class=word scope=col>Stage<th scope=col>Median"
+      "<th scope=col>99 %<th scope=col>99.9 %<th scope=col>Longest</tr></thead><tbody>\n";
+  for (const StageTimes& t : log.times) {
+    out += "<tr><th class=word scope=row>" + escaped(t.stage);
+    for (const double v : {t.median, t.p99, t.p999, t.max}) out += "<td>" + significant(v, 3);
+    out += "</tr>\n";
+  }
+  return out + "</tbody></table></div></section>\n";
+}
+
+std::string facts(const std::string& title, const std::vector<Fact>& list) {
+  if (list.empty()) return {};
+  std::string out = "<section><h2>" + title + "</h2><dl class=facts>";
+  for (const Fact& f : list)
+    out += "<div><dt>" + escaped(f.name) + "</dt><dd>" + escaped(f.value) + "</dd></div>";
+  return out + "</dl></section>\n";
+}
+
+/// What the loop reported, and in how many cycles.
+std::string statuses(const RunLog& log) {
+  constexpr auto count = static_cast<std::size_t>(skinctl::Reason::count);
+  std::array<std::size_t, count> cycles{};
+  std::array<double, count> first{};
+  for (const LogEntry& e : log.entries)
+    skinctl::Status::from_bits(e.status).for_each([&](skinctl::Reason r) {
+      const auto i = static_cast<std::size_t>(r);
+      if (cycles[i]++ == 0) first[i] = e.time;
+    });
+  std::string rows;
+  for (std::size_t i = 0; i < count; ++i)
+    if (cycles[i] > 0)
+      rows += "<tr><th class=word scope=row>" + escaped(skinctl::describe(static_cast<skinctl::Reason>(i))) +
+              "<td>" + std::to_string(cycles[i]) + "<td>" + decimal(first[i], 2) + "</tr>\n";
+  if (rows.empty()) return {};
+  return "<section><h2>What the loop reported</h2><p>Anything that a cycle limited, held or refused.</p>"
+         "<div class=scroll tabindex=0><table><thead><tr><th class=word scope=col>What<th scope=col>Cycles"
+         "<th scope=col>First at<small>s</small></tr></thead><tbody>\n" +
+         rows + "</tbody></table></div></section>\n";
+}
+
+/// The hardest touch over a second or two, so that the give-way itself is visible.
+std::string close_up(const RunLog& log) {
+  const TouchSummary* hardest = nullptr;
+  std::size_t number = 0;
+  for (std::size_t i = 0; i < log.touches.size(); ++i) {
+    const TouchSummary& t = log.touches[i];
+    const bool usable = std::isfinite(t.start) && std::isfinite(t.end) && std::isfinite(t.peak_force);
+    if (usable && (hardest == nullptr || t.peak_force > hardest->peak_force)) hardest = &t, number = i + 1;
+  }
+  if (hardest == nullptr) return {};
+  const double length = std::max(hardest->end - hardest->start, 0.0);
+  const double from = hardest->start - 0.1, to = hardest->start + 0.75;
+  RunLog part;
+  for (const LogEntry& e : log.entries)
+    if (e.time >= from && e.time <= to) part.entries.push_back(e);
+  if (part.entries.size() < 4) return {};
+  for (LogEntry& e : part.entries) e.time = 1e3 * (e.time - hardest->start);
+  TouchSummary touch = *hardest;
+  touch.start = 0, touch.end = 1e3 * length;
+  part.touches = {touch};
+
+  Plot force = force_plot(part), away = farthest_plot(part);
+  const std::string name = "time since first contact [ms]";
+  std::string out = "<section id=closeup><h2>Touch " + std::to_string(number) +
+                    " up close</h2><p>Its first moments, on the " + link_name(touch.link) +
+                    ": the force rises until the arm has picked up speed, then falls.</p><div class=grid>";
+  for (Plot* plot : {&force, &away}) {
+    plot->title += " of the hardest touch";
+    plot->x_name = name;
+    plot->width = 340;
+    plot->height = 215;
+    for (plotting::Band& band : plot->bands) band.label.clear();
+    out += plotting::inline_svg(*plot);
+  }
+  return out + "</div></section>\n";
+}
+
+std::string plots(const RunLog& log) {
+  const std::string shaded = log.touches.empty() ? "" : " Shaded: touches, numbered as in the table.";
+  std::string each = "<details><summary>Each joint on its own</summary><div class=grid>";
+  for (std::size_t j = 0; j < 6; ++j)
+    each += "<div><p>Joint " + std::to_string(j + 1) + "</p>" +
+            plotting::inline_svg(joint_shares_plot(log, j)) + "</div>";
+  each += "</div></details>";
+  return figure(force_plot(log), "force", "Largest force that the skin reports." + shaded, 280) +
+         figure(deflection_plot(log), "deflection",
+                "How far each joint is from where its task wants it: away during a touch, back to zero after "
+                "it.",
+                300) +
+         figure(velocity_plot(log), "velocity",
+                "What the robot was told, with the configured limits. An arrow: the limit lies outside the "
+                "plot.",
+                300) +
+         figure(acceleration_plot(log), "acceleration",
+                "Never beyond the configured limits, also at the first contact.", 300) +
+         figure(shares_plot(log), "shares",
+                "Length of the vector of joint torques that each law adds: the skin\u2019s rises where "
+                "somebody pushes.",
+                280, each);
+}
+
+constexpr char glossary[] = R"html(<footer><dl>
+<dt>Peak force</dt><dd>The largest force of a touch, as the skin measured it; the finger&#39;s own only where the finger is simulated.</dd>
+<dt>Deflection</dt><dd>How far the touched point moved away from the finger. Negative would be towards it.</dd>
+<dt>Time to give way</dt><dd>From the first contact until the touched point had moved by 1 mm.</dd>
+<dt>Return error</dt><dd>Distance of the touched point from its task before the next touch, or at the end.</dd>
+</dl><p>skinctl is no safety-rated function: this page shows what was measured, and guarantees nothing beyond.</p></footer>
+)html";
+
+}  // namespace
+
+std::string headline(const RunLog& log) {
+  const std::size_t n = log.touches.size();
+  if (n == 0)
+    return log.entries.empty() ? "Nothing was recorded."
+                               : "Nobody touched the arm in " + seconds(duration(log)) + ".";
+  const auto yielded =
+      static_cast<std::size_t>(std::count_if(log.touches.begin(), log.touches.end(), gave_way));
+  const std::string force = decimal(log.peak_force, log.peak_force < 10 ? 1 : 0) + " N";
+  std::string out;
+  if (yielded == n)
+    out = n == 1 ? "Touched once, the arm gave way: "
+                 : "Touched " + std::to_string(n) + " times, the arm gave way every time: ";
+  else if (yielded == 0)
+    out = n == 1 ? "Touched once, the arm did not give way: "
+                 : "Touched " + std::to_string(n) + " times, the arm never gave way: ";
+  else
+    out = "The arm gave way to " + std::to_string(yielded) + " of " + std::to_string(n) + " touches: ";
+  const double times = ratio(log);
+  if (times > 1)
+    out += "at most " + force + " where a rigid arm pushes with " + decimal(log.rigid_peak_force, 0) + " N";
+  else
+    out += "at most " + force;
+  if (yielded > 0) out += ", and back to within " + decimal(1e3 * worst_return(log), 1) + " mm of its task";
+  return out + '.';
+}
+
+std::string report(const RunLog& log) {
+  const std::string title = log.title.empty() ? "compliant_ur5" : log.title;
+  std::string out =
+      "<!doctype html>\n<html lang=en><head><meta charset=utf-8>"
+      "<meta name=viewport content=\"width=device-width,initial-scale=1\">"
+      "<meta name=color-scheme content=\"light dark\"><link rel=icon href=\"data:,\"><title>" +
+      escaped(title) + "</title>\n<style>" + report_style + plotting::plot_style() +
+      "</style></head>\n<body><main>\n";
+  out += "<p class=eyebrow>" + escaped(title) +
+         (log.entries.empty() ? "" : " \u00B7 " + seconds(duration(log))) + "</p>\n<h1>" +
+         unbroken(escaped(headline(log))) + "</h1>\n";
+  out += bars(log) + tiles(log);
+  out += touch_table(log) + close_up(log) + plots(log) + time_table(log);
+  out += "<div class=two>" + facts("Result", log.result) + facts("Scenario", log.scenario) + "</div>\n";
+  out += statuses(log) + glossary + "</main></body></html>\n";
+  return out;
+}
+
+void write_report(const RunLog& log, const std::string& path) {
+  const std::string page = report(log), part = path + ".part";
+  const auto fail = [&](const std::string& why) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    throw std::runtime_error("cannot write the report '" + path + "': " + why);
+  };
+  {
+    std::ofstream out(part, std::ios::binary | std::ios::trunc);
+    if (!out) fail(std::strerror(errno));
+    out << page;
+    out.close();
+    if (!out) fail(std::strerror(errno));
+  }
+  std::error_code error;
+  std::filesystem::rename(part, path, error);
+  if (error) fail(error.message());
+}
+
+std::string picture(const RunLog& log) {
+  Plot force = force_plot(log);
+  force.title.clear();
+  force.y_name = "touch force [N]";
+  force.height = 230;
+  Plot deflection = farthest_plot(log);
+  deflection.title.clear();
+  deflection.height = 210;
+  for (plotting::Band& band : deflection.bands) band.label.clear();
+  force.x_name.clear();
+  force.width = deflection.width = 880;
+  return plotting::svg_figure(headline(log), {force, deflection});
+}
+
+}  // namespace compliant_ur5

@@ -1,0 +1,64 @@
+// What the main job is told: by options and by the scenario file.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "skinctl/safety/command.hpp"
+
+namespace compliant_ur5 {
+
+/// One step of the task.
+struct Goal {
+  double at = 0;              ///< [s] after the first cycle
+  std::array<double, 6> q{};  ///< [rad]
+  double duration = 0;        ///< [s]; 0: as fast as `max_velocity` allows
+};
+
+/// How the arm behaves.
+struct ControlSettings {
+  double lambda = 12;  ///< tracking: `K_d = lambda M` [1/s]
+  double K_c = 2;      ///< gain that brings it back to its task [1/s]
+  double K_i1 = 0.2, K_i2 = 0.02;
+  double decay = 4;                ///< friction of the virtual arm, in proportion to its mass [1/s]
+  double viscous = 1;              ///< and of each joint [N m s/rad]
+  double force_gain = 40;          ///< w_f [N per unit of the three force readings]
+  double proximity_gain = 0;       ///< w_p [N per unit of proximity]
+  double force_threshold = 0.08;   ///< on the sum of the three force readings
+  double max_velocity = 0.5;       ///< of motions to goals [rad/s]
+  double velocity_limit = 3;       ///< of commands [rad/s]
+  double acceleration_limit = 30;  ///< of commands [rad/s^2]
+  double delay = 0.008;            ///< declared: of the robot [s]
+  double lag = 0.008;              ///< declared: of the robot's own loop [s]
+};
+
+struct Settings {
+  std::string scenario;              ///< TOML file
+  std::optional<std::string> robot;  ///< host of a real robot; none: the simulated one
+  std::uint16_t skin_port = 0;       ///< where skin datagrams come in; 0: any
+  std::uint64_t cycles = 0;          ///< 0: as long as the scenario lasts
+  double rate = 125;
+  double speed = 0;  ///< of the simulation: 0: lock-step, 1: real time
+  skinctl::Interface interface = skinctl::Interface::position;
+  std::string touch_profile;  ///< CSV that replaces the scenario's touches
+  bool rigid = false;         ///< the skin does not act
+  bool compare = true;        ///< simulated: run the scenario rigid as well
+  bool quiet = false;
+  std::string record, replay, report, json;  ///< files; empty: none
+  std::uint16_t rtde_port = 30004, script_port = 30002, dashboard_port = 29999;
+  double duration = 60;             ///< [s], from the scenario
+  double newtons_per_reading = 20;  ///< of the skin, from the scenario's [skin]
+  double rest_reading = 0.004;      ///< of each force sensor, likewise
+  ControlSettings control;
+  std::vector<Goal> task;
+};
+
+/// Reads the tables `[run]`, `[control]`, `[skin]` and `[[goal]]` of a scenario; others are the simulation's.
+/// Throws `skinctl::ConfigurationError` with file and line for unknown keys of its own tables and wrong
+/// types.
+void read_scenario(const std::string& file, Settings& settings);
+
+}  // namespace compliant_ur5

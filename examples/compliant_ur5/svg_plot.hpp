@@ -1,0 +1,67 @@
+// Plots over time as SVG: series, axes, shaded bands, limits. No script, no font, no file beside it.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace plotting {
+
+/// A curve. Numbers that are not finite (or beyond 1e15) are gaps.
+struct Series {
+  std::string name;
+  std::vector<double> x;  ///< ascending
+  std::vector<double> y;  ///< as long as `x`; what is longer is left out
+  int color = -1;         ///< 0 to 7; -1: its place among the series
+};
+
+/// A shaded stretch of the x axis.
+struct Band {
+  double from = 0, to = 0;
+  std::string label;    ///< short, above the plot
+  std::string tooltip;  ///< shown by browsers under the pointer
+};
+
+/// A level that the series should be compared with. One that is more than three times beyond the data is
+/// drawn at the edge with an arrow, so that the data stays visible.
+struct Limit {
+  double value = 0;
+  std::string name;  ///< empty: the line has no text
+};
+
+/// All that a plot shows. Series of any length: per pixel column the smallest and the largest value are kept,
+/// so that no peak vanishes.
+struct Plot {
+  std::string title;
+  std::string x_name = "time [s]";
+  std::string y_name;
+  std::vector<Series> series;
+  std::vector<Band> bands;
+  std::vector<Limit> limits;
+  double width = 960, height = 300;  ///< of the view box; text is 13 units high
+};
+
+/// A complete SVG file with title and legend, in the light or dark colours that its viewer prefers.
+std::string svg_plot(const Plot& plot);
+
+/// Several plots, one below the other, as one SVG file.
+std::string svg_figure(const std::string& title, const std::vector<Plot>& plots);
+
+/// Only the axes and curves, for a page that has `plot_style()` and shows title and legend itself. Curves
+/// carry the classes `s0` to `s7`.
+std::string inline_svg(const Plot& plot);
+
+/// Style sheet of the above; every rule begins with `.sp`.
+std::string plot_style();
+
+/// Text for HTML and SVG: markup characters as entities, control characters as blanks, what is not UTF-8 as
+/// U+FFFD.
+std::string escaped(std::string_view text);
+
+/// A number with so many decimals, with a true minus sign; a dash when it is not finite.
+std::string decimal(double value, int decimals);
+
+/// A number with so many significant digits, never in powers of ten below 1e7; a dash when it is not finite.
+std::string significant(double value, int digits);
+
+}  // namespace plotting

@@ -1,0 +1,269 @@
+// The main job as its users run it: in step with the simulation, in real time, and when things go wrong.
+#include <doctest/doctest.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/write.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "examples/compliant_ur5/run.hpp"
+#include "examples/compliant_ur5/scene.hpp"
+#include "examples/simulated_ur5/scenario.hpp"
+
+using namespace compliant_ur5;
+namespace ip = boost::asio::ip;
+
+namespace {
+
+Settings settings() {
+  Settings s;
+  s.scenario = COMPLIANT_UR5_SCENARIO;
+  s.quiet = true;
+  read_scenario(s.scenario, s);
+  return s;
+}
+
+std::string fact(const RunLog& log, const std::string& name) {
+  for (const auto& f : log.result)
+    if (f.name == name) return f.value;
+  return "";
+}
+
+/// A port on which nobody listens just now.
+std::uint16_t free_udp_port() {
+  boost::asio::io_context io;
+  return ip::udp::socket(io, ip::udp::endpoint(ip::address_v4::loopback(), 0)).local_endpoint().port();
+}
+
+/// A simulated robot beside the program, as a real one would stand there.
+class Beside {
+ public:
+  explicit Beside(Settings& s) {
+    simulated_ur5::Config config;
+    simulated_ur5::read_scenario(s.scenario, config);
+    config.controller.powered = false;  // the program has to switch it on
+    config.controller.power_on_time = config.controller.brake_release_time = 0.1;
+    config.controller.touches.clear();
+    for (const auto& [id, link, p, n] :
+         {std::tuple{1u, 2u, simulated_ur5::Vec3{-0.2, 0, 0.0565}, simulated_ur5::Vec3{0, 0, 1}}}) {
+      simulated_ur5::SkinCell cell;
+      cell.id = id;
+      cell.link = link;
+      cell.position = p;
+      cell.normal = n;
+      simulated_ur5::complete(cell);
+      config.controller.cells.push_back(cell);
+    }
+    config.ports = {0, 0, 0, 0};
+    config.speed = 1;
+    s.skin_port = free_udp_port();
+    config.skin_port = s.skin_port;
+    s.robot = "127.0.0.1";
+    s.speed = 1;
+    s.compare = false;
+    robot = std::make_unique<simulated_ur5::SimulatedUr5>(config);
+    robot->start();
+    s.rtde_port = robot->ports().rtde;
+    s.script_port = robot->ports().secondary;
+    s.dashboard_port = robot->ports().dashboard;
+  }
+  /// Whether all joints stand still within two seconds.
+  bool comes_to_rest() {
+    for (int k = 0; k < 40; ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      const auto now = robot->snapshot();
+      double speed = 0;
+      for (const double v : now.true_dq) speed = std::max(speed, std::abs(v));
+      if (speed < 1e-6) return true;
+    }
+    return false;
+  }
+  std::unique_ptr<simulated_ur5::SimulatedUr5> robot;
+};
+
+/// Runs the job in a thread, lets `disturb` happen after it has moved for a while, and gives how it ended.
+template <class F>
+Outcome run_disturbed(Settings s, F&& disturb) {
+  s.cycles = 1250;  // ten seconds, if nothing happens
+  s.task = {{.at = 0.2, .q = {0.5, -1.0, 1.2, -1.7, -1.57, 0.3}, .duration = 4}};
+  std::atomic<bool> stop = false;
+  RunLog log;
+  Outcome outcome = Outcome::fine;
+  std::thread job([&] {
+    try {
+      outcome = run(s, stop, log);
+    } catch (const std::exception&) {
+      outcome = Outcome::lost;
+    }
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  disturb(stop);
+  job.join();
+  return outcome;
+}
+
+}  // namespace
+
+TEST_CASE("main job: gives way to every touch, returns, and is five times softer than a rigid arm") {
+  Settings s = settings();
+  RunLog soft, rigid;
+  const std::atomic<bool> stop = false;
+  REQUIRE(run(s, stop, soft) == Outcome::fine);
+  s.rigid = true;
+  REQUIRE(run(s, stop, rigid) == Outcome::fine);
+  CHECK(soft.touches.size() == 7);
+  for (const auto& t : soft.touches) {
+    CAPTURE(t.start);
+    CHECK(t.deflection > 0.02);
+    CHECK(t.give_way > 0);
+    CHECK(t.give_way < 0.2);
+    CHECK(t.return_error < 0.003);
+    CHECK(t.true_peak_force > 0);
+  }
+  int stood = 0;  // two of the seven press while the arm moves to its goal
+  for (const auto& t : rigid.touches) stood += t.deflection < 0.001;
+  CHECK(stood >= 5);
+  CHECK(rigid.peak_force >= 5 * soft.peak_force);
+  CHECK(fact(soft, "allocations in the loop") == "0");
+  CHECK(fact(soft, "cycles") == "7500");
+}
+
+TEST_CASE("main job: both interfaces at both rates give way alike") {
+  std::vector<TouchSummary> touches;
+  for (const auto interface : {skinctl::Interface::position, skinctl::Interface::velocity}) {
+    for (const double rate : {125.0, 500.0}) {
+      Settings s = settings();
+      s.interface = interface;
+      s.rate = rate;
+      s.cycles = static_cast<std::uint64_t>(8 * rate);
+      RunLog log;
+      CAPTURE(rate);
+      REQUIRE(run(s, false, log) == Outcome::fine);
+      REQUIRE(log.touches.size() == 1);
+      CHECK(log.touches[0].deflection > 0.02);
+      CHECK(log.touches[0].return_error < 0.003);
+      touches.push_back(log.touches[0]);
+    }
+  }
+  for (const auto& t : touches) {
+    CHECK(t.deflection == doctest::Approx(touches[0].deflection).epsilon(0.1));
+    CHECK(t.true_peak_force == doctest::Approx(touches[0].true_peak_force).epsilon(0.25));
+  }
+}
+
+TEST_CASE("main job: a recording replays bit for bit") {
+  Settings s = settings();
+  s.cycles = 1000;
+  s.record = (std::filesystem::temp_directory_path() / "compliant_ur5_test.rec").string();
+  RunLog log;
+  REQUIRE(run(s, false, log) == Outcome::fine);
+  s.replay = s.record;
+  CHECK(replay(s) == Outcome::fine);
+  s.control.force_gain *= 1.01;
+  CHECK(replay(s) == Outcome::broken);
+  std::filesystem::remove(s.record);
+}
+
+TEST_CASE("main job: in real time beside a robot that has to be switched on, until it is interrupted") {
+  Settings s = settings();
+  Beside beside(s);
+  CHECK(run_disturbed(s, [](std::atomic<bool>& stop) { stop = true; }) == Outcome::interrupted);
+  CHECK(beside.comes_to_rest());
+}
+
+TEST_CASE("main job: the controller dies: lost") {
+  Settings s = settings();
+  Beside beside(s);
+  CHECK(run_disturbed(s, [&](auto&) { beside.robot->stop(); }) == Outcome::lost);
+}
+
+TEST_CASE("main job: the skin falls silent: lost, and the robot comes to rest") {
+  Settings s = settings();
+  Beside beside(s);
+  CHECK(run_disturbed(s, [&](auto&) { beside.robot->set_skin_stream(false); }) == Outcome::lost);
+  CHECK(beside.comes_to_rest());
+}
+
+TEST_CASE("main job: nonsense on the skin's port: lost, and the robot comes to rest") {
+  Settings s = settings();
+  Beside beside(s);
+  CHECK(run_disturbed(s, [&](auto&) {
+          boost::asio::io_context io;
+          ip::udp::socket socket(io, ip::udp::v4());
+          const std::string junk = "this is no datagram of ours";
+          socket.send_to(boost::asio::buffer(junk), {ip::address_v4::loopback(), s.skin_port});
+        }) == Outcome::lost);
+  CHECK(beside.comes_to_rest());
+}
+
+TEST_CASE("main job: nonsense in the robot's stream: lost, and the robot comes to rest by its own time-out") {
+  Settings s = settings();
+  Beside beside(s);
+  // A wire between program and robot that begins to garble.
+  boost::asio::io_context io;
+  ip::tcp::acceptor acceptor(io, {ip::address_v4::loopback(), 0});
+  const std::uint16_t real_port = s.rtde_port;
+  s.rtde_port = acceptor.local_endpoint().port();
+  std::atomic<bool> garble = false;
+  std::thread wire([&] {
+    try {
+      ip::tcp::socket program(io), robot(io);
+      acceptor.accept(program);
+      robot.connect({ip::address_v4::loopback(), real_port});
+      std::thread up([&] {
+        std::array<char, 4096> block{};
+        boost::system::error_code error;
+        while (!error) {
+          const auto n = program.read_some(boost::asio::buffer(block), error);
+          if (n > 0) boost::asio::write(robot, boost::asio::buffer(block, n), error);
+        }
+        robot.shutdown(ip::tcp::socket::shutdown_both, error);
+      });
+      std::array<char, 4096> block{};
+      boost::system::error_code error;
+      while (!error) {
+        const auto n = robot.read_some(boost::asio::buffer(block), error);
+        if (garble)
+          for (std::size_t k = 0; k < n; ++k) block[k] = static_cast<char>(0xff - k);
+        if (n > 0) boost::asio::write(program, boost::asio::buffer(block, n), error);
+      }
+      program.shutdown(ip::tcp::socket::shutdown_both, error);
+      up.join();
+    } catch (const std::exception&) {
+    }
+  });
+  CHECK(run_disturbed(s, [&](auto&) { garble = true; }) == Outcome::lost);
+  CHECK(beside.comes_to_rest());
+  wire.join();
+}
+
+TEST_CASE("main job: nobody there, or somebody who does not speak the protocol: a clear error at once") {
+  Settings s = settings();
+  s.robot = "127.0.0.1";
+  {
+    boost::asio::io_context io;
+    ip::tcp::acceptor nobody(io, {ip::address_v4::loopback(), 0});
+    s.rtde_port = nobody.local_endpoint().port();
+  }
+  RunLog log;
+  CHECK_THROWS_WITH_AS(static_cast<void>(run(s, false, log)),
+                       doctest::Contains("cannot reach the robot's RTDE"), std::runtime_error);
+  boost::asio::io_context io;
+  ip::tcp::acceptor web(io, {ip::address_v4::loopback(), 0});
+  s.rtde_port = web.local_endpoint().port();
+  std::thread server([&] {
+    ip::tcp::socket socket(io);
+    boost::system::error_code acceptor_error;
+    web.accept(socket, acceptor_error);
+    const std::string answer = "HTTP/1.1 400 Bad Request\r\n\r\n";
+    boost::system::error_code ignored;
+    boost::asio::write(socket, boost::asio::buffer(answer), ignored);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  });
+  CHECK_THROWS_WITH_AS(static_cast<void>(run(s, false, log)), doctest::Contains("nonsense"),
+                       std::runtime_error);
+  server.join();
+}

@@ -1,0 +1,88 @@
+#include "examples/compliant_ur5/touch_observer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "skinctl/kinematics/poses.hpp"
+#include "skinctl/model/ur5.hpp"
+
+namespace compliant_ur5 {
+
+using skinctl::Xyz;
+
+TouchObserver::TouchObserver(std::vector<ObservedCell> cells, double newtons_per_reading, double rest_reading)
+    : cells_(std::move(cells)),
+      reading_(cells_.size()),
+      newtons_(newtons_per_reading),
+      rest_(3 * rest_reading) {
+  std::uint32_t largest = 0;
+  for (const auto& cell : cells_) largest = std::max(largest, cell.id);
+  index_.assign(largest + 1, cells_.size());
+  for (std::size_t i = 0; i < cells_.size(); ++i) index_[cells_[i].id] = i;
+  touches_.reserve(1024);
+}
+
+TouchObserver::Poses TouchObserver::poses(const skinctl::JointPosition<6>& q) noexcept {
+  const auto all = skinctl::link_poses(skinctl::ur5::Model{}, q);
+  const auto plain = [](const auto& X) { return X.template renamed<skinctl::Base, skinctl::FrameTag>(); };
+  return {plain(all.get<0>()), plain(all.get<1>()), plain(all.get<2>()),
+          plain(all.get<3>()), plain(all.get<4>()), plain(all.get<5>())};
+}
+
+Xyz<double> TouchObserver::place(const Poses& poses) const noexcept {
+  const auto& cell = cells_[touched_];
+  const auto& X = poses[static_cast<std::size_t>(cell.link)];
+  return X.origin() + X.axes() * cell.position;
+}
+
+void TouchObserver::cycle(double t, std::span<const skinctl::CellSample> samples,
+                          const skinctl::JointPosition<6>& q, const skinctl::JointPosition<6>& task) {
+  for (const auto& s : samples) {
+    if (skinctl::check(s).any() || s.cell >= index_.size() || index_[s.cell] >= cells_.size()) continue;
+    reading_[index_[s.cell]] = s.force[0] + s.force[1] + s.force[2];
+  }
+  std::array<double, 6> per_link{};
+  std::array<std::size_t, 6> most{};
+  std::array<double, 6> most_reading{};
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const auto link = static_cast<std::size_t>(cells_[i].link);
+    const double r = static_cast<double>(reading_[i]) - rest_;
+    if (r < 0.01) continue;  // noise
+    per_link[link] += newtons_ * r;
+    if (r > most_reading[link]) most_reading[link] = r, most[link] = i;
+  }
+  const auto link =
+      static_cast<std::size_t>(std::max_element(per_link.begin(), per_link.end()) - per_link.begin());
+  force_ = per_link[link];
+
+  const Poses now = poses(q);
+  if (!touching_ && force_ > 1) {
+    touching_ = true;
+    touched_ = most[link];
+    from_ = place(now);
+    normal_ = now[link].axes() * cells_[touched_].normal;
+    touches_.push_back({.start = t, .end = t, .link = static_cast<int>(link), .cell = cells_[touched_].id});
+  }
+  if (touches_.empty()) return;
+  TouchSummary& touch = touches_.back();
+  if (touching_) {
+    if (force_ > touch.peak_force) {
+      touch.peak_force = force_;
+      touch.cell = cells_[most[link]].id;
+    }
+    const double away = -dot(place(now) - from_, normal_);
+    touch.deflection = std::max(touch.deflection, away);
+    if (touch.give_way < 0 && away >= 0.001) touch.give_way = t - touch.start;
+    if (force_ >= 0.5) quiet_since_ = t;
+    if (t - quiet_since_ > 0.5) {  // a finger that bounces is one touch
+      touching_ = false;
+      touch.end = quiet_since_;
+    } else {
+      touch.end = t;
+    }
+  }
+  const auto error = place(now) - place(poses(task));
+  touch.return_error = std::sqrt(dot(error, error));
+}
+
+}  // namespace compliant_ur5

@@ -1,0 +1,192 @@
+// The robot controller without sockets: modes, programs, inputs and outputs around the arm, its skin and the
+// world.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "examples/simulated_ur5/contact.hpp"
+#include "examples/simulated_ur5/script.hpp"
+#include "examples/simulated_ur5/skin.hpp"
+#include "examples/simulated_ur5/state.hpp"
+
+namespace simulated_ur5 {
+
+/// CB3: 125 Hz, PolyScope 3. e-Series: 500 Hz, PolyScope 5.
+enum class Series { cb3, e_series };
+
+constexpr Nanoseconds cycle_of(Series series) {
+  return series == Series::cb3 ? 8'000'000 : 2'000'000;
+}
+
+struct ControllerConfig {
+  Series series = Series::cb3;
+  ArmConfig arm;
+  SkinConfig skin;
+  std::vector<SkinCell> cells;
+  std::vector<Touch> touches;
+  std::uint64_t seed = 1;
+  /// Contact force of one finger that makes a protective stop [N]; 0: never.
+  double protective_force = 150;
+  /// True: the arm stands powered, brakes released. False: as after switching on, waiting for `power on`.
+  bool powered = false;
+  /// True: the touches' clock starts with the controller. False: with the first motion command of the first
+  /// stream.
+  bool scenario_at_boot = false;
+  double power_on_time = 1.0;       ///< from power off to idle [s]
+  double brake_release_time = 0.5;  ///< from idle to running [s]
+  double unlock_time = 5;           ///< a protective stop cannot be unlocked earlier [s]
+};
+void check(const ControllerConfig& config);
+
+/// A command of the reverse protocol.
+struct ReverseMessage {
+  std::int32_t read_timeout_ms = 0;
+  std::array<std::int32_t, 6> values{};
+  std::int32_t mode = 0;
+};
+/// Size of a reverse message on the wire: 8 big-endian int32.
+inline constexpr std::size_t reverse_message_size = 32;
+
+/// Counters that tests and reports look at.
+struct Counters {
+  std::uint64_t cycles = 0;
+  std::uint64_t reverse_messages = 0;
+  std::uint64_t cycles_without_message = 0;  ///< while streaming, after the first message
+  std::uint64_t read_timeouts = 0;
+  std::uint64_t protective_stops = 0;
+  std::uint64_t programs = 0;
+};
+
+/// One UR5 with its controller; deterministic: the same calls give the same states.
+class Controller {
+ public:
+  explicit Controller(ControllerConfig config);
+
+  /// One control cycle: runs the program, moves arm and fingers, samples the skin.
+  void step();
+
+  Nanoseconds now() const { return now_; }
+  Nanoseconds cycle() const { return cycle_of(config_.series); }
+  const RobotState& state() const { return state_; }
+  const Arm& arm() const { return arm_; }
+  const ContactWorld& world() const { return world_; }
+  const Counters& counters() const { return counters_; }
+  const ControllerConfig& config() const { return config_; }
+  Skin& skin() { return skin_; }
+  /// Seconds since the scenario's start, or -1.
+  double scenario_time() const;
+
+  /// Called with each skin tick's samples during `step`.
+  std::function<void(Nanoseconds, const std::vector<SkinSample>&)> on_skin;
+  /// Called with what a pendant would show or log.
+  std::function<void(const std::string&)> on_message;
+
+  // The panel: each returns false when the robot is in no state for it.
+  bool power_on();
+  void power_off();
+  bool brake_release();
+  bool play();
+  bool pause();
+  bool stop_program();
+  /// False within `unlock_time` after the stop.
+  bool unlock_protective_stop();
+  void restart_safety();
+  void protective_stop(const std::string& why);
+  void emergency_stop();
+  void load(std::string name, std::string script);
+  const std::string& loaded_name() const { return loaded_name_; }
+  bool popup() const { return popup_; }
+  void close_popup() { popup_ = false; }
+  void show_popup() { popup_ = true; }
+
+  // Programs.
+  /// Starts an uploaded program; a main program replaces the one that runs. Empty, or why it does not run.
+  std::string run(const std::string& script);
+  /// Not null while a streaming program wants its sockets; `program_number` tells one program from the next.
+  const Program* wants_sockets() const;
+  std::uint64_t program_number() const { return counters_.programs; }
+  void sockets_opened();
+  void sockets_failed();
+  /// The peer closed the reverse socket, or it broke.
+  void reverse_closed();
+  void reverse_message(const ReverseMessage& message);
+  /// True while a program runs that reads commands, from its start on, and is not paused.
+  bool awaits_command() const;
+  /// True if a message has come that the next `step` will take.
+  bool has_command() const { return !pending_.empty(); }
+
+  // Inputs from RTDE.
+  RobotInputs& inputs() { return state_.inputs; }
+  /// To be called after a client wrote inputs. `effects`: which of them have one. `keys`: all that were
+  /// written.
+  struct InputEffects {
+    bool slider = false, standard = false, configurable = false, tool = false;
+  };
+  void inputs_written(const InputEffects& effects);
+  /// A client wrote the watched input.
+  void watchdog_fed() { watchdog_fed_at_ = now_; }
+  /// Name of the input that a program watches, or empty.
+  const std::string& watched_input() const;
+
+ private:
+  enum class Phase { none, connecting, streaming, straight, stopping };
+  void say(const std::string& text);
+  void end_program(const std::string& why);
+  void finish_program();
+  void run_program();
+  void run_stream();
+  void run_straight();
+  bool run_statement(const Statement& s);
+  void leave_motion(std::int32_t next_mode);
+  void apply(const ReverseMessage& m);
+  void check_watchdog();
+  void advance_modes();
+  void start_scenario();
+  void publish();
+
+  ControllerConfig config_;
+  Arm arm_;
+  Skin skin_;
+  ContactWorld world_;
+  RobotState state_;
+  Counters counters_;
+  Nanoseconds now_ = 0;
+
+  // Power and safety.
+  Nanoseconds mode_until_ = 0;
+  bool release_when_idle_ = false;
+  Nanoseconds protective_since_ = 0;
+  bool popup_ = false;
+
+  // Program.
+  Phase phase_ = Phase::none;
+  Program program_;
+  std::string loaded_name_, loaded_script_;
+  bool pause_requested_ = false;
+  double scaling_ = 1;
+  // Stream.
+  bool connected_ = false, peer_gone_ = false, first_message_ = false, joining_ = false,
+       ends_after_stop_ = false;
+  std::int32_t mode_ = -1;
+  Nanoseconds deadline_ = 0;  ///< of the next message; 0: none
+  std::deque<ReverseMessage> pending_;
+  ReverseMessage latest_;
+  // Straight line.
+  std::size_t next_statement_ = 0;
+  bool waiting_ = false;
+  Nanoseconds wait_until_ = 0;
+  Nanoseconds watchdog_fed_at_ = 0;
+
+  // Scenario.
+  bool scenario_runs_ = false;
+  Nanoseconds scenario_start_ = 0;
+  Nanoseconds next_skin_tick_ = 0;
+  Vec3 tool_before_, tool_before_that_;
+};
+
+}  // namespace simulated_ur5

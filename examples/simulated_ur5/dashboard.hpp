@@ -1,0 +1,45 @@
+// The dashboard server's lines, without sockets.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "examples/simulated_ur5/controller.hpp"
+
+namespace simulated_ur5 {
+
+/// Programs that `load` finds: name -> URScript.
+using ProgramLibrary = std::map<std::string, std::string, std::less<>>;
+
+std::string_view name_of(RobotMode mode);
+std::string_view name_of(SafetyMode mode);
+
+/// One dashboard client.
+class DashboardSession {
+ public:
+  static constexpr std::size_t longest_line = 1024;
+  static constexpr std::string_view greeting = "Connected: Universal Robots Dashboard Server\n";
+
+  DashboardSession(Controller& controller, const ProgramLibrary& programs)
+      : controller_(controller), programs_(programs) {}
+
+  /// Takes received bytes and appends replies, one line per command. False: close the connection after
+  /// sending.
+  bool receive(std::span<const std::uint8_t> bytes, std::string& out);
+  /// True once a client said `shutdown`.
+  bool shutdown() const { return shutdown_; }
+
+ private:
+  std::string reply(std::string_view line, bool& close);
+
+  Controller& controller_;
+  const ProgramLibrary& programs_;
+  std::string line_;
+  bool shutdown_ = false;
+};
+
+}  // namespace simulated_ur5

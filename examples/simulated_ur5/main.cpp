@@ -1,0 +1,170 @@
+// simulated_ur5: a UR5 with its controller on loopback. See README.md beside this file.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "examples/simulated_ur5/scenario.hpp"
+#include "examples/simulated_ur5/simulated_ur5.hpp"
+
+namespace {
+
+// Exit codes, also in the README.
+constexpr int exit_ok = 0, exit_configuration = 2, exit_network = 3;
+
+volatile std::sig_atomic_t interrupted = 0;
+void interrupt(int) {
+  interrupted = 1;
+}
+
+/// "host:port" with a numeric host.
+void split_target(const std::string& text, simulated_ur5::Config& config) {
+  const auto colon = text.rfind(':');
+  const std::string port = colon == std::string::npos ? text : text.substr(colon + 1);
+  const bool digits =
+      !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos;
+  const int number = digits ? std::stoi(port) : 0;
+  if (number < 1 || number > 65535)
+    throw CLI::ValidationError("--skin", "expected HOST:PORT or PORT, got '" + text + "'");
+  if (colon != std::string::npos) config.skin_host = text.substr(0, colon);
+  config.skin_port = static_cast<std::uint16_t>(number);
+}
+
+void load_program(const std::string& text, simulated_ur5::Config& config) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos)
+    throw CLI::ValidationError("--program", "expected NAME=FILE, got '" + text + "'");
+  std::ifstream in(text.substr(equals + 1));
+  if (!in) throw CLI::ValidationError("--program", "cannot read '" + text.substr(equals + 1) + "'");
+  std::ostringstream script;
+  script << in.rdbuf();
+  config.programs[text.substr(0, equals)] = script.str();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using simulated_ur5::LogLevel;
+  simulated_ur5::Config config;
+
+  CLI::App app{
+      "A UR5 with its controller on loopback: RTDE, URScript upload, dashboard, reverse socket, skin."};
+  std::string series, scenario, cells, skin, level = "info";
+  std::vector<std::string> programs;
+  app.add_option("--series", series, "cb3 (125 Hz, the default) or e-series (500 Hz)")
+      ->check(CLI::IsMember({"cb3", "e-series"}));
+  app.add_option("--bind", config.address, "numeric address that the servers bind")->capture_default_str();
+  app.add_option("--rtde-port", config.ports.rtde, "0: the system chooses")->capture_default_str();
+  app.add_option("--primary-port", config.ports.primary)->capture_default_str();
+  app.add_option("--secondary-port", config.ports.secondary)->capture_default_str();
+  app.add_option("--dashboard-port", config.ports.dashboard)->capture_default_str();
+  app.add_option("--speed", config.speed, "times real time; 0: lock-step, as fast as commands come")
+      ->capture_default_str();
+  app.add_option("--patience", config.patience, "lock-step: longest wait for a command [s]")
+      ->capture_default_str();
+  app.add_option("--idle-speed", config.idle_speed, "lock-step: pace while nobody commands")
+      ->capture_default_str();
+  app.add_option("--scenario", scenario, "TOML file with [robot], [skin] and [[touch]]")
+      ->check(CLI::ExistingFile);
+  app.add_option("--cells", cells, "table of skin cells: id link px py pz nx ny nz")
+      ->check(CLI::ExistingFile);
+  app.add_option("--skin", skin, "HOST:PORT that gets the skin's datagrams");
+  app.add_option("--skin-stop-after", config.skin_stop_after,
+                 "the skin falls silent so long after the start [s]");
+  auto* delay = app.add_option("--delay", config.controller.arm.delay, "pure delay of the arm [s]");
+  auto* lag = app.add_option("--lag", config.controller.arm.lag, "time constant of the arm [s]");
+  auto* noise = app.add_option("--noise", config.controller.arm.position_noise, "of the encoders [rad]");
+  auto* seed = app.add_option("--seed", config.controller.seed, "of every noise");
+  auto* force =
+      app.add_option("--protective-force", config.controller.protective_force, "0: no stop on contact [N]");
+  auto* powered = app.add_flag("--powered", config.controller.powered, "begin powered, brakes released");
+  app.add_option("--skip-outputs", config.quirks.skipped_outputs, "share of data packages left out");
+  app.add_flag("--data-before-reply", config.quirks.data_before_start_reply,
+               "data overtakes the reply to start");
+  app.add_flag("--reach-out", config.reach_out, "let programs open sockets to other machines");
+  app.add_option("--program", programs, "NAME=FILE: a script that the dashboard's load finds");
+  app.add_option("--log", level, "debug, info, warning or off")
+      ->check(CLI::IsMember({"debug", "info", "warning", "off"}))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+    if (!scenario.empty()) {
+      // What the command line says overrides the scenario.
+      simulated_ur5::Config from_file = config;
+      from_file.controller = {};
+      simulated_ur5::read_scenario(scenario, from_file);
+      const auto given = config.controller;
+      config.controller = from_file.controller;
+      if (*delay) config.controller.arm.delay = given.arm.delay;
+      if (*lag) config.controller.arm.lag = given.arm.lag;
+      if (*noise) config.controller.arm.position_noise = given.arm.position_noise;
+      if (*seed) config.controller.seed = given.seed;
+      if (*force) config.controller.protective_force = given.protective_force;
+      if (*powered) config.controller.powered = given.powered;
+    }
+    if (!series.empty())
+      config.controller.series =
+          series == "cb3" ? simulated_ur5::Series::cb3 : simulated_ur5::Series::e_series;
+    if (!cells.empty()) config.controller.cells = simulated_ur5::read_cells_file(cells);
+    if (!skin.empty()) split_target(skin, config);
+    for (const std::string& program : programs) load_program(program, config);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? exit_ok : exit_configuration;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "simulated_ur5: %s\n", e.what());
+    return exit_configuration;
+  }
+
+  auto logger = spdlog::stderr_color_mt("simulated_ur5");
+  logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  logger->set_level(level == "off"       ? spdlog::level::off
+                    : level == "warning" ? spdlog::level::warn
+                    : level == "debug"   ? spdlog::level::debug
+                                         : spdlog::level::info);
+  config.log = [&](LogLevel l, const std::string& text) {
+    logger->log(l == LogLevel::warning ? spdlog::level::warn
+                : l == LogLevel::info  ? spdlog::level::info
+                                       : spdlog::level::debug,
+                "{}", text);
+  };
+
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  std::unique_ptr<simulated_ur5::SimulatedUr5> robot;
+  try {
+    robot = std::make_unique<simulated_ur5::SimulatedUr5>(config);
+    robot->start();
+  } catch (const std::invalid_argument& e) {
+    std::fprintf(stderr, "simulated_ur5: %s\n", e.what());
+    return exit_configuration;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "simulated_ur5: %s\n", e.what());
+    return exit_network;
+  }
+  // A parent process reads this line, then connects.
+  const auto ports = robot->ports();
+  std::printf("ready rtde=%u primary=%u secondary=%u dashboard=%u\n", unsigned{ports.rtde},
+              unsigned{ports.primary}, unsigned{ports.secondary}, unsigned{ports.dashboard});
+  std::fflush(stdout);
+
+  while (!robot->wait(0.1))
+    if (interrupted != 0) break;
+  const simulated_ur5::Snapshot last = robot->snapshot();
+  robot->stop();
+  for (const auto& touch : last.touches) {
+    if (!touch.began) continue;
+    std::printf("touch \"%s\" link=%zu cell=%u peak_force=%.2fN at=%.3fs deflection=%.1fmm impulse=%.2fNs\n",
+                touch.name.c_str(), touch.link, touch.cell, touch.peak_force, touch.peak_force_time,
+                1000 * touch.peak_deflection, touch.impulse);
+  }
+  std::printf(
+      "stopped after %.3f s of simulated time, %llu commands, %llu read timeouts, %llu protective stops\n",
+      last.state.timestamp, static_cast<unsigned long long>(last.counters.reverse_messages),
+      static_cast<unsigned long long>(last.counters.read_timeouts),
+      static_cast<unsigned long long>(last.counters.protective_stops));
+  return exit_ok;
+}

@@ -1,0 +1,255 @@
+#include "examples/simulated_ur5/scenario.hpp"
+
+#include <toml++/toml.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "skinctl/core/contract.hpp"
+
+namespace simulated_ur5 {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t largest_file = 64u << 20;
+
+std::ifstream open(const std::string& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) skinctl::refuse(file + ": no such file");
+  if (fs::file_size(file, error) > largest_file) skinctl::refuse(file + ": larger than 64 MiB");
+  std::ifstream in(file);
+  if (!in) skinctl::refuse(file + ": cannot be read");
+  return in;
+}
+
+/// One table, with every key that was asked for ticked off.
+class Table {
+ public:
+  Table(const std::string& file, const std::string& name, const toml::table& table)
+      : file_(file), name_(name), table_(table) {}
+
+  void number(const char* key, double& value) {
+    if (const toml::node* node = find(key)) {
+      const auto v = node->value<double>();
+      if (!v) bad(*node, key, "a number");
+      value = *v;
+    }
+  }
+  void whole(const char* key, std::uint64_t& value, std::int64_t most) {
+    if (const toml::node* node = find(key)) {
+      const auto v = node->value_exact<std::int64_t>();
+      if (!v || *v < 0 || *v > most) bad(*node, key, "a whole number of 0 to " + std::to_string(most));
+      value = static_cast<std::uint64_t>(*v);
+    }
+  }
+  void flag(const char* key, bool& value) {
+    if (const toml::node* node = find(key)) {
+      const auto v = node->value_exact<bool>();
+      if (!v) bad(*node, key, "true or false");
+      value = *v;
+    }
+  }
+  bool text(const char* key, std::string& value) {
+    const toml::node* node = find(key);
+    if (!node) return false;
+    const auto v = node->value_exact<std::string>();
+    if (!v) bad(*node, key, "a text");
+    value = *v;
+    return true;
+  }
+  bool numbers(const char* key, std::vector<double>& value, std::size_t count, bool or_one) {
+    const toml::node* node = find(key);
+    if (!node) return false;
+    value.clear();
+    const std::string expected =
+        (or_one ? std::string("one number or ") : std::string()) + std::to_string(count) + " numbers";
+    if (const toml::array* list = node->as_array()) {
+      for (const toml::node& item : *list) {
+        const auto v = item.value<double>();
+        if (!v) bad(*node, key, expected);
+        value.push_back(*v);
+      }
+      if (value.size() != count) bad(*node, key, expected);
+      return true;
+    }
+    const auto v = node->value<double>();
+    if (!v || !or_one) bad(*node, key, expected);
+    value.assign(count, *v);
+    return true;
+  }
+  void joints(const char* key, Joints& value, bool or_one) {
+    std::vector<double> list;
+    if (numbers(key, list, joint_count, or_one)) std::copy(list.begin(), list.end(), value.begin());
+  }
+  bool vector(const char* key, Vec3& value) {
+    std::vector<double> list;
+    if (!numbers(key, list, 3, false)) return false;
+    value = {list[0], list[1], list[2]};
+    return true;
+  }
+  void duration(const char* key, Nanoseconds& value) {
+    double s = seconds(value);
+    number(key, s);
+    if (!(s >= 0 && s <= 1e6)) refuse_at(key, "0 to 1e6 s");
+    value = nanoseconds(s);
+  }
+  [[noreturn]] void bad(const toml::node& node, const char* key, const std::string& expected) const {
+    skinctl::refuse(file_ + ":" + std::to_string(node.source().begin.line) + ": " + name_ + "." + key +
+                    " must be " + expected);
+  }
+  [[noreturn]] void refuse_at(const char* key, const std::string& expected) const {
+    if (const toml::node* node = table_.get(key)) bad(*node, key, expected);
+    skinctl::refuse(file_ + ": " + name_ + "." + key + " must be " + expected);
+  }
+  /// Refuses keys that nobody asked for.
+  void finish() const {
+    for (const auto& [key, node] : table_)
+      if (asked_.count(std::string(key.str())) == 0)
+        skinctl::refuse(file_ + ":" + std::to_string(node.source().begin.line) + ": " + name_ +
+                        " has no key '" + std::string(key.str()) + "'");
+  }
+
+ private:
+  const toml::node* find(const char* key) {
+    asked_.insert(key);
+    return table_.get(key);
+  }
+  std::string file_, name_;
+  const toml::table& table_;
+  std::set<std::string> asked_;
+};
+
+void read_robot(Table t, Config& config) {
+  ControllerConfig& c = config.controller;
+  std::string series;
+  if (t.text("series", series)) {
+    if (series != "cb3" && series != "e-series") t.refuse_at("series", "\"cb3\" or \"e-series\"");
+    c.series = series == "cb3" ? Series::cb3 : Series::e_series;
+  }
+  t.number("delay", c.arm.delay);
+  t.number("lag", c.arm.lag);
+  t.number("compliance", c.arm.compliance);
+  t.number("position_noise", c.arm.position_noise);
+  t.number("velocity_noise", c.arm.velocity_noise);
+  t.number("step_tolerance", c.arm.step_tolerance);
+  t.number("protective_deceleration", c.arm.protective_deceleration);
+  t.joints("velocity_limit", c.arm.velocity_limit, true);
+  t.joints("acceleration_limit", c.arm.acceleration_limit, true);
+  t.joints("home", c.arm.home, false);
+  t.number("protective_force", c.protective_force);
+  t.flag("powered", c.powered);
+  t.number("power_on_time", c.power_on_time);
+  t.number("brake_release_time", c.brake_release_time);
+  t.number("unlock_time", c.unlock_time);
+  t.whole("seed", c.seed, 9223372036854775807);
+  t.finish();
+}
+
+void read_skin(Table t, const fs::path& folder, Config& config) {
+  SkinConfig& s = config.controller.skin;
+  std::string cells;
+  if (t.text("cells", cells)) config.controller.cells = read_cells_file((folder / cells).string());
+  t.number("newtons_per_reading", s.newtons_per_reading);
+  t.number("rest_reading", s.rest_reading);
+  t.number("force_noise", s.force_noise);
+  t.number("proximity_noise", s.proximity_noise);
+  t.number("acceleration_noise", s.acceleration_noise);
+  t.number("proximity_distance", s.proximity_distance);
+  t.number("temperature", s.temperature);
+  t.number("force_delta", s.force_delta);
+  t.number("proximity_delta", s.proximity_delta);
+  t.number("acceleration_delta", s.acceleration_delta);
+  t.duration("keep_alive", s.keep_alive);
+  t.finish();
+}
+
+void read_touch(Table t, const fs::path& folder, std::size_t number, std::vector<Touch>& touches) {
+  Touch touch;
+  touch.name = "touch " + std::to_string(number);
+  t.text("name", touch.name);
+  t.number("start", touch.start);
+  std::uint64_t cell = 0xffffffffffu, link = touch.link;
+  t.whole("cell", cell, 4294967295);
+  t.whole("link", link, 5);
+  const bool point = t.vector("point", touch.point), normal = t.vector("normal", touch.normal);
+  touch.link = static_cast<std::size_t>(link);
+  if (cell <= 4294967295u) {
+    if (point || normal) t.refuse_at("cell", "given without point and normal");
+    touch.cell = static_cast<std::uint32_t>(cell);
+  } else if (!point || !normal) {
+    t.refuse_at("cell", "given, or else link, point and normal");
+  }
+  t.number("stiffness", touch.stiffness);
+  t.number("damping", touch.damping);
+  t.number("gap", touch.gap);
+  t.number("approach_speed", touch.approach_speed);
+  t.number("travel", touch.travel);
+  t.number("hold", touch.hold);
+  t.number("release_speed", touch.release_speed);
+  t.number("patch_radius", touch.patch_radius);
+  t.number("reach", touch.reach);
+  t.flag("follow", touch.follow);
+  std::string profile;
+  if (t.text("profile", profile)) touch.profile = read_profile_file((folder / profile).string());
+  t.number("profile_scale", touch.profile_scale);
+  t.flag("impose_force", touch.impose_force);
+  std::uint64_t repeat = 1;
+  double period = touch.duration() + 1;
+  t.whole("repeat", repeat, 10000);
+  t.number("period", period);
+  t.finish();
+  check(touch);
+  if (!(period >= 0 && period <= 1e6)) t.refuse_at("period", "0 to 1e6 s");
+  const std::string name = touch.name;
+  const double start = touch.start;
+  for (std::uint64_t i = 0; i < repeat; ++i) {
+    touch.start = start + static_cast<double>(i) * period;
+    if (repeat > 1) touch.name = name + " #" + std::to_string(i + 1);
+    touches.push_back(touch);
+    if (touches.size() > 10000) t.refuse_at("repeat", "so that there are at most 10000 touches");
+  }
+}
+
+}  // namespace
+
+std::vector<SkinCell> read_cells_file(const std::string& file) {
+  auto in = open(file);
+  return read_cells(in, file);
+}
+
+ForceProfile read_profile_file(const std::string& file) {
+  auto in = open(file);
+  return read_profile(in, file);
+}
+
+void read_scenario(const std::string& file, Config& config) {
+  auto in = open(file);
+  toml::table root;
+  try {
+    root = toml::parse(in, file);
+  } catch (const toml::parse_error& e) {
+    skinctl::refuse(file + ":" + std::to_string(e.source().begin.line) + ": " + std::string(e.description()));
+  }
+  const fs::path folder = fs::path(file).parent_path();
+  if (const toml::node* robot = root.get("robot")) {
+    if (!robot->is_table()) skinctl::refuse(file + ": robot must be a table");
+    read_robot(Table(file, "robot", *robot->as_table()), config);
+  }
+  if (const toml::node* skin = root.get("skin")) {
+    if (!skin->is_table()) skinctl::refuse(file + ": skin must be a table");
+    read_skin(Table(file, "skin", *skin->as_table()), folder, config);
+  }
+  if (const toml::node* touch = root.get("touch")) {
+    const toml::array* list = touch->as_array();
+    if (!list) skinctl::refuse(file + ": touch must be an array of tables, [[touch]]");
+    std::size_t number = 0;
+    for (const toml::node& item : *list) {
+      if (!item.is_table()) skinctl::refuse(file + ": touch must be an array of tables, [[touch]]");
+      read_touch(Table(file, "touch", *item.as_table()), folder, ++number, config.controller.touches);
+    }
+  }
+}
+
+}  // namespace simulated_ur5

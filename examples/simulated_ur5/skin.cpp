@@ -1,0 +1,206 @@
+#include "examples/simulated_ur5/skin.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <sstream>
+#include <unordered_set>
+
+#include "skinctl/core/contract.hpp"
+
+namespace simulated_ur5 {
+namespace {
+
+constexpr std::size_t most_cells = 20000;
+
+double step(double value, double size) {
+  return std::round(value / size) * size;
+}
+
+template <class T>
+std::uint8_t* put(std::uint8_t* out, T value) {
+  static_assert(sizeof(T) <= 8);
+  std::uint64_t bits = 0;
+  if constexpr (std::is_same_v<T, float>) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, &value, 4);
+    bits = word;
+  } else {
+    bits = static_cast<std::uint64_t>(value);
+  }
+  for (std::size_t i = 0; i < sizeof(T); ++i) *out++ = static_cast<std::uint8_t>(bits >> (8 * i));
+  return out;
+}
+
+}  // namespace
+
+void complete(SkinCell& cell) {
+  cell.normal = normalised(cell.normal);
+  for (const Vec3 candidate : {cell.axis, Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
+    const Vec3 in_plane = candidate - dot(candidate, cell.normal) * cell.normal;
+    if (norm(in_plane) < 0.1) continue;
+    cell.axis = normalised(in_plane);
+    return;
+  }
+}
+
+std::vector<SkinCell> read_cells(std::istream& in, const std::string& name) {
+  std::vector<SkinCell> cells;
+  std::unordered_set<std::uint32_t> ids;
+  std::string line;
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    const auto bad = [&](const std::string& why) {
+      skinctl::refuse(name + ":" + std::to_string(number) + ": " + why +
+                      "; expected: id link px py pz nx ny nz [xx xy xz]");
+    };
+    if (const auto comment = line.find('#'); comment != std::string::npos) line.resize(comment);
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream words(line);
+    std::vector<double> values;
+    for (std::string word; words >> word;) {
+      char* end = nullptr;
+      values.push_back(std::strtod(word.c_str(), &end));
+      if (*end != '\0' || !std::isfinite(values.back())) bad("'" + word + "' is no number");
+      if (values.size() > 11) bad("more than 11 numbers");
+    }
+    if (values.empty()) continue;
+    if (values.size() != 8 && values.size() != 11) bad(std::to_string(values.size()) + " numbers");
+    if (values[0] < 0 || values[0] > 4294967295.0 || values[0] != std::floor(values[0])) bad("no cell id");
+    if (values[1] < 0 || values[1] > 5 || values[1] != std::floor(values[1])) bad("link outside 0 to 5");
+    SkinCell cell;
+    cell.id = static_cast<std::uint32_t>(values[0]);
+    cell.link = static_cast<std::size_t>(values[1]);
+    cell.position = {values[2], values[3], values[4]};
+    cell.normal = {values[5], values[6], values[7]};
+    if (norm(cell.position) > 10) bad("a position more than 10 m from the link");
+    if (norm(cell.normal) < 0.5) bad("a normal of length below 0.5");
+    if (values.size() == 11) cell.axis = {values[8], values[9], values[10]};
+    complete(cell);
+    if (!ids.insert(cell.id).second) bad("cell " + std::to_string(cell.id) + " a second time");
+    if (cells.size() == most_cells) bad("more than 20000 cells");
+    cells.push_back(cell);
+  }
+  return cells;
+}
+
+void check(const SkinConfig& c) {
+  using skinctl::require;
+  require(c.period >= plant_step && c.period % plant_step == 0 && c.period <= nanoseconds(1), "skin period",
+          seconds(c.period), "0.5 ms to 1 s in steps of 0.5 ms");
+  require(c.keep_alive >= c.period && c.keep_alive <= nanoseconds(60), "skin keep-alive",
+          seconds(c.keep_alive), "the skin period to 60 s");
+  require(c.newtons_per_reading > 0 && c.newtons_per_reading <= 1e6, "newtons per reading",
+          c.newtons_per_reading, "> 0 to 1e6 N");
+  require(c.rest_reading >= 0 && c.rest_reading < 1, "rest reading", c.rest_reading, "0 to below 1");
+  require(c.proximity_distance > 0 && c.proximity_distance <= 1, "proximity distance", c.proximity_distance,
+          "> 0 to 1 m");
+  require(c.force_noise >= 0 && c.force_noise <= 1, "force noise", c.force_noise, "0 to 1");
+  require(c.proximity_noise >= 0 && c.proximity_noise <= 1, "proximity noise", c.proximity_noise, "0 to 1");
+  require(c.acceleration_noise >= 0 && c.acceleration_noise <= 100, "acceleration noise",
+          c.acceleration_noise, "0 to 100 m/s^2");
+  require(c.force_delta >= 0, "force delta", c.force_delta, ">= 0");
+  require(c.proximity_delta >= 0, "proximity delta", c.proximity_delta, ">= 0");
+  require(c.acceleration_delta >= 0, "acceleration delta", c.acceleration_delta, ">= 0 m/s^2");
+}
+
+Skin::Skin(std::vector<SkinCell> cells, const SkinConfig& config, std::uint64_t seed)
+    : cells_(std::move(cells)), config_(config), memory_(cells_.size()), random_(seed) {
+  check(config_);
+  skinctl::require(cells_.size() <= most_cells, "number of skin cells", static_cast<double>(cells_.size()),
+                   "at most 20000");
+  out_.reserve(cells_.size());
+}
+
+void Skin::restart(std::uint64_t seed) {
+  random_ = Random(seed);
+  ticks_ = 0;
+  for (Memory& m : memory_) {
+    const bool dead = m.dead;
+    m = Memory{};
+    m.dead = dead;
+  }
+}
+
+void Skin::set_dead(std::uint32_t cell, bool dead) {
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (cells_[i].id == cell) memory_[i].dead = dead;
+}
+
+const std::vector<SkinSample>& Skin::sample(Nanoseconds t, const Links& links, const SkinStimulus& stimulus) {
+  out_.clear();
+  const double h = seconds(config_.period);
+  const std::int64_t rotation = std::max<std::int64_t>(1, config_.keep_alive / config_.period);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const SkinCell& cell = cells_[i];
+    Memory& m = memory_[i];
+    const Pose& pose = links.link[cell.link];
+    SkinSample s;
+    s.cell = cell.id;
+    s.time = t + config_.clock_offset;
+
+    const double share =
+        i < stimulus.force.size() ? stimulus.force[i] / (3 * config_.newtons_per_reading) : 0;
+    for (float& f : s.force) {
+      const double reading = config_.rest_reading + share + config_.force_noise * random_.noise();
+      f = static_cast<float>(std::clamp(step(reading, 1.0 / 1024), 0.0, 1.0));
+    }
+    const double proximity = (i < stimulus.proximity.size() ? stimulus.proximity[i] : 0) +
+                             config_.proximity_noise * random_.noise();
+    s.proximity = static_cast<float>(std::clamp(step(proximity, 1.0 / 65536), 0.0, 1.0));
+
+    const Vec3 here = pose.point(cell.position);
+    Vec3 acceleration{0, 0, 9.81};
+    if (ticks_ >= 2) acceleration = acceleration + (1 / (h * h)) * (here - 2 * m.before + m.before_that);
+    m.before_that = m.before;
+    m.before = here;
+    const Vec3 in_link = pose.rotate_back(acceleration);
+    const Vec3 along{dot(cell.axis, in_link), dot(cross(cell.normal, cell.axis), in_link),
+                     dot(cell.normal, in_link)};
+    const double in_cell[3] = {along.x, along.y, along.z};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double reading = in_cell[a] + config_.acceleration_noise * random_.noise();
+      s.acceleration[a] = static_cast<float>(std::clamp(step(reading, 9.80665 / 256), -157.0, 157.0));
+    }
+    s.temperature = static_cast<float>(step(config_.temperature, 0.5));
+
+    bool due = !m.ever_sent || t - m.sent_at >= config_.keep_alive;
+    // Cells take turns, so that keep-alives do not come all at once.
+    if (static_cast<std::int64_t>(i) % rotation == ticks_ % rotation) due = true;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (std::abs(s.force[a] - m.sent.force[a]) >= static_cast<float>(config_.force_delta)) due = true;
+      if (std::abs(s.acceleration[a] - m.sent.acceleration[a]) >=
+          static_cast<float>(config_.acceleration_delta))
+        due = true;
+    }
+    if (std::abs(s.proximity - m.sent.proximity) >= static_cast<float>(config_.proximity_delta)) due = true;
+    if (!due || m.dead) continue;
+    m.sent = s;
+    m.sent_at = t;
+    m.ever_sent = true;
+    out_.push_back(s);
+  }
+  ++ticks_;
+  return out_;
+}
+
+std::size_t write_datagram(std::uint8_t* out, std::uint32_t sequence, std::int64_t sent_at,
+                           const SkinSample* first, std::size_t count) {
+  count = std::min(count, datagram_samples);
+  std::uint8_t* p = out;
+  for (const char c : {'S', 'K', 'I', 'N'}) *p++ = static_cast<std::uint8_t>(c);
+  p = put(p, std::uint16_t{1});
+  p = put(p, static_cast<std::uint16_t>(count));
+  p = put(p, sequence);
+  p = put(p, sent_at);
+  for (std::size_t i = 0; i < count; ++i) {
+    const SkinSample& s = first[i];
+    p = put(p, s.cell);
+    p = put(p, s.time);
+    for (float f : s.force) p = put(p, f);
+    p = put(p, s.proximity);
+    for (float a : s.acceleration) p = put(p, a);
+    p = put(p, s.temperature);
+  }
+  return static_cast<std::size_t>(p - out);
+}
+
+}  // namespace simulated_ur5

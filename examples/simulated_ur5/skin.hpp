@@ -1,0 +1,113 @@
+// The robot skin: cells fixed to links, what they read, and the datagram that carries it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <istream>
+#include <string>
+#include <vector>
+
+#include "examples/simulated_ur5/arm.hpp"
+#include "examples/simulated_ur5/geometry.hpp"
+
+namespace simulated_ur5 {
+
+/// One skin cell on a link. Its z axis is the outward normal.
+struct SkinCell {
+  std::uint32_t id = 0;
+  std::size_t link = 0;  ///< 0 to 5, frame as in `Links`
+  Vec3 position;         ///< [m], link frame
+  Vec3 normal;           ///< unit, link frame, outward
+  Vec3 axis;             ///< x axis of the cell, unit, square to the normal
+};
+
+/// Reads a table of cells: per line `id link px py pz nx ny nz [xx xy xz]`, separated by blanks or commas,
+/// `#` starts a comment. Metres, link frame, link 0 to 5. The optional last three numbers are the cell's x
+/// axis; without them it is the link's z axis projected into the cell's plane (the link's x axis where those
+/// are parallel). Vectors are normalised. Throws `skinctl::ConfigurationError` with the line for anything
+/// else, for repeated ids and for more than 20000 cells.
+std::vector<SkinCell> read_cells(std::istream& in, const std::string& name);
+
+/// Makes `axis` square to `normal`, both unit; picks the default axis where `axis` has no part in the cell's
+/// plane.
+void complete(SkinCell& cell);
+
+struct SkinConfig {
+  Nanoseconds period = 4'000'000;        ///< of the samples, a multiple of `plant_step`
+  Nanoseconds keep_alive = 100'000'000;  ///< longest silence of a cell without new data
+  double newtons_per_reading = 20;       ///< normal force on a cell per unit of f1 + f2 + f3
+  double rest_reading = 0.004;           ///< of each force sensor
+  double force_noise = 0.0003;           ///< standard deviation of each force reading
+  double proximity_noise = 0.0005;
+  double acceleration_noise = 0.02;  ///< [m/s^2]
+  double proximity_distance = 0.01;  ///< of a finger that gives reading 0.5 [m]
+  double temperature = 30;           ///< [C]
+  double force_delta = 2.0 / 1024;   ///< a reading that changed by this much is new data
+  double proximity_delta = 0.004;
+  double acceleration_delta = 1;  ///< [m/s^2]
+  Nanoseconds clock_offset = 0;   ///< added to the controller's time: the skin has its own clock
+};
+void check(const SkinConfig& config);
+
+/// One sample as it goes out.
+struct SkinSample {
+  std::uint32_t cell = 0;
+  std::int64_t time = 0;  ///< [ns], skin clock
+  std::array<float, 3> force{};
+  float proximity = 0;
+  std::array<float, 3> acceleration{};  ///< cell axes, proper acceleration (at rest: +g along up) [m/s^2]
+  float temperature = 0;                ///< [C]
+};
+
+/// What the world does to the cells at one instant, cell by cell.
+struct SkinStimulus {
+  std::vector<double> force;      ///< normal force on each cell [N]
+  std::vector<double> proximity;  ///< ideal reading [0, 1]
+};
+
+/// Turns stimuli into readings with the sensors' steps and noise, and picks those worth sending.
+class Skin {
+ public:
+  Skin(std::vector<SkinCell> cells, const SkinConfig& config, std::uint64_t seed);
+
+  const std::vector<SkinCell>& cells() const { return cells_; }
+  const SkinConfig& config() const { return config_; }
+
+  /// Samples all cells at time `t` (call every `period`); returns those with new data or due for a
+  /// keep-alive.
+  const std::vector<SkinSample>& sample(Nanoseconds t, const Links& links, const SkinStimulus& stimulus);
+
+  /// Starts the noise and the keep-alive rotation anew.
+  void restart(std::uint64_t seed);
+  /// A cell that no longer answers, or answers again.
+  void set_dead(std::uint32_t cell, bool dead);
+
+ private:
+  struct Memory {
+    SkinSample sent;
+    Nanoseconds sent_at = 0;
+    bool ever_sent = false;
+    bool dead = false;
+    Vec3 before, before_that;  ///< positions at the two samples before
+  };
+  std::vector<SkinCell> cells_;
+  SkinConfig config_;
+  std::vector<Memory> memory_;
+  std::vector<SkinSample> out_;
+  std::int64_t ticks_ = 0;
+  Random random_;
+};
+
+/// The datagram of `examples/adapters/skin/PROTOCOL.md`.
+inline constexpr std::size_t datagram_header = 20;
+inline constexpr std::size_t datagram_sample = 44;
+inline constexpr std::size_t datagram_limit = 1472;
+inline constexpr std::size_t datagram_samples = (datagram_limit - datagram_header) / datagram_sample;
+
+/// Writes samples `first` to `first + count - 1` (at most `datagram_samples`) into `out`, which must hold
+/// `datagram_limit` bytes; returns the size.
+std::size_t write_datagram(std::uint8_t* out, std::uint32_t sequence, std::int64_t sent_at,
+                           const SkinSample* first, std::size_t count);
+
+}  // namespace simulated_ur5

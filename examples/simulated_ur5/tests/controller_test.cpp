@@ -1,0 +1,493 @@
+#include "examples/simulated_ur5/controller.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "examples/simulated_ur5/random.hpp"
+#include "examples/simulated_ur5/reverse.hpp"
+#include "examples/simulated_ur5/tests/raw.hpp"
+#include "skinctl/core/contract.hpp"
+
+using namespace simulated_ur5;
+
+namespace {
+
+ControllerConfig exact(Series series = Series::e_series) {
+  ControllerConfig c;
+  c.series = series;
+  c.powered = true;
+  c.arm.position_noise = c.arm.velocity_noise = 0;
+  return c;
+}
+
+ReverseMessage message(std::int32_t timeout, const Joints& v, std::int32_t mode) {
+  ReverseMessage m;
+  m.read_timeout_ms = timeout;
+  for (std::size_t i = 0; i < joint_count; ++i)
+    m.values[i] = static_cast<std::int32_t>(std::lround(v[i] * 1e6));
+  m.mode = mode;
+  return m;
+}
+
+/// A controller that runs a stream with its sockets open.
+struct Streaming {
+  explicit Streaming(ControllerConfig config = exact()) : c(std::move(config)) {
+    REQUIRE(c.run(raw::stream_program(50001)).empty());
+    REQUIRE(c.wants_sockets() != nullptr);
+    c.sockets_opened();
+  }
+  void send(std::int32_t timeout, const Joints& v, std::int32_t mode) {
+    c.reverse_message(message(timeout, v, mode));
+    c.step();
+  }
+  void steps(int n) {
+    for (int i = 0; i < n; ++i) c.step();
+  }
+  Controller c;
+};
+
+double speed(const Controller& c) {
+  double v = 0;
+  for (double x : c.arm().dq()) v = std::max(v, std::abs(x));
+  return v;
+}
+
+}  // namespace
+
+TEST_CASE("Power: from power off over booting and idle to running, as the dashboard asks") {
+  ControllerConfig config = exact();
+  config.powered = false;
+  Controller c(config);
+  std::vector<RobotMode> seen{c.state().robot_mode};
+  const auto run = [&](int n) {
+    for (int i = 0; i < n; ++i) {
+      c.step();
+      if (c.state().robot_mode != seen.back()) seen.push_back(c.state().robot_mode);
+    }
+  };
+  run(100);
+  CHECK(seen == std::vector{RobotMode::power_off});
+  CHECK_FALSE(c.state().power_on);
+  CHECK(c.run("movej([0,0,0,0,0,0])\n").find("not running") != std::string::npos);
+  CHECK(c.power_on());
+  run(1000);
+  CHECK(seen == std::vector{RobotMode::power_off, RobotMode::power_on, RobotMode::booting, RobotMode::idle});
+  CHECK(c.brake_release());
+  run(1000);
+  CHECK(seen.back() == RobotMode::running);
+  CHECK(c.state().joint_mode == 253);
+  c.power_off();
+  run(1);
+  CHECK(seen.back() == RobotMode::power_off);
+  // brake release powers on by itself.
+  CHECK(c.brake_release());
+  run(2000);
+  CHECK(seen.back() == RobotMode::running);
+}
+
+TEST_CASE("Stream: the read timeout counts for the next read, in simulated time") {
+  for (const Series series : {Series::cb3, Series::e_series}) {
+    CAPTURE(int(series));
+    const double cycle = seconds(cycle_of(series));
+    Streaming s(exact(series));
+    // Before the first message the robot waits for ever.
+    s.steps(2000);
+    CHECK(s.c.state().runtime_state == RuntimeState::playing);
+    CHECK(s.c.awaits_command());
+    for (int i = 0; i < 100; ++i) s.send(20, {0.5, 0, 0, 0, 0, 0}, 2);
+    CHECK(s.c.awaits_command());
+    s.send(100, {0.5, 0, 0, 0, 0, 0}, 2);
+    const Nanoseconds last = s.c.now() - s.c.cycle();  // when the message was read
+    while (s.c.state().runtime_state == RuntimeState::playing) s.c.step();
+    CHECK(seconds(s.c.now() - last) >= 0.1 - 1e-9);
+    CHECK(seconds(s.c.now() - last) <= 0.1 + 2 * cycle + 1e-9);
+    CHECK(s.c.counters().read_timeouts == 1);
+    CHECK(s.c.wants_sockets() == nullptr);
+    // stopj(4): 0.5 rad/s in 0.125 s.
+    const Nanoseconds began = s.c.now();
+    while (s.c.arm().target_dq()[0] > 0) s.c.step();
+    CHECK(seconds(s.c.now() - began) == doctest::Approx(0.125).epsilon(0.15));
+    s.steps(100);
+    CHECK(s.c.state().runtime_state == RuntimeState::stopped);
+    CHECK(speed(s.c) < 1e-9);
+    // Messages after the end change nothing.
+    s.send(100, {0.5, 0, 0, 0, 0, 0}, 2);
+    s.steps(10);
+    CHECK(speed(s.c) < 1e-9);
+  }
+}
+
+TEST_CASE("Stream: a timeout of 0 or less waits for ever") {
+  for (const std::int32_t forever : {0, -1, -2147483647}) {
+    Streaming s;
+    s.send(forever, {0.2, 0, 0, 0, 0, 0}, 2);
+    s.steps(3000);
+    CHECK(s.c.state().runtime_state == RuntimeState::playing);
+    CHECK(s.c.arm().dq()[0] == doctest::Approx(0.2));
+  }
+}
+
+TEST_CASE("Stream: servoj follows to the microradian, and holds without news") {
+  Streaming s;
+  Joints q = ArmConfig{}.home;
+  for (int i = 0; i < 500; ++i) {
+    q[1] += 0.4 * 0.002;
+    q[5] -= 0.2 * 0.002;
+    s.send(200, q, 1);
+    if (i > 20) CHECK(std::abs(s.c.state().target_q[1] - q[1]) < 1e-6);
+  }
+  s.steps(50);
+  CHECK(std::abs(s.c.arm().q()[5] - q[5]) < 2e-6);
+  CHECK(s.c.state().runtime_state == RuntimeState::playing);
+  CHECK(s.c.counters().cycles_without_message == 50);
+}
+
+TEST_CASE("Stream: of several messages in one cycle the last counts") {
+  Streaming s;
+  for (int i = 0; i < 200; ++i) {
+    s.c.reverse_message(message(100, {0.9, 0, 0, 0, 0, 0}, 2));
+    s.c.reverse_message(message(100, {0.1, 0, 0, 0, 0, 0}, 2));
+    s.c.step();
+  }
+  CHECK(s.c.arm().dq()[0] == doctest::Approx(0.1));
+  // A flood is bounded.
+  for (int i = 0; i < 100000; ++i) s.c.reverse_message(message(100, {0.1, 0, 0, 0, 0, 0}, 2));
+  s.c.step();
+  CHECK_FALSE(s.c.has_command());
+}
+
+TEST_CASE("Stream: changing the mode stops the motion first; mode -2 ends the program") {
+  Streaming s;
+  for (int i = 0; i < 300; ++i) s.send(100, {0, 0, 0, 0.6, 0, 0}, 2);
+  // To servoj while moving: the speed thread stops the arm, then servoing begins where it stands.
+  double slowest = 1, before = s.c.state().target_dq[3];
+  for (int i = 0; i < 400; ++i) {
+    s.send(100, s.c.state().target_q, 1);
+    CHECK(std::abs(s.c.state().target_dq[3] - before) <= 4 * 0.002 + 1e-9);  // stopj(4.0)
+    before = s.c.state().target_dq[3];
+    slowest = std::min(slowest, std::abs(s.c.state().target_dq[3]));
+    REQUIRE(s.c.state().safety_mode == SafetyMode::normal);
+  }
+  CHECK(slowest == 0);
+  s.send(100, {}, 0);  // idle
+  s.steps(20);
+  for (int i = 0; i < 100; ++i) s.send(100, {0, 0, 0, 0.6, 0, 0}, 2);
+  CHECK(s.c.arm().dq()[3] > 0.3);
+  s.send(100, {}, -2);
+  s.steps(300);
+  CHECK(s.c.state().runtime_state == RuntimeState::stopped);
+  CHECK(speed(s.c) == 0);
+  CHECK(s.c.wants_sockets() == nullptr);
+}
+
+TEST_CASE("Stream: unknown modes keep the arm still") {
+  for (const std::int32_t mode : {3, 8, 1000000, -1, -3}) {
+    Streaming s;
+    for (int i = 0; i < 200; ++i) s.send(100, {1, 1, 1, 1, 1, 1}, mode);
+    CHECK(speed(s.c) == 0);
+    CHECK(s.c.state().runtime_state == RuntimeState::playing);
+  }
+}
+
+TEST_CASE("Stream: a peer that leaves ends the program, after what it said last") {
+  Streaming s;
+  for (int i = 0; i < 200; ++i) s.send(0, {0.5, 0, 0, 0, 0, 0}, 2);
+  s.c.reverse_message(message(0, {0.4, 0, 0, 0, 0, 0}, 2));
+  s.c.reverse_closed();
+  s.c.step();
+  CHECK(s.c.arm().target_dq()[0] == doctest::Approx(0.42).epsilon(0.02));
+  s.steps(300);
+  CHECK(s.c.state().runtime_state == RuntimeState::stopped);
+  CHECK(speed(s.c) == 0);
+}
+
+TEST_CASE("Stream: pause stops the arm and the clock of the read; play goes on") {
+  Streaming s;
+  for (int i = 0; i < 200; ++i) s.send(100, {0.5, 0, 0, 0, 0, 0}, 2);
+  CHECK(s.c.pause());
+  s.steps(500);
+  CHECK(s.c.state().runtime_state == RuntimeState::paused);
+  CHECK(s.c.state().speed_scaling == 0);
+  CHECK(speed(s.c) == 0);
+  CHECK_FALSE(s.c.awaits_command());
+  CHECK(s.c.play());
+  for (int i = 0; i < 200; ++i) s.send(100, {0.5, 0, 0, 0, 0, 0}, 2);
+  CHECK(s.c.arm().dq()[0] == doctest::Approx(0.5));
+  CHECK(s.c.stop_program());
+  s.steps(300);
+  CHECK(s.c.state().runtime_state == RuntimeState::stopped);
+}
+
+TEST_CASE("Safety: a command beyond what the arm can do is a protective stop that must be unlocked") {
+  Streaming s;
+  Joints q = ArmConfig{}.home;
+  for (int i = 0; i < 200; ++i) {
+    q[0] += 0.5 * 0.002;
+    s.send(100, q, 1);
+  }
+  q[0] += 0.5;
+  s.send(100, q, 1);
+  CHECK(s.c.state().safety_mode == SafetyMode::protective_stop);
+  CHECK(s.c.counters().protective_stops == 1);
+  s.steps(200);
+  CHECK(speed(s.c) == 0);
+  CHECK(s.c.state().runtime_state == RuntimeState::paused);
+  CHECK_FALSE(s.c.unlock_protective_stop());
+  CHECK_FALSE(s.c.play());
+  CHECK(s.c.run("stopj(1)\n").find("safety") != std::string::npos);
+  s.steps(2500);
+  CHECK(s.c.unlock_protective_stop());
+  CHECK(s.c.state().safety_mode == SafetyMode::normal);
+  CHECK(s.c.play());
+  s.send(100, s.c.state().target_q, 1);
+  CHECK(s.c.state().runtime_state == RuntimeState::playing);
+}
+
+TEST_CASE("Safety: joint limits and emergency stops bring the arm to rest") {
+  {
+    ControllerConfig config = exact();
+    config.arm.home = {0, -pi / 2, 2.9, 0, 0, 0};
+    Streaming s(config);
+    for (int i = 0; i < 1000 && s.c.state().safety_mode == SafetyMode::normal; ++i)
+      s.send(100, {0, 0, 0.5, 0, 0, 0}, 2);
+    CHECK(s.c.state().safety_mode == SafetyMode::protective_stop);
+    s.steps(200);
+    CHECK(speed(s.c) == 0);
+    CHECK(s.c.arm().q()[2] < pi + 0.01);
+  }
+  Streaming s;
+  for (int i = 0; i < 200; ++i) s.send(100, {0.5, 0, 0, 0, 0, 0}, 2);
+  s.c.emergency_stop();
+  s.steps(300);
+  CHECK(s.c.state().safety_mode == SafetyMode::robot_emergency_stop);
+  CHECK(s.c.state().robot_mode == RobotMode::power_off);
+  CHECK(speed(s.c) == 0);
+  CHECK_FALSE(s.c.power_on());
+  s.c.restart_safety();
+  CHECK(s.c.power_on());
+}
+
+TEST_CASE("Contact: a strong touch on a stiff arm is a protective stop, and the forces are reported") {
+  ControllerConfig config = exact();
+  Touch t;
+  t.link = 2;
+  t.point = {-0.2, 0, 0.06};
+  t.normal = {0, 0, 1};
+  t.stiffness = 20000;
+  t.travel = 0.02;
+  t.gap = 0.02;
+  config.touches = {t};
+  {
+    Streaming s(config);
+    for (int i = 0; i < 1000; ++i) s.send(100, config.arm.home, 1);
+    CHECK(s.c.state().safety_mode == SafetyMode::protective_stop);
+    CHECK(s.c.world().results()[0].peak_force > 150);
+  }
+  config.protective_force = 0;
+  Streaming s(config);
+  double felt = 0;
+  for (int i = 0; i < 400; ++i) {
+    s.send(100, config.arm.home, 1);
+    felt = std::max(felt, s.c.state().tcp_force);
+  }
+  CHECK(felt == doctest::Approx(400).epsilon(0.01));
+  CHECK(s.c.state().safety_mode == SafetyMode::normal);
+  // The scenario's clock starts with the first motion command.
+  CHECK(s.c.scenario_time() == doctest::Approx(0.8));
+}
+
+TEST_CASE("Controller: from the first command on everything is a function of seed and commands") {
+  const auto trace = [](int idle_steps, std::uint64_t seed) {
+    ControllerConfig config = exact();
+    config.arm.position_noise = 1e-4;
+    config.seed = seed;
+    Touch t;
+    t.link = 2;
+    t.point = {-0.2, 0, 0.06};
+    config.touches = {t};
+    config.cells.resize(4);
+    for (std::size_t i = 0; i < 4; ++i) {
+      config.cells[i].id = static_cast<std::uint32_t>(i);
+      config.cells[i].link = 2;
+      config.cells[i].position = {-0.15 - 0.03 * static_cast<double>(i), 0, 0.06};
+      config.cells[i].normal = {0, 0, 1};
+      complete(config.cells[i]);
+    }
+    Streaming s(config);
+    s.steps(idle_steps);
+    std::vector<double> out;
+    Nanoseconds begin = 0;
+    s.c.on_skin = [&](Nanoseconds now, const std::vector<SkinSample>& samples) {
+      if (begin == 0) return;
+      out.push_back(static_cast<double>(now - begin));
+      for (const SkinSample& x : samples) out.push_back(static_cast<double>(x.force[0]) + x.proximity);
+    };
+    begin = s.c.now();
+    for (int i = 0; i < 600; ++i) {
+      s.send(100, {0.1 * std::sin(0.01 * i), 0, 0, 0, 0, 0}, 2);
+      for (const double q : s.c.state().actual_q) out.push_back(q);
+      out.push_back(s.c.state().tcp_force);
+    }
+    return out;
+  };
+  const auto a = trace(3, 1);
+  CHECK(a == trace(3, 1));
+  CHECK(a == trace(1234, 1));
+  CHECK(a != trace(3, 2));
+}
+
+TEST_CASE("Scripts: movej, outputs, registers and texts run line by line") {
+  Controller c(exact());
+  std::vector<std::string> said;
+  c.on_message = [&](const std::string& text) { said.push_back(text); };
+  REQUIRE(c.run("def f():\n"
+                "  set_standard_digital_out(2, True)\n"
+                "  movej([0.3,-1.5,-1.5,-1.5,1.5,0.1], a=3, v=1)\n"
+                "  set_tool_digital_out(0, True)\n"
+                "  write_output_integer_register(3, 42)\n"
+                "  write_output_float_register(4, 0.5)\n"
+                "  write_output_boolean_register(70, True)\n"
+                "  sleep(0.1)\n"
+                "  textmsg(\"done\")\n"
+                "end\n")
+              .empty());
+  c.step();
+  CHECK(c.state().digital_outputs == 4);
+  CHECK(c.state().program_running);
+  int steps = 0;
+  while (c.state().runtime_state != RuntimeState::stopped && ++steps < 5000) c.step();
+  CHECK(steps < 1000);
+  CHECK(c.state().digital_outputs == (4u | 1u << 16));
+  CHECK(c.state().outputs.integers[3] == 42);
+  CHECK(c.state().outputs.doubles[4] == 0.5);
+  CHECK(c.state().outputs.bits[70]);
+  CHECK(c.arm().q()[0] == doctest::Approx(0.3));
+  CHECK(std::find(said.begin(), said.end(), "done") != said.end());
+}
+
+TEST_CASE("Scripts: a new program replaces the one that runs; a secondary one runs beside it") {
+  Streaming s;
+  for (int i = 0; i < 200; ++i) s.send(100, {0.5, 0, 0, 0, 0, 0}, 2);
+  CHECK(s.c.run("sec o():\n set_standard_digital_out(0, True)\n stopj(2)\nend\n").empty());
+  CHECK(s.c.state().digital_outputs == 1);
+  CHECK(s.c.wants_sockets() != nullptr);
+  s.send(100, {0.5, 0, 0, 0, 0, 0}, 2);
+  CHECK(s.c.arm().dq()[0] == doctest::Approx(0.5));
+  // A line without `sec` is a program of its own: the way to stop a robot from outside.
+  CHECK(s.c.run("stopj(2.0)\n").empty());
+  CHECK(s.c.wants_sockets() == nullptr);
+  int steps = 0;
+  while (s.c.arm().target_dq()[0] > 0) {
+    s.c.step();
+    ++steps;
+  }
+  CHECK(steps * 0.002 == doctest::Approx(0.25).epsilon(0.05));
+  s.steps(100);
+  CHECK(s.c.state().runtime_state == RuntimeState::stopped);
+  // A movej that follows a motion waits until the arm stands.
+  Streaming t;
+  for (int i = 0; i < 200; ++i) t.send(100, {0.5, 0, 0, 0, 0, 0}, 2);
+  CHECK(t.c.run("movej([0,-1.5,-1.5,-1.5,1.5,0])\n").empty());
+  double last = t.c.arm().target_dq()[0];
+  for (int i = 0; i < 3000 && t.c.state().runtime_state != RuntimeState::stopped; ++i) {
+    t.c.step();
+    CHECK(std::abs(t.c.arm().target_dq()[0] - last) <= 40 * 0.002 + 1e-9);
+    last = t.c.arm().target_dq()[0];
+  }
+  CHECK(t.c.arm().q()[0] == doctest::Approx(0).scale(1));
+  CHECK(t.c.state().runtime_state == RuntimeState::stopped);
+}
+
+TEST_CASE("Scripts: an RTDE watchdog stops or pauses when its input falls silent") {
+  for (const bool stops : {true, false}) {
+    Controller c(exact());
+    std::string program = raw::stream_program(50001);
+    program.insert(program.find("  steptime"),
+                   std::string("  rtde_set_watchdog(\"input_int_register_0\", 10, \"") +
+                       (stops ? "stop" : "pause") + "\")\n");
+    REQUIRE(c.run(program).empty());
+    CHECK(c.watched_input() == "input_int_register_0");
+    c.sockets_opened();
+    for (int i = 0; i < 500; ++i) {
+      c.reverse_message(message(100, {0.2, 0, 0, 0, 0, 0}, 2));
+      if (i % 20 == 0) c.watchdog_fed();
+      c.step();
+    }
+    CHECK(c.arm().dq()[0] == doctest::Approx(0.2));
+    for (int i = 0; i < 300; ++i) {
+      c.reverse_message(message(100, {0.2, 0, 0, 0, 0, 0}, 2));
+      c.step();
+    }
+    CHECK(speed(c) == 0);
+    CHECK(c.state().runtime_state == (stops ? RuntimeState::stopped : RuntimeState::paused));
+  }
+}
+
+TEST_CASE("Speed slider: slows the stream, and 0 stands still") {
+  Streaming s;
+  s.c.inputs().speed_slider_mask = 1;
+  s.c.inputs().speed_slider_fraction = 0.5;
+  s.c.inputs_written({.slider = true});
+  for (int i = 0; i < 200; ++i) s.send(100, {0.4, 0, 0, 0, 0, 0}, 2);
+  CHECK(s.c.arm().dq()[0] == doctest::Approx(0.2));
+  CHECK(s.c.state().speed_scaling == 0.5);
+  s.c.inputs().speed_slider_fraction = 0;
+  s.c.inputs_written({.slider = true});
+  for (int i = 0; i < 200; ++i) s.send(100, {0.4, 0, 0, 0, 0, 0}, 2);
+  CHECK(std::abs(s.c.arm().dq()[0]) < 1e-6);
+  s.c.inputs().speed_slider_mask = 0;
+  s.c.inputs().speed_slider_fraction = 1;
+  s.c.inputs_written({.slider = true});
+  CHECK(s.c.state().target_speed_fraction == 0);
+}
+
+TEST_CASE("Reverse reader: messages come out whole however they are cut, random bytes included") {
+  const raw::Bytes one = raw::reverse_message(200, {0.1, -0.2, 3, -1.5, 0, 0.000001}, 1);
+  REQUIRE(one.size() == 32);
+  raw::Bytes many;
+  for (int i = 0; i < 10; ++i) many.insert(many.end(), one.begin(), one.end());
+  for (const std::size_t chunk : {1u, 5u, 32u, 100u, 320u}) {
+    ReverseReader reader;
+    int n = 0;
+    for (std::size_t i = 0; i < many.size(); i += chunk) {
+      const raw::Bytes part(many.begin() + static_cast<std::ptrdiff_t>(i),
+                            many.begin() + static_cast<std::ptrdiff_t>(std::min(many.size(), i + chunk)));
+      reader.feed(part, [&](const ReverseMessage& m) {
+        ++n;
+        CHECK(m.read_timeout_ms == 200);
+        CHECK(m.values == std::array<std::int32_t, 6>{100000, -200000, 3000000, -1500000, 0, 1});
+        CHECK(m.mode == 1);
+      });
+    }
+    CHECK(n == 10);
+  }
+  // Whatever comes, the arm obeys its limits and ends at rest.
+  Random random(31);
+  Streaming s;
+  ReverseReader reader;
+  for (int i = 0; i < 5000; ++i) {
+    raw::Bytes noise(static_cast<std::size_t>(random.uniform() * 200));
+    for (auto& b : noise) b = static_cast<std::uint8_t>(random.uniform() < 0.7 ? 0 : random.bits());
+    reader.feed(noise, [&](const ReverseMessage& m) { s.c.reverse_message(m); });
+    s.c.step();
+    for (std::size_t j = 0; j < joint_count; ++j) {
+      REQUIRE(std::isfinite(s.c.arm().q()[j]));
+      REQUIRE(std::abs(s.c.arm().target_dq()[j]) <= pi + 1e-9);
+    }
+  }
+  s.c.reverse_closed();
+  s.steps(1000);
+  CHECK(speed(s.c) == 0);
+}
+
+TEST_CASE("Controller: refuses a configuration that cannot work") {
+  ControllerConfig c = exact();
+  c.protective_force = -1;
+  CHECK_THROWS_AS(Controller{c}, skinctl::ConfigurationError);
+  c = exact();
+  c.skin.period = 300'000;
+  CHECK_THROWS_AS(Controller{c}, skinctl::ConfigurationError);
+}

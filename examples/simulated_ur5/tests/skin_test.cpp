@@ -1,0 +1,205 @@
+#include "examples/simulated_ur5/skin.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <sstream>
+
+#include "skinctl/core/contract.hpp"
+
+using namespace simulated_ur5;
+
+namespace {
+
+std::vector<SkinCell> row_of_cells(std::size_t n) {
+  std::vector<SkinCell> cells(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    cells[i].id = static_cast<std::uint32_t>(100 + i);
+    cells[i].link = 2;
+    cells[i].position = {-0.1 - 0.028 * static_cast<double>(i), 0, 0.05};
+    cells[i].normal = {0, 0, 1};
+    complete(cells[i]);
+  }
+  return cells;
+}
+
+SkinConfig silent() {
+  SkinConfig c;
+  c.force_noise = c.proximity_noise = c.acceleration_noise = 0;
+  return c;
+}
+
+std::string refusal(const std::string& table) {
+  std::istringstream in(table);
+  try {
+    read_cells(in, "cells.txt");
+  } catch (const skinctl::ConfigurationError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("Cells: a plain table is read, with and without x axes") {
+  std::istringstream in(
+      "# id link p n\n"
+      "7 2  -0.1 0.0 0.05  0 0 2\n"
+      "\n"
+      "8,3, 0.0,0.0,0.06, 0,-1,0, 1,0.5,0  # a comment\n"
+      "4294967295 0 0 0 0 1 0 0\n");
+  const auto cells = read_cells(in, "t");
+  REQUIRE(cells.size() == 3);
+  CHECK(cells[0].id == 7);
+  CHECK(cells[0].link == 2);
+  CHECK(cells[0].normal.z == 1);
+  CHECK(cells[1].axis.x == doctest::Approx(1));
+  CHECK(cells[2].id == 4294967295u);
+  for (const SkinCell& c : cells) {
+    CHECK(norm(c.normal) == doctest::Approx(1));
+    CHECK(norm(c.axis) == doctest::Approx(1));
+    CHECK(std::abs(dot(c.normal, c.axis)) < 1e-12);
+  }
+}
+
+TEST_CASE("Cells: a wrong table names the line and the reason") {
+  CHECK(refusal("1 2 0 0 0 0 0 1\n1 2 0 0 0 0 0 1\n").find("cells.txt:2: cell 1 a second time") !=
+        std::string::npos);
+  CHECK(refusal("1 6 0 0 0 0 0 1\n").find("link outside 0 to 5") != std::string::npos);
+  CHECK(refusal("1 2 0 0 0 0 0\n").find("7 numbers") != std::string::npos);
+  CHECK(refusal("1 2 0 0 x 0 0 1\n").find("'x' is no number") != std::string::npos);
+  CHECK(refusal("1 2 0 0 nan 0 0 1\n").find("no number") != std::string::npos);
+  CHECK(refusal("-1 2 0 0 0 0 0 1\n").find("no cell id") != std::string::npos);
+  CHECK(refusal("1 2 0 0 0 0 0 0\n").find("normal") != std::string::npos);
+  CHECK(refusal("1 2 0 0 99 0 0 1\n").find("10 m") != std::string::npos);
+  CHECK(refusal(std::string(100, '1') + " 2 0 0 0 0 0 1 1 1 1 1\n").find("expected") != std::string::npos);
+}
+
+TEST_CASE("Skin: readings come in the sensors' steps and inside their ranges") {
+  Skin skin(row_of_cells(3), SkinConfig{}, 1);
+  const Links links = forward_kinematics(ArmConfig{}.home);
+  SkinStimulus s;
+  s.force = {0, 6, 1e6};
+  s.proximity = {0, 0.4, 7};
+  for (int k = 1; k < 200; ++k) {
+    for (const SkinSample& sample : skin.sample(k * 4'000'000, links, s)) {
+      for (const float f : sample.force) {
+        CHECK(f >= 0);
+        CHECK(f <= 1);
+        CHECK(f * 1024 == std::round(f * 1024));
+        if (sample.cell == 101) CHECK(f == doctest::Approx(0.004 + 0.1).epsilon(0.02));
+      }
+      CHECK(sample.proximity * 65536 == std::round(sample.proximity * 65536));
+      CHECK(sample.proximity <= 1);
+      CHECK(sample.temperature == 30);
+      const double a = std::sqrt(std::pow(sample.acceleration[0], 2) + std::pow(sample.acceleration[1], 2) +
+                                 std::pow(sample.acceleration[2], 2));
+      CHECK(a == doctest::Approx(9.81).epsilon(0.02));
+    }
+  }
+}
+
+TEST_CASE("Skin: only news are sent, and every cell before its keep-alive ends") {
+  const std::size_t n = 40;
+  Skin skin(row_of_cells(n), silent(), 1);
+  const Links links = forward_kinematics(ArmConfig{}.home);
+  SkinStimulus s;
+  s.force.assign(n, 0);
+  s.proximity.assign(n, 0);
+  std::vector<Nanoseconds> last(n, 0);
+  std::size_t sent = 0;
+  Nanoseconds t = 0;
+  CHECK(skin.sample(t += 4'000'000, links, s).size() == n);
+  for (int k = 0; k < 500; ++k) {
+    const auto& samples = skin.sample(t += 4'000'000, links, s);
+    sent += samples.size();
+    CHECK(samples.size() <= 4);  // they take turns
+    for (const SkinSample& sample : samples) {
+      CHECK(sample.time == t);
+      last[sample.cell - 100] = t;
+    }
+    if (k > 30)
+      for (const Nanoseconds l : last) CHECK(t - l <= 100'000'000);
+  }
+  CHECK(sent == 500 * n / 25);
+  // News: one cell is pressed.
+  s.force[17] = 3;
+  bool seen = false;
+  for (const SkinSample& sample : skin.sample(t += 4'000'000, links, s)) seen = seen || sample.cell == 117;
+  CHECK(seen);
+  // A dead cell says nothing.
+  skin.set_dead(117, true);
+  for (int k = 0; k < 100; ++k)
+    for (const SkinSample& sample : skin.sample(t += 4'000'000, links, s)) CHECK(sample.cell != 117);
+}
+
+TEST_CASE("Skin: accelerometers feel gravity in the cell's axes, and motion") {
+  std::vector<SkinCell> cells = row_of_cells(1);
+  Skin skin(cells, silent(), 1);
+  SkinStimulus s;
+  Joints q = ArmConfig{}.home;
+  const Links links = forward_kinematics(q);
+  const auto& samples = skin.sample(4'000'000, links, s);
+  REQUIRE(samples.size() == 1);
+  const SkinSample at_rest = samples[0];
+  const Vec3 up = links.link[2].rotate_back({0, 0, 9.81});
+  const Vec3 y = cross(cells[0].normal, cells[0].axis);
+  CHECK(at_rest.acceleration[0] == doctest::Approx(dot(up, cells[0].axis)).scale(9.81).epsilon(0.01));
+  CHECK(at_rest.acceleration[1] == doctest::Approx(dot(up, y)).scale(9.81).epsilon(0.01));
+  CHECK(at_rest.acceleration[2] == doctest::Approx(dot(up, cells[0].normal)).scale(9.81).epsilon(0.01));
+
+  // Turning about the vertical at w: w^2 r towards the axis.
+  Skin turning(cells, silent(), 1);
+  const double w = 2;
+  SkinSample last;
+  Links then;
+  for (int k = 0; k < 100; ++k) {
+    q[0] = w * 0.004 * k;
+    then = forward_kinematics(q);
+    for (const SkinSample& sample : turning.sample(4'000'000 * (k + 1), then, s)) last = sample;
+  }
+  const Vec3 here = then.link[2].point(cells[0].position);
+  const Vec3 felt = Vec3{-w * w * here.x, -w * w * here.y, 9.81};
+  const Vec3 local = then.link[2].rotate_back(felt);
+  CHECK(last.acceleration[0] == doctest::Approx(dot(local, cells[0].axis)).scale(9.81).epsilon(0.02));
+  CHECK(last.acceleration[2] == doctest::Approx(dot(local, cells[0].normal)).scale(9.81).epsilon(0.02));
+}
+
+TEST_CASE("Skin: the same seed gives the same samples") {
+  const auto stream = [](std::uint64_t seed) {
+    Skin skin(row_of_cells(5), SkinConfig{}, seed);
+    const Links links = forward_kinematics(ArmConfig{}.home);
+    SkinStimulus s;
+    std::vector<float> all;
+    for (int k = 1; k < 100; ++k)
+      for (const SkinSample& sample : skin.sample(k * 4'000'000, links, s)) all.push_back(sample.proximity);
+    return all;
+  };
+  CHECK(stream(3) == stream(3));
+  CHECK(stream(3) != stream(4));
+}
+
+TEST_CASE("Datagram: the bytes are those of PROTOCOL.md") {
+  SkinSample s;
+  s.cell = 7;
+  s.time = 996'000'000;
+  s.force = {0.125f, 0.25f, 0.125f};
+  s.proximity = 0.5f;
+  s.acceleration = {0, 0, 9.8125f};
+  s.temperature = 30.5f;
+  std::array<std::uint8_t, datagram_limit> out{};
+  const std::uint8_t expected[64] = {
+      0x53, 0x4b, 0x49, 0x4e, 0x01, 0x00, 0x01, 0x00, 0x2a, 0x00, 0x00, 0x00, 0x00, 0xca, 0x9a, 0x3b,
+      0x00, 0x00, 0x00, 0x00, 0x07, 0x00, 0x00, 0x00, 0x00, 0xc1, 0x5d, 0x3b, 0x00, 0x00, 0x00, 0x00,
+      0x00, 0x00, 0x00, 0x3e, 0x00, 0x00, 0x80, 0x3e, 0x00, 0x00, 0x00, 0x3e, 0x00, 0x00, 0x00, 0x3f,
+      0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x1d, 0x41, 0x00, 0x00, 0xf4, 0x41};
+  REQUIRE(write_datagram(out.data(), 42, 1'000'000'000, &s, 1) == 64);
+  CHECK(std::memcmp(out.data(), expected, 64) == 0);
+  // Full and empty.
+  const std::vector<SkinSample> many(50, s);
+  CHECK(write_datagram(out.data(), 43, 0, many.data(), many.size()) == 20 + 33 * 44);
+  CHECK(datagram_samples == 33);
+  CHECK(write_datagram(out.data(), 44, 0, nullptr, 0) == 20);
+}

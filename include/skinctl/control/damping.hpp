@@ -1,0 +1,135 @@
+// The matrix K_d of eq. (8): in proportion to the mass matrix, or constant.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "skinctl/control/detail/cholesky.hpp"
+#include "skinctl/core/needs.hpp"
+#include "skinctl/dynamics/mass_matrix.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// `K_d = lambda M(q)`: every joint's S_q decays at the same rate, `dV = -2 lambda V`, and the torque of eq.
+/// (8) is one recursion.
+template <Real T = double>
+class InertialDamping {
+ public:
+  static constexpr Needs needs = {};
+  /// @param lambda  [1/s]; checked with the other gains.
+  explicit InertialDamping(const T& lambda) noexcept : lambda_(lambda) {}
+
+  /// The fastest decay of S_q [1/s].
+  [[nodiscard]] const T& fastest() const noexcept { return lambda_; }
+
+  /// `M^-1 K_d S_q`, which goes into the recursion.
+  template <class K, std::size_t N>
+  [[nodiscard]] SKINCTL_INLINE JointAcceleration<N, T> acceleration(
+      const K&, const JointVelocity<N, T>& S_q) const noexcept {
+    JointAcceleration<N, T> a;
+    for (std::size_t i = 0; i < N; ++i) a[i] = lambda_ * S_q[i];
+    return a;
+  }
+
+ private:
+  T lambda_;
+};
+
+/// A constant symmetric positive definite K_d. All of it is bounded by the joint with the least inertia: on a
+/// UR5 `K_d = k 1` has to be so small for the wrist that the shoulder hardly tracks.
+template <std::size_t N, Real T = double>
+class ConstantDamping {
+ public:
+  static constexpr Needs needs = {.mass = true};
+
+  /// @param model  the robot; the fastest decay of S_q is the largest eigenvalue of M(q)^-1 K_d over 256
+  ///               poses within +-pi, which the law's constructor checks together with the other gains.
+  /// @param K_d    row by row [N m s/rad]. Throws `ConfigurationError` if it is not symmetric (to
+  ///               `tolerance<T>` of its largest element) or not positive definite.
+  template <Model M>
+  ConstantDamping(const M& model, const std::array<T, N * N>& K_d) {
+    static_assert(M::joints == N, "one row per joint");
+    T largest(0);
+    for (std::size_t i = 0; i < N * N; ++i) {
+      const T size = K_d[i] < T(0) ? T(-K_d[i]) : K_d[i];
+      require(size <= T(1e9), "element of K_d", static_cast<double>(K_d[i]), "finite");
+      if (size > largest) largest = size;
+      K_d_[i] = K_d[i];
+    }
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const T gap = K_d[i * N + j] - K_d[j * N + i];
+        require((gap < T(0) ? T(-gap) : gap) <= tolerance<T> * largest, "K_d(i,j) - K_d(j,i)",
+                static_cast<double>(gap), "0: symmetric");
+      }
+    T factor[N * N];
+    require(detail::cholesky<N>(K_d_, factor) > T(0), "smallest pivot of K_d",
+            static_cast<double>(detail::cholesky<N>(K_d_, factor)), "> 0: positive definite");
+    std::uint64_t bits = 1;
+    for (int pose = 0; pose < 256; ++pose) {
+      JointPosition<N, T> q;
+      for (T& angle : q) {
+        bits = bits * 6364136223846793005u + 1442695040888963407u;
+        angle = T((static_cast<double>(bits >> 32) / 4294967296.0 - 0.5) * 6.2832);
+      }
+      const T rate = largest_rate(mass_matrix(model, q));
+      if (rate > fastest_) fastest_ = rate;
+    }
+  }
+
+  [[nodiscard]] const T& fastest() const noexcept { return fastest_; }
+
+  /// `K_d S_q` [N m].
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const JointVelocity<N, T>& S_q) const noexcept {
+    JointTorque<N, T> tau;
+    for (std::size_t i = 0; i < N; ++i) {
+      T sum(0);
+      for (std::size_t j = 0; j < N; ++j) sum = sum + K_d_[i * N + j] * S_q[j];
+      tau[i] = sum;
+    }
+    return tau;
+  }
+  /// `M^-1 K_d S_q`; zero where M cannot be factorised.
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE JointAcceleration<N, T> acceleration(
+      const K& known, const JointVelocity<N, T>& S_q) const noexcept {
+    const auto tau = torque(S_q);
+    JointAcceleration<N, T> a;
+    T factor[N * N];
+    if (detail::cholesky<N>(known.mass().data, factor) > T(0)) detail::solve<N>(factor, tau.data, a.data);
+    return a;
+  }
+
+ private:
+  /// Largest eigenvalue of M^-1 K_d: by powers, whose Rayleigh quotient grows towards it.
+  T largest_rate(const MassMatrix<N, T>& m) const {
+    T factor[N * N];
+    require(detail::cholesky<N>(m.data, factor) > T(0), "smallest pivot of M(q)", 0.0,
+            "> 0: every joint needs inertia");
+    JointVelocity<N, T> x;
+    for (std::size_t i = 0; i < N; ++i) x[i] = T(1) + T(static_cast<double>(i)) * T(0.37);
+    T rate(0);
+    for (int step = 0; step < 100; ++step) {
+      const auto tau = torque(x);
+      JointVelocity<N, T> y;
+      detail::solve<N>(factor, tau.data, y.data);
+      T size(0);
+      for (const T& v : y) size = (v < T(0) ? T(-v) : v) > size ? (v < T(0) ? T(-v) : v) : size;
+      T xx(0), xy(0);  // in the norm of M: x'K_d x / x'M x
+      for (std::size_t i = 0; i < N; ++i) {
+        T row(0);
+        for (std::size_t j = 0; j < N; ++j) row = row + m(i, j) * x[j];
+        xx = xx + row * x[i];
+        xy = xy + tau[i] * x[i];
+      }
+      rate = xy / xx;
+      for (std::size_t i = 0; i < N; ++i) x[i] = y[i] / size;
+    }
+    return rate;
+  }
+
+  T K_d_[N * N];
+  T fastest_ = T(0);
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,95 @@
+// The part of JointTracking that runs in every cycle.
+#pragma once
+
+#include "skinctl/control/joint_tracking.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What the surface reads `x` seconds from now, the integrals going on as at `at_t`.
+template <std::size_t N, Real T, class Plan, class Damping>
+SKINCTL_INLINE SurfaceInputs<N, T> JointTracking<N, T, Plan, Damping>::inputs(
+    const Memory& memory, const T& x, const Surface& at_t) const noexcept {
+  SurfaceInputs<N, T> in;
+  in.target = memory.plan.at(x, settings_);
+  in.K_p = gain(memory, x);
+  in.bias = memory.bias.at(x, settings_.kappa, settings_.hand_over);
+  in.held = memory.held;
+  for (std::size_t i = 0; i < N; ++i) {
+    in.I1[i] = memory.I1.sum[i] + x * at_t.dI1[i];
+    in.I2[i] = memory.I2.sum[i] + x * at_t.dI2[i];
+  }
+  return in;
+}
+
+/// The memory `dt` seconds later.
+template <std::size_t N, Real T, class Plan, class Damping>
+SKINCTL_INLINE TrackingMemory<N, T, Plan> JointTracking<N, T, Plan, Damping>::stepped(
+    const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
+  Memory next = memory;
+  const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
+  next.plan = memory.plan.advanced(ns, settings_);
+  next.bias = memory.bias.advanced(dt, ns, settings_.kappa);
+  next.since_reset = later(memory.since_reset, ns);
+  for (std::size_t i = 0; i < N; ++i) {
+    next.I1.add(i, at_t.dI1[i], dt);
+    next.I2.add(i, at_t.dI2[i], dt);
+  }
+  return next;
+}
+
+/// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
+/// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
+template <std::size_t N, Real T, class Plan, class Damping>
+template <GravityTerm G, class K>
+SKINCTL_INLINE JointTorque<N, T> JointTracking<N, T, Plan, Damping>::torque(
+    const Memory& memory, const K& known, const Share<T>& share, const Surface& at_t) const noexcept {
+  using M = typename K::model_type;
+  const T h = T(0.5) * known.dt();
+  const auto damped = damping_.acceleration(known, at_t.S_q);
+  JointPosition<N, T> q_h;
+  JointVelocity<N, T> dq_h;
+  JointAcceleration<N, T> a;
+  for (std::size_t i = 0; i < N; ++i) {
+    a[i] = at_t.ddq_r[i] - damped[i];
+    q_h[i] = known.q()[i] + h * (known.dq()[i] + T(0.5) * h * a[i]);
+    dq_h[i] = known.dq()[i] + h * a[i];
+  }
+  const auto ahead = inputs(memory, h, at_t);
+  const auto middle = sliding_surface(gains_, ahead, q_h, dq_h);
+  JointVelocity<N, T> dq_r;
+  JointAcceleration<N, T> ddq_r;
+  JointTorque<N, T> shaped;  // of rotors and friction
+  constexpr bool inertial = std::same_as<Damping, InertialDamping<T>>;
+  for (std::size_t i = 0; i < N; ++i) {
+    // The acceleration that is held is the one asked for at the middle: the state there once more, with it.
+    const T dv = h * (middle.ddq_r[i] - damped[i] - a[i]);
+    const T dx = T(0.5) * h * dv;
+    q_h[i] = q_h[i] + dx;
+    dq_h[i] = dq_h[i] + dv;
+    dq_r[i] = share.feed_forward * (middle.dq_r[i] - ahead.K_p.K * dx);
+    ddq_r[i] = share.feed_forward * (middle.ddq_r[i] - ahead.K_p.K * dv - ahead.K_p.dK * dx);
+    if constexpr (inertial) ddq_r[i] = ddq_r[i] - share.feedback * damped[i];
+    shaped[i] = settings_.shape.viscous[i] * dq_r[i] +
+                settings_.shape.inertia[i] * (ddq_r[i] + settings_.shape.decay * dq_r[i]);
+    ddq_r[i] = ddq_r[i] + settings_.shape.decay * dq_r[i];
+  }
+  JointTorque<N, T> tau;
+  const JointAngles<M, T> angles(known.model(), q_h);
+  const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
+    detail::run_recursion<T>(known.model(), angles, detail::Values<T>{dq_h.data},
+                             detail::Values<T>{dq_r.data}, detail::Values<T>{ddq_r.data}, a0, tau.data);
+  };
+  if constexpr (G == GravityTerm::included) {
+    run(T(-share.feed_forward) * known.model().template gravity<T>());
+  } else {
+    run(ZeroTriple{});
+  }
+  tau += shaped;
+  if constexpr (!inertial) {
+    const auto feedback = damping_.torque(at_t.S_q);
+    for (std::size_t i = 0; i < N; ++i) tau[i] = tau[i] - share.feedback * feedback[i];
+  }
+  return tau;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,45 @@
+// G Control: the robot carries its own weight, section 4.2.3.
+#pragma once
+
+#include "skinctl/dynamics/quantities.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The instant of an interval at which a law that holds its torque through it evaluates the model.
+enum class Instant : unsigned char { start, middle };
+
+/// `tau = G(q)`. In a sum it keeps weight 1, appears at most once, and tells the tracking laws to leave G out
+/// of `Y_r Theta`.
+///
+/// At the middle, `G(q + dq dt/2)`, a moving robot is carried to second order; at the start, what is held
+/// lags by half an interval, but other laws share it.
+template <Instant At = Instant::middle>
+struct GravityCompensation {
+  struct Memory {};
+  static constexpr Needs needs = {.gravity = At == Instant::start};
+  static constexpr Role role = Role::gravity;
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE constexpr Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
+      const Memory&, const K& known) const noexcept {
+    using T = typename K::scalar;
+    if constexpr (At == Instant::start) {
+      return known.gravity();
+    } else {
+      return gravity_torque(known.model(), integrate(known.q(), known.dq(), T(T(0.5) * known.dt())));
+    }
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE constexpr Memory advance(const Memory& memory, const K&, typename K::scalar,
+                                                        Opposition) const noexcept {
+    return memory;
+  }
+};
+
+using GravityControl = GravityCompensation<>;
+
+SKINCTL_END_NAMESPACE

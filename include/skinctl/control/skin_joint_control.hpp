@@ -1,0 +1,36 @@
+// Skin Joint Control: the robot gives way to touch, section 4.1.
+#pragma once
+
+#include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/tactile/skin_torque.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// `tau = tau_skin`, eq. (7): the wrenches that the skin puts on the links, as joint torques. Zero in a scene
+/// without skin. Its weight in a sum scales the felt mass at the contact and is not normalised.
+struct SkinJointControl {
+  struct Memory {};
+  static constexpr Needs needs = {.angles = true, .touch = true};
+  static constexpr Role role = Role::reactive;
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE constexpr Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
+      const Memory&, const K& known) const noexcept {
+    if constexpr (std::is_same_v<typename K::touch_type, NoTouch>) {
+      return {};
+    } else {
+      return skin_torque(known.model(), known.angles(), known.touch());
+    }
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE constexpr Memory advance(const Memory& memory, const K&, typename K::scalar,
+                                                        Opposition) const noexcept {
+    return memory;
+  }
+};
+
+SKINCTL_END_NAMESPACE

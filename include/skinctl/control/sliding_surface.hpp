@@ -1,0 +1,103 @@
+// The sliding surface of a tracking law at one instant, eqs. (9)-(14).
+#pragma once
+
+#include "skinctl/control/settings.hpp"
+#include "skinctl/control/surface_bias.hpp"
+#include "skinctl/math/tanh.hpp"
+#include "skinctl/trajectory/spline.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Integrals of one kind, a compensated sum per joint: at 1 kHz a plain float sum stops growing after hours.
+template <std::size_t N, Scalar T = double>
+struct Integrals {
+  T sum[N] = {};
+  T carry[N] = {};
+
+  /// Adds `dt * rate`; a rate that is not finite adds nothing.
+  SKINCTL_INLINE constexpr void add(std::size_t i, const T& rate, const T& dt) noexcept {
+    const T step = dt * rate;
+    const T part = (step - step == T(0) ? step : T(0)) - carry[i];
+    const T next = sum[i] + part;
+    carry[i] = (next - sum[i]) - part;
+    sum[i] = next;
+  }
+};
+
+/// Where the state is on the surface, and the reference motion that follows from it.
+template <std::size_t N, Scalar T = double>
+struct SlidingSurface {
+  JointVelocity<N, T> S_delta;    ///< `S - S_d`, eq. (12)
+  JointVelocity<N, T> dI1;        ///< rate of the integral of S_delta
+  JointVelocity<N, T> dI2;        ///< rate of the integral of tanh(mu S_delta)
+  JointVelocity<N, T> dq_r;       ///< eq. (10)
+  JointAcceleration<N, T> ddq_r;  ///< its derivative in time
+  JointVelocity<N, T> S_q;        ///< `dq - dq_r`, eq. (9)
+};
+
+/// What the surface is computed from, beside the state: all at the same instant.
+template <std::size_t N, Scalar T = double>
+struct SurfaceInputs {
+  JointReference<N, T> target;
+  Gain<T> K_p;
+  BiasNow<N, T> bias;
+  T I1[N];
+  T I2[N];
+  bool held;  ///< the integrals stand still
+};
+
+/// Gains of the surface, in the form in which the loop reads them.
+template <Real T = double>
+struct SurfaceGains {
+  T K_i1, K_i2, mu;
+  T I1_limit, I2_limit;  ///< where the integrals stop
+
+  template <std::size_t N>
+  explicit SurfaceGains(const JointControlSettings<N, T>& s) noexcept
+      : K_i1(s.K_i1),
+        K_i2(s.K_i2),
+        mu(s.mu),
+        I1_limit(s.K_i1 > T(0) ? T(s.integral_limit / s.K_i1) : T(1)),
+        I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {}
+
+  /// The part of its rate that an integral takes: all of it up to half the limit and on the way back, then
+  /// less, smoothly, and none at the limit.
+  [[nodiscard]] static SKINCTL_INLINE constexpr T taken(const T& integral, const T& rate,
+                                                        const T& limit) noexcept {
+    const T size = integral < T(0) ? T(-integral) : integral;
+    if (!(T(2) * size > limit) || !(integral * rate > T(0))) [[likely]]
+      return rate;
+    return rate * quintic(T(T(2) * size / limit - T(1))).rest;
+  }
+};
+
+/// Eqs. (9)-(14) and the derivative of (10), at the state `(q, dq)`. A NaN gives NaNs and nothing worse.
+template <std::size_t N, Real T>
+[[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T>& gains,
+                                                                  const SurfaceInputs<N, T>& in,
+                                                                  const JointPosition<N, T>& q,
+                                                                  const JointVelocity<N, T>& dq) noexcept {
+  SlidingSurface<N, T> s;
+  T e[N], de[N], steep[N];
+  for (std::size_t i = 0; i < N; ++i) {
+    e[i] = q[i] - in.target.q_d[i];
+    de[i] = dq[i] - in.target.dq_d[i];
+    s.S_delta[i] = de[i] + in.K_p.K * e[i] - in.bias.S_d[i];
+  }
+  for (std::size_t i = 0; i < N; ++i) steep[i] = gains.mu * s.S_delta[i];
+  math::tanh<N>(steep, s.dI2.data);
+  for (std::size_t i = 0; i < N; ++i) {
+    s.dI1[i] = in.held ? T(0) : gains.taken(in.I1[i], s.S_delta[i], gains.I1_limit);
+    s.dI2[i] = in.held ? T(0) : gains.taken(in.I2[i], s.dI2[i], gains.I2_limit);
+  }
+  for (std::size_t i = 0; i < N; ++i) {
+    s.dq_r[i] =
+        in.target.dq_d[i] - in.K_p.K * e[i] + in.bias.S_d[i] - gains.K_i1 * in.I1[i] - gains.K_i2 * in.I2[i];
+    s.ddq_r[i] = in.target.ddq_d[i] - in.K_p.K * de[i] - in.K_p.dK * e[i] + in.bias.dS_d[i] -
+                 gains.K_i1 * s.dI1[i] - gains.K_i2 * s.dI2[i];
+    s.S_q[i] = dq[i] - s.dq_r[i];
+  }
+  return s;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,76 @@
+// The bias S_d of the sliding surface: what a reset leaves over, and how it vanishes.
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/trajectory/ramp.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// `S_d` and its derivative.
+template <std::size_t N, Scalar T = double>
+struct BiasNow {
+  JointVelocity<N, T> S_d;
+  JointAcceleration<N, T> dS_d;
+};
+
+/// The bias since a reset at t0; trivially copyable, zero by default:
+///
+///     S_d = decaying exp(-kappa (t - t0)) + (1 - a1(r)) dv + T_h p(r) da,   r = (t - t0) / T_h,
+///     p = r - 6 r^3 + 8 r^4 - 3 r^5.
+///
+/// The first part is eq. (12)'s. The others hand over: with `dv` and `da` the changes of dq_r and ddq_r that
+/// the reset makes, both go on from where they were and reach their new course after T_h, and as dS_d is the
+/// true derivative, the surface stays invariant meanwhile. A difference of torque, ramped out, would be a
+/// disturbance that K_d works against: the torque then changes by M da within 1/lambda, not T_h.
+template <std::size_t N, Real T = double>
+struct SurfaceBias {
+  JointVelocity<N, T> decaying;  ///< the first part now
+  JointVelocity<N, T> dv;
+  JointAcceleration<N, T> da;
+  Nanoseconds elapsed = clock_end;  ///< since t0
+
+  /// The bias `x` seconds from now, with the hand-over taking `T_h` seconds.
+  [[nodiscard]] SKINCTL_INLINE BiasNow<N, T> at(const T& x, const T& kappa, const T& T_h) const noexcept {
+    using std::exp;
+    BiasNow<N, T> now;
+    const T left = x > T(0) ? T(exp(T(-kappa * x))) : T(1);
+    for (std::size_t i = 0; i < N; ++i) {
+      now.S_d[i] = left * decaying[i];
+      now.dS_d[i] = -kappa * now.S_d[i];
+    }
+    const T t = seconds<T>(elapsed) + x;
+    if (t < T_h) [[unlikely]] {
+      const T r = t / T_h;
+      const auto out = quintic(r, T(T(1) / T_h));
+      const T rest = T(1) - r;
+      const T p = T_h * r * rest * rest * rest * (T(1) + T(3) * r);
+      const T dp = rest * rest * (T(1) + r * (T(2) - T(15) * r));
+      for (std::size_t i = 0; i < N; ++i) {
+        now.S_d[i] = now.S_d[i] + out.rest * dv[i] + p * da[i];
+        now.dS_d[i] = now.dS_d[i] - out.a2 * dv[i] + dp * da[i];
+      }
+    }
+    return now;
+  }
+  /// The same bias `dt` seconds later.
+  [[nodiscard]] SKINCTL_INLINE SurfaceBias advanced(const T& dt, Nanoseconds ns,
+                                                    const T& kappa) const noexcept {
+    using std::exp;
+    SurfaceBias next = *this;
+    const T left = exp(T(-kappa * dt));
+    for (std::size_t i = 0; i < N; ++i) {
+      const T s = left * decaying[i];
+      next.decaying[i] = s > T(1e-30) || s < T(-1e-30) ? s : T(0);  // denormal numbers are slow
+    }
+    next.elapsed = later(elapsed, ns);
+    return next;
+  }
+  /// Whether the hand-over still goes on.
+  [[nodiscard]] SKINCTL_INLINE bool hands_over(const T& T_h) const noexcept {
+    return seconds<T>(elapsed) < T_h;
+  }
+};
+
+SKINCTL_END_NAMESPACE

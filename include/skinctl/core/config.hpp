@@ -1,0 +1,35 @@
+// Macros that every header needs: the namespace, inlining, and what skinctl refuses to be compiled with.
+#pragma once
+
+#if defined(__FAST_MATH__)
+#error "skinctl: -ffast-math breaks range reduction, NaN checks and compensated sums. Compile without it."
+#endif
+
+/// Files compiled for different instruction sets hold different code under the same name, and a linker would
+/// keep either. The inline namespace is named after the set, so that such files do not merge.
+#if defined(__AVX512F__)
+#define SKINCTL_ABI avx512
+#elif defined(__AVX2__) && defined(__FMA__)
+#define SKINCTL_ABI avx2_fma
+#elif defined(__AVX2__)
+#define SKINCTL_ABI avx2
+#elif defined(__AVX__)
+#define SKINCTL_ABI avx
+#elif defined(__SSE2__)
+#define SKINCTL_ABI sse2
+#elif defined(__ARM_NEON)
+#define SKINCTL_ABI neon
+#else
+#define SKINCTL_ABI generic
+#endif
+
+#define SKINCTL_BEGIN_NAMESPACE \
+  namespace skinctl {           \
+  inline namespace SKINCTL_ABI {
+#define SKINCTL_END_NAMESPACE \
+  }                           \
+  }
+
+/// On operators, lambdas and recursion of the loop: GCC's own judgement costs a factor of four there.
+#define SKINCTL_INLINE inline __attribute__((always_inline))
+#define SKINCTL_INLINE_LAMBDA __attribute__((always_inline))

@@ -1,0 +1,74 @@
+// What happens when a promise is broken: by a configuration (throws) or between our own functions (debug
+// builds stop).
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include "skinctl/core/config.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A configuration that cannot work: a gain, a rate, a file. Thrown while something is built, never in the
+/// loop. The text names the quantity, its value and the allowed range.
+class ConfigurationError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Called instead of `throw` in builds without exceptions; must not return. Defaults to printing the text and
+/// aborting. Set it before anything is built.
+using ErrorHandler = void (*)(const char* what) noexcept;
+
+namespace detail {
+[[noreturn]] inline void abort_with(const char* what) noexcept {
+  std::fputs(what, stderr);
+  std::fputc('\n', stderr);
+  std::abort();
+}
+inline ErrorHandler& error_handler() noexcept {
+  static ErrorHandler handler = [](const char* what) noexcept { abort_with(what); };
+  return handler;
+}
+}  // namespace detail
+
+/// Replaces the handler of builds without exceptions; returns the old one.
+inline ErrorHandler set_error_handler(ErrorHandler handler) noexcept {
+  ErrorHandler old = detail::error_handler();
+  detail::error_handler() = handler;
+  return old;
+}
+
+/// Throws `ConfigurationError(what)`, or calls the handler where exceptions are off.
+[[noreturn]] inline void refuse(const std::string& what) {
+#if defined(__cpp_exceptions)
+  throw ConfigurationError(what);
+#else
+  detail::error_handler()(what.c_str());
+  detail::abort_with("skinctl: the error handler returned");
+#endif
+}
+
+/// Refuses `name = value` with the allowed range in words, e.g. `require(k > 0, "K_p", k, "> 0 1/s")`.
+/// A NaN never satisfies a comparison, so it is refused as well.
+inline void require(bool allowed, const char* name, double value, const char* range) {
+  if (allowed) return;
+  char number[32];
+  std::snprintf(number, sizeof number, "%.9g", value);
+  refuse(std::string("skinctl: ") + name + " = " + number + ", allowed: " + range);
+}
+
+SKINCTL_END_NAMESPACE
+
+/// `SKINCTL_THROW("text")`: an exception, or the handler in builds without exceptions.
+#define SKINCTL_THROW(what) ::skinctl::refuse(what)
+
+/// A promise between our own functions: checked in debug builds, free in release builds.
+#if defined(NDEBUG)
+#define SKINCTL_EXPECTS(condition, text) static_cast<void>(0)
+#else
+#define SKINCTL_EXPECTS(condition, text) \
+  ((condition) ? static_cast<void>(0) : ::skinctl::detail::abort_with("skinctl: broken promise: " text))
+#endif

@@ -1,0 +1,159 @@
+// The compilers' vector types under Lane, and the few operations that need more than one expression.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "skinctl/core/config.hpp"
+
+/// Lets a multiplication and an addition in different lane operators become one fused operation, as GCC does
+/// anyway: Clang would otherwise fuse only within one expression. Define SKINCTL_NO_CONTRACT to forbid it
+/// there.
+#if defined(__clang__) && !defined(SKINCTL_NO_CONTRACT)
+#define SKINCTL_LANE_CONTRACT _Pragma("clang fp contract(fast)")
+#else
+#define SKINCTL_LANE_CONTRACT
+#endif
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// AVX-512 targets also use 32 bytes: four fingers are four doubles.
+#if defined(__AVX__)
+inline constexpr std::size_t lane_bytes = 32;
+#elif defined(__SSE2__) || (defined(__ARM_NEON) && defined(__aarch64__))
+inline constexpr std::size_t lane_bytes = 16;
+#else
+inline constexpr std::size_t lane_bytes = 1;
+#endif
+
+template <class T, std::size_t W>
+struct LaneTypes {
+  using Word = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+  typedef T Vector __attribute__((vector_size(W * sizeof(T))));
+  typedef Word Bits __attribute__((vector_size(W * sizeof(T))));
+};
+template <class T>
+struct LaneTypes<T, 1> {
+  using Word = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+  using Vector = T;
+  using Bits = Word;
+};
+
+template <class T, std::size_t W>
+using LaneVector = typename LaneTypes<T, W>::Vector;
+/// Unsigned integers as wide as `T`, one per lane.
+template <class T, std::size_t W>
+using LaneBits = typename LaneTypes<T, W>::Bits;
+/// What a comparison of two vectors gives: bool for one lane, else all bits set or none.
+template <class T, std::size_t W>
+using LaneCompare = decltype(LaneVector<T, W>{} < LaneVector<T, W>{});
+
+template <class T>
+inline constexpr auto sign_bit =
+    static_cast<typename LaneTypes<T, 1>::Word>(typename LaneTypes<T, 1>::Word{1} << (8 * sizeof(T) - 1));
+
+template <class T, std::size_t W>
+[[nodiscard]] SKINCTL_INLINE LaneBits<T, W> to_bits(LaneVector<T, W> v) noexcept {
+  return __builtin_bit_cast(LaneBits<T, W>, v);
+}
+template <class T, std::size_t W>
+[[nodiscard]] SKINCTL_INLINE LaneVector<T, W> from_bits(LaneBits<T, W> bits) noexcept {
+  return __builtin_bit_cast(LaneVector<T, W>, bits);
+}
+
+template <class T, std::size_t W>
+[[nodiscard]] SKINCTL_INLINE constexpr LaneVector<T, W> broadcast(T x) noexcept {
+  return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+    return LaneVector<T, W>{(static_cast<void>(I), x)...};
+  }(std::make_index_sequence<W>{});
+}
+
+/// The lanes from `first` on, half as many.
+template <class T, std::size_t W>
+[[nodiscard]] SKINCTL_INLINE LaneVector<T, W / 2> half(LaneVector<T, W> v,
+                                                       std::integral_constant<std::size_t, 0>) noexcept {
+  if constexpr (W == 2)
+    return v[0];
+  else if constexpr (W == 4)
+    return __builtin_shufflevector(v, v, 0, 1);
+  else
+    return __builtin_shufflevector(v, v, 0, 1, 2, 3);
+}
+template <class T, std::size_t W>
+[[nodiscard]] SKINCTL_INLINE LaneVector<T, W / 2> half(LaneVector<T, W> v,
+                                                       std::integral_constant<std::size_t, 1>) noexcept {
+  if constexpr (W == 2)
+    return v[1];
+  else if constexpr (W == 4)
+    return __builtin_shufflevector(v, v, 2, 3);
+  else
+    return __builtin_shufflevector(v, v, 4, 5, 6, 7);
+}
+using Lower = std::integral_constant<std::size_t, 0>;
+using Upper = std::integral_constant<std::size_t, 1>;
+
+template <class T, std::size_t W>
+[[nodiscard]] SKINCTL_INLINE T sum_halves(LaneVector<T, W> v) noexcept {
+  if constexpr (W == 1)
+    return v;
+  else
+    return sum_halves<T, W / 2>(half<T, W>(v, Lower{}) + half<T, W>(v, Upper{}));
+}
+
+template <class Bits>
+[[nodiscard]] SKINCTL_INLINE bool any_bit(Bits bits) noexcept {
+  constexpr std::size_t words = sizeof(Bits) / sizeof(std::uint64_t);
+  if constexpr (words == 1) {
+    return __builtin_bit_cast(std::uint64_t, bits) != 0;
+  } else {
+    const auto wide = __builtin_bit_cast(LaneBits<double, words>, bits);
+    if constexpr (words == 4) {
+      return any_bit(__builtin_shufflevector(wide, wide, 0, 1) | __builtin_shufflevector(wide, wide, 2, 3));
+    } else {
+      return (wide[0] | wide[1]) != 0;
+    }
+  }
+}
+
+/// A loop over `__builtin_sqrt` becomes scalar code with calls (errno), on both compilers: hence the vector
+/// built-ins.
+template <class T, std::size_t W>
+[[nodiscard]] SKINCTL_INLINE LaneVector<T, W> square_root(LaneVector<T, W> v) noexcept {
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_elementwise_sqrt)
+  if constexpr (W > 1) return __builtin_elementwise_sqrt(v);
+#endif
+#endif
+#if defined(__SSE2__)
+  if constexpr (W * sizeof(T) == 16) {
+    if constexpr (sizeof(T) == 4)
+      return __builtin_ia32_sqrtps(v);
+    else
+      return __builtin_ia32_sqrtpd(v);
+  }
+#endif
+#if defined(__AVX__)
+  if constexpr (W * sizeof(T) == 32) {
+    if constexpr (sizeof(T) == 4)
+      return __builtin_ia32_sqrtps256(v);
+    else
+      return __builtin_ia32_sqrtpd256(v);
+  }
+#endif
+  if constexpr (W == 1) {
+    if constexpr (sizeof(T) == 4)
+      return __builtin_sqrtf(v);
+    else
+      return __builtin_sqrt(v);
+  } else {
+    LaneVector<T, W> roots{};
+    for (std::size_t i = 0; i < W; ++i) roots[i] = square_root<T, 1>(v[i]);
+    return roots;
+  }
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

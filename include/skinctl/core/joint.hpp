@@ -1,0 +1,174 @@
+// One number per joint, of a kind: positions, velocities, accelerations and torques do not mix.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <type_traits>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/real.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+namespace kind {
+struct Position {};      ///< [rad] revolute, [m] prismatic
+struct Velocity {};      ///< [rad/s], [m/s]
+struct Acceleration {};  ///< [rad/s^2], [m/s^2]
+struct Torque {};        ///< generalised force [N m], [N]
+}  // namespace kind
+
+/// Anything with Eigen's vector interface, without including Eigen here.
+template <class V>
+concept VectorExpression = requires(const V& v) {
+  typename V::PlainObject;
+  v.eval();
+  v.size();
+};
+
+/// `N` numbers of one kind, in the order of the model's joints. Zero by default, trivially copyable, costs
+/// what a bare array costs. Addition needs equal kinds: `q + tau` does not compile.
+template <class Kind, std::size_t N, Scalar T = double>
+struct JointVector {
+  using kind = Kind;
+  using scalar = T;
+  static constexpr std::size_t size() noexcept { return N; }
+
+  T data[N > 0 ? N : 1];
+
+  constexpr JointVector() noexcept : data{} {}
+
+  /// From a bare array, in the order of the joints.
+  SKINCTL_INLINE constexpr explicit JointVector(const std::array<T, N>& values) noexcept : data{} {
+    for (std::size_t i = 0; i < N; ++i) data[i] = values[i];
+  }
+  /// From exactly `N` numbers: `JointPosition<2>{0.1, 0.2}`.
+  template <class... U>
+    requires(sizeof...(U) == N && N > 1 && (std::is_convertible_v<U, T> && ...))
+  SKINCTL_INLINE constexpr explicit(false) JointVector(const U&... values) noexcept : data{T(values)...} {}
+
+  /// From an Eigen vector of `N` elements; a dynamic one of another size is a broken promise.
+  template <VectorExpression V>
+  SKINCTL_INLINE explicit JointVector(const V& values) noexcept : data{} {
+    static_assert(int(V::SizeAtCompileTime) == int(N) || int(V::SizeAtCompileTime) == -1,
+                  "one number per joint");
+    SKINCTL_EXPECTS(std::size_t(values.size()) == N, "one number per joint");
+    const auto v = values.eval();
+    for (std::size_t i = 0; i < N; ++i) data[i] = v.coeff(static_cast<std::ptrdiff_t>(i));
+  }
+  // What has no meaning. The hint stands on the line that bears the operator's name, the only one that
+  // compilers print, and operators are members or friends: compilers list every other one that they
+  // considered.
+  // clang-format off
+  template <class L, std::size_t M, class U>
+  void operator+(const JointVector<L, M, U>&) const = delete;  // other kind, size or scalar: q + tau has no meaning
+  template <class L, std::size_t M, class U>
+  void operator-(const JointVector<L, M, U>&) const = delete;  // other kind, size or scalar: q - tau has no meaning
+  template <class L, std::size_t M, class U>
+  void operator*(const JointVector<L, M, U>&) const = delete;  // for tau . dq: power(tau, dq)
+  template <class L, std::size_t M, class U>
+  JointVector(const JointVector<L, M, U>&) = delete;  // other kind, size or scalar: cast<U>() changes the scalar
+  template <class... U>
+    requires(sizeof...(U) != N && sizeof...(U) > 1 && (std::is_convertible_v<U, T> && ...))
+  JointVector(const U&...) = delete;  // one number per joint
+  // clang-format on
+
+  /// The numbers `f(0)` to `f(N - 1)`.
+  template <class F>
+  static SKINCTL_INLINE constexpr JointVector generate(F&& f) noexcept {
+    JointVector v(unset);
+    for (std::size_t i = 0; i < N; ++i) v.data[i] = f(i);
+    return v;
+  }
+  /// The same number for every joint.
+  static SKINCTL_INLINE constexpr JointVector constant(const T& value) noexcept {
+    return generate([&](std::size_t) SKINCTL_INLINE_LAMBDA { return value; });
+  }
+  /// The numbers converted to another scalar.
+  template <Scalar U>
+  SKINCTL_INLINE constexpr JointVector<Kind, N, U> cast() const noexcept {
+    return JointVector<Kind, N, U>::generate([&](std::size_t i)
+                                                 SKINCTL_INLINE_LAMBDA { return static_cast<U>(data[i]); });
+  }
+
+  SKINCTL_INLINE constexpr T& operator[](std::size_t i) noexcept { return data[i]; }
+  SKINCTL_INLINE constexpr const T& operator[](std::size_t i) const noexcept { return data[i]; }
+  SKINCTL_INLINE constexpr T* begin() noexcept { return data; }
+  SKINCTL_INLINE constexpr T* end() noexcept { return data + N; }
+  SKINCTL_INLINE constexpr const T* begin() const noexcept { return data; }
+  SKINCTL_INLINE constexpr const T* end() const noexcept { return data + N; }
+
+  SKINCTL_INLINE constexpr JointVector& operator+=(const JointVector& b) noexcept {
+    return *this = *this + b;
+  }
+  SKINCTL_INLINE constexpr JointVector& operator-=(const JointVector& b) noexcept {
+    return *this = *this - b;
+  }
+  SKINCTL_INLINE constexpr JointVector& operator*=(const T& s) noexcept { return *this = s * *this; }
+
+  SKINCTL_INLINE constexpr JointVector operator+(const JointVector& b) const noexcept {
+    JointVector c(unset);
+    for (std::size_t i = 0; i < N; ++i) c.data[i] = data[i] + b.data[i];
+    return c;
+  }
+  SKINCTL_INLINE constexpr JointVector operator-(const JointVector& b) const noexcept {
+    JointVector c(unset);
+    for (std::size_t i = 0; i < N; ++i) c.data[i] = data[i] - b.data[i];
+    return c;
+  }
+  SKINCTL_INLINE constexpr JointVector operator-() const noexcept {
+    JointVector c(unset);
+    for (std::size_t i = 0; i < N; ++i) c.data[i] = -data[i];
+    return c;
+  }
+  friend SKINCTL_INLINE constexpr JointVector operator*(const T& s, const JointVector& a) noexcept {
+    JointVector c(unset);
+    for (std::size_t i = 0; i < N; ++i) c.data[i] = s * a.data[i];
+    return c;
+  }
+  SKINCTL_INLINE constexpr JointVector operator*(const T& s) const noexcept { return s * *this; }
+  friend SKINCTL_INLINE constexpr bool operator==(const JointVector& a, const JointVector& b) noexcept {
+    for (std::size_t i = 0; i < N; ++i)
+      if (!(a.data[i] == b.data[i])) return false;
+    return true;
+  }
+
+ private:
+  /// For results that are written completely at once: GCC keeps a zero that it should have dropped, and the
+  /// sum of 16 joints then takes five times as long.
+  struct Unset {};
+  static constexpr Unset unset{};
+  SKINCTL_INLINE constexpr explicit JointVector(Unset) noexcept {}
+};
+
+template <std::size_t N, Scalar T = double>
+using JointPosition = JointVector<kind::Position, N, T>;
+template <std::size_t N, Scalar T = double>
+using JointVelocity = JointVector<kind::Velocity, N, T>;
+template <std::size_t N, Scalar T = double>
+using JointAcceleration = JointVector<kind::Acceleration, N, T>;
+template <std::size_t N, Scalar T = double>
+using JointTorque = JointVector<kind::Torque, N, T>;
+
+/// `q + h dq`, the position after `h` seconds at constant velocity.
+template <std::size_t N, class T>
+SKINCTL_INLINE constexpr JointPosition<N, T> integrate(const JointPosition<N, T>& q,
+                                                       const JointVelocity<N, T>& dq, const T& h) noexcept {
+  return JointPosition<N, T>::generate([&](std::size_t i) SKINCTL_INLINE_LAMBDA { return q[i] + h * dq[i]; });
+}
+/// `dq + h ddq`, the velocity after `h` seconds at constant acceleration.
+template <std::size_t N, class T>
+SKINCTL_INLINE constexpr JointVelocity<N, T> integrate(const JointVelocity<N, T>& dq,
+                                                       const JointAcceleration<N, T>& ddq,
+                                                       const T& h) noexcept {
+  return JointVelocity<N, T>::generate([&](std::size_t i)
+                                           SKINCTL_INLINE_LAMBDA { return dq[i] + h * ddq[i]; });
+}
+/// `tau . dq`, the power [W].
+template <std::size_t N, class T>
+SKINCTL_INLINE constexpr T power(const JointTorque<N, T>& tau, const JointVelocity<N, T>& dq) noexcept {
+  T sum(0);
+  for (std::size_t i = 0; i < N; ++i) sum = sum + tau[i] * dq[i];
+  return sum;
+}
+
+SKINCTL_END_NAMESPACE

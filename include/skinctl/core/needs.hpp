@@ -1,0 +1,40 @@
+// What a law asks of the model, as a compile-time value: the cycle computes the union once and nothing else.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "skinctl/core/config.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A set of links, bit `i` for link `i`.
+using LinkMask = std::uint64_t;
+
+/// The mask that holds link `I` only.
+template <std::size_t I>
+inline constexpr LinkMask link_bit = LinkMask(1) << I;
+
+/// Quantities at the state at which a law is evaluated. Structural, so that it can be a template argument; `a
+/// | b` is the union. A law states its own as `static constexpr Needs needs`; dependencies are closed by
+/// `complete()`.
+struct Needs {
+  LinkMask poses = 0;      ///< `X_BaseLink` of these links
+  LinkMask jacobians = 0;  ///< Jacobians of these links
+  bool angles = false;     ///< sines and cosines of the joint angles
+  bool gravity = false;    ///< G(q)
+  bool mass = false;       ///< M(q)
+  bool coriolis = false;   ///< C(q, dq) dq
+  bool touch = false;      ///< wrenches of the skin on the links
+
+  friend constexpr Needs operator|(const Needs& a, const Needs& b) noexcept {
+    return {a.poses | b.poses, a.jacobians | b.jacobians, a.angles || b.angles, a.gravity || b.gravity,
+            a.mass || b.mass,  a.coriolis || b.coriolis,  a.touch || b.touch};
+  }
+  friend constexpr bool operator==(const Needs&, const Needs&) noexcept = default;
+
+  /// True if everything that `b` asks for is in here.
+  constexpr bool cover(const Needs& b) const noexcept { return (*this | b) == *this; }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,39 @@
+// The scalars: real numbers, and lanes of them.
+#pragma once
+
+#include <concepts>
+#include <limits>
+
+#include "skinctl/core/config.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A real number type: `float`, `double`, or anything with `std::numeric_limits` that is not an integer, such
+/// as `boost::multiprecision::number<..., et_off>` (the oracle of the accuracy tests).
+template <class T>
+concept Real = std::numeric_limits<T>::is_specialized && !std::numeric_limits<T>::is_integer;
+
+/// True for a type that holds several reals and computes on all of them at once (`Lane`).
+template <class T>
+inline constexpr bool is_lane = false;
+
+/// What the algorithms accept: a real or a lane of reals.
+template <class T>
+concept Scalar = Real<T> || is_lane<T>;
+
+namespace detail {
+template <class T>
+struct RealOf {
+  using type = T;
+};
+}  // namespace detail
+
+/// The real number inside a scalar: `double` for `double` and for `Lane<double, 4>`.
+template <Scalar T>
+using RealOf = typename detail::RealOf<T>::type;
+
+/// Relative error that a short chain of operations may leave: 64 units in the last place.
+template <Scalar T>
+inline const T tolerance = T(64) * std::numeric_limits<RealOf<T>>::epsilon();
+
+SKINCTL_END_NAMESPACE

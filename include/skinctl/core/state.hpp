@@ -1,0 +1,16 @@
+// What a robot reports, or what a virtual one is at: joint positions and velocities at a time.
+#pragma once
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/time.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+template <std::size_t N, Scalar T = double>
+struct State {
+  Nanoseconds time = 0;
+  JointPosition<N, T> q;
+  JointVelocity<N, T> dq;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,98 @@
+// Three numbers along x, y and z, each a scalar or a compile-time constant: the vectors of the loop.
+#pragma once
+
+#include "skinctl/core/known.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A 3-vector whose components may be typed constants. Algorithms use it instead of Eigen's, whose packet
+/// code for three elements costs GCC about a third; Eigen stands at the boundary (`core/eigen.hpp`).
+template <Number X, Number Y = X, Number Z = X>
+struct Triple {
+  [[no_unique_address]] X x;
+  [[no_unique_address]] Y y;
+  [[no_unique_address]] Z z;
+
+  template <class A, class B, class C>
+  friend SKINCTL_INLINE constexpr auto operator+(const Triple& u, const Triple<A, B, C>& v) noexcept {
+    return skinctl::Triple{u.x + v.x, u.y + v.y, u.z + v.z};
+  }
+  template <class A, class B, class C>
+  friend SKINCTL_INLINE constexpr auto operator-(const Triple& u, const Triple<A, B, C>& v) noexcept {
+    return skinctl::Triple{u.x - v.x, u.y - v.y, u.z - v.z};
+  }
+  friend SKINCTL_INLINE constexpr auto operator-(const Triple& u) noexcept {
+    return skinctl::Triple{-u.x, -u.y, -u.z};
+  }
+  template <Number S>
+  friend SKINCTL_INLINE constexpr auto operator*(const S& s, const Triple& v) noexcept {
+    return skinctl::Triple{s * v.x, s * v.y, s * v.z};
+  }
+  friend SKINCTL_INLINE constexpr bool operator==(const Triple& u, const Triple& v) noexcept
+    requires(Real<X> && Real<Y> && Real<Z>)
+  {
+    return u.x == v.x && u.y == v.y && u.z == v.z;
+  }
+};
+template <class X, class Y, class Z>
+Triple(X, Y, Z) -> Triple<X, Y, Z>;
+
+/// A dense 3-vector.
+template <Scalar T>
+using Xyz = Triple<T, T, T>;
+
+using ZeroTriple = Triple<Known<0>, Known<0>, Known<0>>;
+using UnitZ = Triple<Known<0>, Known<0>, Known<1>>;
+
+/// The same vector with every component stored as `T`.
+template <Scalar T, class X, class Y, class Z>
+SKINCTL_INLINE constexpr Xyz<T> dense(const Triple<X, Y, Z>& v) noexcept {
+  return {T(v.x), T(v.y), T(v.z)};
+}
+
+/// The same vector in another scalar.
+template <Scalar U, Scalar T>
+SKINCTL_INLINE constexpr Xyz<U> cast(const Xyz<T>& v) noexcept {
+  return {static_cast<U>(v.x), static_cast<U>(v.y), static_cast<U>(v.z)};
+}
+
+template <class A, class B, class C, class D, class E, class F>
+SKINCTL_INLINE constexpr auto dot(const Triple<A, B, C>& u, const Triple<D, E, F>& v) noexcept {
+  return u.x * v.x + u.y * v.y + u.z * v.z;
+}
+template <class A, class B, class C, class D, class E, class F>
+SKINCTL_INLINE constexpr auto cross(const Triple<A, B, C>& u, const Triple<D, E, F>& v) noexcept {
+  return Triple{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+}
+
+/// A rotation about one axis by a known cosine and sine, either of which may be a typed constant.
+template <Number C, Number S>
+struct Turn {
+  [[no_unique_address]] C cos;
+  [[no_unique_address]] S sin;
+};
+template <class C, class S>
+Turn(C, S) -> Turn<C, S>;
+
+/// `Rz(turn) v`: coordinates in the turned frame to coordinates in the frame it turned from.
+template <class C, class S, class X, class Y, class Z>
+SKINCTL_INLINE constexpr auto turn_z(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
+  return Triple{t.cos * v.x - t.sin * v.y, t.sin * v.x + t.cos * v.y, v.z};
+}
+/// `Rz(turn)^T v`.
+template <class C, class S, class X, class Y, class Z>
+SKINCTL_INLINE constexpr auto turn_back_z(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
+  return Triple{t.cos * v.x + t.sin * v.y, t.cos * v.y - t.sin * v.x, v.z};
+}
+/// `Rx(turn) v`.
+template <class C, class S, class X, class Y, class Z>
+SKINCTL_INLINE constexpr auto turn_x(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
+  return Triple{v.x, t.cos * v.y - t.sin * v.z, t.sin * v.y + t.cos * v.z};
+}
+/// `Rx(turn)^T v`.
+template <class C, class S, class X, class Y, class Z>
+SKINCTL_INLINE constexpr auto turn_back_x(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
+  return Triple{v.x, t.cos * v.y + t.sin * v.z, t.cos * v.z - t.sin * v.y};
+}
+
+SKINCTL_END_NAMESPACE

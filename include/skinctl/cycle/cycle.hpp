@@ -1,0 +1,173 @@
+// A whole cycle as one pure function: from what the sensors say to what the robot is told.
+#pragma once
+
+#include <span>
+#include <type_traits>
+
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/core/real_time.hpp"
+#include "skinctl/cycle/input.hpp"
+#include "skinctl/cycle/stage.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/resolver/resolver.hpp"
+#include "skinctl/safety/guard.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The place of a skin in a scene that has none.
+struct Bare {
+  using Wrenches = NoTouch;
+  struct Memory {
+    friend bool operator==(const Memory&, const Memory&) noexcept = default;
+  };
+  [[nodiscard]] Memory start(Nanoseconds) const noexcept { return {}; }
+  /// Samples of a robot without skin are of unknown cells.
+  Status receive(Memory&, std::span<const CellSample> samples, Nanoseconds, Nanoseconds, std::size_t,
+                 Wrenches*) const noexcept {
+    return samples.empty() ? Status{} : Status{Reason::sample_unknown};
+  }
+  [[nodiscard]] Wrenches wrenches(const Memory&) const noexcept { return {}; }
+};
+
+/// What one cycle gives.
+template <std::size_t N, Scalar T, std::size_t Terms>
+struct Output {
+  JointCommand<N, T> command;                   ///< what may be sent, if it is valid
+  Status status;                                ///< what was limited, held or refused
+  std::array<JointTorque<N, T>, Terms> shares;  ///< what each law contributed in the last sub-step [N m]
+};
+
+namespace detail {
+template <class L>
+struct GoalType {
+  using type = NoGoal;
+};
+template <class L>
+  requires requires { typename L::Goal; }
+struct GoalType<L> {
+  using type = typename L::Goal;
+};
+}  // namespace detail
+
+/// A scene: which robot and interface (the resolver), which law, which skin, which guard. All of it is
+/// configuration; what changes is a `Memory`. A cycle is a function of memory and input alone, so it can be
+/// recorded, replayed bit for bit, started at any state and run as fast as the machine can.
+///
+/// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
+/// else of the model is computed.
+template <class Resolver, class L, class Skin = Bare,
+          class Watchman = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>>
+class Cycle {
+ public:
+  static constexpr std::size_t joints = Resolver::joints;
+  using scalar = typename Resolver::scalar;
+  using law_type = L;
+  using Goal = typename detail::GoalType<L>::type;
+  using Input = skinctl::Input<joints, scalar, Goal>;
+  using Output = skinctl::Output<joints, scalar, terms_of<L>>;
+  using Wrenches = typename Skin::Wrenches;
+  using Known = typename Resolver::template Knows<L, Wrenches>;
+
+  /// All that changes from cycle to cycle; trivially copyable.
+  struct Memory {
+    typename Resolver::Memory robot;
+    typename L::Memory law;
+    typename Watchman::Memory guard;
+    typename Skin::Memory skin;
+  };
+
+  Cycle(const Resolver& resolver, const L& law, const Skin& skin, const Watchman& guard)
+      : resolver_(resolver), law_(law), guard_(guard), skin_(skin) {}
+  Cycle(const Resolver& resolver, const L& law, const Watchman& guard)
+    requires std::is_same_v<Skin, Bare>
+      : Cycle(resolver, law, Bare{}, guard) {}
+
+  [[nodiscard]] const Resolver& resolver() const noexcept { return resolver_; }
+  [[nodiscard]] const L& law() const noexcept { return law_; }
+  [[nodiscard]] const Skin& skin() const noexcept { return skin_; }
+  [[nodiscard]] const Watchman& guard() const noexcept { return guard_; }
+
+  /// The memory with which the scene takes over a robot that reports `measured`: it stays where it is. A
+  /// state that is not finite gives a memory whose cycles command nothing (`command.valid` is false).
+  [[nodiscard]] Memory start(const State<joints, scalar>& measured) const noexcept {
+    Memory m{};
+    start(m, measured);
+    return m;
+  }
+  /// The same in place, for memories too large for the stack.
+  void start(Memory& m, const State<joints, scalar>& measured) const noexcept {
+    m.robot = resolver_.start(measured);
+    m.skin = skin_.start(measured.time);
+    m.guard = guard_.start(m.robot.command, measured);
+    const auto state = resolver_.state(m.robot);
+    const Wrenches touch = skin_.wrenches(m.skin);
+    m.law = law_.start(Known(resolver_.model(), state, period(), touch));
+  }
+
+  /// One cycle: `(memory, input) -> (output, memory')`, the interval being the time since the last one.
+  [[nodiscard]] std::pair<Output, Memory> operator()(const Memory& memory,
+                                                     const Input& input) const noexcept {
+    std::pair<Output, Memory> result{Output{}, memory};
+    result.first = step(result.second, input);
+    return result;
+  }
+
+  /// The same in place: what the loop calls. Nothing is allocated, locked or thrown; no system call.
+  template <class Watch = NoStopwatch>
+  Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
+    const RealTimeScope real_time;
+    watch.begin();
+    Output out;
+    if (input.request == Request::stop) resolver_.stop(m.robot);
+    if (input.request == Request::resume) resolver_.resume(m.robot);
+    if (input.has_goal) out.status |= receive(m, input);
+
+    const Interval interval = resolver_.interval(m.robot, input.now);
+    Wrenches touches[max_substeps];
+    const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
+    out.status |= interval.status;
+    out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches);
+    watch.end(Stage::sense);
+
+    const auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
+                                         std::span<const Wrenches>(touches, parts));
+    out.status |= resolved.status;
+    out.shares = resolved.shares;
+    watch.end(Stage::resolve);
+
+    const auto guarded = guard_.pass(m.guard, resolved.command, input.measured, input.now);
+    out.status |= guarded.status;
+    out.command = guarded.command;
+    if (guarded.altered) resolver_.sent(m.robot, guarded.command);
+    watch.end(Stage::guard);
+    return out;
+  }
+
+ private:
+  /// The planned interval [s], for the laws that start or take goals between two evaluations.
+  [[nodiscard]] scalar period() const noexcept { return resolver_.planned_step(); }
+
+  SKINCTL_INLINE Status receive(Memory& m, const Input& input) const noexcept {
+    if constexpr (std::is_same_v<Goal, NoGoal>) {
+      return Reason::goal_refused;
+    } else {
+      const auto state = resolver_.state(m.robot);
+      const Wrenches touch = skin_.wrenches(m.skin);
+      const auto received = law_.receive(m.law, Known(resolver_.model(), state, period(), touch), input.goal);
+      m.law = received.memory;
+      return received.status;
+    }
+  }
+
+  Resolver resolver_;
+  L law_;
+  Watchman guard_;
+  Skin skin_;
+};
+
+template <class Resolver, class L, class Skin, class Watchman>
+Cycle(const Resolver&, const L&, const Skin&, const Watchman&) -> Cycle<Resolver, L, Skin, Watchman>;
+template <class Resolver, class L, class Watchman>
+Cycle(const Resolver&, const L&, const Watchman&) -> Cycle<Resolver, L, Bare, Watchman>;
+
+SKINCTL_END_NAMESPACE

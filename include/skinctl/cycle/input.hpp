@@ -1,0 +1,32 @@
+// Everything that a cycle learns from outside.
+#pragma once
+
+#include <span>
+
+#include "skinctl/core/state.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What the user wants of a cycle besides the laws' goals.
+enum class Request : unsigned char {
+  none,
+  stop,   ///< brake and hold, until `resume`
+  resume  ///< go on after a stop
+};
+
+/// No law of the scene takes goals.
+struct NoGoal {};
+
+/// The input of one cycle. Any bit pattern is allowed in it: what cannot be used is refused with a reason.
+template <std::size_t N, Scalar T = double, class Goal = NoGoal>
+struct Input {
+  Nanoseconds now = 0;                  ///< the robot's clock: the end of the interval that is integrated
+  State<N, T> measured;                 ///< the newest state, with its own stamp
+  std::span<const CellSample> samples;  ///< that arrived since the last cycle
+  Request request = Request::none;
+  bool has_goal = false;
+  Goal goal{};  ///< read if `has_goal`
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,295 @@
+// A run as a file: every input, every command, replayed bit for bit.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/cycle/cycle.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Appends plain values to bytes that were reserved before: never allocates.
+class ByteWriter {
+ public:
+  explicit ByteWriter(std::size_t capacity) { bytes_.reserve(capacity); }
+  [[nodiscard]] bool fits(std::size_t n) const noexcept { return bytes_.capacity() - bytes_.size() >= n; }
+  template <class V>
+  void put(const V& value) noexcept {
+    static_assert(std::is_arithmetic_v<V>);
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + sizeof value);  // within the capacity, or this record is not written: see `fits`
+    std::memcpy(bytes_.data() + at, &value, sizeof value);
+  }
+  [[nodiscard]] const std::vector<unsigned char>& bytes() const noexcept { return bytes_; }
+  void clear() noexcept { bytes_.clear(); }
+
+ private:
+  std::vector<unsigned char> bytes_;
+};
+
+/// Reads plain values from bytes; past the end it gives zeros and remembers it.
+class ByteReader {
+ public:
+  explicit ByteReader(const std::vector<unsigned char>& bytes) noexcept : bytes_(bytes) {}
+  template <class V>
+  V get() noexcept {
+    static_assert(std::is_arithmetic_v<V>);
+    V value{};
+    if (bytes_.size() - at_ < sizeof value) {
+      short_ = true;
+      at_ = bytes_.size();
+      return value;
+    }
+    if constexpr (std::is_same_v<V, bool>) {
+      value = bytes_[at_] != 0;
+    } else {
+      std::memcpy(&value, bytes_.data() + at_, sizeof value);
+    }
+    at_ += sizeof value;
+    return value;
+  }
+  [[nodiscard]] std::size_t left() const noexcept { return bytes_.size() - at_; }
+  [[nodiscard]] bool short_of_bytes() const noexcept { return short_; }
+
+ private:
+  const std::vector<unsigned char>& bytes_;
+  std::size_t at_ = 0;
+  bool short_ = false;
+};
+
+/// Walks over the plain numbers of a value: `f(number)` for each. Goals of own laws join in by an overload
+/// `each_number(goal, f)` found by argument-dependent look-up.
+template <class K, std::size_t N, class T, class F>
+void each_number(JointVector<K, N, T>& v, F&& f) {
+  for (T& x : v) f(x);
+}
+template <std::size_t N, class T, class F>
+void each_number(State<N, T>& s, F&& f) {
+  f(s.time);
+  each_number(s.q, f);
+  each_number(s.dq, f);
+}
+template <std::size_t N, class T, class F>
+void each_number(JointCommand<N, T>& c, F&& f) {
+  f(c.time);
+  each_number(c.position, f);
+  each_number(c.velocity, f);
+  each_number(c.acceleration, f);
+  each_number(c.torque, f);
+  f(c.valid);
+}
+template <class F>
+void each_number(CellSample& s, F&& f) {
+  f(s.time);
+  f(s.cell);
+  for (float& x : s.force) f(x);
+  f(s.proximity);
+  for (float& x : s.acceleration) f(x);
+  f(s.temperature);
+}
+template <class F>
+void each_number(NoGoal&, F&&) {}
+template <class G, class F>
+  requires requires(G& g) {
+    g.q_g;
+    g.duration;
+  }
+void each_number(G& goal, F&& f) {
+  each_number(goal.q_g, f);
+  f(goal.duration);
+}
+template <class G, class F>
+  requires requires(G& g) {
+    g.q_d;
+    g.dq_d;
+  }
+void each_number(G& goal, F&& f) {
+  each_number(goal.q_d, f);
+  each_number(goal.dq_d, f);
+  if constexpr (requires { goal.ddq_d; }) each_number(goal.ddq_d, f);
+}
+
+}  // namespace detail
+
+/// What happened in a run of `C`: the state at which it started, then every input and the command that it
+/// gave.
+template <class C>
+class Recording {
+ public:
+  using State = skinctl::State<C::joints, typename C::scalar>;
+  using Input = typename C::Input;
+  using Command = JointCommand<C::joints, typename C::scalar>;
+
+  /// Room for `bytes` bytes; a cycle of a six-joint arm takes about 400 and a sample 48.
+  explicit Recording(std::size_t bytes = std::size_t(64) << 20) : bytes_(bytes) {}
+
+  /// The scene starts at `measured`. Forgets what was recorded before.
+  void start(const State& measured) noexcept {
+    bytes_.clear();
+    cycles_ = 0;
+    full_ = !bytes_.fits(fixed_size);
+    if (!full_) write(measured);
+  }
+  /// Adds a cycle; nothing is allocated. When there is no room left it is dropped with all that follow: see
+  /// `full()`.
+  void add(const Input& input, const Command& command) noexcept {
+    full_ = full_ || !bytes_.fits(fixed_size + input.samples.size() * sample_size);
+    if (full_) return;
+    bytes_.put(input.now);
+    write(input.measured);
+    bytes_.put(static_cast<std::uint8_t>(input.request));
+    bytes_.put(input.has_goal);
+    write(input.goal);
+    bytes_.put(static_cast<std::uint32_t>(input.samples.size()));
+    for (const CellSample& s : input.samples) write(s);
+    write(command);
+    ++cycles_;
+  }
+  [[nodiscard]] std::uint64_t cycles() const noexcept { return cycles_; }
+  [[nodiscard]] bool full() const noexcept { return full_; }
+  [[nodiscard]] const std::vector<unsigned char>& bytes() const noexcept { return bytes_.bytes(); }
+
+  /// Writes a file. Throws `ConfigurationError` if that fails.
+  void save(const std::string& path) const {
+    std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wb"), &std::fclose);
+    const auto put = [&](const void* data, std::size_t n) {
+      return file != nullptr && (n == 0 || std::fwrite(data, 1, n, file.get()) == n);
+    };
+    const auto head = header(cycles_);
+    if (!put(head.data(), head.size()) || !put(bytes().data(), bytes().size()) ||
+        std::fflush(file.get()) != 0)
+      SKINCTL_THROW("skinctl: cannot write the recording " + path);
+  }
+  /// Reads a file of the same kind of scene. Throws `ConfigurationError` for a file that cannot be read, is
+  /// damaged, or was recorded by another kind of scene or scalar.
+  [[nodiscard]] static Recording load(const std::string& path) {
+    std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+    if (file == nullptr) SKINCTL_THROW("skinctl: cannot read the recording " + path);
+    std::vector<unsigned char> all;
+    unsigned char block[65536];
+    for (std::size_t n; (n = std::fread(block, 1, sizeof block, file.get())) > 0;)
+      all.insert(all.end(), block, block + n);
+    const auto head = header(0);
+    constexpr std::size_t counted = sizeof(std::uint64_t);
+    if (all.size() < head.size() || std::memcmp(all.data(), head.data(), head.size() - counted) != 0)
+      SKINCTL_THROW("skinctl: " + path +
+                    " is no recording of this scene (other robot, goals, scalar or version)");
+    Recording out(all.size());
+    std::memcpy(&out.cycles_, all.data() + head.size() - counted, counted);
+    for (std::size_t i = head.size(); i < all.size(); ++i) out.bytes_.put(all[i]);
+    out.check(path);
+    return out;
+  }
+
+  /// Calls `start(state)`, then `each(input, command)` for every cycle.
+  template <class Start, class Each>
+  void visit(Start&& start, Each&& each) const {
+    detail::ByteReader reader(bytes());
+    State state;
+    read(reader, state);
+    start(state);
+    std::vector<CellSample> samples;
+    for (std::uint64_t k = 0; k < cycles_ && !reader.short_of_bytes(); ++k) {
+      Input input;
+      Command command;
+      read_cycle(reader, input, samples, command);
+      each(static_cast<const Input&>(input), static_cast<const Command&>(command));
+    }
+  }
+
+ private:
+  static constexpr std::size_t sample_size = 8 + 4 + 8 * 4;
+  static constexpr std::size_t fixed_size = sizeof(Input) + sizeof(Command) + 64;
+
+  template <class V>
+  void write(V value) noexcept {
+    using detail::each_number;
+    each_number(value, [this](const auto& x) { bytes_.put(x); });
+  }
+  template <class V>
+  static void read(detail::ByteReader& reader, V& value) {
+    using detail::each_number;
+    each_number(value, [&](auto& x) { x = reader.get<std::remove_cvref_t<decltype(x)>>(); });
+  }
+  static void read_cycle(detail::ByteReader& reader, Input& input, std::vector<CellSample>& samples,
+                         Command& command) {
+    input.now = reader.get<Nanoseconds>();
+    read(reader, input.measured);
+    const auto request = reader.get<std::uint8_t>();
+    input.request = request <= 2 ? static_cast<Request>(request) : Request::none;
+    input.has_goal = reader.get<bool>();
+    read(reader, input.goal);
+    const std::size_t count = reader.get<std::uint32_t>();
+    samples.resize(count <= reader.left() / sample_size ? count : 0);
+    for (CellSample& s : samples) read(reader, s);
+    input.samples = samples;
+    read(reader, command);
+  }
+  void check(const std::string& path) const {
+    detail::ByteReader reader(bytes());
+    State state;
+    read(reader, state);
+    std::vector<CellSample> samples;
+    std::uint64_t seen = 0;
+    for (; seen < cycles_ && !reader.short_of_bytes(); ++seen) {
+      Input input;
+      Command command;
+      read_cycle(reader, input, samples, command);
+    }
+    if (seen != cycles_ || reader.short_of_bytes() || reader.left() != 0)
+      SKINCTL_THROW("skinctl: the recording " + path + " is damaged or cut short");
+  }
+  /// Magic, byte order, sizes that must agree, number of cycles last.
+  static std::vector<unsigned char> header(std::uint64_t cycles) {
+    detail::ByteWriter w(64);
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '1'}) w.put(c);
+    w.put(std::uint32_t(0x01020304));
+    w.put(static_cast<std::uint32_t>(C::joints));
+    w.put(static_cast<std::uint32_t>(sizeof(typename C::scalar)));
+    w.put(static_cast<std::uint32_t>(sizeof(typename C::Goal)));
+    w.put(cycles);
+    return w.bytes();
+  }
+
+  detail::ByteWriter bytes_;
+  std::uint64_t cycles_ = 0;
+  bool full_ = false;
+};
+
+/// How a replay compared with its recording.
+struct Replayed {
+  std::uint64_t cycles = 0;
+  std::uint64_t different = 0;        ///< cycles whose command is not the same to the bit
+  std::uint64_t first_different = 0;  ///< the first of them
+};
+
+/// Runs a recording through `cycle` and compares every command to the bit. The same program gives the same
+/// bits; another compiler or instruction set rounds elsewhere.
+template <class C>
+[[nodiscard]] Replayed replay(const C& cycle, const Recording<C>& recording) {
+  Replayed result;
+  const auto memory = std::make_unique<typename C::Memory>();
+  const auto same_bits = [](auto a, auto b) {
+    detail::ByteWriter x(1024), y(1024);
+    detail::each_number(a, [&](const auto& v) { x.put(v); });
+    detail::each_number(b, [&](const auto& v) { y.put(v); });
+    return x.bytes() == y.bytes();
+  };
+  recording.visit([&](const auto& state) { cycle.start(*memory, state); },
+                  [&](const auto& input, const auto& command) {
+                    const auto out = cycle.step(*memory, input);
+                    if (!same_bits(out.command, command) && result.different++ == 0)
+                      result.first_different = result.cycles;
+                    ++result.cycles;
+                  });
+  return result;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,96 @@
+// Composite rigid bodies: the mass, first and second moments of a whole subtree, carried from link to parent.
+#pragma once
+
+#include "skinctl/dynamics/detail/recursion.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Mass, first moment h = m c and second moments S = integral r r' dm about a frame's origin, in its axes.
+/// Moments of mass rather than of inertia: they shift without a trace term.
+template <class Mass, class H, class XX, class YY, class ZZ, class XY, class XZ, class YZ>
+struct Composite {
+  Mass mass;
+  H h;
+  XX xx;
+  YY yy;
+  ZZ zz;
+  XY xy;
+  XZ xz;
+  YZ yz;
+};
+template <class Mass, class H, class XX, class YY, class ZZ, class XY, class XZ, class YZ>
+Composite(Mass, H, XX, YY, ZZ, XY, XZ, YZ) -> Composite<Mass, H, XX, YY, ZZ, XY, XZ, YZ>;
+
+template <Scalar T>
+using DenseComposite = Composite<T, Xyz<T>, T, T, T, T, T, T>;
+
+template <Scalar T, class C>
+SKINCTL_INLINE constexpr DenseComposite<T> dense_composite(const C& c) noexcept {
+  return {T(c.mass), dense<T>(c.h), T(c.xx), T(c.yy), T(c.zz), T(c.xy), T(c.xz), T(c.yz)};
+}
+
+/// The link itself, about its frame's origin.
+template <std::size_t I, Scalar T, Model M>
+SKINCTL_INLINE constexpr auto link_composite(const M& model) noexcept {
+  using P = Parameter;
+  const auto mass = model.template number<I, P::mass, T>();
+  const auto c = centre_of_mass<I, T>(model);
+  const auto h = mass * c;
+  return Composite{mass,
+                   h,
+                   model.template number<I, P::s_xx, T>() + h.x * c.x,
+                   model.template number<I, P::s_yy, T>() + h.y * c.y,
+                   model.template number<I, P::s_zz, T>() + h.z * c.z,
+                   model.template number<I, P::s_xy, T>() + h.x * c.y,
+                   model.template number<I, P::s_xz, T>() + h.x * c.z,
+                   model.template number<I, P::s_yz, T>() + h.y * c.z};
+}
+
+/// Second moments turned about z: `Rz S Rz'`.
+template <class Turn, class C>
+SKINCTL_INLINE constexpr auto turn_moments_z(const Turn& t, const C& b) noexcept {
+  const auto u = t.cos * b.xx - t.sin * b.xy;
+  const auto v = t.cos * b.xy - t.sin * b.yy;
+  const auto xx = t.cos * u - t.sin * v;
+  return Composite{b.mass,
+                   turn_z(t, b.h),
+                   xx,
+                   b.xx + b.yy - xx,
+                   b.zz,
+                   t.sin * u + t.cos * v,
+                   t.cos * b.xz - t.sin * b.yz,
+                   t.sin * b.xz + t.cos * b.yz};
+}
+/// Second moments turned about x: `Rx S Rx'`.
+template <class Turn, class C>
+SKINCTL_INLINE constexpr auto turn_moments_x(const Turn& t, const C& b) noexcept {
+  const auto u = t.cos * b.yy - t.sin * b.yz;
+  const auto v = t.cos * b.yz - t.sin * b.zz;
+  const auto yy = t.cos * u - t.sin * v;
+  return Composite{b.mass,
+                   turn_x(t, b.h),
+                   b.xx,
+                   yy,
+                   b.yy + b.zz - yy,
+                   t.cos * b.xy - t.sin * b.xz,
+                   t.sin * b.xy + t.cos * b.xz,
+                   t.sin * u + t.cos * v};
+}
+template <class Frame, class C>
+SKINCTL_INLINE constexpr auto composite_to_parent(const Frame& frame, const C& body) noexcept {
+  const auto b = turn_moments_z(frame.gamma, turn_moments_x(frame.alpha, turn_moments_z(frame.theta, body)));
+  const auto& p = frame.p;
+  const auto h = b.h + b.mass * p;
+  return Composite{b.mass,
+                   h,
+                   b.xx + p.x * (h.x + b.h.x),
+                   b.yy + p.y * (h.y + b.h.y),
+                   b.zz + p.z * (h.z + b.h.z),
+                   b.xy + p.x * h.y + b.h.x * p.y,
+                   b.xz + p.x * h.z + b.h.x * p.z,
+                   b.yz + p.y * h.z + b.h.y * p.z};
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,178 @@
+// One pass out and back over a tree: the recursion behind inverse dynamics, Y_r Theta, C dq and their
+// relatives.
+#pragma once
+
+#include "skinctl/kinematics/joint_frame.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Per-joint numbers of a recursion, read by compile-time index. `NoValues` are typed zeros: what they
+/// multiply vanishes.
+template <Scalar T>
+struct Values {
+  const T* data;
+  template <std::size_t I>
+  SKINCTL_INLINE constexpr T get() const noexcept {
+    return data[I];
+  }
+};
+struct NoValues {
+  template <std::size_t I>
+  SKINCTL_INLINE constexpr Known<0> get() const noexcept {
+    return {};
+  }
+};
+/// One at joint `K`, typed zero elsewhere: a column of a matrix.
+template <std::size_t K>
+struct UnitValue {
+  template <std::size_t I>
+  SKINCTL_INLINE constexpr Known<I == K ? 1 : 0> get() const noexcept {
+    return {};
+  }
+};
+
+/// The 3 x 3 matrix `E = [alpha]x + w w_r' - (w . w_r) 1`, so that `E r = alpha x r + w_r x (w x r)`: the
+/// acceleration, relative to the link's origin, of the point at `r`. Rows.
+template <class X, class Y, class Z>
+struct Spin {
+  X x;
+  Y y;
+  Z z;
+
+  template <class V>
+  SKINCTL_INLINE constexpr auto operator*(const V& v) const noexcept {
+    return Triple{dot(x, v), dot(y, v), dot(z, v)};
+  }
+};
+
+/// `E` from angular velocity, reference angular velocity and reference angular acceleration.
+template <class W, class R, class A>
+SKINCTL_INLINE constexpr auto make_spin(const W& w, const R& r, const A& a) noexcept {
+  const auto xx = w.x * r.x;
+  const auto yy = w.y * r.y;
+  const auto zz = w.z * r.z;
+  const Triple row_x{-(yy + zz), w.x * r.y - a.z, w.x * r.z + a.y};
+  const Triple row_y{w.y * r.x + a.z, -(xx + zz), w.y * r.z - a.x};
+  const Triple row_z{w.z * r.x - a.y, w.z * r.y + a.x, -(xx + yy)};
+  return Spin<decltype(row_x), decltype(row_y), decltype(row_z)>{row_x, row_y, row_z};
+}
+
+/// Force and moment about a link's origin, in the link's axes.
+template <class F, class N>
+struct ForceMoment {
+  F f;
+  N n;
+};
+template <class F, class N>
+ForceMoment(F, N) -> ForceMoment<F, N>;
+
+template <std::size_t I, Scalar T, Model M>
+SKINCTL_INLINE constexpr auto centre_of_mass(const M& model) noexcept {
+  using P = Parameter;
+  return Triple{model.template number<I, P::c_x, T>(), model.template number<I, P::c_y, T>(),
+                model.template number<I, P::c_z, T>()};
+}
+
+/// `m (a + E c)` and the moment `integral r x (E r) dm + c x f`. With second moments S about the centre of
+/// mass the integral has the components `(E S)_zy - (E S)_yz` and so on: six products when S is diagonal, and
+/// exactly Christoffel's C, because every mass point contributes `J^T dJ`.
+template <std::size_t I, Scalar T, Model M, class E, class A>
+SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, const A& a) noexcept {
+  using P = Parameter;
+  const auto number = [&]<Parameter K>(std::integral_constant<Parameter, K>)
+                          SKINCTL_INLINE_LAMBDA { return model.template number<I, K, T>(); };
+  const auto s_xx = number(std::integral_constant<Parameter, P::s_xx>{});
+  const auto s_yy = number(std::integral_constant<Parameter, P::s_yy>{});
+  const auto s_zz = number(std::integral_constant<Parameter, P::s_zz>{});
+  const auto s_xy = number(std::integral_constant<Parameter, P::s_xy>{});
+  const auto s_xz = number(std::integral_constant<Parameter, P::s_xz>{});
+  const auto s_yz = number(std::integral_constant<Parameter, P::s_yz>{});
+  const auto c = centre_of_mass<I, T>(model);
+  const auto f = model.template number<I, P::mass, T>() * (a + spin * c);
+  const Triple s_x{s_xx, s_xy, s_xz};
+  const Triple s_y{s_xy, s_yy, s_yz};
+  const Triple s_z{s_xz, s_yz, s_zz};
+  const Triple n{dot(spin.z, s_y) - dot(spin.y, s_z), dot(spin.x, s_z) - dot(spin.z, s_x),
+                 dot(spin.y, s_x) - dot(spin.x, s_y)};
+  return ForceMoment{f, n + cross(c, f)};
+}
+
+/// Everything that the recursion reads, and where it writes.
+template <class M, class Angles, class V, class R, class A, class T>
+struct Recursion {
+  const M& model;
+  const Angles& angles;
+  V dq;
+  R dq_r;
+  A ddq_r;
+  T* tau;
+};
+
+/// Computes the motion of link `I`, adds its children's wrenches to its own, writes `tau[I]`, and returns the
+/// wrench in the parent's axes about the parent's origin.
+template <std::size_t I, class C, class W, class R, class A, class E, class L>
+SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, const R& w_r_parent,
+                                             const A& alpha_parent, const E& spin_parent,
+                                             const L& a_parent) noexcept {
+  using M = std::remove_cvref_t<decltype(c.model)>;
+  using T = std::remove_cvref_t<decltype(*c.tau)>;
+  const auto frame = joint_frame<I>(c.model, c.angles);
+  const auto dq = c.dq.template get<I>();
+  const auto dq_r = c.dq_r.template get<I>();
+  const auto ddq_r = c.ddq_r.template get<I>();
+  constexpr UnitZ z{};
+
+  const auto a_at_p = a_parent + spin_parent * frame.p;
+  const auto w_in = frame.to_link(w_parent);
+  const auto w_r_in = frame.to_link(w_r_parent);
+  const auto alpha_in = frame.to_link(alpha_parent);
+
+  // The wrench of the link and its subtree, from its motion.
+  const auto add_up = [&](const auto& w, const auto& w_r, const auto& alpha, const auto& a)
+                          SKINCTL_INLINE_LAMBDA {
+                            const auto spin = make_spin(w, w_r, alpha);
+                            const auto own = inertial_wrench<I, T>(c.model, spin, a);
+                            if constexpr (children<M, int(I)>.size() == 0) {
+                              return own;
+                            } else {
+                              auto f = dense<T>(own.f);
+                              auto n = dense<T>(own.n);
+                              for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
+                                const auto wrench = subtree_wrench<child.value>(c, w, w_r, alpha, spin, a);
+                                f = dense<T>(f + wrench.f);
+                                n = dense<T>(n + wrench.n);
+                              });
+                              return ForceMoment<Xyz<T>, Xyz<T>>{f, n};
+                            }
+                          };
+
+  const auto total = [&]() SKINCTL_INLINE_LAMBDA {
+    if constexpr (M::kinds[I] == JointKind::revolute) {
+      return add_up(w_in + dq * z, w_r_in + dq_r * z, alpha_in + ddq_r * z + dq_r * cross(w_in, z),
+                    frame.to_link(a_at_p));
+    } else {
+      // d/dt of v_r + w_r x r + dq_r z, with dr/dt = w x r + dq z.
+      const auto a = frame.to_link(a_at_p) + ddq_r * z + dq * cross(w_r_in, z) + dq_r * cross(w_in, z);
+      return add_up(w_in, w_r_in, alpha_in, a);
+    }
+  }();
+  c.tau[I] = M::kinds[I] == JointKind::revolute ? T(total.n.z) : T(total.f.z);
+  const auto f = frame.to_parent(total.f);
+  return ForceMoment{f, frame.to_parent(total.n) + cross(frame.p, f)};
+}
+
+/// Runs the recursion from the base; `a0` is the acceleration of the base (minus gravity, or typed zeros).
+template <Scalar T, Model M, class Angles, class V, class R, class A, class L>
+SKINCTL_INLINE constexpr void run_recursion(const M& model, const Angles& angles, const V& dq, const R& dq_r,
+                                            const A& ddq_r, const L& a0, T* tau) noexcept {
+  const Recursion<M, Angles, V, R, A, T> c{model, angles, dq, dq_r, ddq_r, tau};
+  const ZeroTriple zero{};
+  const auto spin = make_spin(zero, zero, zero);
+  for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
+    static_cast<void>(subtree_wrench<child.value>(c, zero, zero, zero, spin, a0));
+  });
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

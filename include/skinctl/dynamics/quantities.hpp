@@ -1,0 +1,133 @@
+// All that laws may know in a cycle: the state, and what follows from it, each thing once and only if asked
+// for.
+#pragma once
+
+#include "skinctl/core/law.hpp"
+#include "skinctl/dynamics/gravity.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/kinematics/jacobian.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// No skin in this scene.
+struct NoTouch {};
+
+/// `needs` with its dependencies: a Jacobian needs the poses of the links on the way, everything needs the
+/// angles.
+template <Topology M>
+constexpr Needs complete(Needs needs) noexcept {
+  needs.poses |= closure<M>(needs.jacobians);
+  needs.angles =
+      needs.angles || needs.poses != 0 || needs.gravity || needs.mass || needs.coriolis || needs.touch;
+  return needs;
+}
+
+/// The links whose poses, masses or wrenches `needs` touches: joints behind the last of them stay unread.
+template <Topology M>
+constexpr LinkMask links_for(const Needs& needs) noexcept {
+  return needs.gravity || needs.mass || needs.coriolis || needs.angles
+             ? all_links(M::joints)
+             : closure<M>(needs.poses | needs.jacobians);
+}
+
+namespace detail {
+/// A value that exists only where it was asked for.
+template <bool Wanted, class V>
+struct Computed {
+  V value;
+  template <class F>
+  SKINCTL_INLINE explicit Computed(F&& f) noexcept : value(f(0)) {}
+};
+template <class V>
+struct Computed<false, V> {
+  template <class F>
+  SKINCTL_INLINE explicit Computed(F&&) noexcept {}
+};
+}  // namespace detail
+
+/// The state of a robot and what follows from it at that state: angles, poses, G, M, C dq, as far as `Asked`
+/// covers them. What was not asked for is neither computed nor stored, and reading it does not compile.
+///
+/// `Touch` is what the skin does to the links over the interval (see tactile/), or `NoTouch`.
+template <Model M, Needs Asked, Scalar T = double, class Touch = NoTouch>
+class Quantities {
+ public:
+  using model_type = M;
+  using scalar = T;
+  using touch_type = Touch;
+  static constexpr std::size_t joints = M::joints;
+  static constexpr Needs needs = complete<M>(Asked);
+  static constexpr LinkMask links = links_for<M>(complete<M>(Asked));
+  using Angles = JointAngles<M, T, links>;
+
+  /// @param model, state  what everything is computed from; both must outlive this object.
+  /// @param dt     interval [s] for which a torque computed from this will be held; >= 0.
+  /// @param touch  mean wrenches of the skin on the links over that interval; must outlive this object.
+  SKINCTL_INLINE Quantities(const M& model, const State<joints, T>& state, const T& dt,
+                            const Touch& touch) noexcept
+      : model_(model),
+        state_(state),
+        touch_(touch),
+        dt_(dt),
+        angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
+        poses_([&](auto) SKINCTL_INLINE_LAMBDA { return Poses<M, needs.poses, T>(model_, angles()); }),
+        gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
+        mass_([&](auto) SKINCTL_INLINE_LAMBDA { return mass_matrix(model_, angles()); }),
+        coriolis_([&](auto) SKINCTL_INLINE_LAMBDA { return coriolis_torque(model_, angles(), state_.dq); }) {}
+
+  [[nodiscard]] SKINCTL_INLINE const M& model() const noexcept { return model_; }
+  [[nodiscard]] SKINCTL_INLINE const State<joints, T>& state() const noexcept { return state_; }
+  [[nodiscard]] SKINCTL_INLINE const JointPosition<joints, T>& q() const noexcept { return state_.q; }
+  [[nodiscard]] SKINCTL_INLINE const JointVelocity<joints, T>& dq() const noexcept { return state_.dq; }
+  [[nodiscard]] SKINCTL_INLINE Nanoseconds time() const noexcept { return state_.time; }
+  /// Interval [s] for which the torque will be held.
+  [[nodiscard]] SKINCTL_INLINE const T& dt() const noexcept { return dt_; }
+  /// Mean wrenches of the skin on the links over the interval.
+  [[nodiscard]] SKINCTL_INLINE const Touch& touch() const noexcept { return touch_; }
+
+  [[nodiscard]] SKINCTL_INLINE const Angles& angles() const noexcept {
+    static_assert(needs.angles, "not asked for: set needs.angles");
+    return angles_.value;
+  }
+  /// `X_BaseLink` of link `I`.
+  template <std::size_t I>
+  [[nodiscard]] SKINCTL_INLINE Transform<Base, Link<I>, T> pose() const noexcept {
+    static_assert(needs.poses != 0, "not asked for: set needs.poses");
+    return poses_.value.template get<I>();
+  }
+  /// Jacobian of the frame fixed to link `I` at `X_LP`, or of the link itself.
+  template <std::size_t I, class... X>
+  [[nodiscard]] SKINCTL_INLINE auto jacobian(const X&... X_LP) const noexcept {
+    static_assert((needs.jacobians >> I) & 1u, "not asked for: set the link's bit in needs.jacobians");
+    return skinctl::jacobian<I>(poses_.value, X_LP...);
+  }
+  /// G(q) [N m].
+  [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& gravity() const noexcept {
+    static_assert(needs.gravity, "not asked for: set needs.gravity");
+    return gravity_.value;
+  }
+  /// M(q).
+  [[nodiscard]] SKINCTL_INLINE const MassMatrix<joints, T>& mass() const noexcept {
+    static_assert(needs.mass, "not asked for: set needs.mass");
+    return mass_.value;
+  }
+  /// C(q, dq) dq [N m].
+  [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& coriolis() const noexcept {
+    static_assert(needs.coriolis, "not asked for: set needs.coriolis");
+    return coriolis_.value;
+  }
+
+ private:
+  const M& model_;
+  const State<joints, T>& state_;
+  const Touch& touch_;
+  T dt_;
+  [[no_unique_address]] detail::Computed<needs.angles, Angles> angles_;
+  [[no_unique_address]] detail::Computed<needs.poses != 0, Poses<M, needs.poses, T>> poses_;
+  [[no_unique_address]] detail::Computed<needs.gravity, JointTorque<joints, T>> gravity_;
+  [[no_unique_address]] detail::Computed<needs.mass, MassMatrix<joints, T>> mass_;
+  [[no_unique_address]] detail::Computed<needs.coriolis, JointTorque<joints, T>> coriolis_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,95 @@
+// Points and vectors with coordinates: of which frame is in the type.
+#pragma once
+
+#include "skinctl/core/eigen.hpp"
+#include "skinctl/core/triple.hpp"
+#include "skinctl/frames/frame.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+// Below, what has no meaning is deleted, with a hint on the line that bears the operator's name: compilers
+// print that line, and those of every other candidate. So operators are members and friends, and candidates
+// few.
+
+/// A vector that has a direction and a size but no place (a displacement, a velocity, a force), along the
+/// axes of `A`.
+template <Frame A, Scalar T = double>
+struct FreeVector {
+  Xyz<T> xyz{T(0), T(0), T(0)};
+
+  SKINCTL_INLINE constexpr FreeVector operator+(const FreeVector& v) const noexcept { return {xyz + v.xyz}; }
+  SKINCTL_INLINE constexpr FreeVector operator-(const FreeVector& v) const noexcept { return {xyz - v.xyz}; }
+  SKINCTL_INLINE constexpr FreeVector operator-() const noexcept { return {-xyz}; }
+  friend SKINCTL_INLINE constexpr FreeVector operator*(const T& s, const FreeVector& u) noexcept {
+    return {s * u.xyz};
+  }
+  friend SKINCTL_INLINE constexpr T dot(const FreeVector& u, const FreeVector& v) noexcept {
+    return dot(u.xyz, v.xyz);
+  }
+  friend SKINCTL_INLINE constexpr FreeVector cross(const FreeVector& u, const FreeVector& v) noexcept {
+    return {cross(u.xyz, v.xyz)};
+  }
+
+  // clang-format off
+  template <class Q> void operator+(const Q&) const = delete;  // vectors along other axes: X_AB * v first
+  template <class Q> void operator-(const Q&) const = delete;  // vectors along other axes: X_AB * v first
+  template <class B, class U> friend void dot(const FreeVector&, const FreeVector<B, U>&) = delete;  // X_AB * v first
+  template <class B, class U> friend void cross(const FreeVector&, const FreeVector<B, U>&) = delete;  // X_AB * v first
+  // clang-format on
+};
+
+/// Where a point is: its coordinates [m] from the origin of `A` along the axes of `A`. Points have a
+/// difference, no sum.
+template <Frame A, Scalar T = double>
+struct Point {
+  Xyz<T> xyz{T(0), T(0), T(0)};
+
+  /// From `b` to this point.
+  SKINCTL_INLINE constexpr FreeVector<A, T> operator-(const Point& b) const noexcept { return {xyz - b.xyz}; }
+  SKINCTL_INLINE constexpr Point operator+(const FreeVector<A, T>& v) const noexcept { return {xyz + v.xyz}; }
+
+  // clang-format off
+  template <class Q> void operator+(const Q&) const = delete;  // two points have no sum
+  template <class Q> void operator-(const Q&) const = delete;  // points of two frames: X_AB * p first
+  // clang-format on
+};
+
+/// `p_PQ_E`: from the origin of `P` to the origin of `Q` [m], along the axes of `E`. Chains like transforms:
+/// `p_PQ_E + p_QR_E` is `p_PR_E`, and `-p_PQ_E` is `p_QP_E`.
+template <Frame P, Frame Q, Frame E, Scalar T = double>
+struct Offset {
+  Xyz<T> xyz{T(0), T(0), T(0)};
+
+  template <Frame R>
+  SKINCTL_INLINE constexpr Offset<P, R, E, T> operator+(const Offset<Q, R, E, T>& p_QR_E) const noexcept {
+    return {xyz + p_QR_E.xyz};
+  }
+  SKINCTL_INLINE constexpr Offset<Q, P, E, T> operator-() const noexcept { return {-xyz}; }
+
+  // clang-format off
+  template <class Z> void operator+(const Z&) const = delete;  // no chain p_PQ_E + p_QR_E
+  // clang-format on
+};
+
+template <class X>
+inline constexpr bool is_offset = false;
+template <class P, class Q, class E, class T>
+inline constexpr bool is_offset<Offset<P, Q, E, T>> = true;
+template <class X>
+concept AnyOffset = is_offset<X>;
+
+/// The three coordinates as an Eigen vector; back with `{as_xyz(v)}`.
+template <class A, class T>
+[[nodiscard]] Vec3<T> as_eigen(const Point<A, T>& p) noexcept {
+  return as_eigen(p.xyz);
+}
+template <class A, class T>
+[[nodiscard]] Vec3<T> as_eigen(const FreeVector<A, T>& v) noexcept {
+  return as_eigen(v.xyz);
+}
+template <class P, class Q, class E, class T>
+[[nodiscard]] Vec3<T> as_eigen(const Offset<P, Q, E, T>& p) noexcept {
+  return as_eigen(p.xyz);
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,126 @@
+// A rotation as three axes of plain numbers, and the rotation vector: exp, log and their derivatives.
+#pragma once
+
+#include "skinctl/core/triple.hpp"
+#include "skinctl/frames/detail/rotation_series.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// `R_AB` without the names: the axes of B in coordinates of A, the columns of the matrix. The typed noun is
+/// `Transform`; this one is for the algorithms below it. Identity by default.
+template <Scalar T = double>
+struct Rotation {
+  Xyz<T> x{T(1), T(0), T(0)};
+  Xyz<T> y{T(0), T(1), T(0)};
+  Xyz<T> z{T(0), T(0), T(1)};
+
+  /// `R_BA`, the inverse.
+  [[nodiscard]] SKINCTL_INLINE constexpr Rotation transpose() const noexcept {
+    return {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
+  }
+  /// `R_AB v_B = v_A`. Written per component: Clang fuses multiply-adds only within one expression.
+  template <class X, class Y, class Z>
+  [[nodiscard]] SKINCTL_INLINE constexpr Xyz<T> operator*(const Triple<X, Y, Z>& v) const noexcept {
+    return {T(x.x * v.x + y.x * v.y + z.x * v.z), T(x.y * v.x + y.y * v.y + z.y * v.z),
+            T(x.z * v.x + y.z * v.y + z.z * v.z)};
+  }
+  /// `R_AB R_BC = R_AC`.
+  [[nodiscard]] SKINCTL_INLINE constexpr Rotation operator*(const Rotation& R_BC) const noexcept {
+    return {*this * R_BC.x, *this * R_BC.y, *this * R_BC.z};
+  }
+  friend SKINCTL_INLINE constexpr bool operator==(const Rotation& R, const Rotation& S) noexcept {
+    return R.x == S.x && R.y == S.y && R.z == S.z;
+  }
+};
+
+/// `R_AB^T v_A = v_B`.
+template <class T, class X, class Y, class Z>
+[[nodiscard]] SKINCTL_INLINE constexpr Xyz<T> turn_back(const Rotation<T>& R,
+                                                        const Triple<X, Y, Z>& v) noexcept {
+  return {T(dot(R.x, v)), T(dot(R.y, v)), T(dot(R.z, v))};
+}
+/// The largest element of `|R^T R - 1|`, and 1 more where the axes are left-handed: 0 for a rotation. A NaN
+/// gives a NaN.
+template <Real T>
+[[nodiscard]] constexpr T rotation_error(const Rotation<T>& R) noexcept {
+  T worst(0);
+  const auto note = [&worst](const T& e) {
+    const T size = e < T(0) ? T(-e) : e;
+    if (worst == worst && !(size <= worst)) worst = size;
+  };
+  note(dot(R.x, R.x) - T(1));
+  note(dot(R.y, R.y) - T(1));
+  note(dot(R.z, R.z) - T(1));
+  note(dot(R.x, R.y));
+  note(dot(R.y, R.z));
+  note(dot(R.z, R.x));
+  return dot(cross(R.x, R.y), R.z) < T(0) ? T(worst + T(1)) : worst;
+}
+
+/// The rotation nearest to `R` (its polar factor), by Newton-Schulz steps `R <- R (3 - R^T R) / 2`. An error
+/// `e = rotation_error(R)` becomes at most `e^(2^n)` plus rounding, with as many steps n as bring 0.01 down
+/// to the rounding error of `T` (3 for double). Above about 0.5 it need not converge: such numbers are no
+/// rotation.
+template <Scalar T>
+[[nodiscard]] constexpr Rotation<T> normalised(Rotation<T> R) noexcept {
+  for (int digits = 2; digits <= std::numeric_limits<RealOf<T>>::digits10; digits *= 2) {
+    const T half(0.5);
+    const T xx = half * (T(3) - dot(R.x, R.x));
+    const T yy = half * (T(3) - dot(R.y, R.y));
+    const T zz = half * (T(3) - dot(R.z, R.z));
+    const T xy = -half * dot(R.x, R.y);
+    const T yz = -half * dot(R.y, R.z);
+    const T zx = -half * dot(R.z, R.x);
+    R = {R * Xyz<T>{xx, xy, zx}, R * Xyz<T>{xy, yy, yz}, R * Xyz<T>{zx, yz, zz}};
+  }
+  return R;
+}
+
+/// The rotation by `|phi|` [rad] about `phi`: Rodrigues' formula. Accurate to a few units in the last place
+/// for every length, 0 included; a NaN gives NaNs.
+template <Real T>
+[[nodiscard]] Rotation<T> exp_so3(const Xyz<T>& phi) noexcept {
+  const auto f = detail::exp_factors(phi);
+  const Xyz<T> a = f.sine * phi;
+  const Xyz<T> b = f.cosine * phi;
+  const T one(1);
+  return {{one - (b.y * phi.y + b.z * phi.z), b.x * phi.y + a.z, b.x * phi.z - a.y},
+          {b.x * phi.y - a.z, one - (b.x * phi.x + b.z * phi.z), b.y * phi.z + a.x},
+          {b.x * phi.z + a.y, b.y * phi.z - a.x, one - (b.x * phi.x + b.y * phi.y)}};
+}
+
+/// The rotation vector of `R`, the shortest: `|phi| <= pi`. Accurate near 0 and near pi, where it goes over
+/// the unit quaternion's largest component.
+///
+/// Branch: at exactly half a turn both `phi` and `-phi` are right and the one whose largest component is
+/// positive is returned; rounding decides next to it. A controller that must not jump there passes its last
+/// value as `near`.
+template <Real T>
+[[nodiscard]] Xyz<T> log_so3(const Rotation<T>& R) noexcept {
+  return detail::shortest_rotation_vector(detail::unit_quaternion(R.x, R.y, R.z));
+}
+
+/// The rotation vector of `R` on the branch of `near`: of `phi` and `phi` less one turn about the same axis,
+/// the one closer to `near`; `|phi| <= 2 pi`. Continuous along every path of rotations that stays between 0
+/// and one turn.
+template <Real T>
+[[nodiscard]] Xyz<T> log_so3(const Rotation<T>& R, const Xyz<T>& near) noexcept {
+  return detail::nearer_rotation_vector(log_so3(R), near);
+}
+
+/// `omega = J_l(phi) dphi`: the angular velocity, in the axes of the outer frame, of `R = exp_so3(phi)`.
+template <Real T>
+[[nodiscard]] Xyz<T> left_jacobian_so3(const Xyz<T>& phi, const Xyz<T>& dphi) noexcept {
+  const Xyz<T> once = cross(phi, dphi);
+  return dphi + detail::exp_factors(phi).cosine * once + detail::cubic_factor(phi) * cross(phi, once);
+}
+
+/// `dphi = J_l(phi)^-1 omega`, for `|phi| < 2 pi`, where it is singular (it grows as 1 / (2 pi - |phi|)); at
+/// pi its largest stretch is pi / 2.
+template <Real T>
+[[nodiscard]] Xyz<T> left_jacobian_inverse_so3(const Xyz<T>& phi, const Xyz<T>& omega) noexcept {
+  const Xyz<T> once = cross(phi, omega);
+  return omega - T(0.5) * once + detail::inverse_factor(phi) * cross(phi, once);
+}
+
+SKINCTL_END_NAMESPACE

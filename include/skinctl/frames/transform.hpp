@@ -1,0 +1,211 @@
+// Pose of one frame in another, with both in the type.
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/eigen.hpp"
+#include "skinctl/frames/point.hpp"
+#include "skinctl/frames/rotation.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Anything with the interface of `Eigen::Isometry3`, without including Eigen/Geometry here.
+template <class X>
+concept IsometryExpression = requires(const X& X_AB) {
+  X_AB.linear();
+  X_AB.translation();
+};
+
+namespace detail {
+template <Scalar T, class M>
+Rotation<T> columns(const M& R_AB) noexcept {
+  Mat3<T> R = Mat3<T>::Zero();
+  R.noalias() = R_AB;
+  return {{R(0, 0), R(1, 0), R(2, 0)}, {R(0, 1), R(1, 1), R(2, 1)}, {R(0, 2), R(1, 2), R(2, 2)}};
+}
+/// `p + R v`, each component one expression.
+template <Scalar T>
+SKINCTL_INLINE constexpr Xyz<T> moved(const Xyz<T>& p, const Rotation<T>& R, const Xyz<T>& v) noexcept {
+  return {p.x + R.x.x * v.x + R.y.x * v.y + R.z.x * v.z, p.y + R.x.y * v.x + R.y.y * v.y + R.z.y * v.z,
+          p.z + R.x.z * v.x + R.y.z * v.y + R.z.z * v.z};
+}
+}  // namespace detail
+
+/// Pose of frame `B` in frame `A`, written `X_AB`; the paper's ^B T_A, eqs. (1)-(3).
+///
+/// The frames are in the type: `X_AB * X_BC` is a `Transform<A, C>`, `X_AB * X_CB` an error. It is twelve
+/// numbers, trivially copyable: the axes of B in A, then B's origin. Identity by default.
+template <Frame A, Frame B, Scalar T = double>
+class Transform {
+ public:
+  using scalar = T;
+
+  /// The two frames coincide.
+  constexpr Transform() noexcept = default;
+
+  /// @param R_AB  axes of B in A; a rotation to within `tolerance<T>`: see `normalised()`.
+  /// @param p_AB  origin of B in A [m].
+  SKINCTL_INLINE constexpr Transform(const Rotation<T>& R_AB, const Xyz<T>& p_AB) noexcept
+      : R_(R_AB), p_(p_AB) {
+    if constexpr (Real<T>) {
+      SKINCTL_EXPECTS(rotation_error(R_AB) <= T(64) * std::numeric_limits<T>::epsilon(),
+                      "R_AB is a rotation; else Transform::nearest");
+    }
+  }
+  /// The same from Eigen, 3x3 and 3x1 of scalar `T`.
+  template <VectorExpression M, VectorExpression V>
+    requires(std::same_as<typename M::Scalar, T> && std::same_as<typename V::Scalar, T>)
+  Transform(const M& R_AB, const V& p_AB) noexcept
+      : Transform(detail::columns<T>(R_AB), as_xyz<T>(Vec3<T>(p_AB))) {}
+  /// From an `Eigen::Isometry3<T>`.
+  template <IsometryExpression X>
+  explicit Transform(const X& X_AB) noexcept : Transform(X_AB.linear(), X_AB.translation()) {}
+
+  /// From numbers that are a rotation only to within measurement or rounding (a file's six digits): the
+  /// nearest one. Throws `ConfigurationError` where `rotation_error(R_AB)` exceeds 0.1 (that is no rotation),
+  /// and where anything is not finite.
+  [[nodiscard]] static Transform nearest(const Rotation<T>& R_AB, const Xyz<T>& p_AB) {
+    require(rotation_error(R_AB) <= T(0.1), "Transform: |R'R - 1|", double(rotation_error(R_AB)), "<= 0.1");
+    require(dot(p_AB, p_AB) <= (std::numeric_limits<T>::max)(), "Transform: |p|^2", double(dot(p_AB, p_AB)),
+            "finite m^2");
+    return Transform(skinctl::normalised(R_AB), p_AB);
+  }
+  /// B is A moved by (x, y, z) [m].
+  [[nodiscard]] SKINCTL_INLINE static constexpr Transform translation_xyz(const T& x, const T& y,
+                                                                          const T& z) noexcept {
+    return {Rotation<T>{}, {x, y, z}};
+  }
+  /// B is A turned by `angle` [rad] about their common x axis.
+  [[nodiscard]] static Transform rotation_x(const T& angle) noexcept {
+    using std::cos;
+    using std::sin;
+    const T c = cos(angle), s = sin(angle), l(1), o(0);
+    return {{{l, o, o}, {o, c, s}, {o, -s, c}}, {o, o, o}};
+  }
+  /// B is A turned by `angle` [rad] about their common y axis.
+  [[nodiscard]] static Transform rotation_y(const T& angle) noexcept {
+    using std::cos;
+    using std::sin;
+    const T c = cos(angle), s = sin(angle), l(1), o(0);
+    return {{{c, o, -s}, {o, l, o}, {s, o, c}}, {o, o, o}};
+  }
+  /// B is A turned by `angle` [rad] about their common z axis.
+  [[nodiscard]] static Transform rotation_z(const T& angle) noexcept {
+    using std::cos;
+    using std::sin;
+    const T c = cos(angle), s = sin(angle), l(1), o(0);
+    return {{{c, s, o}, {-s, c, o}, {o, o, l}}, {o, o, o}};
+  }
+
+  /// Axes of B in A, unit vectors.
+  [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_x() const noexcept { return R_.x; }
+  [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_y() const noexcept { return R_.y; }
+  [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_z() const noexcept { return R_.z; }
+  /// Origin of B in A [m].
+  [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& origin() const noexcept { return p_; }
+  /// The three axes together.
+  [[nodiscard]] SKINCTL_INLINE constexpr const Rotation<T>& axes() const noexcept { return R_; }
+  /// `p_AB_A`, the origin with its names.
+  [[nodiscard]] SKINCTL_INLINE constexpr Offset<A, B, A, T> offset() const noexcept { return {p_}; }
+
+  /// `R_AB` as an Eigen matrix.
+  [[nodiscard]] Mat3<T> rotation() const noexcept {
+    Mat3<T> R;
+    R << R_.x.x, R_.y.x, R_.z.x, R_.x.y, R_.y.y, R_.z.y, R_.x.z, R_.y.z, R_.z.z;
+    return R;
+  }
+  /// `p_AB` as an Eigen vector [m].
+  [[nodiscard]] Vec3<T> translation() const noexcept { return as_eigen(p_); }
+  /// As an `Eigen::Isometry3<T>`: `X_AB.to<Eigen::Isometry3d>()`.
+  template <IsometryExpression X>
+  [[nodiscard]] X to() const noexcept {
+    X X_AB = X::Identity();
+    X_AB.linear() = rotation();
+    X_AB.translation() = translation();
+    return X_AB;
+  }
+
+  /// `X_BA`.
+  [[nodiscard]] SKINCTL_INLINE constexpr Transform<B, A, T> inverse() const noexcept {
+    return Transform<B, A, T>::trusted(R_.transpose(), -turn_back(R_, p_));
+  }
+  /// The axes made orthonormal again after many products: see `skinctl::normalised`.
+  [[nodiscard]] constexpr Transform normalised() const noexcept {
+    return trusted(skinctl::normalised(R_), p_);
+  }
+  /// The same pose in another scalar; to a wider one the axes stay as orthonormal as they were.
+  template <Scalar U>
+  [[nodiscard]] SKINCTL_INLINE constexpr Transform<A, B, U> cast() const noexcept {
+    return Transform<A, B, U>::trusted(
+        {skinctl::cast<U>(R_.x), skinctl::cast<U>(R_.y), skinctl::cast<U>(R_.z)}, skinctl::cast<U>(p_));
+  }
+  /// The same numbers as the pose of `D` in `C`: the caller vouches for it (a run-time index, a file).
+  template <Frame C, Frame D>
+  [[nodiscard]] SKINCTL_INLINE constexpr Transform<C, D, T> renamed() const noexcept {
+    return Transform<C, D, T>::trusted(R_, p_);
+  }
+  /// Without the check of the axes: for algorithms whose axes are right by construction up to accumulated
+  /// rounding.
+  [[nodiscard]] SKINCTL_INLINE static constexpr Transform trusted(const Rotation<T>& R_AB,
+                                                                  const Xyz<T>& p_AB) noexcept {
+    Transform X;
+    X.R_ = R_AB;
+    X.p_ = p_AB;
+    return X;
+  }
+
+  /// `transformed(*this, q)`: `X_AB * X_BC` is `X_AC`, eq. (2); `X_AB` times a point, vector, twist, wrench
+  /// or inertia of B is the same thing as seen from A.
+  template <class Q>
+    requires requires(const Transform& X_AB, const Q& q) { transformed(X_AB, q); }
+  [[nodiscard]] SKINCTL_INLINE constexpr auto operator*(const Q& q) const noexcept {
+    return transformed(*this, q);
+  }
+  // clang-format off
+  template <class Q> void operator*(const Q&) const = delete;  // inner frames differ: invert, swap, shift or express
+  // clang-format on
+
+  friend SKINCTL_INLINE constexpr bool operator==(const Transform& X, const Transform& Y) noexcept {
+    return X.R_ == Y.R_ && X.p_ == Y.p_;
+  }
+
+ private:
+  Rotation<T> R_;
+  Xyz<T> p_{T(0), T(0), T(0)};
+};
+
+template <class X>
+inline constexpr bool is_transform = false;
+template <class A, class B, class T>
+inline constexpr bool is_transform<Transform<A, B, T>> = true;
+template <class X>
+concept AnyTransform = is_transform<X>;
+
+/// `X_AC = X_AB * X_BC`, eq. (2).
+template <class A, class B, class C, class T>
+[[nodiscard]] SKINCTL_INLINE constexpr Transform<A, C, T> transformed(
+    const Transform<A, B, T>& X_AB, const Transform<B, C, T>& X_BC) noexcept {
+  return Transform<A, C, T>::trusted(X_AB.axes() * X_BC.axes(),
+                                     detail::moved(X_AB.origin(), X_AB.axes(), X_BC.origin()));
+}
+/// `p_A = X_AB * p_B`: the same point, in coordinates of A.
+template <class A, class B, class T>
+[[nodiscard]] SKINCTL_INLINE constexpr Point<A, T> transformed(const Transform<A, B, T>& X_AB,
+                                                               const Point<B, T>& p_B) noexcept {
+  return {detail::moved(X_AB.origin(), X_AB.axes(), p_B.xyz)};
+}
+/// The same vector along the axes of A: rotates only.
+template <class A, class B, class T>
+[[nodiscard]] SKINCTL_INLINE constexpr FreeVector<A, T> transformed(const Transform<A, B, T>& X_AB,
+                                                                    const FreeVector<B, T>& v_B) noexcept {
+  return {X_AB.axes() * v_B.xyz};
+}
+/// `p_PQ_B` along the axes of A: rotates only.
+template <class A, class B, class P, class Q, class T>
+[[nodiscard]] SKINCTL_INLINE constexpr Offset<P, Q, A, T> transformed(
+    const Transform<A, B, T>& X_AB, const Offset<P, Q, B, T>& p_PQ_B) noexcept {
+  return {X_AB.axes() * p_PQ_B.xyz};
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,93 @@
+// Velocity of a rigid body: of what, relative to what, of which point, along which axes.
+#pragma once
+
+#include "skinctl/frames/transform.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Velocity of the body to which frame `Body` is fixed, as seen from frame `Relative`: the velocity of that
+/// point of the body which is at the origin of `At` now, and the angular velocity, both along the axes of
+/// `Axes`. Zero by default.
+///
+/// `SpatialVelocity<A, B, E>` names the commonest one as its monogram `V_AB_E`: of B relative to A at B's own
+/// origin.
+template <Frame Body, Frame Relative, Frame At = Body, Frame Axes = Relative, Scalar T = double>
+struct Twist {
+  Xyz<T> linear{T(0), T(0), T(0)};   ///< [m/s]
+  Xyz<T> angular{T(0), T(0), T(0)};  ///< [rad/s]
+
+  /// The velocity of `Relative` as seen from `Body`: `V_BA` of `V_AB`.
+  [[nodiscard]] SKINCTL_INLINE constexpr Twist<Relative, Body, At, Axes, T> reversed() const noexcept {
+    return {-linear, -angular};
+  }
+  template <Scalar U>
+  [[nodiscard]] SKINCTL_INLINE constexpr Twist<Body, Relative, At, Axes, U> cast() const noexcept {
+    return {skinctl::cast<U>(linear), skinctl::cast<U>(angular)};
+  }
+
+  SKINCTL_INLINE constexpr Twist operator+(const Twist& W) const noexcept {
+    return {linear + W.linear, angular + W.angular};
+  }
+  /// `V_AC = V_AB + V_BC`, of the same point along the same axes: velocities add up along a chain of bodies.
+  template <Frame C>
+    requires(!std::same_as<Twist<C, Body, At, Axes, T>, Twist>)
+  SKINCTL_INLINE constexpr Twist<C, Relative, At, Axes, T> operator+(
+      const Twist<C, Body, At, Axes, T>& V_BC) const noexcept {
+    return {linear + V_BC.linear, angular + V_BC.angular};
+  }
+  SKINCTL_INLINE constexpr Twist operator-(const Twist& W) const noexcept {
+    return {linear - W.linear, angular - W.angular};
+  }
+  SKINCTL_INLINE constexpr Twist operator-() const noexcept { return {-linear, -angular}; }
+  friend SKINCTL_INLINE constexpr Twist operator*(const T& s, const Twist& V) noexcept {
+    return {s * V.linear, s * V.angular};
+  }
+  /// The velocity of another point of the same body: `v_Q = v_P + omega x p_PQ`.
+  template <Frame Q>
+  friend SKINCTL_INLINE constexpr Twist<Body, Relative, Q, Axes, T> shift(
+      const Twist& V, const Offset<At, Q, Axes, T>& p_PQ_E) noexcept {
+    return {V.linear + cross(V.angular, p_PQ_E.xyz), V.angular};
+  }
+  /// The same velocity of the same point, along the axes of `F`.
+  template <Frame F>
+  friend SKINCTL_INLINE constexpr Twist<Body, Relative, At, F, T> express(const Transform<F, Axes, T>& X_FE,
+                                                                          const Twist& V) noexcept {
+    return {X_FE.axes() * V.linear, X_FE.axes() * V.angular};
+  }
+
+  // clang-format off
+  template <class Q> void operator+(const Q&) const = delete;  // no chain V_AB + V_BC of one point along the same axes
+  template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes: shift, express, reversed
+  friend void shift(const Twist&, const AnyOffset auto&) = delete;  // a twist at P along E needs p_PQ_E
+  friend void express(const AnyTransform auto&, const Twist&) = delete;  // X_FE takes a twist along E's axes
+  // clang-format on
+};
+
+/// `V_AB_E`: velocity of B relative to A, of B's origin, along the axes of E.
+template <Frame A, Frame B, Frame E = A, Scalar T = double>
+using SpatialVelocity = Twist<B, A, B, E, T>;
+
+template <class V>
+inline constexpr bool is_twist = false;
+template <class B, class A, class P, class E, class T>
+inline constexpr bool is_twist<Twist<B, A, P, E, T>> = true;
+template <class V>
+concept AnyTwist = is_twist<V>;
+
+/// Both at once: of the point and along the axes of P, then of Q. `X_QP` turns the axes and moves the point.
+template <class B, class A, class P, class Q, class T>
+[[nodiscard]] SKINCTL_INLINE constexpr Twist<B, A, Q, Q, T> transformed(
+    const Transform<Q, P, T>& X_QP, const Twist<B, A, P, P, T>& V) noexcept {
+  const Xyz<T> angular = X_QP.axes() * V.angular;
+  return {X_QP.axes() * V.linear + cross(X_QP.origin(), angular), angular};
+}
+
+/// The six numbers as an Eigen vector, linear part first.
+template <class B, class A, class P, class E, class T>
+[[nodiscard]] Vec6<T> as_eigen(const Twist<B, A, P, E, T>& V) noexcept {
+  Vec6<T> v;
+  v << V.linear.x, V.linear.y, V.linear.z, V.angular.x, V.angular.y, V.angular.z;
+  return v;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,90 @@
+// Force and moment on a rigid body: on what, about which point, along which axes.
+#pragma once
+
+#include "skinctl/frames/twist.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What acts on the body to which frame `Body` is fixed: a force, and a moment about the origin of `At`, both
+/// along the axes of `Axes`; written `F_Body_At_Axes`. Zero by default.
+///
+/// A force through the origin of `At` has no moment there; about any other point it does, and `shift` gives
+/// it.
+template <Frame Body, Frame At = Body, Frame Axes = At, Scalar T = double>
+struct Wrench {
+  Xyz<T> force{T(0), T(0), T(0)};   ///< [N]
+  Xyz<T> moment{T(0), T(0), T(0)};  ///< [N m]
+
+  template <Scalar U>
+  [[nodiscard]] SKINCTL_INLINE constexpr Wrench<Body, At, Axes, U> cast() const noexcept {
+    return {skinctl::cast<U>(force), skinctl::cast<U>(moment)};
+  }
+  /// The same on `Other`, which is rigidly fixed to `Body`: the caller vouches for it (a tool on its flange).
+  template <Frame Other>
+  [[nodiscard]] SKINCTL_INLINE constexpr Wrench<Other, At, Axes, T> on() const noexcept {
+    return {force, moment};
+  }
+
+  SKINCTL_INLINE constexpr Wrench operator+(const Wrench& G) const noexcept {
+    return {force + G.force, moment + G.moment};
+  }
+  SKINCTL_INLINE constexpr Wrench operator-(const Wrench& G) const noexcept {
+    return {force - G.force, moment - G.moment};
+  }
+  SKINCTL_INLINE constexpr Wrench operator-() const noexcept { return {-force, -moment}; }
+  friend SKINCTL_INLINE constexpr Wrench operator*(const T& s, const Wrench& F) noexcept {
+    return {s * F.force, s * F.moment};
+  }
+  /// The same load about another point: `m_Q = m_P - p_PQ x f`.
+  template <Frame Q>
+  friend SKINCTL_INLINE constexpr Wrench<Body, Q, Axes, T> shift(
+      const Wrench& F, const Offset<At, Q, Axes, T>& p_PQ_E) noexcept {
+    return {F.force, F.moment + cross(F.force, p_PQ_E.xyz)};
+  }
+  /// The same load about the same point, along the axes of `G`.
+  template <Frame G>
+  friend SKINCTL_INLINE constexpr Wrench<Body, At, G, T> express(const Transform<G, Axes, T>& X_GE,
+                                                                 const Wrench& F) noexcept {
+    return {X_GE.axes() * F.force, X_GE.axes() * F.moment};
+  }
+  /// What the load does per second on the moving body [W]: `f . v + m . omega`. The same about every point
+  /// and along all axes, as long as both use the same.
+  template <Frame A>
+  friend SKINCTL_INLINE constexpr T power(const Wrench& F, const Twist<Body, A, At, Axes, T>& V) noexcept {
+    return F.force.x * V.linear.x + F.force.y * V.linear.y + F.force.z * V.linear.z +
+           F.moment.x * V.angular.x + F.moment.y * V.angular.y + F.moment.z * V.angular.z;
+  }
+
+  // clang-format off
+  template <class Q> void operator+(const Q&) const = delete;  // other body, point or axes: shift, express, X_LC * F
+  template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes: shift, express, X_LC * F
+  friend void shift(const Wrench&, const AnyOffset auto&) = delete;  // a wrench at P along E needs p_PQ_E
+  friend void express(const AnyTransform auto&, const Wrench&) = delete;  // X_GE takes a wrench along E's axes
+  friend void power(const Wrench&, const AnyTwist auto&) = delete;  // wrench and twist differ in body, point or axes
+  // clang-format on
+};
+
+template <class F>
+inline constexpr bool is_wrench = false;
+template <class B, class P, class E, class T>
+inline constexpr bool is_wrench<Wrench<B, P, E, T>> = true;
+template <class F>
+concept AnyWrench = is_wrench<F>;
+
+/// Both at once: about the origin and along the axes of P, then of Q. `X_LC * F` is a cell's load on its
+/// link.
+template <class B, class P, class Q, class T>
+[[nodiscard]] SKINCTL_INLINE constexpr Wrench<B, Q, Q, T> transformed(const Transform<Q, P, T>& X_QP,
+                                                                      const Wrench<B, P, P, T>& F) noexcept {
+  const Xyz<T> force = X_QP.axes() * F.force;
+  return {force, X_QP.axes() * F.moment + cross(X_QP.origin(), force)};
+}
+/// The six numbers as an Eigen vector, force first.
+template <class B, class P, class E, class T>
+[[nodiscard]] Vec6<T> as_eigen(const Wrench<B, P, E, T>& F) noexcept {
+  Vec6<T> v;
+  v << F.force.x, F.force.y, F.force.z, F.moment.x, F.moment.y, F.moment.z;
+  return v;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,30 @@
+// One memory per law of a sum: a plain aggregate, because std::tuple is not trivially copyable.
+#pragma once
+
+#include <cstddef>
+
+#include "skinctl/core/config.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+template <class... M>
+struct Memories {};
+template <class First, class... Rest>
+struct Memories<First, Rest...> {
+  [[no_unique_address]] First first;
+  [[no_unique_address]] Memories<Rest...> rest;
+};
+
+/// The `I`-th memory.
+template <std::size_t I, class M>
+SKINCTL_INLINE constexpr auto& memory_of(M& memories) noexcept {
+  if constexpr (I == 0) {
+    return memories.first;
+  } else {
+    return memory_of<I - 1>(memories.rest);
+  }
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

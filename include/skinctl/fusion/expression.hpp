@@ -1,0 +1,101 @@
+// Laws as an expression: `0.6 * skin + 0.4 * reach + gravity`.
+#pragma once
+
+#include "skinctl/fusion/fused.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+namespace detail {
+template <class L>
+inline constexpr bool is_fused = false;
+template <Sum P, class... L>
+inline constexpr bool is_fused<Fused<P, L...>> = true;
+
+/// Number of gravity laws in a law or sum.
+template <class L>
+constexpr std::size_t gravity_count() noexcept {
+  if constexpr (is_fused<L>) {
+    return L::gravity_laws;
+  } else {
+    return L::role == Role::gravity ? 1 : 0;
+  }
+}
+
+/// A law as a sum of one; a sum as it is.
+template <class L>
+auto as_sum(const L& law) {
+  if constexpr (is_fused<L>) {
+    return law;
+  } else {
+    return Fused<Sum::normalised, L>(std::tuple<L>(law), {1.0});
+  }
+}
+template <Sum To, Sum From, class... L>
+auto with_policy(const Fused<From, L...>& sum) {
+  return Fused<To, L...>(sum.laws(), sum.weights(), sum.detector());
+}
+template <Sum P, Sum Q, class... A, class... B>
+auto join(const Fused<P, A...>& a, const Fused<Q, B...>& b) {
+  std::array<double, sizeof...(A) + sizeof...(B)> weights{};
+  for (std::size_t i = 0; i < sizeof...(A); ++i) weights[i] = a.weights()[i];
+  for (std::size_t i = 0; i < sizeof...(B); ++i) weights[sizeof...(A) + i] = b.weights()[i];
+  return Fused<Sum::normalised, A..., B...>(std::tuple_cat(a.laws(), b.laws()), weights);
+}
+template <class W>
+concept Weight = std::is_arithmetic_v<W>;
+}  // namespace detail
+
+/// A law with a weight, > 0. Throws `ConfigurationError` for others.
+template <detail::Weight W, LawMembers L>
+  requires(detail::gravity_count<L>() == 0)
+[[nodiscard]] auto operator*(W weight, const L& law) {
+  auto sum = detail::as_sum(law);
+  auto weights = sum.weights();
+  for (double& w : weights) w *= static_cast<double>(weight);
+  return decltype(sum)(sum.laws(), weights, sum.detector());
+}
+template <detail::Weight W, LawMembers L>
+  requires(detail::gravity_count<L>() == 0)
+[[nodiscard]] auto operator*(const L& law, W weight) {
+  return weight * law;
+}
+
+/// The sum of two laws or sums, with the default policy and thresholds: `plain`, `weighted` and `opposed_by`
+/// come last.
+template <LawMembers A, LawMembers B>
+  requires(detail::gravity_count<A>() + detail::gravity_count<B>() <= 1)
+[[nodiscard]] auto operator+(const A& a, const B& b) {
+  return detail::join(detail::as_sum(a), detail::as_sum(b));
+}
+
+/// The same sum with the weights as given: feedback with them, feed-forward with their normalised ones.
+template <Sum P, class... L>
+[[nodiscard]] Fused<Sum::weighted, L...> weighted(const Fused<P, L...>& sum) {
+  return detail::with_policy<Sum::weighted>(sum);
+}
+/// The same sum as the paper writes it.
+template <Sum P, class... L>
+[[nodiscard]] Fused<Sum::plain, L...> plain(const Fused<P, L...>& sum) {
+  return detail::with_policy<Sum::plain>(sum);
+}
+
+// What has no meaning.
+// clang-format off
+template <LawMembers A, LawMembers B>
+  requires(detail::gravity_count<A>() + detail::gravity_count<B>() > 1)
+void operator+(const A&, const B&) = delete;  // gravity twice: keep one gravity law
+template <detail::Weight W, LawMembers L>
+  requires(detail::gravity_count<L>() > 0)
+void operator*(W, const L&) = delete;  // gravity keeps weight 1: weigh the other laws
+template <detail::Weight W, LawMembers L>
+  requires(detail::gravity_count<L>() > 0)
+void operator*(const L&, W) = delete;  // gravity keeps weight 1: weigh the other laws
+template <LawMembers L, class V>
+  requires(!LawMembers<V>)
+void operator+(const L&, const V&) = delete;  // a law adds to laws only: a torque comes from law.torque(memory, known)
+template <class V, LawMembers L>
+  requires(!LawMembers<V>)
+void operator+(const V&, const L&) = delete;  // a law adds to laws only: a torque comes from law.torque(memory, known)
+// clang-format on
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,266 @@
+// Control fusion: a weighted sum of laws that is itself a law, eq. (23).
+#pragma once
+
+#include <tuple>
+
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/fusion/detail/memories.hpp"
+#include "skinctl/fusion/opposition.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// How the weights of tracking laws act. In every case gravity enters once with weight 1, and a reactive law
+/// with its own weight.
+enum class Sum : unsigned char {
+  normalised,  ///< their weights are divided by their sum; feedback and feed-forward alike
+  weighted,    ///< feedback with the weights as given, feed-forward with the normalised ones: no rest of
+               ///< `Y_r Theta` remains as a disturbance
+  plain        ///< the paper's sum: everything but gravity with the weights as given
+};
+
+/// Anything that has the members of a law, whatever the robot. Asks for members, not for a call: an Eigen
+/// vector is callable too.
+template <class L>
+concept LawMembers = requires {
+  typename L::Memory;
+  { L::needs } -> std::convertible_to<Needs>;
+  { L::role } -> std::convertible_to<Role>;
+};
+
+namespace detail {
+/// The one goal type of a sum, if it has exactly one law with goals.
+template <class... G>
+struct OneGoal {};
+template <class G>
+struct OneGoal<G> {
+  using Goal = G;
+};
+template <class Found, class... L>
+struct GoalOf;
+template <class... G>
+struct GoalOf<std::tuple<G...>> : OneGoal<G...> {};
+template <class... G, class L, class... Rest>
+struct GoalOf<std::tuple<G...>, L, Rest...> : GoalOf<std::tuple<G...>, Rest...> {};
+template <class... G, class L, class... Rest>
+  requires requires { typename L::Goal; }
+struct GoalOf<std::tuple<G...>, L, Rest...> : GoalOf<std::tuple<G..., typename L::Goal>, Rest...> {};
+
+template <class... L>
+constexpr std::size_t count_role(Role role) noexcept {
+  return (std::size_t(0) + ... + (L::role == role ? 1u : 0u));
+}
+}  // namespace detail
+
+/// A sum of laws, written `0.6 * skin + 0.4 * reach + gravity` (fusion/expression.hpp).
+///
+/// - Gravity enters exactly once: where a gravity law is in the sum, tracking laws leave G out of `Y_r
+/// Theta`;
+///   where none is, it is in there. (In a plain sum without a gravity law the weights of the tracking laws
+///   act on G as on the rest, so they should sum to one.)
+/// - Each law is computed once for the torque, its share and the opposition of skin and tracking, which then
+///   freezes and resets the tracking laws.
+/// - A law that needs more than torque and memory of its state (`now`) computes that once.
+template <Sum Policy, LawMembers... L>
+class Fused : public detail::GoalOf<std::tuple<>, L...> {
+ public:
+  static constexpr std::size_t terms = sizeof...(L);
+  static constexpr std::size_t gravity_laws = detail::count_role<L...>(Role::gravity);
+  static constexpr std::size_t tracking_laws = detail::count_role<L...>(Role::tracking);
+  static constexpr std::size_t reactive_laws = detail::count_role<L...>(Role::reactive);
+  static constexpr bool watches = tracking_laws > 0 && reactive_laws > 0;
+  static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");
+  static constexpr GravityTerm gravity_term =
+      gravity_laws > 0 ? GravityTerm::left_out : GravityTerm::included;
+  /// Without a gravity law, telling whether tracking works against the skin needs G as well.
+  static constexpr Needs needs = (Needs{.gravity = watches && gravity_laws == 0} | ... | Needs(L::needs));
+  static constexpr Role role = tracking_laws > 0   ? Role::tracking
+                               : reactive_laws > 0 ? Role::reactive
+                                                   : Role::gravity;
+
+  struct Memory {
+    detail::Memories<typename L::Memory...> laws;
+    OppositionDetector::Memory opposition;
+  };
+
+  /// @param weights  of the laws in their order: finite, > 0, and 1 for gravity. Throws `ConfigurationError`.
+  explicit Fused(const std::tuple<L...>& laws, const std::array<double, terms>& weights,
+                 const OppositionDetector& detector = OppositionDetector())
+      : laws_(laws), weights_(weights), detector_(detector) {
+    constexpr std::array<Role, terms> roles = {L::role...};
+    double sum = 0;
+    for (std::size_t i = 0; i < terms; ++i) {
+      require(weights[i] > 0 && weights[i] <= 1e6, "weight of a law", weights[i],
+              "> 0: leave out what has none");
+      require(roles[i] != Role::gravity || weights[i] == 1.0, "weight of gravity", weights[i], "1");
+      if (roles[i] == Role::tracking) sum += weights[i];
+    }
+    for (std::size_t i = 0; i < terms; ++i) {
+      const double part = weights[i] / sum;
+      shares_[i] = {Policy == Sum::normalised ? part : weights[i], Policy == Sum::plain ? weights[i] : part};
+    }
+  }
+
+  /// The same sum with other thresholds of opposition.
+  [[nodiscard]] Fused opposed_by(const OppositionSettings& settings) const {
+    return Fused(laws_, weights_, OppositionDetector(settings));
+  }
+  [[nodiscard]] const std::tuple<L...>& laws() const noexcept { return laws_; }
+  [[nodiscard]] const std::array<double, terms>& weights() const noexcept { return weights_; }
+  [[nodiscard]] const OppositionDetector& detector() const noexcept { return detector_; }
+  /// The `I`-th law's part of a memory.
+  template <std::size_t I>
+  [[nodiscard]] static SKINCTL_INLINE constexpr const auto& memory(const Memory& m) noexcept {
+    return detail::memory_of<I>(m.laws);
+  }
+
+  /// Every law takes over at the state that is known.
+  template <class K>
+  [[nodiscard]] Memory start(const K& known) const noexcept {
+    Memory memory{};
+    each([&](auto i, const auto& law) { detail::memory_of<i.value>(memory.laws) = law.start(known); });
+    return memory;
+  }
+
+  /// A goal for the one law that takes goals of this type.
+  template <class K, class Goal>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
+                                         const Goal& goal) const noexcept {
+    constexpr std::size_t i = taker<Goal>();
+    static_assert(i < terms, "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
+    return receive<i>(memory, known, goal);
+  }
+  /// A goal for the `I`-th law.
+  template <std::size_t I, class K, class Goal>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
+                                         const Goal& goal) const noexcept {
+    Received<Memory> out{memory, {}};
+    auto& part = detail::memory_of<I>(out.memory.laws);
+    const auto answer = std::get<I>(laws_).receive(part, known, goal);
+    part = answer.memory;
+    out.status = answer.status;
+    return out;
+  }
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
+      const Memory& memory, const K& known) const noexcept {
+    return evaluate(memory, known, known.dt()).torque;
+  }
+  /// @param opposition  `none`: this sum finds out by itself.
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known,
+                                              const typename K::scalar& dt,
+                                              Opposition opposition) const noexcept {
+    return step(memory, known, dt, opposition).memory;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE auto evaluate(const Memory& memory, const K& known,
+                                             const typename K::scalar& dt) const noexcept {
+    return step(memory, known, dt, Opposition::none);
+  }
+
+ private:
+  template <std::size_t I>
+  using law_at = std::tuple_element_t<I, std::tuple<L...>>;
+
+  /// Calls `f(index, law)` for each law.
+  template <class F>
+  SKINCTL_INLINE constexpr void each(F&& f) const noexcept {
+    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      (f(std::integral_constant<std::size_t, I>{}, std::get<I>(laws_)), ...);
+    }(std::index_sequence_for<L...>{});
+  }
+  template <class Goal>
+  static constexpr std::size_t taker() noexcept {
+    std::size_t found = terms, count = 0, i = 0;
+    const auto look = [&](bool takes) {
+      if (takes) found = i, ++count;
+      ++i;
+    };
+    (look(takes_goal<L, Goal>()), ...);
+    return count == 1 ? found : terms;
+  }
+  template <class Law, class Goal>
+  static constexpr bool takes_goal() noexcept {
+    if constexpr (requires { typename Law::Goal; }) {
+      return std::same_as<typename Law::Goal, Goal>;
+    } else {
+      return false;
+    }
+  }
+  /// What a law's torque and memory share, or nothing.
+  struct Nothing {};
+  template <class Law, class K>
+  static SKINCTL_INLINE auto now_of(const Law& law, const typename Law::Memory& memory,
+                                    const K& known) noexcept {
+    if constexpr (requires { law.now(memory, known); }) {
+      return law.now(memory, known);
+    } else {
+      return Nothing{};
+    }
+  }
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE auto step(const Memory& memory, const K& known, const typename K::scalar& dt,
+                                         Opposition given) const noexcept {
+    using T = typename K::scalar;
+    using Torque = JointTorque<K::joints, T>;
+    Evaluation<K::joints, T, Memory, terms> out;
+    Torque skin, track;
+
+    const auto now = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      return std::tuple{now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known)...};
+    }(std::index_sequence_for<L...>{});
+
+    each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
+      constexpr std::size_t I = i.value;
+      constexpr Role r = law_at<I>::role;
+      const auto& part = detail::memory_of<I>(memory.laws);
+      if constexpr (r == Role::tracking) {
+        const Share<T> share{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
+        if constexpr (std::same_as<std::remove_cvref_t<decltype(std::get<I>(now))>, Nothing>) {
+          out.shares[I] = law.template torque<gravity_term>(part, known, share);
+        } else {
+          out.shares[I] = law.template torque<gravity_term>(part, known, share, std::get<I>(now));
+        }
+        track += out.shares[I];
+        if constexpr (watches && gravity_laws == 0) track -= share.feed_forward * known.gravity();
+      } else if constexpr (r == Role::reactive) {
+        out.shares[I] = static_cast<T>(weights_[I]) * law.torque(part, known);
+        skin += out.shares[I];
+      } else {
+        out.shares[I] = law.torque(part, known);
+      }
+      out.torque += out.shares[I];
+      if constexpr (requires { law.status(part); }) out.status |= law.status(part);
+    });
+
+    Opposition opposition = given;
+    out.memory.opposition = memory.opposition;
+    if constexpr (watches) {
+      const auto found = detector_.detect(memory.opposition, skin, track, dt);
+      out.memory.opposition = found.memory;
+      if (given == Opposition::none) opposition = found.opposition;
+      if (opposition == Opposition::lasting) out.status |= Reason::opposed;
+    }
+
+    each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
+      constexpr std::size_t I = i.value;
+      const auto& part = detail::memory_of<I>(memory.laws);
+      auto& next = detail::memory_of<I>(out.memory.laws);
+      if constexpr (std::same_as<std::remove_cvref_t<decltype(std::get<I>(now))>, Nothing>) {
+        next = law.advance(part, known, dt, opposition);
+      } else {
+        next = law.advance(part, known, dt, opposition, std::get<I>(now));
+      }
+    });
+    return out;
+  }
+
+  std::tuple<L...> laws_;
+  std::array<double, terms> weights_;
+  std::array<Share<double>, terms> shares_{};
+  OppositionDetector detector_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,135 @@
+// The loop that runs a cycle against a robot and a skin, and keeps its times.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/hardware/histogram.hpp"
+#include "skinctl/hardware/robot.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Why a loop ended.
+enum class Ended : unsigned char {
+  finished,     ///< as many cycles as asked for, or the user's function said so
+  interrupted,  ///< the stop flag was set
+  lost,         ///< the robot's connection is gone, or a command could not be sent
+  no_state      ///< no state came at the beginning
+};
+
+/// The times of a run. Stages are those of the cycle; `whole` is all of them.
+template <class C>
+struct LoopReport {
+  Ended ended = Ended::finished;
+  std::uint64_t cycles = 0;
+  std::uint64_t silent = 0;   ///< cycles without a new state
+  std::uint64_t missed = 0;   ///< cycles whose state came later than 1.5 periods after the one before
+  std::uint64_t samples = 0;  ///< from the skin
+  std::array<Histogram, stage_count> stages;
+  Histogram whole;
+  Histogram period;  ///< between states, by this computer's clock
+
+  /// The slowest cycle: its number, memory and input, so that `cycle(memory, input)` runs it again.
+  struct Worst {
+    std::uint64_t cycle = 0;
+    typename C::Memory memory;
+    typename C::Input input;
+    std::vector<CellSample> samples;
+  };
+  std::unique_ptr<Worst> worst;
+};
+
+/// How a loop runs.
+struct LoopOptions {
+  std::uint64_t cycles = 0;                 ///< 0: until it is stopped
+  Nanoseconds period = 8_ms;                ///< planned, to tell missed ones
+  std::size_t most_samples = 8192;          ///< of one cycle that the worst cycle's copy keeps
+  const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
+};
+
+/// Runs `cycle` against `robot` and `skin` until it ends. In every cycle: wait for a state, take the samples,
+/// let `before(input, memory)` set goals or requests and end the run by returning false, step, send, then
+/// `after(input, output, watch)`. Whatever ends it, the robot is stopped.
+///
+/// What allocates (the report, the copy of the worst cycle) does so before the first cycle.
+template <class C, class Robot, class Source, class Before, class After>
+LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot, Source& skin,
+                       const LoopOptions& options, Before&& before, After&& after) {
+  static_assert(RobotDriver<Robot, C::joints, typename C::scalar>,
+                "a robot has wait, send and stop: see RobotDriver");
+  static_assert(SkinSource<Source>, "a skin has poll: see SkinSource");
+  LoopReport<C> report;
+  report.worst = std::make_unique<typename LoopReport<C>::Worst>();
+  report.worst->samples.reserve(options.most_samples);
+  const auto previous = std::make_unique<typename C::Memory>();
+
+  typename C::Input input;
+  Heard heard = robot.wait(input.measured);
+  while (heard == Heard::silent && !(options.stop && options.stop->load()))
+    heard = robot.wait(input.measured);
+  if (heard != Heard::state) {
+    report.ended = heard == Heard::lost ? Ended::no_state : Ended::interrupted;
+    robot.stop();
+    return report;
+  }
+  cycle.start(memory, input.measured);
+  static_cast<void>(skin.poll());  // what lies there from before the start is old
+  Nanoseconds heard_at = Stopwatch::now();
+
+  for (;;) {
+    if (options.stop && options.stop->load()) {
+      report.ended = Ended::interrupted;
+      break;
+    }
+    heard = robot.wait(input.measured);
+    if (heard == Heard::lost) {
+      report.ended = Ended::lost;
+      break;
+    }
+    const Nanoseconds now = Stopwatch::now();
+    report.period.record(now - heard_at);
+    if (2 * (now - heard_at) > 3 * options.period) ++report.missed;
+    heard_at = now;
+    if (heard == Heard::silent) {
+      ++report.silent;
+      input.now += options.period;  // the robot's clock goes on unheard
+    } else if (report.cycles == 0 || input.measured.time > input.now) {
+      input.now = input.measured.time;
+    }
+    input.samples = skin.poll();
+    report.samples += input.samples.size();
+    input.request = Request::none;
+    input.has_goal = false;
+    if (!before(input, memory)) break;
+
+    std::memcpy(static_cast<void*>(previous.get()), &memory, sizeof memory);
+    Stopwatch watch;
+    const auto output = cycle.step(memory, input, watch);
+    const bool sent = !output.command.valid || robot.send(output.command);
+    ++report.cycles;
+    for (std::size_t s = 0; s < stage_count; ++s) report.stages[s].record(watch[static_cast<Stage>(s)]);
+    if (watch.total() > report.whole.max()) {
+      auto& worst = *report.worst;
+      worst.cycle = report.cycles;
+      worst.memory = *previous;
+      worst.input = input;
+      const auto kept = std::min(input.samples.size(), options.most_samples);
+      worst.samples.assign(input.samples.begin(), input.samples.begin() + static_cast<std::ptrdiff_t>(kept));
+      worst.input.samples = worst.samples;
+    }
+    report.whole.record(watch.total());
+    after(input, output, watch);
+    if (!sent) {
+      report.ended = Ended::lost;
+      break;
+    }
+    if (options.cycles != 0 && report.cycles >= options.cycles) break;
+  }
+  robot.stop();
+  return report;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,53 @@
+// What a driver has to offer: a robot, a skin, a gripper.
+#pragma once
+
+#include <concepts>
+#include <span>
+
+#include "skinctl/core/state.hpp"
+#include "skinctl/safety/command.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What waiting for a robot's next state ended with.
+enum class Heard : unsigned char {
+  state,   ///< a new state: run a cycle
+  silent,  ///< nothing within the time allowed: run a cycle all the same, on the last state
+  lost     ///< the connection is gone or the robot has stopped: leave the loop
+};
+
+/// A robot on the other end of a driver, for `N` joints.
+/// - `wait(state)` paces the loop: it returns when the next state is there, or nothing came in time. It may
+/// block and make
+///   system calls; the loop runs no cycle meanwhile.
+/// - `send(command)` passes a command on; false if it could not be sent.
+/// - `stop()` asks the robot to come to rest by its own means; it must work at any time and not throw.
+template <class R, std::size_t N, class T>
+concept RobotDriver = requires(R& robot, State<N, T>& state, const JointCommand<N, T>& command) {
+  { robot.wait(state) } noexcept -> std::same_as<Heard>;
+  { robot.send(command) } noexcept -> std::same_as<bool>;
+  { robot.stop() } noexcept;
+};
+
+/// A skin on the other end of a driver: `poll()` gives the samples that arrived since the last call, in the
+/// order of their stamps for each cell; the span stays valid until the next call. It does not block.
+template <class S>
+concept SkinSource = requires(S& skin) {
+  { skin.poll() } noexcept -> std::same_as<std::span<const CellSample>>;
+};
+
+/// A gripper: `open()` and `close()` start a motion, `busy()` says whether it is still under way.
+template <class G>
+concept GripperDriver = requires(G& gripper) {
+  { gripper.open() } noexcept;
+  { gripper.close() } noexcept;
+  { gripper.busy() } noexcept -> std::same_as<bool>;
+};
+
+/// A robot without skin: nothing ever arrives.
+struct NoSkin {
+  std::span<const CellSample> poll() noexcept { return {}; }
+};
+
+SKINCTL_END_NAMESPACE

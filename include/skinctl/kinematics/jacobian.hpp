@@ -1,0 +1,155 @@
+// Jacobians: joint velocities to the velocity of a body, a wrench on it to joint torques.
+#pragma once
+
+#include "skinctl/core/eigen.hpp"
+#include "skinctl/frames/twist.hpp"
+#include "skinctl/frames/wrench.hpp"
+#include "skinctl/kinematics/poses.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The geometric Jacobian of frame `Body` (a link, or something fixed to one) relative to `Base`: column i is
+/// the velocity of the origin of `At`, and the angular velocity, along the axes of `Axes`, when joint i moves
+/// at 1 rad/s (1 m/s).
+///
+/// `Columns` are the joints on the way from the base to the body, known from the topology. The other columns
+/// are zero; they are neither stored nor multiplied.
+template <Topology M, LinkMask Columns, Frame Body, Frame At = Body, Frame Axes = Base, Scalar T = double>
+class Jacobian {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  static constexpr LinkMask columns = Columns;
+  using scalar = T;
+
+  struct Column {
+    Xyz<T> linear;   ///< [m/s] per joint unit
+    Xyz<T> angular;  ///< [rad/s] per joint unit
+  };
+
+  /// Column of joint `I`; one that is zero by topology does not compile.
+  template <std::size_t I>
+  [[nodiscard]] SKINCTL_INLINE const Column& column() const noexcept {
+    static_assert((Columns >> I) & 1u, "this joint does not move the body: its column is zero");
+    return columns_[slot(I)];
+  }
+  template <std::size_t I>
+  [[nodiscard]] SKINCTL_INLINE Column& column() noexcept {
+    static_assert((Columns >> I) & 1u, "this joint does not move the body: its column is zero");
+    return columns_[slot(I)];
+  }
+
+  /// All of it, 6 x N, linear rows first, zero columns included.
+  [[nodiscard]] Eigen::Matrix<T, 6, int(joints)> matrix() const noexcept {
+    Eigen::Matrix<T, 6, int(joints)> J = Eigen::Matrix<T, 6, int(joints)>::Zero();
+    for (std::size_t i = 0; i < joints; ++i) {
+      if (!((Columns >> i) & 1u)) continue;
+      const Column& c = columns_[slot(i)];
+      J.col(static_cast<Eigen::Index>(i)) << c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y,
+          c.angular.z;
+    }
+    return J;
+  }
+
+  /// Calls `f(I, column)` for the joints that move the body, `I` an integral constant.
+  template <class F>
+  SKINCTL_INLINE void for_each(F&& f) const noexcept {
+    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      const auto one = [&](auto i) SKINCTL_INLINE_LAMBDA {
+        if constexpr ((Columns >> i.value) & 1u) f(i, columns_[slot(i.value)]);
+      };
+      (one(std::integral_constant<std::size_t, I>{}), ...);
+    }(std::make_index_sequence<joints>{});
+  }
+
+ private:
+  static constexpr std::size_t slot(std::size_t i) noexcept {
+    return static_cast<std::size_t>(std::popcount(Columns & ((LinkMask(1) << i) - 1)));
+  }
+  Column columns_[static_cast<std::size_t>(std::popcount(Columns))];
+};
+
+/// `V = J dq`: the velocity of the body.
+template <class M, LinkMask C, class B, class P, class E, class T>
+[[nodiscard]] SKINCTL_INLINE Twist<B, Base, P, E, T> operator*(
+    const Jacobian<M, C, B, P, E, T>& J, const JointVelocity<M::joints, T>& dq) noexcept {
+  Twist<B, Base, P, E, T> V;
+  J.for_each([&](auto i, const auto& column) SKINCTL_INLINE_LAMBDA {
+    V.linear = V.linear + dq[i.value] * column.linear;
+    V.angular = V.angular + dq[i.value] * column.angular;
+  });
+  return V;
+}
+
+/// A Jacobian read the other way, as `transpose(J) * F`.
+template <class J>
+struct Transposed {
+  const J& jacobian;
+};
+template <class M, LinkMask C, class B, class P, class E, class T>
+[[nodiscard]] SKINCTL_INLINE Transposed<Jacobian<M, C, B, P, E, T>> transpose(
+    const Jacobian<M, C, B, P, E, T>& J) noexcept {
+  return {J};
+}
+
+/// `tau = J^T F`, eq. (6): the joint torques of a wrench on the body.
+template <class M, LinkMask C, class B, class P, class E, class T>
+[[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> operator*(
+    const Transposed<Jacobian<M, C, B, P, E, T>>& Jt, const Wrench<B, P, E, T>& F) noexcept {
+  JointTorque<M::joints, T> tau;
+  Jt.jacobian.for_each([&](auto i, const auto& column) SKINCTL_INLINE_LAMBDA {
+    tau[i.value] = dot(column.linear, F.force) + dot(column.angular, F.moment);
+  });
+  return tau;
+}
+
+template <class X>
+inline constexpr bool is_jacobian = false;
+template <class M, LinkMask C, class B, class P, class E, class T>
+inline constexpr bool is_jacobian<Jacobian<M, C, B, P, E, T>> = true;
+template <class X>
+concept AnyJacobian = is_jacobian<X>;
+
+// clang-format off
+template <AnyJacobian J, class K, std::size_t N, class T>
+void operator*(const J&, const JointVector<K, N, T>&) = delete;  // a Jacobian takes joint velocities: J * dq
+void operator*(const AnyJacobian auto&, const AnyWrench auto&) = delete;  // a wrench goes through transpose(J) * F
+template <AnyJacobian J>
+void operator*(const Transposed<J>&, const AnyWrench auto&) = delete;  // body, point and axes of J and F differ
+// clang-format on
+
+/// Jacobian of the frame `P` that is fixed to link `I` at `X_LP`: of P's origin, along the axes of the base.
+/// `poses` must hold every link from the base to link `I`.
+template <std::size_t I, Frame P, class M, LinkMask Mask, class T>
+[[nodiscard]] SKINCTL_INLINE Jacobian<M, ancestors<M>(I), P, P, Base, T> jacobian(
+    const Poses<M, Mask, T>& poses, const Transform<Link<I>, P, T>& X_LP) noexcept {
+  static_assert((ancestors<M>(I) & ~Mask) == 0,
+                "a Jacobian needs the poses of all links on the way to its link");
+  const auto X_BL = poses.template get<I>();
+  const Xyz<T> p = X_BL.origin() + X_BL.axes() * X_LP.origin();
+  Jacobian<M, ancestors<M>(I), P, P, Base, T> J;
+  [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
+    const auto one = [&](auto k) SKINCTL_INLINE_LAMBDA {
+      constexpr std::size_t joint = k.value;
+      if constexpr ((ancestors<M>(I) >> joint) & 1u) {
+        const auto X_BK = poses.template get<joint>();
+        auto& column = J.template column<joint>();
+        if constexpr (M::kinds[joint] == JointKind::revolute) {
+          column = {cross(X_BK.axis_z(), p - X_BK.origin()), X_BK.axis_z()};
+        } else {
+          column = {X_BK.axis_z(), {T(0), T(0), T(0)}};
+        }
+      }
+    };
+    (one(std::integral_constant<std::size_t, K>{}), ...);
+  }(std::make_index_sequence<M::joints>{});
+  return J;
+}
+
+/// Jacobian of link `I`: of its frame's origin, along the axes of the base.
+template <std::size_t I, class M, LinkMask Mask, class T>
+[[nodiscard]] SKINCTL_INLINE Jacobian<M, ancestors<M>(I), Link<I>, Link<I>, Base, T> jacobian(
+    const Poses<M, Mask, T>& poses) noexcept {
+  return jacobian<I>(poses, Transform<Link<I>, Link<I>, T>());
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,110 @@
+// How a joint places its link in the parent, at a given position: the step that every recursion over a tree
+// takes.
+#pragma once
+
+#include <bit>
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/math/sincos.hpp"
+#include "skinctl/model/model.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+namespace detail {
+
+/// Calls `f` with the index of each link of `L` (an array), in order.
+template <auto L, class F>
+SKINCTL_INLINE constexpr void for_each_link(F&& f) {
+  [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
+    (f(std::integral_constant<std::size_t, L[K]>{}), ...);
+  }(std::make_index_sequence<L.size()>{});
+}
+
+/// Whether a joint of `Mask` is of the given kind.
+template <Topology M, LinkMask Mask>
+constexpr bool any_of_kind(JointKind kind) noexcept {
+  for (std::size_t i = 0; i < M::joints; ++i)
+    if (((Mask >> i) & 1u) && M::kinds[i] == kind) return true;
+  return false;
+}
+
+/// Whether the first `Count` joints turn by q itself, without offsets.
+template <Model M, Scalar T, std::size_t Count>
+constexpr bool no_offsets() noexcept {
+  return []<std::size_t... I>(std::index_sequence<I...>) {
+    return (is_zero<decltype(std::declval<const M&>().template number<I, Parameter::offset, T>())> && ...);
+  }(std::make_index_sequence<Count>{});
+}
+
+}  // namespace detail
+
+/// Sines and cosines of all joint angles, offsets included, computed at once on native lanes: the one
+/// transcendental step of a cycle. Joints behind the last link of `Mask` are left out.
+template <Model M, Scalar T, LinkMask Mask = all_links(M::joints)>
+struct JointAngles {
+  static constexpr LinkMask links = closure<M>(Mask);
+  static constexpr std::size_t count = static_cast<std::size_t>(std::bit_width(links));
+  static constexpr std::size_t storage = count == 0 ? 1 : count;
+  T sin[storage];
+  T cos[storage];
+  T shift[detail::any_of_kind<M, links>(JointKind::prismatic) ? storage
+                                                              : 1];  ///< by which prismatic joints move
+
+  SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q) noexcept {
+    constexpr bool revolute = detail::any_of_kind<M, links>(JointKind::revolute);
+    constexpr bool prismatic = detail::any_of_kind<M, links>(JointKind::prismatic);
+    if constexpr (revolute && !prismatic && detail::no_offsets<M, T, count>()) {
+      // Straight from q: a vector load behind scalar stores would wait for them.
+      math::sincos<count>(q.data, sin, cos);
+    } else if constexpr (count > 0) {
+      T sum[count];
+      [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+        ((sum[I] = q[I] + model.template number<I, Parameter::offset, T>()), ...);
+        if constexpr (prismatic) ((shift[I] = sum[I]), ...);
+      }(std::make_index_sequence<count>{});
+      if constexpr (revolute) math::sincos<count>(sum, sin, cos);
+    }
+  }
+};
+
+/// The placement of link `I` in its parent: rotation `Rz(gamma) Rx(alpha) Rz(theta)` and origin, factor by
+/// factor, so that a vector is turned by at most three plane rotations and typed zeros and ones cost nothing.
+template <class Gamma, class Alpha, class Theta, class P>
+struct JointFrame {
+  Gamma gamma;
+  Alpha alpha;
+  Theta theta;
+  P p;  ///< origin of the link's frame in the parent's frame
+
+  /// Coordinates in the link's axes to coordinates in the parent's axes.
+  template <class V>
+  SKINCTL_INLINE constexpr auto to_parent(const V& v) const noexcept {
+    return turn_z(gamma, turn_x(alpha, turn_z(theta, v)));
+  }
+  /// Coordinates in the parent's axes to coordinates in the link's axes.
+  template <class V>
+  SKINCTL_INLINE constexpr auto to_link(const V& v) const noexcept {
+    return turn_back_z(theta, turn_back_x(alpha, turn_back_z(gamma, v)));
+  }
+};
+template <class G, class A, class Th, class P>
+JointFrame(G, A, Th, P) -> JointFrame<G, A, Th, P>;
+
+/// The frame of link `I` at the given joint angles.
+template <std::size_t I, Model M, Scalar T, LinkMask Mask>
+SKINCTL_INLINE constexpr auto joint_frame(const M& model, const JointAngles<M, T, Mask>& angles) noexcept {
+  using P = Parameter;
+  const Turn gamma{model.template number<I, P::cos_gamma, T>(), model.template number<I, P::sin_gamma, T>()};
+  const Turn alpha{model.template number<I, P::cos_alpha, T>(), model.template number<I, P::sin_alpha, T>()};
+  const Triple p{model.template number<I, P::p_x, T>(), model.template number<I, P::p_y, T>(),
+                 model.template number<I, P::p_z, T>()};
+  if constexpr (M::kinds[I] == JointKind::revolute) {
+    return JointFrame{gamma, alpha, Turn{angles.cos[I], angles.sin[I]}, p};
+  } else {
+    const auto along = turn_z(gamma, turn_x(alpha, Triple{Known<0>{}, Known<0>{}, angles.shift[I]}));
+    const Turn beta{model.template number<I, P::cos_beta, T>(), model.template number<I, P::sin_beta, T>()};
+    return JointFrame{gamma, alpha, beta, p + along};
+  }
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,20 @@
+// A polynomial with constant coefficients.
+#pragma once
+
+#include <cstddef>
+
+#include "skinctl/core/real.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace math::detail {
+
+/// Horner, lowest coefficient first. Shorter chains cost more operations and, with FMA, more time.
+template <Scalar L, class T, std::size_t N>
+[[nodiscard]] SKINCTL_INLINE L polynomial(L z, const T (&coefficients)[N]) noexcept {
+  L y(coefficients[N - 1]);
+  for (std::size_t i = N - 1; i > 0; --i) y = y * z + L(coefficients[i - 1]);
+  return y;
+}
+
+}  // namespace math::detail
+SKINCTL_END_NAMESPACE

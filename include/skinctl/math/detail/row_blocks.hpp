@@ -1,0 +1,34 @@
+// How a row of N numbers is cut into lanes.
+#pragma once
+
+#include <cstddef>
+#include <type_traits>
+
+#include "skinctl/core/lane.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace math::detail {
+
+template <class T>
+inline constexpr bool has_kernel = std::is_same_v<T, float> || std::is_same_v<T, double>;
+
+/// Single numbers and rows that are too short for the register go through 16 bytes.
+template <class T>
+inline constexpr std::size_t narrow_lanes = native_lanes<T> == 1 ? 1 : 16 / sizeof(T);
+
+/// As many lanes as fit the register and the row.
+template <class T, std::size_t N>
+inline constexpr std::size_t row_lanes = N >= native_lanes<T> ? native_lanes<T> : narrow_lanes<T>;
+
+/// Calls `f(i)` for blocks `i .. i + row_lanes` that cover `0 .. N`. The last one overlaps the one before, so
+/// that no block is partly filled: six numbers in lanes of four are 0..3 and 2..5.
+template <class T, std::size_t N, class F>
+SKINCTL_INLINE void for_each_block(F f) noexcept {
+  constexpr std::size_t W = row_lanes<T, N>;
+  static_assert(N >= W);
+  for (std::size_t i = 0; i + W <= N; i += W) f(i);
+  if constexpr (N % W != 0) f(N - W);
+}
+
+}  // namespace math::detail
+SKINCTL_END_NAMESPACE

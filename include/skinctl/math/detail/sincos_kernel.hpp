@@ -1,0 +1,92 @@
+// The polynomial sine and cosine of a lane, for arguments within its limit.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "skinctl/core/lane.hpp"
+#include "skinctl/math/detail/polynomial.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace math::detail {
+
+/// Constants by type. `half_pi` is pi/2 in parts, the first two so short that their product with a count of
+/// quarter turns up to `limit` is exact, with FMA or without. The polynomials are minimax on |r| <= 0.7856,
+/// rounded coefficient by coefficient: sin r = r + r^3 p(r^2), cos r = 1 - r^2 / 2 + r^4 p(r^2).
+template <class T>
+struct SinCosTable;
+
+/// Parts of 33 bits and 53; relative error of the sine 2^-57.8, absolute of the cosine 2^-64.
+template <>
+struct SinCosTable<double> {
+  static constexpr double limit = 1e6;
+  static constexpr double round_to_integer = 0x1.8p52;
+  static constexpr double two_over_pi = 0x1.45f306dc9c883p-1;
+  static constexpr double half_pi[] = {0x1.921fb544p0, 0x1.0b4611a6p-34, 0x1.3198a2e037073p-69};
+  static constexpr double sin[] = {-0x1.5555555555548p-3, 0x1.111111110f730p-7,   -0x1.a01a019be9217p-13,
+                                   0x1.71de35552b51ap-19, -0x1.ae5e4b83e1a71p-26, 0x1.5d8b5592ec546p-33};
+  static constexpr double cos[] = {-0.5,
+                                   0x1.555555555554cp-5,
+                                   -0x1.6c16c16c1521ep-10,
+                                   0x1.a01a019cbf35fp-16,
+                                   -0x1.27e4f8128a89dp-22,
+                                   0x1.1ee9f12e061fbp-29,
+                                   -0x1.8fb11b0b2c9b9p-37};
+};
+
+/// Parts of 15 bits and 24; relative error of the sine 2^-27.9, absolute of the cosine 2^-33.
+template <>
+struct SinCosTable<float> {
+  static constexpr float limit = 800.0f;
+  static constexpr float round_to_integer = 0x1.8p23f;
+  static constexpr float two_over_pi = 0x1.45f306p-1f;
+  static constexpr float half_pi[] = {0x1.921cp0f, 0x1.daap-15f, 0x1.10b462p-30f};
+  static constexpr float sin[] = {-0x1.555546p-3f, 0x1.110778p-7f, -0x1.9954p-13f};
+  static constexpr float cos[] = {-0.5f, 0x1.55554ap-5f, -0x1.6c0c1ap-10f, 0x1.99e0eep-16f};
+};
+
+template <class T, std::size_t W>
+SKINCTL_INLINE void sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos) noexcept {
+  using Table = SinCosTable<T>;
+  using L = Lane<T, W>;
+  using Bits = skinctl::detail::LaneBits<T, W>;
+  using Word = typename skinctl::detail::LaneTypes<T, 1>::Word;
+  constexpr auto to_bits = [](L y)
+                               SKINCTL_INLINE_LAMBDA { return skinctl::detail::to_bits<T, W>(y.vector()); };
+  constexpr Word sign = skinctl::detail::sign_bit<T>;
+
+  // The sum has no digits behind the point, and the count of quarter turns in its lowest bits.
+  const L turns = x * L(Table::two_over_pi) + L(Table::round_to_integer);
+  const L k = turns - L(Table::round_to_integer);
+  L r = x - k * L(Table::half_pi[0]);
+  r = r - k * L(Table::half_pi[1]);
+  r = r - k * L(Table::half_pi[2]);
+
+  const L z = r * r;
+  const L sin_r = r + (r * z) * polynomial(z, Table::sin);
+  const L cos_r = L(T(1)) + z * polynomial(z, Table::cos);
+
+  // Odd quadrants swap, bits do it: no branch, and no blend that only some instruction sets have. The sign of
+  // r is what the sum above loses at -0.
+  constexpr Word one = 1;
+  constexpr int to_sign = 8 * sizeof(T) - 2;
+  const Bits quadrant = to_bits(turns);
+  const Bits s = to_bits(sin_r) | (to_bits(r) & sign);
+  const Bits c = to_bits(cos_r);
+  const Bits swapped = (s ^ c) & -(quadrant & one);
+  sin = skinctl::detail::to_lane<T, W>(s ^ swapped ^ ((quadrant << to_sign) & sign));
+  cos = skinctl::detail::to_lane<T, W>(c ^ swapped ^ (((quadrant + one) << to_sign) & sign));
+}
+
+/// Replaces the results of those arguments that the polynomial does not serve. Cold: no joint angle.
+template <class T>
+[[gnu::cold, gnu::noinline]] inline void sincos_beyond(const T* x, T* sin, T* cos, std::size_t n) noexcept {
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(std::abs(x[i]) > SinCosTable<T>::limit)) continue;
+    sin[i] = std::sin(x[i]);
+    cos[i] = std::cos(x[i]);
+  }
+}
+
+}  // namespace math::detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,67 @@
+// The hyperbolic tangent: the smooth sign of control laws.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <type_traits>
+
+#include "skinctl/core/lane.hpp"
+#include "skinctl/math/detail/row_blocks.hpp"
+#include "skinctl/math/detail/tanh_kernel.hpp"
+#include "skinctl/math/policy.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace math {
+
+/// tanh x, any x. `Fast` errs by at most 2.5 units in the last place, tiny x included, and 2e-16 (1e-7 in
+/// float).
+///
+/// Odd to the last bit, -0 included. Exactly 1 from 20 on (10 in float) and never beyond; infinity gives 1,
+/// NaN gives NaN. Monotonic but for direct neighbours between 0.17 and 0.9, of which the smaller may give up
+/// to two units more. Other reals than float and double call their own tanh.
+template <class Policy = Fast, Scalar T>
+[[nodiscard]] SKINCTL_INLINE T tanh(const T& x) noexcept {
+  if constexpr (is_lane<T>) {
+    if constexpr (std::is_same_v<Policy, Libm>) {
+      RealOf<T> values[T::lanes];
+      x.store(values);
+      for (auto& value : values) value = std::tanh(value);
+      return T::load(values);
+    } else {
+      return detail::tanh_kernel(x);
+    }
+  } else if constexpr (detail::has_kernel<T> && !std::is_same_v<Policy, Libm>) {
+    return detail::tanh_kernel(Lane<T, detail::narrow_lanes<T>>(x))[0];
+  } else {
+    using std::tanh;
+    return tanh(x);
+  }
+}
+
+/// `y[i] = tanh x[i]` of `N` numbers, as many at once as the target's registers hold. `y` may not overlap
+/// `x`.
+template <std::size_t N, class Policy = Fast, Scalar T>
+SKINCTL_INLINE void tanh(const T* x, T* y) noexcept {
+  if constexpr (!detail::has_kernel<T> || std::is_same_v<Policy, Libm> || N == 1) {
+    for (std::size_t i = 0; i < N; ++i) y[i] = tanh<Policy>(x[i]);
+  } else if constexpr (constexpr std::size_t W = detail::row_lanes<T, N>; N < W) {
+    T values[W] = {}, results[W];
+    for (std::size_t i = 0; i < N; ++i) values[i] = x[i];
+    tanh<W>(values, results);
+    for (std::size_t i = 0; i < N; ++i) y[i] = results[i];
+  } else {
+    detail::for_each_block<T, N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+      detail::tanh_kernel(Lane<T, W>::load(x + i)).store(y + i);
+    });
+  }
+}
+
+/// `y[i] = tanh x[i]` of an array; `y` may not be `x`.
+template <class Policy = Fast, Scalar T, std::size_t N>
+SKINCTL_INLINE void tanh(const std::array<T, N>& x, std::array<T, N>& y) noexcept {
+  tanh<N, Policy>(x.data(), y.data());
+}
+
+}  // namespace math
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,243 @@
+// Wonik Allegro hand, right: four fingers of four joints on a palm.
+#pragma once
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/model/placement.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+namespace allegro {
+
+/// The hand as one tree of 16 joints: finger f (0 index, 1 middle, 2 ring, 3 thumb) has the joints 4f to 4f
+/// + 3.
+struct Tree {
+  static constexpr std::size_t joints = 16;
+  static constexpr std::array<int, 16> parents = {-1, 0, 1, 2, -1, 4, 5, 6, -1, 8, 9, 10, -1, 12, 13, 14};
+  static constexpr auto kinds = all_of_kind<16>(JointKind::revolute);
+};
+
+/// One finger, with what all four have in common as typed constants: that is what lets them run side by side
+/// in lanes.
+struct Finger : Chain<4> {
+  template <std::size_t I, Parameter P>
+  static constexpr auto known() noexcept {
+    using enum Parameter;
+    if constexpr (I == 1 && P == cos_alpha) {
+      return Known<0>{};
+    } else if constexpr (I == 1 && P == sin_alpha) {
+      return Known<-1>{};
+    } else if constexpr (I == 3 && P == cos_alpha) {
+      return Known<1>{};
+    } else if constexpr (I == 3 && (P == sin_alpha || P == p_x || P == p_z || P == offset)) {
+      return Known<0>{};
+    } else if constexpr (I < 3 && (P == c_x || P == c_y || P == c_z)) {
+      return Known<0>{};
+    } else {
+      return;
+    }
+  }
+};
+
+namespace detail {
+
+inline constexpr Rotation<double> one{};
+/// A frame turned so that its z axis is the old y axis, or the old -x axis.
+inline constexpr Rotation<double> y_to_z{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
+inline constexpr Rotation<double> minus_x_to_z{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
+
+/// The inertia along axes turned by `R`: `R' I R`.
+inline LinkInertia along(const Rotation<double>& R, const LinkInertia& in) noexcept {
+  const auto I = [&](const Xyz<double>& v) {
+    return Xyz<double>{in.xx * v.x + in.xy * v.y + in.xz * v.z, in.xy * v.x + in.yy * v.y + in.yz * v.z,
+                       in.xz * v.x + in.yz * v.y + in.zz * v.z};
+  };
+  LinkInertia out = in;
+  const Xyz<double> c = turn_back(R, Xyz<double>{in.c[0], in.c[1], in.c[2]});
+  out.c[0] = c.x, out.c[1] = c.y, out.c[2] = c.z;
+  out.xx = dot(R.x, I(R.x)), out.yy = dot(R.y, I(R.y)), out.zz = dot(R.z, I(R.z));
+  out.xy = dot(R.x, I(R.y)), out.xz = dot(R.x, I(R.z)), out.yz = dot(R.y, I(R.z));
+  return out;
+}
+
+/// A joint as the URDF prints it, and the turn that makes its axis z.
+struct Row {
+  Rotation<double> turn, R;
+  double p[3];
+  double mass, xx, xy, xz, yy, yz, zz;
+};
+
+}  // namespace detail
+
+/// The joints of finger `f` as the maker's description gives them: allegro_right_hand.urdf of
+/// Gepetto/example-robot-data, after the hand's own ROS package (BSD). The centre of mass of every link lies
+/// at its origin there; the tip belongs to the last link.
+inline std::array<PlacedLink, 4> finger_links(std::size_t f) {
+  using namespace detail;
+  std::array<Row, 4> rows;
+  if (f < 3) {
+    const double tilt = (static_cast<double>(f) - 1) * 0.08726646255;
+    const double s = std::sin(tilt), c = std::cos(tilt);
+    const double y = f == 1 ? 0.0 : f == 0 ? 0.0435 : -0.0435;
+    const double z = f == 1 ? 0.0007 : -0.001542;
+    rows = {Row{one,
+                {{1, 0, 0}, {0, c, s}, {0, -s, c}},
+                {0, y, z},
+                0.0119,  //
+                1.01666658333e-06,
+                0,
+                0,
+                6.47677333333e-07,
+                0,
+                1.01666658333e-06},
+            Row{y_to_z,
+                one,
+                {0, 0, 0.0164},
+                0.065,  //
+                7.95654166667e-05,
+                1.7199e-05,
+                8.75875e-06,
+                2.47088833333e-05,
+                2.413125e-05,
+                7.95654166667e-05},
+            Row{y_to_z,
+                one,
+                {0, 0, 0.054},
+                0.0355,  //
+                2.63979183333e-05,
+                6.67968e-06,
+                4.783625e-06,
+                1.34948516667e-05,
+                9.372e-06,
+                2.63979183333e-05},
+            Row{y_to_z,
+                one,
+                {0, 0, 0.0384},
+                0.0096,  //
+                4.701248e-06,
+                1.255968e-06,
+                1.2936e-06,
+                3.649312e-06,
+                1.7622e-06,
+                4.701248e-06}};
+  } else {
+    const double sy = std::sin(-1.65806278845), cy = std::cos(-1.65806278845);  // rpy 0, -1.658..., -pi/2
+    const double sz = std::sin(-1.5707963259), cz = std::cos(-1.5707963259);
+    const Rotation<double> Rz{{cz, sz, 0}, {-sz, cz, 0}, {0, 0, 1}}, Ry{{cy, 0, -sy}, {0, 1, 0}, {sy, 0, cy}};
+    rows = {Row{minus_x_to_z,
+                Rz * Ry,
+                {-0.0182, 0.019333, -0.045987},
+                0.0176,  //
+                1.89273333333e-5,
+                7.16716e-06,
+                5.35568e-06,
+                1.43008213333e-05,
+                6.8068e-06,
+                1.89273333333e-05},
+            Row{one,
+                one,
+                {-0.027, 0.005, 0.0399},
+                0.0119,  //
+                4.24250866667e-06,
+                1.032087e-06,
+                1.603525e-06,
+                4.52362633333e-06,
+                1.44808125e-06,
+                4.24250866667e-06},
+            Row{y_to_z,
+                one,
+                {0, 0, 0.0177},
+                0.038,  //
+                4.30439933333e-05,
+                9.57068e-06,
+                5.1205e-06,
+                1.44451933333e-05,
+                1.342825e-05,
+                4.30439933333e-05},
+            Row{y_to_z,
+                one,
+                {0, 0, 0.0514},
+                0.0388,  //
+                3.29223173333e-05,
+                8.042076e-06,
+                5.2283e-06,
+                1.47493026667e-5,
+                1.1283525e-5,
+                3.29223173333e-05}};
+  }
+  const LinkInertia tip{0.0168, {0, 0, f < 3 ? 0.0267 : 0.0423}, 9.68e-07, 9.68e-07, 9.68e-07};
+  std::array<PlacedLink, 4> links;
+  Rotation<double> parent = one;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Row& row = rows[i];
+    LinkInertia inertia{row.mass, {0, 0, 0}, row.xx, row.yy, row.zz, row.xy, row.xz, row.yz};
+    if (i == 3) inertia = combined(inertia, tip);
+    const Xyz<double> p = turn_back(parent, Xyz<double>{row.p[0], row.p[1], row.p[2]});
+    links[i] = {parent.transpose() * row.R * row.turn, {p.x, p.y, p.z}, along(row.turn, inertia)};
+    parent = row.turn;
+  }
+  return links;
+}
+
+/// The whole hand as one tree.
+template <Scalar T = double>
+[[nodiscard]] CalibratedModel<Tree, T> right_hand() {
+  typename CalibratedModel<Tree, T>::Links links;
+  for (std::size_t f = 0; f < 4; ++f) {
+    const auto canonical = canonical_links<Chain<4>>(finger_links(f));
+    for (std::size_t i = 0; i < 4; ++i) links[4 * f + i] = canonical.links[i].template cast<T>();
+  }
+  return CalibratedModel<Tree, T>(links);
+}
+
+/// `W` fingers from finger `first` on as lanes of one chain of four joints: `Lane<double, 4>` moves the whole
+/// hand at once. `W` = 1 is a single finger on plain scalars.
+template <std::size_t W, Real T = double>
+[[nodiscard]] auto right_fingers(std::size_t first = 0) {
+  using L = std::conditional_t<W == 1, T, Lane<T, W>>;
+  std::array<CanonicalLinks<Chain<4>>, W> fingers;
+  for (std::size_t k = 0; k < W; ++k) fingers[k] = canonical_links<Chain<4>>(finger_links((first + k) % 4));
+  typename CalibratedModel<Finger, L>::Links links;
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p) {
+      T numbers[W];
+      for (std::size_t k = 0; k < W; ++k) numbers[k] = static_cast<T>(fingers[k].links[i].numbers[p]);
+      if constexpr (W == 1) {
+        links[i].numbers[p] = numbers[0];
+      } else {
+        links[i].numbers[p] = L::load(numbers);
+      }
+    }
+  }
+  return CalibratedModel<Finger, L>(links);
+}
+
+namespace detail {
+template <class L, class T, std::size_t... K>
+SKINCTL_INLINE L lane_of(const T* x, std::index_sequence<K...>) noexcept {
+  return L(typename L::Vector{x[4 * K]...});
+}
+}  // namespace detail
+
+/// Numbers of the hand's 16 joints as lanes of the fingers `first` to `first + W - 1`, without a way through
+/// memory.
+template <std::size_t W, class Kind, Real T>
+[[nodiscard]] SKINCTL_INLINE JointVector<Kind, 4, Lane<T, W>> to_lanes(const JointVector<Kind, 16, T>& v,
+                                                                       std::size_t first = 0) noexcept {
+  JointVector<Kind, 4, Lane<T, W>> lanes;
+  for (std::size_t i = 0; i < 4; ++i)
+    lanes[i] = detail::lane_of<Lane<T, W>>(v.data + 4 * first + i, std::make_index_sequence<W>{});
+  return lanes;
+}
+
+/// Writes lanes back to the joints of the fingers `first` to `first + W - 1`.
+template <class Kind, Real T, std::size_t W>
+SKINCTL_INLINE void from_lanes(const JointVector<Kind, 4, Lane<T, W>>& lanes, JointVector<Kind, 16, T>& v,
+                               std::size_t first = 0) noexcept {
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t k = 0; k < W; ++k) v[4 * (first + k) + i] = lanes[i][k];
+}
+
+}  // namespace allegro
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,160 @@
+// What a model knows of one link: where its joint sits in the parent, and its inertia.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/real.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The numbers of a link, by name. The link's frame has its z axis on its joint; it stands in the parent's
+/// frame at `Rz(gamma) Rx(alpha)`, origin `p`, and is then moved by `Rz(q + offset)` (or by `q + offset`
+/// along z). Every tree of one-axis joints can be written so: the parent's x axis is chosen square to both
+/// joint axes, which takes care of the first child (gamma = 0), and each further child needs its gamma.
+/// Near-parallel axes are no special case, because `p` keeps three numbers (a four-number DH row loses them
+/// there).
+enum class Parameter : std::size_t {
+  cos_gamma,
+  sin_gamma,
+  cos_alpha,
+  sin_alpha,
+  p_x,  ///< origin of the joint in the parent's frame [m]
+  p_y,
+  p_z,
+  offset,    ///< added to q [rad] or [m]
+  cos_beta,  ///< prismatic only: constant turn of the link about z (a revolute joint has its offset)
+  sin_beta,
+  mass,  ///< [kg]
+  c_x,   ///< centre of mass in the link's frame [m]
+  c_y,
+  c_z,
+  s_xx,  ///< second moments of mass about the centre of mass, link axes [kg m^2]: S = tr(I)/2 1 - I
+  s_yy,
+  s_zz,
+  s_xy,
+  s_xz,
+  s_yz,
+  count
+};
+
+/// All numbers of one link. See `Parameter`.
+template <Scalar T = double>
+struct LinkParameters {
+  std::array<T, std::size_t(Parameter::count)> numbers{};
+
+  constexpr T& operator[](Parameter p) noexcept { return numbers[std::size_t(p)]; }
+  constexpr const T& operator[](Parameter p) const noexcept { return numbers[std::size_t(p)]; }
+
+  /// The same numbers in another scalar.
+  template <Scalar U>
+  constexpr LinkParameters<U> cast() const {
+    LinkParameters<U> out;
+    for (std::size_t i = 0; i < numbers.size(); ++i) out.numbers[i] = U(numbers[i]);
+    return out;
+  }
+};
+
+/// Cosine and sine of a placement's angle. `quarter(k)` is exact for multiples of a right angle, which is
+/// what makes zeros and ones of a static model recognisable.
+struct Angle {
+  double cos = 1, sin = 0;
+  static constexpr Angle quarter(int k) noexcept {
+    constexpr double c[4] = {1, 0, -1, 0};
+    constexpr double s[4] = {0, 1, 0, -1};
+    return {c[k & 3], s[k & 3]};
+  }
+  static Angle radians(double a) noexcept { return {std::cos(a), std::sin(a)}; }
+};
+
+/// Where a joint sits in its parent link. See `Parameter`.
+struct JointPlacement {
+  double p[3] = {0, 0, 0};
+  Angle alpha{};
+  Angle gamma{};
+  double offset = 0;
+  Angle beta{};  ///< prismatic joints only
+};
+
+/// Mass, centre of mass (link's frame) and inertia about the centre of mass (link's axes), as makers publish
+/// them.
+struct LinkInertia {
+  double mass = 0;
+  double c[3] = {0, 0, 0};
+  double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+};
+
+/// Two bodies fixed to each other, both given in the same frame: a link and its tip, a flange and its
+/// payload.
+constexpr LinkInertia combined(const LinkInertia& a, const LinkInertia& b) noexcept {
+  LinkInertia sum;
+  sum.mass = a.mass + b.mass;
+  if (!(sum.mass > 0)) return a;
+  for (std::size_t k = 0; k < 3; ++k) sum.c[k] = (a.mass * a.c[k] + b.mass * b.c[k]) / sum.mass;
+  const double reduced = a.mass * b.mass / sum.mass;
+  const double x = b.c[0] - a.c[0], y = b.c[1] - a.c[1], z = b.c[2] - a.c[2];
+  sum.xx = a.xx + b.xx + reduced * (y * y + z * z);
+  sum.yy = a.yy + b.yy + reduced * (x * x + z * z);
+  sum.zz = a.zz + b.zz + reduced * (x * x + y * y);
+  sum.xy = a.xy + b.xy - reduced * x * y;
+  sum.xz = a.xz + b.xz - reduced * x * z;
+  sum.yz = a.yz + b.yz - reduced * y * z;
+  return sum;
+}
+
+/// A link of a model from its placement and inertia.
+constexpr LinkParameters<double> make_link(const JointPlacement& placement,
+                                           const LinkInertia& inertia) noexcept {
+  using P = Parameter;
+  LinkParameters<double> l;
+  l[P::cos_gamma] = placement.gamma.cos;
+  l[P::sin_gamma] = placement.gamma.sin;
+  l[P::cos_alpha] = placement.alpha.cos;
+  l[P::sin_alpha] = placement.alpha.sin;
+  l[P::p_x] = placement.p[0];
+  l[P::p_y] = placement.p[1];
+  l[P::p_z] = placement.p[2];
+  l[P::offset] = placement.offset;
+  l[P::cos_beta] = placement.beta.cos;
+  l[P::sin_beta] = placement.beta.sin;
+  l[P::mass] = inertia.mass;
+  l[P::c_x] = inertia.c[0];
+  l[P::c_y] = inertia.c[1];
+  l[P::c_z] = inertia.c[2];
+  l[P::s_xx] = 0.5 * (inertia.yy + inertia.zz - inertia.xx);
+  l[P::s_yy] = 0.5 * (inertia.xx + inertia.zz - inertia.yy);
+  l[P::s_zz] = 0.5 * (inertia.xx + inertia.yy - inertia.zz);
+  l[P::s_xy] = -inertia.xy;
+  l[P::s_xz] = -inertia.xz;
+  l[P::s_yz] = -inertia.yz;
+  return l;
+}
+
+/// Throws `ConfigurationError` unless the link can exist: finite numbers, mass >= 0, unit angles, and moments
+/// of inertia that obey the triangle inequality to within 1e-9 of their size (then S is positive semidefinite
+/// on its diagonal). Makers' files break the inequality now and then; such a link has no mass distribution.
+template <Real T>
+void check_link(const LinkParameters<T>& l) {
+  using P = Parameter;
+  for (std::size_t i = 0; i < l.numbers.size(); ++i) {
+    const double x = static_cast<double>(l.numbers[i]);
+    require(x - x == 0, "link parameter", x, "a finite number");
+  }
+  const auto number = [&](P p) { return static_cast<double>(l[p]); };
+  require(number(P::mass) >= 0, "link mass", number(P::mass), ">= 0 kg");
+  const auto unit = [&](P c, P s) { return number(c) * number(c) + number(s) * number(s); };
+  const double near = 1e-5;
+  const double alpha = unit(P::cos_alpha, P::sin_alpha), gamma = unit(P::cos_gamma, P::sin_gamma),
+               beta = unit(P::cos_beta, P::sin_beta);
+  require(alpha > 1 - near && alpha < 1 + near, "cos^2 + sin^2 of alpha", alpha, "1");
+  require(beta > 1 - near && beta < 1 + near, "cos^2 + sin^2 of beta", beta, "1");
+  require(gamma > 1 - near && gamma < 1 + near, "cos^2 + sin^2 of gamma", gamma, "1");
+  const double size = number(P::s_xx) + number(P::s_yy) + number(P::s_zz);
+  for (P p : {P::s_xx, P::s_yy, P::s_zz})
+    require(number(p) >= -1e-9 * size, "second moment of mass", number(p),
+            ">= 0 kg m^2 (triangle inequality)");
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,161 @@
+// The concept of a robot model, and its two ends: all numbers known at compile time, or all at run time.
+#pragma once
+
+#include <concepts>
+
+#include "skinctl/core/triple.hpp"
+#include "skinctl/model/link.hpp"
+#include "skinctl/model/topology.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+namespace detail {
+template <class M>
+struct ScalarOf {
+  using type = double;
+};
+template <class M>
+  requires requires { typename M::scalar; }
+struct ScalarOf<M> {
+  using type = typename M::scalar;
+};
+}  // namespace detail
+
+/// A robot: a `Topology` whose `number<I, P, T>()` gives parameter `P` of link `I` as a typed constant
+/// (`Known<0>`) or as a `T`, and whose `gravity<T>()` is the gravitational acceleration in the axes of the
+/// base [m/s^2]. Algorithms are written once against this; what is a typed constant vanishes from the code.
+template <class M>
+concept Model = Topology<M> && requires(const M& m) {
+  m.template number<0, Parameter::mass, typename detail::ScalarOf<M>::type>();
+  m.template gravity<typename detail::ScalarOf<M>::type>();
+};
+
+/// A static model has no numbers at run time: it is an empty type made from a description with `constexpr`
+/// members `joints`, `parents`, `kinds`, `links` (an array of `LinkParameters<double>`) and `gravity` (three
+/// doubles).
+template <class Description>
+struct StaticModel {
+  static_assert(is_tree<Description>(), "parents come before children; 1 to 64 joints");
+  static constexpr std::size_t joints = Description::joints;
+  static constexpr auto parents = Description::parents;
+  static constexpr auto kinds = Description::kinds;
+
+  template <std::size_t I, Parameter P, Scalar T>
+  static SKINCTL_INLINE constexpr auto number() noexcept {
+    constexpr double x = Description::links[I][P];
+    if constexpr (x == 0.0) {
+      return Known<0>{};
+    } else if constexpr (x == 1.0) {
+      return Known<1>{};
+    } else if constexpr (x == -1.0) {
+      return Known<-1>{};
+    } else {
+      return T(x);
+    }
+  }
+  template <Scalar T>
+  static SKINCTL_INLINE constexpr auto gravity() noexcept {
+    return Triple{gravity_along<0, T>(), gravity_along<1, T>(), gravity_along<2, T>()};
+  }
+
+ private:
+  template <std::size_t A, Scalar T>
+  static SKINCTL_INLINE constexpr auto gravity_along() noexcept {
+    constexpr double g = Description::gravity[A];
+    if constexpr (g == 0.0) {
+      return Known<0>{};
+    } else {
+      return T(g);
+    }
+  }
+};
+
+/// A model whose numbers are known at run time: from a file, a calibration, an identification. Only its
+/// topology is typed, and with it that the first child of a link needs no gamma.
+template <Topology Tree, Scalar T = double>
+class CalibratedModel {
+ public:
+  static_assert(is_tree<Tree>(), "parents come before children; 1 to 64 joints");
+  using scalar = T;
+  static constexpr std::size_t joints = Tree::joints;
+  static constexpr auto parents = Tree::parents;
+  static constexpr auto kinds = Tree::kinds;
+  using Links = std::array<LinkParameters<T>, joints>;
+
+  /// @param links    one per joint, in the order of the tree; checked by `check_link`, and the first child of
+  /// a link
+  ///                 must have gamma = 0 (turn the parent's frame instead). Throws `ConfigurationError`.
+  /// @param gravity  gravitational acceleration in the axes of the base [m/s^2]; a base on a wall or ceiling
+  /// turns it.
+  explicit CalibratedModel(const Links& links, const Xyz<T>& gravity = {T(0), T(0), T(-9.81)})
+      : links_(links), gravity_(gravity) {
+    if constexpr (Real<T>) {
+      for (const auto& link : links_) check_link(link);
+      [&]<std::size_t... I>(std::index_sequence<I...>) {
+        (check_promises<I>(std::make_index_sequence<std::size_t(Parameter::count)>{}), ...);
+      }(std::make_index_sequence<joints>{});
+    }
+  }
+
+  template <std::size_t I, Parameter P, Scalar U>
+  SKINCTL_INLINE constexpr auto number() const noexcept {
+    static_assert(std::same_as<U, T>, "a calibrated model computes in the scalar that it stores");
+    using Promise = decltype(promised<I, P>());
+    if constexpr (is_known<Promise>) {
+      return Promise{};
+    } else {
+      return T(links_[I][P]);
+    }
+  }
+  template <Scalar U>
+  SKINCTL_INLINE constexpr Xyz<T> gravity() const noexcept {
+    static_assert(std::same_as<U, T>, "a calibrated model computes in the scalar that it stores");
+    return gravity_;
+  }
+  /// The numbers of link `i`.
+  const LinkParameters<T>& link(std::size_t i) const noexcept { return links_[i]; }
+
+ private:
+  template <std::size_t I, Parameter P>
+  static constexpr auto promised() noexcept {
+    if constexpr (P == Parameter::sin_gamma && is_first_child(I)) {
+      return Known<0>{};
+    } else if constexpr (P == Parameter::cos_gamma && is_first_child(I)) {
+      return Known<1>{};
+    } else if constexpr (requires { Tree::template known<I, P>(); }) {
+      return Tree::template known<I, P>();
+    } else {
+      return;
+    }
+  }
+  template <std::size_t I, std::size_t... P>
+  void check_promises(std::index_sequence<P...>) const {
+    const auto check = [&]<std::size_t K>(std::integral_constant<std::size_t, K>) {
+      using Promise = decltype(promised<I, Parameter(K)>());
+      if constexpr (is_known<Promise>)
+        require(links_[I][Parameter(K)] == T(Promise::value), "link parameter that the tree's type fixes",
+                static_cast<double>(links_[I][Parameter(K)]),
+                "the promised constant (first children: gamma = 0)");
+    };
+    (check(std::integral_constant<std::size_t, P>{}), ...);
+  }
+  static constexpr bool is_first_child(std::size_t i) noexcept {
+    if (parents[i] < 0) return false;
+    for (std::size_t j = 0; j < i; ++j)
+      if (parents[j] == parents[i]) return false;
+    return true;
+  }
+  Links links_;
+  Xyz<T> gravity_;
+};
+
+/// The run-time twin of a static description: same tree, same numbers, as a starting point for a calibration.
+template <class Description, Scalar T = double>
+CalibratedModel<Description, T> calibrated_from() {
+  typename CalibratedModel<Description, T>::Links links;
+  for (std::size_t i = 0; i < Description::joints; ++i) links[i] = Description::links[i].template cast<T>();
+  return CalibratedModel<Description, T>(
+      links, {T(Description::gravity[0]), T(Description::gravity[1]), T(Description::gravity[2])});
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,351 @@
+// The loop of the resolver: what resolver.hpp declares.
+#pragma once
+
+#include "skinctl/resolver/resolver.hpp"
+#include "skinctl/safety/detail/plausible.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+#define SKINCTL_RESOLVER template <Interface I, Model M, Real T, class Integrator, std::size_t History>
+#define SKINCTL_RESOLVER_CLASS Resolver<I, M, T, Integrator, History>
+
+SKINCTL_RESOLVER
+auto SKINCTL_RESOLVER_CLASS::start(const State<joints, T>& measured) const noexcept -> Memory {
+  Memory m;
+  if (!detail::is_plausible(measured) || !detail::is_plausible(measured.time)) return m;
+  m.started = true;
+  m.time = measured.time;
+  m.measured = measured;
+  const T ahead = seconds<T>(p_.delay) + p_.lag;
+  Position command = measured.q;
+  for (std::size_t i = 0; i < joints; ++i) {
+    const T most = p_.limits.velocity()[i];
+    const T dq = detail::clamp(measured.dq[i], T(-most), most);
+    if (dq * p_.total_delay > p_.dead_band[i] || -dq * p_.total_delay > p_.dead_band[i]) {
+      m.v[i] = dq;
+      command[i] = measured.q[i] + dq * ahead;
+    }
+    m.q.set(i, command[i] - p_.lead * m.v[i]);
+    m.sent.set(i, command[i]);
+  }
+  m.rate = m.v;
+  m.under_way = servo_.start(measured.time, measured.q, m.v);
+  m.command.time = m.time;
+  m.command.position = command;
+  m.command.velocity = m.v;
+  m.command.valid = true;
+  return m;
+}
+
+SKINCTL_RESOLVER
+Interval SKINCTL_RESOLVER_CLASS::interval(const Memory& m, Nanoseconds now) const noexcept {
+  Interval out = detail::interval_since(m.started, m.time, now, p_.longest_interval);
+  const Nanoseconds steps = (out.to - out.from + p_.substep - 1) / p_.substep;
+  out.substeps = steps < Nanoseconds(max_substeps) ? static_cast<unsigned>(steps) : max_substeps;
+  return out;
+}
+
+SKINCTL_RESOLVER
+SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::measure(Memory& m, const State<joints, T>& measured,
+                                                      Nanoseconds now) const noexcept {
+  Status status;
+  if (!detail::is_plausible(measured)) {
+    status |= Reason::state_not_finite;
+  } else if (measured.time < m.measured.time) {
+    status |= Reason::time_backwards;
+  } else {
+    m.measured = measured;
+    if (measured.time > now) m.measured.time = now;
+  }
+  const Position& expected = servo_.predict(m.under_way, m.measured.time);
+  m.residual = m.measured.q - expected;
+  if constexpr (I == Interface::velocity) m.residual -= m.offset.value;
+  if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
+  return status;
+}
+
+SKINCTL_RESOLVER
+SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::correct(Memory& m, Nanoseconds now, const T& dt) const noexcept
+    -> Correction {
+  const bool fresh = now - m.measured.time <= p_.fresh_for;
+  Correction c;
+  for (std::size_t i = 0; i < joints; ++i) {
+    // An old measurement says nothing about where the robot is now: its difference is not acted on again.
+    const T r = fresh ? m.residual[i] : T(0);
+    const T rho = r - detail::clamp(r, T(-p_.dead_band[i]), p_.dead_band[i]);
+    const bool off = rho != T(0);
+    c.off |= off;
+    if (fresh) m.off_for[i] = off ? T(m.off_for[i] + dt) : T(0);
+    c.rate[i] = p_.L1 * rho;
+    c.pull[i] = p_.L2 * rho;
+    if constexpr (I == Interface::velocity) {
+      c.rate[i] = c.rate[i] + p_.drift * r;
+      // Where the real robot will be when it has carried out all that was sent up to now.
+      const T arrives = m.measured.q[i] + (m.sent.value[i] - m.under_way.reached[i]);
+      const T brake = p_.limits.acceleration()[i] * braking_share<T>;
+      const T reaction = seconds<T>(p_.longest_interval);
+      c.most[i] = speed_to_stop(T(p_.limits.upper()[i] - arrives), reaction, brake);
+      c.least[i] = -speed_to_stop(T(arrives - p_.limits.lower()[i]), reaction, brake);
+    }
+  }
+  return c;
+}
+
+SKINCTL_RESOLVER
+SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::move(Memory& m, const Correction& c, const Velocity& v1,
+                                                   const T& h) const noexcept {
+  Status status;
+  JointRoom<joints, T> room = p_.limits.room(m.q.value);
+  Velocity v = v1, least, most;
+  std::uint64_t leashed = 0;
+  for (std::size_t i = 0; i < joints; ++i) {
+    const T e = m.q.value[i] - m.measured.q[i];
+    const T above = p_.leash[i] - e, below = p_.leash[i] + e;
+    most[i] = above > T(0) ? T(above * p_.per_delay) : T(0);
+    least[i] = below > T(0) ? T(-below * p_.per_delay) : T(0);
+    if constexpr (I == Interface::position) {
+      if (above < room.above[i]) room.above[i] = above, leashed |= std::uint64_t(1) << i;
+      if (below < room.below[i]) room.below[i] = below, leashed |= std::uint64_t(1) << i;
+    } else {
+      room.above[i] = room.below[i] = std::numeric_limits<T>::infinity();
+      if (v[i] > c.most[i] || v[i] < c.least[i]) status |= Reason::position_limited;
+      v[i] = detail::clamp(v[i], c.least[i], c.most[i]);
+    }
+    if (v[i] > most[i] || v[i] < least[i]) status |= Reason::lead_limited;
+    v[i] = detail::clamp(v[i], least[i], most[i]);
+  }
+  const auto own = p_.limits.move(room, m.v, v, h);
+  auto motion = own;
+  if constexpr (I == Interface::position) {
+    if (c.off || !(m.rate == m.v)) {
+      Velocity u;
+      for (std::size_t i = 0; i < joints; ++i)
+        u[i] = detail::clamp(T(own.velocity[i] + c.rate[i]), least[i], most[i]);
+      motion = p_.limits.move(room, m.rate, u, h);
+    }
+  }
+  const T per_h = T(1) / h;
+  for (std::size_t i = 0; i < joints; ++i) {
+    const T q = m.q.value[i], lower = p_.limits.lower()[i], upper = p_.limits.upper()[i];
+    if constexpr (I == Interface::position) {
+      m.q.add(i, motion.displacement[i]);
+      if (m.q.value[i] > upper && q <= upper) m.q.set(i, upper);
+      if (m.q.value[i] < lower && q >= lower) m.q.set(i, lower);
+    } else {
+      const T corrected = h * c.rate[i];
+      m.offset.add(i, corrected);
+      m.q.add(i, motion.displacement[i] + corrected);
+      const T near = m.measured.q[i] - p_.leash[i], far = m.measured.q[i] + p_.leash[i];
+      const T kept = detail::clamp(m.q.value[i], near, far);
+      if (kept != m.q.value[i]) {
+        m.offset.add(i, kept - m.q.value[i]);
+        m.q.set(i, kept);
+      }
+    }
+    m.last[i] = (own.velocity[i] - m.v[i]) * per_h;
+  }
+  m.v = own.velocity;
+  m.rate = motion.velocity;
+  const std::uint64_t braked = own.braked | motion.braked;
+  status |= Status::from_bits((own.status | motion.status).bits() & ~Status(Reason::position_limited).bits());
+  if ((braked & leashed) != 0) status |= Reason::lead_limited;
+  if ((braked & ~leashed) != 0) status |= Reason::position_limited;
+  return status;
+}
+
+/// Velocity towards the real robot that ends there.
+SKINCTL_RESOLVER
+SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::way_back(const Memory& m, const T& h) const noexcept -> Velocity {
+  Velocity u;
+  for (std::size_t i = 0; i < joints; ++i) {
+    const T d = m.measured.q[i] - m.q.value[i];
+    const T far = d < T(0) ? T(-d) : d;
+    const T soft = far / (p_.total_delay + h);
+    const T hard = speed_to_stop(far, h, T(T(0.5) * p_.limits.acceleration()[i]));
+    const T speed = soft < hard ? soft : hard;
+    u[i] = d < T(0) ? T(-speed) : speed;
+  }
+  return u;
+}
+
+SKINCTL_RESOLVER
+SKINCTL_INLINE void SKINCTL_RESOLVER_CLASS::choose_mode(Memory& m, const Correction& c,
+                                                        bool stale) const noexcept {
+  const auto enter = [&](Mode mode) {
+    if (m.mode == mode) return;
+    m.mode = mode;
+    m.mode_for = T(0);
+  };
+  bool stuck = false;
+  for (std::size_t i = 0; i < joints; ++i) stuck |= m.off_for[i] >= T(5) * p_.total_delay;
+  if (stale) {
+    enter(Mode::braking);
+  } else if (m.mode != Mode::blocked && c.off && stuck) {
+    enter(Mode::blocked);
+    if constexpr (I == Interface::position) m.v = m.v * T(0);
+    for (std::size_t i = 0; i < joints; ++i) m.pushed[i] = c.pull[i] < T(0) ? 1 : (c.pull[i] > T(0) ? -1 : 0);
+  } else if (m.mode != Mode::blocked) {
+    enter(m.stop ? Mode::braking : Mode::following);
+  }
+}
+
+SKINCTL_RESOLVER
+template <class L, class Touch>
+SKINCTL_INLINE void SKINCTL_RESOLVER_CLASS::try_to_leave(Memory& m, const L& law,
+                                                         const typename L::Memory& law_memory,
+                                                         const Correction& c, const Touch& touch,
+                                                         Torque& torque) const noexcept {
+  const State<joints, T> virtual_state{m.time, m.q.value, Velocity{}};
+  const Knows<L, Touch> known(model_, virtual_state, seconds<T>(p_.period), touch);
+  const Torque tau = law.torque(law_memory, known);
+  if (!detail::is_finite(tau)) return;
+  for (std::size_t i = 0; i < joints; ++i) {
+    const T limit = p_.limits.torque()[i];
+    torque[i] = detail::clamp(tau[i], T(-limit), limit);
+  }
+  const Torque net = torque - gravity_torque(model_, m.q.value);
+  bool here = true;
+  T push(0), scale(0);
+  for (std::size_t i = 0; i < joints; ++i) {
+    const T e = m.q.value[i] - m.measured.q[i];
+    here &= e <= p_.dead_band[i] && -e <= p_.dead_band[i];
+    push = push + T(m.pushed[i]) * net[i];
+    scale = scale + p_.limits.torque()[i];
+  }
+  const bool released = !(push > T(1e-4) * scale);
+  if (here && !c.off && m.mode_for >= p_.total_delay && (released || m.mode_for >= p_.retry)) {
+    m.mode = Mode::following;
+    m.mode_for = T(0);
+  }
+}
+
+SKINCTL_RESOLVER
+SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::publish(Memory& m, const Correction& c, const Velocity& before,
+                                                      const Torque& torque, const T& dt) const noexcept {
+  Status status;
+  auto& command = m.command;
+  const Velocity last = command.velocity;
+  if (I == Interface::position && p_.lead == T(0)) {
+    m.sent = m.q;
+    command.velocity = m.rate;
+  } else {
+    // What is sent follows the virtual robot's position, `lead` seconds ahead, within the same limits.
+    const T per_dt = T(1) / dt;
+    auto room = p_.limits.room(m.sent.value);
+    Velocity target;
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T steady = m.rate[i] + p_.lead * (m.rate[i] - before[i]) * per_dt;
+      if constexpr (I == Interface::position) {
+        const T goal = m.q.value[i] + p_.lead * m.rate[i], e = m.sent.value[i] - m.measured.q[i];
+        target[i] = steady + (goal - m.sent.value[i]) * per_dt - T(0.5) * (last[i] + steady);
+        room.above[i] = detail::smaller(room.above[i], T(p_.leash[i] - e));
+        room.below[i] = detail::smaller(room.below[i], T(p_.leash[i] + e));
+      } else {
+        // A velocity is held for a period: half of it is still to come.
+        const T goal = m.q.value[i] + (p_.lead - T(0.5) * seconds<T>(p_.period)) * m.rate[i];
+        target[i] = steady + p_.catch_up * (goal - m.sent.value[i] - m.offset.value[i]);
+        target[i] = detail::clamp(target[i], c.least[i], c.most[i]);
+        room.above[i] = room.below[i] = std::numeric_limits<T>::infinity();
+      }
+    }
+    const auto motion = p_.limits.move(room, last, target, dt);
+    status = motion.status;
+    command.velocity = motion.velocity;
+    if constexpr (I == Interface::position)
+      for (std::size_t i = 0; i < joints; ++i) m.sent.add(i, motion.displacement[i]);
+  }
+  command.time = m.time;
+  command.position = I == Interface::position ? m.sent.value : m.q.value;
+  for (std::size_t i = 0; i < joints; ++i) command.acceleration[i] = (command.velocity[i] - last[i]) / dt;
+  command.torque = torque;
+  command.valid = true;
+  servo_.send(m.under_way, m.time, m.sent.value, I == Interface::velocity ? command.velocity : Velocity{});
+  return status;
+}
+
+SKINCTL_RESOLVER
+template <class L, class Touch>
+SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typename L::Memory& law_memory,
+                                                 const State<joints, T>& measured, const Interval& interval,
+                                                 std::span<const Touch> touches) const noexcept
+    -> Resolved<joints, T, terms_of<L>> {
+  Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
+  if (!m.started || interval.substeps == 0) return out;
+  SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
+  const T dt = seconds<T>(interval.to - interval.from);
+  const Velocity before = m.rate;
+  Status& status = out.status;
+  if constexpr (I == Interface::velocity) {
+    // The velocity that was sent has been held up to now.
+    for (std::size_t i = 0; i < joints; ++i)
+      m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
+  }
+  status |= measure(m, measured, interval.to);
+  const Correction c = correct(m, interval.to, dt);
+  m.mode_for = m.mode_for + dt;
+  choose_mode(m, c, status.has(Reason::state_stale));
+
+  Torque torque = m.command.torque;
+  for (unsigned j = 0; j < interval.substeps; ++j) {
+    const T h = seconds<T>(interval.at(j + 1) - interval.at(j));
+    Velocity v1;
+    Correction moved = c;
+    if (m.mode == Mode::following) {
+      const State<joints, T> virtual_state{interval.at(j), m.q.value, m.v};
+      const Knows<L, Touch> known(model_, virtual_state, h, touches[j]);
+      const auto evaluation = evaluate(law, law_memory, known, h);
+      status |= evaluation.status;
+      if (detail::is_finite(evaluation.torque)) [[likely]] {
+        law_memory = evaluation.memory;
+        out.shares = evaluation.shares;
+        torque = evaluation.torque;
+        for (std::size_t i = 0; i < joints; ++i) {
+          const T limit = p_.limits.torque()[i];
+          torque[i] = detail::clamp(torque[i], T(-limit), limit);
+        }
+        if (!(torque == evaluation.torque)) status |= Reason::torque_limited;
+        const auto next =
+            detail::step_velocity<Integrator>(known, p_.shape, p_.has_coulomb, torque, c.pull, m.last);
+        if (next.singular) status |= Reason::singular;
+        v1 = next.velocity;
+      } else {
+        status |= Reason::torque_not_finite;
+        torque = Torque{};
+      }
+    } else {
+      moved.rate = m.mode == Mode::blocked ? way_back(m, h) : Velocity{};
+      moved.off = true;
+    }
+    status |= move(m, moved, v1, h);
+  }
+  m.time = interval.to;
+  if (m.mode == Mode::blocked) {
+    status |= Reason::blocked;
+    if (!m.stop) try_to_leave(m, law, law_memory, c, touches[interval.substeps - 1], torque);
+  }
+  if (m.stop) status |= Reason::stopping;
+  if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;
+  status |= publish(m, c, before, torque, dt);
+  out.command = m.command;
+  return out;
+}
+
+SKINCTL_RESOLVER
+SKINCTL_INLINE void SKINCTL_RESOLVER_CLASS::sent(Memory& m,
+                                                 const JointCommand<joints, T>& command) const noexcept {
+  if (!m.started || !command.valid) return;
+  m.command = command;
+  m.command.time = m.time;
+  m.rate = m.v = command.velocity;
+  m.last = {};
+  const T ahead = p_.lead - (I == Interface::velocity ? T(0.5) * seconds<T>(p_.period) : T(0));
+  for (std::size_t i = 0; i < joints; ++i) {
+    if constexpr (I == Interface::position) m.sent.set(i, command.position[i]);
+    m.q.set(i, m.sent.value[i] + m.offset.value[i] - ahead * m.v[i]);
+  }
+  servo_.correct(m.under_way, m.sent.value, I == Interface::velocity ? command.velocity : Velocity{});
+}
+
+#undef SKINCTL_RESOLVER
+#undef SKINCTL_RESOLVER_CLASS
+
+SKINCTL_END_NAMESPACE

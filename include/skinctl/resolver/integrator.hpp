@@ -1,0 +1,124 @@
+// How the virtual robot's velocity is integrated over a sub-step: policies.
+#pragma once
+
+#include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/dynamics/shape.hpp"
+#include "skinctl/resolver/detail/solve_joints.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Crank-Nicolson at the midpoint: M, C and G at the pose half a sub-step ahead, friction by the mean of old
+/// and new velocity, C at the velocity half a sub-step ahead by the last acceleration. Second order. Where
+/// friction is stiff (`z = h B/M` large, a wrist) the mean is weighted towards the new velocity so that it
+/// decays as `1/(1 + z + z^2/2 + z^3/6)` instead of ringing: weight `(z^2 + 2z + 3)/(z^2 + 3z + 6)`, 1/2 as z
+/// goes to 0. M and C are its own: what laws computed at the start of the sub-step is of no use to it. G is
+/// taken at the start if a law asks for it there, so that held gravity cancels.
+struct CrankNicolson {
+  static constexpr Needs needs{};
+  static constexpr bool midpoint = true;
+  template <Real T>
+  static SKINCTL_INLINE T weight(const T& z) noexcept {
+    return (z * (z + T(2)) + T(3)) / (z * (z + T(3)) + T(6));
+  }
+};
+
+/// M, C and G at the start of the sub-step, friction by the new velocity: first order, never rings. Shares
+/// what laws asked for. Meant for sub-steps up to 2 ms.
+struct ImplicitFriction {
+  static constexpr Needs needs{.angles = true, .mass = true};
+  static constexpr bool midpoint = false;
+  template <Real T>
+  static SKINCTL_INLINE T weight(const T&) noexcept {
+    return T(1);
+  }
+};
+
+/// Everything at the start of the sub-step, friction by the old velocity: what is commonly called
+/// semi-implicit Euler. First order. Where that would ring (`z = h B/M > 1`) friction stops the joint
+/// instead: weight `1 - 1/z`. Shares what laws asked for.
+struct SemiImplicitEuler {
+  static constexpr Needs needs{.angles = true, .mass = true};
+  static constexpr bool midpoint = false;
+  template <Real T>
+  static SKINCTL_INLINE T weight(const T& z) noexcept {
+    return z > T(1) ? T(T(1) - T(1) / z) : T(0);
+  }
+};
+
+namespace detail {
+
+/// Velocity after a sub-step, and whether a matrix could not be factorised.
+template <std::size_t N, Real T>
+struct VelocityStep {
+  JointVelocity<N, T> velocity;
+  bool singular = false;
+};
+
+template <Real T, class K, class A>
+SKINCTL_INLINE JointTorque<K::joints, T> bias_at_start(const K& known, const A& angles) noexcept {
+  if constexpr (K::needs.gravity && K::needs.coriolis) {
+    return known.coriolis() + known.gravity();
+  } else {
+    return bias_torque(known.model(), angles, known.dq());
+  }
+}
+
+/// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`.
+///
+/// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
+template <class Policy, class K, Real T>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
+    const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
+    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
+    const JointAcceleration<K::joints, T>& last) noexcept {
+  constexpr std::size_t n = K::joints;
+  const T h = known.dt();
+  const auto& v = known.dq();
+
+  MassMatrix<n, T> m;
+  JointTorque<n, T> bias;
+  if constexpr (Policy::midpoint) {
+    const T half = T(0.5) * h;
+    const JointVelocity<n, T> v_mid = integrate(v, last, half);
+    // Where laws of the half step evaluate the model too, so that held gravity cancels.
+    const JointAngles<typename K::model_type, T> angles(known.model(), integrate(known.q(), v, half));
+    m = mass_matrix(known.model(), angles);
+    if constexpr (K::needs.gravity) {
+      bias = coriolis_torque(known.model(), angles, v_mid) + known.gravity();
+    } else {
+      bias = bias_torque(known.model(), angles, v_mid);
+    }
+  } else {
+    m = known.mass();
+    bias = bias_at_start<T>(known, known.angles());
+  }
+
+  JointAcceleration<n, T> free;  // h times the acceleration that is given per mass
+  for (std::size_t i = 0; i < n; ++i) {
+    m(i, i) = m(i, i) + shape.inertia[i];
+    free[i] = h * (pull[i] - shape.decay * v[i]);
+  }
+  JointTorque<n, T> impulse = m * free;
+  const T decayed = T(1) + Policy::weight(T(h * shape.decay)) * (h * shape.decay);
+  for (std::size_t i = 0; i < n; ++i) {
+    const T b = h * shape.viscous[i];
+    impulse[i] = impulse[i] + h * (tau[i] - bias[i]) - b * v[i];
+    const T own = m(i, i);
+    const T z = own > T(0) ? T(b / own) : T(0);
+    for (std::size_t j = 0; j < n; ++j) m(i, j) = m(i, j) * decayed;
+    m(i, i) = m(i, i) + Policy::weight(z) * b;
+  }
+  VelocityStep<n, T> out;
+  JointVelocity<n, T> dv;
+  out.singular = !solve_joints(m, impulse, dv);
+  if (out.singular) {
+    out.velocity = v;
+  } else {
+    out.velocity = v + dv;
+    if (has_coulomb) stick_or_slip(m, h * shape.coulomb, impulse, v, out.velocity);
+  }
+  return out;
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

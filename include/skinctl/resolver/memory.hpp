@@ -1,0 +1,42 @@
+// What changes in a resolver from cycle to cycle.
+#pragma once
+
+#include "skinctl/core/state.hpp"
+#include "skinctl/core/status.hpp"
+#include "skinctl/resolver/detail/running_sum.hpp"
+#include "skinctl/resolver/servo.hpp"
+#include "skinctl/safety/command.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What the virtual robot does in a cycle.
+enum class Mode : unsigned char {
+  following,  ///< the laws move it
+  blocked,    ///< it goes back to the real robot and waits there
+  braking     ///< it brakes and holds: a stop, or no news of the real robot
+};
+
+/// A resolver's memory: the virtual robot, the commands under way, the last good measurement. Trivially
+/// copyable; a fresh one has not been started and gives no valid command.
+template <std::size_t N, Real T, std::size_t History>
+struct ResolverMemory {
+  bool started = false;
+  bool stop = false;  ///< a stop was asked for
+  Mode mode = Mode::following;
+  Nanoseconds time = 0;                  ///< of the virtual state
+  detail::RunningPosition<N, T> q;       ///< q^
+  JointVelocity<N, T> v;                 ///< the virtual robot's velocity, which laws read
+  JointVelocity<N, T> rate;              ///< dq^/dt: v, with the correction where that is sent
+  JointAcceleration<N, T> last;          ///< dv/dt of the last sub-step
+  State<N, T> measured;                  ///< the last good measurement
+  JointPosition<N, T> residual;          ///< r: the real robot minus where the commands bring it
+  T off_for[N] = {};                     ///< for how long r has been beyond the dead band [s]
+  T mode_for = T(0);                     ///< for how long the present mode has lasted [s]
+  signed char pushed[N] = {};            ///< the way in which a blocked robot did not follow
+  detail::RunningPosition<N, T> sent;    ///< the sent position, or the integral of the sent velocities
+  detail::RunningPosition<N, T> offset;  ///< what r has been corrected by without moving (velocity interface)
+  CommandsUnderWay<N, T, History> under_way;
+  JointCommand<N, T> command;  ///< the last one
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,138 @@
+// From torque to commands: a virtual robot that carries the fused torque and stays with the real one.
+#pragma once
+
+#include <span>
+
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/resolver/configuration.hpp"
+#include "skinctl/resolver/memory.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What one cycle of a resolver gives: the command, what was limited or held, the torques that the parts of
+/// the law contributed in the last sub-step, and for a torque interface what holds the robot should the guard
+/// refuse the command.
+template <std::size_t N, Real T, std::size_t Terms>
+struct Resolved {
+  JointCommand<N, T> command;
+  Status status;
+  std::array<JointTorque<N, T>, Terms> shares;
+  JointTorque<N, T> fallback;
+};
+
+/// The torque resolver of the paper's section 4.5 for robots that take positions or velocities (for those
+/// that take torques see `torque_resolver.hpp`).
+///
+/// A virtual robot with the model's M, C, G and the configured friction carries the fused torque:
+/// `M dv = tau - (C + B) v - G - tau_c(v) + M L2 rho`, `dq^ = u = v + L1 rho`. All laws read its state
+/// `(q^, v)`, which is sent. The real robot enters through `r`, how far it is from where the commands sent
+/// bring it by its declared delay and lag, and `rho`, what of r exceeds the dead band: a robot that follows
+/// is left alone, and feels like the configured one.
+///
+/// - Position interface: q^ is sent. Velocity interface: v is sent; `L1 rho` and a slow drift move q^ only.
+/// - Gravity acts on the virtual robot: a law has to hold it (`GravityControl`, or `Y_r Theta` with G).
+/// - Limits: see `JointLimits::move`; the correction obeys them too, and so does the leash,
+///   `|q^ - q| <= leash v_max T`.
+/// - A robot that stays beyond the dead band for 5 T is blocked: q^ goes to q, v is zero, the law's memory
+///   stands still. It ends when the robot is back with q^ and is no longer pushed the way it could not go, or
+///   after `retry`.
+/// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory stands still.
+///
+/// In the loop nothing throws or allocates; the cost is that of the law and the integrator, times sub-steps.
+template <Interface I, Model M, Real T = double, class Integrator = CrankNicolson, std::size_t History = 32>
+class Resolver {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  static constexpr Interface interface = I;
+  using scalar = T;
+  using Configuration = ResolverConfiguration<joints, T>;
+  using Memory = ResolverMemory<joints, T, History>;
+  /// What a law gets to know: the state of the virtual robot and what law and integrator need of it.
+  template <class L, class Touch = NoTouch>
+  using Knows = Quantities<M, L::needs | Integrator::needs, T, Touch>;
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  Resolver(const M& model, const Configuration& configuration)
+      : model_(model), p_(configuration), servo_(p_.delay, p_.lag) {
+    require(p_.delay / p_.period + 2 <= static_cast<Nanoseconds>(History), "delay / period",
+            static_cast<double>(p_.delay) / static_cast<double>(p_.period),
+            "<= History - 2: commands under way");
+  }
+
+  [[nodiscard]] const M& model() const noexcept { return model_; }
+  [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return p_.limits; }
+  /// T = delay + lag + period [s]: until a command is seen in a measurement.
+  [[nodiscard]] T total_delay() const noexcept { return p_.total_delay; }
+  /// e_max: the most by which joint `i` of the virtual robot leads the real one [rad].
+  [[nodiscard]] T leash(std::size_t i) const noexcept { return p_.leash[i]; }
+  /// Speed that the leash leaves to joint `i` of a robot that follows: it can still stop should the robot be
+  /// held up just then.
+  [[nodiscard]] T top_speed(std::size_t i) const noexcept {
+    const T u = speed_to_stop(p_.leash[i], p_.total_delay, p_.limits.acceleration()[i]);
+    return u < p_.limits.velocity()[i] ? u : p_.limits.velocity()[i];
+  }
+
+  /// Length of a sub-step in a cycle that comes as planned [s].
+  [[nodiscard]] T planned_step() const noexcept { return p_.planned_step(); }
+
+  /// The virtual robot takes over where the real one is; it moves on if that moves faster than the dead band
+  /// can tell from rest. The law's memory then starts at `state(memory)`. A state that is not finite: a
+  /// memory that has not been started.
+  [[nodiscard]] Memory start(const State<joints, T>& measured) const noexcept;
+
+  /// The state that laws read.
+  [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return {m.time, m.q.value, m.v}; }
+
+  /// The part of time that a cycle at `now` has to integrate. No later than the last one: empty.
+  [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept;
+
+  /// One cycle: integrates `interval` and gives the command for its end.
+  ///
+  /// @param law, law_memory  the law and its memory, which is advanced.
+  /// @param measured         the newest state of the robot, with its stamp; may be old, or bad.
+  /// @param touches          the skin's mean wrenches on the links over each sub-step, one per sub-step.
+  template <class L, class Touch>
+  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(Memory& m, const L& law,
+                                                       typename L::Memory& law_memory,
+                                                       const State<joints, T>& measured,
+                                                       const Interval& interval,
+                                                       std::span<const Touch> touches) const noexcept;
+
+  /// Tells that the guard let `command` out instead of the last one: the virtual robot goes on from there.
+  SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept;
+
+  /// Asks for a stop, or ends it.
+  void stop(Memory& m) const noexcept { m.stop = true; }
+  void resume(Memory& m) const noexcept { m.stop = false; }
+
+ private:
+  using Torque = JointTorque<joints, T>;
+  using Position = JointPosition<joints, T>;
+  using Velocity = JointVelocity<joints, T>;
+  /// What a cycle's measurement means for its sub-steps.
+  struct Correction {
+    Velocity rate;                      ///< L1 rho (+ drift r)
+    JointAcceleration<joints, T> pull;  ///< L2 rho
+    Velocity least, most;               ///< of the command, velocity interface
+    bool off = false;                   ///< rho is not zero
+  };
+
+  SKINCTL_INLINE Status measure(Memory& m, const State<joints, T>& measured, Nanoseconds now) const noexcept;
+  SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
+  SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept;
+  SKINCTL_INLINE Velocity way_back(const Memory& m, const T& h) const noexcept;
+  SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
+  template <class L, class Touch>
+  SKINCTL_INLINE void try_to_leave(Memory& m, const L& law, const typename L::Memory& law_memory,
+                                   const Correction& c, const Touch& touch, Torque& torque) const noexcept;
+  SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Velocity& before, const Torque& torque,
+                                const T& dt) const noexcept;
+
+  [[no_unique_address]] M model_;
+  detail::ResolverParameters<joints, T> p_;
+  Servo<joints, T, History> servo_;
+};
+
+SKINCTL_END_NAMESPACE
+
+#include "skinctl/resolver/detail/resolver_loop.hpp"

@@ -1,0 +1,112 @@
+// What a robot is declared to do with commands: it follows them after a delay, with a lag.
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/time.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The commands that are still under way, and where they have brought the robot. Trivially copyable.
+///
+/// Between two commands the commanded position is `value + slope * (time since)`: slope zero for a robot that
+/// is sent positions, the velocity for one that is sent velocities.
+template <std::size_t N, Real T, std::size_t Capacity>
+struct CommandsUnderWay {
+  static_assert(Capacity >= 2 && Capacity <= 4096, "room for the present command and one under way");
+  Nanoseconds time[Capacity] = {};
+  JointPosition<N, T> value[Capacity];
+  JointVelocity<N, T> slope[Capacity];
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  Nanoseconds now = 0;          ///< up to where `reached` has been computed
+  JointPosition<N, T> reached;  ///< where the declared robot is at `now`
+};
+
+/// The operator H of the resolver: a pure delay and a lag of first order,
+/// `lag * dq/dt = command(t - delay) - q`. Exact for held commands and for held velocities.
+template <std::size_t N, Real T, std::size_t Capacity>
+class Servo {
+ public:
+  using Memory = CommandsUnderWay<N, T, Capacity>;
+
+  /// @param delay  from sending a command until the robot begins to move, and from there until its measured
+  ///               position is stamped [ns], >= 0.
+  /// @param lag    time constant of the robot's own control loop [s], >= 0.
+  constexpr Servo(Nanoseconds delay, const T& lag) noexcept : delay_(delay), lag_(lag) {}
+
+  /// The robot has moved steadily at `dq` and is at `q` now, as if by commands.
+  [[nodiscard]] SKINCTL_INLINE Memory start(Nanoseconds time, const JointPosition<N, T>& q,
+                                            const JointVelocity<N, T>& dq) const noexcept {
+    Memory m;
+    m.time[0] = time - delay_;
+    m.value[0] = integrate(q, dq, lag_);
+    m.slope[0] = dq;
+    m.count = 1;
+    m.now = time;
+    m.reached = q;
+    return m;
+  }
+
+  /// A command was sent. If there is no room for it, the oldest under way counts as carried out.
+  SKINCTL_INLINE void send(Memory& m, Nanoseconds time, const JointPosition<N, T>& value,
+                           const JointVelocity<N, T>& slope) const noexcept {
+    if (m.count == Capacity) drop(m);
+    const std::uint32_t k = (m.first + m.count) % Capacity;
+    m.time[k] = time;
+    m.value[k] = value;
+    m.slope[k] = slope;
+    ++m.count;
+  }
+  /// The last command was not sent as told, but like this.
+  SKINCTL_INLINE void correct(Memory& m, const JointPosition<N, T>& value,
+                              const JointVelocity<N, T>& slope) const noexcept {
+    const std::uint32_t k = last(m);
+    m.value[k] = value;
+    m.slope[k] = slope;
+  }
+
+  /// Where the declared robot is at `until`; times before the last call's leave it where it was.
+  SKINCTL_INLINE const JointPosition<N, T>& predict(Memory& m, Nanoseconds until) const noexcept {
+    while (m.now < until) {
+      const std::uint32_t next = (m.first + 1) % Capacity;
+      const bool more = m.count > 1 && m.time[next] + delay_ <= until;
+      const Nanoseconds end = !more ? until : (m.time[next] + delay_ > m.now ? m.time[next] + delay_ : m.now);
+      follow(m, end);
+      if (more) drop(m);
+      if (!more) break;
+    }
+    return m.reached;
+  }
+
+ private:
+  static SKINCTL_INLINE std::uint32_t last(const Memory& m) noexcept {
+    return (m.first + m.count + std::uint32_t(Capacity) - 1) % Capacity;
+  }
+  static SKINCTL_INLINE void drop(Memory& m) noexcept {
+    m.first = (m.first + 1) % Capacity;
+    --m.count;
+  }
+  SKINCTL_INLINE void follow(Memory& m, Nanoseconds end) const noexcept {
+    using std::exp;
+    if (end <= m.now) return;
+    const auto& slope = m.slope[m.first];
+    const auto goal = integrate(m.value[m.first], slope, seconds<T>(end - delay_ - m.time[m.first]));
+    const T dt = seconds<T>(end - m.now);
+    // Below a ten-thousandth of the step a lag cannot be told from none.
+    const bool lags = lag_ * T(1e4) > dt;
+    const T decay = lags ? T(exp(-dt / lag_)) : T(0);
+    const T behind = lags ? lag_ : T(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T last_goal = goal[i] - slope[i] * dt;
+      m.reached[i] = goal[i] - slope[i] * behind + (m.reached[i] - last_goal + slope[i] * behind) * decay;
+    }
+    m.now = end;
+  }
+
+  Nanoseconds delay_;
+  T lag_;
+};
+
+SKINCTL_END_NAMESPACE

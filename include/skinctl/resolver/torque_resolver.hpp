@@ -1,0 +1,158 @@
+// The torque interface: the law on the measured state, and its torque is the command.
+#pragma once
+
+#include "skinctl/resolver/resolver.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Memory of the torque interface. Trivially copyable.
+template <std::size_t N, Real T>
+struct TorqueResolverMemory {
+  bool started = false;
+  bool stop = false;
+  Nanoseconds time = 0;
+  State<N, T> measured;        ///< the last good measurement
+  JointCommand<N, T> command;  ///< the last one
+};
+
+/// For robots that take torques: `tau = law(measured state) - B dq`, cut to the torque limits.
+///
+/// Of the configuration it uses the limits of torque, period, longest interval, stale age, and of the shape
+/// the viscous friction, which the robot then shows in addition to its own; other shapes are refused. A
+/// torque is held for a period, so friction that would stop a joint faster than that would shake it: the
+/// friction given is `B / (1 + 3/2 h B/M_ii)`. It has no virtual robot: positions and velocities are not
+/// limited here. While the state is stale, or a stop is asked for, or the law's torque is not finite, the
+/// command is `fallback`: gravity held, and friction.
+template <Model M, Real T, class Integrator, std::size_t History>
+class Resolver<Interface::torque, M, T, Integrator, History> {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  static constexpr Interface interface = Interface::torque;
+  using scalar = T;
+  using Configuration = ResolverConfiguration<joints, T>;
+  using Memory = TorqueResolverMemory<joints, T>;
+  template <class L, class Touch = NoTouch>
+  using Knows = Quantities<M, L::needs, T, Touch>;
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  Resolver(const M& model, const Configuration& configuration) : model_(model), p_(configuration) {
+    require(p_.shape.decay == T(0), "decay", static_cast<double>(p_.shape.decay), "0 for a torque interface");
+    for (std::size_t i = 0; i < joints; ++i) {
+      viscous_ = viscous_ || p_.shape.viscous[i] > T(0);
+      require(p_.shape.coulomb[i] == T(0), "Coulomb friction", static_cast<double>(p_.shape.coulomb[i]),
+              "0 for a torque interface");
+      require(p_.shape.inertia[i] == T(0), "added inertia", static_cast<double>(p_.shape.inertia[i]),
+              "0 for a torque interface");
+    }
+  }
+
+  [[nodiscard]] const M& model() const noexcept { return model_; }
+  [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return p_.limits; }
+
+  /// The time for which a torque is held in a cycle that comes as planned [s].
+  [[nodiscard]] T planned_step() const noexcept { return seconds<T>(p_.period); }
+
+  /// As the position interface's; a state that is not finite: a memory that has not been started.
+  [[nodiscard]] Memory start(const State<joints, T>& measured) const noexcept {
+    Memory m;
+    if (!detail::is_plausible(measured) || !detail::is_plausible(measured.time)) return m;
+    m.started = true;
+    m.time = measured.time;
+    m.measured = measured;
+    m.command = {m.time, measured.q, measured.dq, {}, fallback(m), true};
+    return m;
+  }
+
+  /// The state that laws read: the last good measurement.
+  [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return m.measured; }
+
+  /// The part of time since the last cycle, in one sub-step: a torque is held, not integrated.
+  [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
+    Interval out = detail::interval_since(m.started, m.time, now, p_.longest_interval);
+    out.substeps = out.to > out.from ? 1 : 0;
+    return out;
+  }
+
+  /// One cycle, as the position interface's; `touches` holds one entry. The law's memory advances by the
+  /// interval just passed; its torque is meant for one period from now.
+  template <class L, class Touch>
+  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(Memory& m, const L& law,
+                                                       typename L::Memory& law_memory,
+                                                       const State<joints, T>& measured,
+                                                       const Interval& interval,
+                                                       std::span<const Touch> touches) const noexcept {
+    Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
+    if (!m.started || interval.substeps == 0) return out;
+    SKINCTL_EXPECTS(!touches.empty(), "one touch");
+    m.time = interval.to;
+    if (!detail::is_plausible(measured)) {
+      out.status |= Reason::state_not_finite;
+    } else if (measured.time < m.measured.time) {
+      out.status |= Reason::time_backwards;
+    } else {
+      m.measured = measured;
+      if (measured.time > interval.to) m.measured.time = interval.to;
+    }
+    const JointTorque<joints, T> drag = friction(m);
+    JointTorque<joints, T> torque = gravity_torque(model_, m.measured.q) - drag;
+    out.fallback = torque;
+    if (interval.to - m.measured.time > p_.stale_after) {
+      out.status |= Reason::state_stale;
+    } else if (m.stop) {
+      out.status |= Reason::stopping;
+    } else {
+      const Knows<L, Touch> known(model_, m.measured, seconds<T>(p_.period), touches[0]);
+      const auto evaluation = evaluate(law, law_memory, known, seconds<T>(interval.to - interval.from));
+      out.status |= evaluation.status;
+      if (detail::is_finite(evaluation.torque)) [[likely]] {
+        law_memory = evaluation.memory;
+        out.shares = evaluation.shares;
+        for (std::size_t i = 0; i < joints; ++i) torque[i] = evaluation.torque[i] - drag[i];
+      } else {
+        out.status |= Reason::torque_not_finite;
+      }
+    }
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T limit = p_.limits.torque()[i], tau = detail::clamp(torque[i], T(-limit), limit);
+      if (tau != torque[i]) out.status |= Reason::torque_limited;
+      m.command.torque[i] = tau;
+    }
+    if (!p_.limits.hold(m.measured.q)) out.status |= Reason::outside_limits;
+    m.command.time = m.time;
+    m.command.position = m.measured.q;
+    m.command.velocity = m.measured.dq;
+    out.command = m.command;
+    return out;
+  }
+
+  /// What holds the robot when no law can: `G(q) - B dq` at the last good measurement.
+  [[nodiscard]] SKINCTL_INLINE JointTorque<joints, T> fallback(const Memory& m) const noexcept {
+    return gravity_torque(model_, m.measured.q) - friction(m);
+  }
+
+  /// Tells that the guard let `command` out instead of the last one.
+  SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
+    if (m.started && command.valid) m.command.torque = command.torque;
+  }
+  void stop(Memory& m) const noexcept { m.stop = true; }
+  void resume(Memory& m) const noexcept { m.stop = false; }
+
+ private:
+  SKINCTL_INLINE JointTorque<joints, T> friction(const Memory& m) const noexcept {
+    JointTorque<joints, T> drag;
+    if (!viscous_) return drag;
+    const auto mass = mass_matrix(model_, m.measured.q);
+    const T h = T(1.5) * seconds<T>(p_.period);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T b = p_.shape.viscous[i], own = mass(i, i);
+      drag[i] = own > T(0) ? T(b * own / (own + h * b) * m.measured.dq[i]) : T(0);
+    }
+    return drag;
+  }
+
+  [[no_unique_address]] M model_;
+  detail::ResolverParameters<joints, T> p_;
+  bool viscous_ = false;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,68 @@
+// The threshold that a reading must pass before it counts as a touch.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/real.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Lets readings pass above a threshold and gives 0 below it.
+///
+/// It opens at `opens_at` and closes below `closes_below` (hysteresis); while open the output is the reading
+/// less `subtract`. With `subtract == opens_at` the output is continuous (a dead band); otherwise it steps by
+/// `opens_at - subtract` where it opens and by `closes_below - subtract` where it closes. It remembers
+/// nothing but whether it is open: the rest value is a number of the configuration and does not follow the
+/// reading, so a contact held for a day reads the same at its end.
+///
+/// A NaN closes it.
+template <class T = double>
+class EventGate {
+ public:
+  /// Lets everything above 0 pass.
+  constexpr EventGate() noexcept = default;
+
+  /// Throws `ConfigurationError` unless `opens_at >= closes_below >= subtract >= 0`.
+  EventGate(T opens_at, T closes_below, T subtract)
+      : opens_at_(opens_at), closes_below_(closes_below), subtract_(subtract) {
+    require(subtract >= T(0), "EventGate: subtract", double(subtract), ">= 0");
+    require(closes_below >= subtract, "EventGate: closes_below", double(closes_below), ">= subtract");
+    require(opens_at >= closes_below && double(opens_at) - double(opens_at) == 0, "EventGate: opens_at",
+            double(opens_at), ">= closes_below");
+  }
+  /// 0 below the threshold, what exceeds it above: continuous, and no hysteresis because none is needed.
+  [[nodiscard]] static EventGate dead_band(T threshold) { return EventGate(threshold, threshold, threshold); }
+  /// The whole reading while open: steps by the threshold, so it should open and close at different readings.
+  [[nodiscard]] static EventGate hysteresis(T opens_at, T closes_below) {
+    return EventGate(opens_at, closes_below, T(0));
+  }
+
+  /// What passes of the reading `x`; `open` is whether something passed last time.
+  [[nodiscard]] SKINCTL_INLINE constexpr T pass(const T& x, bool open) const noexcept {
+    return x >= (open ? closes_below_ : opens_at_) && x > subtract_ ? T(x - subtract_) : T(0);
+  }
+
+  [[nodiscard]] constexpr T opens_at() const noexcept { return opens_at_; }
+  [[nodiscard]] constexpr T closes_below() const noexcept { return closes_below_; }
+  [[nodiscard]] constexpr T subtract() const noexcept { return subtract_; }
+
+  /// The same gate for readings counted in steps of `unit`; thresholds go to the nearest step.
+  [[nodiscard]] EventGate<std::int32_t> counted(double unit) const {
+    const auto steps = [unit](T x) {
+      const double n = std::round(double(x) / unit);
+      require(n < 2147483647.0, "EventGate: threshold", double(x), "less than 2^31 steps");
+      return static_cast<std::int32_t>(n);
+    };
+    return EventGate<std::int32_t>(steps(opens_at_), steps(closes_below_), steps(subtract_));
+  }
+
+ private:
+  T opens_at_{0};
+  T closes_below_{0};
+  T subtract_{0};
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,59 @@
+// Send-on-delta: the rule by which a cell stays silent as long as nothing has changed, for simulated skins.
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A cell measures at its own rate and sends a measurement if one of its numbers differs from the one sent
+/// last by at least its delta, or if it has been silent for `keep_alive`. So what a receiver holds is never
+/// wrong by a delta or more, and never older than `keep_alive`.
+class SendOnDelta {
+ public:
+  /// The smallest changes that are worth a message.
+  struct Deltas {
+    float force = 2.0f / 1024;  ///< each of the three
+    float proximity = 0.004f;
+    float acceleration = 1;    ///< each axis [m/s^2]
+    float temperature = 0.5f;  ///< [C]
+  };
+  /// What was sent last; `Memory{}`: nothing yet. One per cell.
+  struct Memory {
+    CellSample last;
+    bool any = false;
+  };
+
+  /// Throws `ConfigurationError` unless every delta is > 0 and `keep_alive` > 0.
+  explicit SendOnDelta(const Deltas& deltas, Nanoseconds keep_alive = 100_ms)
+      : deltas_(deltas), keep_alive_(keep_alive) {
+    require(deltas.force > 0, "SendOnDelta: force", double(deltas.force), "> 0");
+    require(deltas.proximity > 0, "SendOnDelta: proximity", double(deltas.proximity), "> 0");
+    require(deltas.acceleration > 0, "SendOnDelta: acceleration", double(deltas.acceleration), "> 0 m/s^2");
+    require(deltas.temperature > 0, "SendOnDelta: temperature", double(deltas.temperature), "> 0 C");
+    require(keep_alive > 0, "SendOnDelta: keep_alive", double(keep_alive), "> 0 ns");
+  }
+
+  /// Whether this measurement is sent; if so, the memory takes it. A number that is not finite is sent: the
+  /// receiver should know.
+  [[nodiscard]] bool send(Memory& memory, const CellSample& now) const noexcept {
+    const CellSample& last = memory.last;
+    bool changed = !memory.any || now.time - last.time >= keep_alive_ ||
+                   differ(now.proximity, last.proximity, deltas_.proximity) ||
+                   differ(now.temperature, last.temperature, deltas_.temperature);
+    for (std::size_t k = 0; k < 3; ++k)
+      changed = changed || differ(now.force[k], last.force[k], deltas_.force) ||
+                differ(now.acceleration[k], last.acceleration[k], deltas_.acceleration);
+    if (changed) memory = {now, true};
+    return changed;
+  }
+
+ private:
+  static bool differ(float a, float b, float delta) noexcept { return !(std::abs(a - b) < delta); }
+  Deltas deltas_;
+  Nanoseconds keep_alive_;
+};
+
+SKINCTL_END_NAMESPACE

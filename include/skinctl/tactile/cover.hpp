@@ -1,0 +1,95 @@
+// Covers a link's surface with hexagonal cells, so that anyone can simulate a skin.
+#pragma once
+
+#include "skinctl/tactile/detail/cover_grid.hpp"
+#include "skinctl/tactile/patch.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The frame in which a surface is described: cylinders and capsules stand around its z axis, centred.
+struct Surface : FrameTag {};
+
+/// The hexagonal cell of TUM's skin, or a smaller copy of it: edge 14.0 mm, corners along its x axis, four
+/// ports at (+-12, +-7) mm. Two cells that are joined have their ports at the same place (`p_j = p_i + R_i
+/// c_i - R_j c_j`), which makes their distance 27.785 mm where the skin is flat and a little less where it is
+/// bent; across y, where there is no port, it is 28 mm.
+struct HexagonalCell {
+  double scale = 1;  ///< 1: TUM's; everything else in proportion
+
+  static constexpr double edge = 0.014;                ///< [m], at scale 1
+  static constexpr double port_x = 0.012;              ///< [m]
+  static constexpr double port_y = 0.007;              ///< [m]
+  static constexpr double flat_pitch = 0.02778488798;  ///< [m], 2 sqrt(port_x^2 + port_y^2)
+};
+
+/// The side of a cylinder around z, `z` from `-length/2` to `length/2` [m].
+struct CylinderSurface {
+  double radius;
+  double length;
+};
+/// The same with a half sphere at both ends; `length` is that of the cylinder between them.
+struct CapsuleSurface {
+  double radius;
+  double length;
+};
+/// All six faces of a box centred on the origin, edges along x, y, z [m].
+struct BoxSurface {
+  double x, y, z;
+};
+
+/// Poses of as many whole cells as find room, in a fixed order; normals (z) point outwards, origins lie on
+/// the surface. Cells do not overlap, hang over an end, or cross a box's edge. On a cylinder rows along z
+/// alternate by half a cell and are joined by their ports; where a row does not close there is a seam. On a
+/// half sphere cells stand in rings, at least 28 mm (times the scale) apart, and are not joined.
+[[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const CylinderSurface& surface,
+                                                                      const HexagonalCell& cell = {}) {
+  return detail::cover_cylinder<Surface>(surface.radius, surface.length, cell.scale * HexagonalCell::port_x,
+                                         cell.scale * HexagonalCell::port_y);
+}
+[[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const CapsuleSurface& surface,
+                                                                      const HexagonalCell& cell = {}) {
+  return detail::cover_capsule<Surface>(surface.radius, surface.length, cell.scale * HexagonalCell::port_x,
+                                        cell.scale * HexagonalCell::port_y);
+}
+[[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const BoxSurface& surface,
+                                                                      const HexagonalCell& cell = {}) {
+  return detail::cover_box<Surface>(surface.x, surface.y, surface.z, cell.scale * HexagonalCell::port_x,
+                                    cell.scale * HexagonalCell::port_y);
+}
+
+/// The largest cell, at most TUM's, of which `count` find room on the surface. Throws `ConfigurationError`
+/// where even cells of a thousandth of that size do not.
+template <class S>
+[[nodiscard]] HexagonalCell largest_cell(const S& surface, std::size_t count) {
+  const auto fits = [&](double scale) { return full_cover(surface, {scale}).size() >= count; };
+  if (fits(1)) return {};
+  double fitting = 1, too_large = 1;
+  do {
+    fitting /= 2;
+    require(fitting > 1e-3, "cover: cells", double(count),
+            "as many as find room at a thousandth of the size");
+    if (!fits(fitting)) too_large = fitting;
+  } while (too_large == fitting);
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (fitting + too_large);
+    (fits(middle) ? fitting : too_large) = middle;
+  }
+  return {fitting};
+}
+
+/// `count` cells on the surface that sits on link `I` at `X_LS`, with ids from `first_id` on. Cells have
+/// TUM's size if that many find room, else the largest that do (`largest_cell`); if more find room, those
+/// nearest to the middle of the cover's order are taken, which leaves the ends bare.
+template <std::size_t I, class S>
+[[nodiscard]] std::vector<PlacedCell<I>> cover(const Transform<Link<I>, Surface>& X_LS, const S& surface,
+                                               std::size_t count, std::uint32_t first_id) {
+  const auto all = full_cover(surface, largest_cell(surface, count));
+  const std::size_t skipped = (all.size() - count) / 2;
+  std::vector<PlacedCell<I>> placed;
+  placed.reserve(count);
+  for (std::size_t k = 0; k < count; ++k)
+    placed.push_back({first_id + static_cast<std::uint32_t>(k), X_LS * all[skipped + k]});
+  return placed;
+}
+
+SKINCTL_END_NAMESPACE

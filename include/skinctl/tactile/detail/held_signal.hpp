@@ -1,0 +1,63 @@
+// The force of one cell over time, as its stamped samples tell it: the ramps that it is made of, and exact
+// integrals of them.
+#pragma once
+
+#include <cstdint>
+
+#include "skinctl/core/real.hpp"
+#include "skinctl/core/time.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// `later - earlier` for `later >= earlier`, which never overflows.
+SKINCTL_INLINE constexpr std::uint64_t span(Nanoseconds earlier, Nanoseconds later) noexcept {
+  return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
+}
+/// `later - earlier`; 0 where that is negative, the longest time where it is longer.
+SKINCTL_INLINE constexpr Nanoseconds elapsed(Nanoseconds earlier, Nanoseconds later) noexcept {
+  if (later <= earlier) return 0;
+  const std::uint64_t t = span(earlier, later);
+  return t > static_cast<std::uint64_t>(INT64_MAX) ? INT64_MAX : static_cast<Nanoseconds>(t);
+}
+/// `t - origin` in seconds, of either sign, for times less than 292 years apart; the difference is taken in
+/// whole nanoseconds.
+template <Real T>
+SKINCTL_INLINE constexpr T seconds_after(Nanoseconds origin, Nanoseconds t) noexcept {
+  return seconds<T>(static_cast<Nanoseconds>(span(origin, t)));
+}
+
+/// 0 until `start`, then linearly up to 1 within `length` > 0, then 1. All times in seconds from the start of
+/// the interval that is computed, so that they are small.
+template <Real T>
+class Ramp {
+ public:
+  SKINCTL_INLINE constexpr Ramp(const T& start, const T& length) noexcept
+      : start_(start), length_(length), slope_(T(1) / length) {}
+
+  [[nodiscard]] SKINCTL_INLINE constexpr const T& start() const noexcept { return start_; }
+  [[nodiscard]] SKINCTL_INLINE constexpr T value(const T& t) const noexcept { return up(t) * slope_; }
+  /// Integral from long ago to `t`.
+  [[nodiscard]] SKINCTL_INLINE constexpr T integral(const T& t) const noexcept {
+    const T beyond = t - start_ - length_;
+    const T rise = up(t);
+    return T(0.5) * slope_ * rise * rise + (beyond > T(0) ? beyond : T(0));
+  }
+  /// Integral of what follows the ramp until `stop` and stays as it is then.
+  [[nodiscard]] SKINCTL_INLINE constexpr T integral_until(const T& stop, const T& t) const noexcept {
+    return t <= stop ? integral(t) : T(integral(stop) + value(stop) * (t - stop));
+  }
+
+ private:
+  SKINCTL_INLINE constexpr T up(const T& t) const noexcept {
+    const T since = t - start_;
+    const T risen = since < length_ ? since : length_;
+    return risen > T(0) ? risen : T(0);
+  }
+  T start_;
+  T length_;
+  T slope_;
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,177 @@
+// How the samples of one interval, and the silence of the other cells, change the sums and the mean wrenches.
+#pragma once
+
+#include "skinctl/tactile/detail/held_signal.hpp"
+#include "skinctl/tactile/detail/skin_memory.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// An interval in equal parts; times within it count in seconds from its start.
+template <Real T>
+struct Parts {
+  Nanoseconds from, to;
+  std::size_t count;
+  T length, per_length, per_whole;  ///< [s], [1/s]; 0 for an interval without length
+  T back;                           ///< <= 0: how far impulse is made up for [s]
+
+  static Parts of(Nanoseconds from, Nanoseconds to, std::size_t count, Nanoseconds back) noexcept {
+    const T whole = seconds<T>(elapsed(from, to));
+    const T parts = static_cast<T>(count);
+    if (!(whole > T(0))) return {from, from, count, T(0), T(0), T(0), -seconds<T>(back)};
+    return {from, to, count, whole / parts, parts / whole, T(1) / whole, -seconds<T>(back)};
+  }
+};
+
+/// One reception. `means` hold the wrenches of the sums as they were before; every change of a cell's force
+/// is added to them as it happens.
+template <Real T, class Tables, class Memory, class Wrenches>
+class Reception {
+ public:
+  SKINCTL_INLINE Reception(const Tables& tables, Memory& memory, const Parts<T>& parts,
+                           Wrenches* means) noexcept
+      : tables_(tables),
+        memory_(memory),
+        parts_(parts),
+        means_(means),
+        max_age_(static_cast<std::uint64_t>(tables.settings.max_age)),
+        hold_(static_cast<std::uint64_t>(tables.settings.max_age - tables.settings.fade)),
+        max_ahead_(static_cast<std::uint64_t>(tables.settings.max_ahead)),
+        ramp_(static_cast<std::uint64_t>(tables.settings.ramp)) {}
+
+  SKINCTL_INLINE Status take(const CellSample& sample) const noexcept {
+    if (const Status bad = check(sample); bad.any()) [[unlikely]]
+      return bad;
+    const std::size_t i = tables_.cells.index(sample.cell);
+    if (i >= Memory::cells) [[unlikely]]
+      return Reason::sample_unknown;
+    const Nanoseconds last = memory_.stamp[i];
+    const Nanoseconds time = sample.time < parts_.to ? sample.time : parts_.to;
+    if (sample.time <= last || time <= last) [[unlikely]]
+      return Reason::time_backwards;
+    if (sample.time > parts_.to && span(parts_.to, sample.time) > max_ahead_) [[unlikely]]
+      return Reason::sample_out_of_range;
+    if (span(time, parts_.to) >= max_age_) [[unlikely]]
+      return Reason::sample_stale;
+
+    const bool was_heard = memory_.hears(i);
+    const CellCounts old = memory_.held[i];
+    const CellCounts in_sums = was_heard ? old : CellCounts{};
+    const CellCounts raw = counts(sample);
+    const CellCounts passed{
+        static_cast<std::uint16_t>(tables_.force_gate.pass(raw.force, in_sums.force != 0)),
+        static_cast<std::uint16_t>(tables_.proximity_gate.pass(raw.proximity, in_sums.proximity != 0))};
+    std::uint64_t& heard = memory_.heard[i / 64];
+    Nanoseconds& oldest = memory_.oldest[i / 64];
+    oldest = heard == 0 || time < oldest ? time : oldest;
+    heard |= std::uint64_t(1) << (i % 64);
+    memory_.stamp[i] = time;
+    memory_.held[i] = passed;
+
+    const bool fading = span(last, parts_.to) > hold_ && old != CellCounts{};
+    if (passed == old && !fading) return {};
+    const CellEntry& cell = tables_.cells[i];
+    memory_.sums[cell.patch].add(cell, passed.force - in_sums.force, passed.proximity - in_sums.proximity);
+    const std::uint64_t gap = span(last, time);
+    const auto rise = static_cast<Nanoseconds>(gap < ramp_ ? gap : ramp_);
+    const Ramp<T> ramp(seconds_after<T>(parts_.from, time - rise), seconds<T>(rise));
+    const T from = tables_.force_on(cell, old), to = tables_.force_on(cell, passed);
+    if (!fading) [[likely]] {
+      change(cell, ramp, to - from);
+    } else {
+      change_of_fading(cell, ramp, from, to, loss_since(last), was_heard);
+    }
+    return {};
+  }
+
+  /// Lets the forces of cells that have fallen silent go, and says whether any cell is silent.
+  SKINCTL_INLINE Status age() const noexcept {
+    bool all = true;
+    for (std::size_t b = 0; b < Memory::blocks; ++b) {
+      if (memory_.heard[b] != 0 && memory_.oldest[b] < parts_.to &&
+          span(memory_.oldest[b], parts_.to) > hold_)
+        age_block(b);
+      all = all && memory_.hears_all_of(b);
+    }
+    return all ? Status{} : Status{Reason::sample_stale};
+  }
+
+ private:
+  /// Adds the cell's unit wrench times the mean of a force over each part, given its integral over time, and
+  /// the impulse `made_up` evenly over the whole; an interval without length owes it to the next one.
+  template <class Integral>
+  SKINCTL_INLINE void add_means(const CellEntry& cell, const T& made_up,
+                                const Integral& integral) const noexcept {
+    if (parts_.from == parts_.to) [[unlikely]] {
+      cell.add_to(memory_.owed.data[cell.slot], made_up);
+      return;
+    }
+    const T evenly = made_up * parts_.per_whole;
+    T before = integral(T(0));
+    for (std::size_t j = 0; j < parts_.count; ++j) {
+      const T after = integral(parts_.length * static_cast<T>(j + 1));
+      cell.add_to(means_[j].data[cell.slot], evenly + (after - before) * parts_.per_length);
+      before = after;
+    }
+  }
+
+  /// The force of a cell changes by `jump` along `ramp`. Until now it was held.
+  SKINCTL_INLINE void change(const CellEntry& cell, const Ramp<T>& ramp, const T& jump) const noexcept {
+    const T made_up = jump * (ramp.integral(T(0)) - ramp.integral(parts_.back));
+    add_means(cell, made_up, [&](const T& t) SKINCTL_INLINE_LAMBDA { return jump * ramp.integral(t); });
+  }
+  /// The same for a cell that was fading, or silent, until `ramp` starts from what was left.
+  __attribute__((noinline)) void change_of_fading(const CellEntry& cell, const Ramp<T>& ramp, const T& from,
+                                                  const T& to, const Ramp<T>& loss,
+                                                  bool was_heard) const noexcept {
+    const T stop = ramp.start();
+    const T left = T(1) - loss.value(stop);
+    const T jump = to - from * left;
+    const auto revised = [&](const T& t) {
+      return from * (loss.integral(t) - loss.integral_until(stop, t)) + jump * ramp.integral(t);
+    };
+    add_means(cell, revised(T(0)) - revised(parts_.back), [&](const T& t) {
+      const T rest = was_heard ? T(-loss.integral_until(stop, t)) : T(left * t);
+      return from * rest + jump * ramp.integral(t);
+    });
+  }
+
+  /// The share of a reading that is lost to the cell's silence since `stamp`.
+  SKINCTL_INLINE Ramp<T> loss_since(Nanoseconds stamp) const noexcept {
+    return {seconds_after<T>(parts_.from, stamp) + seconds<T>(static_cast<Nanoseconds>(hold_)),
+            seconds<T>(tables_.settings.fade)};
+  }
+
+  __attribute__((noinline)) void age_block(std::size_t b) const noexcept {
+    Nanoseconds oldest = INT64_MAX;
+    for (std::uint64_t rest = memory_.heard[b]; rest != 0; rest &= rest - 1) {
+      const std::size_t i = 64 * b + static_cast<std::size_t>(std::countr_zero(rest));
+      const Nanoseconds stamp = memory_.stamp[i];
+      const std::uint64_t silence = stamp < parts_.to ? span(stamp, parts_.to) : 0;
+      const CellCounts held = memory_.held[i];
+      const bool ends = silence >= max_age_;
+      if (silence > hold_ && held != CellCounts{}) {
+        const CellEntry& cell = tables_.cells[i];
+        const Ramp<T> loss = loss_since(stamp);
+        const T force = tables_.force_on(cell, held);
+        add_means(cell, T(0), [&](const T& t) { return -force * loss.integral(t); });
+        if (ends) memory_.sums[cell.patch].add(cell, -int(held.force), -int(held.proximity));
+      }
+      if (ends) {
+        memory_.heard[b] &= ~(rest & (~rest + 1));
+      } else if (stamp < oldest) {
+        oldest = stamp;
+      }
+    }
+    memory_.oldest[b] = oldest;
+  }
+
+  const Tables& tables_;
+  Memory& memory_;
+  const Parts<T>& parts_;
+  Wrenches* means_;
+  std::uint64_t max_age_, hold_, max_ahead_, ramp_;
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

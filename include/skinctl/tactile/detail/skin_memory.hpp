@@ -1,0 +1,65 @@
+// What of a skin changes from cycle to cycle, and the tables that do not.
+#pragma once
+
+#include <array>
+
+#include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/tactile/detail/cell_table.hpp"
+#include "skinctl/tactile/skin_settings.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+template <std::size_t N>
+constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
+  std::array<Nanoseconds, N> stamps{};
+  for (auto& t : stamps) t = time;
+  return stamps;
+}
+
+/// See `Skin::Memory`. Cells stand in the order of the patches, in blocks of 64.
+template <std::size_t Cells, std::size_t Patches, class Wrenches>
+struct SkinMemory {
+  static constexpr std::size_t cells = Cells;
+  static constexpr std::size_t blocks = (Cells + 63) / 64;
+
+  std::array<ExactSums, Patches> sums{};      ///< over the cells that are heard
+  Nanoseconds begin = INT64_MIN;              ///< nothing before this time is made up for
+  std::array<Nanoseconds, blocks> oldest{};   ///< not later than the stamp of any heard cell of the block
+  std::array<std::uint64_t, blocks> heard{};  ///< a bit a cell: not silent, its reading is in the sums
+  Wrenches owed{};                            ///< impulse that the next interval makes up for [N s], [N m s]
+  std::array<Nanoseconds, Cells> stamp = all_at<Cells>(INT64_MIN);  ///< of the last sample
+  std::array<CellCounts, Cells> held{};                             ///< what of it passed the gates
+
+  [[nodiscard]] bool hears(std::size_t i) const noexcept { return (heard[i / 64] >> (i % 64)) & 1u; }
+  /// Whether every cell of block `b` is heard.
+  [[nodiscard]] bool hears_all_of(std::size_t b) const noexcept {
+    constexpr std::uint64_t all = ~std::uint64_t(0), rest = Cells % 64;
+    return heard[b] == (b + 1 < blocks || rest == 0 ? all : (std::uint64_t(1) << rest) - 1);
+  }
+  friend bool operator==(const SkinMemory&, const SkinMemory&) noexcept = default;
+};
+
+/// Everything about a skin that is known when it is built.
+template <Real T, std::size_t Patches>
+struct SkinTables {
+  SkinSettings settings;
+  EventGate<std::int32_t> force_gate, proximity_gate;     ///< on counts
+  std::array<T, Patches> force_gain{}, proximity_gain{};  ///< [N] per count
+  CellTable cells;
+
+  SkinTables(const SkinSettings& s, std::size_t count)
+      : settings(s),
+        force_gate(s.force.counted(CellCounts::force_unit)),
+        proximity_gate(s.proximity.counted(CellCounts::proximity_unit)),
+        cells(count) {}
+
+  /// The force on a cell [N].
+  SKINCTL_INLINE T force_on(const CellEntry& cell, CellCounts c) const noexcept {
+    return force_gain[cell.patch] * static_cast<T>(c.force) +
+           proximity_gain[cell.patch] * static_cast<T>(c.proximity);
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

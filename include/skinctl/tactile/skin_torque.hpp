@@ -1,0 +1,94 @@
+// From wrenches on links to joint torques: one pass from the outermost skinned link back to the base.
+#pragma once
+
+#include "skinctl/kinematics/joint_frame.hpp"
+#include "skinctl/tactile/link_wrenches.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Force and moment about some origin; typed zeros where there is no skin.
+template <class F, class N>
+struct Load {
+  F force;
+  N moment;
+
+  template <class G, class O>
+  SKINCTL_INLINE constexpr auto operator+(const Load<G, O>& other) const noexcept {
+    const auto f = force + other.force;
+    const auto n = moment + other.moment;
+    return Load<std::remove_cv_t<decltype(f)>, std::remove_cv_t<decltype(n)>>{f, n};
+  }
+};
+template <class F, class N>
+Load(F, N) -> Load<F, N>;
+
+template <std::size_t I, Topology M, LinkMask Skinned, class T>
+SKINCTL_INLINE constexpr auto own_load(const LinkWrenches<M, Skinned, T>& wrenches) noexcept {
+  if constexpr ((Skinned >> I) & 1u) {
+    const auto F = wrenches.template wrench<I>();
+    return Load{F.force, F.moment};
+  } else {
+    return Load{ZeroTriple{}, ZeroTriple{}};
+  }
+}
+
+/// Writes `tau` for the subtree of link `I` and returns what the skin does to the subtree, about the
+/// parent's origin along the parent's axes. A subtree without skin is a typed zero: no code is left of it.
+template <std::size_t I, Model M, class T, LinkMask A, LinkMask Skinned>
+SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, T, A>& angles,
+                                           const LinkWrenches<M, Skinned, T>& wrenches, T* tau) noexcept {
+  if constexpr ((subtree<M>(I) & Skinned) == 0) {
+    return Load{ZeroTriple{}, ZeroTriple{}};
+  } else {
+    const auto load = [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
+      return (own_load<I>(wrenches) + ... +
+              subtree_load<children<M, int(I)>[K]>(model, angles, wrenches, tau));
+    }(std::make_index_sequence<children<M, int(I)>.size()>{});
+    if constexpr (M::kinds[I] == JointKind::revolute) {
+      tau[I] = T(load.moment.z);
+    } else {
+      tau[I] = T(load.force.z);
+    }
+    const auto frame = joint_frame<I>(model, angles);
+    const auto f = frame.to_parent(load.force);
+    return Load{f, frame.to_parent(load.moment) + cross(frame.p, f)};
+  }
+}
+
+}  // namespace detail
+
+/// `tau_skin = sum over cells J_cell^T [F_cell; 0]` [N m], eqs. (6), (7), from the sums of the cells'
+/// wrenches on each link.
+///
+/// Joints behind the last link with skin get 0 and cost nothing. Relative error a few units in the last place
+/// times the number of joints, of the largest torque that occurs. `angles` must hold every joint on the way
+/// to a link with skin. A NaN in a wrench gives NaN torques of the joints that carry it.
+template <Model M, class T, LinkMask A, LinkMask Skinned>
+[[nodiscard]] SKINCTL_INLINE constexpr JointTorque<M::joints, T> skin_torque(
+    const M& model, const JointAngles<M, T, A>& angles,
+    const LinkWrenches<M, Skinned, T>& wrenches) noexcept {
+  static_assert((closure<M>(Skinned) & ~all_links(JointAngles<M, T, A>::count)) == 0,
+                "the angles of a joint that carries skin are missing");
+  JointTorque<M::joints, T> tau;
+  detail::for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
+    static_cast<void>(detail::subtree_load<child.value>(model, angles, wrenches, tau.data));
+  });
+  return tau;
+}
+template <Model M, class T, LinkMask Skinned>
+[[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> skin_torque(
+    const M& model, const JointPosition<M::joints, T>& q,
+    const LinkWrenches<M, Skinned, T>& wrenches) noexcept {
+  return skin_torque(model, JointAngles<M, T, Skinned>(model, q), wrenches);
+}
+/// A robot without skin (an empty type in place of the wrenches) feels nothing.
+template <Model M, class T, LinkMask A, class NoSkin>
+  requires std::is_empty_v<NoSkin>
+[[nodiscard]] SKINCTL_INLINE constexpr JointTorque<M::joints, T> skin_torque(const M&,
+                                                                             const JointAngles<M, T, A>&,
+                                                                             const NoSkin&) noexcept {
+  return {};
+}
+
+SKINCTL_END_NAMESPACE

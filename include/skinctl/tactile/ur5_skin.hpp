@@ -1,0 +1,125 @@
+// A skin for a simulated UR5: as many cells as one likes, on all six links.
+#pragma once
+
+#include <tuple>
+
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/tactile/cover.hpp"
+#include "skinctl/tactile/skin.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+namespace ur5 {
+
+/// Where link `i` can be covered: a cylinder between `from` and `to` [m, link's frame] that stands for the
+/// tube or housing.
+///
+/// Radii and offsets: UR ROS 2 description, config/ur5/physical_parameters.yaml (BSD-3), "manually measured";
+/// the ends leave the neighbouring housings free and are ours.
+struct Tube {
+  double radius;
+  Xyz<double> from, to;
+};
+inline constexpr std::array<Tube, 6> tubes = {{
+    {0.060, {0, 0, 0.03}, {0, 0, 0.15}},
+    {0.054, {-0.06, 0, 0.13585}, {-0.365, 0, 0.13585}},
+    {0.040, {-0.06, 0, 0.0165}, {-0.347, 0, 0.0165}},
+    {0.045, {0, 0, 0.039}, {0, 0, 0.139}},
+    {0.045, {0, 0, 0.025}, {0, 0, 0.125}},
+    {0.0375, {0, 0, 0.0373}, {0, 0, 0.0823}},
+}};
+
+/// How many cells of TUM's size find room on each link, 383 together.
+inline constexpr std::array<std::size_t, 6> room = {52, 144, 99, 40, 40, 8};
+
+namespace detail {
+constexpr double length(const Tube& t) noexcept {
+  const Xyz<double> d = t.to - t.from;  // along one axis
+  const double sum = d.x + d.y + d.z;
+  return sum < 0 ? -sum : sum;
+}
+/// Cells per link in proportion to the room, at least one each; what rounding leaves goes to the largest
+/// remainders.
+constexpr std::array<std::size_t, 6> share_cells(std::size_t cells) noexcept {
+  std::size_t all = 0, given = 6;
+  for (const std::size_t r : room) all += r;
+  std::array<std::size_t, 6> share{}, rest{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    share[i] = 1 + (cells - 6) * (room[i] - 1) / (all - 6);
+    rest[i] = (cells - 6) * (room[i] - 1) % (all - 6);
+    given += share[i] - 1;
+  }
+  for (; given < cells; ++given) {
+    std::size_t most = 0;
+    for (std::size_t i = 1; i < 6; ++i)
+      if (rest[i] > rest[most]) most = i;
+    ++share[most];
+    rest[most] = 0;
+  }
+  return share;
+}
+}  // namespace detail
+
+/// The cylinder of link `I` in its place: z along the tube.
+template <std::size_t I>
+[[nodiscard]] Transform<Link<I>, Surface> surface_pose() {
+  constexpr Tube t = tubes[I];
+  const Xyz<double> middle = 0.5 * (t.from + t.to);
+  if constexpr (t.from.x != t.to.x) {
+    return {{{0.0, 1.0, 0.0}, {0.0, 0.0, -1.0}, {-1.0, 0.0, 0.0}}, middle};
+  } else {
+    return {Rotation<double>{}, middle};
+  }
+}
+template <std::size_t I>
+[[nodiscard]] constexpr CylinderSurface surface() noexcept {
+  return {tubes[I].radius, detail::length(tubes[I])};
+}
+
+/// Number of cells on each link of a UR5 with `Cells` of them.
+template <std::size_t Cells>
+inline constexpr std::array<std::size_t, 6> skin_cells = detail::share_cells(Cells);
+
+namespace detail {
+template <std::size_t Cells, std::size_t... I>
+auto make_patches(const Gains& gains, std::index_sequence<I...>) {
+  std::uint32_t id = 1;
+  const auto one = [&](auto link) {
+    constexpr std::size_t i = link.value, n = skin_cells<Cells>[i];
+    const std::uint32_t first = id;
+    id += static_cast<std::uint32_t>(n);
+    return Patch<i, n>(cover<i>(surface_pose<i>(), surface<i>(), n, first), gains);
+  };
+  return std::tuple{one(std::integral_constant<std::size_t, I>{})...};
+}
+template <class M, class T, std::size_t Cells, class I>
+struct SkinType;
+template <class M, class T, std::size_t Cells, std::size_t... I>
+struct SkinType<M, T, Cells, std::index_sequence<I...>> {
+  using type = Skin<M, T, Patch<I, skin_cells<Cells>[I]>...>;
+};
+}  // namespace detail
+
+/// One patch a link, as a tuple; ids count from 1. Up to 383 cells have TUM's size (pitch 27.8 mm); of 1260
+/// most have 0.53 to 0.61 of it, of 10 000 most 0.20 to 0.22 (pitch 5.5 mm), on one layer:
+/// `largest_cell(surface<I>(), skin_cells<Cells>[I])` says it exactly.
+template <std::size_t Cells>
+[[nodiscard]] auto skin_patches(const Gains& gains = {}) {
+  static_assert(Cells >= 6, "at least one cell a link");
+  return detail::make_patches<Cells>(gains, std::make_index_sequence<6>{});
+}
+
+}  // namespace ur5
+
+/// A skin of `Cells` cells on the six links of a UR5.
+template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
+using Ur5Skin = typename ur5::detail::SkinType<M, T, Cells, std::make_index_sequence<6>>::type;
+
+/// `ur5_skin<260>()`: see `ur5::skin_patches`.
+template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
+[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const Gains& gains = {}, const SkinSettings& settings = {}) {
+  return std::apply([&](const auto&... patch) { return Ur5Skin<Cells, T, M>(patch..., settings); },
+                    ur5::skin_patches<Cells>(gains));
+}
+
+SKINCTL_END_NAMESPACE

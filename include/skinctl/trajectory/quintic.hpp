@@ -1,0 +1,48 @@
+// The quintic from 0 to 1 that starts and ends at rest: the shape behind splines, time bases and ramps.
+#pragma once
+
+#include "skinctl/core/real.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Peak of `a2 tf`: the largest speed of a quintic over the mean speed, at r = 1/2.
+template <Real T>
+inline const T quintic_peak_speed = T(1.875);
+/// Peak of `|a3| tf^2`, `10 / sqrt(3)`, at r = 1/2 -+ sqrt(3)/6.
+template <Real T>
+inline const T quintic_peak_acceleration = T(5.773502691896257645L);
+
+/// The polynomial of eq. (22) and its derivatives at one instant.
+template <Real T = double>
+struct Quintic {
+  T a1;    ///< `10 r^3 - 15 r^4 + 6 r^5`, the way done, 0 to 1
+  T rest;  ///< `1 - a1`, the way left, without cancellation
+  T a2;    ///< `da1/dt` [1/s]
+  T a3;    ///< `da2/dt` [1/s^2]
+};
+
+/// The quintic at the time ratio `r = t / tf`, with derivatives for `1 / tf` given as `rate` [1/s] (1: by r).
+///
+/// `r` is clamped to [0, 1]; a NaN counts as 1, the end. Velocity and acceleration are exact zeros at both
+/// ends. `a1` never decreases with `r`, in every type, and `a1(r) + a1(1 - r) = 1`: it is folded about r =
+/// 1/2 and, with `t = r (1 - r)`, summed as `r (10 t^2 + r^2 (5 t + r^2))`. There every factor and summand
+/// grows with r, and rounding keeps that order; the printed form is a difference, and does not. Relative
+/// error of all four: a few units in the last place.
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE constexpr Quintic<T> quintic(T r, const T& rate = T(1)) noexcept {
+  if (!(r < T(1))) return {T(1), T(0), T(0), T(0)};
+  if (!(r > T(0))) return {T(0), T(1), T(0), T(0)};
+  const bool late = r > T(0.5);
+  const T s = late ? T(T(1) - r) : r;  // exact for r > 1/2
+  const T middle = T(0.5) - s;
+  // s (1 - s), each branch where its rounded value grows with s
+  const T t = s < T(0.25) ? T(s - s * s) : T(T(0.25) - middle * middle);
+  const T square = s * s;
+  const T near_end = s * (T(10) * (t * t) + square * (T(5) * t + square));
+  const T far_end = T(1) - near_end;
+  const T bend = T(120) * rate * rate * t * middle;
+  return {late ? far_end : near_end, late ? near_end : far_end, T(30) * rate * (t * t),
+          late ? T(-bend) : bend};
+}
+
+SKINCTL_END_NAMESPACE

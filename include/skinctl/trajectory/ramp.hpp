@@ -1,0 +1,51 @@
+// Ramps: weights that go from 0 to 1 or back within a given time, without a jump in value, rate or bend.
+#pragma once
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/time.hpp"
+#include "skinctl/trajectory/quintic.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Clocks of trajectories stop here: beyond every end, and adding to them cannot overflow.
+inline constexpr Nanoseconds clock_end = INT64_MAX / 4;
+
+/// A clock `dt` later.
+[[nodiscard]] SKINCTL_INLINE constexpr Nanoseconds later(Nanoseconds clock, Nanoseconds dt) noexcept {
+  return clock < clock_end - dt ? clock + dt : clock_end;
+}
+
+/// A quintic weight over `duration`, twice continuously differentiable in time.
+template <Real T = double>
+class Ramp {
+ public:
+  /// @param duration  > 0; throws `ConfigurationError` otherwise.
+  explicit Ramp(Nanoseconds duration = 100_ms) : duration_(duration) {
+    require(duration > 0, "duration of a ramp", static_cast<double>(duration) * 1e-9, "> 0 s");
+  }
+  [[nodiscard]] constexpr Nanoseconds duration() const noexcept { return duration_; }
+
+  /// Weight of what comes, `elapsed` after the start: 0 before the start, 1 after the end.
+  [[nodiscard]] SKINCTL_INLINE constexpr T up(Nanoseconds elapsed) const noexcept {
+    return quintic(seconds<T>(elapsed) / seconds<T>(duration_)).a1;
+  }
+  /// Weight of what goes: `1 - up`.
+  [[nodiscard]] SKINCTL_INLINE constexpr T down(Nanoseconds elapsed) const noexcept {
+    return quintic(seconds<T>(elapsed) / seconds<T>(duration_)).rest;
+  }
+  /// Whether the ramp still changes: not so at its end and after it.
+  [[nodiscard]] SKINCTL_INLINE constexpr bool lasts(Nanoseconds elapsed) const noexcept {
+    return elapsed < duration_;
+  }
+
+ private:
+  Nanoseconds duration_;
+};
+
+/// `from` at weight 0, `to` at weight 1, and exactly both at the ends.
+template <class V, Real T>
+[[nodiscard]] SKINCTL_INLINE constexpr V blend(const V& from, const V& to, const T& weight) noexcept {
+  return (T(1) - weight) * from + weight * to;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,50 @@
+// Splines in joint space: from where the robot is to a goal, at rest at both ends, eq. (22).
+#pragma once
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/time.hpp"
+#include "skinctl/trajectory/quintic.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Where a robot should be, and how that changes.
+template <std::size_t N, Scalar T = double>
+struct JointReference {
+  JointPosition<N, T> q_d;
+  JointVelocity<N, T> dq_d;
+  JointAcceleration<N, T> ddq_d;
+};
+
+/// `q_d = q_i + a1 (q_g - q_i)` and its derivatives, over `tf` seconds. Trivially copyable.
+template <std::size_t N, Real T = double>
+struct JointSpline {
+  JointPosition<N, T> q_i;
+  JointPosition<N, T> q_g;
+  T tf = T(0);  ///< [s]; at the goal from the start on if not positive
+
+  /// The reference `t` seconds after the start: at rest in `q_i` before it, at rest in `q_g` (exactly) from
+  /// the end on.
+  [[nodiscard]] SKINCTL_INLINE constexpr JointReference<N, T> at(const T& t) const noexcept {
+    const T rate = tf > T(0) ? T(T(1) / tf) : T(0);
+    const auto way = quintic(tf > T(0) ? T(t / tf) : T(1), rate);
+    JointReference<N, T> r;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T d = q_g[i] - q_i[i];
+      // from the nearer end: both are met exactly
+      r.q_d[i] = way.a1 <= T(0.5) ? T(q_i[i] + way.a1 * d) : T(q_g[i] - way.rest * d);
+      r.dq_d[i] = way.a2 * d;
+      r.ddq_d[i] = way.a3 * d;
+    }
+    return r;
+  }
+};
+
+/// The shortest time [s] in which a spline of length `distance` keeps below `dq_max`: 1.875 |distance| /
+/// dq_max.
+template <Real T>
+[[nodiscard]] constexpr T shortest_spline_time(const T& distance, const T& dq_max) noexcept {
+  const T size = distance < T(0) ? T(-distance) : distance;
+  return quintic_peak_speed<T> * size / dq_max;
+}
+
+SKINCTL_END_NAMESPACE

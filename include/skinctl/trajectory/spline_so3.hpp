@@ -1,0 +1,49 @@
+// Splines of rotations: one turn about a fixed axis, with the time course of a quintic.
+#pragma once
+
+#include "skinctl/frames/rotation.hpp"
+#include "skinctl/trajectory/quintic.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// An orientation and how it changes, in the axes of the frame that the rotations start from.
+template <Real T = double>
+struct RotationReference {
+  Rotation<T> R;
+  Xyz<T> omega;   ///< [rad/s]
+  Xyz<T> domega;  ///< [rad/s^2]
+};
+
+/// From `R_i` to `R_g` by the shortest way: `R = exp(a1 phi) R_i` with the rotation vector `phi = log(R_g
+/// R_i^T)`, so that `omega = a2 phi` and `domega = a3 phi`. At rest at both ends.
+template <Real T = double>
+class RotationSpline {
+ public:
+  /// @param R_i, R_g  start and goal, rotations to within `tolerance<T>`, of one frame in another.
+  /// @param tf        duration [s]; the goal from the start on if not positive.
+  RotationSpline(const Rotation<T>& R_i, const Rotation<T>& R_g, const T& tf) noexcept
+      : R_i_(R_i), R_g_(R_g), phi_(log_so3(R_g * R_i.transpose())), tf_(tf) {}
+
+  /// The same on the branch of `near`: within rounding of half a turn both ways round are shortest, and a
+  /// goal that moves there would make the spline turn round. Pass the last spline's `turn()`.
+  RotationSpline(const Rotation<T>& R_i, const Rotation<T>& R_g, const T& tf, const Xyz<T>& near) noexcept
+      : R_i_(R_i), R_g_(R_g), phi_(log_so3(R_g * R_i.transpose(), near)), tf_(tf) {}
+
+  /// The reference `t` seconds after the start; exactly `R_i` before it and `R_g` from the end on.
+  [[nodiscard]] RotationReference<T> at(const T& t) const noexcept {
+    const T rate = tf_ > T(0) ? T(T(1) / tf_) : T(0);
+    const auto way = quintic(tf_ > T(0) ? T(t / tf_) : T(1), rate);
+    const auto R = way.a1 <= T(0.5) ? exp_so3(Xyz<T>(way.a1 * phi_)) * R_i_
+                                    : exp_so3(Xyz<T>(T(-way.rest) * phi_)) * R_g_;
+    return {way.rest == T(0) ? R_g_ : (way.a1 == T(0) ? R_i_ : R), way.a2 * phi_, way.a3 * phi_};
+  }
+  /// The whole turn as a rotation vector [rad].
+  [[nodiscard]] const Xyz<T>& turn() const noexcept { return phi_; }
+
+ private:
+  Rotation<T> R_i_, R_g_;
+  Xyz<T> phi_;
+  T tf_;
+};
+
+SKINCTL_END_NAMESPACE

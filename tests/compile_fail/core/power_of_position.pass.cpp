@@ -1,0 +1,13 @@
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const JointTorque<6> tau;
+  [[maybe_unused]] const JointPosition<6> q;
+  [[maybe_unused]] const JointVelocity<6> dq;
+  static_cast<void>(power(tau, dq));
+}

@@ -1,0 +1,13 @@
+// expect: q = tau.*other kind, size or scalar
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const JointTorque<6> tau;
+  const JointPosition<6> q = tau;
+  static_cast<void>(q);
+}

@@ -1,0 +1,14 @@
+// expect: \(M_L \+ M_T\).*other body or frame: part_of
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Inertia<Link<5>> M_L;
+  const Inertia<Tool> M_T;
+  [[maybe_unused]] const Transform<Link<5>, Tool> X_LT;
+  static_cast<void>(M_L + M_T);
+}

@@ -1,0 +1,13 @@
+// expect: constraint(s not satisfied| failure).*Transform<World, Arm>.*is_base_of_v<[^\n]*FrameTag
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+struct Arm {};
+
+using X_WA = Transform<World, Arm>;
+
+int main() {}

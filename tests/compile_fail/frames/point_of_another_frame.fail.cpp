@@ -1,0 +1,13 @@
+// expect: \(X_WC \* p_W\).*inner frames differ
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Transform<World, Cell> X_WC;
+  const Point<World> p_W;
+  static_cast<void>(X_WC * p_W);
+}

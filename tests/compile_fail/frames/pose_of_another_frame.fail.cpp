@@ -1,0 +1,13 @@
+// expect: (conversion from|no viable conversion).*X_WC = X_CW
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Transform<Cell, World> X_CW;
+  const Transform<World, Cell> X_WC = X_CW;
+  static_cast<void>(X_WC);
+}

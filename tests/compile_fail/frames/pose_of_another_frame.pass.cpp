@@ -1,0 +1,12 @@
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Transform<Cell, World> X_CW;
+  const Transform<World, Cell> X_WC = X_CW.inverse();
+  static_cast<void>(X_WC);
+}

@@ -1,0 +1,13 @@
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Wrench<Link<2>, Cell> F_C;
+  const Twist<Link<2>, World, Link<2>, Link<2>> V_L;
+  [[maybe_unused]] const Transform<Cell, Link<2>> X_CL;
+  static_cast<void>(power(F_C, X_CL * V_L));
+}

@@ -1,0 +1,13 @@
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Twist<Base, World, Tool, World> V_WB_W;
+  const Twist<Tool, Base, Tool, Base> V_BT_B;
+  [[maybe_unused]] const Transform<World, Base> X_WB;
+  static_cast<void>(V_WB_W + express(X_WB, V_BT_B));
+}

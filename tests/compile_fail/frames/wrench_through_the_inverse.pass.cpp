@@ -1,0 +1,12 @@
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Transform<Cell, Link<2>> X_CL;
+  const Wrench<Link<2>, Cell> F_C;
+  static_cast<void>(X_CL.inverse() * F_C);
+}

@@ -1,0 +1,14 @@
+// expect: \(F_L \+ F_C\).*other body, point or axes
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Wrench<Link<2>> F_L;
+  const Wrench<Link<2>, Cell> F_C;
+  [[maybe_unused]] const Transform<Link<2>, Cell> X_LC;
+  static_cast<void>(F_L + F_C);
+}

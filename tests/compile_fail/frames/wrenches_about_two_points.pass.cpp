@@ -1,0 +1,13 @@
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Wrench<Link<2>> F_L;
+  const Wrench<Link<2>, Cell> F_C;
+  [[maybe_unused]] const Transform<Link<2>, Cell> X_LC;
+  static_cast<void>(F_L + X_LC * F_C);
+}

@@ -1,0 +1,13 @@
+// expect: \(F_arm \+ F_wrist\).*other body, point or axes
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+#include "skinctl/frames/inertia.hpp"
+#include "skinctl/frames/wrench.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Wrench<Link<2>, Cell> F_arm;
+  [[maybe_unused]] const Wrench<Link<3>, Cell> F_wrist;
+  static_cast<void>(F_arm + F_wrist);
+}

@@ -1,0 +1,11 @@
+// expect: a law adds to laws only
+#include <Eigen/Core>
+
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/fusion/expression.hpp"
+
+int main() {
+  const skinctl::SkinJointControl skin;
+  const Eigen::VectorXd tau = Eigen::VectorXd::Zero(6);
+  static_cast<void>(skin + tau);
+}

@@ -1,0 +1,127 @@
+#include "skinctl/cycle/recording.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/robot_table.hpp"
+#include "tests/support/scene.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+
+using Scene = decltype(reaching_scene());
+
+/// A run with touches, goals, a stop, a gap, and nonsense now and then.
+Recording<Scene> recorded_run(const Scene& scene, std::size_t bytes = std::size_t(8) << 20) {
+  Recording<Scene> recording(bytes);
+  auto memory = std::make_unique<Scene::Memory>();
+  oracle::Random random(5);
+  StiffJoints<> robot(home_position(), 8_ms, 0.004);
+  scene.start(*memory, robot.state());
+  recording.start(robot.state());
+  std::array<CellSample, 3> samples;
+  const AllocationGuard guard;
+  std::uint64_t allocated = 0;
+  for (int k = 1; k <= 2000; ++k) {
+    if (k % 97 == 0) continue;
+    Scene::Input input;
+    input.now = k * 8_ms;
+    input.measured = robot.run_to(input.now);
+    if (k % 300 == 0) input.measured.q[2] = std::numeric_limits<double>::quiet_NaN();
+    for (auto& s : samples)
+      s = {.time = input.now - 1_ms * random.index(8),
+           .cell = static_cast<std::uint32_t>(random.index(261)),
+           .force = {static_cast<float>(random.uniform(0, 0.4)), 0, 0}};
+    input.samples = std::span(samples).first(static_cast<std::size_t>(k % 4));
+    if (k % 500 == 0) {
+      input.has_goal = true;
+      input.goal.q_g = home_position();
+      input.goal.q_g[0] += 0.2;
+    }
+    input.request = k == 1200 ? Request::stop : k == 1300 ? Request::resume : Request::none;
+    const auto before = guard.count();
+    const auto out = scene.step(*memory, input);
+    recording.add(input, out.command);
+    allocated += guard.count() - before;
+    robot.command(input.now, out.command.position);
+  }
+  CHECK(allocated == 0);
+  return recording;
+}
+
+}  // namespace
+
+TEST_CASE("recording: a replay gives every command bit for bit, also from the file") {
+  const auto scene = reaching_scene();
+  const auto recording = recorded_run(scene);
+  CHECK(recording.cycles() == 1980);
+  CHECK_FALSE(recording.full());
+  const auto again = replay(scene, recording);
+  CHECK(again.cycles == 1980);
+  CHECK(again.different == 0);
+
+  const auto path = (std::filesystem::temp_directory_path() / "skinctl_recording_test.bin").string();
+  recording.save(path);
+  const auto loaded = Recording<Scene>::load(path);
+  CHECK(loaded.bytes() == recording.bytes());
+  CHECK(replay(scene, loaded).different == 0);
+
+  SUBCASE("another configuration is noticed at the first cycle that differs") {
+    SceneSettings other;
+    other.force_gain = 41;
+    const auto differs = replay(reaching_scene(other), recording);
+    CHECK(differs.different > 0);
+    CHECK(differs.first_different < differs.cycles);
+  }
+  SUBCASE("damaged files are refused") {
+    const auto all = recording.bytes();
+    const auto refused = [&](std::uintmax_t size) {
+      std::filesystem::resize_file(path, size);
+      CHECK_THROWS_AS(static_cast<void>(Recording<Scene>::load(path)), ConfigurationError);
+    };
+    const auto whole = std::filesystem::file_size(path);
+    refused(whole - 1);
+    refused(whole / 2);
+    refused(20);
+    refused(0);
+    CHECK_THROWS_AS(static_cast<void>(Recording<Scene>::load("/nowhere/at/all")), ConfigurationError);
+  }
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("recording: without room it stops, and says so") {
+  const auto scene = reaching_scene();
+  const auto recording = recorded_run(scene, 100'000);
+  CHECK(recording.full());
+  CHECK(recording.cycles() > 10);
+  CHECK(replay(scene, recording).different == 0);
+}
+
+TEST_CASE("recording: random bytes in a file are refused or replayed, never worse") {
+  const auto scene = reaching_scene();
+  const auto recording = recorded_run(scene, 60'000);
+  const auto path = (std::filesystem::temp_directory_path() / "skinctl_recording_fuzz.bin").string();
+  oracle::Random random(6);
+  for (int k = 0; k < 50; ++k) {
+    recording.save(path);
+    {
+      std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "r+b"), &std::fclose);
+      for (int n = 0; n < 20; ++n) {
+        std::fseek(file.get(), 40 + random.index(59'000), SEEK_SET);
+        std::fputc(random.index(256), file.get());
+      }
+    }
+    try {
+      const auto damaged = Recording<Scene>::load(path);
+      CHECK(replay(scene, damaged).cycles == damaged.cycles());
+    } catch (const ConfigurationError&) {
+    }
+  }
+  std::filesystem::remove(path);
+}

@@ -1,0 +1,42 @@
+#include "skinctl/dynamics/quantities.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/robots.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+using M = ur5::Model;
+constexpr Needs everything{
+    .poses = 0b111111, .jacobians = link_bit<5>, .gravity = true, .mass = true, .coriolis = true};
+}  // namespace
+
+static_assert(complete<M>({.jacobians = link_bit<3>}).poses == 0b001111,
+              "a Jacobian needs the poses on the way");
+static_assert(complete<M>({.gravity = true}).angles);
+static_assert(!complete<M>({}).angles, "a scene that needs nothing computes nothing");
+static_assert((Needs{.poses = 1} | Needs{.poses = 4, .mass = true}) == Needs{.poses = 5, .mass = true});
+static_assert(everything.cover({.mass = true}) && !Needs{}.cover({.mass = true}));
+static_assert(links_for<M>({.poses = link_bit<1>}) == 0b000011,
+              "joints behind the last asked link are not touched");
+static_assert(sizeof(Quantities<M, Needs{}>) <= 5 * sizeof(void*), "nothing asked for, nothing stored");
+
+TEST_CASE("quantities: each is what its own function gives") {
+  const M model;
+  oracle::Random random(1);
+  for (int k = 0; k < 100; ++k) {
+    const Motion<6> at(random);
+    const State<6> state{0, at.q, at.dq};
+    const NoTouch touch;
+    const Quantities<M, everything> known(model, state, 0.008, touch);
+    CHECK(known.q() == at.q);
+    CHECK(known.dt() == 0.008);
+    CHECK(known.gravity() == gravity_torque(model, at.q));
+    CHECK(known.pose<4>() == link_poses(model, at.q).get<4>());
+    CHECK(known.mass()(2, 3) == mass_matrix(model, at.q)(2, 3));
+    CHECK(known.coriolis() == coriolis_torque(model, known.angles(), at.dq));
+    CHECK(known.jacobian<5>().matrix() == jacobian<5>(link_poses(model, at.q)).matrix());
+  }
+}

@@ -1,0 +1,229 @@
+#include "skinctl/frames/rotation.hpp"
+
+#include <doctest/doctest.h>
+
+#include <type_traits>
+#include <vector>
+
+#include "random_frames.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+static_assert(std::is_trivially_copyable_v<Rotation<float>> && sizeof(Rotation<float>) == 9 * sizeof(float));
+static_assert(std::is_trivially_copyable_v<Rotation<double>> &&
+              sizeof(Rotation<double>) == 9 * sizeof(double));
+
+namespace {
+/// Lengths of rotation vectors around every place where a formula or a branch changes.
+template <class T>
+std::vector<T> telling_angles() {
+  const T half_turn = pi<T>();
+  const T hair = T(4) * epsilon<T>();
+  std::vector<T> angles{T(0),    T(1e-30), T(1e-16), T(1e-8),   T(1e-4),  T(0.1), T(0.5),
+                        T(0.99), T(1),     T(1.01),  T(1.9999), T(2.001), T(3)};
+  for (const T& d : {T(1e-2), T(1e-4), T(1e-8), hair}) angles.push_back(half_turn - d * half_turn);
+  return angles;
+}
+template <class T>
+std::vector<Xyz<T>> telling_axes(Random& rng) {
+  const T o(0), l(1);
+  std::vector<Xyz<T>> axes{{l, o, o}, {o, l, o}, {o, o, l}, {-l, o, o}, {o, -l, o}, {o, o, -l}};
+  for (int i = 0; i < 40; ++i) axes.push_back(random_direction<T>(rng));
+  return axes;
+}
+/// `d/ds exp(phi + s dphi)` at s = 0, as the angular velocity in the outer axes, by a central difference
+/// quotient.
+Xyz<Exact> omega_by_definition(const Xyz<Exact>& phi, const Xyz<Exact>& dphi) {
+  const Exact h("1e-16");
+  const auto rotation = [](const Xyz<Exact>& v) {
+    const Exact angle = norm(v);
+    return angle == 0 ? Rotation<Exact>{} : rotation_about((Exact(1) / angle) * v, angle);
+  };
+  const Rotation<Exact> D = rotation(phi + h * dphi) * rotation(phi - h * dphi).transpose();
+  const Exact scale = 1 / (4 * h);
+  return {scale * (D.y.z - D.z.y), scale * (D.z.x - D.x.z), scale * (D.x.y - D.y.x)};
+}
+}  // namespace
+
+TEST_CASE_TEMPLATE("Rotation: a product turns as its factors one after the other", T, float, double, Exact) {
+  auto rng = seeded(1);
+  for (int i = 0; i < 200; ++i) {
+    const auto R = random_rotation<T>(rng), S = random_rotation<T>(rng);
+    for (const T& reach : {T(0), T(1e-8), T(1), T(1e6)}) {
+      const auto v = random_xyz(rng, reach);
+      CAPTURE(as_code(R));
+      CAPTURE(as_code(S));
+      CAPTURE(as_code(v));
+      CHECK(largest((R * S) * v - R * (S * v)) <= T(16) * epsilon<T>() * reach);
+      CHECK(largest(turn_back(R, R * v) - v) <= T(16) * epsilon<T>() * reach);
+      CHECK(largest(turn_back(R, v) - R.transpose() * v) <= T(4) * epsilon<T>() * reach);
+    }
+    CHECK(rotation_error(R * S) <= T(16) * epsilon<T>());
+  }
+}
+
+TEST_CASE("Rotation: a known axis costs no arithmetic, it is a column") {
+  auto rng = seeded(2);
+  const auto R = random_rotation<double>(rng);
+  CHECK(R * UnitZ{} == R.z);
+  CHECK(R * ZeroTriple{} == Xyz<double>{0.0, 0.0, 0.0});
+}
+
+TEST_CASE_TEMPLATE("Rotation: exp is the turn by |phi| about phi, at every length", T, float, double) {
+  auto rng = seeded(3);
+  auto angles = telling_angles<T>();
+  for (const T& more : {pi<T>(), T(5), T(6.2831), T(6.2832), T(100), std::numeric_limits<T>::min()})
+    angles.push_back(more);
+  for (const T& angle : angles) {
+    for (const auto& axis : telling_axes<T>(rng)) {
+      const Xyz<T> phi = angle * axis;
+      const Xyz<Exact> exact_phi = skinctl::cast<Exact>(phi);
+      const Exact exact_angle = norm(exact_phi);
+      const Rotation<Exact> expected =
+          exact_angle == 0 ? Rotation<Exact>{} : rotation_about((1 / exact_angle) * exact_phi, exact_angle);
+      const Rotation<T> R = exp_so3(phi);
+      CAPTURE(as_code(phi));
+      CHECK(largest(test::cast<Exact>(R), expected) <= Exact(T(4) + T(2) * angle) * epsilon<T>());
+      CHECK(rotation_error(R) <= T(16) * epsilon<T>());
+    }
+  }
+}
+
+TEST_CASE("Rotation: exp of a vector whose square underflows still turns") {
+  const Rotation<double> R = exp_so3(Xyz<double>{0.0, 1e-200, 0.0});
+  CHECK(R.x == Xyz<double>{1.0, 0.0, -1e-200});
+  CHECK(log_so3(R) == Xyz<double>{0.0, 1e-200, 0.0});
+  // A square that is too small for all its digits: the axis keeps them, a whole turn away.
+  for (const double tiny : {1e-150, 1e-160, 1.3e-162}) {
+    const Xyz<double> phi{0.6 * tiny, 0.0, 0.8 * tiny};
+    const Xyz<double> turn = (-2.0 * pi<double>()) * Xyz<double>{0.6, 0.0, 0.8};
+    CHECK(largest(log_so3(exp_so3(phi), turn) - turn) <= 16 * epsilon<double>());
+  }
+}
+
+TEST_CASE_TEMPLATE("Rotation: log finds the vector that exp was given, to relative precision", T, float,
+                   double) {
+  auto rng = seeded(4);
+  for (const T& angle : telling_angles<T>()) {
+    for (const auto& axis : telling_axes<T>(rng)) {
+      const Xyz<Exact> unit = (1 / norm(skinctl::cast<Exact>(axis))) * skinctl::cast<Exact>(axis);
+      const Xyz<Exact> expected = Exact(angle) * unit;
+      const Rotation<T> R = test::cast<T>(rotation_about(unit, Exact(angle)));
+      const Xyz<Exact> phi = skinctl::cast<Exact>(log_so3(R));
+      CAPTURE(as_code(R));
+      // Next to half a turn the rounding of R may put it on the other side.
+      const bool may_flip = angle > pi<T>() - T(16) * epsilon<T>();
+      const bool flipped = may_flip && dot(phi, expected) < 0;
+      CHECK(largest(flipped ? phi + expected : phi - expected) <= Exact(T(8) * epsilon<T>() * angle));
+      CHECK(norm(phi) <= Exact(pi<T>()) * (1 + Exact(epsilon<T>())));
+    }
+  }
+}
+
+TEST_CASE("Rotation: log and exp are inverse to 50 digits") {
+  auto rng = seeded(5);
+  for (int i = 0; i < 200; ++i) {
+    const Xyz<Exact> phi = (pi<Exact>() * uniform<Exact>(rng)) * random_direction<Exact>(rng);
+    CHECK(largest(log_so3(exp_so3(phi)) - phi) <= 64 * epsilon<Exact>());
+  }
+}
+
+TEST_CASE_TEMPLATE("Rotation: exactly half a turn has the vector whose largest component is positive", T,
+                   float, double, Exact) {
+  const T o(0), l(1);
+  CHECK(largest(log_so3(Rotation<T>{{l, o, o}, {o, -l, o}, {o, o, -l}}) - Xyz<T>{pi<T>(), o, o}) <=
+        epsilon<T>());
+  CHECK(largest(log_so3(Rotation<T>{{-l, o, o}, {o, l, o}, {o, o, -l}}) - Xyz<T>{o, pi<T>(), o}) <=
+        epsilon<T>());
+  CHECK(largest(log_so3(Rotation<T>{{-l, o, o}, {o, -l, o}, {o, o, l}}) - Xyz<T>{o, o, pi<T>()}) <=
+        epsilon<T>());
+}
+
+TEST_CASE_TEMPLATE("Rotation: log near the last value goes through half a turn without a jump", T, float,
+                   double) {
+  auto rng = seeded(6);
+  for (int i = 0; i < 50; ++i) {
+    const Xyz<T> axis = random_direction<T>(rng);
+    Xyz<T> last{T(0), T(0), T(0)};
+    const T step = T(0.01);
+    for (int k = 1; T(k) * step < T(2) * pi<T>() - T(0.1); ++k) {
+      const T angle = T(k) * step;
+      const Xyz<T> phi = log_so3(rotation_about(axis, angle), last);
+      CAPTURE(as_code(axis));
+      CAPTURE(angle);
+      CHECK(largest(phi - angle * axis) <= T(32) * epsilon<T>());
+      last = phi;
+    }
+  }
+  // The plain log does jump there: the law above is not empty.
+  const Xyz<T> z{T(0), T(0), T(1)};
+  CHECK(dot(log_so3(rotation_about(z, pi<T>() + T(0.1))), z) < T(0));
+}
+
+TEST_CASE_TEMPLATE("Rotation: the left Jacobian is the derivative of exp", T, float, double) {
+  auto rng = seeded(7);
+  auto angles = telling_angles<T>();
+  for (const T& more : {pi<T>(), T(5), T(6)}) angles.push_back(more);
+  for (const T& angle : angles) {
+    for (const auto& axis : telling_axes<T>(rng)) {
+      const Xyz<T> phi = angle * axis;
+      const Xyz<T> dphi = random_xyz(rng, T(1));
+      const Xyz<Exact> exact_phi = skinctl::cast<Exact>(phi), exact_dphi = skinctl::cast<Exact>(dphi);
+      const Xyz<Exact> omega = omega_by_definition(exact_phi, exact_dphi);
+      CAPTURE(as_code(phi));
+      CAPTURE(as_code(dphi));
+      const Exact few_ulp = Exact(T(16) * epsilon<T>());
+      CHECK(largest(skinctl::cast<Exact>(left_jacobian_so3(phi, dphi)) - omega) <= few_ulp);
+      // The inverse, of the same omega rounded; it stretches by (|phi|/2) / sin(|phi|/2).
+      const Exact stretch = 1 + Exact(angle) / (2 * sin(Exact(angle) / 2) + Exact(1e-40));
+      const Xyz<T> back = left_jacobian_inverse_so3(phi, skinctl::cast<T>(omega));
+      CHECK(largest(skinctl::cast<Exact>(back) - exact_dphi) <= few_ulp * stretch * stretch);
+    }
+  }
+}
+
+TEST_CASE("Rotation: the Jacobian's series and closed forms agree to 50 digits where they meet") {
+  auto rng = seeded(8);
+  for (const Exact& angle : {Exact("0.999999"), Exact("1.000001"), Exact("1.999999"), Exact("2.000001")}) {
+    const Xyz<Exact> phi = angle * random_direction<Exact>(rng);
+    const Xyz<Exact> v = random_xyz(rng, Exact(1));
+    CHECK(largest(left_jacobian_inverse_so3(phi, left_jacobian_so3(phi, v)) - v) <= 32 * epsilon<Exact>());
+    CHECK(largest(left_jacobian_so3(phi, v) - omega_by_definition(phi, v)) <= Exact("1e-30"));
+  }
+}
+
+TEST_CASE_TEMPLATE("Rotation: normalised is the nearest rotation, whatever was measured", T, float, double,
+                   Exact) {
+  auto rng = seeded(9);
+  for (const T& noise : {T(0), T(1e-30), T(1e-8), T(1e-4), T(3e-3)}) {
+    for (int i = 0; i < 100; ++i) {
+      const auto R = random_rotation<T>(rng);
+      const Rotation<T> measured{R.x + random_xyz(rng, noise), R.y + random_xyz(rng, noise),
+                                 R.z + random_xyz(rng, noise)};
+      const Rotation<T> N = normalised(measured);
+      CAPTURE(as_code(measured));
+      CHECK(rotation_error(N) <= T(8) * epsilon<T>());
+      // Nearest: N^T R is symmetric (the polar factor), unlike what Gram-Schmidt leaves.
+      const Rotation<T> S = N.transpose() * measured;
+      CHECK(largest(S, S.transpose()) <= T(8) * epsilon<T>());
+    }
+  }
+}
+
+TEST_CASE("Rotation: what is none says so") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Rotation<double> identity;
+  CHECK(rotation_error(identity) == 0.0);
+  CHECK(rotation_error(Rotation<double>{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}) >= 1.0);
+  CHECK(rotation_error(Rotation<double>{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}) == 3.0);
+  CHECK(rotation_error(Rotation<double>{{1, 0, 0}, {1, 0, 0}, {0, 0, 1}}) >= 1.0);
+  for (int i = 0; i < 9; ++i) {
+    double e[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    e[i] = nan;
+    const Rotation<double> R{{e[0], e[1], e[2]}, {e[3], e[4], e[5]}, {e[6], e[7], e[8]}};
+    CAPTURE(i);
+    CHECK(std::isnan(rotation_error(R)));
+  }
+  CHECK(std::isnan(exp_so3(Xyz<double>{nan, 0.0, 0.0}).y.y));
+}

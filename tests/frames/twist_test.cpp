@@ -1,0 +1,151 @@
+#include "skinctl/frames/twist.hpp"
+
+#include <doctest/doctest.h>
+
+#include <type_traits>
+
+#include "random_frames.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+struct Hand : FrameTag {};
+struct Fingertip : FrameTag {};
+
+template <class V, class W>
+concept has_sum = requires(V v, W w) { v + w; };
+template <class V, class W>
+concept has_difference = requires(V v, W w) { v - w; };
+template <class X, class V>
+concept transforms = requires(X x, V v) { x* v; };
+template <class X, class V>
+concept expresses = requires(X x, V v) { express(x, v); };
+template <class V, class P>
+concept shifts = requires(V v, P p) { shift(v, p); };
+
+// V of Hand relative to World, at Hand's origin, along World's axes: V_WH_W.
+using V_WH = SpatialVelocity<World, Hand>;
+
+template <class T>
+Twist<Hand, World, Hand, Hand, T> random_twist(Random& rng, const T& size) {
+  return {random_xyz(rng, size), random_xyz(rng, size)};
+}
+template <class V>
+auto difference(const V& a, const V& b) {
+  const auto linear = largest(a.linear - b.linear), angular = largest(a.angular - b.angular);
+  return linear > angular ? linear : angular;
+}
+
+/// A body that turns and moves: `X_AB(t) = X_0 exp(t w) + t v + t^2 a`, with its exact velocity from
+/// difference quotients.
+struct Motion {
+  Rotation<Exact> R;
+  Xyz<Exact> w, p, v, a;
+  explicit Motion(Random& rng)
+      : R(random_rotation<Exact>(rng)),
+        w(random_xyz(rng, Exact(2))),
+        p(random_xyz(rng, Exact(1))),
+        v(random_xyz(rng, Exact(1))),
+        a(random_xyz(rng, Exact(1))) {}
+  template <class A, class B>
+  Transform<A, B, Exact> at(const Exact& t) const {
+    const Exact speed = norm(w);
+    return Transform<A, B, Exact>::trusted(rotation_about((1 / speed) * w, Exact(speed * t)) * R,
+                                           p + t * v + (t * t) * a);
+  }
+};
+const Exact h("1e-16");
+/// Velocity of B relative to A at B's origin along A's axes, from the poses a moment before and after.
+template <class A, class B>
+SpatialVelocity<A, B, A, Exact> velocity(const Transform<A, B, Exact>& before,
+                                         const Transform<A, B, Exact>& after) {
+  const Rotation<Exact> D = after.axes() * before.axes().transpose();
+  const Exact s = 1 / (4 * h);
+  return {(1 / (2 * h)) * (after.origin() - before.origin()),
+          {s * (D.y.z - D.z.y), s * (D.z.x - D.x.z), s * (D.x.y - D.y.x)}};
+}
+}  // namespace
+
+static_assert(std::is_same_v<V_WH, Twist<Hand, World, Hand, World, double>>);
+static_assert(std::is_trivially_copyable_v<V_WH> && sizeof(V_WH) == 6 * sizeof(double));
+static_assert(has_sum<V_WH, V_WH> && has_difference<V_WH, V_WH>);
+static_assert(has_sum<Twist<Base, World, Cell, World>, Twist<Hand, Base, Cell, World>>, "V_WB + V_BH = V_WH");
+static_assert(std::is_same_v<decltype(Twist<Base, World, Cell, World>{} + Twist<Hand, Base, Cell, World>{}),
+                             Twist<Hand, World, Cell, World>>);
+static_assert(!has_sum<Twist<Base, World, Cell, World>, Twist<Hand, Base, Hand, World>>, "of two points");
+static_assert(!has_sum<Twist<Base, World, Cell, World>, Twist<Hand, Base, Cell, Base>>, "along two axes");
+static_assert(!has_sum<Twist<Hand, Base, Cell, World>, Twist<Base, World, Cell, World>>, "a chain backwards");
+static_assert(!has_sum<V_WH, SpatialVelocity<World, Hand, World, float>>);
+static_assert(!has_difference<V_WH, SpatialVelocity<World, Base>>);
+static_assert(transforms<Transform<World, Hand>, Twist<Hand, World, Hand, Hand>>);
+static_assert(!transforms<Transform<World, Hand>, V_WH>, "its axes are World's, its point Hand's");
+static_assert(expresses<Transform<Hand, World>, V_WH> && !expresses<Transform<World, Hand>, V_WH>);
+static_assert(shifts<V_WH, Offset<Hand, Fingertip, World>>);
+static_assert(!shifts<V_WH, Offset<Hand, Fingertip, Hand>>, "along other axes");
+static_assert(!shifts<V_WH, Offset<Base, Fingertip, World>>, "from another point");
+
+TEST_CASE_TEMPLATE("Twist: shifting and expressing commute, and together are the transform", T, float, double,
+                   Exact) {
+  auto rng = seeded(1);
+  for (const T& reach : {T(0), T(1e-8), T(1), T(1e6)}) {
+    for (int i = 0; i < 50; ++i) {
+      const auto X_FH = random_transform<Fingertip, Hand>(rng, reach);
+      const auto V = random_twist(rng, T(1));
+      CAPTURE(as_code(X_FH));
+      const Offset<Hand, Fingertip, Hand, T> p_HF_H = X_FH.inverse().offset();
+      const Twist<Hand, World, Fingertip, Fingertip, T> there = X_FH * V;
+      const T rounding = tolerance<T> * (T(1) + reach);
+      CHECK(difference(express(X_FH, shift(V, p_HF_H)), there) <= rounding);
+      CHECK(difference(shift(express(X_FH, V), X_FH * p_HF_H), there) <= rounding);
+      CHECK(difference(X_FH.inverse() * there, V) <= rounding);
+      CHECK(difference(shift(shift(V, p_HF_H), -p_HF_H), V) <= rounding);
+    }
+  }
+}
+
+TEST_CASE("Twist: is what the poses of a moving body say, at every point of it") {
+  auto rng = seeded(2);
+  for (int i = 0; i < 20; ++i) {
+    const Motion motion(rng);
+    const Exact t = uniform<Exact>(rng);
+    const auto V_WH_W = velocity(motion.at<World, Hand>(t - h), motion.at<World, Hand>(t + h));
+    const auto X_WH = motion.at<World, Hand>(t);
+    const auto X_HF = random_transform<Hand, Fingertip>(rng, Exact(1));
+    const auto V_WF_W = velocity(motion.at<World, Hand>(t - h) * X_HF, motion.at<World, Hand>(t + h) * X_HF);
+    const auto shifted = shift(V_WH_W, X_WH * X_HF.offset());
+    CHECK(largest(shifted.linear - V_WF_W.linear) <= Exact("1e-29"));
+    CHECK(largest(shifted.angular - V_WF_W.angular) <= Exact("1e-29"));
+  }
+}
+
+TEST_CASE("Twist: velocities add up along a chain of moving bodies, at one point along the same axes") {
+  auto rng = seeded(3);
+  for (int i = 0; i < 20; ++i) {
+    const Motion base(rng), hand(rng);
+    const Exact t = uniform<Exact>(rng);
+    const auto X_WB = base.at<World, Base>(t);
+    const auto X_BH = hand.at<Base, Hand>(t);
+    const auto V_WB_W = velocity(base.at<World, Base>(t - h), base.at<World, Base>(t + h));
+    const auto V_BH_B = velocity(hand.at<Base, Hand>(t - h), hand.at<Base, Hand>(t + h));
+    const auto V_WH_W = velocity(base.at<World, Base>(t - h) * hand.at<Base, Hand>(t - h),
+                                 base.at<World, Base>(t + h) * hand.at<Base, Hand>(t + h));
+    const auto sum = shift(V_WB_W, X_WB * X_BH.offset()) + express(X_WB, V_BH_B);
+    CHECK(difference(sum, V_WH_W) <= Exact("1e-29"));
+    // And backwards: what the base sees of the world.
+    const auto V_BW = velocity(base.at<World, Base>(t - h).inverse(), base.at<World, Base>(t + h).inverse());
+    const auto reversed = shift(express(X_WB.inverse(), V_WB_W.reversed()), X_WB.inverse().offset());
+    CHECK(difference(reversed, V_BW) <= Exact("1e-29"));
+  }
+}
+
+TEST_CASE_TEMPLATE("Twist: equal ones form a vector space, linear part first", T, float, double) {
+  auto rng = seeded(4);
+  const auto V = random_twist(rng, T(1));
+  CHECK(difference(V + V, T(2) * V) == T(0));
+  CHECK(difference((V - V) + -V, T(-1) * V) == T(0));
+  const Vec6<T> v = as_eigen(V);
+  CHECK(v(2) == V.linear.z);
+  CHECK(v(3) == V.angular.x);
+  CHECK(difference(V.template cast<Exact>().template cast<T>(), V) == T(0));
+}

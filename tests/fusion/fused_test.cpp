@@ -1,0 +1,293 @@
+#include "skinctl/fusion/fused.hpp"
+
+#include <doctest/doctest.h>
+
+#include <type_traits>
+
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/joint_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/core/real_time.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "tests/control/plant.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+using Arm = ur5::Model;
+template <class T>
+using Skinned = LinkWrenches<Arm, 0b110110, T>;
+template <class L, class T = double>
+using KnownTo = Quantities<Arm, L::needs, T, Skinned<T>>;
+const Arm model;
+
+template <class T>
+T largest(const JointTorque<6, T>& tau) {
+  T most(0);
+  for (const T& x : tau) most = std::max(most, magnitude(x));
+  return most;
+}
+
+/// A law that gives known torques for its feedback and its feed-forward, and for gravity if it may.
+struct Told {
+  struct Memory {
+    int held = 0, released = 0;
+  };
+  static constexpr Needs needs{};
+  static constexpr Role role = Role::tracking;
+  double feedback = 0, feed_forward = 0;
+  template <class K>
+  Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <GravityTerm G = GravityTerm::included, class K>
+  JointTorque<6> torque(const Memory&, const K& known, const Share<double>& share = {}) const noexcept {
+    auto tau = JointTorque<6>::constant(share.feedback * feedback + share.feed_forward * feed_forward);
+    if (G == GravityTerm::included) tau += share.feed_forward * gravity_torque(known.model(), known.q());
+    return tau;
+  }
+  template <class K>
+  Memory advance(const Memory& m, const K&, double, Opposition o) const noexcept {
+    return {m.held + (o == Opposition::lasting), m.released + (o == Opposition::released)};
+  }
+};
+
+const State<6> pose{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.2}, {}};
+
+template <class L>
+auto evaluated(const L& law, const Skinned<double>& touch = {}) {
+  const KnownTo<L> known(model, pose, 0.0, touch);
+  return evaluate(law, law.start(known), known, 0.002);
+}
+
+/// A force on link 2, about 0.2 m off its origin.
+Skinned<double> touch_of(double x, double y, double z) {
+  Skinned<double> touch;
+  touch.set<2>({{x, y, z}, {0.05 * z, -0.1 * z, 0.1 * y - 0.05 * x}});
+  return touch;
+}
+}  // namespace
+
+TEST_CASE("Fused: is a law, and its memory can be copied byte by byte") {
+  const SplineJoint<6> reach({.dt = 0.002});
+  const SkinJointControl skin;
+  const GravityControl gravity;
+  const auto law = 0.6 * skin + 0.4 * reach + gravity;
+  using L = std::remove_const_t<decltype(law)>;
+  static_assert(Law<L, KnownTo<L>>);
+  static_assert(std::is_trivially_copyable_v<L::Memory>);
+  static_assert(terms_of<L> == 3 && L::role == Role::tracking);
+  static_assert(std::is_same_v<L::Goal, JointGoal<6>>);
+  static_assert(L::needs == (Needs{.angles = true, .touch = true}));
+  // Nothing is asked for that no law reads.
+  static_assert(decltype(0.4 * reach + gravity)::needs == Needs{});
+  static_assert(decltype(1.0 * skin + gravity)::role == Role::reactive);
+  CHECK(sizeof(L::Memory) <= sizeof(SplineJoint<6>::Memory) + 2 * sizeof(Nanoseconds));
+}
+
+TEST_CASE("Fused: weighs as its policy says, and its shares add up") {
+  const Told a{2, 30}, b{4, 50};
+  const GravityControl gravity;
+  const auto G = gravity_torque(model, pose.q);
+  const auto expect = [&](const auto& law, double without_gravity, const JointTorque<6>& held) {
+    const auto e = evaluated(law);
+    CHECK(largest(e.torque - (JointTorque<6>::constant(without_gravity) + held)) < 1e-12 * 100);
+    JointTorque<6> sum;
+    for (const auto& share : e.shares) sum += share;
+    CHECK(largest(sum - e.torque) < 1e-12);
+  };
+  const auto sum = 0.5 * a + 1.5 * b + gravity;
+  expect(sum, 0.25 * 32 + 0.75 * 54, G);
+  expect(weighted(sum), 0.5 * 2 + 1.5 * 4 + 0.25 * 30 + 0.75 * 50, G);
+  expect(plain(sum), 0.5 * 32 + 1.5 * 54, G);
+  // without a gravity law the convex mean holds it, once
+  expect(0.5 * a + 1.5 * b, 0.25 * 32 + 0.75 * 54, G);
+  expect(weighted(0.5 * a + 1.5 * b), 0.5 * 2 + 1.5 * 4 + 0.25 * 30 + 0.75 * 50, G);
+}
+
+TEST_CASE("Fused: the skin keeps its own weight, whatever the tracking laws are") {
+  const Told a{2, 30};
+  const auto touch = touch_of(3, -4, 5);
+  const JointAngles<Arm, double> angles(model, pose.q);
+  const auto tau_skin = skin_torque(model, angles, touch);
+  CHECK(largest(tau_skin) > 0.5);
+  const SkinJointControl skin;
+  const GravityControl gravity;
+  const auto e = evaluated(0.6 * skin + 0.4 * a + gravity, touch);
+  CHECK(largest(e.shares[0] - 0.6 * tau_skin) < 1e-14);
+  CHECK(largest(e.shares[1] - JointTorque<6>::constant(32)) < 1e-12);
+  CHECK(largest(evaluated(plain(0.6 * skin + 0.4 * a + gravity), touch).shares[0] - 0.6 * tau_skin) < 1e-14);
+}
+
+TEST_CASE_TEMPLATE("Fused: gravity is held exactly once, with and without a gravity law", T, float, double) {
+  const SplineJoint<6, T> reach({.dt = T(0.002)});
+  const JointControl<6, T> follow({.dt = T(0.002)});
+  const GravityControl gravity;
+  const SkinJointControl skin;
+  Seeded rng(100);
+  const Skinned<T> untouched;
+  for (int k = 0; k < 20; ++k) {
+    const State<6, T> x{0, rng.vector<JointPosition<6, T>>(3), {}};
+    const auto G = gravity_torque(model, x.q);
+    const auto check = [&](const auto& law) {
+      const KnownTo<std::remove_cvref_t<decltype(law)>, T> known(model, x, T(0.002), untouched);
+      const auto memory = law.start(known);
+      CHECK(largest(law.torque(memory, known) - G) <= T(100) * epsilon<T>() * largest(G));
+    };
+    check(reach + gravity);
+    check(0.3 * reach + 0.9 * follow);
+    check(0.5 * skin + weighted(0.3 * reach + 0.9 * follow));
+    check(0.5 * skin + gravity);
+  }
+}
+
+TEST_CASE("Fused: freezes and releases its tracking laws, and says so") {
+  const GravityControl gravity;
+  const SkinJointControl skin;
+  const Skinned<double> untouched;
+  const auto touch = touch_of(0, 0, 30);
+  const JointAngles<Arm, double> angles(model, pose.q);
+  const double side = power(skin_torque(model, angles, touch), JointVelocity<6>::constant(1)) > 0 ? -1 : 1;
+  const auto run = [&](const auto& law) {
+    using L = std::remove_cvref_t<decltype(law)>;
+    const KnownTo<L> free(model, pose, 0.002, untouched), touched(model, pose, 0.002, touch);
+    auto memory = law.start(free);
+    const auto cycles = [&](const KnownTo<L>& known, int n) {
+      Status seen;
+      for (int i = 0; i < n; ++i) {
+        const auto e = evaluate(law, memory, known, 0.002);
+        memory = e.memory;
+        seen |= e.status;
+      }
+      return seen;
+    };
+    CHECK_FALSE(cycles(free, 10).has(Reason::opposed));
+    CHECK(cycles(touched, 40).has(Reason::opposed));
+    const auto during = law.template memory<1>(memory);
+    CHECK(during.held == 40);
+    cycles(free, 100);
+    const auto after = law.template memory<1>(memory);
+    CHECK(after.released == 1);
+    CHECK(after.held == 40 + 25);  // 50 ms
+  };
+  run(1.0 * skin + Told{side * 5, 0} + gravity);
+  // Without a gravity law tracking holds G as well; that is not what works against the skin.
+  run(1.0 * skin + Told{side * 5, 0});
+
+  // A law that goes with the skin is left alone, gravity or not.
+  const auto agree = [&](const auto& law) {
+    const KnownTo<std::remove_cvref_t<decltype(law)>> touched(model, pose, 0.002, touch);
+    return !evaluate(law, law.start(touched), touched, 0.002).status.has(Reason::opposed);
+  };
+  CHECK(agree(1.0 * skin + Told{-side * 5, 0} + gravity));
+  CHECK(agree(1.0 * skin + Told{-side * 5, 0}));
+}
+
+TEST_CASE("Fused: a goal reaches the law that takes it") {
+  const SplineJoint<6> reach({.dt = 0.002});
+  const JointControl<6> follow({.dt = 0.002});
+  const GravityControl gravity;
+  const auto law = reach + 0.5 * follow + gravity;
+  using L = std::remove_const_t<decltype(law)>;
+  const Skinned<double> untouched;
+  const KnownTo<L> known(model, pose, 0.002, untouched);
+  const auto memory = law.start(known);
+  const auto one = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(1), 5_s});
+  CHECK(law.memory<0>(one.memory).plan.spline.tf == 5);
+  CHECK(law.memory<1>(one.memory).plan.target.q_d == pose.q);
+  const auto other = law.receive(memory, known, JointReference<6>{JointPosition<6>::constant(0.1), {}, {}});
+  CHECK(law.memory<1>(other.memory).plan.target.q_d == JointPosition<6>::constant(0.1));
+  const auto first = law.receive<0>(memory, known, JointGoal<6>{JointPosition<6>::constant(1), 1});
+  CHECK(first.status.has(Reason::goal_stretched));
+}
+
+TEST_CASE("Fused: after 60 random touches no joint swings beyond its target, and no torque jumps") {
+  for (const double rate : {125.0, 500.0}) {
+    const double dt = 1 / rate;
+    const SplineJoint<6> reach({.dt = dt, .K_c = 8});
+    const SkinJointControl skin;
+    const GravityControl gravity;
+    const auto law = 3.0 * skin + reach + gravity;
+    using L = std::remove_const_t<decltype(law)>;
+    using K = KnownTo<L>;
+    const Skinned<double> untouched;
+    Seeded rng(101);
+    double beyond = 0, furthest = 0, steepest = 0;
+    int counted = 0;
+    for (int trial = 0; trial < 60; ++trial) {
+      State<6> x{0, rng.vector<JointPosition<6>>(1.5), {}};
+      JointGoal<6> goal{x.q, nanoseconds(rng.between(1.5, 3))};
+      for (double& q : goal.q_g) q += 0.6 * rng();
+      auto memory = law.start(K(model, x, dt, untouched));
+      memory = law.receive(memory, K(model, x, dt, untouched), goal).memory;
+      const double begin = rng.between(0.2, 2.5), lasts = rng.between(0.3, 2);
+      const double force = rng.between(10, 40);
+      const double u = rng(), v = rng(), w = rng(), size = std::sqrt(u * u + v * v + w * w);
+      const auto touch = touch_of(force * u / size, force * v / size, force * w / size);
+      JointPosition<6> deflection, side, over;
+      JointTorque<6> last;
+      for (int i = 0; i < static_cast<int>(7 * rate); ++i) {
+        const double t = i * dt;
+        const double since = std::min(t - begin, begin + lasts - t);
+        const Skinned<double> now = quintic(since / 0.1).a1 * touch;
+        const K known(model, x, dt, now);
+        const auto e = evaluate(law, memory, known, dt);
+        const auto wanted = law.memory<1>(memory).plan.at(0, reach.settings()).q_d;
+        for (std::size_t j = 0; j < 6; ++j) {
+          const double off = x.q[j] - wanted[j];
+          if (t < begin + lasts + 0.06) {
+            if (magnitude(off) > magnitude(deflection[j])) deflection[j] = off;
+            side[j] = off;
+          } else if (off * side[j] < 0) {
+            over[j] = std::max(over[j], magnitude(off));
+          }
+        }
+        const auto own = e.torque - e.shares[0];
+        if (i > 0) steepest = std::max(steepest, largest(own - last) * rate);
+        last = own;
+        memory = e.memory;
+        x = simulate(model, x, e.torque, dt, 1);
+      }
+      for (std::size_t j = 0; j < 6; ++j) {
+        if (magnitude(deflection[j]) < 0.02) continue;
+        ++counted;
+        furthest = std::max(furthest, magnitude(deflection[j]));
+        beyond = std::max(beyond, over[j] / magnitude(deflection[j]));
+      }
+    }
+    MESSAGE(rate << " Hz: " << counted << " deflections up to " << furthest << " rad, overshoot "
+                 << 100 * beyond << " %, fastest torque " << steepest << " N m/s");
+    CHECK(counted > 5);
+    CHECK(beyond < 0.05);
+  }
+}
+
+TEST_CASE("Fused: nothing of it allocates") {
+  const SplineJoint<6> reach({.dt = 0.002});
+  const SkinJointControl skin;
+  const GravityControl gravity;
+  const auto law = 0.6 * skin + 0.4 * reach + gravity;
+  using K = KnownTo<std::remove_const_t<decltype(law)>>;
+  const Skinned<double> untouched;
+  const auto touch = touch_of(5, 30, 5);
+  State<6> x = pose;
+  auto memory = law.start(K(model, x, 0.002, untouched));
+  const AllocationGuard guard;
+  {
+    const RealTimeScope loop;
+    for (int i = 0; i < 2000; ++i) {
+      const K known(model, x, 0.002, i % 500 > 300 ? touch : untouched);
+      if (i % 400 == 0)
+        memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), 0}).memory;
+      const auto e = evaluate(law, memory, known, 0.002);
+      memory = e.memory;
+      x = simulate(model, x, e.torque, 0.002, 1);
+    }
+  }
+  const auto count = guard.count();
+  CHECK(count == 0);
+}

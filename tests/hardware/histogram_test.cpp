@@ -1,0 +1,62 @@
+#include "skinctl/hardware/histogram.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/robot_table.hpp"
+
+using namespace skinctl;
+
+TEST_CASE("histogram: percentiles are those of the sorted durations, to 1/32") {
+  oracle::Random random(1);
+  Histogram histogram;
+  std::vector<Nanoseconds> all;
+  for (int k = 0; k < 100000; ++k) {
+    const auto d = static_cast<Nanoseconds>(std::exp(random.uniform(0, 25)));
+    all.push_back(d);
+    histogram.record(d);
+  }
+  std::sort(all.begin(), all.end());
+  for (double p : {0.01, 0.5, 0.9, 0.99, 0.999, 0.99999}) {
+    const auto exact = static_cast<double>(all[static_cast<std::size_t>(std::ceil(p * 100000)) - 1]);
+    const auto got = static_cast<double>(histogram.percentile(p));
+    CAPTURE(p);
+    CHECK(got >= exact);
+    CHECK(got <= exact * (1 + 1. / 32) + 1);
+  }
+  CHECK(histogram.max() == all.back());
+  CHECK(histogram.percentile(1) == all.back());
+  CHECK(histogram.count() == 100000);
+}
+
+TEST_CASE("histogram: small durations are exact, extremes stay in range, nothing is allocated") {
+  Histogram histogram;
+  CHECK(histogram.percentile(0.5) == 0);
+  const test::AllocationGuard guard;
+  for (Nanoseconds d = 0; d < 32; ++d) histogram.record(d);
+  CHECK(histogram.percentile(0.5) == 15);
+  histogram.record(-5);
+  histogram.record(INT64_MAX);
+  histogram.record(INT64_MIN);
+  CHECK(guard.count() == 0);
+  CHECK(histogram.max() == INT64_MAX);
+  CHECK(histogram.percentile(1) > 1'000_s);
+}
+
+TEST_CASE("histogram: merged it counts what both did") {
+  Histogram a, b;
+  a.record(10);
+  b.record(1000);
+  b.record(20);
+  a.merge(b);
+  CHECK(a.count() == 3);
+  CHECK(a.max() == 1000);
+  CHECK(a.percentile(0.34) == 20);
+  CHECK(a.mean() == doctest::Approx(1030. / 3));
+  std::uint64_t seen = 0;
+  a.for_each([&](Nanoseconds, std::uint64_t n) { seen += n; });
+  CHECK(seen == 3);
+}

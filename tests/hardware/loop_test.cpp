@@ -1,0 +1,116 @@
+#include "skinctl/hardware/loop.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/scene.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+
+using Scene = decltype(reaching_scene());
+
+/// A robot of stiff joints whose clock runs as fast as it is asked.
+struct FastRobot {
+  StiffJoints<> joints{home_position(), 8_ms, 0.004};
+  Nanoseconds now = 0;
+  int lost_after = 1 << 30, silent_from = 1 << 30, silent_to = 1 << 30, refuses_after = 1 << 30;
+  int waits = 0, sends = 0, stops = 0;
+
+  Heard wait(State<6>& state) noexcept {
+    if (++waits > lost_after) return Heard::lost;
+    now += 8_ms;
+    if (waits >= silent_from && waits < silent_to) return Heard::silent;
+    state = joints.run_to(now);
+    return Heard::state;
+  }
+  bool send(const JointCommand<6>& command) noexcept {
+    joints.command(command.time, command.position);
+    return ++sends <= refuses_after;
+  }
+  void stop() noexcept { ++stops; }
+};
+
+struct OneTouch {
+  CellSample sample;
+  FastRobot* robot;
+  std::span<const CellSample> poll() noexcept {
+    const double t = 1e-9 * static_cast<double>(robot->now);
+    const auto f = static_cast<float>(t > 0.5 && t < 1 ? 0.2 : 0);
+    sample = {.time = robot->now - 1_ms, .cell = 60, .force = {f, f, f}};
+    return {&sample, 1};
+  }
+};
+
+struct Run {
+  FastRobot robot;
+  LoopReport<Scene> report;
+};
+Run run(FastRobot robot, LoopOptions options) {
+  Run out;
+  out.robot = robot;
+  const auto scene = reaching_scene();
+  auto memory = std::make_unique<Scene::Memory>();
+  OneTouch skin{{}, &out.robot};
+  out.report = run_loop(
+      scene, *memory, out.robot, skin, options, [](auto&, auto&) { return true; },
+      [](const auto&, const auto&, const auto&) {});
+  return out;
+}
+
+}  // namespace
+
+static_assert(RobotDriver<FastRobot, 6, double>);
+static_assert(SkinSource<OneTouch> && SkinSource<NoSkin>);
+
+TEST_CASE(
+    "loop: runs as many cycles as asked, times each stage, stops the robot, and keeps the worst cycle") {
+  const auto done = run({}, {.cycles = 500});
+  CHECK(done.report.ended == Ended::finished);
+  CHECK(done.report.cycles == 500);
+  CHECK(done.report.samples == 500);
+  CHECK(done.robot.stops == 1);
+  CHECK(done.report.whole.count() == 500);
+  for (const auto& stage : done.report.stages) CHECK(stage.count() == 500);
+  CHECK(done.report.whole.max() > 0);
+  // The worst cycle can be run again from what was kept.
+  const auto& worst = *done.report.worst;
+  CHECK(worst.cycle > 0);
+  const auto scene = reaching_scene();
+  const auto [out, next] = scene(worst.memory, worst.input);
+  CHECK(out.command.valid);
+  CHECK(out.command.time == worst.input.now);
+}
+
+TEST_CASE("loop: a robot that falls silent brakes the scene, one that comes back goes on") {
+  FastRobot robot;
+  robot.silent_from = 100;
+  robot.silent_to = 160;
+  const auto done = run(robot, {.cycles = 300});
+  CHECK(done.report.silent == 60);
+  CHECK(done.report.cycles == 300);
+  CHECK(done.report.ended == Ended::finished);
+}
+
+TEST_CASE(
+    "loop: a lost robot, a command that cannot be sent, an interruption: each ends it and stops the robot") {
+  FastRobot lost;
+  lost.lost_after = 50;
+  CHECK(run(lost, {}).report.ended == Ended::lost);
+  FastRobot never;
+  never.lost_after = 0;
+  const auto none = run(never, {});
+  CHECK(none.report.ended == Ended::no_state);
+  CHECK(none.robot.stops == 1);
+  FastRobot refuses;
+  refuses.refuses_after = 20;
+  const auto refused = run(refuses, {});
+  CHECK(refused.report.ended == Ended::lost);
+  CHECK(refused.robot.stops == 1);
+  const std::atomic<bool> stop = true;
+  const auto interrupted = run({}, {.stop = &stop});
+  CHECK(interrupted.report.ended == Ended::interrupted);
+  CHECK(interrupted.robot.stops == 1);
+}

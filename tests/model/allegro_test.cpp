@@ -1,0 +1,35 @@
+#include "skinctl/model/allegro.hpp"
+
+#include <doctest/doctest.h>
+
+#include "skinctl/kinematics/poses.hpp"
+
+using namespace skinctl;
+
+TEST_CASE("Allegro: every finger keeps what the type of a finger promises") {
+  for (std::size_t f = 0; f < 4; ++f) CHECK_NOTHROW(static_cast<void>(allegro::right_fingers<1>(f)));
+}
+
+TEST_CASE("Allegro: one finger alone is the same finger of the hand") {
+  const auto hand = allegro::right_hand();
+  JointPosition<16> q;
+  for (std::size_t i = 0; i < 16; ++i) q[i] = 0.1 * static_cast<double>(i) - 0.6;
+  const auto poses = link_poses(hand, q);
+  const auto check = [&](auto f, const auto& X_BT) {
+    const auto finger = allegro::right_fingers<1>(f.value);
+    const JointPosition<4> own{q[4 * f.value], q[4 * f.value + 1], q[4 * f.value + 2], q[4 * f.value + 3]};
+    const auto tip = link_poses(finger, own).template get<3>();
+    CHECK(tip.origin().x == doctest::Approx(X_BT.origin().x).epsilon(1e-14));
+    CHECK(tip.origin().y == doctest::Approx(X_BT.origin().y).epsilon(1e-14));
+    CHECK(tip.origin().z == doctest::Approx(X_BT.origin().z).epsilon(1e-14));
+  };
+  check(std::integral_constant<std::size_t, 0>{}, poses.get<3>());
+  check(std::integral_constant<std::size_t, 3>{}, poses.get<15>());
+}
+
+TEST_CASE("Allegro: the tip belongs to the last link") {
+  const auto finger = allegro::right_fingers<1>(0);
+  CHECK(finger.link(3)[Parameter::mass] == doctest::Approx(0.0096 + 0.0168));
+  const auto thumb = allegro::right_fingers<1>(3);
+  CHECK(thumb.link(3)[Parameter::mass] == doctest::Approx(0.0388 + 0.0168));
+}

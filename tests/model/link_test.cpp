@@ -1,0 +1,71 @@
+#include "skinctl/model/link.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <string>
+
+using namespace skinctl;
+using P = Parameter;
+
+namespace {
+LinkParameters<double> box() {
+  return make_link({}, {2, {0.1, 0, 0}, 0.02, 0.03, 0.04, 0, 0, 0});
+}
+std::string refusal(const LinkParameters<double>& l) {
+  try {
+    check_link(l);
+  } catch (const ConfigurationError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+}  // namespace
+
+TEST_CASE("link: second moments are those of the inertia, S = tr(I)/2 1 - I") {
+  constexpr auto l = make_link({}, {2, {0, 0, 0}, 0.02, 0.03, 0.04, 0.001, -0.002, 0.003});
+  CHECK(l[P::s_yy] + l[P::s_zz] == doctest::Approx(0.02));
+  CHECK(l[P::s_xx] + l[P::s_zz] == doctest::Approx(0.03));
+  CHECK(l[P::s_xx] + l[P::s_yy] == doctest::Approx(0.04));
+  CHECK(l[P::s_xy] == -0.001);
+  CHECK(l[P::s_xz] == 0.002);
+  CHECK(l[P::s_yz] == -0.003);
+}
+
+TEST_CASE("link: right angles are exact") {
+  static_assert(Angle::quarter(1).cos == 0 && Angle::quarter(1).sin == 1);
+  static_assert(Angle::quarter(-1).cos == 0 && Angle::quarter(-1).sin == -1);
+  static_assert(Angle::quarter(2).cos == -1 && Angle::quarter(2).sin == 0);
+  CHECK(Angle::radians(0.3).cos == std::cos(0.3));
+}
+
+TEST_CASE("link: what cannot exist is refused with its number") {
+  CHECK(refusal(box()) == "accepted");
+  auto l = box();
+  l[P::mass] = -1;
+  CHECK(refusal(l).find("-1, allowed: >= 0 kg") != std::string::npos);
+  l = box();
+  l[P::p_y] = std::numeric_limits<double>::quiet_NaN();
+  CHECK(refusal(l).find("finite") != std::string::npos);
+  l = box();
+  l[P::cos_alpha] = 0.9;
+  CHECK(refusal(l).find("0.81") != std::string::npos);
+  CHECK(refusal(make_link({}, {1, {0, 0, 0}, 1, 1, 3})).find("triangle") != std::string::npos);
+}
+
+TEST_CASE("link: two bodies fixed to each other weigh and turn like both") {
+  const LinkInertia a{2, {0.1, 0.2, -0.3}, 0.02, 0.03, 0.04, 0.001, 0.002, -0.001};
+  const LinkInertia b{3, {-0.2, 0.1, 0.4}, 0.01, 0.02, 0.02, 0, 0.001, 0};
+  const LinkInertia s = combined(a, b);
+  CHECK(s.mass == 5);
+  CHECK(s.c[0] == doctest::Approx((2 * 0.1 - 3 * 0.2) / 5));
+  // Moment of inertia about the frame's z axis adds up.
+  const auto about_z = [](const LinkInertia& i) {
+    return i.zz + i.mass * (i.c[0] * i.c[0] + i.c[1] * i.c[1]);
+  };
+  const auto product_yz = [](const LinkInertia& i) { return i.yz - i.mass * i.c[1] * i.c[2]; };
+  CHECK(about_z(s) == doctest::Approx(about_z(a) + about_z(b)));
+  CHECK(product_yz(s) == doctest::Approx(product_yz(a) + product_yz(b)));
+  CHECK(combined(a, LinkInertia{}).xx == a.xx);
+  CHECK(combined(LinkInertia{}, LinkInertia{}).mass == 0);
+}

@@ -1,0 +1,4 @@
+// expect: missing
+int main() {
+  return missing;
+}

@@ -1,0 +1,4 @@
+// expect: undeclared|not declared
+int main() {
+  return a1 + a2 + a3 + a4 + a5 + a6 + a7 + a8 + a9 + a10;
+}

@@ -1,0 +1,572 @@
+#include "skinctl/resolver/resolver.hpp"
+
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include <bit>
+#include <cmath>
+#include <string>
+#include <type_traits>
+
+#include "closed_loop.hpp"
+#include "skinctl/safety/guard.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+static_assert(std::is_trivially_copyable_v<Resolver<Interface::position, ur5::Model>::Memory>);
+static_assert(std::is_trivially_copyable_v<Resolver<Interface::velocity, ur5::Model, float>::Memory>);
+static_assert(std::is_trivially_copyable_v<JointCommand<6, float>>);
+
+namespace {
+
+template <Interface I, class T>
+struct Case {
+  static constexpr Interface interface = I;
+  using scalar = T;
+};
+#define INTERFACES_AND_SCALARS                                                                            \
+  Case<Interface::position, double>, Case<Interface::position, float>, Case<Interface::velocity, double>, \
+      Case<Interface::velocity, float>
+
+constexpr std::array<double, 6> pose{0.1, -1.5, 1.2, -1, -1.5, 0.3};
+
+template <class T>
+ResolverConfiguration<6, T> configuration(Nanoseconds period = 8_ms) {
+  ResolverConfiguration<6, T> c{
+      .limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8_ms, .lag = T(0.008)};
+  c.shape.viscous = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
+  return c;
+}
+
+template <class T>
+State<6, T> at(const std::array<double, 6>& q, Nanoseconds time = 0) {
+  State<6, T> s;
+  s.time = time;
+  for (std::size_t i = 0; i < 6; ++i) s.q[i] = T(q[i]);
+  return s;
+}
+
+template <class T>
+using Pushes = std::array<Pushed<6, T>, max_substeps>;
+template <class T>
+Pushes<T> pushing(const JointTorque<6, T>& torque) {
+  Pushes<T> p;
+  p.fill({torque});
+  return p;
+}
+
+template <class R, class T>
+auto step(const R& robot, typename R::Memory& m, Yield::Memory& law_memory, const State<6, T>& measured,
+          Nanoseconds now, const Pushes<T>& pushes) {
+  return robot.step(m, Yield{}, law_memory, measured, robot.interval(m, now),
+                    std::span<const Pushed<6, T>>(pushes));
+}
+
+template <class T>
+bool all_finite(const JointCommand<6, T>& c) {
+  bool ok = true;
+  for (std::size_t i = 0; i < 6; ++i)
+    ok = ok && std::isfinite(c.position[i]) && std::isfinite(c.velocity[i]) &&
+         std::isfinite(c.acceleration[i]) && std::isfinite(c.torque[i]);
+  return ok;
+}
+
+// What may be said of any two commands in a row, by other formulas than the guard's.
+template <Interface I, class T>
+void check_limits(const JointLimits<6, T>& limits, const JointCommand<6, T>& before,
+                  const JointCommand<6, T>& now, double dt) {
+  const double eps = std::numeric_limits<T>::epsilon();
+  REQUIRE(all_finite(now));
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double a = double(limits.acceleration()[i]), v = double(limits.velocity()[i]);
+    const double u0 = double(before.velocity[i]), u1 = double(now.velocity[i]);
+    REQUIRE(std::abs(u1) <= v * (1 + eps));
+    REQUIRE(std::abs(u1 - u0) <= a * dt * (1 + 1e3 * eps) + 8 * eps * v);
+    REQUIRE(std::abs(double(now.acceleration[i])) <= a * (1 + 1e3 * eps) + 16 * eps * v / dt);
+    REQUIRE(std::abs(double(now.torque[i])) <= double(limits.torque()[i]));
+    if (I == Interface::position) {
+      const double moved = double(now.position[i]) - double(before.position[i]);
+      REQUIRE(std::abs(moved) <= v * dt + 8 * eps * (1 + std::abs(double(now.position[i]))));
+      const bool was_inside =
+          before.position[i] >= limits.lower()[i] && before.position[i] <= limits.upper()[i];
+      if (was_inside) {
+        REQUIRE(now.position[i] <= limits.upper()[i]);
+        REQUIRE(now.position[i] >= limits.lower()[i]);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Resolver: refuses configurations that cannot work, with the number and the range") {
+  using Robot = Resolver<Interface::position, ur5::Model>;
+  const auto refusal = [](auto&& change) -> std::string {
+    auto c = configuration<double>();
+    change(c);
+    try {
+      const Robot robot(ur5::Model{}, c);
+    } catch (const ConfigurationError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(refusal([](auto&) {}).empty());
+  CHECK(refusal([](auto& c) { c.period = 0; }).find("period [ns] = 0") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.delay = -1; }).find("delay") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.delay = 300_ms; }) ==
+        "skinctl: delay / period = 37.5, allowed: <= History - 2: commands under way");
+  CHECK(refusal([&](auto& c) { c.lag = nan; }).find("lag = nan") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.observer = 13; }).find("observer w = 13") !=
+        std::string::npos);  // 0.3/0.024 = 12.5
+  CHECK(refusal([](auto& c) { c.observer = 12.5; }).empty());
+  CHECK(refusal([](auto& c) { c.dead_band[3] = 0; }).find("dead band = 0") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.dead_band[3] = 0.2; }).find("leash") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.leash = 1; }).find("leash = 1") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.lead = 0.1; }).find("lead = 0.1") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.drift = -1; }).find("drift") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.substep = 50_ms; }).find("sub-step") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.longest_interval = 1_ms; }).find("longest interval") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.stale_after = 0; }).find("stale after") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.retry = 0; }).find("retry") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.shape.viscous[2] = -3; }).find("viscous friction = -3") != std::string::npos);
+  CHECK(refusal([&](auto& c) { c.shape.coulomb[2] = nan; }).find("Coulomb friction") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.shape.inertia[2] = -1; }).find("added inertia") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.shape.decay = -1; }).find("decay") != std::string::npos);
+}
+
+TEST_CASE("Interval: equal parts that leave out and repeat nothing") {
+  const Resolver<Interface::position, ur5::Model> robot(ur5::Model{}, configuration<double>());
+  auto m = robot.start(at<double>(pose, 5_s));
+  for (const Nanoseconds dt : {Nanoseconds(1), 999_us, 2_ms, 2000001_ns, 8_ms, 12345678_ns, 40_ms}) {
+    const auto interval = robot.interval(m, 5_s + dt);
+    CHECK(interval.from == 5_s);
+    CHECK(interval.to == 5_s + dt);
+    CHECK(interval.at(0) == interval.from);
+    CHECK(interval.at(interval.substeps) == interval.to);
+    Nanoseconds least = INT64_MAX, most = 0;
+    for (unsigned j = 0; j < interval.substeps; ++j) {
+      const Nanoseconds part = interval.at(j + 1) - interval.at(j);
+      least = std::min(least, part);
+      most = std::max(most, part);
+    }
+    CHECK(most - least <= 1);
+    CHECK((most <= 2_ms || interval.substeps == max_substeps));
+    CHECK_FALSE(interval.status.any());
+  }
+  CHECK(robot.interval(m, 5_s).status == Reason::interval_empty);
+  CHECK(robot.interval(m, 5_s).substeps == 0);
+  CHECK(robot.interval(m, 5_s - 1).status == Reason::time_backwards);
+  CHECK(robot.interval(m, INT64_MIN).status == Reason::time_backwards);
+  CHECK(robot.interval(m, INT64_MAX).status == Reason::time_backwards);
+  const auto late = robot.interval(m, 7_s);
+  CHECK(late.status == Reason::interval_too_long);
+  CHECK(late.from == 7_s - 40_ms);
+}
+
+// Everything random: pushes, noise, jitter, jumps of the robot, faults. The guard must find nothing to alter.
+TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothing to add", C,
+                   INTERFACES_AND_SCALARS) {
+  constexpr Interface I = C::interface;
+  using T = typename C::scalar;
+  std::mt19937_64 rng(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int at_end = 0, at_speed = 0;
+  long cycles = 0, altered = 0;
+  for (int scene = 0; scene < 100; ++scene) {
+    auto c = configuration<T>(scene % 2 == 0 ? 8_ms : 2_ms);
+    const T a = T(std::pow(10, 1.5 + 0.7 * unit(rng)));
+    c.limits = limits_of<ur5::Description, T>(a);
+    if (scene % 3 == 0) c.lead = T(0.5) * (T(0.016) + seconds<T>(c.period));
+    if (scene % 5 == 0) c.shape.coulomb = JointTorque<6, T>::constant(T(1));
+    if (scene % 7 == 0) c.shape.viscous = {};
+    ClosedLoop<I, T> loop(c, pose, 0.008 + 0.004 * unit(rng), 0.008);
+    const Guard<I, 6, T> guard({.limits = c.limits, .period = c.period});
+    auto guarded = guard.start(loop.memory.command, loop.measure(0));
+    loop.noise = 1e-4;
+    std::array<double, 6> push{}, impulse{};
+    double since = 0;
+    Nanoseconds now = 0;
+    auto before = loop.memory.command;
+    for (int k = 0; k < 2500; ++k, ++cycles) {
+      const Nanoseconds dt = std::max<Nanoseconds>(
+          1000, Nanoseconds(double(c.period) * (1 + 0.9 * unit(rng)) * (k % 50 == 0 ? 2.5 : 1)));
+      if (k % 100 == 0) {
+        for (std::size_t i = 0; i < 6; ++i) {
+          impulse[i] += push[i] * (1e-9 * double(now) - since);
+          push[i] = (i < 3 ? 100 : 15) * unit(rng) * (unit(rng) > 0 ? 1 : 0.1);
+        }
+        since = 1e-9 * double(now);
+      }
+      now += dt;
+      if (k % 400 == 399) loop.joints.displace(std::size_t(k) % 6, 0.2 * unit(rng));
+      loop.joints.hold_fast(1, k % 1000 > 900);
+      const auto out = loop.step(now, [&](double t) {
+        std::array<double, 6> s{};
+        for (std::size_t i = 0; i < 6; ++i) s[i] = impulse[i] + push[i] * (t - since);
+        return s;
+      });
+      const double credit = 1e-9 * double(std::min(dt, 5 * c.period));
+      CAPTURE(scene);
+      CAPTURE(k);
+      check_limits<I, T>(c.limits, before, out.command, credit);
+      before = out.command;
+      const auto let = guard.pass(guarded, out.command, loop.measured, now);
+      altered += let.altered ? 1 : 0;
+      if (let.altered) {
+        loop.robot.sent(loop.memory, let.command);
+        before = let.command;
+      }
+      // A robot that takes velocities keeps its position limits too, as long as it does what is declared.
+      for (std::size_t i = 0; i < 6; ++i) {
+        at_end += std::abs(double(out.command.position[i])) > 6.2 ? 1 : 0;
+        at_speed += std::abs(out.command.velocity[i]) > T(3.1) ? 1 : 0;
+      }
+    }
+  }
+  CHECK(at_end > 100);
+  CHECK(at_speed > 100);
+  MESSAGE(cycles, " cycles, altered by the guard: ", altered);
+  CHECK(altered <= cycles / 1000);
+}
+
+TEST_CASE_TEMPLATE("Resolver: a robot that takes velocities stays within its position limits", T, float,
+                   double) {
+  std::mt19937_64 rng(12);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  double closest = 1e9;
+  for (int scene = 0; scene < 30; ++scene) {
+    auto c = configuration<T>(8_ms);
+    ClosedLoop<Interface::velocity, T> loop(c, pose, 0.008, 0.008);
+    Nanoseconds now = 0;
+    const double push = (scene % 2 == 0 ? 1 : -1) * 60;
+    for (int k = 0; k < 1500; ++k) {
+      now += Nanoseconds(8e6 * (1 + 0.9 * unit(rng))) * (k % 20 == 0 ? 2 : 1);
+      loop.step(now, [&](double t) { return std::array<double, 6>{push * t, 0, -push / 2 * t, 0, 0, 0}; });
+      for (std::size_t i : {0u, 2u}) {
+        const double room = std::min(double(c.limits.upper()[i]) - loop.joints.q()[i],
+                                     loop.joints.q()[i] - double(c.limits.lower()[i]));
+        closest = std::min(closest, room);
+        REQUIRE(room >= -1e-5);
+      }
+    }
+  }
+  CHECK(closest < 0.02);
+}
+
+TEST_CASE_TEMPLATE("Resolver: NaN and infinity in the state are refused, the last good one stands", C,
+                   INTERFACES_AND_SCALARS) {
+  using T = typename C::scalar;
+  const auto c = configuration<T>();
+  const Resolver<C::interface, ur5::Model, T> robot(ur5::Model{}, c);
+  for (const T bad : {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity(),
+                      -std::numeric_limits<T>::infinity(), T(1e30)}) {
+    auto m = robot.start(at<T>(pose));
+    Yield::Memory law;
+    auto s = at<T>(pose, 8_ms);
+    s.q[2] = bad;
+    auto before = m.command;
+    auto out = step(robot, m, law, s, 8_ms, pushing<T>({}));
+    CHECK(out.status == Reason::state_not_finite);
+    check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
+    s = at<T>(pose, 16_ms);
+    s.dq[2] = bad;
+    before = m.command;
+    out = step(robot, m, law, s, 16_ms, pushing<T>({}));
+    CHECK(out.status == Reason::state_not_finite);
+    check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
+    out = step(robot, m, law, at<T>(pose, 24_ms), 24_ms, pushing<T>({}));
+    CHECK_FALSE(out.status.any());
+    // started with it: nothing may be sent
+    auto never = robot.start(s);
+    CHECK_FALSE(never.started);
+    out = step(robot, never, law, at<T>(pose, 16_ms), 24_ms, pushing<T>({}));
+    CHECK_FALSE(out.command.valid);
+  }
+}
+
+TEST_CASE_TEMPLATE("Resolver: a torque that is not finite brakes, and the law's memory stands", C,
+                   INTERFACES_AND_SCALARS) {
+  using T = typename C::scalar;
+  const auto c = configuration<T>();
+  for (const T bad : {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity()}) {
+    ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
+    Nanoseconds now = 0;
+    while (now < 400_ms) loop.step(now += 8_ms, [](double t) { return std::array<double, 6>{3 * t}; });
+    auto& m = loop.memory;
+    const T speed = m.v[0];
+    const auto evaluations = loop.law_memory.evaluations;
+    CHECK(speed > T(0.01));
+    const auto before = m.command;
+    now += 8_ms;
+    loop.joints.advance(1e-9 * double(now));
+    const auto out = step(loop.robot, m, loop.law_memory, loop.measure(now), now,
+                          pushing<T>({T(3), bad, T(0), T(0), T(0), T(0)}));
+    CHECK(out.status.has(Reason::torque_not_finite));
+    CHECK(loop.law_memory.evaluations == evaluations);
+    CHECK(m.v[0] < speed);
+    check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
+  }
+}
+
+TEST_CASE_TEMPLATE("Resolver: without news of the robot it brakes and holds, and goes on when news come", C,
+                   INTERFACES_AND_SCALARS) {
+  using T = typename C::scalar;
+  auto c = configuration<T>();
+  ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
+  const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, 0, 0, 0, 0, 0}; };
+  Nanoseconds now = 0;
+  while (now < 500_ms) loop.step(now += 8_ms, impulse);
+  CHECK(loop.memory.v[0] > T(0.2));
+  auto& m = loop.memory;
+  const State<6, T> old = loop.measure(now);
+  const Nanoseconds silent = now;
+  auto before = m.command;
+  bool stale = false;
+  const auto advanced = [&] { return loop.law_memory.evaluations; };
+  auto evaluations = advanced();
+  while (now < silent + 800_ms) {
+    now += 8_ms;
+    const auto out =
+        step(loop.robot, m, loop.law_memory, old, now, pushing<T>({T(8), T(0), T(0), T(0), T(0), T(0)}));
+    check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
+    before = out.command;
+    const bool now_stale = out.status.has(Reason::state_stale);
+    CHECK(now_stale == (now - silent > nanoseconds(5 * 0.024)));
+    if (!stale && now_stale) evaluations = advanced();
+    stale = now_stale;
+  }
+  CHECK(stale);
+  CHECK(advanced() == evaluations);
+  for (const T v : m.command.velocity) CHECK(std::abs(v) < T(1e-5));
+  auto s = old;
+  s.time = now += 8_ms;
+  const auto out = step(loop.robot, m, loop.law_memory, s, now, pushing<T>({}));
+  CHECK_FALSE(out.status.has(Reason::state_stale));
+  check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
+}
+
+TEST_CASE_TEMPLATE("Resolver: a stop brakes and holds, a resume goes on without a jump", C,
+                   INTERFACES_AND_SCALARS) {
+  using T = typename C::scalar;
+  auto c = configuration<T>();
+  ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
+  const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, -9 * t, 0, 0, 0, 0.1 * t}; };
+  Nanoseconds now = 0;
+  auto before = loop.memory.command;
+  const auto run = [&](Nanoseconds until) {
+    Status seen;
+    while (now < until) {
+      now += 8_ms;
+      const auto out = loop.step(now, impulse);
+      check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
+      before = out.command;
+      seen |= out.status;
+    }
+    return seen;
+  };
+  run(500_ms);
+  loop.robot.stop(loop.memory);
+  CHECK(run(1_s).has(Reason::stopping));
+  const auto evaluations = loop.law_memory.evaluations;
+  const auto rest = loop.memory.command.position;
+  CHECK(run(2_s).has(Reason::stopping));
+  CHECK(loop.law_memory.evaluations == evaluations);
+  for (std::size_t i = 0; i < 6; ++i) {
+    CHECK(std::abs(loop.memory.command.velocity[i]) < T(1e-5));
+    CHECK(std::abs(double(loop.memory.command.position[i] - rest[i])) < 1e-5);
+  }
+  loop.robot.resume(loop.memory);
+  CHECK_FALSE(run(2500_ms).has(Reason::stopping));
+  CHECK(loop.memory.v[0] > T(0.2));
+}
+
+TEST_CASE_TEMPLATE("Resolver: time that goes back or stands still changes nothing", C,
+                   INTERFACES_AND_SCALARS) {
+  using T = typename C::scalar;
+  auto c = configuration<T>();
+  ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
+  const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, 0, 0, 0, 0, 0}; };
+  Nanoseconds now = 0;
+  while (now < 500_ms) loop.step(now += 8_ms, impulse);
+  const auto command = loop.memory.command;
+  for (const Nanoseconds wrong :
+       {now, now - 1, Nanoseconds(0), Nanoseconds(INT64_MIN), Nanoseconds(INT64_MAX)}) {
+    auto m = loop.memory;
+    Yield::Memory law;
+    const auto out = step(loop.robot, m, law, at<T>(pose, wrong), wrong, pushing<T>({}));
+    CHECK(out.status == (wrong == now ? Reason::interval_empty : Reason::time_backwards));
+    CHECK(out.command.position == command.position);
+    CHECK(out.command.velocity == command.velocity);
+    CHECK(law.evaluations == 0);
+  }
+  // A state from before the last one is refused, one from the future counts as of now.
+  auto m = loop.memory;
+  Yield::Memory law;
+  CHECK(step(loop.robot, m, law, at<T>(pose, 8_ms), now + 8_ms, pushing<T>({}))
+            .status.has(Reason::time_backwards));
+  auto s = loop.measure(now);
+  s.time = now + 3600_s;
+  m = loop.memory;
+  CHECK_FALSE(step(loop.robot, m, law, s, now + 8_ms, pushing<T>({})).status.has(Reason::time_backwards));
+  CHECK(m.measured.time == now + 8_ms);
+}
+
+TEST_CASE_TEMPLATE("Resolver: a robot that starts beyond a limit is only moved inward", C,
+                   INTERFACES_AND_SCALARS) {
+  using T = typename C::scalar;
+  auto c = configuration<T>();
+  auto beyond = pose;
+  beyond[2] = 3.3;
+  for (const double push : {20.0, -20.0}) {
+    ClosedLoop<C::interface, T> loop(c, beyond, 0.008, 0.008);
+    const Impulse impulse = [push](double t) { return std::array<double, 6>{0, 0, push * t, 0, 0, 0}; };
+    double last = beyond[2];
+    Status seen;
+    for (Nanoseconds now = 8_ms; now < 2_s; now += 8_ms) {
+      seen |= loop.step(now, impulse).status;
+      const double q =
+          C::interface == Interface::position ? double(loop.memory.command.position[2]) : loop.joints.q()[2];
+      if (last > double(c.limits.upper()[2])) CHECK(q <= last + 1e-6);
+      last = q;
+    }
+    CHECK(seen.has(Reason::outside_limits));
+    if (push < 0) CHECK(last < double(c.limits.upper()[2]));
+  }
+}
+
+TEST_CASE_TEMPLATE("Resolver: goes on from what the guard let out", C, INTERFACES_AND_SCALARS) {
+  using T = typename C::scalar;
+  auto c = configuration<T>();
+  ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
+  const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, 0, 0, 0, 0, 0}; };
+  Nanoseconds now = 0;
+  while (now < 500_ms) loop.step(now += 8_ms, impulse);
+  auto instead = loop.memory.command;
+  instead.velocity[0] = T(0.05);
+  instead.position[0] -= T(0.001);
+  loop.robot.sent(loop.memory, instead);
+  const auto out = loop.step(now += 8_ms, impulse);
+  CHECK(double(out.command.velocity[0]) == doctest::Approx(0.05).epsilon(0.5));
+  if (C::interface == Interface::position)
+    CHECK(double(out.command.position[0] - instead.position[0]) == doctest::Approx(0.0005).epsilon(0.5));
+}
+
+TEST_CASE("Resolver: a blocked robot that is still pushed the same way waits, and tries again") {
+  auto c = configuration<double>();
+  c.retry = 0.5;
+  ClosedLoop<Interface::position> loop(c, pose, 0.008, 0.008);
+  loop.joints.hold_fast(0, true);
+  const Impulse impulse = [](double t) { return std::array<double, 6>{50 * t, 0, 0, 0, 0, 0}; };
+  int changes = 0;
+  bool blocked = false;
+  for (Nanoseconds now = 8_ms; now < 5_s; now += 8_ms) {
+    const bool is = loop.step(now, impulse).status.has(Reason::blocked);
+    changes += is != blocked ? 1 : 0;
+    blocked = is;
+  }
+  CHECK(changes >= 8);  // a try takes about 0.5 s of waiting and 0.2 s of pushing
+  CHECK(changes <= 18);
+}
+
+TEST_CASE_TEMPLATE("Resolver: nothing creeps in a day of rest", C, Case<Interface::position, float>,
+                   Case<Interface::velocity, float>, Case<Interface::position, double>) {
+  using T = typename C::scalar;
+  auto c = configuration<T>(2_ms);
+  const Resolver<C::interface, ur5::Model, T> robot(ur5::Model{}, c);
+  auto m = robot.start(at<T>(pose));
+  Yield::Memory law;
+  Nanoseconds now = 0;
+  for (int k = 0; k < 1'000'000; ++k) {
+    now += 2_ms;
+    auto s = m.measured;
+    s.time = now;
+    step(robot, m, law, s, now, pushing<T>({}));
+  }
+  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(double(m.command.position[i]) - pose[i]) < 1e-6);
+}
+
+TEST_CASE_TEMPLATE("Resolver: slow motion is not lost to rounding", T, float, double) {
+  // 1e-6 rad/s at 500 Hz: a step is 1/60 of float's resolution at 1 rad.
+  auto c = configuration<T>(2_ms);
+  const Resolver<Interface::position, ur5::Model, T> robot(ur5::Model{}, c);
+  auto m = robot.start(at<T>({1, -1.5, 1.2, -1, -1.5, 0.3}));
+  m.v[0] = m.rate[0] = T(1e-6);
+  Yield::Memory law;
+  Nanoseconds now = 0;
+  const T hold = T(1e-6) * c.shape.viscous[0];
+  for (int k = 0; k < 500'000; ++k) {
+    now += 2_ms;
+    auto s = m.measured;
+    s.time = now;
+    s.q = m.q.value;
+    step(robot, m, law, s, now, pushing<T>({hold, T(0), T(0), T(0), T(0), T(0)}));
+  }
+  CHECK(double(m.q.value[0]) + double(m.q.rest[0]) == doctest::Approx(1.001).epsilon(2e-5));
+}
+
+namespace {
+template <class T>
+T from_bits(std::uint64_t bits) {
+  if constexpr (std::is_same_v<T, float>) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+  } else {
+    return std::bit_cast<double>(bits);
+  }
+}
+}  // namespace
+
+// Arbitrary bits in every field of the input, in between good cycles.
+TEST_CASE_TEMPLATE("Resolver: whatever comes in, what goes out is finite and within limits", C,
+                   INTERFACES_AND_SCALARS) {
+  using T = typename C::scalar;
+  auto c = configuration<T>();
+  const bool ok = rc::check([&] {
+    ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
+    const Guard<C::interface, 6, T> guard({.limits = c.limits, .period = c.period});
+    auto guarded = guard.start(loop.memory.command, loop.measure(0));
+    auto before = loop.memory.command;
+    Nanoseconds now = 0;
+    const int cycles = *rc::gen::inRange(1, 40);
+    for (int k = 0; k < cycles; ++k) {
+      State<6, T> s;
+      Pushes<T> pushes;
+      const auto kind = *rc::gen::inRange(0, 4);
+      const auto word = [&] { return *rc::gen::arbitrary<std::uint64_t>(); };
+      const Nanoseconds good = now + 8_ms;
+      Nanoseconds at_time = good;
+      s = loop.measure(good);
+      if (kind == 1) at_time = static_cast<Nanoseconds>(word());
+      if (kind == 2) {
+        s.time = static_cast<Nanoseconds>(word());
+        for (auto& q : s.q) q = from_bits<T>(word());
+        for (auto& dq : s.dq) dq = from_bits<T>(word());
+      }
+      if (kind == 3)
+        for (auto& p : pushes)
+          for (auto& tau : p.torque) tau = from_bits<T>(word());
+      const auto interval = loop.robot.interval(loop.memory, at_time);
+      const auto out = loop.robot.step(loop.memory, loop.law, loop.law_memory, s, interval,
+                                       std::span<const Pushed<6, T>>(pushes));
+      if (interval.substeps > 0) {
+        const double credit = 1e-9 * double(interval.to - interval.from);
+        check_limits<C::interface, T>(c.limits, before, out.command, credit);
+        now = interval.to;
+      }
+      RC_ASSERT(all_finite(out.command));
+      before = out.command;
+      const auto let = guard.pass(guarded, out.command, s, at_time);
+      RC_ASSERT(all_finite(let.command));
+      for (std::size_t i = 0; i < 6; ++i)
+        RC_ASSERT(std::abs(let.command.velocity[i]) <= c.limits.velocity()[i] * T(1.0001));
+      if (let.altered) {
+        loop.robot.sent(loop.memory, let.command);
+        before = let.command;
+      }
+      if (std::abs(now) > (Nanoseconds(1) << 60)) break;  // a clock that jumped there does not come back
+    }
+  });
+  CHECK(ok);
+}

@@ -1,0 +1,198 @@
+#include "skinctl/safety/limits.hpp"
+
+#include <doctest/doctest.h>
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <random>
+#include <string>
+
+#include "skinctl/model/ur5.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+using namespace skinctl;
+using Exact =
+    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+
+namespace {
+
+template <class T>
+JointLimits<1, T> one_joint(T lower, T upper, T velocity, T acceleration) {
+  typename JointLimits<1, T>::Values v;
+  v.lower[0] = lower;
+  v.upper[0] = upper;
+  v.velocity[0] = velocity;
+  v.acceleration[0] = acceleration;
+  v.torque[0] = T(1);
+  return JointLimits<1, T>(v);
+}
+template <class T>
+JointVelocity<1, T> speed(T u) {
+  return JointVelocity<1, T>::constant(u);
+}
+
+std::string refusal(const JointLimits<2>::Values& v) {
+  try {
+    JointLimits<2>{v};
+  } catch (const ConfigurationError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("JointLimits: refuse what cannot be a limit, with the number and the range") {
+  JointLimits<2>::Values good;
+  good.lower = {-1, -2};
+  good.upper = {1, 2};
+  good.velocity = {1, 1};
+  good.acceleration = {1, 1};
+  good.torque = {1, 1};
+  CHECK(refusal(good).empty());
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {0.0, -1.0, nan, inf}) {
+    auto v = good;
+    v.velocity[1] = bad;
+    CHECK(refusal(v).find("velocity limit") != std::string::npos);
+    v = good;
+    v.acceleration[0] = bad;
+    CHECK(refusal(v).find("acceleration limit") != std::string::npos);
+    v = good;
+    v.torque[0] = bad;
+    CHECK(refusal(v).find("torque limit") != std::string::npos);
+  }
+  for (const double bad : {1.0, 7.5, nan}) {
+    auto v = good;
+    v.lower[0] = bad;
+    CHECK(refusal(v).find("lower position limit") != std::string::npos);
+  }
+  auto v = good;
+  v.velocity[0] = -7.5;
+  CHECK(refusal(v) == "skinctl: velocity limit = -7.5, allowed: > 0, <= 1e3 rad/s");
+  v = good;
+  v.lower = {-inf, -inf};
+  v.upper = {inf, inf};
+  CHECK(refusal(v).empty());
+}
+
+TEST_CASE_TEMPLATE("limits_of: the maker's numbers of a UR5", T, float, double) {
+  const auto limits = limits_of<ur5::Description, T>(T(25));
+  for (std::size_t i = 0; i < 6; ++i) {
+    CHECK(limits.lower()[i] == T(ur5::Description::lower[i]));
+    CHECK(limits.upper()[i] == T(ur5::Description::upper[i]));
+    CHECK(limits.velocity()[i] == T(ur5::Description::max_velocity));
+    CHECK(limits.acceleration()[i] == T(25));
+    CHECK(limits.torque()[i] == T(ur5::Description::max_torque[i]));
+  }
+}
+
+TEST_CASE_TEMPLATE("speed_to_stop: reacts and brakes within exactly the distance", T, float, double) {
+  std::mt19937_64 rng(1);
+  std::uniform_real_distribution<double> exponent(-12, 6);
+  for (int k = 0; k < 20000; ++k) {
+    const T d = T(std::pow(10, exponent(rng))), t = k % 3 == 0 ? T(0) : T(std::pow(10, exponent(rng))),
+            a = T(std::pow(10, exponent(rng)));
+    const T u = speed_to_stop(d, t, a);
+    const Exact used = Exact(u) * Exact(u) / (2 * Exact(a)) + Exact(u) * Exact(t);
+    CAPTURE(d);
+    CAPTURE(t);
+    CAPTURE(a);
+    CHECK(static_cast<double>(abs(used - Exact(d)) / Exact(d)) <
+          8 * double(std::numeric_limits<T>::epsilon()));
+  }
+  CHECK(speed_to_stop(T(0), T(1), T(1)) == T(0));
+  CHECK(speed_to_stop(T(-1), T(1), T(1)) == T(0));
+  CHECK(speed_to_stop(std::numeric_limits<T>::quiet_NaN(), T(1), T(1)) == T(0));
+}
+
+// The law that matters: whatever is asked for, and however long the steps are.
+TEST_CASE_TEMPLATE("JointLimits: no limit is ever crossed, by whatever targets and steps", T, float, double) {
+  std::mt19937_64 rng(2);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int at_upper = 0, at_speed = 0;
+  for (int scene = 0; scene < 200; ++scene) {
+    const T a = T(std::pow(10, 1.5 + unit(rng))), vm = T(std::pow(10, unit(rng)));
+    const T upper = T(0.5 + std::abs(unit(rng)) * 6), lower = T(-0.1 + 0.5 * unit(rng));
+    if (!(lower < upper)) continue;
+    const auto limits = one_joint(lower, upper, vm, a);
+    T q = (lower + upper) / 2, u = 0;
+    double bias = unit(rng);
+    for (int k = 0; k < 5000; ++k) {
+      if (k % 700 == 0) bias = unit(rng) > 0 ? 1e3 : -1e3;  // run into an end
+      const T h = T(std::pow(10, -2 + 1.5 * unit(rng)));
+      const T target = k % 3 == 0 ? T(bias) : T(3 * vm * unit(rng) + bias);
+      const JointPosition<1, T> here = JointPosition<1, T>::constant(q);
+      const auto motion = limits.move(limits.room(here), speed(u), speed(target), h);
+      const T next = motion.velocity[0], moved = motion.displacement[0];
+      const double eps = std::numeric_limits<T>::epsilon();
+      REQUIRE(std::abs(double(next)) <= double(vm) * (1 + eps));
+      REQUIRE(std::abs(double(next) - double(u)) <= double(a) * double(h) + 4 * eps * double(vm));
+      // Some motion with that acceleration does it: the displacement is reachable.
+      const double du = double(next) - double(u);
+      const double aside = 0.25 * (double(a) * h * h - du * du / double(a));
+      REQUIRE(std::abs(double(moved) - 0.5 * h * (double(u) + double(next))) <=
+              std::max(aside, 0.0) + 16 * eps * (double(vm) * h + 1));
+      const T before = q;
+      q = q + moved;
+      u = next;
+      REQUIRE(q <= upper + std::numeric_limits<T>::epsilon() * upper);
+      REQUIRE(q >= lower - std::numeric_limits<T>::epsilon() * (std::abs(lower) + std::abs(before)));
+      at_upper += q > upper - T(1e-3) ? 1 : 0;
+      at_speed += std::abs(u) > T(0.999) * vm ? 1 : 0;
+    }
+  }
+  CHECK(at_upper > 1000);  // the ends were used, not shunned
+  CHECK(at_speed > 1000);
+}
+
+TEST_CASE_TEMPLATE("JointLimits: what is free is left alone", T, float, double) {
+  const auto limits = one_joint(T(-3), T(3), T(2), T(40));
+  const auto room = limits.room(JointPosition<1, T>::constant(T(0.3)));
+  const auto motion = limits.move(room, speed(T(1)), speed(T(1.05)), T(0.002));
+  CHECK(motion.velocity[0] == T(1.05));
+  CHECK(double(motion.displacement[0]) == doctest::Approx(0.00205).epsilon(1e-6));
+  CHECK_FALSE(motion.status.any());
+  CHECK(motion.braked == 0);
+}
+
+TEST_CASE_TEMPLATE("JointLimits: say which limit acted", T, float, double) {
+  const auto limits = one_joint(T(-3), T(3), T(2), T(40));
+  const auto at = [&](T q) { return limits.room(JointPosition<1, T>::constant(q)); };
+  CHECK(limits.move(at(T(0)), speed(T(0)), speed(T(1)), T(0.002)).status == Reason::acceleration_limited);
+  CHECK(limits.move(at(T(0)), speed(T(2)), speed(T(3)), T(0.002)).status == Reason::velocity_limited);
+  const auto end = limits.move(at(T(2.9999)), speed(T(0.05)), speed(T(0.08)), T(0.002));
+  CHECK(end.status == Reason::position_limited);
+  CHECK(end.braked == 1);
+}
+
+TEST_CASE_TEMPLATE("JointLimits: beyond an end only inward motion is given", T, float, double) {
+  const auto limits = one_joint(T(-3), T(3), T(2), T(40));
+  const auto room = limits.room(JointPosition<1, T>::constant(T(3.2)));
+  T u = 0;
+  auto motion = limits.move(room, speed(u), speed(T(1)), T(0.01));
+  CHECK(motion.velocity[0] == T(0));
+  CHECK(motion.displacement[0] == T(0));
+  motion = limits.move(room, speed(u), speed(T(-1)), T(0.01));
+  CHECK(double(motion.velocity[0]) == doctest::Approx(-0.4));
+  CHECK(motion.displacement[0] < T(0));
+  // Who starts there outward brakes as hard as allowed, and no harder.
+  motion = limits.move(room, speed(T(1)), speed(T(1)), T(0.01));
+  CHECK(double(motion.velocity[0]) == doctest::Approx(0.6));
+}
+
+TEST_CASE_TEMPLATE("JointLimits: a target that is NaN counts as zero", T, float, double) {
+  const auto limits = one_joint(T(-3), T(3), T(2), T(40));
+  const auto room = limits.room(JointPosition<1, T>::constant(T(0)));
+  const auto motion = limits.move(room, speed(T(1)), speed(std::numeric_limits<T>::quiet_NaN()), T(0.01));
+  CHECK(double(motion.velocity[0]) == doctest::Approx(0.6));
+}
+
+TEST_CASE("JointLimits: a motion allocates nothing") {
+  const auto limits = limits_of<ur5::Description>(40.0);
+  JointVelocity<6> u;
+  test::AllocationGuard guard;
+  for (int k = 0; k < 1000; ++k)
+    u = limits.move(limits.room(JointPosition<6>{}), u, JointVelocity<6>::constant(1.0), 0.002).velocity;
+  const auto count = guard.count();
+  CHECK(count == 0);
+}

@@ -1,0 +1,53 @@
+#include "skinctl/sensing/send_on_delta.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+using namespace skinctl;
+
+TEST_CASE("SendOnDelta: what a receiver holds is right to within a delta and not old") {
+  const SendOnDelta::Deltas deltas;
+  const SendOnDelta rule(deltas, 100_ms);
+  std::mt19937_64 random(5);
+  std::normal_distribution<float> step(0.0f, 0.002f);
+  SendOnDelta::Memory memory;
+  CellSample now, held;
+  now.force = {0.3f, 0.2f, 0.1f};
+  int sent = 0;
+  const int measured = 50000;
+  for (int k = 0; k < measured; ++k) {
+    now.time += 4_ms;
+    const bool quiet = (k / 500) % 2;
+    for (float& f : now.force)
+      if (!quiet) f = std::abs(f + step(random));
+    if (!quiet) now.proximity = std::abs(now.proximity + step(random));
+    if (rule.send(memory, now)) held = now, ++sent;
+    for (std::size_t i = 0; i < 3; ++i) REQUIRE(std::abs(held.force[i] - now.force[i]) < deltas.force);
+    REQUIRE(std::abs(held.proximity - now.proximity) < deltas.proximity);
+    REQUIRE(now.time - held.time < 100_ms);
+  }
+  CHECK(sent > measured / 25);
+  CHECK(sent < measured / 2);
+}
+
+TEST_CASE("SendOnDelta: the first measurement and numbers that are none are sent") {
+  const SendOnDelta rule(SendOnDelta::Deltas{});
+  SendOnDelta::Memory memory;
+  CellSample s;
+  CHECK(rule.send(memory, s));
+  s.time = 4_ms;
+  CHECK_FALSE(rule.send(memory, s));
+  s.acceleration[1] = std::numeric_limits<float>::quiet_NaN();
+  s.time = 8_ms;
+  CHECK(rule.send(memory, s));
+}
+
+TEST_CASE("SendOnDelta: deltas that say nothing are refused") {
+  SendOnDelta::Deltas deltas;
+  deltas.force = 0;
+  CHECK_THROWS_AS(SendOnDelta{deltas}, ConfigurationError);
+  CHECK_THROWS_AS(SendOnDelta(SendOnDelta::Deltas{}, 0), ConfigurationError);
+}
