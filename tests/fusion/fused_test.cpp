@@ -33,13 +33,15 @@ T largest(const JointTorque<6, T>& tau) {
 }
 
 /// A law that gives known torques for its feedback and its feed-forward, and for gravity if it may.
-struct Told {
+struct Told : Composable {
   struct Memory {
     int held = 0, released = 0;
   };
+  Told(double feedback_torque, double feed_forward_torque)
+      : feedback(feedback_torque), feed_forward(feed_forward_torque) {}
   static constexpr Needs needs{};
   static constexpr Role role = Role::tracking;
-  double feedback = 0, feed_forward = 0;
+  double feedback, feed_forward;
   template <class K>
   Memory start(const K&) const noexcept {
     return {};
@@ -149,9 +151,10 @@ TEST_CASE("Fused: freezes and releases its tracking laws, and says so") {
   const GravityControl gravity;
   const SkinJointControl skin;
   const Skinned<double> untouched;
-  const auto touch = touch_of(0, 0, 30);
-  const JointAngles<Arm, double> angles(model, pose.q);
-  const double side = power(skin_torque(model, angles, touch), JointVelocity<6>::constant(1)) > 0 ? -1 : 1;
+  const auto touch = touch_of(30, 20, 0);  // across the joints' axes
+  const auto tau_skin = skin_torque(model, JointAngles<Arm, double>(model, pose.q), touch);
+  REQUIRE(largest(tau_skin) > OppositionSettings{}.on);
+  const double side = power(tau_skin, JointVelocity<6>::constant(1)) > 0 ? -1 : 1;
   const auto run = [&](const auto& law) {
     using L = std::remove_cvref_t<decltype(law)>;
     const KnownTo<L> free(model, pose, 0.002, untouched), touched(model, pose, 0.002, touch);

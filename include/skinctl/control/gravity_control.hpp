@@ -14,7 +14,7 @@ enum class Instant : unsigned char { start, middle };
 /// At the middle, `G(q + dq dt/2)`, a moving robot is carried to second order; at the start, what is held
 /// lags by half an interval, but other laws share it.
 template <Instant At = Instant::middle>
-struct GravityCompensation {
+struct GravityCompensation : Composable {
   struct Memory {};
   static constexpr Needs needs = {.gravity = At == Instant::start};
   static constexpr Role role = Role::gravity;

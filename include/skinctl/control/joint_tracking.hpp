@@ -31,7 +31,7 @@ struct TrackingMemory {
 ///
 /// @tparam Plan  where targets come from: `SplinePlan` or `TargetPlan`.
 template <std::size_t N, Real T, class Plan, class Damping = InertialDamping<T>>
-class JointTracking {
+class JointTracking : public Composable {
  public:
   using Memory = TrackingMemory<N, T, Plan>;
   using Goal = typename Plan::Goal;

@@ -8,7 +8,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// `tau = tau_skin`, eq. (7): the wrenches that the skin puts on the links, as joint torques. Zero in a scene
 /// without skin. Its weight in a sum scales the felt mass at the contact and is not normalised.
-struct SkinJointControl {
+struct SkinJointControl : Composable {
   struct Memory {};
   static constexpr Needs needs = {.angles = true, .touch = true};
   static constexpr Role role = Role::reactive;

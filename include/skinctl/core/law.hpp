@@ -9,6 +9,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// The operators of law expressions (`0.6 * skin + gravity`) live in this namespace, and a law finds them by
+/// deriving from `Composable`. Whoever mistypes an expression of other things does not meet them in the
+/// error.
+namespace expression {
+struct Composable {};
+}  // namespace expression
+using expression::Composable;
+
 /// How a law enters a sum, eq. (23).
 enum class Role : unsigned char {
   tracking,  ///< follows a target: feedback is weighted, feed-forwards enter as one convex mean
@@ -38,7 +46,7 @@ enum class Opposition : unsigned char { none, lasting, released };
 /// - `torque(memory, known)`: the joint torque [N m], pure and noexcept;
 /// - `advance(memory, known, dt, opposition)`: the memory after `dt` seconds, pure and noexcept.
 /// `known` is a `Quantities`: the state, what was computed from it, and the interval for which the torque
-/// will be held.
+/// will be held. A law that derives from `Composable` can be written in expressions.
 template <class L, class K>
 concept Law =
     requires(const L& law, const typename L::Memory& memory, const K& known, typename K::scalar dt) {

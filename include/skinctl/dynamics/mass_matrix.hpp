@@ -17,23 +17,19 @@ struct MassMatrix {
   }
 
   /// `M ddq` [N m].
-  friend SKINCTL_INLINE constexpr JointTorque<N, T> operator*(const MassMatrix& m,
-                                                              const JointAcceleration<N, T>& ddq) noexcept {
+  SKINCTL_INLINE constexpr JointTorque<N, T> operator*(const JointAcceleration<N, T>& ddq) const noexcept {
     JointTorque<N, T> tau;
     for (std::size_t i = 0; i < N; ++i) {
       T sum(0);
-      for (std::size_t j = 0; j < N; ++j) sum = sum + m.data[i * N + j] * ddq[j];
+      for (std::size_t j = 0; j < N; ++j) sum = sum + data[i * N + j] * ddq[j];
       tau[i] = sum;
     }
     return tau;
   }
+  // clang-format off
+  template <class Q> void operator*(const Q&) const = delete;  // M takes joint accelerations: M * ddq
+  // clang-format on
 };
-
-template <std::size_t N, Scalar T, class K, std::size_t K_N, class U>
-  requires(!std::is_same_v<K, kind::Acceleration> || K_N != N)
-// clang-format off
-void operator*(const MassMatrix<N, T>&, const JointVector<K, K_N, U>&) = delete;  // M takes joint accelerations: M * ddq
-// clang-format on
 
 namespace detail {
 

@@ -41,32 +41,61 @@ auto join(const Fused<P, A...>& a, const Fused<Q, B...>& b) {
   for (std::size_t i = 0; i < sizeof...(B); ++i) weights[sizeof...(A) + i] = b.weights()[i];
   return Fused<Sum::normalised, A..., B...>(std::tuple_cat(a.laws(), b.laws()), weights);
 }
-template <class W>
-concept Weight = std::is_arithmetic_v<W>;
+template <class W, class L>
+constexpr bool weighs() noexcept {
+  if constexpr (std::is_arithmetic_v<W> && LawMembers<L>) {
+    return gravity_count<L>() == 0;
+  } else {
+    return false;
+  }
+}
+template <class A, class B>
+constexpr bool adds(std::size_t least, std::size_t most) noexcept {
+  if constexpr (LawMembers<A> && LawMembers<B>) {
+    const auto count = gravity_count<A>() + gravity_count<B>();
+    return count >= least && count <= most;
+  } else {
+    return false;
+  }
+}
 }  // namespace detail
 
-/// A law with a weight, > 0. Throws `ConfigurationError` for others.
-template <detail::Weight W, LawMembers L>
-  requires(detail::gravity_count<L>() == 0)
-[[nodiscard]] auto operator*(W weight, const L& law) {
-  auto sum = detail::as_sum(law);
-  auto weights = sum.weights();
-  for (double& w : weights) w *= static_cast<double>(weight);
-  return decltype(sum)(sum.laws(), weights, sum.detector());
-}
-template <detail::Weight W, LawMembers L>
-  requires(detail::gravity_count<L>() == 0)
-[[nodiscard]] auto operator*(const L& law, W weight) {
-  return weight * law;
+namespace expression {
+
+/// A law with a weight, > 0, on either side. Throws `ConfigurationError` for other weights.
+template <class A, class B>
+  requires(detail::weighs<A, B>() || detail::weighs<B, A>())
+[[nodiscard]] auto operator*(const A& a, const B& b) {
+  if constexpr (std::is_arithmetic_v<A>) {
+    auto sum = detail::as_sum(b);
+    auto weights = sum.weights();
+    for (double& w : weights) w *= static_cast<double>(a);
+    return decltype(sum)(sum.laws(), weights, sum.detector());
+  } else {
+    return b * a;
+  }
 }
 
 /// The sum of two laws or sums, with the default policy and thresholds: `plain`, `weighted` and `opposed_by`
 /// come last.
-template <LawMembers A, LawMembers B>
-  requires(detail::gravity_count<A>() + detail::gravity_count<B>() <= 1)
+template <class A, class B>
+  requires(detail::adds<A, B>(0, 1))
 [[nodiscard]] auto operator+(const A& a, const B& b) {
   return detail::join(detail::as_sum(a), detail::as_sum(b));
 }
+
+// What has no meaning.
+// clang-format off
+template <class A, class B>
+void operator*(const A&, const B&) = delete;  // gravity keeps weight 1, and only numbers are weights
+template <class A, class B>
+  requires(detail::adds<A, B>(2, 99))
+void operator+(const A&, const B&) = delete;  // gravity twice: keep one gravity law
+template <class A, class B>
+void operator+(const A&, const B&) = delete;  // a law adds to laws only: a torque comes from law.torque(memory, known)
+// clang-format on
+
+}  // namespace expression
 
 /// The same sum with the weights as given: feedback with them, feed-forward with their normalised ones.
 template <Sum P, class... L>
@@ -78,24 +107,5 @@ template <Sum P, class... L>
 [[nodiscard]] Fused<Sum::plain, L...> plain(const Fused<P, L...>& sum) {
   return detail::with_policy<Sum::plain>(sum);
 }
-
-// What has no meaning.
-// clang-format off
-template <LawMembers A, LawMembers B>
-  requires(detail::gravity_count<A>() + detail::gravity_count<B>() > 1)
-void operator+(const A&, const B&) = delete;  // gravity twice: keep one gravity law
-template <detail::Weight W, LawMembers L>
-  requires(detail::gravity_count<L>() > 0)
-void operator*(W, const L&) = delete;  // gravity keeps weight 1: weigh the other laws
-template <detail::Weight W, LawMembers L>
-  requires(detail::gravity_count<L>() > 0)
-void operator*(const L&, W) = delete;  // gravity keeps weight 1: weigh the other laws
-template <LawMembers L, class V>
-  requires(!LawMembers<V>)
-void operator+(const L&, const V&) = delete;  // a law adds to laws only: a torque comes from law.torque(memory, known)
-template <class V, LawMembers L>
-  requires(!LawMembers<V>)
-void operator+(const V&, const L&) = delete;  // a law adds to laws only: a torque comes from law.torque(memory, known)
-// clang-format on
 
 SKINCTL_END_NAMESPACE

@@ -61,7 +61,7 @@ constexpr std::size_t count_role(Role role) noexcept {
 ///   freezes and resets the tracking laws.
 /// - A law that needs more than torque and memory of its state (`now`) computes that once.
 template <Sum Policy, LawMembers... L>
-class Fused : public detail::GoalOf<std::tuple<>, L...> {
+class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
  public:
   static constexpr std::size_t terms = sizeof...(L);
   static constexpr std::size_t gravity_laws = detail::count_role<L...>(Role::gravity);

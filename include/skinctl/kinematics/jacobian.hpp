@@ -8,6 +8,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+template <class J>
+class Transposed;
+
 /// The geometric Jacobian of frame `Body` (a link, or something fixed to one) relative to `Base`: column i is
 /// the velocity of the origin of `At`, and the angular velocity, along the axes of `Axes`, when joint i moves
 /// at 1 rad/s (1 m/s).
@@ -20,6 +23,7 @@ class Jacobian {
   static constexpr std::size_t joints = M::joints;
   static constexpr LinkMask columns = Columns;
   using scalar = T;
+  using Load = Wrench<Body, At, Axes, T>;  ///< what `transpose(J)` takes
 
   struct Column {
     Xyz<T> linear;   ///< [m/s] per joint unit
@@ -37,6 +41,20 @@ class Jacobian {
     static_assert((Columns >> I) & 1u, "this joint does not move the body: its column is zero");
     return columns_[slot(I)];
   }
+
+  /// `V = J dq`: the velocity of the body.
+  [[nodiscard]] SKINCTL_INLINE Twist<Body, Base, At, Axes, T> operator*(
+      const JointVelocity<joints, T>& dq) const noexcept {
+    Twist<Body, Base, At, Axes, T> V;
+    for_each([&](auto i, const Column& column) SKINCTL_INLINE_LAMBDA {
+      V.linear = V.linear + dq[i.value] * column.linear;
+      V.angular = V.angular + dq[i.value] * column.angular;
+    });
+    return V;
+  }
+  // clang-format off
+  template <class Q> void operator*(const Q&) const = delete;  // a Jacobian takes joint velocities, its transpose a wrench: J * dq, transpose(J) * F
+  // clang-format on
 
   /// All of it, 6 x N, linear rows first, zero columns included.
   [[nodiscard]] Eigen::Matrix<T, 6, int(joints)> matrix() const noexcept {
@@ -68,54 +86,34 @@ class Jacobian {
   Column columns_[static_cast<std::size_t>(std::popcount(Columns))];
 };
 
-/// `V = J dq`: the velocity of the body.
-template <class M, LinkMask C, class B, class P, class E, class T>
-[[nodiscard]] SKINCTL_INLINE Twist<B, Base, P, E, T> operator*(
-    const Jacobian<M, C, B, P, E, T>& J, const JointVelocity<M::joints, T>& dq) noexcept {
-  Twist<B, Base, P, E, T> V;
-  J.for_each([&](auto i, const auto& column) SKINCTL_INLINE_LAMBDA {
-    V.linear = V.linear + dq[i.value] * column.linear;
-    V.angular = V.angular + dq[i.value] * column.angular;
-  });
-  return V;
-}
-
-/// A Jacobian read the other way, as `transpose(J) * F`.
+/// A Jacobian read the other way: `tau = transpose(J) * F`, eq. (6), the joint torques of a wrench on the
+/// body.
 template <class J>
-struct Transposed {
-  const J& jacobian;
+class Transposed {
+ public:
+  SKINCTL_INLINE explicit Transposed(const J& jacobian) noexcept : jacobian_(jacobian) {}
+
+  [[nodiscard]] SKINCTL_INLINE JointTorque<J::joints, typename J::scalar> operator*(
+      const typename J::Load& F) const noexcept {
+    JointTorque<J::joints, typename J::scalar> tau;
+    jacobian_.for_each([&](auto i, const auto& column) SKINCTL_INLINE_LAMBDA {
+      tau[i.value] = dot(column.linear, F.force) + dot(column.angular, F.moment);
+    });
+    return tau;
+  }
+  // clang-format off
+  template <class Q> void operator*(const Q&) const = delete;  // body, point and axes of J and F differ, or it is no wrench
+  // clang-format on
+
+ private:
+  const J& jacobian_;
 };
+
 template <class M, LinkMask C, class B, class P, class E, class T>
 [[nodiscard]] SKINCTL_INLINE Transposed<Jacobian<M, C, B, P, E, T>> transpose(
     const Jacobian<M, C, B, P, E, T>& J) noexcept {
-  return {J};
+  return Transposed<Jacobian<M, C, B, P, E, T>>(J);
 }
-
-/// `tau = J^T F`, eq. (6): the joint torques of a wrench on the body.
-template <class M, LinkMask C, class B, class P, class E, class T>
-[[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> operator*(
-    const Transposed<Jacobian<M, C, B, P, E, T>>& Jt, const Wrench<B, P, E, T>& F) noexcept {
-  JointTorque<M::joints, T> tau;
-  Jt.jacobian.for_each([&](auto i, const auto& column) SKINCTL_INLINE_LAMBDA {
-    tau[i.value] = dot(column.linear, F.force) + dot(column.angular, F.moment);
-  });
-  return tau;
-}
-
-template <class X>
-inline constexpr bool is_jacobian = false;
-template <class M, LinkMask C, class B, class P, class E, class T>
-inline constexpr bool is_jacobian<Jacobian<M, C, B, P, E, T>> = true;
-template <class X>
-concept AnyJacobian = is_jacobian<X>;
-
-// clang-format off
-template <AnyJacobian J, class K, std::size_t N, class T>
-void operator*(const J&, const JointVector<K, N, T>&) = delete;  // a Jacobian takes joint velocities: J * dq
-void operator*(const AnyJacobian auto&, const AnyWrench auto&) = delete;  // a wrench goes through transpose(J) * F
-template <AnyJacobian J>
-void operator*(const Transposed<J>&, const AnyWrench auto&) = delete;  // body, point and axes of J and F differ
-// clang-format on
 
 /// Jacobian of the frame `P` that is fixed to link `I` at `X_LP`: of P's origin, along the axes of the base.
 /// `poses` must hold every link from the base to link `I`.

@@ -53,7 +53,7 @@ class JointLimits {
 
   /// Throws `ConfigurationError` for a number out of its range, with the number.
   explicit JointLimits(const Values& values) : values_(values) {
-    constexpr T big = std::numeric_limits<T>::max();
+    const T big = std::numeric_limits<T>::max();
     for (std::size_t i = 0; i < N; ++i) {
       const auto number = [](const T& x) { return static_cast<double>(x); };
       require(values.lower[i] < values.upper[i], "lower position limit", number(values.lower[i]),

@@ -1,8 +1,5 @@
 // expect: 0\.1, 0\.2.*one number per joint
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/lane.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/wrench.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -1,8 +1,5 @@
 // expect: \(M_L \+ M_T\).*other body or frame: part_of
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/lane.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/wrench.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -1,8 +1,5 @@
 // expect: constraint(s not satisfied| failure).*Transform<World, Arm>.*is_base_of_v<[^\n]*FrameTag
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/lane.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/wrench.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

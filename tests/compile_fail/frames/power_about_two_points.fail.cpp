@@ -1,8 +1,5 @@
 // expect: power\(F_C, V_L\).*wrench and twist differ in body, point or axes
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/lane.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/wrench.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

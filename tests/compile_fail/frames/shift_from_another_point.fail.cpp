@@ -1,8 +1,5 @@
 // expect: shift\(F_C, p_LC_L\).*a wrench at P along E needs p_PQ_E
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/lane.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/wrench.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -1,8 +1,5 @@
 // expect: \(p_W \+ q_W\).*two points have no sum
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/lane.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/wrench.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

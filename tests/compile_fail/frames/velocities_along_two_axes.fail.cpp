@@ -1,8 +1,5 @@
 // expect: \(V_WB_W \+ V_BT_B\).*no chain V_AB \+ V_BC
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/lane.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/wrench.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -1,8 +1,5 @@
 // expect: \(X_CL \* F_C\).*inner frames differ: invert, swap, shift or express
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/lane.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/wrench.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -1,8 +1,7 @@
 // expect: a law adds to laws only
 #include <Eigen/Core>
 
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/fusion/expression.hpp"
+#include "skinctl/skinctl.hpp"
 
 int main() {
   const skinctl::SkinJointControl skin;

@@ -1,6 +1,4 @@
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/fusion/expression.hpp"
+#include "skinctl/skinctl.hpp"
 
 int main() {
   const skinctl::SkinJointControl skin;

@@ -1,6 +1,5 @@
 // expect: gravity keeps weight 1
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/fusion/expression.hpp"
+#include "skinctl/skinctl.hpp"
 
 int main() {
   const skinctl::GravityControl gravity;

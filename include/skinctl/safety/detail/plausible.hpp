@@ -8,8 +8,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// Positions beyond this [rad] and speeds beyond its thousandfold are no measurements.
-template <Real T>
-inline constexpr T plausible = T(1e4);
+inline constexpr double plausible = 1e4;
 
 /// Whether all of `x` lies within +-`limit`; false for NaN.
 template <class Kind, std::size_t N, Real T>
@@ -24,11 +23,11 @@ template <class Kind, std::size_t N, Real T>
 }
 template <std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE bool is_plausible(const State<N, T>& s) noexcept {
-  return within(s.q, plausible<T>) && within(s.dq, T(1000) * plausible<T>);
+  return within(s.q, T(plausible)) && within(s.dq, T(1000 * plausible));
 }
 template <std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE bool is_plausible(const JointCommand<N, T>& c) noexcept {
-  return within(c.position, T(2) * plausible<T>) && within(c.velocity, T(1000) * plausible<T>) &&
+  return within(c.position, T(2 * plausible)) && within(c.velocity, T(1000 * plausible)) &&
          is_finite(c.acceleration) && is_finite(c.torque);
 }
 /// Far enough from the ends of an int64 that differences of two fit.

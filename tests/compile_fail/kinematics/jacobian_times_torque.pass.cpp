@@ -1,0 +1,10 @@
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const auto J = jacobian<3>(link_poses(ur5::Model{}, JointPosition<6>{}));
+  [[maybe_unused]] const JointTorque<6> tau;
+  [[maybe_unused]] const JointVelocity<6> dq;
+  static_cast<void>(J * dq);
+}

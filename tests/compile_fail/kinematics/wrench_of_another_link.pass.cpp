@@ -1,0 +1,10 @@
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const auto J = jacobian<3>(link_poses(ur5::Model{}, JointPosition<6>{}));
+  [[maybe_unused]] const Wrench<Link<2>, Link<2>, Base> F_2;
+  [[maybe_unused]] const Wrench<Link<3>, Link<3>, Base> F_3;
+  static_cast<void>(transpose(J) * F_3);
+}
