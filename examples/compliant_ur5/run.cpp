@@ -294,7 +294,8 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   log.result = {
       {"cycles", std::to_string(report.cycles)},
       {"samples from the skin", std::to_string(report.samples)},
-      {"missed deadlines", real_time ? std::to_string(report.missed) : "not at real-time pace"},
+      {"missed deadlines", real_time ? std::to_string(report.missed) + " of " + std::to_string(report.cycles)
+                                     : "not at real-time pace"},
       {"allocations in the loop", std::to_string(allocations)},
       {"fastest command", text("%.1f %% of its limit", 100 * largest.step_velocity)},
       {"largest command step", text("%.1f %% of its limit", 100 * largest.step_acceleration)},

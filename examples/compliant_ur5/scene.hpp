@@ -23,16 +23,20 @@ inline skinctl::JointLimits<6> limits(const Settings& s) {
                          .torque = JointTorque<6>(ur5::Description::max_torque)});
 }
 
-inline skinctl::Gains gains(const Settings& s) {
-  if (s.rigid) return {.force = 0, .proximity = 0};
-  return {.force = s.control.force_gain, .proximity = s.control.proximity_gain};
+inline std::array<skinctl::Gains, 6> gains(const Settings& s) {
+  std::array<skinctl::Gains, 6> gains;
+  for (std::size_t i = 0; i < 6; ++i)
+    gains[i] = s.rigid
+                   ? skinctl::Gains{.force = 0, .proximity = 0}
+                   : skinctl::Gains{.force = s.control.force_gain[i], .proximity = s.control.proximity_gain};
+  return gains;
 }
 
 /// Friction of the virtual arm.
 inline skinctl::VirtualShape<6> shape(const Settings& s) {
   skinctl::VirtualShape<6> shape;
   shape.decay = s.control.decay;
-  for (double& b : shape.viscous) b = s.control.viscous;
+  shape.viscous = skinctl::JointTorque<6>(s.control.viscous);
   return shape;
 }
 

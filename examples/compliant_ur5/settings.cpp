@@ -26,16 +26,24 @@ class Table {
     if (!x) refuse(file_, *node, std::string(key) + " is a number");
     value = *x;
   }
-  void six(const char* key, std::array<double, 6>& value) {
+  void six(const char* key, PerJoint& value) {
     known_.insert(key);
     const toml::node* node = table_.get(key);
     const toml::array* list = node != nullptr ? node->as_array() : nullptr;
-    if (list == nullptr || list->size() != 6) refuse(file_, table_, std::string(key) + " is six numbers");
+    if (list == nullptr || list->size() != 6)
+      refuse(file_, node != nullptr ? *node : table_, std::string(key) + " is six numbers");
     for (std::size_t i = 0; i < 6; ++i) {
       const auto x = (*list)[i].value<double>();
       if (!x) refuse(file_, *node, std::string(key) + " is six numbers");
       value[i] = *x;
     }
+  }
+  void one_or_six(const char* key, PerJoint& value) {
+    const toml::node* node = table_.get(key);
+    if (node != nullptr && node->is_array()) return six(key, value);
+    double x = value[0];
+    number(key, x);
+    if (node != nullptr) value = same(x);
   }
   void done() const {
     for (const auto& [key, node] : table_)
@@ -72,8 +80,8 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("K_i1", c.K_i1);
     t.number("K_i2", c.K_i2);
     t.number("decay", c.decay);
-    t.number("viscous", c.viscous);
-    t.number("force_gain", c.force_gain);
+    t.one_or_six("viscous", c.viscous);
+    t.one_or_six("force_gain", c.force_gain);
     t.number("proximity_gain", c.proximity_gain);
     t.number("force_threshold", c.force_threshold);
     t.number("max_velocity", c.max_velocity);

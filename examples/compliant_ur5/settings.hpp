@@ -11,11 +11,17 @@
 
 namespace compliant_ur5 {
 
+/// One number per joint, or per link; in a file one number stands for six.
+using PerJoint = std::array<double, 6>;
+constexpr PerJoint same(double x) {
+  return {x, x, x, x, x, x};
+}
+
 /// One step of the task.
 struct Goal {
-  double at = 0;              ///< [s] after the first cycle
-  std::array<double, 6> q{};  ///< [rad]
-  double duration = 0;        ///< [s]; 0: as fast as `max_velocity` allows
+  double at = 0;        ///< [s] after the first cycle
+  PerJoint q{};         ///< [rad]
+  double duration = 0;  ///< [s]; 0: as fast as `max_velocity` allows
 };
 
 /// How the arm behaves.
@@ -24,8 +30,8 @@ struct ControlSettings {
   double K_c = 2;      ///< gain that brings it back to its task [1/s]
   double K_i1 = 0.2, K_i2 = 0.02;
   double decay = 4;                ///< friction of the virtual arm, in proportion to its mass [1/s]
-  double viscous = 1;              ///< and of each joint [N m s/rad]
-  double force_gain = 40;          ///< w_f [N per unit of the three force readings]
+  PerJoint viscous = same(1);      ///< and of each joint [N m s/rad]
+  PerJoint force_gain = same(40);  ///< w_f of each link's skin [N per unit of the three force readings]
   double proximity_gain = 0;       ///< w_p [N per unit of proximity]
   double force_threshold = 0.08;   ///< on the sum of the three force readings
   double max_velocity = 0.5;       ///< of motions to goals [rad/s]

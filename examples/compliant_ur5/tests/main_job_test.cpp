@@ -162,7 +162,7 @@ TEST_CASE("main job: a recording replays bit for bit") {
   REQUIRE(run(s, false, log) == Outcome::fine);
   s.replay = s.record;
   CHECK(replay(s) == Outcome::fine);
-  s.control.force_gain *= 1.01;
+  s.control.force_gain[2] *= 1.01;
   CHECK(replay(s) == Outcome::broken);
   std::filesystem::remove(s.record);
 }

@@ -31,7 +31,8 @@ TEST_CASE("settings: the shipped scenario is read, its task included") {
   read_scenario(COMPLIANT_UR5_SCENARIO, s);
   CHECK(s.duration == 60);
   CHECK(s.task.size() == 2);
-  CHECK(s.control.force_gain == 60);
+  CHECK(s.control.force_gain[1] == 70);
+  CHECK(s.control.viscous == same(10));  // one number stands for six
 }
 
 TEST_CASE("settings: what is wrong is said with its line") {

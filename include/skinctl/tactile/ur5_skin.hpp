@@ -82,13 +82,13 @@ inline constexpr std::array<std::size_t, 6> skin_cells = detail::share_cells(Cel
 
 namespace detail {
 template <std::size_t Cells, std::size_t... I>
-auto make_patches(const Gains& gains, std::index_sequence<I...>) {
+auto make_patches(const std::array<Gains, 6>& gains, std::index_sequence<I...>) {
   std::uint32_t id = 1;
   const auto one = [&](auto link) {
     constexpr std::size_t i = link.value, n = skin_cells<Cells>[i];
     const std::uint32_t first = id;
     id += static_cast<std::uint32_t>(n);
-    return Patch<i, n>(cover<i>(surface_pose<i>(), surface<i>(), n, first), gains);
+    return Patch<i, n>(cover<i>(surface_pose<i>(), surface<i>(), n, first), gains[i]);
   };
   return std::tuple{one(std::integral_constant<std::size_t, I>{})...};
 }
@@ -103,10 +103,15 @@ struct SkinType<M, T, Cells, std::index_sequence<I...>> {
 /// One patch a link, as a tuple; ids count from 1. Up to 383 cells have TUM's size (pitch 27.8 mm); of 1260
 /// most have 0.53 to 0.61 of it, of 10 000 most 0.20 to 0.22 (pitch 5.5 mm), on one layer:
 /// `largest_cell(surface<I>(), skin_cells<Cells>[I])` says it exactly.
+/// @param gains  of each link's cells: where the skin has a long lever, less keeps the contact calm.
 template <std::size_t Cells>
-[[nodiscard]] auto skin_patches(const Gains& gains = {}) {
+[[nodiscard]] auto skin_patches(const std::array<Gains, 6>& gains) {
   static_assert(Cells >= 6, "at least one cell a link");
   return detail::make_patches<Cells>(gains, std::make_index_sequence<6>{});
+}
+template <std::size_t Cells>
+[[nodiscard]] auto skin_patches(const Gains& gains = {}) {
+  return skin_patches<Cells>(std::array<Gains, 6>{gains, gains, gains, gains, gains, gains});
 }
 
 }  // namespace ur5
@@ -115,11 +120,16 @@ template <std::size_t Cells>
 template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
 using Ur5Skin = typename ur5::detail::SkinType<M, T, Cells, std::make_index_sequence<6>>::type;
 
-/// `ur5_skin<260>()`: see `ur5::skin_patches`.
+/// `ur5_skin<260>()`: see `ur5::skin_patches`; `gains` for all links, or an array of six.
 template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
-[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const Gains& gains = {}, const SkinSettings& settings = {}) {
+[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const std::array<Gains, 6>& gains,
+                                            const SkinSettings& settings = {}) {
   return std::apply([&](const auto&... patch) { return Ur5Skin<Cells, T, M>(patch..., settings); },
                     ur5::skin_patches<Cells>(gains));
+}
+template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
+[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const Gains& gains = {}, const SkinSettings& settings = {}) {
+  return ur5_skin<Cells, T, M>(std::array<Gains, 6>{gains, gains, gains, gains, gains, gains}, settings);
 }
 
 SKINCTL_END_NAMESPACE
