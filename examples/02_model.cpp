@@ -2,6 +2,7 @@
 //
 //   q, dq, ddq   joint positions, velocities, accelerations     J     Jacobian of the flange
 //   G            torque that holds the arm                      tau   M ddq + C dq + G
+#include <Eigen/Core>
 #include <cstdio>
 
 #include "skinctl/dynamics/forward_dynamics.hpp"

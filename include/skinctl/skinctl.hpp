@@ -54,6 +54,7 @@
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/robot.hpp"
 #include "skinctl/hardware/scheduling.hpp"
+#include "skinctl/hardware/stopwatch.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/kinematics/joint_frame.hpp"
 #include "skinctl/kinematics/poses.hpp"

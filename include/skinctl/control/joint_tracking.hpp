@@ -160,6 +160,11 @@ class JointTracking : public Composable {
   template <class K>
   [[nodiscard]] Memory switched(const Memory& memory, const K& known, const T& dt,
                                 Opposition opposition) const noexcept;
+  /// `now` for what happens rarely: one copy of it.
+  template <class K>
+  [[nodiscard]] SKINCTL_NOINLINE Surface look(const Memory& memory, const K& known) const noexcept {
+    return now(memory, known);
+  }
   template <class K>
   Status begin_gain(Memory& memory, const K& known) const noexcept;
   template <class K>

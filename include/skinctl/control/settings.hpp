@@ -47,7 +47,7 @@ inline const T largest_gain_product = T(0.5);
 /// @param lambda  the largest rate [1/s] at which K_d alone stops the robot: lambda, or the largest
 ///                eigenvalue of M^-1 K_d.
 template <std::size_t N, Real T>
-void check(const JointControlSettings<N, T>& s, const T& lambda) {
+SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
   const auto number = [](const T& x) { return static_cast<double>(x); };
   require(s.dt > T(0) && s.dt <= T(1), "dt", number(s.dt), "> 0 and <= 1 s");
   require(lambda > T(0) && lambda <= T(1e6), "lambda", number(lambda), "> 0 1/s");

@@ -32,4 +32,8 @@
 
 /// On operators, lambdas and recursion of the loop: GCC's own judgement costs a factor of four there.
 #define SKINCTL_INLINE inline __attribute__((always_inline))
+// What runs rarely, or once a cycle: copies of it in the loop cost compile time and instruction cache.
+#define SKINCTL_NOINLINE __attribute__((noinline))
+// What runs before the loop: compiled for size.
+#define SKINCTL_COLD __attribute__((noinline, cold))
 #define SKINCTL_INLINE_LAMBDA __attribute__((always_inline))

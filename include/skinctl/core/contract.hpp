@@ -51,13 +51,18 @@ inline ErrorHandler set_error_handler(ErrorHandler handler) noexcept {
 #endif
 }
 
-/// Refuses `name = value` with the allowed range in words, e.g. `require(k > 0, "K_p", k, "> 0 1/s")`.
-/// A NaN never satisfies a comparison, so it is refused as well.
-inline void require(bool allowed, const char* name, double value, const char* range) {
-  if (allowed) return;
+namespace detail {
+[[noreturn]] SKINCTL_COLD inline void refuse_value(const char* name, double value, const char* range) {
   char number[32];
   std::snprintf(number, sizeof number, "%.9g", value);
   refuse(std::string("skinctl: ") + name + " = " + number + ", allowed: " + range);
+}
+}  // namespace detail
+
+/// Refuses `name = value` with the allowed range in words, e.g. `require(k > 0, "K_p", k, "> 0 1/s")`.
+/// A NaN never satisfies a comparison, so it is refused as well.
+inline void require(bool allowed, const char* name, double value, const char* range) {
+  if (!allowed) detail::refuse_value(name, value, range);
 }
 
 SKINCTL_END_NAMESPACE

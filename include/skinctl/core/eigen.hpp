@@ -1,32 +1,45 @@
-// The boundary to Eigen: what users pass in and get out.
+// The boundary to Eigen: what users pass in and get out. Eigen itself is not included here: whoever converts
+// includes <Eigen/Core>, whoever does not is spared the largest part of a small file's compile time.
 #pragma once
-
-#include <Eigen/Core>
 
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/triple.hpp"
 
+namespace Eigen {
+template <typename Scalar, int Rows, int Cols, int Options, int MaxRows, int MaxCols>
+class Matrix;
+template <typename Plain, int Options, typename Strides>
+class Map;
+template <int Outer, int Inner>
+class Stride;
+}  // namespace Eigen
+
 SKINCTL_BEGIN_NAMESPACE
 
+/// `Eigen::Matrix<T, Rows, Cols>`, column by column.
+template <Scalar T, int Rows, int Cols>
+using EigenMatrix = Eigen::Matrix<T, Rows, Cols, 0, Rows, Cols>;
+template <class Plain>
+using EigenMap = Eigen::Map<Plain, 0, Eigen::Stride<0, 0>>;
 template <Scalar T>
-using Vec3 = Eigen::Matrix<T, 3, 1>;
+using Vec3 = EigenMatrix<T, 3, 1>;
 template <Scalar T>
-using Mat3 = Eigen::Matrix<T, 3, 3>;
+using Mat3 = EigenMatrix<T, 3, 3>;
 template <Scalar T>
-using Vec6 = Eigen::Matrix<T, 6, 1>;
+using Vec6 = EigenMatrix<T, 6, 1>;
 template <Scalar T>
-using Mat6 = Eigen::Matrix<T, 6, 6>;
+using Mat6 = EigenMatrix<T, 6, 6>;
 
 /// A joint quantity as an Eigen vector, without a copy.
 template <class Kind, std::size_t N, class T>
-[[nodiscard]] SKINCTL_INLINE Eigen::Map<Eigen::Matrix<T, int(N), 1>> as_eigen(
+[[nodiscard]] SKINCTL_INLINE EigenMap<EigenMatrix<T, int(N), 1>> as_eigen(
     JointVector<Kind, N, T>& v) noexcept {
-  return Eigen::Map<Eigen::Matrix<T, int(N), 1>>(v.data);
+  return EigenMap<EigenMatrix<T, int(N), 1>>(v.data);
 }
 template <class Kind, std::size_t N, class T>
-[[nodiscard]] SKINCTL_INLINE Eigen::Map<const Eigen::Matrix<T, int(N), 1>> as_eigen(
+[[nodiscard]] SKINCTL_INLINE EigenMap<const EigenMatrix<T, int(N), 1>> as_eigen(
     const JointVector<Kind, N, T>& v) noexcept {
-  return Eigen::Map<const Eigen::Matrix<T, int(N), 1>>(v.data);
+  return EigenMap<const EigenMatrix<T, int(N), 1>>(v.data);
 }
 
 /// A triple as an Eigen vector.

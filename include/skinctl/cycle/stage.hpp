@@ -1,8 +1,7 @@
-// The stages of a cycle, and stopwatches that take their times.
+// The stages of a cycle, and the stopwatch that does not look.
 #pragma once
 
 #include <array>
-#include <chrono>
 
 #include "skinctl/core/time.hpp"
 
@@ -26,36 +25,6 @@ constexpr const char* name(Stage stage) noexcept {
 struct NoStopwatch {
   SKINCTL_INLINE void begin() noexcept {}
   SKINCTL_INLINE void end(Stage) noexcept {}
-};
-
-/// Takes the time of each stage from the system's steady clock (some 20 ns a reading; no system call on
-/// Linux).
-class Stopwatch {
- public:
-  SKINCTL_INLINE void begin() noexcept { last_ = now(); }
-  SKINCTL_INLINE void end(Stage stage) noexcept {
-    const Nanoseconds t = now();
-    times_[static_cast<std::size_t>(stage)] = t - last_;
-    last_ = t;
-  }
-  [[nodiscard]] Nanoseconds operator[](Stage stage) const noexcept {
-    return times_[static_cast<std::size_t>(stage)];
-  }
-  /// All stages together.
-  [[nodiscard]] Nanoseconds total() const noexcept {
-    Nanoseconds sum = 0;
-    for (const Nanoseconds t : times_) sum += t;
-    return sum;
-  }
-  [[nodiscard]] static Nanoseconds now() noexcept {
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(
-               std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-  }
-
- private:
-  Nanoseconds last_ = 0;
-  std::array<Nanoseconds, stage_count> times_{};
 };
 
 SKINCTL_END_NAMESPACE

@@ -9,6 +9,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/robot.hpp"
+#include "skinctl/hardware/stopwatch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -57,12 +57,12 @@ class Jacobian {
   // clang-format on
 
   /// All of it, 6 x N, linear rows first, zero columns included.
-  [[nodiscard]] Eigen::Matrix<T, 6, int(joints)> matrix() const noexcept {
-    Eigen::Matrix<T, 6, int(joints)> J = Eigen::Matrix<T, 6, int(joints)>::Zero();
+  [[nodiscard]] EigenMatrix<T, 6, int(joints)> matrix() const noexcept {
+    EigenMatrix<T, 6, int(joints)> J = EigenMatrix<T, 6, int(joints)>::Zero();
     for (std::size_t i = 0; i < joints; ++i) {
       if (!((Columns >> i) & 1u)) continue;
       const Column& c = columns_[slot(i)];
-      J.col(static_cast<Eigen::Index>(i)) << c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y,
+      J.col(static_cast<std::ptrdiff_t>(i)) << c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y,
           c.angular.z;
     }
     return J;

@@ -96,7 +96,7 @@ struct ResolverParameters {
     return seconds<T>(period) / T(steps < max_substeps ? static_cast<int>(steps) : int(max_substeps));
   }
 
-  explicit ResolverParameters(const ResolverConfiguration<N, T>& c)
+  SKINCTL_COLD explicit ResolverParameters(const ResolverConfiguration<N, T>& c)
       : limits(c.limits),
         shape(c.shape),
         dead_band(c.dead_band),

@@ -122,9 +122,19 @@ class Resolver {
   SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept;
   SKINCTL_INLINE Velocity way_back(const Memory& m, const T& h) const noexcept;
   SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
+  /// The law and the velocity after a sub-step: `torque` is what the law asked for within the limits.
+  template <class L>
+  struct Driven {
+    Evaluation<joints, T, typename L::Memory, terms_of<L>> law;
+    Torque torque;
+    Velocity velocity;
+    Status status;
+  };
   template <class L, class Touch>
-  SKINCTL_INLINE void try_to_leave(Memory& m, const L& law, const typename L::Memory& law_memory,
-                                   const Correction& c, const Touch& touch, Torque& torque) const noexcept;
+  Driven<L> drive(const Memory& m, const L& law, const typename L::Memory& law_memory,
+                  const State<joints, T>& state, const JointAcceleration<joints, T>& pull, const T& h,
+                  const Touch& touch) const noexcept;
+  void try_to_leave(Memory& m, const Correction& c, const Torque& torque) const noexcept;
   SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Velocity& before, const Torque& torque,
                                 const T& dt) const noexcept;
 

@@ -52,7 +52,7 @@ class JointLimits {
   };
 
   /// Throws `ConfigurationError` for a number out of its range, with the number.
-  explicit JointLimits(const Values& values) : values_(values) {
+  SKINCTL_COLD explicit JointLimits(const Values& values) : values_(values) {
     const T big = std::numeric_limits<T>::max();
     for (std::size_t i = 0; i < N; ++i) {
       const auto number = [](const T& x) { return static_cast<double>(x); };
@@ -97,10 +97,10 @@ class JointLimits {
   /// precedence: acceleration (a command never steps), then room, then velocity, then the target. So a joint
   /// that *starts* too fast to stop brakes as hard as it may, and beyond an end only inward motion is given.
   /// A target that is NaN counts as zero.
-  [[nodiscard]] SKINCTL_INLINE JointMotion<N, T> move(const JointRoom<N, T>& room,
-                                                      const JointVelocity<N, T>& u0,
-                                                      const JointVelocity<N, T>& target,
-                                                      const T& h) const noexcept {
+  [[nodiscard]] SKINCTL_NOINLINE JointMotion<N, T> move(const JointRoom<N, T>& room,
+                                                        const JointVelocity<N, T>& u0,
+                                                        const JointVelocity<N, T>& target,
+                                                        const T& h) const noexcept {
     JointMotion<N, T> out;
     bool velocity = false, acceleration = false;
     for (std::size_t i = 0; i < N; ++i) {

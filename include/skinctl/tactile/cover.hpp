@@ -81,14 +81,14 @@ template <class S>
 /// TUM's size if that many find room, else the largest that do (`largest_cell`); if more find room, those
 /// nearest to the middle of the cover's order are taken, which leaves the ends bare.
 template <std::size_t I, class S>
-[[nodiscard]] std::vector<PlacedCell<I>> cover(const Transform<Link<I>, Surface>& X_LS, const S& surface,
-                                               std::size_t count, std::uint32_t first_id) {
+[[nodiscard]] SKINCTL_COLD std::vector<PlacedCell<I>> cover(const Transform<Link<I>, Surface>& X_LS,
+                                                            const S& surface, std::size_t count,
+                                                            std::uint32_t first_id) {
   const auto all = full_cover(surface, largest_cell(surface, count));
   const std::size_t skipped = (all.size() - count) / 2;
-  std::vector<PlacedCell<I>> placed;
-  placed.reserve(count);
+  std::vector<PlacedCell<I>> placed(count);
   for (std::size_t k = 0; k < count; ++k)
-    placed.push_back({first_id + static_cast<std::uint32_t>(k), X_LS * all[skipped + k]});
+    placed[k] = {first_id + static_cast<std::uint32_t>(k), X_LS * all[skipped + k]};
   return placed;
 }
 

@@ -24,6 +24,15 @@ struct PlacedCell {
   Transform<Link<I>, Cell> X_LC;  ///< z is the outward normal
 };
 
+namespace detail {
+SKINCTL_COLD inline void require_cell(const Xyz<double>& p, const Rotation<double>& R) {
+  const double place = p.x + p.y + p.z;
+  require(place - place == 0, "Patch: position of a cell", place, "finite m");
+  const double error = rotation_error(R);
+  require(error <= 1e-6, "Patch: |R'R - 1| of a cell", error, "<= 1e-6");
+}
+}  // namespace detail
+
 /// `Cells` cells on link `I`, each known by an id, with the gains that they share. A configuration: built
 /// once, then only read.
 template <std::size_t I, std::size_t Cells>
@@ -43,13 +52,7 @@ class Patch {
             ">= 0 N");
     require(gains.proximity >= 0 && gains.proximity - gains.proximity == 0, "Patch: gain of proximity",
             gains.proximity, ">= 0 N");
-    for (const auto& cell : placed_) {
-      const Xyz<double>& p = cell.X_LC.origin();
-      const double place = p.x + p.y + p.z;
-      require(place - place == 0, "Patch: position of a cell", place, "finite m");
-      const double error = rotation_error(cell.X_LC.axes());
-      require(error <= 1e-6, "Patch: |R'R - 1| of a cell", error, "<= 1e-6");
-    }
+    for (const auto& cell : placed_) detail::require_cell(cell.X_LC.origin(), cell.X_LC.axes());
   }
 
   [[nodiscard]] const std::vector<PlacedCell<I>>& placed() const noexcept { return placed_; }

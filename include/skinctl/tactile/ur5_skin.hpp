@@ -105,7 +105,7 @@ struct SkinType<M, T, Cells, std::index_sequence<I...>> {
 /// `largest_cell(surface<I>(), skin_cells<Cells>[I])` says it exactly.
 /// @param gains  of each link's cells: where the skin has a long lever, less keeps the contact calm.
 template <std::size_t Cells>
-[[nodiscard]] auto skin_patches(const std::array<Gains, 6>& gains) {
+[[nodiscard]] auto skin_patches(const std::same_as<std::array<Gains, 6>> auto& gains) {
   static_assert(Cells >= 6, "at least one cell a link");
   return detail::make_patches<Cells>(gains, std::make_index_sequence<6>{});
 }
@@ -122,7 +122,7 @@ using Ur5Skin = typename ur5::detail::SkinType<M, T, Cells, std::make_index_sequ
 
 /// `ur5_skin<260>()`: see `ur5::skin_patches`; `gains` for all links, or an array of six.
 template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
-[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const std::array<Gains, 6>& gains,
+[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const std::same_as<std::array<Gains, 6>> auto& gains,
                                             const SkinSettings& settings = {}) {
   return std::apply([&](const auto&... patch) { return Ur5Skin<Cells, T, M>(patch..., settings); },
                     ur5::skin_patches<Cells>(gains));

@@ -69,7 +69,7 @@ TrackingMemory<N, T, Plan> JointTracking<N, T, Plan, Damping>::switched(
     next.bias.decaying = {};
   }
   hand_over(next, memory, known);
-  return stepped(next, now(next, known), dt);
+  return stepped(next, look(next, known), dt);
 }
 
 /// Makes the reference of `next` go on from that of `before` at this state, in velocity and acceleration.
@@ -77,13 +77,13 @@ template <std::size_t N, Real T, class Plan, class Damping>
 template <class K>
 void JointTracking<N, T, Plan, Damping>::hand_over(Memory& next, const Memory& before,
                                                    const K& known) const noexcept {
-  const auto old = now(before, known);
+  const auto old = look(before, known);
   next.bias.elapsed = clock_end;
-  const auto raw = now(next, known);
+  const auto raw = look(next, known);
   next.bias.elapsed = 0;
   next.bias.da = {};
   for (std::size_t i = 0; i < N; ++i) next.bias.dv[i] = finite(old.dq_r[i] - raw.dq_r[i]);
-  const auto moved = now(next, known);  // dv is part of S_delta, which the integrals of ddq_r read
+  const auto moved = look(next, known);  // dv is part of S_delta, which the integrals of ddq_r read
   for (std::size_t i = 0; i < N; ++i) next.bias.da[i] = finite(old.ddq_r[i] - moved.ddq_r[i]);
 }
 

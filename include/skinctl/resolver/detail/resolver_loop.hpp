@@ -188,20 +188,37 @@ SKINCTL_INLINE void SKINCTL_RESOLVER_CLASS::choose_mode(Memory& m, const Correct
   }
 }
 
+// One function for the sub-steps and for a blocked robot: the law is the largest part of a cycle's code.
 SKINCTL_RESOLVER
 template <class L, class Touch>
-SKINCTL_INLINE void SKINCTL_RESOLVER_CLASS::try_to_leave(Memory& m, const L& law,
-                                                         const typename L::Memory& law_memory,
-                                                         const Correction& c, const Touch& touch,
-                                                         Torque& torque) const noexcept {
-  const State<joints, T> virtual_state{m.time, m.q.value, Velocity{}};
-  const Knows<L, Touch> known(model_, virtual_state, seconds<T>(p_.period), touch);
-  const Torque tau = law.torque(law_memory, known);
-  if (!detail::is_finite(tau)) return;
+SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(const Memory& m, const L& law,
+                                                    const typename L::Memory& law_memory,
+                                                    const State<joints, T>& state,
+                                                    const JointAcceleration<joints, T>& pull, const T& h,
+                                                    const Touch& touch) const noexcept -> Driven<L> {
+  const Knows<L, Touch> known(model_, state, h, touch);
+  Driven<L> out{evaluate(law, law_memory, known, h), {}, {}, {}};
+  out.status = out.law.status;
+  if (!detail::is_finite(out.law.torque)) [[unlikely]] {
+    out.status |= Reason::torque_not_finite;
+    return out;
+  }
   for (std::size_t i = 0; i < joints; ++i) {
     const T limit = p_.limits.torque()[i];
-    torque[i] = detail::clamp(tau[i], T(-limit), limit);
+    out.torque[i] = detail::clamp(out.law.torque[i], T(-limit), limit);
   }
+  if (!(out.torque == out.law.torque)) out.status |= Reason::torque_limited;
+  const auto next =
+      detail::step_velocity<Integrator>(known, p_.shape, p_.has_coulomb, out.torque, pull, m.last);
+  if (next.singular) out.status |= Reason::singular;
+  out.velocity = next.velocity;
+  return out;
+}
+
+/// Whether a blocked robot may follow again, given what its laws would ask of it at rest.
+SKINCTL_RESOLVER
+SKINCTL_NOINLINE void SKINCTL_RESOLVER_CLASS::try_to_leave(Memory& m, const Correction& c,
+                                                           const Torque& torque) const noexcept {
   const Torque net = torque - gravity_torque(model_, m.q.value);
   bool here = true;
   T push(0), scale(0);
@@ -290,26 +307,13 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
     Velocity v1;
     Correction moved = c;
     if (m.mode == Mode::following) {
-      const State<joints, T> virtual_state{interval.at(j), m.q.value, m.v};
-      const Knows<L, Touch> known(model_, virtual_state, h, touches[j]);
-      const auto evaluation = evaluate(law, law_memory, known, h);
-      status |= evaluation.status;
-      if (detail::is_finite(evaluation.torque)) [[likely]] {
-        law_memory = evaluation.memory;
-        out.shares = evaluation.shares;
-        torque = evaluation.torque;
-        for (std::size_t i = 0; i < joints; ++i) {
-          const T limit = p_.limits.torque()[i];
-          torque[i] = detail::clamp(torque[i], T(-limit), limit);
-        }
-        if (!(torque == evaluation.torque)) status |= Reason::torque_limited;
-        const auto next =
-            detail::step_velocity<Integrator>(known, p_.shape, p_.has_coulomb, torque, c.pull, m.last);
-        if (next.singular) status |= Reason::singular;
-        v1 = next.velocity;
-      } else {
-        status |= Reason::torque_not_finite;
-        torque = Torque{};
+      const auto driven = drive(m, law, law_memory, {interval.at(j), m.q.value, m.v}, c.pull, h, touches[j]);
+      status |= driven.status;
+      torque = driven.torque;
+      v1 = driven.velocity;
+      if (!driven.status.has(Reason::torque_not_finite)) [[likely]] {
+        law_memory = driven.law.memory;
+        out.shares = driven.law.shares;
       }
     } else {
       moved.rate = m.mode == Mode::blocked ? way_back(m, h) : Velocity{};
@@ -320,7 +324,14 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
   m.time = interval.to;
   if (m.mode == Mode::blocked) {
     status |= Reason::blocked;
-    if (!m.stop) try_to_leave(m, law, law_memory, c, touches[interval.substeps - 1], torque);
+    if (!m.stop) {
+      const auto driven = drive(m, law, law_memory, {m.time, m.q.value, Velocity{}}, {},
+                                seconds<T>(p_.period), touches[interval.substeps - 1]);
+      if (!driven.status.has(Reason::torque_not_finite)) {
+        torque = driven.torque;
+        try_to_leave(m, c, torque);
+      }
+    }
   }
   if (m.stop) status |= Reason::stopping;
   if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;

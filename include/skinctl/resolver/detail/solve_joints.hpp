@@ -57,9 +57,9 @@ template <std::size_t N, Real T>
 /// the one that is torn loose hardest moves, until no joint changes. Each round lowers the function, so it
 /// ends at the minimum; the bound on rounds is for rounding only.
 template <std::size_t N, Real T>
-SKINCTL_INLINE void stick_or_slip(const MassMatrix<N, T>& m, const JointTorque<N, T>& c,
-                                  const JointTorque<N, T>& impulse, const JointVelocity<N, T>& v,
-                                  JointVelocity<N, T>& u) noexcept {
+SKINCTL_NOINLINE void stick_or_slip(const MassMatrix<N, T>& m, const JointTorque<N, T>& c,
+                                    const JointTorque<N, T>& impulse, const JointVelocity<N, T>& v,
+                                    JointVelocity<N, T>& u) noexcept {
   JointTorque<N, T> b;
   int way[N] = {};
   const auto without = [&](std::size_t i) SKINCTL_INLINE_LAMBDA {
