@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "skinctl/core/contract.hpp"
+#include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/real.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -76,7 +77,7 @@ struct JointVector {
   template <class F>
   static SKINCTL_INLINE constexpr JointVector generate(F&& f) noexcept {
     JointVector v(unset);
-    for (std::size_t i = 0; i < N; ++i) v.data[i] = f(i);
+    each([&](std::size_t i) SKINCTL_INLINE_LAMBDA { v.data[i] = f(i); });
     return v;
   }
   /// The same number for every joint.
@@ -107,22 +108,22 @@ struct JointVector {
 
   SKINCTL_INLINE constexpr JointVector operator+(const JointVector& b) const noexcept {
     JointVector c(unset);
-    for (std::size_t i = 0; i < N; ++i) c.data[i] = data[i] + b.data[i];
+    each([&](std::size_t i) SKINCTL_INLINE_LAMBDA { c.data[i] = data[i] + b.data[i]; });
     return c;
   }
   SKINCTL_INLINE constexpr JointVector operator-(const JointVector& b) const noexcept {
     JointVector c(unset);
-    for (std::size_t i = 0; i < N; ++i) c.data[i] = data[i] - b.data[i];
+    each([&](std::size_t i) SKINCTL_INLINE_LAMBDA { c.data[i] = data[i] - b.data[i]; });
     return c;
   }
   SKINCTL_INLINE constexpr JointVector operator-() const noexcept {
     JointVector c(unset);
-    for (std::size_t i = 0; i < N; ++i) c.data[i] = -data[i];
+    each([&](std::size_t i) SKINCTL_INLINE_LAMBDA { c.data[i] = -data[i]; });
     return c;
   }
   friend SKINCTL_INLINE constexpr JointVector operator*(const T& s, const JointVector& a) noexcept {
     JointVector c(unset);
-    for (std::size_t i = 0; i < N; ++i) c.data[i] = s * a.data[i];
+    each([&](std::size_t i) SKINCTL_INLINE_LAMBDA { c.data[i] = s * a.data[i]; });
     return c;
   }
   SKINCTL_INLINE constexpr JointVector operator*(const T& s) const noexcept { return s * *this; }
@@ -138,6 +139,15 @@ struct JointVector {
   struct Unset {};
   static constexpr Unset unset{};
   SKINCTL_INLINE constexpr explicit JointVector(Unset) noexcept {}
+  /// Calls `f` with each index, straight-line for the joints of an arm or a hand.
+  template <class F>
+  static SKINCTL_INLINE constexpr void each(F&& f) noexcept {
+    if constexpr (N <= 16) {
+      detail::unrolled<N>(f);
+    } else {
+      for (std::size_t i = 0; i < N; ++i) f(i);
+    }
+  }
 };
 
 template <std::size_t N, Scalar T = double>

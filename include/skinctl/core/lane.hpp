@@ -90,12 +90,10 @@ class Lane {
 
   /// The `W` numbers from `from` on; any alignment.
   [[nodiscard]] SKINCTL_INLINE static Lane load(const T* from) noexcept {
-    Lane lane;
-    __builtin_memcpy(&lane.v_, from, sizeof(Vector));
-    return lane;
+    return of(*reinterpret_cast<const Anywhere*>(from));
   }
   /// Writes the `W` numbers to `to` and after; any alignment.
-  SKINCTL_INLINE void store(T* to) const noexcept { __builtin_memcpy(to, &v_, sizeof(Vector)); }
+  SKINCTL_INLINE void store(T* to) const noexcept { *reinterpret_cast<Anywhere*>(to) = v_; }
 
   /// The number in lane `lane`, `0 <= lane < W`.
   [[nodiscard]] SKINCTL_INLINE constexpr T operator[](std::size_t lane) const noexcept {
@@ -160,6 +158,8 @@ class Lane {
   [[nodiscard]] SKINCTL_INLINE friend T sum(Lane a) noexcept { return detail::sum_halves<T, W>(a.v_); }
 
  private:
+  using Anywhere = typename detail::LaneTypes<T, W>::Anywhere;
+
   SKINCTL_INLINE static constexpr Lane of(Vector v) noexcept {
     Lane lane{};
     lane.v_ = v;

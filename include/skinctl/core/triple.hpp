@@ -50,6 +50,20 @@ SKINCTL_INLINE constexpr Xyz<T> dense(const Triple<X, Y, Z>& v) noexcept {
   return {T(v.x), T(v.y), T(v.z)};
 }
 
+/// The same vector, copied component by component, for a member of an aggregate: GCC copies a whole vector in
+/// pieces of 16 bytes and more, and such a load waits for the stores of the components.
+template <class X, class Y, class Z>
+SKINCTL_INLINE constexpr Triple<X, Y, Z> by_component(const Triple<X, Y, Z>& v) noexcept {
+  return {v.x, v.y, v.z};
+}
+/// Writes `v` to `to`, component by component.
+template <Scalar T, class X, class Y, class Z>
+SKINCTL_INLINE constexpr void assign(Xyz<T>& to, const Triple<X, Y, Z>& v) noexcept {
+  to.x = T(v.x);
+  to.y = T(v.y);
+  to.z = T(v.z);
+}
+
 /// The same vector in another scalar.
 template <Scalar U, Scalar T>
 SKINCTL_INLINE constexpr Xyz<U> cast(const Xyz<T>& v) noexcept {

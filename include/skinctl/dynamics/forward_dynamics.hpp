@@ -1,6 +1,7 @@
 // Joint accelerations from torques.
 #pragma once
 
+#include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 
@@ -16,26 +17,20 @@ class MassFactors {
 
   /// A pivot that is not positive (no mass there, or NaN) is taken out: that joint does not accelerate, and
   /// `positive_definite()` is false.
-  SKINCTL_INLINE explicit MassFactors(const MassMatrix<joints, T>& mass) noexcept : l_(mass) {
-    for_each_pair_from_the_tips([&](auto k, auto carriers) SKINCTL_INLINE_LAMBDA {
-      inverse_[k.value] = inverse_of(l_(k.value, k.value));
-      for_each_bit<carriers.value>([&](auto i) SKINCTL_INLINE_LAMBDA {
-        const T a = l_(k.value, i.value) * inverse_[k.value];
-        for_each_bit<carriers.value & all_links(i.value + 1)>([&](auto j) SKINCTL_INLINE_LAMBDA {
-          l_(i.value, j.value) = l_(i.value, j.value) - a * l_(k.value, j.value);
-        });
-      });
-      for_each_bit<carriers.value>([&](auto i) SKINCTL_INLINE_LAMBDA {
-        l_(k.value, i.value) = l_(k.value, i.value) * inverse_[k.value];
-      });
-    });
+  SKINCTL_INLINE explicit MassFactors(const MassMatrix<joints, T>& mass) noexcept {
+    factorise<false>(mass);
+    if (!positive_definite_) [[unlikely]] {
+      const MassFactors careful = without_bad_pivots(mass);
+      for_each_entry([&](auto i, auto j) SKINCTL_INLINE_LAMBDA { l_(i, j) = careful.l_(i, j); });
+      detail::unrolled<joints>([&](auto i) SKINCTL_INLINE_LAMBDA { inverse_[i] = careful.inverse_[i]; });
+    }
   }
 
   /// The acceleration under `tau`: `M^-1 tau` [rad/s^2].
   [[nodiscard]] SKINCTL_INLINE JointAcceleration<joints, T> solve(
       const JointTorque<joints, T>& tau) const noexcept {
     JointAcceleration<joints, T> x;
-    for (std::size_t i = 0; i < joints; ++i) x[i] = tau[i];
+    detail::unrolled<joints>([&](auto i) SKINCTL_INLINE_LAMBDA { x[i] = tau[i]; });
     for_each_pair_from_the_tips([&](auto k, auto carriers) SKINCTL_INLINE_LAMBDA {
       for_each_bit<carriers.value>(
           [&](auto j) SKINCTL_INLINE_LAMBDA { x[j.value] = x[j.value] - l_(k.value, j.value) * x[k.value]; });
@@ -75,16 +70,48 @@ class MassFactors {
       f(k, std::integral_constant<LinkMask, carriers_of(k.value)>{});
     });
   }
-  SKINCTL_INLINE T inverse_of(const T& pivot) noexcept {
+  /// Calls `f(i, j)` for the entries on and below the diagonal that are not zero by topology.
+  template <class F>
+  static SKINCTL_INLINE void for_each_entry(F&& f) noexcept {
+    for_each_pair_from_the_tips([&](auto k, auto carriers) SKINCTL_INLINE_LAMBDA {
+      f(k, k);
+      for_each_bit<carriers.value>([&](auto i) SKINCTL_INLINE_LAMBDA { f(k, i); });
+    });
+  }
+
+  /// Pivots are looked at while they are divided by, and only a matrix with a bad one is taken up again with
+  /// care: a check before each division would lengthen the chain of divisions that all else waits for.
+  template <bool Careful>
+  SKINCTL_INLINE void factorise(const MassMatrix<joints, T>& mass) noexcept {
+    for_each_entry([&](auto i, auto j) SKINCTL_INLINE_LAMBDA { l_(i, j) = mass(i, j); });
+    auto good = T(1) > T(0);
+    for_each_pair_from_the_tips([&](auto k, auto carriers) SKINCTL_INLINE_LAMBDA {
+      const T pivot = l_(k, k);
+      const auto positive = pivot > T(0);
+      good = good & positive;
+      if constexpr (Careful) {
+        inverse_[k] = select(positive, T(1) / select(positive, pivot, T(1)), T(0));
+      } else {
+        inverse_[k] = T(1) / pivot;
+      }
+      for_each_bit<carriers.value>([&](auto i) SKINCTL_INLINE_LAMBDA {
+        const T a = l_(k, i) * inverse_[k];
+        for_each_bit<carriers.value & all_links(i.value + 1)>(
+            [&](auto j) SKINCTL_INLINE_LAMBDA { l_(i, j) = l_(i, j) - a * l_(k, j); });
+      });
+      for_each_bit<carriers.value>([&](auto i) SKINCTL_INLINE_LAMBDA { l_(k, i) = l_(k, i) * inverse_[k]; });
+    });
     if constexpr (is_lane<T>) {
-      const auto good = pivot > T(0);
-      positive_definite_ = positive_definite_ && all(good);
-      return select(good, T(1) / select(good, pivot, T(1)), T(0));
+      positive_definite_ = all(good);
     } else {
-      if (pivot > T(0)) return T(1) / pivot;
-      positive_definite_ = false;
-      return T(0);
+      positive_definite_ = good;
     }
+  }
+  struct WithCare {};
+  explicit MassFactors(const MassMatrix<joints, T>& mass, WithCare) noexcept { factorise<true>(mass); }
+  /// By value, so that the matrix of the usual case may stay in registers.
+  [[gnu::cold, gnu::noinline]] static MassFactors without_bad_pivots(MassMatrix<joints, T> mass) noexcept {
+    return MassFactors(mass, WithCare{});
   }
 
   MassMatrix<joints, T> l_;
@@ -107,8 +134,9 @@ template <Model M, Scalar T>
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,
     const JointTorque<M::joints, T>& tau) noexcept {
   const JointAngles<M, T> angles(model, q);
+  const JointTorque<M::joints, T> free = tau - bias_torque(model, angles, dq);
   const MassFactors<M, T> factors(mass_matrix(model, angles));
-  return {factors.solve(tau - bias_torque(model, angles, dq)), factors.positive_definite()};
+  return {factors.solve(free), factors.positive_definite()};
 }
 
 SKINCTL_END_NAMESPACE

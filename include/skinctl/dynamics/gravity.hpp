@@ -47,23 +47,50 @@ SKINCTL_INLINE constexpr auto subtree_gravity(const M& model, const Angles& angl
   return MassMoment{total.mass, frame.to_parent(total.h) + total.mass * frame.p};
 }
 
+/// Joints whose angle G does not depend on, as their model's types tell: the first of a chain if it turns
+/// about the vertical, and the last of a branch if its link's centre of mass lies on the axis.
+template <Model M, Scalar T>
+constexpr LinkMask weightless_angles() noexcept {
+  using P = Parameter;
+  using Gravity = decltype(std::declval<const M&>().template gravity<T>());
+  LinkMask mask = 0;
+  unrolled<M::joints>([&](auto i) {
+    using Tilt = decltype(std::declval<const M&>().template number<i, P::sin_alpha, T>());
+    using X = decltype(std::declval<const M&>().template number<i, P::c_x, T>());
+    using Y = decltype(std::declval<const M&>().template number<i, P::c_y, T>());
+    const bool upright =
+        M::parents[i] < 0 && is_zero<Tilt> && is_zero<decltype(Gravity::x)> && is_zero<decltype(Gravity::y)>;
+    const bool balanced = children<M, int(i)>.size() == 0 && is_zero<X> && is_zero<Y>;
+    if (M::kinds[i] == JointKind::revolute && (upright || balanced)) mask |= LinkMask(1) << i;
+  });
+  return mask;
+}
+
+/// Writes G from sines and cosines that may lack those of the angles above.
+template <Scalar T, Model M, class Angles>
+SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque_from(const M& model, const Angles& angles) noexcept {
+  JointTorque<M::joints, T> tau;
+  const auto g = model.template gravity<T>();
+  for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
+    static_cast<void>(subtree_gravity<child.value, T>(model, angles, g, tau.data));
+  });
+  return tau;
+}
+
 }  // namespace detail
 
 /// `G(q)` [N m], the torques that hold the robot against gravity: `G = dV/dq` of the potential energy.
 template <Model M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque(
     const M& model, const JointAngles<M, T, Mask>& angles) noexcept {
-  JointTorque<M::joints, T> tau;
-  const auto g = model.template gravity<T>();
-  detail::for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-    static_cast<void>(detail::subtree_gravity<child.value, T>(model, angles, g, tau.data));
-  });
-  return tau;
+  return detail::gravity_torque_from<T>(model, angles);
 }
 template <Model M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque(
     const M& model, const JointPosition<M::joints, T>& q) noexcept {
-  return gravity_torque(model, JointAngles<M, T>(model, q));
+  constexpr LinkMask all = all_links(M::joints);
+  return detail::gravity_torque_from<T>(model,
+                                        JointAngles<M, T, all, detail::weightless_angles<M, T>()>(model, q));
 }
 
 /// Potential energy `V(q) = -g . sum m_i r_i` [J], zero with all mass at the base's origin.

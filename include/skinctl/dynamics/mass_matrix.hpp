@@ -33,20 +33,28 @@ struct MassMatrix {
 
 namespace detail {
 
-/// Wrenches that the accelerating joints of a subtree need, in the axes and about the origin of the current
-/// link.
-template <class T, std::size_t N>
-struct JointWrenches {
-  Xyz<T> f[N];
-  Xyz<T> n[N];
-};
+/// Carries the wrench that a unit acceleration of `joint` needs, given in the axes and about the origin of
+/// link `I`, down to the base, and writes what it asks of the joints on its way.
+template <std::size_t I, Scalar T, Model M, class Angles, class F, class N>
+SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles, const F& f, const N& n,
+                                           std::size_t joint, MassMatrix<M::joints, T>& m) noexcept {
+  constexpr int parent = M::parents[I];
+  if constexpr (parent >= 0) {
+    constexpr auto P = static_cast<std::size_t>(parent);
+    const auto frame = joint_frame<I>(model, angles);
+    const auto f_parent = frame.to_parent(f);
+    const auto n_parent = frame.to_parent(n) + cross(frame.p, f_parent);
+    constexpr bool revolute = M::kinds[P] == JointKind::revolute;
+    m(P, joint) = m(joint, P) = revolute ? T(n_parent.z) : T(f_parent.z);
+    carry_wrench<P>(model, angles, f_parent, n_parent, joint, m);
+  }
+}
 
-/// Fills rows and columns of `M` that belong to the subtree of link `I`; leaves in `wrenches` one wrench per
-/// joint of the subtree, in the parent's frame, and returns the subtree as one body in the parent's frame.
+/// Fills the rows and columns of `M` that belong to the subtree of link `I`, and returns the subtree as one
+/// body in the parent's frame.
 template <std::size_t I, Scalar T, Model M, class Angles>
-SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles, MassMatrix<M::joints, T>& m,
-                                           JointWrenches<T, M::joints>& wrenches) noexcept {
-  const auto frame = joint_frame<I>(model, angles);
+SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
+                                           MassMatrix<M::joints, T>& m) noexcept {
   const auto body = [&]() SKINCTL_INLINE_LAMBDA {
     const auto own = link_composite<I, T>(model);
     if constexpr (children<M, int(I)>.size() == 0) {
@@ -54,7 +62,7 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
     } else {
       auto sum = dense_composite<T>(own);
       for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-        const auto part = subtree_mass<child.value, T>(model, angles, m, wrenches);
+        const auto part = subtree_mass<child.value, T>(model, angles, m);
         sum = dense_composite<T>(Composite{sum.mass + part.mass, sum.h + part.h, sum.xx + part.xx,
                                            sum.yy + part.yy, sum.zz + part.zz, sum.xy + part.xy,
                                            sum.xz + part.xz, sum.yz + part.yz});
@@ -63,37 +71,18 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
     }
   }();
 
-  // Unit acceleration of joint I alone, and what joints further out ask of joint I.
-  constexpr bool revolute = M::kinds[I] == JointKind::revolute;
-  const auto pass_up = [&](const auto& f, const auto& n, std::size_t k) SKINCTL_INLINE_LAMBDA {
-    const auto f_parent = frame.to_parent(f);
-    wrenches.f[k] = dense<T>(f_parent);
-    wrenches.n[k] = dense<T>(frame.to_parent(n) + cross(frame.p, f_parent));
-  };
-  constexpr LinkMask carried = subtree<M>(I) & ~link_bit<I>;
-  [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
-    const auto one = [&](auto k) SKINCTL_INLINE_LAMBDA {
-      constexpr std::size_t joint = k.value;
-      if constexpr ((carried >> joint) & 1u) {
-        const T coupling = revolute ? wrenches.n[joint].z : wrenches.f[joint].z;
-        m(I, joint) = coupling;
-        m(joint, I) = coupling;
-        if constexpr (M::parents[I] >= 0) pass_up(wrenches.f[joint], wrenches.n[joint], joint);
-      }
-    };
-    (one(std::integral_constant<std::size_t, K>{}), ...);
-  }(std::make_index_sequence<M::joints>{});
-  if constexpr (revolute) {
+  // The wrench of a unit acceleration of joint I alone.
+  if constexpr (M::kinds[I] == JointKind::revolute) {
     const auto inertia = body.xx + body.yy;
     m(I, I) = T(inertia);
-    if constexpr (M::parents[I] >= 0)
-      pass_up(Triple{-body.h.y, body.h.x, Known<0>{}}, Triple{-body.xz, -body.yz, inertia}, I);
+    carry_wrench<I>(model, angles, Triple{-body.h.y, body.h.x, Known<0>{}},
+                    Triple{-body.xz, -body.yz, inertia}, I, m);
   } else {
     m(I, I) = T(body.mass);
-    if constexpr (M::parents[I] >= 0)
-      pass_up(Triple{Known<0>{}, Known<0>{}, body.mass}, Triple{body.h.y, -body.h.x, Known<0>{}}, I);
+    carry_wrench<I>(model, angles, Triple{Known<0>{}, Known<0>{}, body.mass},
+                    Triple{body.h.y, -body.h.x, Known<0>{}}, I, m);
   }
-  return composite_to_parent(frame, body);
+  return composite_to_parent(joint_frame<I>(model, angles), body);
 }
 
 }  // namespace detail
@@ -106,9 +95,8 @@ template <Model M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<M::joints, T> mass_matrix(
     const M& model, const JointAngles<M, T, Mask>& angles) noexcept {
   MassMatrix<M::joints, T> m;
-  detail::JointWrenches<T, M::joints> wrenches;
   detail::for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-    static_cast<void>(detail::subtree_mass<child.value, T>(model, angles, m, wrenches));
+    static_cast<void>(detail::subtree_mass<child.value, T>(model, angles, m));
   });
   return m;
 }

@@ -4,6 +4,7 @@
 
 #include <bit>
 
+#include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/model/model.hpp"
@@ -39,8 +40,9 @@ constexpr bool no_offsets() noexcept {
 }  // namespace detail
 
 /// Sines and cosines of all joint angles, offsets included, computed at once on native lanes: the one
-/// transcendental step of a cycle. Joints behind the last link of `Mask` are left out.
-template <Model M, Scalar T, LinkMask Mask = all_links(M::joints)>
+/// transcendental step of a cycle. Joints behind the last link of `Mask` are left out, and so are those of
+/// `Unused` before and behind the others, whose angle the caller knows to drop out.
+template <Model M, Scalar T, LinkMask Mask = all_links(M::joints), LinkMask Unused = 0>
 struct JointAngles {
   static constexpr LinkMask links = closure<M>(Mask);
   static constexpr std::size_t count = static_cast<std::size_t>(std::bit_width(links));
@@ -51,18 +53,23 @@ struct JointAngles {
                                                               : 1];  ///< by which prismatic joints move
 
   SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q) noexcept {
-    constexpr bool revolute = detail::any_of_kind<M, links>(JointKind::revolute);
-    constexpr bool prismatic = detail::any_of_kind<M, links>(JointKind::prismatic);
-    if constexpr (revolute && !prismatic && detail::no_offsets<M, T, count>()) {
-      // Straight from q: a vector load behind scalar stores would wait for them.
-      math::sincos<count>(q.data, sin, cos);
-    } else if constexpr (count > 0) {
-      T sum[count];
-      [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-        ((sum[I] = q[I] + model.template number<I, Parameter::offset, T>()), ...);
-        if constexpr (prismatic) ((shift[I] = sum[I]), ...);
-      }(std::make_index_sequence<count>{});
-      if constexpr (revolute) math::sincos<count>(sum, sin, cos);
+    constexpr LinkMask turning = links & ~Unused;
+    constexpr auto first = turning == 0 ? 0 : static_cast<std::size_t>(std::countr_zero(turning));
+    constexpr std::size_t turns = static_cast<std::size_t>(std::bit_width(turning)) - first;
+    const auto position = [&](auto i) SKINCTL_INLINE_LAMBDA {
+      return T(q[i] + model.template number<i, Parameter::offset, T>());
+    };
+    if constexpr (detail::any_of_kind<M, links>(JointKind::prismatic))
+      detail::unrolled<count>([&](auto i) SKINCTL_INLINE_LAMBDA { shift[i] = position(i); });
+    if constexpr (turns > 0 && detail::any_of_kind<M, links>(JointKind::revolute)) {
+      if constexpr (detail::no_offsets<M, T, count>()) {
+        math::sincos<turns>(q.data + first, sin + first, cos + first);
+      } else {
+        math::sincos<turns>(
+            [&](auto i)
+                SKINCTL_INLINE_LAMBDA { return position(std::integral_constant<std::size_t, i + first>{}); },
+            sin + first, cos + first);
+      }
     }
   }
 };
@@ -91,8 +98,9 @@ template <class G, class A, class Th, class P>
 JointFrame(G, A, Th, P) -> JointFrame<G, A, Th, P>;
 
 /// The frame of link `I` at the given joint angles.
-template <std::size_t I, Model M, Scalar T, LinkMask Mask>
-SKINCTL_INLINE constexpr auto joint_frame(const M& model, const JointAngles<M, T, Mask>& angles) noexcept {
+template <std::size_t I, Model M, Scalar T, LinkMask Mask, LinkMask Unused>
+SKINCTL_INLINE constexpr auto joint_frame(const M& model,
+                                          const JointAngles<M, T, Mask, Unused>& angles) noexcept {
   using P = Parameter;
   const Turn gamma{model.template number<I, P::cos_gamma, T>(), model.template number<I, P::sin_gamma, T>()};
   const Turn alpha{model.template number<I, P::cos_alpha, T>(), model.template number<I, P::sin_alpha, T>()};

@@ -57,8 +57,10 @@ class Poses {
       const auto z2 = frame.alpha.cos * z - frame.alpha.sin * y1;
       const auto x3 = frame.theta.cos * x1 + frame.theta.sin * y2;
       const auto y3 = frame.theta.cos * y2 - frame.theta.sin * x1;
-      if constexpr ((Mask >> I) & 1u)
-        places_[slot(I)] = Place{dense<T>(x3), dense<T>(y3), dense<T>(z2), dense<T>(p)};
+      if constexpr ((Mask >> I) & 1u) {
+        Place& at = places_[slot(I)];
+        assign(at.x, x3), assign(at.y, y3), assign(at.z, z2), assign(at.p, p);
+      }
       detail::for_each_link<children<M, int(I)>>(
           [&](auto link) SKINCTL_INLINE_LAMBDA { place<link.value>(model, angles, x3, y3, z2, p); });
     }

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <type_traits>
+#include <utility>
 
+#include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/lane.hpp"
 #include "skinctl/core/real.hpp"
 #include "skinctl/math/detail/row_blocks.hpp"
@@ -14,6 +16,26 @@
 
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
+namespace detail {
+
+/// Sines and cosines of the lanes `load(start)` that cover a row.
+template <std::size_t N, class T, class Load>
+SKINCTL_INLINE void sincos_row(Load load, T* sin, T* cos) noexcept {
+  using L = Lane<T, row_lanes<T, N>>;
+  using skinctl::detail::unrolled;
+  constexpr std::size_t blocks = row_blocks<T, N>;
+  L angles[blocks], sines[blocks], cosines[blocks];
+  unrolled<blocks>([&](auto i) SKINCTL_INLINE_LAMBDA {
+    angles[i] = load(std::integral_constant<std::size_t, row_start<T, N>(i)>{});
+  });
+  sincos_lanes(angles, sines, cosines);
+  unrolled<blocks>([&](auto i) SKINCTL_INLINE_LAMBDA {
+    sines[i].store(sin + row_start<T, N>(i));
+    cosines[i].store(cos + row_start<T, N>(i));
+  });
+}
+
+}  // namespace detail
 
 /// Sine and cosine of the same angle.
 template <Scalar T>
@@ -34,20 +56,15 @@ template <class Policy = Fast, Scalar T>
   if constexpr (is_lane<T>) {
     using Real = RealOf<T>;
     constexpr std::size_t W = T::lanes;
-    Real angles[W], sines[W], cosines[W];
     if constexpr (std::is_same_v<Policy, Libm>) {
+      Real angles[W], sines[W], cosines[W];
       x.store(angles);
       for (std::size_t i = 0; i < W; ++i) sines[i] = std::sin(angles[i]), cosines[i] = std::cos(angles[i]);
       return {T::load(sines), T::load(cosines)};
     } else {
-      SinCos<T> y;
-      detail::sincos_kernel(x, y.sin, y.cos);
-      if (any(abs(x) > T(detail::SinCosTable<Real>::limit))) [[unlikely]] {
-        x.store(angles), y.sin.store(sines), y.cos.store(cosines);
-        detail::sincos_beyond(angles, sines, cosines, W);
-        return {T::load(sines), T::load(cosines)};
-      }
-      return y;
+      T sin[1], cos[1];
+      detail::sincos_lanes({x}, sin, cos);
+      return {sin[0], cos[0]};
     }
   } else if constexpr (detail::has_kernel<T> && !std::is_same_v<Policy, Libm>) {
     const auto y = sincos(Lane<T, detail::narrow_lanes<T>>(x));
@@ -62,30 +79,49 @@ template <class Policy = Fast, Scalar T>
 /// The outputs may not overlap the angles.
 template <std::size_t N, class Policy = Fast, Scalar T>
 SKINCTL_INLINE void sincos(const T* x, T* sin, T* cos) noexcept {
-  if constexpr (!detail::has_kernel<T> || std::is_same_v<Policy, Libm> || N == 1) {
-    for (std::size_t i = 0; i < N; ++i) {
+  using skinctl::detail::unrolled;
+  if constexpr (std::is_same_v<Policy, Libm> || N == 1 || !(detail::has_kernel<T> || is_lane<T>)) {
+    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA {
       const SinCos<T> y = sincos<Policy>(x[i]);
       sin[i] = y.sin;
       cos[i] = y.cos;
-    }
+    });
+  } else if constexpr (is_lane<T>) {
+    T sines[N], cosines[N], angles[N];
+    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { angles[i] = x[i]; });
+    detail::sincos_lanes(angles, sines, cosines);
+    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { sin[i] = sines[i], cos[i] = cosines[i]; });
   } else if constexpr (constexpr std::size_t W = detail::row_lanes<T, N>; N < W) {
     T angles[W] = {}, sines[W], cosines[W];
-    for (std::size_t i = 0; i < N; ++i) angles[i] = x[i];
+    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { angles[i] = x[i]; });
     sincos<W>(angles, sines, cosines);
-    for (std::size_t i = 0; i < N; ++i) sin[i] = sines[i], cos[i] = cosines[i];
+    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { sin[i] = sines[i], cos[i] = cosines[i]; });
   } else {
-    using L = Lane<T, W>;
-    L largest(T(0));
-    detail::for_each_block<T, N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-      const L angle = L::load(x + i);
-      L s, c;
-      detail::sincos_kernel(angle, s, c);
-      s.store(sin + i);
-      c.store(cos + i);
-      largest = max(largest, abs(angle));
-    });
-    if (any(largest > L(detail::SinCosTable<T>::limit))) [[unlikely]]
-      detail::sincos_beyond(x, sin, cos, N);
+    detail::sincos_row<N>(
+        [&](std::size_t start) SKINCTL_INLINE_LAMBDA { return Lane<T, W>::load(x + start); }, sin, cos);
+  }
+}
+
+/// Sines and cosines of the angles `angle(0)` to `angle(N - 1)`, the index an integral constant. They go
+/// straight into the registers: where a row has just been written number by number, its loads would wait for
+/// the stores.
+template <std::size_t N, Scalar T, class F>
+  requires std::is_invocable_r_v<T, F, std::integral_constant<std::size_t, 0>>
+SKINCTL_INLINE void sincos(F angle, T* sin, T* cos) noexcept {
+  if constexpr (!detail::has_kernel<T> || N < 2 || N < detail::row_lanes<T, N>) {
+    T angles[N];
+    skinctl::detail::unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { angles[i] = angle(i); });
+    sincos<N>(static_cast<const T*>(angles), sin, cos);
+  } else {
+    constexpr std::size_t W = detail::row_lanes<T, N>;
+    detail::sincos_row<N>(
+        [&](auto start) SKINCTL_INLINE_LAMBDA {
+          return [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
+            return Lane<T, W>(
+                typename Lane<T, W>::Vector{angle(std::integral_constant<std::size_t, start + K>{})...});
+          }(std::make_index_sequence<W>{});
+        },
+        sin, cos);
   }
 }
 

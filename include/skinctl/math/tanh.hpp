@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/lane.hpp"
 #include "skinctl/math/detail/row_blocks.hpp"
 #include "skinctl/math/detail/tanh_kernel.hpp"
@@ -51,7 +52,8 @@ SKINCTL_INLINE void tanh(const T* x, T* y) noexcept {
     tanh<W>(values, results);
     for (std::size_t i = 0; i < N; ++i) y[i] = results[i];
   } else {
-    detail::for_each_block<T, N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+    skinctl::detail::unrolled<detail::row_blocks<T, N>>([&](auto block) SKINCTL_INLINE_LAMBDA {
+      constexpr std::size_t i = detail::row_start<T, N>(block);
       detail::tanh_kernel(Lane<T, W>::load(x + i)).store(y + i);
     });
   }

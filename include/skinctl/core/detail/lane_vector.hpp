@@ -34,12 +34,15 @@ struct LaneTypes {
   using Word = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
   typedef T Vector __attribute__((vector_size(W * sizeof(T))));
   typedef Word Bits __attribute__((vector_size(W * sizeof(T))));
+  /// The vector wherever an array of `T` stands. GCC keeps what `memcpy` of 32 bytes touches in memory.
+  typedef T Anywhere __attribute__((vector_size(W * sizeof(T)), aligned(alignof(T)), may_alias));
 };
 template <class T>
 struct LaneTypes<T, 1> {
   using Word = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
   using Vector = T;
   using Bits = Word;
+  using Anywhere = T;
 };
 
 template <class T, std::size_t W>

@@ -38,7 +38,7 @@ SKINCTL_INLINE constexpr auto link_composite(const M& model) noexcept {
   const auto c = centre_of_mass<I, T>(model);
   const auto h = mass * c;
   return Composite{mass,
-                   h,
+                   by_component(h),
                    model.template number<I, P::s_xx, T>() + h.x * c.x,
                    model.template number<I, P::s_yy, T>() + h.y * c.y,
                    model.template number<I, P::s_zz, T>() + h.z * c.z,
@@ -83,7 +83,7 @@ SKINCTL_INLINE constexpr auto composite_to_parent(const Frame& frame, const C& b
   const auto& p = frame.p;
   const auto h = b.h + b.mass * p;
   return Composite{b.mass,
-                   h,
+                   by_component(h),
                    b.xx + p.x * (h.x + b.h.x),
                    b.yy + p.y * (h.y + b.h.y),
                    b.zz + p.z * (h.z + b.h.z),

@@ -95,7 +95,7 @@ SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, con
   const Triple s_z{s_xz, s_yz, s_zz};
   const Triple n{dot(spin.z, s_y) - dot(spin.y, s_z), dot(spin.x, s_z) - dot(spin.z, s_x),
                  dot(spin.y, s_x) - dot(spin.x, s_y)};
-  return ForceMoment{f, n + cross(c, f)};
+  return ForceMoment{by_component(f), n + cross(c, f)};
 }
 
 /// Everything that the recursion reads, and where it writes.
@@ -140,10 +140,10 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
                               auto n = dense<T>(own.n);
                               for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
                                 const auto wrench = subtree_wrench<child.value>(c, w, w_r, alpha, spin, a);
-                                f = dense<T>(f + wrench.f);
-                                n = dense<T>(n + wrench.n);
+                                assign(f, f + wrench.f);
+                                assign(n, n + wrench.n);
                               });
-                              return ForceMoment<Xyz<T>, Xyz<T>>{f, n};
+                              return ForceMoment{by_component(f), by_component(n)};
                             }
                           };
 
@@ -159,7 +159,7 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
   }();
   c.tau[I] = M::kinds[I] == JointKind::revolute ? T(total.n.z) : T(total.f.z);
   const auto f = frame.to_parent(total.f);
-  return ForceMoment{f, frame.to_parent(total.n) + cross(frame.p, f)};
+  return ForceMoment{by_component(f), frame.to_parent(total.n) + cross(frame.p, f)};
 }
 
 /// Runs the recursion from the base; `a0` is the acceleration of the base (minus gravity, or typed zeros).

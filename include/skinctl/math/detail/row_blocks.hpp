@@ -20,14 +20,15 @@ inline constexpr std::size_t narrow_lanes = native_lanes<T> == 1 ? 1 : 16 / size
 template <class T, std::size_t N>
 inline constexpr std::size_t row_lanes = N >= native_lanes<T> ? native_lanes<T> : narrow_lanes<T>;
 
-/// Calls `f(i)` for blocks `i .. i + row_lanes` that cover `0 .. N`. The last one overlaps the one before, so
-/// that no block is partly filled: six numbers in lanes of four are 0..3 and 2..5.
-template <class T, std::size_t N, class F>
-SKINCTL_INLINE void for_each_block(F f) noexcept {
+/// How many such lanes cover the row, and where lane `block` starts. The last one overlaps the one before, so
+/// that none is partly filled: six numbers in lanes of four are 0..3 and 2..5.
+template <class T, std::size_t N>
+inline constexpr std::size_t row_blocks = (N + row_lanes<T, N> - 1) / row_lanes<T, N>;
+template <class T, std::size_t N>
+[[nodiscard]] constexpr std::size_t row_start(std::size_t block) noexcept {
   constexpr std::size_t W = row_lanes<T, N>;
   static_assert(N >= W);
-  for (std::size_t i = 0; i + W <= N; i += W) f(i);
-  if constexpr (N % W != 0) f(N - W);
+  return (block + 1) * W <= N ? block * W : N - W;
 }
 
 }  // namespace math::detail

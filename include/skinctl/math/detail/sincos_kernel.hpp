@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/lane.hpp"
 #include "skinctl/math/detail/polynomial.hpp"
 
@@ -86,6 +87,34 @@ template <class T>
     sin[i] = std::sin(x[i]);
     cos[i] = std::cos(x[i]);
   }
+}
+
+/// The same of `B` lanes. What is handed to a function stays in memory for good: that is a copy here.
+template <class T, std::size_t W, std::size_t B>
+SKINCTL_INLINE void sincos_beyond(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B],
+                                  Lane<T, W> (&cos)[B]) noexcept {
+  T angles[B * W], sines[B * W], cosines[B * W];
+  skinctl::detail::unrolled<B>([&](auto i) SKINCTL_INLINE_LAMBDA {
+    x[i].store(angles + W * i), sin[i].store(sines + W * i), cos[i].store(cosines + W * i);
+  });
+  sincos_beyond(angles, sines, cosines, B * W);
+  skinctl::detail::unrolled<B>([&](auto i) SKINCTL_INLINE_LAMBDA {
+    sin[i] = Lane<T, W>::load(sines + W * i), cos[i] = Lane<T, W>::load(cosines + W * i);
+  });
+}
+
+/// Sines and cosines of `B` lanes, whatever stands in them.
+template <class T, std::size_t W, std::size_t B>
+SKINCTL_INLINE void sincos_lanes(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B],
+                                 Lane<T, W> (&cos)[B]) noexcept {
+  using L = Lane<T, W>;
+  L largest(T(0));
+  skinctl::detail::unrolled<B>([&](auto i) SKINCTL_INLINE_LAMBDA {
+    sincos_kernel(x[i], sin[i], cos[i]);
+    largest = max(largest, abs(x[i]));
+  });
+  if (any(largest > L(SinCosTable<T>::limit))) [[unlikely]]
+    sincos_beyond(x, sin, cos);
 }
 
 }  // namespace math::detail

@@ -1,0 +1,24 @@
+// Loops whose index is a constant.
+#pragma once
+
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+#include "skinctl/core/config.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Calls `f(0)` to `f(N - 1)`, the index an integral constant. Compilers unroll a loop of known length too,
+/// but only after they have decided that the arrays it walks through stay in memory, and GCC cuts it into
+/// vectors before: their loads then wait for the scalar stores of those who wrote the array.
+template <std::size_t N, class F>
+SKINCTL_INLINE constexpr void unrolled(F&& f) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+    (f(std::integral_constant<std::size_t, I>{}), ...);
+  }(std::make_index_sequence<N>{});
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE
