@@ -2,8 +2,8 @@
 // control tests.
 #pragma once
 
-#include "skinctl/control/detail/cholesky.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/math/ldlt.hpp"
 #include "tests/trajectory/exact.hpp"
 
 namespace skinctl::test {
@@ -17,10 +17,8 @@ JointAcceleration<M::joints, T> forward_dynamics(const M& model, const JointPosi
   const JointAngles<M, T> angles(model, q);
   const auto mass = mass_matrix(model, angles);
   const auto rest = tau - bias_torque(model, angles, dq);
-  T factor[n * n];
-  skinctl::detail::cholesky<n>(mass.data, factor);
   JointAcceleration<n, T> ddq;
-  skinctl::detail::solve<n>(factor, rest.data, ddq.data);
+  math::Ldlt<n, T>(mass.data).solve(rest.data, ddq.data);
   return ddq;
 }
 

@@ -1,9 +1,13 @@
 #include "skinctl/cycle/input.hpp"
 
 #include <doctest/doctest.h>
+#include <rapidcheck.h>
 
-#include <cstring>
+#include <bit>
+#include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/robot_table.hpp"
@@ -32,7 +36,134 @@ T any_number(oracle::Random& random) {
   }
 }
 
+/// What stands in a field: something that may be there, any bits, or one of the numbers that break programs.
+enum class Content : unsigned char { usual, bits, special };
+void showValue(Content content, std::ostream& out) {
+  out << (content == Content::usual ? "usual" : content == Content::bits ? "bits" : "special");
+}
+using Field = std::pair<Content, std::uint64_t>;
+constexpr std::size_t samples_a_cycle = 3;
+constexpr std::size_t fields_a_cycle = 14 + 1 + 10 * samples_a_cycle + 2 + 7;
+
+/// The fields of one cycle in turn; each 0 and usual is a cycle in which nothing happens, so that cases
+/// shrink to what matters.
+class Tape {
+ public:
+  explicit Tape(const std::vector<Field>& fields) : fields_(fields) {}
+
+  template <class T>
+  T number(T usual) {
+    using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+    using Limits = std::numeric_limits<T>;
+    const T special[] = {Limits::quiet_NaN(),
+                         Limits::infinity(),
+                         -Limits::infinity(),
+                         Limits::max(),
+                         -Limits::max(),
+                         Limits::denorm_min(),
+                         T(-0.0),
+                         Limits::min()};
+    const auto [content, bits] = next();
+    return content == Content::usual  ? usual
+           : content == Content::bits ? std::bit_cast<T>(static_cast<Bits>(bits))
+                                      : special[bits % 8];
+  }
+  /// A reading of `[0, 1]`, times `size`.
+  float reading(float size) {
+    const float usual = size * static_cast<float>(fields_[at_].second % 1025) / 1024;
+    return number(usual);
+  }
+  Nanoseconds time(Nanoseconds now, Nanoseconds back) {
+    constexpr Nanoseconds special[] = {INT64_MIN, INT64_MAX, 0, -1};
+    const auto [content, bits] = next();
+    return content == Content::usual  ? now - static_cast<Nanoseconds>(bits % std::uint64_t(back + 1))
+           : content == Content::bits ? static_cast<Nanoseconds>(bits)
+                                      : special[bits % 4];
+  }
+  /// Below `count`, or any.
+  std::uint64_t index(std::uint64_t count) {
+    const auto [content, bits] = next();
+    return content == Content::usual ? bits % count : bits;
+  }
+
+ private:
+  Field next() { return fields_[at_++]; }
+  const std::vector<Field>& fields_;
+  std::size_t at_ = 0;
+};
+
+/// Runs a scene over the cycles and asserts what no input may change.
+template <class T>
+void survives(const std::vector<std::vector<Field>>& cycles) {
+  static const auto scene = reaching_scene<Interface::position, 260, T>();
+  using Scene = std::remove_cvref_t<decltype(scene)>;
+  static const auto memory = std::make_unique<typename Scene::Memory>();
+  const auto limits = ur5_test_limits<T>();
+  const T longest = T(0.08);  // what a cycle may integrate at most: ten periods
+  State<6, T> state;
+  state.q = home_position<T>();
+  scene.start(*memory, state);
+  JointCommand<6, T> last = memory->robot.command;
+  Nanoseconds now = 0;
+  std::uint64_t allocated = 0;
+  for (const auto& fields : cycles) {
+    Tape tape(fields);
+    now += 8_ms;
+    typename Scene::Input input;
+    input.now = tape.time(now, 0);
+    input.measured.time = tape.time(now, 0);
+    for (std::size_t i = 0; i < 6; ++i) input.measured.q[i] = tape.number(state.q[i]);
+    for (std::size_t i = 0; i < 6; ++i) input.measured.dq[i] = tape.number(state.dq[i]);
+    const auto count = static_cast<std::size_t>(tape.index(samples_a_cycle + 1) % (samples_a_cycle + 1));
+    std::array<CellSample, samples_a_cycle> samples;
+    for (auto& s : samples) {
+      s.time = tape.time(now, 8_ms);
+      s.cell = static_cast<std::uint32_t>(tape.index(262));
+      for (float& f : s.force) f = tape.reading(1);
+      s.proximity = tape.reading(1);
+      for (float& a : s.acceleration) a = tape.reading(20);
+      s.temperature = tape.reading(40);
+    }
+    input.samples = std::span(samples).first(count);
+    input.request = static_cast<Request>(tape.index(1));
+    input.has_goal = tape.index(16) == 15;
+    for (std::size_t i = 0; i < 6; ++i) input.goal.q_g[i] = tape.number(T(state.q[i] + T(0.3)));
+    input.goal.duration = tape.time(4_s, 4_s);
+
+    const AllocationGuard guard;
+    const auto out = scene.step(*memory, input);
+    allocated += guard.count();
+    RC_ASSERT(out.command.valid);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const T q = out.command.position[i], v = out.command.velocity[i];
+      RC_ASSERT(q >= limits.lower()[i] && q <= limits.upper()[i]);
+      RC_ASSERT(std::abs(v) <= limits.velocity()[i] * T(1.0001));
+      RC_ASSERT(std::abs(v - last.velocity[i]) <= limits.acceleration()[i] * longest * T(1.001));
+      RC_ASSERT(std::abs(q - last.position[i]) <= limits.velocity()[i] * longest * T(1.0001));
+    }
+    last = out.command;
+    state.q = out.command.position;
+    state.dq = out.command.velocity;
+  }
+  RC_ASSERT(allocated == 0u);
+}
+
+/// Runs of up to a hundred cycles; one field in sixteen is not as usual.
+template <class T>
+void check_runs() {
+  const auto field = rc::gen::pair(
+      rc::gen::weightedElement<Content>({{30, Content::usual}, {1, Content::bits}, {1, Content::special}}),
+      rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint64_t>()));
+  survives<T>(*rc::gen::container<std::vector<std::vector<Field>>>(
+      rc::gen::container<std::vector<Field>>(fields_a_cycle, field)));
+}
+
 }  // namespace
+
+TEST_CASE("input: arbitrary bits in any field of it, as cases that shrink") {
+  CHECK(rc::check("double", check_runs<double>));
+  CHECK(rc::check("float", check_runs<float>));
+}
 
 TEST_CASE_TEMPLATE(
     "input: whatever bits are in any field, commands stay finite, within limits and free of steps", T, float,

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 
-#include "skinctl/control/detail/cholesky.hpp"
 #include "skinctl/core/needs.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/math/ldlt.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -62,9 +62,9 @@ class ConstantDamping {
         require((gap < T(0) ? T(-gap) : gap) <= tolerance<T> * largest, "K_d(i,j) - K_d(j,i)",
                 static_cast<double>(gap), "0: symmetric");
       }
-    T factor[N * N];
-    require(detail::cholesky<N>(K_d_, factor) > T(0), "smallest pivot of K_d",
-            static_cast<double>(detail::cholesky<N>(K_d_, factor)), "> 0: positive definite");
+    const math::Ldlt<N, T> factors(K_d_);
+    require(factors.positive_definite(), "smallest pivot of K_d", static_cast<double>(factors.least_pivot()),
+            "> 0: positive definite");
     std::uint64_t bits = 1;
     for (int pose = 0; pose < 256; ++pose) {
       JointPosition<N, T> q;
@@ -95,16 +95,16 @@ class ConstantDamping {
       const K& known, const JointVelocity<N, T>& S_q) const noexcept {
     const auto tau = torque(S_q);
     JointAcceleration<N, T> a;
-    T factor[N * N];
-    if (detail::cholesky<N>(known.mass().data, factor) > T(0)) detail::solve<N>(factor, tau.data, a.data);
+    const math::Ldlt<N, T> factors(known.mass().data);
+    if (factors.positive_definite()) factors.solve(tau.data, a.data);
     return a;
   }
 
  private:
   /// Largest eigenvalue of M^-1 K_d: by powers, whose Rayleigh quotient grows towards it.
   T largest_rate(const MassMatrix<N, T>& m) const {
-    T factor[N * N];
-    require(detail::cholesky<N>(m.data, factor) > T(0), "smallest pivot of M(q)", 0.0,
+    const math::Ldlt<N, T> factors(m.data);
+    require(factors.positive_definite(), "smallest pivot of M(q)", static_cast<double>(factors.least_pivot()),
             "> 0: every joint needs inertia");
     JointVelocity<N, T> x;
     for (std::size_t i = 0; i < N; ++i) x[i] = T(1) + T(static_cast<double>(i)) * T(0.37);
@@ -112,7 +112,7 @@ class ConstantDamping {
     for (int step = 0; step < 100; ++step) {
       const auto tau = torque(x);
       JointVelocity<N, T> y;
-      detail::solve<N>(factor, tau.data, y.data);
+      factors.solve(tau.data, y.data);
       T size(0);
       for (const T& v : y) size = (v < T(0) ? T(-v) : v) > size ? (v < T(0) ? T(-v) : v) : size;
       T xx(0), xy(0);  // in the norm of M: x'K_d x / x'M x

@@ -3,6 +3,7 @@
 
 #include "skinctl/control/settings.hpp"
 #include "skinctl/control/surface_bias.hpp"
+#include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
 #include "skinctl/trajectory/spline.hpp"
 
@@ -12,15 +13,12 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Scalar T = double>
 struct Integrals {
   T sum[N] = {};
-  T carry[N] = {};
+  T carry[N] = {};  ///< what the sums lack
 
   /// Adds `dt * rate`; a rate that is not finite adds nothing.
   SKINCTL_INLINE constexpr void add(std::size_t i, const T& rate, const T& dt) noexcept {
     const T step = dt * rate;
-    const T part = (step - step == T(0) ? step : T(0)) - carry[i];
-    const T next = sum[i] + part;
-    carry[i] = (next - sum[i]) - part;
-    sum[i] = next;
+    math::add_compensated(sum[i], carry[i], step - step == T(0) ? step : T(0));
   }
 };
 

@@ -3,7 +3,7 @@
 
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/dynamics/shape.hpp"
-#include "skinctl/resolver/detail/solve_joints.hpp"
+#include "skinctl/resolver/detail/stick_or_slip.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -109,11 +109,13 @@ template <class Policy, class K, Real T>
     m(i, i) = m(i, i) + Policy::weight(z) * b;
   }
   VelocityStep<n, T> out;
-  JointVelocity<n, T> dv;
-  out.singular = !solve_joints(m, impulse, dv);
+  const math::Ldlt<n, T> factors(m.data);
+  out.singular = !factors.positive_definite();
   if (out.singular) {
     out.velocity = v;
   } else {
+    JointVelocity<n, T> dv;
+    factors.solve(impulse.data, dv.data);
     out.velocity = v + dv;
     if (has_coulomb) stick_or_slip(m, h * shape.coulomb, impulse, v, out.velocity);
   }

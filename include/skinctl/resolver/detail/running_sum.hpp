@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/joint.hpp"
+#include "skinctl/math/sum.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -17,10 +18,7 @@ struct RunningPosition {
     rest[i] = T(0);
   }
   SKINCTL_INLINE void add(std::size_t i, const T& step) noexcept {
-    const T y = step + rest[i], x = value[i];
-    const T sum = x + y, seen = sum - x;
-    value[i] = sum;
-    rest[i] = (x - (sum - seen)) + (y - seen);
+    math::add_compensated(value[i], rest[i], step);
   }
 };
 

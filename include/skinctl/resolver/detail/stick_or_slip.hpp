@@ -1,53 +1,13 @@
-// Solvers of the sub-step: accelerations from torques, and friction that may stick.
+// Friction that may stick.
 #pragma once
 
-#include <utility>
+#include <limits>
 
 #include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/math/ldlt.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
-
-/// `m x = b` for a symmetric positive definite `m` by L D L'; only the lower triangle is read. False, and `x`
-/// undefined, where a pivot is not above rounding of its diagonal entry.
-template <std::size_t N, Real T>
-[[nodiscard]] SKINCTL_INLINE bool solve_joints(const MassMatrix<N, T>& m, const JointTorque<N, T>& b,
-                                               JointVelocity<N, T>& x) noexcept {
-  T l[N][N];
-  T inverse[N];
-  T y[N];
-  bool regular = true;
-  const auto column = [&](auto k) SKINCTL_INLINE_LAMBDA {
-    constexpr std::size_t j = k.value;
-    T d = m(j, j);
-    T r = b[j];
-    T scaled[j + 1];
-    for (std::size_t i = 0; i < j; ++i) {
-      scaled[i] = l[j][i] * inverse[i];
-      d = d - l[j][i] * scaled[i];
-      r = r - l[j][i] * y[i];
-    }
-    regular &= d > m(j, j) * (T(8) * std::numeric_limits<T>::epsilon());
-    inverse[j] = T(1) / d;
-    y[j] = r * inverse[j];
-    for (std::size_t i = j + 1; i < N; ++i) {
-      T s = m(i, j);
-      for (std::size_t p = 0; p < j; ++p) s = s - l[i][p] * scaled[p];
-      l[i][j] = s;  // L D
-    }
-  };
-  const auto back = [&](auto k) SKINCTL_INLINE_LAMBDA {
-    constexpr std::size_t j = N - 1 - k.value;
-    T s(0);
-    for (std::size_t i = j + 1; i < N; ++i) s = s + l[i][j] * x[i];
-    x[j] = y[j] - s * inverse[j];
-  };
-  [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
-    (column(std::integral_constant<std::size_t, K>{}), ...);
-    (back(std::integral_constant<std::size_t, K>{}), ...);
-  }(std::make_index_sequence<N>{});
-  return regular;
-}
 
 /// Dry friction, implicit and set-valued at rest: the velocity `u` with `m (u - v) + c S = impulse`, S in
 /// [-1, 1], and S = sign(u) where u is not zero. `u` enters as the solution without friction.
@@ -92,7 +52,9 @@ SKINCTL_NOINLINE void stick_or_slip(const MassMatrix<N, T>& m, const JointTorque
       }
     }
     JointVelocity<N, T> best;
-    if (!solve_joints(moving, rest, best)) return;
+    const math::Ldlt<N, T> factors(moving.data);
+    if (!factors.positive_definite()) return;
+    factors.solve(rest.data, best.data);
     T part(1);
     std::size_t sticks = N;
     for (std::size_t i = 0; i < N; ++i) {

@@ -1,0 +1,201 @@
+// One evaluation of each law: torque and next memory. Beside it what its equations cost by hand (the surface
+// with Eigen and libm, the dynamics as the floor) and what KDL takes for the dynamics alone.
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "bench/floor/ur5_floor.hpp"
+#include "bench/support/rows.hpp"
+#include "bench/tactile/skin_floor.hpp"
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/joint_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/math/sincos.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/tactile/link_wrenches.hpp"
+#include "tests/support/kdl_oracle.hpp"
+
+using namespace skinctl;
+
+namespace {
+
+template <class T>
+using Touch = LinkWrenches<ur5::Model, 0b111111, T>;
+using Joints = Eigen::Array<double, 6, 1>;
+
+constexpr double dt = 0.002;
+
+/// Joints near a pose and slow, as they are where a law tracks; a touch of a few newton. From a pool.
+template <class T>
+class Scenes {
+ public:
+  Scenes() : scenes_(1024) {
+    oracle::Random random(1);
+    const double home[6] = {0, -1.2, 1.4, -1.8, -1.57, 0.3};
+    for (auto& s : scenes_) {
+      for (std::size_t i = 0; i < 6; ++i) {
+        s.state.q[i] = static_cast<T>(home[i] + random.uniform(-0.02, 0.02));
+        s.state.dq[i] = static_cast<T>(random.uniform(-0.1, 0.1));
+      }
+      for (auto& wrench : s.touch.data)
+        for (T& x : wrench) x = static_cast<T>(random.uniform(-0.3, 0.3));
+    }
+  }
+  struct Scene {
+    State<6, T> state;
+    Touch<T> touch;
+  };
+  const Scene& operator[](std::size_t i) const { return scenes_[i % 1024]; }
+
+ private:
+  std::vector<Scene> scenes_;
+};
+
+template <class T>
+JointControlSettings<6, T> settings() {
+  JointControlSettings<6, T> s;
+  s.dt = T(dt);
+  s.lambda = T(25);
+  s.K_c = T(5);
+  s.tb = T(4);
+  return s;
+}
+
+std::string name_of(const std::string& law, const char* end) {
+  return "control/" + law + "/ur5/" + end;
+}
+
+/// `begin(law, known)` is the memory from which every 1024 evaluations start.
+template <class T, class L, class Begin>
+void law_row(const std::string& name, const L& law, Begin begin) {
+  benchmark::RegisterBenchmark(
+      name_of(name, (std::string("skinctl/") + bench::scalar_name<T>).c_str()).c_str(),
+      [law, begin](benchmark::State& state) {
+        const Scenes<T> scenes;
+        const ur5::Model model;
+        using Known = Quantities<ur5::Model, L::needs, T, Touch<T>>;
+        const auto first = begin(law, Known(model, scenes[0].state, T(dt), scenes[0].touch));
+        auto memory = first;
+        std::size_t k = 0;
+        const bench::CountAllocations counted(state);
+        for (auto _ : state) {
+          if (++k % 1024 == 0) memory = first;
+          const auto& scene = scenes[k];
+          const auto out = evaluate(law, memory, Known(model, scene.state, T(dt), scene.touch), T(dt));
+          memory = out.memory;
+          auto torque = out.torque;
+          benchmark::DoNotOptimize(torque);
+        }
+        benchmark::DoNotOptimize(memory);
+      });
+}
+
+template <class T>
+void skinctl_rows() {
+  const auto stand = [](const auto& law, const auto& known) { return law.start(known); };
+  const auto target = [](const auto& law, const auto& known) {
+    auto q = known.q();
+    q[0] += T(0.1);
+    return law.receive(law.start(known), known, JointReference<6, T>{q, {}, {}}).memory;
+  };
+  const auto goal = [](const auto& law, const auto& known) {
+    auto q = known.q();
+    q[0] += T(0.5);
+    return law.receive(law.start(known), known, JointGoal<6, T>{q, 4_s}).memory;
+  };
+  const SplineJoint<6, T> spline(settings<T>());
+  law_row<T>("joint_control", JointControl<6, T>(settings<T>()), target);
+  law_row<T>("spline_joint", spline, goal);
+  law_row<T>("gravity_control", GravityControl{}, stand);
+  law_row<T>("skin_joint_control", SkinJointControl{}, stand);
+  law_row<T>("spline_joint+skin+gravity", spline + SkinJointControl{} + GravityControl{}, goal);
+
+  std::array<T, 36> K_d{};
+  for (std::size_t i = 0; i < 6; ++i) K_d[7 * i] = T(0.02);
+  auto gentle = settings<T>();
+  gentle.lambda = T(1);
+  law_row<T>("spline_joint-constant-K_d",
+             SplineJoint<6, T, ConstantDamping<6, T>>(gentle, ConstantDamping<6, T>(ur5::Model{}, K_d)),
+             goal);
+}
+
+/// Eqs. (9)-(14) as they stand, at a fixed target, then `Y_r Theta - K_d S_q`.
+void tracking_by_hand(const State<6>& x, Joints& I1, Joints& I2, double* tau) {
+  const Eigen::Map<const Joints> q(x.q.data), dq(x.dq.data);
+  static const Joints q_d = (Joints() << 0.1, -1.2, 1.4, -1.8, -1.57, 0.3).finished();
+  const Joints e = q - q_d, S = dq + 5 * e;
+  const Joints sign = (10 * S).unaryExpr([](double v) { return std::tanh(v); });
+  const Joints dq_r = -5 * e - I1 - 0.1 * I2;
+  const Joints ddq_r = -5 * dq - S - 0.1 * sign - 25 * (dq - dq_r);
+  I1 += dt * S, I2 += dt * sign;
+  bench_floor::ur5::floor_yr_theta(x.q.data, x.dq.data, dq_r.data(), ddq_r.data(), tau);
+}
+void skin_by_hand(const State<6>& x, const Touch<double>& touch, double* tau) {
+  double s[6], c[6];
+  math::sincos<6>(x.q.data, s, c);
+  bench_floor::ur5_backward(s, c, touch.data, tau);
+}
+
+template <class F>
+void twin_row(const std::string& law, const char* end, F evaluate) {
+  benchmark::RegisterBenchmark(name_of(law, end).c_str(), [evaluate](benchmark::State& state) mutable {
+    const Scenes<double> scenes;
+    Joints I1 = Joints::Zero(), I2 = Joints::Zero();
+    std::size_t k = 0;
+    const bench::CountAllocations counted(state);
+    for (auto _ : state) {
+      if (++k % 1024 == 0) I1.setZero(), I2.setZero();
+      double tau[6] = {};
+      evaluate(scenes[k], I1, I2, tau);
+      benchmark::DoNotOptimize(tau);
+    }
+  });
+}
+
+void twin_rows() {
+  for (const char* law : {"joint_control", "spline_joint"})
+    twin_row(law, "floor/double", [](const auto& s, Joints& I1, Joints& I2, double* tau) {
+      tracking_by_hand(s.state, I1, I2, tau);
+    });
+  twin_row("gravity_control", "floor/double", [](const auto& s, Joints&, Joints&, double* tau) {
+    bench_floor::ur5::floor_gravity(s.state.q.data, tau);
+  });
+  twin_row("skin_joint_control", "floor/double",
+           [](const auto& s, Joints&, Joints&, double* tau) { skin_by_hand(s.state, s.touch, tau); });
+  twin_row("spline_joint+skin+gravity", "floor/double",
+           [](const auto& s, Joints& I1, Joints& I2, double* tau) {
+             double skin[6];
+             tracking_by_hand(s.state, I1, I2, tau);
+             skin_by_hand(s.state, s.touch, skin);
+             for (std::size_t i = 0; i < 6; ++i) tau[i] += skin[i];
+           });
+
+  const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());
+  const auto dynamics = [robot](const auto& s, double* tau) {
+    robot->inverse_dynamics(s.state.q.data, s.state.dq.data, s.state.dq.data, tau);
+  };
+  const auto skin = [robot](const auto& s, double* tau) {
+    double J[36];
+    const double origin[3] = {0, 0, 0};
+    for (int link = 0; link < 6; ++link) {
+      robot->jacobian(link, origin, s.state.q.data, J);
+      for (std::size_t r = 0; r < 6; ++r)
+        for (std::size_t j = 0; j < 6; ++j) tau[j] += J[6 * r + j] * s.touch.data[link][r];
+    }
+  };
+  for (const char* law : {"joint_control", "spline_joint"})
+    twin_row(law, "kdl/double", [=](const auto& s, Joints&, Joints&, double* tau) { dynamics(s, tau); });
+  twin_row("gravity_control", "kdl/double",
+           [=](const auto& s, Joints&, Joints&, double* tau) { robot->gravity(s.state.q.data, tau); });
+  twin_row("skin_joint_control", "kdl_per_link/double",
+           [=](const auto& s, Joints&, Joints&, double* tau) { skin(s, tau); });
+  twin_row("spline_joint+skin+gravity", "kdl_per_link/double",
+           [=](const auto& s, Joints&, Joints&, double* tau) { dynamics(s, tau), skin(s, tau); });
+}
+
+const bool registered = (skinctl_rows<double>(), skinctl_rows<float>(), twin_rows(), true);
+
+}  // namespace

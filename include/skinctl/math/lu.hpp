@@ -1,0 +1,88 @@
+// The factors of a small square matrix, symmetric or not, and solutions with them.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+#include "skinctl/core/real.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace math {
+
+/// `P a = L U` of a square matrix, with the largest element of each column as its pivot: what `M + h B + h C`
+/// needs, which is not symmetric. A symmetric positive definite matrix costs half of it: `Ldlt`. No
+/// allocation, one division a row.
+///
+/// The solution is the exact one of a matrix within `N` units in the last place of the largest element (for
+/// all but constructed matrices), so it errs by that times the condition. A pivot that is not above
+/// `8 epsilon` of the terms it was computed from, whatever the units of rows and columns, is taken out: that
+/// unknown is 0, one equation is dropped, and `regular()` is false, as it is for every matrix with a NaN or
+/// an infinity in it. Nothing is divided by zero.
+template <std::size_t N, Real T = double>
+class Lu {
+  static_assert(N > 0, "Lu<N, T>: at least one row");
+
+ public:
+  /// @param a  `N * N` numbers, row by row.
+  constexpr explicit Lu(const T* a) noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      from_[i] = i;
+      for (std::size_t j = 0; j < N; ++j) lu_[i][j] = a[i * N + j];
+    }
+    for (std::size_t j = 0; j < N; ++j) {
+      std::size_t best = j;
+      for (std::size_t i = j + 1; i < N; ++i)
+        if (magnitude(lu_[i][j]) > magnitude(lu_[best][j])) best = i;
+      if (best != j) exchange(best, j);
+      T terms = magnitude(a[from_[j] * N + j]);  // that the pivot was computed from
+      for (std::size_t k = 0; k < j; ++k) terms = terms + magnitude(T(lu_[j][k] * lu_[k][j]));
+      const bool good = magnitude(lu_[j][j]) > terms * (T(8) * std::numeric_limits<T>::epsilon());
+      regular_ = regular_ && good;
+      inverse_[j] = good ? T(T(1) / lu_[j][j]) : T(0);
+      for (std::size_t i = j + 1; i < N; ++i) {
+        const T factor = lu_[i][j] * inverse_[j];
+        lu_[i][j] = factor;
+        for (std::size_t k = j + 1; k < N; ++k) lu_[i][k] = lu_[i][k] - factor * lu_[j][k];
+      }
+    }
+  }
+
+  /// False if an unknown was taken out.
+  [[nodiscard]] constexpr bool regular() const noexcept { return regular_; }
+
+  /// `x` with `a x = b`; `x` may be `b`.
+  constexpr void solve(const T* b, T* x) const noexcept {
+    T y[N];
+    for (std::size_t i = 0; i < N; ++i) {
+      T s = b[from_[i]];
+      for (std::size_t j = 0; j < i; ++j) s = s - lu_[i][j] * y[j];
+      y[i] = s;
+    }
+    for (std::size_t i = N; i-- > 0;) {
+      T s = y[i];
+      for (std::size_t j = i + 1; j < N; ++j) s = s - lu_[i][j] * x[j];
+      x[i] = s * inverse_[i];
+    }
+  }
+
+ private:
+  static SKINCTL_INLINE constexpr T magnitude(const T& x) noexcept { return x < T(0) ? T(-x) : x; }
+  SKINCTL_INLINE constexpr void exchange(std::size_t p, std::size_t q) noexcept {
+    for (std::size_t k = 0; k < N; ++k) {
+      const T kept = lu_[p][k];
+      lu_[p][k] = lu_[q][k];
+      lu_[q][k] = kept;
+    }
+    const std::size_t row = from_[p];
+    from_[p] = from_[q];
+    from_[q] = row;
+  }
+
+  T lu_[N][N];           // U, and L below the diagonal
+  T inverse_[N];         // of the diagonal of U
+  std::size_t from_[N];  // row i of the factors was row from_[i]
+  bool regular_ = true;
+};
+
+}  // namespace math
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,79 @@
+// Matrices that small solvers are tried on.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "tests/math/exact_error.hpp"
+#include "tests/support/random.hpp"
+
+namespace skinctl::test {
+
+/// `A A' + shift 1` with elements of `A` within +-1, its rows and columns scaled by up to `spread` either
+/// way.
+template <std::size_t N, class T>
+void fill_definite(Random& random, double shift, double spread, T (&m)[N * N]) {
+  double a[N][N], scale[N];
+  for (auto& row : a)
+    for (double& x : row) x = uniform(random, -1.0, 1.0);
+  for (double& s : scale) s = std::exp2(std::round(uniform(random, -1.0, 1.0) * std::log2(spread)));
+  for (std::size_t i = 0; i < N; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = i == j ? shift : 0;
+      for (std::size_t k = 0; k < N; ++k) sum += a[i][k] * a[j][k];
+      m[i * N + j] = m[j * N + i] = static_cast<T>(sum * scale[i] * scale[j]);
+    }
+}
+
+/// `1 / (i + j + 1)`: the condition grows as e^(3.5 N).
+template <std::size_t N, class T>
+void fill_hilbert(T (&m)[N * N]) {
+  for (std::size_t i = 0; i < N; ++i)
+    for (std::size_t j = 0; j < N; ++j) m[i * N + j] = T(1) / T(static_cast<double>(i + j + 1));
+}
+
+template <class T>
+[[nodiscard]] double size_of(const T& x) {
+  return std::abs(static_cast<double>(x));
+}
+
+/// `max_i |a x - b|_i / (sum_j |a_ij x_j| + |b_i|)` in 50 digits, over epsilon: how far the equations are
+/// from those that `x` solves, row by row.
+template <std::size_t N, class T>
+[[nodiscard]] double backward_error(const T (&a)[N * N], const T (&x)[N], const T (&b)[N]) {
+  double worst = 0;
+  for (std::size_t i = 0; i < N; ++i) {
+    Exact rest = -Exact(b[i]), size = abs(Exact(b[i]));
+    for (std::size_t j = 0; j < N; ++j) {
+      const Exact term = Exact(a[i * N + j]) * Exact(x[j]);
+      rest += term;
+      size += abs(term);
+    }
+    if (!(size == size) || !(rest == rest)) return std::numeric_limits<double>::infinity();
+    if (size > 0) worst = std::max(worst, static_cast<double>(Exact(abs(rest) / size)));
+  }
+  return worst / static_cast<double>(std::numeric_limits<T>::epsilon());
+}
+
+/// The same over the whole right side: `max|a x - b| / (max_i sum_j |a_ij| * max|x|)`, over epsilon. What
+/// pivoting by size promises, also where the rows differ by orders of magnitude.
+template <std::size_t N, class T>
+[[nodiscard]] double backward_error_by_norm(const T (&a)[N * N], const T (&x)[N], const T (&b)[N]) {
+  Exact worst = 0, size = 0, reach = 0;
+  for (std::size_t i = 0; i < N; ++i) {
+    Exact rest = -Exact(b[i]), row = 0;
+    for (std::size_t j = 0; j < N; ++j) {
+      rest += Exact(a[i * N + j]) * Exact(x[j]);
+      row += abs(Exact(a[i * N + j]));
+    }
+    if (!(rest == rest)) return std::numeric_limits<double>::infinity();
+    worst = std::max(worst, Exact(abs(rest)));
+    size = std::max(size, row);
+    reach = std::max(reach, Exact(abs(Exact(x[i]))));
+  }
+  if (worst == 0) return 0;
+  return static_cast<double>(Exact(worst / (size * reach))) /
+         static_cast<double>(std::numeric_limits<T>::epsilon());
+}
+
+}  // namespace skinctl::test
