@@ -6,11 +6,13 @@
 
 #include "bench/floor/ur5_floor.hpp"
 #include "bench/support/rows.hpp"
+#include "bench/tactile/skin_floor.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/math/sincos.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
@@ -192,6 +194,45 @@ void kdl_row(const char* scene, bool per_cell) {
   });
 }
 
+/// All cells weighed, their wrenches taken to the joints, and the two recursions of law and virtual robot: by
+/// hand.
+template <std::size_t Cells>
+void floor_row() {
+  constexpr std::size_t W = native_lanes<double>;
+  struct Arrays {
+    bench_floor::Line<double> units, newton;
+    std::size_t pairs[6];
+  };
+  Arrays empty{bench_floor::Line<double>(0), bench_floor::Line<double>(0), {}};
+  std::size_t total = 0;
+  for (std::size_t l = 0; l < 6; ++l)
+    total += empty.pairs[l] = Cells == 0 ? 0 : (ur5::skin_cells<Cells>[l] + 2 * W - 1) / (2 * W);
+  const auto arrays = std::make_shared<Arrays>(
+      Arrays{bench_floor::Line<double>(12 * W * total), bench_floor::Line<double>(2 * W * total), {}});
+  std::copy_n(empty.pairs, 6, arrays->pairs);
+  for (std::size_t i = 0; i < 12 * W * total; ++i) arrays->units.data()[i] = 0.01 * double(i % 89);
+  for (std::size_t i = 0; i < 2 * W * total; ++i) arrays->newton.data()[i] = 0.001 * double(i % 7);
+  const std::string scene = Cells == 0 ? "ur5" : "ur5-" + std::to_string(Cells);
+  bench::row<6>("cycle/evaluation/" + scene + "/floor/double", [arrays](const auto& s) {
+    bench::Numbers<Cells == 0 ? 12 : 18> out;
+    bench_floor::ur5::floor_yr_theta(s.q.data, s.dq.data, s.dq_r.data, s.ddq.data, out.data);
+    bench_floor::ur5::floor_forward_dynamics(s.q.data, s.dq.data, s.tau.data, out.data + 6);
+    if constexpr (Cells > 0) {
+      double sin[6], cos[6], w[6][6];
+      math::sincos<6>(s.q.data, sin, cos);
+      benchmark::DoNotOptimize(arrays.get());
+      benchmark::ClobberMemory();
+      const double *u = arrays->units.data(), *newton = arrays->newton.data();
+      for (std::size_t l = 0; l < 6; ++l) {
+        bench_floor::weigh(u, newton, arrays->pairs[l], w[l]);
+        u += 12 * W * arrays->pairs[l], newton += 2 * W * arrays->pairs[l];
+      }
+      bench_floor::ur5_backward(sin, cos, w, out.data + 12);
+    }
+    return out;
+  });
+}
+
 const bool registered = [] {
   skinctl_rows<double>();
   skinctl_rows<float>();
@@ -200,12 +241,9 @@ const bool registered = [] {
   kdl_row<1260>("ur5-1260", false);
   kdl_row<260>("ur5-260", true);
   kdl_row<1260>("ur5-1260", true);
-  bench::row<6>("cycle/evaluation/ur5/floor/double", [](const auto& s) {
-    bench::Numbers<12> out;
-    bench_floor::ur5::floor_yr_theta(s.q.data, s.dq.data, s.dq_r.data, s.ddq.data, out.data);
-    bench_floor::ur5::floor_forward_dynamics(s.q.data, s.dq.data, s.tau.data, out.data + 6);
-    return out;
-  });
+  floor_row<0>();
+  floor_row<260>();
+  floor_row<1260>();
   return true;
 }();
 

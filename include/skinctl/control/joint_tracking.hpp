@@ -56,7 +56,7 @@ class JointTracking : public Composable {
   /// Takes over at the state that is known: the target stands where the robot is, `S_d` takes up its
   /// velocity, S_q is zero.
   template <class K>
-  [[nodiscard]] Memory start(const K& known) const noexcept {
+  [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
     Memory memory;
     memory.plan = Plan::standing(known.q(), settings_);
     memory.tb = settings_.tb;
@@ -68,8 +68,8 @@ class JointTracking : public Composable {
   /// A new goal: the plan, the time base, the surface and its integrals start again from the state that is
   /// known. Refused or stretched goals: `Reach`.
   template <class K>
-  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
-                                         const Goal& goal) const noexcept {
+  [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
+                                                      const Goal& goal) const noexcept {
     const auto planned = memory.plan.to(goal, known.q(), settings_);
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
@@ -153,26 +153,26 @@ class JointTracking : public Composable {
     const T t = seconds<T>(memory.since_reset) + x;
     return memory.tb > T(0) ? schedule_.at(t, memory.tb) : schedule_.rising(t, memory.K_from);
   }
-  [[nodiscard]] SKINCTL_INLINE SurfaceInputs<N, T> inputs(const Memory& memory, const T& x,
+  [[nodiscard]] SKINCTL_NOINLINE SurfaceInputs<N, T> inputs(const Memory& memory, const T& x,
                                                           const Surface& at_t) const noexcept;
   [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
                                               const T& dt) const noexcept;
   template <class K>
-  [[nodiscard]] Memory switched(const Memory& memory, const K& known, const T& dt,
-                                Opposition opposition) const noexcept;
+  [[nodiscard]] SKINCTL_COLD Memory switched(const Memory& memory, const K& known, const T& dt,
+                                             Opposition opposition) const noexcept;
   /// `now` for what happens rarely: one copy of it.
   template <class K>
-  [[nodiscard]] SKINCTL_NOINLINE Surface look(const Memory& memory, const K& known) const noexcept {
+  [[nodiscard]] SKINCTL_COLD Surface look(const Memory& memory, const K& known) const noexcept {
     return now(memory, known);
   }
   template <class K>
-  Status begin_gain(Memory& memory, const K& known) const noexcept;
+  SKINCTL_COLD Status begin_gain(Memory& memory, const K& known) const noexcept;
   template <class K>
-  void begin_bias(Memory& memory, const K& known) const noexcept;
+  SKINCTL_COLD void begin_bias(Memory& memory, const K& known) const noexcept;
   template <class K>
-  void slow_gain(Memory& memory, const K& known) const noexcept;
+  SKINCTL_COLD void slow_gain(Memory& memory, const K& known) const noexcept;
   template <class K>
-  void hand_over(Memory& next, const Memory& before, const K& known) const noexcept;
+  SKINCTL_COLD void hand_over(Memory& next, const Memory& before, const K& known) const noexcept;
 
   Settings settings_;
   Damping damping_;

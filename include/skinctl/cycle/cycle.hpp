@@ -95,7 +95,7 @@ class Cycle {
     return m;
   }
   /// The same in place, for memories too large for the stack.
-  void start(Memory& m, const State<joints, scalar>& measured) const noexcept {
+  SKINCTL_COLD void start(Memory& m, const State<joints, scalar>& measured) const noexcept {
     m.robot = resolver_.start(measured);
     m.skin = skin_.start(measured.time);
     m.guard = guard_.start(m.robot.command, measured);
@@ -147,7 +147,7 @@ class Cycle {
   /// The planned interval [s], for the laws that start or take goals between two evaluations.
   [[nodiscard]] scalar period() const noexcept { return resolver_.planned_step(); }
 
-  SKINCTL_INLINE Status receive(Memory& m, const Input& input) const noexcept {
+  SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept {
     if constexpr (std::is_same_v<Goal, NoGoal>) {
       return Reason::goal_refused;
     } else {

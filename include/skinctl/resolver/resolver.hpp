@@ -78,7 +78,7 @@ class Resolver {
   /// The virtual robot takes over where the real one is; it moves on if that moves faster than the dead band
   /// can tell from rest. The law's memory then starts at `state(memory)`. A state that is not finite: a
   /// memory that has not been started.
-  [[nodiscard]] Memory start(const State<joints, T>& measured) const noexcept;
+  [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept;
 
   /// The state that laws read.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return {m.time, m.q.value, m.v}; }
@@ -134,7 +134,7 @@ class Resolver {
   Driven<L> drive(const Memory& m, const L& law, const typename L::Memory& law_memory,
                   const State<joints, T>& state, const JointAcceleration<joints, T>& pull, const T& h,
                   const Touch& touch) const noexcept;
-  void try_to_leave(Memory& m, const Correction& c, const Torque& torque) const noexcept;
+  SKINCTL_COLD void try_to_leave(Memory& m, const Correction& c, const Torque& torque) const noexcept;
   SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Velocity& before, const Torque& torque,
                                 const T& dt) const noexcept;
 

@@ -82,7 +82,7 @@ inline constexpr std::array<std::size_t, 6> skin_cells = detail::share_cells(Cel
 
 namespace detail {
 template <std::size_t Cells, std::size_t... I>
-auto make_patches(const std::array<Gains, 6>& gains, std::index_sequence<I...>) {
+SKINCTL_COLD auto make_patches(const std::array<Gains, 6>& gains, std::index_sequence<I...>) {
   std::uint32_t id = 1;
   const auto one = [&](auto link) {
     constexpr std::size_t i = link.value, n = skin_cells<Cells>[i];

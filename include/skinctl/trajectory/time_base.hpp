@@ -40,7 +40,8 @@ class TimeBase {
   /// @param eps    > 0: how much faster than the time base itself the error goes.
   /// @param delta  > 0: keeps the gain finite at the end, and is the size of what is left there.
   /// Throws `ConfigurationError` for others.
-  SKINCTL_COLD explicit TimeBase(const T& eps = T(0.05), const T& delta = T(0.01)) : eps_(eps), delta_(delta) {
+  SKINCTL_COLD explicit TimeBase(const T& eps = T(0.05), const T& delta = T(0.01))
+      : eps_(eps), delta_(delta) {
     require(eps > T(0) && eps <= T(10), "eps of the time base", static_cast<double>(eps), "> 0 and <= 10");
     require(delta > T(0) && delta <= T(10), "delta of the time base", static_cast<double>(delta),
             "> 0 and <= 10");

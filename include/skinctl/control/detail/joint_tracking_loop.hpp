@@ -7,7 +7,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// What the surface reads `x` seconds from now, the integrals going on as at `at_t`.
 template <std::size_t N, Real T, class Plan, class Damping>
-SKINCTL_INLINE SurfaceInputs<N, T> JointTracking<N, T, Plan, Damping>::inputs(
+SKINCTL_NOINLINE SurfaceInputs<N, T> JointTracking<N, T, Plan, Damping>::inputs(
     const Memory& memory, const T& x, const Surface& at_t) const noexcept {
   SurfaceInputs<N, T> in;
   in.target = memory.plan.at(x, settings_);

@@ -8,7 +8,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// The gain from now on, as slow as the largest error asks for.
 template <std::size_t N, Real T, class Plan, class Damping>
 template <class K>
-Status JointTracking<N, T, Plan, Damping>::begin_gain(Memory& memory, const K& known) const noexcept {
+SKINCTL_COLD Status JointTracking<N, T, Plan, Damping>::begin_gain(Memory& memory,
+                                                                   const K& known) const noexcept {
   const auto target = memory.plan.at(T(0), settings_);
   memory.since_reset = 0;
   memory.tb = settings_.tb;
@@ -32,7 +33,8 @@ Status JointTracking<N, T, Plan, Damping>::begin_gain(Memory& memory, const K& k
 /// Without a time base: a gain with which the largest error goes back no faster than `max_velocity`.
 template <std::size_t N, Real T, class Plan, class Damping>
 template <class K>
-void JointTracking<N, T, Plan, Damping>::slow_gain(Memory& memory, const K& known) const noexcept {
+SKINCTL_COLD void JointTracking<N, T, Plan, Damping>::slow_gain(Memory& memory,
+                                                                const K& known) const noexcept {
   const auto target = memory.plan.at(T(0), settings_);
   memory.tb = T(0);
   memory.K_from = schedule_.K_c();
@@ -45,7 +47,8 @@ void JointTracking<N, T, Plan, Damping>::slow_gain(Memory& memory, const K& know
 /// `S_d = S`, so that S_delta is zero.
 template <std::size_t N, Real T, class Plan, class Damping>
 template <class K>
-void JointTracking<N, T, Plan, Damping>::begin_bias(Memory& memory, const K& known) const noexcept {
+SKINCTL_COLD void JointTracking<N, T, Plan, Damping>::begin_bias(Memory& memory,
+                                                                 const K& known) const noexcept {
   const auto target = memory.plan.at(T(0), settings_);
   const auto K_p = gain(memory, T(0));
   memory.bias = {};
@@ -58,7 +61,7 @@ void JointTracking<N, T, Plan, Damping>::begin_bias(Memory& memory, const K& kno
 /// the gain constant: the error goes back on its own side.
 template <std::size_t N, Real T, class Plan, class Damping>
 template <class K>
-TrackingMemory<N, T, Plan> JointTracking<N, T, Plan, Damping>::switched(
+SKINCTL_COLD TrackingMemory<N, T, Plan> JointTracking<N, T, Plan, Damping>::switched(
     const Memory& memory, const K& known, const T& dt, Opposition opposition) const noexcept {
   Memory next = memory;
   next.held = opposition == Opposition::lasting;
@@ -75,8 +78,8 @@ TrackingMemory<N, T, Plan> JointTracking<N, T, Plan, Damping>::switched(
 /// Makes the reference of `next` go on from that of `before` at this state, in velocity and acceleration.
 template <std::size_t N, Real T, class Plan, class Damping>
 template <class K>
-void JointTracking<N, T, Plan, Damping>::hand_over(Memory& next, const Memory& before,
-                                                   const K& known) const noexcept {
+SKINCTL_COLD void JointTracking<N, T, Plan, Damping>::hand_over(Memory& next, const Memory& before,
+                                                                const K& known) const noexcept {
   const auto old = look(before, known);
   next.bias.elapsed = clock_end;
   const auto raw = look(next, known);

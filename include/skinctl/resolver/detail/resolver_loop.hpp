@@ -9,7 +9,7 @@ SKINCTL_BEGIN_NAMESPACE
 #define SKINCTL_RESOLVER_CLASS Resolver<I, M, T, Integrator, History>
 
 SKINCTL_RESOLVER
-auto SKINCTL_RESOLVER_CLASS::start(const State<joints, T>& measured) const noexcept -> Memory {
+SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::start(const State<joints, T>& measured) const noexcept -> Memory {
   Memory m;
   if (!detail::is_plausible(measured) || !detail::is_plausible(measured.time)) return m;
   m.started = true;
@@ -217,8 +217,8 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(const Memory& m, const L& la
 
 /// Whether a blocked robot may follow again, given what its laws would ask of it at rest.
 SKINCTL_RESOLVER
-SKINCTL_NOINLINE void SKINCTL_RESOLVER_CLASS::try_to_leave(Memory& m, const Correction& c,
-                                                           const Torque& torque) const noexcept {
+SKINCTL_COLD void SKINCTL_RESOLVER_CLASS::try_to_leave(Memory& m, const Correction& c,
+                                                       const Torque& torque) const noexcept {
   const Torque net = torque - gravity_torque(model_, m.q.value);
   bool here = true;
   T push(0), scale(0);
