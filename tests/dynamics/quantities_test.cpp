@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/counted.hpp"
 #include "tests/support/robots.hpp"
 
 using namespace skinctl;
@@ -39,4 +40,35 @@ TEST_CASE("quantities: each is what its own function gives") {
     CHECK(known.coriolis() == coriolis_torque(model, known.angles(), at.dq));
     CHECK(known.jacobian<5>().matrix() == jacobian<5>(link_poses(model, at.q)).matrix());
   }
+}
+
+namespace {
+/// Operations that a scene with these needs takes for one state of a UR5.
+template <Needs Asked>
+std::size_t operations() {
+  const M model;
+  State<6, Counted> state;
+  for (std::size_t i = 0; i < 6; ++i) state.q[i] = 0.1 * static_cast<double>(i + 1);
+  const NoTouch touch;
+  Counted::operations = 0;
+  const Quantities<M, Asked, Counted> known(model, state, Counted(0.008), touch);
+  static_cast<void>(known);
+  return Counted::operations;
+}
+}  // namespace
+
+TEST_CASE("quantities: a scene pays for what it asks for, and for nothing else") {
+  constexpr Needs first_links{.poses = 0b000111};
+  constexpr Needs gravity{.gravity = true};
+  const auto nothing = operations<Needs{}>(), near = operations<first_links>(),
+             weight = operations<gravity>(), both = operations<first_links | gravity>(),
+             links = operations<Needs{.poses = 0b111111}>(), all = operations<everything>();
+  MESSAGE("operations: nothing " << nothing << ", links 1 to 3 " << near << ", G " << weight << ", both "
+                                 << both << ", all links " << links << ", everything " << all);
+  CHECK(nothing == 0);
+  CHECK(near > 0);
+  CHECK(2 * near < links);
+  CHECK(weight > 0);
+  CHECK(both <= near + weight);  // the sines and cosines are shared
+  CHECK(4 * both < all);
 }

@@ -154,7 +154,7 @@ class JointTracking : public Composable {
     return memory.tb > T(0) ? schedule_.at(t, memory.tb) : schedule_.rising(t, memory.K_from);
   }
   [[nodiscard]] SKINCTL_NOINLINE SurfaceInputs<N, T> inputs(const Memory& memory, const T& x,
-                                                          const Surface& at_t) const noexcept;
+                                                            const Surface& at_t) const noexcept;
   [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
                                               const T& dt) const noexcept;
   template <class K>
