@@ -1,4 +1,5 @@
 // A user's program, built against skinctl in every way that users have.
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdio>
 
