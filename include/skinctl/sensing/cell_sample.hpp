@@ -40,7 +40,8 @@ SKINCTL_INLINE constexpr bool finite(const std::array<float, 4>& x) noexcept {
 /// Both at once; in registers of four where there are any.
 SKINCTL_INLINE bool believable(const CellNumbers& n) noexcept {
   if constexpr (native_lanes<float> >= 4) {
-    using L = Lane<float, native_lanes<float> >= 4 ? 4 : 1>;  // discarded, but still compiled, without registers
+    using L =
+        Lane<float, native_lanes<float> >= 4 ? 4 : 1>;  // discarded, but still compiled, without registers
     const L x = L::load(n.readings.data()), y = L::load(n.others.data());
     return all((x >= L(0.0f)) & (x <= L(1.0f)) & (y - y == L(0.0f)));
   } else {
