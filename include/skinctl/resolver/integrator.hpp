@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// goes to 0. M and C are its own: what laws computed at the start of the sub-step is of no use to it. G is
 /// taken at the start if a law asks for it there, so that held gravity cancels.
 struct CrankNicolson {
-  static constexpr Needs needs{};
+  static constexpr Needs needs{.middle = true};
   static constexpr bool midpoint = true;
   template <Real T>
   static SKINCTL_INLINE T weight(const T& z) noexcept {
@@ -81,7 +81,7 @@ template <class Policy, class K, Real T>
     const T half = T(0.5) * h;
     const JointVelocity<n, T> v_mid = integrate(v, last, half);
     // Where laws of the half step evaluate the model too, so that held gravity cancels.
-    const JointAngles<typename K::model_type, T> angles(known.model(), integrate(known.q(), v, half));
+    const auto& angles = known.middle();
     m = mass_matrix(known.model(), angles);
     if constexpr (K::needs.gravity) {
       bias = coriolis_torque(known.model(), angles, v_mid) + known.gravity();
