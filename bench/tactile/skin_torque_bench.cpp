@@ -80,6 +80,7 @@ void skinctl_row(const std::string& implementation) {
   benchmark::RegisterBenchmark((scene_of(Cells) + implementation).c_str(), [=](benchmark::State& state) {
     bench::States<6, T> states;
     const ur5::Model model;
+    state.counters["error"] = error;
     const bench::CountAllocations counted(state);
     for (auto _ : state) {
       benchmark::DoNotOptimize(frame.get());
@@ -87,7 +88,6 @@ void skinctl_row(const std::string& implementation) {
       auto tau = skin_torque(model, states.next().q, skin->wrenches(*frame));
       benchmark::DoNotOptimize(tau);
     }
-    state.counters["error"] = error;
   });
 }
 
@@ -135,6 +135,7 @@ void floor_rows() {
   const std::size_t bytes = 7 * Cells * sizeof(T);
   const auto numbers = std::make_shared<bench_floor::Line<T>>(7 * Cells);
   benchmark::RegisterBenchmark((scene_of(Cells) + "/memory" + end).c_str(), [=](benchmark::State& state) {
+    state.counters["bytes"] = double(bytes);
     const bench::CountAllocations counted(state);
     for (auto _ : state) {
       benchmark::DoNotOptimize(numbers->data());
@@ -142,7 +143,6 @@ void floor_rows() {
       T sum = bench_floor::stream(numbers->data(), numbers->size());
       benchmark::DoNotOptimize(sum);
     }
-    state.counters["bytes"] = double(bytes);
   });
 }
 

@@ -13,7 +13,7 @@ template <class L, class T>
 using KnownTo = Quantities<ur5::Model, L::needs, T>;
 static_assert(Law<GravityControl, KnownTo<GravityControl, double>>);
 static_assert(Law<GravityCompensation<Instant::start>, KnownTo<GravityCompensation<Instant::start>, float>>);
-static_assert(GravityControl::needs == Needs{});  // what it needs lies half an interval ahead
+static_assert(GravityControl::needs == Needs{.middle = true});
 static_assert(std::is_empty_v<GravityControl> && std::is_empty_v<GravityControl::Memory>);
 }  // namespace
 

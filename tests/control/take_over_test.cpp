@@ -16,7 +16,7 @@ using namespace skinctl::test;
 namespace {
 using Arm = ur5::Model;
 using Reach6 = TakeOver<6, SplineJoint<6>>;
-using KnownAt = Quantities<Arm, Needs{}, double>;
+using KnownAt = Quantities<Arm, Needs{.middle = true}, double>;
 static_assert(Law<Reach6, KnownAt> && terms_of<Reach6> == 2);
 static_assert(std::is_trivially_copyable_v<Reach6::Memory>);
 const Arm model;

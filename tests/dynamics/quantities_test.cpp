@@ -10,8 +10,12 @@ using namespace skinctl::test;
 
 namespace {
 using M = ur5::Model;
-constexpr Needs everything{
-    .poses = 0b111111, .jacobians = link_bit<5>, .gravity = true, .mass = true, .coriolis = true};
+constexpr Needs everything{.poses = 0b111111,
+                           .jacobians = link_bit<5>,
+                           .gravity = true,
+                           .mass = true,
+                           .coriolis = true,
+                           .middle = true};
 }  // namespace
 
 static_assert(complete<M>({.jacobians = link_bit<3>}).poses == 0b001111,
@@ -38,6 +42,7 @@ TEST_CASE("quantities: each is what its own function gives") {
     CHECK(known.pose<4>() == link_poses(model, at.q).get<4>());
     CHECK(known.mass()(2, 3) == mass_matrix(model, at.q)(2, 3));
     CHECK(known.coriolis() == coriolis_torque(model, known.angles(), at.dq));
+    CHECK(gravity_torque(model, known.middle()) == gravity_torque(model, integrate(at.q, at.dq, 0.004)));
     CHECK(known.jacobian<5>().matrix() == jacobian<5>(link_poses(model, at.q)).matrix());
   }
 }

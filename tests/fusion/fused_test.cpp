@@ -84,9 +84,9 @@ TEST_CASE("Fused: is a law, and its memory can be copied byte by byte") {
   static_assert(std::is_trivially_copyable_v<L::Memory>);
   static_assert(terms_of<L> == 3 && L::role == Role::tracking);
   static_assert(std::is_same_v<L::Goal, JointGoal<6>>);
-  static_assert(L::needs == (Needs{.angles = true, .touch = true}));
+  static_assert(L::needs == (Needs{.angles = true, .touch = true, .middle = true}));
   // Nothing is asked for that no law reads.
-  static_assert(decltype(0.4 * reach + gravity)::needs == Needs{});
+  static_assert(decltype(0.4 * reach + gravity)::needs == Needs{.middle = true});
   static_assert(decltype(1.0 * skin + gravity)::role == Role::reactive);
   CHECK(sizeof(L::Memory) <= sizeof(SplineJoint<6>::Memory) + 2 * sizeof(Nanoseconds));
 }

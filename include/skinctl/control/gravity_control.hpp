@@ -16,7 +16,7 @@ enum class Instant : unsigned char { start, middle };
 template <Instant At = Instant::middle>
 struct GravityCompensation : Composable {
   struct Memory {};
-  static constexpr Needs needs = {.gravity = At == Instant::start};
+  static constexpr Needs needs = {.gravity = At == Instant::start, .middle = At == Instant::middle};
   static constexpr Role role = Role::gravity;
 
   template <class K>
@@ -26,11 +26,10 @@ struct GravityCompensation : Composable {
   template <class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
       const Memory&, const K& known) const noexcept {
-    using T = typename K::scalar;
     if constexpr (At == Instant::start) {
       return known.gravity();
     } else {
-      return gravity_torque(known.model(), integrate(known.q(), known.dq(), T(T(0.5) * known.dt())));
+      return gravity_torque(known.model(), known.middle());
     }
   }
   template <class K>

@@ -20,6 +20,17 @@ struct Integrals {
     const T step = dt * rate;
     math::add_compensated(sum[i], carry[i], step - step == T(0) ? step : T(0));
   }
+  /// The integrals `dt` seconds later.
+  [[nodiscard]] SKINCTL_INLINE constexpr Integrals advanced(const JointVelocity<N, T>& rate,
+                                                            const T& dt) const noexcept {
+    Integrals next;
+    detail::each_joint<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+      next.sum[i] = sum[i];
+      next.carry[i] = carry[i];
+      next.add(i, rate[i], dt);
+    });
+    return next;
+  }
 };
 
 /// Where the state is on the surface, and the reference motion that follows from it.

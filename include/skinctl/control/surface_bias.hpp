@@ -58,14 +58,12 @@ struct SurfaceBias {
   [[nodiscard]] SKINCTL_INLINE SurfaceBias advanced(const T& dt, Nanoseconds ns,
                                                     const T& kappa) const noexcept {
     using std::exp;
-    SurfaceBias next = *this;
     const T left = exp(T(-kappa * dt));
-    for (std::size_t i = 0; i < N; ++i) {
-      const T s = left * decaying[i];
-      next.decaying[i] = s > T(1e-30) || s < T(-1e-30) ? s : T(0);  // denormal numbers are slow
-    }
-    next.elapsed = later(elapsed, ns);
-    return next;
+    return {JointVelocity<N, T>::generate([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+              const T s = left * decaying[i];
+              return s > T(1e-30) || s < T(-1e-30) ? s : T(0);  // denormal numbers are slow
+            }),
+            dv, da, later(elapsed, ns)};
   }
   /// Whether the hand-over still goes on.
   [[nodiscard]] SKINCTL_INLINE bool hands_over(const T& T_h) const noexcept {

@@ -139,14 +139,9 @@ struct JointVector {
   struct Unset {};
   static constexpr Unset unset{};
   SKINCTL_INLINE constexpr explicit JointVector(Unset) noexcept {}
-  /// Calls `f` with each index, straight-line for the joints of an arm or a hand.
   template <class F>
   static SKINCTL_INLINE constexpr void each(F&& f) noexcept {
-    if constexpr (N <= 16) {
-      detail::unrolled<N>(f);
-    } else {
-      for (std::size_t i = 0; i < N; ++i) f(i);
-    }
+    detail::each_joint<N>(f);
   }
 };
 

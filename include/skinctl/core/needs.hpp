@@ -26,10 +26,11 @@ struct Needs {
   bool mass = false;       ///< M(q)
   bool coriolis = false;   ///< C(q, dq) dq
   bool touch = false;      ///< wrenches of the skin on the links
+  bool middle = false;     ///< sines and cosines half an interval ahead, at `q + dq dt/2`
 
   friend constexpr Needs operator|(const Needs& a, const Needs& b) noexcept {
     return {a.poses | b.poses, a.jacobians | b.jacobians, a.angles || b.angles, a.gravity || b.gravity,
-            a.mass || b.mass,  a.coriolis || b.coriolis,  a.touch || b.touch};
+            a.mass || b.mass,  a.coriolis || b.coriolis,  a.touch || b.touch,   a.middle || b.middle};
   }
   friend constexpr bool operator==(const Needs&, const Needs&) noexcept = default;
 

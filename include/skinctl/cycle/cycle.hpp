@@ -38,6 +38,13 @@ struct Output {
 };
 
 namespace detail {
+/// `N` values of a type without resources, of which only those are touched that somebody writes.
+template <class V, std::size_t N>
+union Unwritten {
+  static_assert(std::is_trivially_copyable_v<V>);
+  V data[N];
+  Unwritten() noexcept {}
+};
 template <class L>
 struct GoalType {
   using type = NoGoal;
@@ -123,14 +130,14 @@ class Cycle {
     if (input.has_goal) out.status |= receive(m, input);
 
     const Interval interval = resolver_.interval(m.robot, input.now);
-    Wrenches touches[max_substeps];
+    detail::Unwritten<Wrenches, max_substeps> touches;
     const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
     out.status |= interval.status;
-    out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches);
+    out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
     watch.end(Stage::sense);
 
     const auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
-                                         std::span<const Wrenches>(touches, parts));
+                                         std::span<const Wrenches>(touches.data, parts));
     out.status |= resolved.status;
     out.shares = resolved.shares;
     watch.end(Stage::resolve);

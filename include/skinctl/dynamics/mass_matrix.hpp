@@ -19,10 +19,19 @@ struct MassMatrix {
   /// `M ddq` [N m].
   SKINCTL_INLINE constexpr JointTorque<N, T> operator*(const JointAcceleration<N, T>& ddq) const noexcept {
     JointTorque<N, T> tau;
-    for (std::size_t i = 0; i < N; ++i) {
+    const auto row = [&](std::size_t i) SKINCTL_INLINE_LAMBDA {
       T sum(0);
-      for (std::size_t j = 0; j < N; ++j) sum = sum + data[i * N + j] * ddq[j];
+      if constexpr (N <= 8) {
+        detail::unrolled<N>([&](auto j) SKINCTL_INLINE_LAMBDA { sum = sum + data[i * N + j] * ddq[j]; });
+      } else {
+        for (std::size_t j = 0; j < N; ++j) sum = sum + data[i * N + j] * ddq[j];
+      }
       tau[i] = sum;
+    };
+    if constexpr (N <= 8) {
+      detail::unrolled<N>(row);
+    } else {
+      for (std::size_t i = 0; i < N; ++i) row(i);
     }
     return tau;
   }

@@ -60,6 +60,7 @@ class Quantities {
   static constexpr Needs needs = complete<M>(Asked);
   static constexpr LinkMask links = links_for<M>(complete<M>(Asked));
   using Angles = JointAngles<M, T, links>;
+  using Middle = JointAngles<M, T>;
 
   /// @param model, state  what everything is computed from; both must outlive this object.
   /// @param dt     interval [s] for which a torque computed from this will be held; >= 0.
@@ -71,6 +72,12 @@ class Quantities {
         touch_(touch),
         dt_(dt),
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
+        middle_([&](auto) SKINCTL_INLINE_LAMBDA {
+          const T half = T(0.5) * dt_;
+          JointPosition<joints, T> ahead;  // a loop: cut into vectors, as it is read again
+          for (std::size_t i = 0; i < joints; ++i) ahead[i] = state_.q[i] + half * state_.dq[i];
+          return Middle(model_, ahead);
+        }),
         poses_([&](auto) SKINCTL_INLINE_LAMBDA { return Poses<M, needs.poses, T>(model_, angles()); }),
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
         mass_([&](auto) SKINCTL_INLINE_LAMBDA { return mass_matrix(model_, angles()); }),
@@ -89,6 +96,11 @@ class Quantities {
   [[nodiscard]] SKINCTL_INLINE const Angles& angles() const noexcept {
     static_assert(needs.angles, "not asked for: set needs.angles");
     return angles_.value;
+  }
+  /// The angles half an interval ahead, should the velocity stay: `q + dq dt/2`.
+  [[nodiscard]] SKINCTL_INLINE const Middle& middle() const noexcept {
+    static_assert(needs.middle, "not asked for: set needs.middle");
+    return middle_.value;
   }
   /// `X_BaseLink` of link `I`.
   template <std::size_t I>
@@ -124,6 +136,7 @@ class Quantities {
   const Touch& touch_;
   T dt_;
   [[no_unique_address]] detail::Computed<needs.angles, Angles> angles_;
+  [[no_unique_address]] detail::Computed<needs.middle, Middle> middle_;
   [[no_unique_address]] detail::Computed<needs.poses != 0, Poses<M, needs.poses, T>> poses_;
   [[no_unique_address]] detail::Computed<needs.gravity, JointTorque<joints, T>> gravity_;
   [[no_unique_address]] detail::Computed<needs.mass, MassMatrix<joints, T>> mass_;

@@ -201,12 +201,13 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   }
 
   template <class K>
-  [[nodiscard]] SKINCTL_INLINE auto step(const Memory& memory, const K& known, const typename K::scalar& dt,
-                                         Opposition given) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
+      const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept {
     using T = typename K::scalar;
     using Torque = JointTorque<K::joints, T>;
-    Evaluation<K::joints, T, Memory, terms> out;
-    Torque skin, track;
+    std::array<Torque, terms> shares;
+    Torque total, skin, track;
+    Status status;
 
     const auto now = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
       return std::tuple{now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known)...};
@@ -219,42 +220,53 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       if constexpr (r == Role::tracking) {
         const Share<T> share{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
         if constexpr (std::same_as<std::remove_cvref_t<decltype(std::get<I>(now))>, Nothing>) {
-          out.shares[I] = law.template torque<gravity_term>(part, known, share);
+          shares[I] = law.template torque<gravity_term>(part, known, share);
         } else {
-          out.shares[I] = law.template torque<gravity_term>(part, known, share, std::get<I>(now));
+          shares[I] = law.template torque<gravity_term>(part, known, share, std::get<I>(now));
         }
-        track += out.shares[I];
+        track += shares[I];
         if constexpr (watches && gravity_laws == 0) track -= share.feed_forward * known.gravity();
       } else if constexpr (r == Role::reactive) {
-        out.shares[I] = static_cast<T>(weights_[I]) * law.torque(part, known);
-        skin += out.shares[I];
+        shares[I] = static_cast<T>(weights_[I]) * law.torque(part, known);
+        skin += shares[I];
       } else {
-        out.shares[I] = law.torque(part, known);
+        shares[I] = law.torque(part, known);
       }
-      out.torque += out.shares[I];
-      if constexpr (requires { law.status(part); }) out.status |= law.status(part);
+      total += shares[I];
+      if constexpr (requires { law.status(part); }) status |= law.status(part);
     });
 
     Opposition opposition = given;
-    out.memory.opposition = memory.opposition;
+    auto watched = memory.opposition;
     if constexpr (watches) {
       const auto found = detector_.detect(memory.opposition, skin, track, dt);
-      out.memory.opposition = found.memory;
+      watched = found.memory;
       if (given == Opposition::none) opposition = found.opposition;
-      if (opposition == Opposition::lasting) out.status |= Reason::opposed;
+      if (opposition == Opposition::lasting) status |= Reason::opposed;
     }
+    // Each memory is written once, where it stays: a copy of what has just been written waits for it.
+    return {total, {advanced<0>(memory, known, dt, opposition, now), watched}, shares, status};
+  }
 
-    each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
-      constexpr std::size_t I = i.value;
-      const auto& part = detail::memory_of<I>(memory.laws);
-      auto& next = detail::memory_of<I>(out.memory.laws);
-      if constexpr (std::same_as<std::remove_cvref_t<decltype(std::get<I>(now))>, Nothing>) {
-        next = law.advance(part, known, dt, opposition);
-      } else {
-        next = law.advance(part, known, dt, opposition, std::get<I>(now));
-      }
-    });
-    return out;
+  /// The memories from the `I`-th law on.
+  template <std::size_t I, class K, class Now>
+  [[nodiscard]] SKINCTL_INLINE auto advanced(const Memory& memory, const K& known,
+                                             const typename K::scalar& dt, Opposition opposition,
+                                             const Now& now) const noexcept {
+    if constexpr (I == terms) {
+      return detail::Memories<>{};
+    } else {
+      const auto next = [&]() SKINCTL_INLINE_LAMBDA {
+        const auto& part = detail::memory_of<I>(memory.laws);
+        if constexpr (std::same_as<std::remove_cvref_t<decltype(std::get<I>(now))>, Nothing>) {
+          return std::get<I>(laws_).advance(part, known, dt, opposition);
+        } else {
+          return std::get<I>(laws_).advance(part, known, dt, opposition, std::get<I>(now));
+        }
+      };
+      return detail::MemoriesFrom<I, typename L::Memory...>{
+          next(), advanced<I + 1>(memory, known, dt, opposition, now)};
+    }
   }
 
   std::tuple<L...> laws_;

@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// goes to 0. M and C are its own: what laws computed at the start of the sub-step is of no use to it. G is
 /// taken at the start if a law asks for it there, so that held gravity cancels.
 struct CrankNicolson {
-  static constexpr Needs needs{};
+  static constexpr Needs needs{.middle = true};
   static constexpr bool midpoint = true;
   template <Real T>
   static SKINCTL_INLINE T weight(const T& z) noexcept {
@@ -81,7 +81,7 @@ template <class Policy, class K, Real T>
     const T half = T(0.5) * h;
     const JointVelocity<n, T> v_mid = integrate(v, last, half);
     // Where laws of the half step evaluate the model too, so that held gravity cancels.
-    const JointAngles<typename K::model_type, T> angles(known.model(), integrate(known.q(), v, half));
+    const auto& angles = known.middle();
     m = mass_matrix(known.model(), angles);
     if constexpr (K::needs.gravity) {
       bias = coriolis_torque(known.model(), angles, v_mid) + known.gravity();
@@ -94,20 +94,20 @@ template <class Policy, class K, Real T>
   }
 
   JointAcceleration<n, T> free;  // h times the acceleration that is given per mass
-  for (std::size_t i = 0; i < n; ++i) {
+  each_joint<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     m(i, i) = m(i, i) + shape.inertia[i];
     free[i] = h * (pull[i] - shape.decay * v[i]);
-  }
+  });
   JointTorque<n, T> impulse = m * free;
   const T decayed = T(1) + Policy::weight(T(h * shape.decay)) * (h * shape.decay);
-  for (std::size_t i = 0; i < n; ++i) {
+  each_joint<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     const T b = h * shape.viscous[i];
     impulse[i] = impulse[i] + h * (tau[i] - bias[i]) - b * v[i];
     const T own = m(i, i);
     const T z = own > T(0) ? T(b / own) : T(0);
-    for (std::size_t j = 0; j < n; ++j) m(i, j) = m(i, j) * decayed;
+    each_joint<n>([&](std::size_t j) SKINCTL_INLINE_LAMBDA { m(i, j) = m(i, j) * decayed; });
     m(i, i) = m(i, i) + Policy::weight(z) * b;
-  }
+  });
   VelocityStep<n, T> out;
   const math::Ldlt<n, T> factors(m.data);
   out.singular = !factors.positive_definite();

@@ -120,7 +120,7 @@ class Resolver {
   SKINCTL_INLINE Status measure(Memory& m, const State<joints, T>& measured, Nanoseconds now) const noexcept;
   SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
   SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept;
-  SKINCTL_INLINE Velocity way_back(const Memory& m, const T& h) const noexcept;
+  SKINCTL_COLD Velocity way_back(const Memory& m, const T& h) const noexcept;
   SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
   /// The law and the velocity after a sub-step: `torque` is what the law asked for within the limits.
   template <class L>

@@ -205,7 +205,7 @@ class Guard {
     return !steps && !outside;
   }
 
-  SKINCTL_INLINE void brake(const Memory& m, const T& dt, Guarded<N, T>& out) const noexcept {
+  SKINCTL_COLD void brake(const Memory& m, const T& dt, Guarded<N, T>& out) const noexcept {
     const auto& last = m.command;
     const auto motion = limits_.move(room(m, last.position), last.velocity, JointVelocity<N, T>{}, dt);
     out.command = last;

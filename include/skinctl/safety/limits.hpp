@@ -102,6 +102,7 @@ class JointLimits {
                                                         const JointVelocity<N, T>& target,
                                                         const T& h) const noexcept {
     JointMotion<N, T> out;
+    const T least = T(std::same_as<T, float> ? 1e-17 : 1e-150);
     bool velocity = false, acceleration = false;
     for (std::size_t i = 0; i < N; ++i) {
       const T limit = values_.velocity[i], a = values_.acceleration[i], from = u0[i], dv = a * h;
@@ -134,7 +135,8 @@ class JointLimits {
       const T below =
           from < T(0) && stop > room.below[i] ? stop : (room.below[i] > T(0) ? room.below[i] : T(0));
       s = s > above ? above : (s < -below ? -below : s);
-      out.velocity[i] = u;
+      // Squares of what is next to nothing are denormal numbers, which are slow.
+      out.velocity[i] = u > least || u < -least ? u : T(0);
       out.displacement[i] = s;
     }
     if (out.braked != 0) out.status |= Reason::position_limited;

@@ -9,15 +9,17 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Real T, class Plan, class Damping>
 SKINCTL_NOINLINE SurfaceInputs<N, T> JointTracking<N, T, Plan, Damping>::inputs(
     const Memory& memory, const T& x, const Surface& at_t) const noexcept {
-  SurfaceInputs<N, T> in;
-  in.target = memory.plan.at(x, settings_);
-  in.K_p = gain(memory, x);
-  in.bias = memory.bias.at(x, settings_.kappa, settings_.hand_over);
-  in.held = memory.held;
-  for (std::size_t i = 0; i < N; ++i) {
+  // Built in place: a copy of what has just been written in other pieces waits for them.
+  SurfaceInputs<N, T> in{memory.plan.at(x, settings_),
+                         gain(memory, x),
+                         memory.bias.at(x, settings_.kappa, settings_.hand_over),
+                         {},
+                         {},
+                         memory.held};
+  detail::each_joint<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     in.I1[i] = memory.I1.sum[i] + x * at_t.dI1[i];
     in.I2[i] = memory.I2.sum[i] + x * at_t.dI2[i];
-  }
+  });
   return in;
 }
 
@@ -25,16 +27,15 @@ SKINCTL_NOINLINE SurfaceInputs<N, T> JointTracking<N, T, Plan, Damping>::inputs(
 template <std::size_t N, Real T, class Plan, class Damping>
 SKINCTL_INLINE TrackingMemory<N, T, Plan> JointTracking<N, T, Plan, Damping>::stepped(
     const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
-  Memory next = memory;
   const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
-  next.plan = memory.plan.advanced(ns, settings_);
-  next.bias = memory.bias.advanced(dt, ns, settings_.kappa);
-  next.since_reset = later(memory.since_reset, ns);
-  for (std::size_t i = 0; i < N; ++i) {
-    next.I1.add(i, at_t.dI1[i], dt);
-    next.I2.add(i, at_t.dI2[i], dt);
-  }
-  return next;
+  return {memory.plan.advanced(ns, settings_),
+          memory.bias.advanced(dt, ns, settings_.kappa),
+          memory.I1.advanced(at_t.dI1, dt),
+          memory.I2.advanced(at_t.dI2, dt),
+          later(memory.since_reset, ns),
+          memory.tb,
+          memory.K_from,
+          memory.held};
 }
 
 /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:

@@ -20,5 +20,15 @@ SKINCTL_INLINE constexpr void unrolled(F&& f) {
   }(std::make_index_sequence<N>{});
 }
 
+/// The same, but a loop where there are more than the joints of an arm or a hand.
+template <std::size_t N, class F>
+SKINCTL_INLINE constexpr void each_joint(F&& f) {
+  if constexpr (N <= 16) {
+    unrolled<N>(f);
+  } else {
+    for (std::size_t i = 0; i < N; ++i) f(i);
+  }
+}
+
 }  // namespace detail
 SKINCTL_END_NAMESPACE

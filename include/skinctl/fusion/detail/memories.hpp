@@ -16,6 +16,16 @@ struct Memories<First, Rest...> {
   [[no_unique_address]] Memories<Rest...> rest;
 };
 
+/// The memories of the laws from the `I`-th on.
+template <std::size_t I, class First, class... Rest>
+struct Tail : Tail<I - 1, Rest...> {};
+template <class First, class... Rest>
+struct Tail<0, First, Rest...> {
+  using type = Memories<First, Rest...>;
+};
+template <std::size_t I, class... M>
+using MemoriesFrom = typename Tail<I, M...>::type;
+
 /// The `I`-th memory.
 template <std::size_t I, class M>
 SKINCTL_INLINE constexpr auto& memory_of(M& memories) noexcept {

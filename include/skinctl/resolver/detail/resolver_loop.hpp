@@ -154,7 +154,7 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::move(Memory& m, const Correction& 
 
 /// Velocity towards the real robot that ends there.
 SKINCTL_RESOLVER
-SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::way_back(const Memory& m, const T& h) const noexcept -> Velocity {
+SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::way_back(const Memory& m, const T& h) const noexcept -> Velocity {
   Velocity u;
   for (std::size_t i = 0; i < joints; ++i) {
     const T d = m.measured.q[i] - m.q.value[i];
