@@ -84,7 +84,8 @@ class Guard {
 
   /// Takes over at a robot that has `command` and is at `measured`. A command that is not valid, or not
   /// plausible: nothing is let out until a guard is started with a good one.
-  [[nodiscard]] Memory start(const JointCommand<N, T>& command, const State<N, T>& measured) const noexcept {
+  [[nodiscard]] SKINCTL_COLD Memory start(const JointCommand<N, T>& command,
+                                          const State<N, T>& measured) const noexcept {
     Memory m;
     m.command = command;
     m.time = command.time;

@@ -60,7 +60,7 @@ struct BoxSurface {
 /// The largest cell, at most TUM's, of which `count` find room on the surface. Throws `ConfigurationError`
 /// where even cells of a thousandth of that size do not.
 template <class S>
-[[nodiscard]] HexagonalCell largest_cell(const S& surface, std::size_t count) {
+[[nodiscard]] SKINCTL_COLD HexagonalCell largest_cell(const S& surface, std::size_t count) {
   const auto fits = [&](double scale) { return full_cover(surface, {scale}).size() >= count; };
   if (fits(1)) return {};
   double fitting = 1, too_large = 1;
@@ -77,18 +77,30 @@ template <class S>
   return {fitting};
 }
 
+namespace detail {
+template <class S>
+[[nodiscard]] SKINCTL_COLD std::vector<AnyCell> cover_any(const Transform<AnyLink, Surface>& X_LS,
+                                                          const S& surface, std::size_t count,
+                                                          std::uint32_t first_id) {
+  const auto all = full_cover(surface, largest_cell(surface, count));
+  const std::size_t skipped = (all.size() - count) / 2;
+  std::vector<AnyCell> placed(count);
+  for (std::size_t k = 0; k < count; ++k)
+    placed[k] = {first_id + static_cast<std::uint32_t>(k), X_LS * all[skipped + k]};
+  return placed;
+}
+}  // namespace detail
+
 /// `count` cells on the surface that sits on link `I` at `X_LS`, with ids from `first_id` on. Cells have
 /// TUM's size if that many find room, else the largest that do (`largest_cell`); if more find room, those
 /// nearest to the middle of the cover's order are taken, which leaves the ends bare.
 template <std::size_t I, class S>
-[[nodiscard]] SKINCTL_COLD std::vector<PlacedCell<I>> cover(const Transform<Link<I>, Surface>& X_LS,
-                                                            const S& surface, std::size_t count,
-                                                            std::uint32_t first_id) {
-  const auto all = full_cover(surface, largest_cell(surface, count));
-  const std::size_t skipped = (all.size() - count) / 2;
-  std::vector<PlacedCell<I>> placed(count);
-  for (std::size_t k = 0; k < count; ++k)
-    placed[k] = {first_id + static_cast<std::uint32_t>(k), X_LS * all[skipped + k]};
+[[nodiscard]] std::vector<PlacedCell<I>> cover(const Transform<Link<I>, Surface>& X_LS, const S& surface,
+                                               std::size_t count, std::uint32_t first_id) {
+  std::vector<PlacedCell<I>> placed;
+  for (const auto& cell :
+       detail::cover_any(X_LS.template renamed<detail::AnyLink, Surface>(), surface, count, first_id))
+    placed.push_back({cell.id, cell.X_LC.template renamed<Link<I>, Cell>()});
   return placed;
 }
 

@@ -25,13 +25,50 @@ struct PlacedCell {
 };
 
 namespace detail {
-SKINCTL_COLD inline void require_cell(const Xyz<double>& p, const Rotation<double>& R) {
-  const double place = p.x + p.y + p.z;
-  require(place - place == 0, "Patch: position of a cell", place, "finite m");
-  const double error = rotation_error(R);
-  require(error <= 1e-6, "Patch: |R'R - 1| of a cell", error, "<= 1e-6");
+/// A cell on a link that the compiler need not know: every patch shares its code.
+struct AnyLink : FrameTag {};
+struct AnyCell {
+  std::uint32_t id = 0;
+  Transform<AnyLink, Cell> X_LC;
+};
+
+SKINCTL_COLD inline void require_patch(const std::vector<AnyCell>& placed, std::size_t cells,
+                                       const Gains& gains) {
+  require(placed.size() == cells, "Patch: number of cells", double(placed.size()),
+          std::to_string(cells).c_str());
+  require(gains.force >= 0 && gains.force - gains.force == 0, "Patch: gain of force", gains.force, ">= 0 N");
+  require(gains.proximity >= 0 && gains.proximity - gains.proximity == 0, "Patch: gain of proximity",
+          gains.proximity, ">= 0 N");
+  for (const AnyCell& cell : placed) {
+    const Xyz<double>& p = cell.X_LC.origin();
+    const double place = p.x + p.y + p.z;
+    require(place - place == 0, "Patch: position of a cell", place, "finite m");
+    const double error = rotation_error(cell.X_LC.axes());
+    require(error <= 1e-6, "Patch: |R'R - 1| of a cell", error, "<= 1e-6");
+  }
 }
 }  // namespace detail
+
+/// The cells of a patch, to look at: a range of `PlacedCell<I>`.
+template <std::size_t I>
+class PlacedCells {
+ public:
+  explicit PlacedCells(const std::vector<detail::AnyCell>& cells) noexcept : cells_(cells) {}
+
+  struct Iterator {
+    const detail::AnyCell* at;
+    PlacedCell<I> operator*() const noexcept { return {at->id, at->X_LC.template renamed<Link<I>, Cell>()}; }
+    Iterator& operator++() noexcept { return ++at, *this; }
+    friend bool operator==(const Iterator&, const Iterator&) noexcept = default;
+  };
+  [[nodiscard]] Iterator begin() const noexcept { return {cells_.data()}; }
+  [[nodiscard]] Iterator end() const noexcept { return {cells_.data() + cells_.size()}; }
+  [[nodiscard]] std::size_t size() const noexcept { return cells_.size(); }
+  [[nodiscard]] PlacedCell<I> operator[](std::size_t i) const noexcept { return *Iterator{&cells_[i]}; }
+
+ private:
+  const std::vector<detail::AnyCell>& cells_;
+};
 
 /// `Cells` cells on link `I`, each known by an id, with the gains that they share. A configuration: built
 /// once, then only read.
@@ -44,30 +81,31 @@ class Patch {
 
   /// Throws `ConfigurationError` if there are not `Cells` of them, a pose is not finite, a normal is no unit
   /// vector, or a gain is negative or not finite.
-  explicit Patch(std::vector<PlacedCell<I>> placed, const Gains& gains = {})
+  explicit Patch(const std::vector<PlacedCell<I>>& placed, const Gains& gains = {}) : gains_(gains) {
+    placed_.reserve(placed.size());
+    for (const auto& cell : placed)
+      placed_.push_back({cell.id, cell.X_LC.template renamed<detail::AnyLink, Cell>()});
+    detail::require_patch(placed_, Cells, gains);
+  }
+  /// The same from cells whose link the caller vouches for.
+  explicit Patch(std::vector<detail::AnyCell> placed, const Gains& gains)
       : placed_(std::move(placed)), gains_(gains) {
-    require(placed_.size() == Cells, "Patch: number of cells", double(placed_.size()),
-            std::to_string(Cells).c_str());
-    require(gains.force >= 0 && gains.force - gains.force == 0, "Patch: gain of force", gains.force,
-            ">= 0 N");
-    require(gains.proximity >= 0 && gains.proximity - gains.proximity == 0, "Patch: gain of proximity",
-            gains.proximity, ">= 0 N");
-    for (const auto& cell : placed_) detail::require_cell(cell.X_LC.origin(), cell.X_LC.axes());
+    detail::require_patch(placed_, Cells, gains);
   }
 
-  [[nodiscard]] const std::vector<PlacedCell<I>>& placed() const noexcept { return placed_; }
+  [[nodiscard]] PlacedCells<I> placed() const noexcept { return PlacedCells<I>(placed_); }
+  [[nodiscard]] const std::vector<detail::AnyCell>& any() const noexcept { return placed_; }
   [[nodiscard]] const Gains& gains() const noexcept { return gains_; }
 
  private:
-  std::vector<PlacedCell<I>> placed_;
+  std::vector<detail::AnyCell> placed_;
   Gains gains_;
 };
 
 /// What one newton on the cell does to its link: `u = -[z ; p x z]`, eqs. (4) and (6). A cell carries no
 /// moment about its own origin.
-template <std::size_t I>
-[[nodiscard]] inline Wrench<Link<I>, Link<I>, Link<I>> unit_wrench(
-    const Transform<Link<I>, Cell>& X_LC) noexcept {
+template <Frame L>
+[[nodiscard]] inline Wrench<L, L, L> unit_wrench(const Transform<L, Cell>& X_LC) noexcept {
   const Xyz<double> z = X_LC.axis_z();
   return {-z, -cross(X_LC.origin(), z)};
 }

@@ -39,13 +39,16 @@ class Skin {
 
   /// Throws `ConfigurationError` for an id that occurs twice or is 2^20 or more, and what
   /// `SkinSettings::check` refuses.
-  explicit Skin(const Patches&... patch, const SkinSettings& settings = {}) : tables_(settings, cells) {
+  SKINCTL_COLD explicit Skin(const Patches&... patch, const SkinSettings& settings = {})
+      : tables_(settings, cells) {
     settings.check();
     std::size_t k = 0;
     const auto add = [&]<class P>(const P& p) {
       tables_.force_gain[k] = T(p.gains().force * CellCounts::force_unit);
       tables_.proximity_gain[k] = T(p.gains().proximity * CellCounts::proximity_unit);
-      tables_.cells.add(p, k++, Wrenches::slot(P::link));
+      static_assert(P::cells <= detail::ExactSums::most_cells,
+                    "a patch has at most 8192 cells: sums stay exact");
+      tables_.cells.add(p.any(), k++, Wrenches::slot(P::link));
     };
     (add(patch), ...);
   }

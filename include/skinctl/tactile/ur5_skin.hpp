@@ -60,16 +60,18 @@ constexpr std::array<std::size_t, 6> share_cells(std::size_t cells) noexcept {
 }
 }  // namespace detail
 
+namespace detail {
+inline Transform<skinctl::detail::AnyLink, Surface> tube_pose(const Tube& t) noexcept {
+  const Xyz<double> middle = 0.5 * (t.from + t.to);
+  if (t.from.x != t.to.x) return {{{0.0, 1.0, 0.0}, {0.0, 0.0, -1.0}, {-1.0, 0.0, 0.0}}, middle};
+  return {Rotation<double>{}, middle};
+}
+}  // namespace detail
+
 /// The cylinder of link `I` in its place: z along the tube.
 template <std::size_t I>
 [[nodiscard]] Transform<Link<I>, Surface> surface_pose() {
-  constexpr Tube t = tubes[I];
-  const Xyz<double> middle = 0.5 * (t.from + t.to);
-  if constexpr (t.from.x != t.to.x) {
-    return {{{0.0, 1.0, 0.0}, {0.0, 0.0, -1.0}, {-1.0, 0.0, 0.0}}, middle};
-  } else {
-    return {Rotation<double>{}, middle};
-  }
+  return detail::tube_pose(tubes[I]).renamed<Link<I>, Surface>();
 }
 template <std::size_t I>
 [[nodiscard]] constexpr CylinderSurface surface() noexcept {
@@ -88,7 +90,7 @@ SKINCTL_COLD auto make_patches(const std::array<Gains, 6>& gains, std::index_seq
     constexpr std::size_t i = link.value, n = skin_cells<Cells>[i];
     const std::uint32_t first = id;
     id += static_cast<std::uint32_t>(n);
-    return Patch<i, n>(cover<i>(surface_pose<i>(), surface<i>(), n, first), gains[i]);
+    return Patch<i, n>(skinctl::detail::cover_any(tube_pose(tubes[i]), surface<i>(), n, first), gains[i]);
   };
   return std::tuple{one(std::integral_constant<std::size_t, I>{})...};
 }

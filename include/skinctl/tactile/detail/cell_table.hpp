@@ -73,16 +73,29 @@ class CellTable {
 
   explicit CellTable(std::size_t cells) { entries_.reserve(cells); }
 
-  template <class Patch>
-  SKINCTL_COLD void add(const Patch& patch, std::size_t number, std::size_t slot) {
-    static_assert(Patch::cells <= ExactSums::most_cells, "a patch has at most 8192 cells: sums stay exact");
-    std::vector<Unit> units;
-    units.reserve(Patch::cells);
-    for (const auto& cell : patch.placed()) {
+  SKINCTL_COLD void add(const std::vector<AnyCell>& cells, std::size_t number, std::size_t slot) {
+    require(cells.size() <= ExactSums::most_cells, "Skin: cells of a patch", double(cells.size()),
+            "at most 8192: sums stay exact");
+    int reach = -20;  // the patch's moments are at most 2^reach
+    for (const AnyCell& cell : cells) {
       const auto u = unit_wrench(cell.X_LC);
-      units.push_back({cell.id, {u.force.x, u.force.y, u.force.z, u.moment.x, u.moment.y, u.moment.z}});
+      for (const double m : {u.moment.x, u.moment.y, u.moment.z})
+        while (std::abs(m) > std::ldexp(1.0, reach)) ++reach;
     }
-    add(units, number, slot);
+    for (const AnyCell& cell : cells) {
+      require(cell.id <= highest_id, "Skin: cell id", double(cell.id), "< 2^20");
+      if (cell.id >= index_.size()) index_.resize(cell.id + 1, none);
+      require(index_[cell.id] == none, "Skin: cell id", double(cell.id), "ids that occur once");
+      index_[cell.id] = static_cast<std::uint32_t>(entries_.size());
+      const auto u = unit_wrench(cell.X_LC);
+      const auto whole = [](double x, int exponent) {
+        return static_cast<float>(std::ldexp(std::round(std::ldexp(x, 24 - exponent)), exponent - 24));
+      };
+      entries_.push_back({{whole(u.force.x, 0), whole(u.force.y, 0), whole(u.force.z, 0),
+                           whole(u.moment.x, reach), whole(u.moment.y, reach), whole(u.moment.z, reach)},
+                          static_cast<std::uint32_t>(number),
+                          static_cast<std::uint32_t>(slot)});
+    }
   }
   SKINCTL_INLINE std::size_t index(std::uint32_t id) const noexcept {
     return id < index_.size() ? index_[id] : none;
@@ -90,32 +103,6 @@ class CellTable {
   SKINCTL_INLINE const CellEntry& operator[](std::size_t i) const noexcept { return entries_[i]; }
 
  private:
-  struct Unit {
-    std::uint32_t id;
-    double wrench[6];
-  };
-  SKINCTL_COLD void add(const std::vector<Unit>& units, std::size_t number, std::size_t slot) {
-    int reach = -20;  // the patch's moments are at most 2^reach
-    for (const Unit& u : units)
-      for (int i = 3; i < 6; ++i)
-        while (std::abs(u.wrench[i]) > std::ldexp(1.0, reach)) ++reach;
-    for (const Unit& u : units) {
-      require(u.id <= highest_id, "Skin: cell id", double(u.id), "< 2^20");
-      if (u.id >= index_.size()) index_.resize(u.id + 1, none);
-      require(index_[u.id] == none, "Skin: cell id", double(u.id), "ids that occur once");
-      index_[u.id] = static_cast<std::uint32_t>(entries_.size());
-      CellEntry entry;
-      for (int i = 0; i < 6; ++i) {
-        const int exponent = i < 3 ? 0 : reach;
-        entry.unit[i] =
-            static_cast<float>(std::ldexp(std::round(std::ldexp(u.wrench[i], 24 - exponent)), exponent - 24));
-      }
-      entry.patch = static_cast<std::uint32_t>(number);
-      entry.slot = static_cast<std::uint32_t>(slot);
-      entries_.push_back(entry);
-    }
-  }
-
   static constexpr std::uint32_t none = ~std::uint32_t(0);
   std::vector<CellEntry> entries_;
   std::vector<std::uint32_t> index_;

@@ -38,7 +38,8 @@ Transform<Surface, Cell> cell_at(const Xyz<double>& p, const Xyz<double>& x, con
 }
 
 template <class Surface>
-std::vector<Transform<Surface, Cell>> cover_cylinder(double radius, double length, double x, double y) {
+SKINCTL_COLD std::vector<Transform<Surface, Cell>> cover_cylinder(double radius, double length, double x,
+                                                                  double y) {
   require_size(radius, "cover: radius");
   require_size(length, "cover: length");
   const double step = 2 * std::atan(y / radius);  // the ports of neighbours meet on the bisector
@@ -84,7 +85,8 @@ void cover_half_sphere(double radius, double centre, double sign, double first, 
 }
 
 template <class Surface>
-std::vector<Transform<Surface, Cell>> cover_capsule(double radius, double length, double x, double y) {
+SKINCTL_COLD std::vector<Transform<Surface, Cell>> cover_capsule(double radius, double length, double x,
+                                                                 double y) {
   std::vector<Transform<Surface, Cell>> below, cells;
   // The rings begin where the cylinder's last row, which ends within its length, leaves room.
   const double first = std::asin(std::min(1.0, corner(y) / radius));
@@ -115,8 +117,8 @@ void cover_plane(double a, double b, const Xyz<double>& centre, const Xyz<double
 }
 
 template <class Surface>
-std::vector<Transform<Surface, Cell>> cover_box(double size_x, double size_y, double size_z, double x,
-                                                double y) {
+SKINCTL_COLD std::vector<Transform<Surface, Cell>> cover_box(double size_x, double size_y, double size_z,
+                                                             double x, double y) {
   require_size(size_x, "cover: edge along x");
   require_size(size_y, "cover: edge along y");
   require_size(size_z, "cover: edge along z");
