@@ -66,6 +66,7 @@
 #include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
 #include "skinctl/model/allegro.hpp"
+#include "skinctl/model/dh.hpp"
 #include "skinctl/model/link.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/model/placement.hpp"

@@ -104,6 +104,20 @@ constexpr LinkInertia combined(const LinkInertia& a, const LinkInertia& b) noexc
   return sum;
 }
 
+/// The inertia seen from axes that are turned by `t` about z: `Rz(t)' I Rz(t)`.
+constexpr LinkInertia turned_back_z(const LinkInertia& in, const Angle& t) noexcept {
+  const double c = t.cos, s = t.sin;
+  LinkInertia out = in;
+  out.c[0] = c * in.c[0] + s * in.c[1];
+  out.c[1] = c * in.c[1] - s * in.c[0];
+  out.xx = c * c * in.xx + 2 * c * s * in.xy + s * s * in.yy;
+  out.yy = s * s * in.xx - 2 * c * s * in.xy + c * c * in.yy;
+  out.xy = c * s * (in.yy - in.xx) + (c * c - s * s) * in.xy;
+  out.xz = c * in.xz + s * in.yz;
+  out.yz = c * in.yz - s * in.xz;
+  return out;
+}
+
 /// A link of a model from its placement and inertia.
 constexpr LinkParameters<double> make_link(const JointPlacement& placement,
                                            const LinkInertia& inertia) noexcept {

@@ -53,20 +53,6 @@ inline Zxz decompose_zxz(const Rotation<double>& R) noexcept {
   return out;
 }
 
-/// The inertia seen from axes that are turned by `t` about z: `Rz(t)' I Rz(t)`.
-inline LinkInertia turned_back_z(const LinkInertia& in, const Angle& t) noexcept {
-  const double c = t.cos, s = t.sin;
-  LinkInertia out = in;
-  out.c[0] = c * in.c[0] + s * in.c[1];
-  out.c[1] = c * in.c[1] - s * in.c[0];
-  out.xx = c * c * in.xx + 2 * c * s * in.xy + s * s * in.yy;
-  out.yy = s * s * in.xx - 2 * c * s * in.xy + c * c * in.yy;
-  out.xy = c * s * (in.yy - in.xx) + (c * c - s * s) * in.xy;
-  out.xz = c * in.xz + s * in.yz;
-  out.yz = c * in.yz - s * in.xz;
-  return out;
-}
-
 }  // namespace detail
 
 /// Writes placed links, in the order of `Tree`, as links of a model. Exact up to rounding for every
@@ -109,7 +95,7 @@ template <Topology Tree>
     } else if (beta != 0) {
       placements[i].beta = Angle::radians(beta);
     }
-    out.links[i] = make_link(placements[i], detail::turned_back_z(placed[i].inertia, turn));
+    out.links[i] = make_link(placements[i], turned_back_z(placed[i].inertia, turn));
   }
   return out;
 }
