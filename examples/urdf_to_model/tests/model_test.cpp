@@ -1,0 +1,42 @@
+// The header that urdf_to_model wrote, compiled, against the calibrated model read from the same file.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "robot.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/io/urdf.hpp"
+
+using namespace skinctl;
+
+int main() {
+  constexpr std::size_t N = robot::Description::joints;
+  const Urdf urdf = read_urdf(URDF_FILE);
+  const auto calibrated = calibrated_from<robot::Description>(urdf);
+  int wrong = 0;
+  for (std::size_t i = 0; i < N; ++i) {
+    wrong += robot::Description::links[i].numbers != calibrated.link(i).numbers;
+    wrong += robot::Description::names[i] != urdf.joints[i].name;
+    wrong += robot::Description::upper[i] != urdf.joints[i].upper;
+  }
+  std::mt19937_64 bits(1);
+  std::uniform_real_distribution<double> any(-3, 3);
+  double worst = 0;
+  for (int k = 0; k < 1000; ++k) {
+    JointPosition<N> q;
+    JointVelocity<N> dq;
+    JointAcceleration<N> ddq;
+    for (std::size_t i = 0; i < N; ++i) q[i] = any(bits), dq[i] = any(bits), ddq[i] = any(bits);
+    const auto a = inverse_dynamics(robot::Model{}, q, dq, ddq), b = inverse_dynamics(calibrated, q, dq, ddq);
+    double size = 0, error = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+      size = std::max(size, std::abs(b[i]));
+      error = std::max(error, std::abs(a[i] - b[i]));
+    }
+    worst = std::max(worst, error / size);
+  }
+  std::printf("%s: %zu joints, %d numbers differ, torques by %.2g of the largest\n", URDF_FILE, N, wrong,
+              worst);
+  return wrong == 0 && worst <= 1e-15 ? 0 : 1;
+}
