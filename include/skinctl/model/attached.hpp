@@ -91,15 +91,8 @@ class Attached : public AttachedTree<A, At, B> {
   }
   template <std::size_t I>
   void place(Placement& out, const Stand& stand) const {
-    using P = Parameter;
-    const auto at = [this]<P p>(std::integral_constant<P, p>) {
-      return static_cast<double>(T(b_.template number<I, p, T>()));
-    };
-    LinkParameters<double> l;
-    [&]<std::size_t... K>(std::index_sequence<K...>) {
-      ((l.numbers[K] = at(std::integral_constant<P, P(K)>{})), ...);
-    }(std::make_index_sequence<std::size_t(P::mass)>{});
-    l = placed_at(l, B::kinds[I], stand.R, {stand.p[0], stand.p[1], stand.p[2]});
+    const auto l =
+        placed_at(numbers_of<I, T>(b_), B::kinds[I], stand.R, {stand.p[0], stand.p[1], stand.p[2]});
     for (std::size_t k = 0; k < out.size(); ++k) out[k] = T(l.numbers[k]);
   }
 

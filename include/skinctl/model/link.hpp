@@ -146,6 +146,19 @@ constexpr LinkParameters<double> make_link(const JointPlacement& placement,
   return l;
 }
 
+/// The inertia that a link was made with.
+constexpr LinkInertia inertia_of(const LinkParameters<double>& l) noexcept {
+  using P = Parameter;
+  return {l[P::mass],
+          {l[P::c_x], l[P::c_y], l[P::c_z]},
+          l[P::s_yy] + l[P::s_zz],
+          l[P::s_xx] + l[P::s_zz],
+          l[P::s_xx] + l[P::s_yy],
+          -l[P::s_xy],
+          -l[P::s_xz],
+          -l[P::s_yz]};
+}
+
 /// Throws `ConfigurationError` unless the link can exist: finite numbers, mass >= 0, unit angles, and moments
 /// of inertia that obey the triangle inequality to within 1e-9 of their size (then S is positive semidefinite
 /// on its diagonal). Makers' files break the inequality now and then; such a link has no mass distribution.

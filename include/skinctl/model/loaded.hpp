@@ -21,7 +21,8 @@ class Loaded : public M {
   /// no allocation. Throws `ConfigurationError` for a load that cannot exist, and changes nothing then.
   void carry(const LinkInertia& load) {
     check_link(make_link({}, load));
-    const LinkParameters<double> sum = make_link({}, combined(empty(), load));
+    const LinkParameters<double> sum =
+        make_link({}, combined(inertia_of(numbers_of<L, T>(static_cast<const M&>(*this))), load));
     link_ = sum.template cast<T>();
   }
 
@@ -36,26 +37,6 @@ class Loaded : public M {
   }
 
  private:
-  /// The link of the model itself.
-  LinkInertia empty() const {
-    using P = Parameter;
-    const auto own = [this]<P p>(std::integral_constant<P, p>) {
-      return static_cast<double>(T(M::template number<L, p, T>()));
-    };
-    const auto at = [&]<P p>() { return own(std::integral_constant<P, p>{}); };
-    const double xx = at.template operator()<P::s_xx>(), yy = at.template operator()<P::s_yy>(),
-                 zz = at.template operator()<P::s_zz>();
-    return {
-      at.template operator()<P::mass>(),
-      {at.template operator()<P::c_x>(), at.template operator()<P::c_y>(), at.template operator()<P::c_z>()},
-      yy + zz,
-      xx + zz,
-      xx + yy,
-      -at.template operator()<P::s_xy>(),
-      -at.template operator()<P::s_xz>(),
-      -at.template operator()<P::s_yz>()
-    };
-  }
   LinkParameters<T> link_;
 };
 
