@@ -141,8 +141,9 @@ TEST_CASE("DH: the UR5 from the maker's rows is the shipped one, its right angle
 }
 
 TEST_CASE("DH: a factory calibration moves the flange as its table says, through frames 90 m away") {
-  const CalibratedModel<Chain<6>> arm(links_from_calibrated_dh<6>(ur10, found, six()));
-  const JointPlacement end = calibrated_row_end<6>(ur10, found);
+  const auto calibrated = calibrated_dh<6>(ur10, found, six());
+  const CalibratedModel<Chain<6>> arm(calibrated.links);
+  const JointPlacement end = calibrated.end;
   oracle::Random random(2);
   double worst = 0;
   for (int k = 0; k < 200; ++k) {
@@ -166,7 +167,7 @@ TEST_CASE("DH: a factory calibration moves the flange as its table says, through
 TEST_CASE("DH: a calibrated arm keeps its joints and its masses where the metal is") {
   std::array<LinkInertia, 6> inertias = six();
   const CalibratedModel<Chain<6>> nominal(links_from_standard_dh<6>(ur10, inertias));
-  const CalibratedModel<Chain<6>> arm(links_from_calibrated_dh<6>(ur10, found, inertias));
+  const CalibratedModel<Chain<6>> arm(calibrated_dh<6>(ur10, found, inertias).links);
   oracle::Random random(3);
   for (int k = 0; k < 20; ++k) {
     JointPosition<6> q;
@@ -191,14 +192,34 @@ TEST_CASE("DH: a calibrated arm keeps its joints and its masses where the metal 
 
 TEST_CASE("DH: no calibration at all gives the nominal arm, a senseless one is refused") {
   const auto nominal = links_from_standard_dh<6>(ur10, six());
-  const auto same = links_from_calibrated_dh<6>(ur10, {}, six());
+  const auto same = calibrated_dh<6>(ur10, {}, six()).links;
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p)
       CHECK(same[i].numbers[p] == doctest::Approx(nominal[i].numbers[p]).epsilon(1e-15));
   DhDelta<6> bad;
   bad.alpha[2] = 0.2;
-  CHECK_THROWS_AS(static_cast<void>(links_from_calibrated_dh<6>(ur10, bad, six())), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(calibrated_dh<6>(ur10, bad, six())), ConfigurationError);
   bad = {};
   bad.d[1] = std::numeric_limits<double>::infinity();
-  CHECK_THROWS_AS(static_cast<void>(links_from_calibrated_dh<6>(ur10, bad, six())), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(calibrated_dh<6>(ur10, bad, six())), ConfigurationError);
+}
+
+TEST_CASE("DH: a calibration whose last axis is parallel to the one before ends where its table says") {
+  const std::array<DhRow, 2> arm = {DhRow{0.1, 0.2, 0.5, {}}, DhRow{0, 0.3, 0.4, {}}};
+  const DhDelta<2> delta{{0.3, -0.3}, {0.001, 0.002}, {5, -5.001}, {0.004, -0.001}};
+  const auto calibrated = calibrated_dh<2>(arm, delta, {some, some});
+  const JointPosition<2> q{0.6, -1.2};
+  Pose by_table = along(0, 0, 0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    by_table = product(by_table, about_z(Wide(q[i]) + Wide(arm[i].theta) + Wide(delta.theta[i])));
+    by_table =
+        product(by_table, along(Wide(arm[i].a) + Wide(delta.a[i]), 0, Wide(arm[i].d) + Wide(delta.d[i])));
+    by_table = product(by_table, about_x(Wide(delta.alpha[i])));
+  }
+  const auto X = link_poses(CalibratedModel<Chain<2>>(calibrated.links), q).get<1>();
+  const auto& end = calibrated.end;
+  const Xyz<double> tip = X.origin() + end.p[0] * X.axis_x() + end.p[1] * X.axis_y() + end.p[2] * X.axis_z();
+  CHECK(tip.x == doctest::Approx(static_cast<double>(by_table[9])).epsilon(1e-14));
+  CHECK(tip.y == doctest::Approx(static_cast<double>(by_table[10])).epsilon(1e-14));
+  CHECK(tip.z == doctest::Approx(static_cast<double>(by_table[11])).epsilon(1e-14));
 }

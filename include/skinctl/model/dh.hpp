@@ -97,21 +97,26 @@ template <std::size_t N>
   return links;
 }
 
-/// The links of one individual arm: a standard table of revolute joints and its factory calibration, for a
-/// `CalibratedModel`.
+/// One individual arm: its links, for a `CalibratedModel`, and where its last row ends (the flange) in the
+/// last link's frame.
+template <std::size_t N>
+struct CalibratedDh {
+  std::array<LinkParameters<double>, N> links;
+  JointPlacement end;
+};
+
+/// A standard table of revolute joints and its factory calibration.
 ///
 /// Where axes are nominally parallel, a calibration may put the common normal many metres away and turn it by
 /// large angles (delta_d of 90 m and delta_theta of 0.7 rad in a healthy UR10). The model's frames therefore
 /// stand on the calibrated axes, but at the nominal height, and the inertias, given at the ends of the
 /// nominal rows, stay with the metal: the frames are turned against it by the sum of delta_theta since the
-/// last axis that was not parallel. Throws
-/// `ConfigurationError` for numbers that are not finite, or a delta_alpha beyond 0.1 rad: no calibration does
-/// that.
+/// last axis that was not parallel. Throws `ConfigurationError` for numbers that are not finite, or a
+/// delta_alpha beyond 0.1 rad: no calibration does that.
 template <std::size_t N>
-[[nodiscard]] std::array<LinkParameters<double>, N> links_from_calibrated_dh(
-    const std::array<DhRow, N>& rows, const DhDelta<N>& delta,
-    const std::array<LinkInertia, N>& at_row_ends) {
-  std::array<LinkParameters<double>, N> links;
+[[nodiscard]] CalibratedDh<N> calibrated_dh(const std::array<DhRow, N>& rows, const DhDelta<N>& delta,
+                                            const std::array<LinkInertia, N>& at_row_ends) {
+  CalibratedDh<N> out;
   JointPlacement placement;
   double slide = 0;  // of link i's frame along its axis, away from where the calibrated row begins
   double turn = 0;   // of link i's frame about its axis, against the metal
@@ -120,30 +125,26 @@ template <std::size_t N>
       require(x - x == 0, "calibration of a joint", x, "a finite number");
     require(delta.alpha[i] > -0.1 && delta.alpha[i] < 0.1, "delta_alpha", delta.alpha[i], "-0.1 to 0.1 rad");
     turn += delta.theta[i];
-    links[i] = make_link(placement,
-                         turned_back_z(moved_out(row_end(rows[i]), at_row_ends[i]), Angle::radians(turn)));
-    links[i][Parameter::offset] = rows[i].theta + delta.theta[i];
+    out.links[i] = make_link(
+        placement, turned_back_z(moved_out(row_end(rows[i]), at_row_ends[i]), Angle::radians(turn)));
+    out.links[i][Parameter::offset] = rows[i].theta + delta.theta[i];
     const double c = std::cos(delta.alpha[i]), s = std::sin(delta.alpha[i]);
     const Angle nominal = rows[i].alpha;
     const Angle alpha{nominal.cos * c - nominal.sin * s, nominal.sin * c + nominal.cos * s};
+    const double a = rows[i].a + delta.a[i];
     const double height = delta.d[i] - slide;  // beyond the nominal row
+    out.end = {.p = {a, 0, rows[i].d + height}, .alpha = alpha};
+    placement = out.end;
     const bool parallel = nominal.sin == 0;
     slide = parallel ? -height / alpha.cos : 0.0;
-    if (!parallel) turn = 0;
-    placement = {.p = {rows[i].a + delta.a[i], -slide * alpha.sin, parallel ? rows[i].d : rows[i].d + height},
-                 .alpha = alpha};
+    if (parallel) {
+      placement.p[1] = -slide * alpha.sin;
+      placement.p[2] = rows[i].d;
+    } else {
+      turn = 0;
+    }
   }
-  return links;
-}
-
-/// Where the flange stands in the last link's frame of a calibrated table: behind the last row.
-template <std::size_t N>
-[[nodiscard]] JointPlacement calibrated_row_end(const std::array<DhRow, N>& rows,
-                                                const DhDelta<N>& delta) noexcept {
-  const double c = std::cos(delta.alpha[N - 1]), s = std::sin(delta.alpha[N - 1]);
-  const Angle nominal = rows[N - 1].alpha;
-  return {.p = {rows[N - 1].a + delta.a[N - 1], 0, rows[N - 1].d + delta.d[N - 1]},
-          .alpha = {nominal.cos * c - nominal.sin * s, nominal.sin * c + nominal.cos * s}};
+  return out;
 }
 
 SKINCTL_END_NAMESPACE

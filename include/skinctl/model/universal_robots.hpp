@@ -35,10 +35,10 @@ struct UniversalRobot : Chain<6> {
 };
 
 /// A Universal Robot with its own factory calibration, the `delta_*` of its calibration.conf. See
-/// `links_from_calibrated_dh`.
+/// `calibrated_dh`, which also tells where its flange is.
 template <class Description, Scalar T = double>
 [[nodiscard]] CalibratedModel<Description, T> calibrated_universal_robot(const DhDelta<6>& delta) {
-  const auto exact = links_from_calibrated_dh<6>(Description::rows, delta, Description::inertias);
+  const auto exact = calibrated_dh<6>(Description::rows, delta, Description::inertias).links;
   typename CalibratedModel<Description, T>::Links links;
   for (std::size_t i = 0; i < 6; ++i) links[i] = exact[i].template cast<T>();
   return CalibratedModel<Description, T>(links);
