@@ -32,3 +32,10 @@ if(skinctl_missing_packages)
   list(JOIN skinctl_missing_packages " " packages)
   message(FATAL_ERROR "skinctl: missing packages. On Debian 12: sudo apt-get install ${packages}")
 endif()
+
+# Optional: a parser for io/urdf.hpp. Without it, what reads URDF files is neither built nor tested.
+find_package(tinyxml2 QUIET)
+if(NOT tinyxml2_FOUND AND (SKINCTL_BUILD_TESTS OR SKINCTL_BUILD_EXAMPLES))
+  message(WARNING "skinctl: no tinyxml2: tests and examples of io/urdf.hpp are skipped. "
+    "On Debian 12: sudo apt-get install libtinyxml2-dev")
+endif()

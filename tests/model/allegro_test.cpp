@@ -7,7 +7,10 @@
 using namespace skinctl;
 
 TEST_CASE("Allegro: every finger keeps what the type of a finger promises") {
-  for (std::size_t f = 0; f < 4; ++f) CHECK_NOTHROW(static_cast<void>(allegro::right_fingers<1>(f)));
+  for (std::size_t f = 0; f < 4; ++f) {
+    CHECK_NOTHROW(static_cast<void>(allegro::right_fingers<1>(f)));
+    CHECK_NOTHROW(static_cast<void>(allegro::left_fingers<1>(f)));
+  }
 }
 
 TEST_CASE("Allegro: one finger alone is the same finger of the hand") {
@@ -32,4 +35,25 @@ TEST_CASE("Allegro: the tip belongs to the last link") {
   CHECK(finger.link(3)[Parameter::mass] == doctest::Approx(0.0096 + 0.0168));
   const auto thumb = allegro::right_fingers<1>(3);
   CHECK(thumb.link(3)[Parameter::mass] == doctest::Approx(0.0388 + 0.0168));
+}
+
+TEST_CASE("Allegro: the left hand's tips are the right's mirrored, first joints of the fingers negated") {
+  const auto right = allegro::right_hand(), left = allegro::left_hand();
+  for (double x : {0.0, 0.3, -0.8}) {
+    JointPosition<16> q, mirrored;
+    for (std::size_t i = 0; i < 16; ++i) {
+      q[i] = x + 0.05 * static_cast<double>(i);
+      mirrored[i] = i % 4 == 0 && i < 12 ? -q[i] : q[i];
+    }
+    const auto X = link_poses(right, q), Y = link_poses(left, mirrored);
+    const auto check = [](const auto& r, const auto& l) {
+      CHECK(r.origin().x == doctest::Approx(l.origin().x).epsilon(1e-13));
+      CHECK(r.origin().y == doctest::Approx(-l.origin().y).epsilon(1e-13));
+      CHECK(r.origin().z == doctest::Approx(l.origin().z).epsilon(1e-13));
+    };
+    check(X.get<3>(), Y.get<3>());
+    check(X.get<7>(), Y.get<7>());
+    check(X.get<11>(), Y.get<11>());
+    check(X.get<15>(), Y.get<15>());
+  }
 }

@@ -69,3 +69,16 @@ TEST_CASE("link: two bodies fixed to each other weigh and turn like both") {
   CHECK(combined(a, LinkInertia{}).xx == a.xx);
   CHECK(combined(LinkInertia{}, LinkInertia{}).mass == 0);
 }
+
+TEST_CASE("link: a link gives back the inertia that it was made with") {
+  const LinkInertia in{2, {0.1, -0.2, 0.3}, 0.5, 0.6, 0.7, 0.01, -0.02, 0.03};
+  const LinkInertia out = inertia_of(make_link({}, in));
+  CHECK(out.mass == in.mass);
+  CHECK(out.c[1] == in.c[1]);
+  CHECK(out.xx == doctest::Approx(in.xx).epsilon(1e-15));
+  CHECK(out.yy == doctest::Approx(in.yy).epsilon(1e-15));
+  CHECK(out.zz == doctest::Approx(in.zz).epsilon(1e-15));
+  CHECK(out.xy == in.xy);
+  CHECK(out.xz == in.xz);
+  CHECK(out.yz == in.yz);
+}

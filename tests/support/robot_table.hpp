@@ -56,18 +56,20 @@ inline Robot ur5() {
 /// Where the tool flange of `ur5()` sits on the last body (its axes are the same) [m].
 inline constexpr std::array<double, 3> ur5_flange{0, 0, 0.0823};
 
-/// Right Allegro hand on its palm: allegro_right_hand.urdf of Gepetto/example-robot-data (masses, inertias
+/// Allegro hand on its palm: allegro_{right,left}_hand.urdf of Gepetto/example-robot-data (masses, inertias
 /// and joint origins to the digit). Bodies 4f .. 4f+3 are finger f (0 index, 1 middle, 2 ring, 3 thumb),
 /// bodies 16 + f their tips, which are fixed. The URDF turns about y or -x in many places: those frames are
 /// turned so that the joint is z: y by Rx(-pi/2), -x by Ry(-pi/2). The URDF puts every centre of mass at the
 /// origin of its link.
-inline Robot allegro_right() {
+inline Robot allegro(bool left) {
   using namespace table_detail;
   using enum Motion;
   using Rotation = std::array<double, 9>;
   constexpr Rotation one{1, 0, 0, 0, 1, 0, 0, 0, 1};
   constexpr Rotation y_to_z{1, 0, 0, 0, 0, 1, 0, -1, 0};
-  constexpr Rotation minus_x_to_z{0, 0, -1, 0, 1, 0, 1, 0, 0};
+  constexpr Rotation minus_x_to_z{0, 0, -1, 0, 1, 0, 1, 0, 0}, x_to_z{0, 0, 1, 0, 1, 0, -1, 0, 0};
+  constexpr Rotation minus_z_to_z{1, 0, 0, 0, -1, 0, 0, 0, -1};
+  const double side = left ? -1 : 1;
   struct Row {  // as the URDF prints it, with the turn that makes its axis z
     int parent;
     Motion motion;
@@ -78,11 +80,7 @@ inline Robot allegro_right() {
   std::vector<Row> rows;
   constexpr double tilt = 0.08726646255;
   for (int f = 0; f < 3; ++f) {
-    const double a = (f - 1) * tilt,
-                 y = f == 0   ? 0.0435
-                     : f == 1 ? 0
-                              : -0.0435,
-                 z = f == 1 ? 0.0007 : -0.001542;
+    const double a = side * (f - 1) * tilt, y = side * (1 - f) * 0.0435, z = f == 1 ? 0.0007 : -0.001542;
     const double s = std::sin(a), c = std::cos(a);
     rows.push_back({-1,
                     revolute,
@@ -134,16 +132,16 @@ inline Robot allegro_right() {
                     4.701248e-06});
   }
   {
-    const double sz = std::sin(-1.5707963259),
-                 cz = std::cos(-1.5707963259);  // rpy = 0 -1.65806278845 -1.5707963259
+    const double sz = std::sin(-side * 1.5707963259),
+                 cz = std::cos(-side * 1.5707963259);  // rpy = 0 -1.65806278845 -+1.5707963259
     const double sy = std::sin(-1.65806278845), cy = std::cos(-1.65806278845);
     const Rotation R =
         product(Rotation{cz, -sz, 0, sz, cz, 0, 0, 0, 1}, Rotation{cy, 0, sy, 0, 1, 0, -sy, 0, cy});
     rows.push_back({-1,
                     revolute,
-                    minus_x_to_z,
+                    left ? x_to_z : minus_x_to_z,
                     R,
-                    {-0.0182, 0.019333, -0.045987},
+                    {-0.0182, side * 0.019333, -0.045987},
                     0.0176,  //
                     1.89273333333e-5,
                     7.16716e-06,
@@ -153,9 +151,9 @@ inline Robot allegro_right() {
                     1.89273333333e-05});
     rows.push_back({12,
                     revolute,
+                    left ? minus_z_to_z : one,
                     one,
-                    one,
-                    {-0.027, 0.005, 0.0399},
+                    {-0.027, side * 0.005, 0.0399},
                     0.0119,  //
                     4.24250866667e-06,
                     1.032087e-06,
@@ -214,6 +212,30 @@ inline Robot allegro_right() {
                             product(product(transposed(row.turn), I), row.turn)});
   }
   return robot;
+}
+inline Robot allegro_right() {
+  return allegro(false);
+}
+inline Robot allegro_left() {
+  return allegro(true);
+}
+
+/// `b` with its base fixed to body `at` of `a` (-1: its base) at `R`, `p`.
+inline Robot joined(Robot a, int at, const Robot& b, const std::array<double, 9>& R,
+                    const std::array<double, 3>& p) {
+  const int first = a.body_count();
+  for (Body body : b.bodies) {
+    if (body.parent < 0) {
+      body.parent = at;
+      body.R = table_detail::product(R, body.R);
+      body.p = table_detail::product(R, body.p);
+      for (std::size_t k = 0; k < 3; ++k) body.p[k] += p[k];
+    } else {
+      body.parent += first;
+    }
+    a.bodies.push_back(body);
+  }
+  return a;
 }
 
 }  // namespace oracle

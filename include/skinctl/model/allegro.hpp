@@ -1,4 +1,4 @@
-// Wonik Allegro hand, right: four fingers of four joints on a palm.
+// Wonik Allegro hand, right and left: four fingers of four joints on a palm.
 #pragma once
 
 #include "skinctl/core/joint.hpp"
@@ -8,6 +8,11 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace allegro {
+
+/// Which hand. The left is the right mirrored at y = 0, with two peculiarities of the maker's description:
+/// the first joints of its three fingers turn about +z as on the right hand (a mirrored motion has them
+/// negated), and the products of inertia of the links are not mirrored.
+enum class Side { right, left };
 
 /// The hand as one tree of 16 joints: finger f (0 index, 1 middle, 2 ring, 3 thumb) has the joints 4f to 4f
 /// + 3.
@@ -45,20 +50,8 @@ inline constexpr Rotation<double> one{};
 /// A frame turned so that its z axis is the old y axis, or the old -x axis.
 inline constexpr Rotation<double> y_to_z{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
 inline constexpr Rotation<double> minus_x_to_z{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
-
-/// The inertia along axes turned by `R`: `R' I R`.
-inline LinkInertia along(const Rotation<double>& R, const LinkInertia& in) noexcept {
-  const auto I = [&](const Xyz<double>& v) {
-    return Xyz<double>{in.xx * v.x + in.xy * v.y + in.xz * v.z, in.xy * v.x + in.yy * v.y + in.yz * v.z,
-                       in.xz * v.x + in.yz * v.y + in.zz * v.z};
-  };
-  LinkInertia out = in;
-  const Xyz<double> c = turn_back(R, Xyz<double>{in.c[0], in.c[1], in.c[2]});
-  out.c[0] = c.x, out.c[1] = c.y, out.c[2] = c.z;
-  out.xx = dot(R.x, I(R.x)), out.yy = dot(R.y, I(R.y)), out.zz = dot(R.z, I(R.z));
-  out.xy = dot(R.x, I(R.y)), out.xz = dot(R.x, I(R.z)), out.yz = dot(R.y, I(R.z));
-  return out;
-}
+inline constexpr Rotation<double> x_to_z{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
+inline constexpr Rotation<double> minus_z_to_z{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
 
 /// A joint as the URDF prints it, and the turn that makes its axis z.
 struct Row {
@@ -69,16 +62,22 @@ struct Row {
 
 }  // namespace detail
 
-/// The joints of finger `f` as the maker's description gives them: allegro_right_hand.urdf of
-/// Gepetto/example-robot-data, after the hand's own ROS package (BSD). The centre of mass of every link lies
-/// at its origin there; the tip belongs to the last link.
-inline std::array<PlacedLink, 4> finger_links(std::size_t f) {
+/// The palm, in the frame of the hand, as the same description has it. It moves with whatever carries the
+/// hand (`Loaded`).
+inline constexpr LinkInertia palm{0.4154, {0, 0, 0.0475}, 1e-4, 1e-4, 1e-4};
+
+/// The joints of finger `f` as the maker's description gives them: allegro_right_hand.urdf and
+/// allegro_left_hand.urdf of Gepetto/example-robot-data (as of its first commit: a later one replaced
+/// inertias by estimates), after the hand's own ROS package (BSD). The centre of mass of every link lies at
+/// its origin there; the tip belongs to the last link.
+inline std::array<PlacedLink, 4> finger_links(std::size_t f, Side side = Side::right) {
   using namespace detail;
+  const double mirror = side == Side::right ? 1 : -1;
   std::array<Row, 4> rows;
   if (f < 3) {
-    const double tilt = (static_cast<double>(f) - 1) * 0.08726646255;
+    const double tilt = mirror * (static_cast<double>(f) - 1) * 0.08726646255;
     const double s = std::sin(tilt), c = std::cos(tilt);
-    const double y = f == 1 ? 0.0 : f == 0 ? 0.0435 : -0.0435;
+    const double y = f == 1 ? 0.0 : mirror * (f == 0 ? 0.0435 : -0.0435);
     const double z = f == 1 ? 0.0007 : -0.001542;
     rows = {Row{one,
                 {{1, 0, 0}, {0, c, s}, {0, -s, c}},
@@ -121,12 +120,12 @@ inline std::array<PlacedLink, 4> finger_links(std::size_t f) {
                 1.7622e-06,
                 4.701248e-06}};
   } else {
-    const double sy = std::sin(-1.65806278845), cy = std::cos(-1.65806278845);  // rpy 0, -1.658..., -pi/2
-    const double sz = std::sin(-1.5707963259), cz = std::cos(-1.5707963259);
+    const double sy = std::sin(-1.65806278845), cy = std::cos(-1.65806278845);  // rpy 0, -1.658..., -+pi/2
+    const double sz = std::sin(-mirror * 1.5707963259), cz = std::cos(1.5707963259);
     const Rotation<double> Rz{{cz, sz, 0}, {-sz, cz, 0}, {0, 0, 1}}, Ry{{cy, 0, -sy}, {0, 1, 0}, {sy, 0, cy}};
-    rows = {Row{minus_x_to_z,
+    rows = {Row{side == Side::right ? minus_x_to_z : x_to_z,
                 Rz * Ry,
-                {-0.0182, 0.019333, -0.045987},
+                {-0.0182, mirror * 0.019333, -0.045987},
                 0.0176,  //
                 1.89273333333e-5,
                 7.16716e-06,
@@ -134,9 +133,9 @@ inline std::array<PlacedLink, 4> finger_links(std::size_t f) {
                 1.43008213333e-05,
                 6.8068e-06,
                 1.89273333333e-05},
-            Row{one,
+            Row{side == Side::right ? one : minus_z_to_z,
                 one,
-                {-0.027, 0.005, 0.0399},
+                {-0.027, mirror * 0.005, 0.0399},
                 0.0119,  //
                 4.24250866667e-06,
                 1.032087e-06,
@@ -173,30 +172,41 @@ inline std::array<PlacedLink, 4> finger_links(std::size_t f) {
     LinkInertia inertia{row.mass, {0, 0, 0}, row.xx, row.yy, row.zz, row.xy, row.xz, row.yz};
     if (i == 3) inertia = combined(inertia, tip);
     const Xyz<double> p = turn_back(parent, Xyz<double>{row.p[0], row.p[1], row.p[2]});
-    links[i] = {parent.transpose() * row.R * row.turn, {p.x, p.y, p.z}, along(row.turn, inertia)};
+    links[i] = {parent.transpose() * row.R * row.turn,
+                {p.x, p.y, p.z},
+                seen_from(row.turn.transpose(), {0, 0, 0}, inertia)};
     parent = row.turn;
   }
   return links;
 }
 
-/// The whole hand as one tree.
+/// A whole hand as one tree.
 template <Scalar T = double>
-[[nodiscard]] CalibratedModel<Tree, T> right_hand() {
+[[nodiscard]] CalibratedModel<Tree, T> hand(Side side) {
   typename CalibratedModel<Tree, T>::Links links;
   for (std::size_t f = 0; f < 4; ++f) {
-    const auto canonical = canonical_links<Chain<4>>(finger_links(f));
+    const auto canonical = canonical_links<Chain<4>>(finger_links(f, side));
     for (std::size_t i = 0; i < 4; ++i) links[4 * f + i] = canonical.links[i].template cast<T>();
   }
   return CalibratedModel<Tree, T>(links);
+}
+template <Scalar T = double>
+[[nodiscard]] CalibratedModel<Tree, T> right_hand() {
+  return hand<T>(Side::right);
+}
+template <Scalar T = double>
+[[nodiscard]] CalibratedModel<Tree, T> left_hand() {
+  return hand<T>(Side::left);
 }
 
 /// `W` fingers from finger `first` on as lanes of one chain of four joints: `Lane<double, 4>` moves the whole
 /// hand at once. `W` = 1 is a single finger on plain scalars.
 template <std::size_t W, Real T = double>
-[[nodiscard]] auto right_fingers(std::size_t first = 0) {
+[[nodiscard]] auto fingers_of(Side side, std::size_t first = 0) {
   using L = std::conditional_t<W == 1, T, Lane<T, W>>;
   std::array<CanonicalLinks<Chain<4>>, W> fingers;
-  for (std::size_t k = 0; k < W; ++k) fingers[k] = canonical_links<Chain<4>>(finger_links((first + k) % 4));
+  for (std::size_t k = 0; k < W; ++k)
+    fingers[k] = canonical_links<Chain<4>>(finger_links((first + k) % 4, side));
   typename CalibratedModel<Finger, L>::Links links;
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p) {
@@ -210,6 +220,14 @@ template <std::size_t W, Real T = double>
     }
   }
   return CalibratedModel<Finger, L>(links);
+}
+template <std::size_t W, Real T = double>
+[[nodiscard]] auto right_fingers(std::size_t first = 0) {
+  return fingers_of<W, T>(Side::right, first);
+}
+template <std::size_t W, Real T = double>
+[[nodiscard]] auto left_fingers(std::size_t first = 0) {
+  return fingers_of<W, T>(Side::left, first);
 }
 
 namespace detail {

@@ -104,6 +104,20 @@ constexpr LinkInertia combined(const LinkInertia& a, const LinkInertia& b) noexc
   return sum;
 }
 
+/// The inertia seen from axes that are turned by `t` about z: `Rz(t)' I Rz(t)`.
+constexpr LinkInertia turned_back_z(const LinkInertia& in, const Angle& t) noexcept {
+  const double c = t.cos, s = t.sin;
+  LinkInertia out = in;
+  out.c[0] = c * in.c[0] + s * in.c[1];
+  out.c[1] = c * in.c[1] - s * in.c[0];
+  out.xx = c * c * in.xx + 2 * c * s * in.xy + s * s * in.yy;
+  out.yy = s * s * in.xx - 2 * c * s * in.xy + c * c * in.yy;
+  out.xy = c * s * (in.yy - in.xx) + (c * c - s * s) * in.xy;
+  out.xz = c * in.xz + s * in.yz;
+  out.yz = c * in.yz - s * in.xz;
+  return out;
+}
+
 /// A link of a model from its placement and inertia.
 constexpr LinkParameters<double> make_link(const JointPlacement& placement,
                                            const LinkInertia& inertia) noexcept {
@@ -130,6 +144,19 @@ constexpr LinkParameters<double> make_link(const JointPlacement& placement,
   l[P::s_xz] = -inertia.xz;
   l[P::s_yz] = -inertia.yz;
   return l;
+}
+
+/// The inertia that a link was made with.
+constexpr LinkInertia inertia_of(const LinkParameters<double>& l) noexcept {
+  using P = Parameter;
+  return {l[P::mass],
+          {l[P::c_x], l[P::c_y], l[P::c_z]},
+          l[P::s_yy] + l[P::s_zz],
+          l[P::s_xx] + l[P::s_zz],
+          l[P::s_xx] + l[P::s_yy],
+          -l[P::s_xy],
+          -l[P::s_xz],
+          -l[P::s_yz]};
 }
 
 /// Throws `ConfigurationError` unless the link can exist: finite numbers, mass >= 0, unit angles, and moments

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <utility>
 
 #include "skinctl/core/triple.hpp"
 #include "skinctl/model/link.hpp"
@@ -29,6 +30,16 @@ concept Model = Topology<M> && requires(const M& m) {
   m.template number<0, Parameter::mass, typename detail::ScalarOf<M>::type>();
   m.template gravity<typename detail::ScalarOf<M>::type>();
 };
+
+/// All numbers of link `I` of a model that computes in `T`, typed constants among them.
+template <std::size_t I, Scalar T, Model M>
+[[nodiscard]] constexpr LinkParameters<double> numbers_of(const M& model) noexcept {
+  LinkParameters<double> l;
+  [&]<std::size_t... K>(std::index_sequence<K...>) {
+    ((l.numbers[K] = static_cast<double>(T(model.template number<I, Parameter(K), T>()))), ...);
+  }(std::make_index_sequence<std::size_t(Parameter::count)>{});
+  return l;
+}
 
 /// A static model has no numbers at run time: it is an empty type made from a description with `constexpr`
 /// members `joints`, `parents`, `kinds`, `links` (an array of `LinkParameters<double>`) and `gravity` (three

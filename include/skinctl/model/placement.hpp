@@ -53,18 +53,98 @@ inline Zxz decompose_zxz(const Rotation<double>& R) noexcept {
   return out;
 }
 
-/// The inertia seen from axes that are turned by `t` about z: `Rz(t)' I Rz(t)`.
-inline LinkInertia turned_back_z(const LinkInertia& in, const Angle& t) noexcept {
-  const double c = t.cos, s = t.sin;
-  LinkInertia out = in;
-  out.c[0] = c * in.c[0] + s * in.c[1];
-  out.c[1] = c * in.c[1] - s * in.c[0];
-  out.xx = c * c * in.xx + 2 * c * s * in.xy + s * s * in.yy;
-  out.yy = s * s * in.xx - 2 * c * s * in.xy + c * c * in.yy;
-  out.xy = c * s * (in.yy - in.xx) + (c * c - s * s) * in.xy;
-  out.xz = c * in.xz + s * in.yz;
-  out.yz = c * in.yz - s * in.xz;
+}  // namespace detail
+
+/// A body given in a frame that stands at `R`, `p`, seen from the frame outside of it: a payload on a flange,
+/// a tip on a finger.
+inline LinkInertia seen_from(const Rotation<double>& R, const Xyz<double>& p,
+                             const LinkInertia& in) noexcept {
+  const Rotation<double> rows = R.transpose();  // rows.x is the outer x axis in inner axes
+  const auto I = [&](const Xyz<double>& v) {
+    return Xyz<double>{in.xx * v.x + in.xy * v.y + in.xz * v.z, in.xy * v.x + in.yy * v.y + in.yz * v.z,
+                       in.xz * v.x + in.yz * v.y + in.zz * v.z};
+  };
+  const Xyz<double> c = p + R * Xyz<double>{in.c[0], in.c[1], in.c[2]};
+  return {in.mass,
+          {c.x, c.y, c.z},
+          dot(rows.x, I(rows.x)),
+          dot(rows.y, I(rows.y)),
+          dot(rows.z, I(rows.z)),
+          dot(rows.x, I(rows.y)),
+          dot(rows.x, I(rows.z)),
+          dot(rows.y, I(rows.z))};
+}
+
+/// The link of a model whose parent's frame now stands at `R`, `p` in another. The link's own frame, its
+/// inertia and its motion stay what they are.
+inline LinkParameters<double> placed_at(const LinkParameters<double>& link, JointKind kind,
+                                        const Rotation<double>& R, const Xyz<double>& p) noexcept {
+  using P = Parameter;
+  LinkParameters<double> out = link;
+  const double g = link[P::sin_gamma], h = link[P::cos_gamma], s = link[P::sin_alpha], c = link[P::cos_alpha];
+  const auto zxz =
+      detail::decompose_zxz(R * Rotation<double>{{h, g, 0}, {-g * c, h * c, s}, {g * s, -h * s, c}});
+  const Xyz<double> origin = p + R * Xyz<double>{link[P::p_x], link[P::p_y], link[P::p_z]};
+  out[P::cos_gamma] = zxz.gamma.cos;
+  out[P::sin_gamma] = zxz.gamma.sin;
+  out[P::cos_alpha] = zxz.alpha.cos;
+  out[P::sin_alpha] = zxz.alpha.sin;
+  out[P::p_x] = origin.x;
+  out[P::p_y] = origin.y;
+  out[P::p_z] = origin.z;
+  if (kind == JointKind::revolute) {
+    out[P::offset] = link[P::offset] + zxz.beta;
+  } else {
+    const Angle turn = zxz.beta == 0 ? Angle{} : Angle::radians(zxz.beta);
+    out[P::cos_beta] = turn.cos * link[P::cos_beta] - turn.sin * link[P::sin_beta];
+    out[P::sin_beta] = turn.sin * link[P::cos_beta] + turn.cos * link[P::sin_beta];
+  }
   return out;
+}
+
+namespace detail {
+
+/// `canonical_links` of a tree whose shape is known at run time: `n` links, all arrays of that length.
+inline void canonicalise(std::size_t n, const int* parents, const JointKind* kinds, const PlacedLink* placed,
+                         LinkParameters<double>* links, double* turns) {
+  for (std::size_t i = 0; i < n; ++i) {
+    require(rotation_error(placed[i].R) <= 1e-6, "|R'R - 1| of a link's placement",
+            rotation_error(placed[i].R), "<= 1e-6");
+    turns[i] = 0;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    // Seen from the parent's frame as it was turned for its own first child.
+    Zxz angles = decompose_zxz(placed[i].R);
+    JointPlacement placement;
+    for (std::size_t k = 0; k < 3; ++k) placement.p[k] = placed[i].p[k];
+    if (parents[i] >= 0) {
+      std::size_t eldest = 0;
+      while (parents[eldest] != parents[i]) ++eldest;
+      const Angle turn = decompose_zxz(placed[eldest].R).gamma;
+      const Angle g = angles.gamma;
+      angles.gamma = {g.cos * turn.cos + g.sin * turn.sin, g.sin * turn.cos - g.cos * turn.sin};
+      if (g.cos == turn.cos && g.sin == turn.sin) angles.gamma = {};
+      const double x = placement.p[0], y = placement.p[1];
+      placement.p[0] = turn.cos * x + turn.sin * y;
+      placement.p[1] = turn.cos * y - turn.sin * x;
+    }
+    Angle own;  // of link i's frame, so that its first child has no gamma
+    for (std::size_t c = i + 1; c < n; ++c) {
+      if (parents[c] != static_cast<int>(i)) continue;
+      own = decompose_zxz(placed[c].R).gamma;
+      turns[i] = std::atan2(own.sin, own.cos);
+      break;
+    }
+    placement.gamma = angles.gamma;
+    placement.alpha = angles.alpha;
+    const double beta = angles.beta + turns[i];
+    if (kinds[i] == JointKind::revolute) {
+      placement.offset = beta;
+    } else if (beta != 0) {
+      placement.beta = Angle::radians(beta);
+    }
+    links[i] = make_link(placement, turned_back_z(placed[i].inertia, own));
+  }
 }
 
 }  // namespace detail
@@ -74,43 +154,9 @@ inline LinkInertia turned_back_z(const LinkInertia& in, const Angle& t) noexcept
 /// rotation (off by more than 1e-6).
 template <Topology Tree>
 [[nodiscard]] CanonicalLinks<Tree> canonical_links(const std::array<PlacedLink, Tree::joints>& placed) {
-  constexpr std::size_t n = Tree::joints;
   CanonicalLinks<Tree> out;
-  std::array<detail::Zxz, n> angles;
-  std::array<JointPlacement, n> placements;
-  for (std::size_t i = 0; i < n; ++i) {
-    require(rotation_error(placed[i].R) <= 1e-6, "|R'R - 1| of a link's placement",
-            rotation_error(placed[i].R), "<= 1e-6");
-    angles[i] = detail::decompose_zxz(placed[i].R);
-    for (std::size_t k = 0; k < 3; ++k) placements[i].p[k] = placed[i].p[k];
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    Angle turn;  // of link i's frame, so that its first child has no gamma
-    bool first = true;
-    for (std::size_t c = i + 1; c < n; ++c) {
-      if (Tree::parents[c] != static_cast<int>(i)) continue;
-      if (first) {
-        turn = angles[c].gamma;
-        out.turn[i] = std::atan2(turn.sin, turn.cos);
-        first = false;
-      }
-      const Angle g = angles[c].gamma;
-      angles[c].gamma = {g.cos * turn.cos + g.sin * turn.sin, g.sin * turn.cos - g.cos * turn.sin};
-      const double x = placements[c].p[0], y = placements[c].p[1];
-      placements[c].p[0] = turn.cos * x + turn.sin * y;
-      placements[c].p[1] = turn.cos * y - turn.sin * x;
-      if (out.turn[i] == std::atan2(g.sin, g.cos)) angles[c].gamma = {};
-    }
-    placements[i].gamma = angles[i].gamma;
-    placements[i].alpha = angles[i].alpha;
-    const double beta = angles[i].beta + out.turn[i];
-    if (Tree::kinds[i] == JointKind::revolute) {
-      placements[i].offset = beta;
-    } else if (beta != 0) {
-      placements[i].beta = Angle::radians(beta);
-    }
-    out.links[i] = make_link(placements[i], detail::turned_back_z(placed[i].inertia, turn));
-  }
+  detail::canonicalise(Tree::joints, Tree::parents.data(), Tree::kinds.data(), placed.data(),
+                       out.links.data(), out.turn.data());
   return out;
 }
 

@@ -1,0 +1,50 @@
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include <doctest/doctest.h>
+
+#include "write_model.hpp"
+
+using namespace urdf_to_model;
+
+namespace {
+
+std::string robot(const std::string& name, int joints) {
+  std::string text = "<robot name='" + name + "'><link name='l0'/>";
+  for (int i = 1; i <= joints; ++i) {
+    const std::string n = std::to_string(i), up = std::to_string(i - 1);
+    text +=
+        "<link name='l" + n +
+        "'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial></link><joint name='j" +
+        n + "' type='revolute'><parent link='l" + up + "'/><child link='l" + n +
+        "'/><origin rpy='1.57079632679 0 0'/><axis xyz='0 0 1'/></joint>";
+  }
+  return text + "</robot>";
+}
+bool has(const std::string& text, const char* part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("header: its namespace is the robot's name made an identifier, or the one asked for") {
+  CHECK(has(header(skinctl::parse_urdf(robot("My arm-2", 1))), "namespace my_arm_2 {"));
+  CHECK(has(header(skinctl::parse_urdf(robot("7th", 1))), "namespace robot_7th {"));
+  CHECK(has(header(skinctl::parse_urdf(robot("", 1))), "namespace robot_ {"));
+  CHECK(has(header(skinctl::parse_urdf(robot("a", 1)), {.name_space = "mine"}), "namespace mine {"));
+}
+
+TEST_CASE("header: a name cannot end the comment or the string that it stands in") {
+  const auto text = header(skinctl::parse_urdf(robot("a&quot;&#10;int x;", 1)));
+  CHECK(has(text, "// Robot \"a??int x;\""));
+}
+
+TEST_CASE("header: right angles become exact when asked for") {
+  const auto urdf = skinctl::parse_urdf(robot("a", 1));
+  CHECK(has(header(urdf), "{{1, 0, 4.8"));
+  CHECK(has(header(urdf, {.snap = 1e-9}), "{{1, 0, 0, 1, "));
+}
+
+TEST_CASE("header: more than 64 joints are refused") {
+  CHECK_NOTHROW(static_cast<void>(header(skinctl::parse_urdf(robot("a", 64)))));
+  CHECK_THROWS_AS(static_cast<void>(header(skinctl::parse_urdf(robot("a", 65)))),
+                  skinctl::ConfigurationError);
+}

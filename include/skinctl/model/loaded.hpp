@@ -1,0 +1,43 @@
+// A robot that carries something: a tool, a payload.
+#pragma once
+
+#include "skinctl/model/placement.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// `M` with a load fixed to link `L`, which may change at run time: a tool that is exchanged, a part that is
+/// gripped. Only the inertia of link `L` becomes numbers at run time; whatever the type of `M` knows of the
+/// others, it goes on knowing, so the load costs no more than its own link.
+template <Model M, std::size_t L, Scalar T = double>
+class Loaded : public M {
+ public:
+  static_assert(L < M::joints, "the model has no such link");
+  using scalar = T;
+
+  /// Carries `load` (in the frame of link L; see `seen_from`), nothing by default.
+  explicit Loaded(const M& model, const LinkInertia& load = {}) : M(model) { carry(load); }
+
+  /// From now on link L carries `load` and nothing else: `{}` puts everything down. For use between cycles;
+  /// no allocation. Throws `ConfigurationError` for a load that cannot exist, and changes nothing then.
+  void carry(const LinkInertia& load) {
+    check_link(make_link({}, load));
+    const LinkParameters<double> sum =
+        make_link({}, combined(inertia_of(numbers_of<L, T>(static_cast<const M&>(*this))), load));
+    link_ = sum.template cast<T>();
+  }
+
+  template <std::size_t I, Parameter P, Scalar U>
+  SKINCTL_INLINE constexpr auto number() const noexcept {
+    if constexpr (I == L && P >= Parameter::mass) {
+      static_assert(std::same_as<U, T>, "a loaded model computes in the scalar that it stores");
+      return T(link_[P]);
+    } else {
+      return M::template number<I, P, U>();
+    }
+  }
+
+ private:
+  LinkParameters<T> link_;
+};
+
+SKINCTL_END_NAMESPACE

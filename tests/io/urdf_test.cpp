@@ -1,0 +1,317 @@
+#include "skinctl/io/urdf.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/kinematics/poses.hpp"
+#include "tests/support/kdl_oracle.hpp"
+#include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+
+/// What `twig` below describes once its fixed joints are melted away.
+struct Twig {
+  static constexpr std::size_t joints = 6;
+  static constexpr std::array<int, 6> parents = {-1, 0, 1, 1, -1, 4};
+  static constexpr std::array<JointKind, 6> kinds = {JointKind::revolute, JointKind::prismatic,
+                                                     JointKind::revolute, JointKind::revolute,
+                                                     JointKind::revolute, JointKind::prismatic};
+};
+
+oracle::Robot twig(std::uint64_t seed) {
+  using enum oracle::Motion;
+  oracle::Random random(seed);
+  oracle::Robot robot;
+  const std::pair<int, oracle::Motion> shape[] = {{-1, fixed},   {0, revolute}, {1, prismatic},
+                                                  {2, revolute}, {2, fixed},    {4, revolute},
+                                                  {5, fixed},    {0, revolute}, {7, prismatic}};
+  for (const auto& [parent, motion] : shape)
+    robot.bodies.push_back(oracle::random_body(random, parent, motion));
+  return robot;
+}
+
+using Matrix = std::array<double, 9>;
+
+std::string digits(std::initializer_list<double> values) {
+  std::string text;
+  for (double v : values) {
+    char number[40];
+    std::snprintf(number, sizeof number, "%.17g ", v);
+    text += number;
+  }
+  return text;
+}
+std::string origin(const Matrix& R, const std::array<double, 3>& p) {
+  return "<origin xyz=\"" + digits({p[0], p[1], p[2]}) + "\" rpy=\"" +
+         digits({std::atan2(R[7], R[8]), std::atan2(-R[6], std::hypot(R[0], R[3])), std::atan2(R[3], R[0])}) +
+         "\"/>";
+}
+
+/// A URDF of the table in which every link's frame is turned at random against its joint, and every inertia
+/// against its link.
+std::string written(const oracle::Robot& robot, std::uint64_t seed) {
+  using namespace oracle::table_detail;
+  oracle::Random random(seed);
+  std::string text = "<?xml version=\"1.0\"?>\n<robot name=\"twig\">\n<link name=\"floor\"/>\n";
+  std::vector<Matrix> turned;
+  for (int i = 0; i < robot.body_count(); ++i) {
+    const auto& b = robot.body(i);
+    const Matrix A = random.rotation(), B = random.rotation();  // body from link, link from inertia
+    turned.push_back(A);
+    const Matrix up = b.parent < 0 ? Matrix{1, 0, 0, 0, 1, 0, 0, 0, 1}
+                                   : transposed(turned[static_cast<std::size_t>(b.parent)]);
+    const Matrix to = transposed(product(A, B));
+    const Matrix I = product(product(to, b.inertia), transposed(to));
+    const auto name = [](int k) { return k < 0 ? std::string("floor") : "link" + std::to_string(k); };
+    const char* type = b.motion == oracle::Motion::fixed       ? "fixed"
+                       : b.motion == oracle::Motion::prismatic ? "prismatic"
+                       : i % 2 == 0                            ? "continuous"
+                                                               : "revolute";
+    text += "<joint name=\"joint" + std::to_string(i) + "\" type=\"" + type + "\">\n  <parent link=\"" +
+            name(b.parent) + "\"/><child link=\"" + name(i) + "\"/>\n  " +
+            origin(product(product(up, b.R), A), product(up, b.p)) + "\n  <axis xyz=\"" +
+            digits({3 * A[6], 3 * A[7], 3 * A[8]}) +
+            "\"/><limit lower=\"-1\" upper=\"+2.5\" velocity=\"3\" effort=\"4\"/>\n</joint>\n<link name=\"" +
+            name(i) + "\"><inertial>" + origin(B, product(transposed(A), b.com)) + "<mass value=\"" +
+            digits({b.mass}) + "\"/><inertia ixx=\"" + digits({I[0]}) + "\" ixy=\"" + digits({I[1]}) +
+            "\" ixz=\"" + digits({I[2]}) + "\" iyy=\"" + digits({I[4]}) + "\" iyz=\"" + digits({I[5]}) +
+            "\" izz=\"" + digits({I[8]}) + "\"/></inertial></link>\n";
+  }
+  return text + "</robot>\n";
+}
+
+template <class M>
+double worst_torque(const M& model, const oracle::Robot& bodies) {
+  constexpr std::size_t N = M::joints;
+  oracle::KdlOracle kdl(bodies);
+  oracle::MujocoOracle mujoco(bodies);
+  oracle::Random random(3);
+  double worst = 0;
+  for (int k = 0; k < 100; ++k) {
+    const Motion<N> at(random);
+    const auto tau = inverse_dynamics(model, at.q, at.dq, at.ddq);
+    double expected[N];
+    kdl.inverse_dynamics(at.q.data, at.dq.data, at.ddq.data, expected);
+    worst = std::max(worst, relative_error(tau, expected, N));
+    mujoco.inverse_dynamics(at.q.data, at.dq.data, at.ddq.data, expected);
+    worst = std::max(worst, relative_error(tau, expected, N));
+  }
+  return worst;
+}
+
+std::string complaint(const std::string& text) {
+  try {
+    static_cast<void>(calibrated_from<Chain<2>>(parse_urdf(text, "arm.urdf")));
+  } catch (const ConfigurationError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+const std::string head = "<robot name=\"arm\">\n<link name=\"base\"/>\n";
+std::string link_text(const std::string& name, const std::string& mass = "1", const std::string& zz = "1") {
+  return "<link name=\"" + name + "\"><inertial><mass value=\"" + mass +
+         "\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"" + zz + "\"/></inertial></link>\n";
+}
+std::string joint_text(const std::string& name, const std::string& parent, const std::string& child,
+                       const std::string& more = "", const std::string& type = "revolute") {
+  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent +
+         "\"/><child link=\"" + child + "\"/>" + more + "</joint>\n";
+}
+const std::string links = link_text("upper") + link_text("lower");
+const std::string shoulder = joint_text("shoulder", "base", "upper"),
+                  elbow = joint_text("elbow", "upper", "lower");
+
+bool names(const std::string& text, std::initializer_list<const char*> words) {
+  for (const char* w : words)
+    if (text.find(w) == std::string::npos) {
+      MESSAGE(text << " lacks " << std::string(w));
+      return false;
+    }
+  return text.size() < 300 && text.find('\n') == std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("URDF: any axis, any placement, fixed joints anywhere: KDL and MuJoCo agree with the table") {
+  for (std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    const auto table = twig(seed);
+    const auto urdf = parse_urdf(written(table, 100 + seed));
+    CHECK(urdf.name == "twig");
+    CHECK(urdf.base == "floor");
+    REQUIRE(urdf.joints.size() == 6);
+    CHECK(urdf.joints[3].name == "joint5");
+    CHECK(urdf.joints[1].kind == JointKind::prismatic);
+    CHECK(urdf.joints[1].continuous == false);
+    CHECK(urdf.joints[0].upper == 2.5);
+    CHECK(urdf.joints[0].effort == 4);
+    CAPTURE(seed);
+    CHECK(worst_torque(calibrated_from<Twig>(urdf), oracle::without_fixed(table)) <= 1e-12);
+  }
+}
+
+TEST_CASE("URDF: frames of all links stand where KDL puts them") {
+  const auto table = twig(9);
+  const auto urdf = parse_urdf(written(table, 109));
+  const auto model = calibrated_from<Twig>(urdf);
+  const auto turn = model_links(urdf).turn;
+  oracle::KdlOracle kdl(table);
+  oracle::Random random(1);
+  const Motion<6> at(random);
+  const auto poses = link_poses(model, at.q);
+  const auto check = [&](const char* name, int body, const auto& X_BL, int carrier) {
+    const auto frame = std::find_if(urdf.frames.begin(), urdf.frames.end(),
+                                    [&](const UrdfFrame& f) { return f.name == name; });
+    REQUIRE(frame != urdf.frames.end());
+    CHECK(frame->joint == carrier);
+    const double a = -turn[std::size_t(carrier)];
+    const Rotation<double> back{{std::cos(a), std::sin(a), 0}, {-std::sin(a), std::cos(a), 0}, {0, 0, 1}};
+    const Xyz<double> p = back * frame->p;
+    const auto o = X_BL.origin() + p.x * X_BL.axis_x() + p.y * X_BL.axis_y() + p.z * X_BL.axis_z();
+    double R[9], expected[3];
+    kdl.pose(body, at.q.data, R, expected);
+    CHECK(o.x == doctest::Approx(expected[0]).epsilon(1e-13));
+    CHECK(o.y == doctest::Approx(expected[1]).epsilon(1e-13));
+    CHECK(o.z == doctest::Approx(expected[2]).epsilon(1e-13));
+  };
+  check("link6", 6, poses.get<3>(), 3);
+  check("link4", 4, poses.get<1>(), 1);
+  check("link8", 8, poses.get<5>(), 5);
+}
+
+TEST_CASE("URDF: axes along the frame's own stay exact, links without a body may be fixed") {
+  const auto urdf =
+      parse_urdf(head + links + joint_text("shoulder", "base", "upper", "<axis xyz=\"0 2 0\"/>") +
+                 joint_text("elbow", "upper", "lower", "<axis xyz=\"0 0 -1\"/>") + "<link name=\"tool\"/>" +
+                 joint_text("tip", "lower", "tool", "", "fixed") + "</robot>");
+  CHECK(urdf.joints[0].placed.R == Rotation<double>{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}});
+  CHECK(std::isinf(urdf.joints[0].upper));
+  CHECK(urdf.frames.size() == 4);
+  CHECK(urdf.frames[3].name == "tool");
+  const auto arm = calibrated_from<Chain<2>>(urdf);
+  CHECK(arm.link(0)[Parameter::cos_alpha] == 0);
+  CHECK(arm.link(1)[Parameter::cos_alpha] == 0);
+}
+
+TEST_CASE("URDF: a bad file gives one clear error that names the element") {
+  const std::string good = head + links + shoulder + elbow + "</robot>";
+  CHECK(complaint(good) == "accepted");
+  CHECK(names(complaint(""), {"arm.urdf", "no XML"}));
+  CHECK(names(complaint("kinematics:\n  shoulder:\n    x: 0\n"), {"arm.urdf", "no XML"}));
+  CHECK(names(complaint(std::string("\x7f"
+                                    "ELF\0\1\2",
+                                    7)),
+              {"arm.urdf", "no XML"}));
+  CHECK(names(complaint("<html></html>"), {"arm.urdf:1", "<html>", "no URDF"}));
+  CHECK(names(complaint("<robot name=\"none\"></robot>"), {"no <link>"}));
+  CHECK(names(complaint("<robot><link name=\"base\"/></robot>"), {"no joint that moves"}));
+  for (std::size_t n = 0; n < good.size(); n += 7) {
+    const auto text = complaint(good.substr(0, n));
+    CAPTURE(text);
+    CHECK(text.find("arm.urdf") != std::string::npos);
+  }
+  CHECK(names(complaint(std::string((std::size_t(16) << 20) + 1, ' ')), {"arm.urdf", "16 MiB"}));
+  std::string deep = "<robot>";
+  for (int k = 0; k < 5000; ++k) deep += "<a>";
+  CHECK(names(complaint(deep), {"arm.urdf", "no XML"}));
+
+  CHECK(
+      names(complaint(head + "<link name=\"upper\"/>\n" + link_text("lower") + shoulder + elbow + "</robot>"),
+            {"arm.urdf:3", "\"upper\"", "\"shoulder\"", "<inertial>"}));
+  CHECK(names(complaint(head + link_text("upper") + "<link name=\"lower\"><inertial/></link>" + shoulder +
+                        elbow + "</robot>"),
+              {"arm.urdf:4", "\"lower\"", "<mass>"}));
+  CHECK(names(complaint(head + link_text("upper", "-2") + link_text("lower") + shoulder + elbow + "</robot>"),
+              {"arm.urdf:3", "\"upper\"", "negative mass"}));
+  CHECK(names(
+      complaint(head + link_text("upper", "heavy") + link_text("lower") + shoulder + elbow + "</robot>"),
+      {"arm.urdf:3", "\"upper\"", "heavy", "number"}));
+  CHECK(
+      names(complaint(head + link_text("upper", "nan") + link_text("lower") + shoulder + elbow + "</robot>"),
+            {"arm.urdf:3", "nan", "finite"}));
+  CHECK(names(
+      complaint(head + link_text("upper", "1", "3") + link_text("lower") + shoulder + elbow + "</robot>"),
+      {"arm.urdf:3", "\"upper\"", "moments of inertia"}));
+  CHECK(names(complaint(head + links + shoulder + joint_text("elbow", "uper", "lower") + "</robot>"),
+              {"arm.urdf:6", "\"elbow\"", "parent", "\"uper\"", "unknown"}));
+  CHECK(names(complaint(head + links + shoulder + joint_text("elbow", "upper", "hand") + "</robot>"),
+              {"\"elbow\"", "child", "\"hand\"", "unknown"}));
+  CHECK(names(complaint(head + links + shoulder + "</robot>"), {"\"lower\"", "hangs on no joint"}));
+  CHECK(names(complaint(head + links + shoulder + elbow + joint_text("back", "lower", "upper") + "</robot>"),
+              {"\"back\"", "\"upper\"", "\"shoulder\""}));
+  CHECK(names(complaint(head + links + joint_text("a", "upper", "lower") + joint_text("b", "lower", "upper") +
+                        "</robot>"),
+              {"loop", "\"b\""}));
+  CHECK(names(complaint("<robot>" + links + joint_text("a", "upper", "lower") +
+                        joint_text("b", "lower", "upper") + "</robot>"),
+              {"loop", "\"a\""}));
+  CHECK(names(complaint(head + links + link_text("upper") + "</robot>"), {"\"upper\"", "second link"}));
+  CHECK(names(complaint(head + links + shoulder + joint_text("shoulder", "upper", "lower") + "</robot>"),
+              {"\"shoulder\"", "second joint"}));
+  CHECK(names(
+      complaint(head + links + shoulder + joint_text("elbow", "upper", "lower", "", "ball") + "</robot>"),
+      {"\"elbow\"", "\"ball\"", "revolute"}));
+  CHECK(names(complaint(head + links + shoulder +
+                        joint_text("elbow", "upper", "lower", "<mimic joint=\"shoulder\"/>") + "</robot>"),
+              {"\"elbow\"", "<mimic>"}));
+  CHECK(names(complaint(head + links + shoulder +
+                        joint_text("elbow", "upper", "lower", "<axis xyz=\"0 0 0\"/>") + "</robot>"),
+              {"\"elbow\"", "axis"}));
+  CHECK(names(complaint(head + links + shoulder +
+                        joint_text("elbow", "upper", "lower", "<origin xyz=\"0 0\"/>") + "</robot>"),
+              {"\"elbow\"", "xyz=\"0 0\"", "3 finite numbers"}));
+  CHECK(names(
+      complaint(head + links + shoulder +
+                joint_text("elbow", "upper", "lower", "<limit lower=\"1\" upper=\"-1\"/>") + "</robot>"),
+      {"\"elbow\"", "lower limit"}));
+  CHECK(names(complaint("<robot><link/></robot>"), {"<link>", "\"name\""}));
+}
+
+TEST_CASE("URDF: a robot of another shape than the program's is refused by name") {
+  CHECK(names(complaint(head + links + shoulder + joint_text("elbow", "base", "lower") + "</robot>"),
+              {"arm.urdf:6", "\"elbow\"", "expects it on", "\"shoulder\""}));
+  CHECK(names(complaint(head + links + shoulder + joint_text("elbow", "upper", "lower", "", "prismatic") +
+                        "</robot>"),
+              {"\"elbow\"", "turning"}));
+  CHECK(names(complaint(head + link_text("upper") + shoulder + "</robot>"), {"1 joints move", "made for 2"}));
+}
+
+TEST_CASE("URDF: a file that is not there is refused") {
+  CHECK_THROWS_WITH_AS(static_cast<void>(read_urdf("/no/such/robot.urdf")),
+                       "skinctl: /no/such/robot.urdf: cannot be read", ConfigurationError);
+}
+
+TEST_CASE("URDF: the makers' files of the Allegro hand and the UR5") {
+  const char* data = std::getenv("SKINCTL_DATA_DIR");
+  if (data == nullptr) {
+    MESSAGE("skipped: SKINCTL_DATA_DIR is not set");
+    return;
+  }
+  const std::string folder = data;
+  const auto hand =
+      calibrated_from<allegro::Tree>(read_urdf(folder + "/allegro_model/allegro_right_hand.urdf"));
+  const auto shipped = allegro::right_hand();
+  for (std::size_t i = 0; i < 16; ++i)
+    for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p)
+      CHECK(hand.link(i).numbers[p] ==
+            doctest::Approx(shipped.link(i).numbers[p]).epsilon(1e-13).scale(1e-3));
+  const auto other = read_urdf(folder + "/allegro_model/allegro_hand_description_right.urdf");
+  CHECK(other.joints.size() == 16);
+
+  const auto urdf = read_urdf(folder + "/ur5_model/ur5_robot.urdf");
+  const auto arm = calibrated_from<Chain<6>>(urdf);
+  CHECK(urdf.joints[2].name == "elbow_joint");
+  CHECK(urdf.base == "world");
+  CHECK(arm.link(1)[Parameter::mass] == 8.393);
+  // Its frames lie elsewhere, its axes where the maker's table has them: at the joints' height and reach.
+  const auto poses = link_poses(arm, JointPosition<6>{});
+  CHECK(poses.get<1>().origin().z == doctest::Approx(0.089159));
+  CHECK(std::abs(poses.get<3>().origin().x) == doctest::Approx(0.425 + 0.39225).epsilon(1e-6));
+}

@@ -1,0 +1,225 @@
+#include "skinctl/model/dh.hpp"
+
+#include <doctest/doctest.h>
+
+#include "skinctl/kinematics/poses.hpp"
+#include "tests/support/robots.hpp"
+
+using namespace skinctl;
+using test::Wide;
+
+namespace {
+
+using Pose = std::array<Wide, 12>;  // rows of R, then p
+
+Pose product(const Pose& A, const Pose& B) {
+  Pose C;
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 3; ++c)
+      C[3 * r + c] = A[3 * r] * B[c] + A[3 * r + 1] * B[3 + c] + A[3 * r + 2] * B[6 + c];
+    C[9 + r] = A[9 + r] + A[3 * r] * B[9] + A[3 * r + 1] * B[10] + A[3 * r + 2] * B[11];
+  }
+  return C;
+}
+Pose along(const Wide& x, const Wide& y, const Wide& z) {
+  return {1, 0, 0, 0, 1, 0, 0, 0, 1, x, y, z};
+}
+Pose about_z(const Wide& a) {
+  return {cos(a), -sin(a), 0, sin(a), cos(a), 0, 0, 0, 1, 0, 0, 0};
+}
+Pose about_x(const Wide& a) {
+  return {1, 0, 0, 0, cos(a), -sin(a), 0, sin(a), cos(a), 0, 0, 0};
+}
+
+template <class X>
+double difference(const X& X_BL, const Pose& at) {
+  const auto x = X_BL.axis_x(), y = X_BL.axis_y(), z = X_BL.axis_z(), o = X_BL.origin();
+  const double mine[12] = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z, o.x, o.y, o.z};
+  double worst = 0;
+  for (std::size_t k = 0; k < 12; ++k)
+    worst = std::max(worst, std::abs(static_cast<double>(Wide(mine[k]) - at[k])));
+  return worst;
+}
+
+struct Slider {
+  static constexpr std::size_t joints = 3;
+  static constexpr auto parents = chain_parents<3>();
+  static constexpr std::array<JointKind, 3> kinds = {JointKind::revolute, JointKind::prismatic,
+                                                     JointKind::revolute};
+};
+const LinkInertia some{2, {0.1, -0.2, 0.3}, 0.5, 0.6, 0.7, 0.01, -0.02, 0.03};
+const double angles[3] = {0.4, -1.1, 2.0};
+const std::array<DhRow, 3> rows = {DhRow{0.3, 0.2, 0.5, Angle::radians(angles[0])},
+                                   DhRow{-0.7, 0.4, 0.1, Angle::radians(angles[1])},
+                                   DhRow{1.2, -0.3, 0.2, Angle::radians(angles[2])}};
+
+// Universal Robots' UR10 (CB3) and the calibration.conf of one, from their forum, thread 18921.
+constexpr Angle up = Angle::quarter(1), down = Angle::quarter(-1);
+constexpr std::array<DhRow, 6> ur10 = {DhRow{0, 0.1273, 0, up},   DhRow{0, 0, -0.612, {}},
+                                       DhRow{0, 0, -0.5723, {}},  DhRow{0, 0.163941, 0, up},
+                                       DhRow{0, 0.1157, 0, down}, DhRow{0, 0.0922, 0, {}}};
+const double ur10_alpha[6] = {1, 0, 0, 1, -1, 0};  // quarters of a turn
+const DhDelta<6> found = {{-8.20642406610186392e-05, -0.103609197138685979, 0.673631891251821102,
+                           -0.57016974724960845, -4.59636351675856217e-05, 9.74999561134540574e-07},
+                          {-0.000161187342296687116, 0.00304003843792177708, 0.0916468555721788314,
+                           -9.62964975953143595e-05, -2.97595340762196176e-05, 0},
+                          {0.000505390894843998906, 11.1984514757821039, -92.5270326908668181,
+                           81.3282683520703529, -0.000212852818740727479, -0.000126145560998547346},
+                          {-0.00032142399895862539, -0.00565024518540147101, -0.00378922621833689211,
+                           -0.00106533274011644252, 0.000999586303470856308, 0}};
+
+std::array<LinkInertia, 6> six() {
+  std::array<LinkInertia, 6> all;
+  all.fill(some);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("DH: standard and modified rows are the products of their matrices, sliding joints included") {
+  const std::array<LinkInertia, 3> inertias = {some, some, some};
+  const CalibratedModel<Slider> standard(links_from_standard_dh<3>(rows, inertias, Slider::kinds));
+  const CalibratedModel<Slider> modified(links_from_modified_dh<3>(rows, inertias, Slider::kinds));
+  oracle::Random random(1);
+  for (int k = 0; k < 100; ++k) {
+    const JointPosition<3> q{random.uniform(-3, 3), random.uniform(-1, 1), random.uniform(-3, 3)};
+    Pose S = along(0, 0, 0), M = S, at_joint = S;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const bool turns = Slider::kinds[i] == JointKind::revolute;
+      const Pose motion = product(about_z(Wide(rows[i].theta) + (turns ? Wide(q[i]) : Wide(0))),
+                                  along(0, 0, Wide(rows[i].d) + (turns ? Wide(0) : Wide(q[i]))));
+      const Wide alpha = atan2(Wide(rows[i].alpha.sin), Wide(rows[i].alpha.cos));
+      const Pose a = along(Wide(rows[i].a), 0, 0);
+      at_joint = product(S, turns ? about_z(Wide(rows[i].theta) + Wide(q[i])) : motion);
+      S = product(product(product(S, motion), a), about_x(alpha));
+      M = product(product(product(M, about_x(alpha)), a), motion);
+    }
+    CHECK(difference(link_poses(standard, q).get<2>(), at_joint) <= 2e-15);
+    CHECK(difference(link_poses(modified, q).get<2>(), M) <= 2e-15);
+  }
+}
+
+TEST_CASE("DH: a standard row's inertia is that of the same body seen from the row's begin") {
+  const auto link = links_from_standard_dh<1>({rows[0]}, {some})[0];
+  const double c = rows[0].alpha.cos, s = rows[0].alpha.sin;
+  CHECK(link[Parameter::c_x] == doctest::Approx(0.5 + 0.1));
+  CHECK(link[Parameter::c_y] == doctest::Approx(c * -0.2 - s * 0.3));
+  CHECK(link[Parameter::c_z] == doctest::Approx(0.2 + s * -0.2 + c * 0.3));
+  // A vector in the link's axes, its moment of inertia by both tensors.
+  const double w[3] = {0.3, -0.5, 0.8}, v[3] = {w[0], c * w[1] + s * w[2], c * w[2] - s * w[1]};
+  const auto moment = [](const double* u, double xx, double yy, double zz, double xy, double xz, double yz) {
+    return xx * u[0] * u[0] + yy * u[1] * u[1] + zz * u[2] * u[2] +
+           2 * (xy * u[0] * u[1] + xz * u[0] * u[2] + yz * u[1] * u[2]);
+  };
+  using P = Parameter;
+  CHECK(moment(w, link[P::s_yy] + link[P::s_zz], link[P::s_xx] + link[P::s_zz], link[P::s_xx] + link[P::s_yy],
+               -link[P::s_xy], -link[P::s_xz], -link[P::s_yz]) ==
+        doctest::Approx(moment(v, some.xx, some.yy, some.zz, some.xy, some.xz, some.yz)).epsilon(1e-14));
+}
+
+TEST_CASE("DH: the UR5 from the maker's rows is the shipped one, its right angles exact") {
+  constexpr double I2 = 0.13388583541666665, I3 = 0.031216803515624995;
+  constexpr auto links = links_from_standard_dh<6>(
+      {DhRow{0, 0.089159, 0, up}, DhRow{0, 0, -0.425, {}}, DhRow{0, 0, -0.39225, {}},
+       DhRow{0, 0.10915, 0, up}, DhRow{0, 0.09465, 0, down}, DhRow{0, 0.0823, 0, {}}},
+      {LinkInertia{3.7, {0, -0.02561, 0.00193}, 0.014972358333333331, 0.01040625, 0.014972358333333331},
+       LinkInertia{8.393, {0.2125, 0, 0.11336}, 0.0151074, I2, I2},
+       LinkInertia{2.33, {0.15, 0, 0.0265}, 0.004095, I3, I3},
+       LinkInertia{1.219, {0, -0.0018, 0.01634}, 0.002013889583333333, 0.0021942, 0.002013889583333333},
+       LinkInertia{1.219, {0, 0.0018, 0.01634}, 0.0018310395833333333, 0.0021942, 0.0018310395833333333},
+       LinkInertia{
+           0.1879, {0, 0, -0.001159}, 8.062475833333332e-05, 8.062475833333332e-05, 0.0001321171875}});
+  static_assert(links[1][Parameter::cos_alpha] == 0 && links[5][Parameter::sin_alpha] == -1);
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p) {
+      CAPTURE(i);
+      CAPTURE(p);
+      const double expected = ur5::Description::links[i].numbers[p];
+      CHECK(std::abs(links[i].numbers[p] - expected) <= 1e-16 * std::max(1.0, std::abs(expected)));
+      CHECK((links[i].numbers[p] == 0) == (expected == 0));
+    }
+}
+
+TEST_CASE("DH: a factory calibration moves the flange as its table says, through frames 90 m away") {
+  const auto calibrated = calibrated_dh<6>(ur10, found, six());
+  const CalibratedModel<Chain<6>> arm(calibrated.links);
+  const JointPlacement end = calibrated.end;
+  oracle::Random random(2);
+  double worst = 0;
+  for (int k = 0; k < 200; ++k) {
+    JointPosition<6> q;
+    for (double& x : q) x = random.uniform(-3, 3);
+    Pose by_table = along(0, 0, 0);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const Wide quarter = atan(Wide(1)) * 2;
+      by_table = product(by_table, about_z(Wide(q[i]) + Wide(ur10[i].theta) + Wide(found.theta[i])));
+      by_table =
+          product(by_table, along(Wide(ur10[i].a) + Wide(found.a[i]), 0, Wide(ur10[i].d) + Wide(found.d[i])));
+      by_table = product(by_table, about_x(Wide(ur10_alpha[i]) * quarter + Wide(found.alpha[i])));
+    }
+    const auto X_BF = link_poses<link_bit<5>>(arm, q).get<5>() *
+                      Transform<Link<5>, Flange>::translation_xyz(end.p[0], end.p[1], end.p[2]);
+    worst = std::max(worst, difference(X_BF, by_table));
+  }
+  CHECK(worst <= 1e-13);
+}
+
+TEST_CASE("DH: a calibrated arm keeps its joints and its masses where the metal is") {
+  std::array<LinkInertia, 6> inertias = six();
+  const CalibratedModel<Chain<6>> nominal(links_from_standard_dh<6>(ur10, inertias));
+  const CalibratedModel<Chain<6>> arm(calibrated_dh<6>(ur10, found, inertias).links);
+  oracle::Random random(3);
+  for (int k = 0; k < 20; ++k) {
+    JointPosition<6> q;
+    for (double& x : q) x = random.uniform(-3, 3);
+    const auto X = link_poses(arm, q), X0 = link_poses(nominal, q);
+    const auto near = [](const auto& at, const auto& at0, const auto& link, const auto& link0) {
+      using P = Parameter;
+      const Xyz<double> r =
+          at.origin() + link[P::c_x] * at.axis_x() + link[P::c_y] * at.axis_y() + link[P::c_z] * at.axis_z();
+      const Xyz<double> r0 = at0.origin() + link0[P::c_x] * at0.axis_x() + link0[P::c_y] * at0.axis_y() +
+                             link0[P::c_z] * at0.axis_z();
+      const auto e = r - r0, o = at.origin() - at0.origin();
+      CHECK(dot(o, o) <= 0.01 * 0.01);
+      CHECK(dot(e, e) <= 0.01 * 0.01);
+    };
+    near(X.get<1>(), X0.get<1>(), arm.link(1), nominal.link(1));
+    near(X.get<2>(), X0.get<2>(), arm.link(2), nominal.link(2));
+    near(X.get<3>(), X0.get<3>(), arm.link(3), nominal.link(3));
+    near(X.get<5>(), X0.get<5>(), arm.link(5), nominal.link(5));
+  }
+}
+
+TEST_CASE("DH: no calibration at all gives the nominal arm, a senseless one is refused") {
+  const auto nominal = links_from_standard_dh<6>(ur10, six());
+  const auto same = calibrated_dh<6>(ur10, {}, six()).links;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p)
+      CHECK(same[i].numbers[p] == doctest::Approx(nominal[i].numbers[p]).epsilon(1e-15));
+  DhDelta<6> bad;
+  bad.alpha[2] = 0.2;
+  CHECK_THROWS_AS(static_cast<void>(calibrated_dh<6>(ur10, bad, six())), ConfigurationError);
+  bad = {};
+  bad.d[1] = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_AS(static_cast<void>(calibrated_dh<6>(ur10, bad, six())), ConfigurationError);
+}
+
+TEST_CASE("DH: a calibration whose last axis is parallel to the one before ends where its table says") {
+  const std::array<DhRow, 2> arm = {DhRow{0.1, 0.2, 0.5, {}}, DhRow{0, 0.3, 0.4, {}}};
+  const DhDelta<2> delta{{0.3, -0.3}, {0.001, 0.002}, {5, -5.001}, {0.004, -0.001}};
+  const auto calibrated = calibrated_dh<2>(arm, delta, {some, some});
+  const JointPosition<2> q{0.6, -1.2};
+  Pose by_table = along(0, 0, 0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    by_table = product(by_table, about_z(Wide(q[i]) + Wide(arm[i].theta) + Wide(delta.theta[i])));
+    by_table =
+        product(by_table, along(Wide(arm[i].a) + Wide(delta.a[i]), 0, Wide(arm[i].d) + Wide(delta.d[i])));
+    by_table = product(by_table, about_x(Wide(delta.alpha[i])));
+  }
+  const auto X = link_poses(CalibratedModel<Chain<2>>(calibrated.links), q).get<1>();
+  const auto& end = calibrated.end;
+  const Xyz<double> tip = X.origin() + end.p[0] * X.axis_x() + end.p[1] * X.axis_y() + end.p[2] * X.axis_z();
+  CHECK(tip.x == doctest::Approx(static_cast<double>(by_table[9])).epsilon(1e-14));
+  CHECK(tip.y == doctest::Approx(static_cast<double>(by_table[10])).epsilon(1e-14));
+  CHECK(tip.z == doctest::Approx(static_cast<double>(by_table[11])).epsilon(1e-14));
+}

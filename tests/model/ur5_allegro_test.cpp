@@ -1,0 +1,69 @@
+#include "skinctl/model/ur5_allegro.hpp"
+
+#include <doctest/doctest.h>
+
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "tests/support/kdl_oracle.hpp"
+#include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+
+constexpr std::array<double, 9> upright{1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+oracle::Robot arm_with_hand(bool left) {
+  oracle::Robot hand = oracle::allegro(left);
+  oracle::Body palm;
+  palm.motion = oracle::Motion::fixed;
+  palm.mass = 0.4154, palm.com = {0, 0, 0.0475}, palm.inertia = {1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 1e-4};
+  hand.bodies.push_back(palm);
+  return oracle::joined(oracle::ur5(), 5, hand, upright, {0, 0, 0.0823 + 0.095});
+}
+
+template <class M>
+double worst_torque(const M& model, const oracle::Robot& table) {
+  constexpr std::size_t N = M::joints;
+  const oracle::Robot bodies = oracle::without_fixed(table);
+  oracle::KdlOracle kdl(bodies);
+  oracle::MujocoOracle mujoco(bodies);
+  oracle::Random random(7);
+  double worst = 0;
+  for (int k = 0; k < 100; ++k) {
+    const Motion<N> at(random);
+    const auto tau = inverse_dynamics(model, at.q, at.dq, at.ddq);
+    double expected[N];
+    kdl.inverse_dynamics(at.q.data, at.dq.data, at.ddq.data, expected);
+    worst = std::max(worst, relative_error(tau, expected, N));
+    mujoco.inverse_dynamics(at.q.data, at.dq.data, at.ddq.data, expected);
+    worst = std::max(worst, relative_error(tau, expected, N));
+  }
+  return worst;
+}
+
+}  // namespace
+
+static_assert(Model<ur5_allegro::Model<>> && ur5_allegro::Model<>::joints == 22);
+static_assert(Model<ur5_allegro::TwoModel<>> && ur5_allegro::TwoModel<>::joints == 44);
+static_assert(ur5_allegro::TwoModel<>::parents[22] == -1 && ur5_allegro::TwoModel<>::parents[28] == 27);
+static_assert(
+    is_zero<decltype(std::declval<ur5_allegro::TwoModel<>>().number<23, Parameter::cos_alpha, double>())>,
+    "the second arm's zeros are still types");
+
+TEST_CASE("UR5 with an Allegro hand: KDL and MuJoCo agree") {
+  CHECK(worst_torque(ur5_allegro::arm_with_hand(), arm_with_hand(false)) <= 1e-12);
+}
+
+TEST_CASE("two UR5 with hands on one base: KDL and MuJoCo agree at 44 joints") {
+  // Shoulders at the sides of a torso: each base turned out by a quarter about x, one further by 0.3 about z.
+  const double s = std::sin(0.3), c = std::cos(0.3);
+  const Stand right{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {0, -0.2, 1.1}};
+  const Stand left{{{c, s, 0}, {0, 0, 1}, {s, -c, 0}}, {0, 0.2, 1.1}};
+  oracle::Robot bare;
+  const auto table = oracle::joined(
+      oracle::joined(bare, -1, arm_with_hand(false), {1, 0, 0, 0, 0, 1, 0, -1, 0}, {0, -0.2, 1.1}), -1,
+      arm_with_hand(true), {c, 0, s, s, 0, -c, 0, 1, 0}, {0, 0.2, 1.1});
+  CHECK(worst_torque(ur5_allegro::two_arms_with_hands(right, left), table) <= 1e-12);
+}
