@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source cmake/install_packages.sh
 
-install_packages build library examples
+install_packages build library examples urdf
 cmake --preset release -B build/demo -DSKINCTL_BUILD_TESTS=OFF
 cmake --build build/demo -j "${SKINCTL_JOBS:-2}" --target compliant_ur5
 program=build/demo/bin/compliant_ur5

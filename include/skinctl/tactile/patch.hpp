@@ -93,7 +93,13 @@ class Patch {
     detail::require_patch(placed_, Cells, gains);
   }
 
-  [[nodiscard]] PlacedCells<I> placed() const noexcept { return PlacedCells<I>(placed_); }
+  [[nodiscard]] PlacedCells<I> placed() const& noexcept { return PlacedCells<I>(placed_); }
+  /// Of a patch that goes: the cells themselves.
+  [[nodiscard]] std::vector<PlacedCell<I>> placed() const&& {
+    std::vector<PlacedCell<I>> copies;
+    for (const auto& cell : PlacedCells<I>(placed_)) copies.push_back(cell);
+    return copies;
+  }
   [[nodiscard]] const std::vector<detail::AnyCell>& any() const noexcept { return placed_; }
   [[nodiscard]] const Gains& gains() const noexcept { return gains_; }
 
