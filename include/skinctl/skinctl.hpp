@@ -37,6 +37,7 @@
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/dynamics/shape.hpp"
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"
