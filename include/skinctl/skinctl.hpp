@@ -33,6 +33,7 @@
 #include "skinctl/cycle/recording.hpp"
 #include "skinctl/cycle/stage.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
+#include "skinctl/dynamics/friction.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
