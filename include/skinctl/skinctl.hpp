@@ -39,6 +39,7 @@
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/dynamics/regressor.hpp"
+#include "skinctl/dynamics/rotor_inertia.hpp"
 #include "skinctl/dynamics/shape.hpp"
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"
