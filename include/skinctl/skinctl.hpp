@@ -59,6 +59,7 @@
 #include "skinctl/hardware/robot.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/kinematics/centre_of_mass.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/kinematics/joint_frame.hpp"
