@@ -64,6 +64,7 @@
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/kinematics/joint_frame.hpp"
 #include "skinctl/kinematics/poses.hpp"
+#include "skinctl/kinematics/zyz.hpp"
 #include "skinctl/math/exact_sum.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
