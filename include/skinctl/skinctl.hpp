@@ -32,6 +32,7 @@
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/recording.hpp"
 #include "skinctl/cycle/stage.hpp"
+#include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/friction.hpp"
 #include "skinctl/dynamics/gravity.hpp"
