@@ -61,6 +61,7 @@
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
 #include "skinctl/kinematics/centre_of_mass.hpp"
+#include "skinctl/kinematics/damped_inverse.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/kinematics/joint_frame.hpp"
