@@ -38,6 +38,7 @@
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/dynamics/operational_inertia.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/dynamics/rotor_inertia.hpp"
