@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Core>
+
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "tests/support/euler_lagrange.hpp"
 #include "tests/support/robots.hpp"
