@@ -23,17 +23,28 @@ struct MotionInput {
   const T* ddq_r;
 };
 
+/// The motion of a link as its parent carries it, before its own joint adds to it; without spin.
+template <class Frame, Scalar T>
+SKINCTL_INLINE LinkMotion<T> carried_motion(const Frame& frame, const LinkMotion<T>& parent) noexcept {
+  return {dense<T>(frame.to_link(parent.w)),
+          dense<T>(frame.to_link(parent.w_r)),
+          dense<T>(frame.to_link(parent.alpha)),
+          dense<T>(frame.to_link(parent.a + parent.spin * frame.p)),
+          {}};
+}
+template <Scalar T>
+SKINCTL_INLINE Spin<Xyz<T>, Xyz<T>, Xyz<T>> dense_spin(const LinkMotion<T>& m) noexcept {
+  const auto spin = make_spin(m.w, m.w_r, m.alpha);
+  return {dense<T>(spin.x), dense<T>(spin.y), dense<T>(spin.z)};
+}
+
 /// The motion of link `I` from that of its parent. Dense, so that all links of a chain share the same types.
 template <std::size_t I, class Input, class Frame, Scalar T>
 SKINCTL_INLINE LinkMotion<T> motion_of(const Input& in, const Frame& frame,
                                        const LinkMotion<T>& parent) noexcept {
   using M = std::remove_cvref_t<decltype(in.model)>;
   constexpr UnitZ z{};
-  LinkMotion<T> m{dense<T>(frame.to_link(parent.w)),
-                  dense<T>(frame.to_link(parent.w_r)),
-                  dense<T>(frame.to_link(parent.alpha)),
-                  dense<T>(frame.to_link(parent.a + parent.spin * frame.p)),
-                  {}};
+  LinkMotion<T> m = carried_motion(frame, parent);
   if constexpr (M::kinds[I] == JointKind::revolute) {
     m.alpha = m.alpha + in.ddq_r[I] * z + in.dq_r[I] * cross(m.w, z);
     m.w = m.w + in.dq[I] * z;
@@ -41,8 +52,7 @@ SKINCTL_INLINE LinkMotion<T> motion_of(const Input& in, const Frame& frame,
   } else {
     m.a = m.a + in.ddq_r[I] * z + in.dq[I] * cross(m.w_r, z) + in.dq_r[I] * cross(m.w, z);
   }
-  const auto spin = make_spin(m.w, m.w_r, m.alpha);
-  m.spin = {dense<T>(spin.x), dense<T>(spin.y), dense<T>(spin.z)};
+  m.spin = dense_spin(m);
   return m;
 }
 
