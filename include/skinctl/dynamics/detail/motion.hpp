@@ -1,0 +1,67 @@
+// The motion of every link, out from the base, with whatever an algorithm carries along.
+#pragma once
+
+#include "skinctl/dynamics/detail/recursion.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// What decides the wrench of a link, in its own axes: `E` with the acceleration `a + E r` of its point at r,
+/// both for the reference motion and with minus gravity in `a`.
+template <Scalar T>
+struct LinkMotion {
+  Xyz<T> w, w_r, alpha, a;
+  Spin<Xyz<T>, Xyz<T>, Xyz<T>> spin;
+};
+
+template <class M, class Angles, class T>
+struct MotionInput {
+  const M& model;
+  const Angles& angles;
+  const T* dq;
+  const T* dq_r;
+  const T* ddq_r;
+};
+
+/// The motion of a link as its parent carries it, before its own joint adds to it; without spin.
+template <class Frame, Scalar T>
+SKINCTL_INLINE LinkMotion<T> carried_motion(const Frame& frame, const LinkMotion<T>& parent) noexcept {
+  return {dense<T>(frame.to_link(parent.w)),
+          dense<T>(frame.to_link(parent.w_r)),
+          dense<T>(frame.to_link(parent.alpha)),
+          dense<T>(frame.to_link(parent.a + parent.spin * frame.p)),
+          {}};
+}
+template <Scalar T>
+SKINCTL_INLINE Spin<Xyz<T>, Xyz<T>, Xyz<T>> dense_spin(const LinkMotion<T>& m) noexcept {
+  const auto spin = make_spin(m.w, m.w_r, m.alpha);
+  return {dense<T>(spin.x), dense<T>(spin.y), dense<T>(spin.z)};
+}
+
+/// The motion of link `I` from that of its parent. Dense, so that all links of a chain share the same types.
+template <std::size_t I, class Input, class Frame, Scalar T>
+SKINCTL_INLINE LinkMotion<T> motion_of(const Input& in, const Frame& frame,
+                                       const LinkMotion<T>& parent) noexcept {
+  using M = std::remove_cvref_t<decltype(in.model)>;
+  constexpr UnitZ z{};
+  LinkMotion<T> m = carried_motion(frame, parent);
+  if constexpr (M::kinds[I] == JointKind::revolute) {
+    m.alpha = m.alpha + in.ddq_r[I] * z + in.dq_r[I] * cross(m.w, z);
+    m.w = m.w + in.dq[I] * z;
+    m.w_r = m.w_r + in.dq_r[I] * z;
+  } else {
+    m.a = m.a + in.ddq_r[I] * z + in.dq[I] * cross(m.w_r, z) + in.dq_r[I] * cross(m.w, z);
+  }
+  m.spin = dense_spin(m);
+  return m;
+}
+
+/// The base at rest, which gravity lets seem to rise.
+template <Scalar T, Model M>
+SKINCTL_INLINE LinkMotion<T> motion_of_base(const M& model) noexcept {
+  const Xyz<T> zero{T(0), T(0), T(0)};
+  return {zero, zero, zero, dense<T>(-model.template gravity<T>()), {zero, zero, zero}};
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

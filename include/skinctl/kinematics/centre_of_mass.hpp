@@ -1,0 +1,82 @@
+// The centre of mass of a robot, and how it moves.
+#pragma once
+
+#include "skinctl/core/eigen.hpp"
+#include "skinctl/frames/point.hpp"
+#include "skinctl/kinematics/poses.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Where a robot's mass is, and its Jacobian. `J` has a column for every joint that carries mass. Without any
+/// mass both are zero.
+template <std::size_t N, Scalar T = double>
+struct CentreOfMass {
+  T mass{0};            ///< of all links [kg]
+  Point<Base, T> p;     ///< [m]
+  Xyz<T> columns[N]{};  ///< its velocity per joint unit [m/s], along the axes of the base
+
+  /// Velocity of the centre of mass [m/s].
+  [[nodiscard]] SKINCTL_INLINE FreeVector<Base, T> velocity(const JointVelocity<N, T>& dq) const noexcept {
+    FreeVector<Base, T> v;
+    for (std::size_t i = 0; i < N; ++i) v.xyz = v.xyz + dq[i] * columns[i];
+    return v;
+  }
+  /// The Jacobian as a 3 x N matrix.
+  [[nodiscard]] EigenMatrix<T, 3, int(N)> matrix() const noexcept {
+    EigenMatrix<T, 3, int(N)> J;
+    for (std::size_t i = 0; i < N; ++i)
+      J.col(static_cast<std::ptrdiff_t>(i)) << columns[i].x, columns[i].y, columns[i].z;
+    return J;
+  }
+};
+
+/// The centre of mass from the poses of all links: one pass back over the tree, the mass and first moment of
+/// each subtree about its own joint. The torque that holds the robot against gravity is `-mass J' g`.
+template <Model M, LinkMask Mask, Scalar T>
+[[nodiscard]] CentreOfMass<M::joints, T> centre_of_mass(const M& model,
+                                                        const Poses<M, Mask, T>& poses) noexcept {
+  static_assert(Mask == all_links(M::joints), "the centre of mass needs the poses of all links");
+  constexpr std::size_t N = M::joints;
+  CentreOfMass<N, T> out;
+  T mass[N];
+  Xyz<T> h[N];  // first moments of subtrees about the base's origin
+  detail::unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA {
+    using P = Parameter;
+    const auto X = poses.template get<i>();
+    const Xyz<T> c =
+        dense<T>(Triple{model.template number<i, P::c_x, T>(), model.template number<i, P::c_y, T>(),
+                        model.template number<i, P::c_z, T>()});
+    mass[i] = T(model.template number<i, P::mass, T>());
+    h[i] = mass[i] * (X.origin() + X.axes() * c);
+  });
+  Xyz<T> all{T(0), T(0), T(0)};
+  for (std::size_t k = N; k-- > 0;) {
+    if (M::parents[k] >= 0) {
+      const auto parent = static_cast<std::size_t>(M::parents[k]);
+      mass[parent] = mass[parent] + mass[k];
+      h[parent] = h[parent] + h[k];
+    } else {
+      out.mass = out.mass + mass[k];
+      all = all + h[k];
+    }
+  }
+  const auto any = out.mass > T(0);
+  const T per_mass = select(any, T(T(1) / select(any, out.mass, T(1))), T(0));
+  out.p.xyz = per_mass * all;
+  detail::unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA {
+    const auto X = poses.template get<i>();
+    if constexpr (M::kinds[i] == JointKind::revolute) {
+      out.columns[i] = per_mass * cross(X.axis_z(), h[i] - mass[i] * X.origin());
+    } else {
+      out.columns[i] = (per_mass * mass[i]) * X.axis_z();
+    }
+  });
+  return out;
+}
+template <Model M, Scalar T>
+[[nodiscard]] CentreOfMass<M::joints, T> centre_of_mass(const M& model,
+                                                        const JointPosition<M::joints, T>& q) noexcept {
+  return centre_of_mass(model, link_poses(model, q));
+}
+
+SKINCTL_END_NAMESPACE

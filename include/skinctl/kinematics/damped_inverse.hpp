@@ -1,0 +1,249 @@
+// The inverse of a Jacobian that stays bounded at singularities, and how near one is.
+#pragma once
+
+#include <bit>
+#include <cmath>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/kinematics/jacobian_rate.hpp"
+#include "skinctl/math/ldlt.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Determinant of a symmetric positive semi-definite matrix and its time derivative.
+template <Real T>
+struct Determinant {
+  T value;
+  T rate;
+};
+/// Elimination with the largest diagonal element first, values and rates together: where the matrix is
+/// singular only the last pivot vanishes, and neither value nor rate is divided by it.
+template <std::size_t N, Real T>
+[[nodiscard]] Determinant<T> determinant(T (&a)[N][N], T (&da)[N][N]) noexcept {
+  Determinant<T> det{T(1), T(0)};
+  bool taken[N] = {};
+  for (std::size_t step = 0; step < N; ++step) {
+    std::size_t k = N;
+    for (std::size_t i = 0; i < N; ++i)
+      if (!taken[i] && (k == N || a[i][i] > a[k][k])) k = i;
+    taken[k] = true;
+    const T pivot = a[k][k];
+    det.rate = det.rate * pivot + det.value * da[k][k];
+    det.value = det.value * pivot;
+    if (!(pivot > T(0))) return {T(pivot == pivot ? T(0) : pivot), T(pivot == pivot ? T(0) : pivot)};
+    const T inverse = T(1) / pivot;
+    for (std::size_t i = 0; i < N; ++i) {
+      if (taken[i]) continue;
+      const T f = a[i][k] * inverse;
+      const T df = (da[i][k] - f * da[k][k]) * inverse;
+      for (std::size_t j = 0; j < N; ++j) {
+        if (taken[j]) continue;
+        da[i][j] = da[i][j] - df * a[k][j] - f * da[k][j];
+        a[i][j] = a[i][j] - f * a[k][j];
+      }
+    }
+  }
+  return det;
+}
+
+}  // namespace detail
+
+/// When a damped inverse is damped, and how much: `l^2 = most^2 (1 - (w / zone)^2)^2` while the
+/// manipulability w is below `zone`, else 0. Smooth: l^2 and its slope meet zero at the edge of the zone.
+template <Real T = double>
+class SingularityDamping {
+ public:
+  /// @param zone  manipulability below which damping sets in, > 0. In units of `manipulability()`; a UR5
+  ///              reaches 0.11, and 0.004 is some 5 degrees from a wrist singularity at half of its reach.
+  /// @param most  l at the singularity, > 0: there no joint speed exceeds `1 / (2 most)` times what is asked.
+  ///              Throws `ConfigurationError`.
+  explicit SingularityDamping(const T& zone = static_cast<T>(0.004), const T& most = static_cast<T>(0.08))
+      : zone_(zone), most_(most) {
+    const auto allowed = [](const T& x) { return x > T(0) && x <= (std::numeric_limits<T>::max)(); };
+    require(allowed(zone), "SingularityDamping: zone", static_cast<double>(zone), "> 0");
+    require(allowed(most), "SingularityDamping: most", static_cast<double>(most), "> 0");
+  }
+  /// From 0 (away from singularities) to 1 (at one), by the square of the manipulability.
+  [[nodiscard]] T nearness(const T& w_squared) const noexcept {
+    const T r = T(1) - w_squared / (zone_ * zone_);
+    return r > T(0) ? T(r * r) : T(r == r ? T(0) : r);
+  }
+  /// l^2.
+  [[nodiscard]] T squared(const T& w_squared) const noexcept { return most_ * most_ * nearness(w_squared); }
+  /// `d(l^2)/dt = 2 l dl`, from the rate of the square of the manipulability.
+  [[nodiscard]] T squared_rate(const T& w_squared, const T& w_squared_rate) const noexcept {
+    const T r = T(1) - w_squared / (zone_ * zone_);
+    return r > T(0) ? T(-T(2) * most_ * most_ * r * w_squared_rate / (zone_ * zone_)) : T(0);
+  }
+
+ private:
+  T zone_;
+  T most_;
+};
+
+/// The damped inverse `J^+ = (J'J + l^2)^-1 J' = J' (J J' + l^2)^-1` of eq. (19), l from
+/// `SingularityDamping`: away from singularities the inverse (for more than six joints the pseudo-inverse, of
+/// least joint speed; for fewer, of least error), near them bounded and smooth.
+///
+/// `J` is a geometric `Jacobian` along the axes of the base, metres and radians weighted alike; it must
+/// outlive this object. The smaller of the two products is formed and factorised: the error is a few units in
+/// the last place times the square of the condition of J (on a UR5 about 1e-12 and 1e-3 of the result at the
+/// edge of the default zone). Never divides by zero, does not allocate; a NaN gives NaNs or zeros.
+template <class J>
+class DampedInverse;
+template <Topology M, LinkMask Columns, Frame Body, Real T>
+class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
+ public:
+  using Of = Jacobian<M, Columns, Body, Body, Base, T>;
+  using Velocity = Twist<Body, Base, Body, Base, T>;
+  using BodyAcceleration = Acceleration<Body, Base, Body, Base, T>;
+  static constexpr std::size_t joints = M::joints;
+
+  DampedInverse(const Of& J, const SingularityDamping<T>& damping) noexcept
+      : J_(J), damping_(damping), factors_(normal(J).data) {}
+
+  /// Yoshikawa's manipulability, `sqrt(det(J J'))` (of `J'J` for fewer than six joints): 0 at a singularity.
+  [[nodiscard]] T manipulability() const noexcept {
+    using std::sqrt;
+    return sqrt(w_squared_);
+  }
+  /// From 0 (away from singularities: no damping) to 1 (at one).
+  [[nodiscard]] T nearness() const noexcept { return damping_.nearness(w_squared_); }
+  /// l.
+  [[nodiscard]] T damping() const noexcept {
+    using std::sqrt;
+    return sqrt(damping_.squared(w_squared_));
+  }
+
+  /// `dq_r = J^+ dx_r`. Joints that do not move the body stay at 0.
+  [[nodiscard]] JointVelocity<joints, T> solve(const Velocity& dx_r) const noexcept {
+    JointVelocity<joints, T> dq;
+    apply(dx_r, dq.data);
+    return dq;
+  }
+
+  /// The time derivative of `solve(dx_r)` while the joints move at the dq of `dJ`, with that of the damping:
+  /// `ddq_r = J^+ (ddx_r - dJ dq_r) + (J'J + l^2)^-1 (dJ' (dx_r - J dq_r) - 2 l dl dq_r)`.
+  [[nodiscard]] JointAcceleration<joints, T> solve_rate(const JacobianRate<Of>& dJ, const Velocity& dx_r,
+                                                        const BodyAcceleration& ddx_r) const noexcept {
+    const JointVelocity<joints, T> dq_r = solve(dx_r);
+    const T dl2 = damping_rate(dJ);
+    const BodyAcceleration missing = ddx_r - dJ * dq_r;
+    JointAcceleration<joints, T> ddq;
+    if constexpr (by_joints) {
+      const Velocity left = dx_r - J_ * dq_r;
+      T b[order], x[order];
+      std::size_t k = 0;
+      J_.for_each([&](auto i, const auto& c) {
+        const auto& d = dJ.template column<i.value>();
+        b[k++] = dot(c.linear, missing.linear) + dot(c.angular, missing.angular) +
+                 dot(d.linear, left.linear) + dot(d.angular, left.angular) - dl2 * dq_r[i.value];
+      });
+      factors_.solve(b, x);
+      k = 0;
+      J_.for_each([&](auto i, const auto&) { ddq[i.value] = x[k++]; });
+    } else {
+      // The same with (J'J + l^2)^-1 = (1 - J^+ J) / l^2 worked in, which needs no l.
+      const Velocity y = outer(dx_r);
+      JointVelocity<joints, T> turned;
+      J_.for_each([&](auto i, const auto&) {
+        const auto& d = dJ.template column<i.value>();
+        turned[i.value] = dot(d.linear, y.linear) + dot(d.angular, y.angular);
+      });
+      const Velocity back = J_ * turned + dl2 * y;
+      apply(Velocity{missing.linear - back.linear, missing.angular - back.angular}, ddq.data);
+      for (std::size_t i = 0; i < joints; ++i) ddq[i] = ddq[i] + turned[i];
+    }
+    return ddq;
+  }
+
+ private:
+  static constexpr auto moving = static_cast<std::size_t>(std::popcount(Columns));
+  static constexpr bool by_joints = moving <= 6;
+  static constexpr std::size_t order = by_joints ? moving : 6;
+  struct Matrix {
+    T data[order * order];
+  };
+
+  static void store(const Velocity& v, T* x) noexcept {
+    x[0] = v.linear.x, x[1] = v.linear.y, x[2] = v.linear.z;
+    x[3] = v.angular.x, x[4] = v.angular.y, x[5] = v.angular.z;
+  }
+  template <class Columns6>
+  static void rows(const Columns6& J, T (&r)[moving][6]) noexcept {
+    std::size_t k = 0;
+    J.for_each([&](auto, const auto& c) { store({c.linear, c.angular}, r[k++]); });
+  }
+  /// `J'J` or `J J'` of the joints that move the body, or with `d` the rate of it.
+  static void product(const T (&r)[moving][6], const T (&s)[moving][6], T (&a)[order][order]) noexcept {
+    for (std::size_t i = 0; i < order; ++i)
+      for (std::size_t j = 0; j < order; ++j) {
+        T sum(0);
+        if constexpr (by_joints) {
+          for (std::size_t k = 0; k < 6; ++k) sum = sum + r[i][k] * s[j][k];
+        } else {
+          for (std::size_t k = 0; k < moving; ++k) sum = sum + r[k][i] * s[k][j];
+        }
+        a[i][j] = sum;
+      }
+  }
+  Matrix normal(const Of& J) noexcept {
+    T r[moving][6], a[order][order], still[order][order] = {};
+    rows(J, r);
+    product(r, r, a);
+    Matrix m;
+    for (std::size_t i = 0; i < order; ++i)
+      for (std::size_t j = 0; j < order; ++j) m.data[i * order + j] = a[i][j];
+    w_squared_ = detail::determinant(a, still).value;
+    const T l2 = damping_.squared(w_squared_);
+    for (std::size_t i = 0; i < order; ++i) m.data[i * order + i] = m.data[i * order + i] + l2;
+    return m;
+  }
+  T damping_rate(const JacobianRate<Of>& dJ) const noexcept {
+    if (nearness() == T(0)) return T(0);
+    T r[moving][6], d[moving][6], a[order][order], b[order][order], da[order][order];
+    rows(J_, r);
+    rows(dJ, d);
+    product(r, r, a);
+    product(d, r, b);
+    for (std::size_t i = 0; i < order; ++i)
+      for (std::size_t j = 0; j < order; ++j) da[i][j] = b[i][j] + b[j][i];
+    return damping_.squared_rate(w_squared_, detail::determinant(a, da).rate);
+  }
+  /// `(J J' + l^2)^-1 v`.
+  Velocity outer(const Velocity& v) const noexcept {
+    T x[6];
+    store(v, x);
+    factors_.solve(x, x);
+    return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+  }
+  void apply(const Velocity& v, T* out) const noexcept {
+    if constexpr (by_joints) {
+      T b[order], x[order];
+      std::size_t k = 0;
+      J_.for_each([&](auto, const auto& c) { b[k++] = dot(c.linear, v.linear) + dot(c.angular, v.angular); });
+      factors_.solve(b, x);
+      k = 0;
+      J_.for_each([&](auto i, const auto&) { out[i.value] = x[k++]; });
+    } else {
+      const Velocity y = outer(v);
+      J_.for_each(
+          [&](auto i, const auto& c) { out[i.value] = dot(c.linear, y.linear) + dot(c.angular, y.angular); });
+    }
+  }
+
+  const Of& J_;
+  SingularityDamping<T> damping_;
+  T w_squared_;
+  math::Ldlt<order, T> factors_;
+};
+
+/// The damped inverse of a Jacobian.
+template <Topology M, LinkMask C, Frame Body, Real T>
+[[nodiscard]] auto damped_inverse(const Jacobian<M, C, Body, Body, Base, T>& J,
+                                  const SingularityDamping<T>& damping) noexcept {
+  return DampedInverse<Jacobian<M, C, Body, Body, Base, T>>(J, damping);
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,78 @@
+#include "skinctl/dynamics/energy.hpp"
+
+#include <doctest/doctest.h>
+
+#include "skinctl/dynamics/mass_matrix.hpp"
+#include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+TEST_CASE("energy: MuJoCo's, and momentum is M dq") {
+  const auto check = [](const auto& robot) {
+    constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
+    oracle::MujocoOracle mujoco(robot.table);
+    oracle::Random random(1);
+    double worst = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Motion<N> at(random);
+      double potential = 0, kinetic = 0;
+      mujoco.energy(at.q.data, at.dq.data, potential, kinetic);
+      const double T = kinetic_energy(robot.model, at.q, at.dq);
+      worst = std::max(worst, std::abs(T - kinetic) / kinetic);
+      worst = std::max(worst, std::abs(energy(robot.model, at.q, at.dq) - potential - kinetic) /
+                                  (std::abs(potential) + kinetic));
+      const auto p = generalised_momentum(robot.model, at.q, at.dq);
+      const auto M = mass_matrix(robot.model, at.q);
+      const auto expected = M * JointAcceleration<N>(std::to_array(at.dq.data));
+      worst = std::max(worst, relative_error(p, expected, N));
+      double twice = 0;
+      for (std::size_t i = 0; i < N; ++i) twice += p[i] * at.dq[i];
+      worst = std::max(worst, std::abs(T - twice / 2) / T);
+    }
+    CAPTURE(robot.name);
+    CHECK(worst <= 1e-12);
+  };
+  check(ur5_robot());
+  check(random_robot<MixedTree>("mixed tree", 11));
+}
+
+TEST_CASE("energy: changes as the joints do work, and momentum as dp = tau + C' dq - G, in 50 digits") {
+  const auto model = calibrated_from<ur5::Description, Wide>();
+  oracle::Random random(2);
+  const Wide h("1e-16");
+  for (int k = 0; k < 3; ++k) {
+    const Motion<6, Wide> at(random);
+    const auto E = [&](const Wide& t) {
+      const auto q = JointPosition<6, Wide>::generate(
+          [&](std::size_t i) { return at.q[i] + t * at.dq[i] + t * t / 2 * at.ddq[i]; });
+      return energy(model, q, integrate(at.dq, at.ddq, t));
+    };
+    const auto tau = inverse_dynamics(model, at.q, at.dq, at.ddq);
+    const Wide rate = (E(h) - E(-h)) / (2 * h);
+    CHECK(static_cast<double>(abs(rate - power(tau, at.dq))) <= 1e-25);
+    // C' dq is the gradient of the kinetic energy, and so C' dq - G that of the Lagrangian.
+    const auto p_ahead = generalised_momentum(model, integrate(at.q, at.dq, h), integrate(at.dq, at.ddq, h));
+    const auto p_behind =
+        generalised_momentum(model, integrate(at.q, at.dq, Wide(-h)), integrate(at.dq, at.ddq, Wide(-h)));
+    for (std::size_t i = 0; i < 6; ++i) {
+      auto q_plus = at.q, q_minus = at.q;
+      q_plus[i] += h, q_minus[i] -= h;
+      const Wide gradient = (kinetic_energy(model, q_plus, at.dq) - potential_energy(model, q_plus) -
+                             kinetic_energy(model, q_minus, at.dq) + potential_energy(model, q_minus)) /
+                            (2 * h);
+      CHECK(static_cast<double>(abs((p_ahead[i] - p_behind[i]) / (2 * h) - tau[i] - gradient)) <= 1e-25);
+    }
+  }
+}
+
+TEST_CASE("energy: float errs by rounding") {
+  oracle::Random random(3);
+  for (int k = 0; k < 100; ++k) {
+    const Motion<6, float> at(random);
+    const ur5::Model model;
+    const double exact = kinetic_energy(model, at.q.cast<double>(), at.dq.cast<double>());
+    CHECK(std::abs(double(kinetic_energy(model, at.q, at.dq)) - exact) <= 2e-6 * exact);
+  }
+}

@@ -1,0 +1,46 @@
+#include "skinctl/dynamics/loop_dynamics.hpp"
+
+#include <doctest/doctest.h>
+
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/kinematics/poses.hpp"
+#include "tests/support/euler_lagrange.hpp"
+#include "tests/support/robots.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+TEST_CASE("loop dynamics: what straight-line code gives, on a tree with sliding joints") {
+  const auto robot = random_robot<MixedTree>("mixed tree", 11);
+  oracle::Random random(1);
+  for (int k = 0; k < 100; ++k) {
+    const Motion<9> at(random);
+    const auto tau = loop_yr_theta(robot.model, at.q, at.dq, at.dq_r, at.ddq);
+    CHECK(relative_error(tau, yr_theta(robot.model, at.q, at.dq, at.dq_r, at.ddq), 9) <= 1e-14);
+    const auto X = loop_poses(robot.model, at.q);
+    const auto expected = link_poses(robot.model, at.q).get<4>();
+    const auto d = X.origin[4] - expected.origin();
+    CHECK(dot(d, d) <= 1e-28);
+    CHECK(std::abs(dot(X.axes[4].x, expected.axes().x) - 1) <= 1e-14);
+  }
+}
+
+TEST_CASE("loop dynamics: a chain of 64 joints against the definition in 50 digits") {
+  const auto robot = random_robot<Chain<64>>("chain of 64", 64);
+  const oracle::EulerLagrange<Wide> exact(robot.table);
+  oracle::Random random(2);
+  const Motion<64> at(random);
+  const auto X = loop_poses(robot.model, at.q);
+  const auto expected = exact.pose(63, wide(at.q));
+  const double p[3] = {X.origin[63].x, X.origin[63].y, X.origin[63].z};
+  CHECK(relative_error(p, expected.p, 3) <= 1e-13);
+  const auto tau = loop_yr_theta(robot.model, at.q, at.dq, at.dq_r, at.ddq);
+  const auto sum = exact.yr_theta(wide(at.q), wide(at.dq), wide(at.dq_r), wide(at.ddq));
+  const double error = relative_error(tau, sum, 64);
+  CHECK(error <= 1e-13);
+  // In float the same to rounding.
+  const auto rough = random_robot<Chain<64>, float>("chain of 64", 64);
+  const auto tau_f = loop_yr_theta(rough.model, at.q.cast<float>(), at.dq.cast<float>(),
+                                   at.dq_r.cast<float>(), at.ddq.cast<float>());
+  CHECK(relative_error(tau_f, sum, 64) <= 1e-4);
+}

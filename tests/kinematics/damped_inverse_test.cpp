@@ -1,0 +1,179 @@
+#include "skinctl/kinematics/damped_inverse.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <vector>
+
+#include "tests/support/robots.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+
+template <class T>
+using Speed = Twist<Flange, Base, Flange, Base, T>;
+template <class T>
+using Rise = Acceleration<Flange, Base, Flange, Base, T>;
+
+template <class T>
+auto ur5_jacobian(const JointPosition<6, T>& q) {
+  static const auto model = calibrated_from<ur5::Description, T>();
+  return jacobian<5>(link_poses(model, q),
+                     Transform<Link<5>, Flange, T>::translation_xyz(T(0), T(0), T(ur5::Description::d6)));
+}
+
+/// Next to, and at, the UR5's singularities: wrist (q4 = 0), elbow (q2 = 0, stretched), shoulder (wrist
+/// centre on the axis of joint 0), each at `off` from it.
+std::vector<JointPosition<6>> singular_poses(double off) {
+  using D = ur5::Description;
+  std::vector<JointPosition<6>> poses;
+  poses.push_back({0.3, -1.1, 1.4, -0.7, off, 0.5});
+  poses.push_back({0.3, -1.1, off, -0.7, 1.2, 0.5});
+  // Wrist centre (origin of frame 5) above the base: bisect the distance along the arm over q1.
+  const auto reach = [&](double q1) {
+    const double q2 = 1.9, q3 = 0.4, q123 = q1 + q2 + q3;
+    return D::a2 * std::cos(q1) + D::a3 * std::cos(q1 + q2) + D::d5 * std::sin(q123);
+  };
+  double low = -3, high = 0;
+  for (double q = -3; q < 0; q += 0.05)
+    if (reach(q) * reach(q + 0.05) < 0) low = q, high = q + 0.05;
+  for (int k = 0; k < 80; ++k) {
+    const double middle = 0.5 * (low + high);
+    (reach(low) * reach(middle) <= 0 ? high : low) = middle;
+  }
+  poses.push_back({0.3, low + off, 1.9, 0.4, 1.2, 0.5});
+  return poses;
+}
+
+}  // namespace
+
+TEST_CASE("SingularityDamping: settings that cannot work are refused") {
+  CHECK_THROWS_AS(SingularityDamping<double>(0), ConfigurationError);
+  CHECK_THROWS_AS(SingularityDamping<double>(0.01, -1), ConfigurationError);
+  CHECK_THROWS_AS(SingularityDamping<double>(std::nan("")), ConfigurationError);
+}
+
+TEST_CASE_TEMPLATE("DampedInverse: away from singularities it is the inverse, undamped", T, float, double) {
+  oracle::Random random(1);
+  double worst = 0;
+  int regular = 0;
+  for (int k = 0; k < 300; ++k) {
+    const Motion<6, T> at(random);
+    const auto J = ur5_jacobian(at.q);
+    const auto inverse = damped_inverse(J, SingularityDamping<T>());
+    using std::abs;
+    const double det = std::abs(J.matrix().template cast<double>().determinant());
+    CHECK(std::abs(static_cast<double>(inverse.manipulability()) - det) <= 0.02 * 0.01 + 1e-3 * det);
+    CHECK((inverse.damping() == 0) == (inverse.manipulability() >= static_cast<T>(0.004)));
+    if (inverse.damping() > 0) continue;
+    ++regular;
+    const auto dq = inverse.solve(J * at.dq);
+    worst = std::max(worst, relative_error(dq, at.dq, 6));
+  }
+  CHECK(regular > 180);
+  CHECK(worst <= 2e4 * static_cast<double>(std::numeric_limits<T>::epsilon()));
+}
+
+TEST_CASE_TEMPLATE("DampedInverse: at singularities bounded, and reachable directions keep their speed", T,
+                   float, double) {
+  oracle::Random random(2);
+  for (double off : {0.0, 1e-12, 1e-6, 1e-3, 0.01, 0.03, 0.1})
+    for (const auto& q : singular_poses(off)) {
+      const auto J = ur5_jacobian(q.cast<T>());
+      const auto inverse = damped_inverse(J, SingularityDamping<T>());
+      CAPTURE(off);
+      if (off == 0) CHECK(inverse.manipulability() <= static_cast<T>(sizeof(T) == 8 ? 1e-7 : 2e-3));
+      if (off <= 1e-3) CHECK(inverse.damping() > static_cast<T>(0.07));
+      for (int k = 0; k < 20; ++k) {
+        const Motion<6, T> at(random);
+        const Speed<T> asked{{at.dq[0], at.dq[1], at.dq[2]}, {at.dq[3], at.dq[4], at.dq[5]}};
+        const double gain =
+            as_eigen(inverse.solve(asked)).norm() / static_cast<double>(as_eigen(asked).norm());
+        CHECK(gain <= 80);
+        // What the joints can do, they do to more than a tenth: along J dq.
+        const Speed<T> possible = J * at.dq;
+        const auto got = as_eigen(J * inverse.solve(possible)), wanted = as_eigen(possible);
+        CHECK(got.dot(wanted) >= T(0.5) * wanted.dot(wanted));
+      }
+    }
+}
+
+TEST_CASE(
+    "DampedInverse: its rate is the slope of what it asks, near singularities too, by quotients in 50 "
+    "digits") {
+  const Wide h("1e-16");
+  oracle::Random random(3);
+  double worst = 0, worst_float = 0;
+  for (double off : {0.0, 1e-6, 1e-3, 0.01, 0.03, 1.0})
+    for (const auto& q0 : singular_poses(off)) {
+      const Motion<6> at(random);
+      const JointPosition<6, float> q_f = q0.cast<float>();
+      const JointPosition<6> q = q_f.cast<double>();  // the same number in both
+      const JointVelocity<6> dq = at.dq.cast<float>().cast<double>();
+      const Speed<double> dx{{0.5, -0.25, 1}, {0.125, 0.75, -0.5}};
+      const Rise<double> ddx{{1, 0.5, -0.25}, {-0.5, 2, 0.25}};
+      const auto asked = [&](const Wide& t) {
+        const auto J = ur5_jacobian(integrate(q.cast<Wide>(), dq.cast<Wide>(), t));
+        const Speed<Wide> v{cast<Wide>(dx.linear) + t * cast<Wide>(ddx.linear),
+                            cast<Wide>(dx.angular) + t * cast<Wide>(ddx.angular)};
+        return damped_inverse(J, SingularityDamping<Wide>(Wide(0.004), Wide(0.08))).solve(v);
+      };
+      const auto ahead = asked(h), behind = asked(-h);
+      Wide slope[6];
+      for (std::size_t i = 0; i < 6; ++i) slope[i] = (ahead[i] - behind[i]) / (2 * h);
+      const auto J = ur5_jacobian(q);
+      const auto rate =
+          damped_inverse(J, SingularityDamping<double>()).solve_rate(jacobian_rate(J, dq), dx, ddx);
+      worst = std::max(worst, relative_error(rate, slope, 6));
+      const auto J_f = ur5_jacobian(q_f);
+      const auto rate_f = damped_inverse(J_f, SingularityDamping<float>())
+                              .solve_rate(jacobian_rate(J_f, dq.cast<float>()),
+                                          Speed<float>{cast<float>(dx.linear), cast<float>(dx.angular)},
+                                          Rise<float>{cast<float>(ddx.linear), cast<float>(ddx.angular)});
+      worst_float = std::max(worst_float, relative_error(rate_f, slope, 6));
+    }
+  CHECK(worst <= 1e-11);
+  CHECK(worst_float <= 0.01);
+}
+
+TEST_CASE("DampedInverse: seven joints take the least speed, four the least error; their rates are slopes") {
+  const auto check = [](const auto& robot, auto link) {
+    constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
+    oracle::Random random(4);
+    const Motion<N> at(random);
+    const auto jacobian_at = [&](const JointPosition<N>& q) {
+      return jacobian<link.value>(link_poses(robot.model, q));
+    };
+    using J_type = decltype(jacobian_at(at.q));
+    using V = typename DampedInverse<J_type>::Velocity;
+    using A = typename DampedInverse<J_type>::BodyAcceleration;
+    const SingularityDamping<double> damping(10.0, 0.25);  // inside the zone everywhere
+    const V dx{{0.5, -0.25, 1}, {0.125, 0.75, -0.5}};
+    const A ddx{{1, 0.5, -0.25}, {-0.5, 2, 0.25}};
+    const auto J = jacobian_at(at.q);
+    const auto inverse = damped_inverse(J, damping);
+    CHECK(inverse.damping() > 0);
+    const Eigen::Matrix<double, 6, int(N)> dense = J.matrix();
+    const Eigen::Matrix<double, int(N), int(N)> A_inverse =
+        (dense.transpose() * dense +
+         inverse.damping() * inverse.damping() * Eigen::Matrix<double, int(N), int(N)>::Identity())
+            .inverse();
+    const Eigen::Matrix<double, int(N), 1> expected = A_inverse * dense.transpose() * as_eigen(dx);
+    CHECK(relative_error(inverse.solve(dx), expected.data(), N) <= 1e-10);
+
+    const auto asked = [&](double t) {
+      const auto at_t = jacobian_at(integrate(at.q, at.dq, t));
+      return damped_inverse(at_t, damping).solve(V{dx.linear + t * ddx.linear, dx.angular + t * ddx.angular});
+    };
+    const double h = 1e-5;
+    const auto change = asked(h) - asked(-h);
+    const auto rate = inverse.solve_rate(jacobian_rate(J, at.dq), dx, ddx);
+    for (std::size_t i = 0; i < N; ++i)
+      CHECK(std::abs(change[i] / (2 * h) - rate[i]) <= 1e-6 * (1 + as_eigen(rate).norm()));
+  };
+  check(random_robot<Chain<7>>("chain of 7", 7), std::integral_constant<std::size_t, 6>{});
+  check(random_robot<MixedTree>("mixed tree", 11), std::integral_constant<std::size_t, 4>{});
+}
