@@ -11,6 +11,7 @@
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/digits.hpp"
 
 using namespace skinctl;
 using namespace skinctl::test;
@@ -22,6 +23,7 @@ using KnownAt = Quantities<Arm, Asked, T>;
 const Arm model;
 const NoTouch none;
 
+#if SKINCTL_MANY_DIGITS
 /// Two links, for 50 digits: the compiler writes a recursion out in full.
 struct ElbowDescription {
   static constexpr std::size_t joints = 2;
@@ -34,6 +36,7 @@ struct ElbowDescription {
   };
 };
 using Elbow = StaticModel<ElbowDescription>;
+#endif
 
 static_assert(Law<SplineJoint<6>, KnownAt<double>>);
 static_assert(Law<JointControl<6, float>, KnownAt<float>>);
@@ -88,6 +91,7 @@ State<6, T> swinging(const T& t) {
 }
 }  // namespace
 
+#if SKINCTL_MANY_DIGITS
 TEST_CASE("JointTracking: ddq_r is the derivative of dq_r, in every phase") {
   using T = Exact;
   const SplineJoint<6, T> law({.dt = T(0.004), .K_i1 = T(2), .K_i2 = T(0.4), .tb = T(0.6)});
@@ -125,6 +129,7 @@ TEST_CASE("JointTracking: ddq_r is the derivative of dq_r, in every phase") {
   MESSAGE("largest difference of ddq_r from the difference quotient: " << worst);
   CHECK(checked > 600);
 }
+#endif
 
 TEST_CASE_TEMPLATE("JointTracking: with nothing to hold it is -K_d S_q + Y_r Theta at the state itself", T,
                    float, double) {
@@ -381,6 +386,7 @@ TEST_CASE("JointTracking: nothing of it allocates") {
   CHECK(count == 0);
 }
 
+#if SKINCTL_MANY_DIGITS
 TEST_CASE("JointTracking: float, double and 50 digits give the same torque, as far as their digits go") {
   Seeded rng(75);
   const Elbow elbow;
@@ -406,3 +412,4 @@ TEST_CASE("JointTracking: float, double and 50 digits give the same torque, as f
     }
   }
 }
+#endif
