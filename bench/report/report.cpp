@@ -51,6 +51,15 @@ bool parse(const std::string& text, Name& name) {
   return true;
 }
 
+/// Google Benchmark writes the coefficient of variation of zero allocations as NaN, which JSON does not know.
+std::string without_nan(std::istream& file) {
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const std::string nan = "\": NaN";
+  for (auto at = text.find(nan); at != std::string::npos; at = text.find(nan, at))
+    text.replace(at, nan.size(), "\": null");
+  return text;
+}
+
 double to_nanoseconds(const std::string& unit) {
   if (unit == "us") return 1e3;
   if (unit == "ms") return 1e6;
@@ -145,7 +154,7 @@ int main(int argc, char** argv) try {
     std::ifstream file(argument);
     if (!file) throw std::runtime_error("cannot read " + argument);
     if (file.peek() == std::ifstream::traits_type::eof()) continue;  // a filter left nothing of this program
-    const auto result = ordered_json::parse(file);
+    const auto result = ordered_json::parse(without_nan(file));
     if (!merged.contains("context")) {
       merged["context"] = result.at("context");
       merged["benchmarks"] = ordered_json::array();
