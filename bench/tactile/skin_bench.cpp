@@ -61,7 +61,8 @@ template <std::size_t Cells>
 void sums_alone(benchmark::State& state) {
   detail::CellTable table(Cells);
   std::size_t patch = 0;
-  std::apply([&](const auto&... p) { (table.add(p.any(), patch++, p.link), ...); }, ur5::skin_patches<Cells>());
+  std::apply([&](const auto&... p) { (table.add(p.any(), patch++, p.link), ...); },
+             ur5::skin_patches<Cells>());
   std::mt19937_64 random(1);
   std::vector<std::uint32_t> order(4096);
   for (auto& i : order) i = static_cast<std::uint32_t>(random() % Cells);
