@@ -10,6 +10,7 @@
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
 #include "tests/support/robots.hpp"
+#include "tests/support/worst_torque.hpp"
 
 using namespace skinctl;
 using namespace skinctl::test;
@@ -87,25 +88,6 @@ std::string written(const oracle::Robot& robot, std::uint64_t seed) {
   return text + "</robot>\n";
 }
 
-template <class M>
-double worst_torque(const M& model, const oracle::Robot& bodies) {
-  constexpr std::size_t N = M::joints;
-  oracle::KdlOracle kdl(bodies);
-  oracle::MujocoOracle mujoco(bodies);
-  oracle::Random random(3);
-  double worst = 0;
-  for (int k = 0; k < 100; ++k) {
-    const Motion<N> at(random);
-    const auto tau = inverse_dynamics(model, at.q, at.dq, at.ddq);
-    double expected[N];
-    kdl.inverse_dynamics(at.q.data, at.dq.data, at.ddq.data, expected);
-    worst = std::max(worst, relative_error(tau, expected, N));
-    mujoco.inverse_dynamics(at.q.data, at.dq.data, at.ddq.data, expected);
-    worst = std::max(worst, relative_error(tau, expected, N));
-  }
-  return worst;
-}
-
 std::string complaint(const std::string& text) {
   try {
     static_cast<void>(calibrated_from<Chain<2>>(parse_urdf(text, "arm.urdf")));
@@ -153,7 +135,7 @@ TEST_CASE("URDF: any axis, any placement, fixed joints anywhere: KDL and MuJoCo 
     CHECK(urdf.joints[0].upper == 2.5);
     CHECK(urdf.joints[0].effort == 4);
     CAPTURE(seed);
-    CHECK(worst_torque(calibrated_from<Twig>(urdf), oracle::without_fixed(table)) <= 1e-12);
+    CHECK(worst_torque(calibrated_from<Twig>(urdf), oracle::without_fixed(table), 100, 3) <= 1e-12);
   }
 }
 

@@ -15,11 +15,6 @@ using namespace skinctl::test;
 
 namespace {
 
-template <class T>
-constexpr T nan_of = std::numeric_limits<T>::quiet_NaN();
-template <class T>
-constexpr T infinity_of = std::numeric_limits<T>::infinity();
-
 // Works while compiling.
 constexpr double solved_at_compile_time() {
   const double a[4] = {4, 0, 2, 5};  // the upper triangle is not read

@@ -15,11 +15,6 @@ using namespace skinctl::test;
 
 namespace {
 
-template <class T>
-constexpr T nan_of = std::numeric_limits<T>::quiet_NaN();
-template <class T>
-constexpr T infinity_of = std::numeric_limits<T>::infinity();
-
 constexpr double solved_at_compile_time() {
   const double a[4] = {0, 2, 4, 1};  // no first pivot without an exchange
   double x[2] = {4, 10};

@@ -3,11 +3,17 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "tests/math/exact_error.hpp"
 #include "tests/support/random.hpp"
 
 namespace skinctl::test {
+
+template <class T>
+inline constexpr T nan_of = std::numeric_limits<T>::quiet_NaN();
+template <class T>
+inline constexpr T infinity_of = std::numeric_limits<T>::infinity();
 
 /// `A A' + shift 1` with elements of `A` within +-1, its rows and columns scaled by up to `spread` either
 /// way.

@@ -6,6 +6,7 @@
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
 #include "tests/support/robots.hpp"
+#include "tests/support/worst_torque.hpp"
 
 using namespace skinctl;
 using namespace skinctl::test;
@@ -23,26 +24,6 @@ oracle::Robot arm_with_hand(bool left) {
   return oracle::joined(oracle::ur5(), 5, hand, upright, {0, 0, 0.0823 + 0.095});
 }
 
-template <class M>
-double worst_torque(const M& model, const oracle::Robot& table) {
-  constexpr std::size_t N = M::joints;
-  const oracle::Robot bodies = oracle::without_fixed(table);
-  oracle::KdlOracle kdl(bodies);
-  oracle::MujocoOracle mujoco(bodies);
-  oracle::Random random(7);
-  double worst = 0;
-  for (int k = 0; k < 100; ++k) {
-    const Motion<N> at(random);
-    const auto tau = inverse_dynamics(model, at.q, at.dq, at.ddq);
-    double expected[N];
-    kdl.inverse_dynamics(at.q.data, at.dq.data, at.ddq.data, expected);
-    worst = std::max(worst, relative_error(tau, expected, N));
-    mujoco.inverse_dynamics(at.q.data, at.dq.data, at.ddq.data, expected);
-    worst = std::max(worst, relative_error(tau, expected, N));
-  }
-  return worst;
-}
-
 }  // namespace
 
 static_assert(Model<ur5_allegro::Model<>> && ur5_allegro::Model<>::joints == 22);
@@ -53,7 +34,8 @@ static_assert(
     "the second arm's zeros are still types");
 
 TEST_CASE("UR5 with an Allegro hand: KDL and MuJoCo agree") {
-  CHECK(worst_torque(ur5_allegro::arm_with_hand(), arm_with_hand(false)) <= 1e-12);
+  CHECK(worst_torque(ur5_allegro::arm_with_hand(), oracle::without_fixed(arm_with_hand(false)), 100, 7) <=
+        1e-12);
 }
 
 TEST_CASE("two UR5 with hands on one base: KDL and MuJoCo agree at 44 joints") {
@@ -65,5 +47,6 @@ TEST_CASE("two UR5 with hands on one base: KDL and MuJoCo agree at 44 joints") {
   const auto table = oracle::joined(
       oracle::joined(bare, -1, arm_with_hand(false), {1, 0, 0, 0, 0, 1, 0, -1, 0}, {0, -0.2, 1.1}), -1,
       arm_with_hand(true), {c, 0, s, s, 0, -c, 0, 1, 0}, {0, 0.2, 1.1});
-  CHECK(worst_torque(ur5_allegro::two_arms_with_hands(right, left), table) <= 1e-12);
+  CHECK(worst_torque(ur5_allegro::two_arms_with_hands(right, left), oracle::without_fixed(table), 100, 7) <=
+        1e-12);
 }

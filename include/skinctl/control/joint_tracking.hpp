@@ -91,7 +91,7 @@ class JointTracking : public Composable {
   {
     const auto expected = memory.plan.at(T(0), settings_);
     for (std::size_t i = 0; i < N; ++i)
-      if (!(size(goal.q_d[i] - expected.q_d[i]) <= settings_.max_velocity[i] * settings_.dt))
+      if (!(detail::magnitude(goal.q_d[i] - expected.q_d[i]) <= settings_.max_velocity[i] * settings_.dt))
         return receive(memory, known, goal);
     const auto planned = memory.plan.to(goal, known.q(), settings_);
     Received<Memory> out{memory, planned.status};
@@ -147,7 +147,6 @@ class JointTracking : public Composable {
   }
 
  private:
-  [[nodiscard]] static SKINCTL_INLINE T size(const T& x) noexcept { return x < T(0) ? T(-x) : x; }
   [[nodiscard]] static SKINCTL_INLINE T finite(const T& x) noexcept { return x - x == T(0) ? x : T(0); }
   [[nodiscard]] SKINCTL_INLINE Gain<T> gain(const Memory& memory, const T& x) const noexcept {
     const T t = seconds<T>(memory.since_reset) + x;

@@ -24,7 +24,7 @@ struct Integrals {
   [[nodiscard]] SKINCTL_INLINE constexpr Integrals advanced(const JointVelocity<N, T>& rate,
                                                             const T& dt) const noexcept {
     Integrals next;
-    detail::each_joint<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+    detail::for_each_index<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
       next.sum[i] = sum[i];
       next.carry[i] = carry[i];
       next.add(i, rate[i], dt);

@@ -141,7 +141,7 @@ struct JointVector {
   SKINCTL_INLINE constexpr explicit JointVector(Unset) noexcept {}
   template <class F>
   static SKINCTL_INLINE constexpr void each(F&& f) noexcept {
-    detail::each_joint<N>(f);
+    detail::for_each_index<N>(f);
   }
 };
 

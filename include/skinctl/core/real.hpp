@@ -26,6 +26,12 @@ template <class T>
 struct RealOf {
   using type = T;
 };
+
+/// |x|, also while compiling; NaN stays NaN.
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE constexpr T magnitude(const T& x) noexcept {
+  return x < T(0) ? T(-x) : x;
+}
 }  // namespace detail
 
 /// The real number inside a scalar: `double` for `double` and for `Lane<double, 4>`.

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/lane.hpp"
-#include "skinctl/math/detail/for_each_index.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
@@ -27,7 +27,7 @@ class Ldlt {
  public:
   /// @param a  `N * N` numbers, row by row; only the lower triangle is read.
   SKINCTL_INLINE constexpr explicit Ldlt(const T* a) noexcept {
-    detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
+    skinctl::detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
       const std::size_t j = k;
       T d = a[j * N + j];
       T scaled[N];
@@ -58,13 +58,13 @@ class Ldlt {
   /// `x` with `a x = b`; `x` may be `b`.
   SKINCTL_INLINE constexpr void solve(const T* b, T* x) const noexcept {
     T y[N];
-    detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
+    skinctl::detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
       const std::size_t j = k;
       T r = b[j];
       for (std::size_t i = 0; i < j; ++i) r = r - ld_[j][i] * y[i];
       y[j] = r * inverse_[j];
     });
-    detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
+    skinctl::detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
       const std::size_t j = N - 1 - k;
       T s(0);
       for (std::size_t i = j + 1; i < N; ++i) s = s + ld_[i][j] * x[i];

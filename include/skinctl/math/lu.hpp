@@ -32,11 +32,13 @@ class Lu {
     for (std::size_t j = 0; j < N; ++j) {
       std::size_t best = j;
       for (std::size_t i = j + 1; i < N; ++i)
-        if (magnitude(lu_[i][j]) > magnitude(lu_[best][j])) best = i;
+        if (skinctl::detail::magnitude(lu_[i][j]) > skinctl::detail::magnitude(lu_[best][j])) best = i;
       if (best != j) exchange(best, j);
-      T terms = magnitude(a[from_[j] * N + j]);  // that the pivot was computed from
-      for (std::size_t k = 0; k < j; ++k) terms = terms + magnitude(T(lu_[j][k] * lu_[k][j]));
-      const bool good = magnitude(lu_[j][j]) > terms * (T(8) * std::numeric_limits<T>::epsilon());
+      T terms = skinctl::detail::magnitude(a[from_[j] * N + j]);  // that the pivot was computed from
+      for (std::size_t k = 0; k < j; ++k)
+        terms = terms + skinctl::detail::magnitude(T(lu_[j][k] * lu_[k][j]));
+      const bool good =
+          skinctl::detail::magnitude(lu_[j][j]) > terms * (T(8) * std::numeric_limits<T>::epsilon());
       regular_ = regular_ && good;
       inverse_[j] = good ? T(T(1) / lu_[j][j]) : T(0);
       for (std::size_t i = j + 1; i < N; ++i) {
@@ -66,7 +68,6 @@ class Lu {
   }
 
  private:
-  static SKINCTL_INLINE constexpr T magnitude(const T& x) noexcept { return x < T(0) ? T(-x) : x; }
   SKINCTL_INLINE constexpr void exchange(std::size_t p, std::size_t q) noexcept {
     for (std::size_t k = 0; k < N; ++k) {
       const T kept = lu_[p][k];

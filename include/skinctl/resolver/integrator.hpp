@@ -94,18 +94,18 @@ template <class Policy, class K, Real T>
   }
 
   JointAcceleration<n, T> free;  // h times the acceleration that is given per mass
-  each_joint<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+  for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     m(i, i) = m(i, i) + shape.inertia[i];
     free[i] = h * (pull[i] - shape.decay * v[i]);
   });
   JointTorque<n, T> impulse = m * free;
   const T decayed = T(1) + Policy::weight(T(h * shape.decay)) * (h * shape.decay);
-  each_joint<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+  for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     const T b = h * shape.viscous[i];
     impulse[i] = impulse[i] + h * (tau[i] - bias[i]) - b * v[i];
     const T own = m(i, i);
     const T z = own > T(0) ? T(b / own) : T(0);
-    each_joint<n>([&](std::size_t j) SKINCTL_INLINE_LAMBDA { m(i, j) = m(i, j) * decayed; });
+    for_each_index<n>([&](std::size_t j) SKINCTL_INLINE_LAMBDA { m(i, j) = m(i, j) * decayed; });
     m(i, i) = m(i, i) + Policy::weight(z) * b;
   });
   VelocityStep<n, T> out;

@@ -16,7 +16,7 @@ SKINCTL_NOINLINE SurfaceInputs<N, T> JointTracking<N, T, Plan, Damping>::inputs(
                          {},
                          {},
                          memory.held};
-  detail::each_joint<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+  detail::for_each_index<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     in.I1[i] = memory.I1.sum[i] + x * at_t.dI1[i];
     in.I2[i] = memory.I2.sum[i] + x * at_t.dI2[i];
   });

@@ -20,7 +20,7 @@ SKINCTL_COLD Status JointTracking<N, T, Plan, Damping>::begin_gain(Memory& memor
     return status;
   }
   for (std::size_t i = 0; i < N; ++i) {
-    const T speed = settings_.max_velocity[i] - size(target.dq_d[i]);
+    const T speed = settings_.max_velocity[i] - detail::magnitude(target.dq_d[i]);
     if (!(speed > T(0))) continue;
     const T least = schedule_.shortest_time(known.q()[i] - target.q_d[i], speed);
     if (!(least > memory.tb)) continue;
@@ -39,7 +39,7 @@ SKINCTL_COLD void JointTracking<N, T, Plan, Damping>::slow_gain(Memory& memory,
   memory.tb = T(0);
   memory.K_from = schedule_.K_c();
   for (std::size_t i = 0; i < N; ++i) {
-    const T e = size(known.q()[i] - target.q_d[i]);
+    const T e = detail::magnitude(known.q()[i] - target.q_d[i]);
     if (memory.K_from * e > settings_.max_velocity[i]) memory.K_from = settings_.max_velocity[i] / e;
   }
 }

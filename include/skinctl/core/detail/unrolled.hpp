@@ -20,9 +20,10 @@ SKINCTL_INLINE constexpr void unrolled(F&& f) {
   }(std::make_index_sequence<N>{});
 }
 
-/// The same, but a loop where there are more than the joints of an arm or a hand.
+/// The same up to the joints of a hand; beyond, straight-line code costs the compiler more than it gives, and
+/// it is a loop.
 template <std::size_t N, class F>
-SKINCTL_INLINE constexpr void each_joint(F&& f) {
+SKINCTL_INLINE constexpr void for_each_index(F&& f) {
   if constexpr (N <= 16) {
     unrolled<N>(f);
   } else {

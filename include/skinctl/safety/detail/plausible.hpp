@@ -43,10 +43,6 @@ template <Real T>
 [[nodiscard]] SKINCTL_INLINE T smaller(const T& x, const T& y) noexcept {
   return y < x ? y : x;
 }
-template <Real T>
-[[nodiscard]] SKINCTL_INLINE T magnitude(const T& x) noexcept {
-  return x < T(0) ? T(-x) : x;
-}
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE
