@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -195,4 +196,22 @@ TEST_CASE("JointLimits: a motion allocates nothing") {
     u = limits.move(limits.room(JointPosition<6>{}), u, JointVelocity<6>::constant(1.0), 0.002).velocity;
   const auto count = guard.count();
   CHECK(count == 0);
+}
+
+TEST_CASE_TEMPLATE("JointLimits: a speed that decays ends at zero, not at denormal numbers", T, float,
+                   double) {
+  const auto limits = one_joint<T>(T(-1), T(1), T(1), T(10));
+  const auto room = limits.room(JointPosition<1, T>::constant(T(0)));
+  for (const T sign : {T(1), T(-1)}) {
+    T u = sign * T(0.01);
+    int steps = 0;
+    for (; u != T(0) && steps < 2000; ++steps) {
+      CHECK(u * u >= std::numeric_limits<T>::min());
+      u = limits.move(room, speed(u), speed(T(u / 2)), T(0.002)).velocity[0];
+    }
+    CHECK(steps > 40);
+    CHECK(u == T(0));
+  }
+  const T slow = sizeof(T) == 4 ? T(1e-15) : T(1e-140);  // as slow as one can tell: it moves
+  CHECK(limits.move(room, speed(slow), speed(slow), T(0.002)).velocity[0] == slow);
 }

@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <set>
+#include <vector>
 
 #include "tests/tactile/random_skin.hpp"
 
@@ -79,4 +81,27 @@ TEST_CASE("ur5_skin: builds for every scalar and every model of the topology, wi
   CHECK(skin.index(0) == 1260);
   CHECK(skin.index(1261) == 1260);
   CHECK(skin.silent(skin.start(0)) == 1260);
+}
+
+TEST_CASE("ur5_skin: an array of gains gives each link its own") {
+  const auto same = ur5_skin<260>({20, 0});
+  const auto own = ur5_skin<260>(std::array<Gains, 6>{{{20, 0}, {40, 0}, {60, 0}, {0, 0}, {10, 0}, {30, 0}}});
+  const double factor[6] = {1, 2, 3, 0, 0.5, 1.5};
+  std::vector<CellSample> samples;
+  for (std::uint32_t id = 1; id <= 260; ++id)
+    samples.push_back({.time = 1_ms, .cell = id, .force = {0.1f, 0.1f, 0.1f}});
+  const auto pushed = [&](const auto& skin) {
+    auto memory = skin.start(0);
+    typename std::remove_cvref_t<decltype(skin)>::Wrenches means[1];
+    skin.receive(memory, samples, 0, 8_ms, 1, means);
+    return skin.wrenches(memory);
+  };
+  const auto a = pushed(same), b = pushed(own);
+  for_each_index<6>([&](auto i) {
+    CAPTURE(i.value);
+    const auto F = a.template wrench<i.value>(), G = b.template wrench<i.value>();
+    CHECK(norm(F.force) > 0.1);
+    CHECK(norm(G.force - factor[i.value] * F.force) <= 1e-12 * norm(F.force));
+    CHECK(norm(G.moment - factor[i.value] * F.moment) <= 1e-12);
+  });
 }

@@ -96,7 +96,8 @@ class JointLimits {
   /// steps' lengths are: from a state that this function left, no position limit is ever crossed. In order of
   /// precedence: acceleration (a command never steps), then room, then velocity, then the target. So a joint
   /// that *starts* too fast to stop brakes as hard as it may, and beyond an end only inward motion is given.
-  /// A target that is NaN counts as zero.
+  /// A target that is NaN counts as zero, and so does a resulting speed whose square would be a denormal
+  /// number (below 1e-17 rad/s in float, 1e-150 in double): those are slow, and a robot at rest has them.
   [[nodiscard]] SKINCTL_NOINLINE JointMotion<N, T> move(const JointRoom<N, T>& room,
                                                         const JointVelocity<N, T>& u0,
                                                         const JointVelocity<N, T>& target,
