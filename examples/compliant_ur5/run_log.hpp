@@ -18,7 +18,7 @@ struct LogEntry {
   std::array<float, 6> velocity{};      ///< commanded [rad/s]
   std::array<float, 6> acceleration{};  ///< commanded [rad/s^2]
   std::array<std::array<float, 6>, 3> shares{};  ///< torque of each law [N m], see `RunLog::laws`
-  std::uint32_t status = 0;                      ///< bits of `skinctl::Status`
+  std::uint64_t status = 0;                      ///< bits of `skinctl::Status`
 };
 
 /// One touch, as seen by skin and joints.

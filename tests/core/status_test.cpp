@@ -8,7 +8,7 @@
 
 using namespace skinctl;
 
-static_assert(std::is_trivially_copyable_v<Status> && sizeof(Status) == 4);
+static_assert(std::is_trivially_copyable_v<Status> && sizeof(Status) == 8);
 static_assert(!Status().any() && Status(Reason::stopping).any());
 static_assert((Status(Reason::blocked) | Reason::opposed).has(Reason::blocked));
 static_assert(!(Status(Reason::blocked) | Reason::opposed).has(Reason::singular));
@@ -17,7 +17,8 @@ static_assert(Status::from_bits((Status(Reason::blocked) | Reason::stopping).bit
               (Status(Reason::stopping) | Reason::blocked));
 
 TEST_CASE("Status: reads every bit pattern as reasons that exist") {
-  for (std::uint32_t bits : {0u, 1u, 0xffffffffu, 0x80000000u, 0x12345678u}) {
+  for (std::uint64_t bits : {std::uint64_t(0), std::uint64_t(1), ~std::uint64_t(0), std::uint64_t(1) << 63,
+                             std::uint64_t(0x123456789abcdef0)}) {
     int count = 0;
     Status again;
     Status::from_bits(bits).for_each([&](Reason r) {

@@ -54,8 +54,8 @@ class Status {
   }
   friend constexpr Status operator|(Status a, Status b) noexcept { return a |= b; }
   friend constexpr bool operator==(Status, Status) noexcept = default;
-  [[nodiscard]] constexpr std::uint32_t bits() const noexcept { return bits_; }
-  [[nodiscard]] static constexpr Status from_bits(std::uint32_t bits) noexcept {
+  [[nodiscard]] constexpr std::uint64_t bits() const noexcept { return bits_; }
+  [[nodiscard]] static constexpr Status from_bits(std::uint64_t bits) noexcept {
     Status s;
     s.bits_ = bits & (bit(Reason::count) - 1u);
     return s;
@@ -63,17 +63,17 @@ class Status {
   /// Calls `f(reason)` for each reason in the set.
   template <class F>
   constexpr void for_each(F&& f) const {
-    for (std::uint32_t rest = bits_; rest != 0; rest &= rest - 1u)
+    for (std::uint64_t rest = bits_; rest != 0; rest &= rest - 1u)
       f(static_cast<Reason>(std::countr_zero(rest)));
   }
 
  private:
-  static constexpr std::uint32_t bit(Reason r) noexcept {
-    return std::uint32_t(1) << static_cast<unsigned>(r);
+  static constexpr std::uint64_t bit(Reason r) noexcept {
+    return std::uint64_t(1) << static_cast<unsigned>(r);
   }
-  std::uint32_t bits_ = 0;
+  std::uint64_t bits_ = 0;
 };
-static_assert(static_cast<unsigned>(Reason::count) < 32, "one bit a reason");
+static_assert(static_cast<unsigned>(Reason::count) < 64, "one bit a reason");
 
 /// A reason in words, for logs.
 constexpr const char* describe(Reason r) noexcept {
