@@ -45,6 +45,14 @@ struct TargetPlan {
     if (aged || seconds<T>(next.own) < s.target_age) return {target, next, aged};
     return {target, next.changed(false, s.target_age), true};
   }
+  /// Whether `goal` is where this target leads, to within what the largest speed covers in an interval.
+  [[nodiscard]] SKINCTL_INLINE constexpr bool leads_to(const Goal& goal,
+                                                       const JointControlSettings<N, T>& s) const noexcept {
+    const auto expected = at(T(0), s);
+    for (std::size_t i = 0; i < N; ++i)
+      if (!(detail::magnitude(goal.q_d[i] - expected.q_d[i]) <= s.max_velocity[i] * s.dt)) return false;
+    return true;
+  }
   /// The target comes from outside, where its time is not ours to hold.
   [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan held(bool,
                                                          const JointControlSettings<N, T>&) const noexcept {
