@@ -39,6 +39,7 @@ class JointTracking : public Composable {
   using Settings = JointControlSettings<N, T>;
   static constexpr Needs needs = Damping::needs;
   static constexpr Role role = Role::tracking;
+  static constexpr const char* name = Plan::name;
 
   /// Throws `ConfigurationError` for settings that cannot work: see `check`.
   explicit JointTracking(const Settings& settings = {})
