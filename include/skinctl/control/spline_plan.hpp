@@ -20,6 +20,7 @@ template <std::size_t N, Real T = double>
 struct SplinePlan {
   using Goal = JointGoal<N, T>;
   static constexpr bool streams = false;
+  static constexpr const char* name = "spline_joint";  ///< of the law
 
   JointSpline<N, T> spline;
   PlanClock<T> clock;

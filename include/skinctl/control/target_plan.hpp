@@ -17,6 +17,7 @@ template <std::size_t N, Real T = double>
 struct TargetPlan {
   using Goal = JointReference<N, T>;
   static constexpr bool streams = true;
+  static constexpr const char* name = "joint";  ///< of the law
 
   JointReference<N, T> target;
   PlanClock<T> clock;  ///< time since it came
