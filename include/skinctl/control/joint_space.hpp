@@ -25,6 +25,8 @@ struct JointGoal {
 /// - `errors(target, site, memory)`: eqs. (13) or (20), (21);
 /// - `surface(gains, inputs, site, memory)`: the surface and the reference motion of the joints;
 /// - `course(surface)`: the reference motion of the coordinates;
+/// - `rows(site, J)`: how the coordinates change with the joints; `follow_branch`: the memory of a law that
+///   has no surface;
 /// - `advanced(memory, surface, dt)`, `renewed(memory)` after a reset, `status(memory)`.
 template <std::size_t N, Real T = double>
 class JointSpace {
@@ -58,6 +60,7 @@ class JointSpace {
 
   // Of plans.
   [[nodiscard]] static SKINCTL_INLINE const Where& where(const Site& at) noexcept { return at.q; }
+  [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.q_d; }
   [[nodiscard]] static SKINCTL_INLINE constexpr const Where& place(const Goal& goal) noexcept {
     return goal.q_g;
   }
@@ -142,6 +145,12 @@ class JointSpace {
     for (std::size_t i = 0; i < N; ++i) s.S_q[i] = at.dq[i] - s.dq_r[i];
     return s;
   }
+  /// How the coordinates change with the joints, row by row.
+  static void rows(const Site&, T (&J)[coordinates][N]) noexcept {
+    for (std::size_t c = 0; c < N; ++c)
+      for (std::size_t i = 0; i < N; ++i) J[c][i] = c == i ? T(1) : T(0);
+  }
+  static SKINCTL_INLINE void follow_branch(Memory&, const Reference&, const Site&) noexcept {}
   [[nodiscard]] static SKINCTL_INLINE Course course(const Surface& s) noexcept { return {s.dq_r, s.ddq_r}; }
   [[nodiscard]] static SKINCTL_INLINE Memory advanced(const Memory&, const Surface&, const T&) noexcept {
     return {};

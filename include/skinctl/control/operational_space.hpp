@@ -116,6 +116,7 @@ class OperationalSpace {
   [[nodiscard]] static SKINCTL_INLINE const Where& where(const Site<J>& at) noexcept {
     return at.X_BP;
   }
+  [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.X_BP; }
   [[nodiscard]] static SKINCTL_INLINE const Where& place(const Goal& goal) noexcept { return goal.X_BP; }
   [[nodiscard]] static Spline spline(const Where& from, const Where& to, const T& tf) noexcept {
     return {from, to, tf};
@@ -188,6 +189,24 @@ class OperationalSpace {
   template <class J>
   [[nodiscard]] SKINCTL_NOINLINE Surface surface(const SurfaceGains<T>& gains, const Inputs& in,
                                                  const Site<J>& at, const Memory& memory) const noexcept;
+  template <class J>
+  static void rows(const Site<J>& at, T (&rows)[coordinates][N]) noexcept {
+    static_assert(!std::same_as<Orientation, ZyzError>, "a moment has no component along an angle's rate");
+    for (auto& row : rows)
+      for (T& x : row) x = T(0);
+    at.jacobian.for_each([&](auto i, const auto& c) {
+      const T six[6] = {c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y, c.angular.z};
+      for (std::size_t r = 0; r < coordinates; ++r) rows[r][i.value] = six[r];
+    });
+  }
+  template <class J>
+  static void follow_branch(Memory& memory, const Reference& target, const Site<J>& at) noexcept {
+    Errors error;
+    Xyz<T> near;
+    errors(error, near, target, at, memory);
+    const T sum = dot(near, near);
+    if (sum - sum == T(0)) memory.near = near;
+  }
   [[nodiscard]] static SKINCTL_INLINE Course course(const Surface& s) noexcept { return {s.dx_r, s.ddx_r}; }
   [[nodiscard]] Memory advanced(const Memory& memory, const Surface& s, const T& dt) const noexcept {
     Memory next = memory;
