@@ -114,23 +114,4 @@ SKINCTL_INLINE void sliding_surface(SlidingSurface<N, T>& s, const SurfaceGains<
   }
 }
 
-/// Eqs. (9)-(14) in joint space, at the state `(q, dq)`.
-template <std::size_t N, Real T>
-[[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T>& gains,
-                                                                  const SurfaceInputs<N, T>& in,
-                                                                  const JointPosition<N, T>& q,
-                                                                  const JointVelocity<N, T>& dq) noexcept {
-  SlidingSurface<N, T> s;
-  SurfaceErrors<N, T> error;
-  for (std::size_t i = 0; i < N; ++i) {
-    error.e[i] = q[i] - in.target.q_d[i];
-    error.de[i] = error.slope[i] = dq[i] - in.target.dq_d[i];
-    error.v_d[i] = in.target.dq_d[i];
-    error.a_d[i] = in.target.ddq_d[i];
-  }
-  sliding_surface(s, gains, in, error);
-  for (std::size_t i = 0; i < N; ++i) s.S_q[i] = dq[i] - s.dq_r[i];
-  return s;
-}
-
 SKINCTL_END_NAMESPACE

@@ -8,6 +8,6 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) along the spline (22). A goal is a `JointGoal`: a position, and a duration or none.
 template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
-using SplineJoint = Tracking<JointSpace<N, T>, SplinePlan<N, T>, Damping>;
+using SplineJoint = Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping>;
 
 SKINCTL_END_NAMESPACE

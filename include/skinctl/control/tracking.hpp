@@ -37,6 +37,7 @@ template <class Space, class Plan, class Damping = InertialDamping<typename Spac
 class Tracking : public Composable {
  public:
   static constexpr std::size_t N = Space::joints;
+  static constexpr std::size_t coordinates = Space::coordinates;
   using T = typename Space::scalar;
   using Memory = TrackingMemory<Space, Plan>;
   using Goal = typename Plan::Goal;
@@ -48,11 +49,11 @@ class Tracking : public Composable {
 
   /// Throws `ConfigurationError` for settings that cannot work: see `check`.
   explicit Tracking(const Settings& settings = {})
-    requires(std::same_as<Damping, InertialDamping<T>> && std::constructible_from<Space, const Settings&>)
-      : Tracking(Space(settings), settings) {}
+    requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
+      : Tracking(Space(), settings) {}
   Tracking(const Settings& settings, const Damping& damping)
-    requires std::constructible_from<Space, const Settings&>
-      : Tracking(Space(settings), settings, damping) {}
+    requires std::default_initializable<Space>
+      : Tracking(Space(), settings, damping) {}
   Tracking(const Space& space, const Settings& settings)
     requires std::same_as<Damping, InertialDamping<T>>
       : Tracking(space, settings, InertialDamping<T>(Space::tracking(settings).lambda)) {}
@@ -88,11 +89,11 @@ class Tracking : public Composable {
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
     out.memory.plan = planned.memory;
-    out.memory.space = {};
+    out.memory.space = Space::renewed(memory.space);
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};
-    out.memory.I1 = Integrals<N, T>();
-    out.memory.I2 = Integrals<N, T>();
+    out.memory.I1 = {};
+    out.memory.I2 = {};
     begin_bias(out.memory, known);
     hand_over(out.memory, memory, known);
     return out;

@@ -36,6 +36,7 @@ enum class Reason : std::uint8_t {
   goal_stretched,        ///< a goal got more time than asked, to keep velocity limits
   hand_over,             ///< a difference of torque is being ramped out
   singular,              ///< a matrix could not be factorised: zero acceleration for this sub-step
+  slowed,                ///< next to a singularity, or at the largest joint speed: the tool moves slower
   stopping,              ///< a stop was asked for or is being carried out
   count
 };
@@ -103,6 +104,7 @@ constexpr const char* describe(Reason r) noexcept {
       "goal stretched in time",
       "hand-over: a torque difference is being ramped out",
       "singular: zero acceleration",
+      "slowed: next to a singularity, or at the largest speed of a joint",
       "stopping",
   };
   static_assert(sizeof text / sizeof *text == static_cast<unsigned>(Reason::count), "one text a reason");

@@ -65,7 +65,7 @@ class SingularityDamping {
   /// @param most  l at the singularity, > 0: there no joint speed exceeds `1 / (2 most)` times what is asked.
   ///              Throws `ConfigurationError`.
   explicit SingularityDamping(const T& zone = static_cast<T>(0.004), const T& most = static_cast<T>(0.08))
-      : zone_(zone), most_(most) {
+      : zone_(zone), most_(most), most_squared_(most * most) {
     const auto allowed = [](const T& x) { return x > T(0) && x <= (std::numeric_limits<T>::max)(); };
     require(allowed(zone), "SingularityDamping: zone", static_cast<double>(zone), "> 0");
     require(allowed(most), "SingularityDamping: most", static_cast<double>(most), "> 0");
@@ -75,17 +75,34 @@ class SingularityDamping {
     const T r = T(1) - w_squared / (zone_ * zone_);
     return r > T(0) ? T(r * r) : T(r == r ? T(0) : r);
   }
+  /// The same with as much damping as the joints' speed needs for what is asked of the body: at the
+  /// singularity `l^2 = least^2 + x / (1 + x / most^2)`, `x = (speed / (2 fastest))^2`: up to `most` no joint
+  /// goes faster than `fastest`. Where little is asked little is damped, and an arm does not stick there.
+  /// @param speed_squared, rate  of what is asked, and its time derivative.
+  [[nodiscard]] SingularityDamping scaled(const T& least, const T& speed_squared, const T& rate,
+                                          const T& fastest) const noexcept {
+    const T factor = T(0.25) / (fastest * fastest);
+    const T less = T(1) / (T(1) + factor * speed_squared / (most_ * most_));
+    SingularityDamping next = *this;
+    next.most_squared_ = least * least + factor * speed_squared * less;
+    next.most_squared_rate_ = factor * rate * less * less;
+    return next;
+  }
   /// l^2.
-  [[nodiscard]] T squared(const T& w_squared) const noexcept { return most_ * most_ * nearness(w_squared); }
+  [[nodiscard]] T squared(const T& w_squared) const noexcept { return most_squared_ * nearness(w_squared); }
   /// `d(l^2)/dt = 2 l dl`, from the rate of the square of the manipulability.
   [[nodiscard]] T squared_rate(const T& w_squared, const T& w_squared_rate) const noexcept {
     const T r = T(1) - w_squared / (zone_ * zone_);
-    return r > T(0) ? T(-T(2) * most_ * most_ * r * w_squared_rate / (zone_ * zone_)) : T(0);
+    return r > T(0)
+               ? T(r * (r * most_squared_rate_ - T(2) * most_squared_ * w_squared_rate / (zone_ * zone_)))
+               : T(0);
   }
 
  private:
   T zone_;
   T most_;
+  T most_squared_;
+  T most_squared_rate_ = T(0);
 };
 
 /// The damped inverse `J^+ = (J'J + l^2)^-1 J' = J' (J J' + l^2)^-1` of eq. (19), l from
@@ -158,7 +175,12 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   /// `ddq_r = J^+ (ddx_r - dJ dq_r) + (J'J + l^2)^-1 (dJ' (dx_r - J dq_r) - 2 l dl dq_r)`.
   [[nodiscard]] JointAcceleration<joints, T> solve_rate(const JacobianRate<Of>& dJ, const Velocity& dx_r,
                                                         const BodyAcceleration& ddx_r) const noexcept {
-    const JointVelocity<joints, T> dq_r = solve(dx_r);
+    return solve_rate(dJ, dx_r, ddx_r, solve(dx_r));
+  }
+  /// The same where `dq_r = solve(dx_r)` is known.
+  [[nodiscard]] JointAcceleration<joints, T> solve_rate(const JacobianRate<Of>& dJ, const Velocity& dx_r,
+                                                        const BodyAcceleration& ddx_r,
+                                                        const JointVelocity<joints, T>& dq_r) const noexcept {
     const T dl2 = damping_rate(dJ);
     const BodyAcceleration missing = ddx_r - dJ * dq_r;
     JointAcceleration<joints, T> ddq;

@@ -36,7 +36,7 @@ SKINCTL_INLINE TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::stepp
           memory.tb,
           memory.K_from,
           memory.held,
-          space_.advanced(memory.space, at_t)};
+          space_.advanced(memory.space, at_t, dt)};
 }
 
 /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:

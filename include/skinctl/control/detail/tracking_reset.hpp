@@ -19,7 +19,7 @@ SKINCTL_COLD Status Tracking<Space, Plan, Damping>::begin_gain(Memory& memory,
     return status;
   }
   const auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
-  const T least = schedule_.shortest_time(space_.slowness(error.e, error.v_d), T(1));
+  const T least = schedule_.shortest_time(Space::slowness(error, settings_), T(1));
   if (least > memory.tb) {
     status |= gains().reach == Reach::refuse ? Reason::goal_refused : Reason::goal_stretched;
     memory.tb = least;
@@ -33,9 +33,9 @@ template <class K>
 SKINCTL_COLD void Tracking<Space, Plan, Damping>::slow_gain(Memory& memory, const K& known) const noexcept {
   memory.tb = T(0);
   memory.K_from = schedule_.K_c();
-  const T still[Space::coordinates] = {};
-  const auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
-  const T time = space_.slowness(error.e, still);
+  auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
+  for (T& v : error.v_d) v = T(0);
+  const T time = Space::slowness(error, settings_);
   if (memory.K_from * time > T(1)) memory.K_from = T(1) / time;
 }
 
@@ -61,7 +61,7 @@ SKINCTL_COLD TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::switche
   next.plan = memory.plan.held(next.held, settings_);
   if (!next.held) {
     next.since_reset = 0;
-    next.space = {};
+    next.space = Space::renewed(next.space);
     slow_gain(next, known);
     next.bias.decaying = {};
   }
