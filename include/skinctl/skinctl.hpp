@@ -112,6 +112,7 @@
 #include "skinctl/resolver/torque_resolver.hpp"
 #include "skinctl/safety/command.hpp"
 #include "skinctl/safety/guard.hpp"
+#include "skinctl/safety/jerk_limits.hpp"
 #include "skinctl/safety/limits.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
