@@ -94,6 +94,7 @@
 #include "skinctl/math/tanh.hpp"
 #include "skinctl/model/allegro.hpp"
 #include "skinctl/model/attached.hpp"
+#include "skinctl/model/batch.hpp"
 #include "skinctl/model/dh.hpp"
 #include "skinctl/model/link.hpp"
 #include "skinctl/model/loaded.hpp"
