@@ -20,6 +20,7 @@ struct TargetPlan {
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
   static constexpr bool streams = true;
+  static constexpr const char* name = "joint";  ///< of the law
 
   Goal target;
   PlanClock<T> clock;  ///< time since it came

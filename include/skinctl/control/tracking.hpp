@@ -45,6 +45,7 @@ class Tracking : public Composable {
   using Settings = typename Space::Settings;
   static constexpr Needs needs = Damping::needs | Space::needs;
   static constexpr Role role = Role::tracking;
+  static constexpr const char* name = Plan::name;
 
   /// Throws `ConfigurationError` for settings that cannot work: see `check`.
   explicit Tracking(const Settings& settings = {})

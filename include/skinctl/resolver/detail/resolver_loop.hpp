@@ -203,10 +203,7 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(const Memory& m, const L& la
     out.status |= Reason::torque_not_finite;
     return out;
   }
-  for (std::size_t i = 0; i < joints; ++i) {
-    const T limit = p_.limits.torque()[i];
-    out.torque[i] = detail::clamp(out.law.torque[i], T(-limit), limit);
-  }
+  out.torque = p_.limits.within(out.law.torque, state.dq);
   if (!(out.torque == out.law.torque)) out.status |= Reason::torque_limited;
   const auto next =
       detail::step_velocity<Integrator>(known, p_.shape, p_.has_coulomb, out.torque, pull, m.last);
