@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/control/damping.hpp"
+#include "skinctl/control/force_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
