@@ -36,6 +36,9 @@ enum class Reason : std::uint8_t {
   goal_stretched,        ///< a goal got more time than asked, to keep velocity limits
   hand_over,             ///< a difference of torque is being ramped out
   singular,              ///< a matrix could not be factorised: zero acceleration for this sub-step
+  skill_refused,         ///< a skill may not start now: the old one goes on
+  skill_finished,        ///< the skill has done its work and holds
+  skill_failed,          ///< the skill has failed: the one to fall back to comes
   stopping,              ///< a stop was asked for or is being carried out
   count
 };
@@ -103,6 +106,9 @@ constexpr const char* describe(Reason r) noexcept {
       "goal stretched in time",
       "hand-over: a torque difference is being ramped out",
       "singular: zero acceleration",
+      "skill refused: the old one goes on",
+      "skill finished: it holds",
+      "skill failed: falling back",
       "stopping",
   };
   static_assert(sizeof text / sizeof *text == static_cast<unsigned>(Reason::count), "one text a reason");
