@@ -6,8 +6,11 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/joint_control.hpp"
+#include "skinctl/control/operational_control.hpp"
+#include "skinctl/control/skin_cartesian_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
+#include "skinctl/control/spline_operational.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/skills/library.hpp"
 #include "tests/control/plant.hpp"
@@ -33,13 +36,23 @@ JointControlSettings<6, T> skilled_settings(const T& dt) {
   return s;
 }
 
+template <class T>
+auto skilled_tool() {
+  return Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.1));
+}
+/// All controllers of Fig. 7.
 template <class T = double>
 auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
   const auto s = skilled_settings(dt);
+  const OperationalSettings<6, T> o{.tracking = s};
+  const OperationalSpace<6, 5, Tool, T> space(skilled_tool<T>(), o);
   return skill_set<behaviour::KinestheticJoint>(
       boost::hana::union_(figure_7, section_6), settings, as<controller::Gravity>(GravityControl{}),
       as<controller::SkinJoint>(SkinJointControl{}), as<controller::SplineJoint>(SplineJoint<6, T>(s)),
-      as<controller::Joint>(JointControl<6, T>(s)));
+      as<controller::Joint>(JointControl<6, T>(s)),
+      as<controller::SkinCartesian>(SkinCartesianControl<5, Tool, T>(skilled_tool<T>())),
+      as<controller::Operational>(OperationalControl<6, 5, Tool, T>(space, o)),
+      as<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)));
 }
 
 /// What happens to the arm: touches that come and go, and goals, all from one seed.
@@ -70,7 +83,33 @@ class SkilledRun {
     for (T& q : goal.q_g) q += static_cast<T>(uniform(random_, -0.5, 0.5));
     JointReference<6, T> target{goal.q_g, {}, {}};
     for (T& v : target.dq_d) v = static_cast<T>(uniform(random_, -0.3, 0.3));
-    return Set::start_skill(skill, goal, target);
+    const auto X_BP = tool();
+    const auto away = [&](double by) { return static_cast<T>(uniform(random_, -by, by)); };
+    const auto X = X_BP * Transform<Tool, Tool, T>(Transform<Tool, Tool, T>::rotation_x(away(0.5)).axes(),
+                                                   {away(0.1), away(0.1), away(0.1)});
+    const PoseGoal<Tool, T> pose{X, goal.duration};
+    PoseReference<Tool, T> moving{X, {}, {}};
+    moving.V.linear = {away(0.1), away(0.1), away(0.1)};
+    return with_known_goals(Set::start_skill(skill), goal, target, pose, moving);
+  }
+  /// The goals for which the set has takers.
+  template <class... G>
+  static Goal with_known_goals(Goal request, const G&... goals) {
+    const auto one = [&](const auto& goal) {
+      using X = std::remove_cvref_t<decltype(goal)>;
+      if constexpr (requires { request.goals.template of<X>().goal; }) {
+        request.goals.template of<X>().has = true;
+        request.goals.template of<X>().goal = goal;
+      }
+    };
+    (one(goals), ...);
+    return request;
+  }
+  [[nodiscard]] Transform<Base, Tool, T> tool() const {
+    return Poses<ur5::Model, all_links(6), T>(skilled_model,
+                                              JointAngles<ur5::Model, T>(skilled_model, state_.q))
+               .template get<5>() *
+           skilled_tool<T>();
   }
   /// A touch of up to `force` on a link, anywhere on it; it comes and goes within a tenth of a second.
   void touch(double force) {

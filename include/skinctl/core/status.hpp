@@ -36,6 +36,7 @@ enum class Reason : std::uint8_t {
   goal_stretched,        ///< a goal got more time than asked, to keep velocity limits
   hand_over,             ///< a difference of torque is being ramped out
   singular,              ///< a matrix could not be factorised: zero acceleration for this sub-step
+  slowed,                ///< next to a singularity, or at the largest joint speed: the tool moves slower
   skill_refused,         ///< a skill may not start now: the old one goes on
   skill_finished,        ///< the skill has done its work and holds
   skill_failed,          ///< the skill has failed: the one to fall back to comes
@@ -106,6 +107,7 @@ constexpr const char* describe(Reason r) noexcept {
       "goal stretched in time",
       "hand-over: a torque difference is being ramped out",
       "singular: zero acceleration",
+      "slowed: next to a singularity, or at the largest speed of a joint",
       "skill refused: the old one goes on",
       "skill finished: it holds",
       "skill failed: falling back",

@@ -118,6 +118,36 @@ void each_number(G& goal, F&& f) {
   if constexpr (requires { goal.ddq_d; }) each_number(goal.ddq_d, f);
 }
 
+template <class T, class F>
+void each_number(Xyz<T>& v, F&& f) {
+  f(v.x), f(v.y), f(v.z);
+}
+template <Frame A, Frame B, class T, class F>
+void each_number(Transform<A, B, T>& X, F&& f) {
+  auto R = X.axes();
+  auto p = X.origin();
+  for (Xyz<T>* v : {&R.x, &R.y, &R.z, &p}) each_number(*v, f);
+  X = Transform<A, B, T>::trusted(R, p);
+}
+template <class G, class F>
+  requires requires(G& g) { g.X_BP; }
+void each_number(G& goal, F&& f) {
+  each_number(goal.X_BP, f);
+  if constexpr (requires { goal.duration; }) f(goal.duration);
+  if constexpr (requires { goal.V; }) {
+    for (auto* v : {&goal.V.linear, &goal.V.angular, &goal.A.linear, &goal.A.angular}) each_number(*v, f);
+  }
+}
+template <class G, class F>
+  requires requires(G& g) {
+    g.direction;
+    g.force;
+  }
+void each_number(G& goal, F&& f) {
+  each_number(goal.direction, f);
+  f(goal.force);
+}
+
 /// What happened in a run of `C`: the state at which it started, then every input and the command that it
 /// gave.
 template <class C>

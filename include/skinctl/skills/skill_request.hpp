@@ -10,6 +10,12 @@ namespace detail {
 /// Goals of several types side by side, each there or not.
 template <class... G>
 struct Goals {
+  template <class X>
+  struct NoSuchGoal {};
+  template <class X>
+  constexpr NoSuchGoal<X> of() const noexcept {
+    return {};
+  }
   template <class F>
   friend void each_number(Goals&, F&&) {}
 };
