@@ -48,6 +48,9 @@ enum class Reason : std::uint8_t {
   budget_overrun,        ///< cycles took longer than their budget: the command brakes and holds
   work_skipped,          ///< a cycle took longer than its budget: optional work should be left out
   consent_awaited,       ///< a fault is over, but only the user's `resume` ends its reaction
+  skill_refused,         ///< a skill may not start now: the old one goes on
+  skill_finished,        ///< the skill has done its work and holds
+  skill_failed,          ///< the skill has failed: the one to fall back to comes
   stopping,              ///< a stop was asked for or is being carried out
   count
 };
@@ -127,6 +130,9 @@ constexpr const char* describe(Reason r) noexcept {
       "budget overrun: braking and holding",
       "budget overrun: optional work left out",
       "waiting for consent to go on",
+      "skill refused: the old one goes on",
+      "skill finished: it holds",
+      "skill failed: falling back",
       "stopping",
   };
   static_assert(sizeof text / sizeof *text == static_cast<unsigned>(Reason::count), "one text a reason");
