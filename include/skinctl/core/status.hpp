@@ -36,6 +36,9 @@ enum class Reason : std::uint8_t {
   goal_stretched,        ///< a goal got more time than asked, to keep velocity limits
   hand_over,             ///< a difference of torque is being ramped out
   singular,              ///< a matrix could not be factorised: zero acceleration for this sub-step
+  tank_empty,            ///< the energy tank cannot pay for the active torques: they fade
+  energy_held,           ///< moving on into a contact would cost more energy than it gave: held
+  contact_damped,        ///< a contact oscillated: damping was added along it
   stopping,              ///< a stop was asked for or is being carried out
   count
 };
@@ -103,6 +106,9 @@ constexpr const char* describe(Reason r) noexcept {
       "goal stretched in time",
       "hand-over: a torque difference is being ramped out",
       "singular: zero acceleration",
+      "energy tank empty: active torques fade",
+      "energy of the contact used up: held",
+      "contact oscillated: damped",
       "stopping",
   };
   static_assert(sizeof text / sizeof *text == static_cast<unsigned>(Reason::count), "one text a reason");
