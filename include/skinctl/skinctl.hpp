@@ -89,6 +89,7 @@
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/model/ur5_allegro.hpp"
 #include "skinctl/resolver/configuration.hpp"
+#include "skinctl/resolver/contact_stability.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/memory.hpp"
 #include "skinctl/resolver/passivity.hpp"
