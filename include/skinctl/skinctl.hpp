@@ -124,15 +124,12 @@
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
-<<<<<<< HEAD
 #include "skinctl/skills/behaviours.hpp"
 #include "skinctl/skills/library.hpp"
 #include "skinctl/skills/skill.hpp"
 #include "skinctl/skills/skill_request.hpp"
 #include "skinctl/skills/skill_set.hpp"
-=======
 #include "skinctl/tactile/contact.hpp"
->>>>>>> passivity
 #include "skinctl/tactile/cover.hpp"
 #include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
