@@ -11,14 +11,14 @@ SKINCTL_BEGIN_NAMESPACE
 /// What a tracking law remembers; trivially copyable.
 template <std::size_t N, Real T, class Plan>
 struct TrackingMemory {
+  Nanoseconds since_reset = 0;
+  bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
   Plan plan;
   SurfaceBias<N, T> bias;
   Integrals<N, T> I1;  ///< of S_delta [rad]
   Integrals<N, T> I2;  ///< of tanh(mu S_delta) [s]
-  Nanoseconds since_reset = 0;
-  T tb = T(0);        ///< convergence time [s], stretched if need be; 0: no time base
-  T K_from = T(0);    ///< without one: the gain at the reset [1/s]
-  bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
+  T tb = T(0);         ///< convergence time [s], stretched if need be; 0: no time base
+  T K_from = T(0);     ///< without one: the gain at the reset [1/s]
 };
 
 /// Tracking in joint space, eqs. (8)-(14): `tau = -K_d S_q + Y_r Theta`, evaluated at the middle of the
@@ -103,7 +103,7 @@ class JointTracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
     static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
-    return sliding_surface(gains_, inputs(memory, T(0), Surface{}), known.q(), known.dq());
+    return sliding_surface(gains_, inputs(memory, T(0), {}, {}), known.q(), known.dq());
   }
 
   /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
@@ -153,7 +153,8 @@ class JointTracking : public Composable {
     return memory.tb > T(0) ? schedule_.at(t, memory.tb) : schedule_.rising(t, memory.K_from);
   }
   [[nodiscard]] SKINCTL_NOINLINE SurfaceInputs<N, T> inputs(const Memory& memory, const T& x,
-                                                            const Surface& at_t) const noexcept;
+                                                            const JointVelocity<N, T>& dI1,
+                                                            const JointVelocity<N, T>& dI2) const noexcept;
   [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
                                               const T& dt) const noexcept;
   template <class K>

@@ -30,15 +30,13 @@ struct SplinePlan {
     return {{q, q, T(0)}, {}};
   }
   /// The reference `x` seconds from now.
-  [[nodiscard]] SKINCTL_INLINE constexpr JointReference<N, T> at(
-      const T& x, const JointControlSettings<N, T>& s) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE JointReference<N, T> at(const T& x,
+                                                       const JointControlSettings<N, T>& s) const noexcept {
     const auto own = clock.at(x, s.hand_over);
-    auto r = spline.at(own.t);
-    for (std::size_t i = 0; i < N; ++i) {
-      r.ddq_d[i] = own.rate * own.rate * r.ddq_d[i] + own.bend * r.dq_d[i];
-      r.dq_d[i] = own.rate * r.dq_d[i];
-    }
-    return r;
+    const auto r = spline.at(own.t);
+    const detail::Row<N, T> dq_d = r.dq_d, ddq_d = r.ddq_d;
+    return {r.q_d, JointVelocity<N, T>(own.rate * dq_d),
+            JointAcceleration<N, T>(T(own.rate * own.rate) * ddq_d + own.bend * dq_d)};
   }
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan advanced(
       Nanoseconds dt, const JointControlSettings<N, T>& s) const noexcept {

@@ -27,17 +27,13 @@ struct TargetPlan {
     return {{q, {}, {}}, {}, false};
   }
   /// The target `x` seconds from now.
-  [[nodiscard]] SKINCTL_INLINE constexpr JointReference<N, T> at(
-      const T& x, const JointControlSettings<N, T>& s) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE JointReference<N, T> at(const T& x,
+                                                       const JointControlSettings<N, T>& s) const noexcept {
     const auto own = clock.at(x, s.target_age);
-    JointReference<N, T> out;
-    for (std::size_t i = 0; i < N; ++i) {
-      const T v = target.dq_d[i] + own.t * target.ddq_d[i];
-      out.q_d[i] = target.q_d[i] + own.t * (target.dq_d[i] + T(0.5) * own.t * target.ddq_d[i]);
-      out.dq_d[i] = own.rate * v;
-      out.ddq_d[i] = own.bend * v + own.rate * own.rate * target.ddq_d[i];
-    }
-    return out;
+    const detail::Row<N, T> q = target.q_d, dq = target.dq_d, ddq = target.ddq_d, v = dq + own.t * ddq;
+    return {JointPosition<N, T>(q + own.t * (dq + T(T(0.5) * own.t) * ddq)),
+            JointVelocity<N, T>(own.rate * v),
+            JointAcceleration<N, T>(own.bend * v + T(own.rate * own.rate) * ddq)};
   }
   [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan advanced(
       Nanoseconds dt, const JointControlSettings<N, T>& s) const noexcept {

@@ -190,14 +190,33 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   }
   /// What a law's torque and memory share, or nothing.
   struct Nothing {};
-  template <class Law, class K>
-  static SKINCTL_INLINE auto now_of(const Law& law, const typename Law::Memory& memory,
-                                    const K& known) noexcept {
-    if constexpr (requires { law.now(memory, known); }) {
-      return law.now(memory, known);
-    } else {
+  template <class First, class Rest>
+  struct Chain {
+    First first;
+    Rest rest;
+  };
+  /// Of the laws from the `I`-th on, each built where it stays.
+  template <std::size_t I, class K>
+  [[nodiscard]] SKINCTL_INLINE auto now_from(const Memory& memory, const K& known) const noexcept {
+    if constexpr (I == terms) {
       return Nothing{};
+    } else {
+      const auto here = [&]() SKINCTL_INLINE_LAMBDA {
+        const auto& law = std::get<I>(laws_);
+        if constexpr (requires { law.now(detail::memory_of<I>(memory.laws), known); }) {
+          return law.now(detail::memory_of<I>(memory.laws), known);
+        } else {
+          return Nothing{};
+        }
+      };
+      return Chain<decltype(here()), decltype(now_from<I + 1>(memory, known))>{
+          here(), now_from<I + 1>(memory, known)};
     }
+  }
+  template <std::size_t I, class Now>
+  static constexpr bool has_now() noexcept {
+    using Here = std::remove_cvref_t<decltype(detail::memory_of<I>(std::declval<Now&>()))>;
+    return !std::same_as<Here, Nothing>;
   }
 
   template <class K>
@@ -205,34 +224,24 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept {
     using T = typename K::scalar;
     using Torque = JointTorque<K::joints, T>;
-    std::array<Torque, terms> shares;
-    Torque total, skin, track;
-    Status status;
-
-    const auto now = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      return std::tuple{now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known)...};
+    const auto now = now_from<0>(memory, known);
+    const auto shares = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      return std::array<Torque, terms>{share<I>(memory, known, now)...};
     }(std::index_sequence_for<L...>{});
 
+    Torque total, skin, track;
+    Status status;
     each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
       constexpr std::size_t I = i.value;
-      constexpr Role r = law_at<I>::role;
-      const auto& part = detail::memory_of<I>(memory.laws);
-      if constexpr (r == Role::tracking) {
-        const Share<T> share{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
-        if constexpr (std::same_as<std::remove_cvref_t<decltype(std::get<I>(now))>, Nothing>) {
-          shares[I] = law.template torque<gravity_term>(part, known, share);
-        } else {
-          shares[I] = law.template torque<gravity_term>(part, known, share, std::get<I>(now));
-        }
+      if constexpr (law_at<I>::role == Role::tracking) {
         track += shares[I];
-        if constexpr (watches && gravity_laws == 0) track -= share.feed_forward * known.gravity();
-      } else if constexpr (r == Role::reactive) {
-        shares[I] = static_cast<T>(weights_[I]) * law.torque(part, known);
+        if constexpr (watches && gravity_laws == 0)
+          track -= static_cast<T>(shares_[I].feed_forward) * known.gravity();
+      } else if constexpr (law_at<I>::role == Role::reactive) {
         skin += shares[I];
-      } else {
-        shares[I] = law.torque(part, known);
       }
       total += shares[I];
+      const auto& part = detail::memory_of<I>(memory.laws);
       if constexpr (requires { law.status(part); }) status |= law.status(part);
     });
 
@@ -245,7 +254,31 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       if (opposition == Opposition::lasting) status |= Reason::opposed;
     }
     // Each memory is written once, where it stays: a copy of what has just been written waits for it.
-    return {total, {advanced<0>(memory, known, dt, opposition, now), watched}, shares, status};
+    return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      return Evaluation<K::joints, T, Memory, terms>{
+          total, {advanced<0>(memory, known, dt, opposition, now), watched}, {shares[I]...}, status};
+    }(std::index_sequence_for<L...>{});
+  }
+
+  /// What the `I`-th law contributes.
+  template <std::size_t I, class K, class Now>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> share(
+      const Memory& memory, const K& known, const Now& now) const noexcept {
+    using T = typename K::scalar;
+    const auto& law = std::get<I>(laws_);
+    const auto& part = detail::memory_of<I>(memory.laws);
+    if constexpr (law_at<I>::role == Role::tracking) {
+      const Share<T> weight{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
+      if constexpr (has_now<I, Now>()) {
+        return law.template torque<gravity_term>(part, known, weight, detail::memory_of<I>(now));
+      } else {
+        return law.template torque<gravity_term>(part, known, weight);
+      }
+    } else if constexpr (law_at<I>::role == Role::reactive) {
+      return static_cast<T>(weights_[I]) * law.torque(part, known);
+    } else {
+      return law.torque(part, known);
+    }
   }
 
   /// The memories from the `I`-th law on.
@@ -258,10 +291,10 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     } else {
       const auto next = [&]() SKINCTL_INLINE_LAMBDA {
         const auto& part = detail::memory_of<I>(memory.laws);
-        if constexpr (std::same_as<std::remove_cvref_t<decltype(std::get<I>(now))>, Nothing>) {
-          return std::get<I>(laws_).advance(part, known, dt, opposition);
+        if constexpr (has_now<I, Now>()) {
+          return std::get<I>(laws_).advance(part, known, dt, opposition, detail::memory_of<I>(now));
         } else {
-          return std::get<I>(laws_).advance(part, known, dt, opposition, std::get<I>(now));
+          return std::get<I>(laws_).advance(part, known, dt, opposition);
         }
       };
       return detail::MemoriesFrom<I, typename L::Memory...>{

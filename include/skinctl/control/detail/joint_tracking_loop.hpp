@@ -5,22 +5,19 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What the surface reads `x` seconds from now, the integrals going on as at `at_t`.
+/// What the surface reads `x` seconds from now, the integrals going on at the given rates.
 template <std::size_t N, Real T, class Plan, class Damping>
 SKINCTL_NOINLINE SurfaceInputs<N, T> JointTracking<N, T, Plan, Damping>::inputs(
-    const Memory& memory, const T& x, const Surface& at_t) const noexcept {
+    const Memory& memory, const T& x, const JointVelocity<N, T>& dI1,
+    const JointVelocity<N, T>& dI2) const noexcept {
+  using R = detail::Row<N, T>;
   // Built in place: a copy of what has just been written in other pieces waits for them.
-  SurfaceInputs<N, T> in{memory.plan.at(x, settings_),
-                         gain(memory, x),
-                         memory.bias.at(x, settings_.kappa, settings_.hand_over),
-                         {},
-                         {},
-                         memory.held};
-  detail::for_each_index<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-    in.I1[i] = memory.I1.sum[i] + x * at_t.dI1[i];
-    in.I2[i] = memory.I2.sum[i] + x * at_t.dI2[i];
-  });
-  return in;
+  return {memory.held,
+          gain(memory, x),
+          memory.plan.at(x, settings_),
+          memory.bias.at(x, settings_.kappa, settings_.hand_over),
+          JointVelocity<N, T>(R(memory.I1.sum) + x * R(dI1)),
+          JointVelocity<N, T>(R(memory.I2.sum) + x * R(dI2))};
 }
 
 /// The memory `dt` seconds later.
@@ -28,14 +25,14 @@ template <std::size_t N, Real T, class Plan, class Damping>
 SKINCTL_INLINE TrackingMemory<N, T, Plan> JointTracking<N, T, Plan, Damping>::stepped(
     const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
   const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
-  return {memory.plan.advanced(ns, settings_),
+  return {later(memory.since_reset, ns),
+          memory.held,
+          memory.plan.advanced(ns, settings_),
           memory.bias.advanced(dt, ns, settings_.kappa),
           memory.I1.advanced(at_t.dI1, dt),
           memory.I2.advanced(at_t.dI2, dt),
-          later(memory.since_reset, ns),
           memory.tb,
-          memory.K_from,
-          memory.held};
+          memory.K_from};
 }
 
 /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
@@ -45,35 +42,26 @@ template <GravityTerm G, class K>
 SKINCTL_INLINE JointTorque<N, T> JointTracking<N, T, Plan, Damping>::torque(
     const Memory& memory, const K& known, const Share<T>& share, const Surface& at_t) const noexcept {
   using M = typename K::model_type;
+  using R = detail::Row<N, T>;
   const T h = T(0.5) * known.dt();
-  const auto damped = damping_.acceleration(known, at_t.S_q);
-  JointPosition<N, T> q_h;
-  JointVelocity<N, T> dq_h;
-  JointAcceleration<N, T> a;
-  for (std::size_t i = 0; i < N; ++i) {
-    a[i] = at_t.ddq_r[i] - damped[i];
-    q_h[i] = known.q()[i] + h * (known.dq()[i] + T(0.5) * h * a[i]);
-    dq_h[i] = known.dq()[i] + h * a[i];
-  }
-  const auto ahead = inputs(memory, h, at_t);
-  const auto middle = sliding_surface(gains_, ahead, q_h, dq_h);
-  JointVelocity<N, T> dq_r;
-  JointAcceleration<N, T> ddq_r;
-  JointTorque<N, T> shaped;  // of rotors and friction
+  const R damped(damping_.acceleration(known, at_t.S_q));
+  const R a = at_t.ddq_r - damped;
+  const R q = known.q() + h * (known.dq() + T(T(0.5) * h) * a), dq = known.dq() + h * a;
+  const auto ahead = inputs(memory, h, at_t.dI1, at_t.dI2);
+  const auto middle = sliding_surface(gains_, ahead, JointPosition<N, T>(q), JointVelocity<N, T>(dq));
+  // The acceleration that is held is the one asked for at the middle: the state there once more, with it.
+  const R dv = h * (middle.ddq_r - damped - a), dx = T(T(0.5) * h) * dv;
+  const JointPosition<N, T> q_h(q + dx);
+  const JointVelocity<N, T> dq_h(dq + dv);
+  const R v_r = share.feed_forward * (middle.dq_r - ahead.K_p.K * dx);
+  R a_r = share.feed_forward * (middle.ddq_r - ahead.K_p.K * dv - ahead.K_p.dK * dx);
   constexpr bool inertial = std::same_as<Damping, InertialDamping<T>>;
-  for (std::size_t i = 0; i < N; ++i) {
-    // The acceleration that is held is the one asked for at the middle: the state there once more, with it.
-    const T dv = h * (middle.ddq_r[i] - damped[i] - a[i]);
-    const T dx = T(0.5) * h * dv;
-    q_h[i] = q_h[i] + dx;
-    dq_h[i] = dq_h[i] + dv;
-    dq_r[i] = share.feed_forward * (middle.dq_r[i] - ahead.K_p.K * dx);
-    ddq_r[i] = share.feed_forward * (middle.ddq_r[i] - ahead.K_p.K * dv - ahead.K_p.dK * dx);
-    if constexpr (inertial) ddq_r[i] = ddq_r[i] - share.feedback * damped[i];
-    shaped[i] = settings_.shape.viscous[i] * dq_r[i] +
-                settings_.shape.inertia[i] * (ddq_r[i] + settings_.shape.decay * dq_r[i]);
-    ddq_r[i] = ddq_r[i] + settings_.shape.decay * dq_r[i];
-  }
+  if constexpr (inertial) a_r = a_r - share.feedback * damped;
+  const auto& shape = settings_.shape;
+  const R decayed = a_r + shape.decay * v_r;
+  const R shaped = shape.viscous * v_r + shape.inertia * decayed;  // of rotors and friction
+  const JointVelocity<N, T> dq_r(v_r);
+  const JointAcceleration<N, T> ddq_r(decayed);
   JointTorque<N, T> tau;
   const JointAngles<M, T> angles(known.model(), q_h);
   const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
@@ -85,10 +73,10 @@ SKINCTL_INLINE JointTorque<N, T> JointTracking<N, T, Plan, Damping>::torque(
   } else {
     run(ZeroTriple{});
   }
-  tau += shaped;
+  (tau + shaped).store(tau);
   if constexpr (!inertial) {
     const auto feedback = damping_.torque(at_t.S_q);
-    for (std::size_t i = 0; i < N; ++i) tau[i] = tau[i] - share.feedback * feedback[i];
+    tau -= share.feedback * feedback;
   }
   return tau;
 }
