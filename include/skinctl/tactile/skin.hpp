@@ -84,8 +84,7 @@ class Skin {
     for (std::size_t j = 0; j < substeps; ++j) means[j] = before;
     const detail::Reception<T, detail::SkinTables<T, patches>, Memory, Wrenches> reception(tables_, memory,
                                                                                            parts, means);
-    Status status;
-    for (const CellSample& sample : samples) status |= reception.take(sample);
+    Status status = reception.take(samples);
     status |= reception.age();
     return parts.from == parts.to ? status | Reason::interval_empty : status;
   }
