@@ -41,14 +41,16 @@ struct SlidingSurface {
 };
 
 /// What the surface is computed from, beside the state: all at the same instant.
-template <std::size_t N, Scalar T = double>
+///
+/// `N` coordinates, of the joints or of operational space; a bias and integrals in them.
+template <std::size_t N, Scalar T = double, class Target = JointReference<N, T>>
 struct SurfaceInputs {
-  bool held;  ///< the integrals stand still
+  Target target;
   Gain<T> K_p;
-  JointReference<N, T> target;
   BiasNow<N, T> bias;
   JointVelocity<N, T> I1;  ///< the integrals themselves
   JointVelocity<N, T> I2;
+  bool held;  ///< the integrals stand still
 };
 
 /// Gains of the surface, in the form in which the loop reads them.
@@ -91,27 +93,37 @@ struct SurfaceGains {
   }
 };
 
-/// Eqs. (9)-(14) and the derivative of (10), at the state `(q, dq)`. A NaN gives NaNs and nothing worse.
-template <std::size_t N, Real T>
+/// Errors of the coordinates, and what the target itself does in them.
+template <std::size_t N, Scalar T = double>
+struct SurfaceErrors {
+  T e[N];      ///< of position, eqs. (13), (20)
+  T de[N];     ///< of velocity, as S reads it, eqs. (12), (21)
+  T slope[N];  ///< the true derivative of `e`: `de` in joint space
+  T v_d[N];    ///< velocity of the target
+  T a_d[N];    ///< its acceleration
+};
+
+/// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `S_q` is what `rest(dq_r)` gives. A NaN gives
+/// NaNs and nothing worse.
+template <std::size_t N, Real T, class Target, class Rest>
 [[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T>& gains,
-                                                                  const SurfaceInputs<N, T>& in,
-                                                                  const JointPosition<N, T>& q,
-                                                                  const JointVelocity<N, T>& dq) noexcept {
+                                                                  const SurfaceInputs<N, T, Target>& in,
+                                                                  const SurfaceErrors<N, T>& error,
+                                                                  Rest&& rest) noexcept {
   using R = detail::Row<N, T>;
-  const auto& target = in.target;
-  const R e = q - target.q_d, de = dq - target.dq_d, S_d = in.bias.S_d, K = in.K_p.K, K_i1 = gains.K_i1,
-          K_i2 = gains.K_i2;
+  const R e(error.e), de(error.de), slope(error.slope), v_d(error.v_d), a_d(error.a_d);
+  const R S_d = in.bias.S_d, K = in.K_p.K, K_i1 = gains.K_i1, K_i2 = gains.K_i2;
   const R S_delta = de + K * e - S_d;
   R dI1 = T(0), dI2 = T(0);
   if (!in.held) [[likely]] {
     dI1 = gains.taken(in.I1, S_delta, gains.I1_limit);
     dI2 = gains.taken(in.I2, math::tanh(gains.mu * S_delta), gains.I2_limit);
   }
-  const R dq_r = target.dq_d - K * e + S_d - K_i1 * in.I1 - K_i2 * in.I2;
-  const R ddq_r = target.ddq_d - K * de - in.K_p.dK * e + in.bias.dS_d - K_i1 * dI1 - K_i2 * dI2;
+  const R dq_r = v_d - K * e + S_d - K_i1 * in.I1 - K_i2 * in.I2;
+  const R ddq_r = a_d - K * slope - in.K_p.dK * e + in.bias.dS_d - K_i1 * dI1 - K_i2 * dI2;
   using Velocity = JointVelocity<N, T>;
-  return {Velocity(S_delta),  Velocity(dI1), Velocity(dI2), Velocity(dq_r), JointAcceleration<N, T>(ddq_r),
-          Velocity(dq - dq_r)};
+  return {Velocity(S_delta), Velocity(dI1), Velocity(dI2), Velocity(dq_r), JointAcceleration<N, T>(ddq_r),
+          rest(dq_r)};
 }
 
 SKINCTL_END_NAMESPACE

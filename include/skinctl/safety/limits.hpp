@@ -50,6 +50,8 @@ class JointLimits {
     JointVelocity<N, T> velocity;          ///< magnitude [rad/s], > 0
     JointAcceleration<N, T> acceleration;  ///< magnitude [rad/s^2], > 0, with which the joint can also brake
     JointTorque<N, T> torque;              ///< magnitude [N m], > 0
+    /// Most that a joint drives with, `tau dq` [W], > 0; braking is free. Infinity by default.
+    JointPower<N, T> power = JointPower<N, T>::constant(std::numeric_limits<T>::infinity());
   };
 
   /// Throws `ConfigurationError` for a number out of its range, with the number.
@@ -65,6 +67,8 @@ class JointLimits {
               number(values.acceleration[i]), "> 0, <= 1e5 rad/s^2");
       require(values.torque[i] > T(0) && values.torque[i] <= big, "torque limit", number(values.torque[i]),
               "> 0 N m, finite");
+      require(values.power[i] > T(0), "power limit", number(values.power[i]), "> 0 W");
+      has_power_ = has_power_ || values.power[i] <= big;
     }
   }
 
@@ -77,6 +81,7 @@ class JointLimits {
     return values_.acceleration;
   }
   [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque() const noexcept { return values_.torque; }
+  [[nodiscard]] SKINCTL_INLINE const JointPower<N, T>& power() const noexcept { return values_.power; }
   [[nodiscard]] const Values& values() const noexcept { return values_; }
 
   /// Distances from `q` to the position limits.
@@ -87,6 +92,18 @@ class JointLimits {
   [[nodiscard]] SKINCTL_INLINE bool hold(const JointPosition<N, T>& q) const noexcept {
     const detail::Row row(q);
     return all((row >= values_.lower) & (row <= values_.upper));
+  }
+
+  /// `tau`, cut to the limits of torque, and of power at the speeds `dq`.
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> within(const JointTorque<N, T>& tau,
+                                                        const JointVelocity<N, T>& dq) const noexcept {
+    using R = detail::Row<N, T>;
+    const R limit = values_.torque;
+    JointTorque<N, T> out(clamp(R(tau), -limit, limit));
+    for (std::size_t i = 0; has_power_ && i < N; ++i)
+      if (out[i] * dq[i] > values_.power[i]) [[unlikely]]
+        out[i] = values_.power[i] / dq[i];
+    return out;
   }
 
   /// The motion over `h` > 0 seconds from velocity `u0` towards velocity `target` that keeps the limits.
@@ -119,16 +136,16 @@ class JointLimits {
       if (out.braked != 0) out.status |= Reason::position_limited;
       u = out.velocity;
     }
-    const R within = clamp(u, from - dv, up);
-    if (any(within != u)) out.status |= Reason::acceleration_limited;
+    const R reached = clamp(u, from - dv, up);
+    if (any(reached != u)) out.status |= Reason::acceleration_limited;
     // A joint that stops within the step may stop earlier than a straight line does.
     const R stop = from * from / (T(2) * a);
     const R most = select((from > zero) & (stop > above), stop, select(above > zero, above, zero));
     const R least = select((from < zero) & (stop > below), stop, select(below > zero, below, zero));
-    clamp(half * (from + within), -least, most).store(out.displacement);
+    clamp(half * (from + reached), -least, most).store(out.displacement);
     // Squares of what is next to nothing are denormal numbers, which are slow.
     const R tiny = T(std::same_as<T, float> ? 1e-17 : 1e-150);
-    select(magnitude(within) > tiny, within, zero).store(out.velocity);
+    select(magnitude(reached) > tiny, reached, zero).store(out.velocity);
     return out;
   }
 
@@ -155,6 +172,7 @@ class JointLimits {
   }
 
   Values values_;
+  bool has_power_ = false;
 };
 
 /// Limits from a robot's description: its positions, velocity and torques as the maker publishes them.

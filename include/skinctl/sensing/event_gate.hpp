@@ -42,12 +42,7 @@ class EventGate {
 
   /// What passes of the reading `x`; `open` is whether something passed last time.
   [[nodiscard]] SKINCTL_INLINE constexpr T pass(const T& x, bool open) const noexcept {
-    const T threshold = open ? closes_below_ : opens_at_;
-    if constexpr (std::is_integral_v<T>) {
-      return (x - subtract_) & -T(x >= threshold);  // no branch: nobody foresees a reading
-    } else {
-      return x >= threshold ? T(x - subtract_) : T(0);
-    }
+    return x >= (open ? closes_below_ : opens_at_) && x > subtract_ ? T(x - subtract_) : T(0);
   }
 
   [[nodiscard]] constexpr T opens_at() const noexcept { return opens_at_; }

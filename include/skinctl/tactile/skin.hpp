@@ -84,7 +84,8 @@ class Skin {
     for (std::size_t j = 0; j < substeps; ++j) means[j] = before;
     const detail::Reception<T, detail::SkinTables<T, patches>, Memory, Wrenches> reception(tables_, memory,
                                                                                            parts, means);
-    Status status = reception.take(samples);
+    Status status;
+    for (const CellSample& sample : samples) status |= reception.take(sample);
     status |= reception.age();
     return parts.from == parts.to ? status | Reason::interval_empty : status;
   }

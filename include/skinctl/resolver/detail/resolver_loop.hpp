@@ -198,9 +198,8 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(const Memory& m, const L& la
     out.status |= Reason::torque_not_finite;
     return out;
   }
-  const Row limit = p_.limits.torque(), torque = out.law.torque, given = clamp(torque, -limit, limit);
-  given.store(out.torque);
-  if (any(given != torque)) out.status |= Reason::torque_limited;
+  out.torque = p_.limits.within(out.law.torque, state.dq);
+  if (any(Row(out.torque) != out.law.torque)) out.status |= Reason::torque_limited;
   const auto next =
       detail::step_velocity<Integrator>(known, p_.shape, p_.has_coulomb, out.torque, pull, m.last);
   if (next.singular) out.status |= Reason::singular;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "skinctl/core/lane.hpp"
@@ -101,8 +100,6 @@ class CellTable {
   SKINCTL_INLINE std::size_t index(std::uint32_t id) const noexcept {
     return id < index_.size() ? index_[id] : none;
   }
-  /// By id; larger than any place where there is no such cell.
-  SKINCTL_INLINE std::span<const std::uint32_t> places() const noexcept { return index_; }
   SKINCTL_INLINE const CellEntry& operator[](std::size_t i) const noexcept { return entries_[i]; }
 
  private:

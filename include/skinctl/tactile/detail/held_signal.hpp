@@ -20,14 +20,6 @@ SKINCTL_INLINE constexpr Nanoseconds elapsed(Nanoseconds earlier, Nanoseconds la
   const std::uint64_t t = span(earlier, later);
   return t > static_cast<std::uint64_t>(INT64_MAX) ? INT64_MAX : static_cast<Nanoseconds>(t);
 }
-/// `time - span`; the earliest time where that is earlier.
-SKINCTL_INLINE constexpr Nanoseconds before(Nanoseconds time, Nanoseconds span) noexcept {
-  return time < INT64_MIN + span ? INT64_MIN : time - span;
-}
-/// `time + span`; the latest time where that is later.
-SKINCTL_INLINE constexpr Nanoseconds after(Nanoseconds time, Nanoseconds span) noexcept {
-  return time > INT64_MAX - span ? INT64_MAX : time + span;
-}
 /// `t - origin` in seconds, of either sign, for times less than 292 years apart; the difference is taken in
 /// whole nanoseconds.
 template <Real T>
