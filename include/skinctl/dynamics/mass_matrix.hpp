@@ -135,5 +135,9 @@ template <Model M, Scalar T>
     const M& model, const JointPosition<M::joints, T>& q) noexcept {
   return mass_matrix(model, JointAngles<M, T>(model, q));
 }
+// clang-format off
+template <Model M, Scalar T> requires(!computes_in<M, T>)
+void mass_matrix(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+// clang-format on
 
 SKINCTL_END_NAMESPACE
