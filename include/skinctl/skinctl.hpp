@@ -1,6 +1,7 @@
 // All of skinctl but what needs a third-party parser or serves above the loop: io/, calibration/, semantics/.
 #pragma once
 
+#include "skinctl/control/adaptation.hpp"
 #include "skinctl/control/damping.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/gravity_control.hpp"

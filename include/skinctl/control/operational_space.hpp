@@ -334,8 +334,8 @@ SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::sur
   Surface s;
   Errors error;
   errors(error, s.near, in.target, at, memory);
-  SlidingSurface<coordinates, T> x;
-  sliding_surface(x, gains, in, error);
+  const auto x =
+      sliding_surface(gains, in, error, [](const auto&) { return JointVelocity<coordinates, T>(); });
   s.S_delta = x.S_delta, s.dI1 = x.dI1, s.dI2 = x.dI2, s.dx_r = x.dq_r, s.ddx_r = x.ddq_r;
 
   Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};

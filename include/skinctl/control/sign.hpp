@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/math/tanh.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -14,10 +15,8 @@ SKINCTL_BEGIN_NAMESPACE
 struct TanhSign {
   static constexpr bool twists = false;
   template <std::size_t N, Real T>
-  SKINCTL_INLINE static void rates(const T* S, const T& mu, const T&, const T*, T* out) noexcept {
-    T steep[N];
-    for (std::size_t i = 0; i < N; ++i) steep[i] = mu * S[i];
-    math::tanh<N>(steep, out);
+  SKINCTL_INLINE static auto rates(const detail::Row<N, T>& S, const T& mu, const T&, const T*) noexcept {
+    return math::tanh(mu * S);
   }
   template <Real T>
   [[nodiscard]] static T slope(const T& mu, const T&, const T&) noexcept {
@@ -29,11 +28,15 @@ struct TanhSign {
 struct SaturationSign {
   static constexpr bool twists = false;
   template <std::size_t N, Real T>
-  SKINCTL_INLINE static void rates(const T* S, const T& mu, const T&, const T*, T* out) noexcept {
+  SKINCTL_INLINE static detail::Row<N, T> rates(const detail::Row<N, T>& S, const T& mu, const T&,
+                                                const T*) noexcept {
+    const JointVelocity<N, T> s(S);
+    JointVelocity<N, T> out;
     for (std::size_t i = 0; i < N; ++i) {
-      const T x = mu * S[i];
+      const T x = mu * s[i];
       out[i] = x > T(1) ? T(1) : (x < T(-1) ? T(-1) : x);
     }
+    return detail::Row<N, T>(out);
   }
   template <Real T>
   [[nodiscard]] static T slope(const T& mu, const T&, const T&) noexcept {
@@ -48,8 +51,9 @@ struct SaturationSign {
 struct ImplicitSign {
   static constexpr bool twists = false;
   template <std::size_t N, Real T>
-  SKINCTL_INLINE static void rates(const T* S, const T& slope, const T&, const T* z, T* out) noexcept {
-    SaturationSign::rates<N>(S, slope, slope, z, out);
+  SKINCTL_INLINE static auto rates(const detail::Row<N, T>& S, const T& slope, const T&,
+                                   const T* z) noexcept {
+    return SaturationSign::rates<N>(S, slope, slope, z);
   }
   template <Real T>
   [[nodiscard]] static T slope(const T&, const T& K_i2, const T& dt) noexcept {
@@ -63,14 +67,18 @@ struct ImplicitSign {
 struct SuperTwistingSign {
   static constexpr bool twists = true;
   template <std::size_t N, Real T>
-  SKINCTL_INLINE static void rates(const T* S, const T& slope, const T& mu, const T* z, T* out) noexcept {
+  SKINCTL_INLINE static detail::Row<N, T> rates(const detail::Row<N, T>& S, const T& slope, const T& mu,
+                                                const T* z) noexcept {
     using std::sqrt;
+    const JointVelocity<N, T> s(S);
+    JointVelocity<N, T> out;
     for (std::size_t i = 0; i < N; ++i) {
-      const T size = S[i] < T(0) ? T(-S[i]) : S[i];
+      const T size = detail::magnitude(s[i]);
       const T root = sqrt(T(mu * size)), line = slope * size;
-      const T x = (S[i] < T(0) ? T(-1) : T(1)) * (root < line ? root : line) + z[i];
+      const T x = (s[i] < T(0) ? T(-1) : T(1)) * (root < line ? root : line) + z[i];
       out[i] = x > T(1) ? T(1) : (x < T(-1) ? T(-1) : x);
     }
+    return detail::Row<N, T>(out);
   }
   template <Real T>
   [[nodiscard]] static T slope(const T& mu, const T& K_i2, const T& dt) noexcept {

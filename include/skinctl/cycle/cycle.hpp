@@ -144,7 +144,7 @@ class Cycle {
 
     const auto guarded = guard_.pass(m.guard, resolved.command, input.measured, input.now);
     out.status |= guarded.status;
-    out.command = guarded.command;
+    out.command.assign(guarded.command);
     if (guarded.altered) resolver_.sent(m.robot, guarded.command);
     watch.end(Stage::guard);
     return out;
