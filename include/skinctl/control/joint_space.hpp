@@ -135,7 +135,8 @@ class JointSpace {
     a_d.store(error.a_d);
     return error;
   }
-  [[nodiscard]] SKINCTL_INLINE Surface surface(const SurfaceGains<T>& gains, const Inputs& in, const Site& at,
+  template <class Gains>
+  [[nodiscard]] SKINCTL_INLINE Surface surface(const Gains& gains, const Inputs& in, const Site& at,
                                                const Memory& memory) const noexcept {
     return sliding_surface(gains, in, errors(in.target, at, memory),
                            [&](const Row& dq_r)

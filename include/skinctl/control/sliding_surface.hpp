@@ -2,9 +2,9 @@
 #pragma once
 
 #include "skinctl/control/settings.hpp"
+#include "skinctl/control/sign.hpp"
 #include "skinctl/control/surface_bias.hpp"
 #include "skinctl/math/sum.hpp"
-#include "skinctl/math/tanh.hpp"
 #include "skinctl/trajectory/spline.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -34,7 +34,7 @@ template <std::size_t N, Scalar T = double>
 struct SlidingSurface {
   JointVelocity<N, T> S_delta;    ///< `S - S_d`, eq. (12)
   JointVelocity<N, T> dI1;        ///< rate of the integral of S_delta
-  JointVelocity<N, T> dI2;        ///< rate of the integral of tanh(mu S_delta)
+  JointVelocity<N, T> dI2;        ///< rate of the integral of its sign
   JointVelocity<N, T> dq_r;       ///< eq. (10)
   JointAcceleration<N, T> ddq_r;  ///< its derivative in time
   JointVelocity<N, T> S_q;        ///< `dq - dq_r`, eq. (9)
@@ -50,13 +50,15 @@ struct SurfaceInputs {
   BiasNow<N, T> bias;
   JointVelocity<N, T> I1;  ///< the integrals themselves
   JointVelocity<N, T> I2;
-  bool held;  ///< the integrals stand still
+  bool held;                 ///< the integrals stand still
+  const T* twist = nullptr;  ///< what the sign integrates by itself
 };
 
 /// Gains of the surface, in the form in which the loop reads them.
-template <Real T = double>
+template <Real T = double, class Sign = TanhSign>
 struct SurfaceGains {
   T K_i1, K_i2, mu;
+  T slope;               ///< the steepest of the sign
   T I1_limit, I2_limit;  ///< where the integrals stop
 
   template <std::size_t N>
@@ -64,6 +66,7 @@ struct SurfaceGains {
       : K_i1(s.K_i1),
         K_i2(s.K_i2),
         mu(s.mu),
+        slope(Sign::slope(s.mu, s.K_i2, s.dt)),
         I1_limit(s.K_i1 > T(0) ? T(s.integral_limit / s.K_i1) : T(1)),
         I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {}
 
@@ -105,8 +108,8 @@ struct SurfaceErrors {
 
 /// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `S_q` is what `rest(dq_r)` gives. A NaN gives
 /// NaNs and nothing worse.
-template <std::size_t N, Real T, class Target, class Rest>
-[[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T>& gains,
+template <std::size_t N, Real T, class Sign, class Target, class Rest>
+[[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T, Sign>& gains,
                                                                   const SurfaceInputs<N, T, Target>& in,
                                                                   const SurfaceErrors<N, T>& error,
                                                                   Rest&& rest) noexcept {
@@ -117,7 +120,7 @@ template <std::size_t N, Real T, class Target, class Rest>
   R dI1 = T(0), dI2 = T(0);
   if (!in.held) [[likely]] {
     dI1 = gains.taken(in.I1, S_delta, gains.I1_limit);
-    dI2 = gains.taken(in.I2, math::tanh(gains.mu * S_delta), gains.I2_limit);
+    dI2 = gains.taken(in.I2, Sign::rate(S_delta, gains.slope, gains.mu, in.twist), gains.I2_limit);
   }
   const R dq_r = v_d - K * e + S_d - K_i1 * in.I1 - K_i2 * in.I2;
   const R ddq_r = a_d - K * slope - in.K_p.dK * e + in.bias.dS_d - K_i1 * dI1 - K_i2 * dI2;

@@ -6,8 +6,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What the surface reads `x` seconds from now, the integrals going on at the given rates.
-template <class Space, class Plan, class Damping>
-SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping>::inputs(
+template <class Space, class Plan, class Damping, class Sign>
+SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::inputs(
     const Memory& memory, const T& x, const Rates& dI1, const Rates& dI2) const noexcept {
   using R = detail::Row<Space::coordinates, T>;
   // Built in place: a copy of what has just been written in other pieces waits for them.
@@ -16,12 +16,13 @@ SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping>::inputs(
           memory.bias.at(x, gains().kappa, gains().hand_over),
           Rates(R(memory.I1.sum) + x * R(dI1)),
           Rates(R(memory.I2.sum) + x * R(dI2)),
-          memory.held};
+          memory.held,
+          memory.sign.data()};
 }
 
 /// The memory `dt` seconds later.
-template <class Space, class Plan, class Damping>
-SKINCTL_INLINE TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::stepped(
+template <class Space, class Plan, class Damping, class Sign>
+SKINCTL_INLINE TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Sign>::stepped(
     const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
   const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
   return {later(memory.since_reset, ns),
@@ -32,16 +33,17 @@ SKINCTL_INLINE TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::stepp
           memory.I2.advanced(at_t.dI2, dt),
           memory.tb,
           memory.K_from,
+          memory.sign.advanced(at_t.S_delta.data, gains().mu, dt, memory.held),
           space_.advanced(memory.space, at_t, dt)};
 }
 
 /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
 /// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
-template <class Space, class Plan, class Damping>
+template <class Space, class Plan, class Damping, class Sign>
 template <GravityTerm G, class K>
-SKINCTL_INLINE auto Tracking<Space, Plan, Damping>::torque(const Memory& memory, const K& known,
-                                                           const Share<T>& share,
-                                                           const Surface& at_t) const noexcept
+SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& memory, const K& known,
+                                                                 const Share<T>& share,
+                                                                 const Surface& at_t) const noexcept
     -> JointTorque<N, T> {
   using M = typename K::model_type;
   using R = detail::Row<N, T>;
