@@ -78,7 +78,7 @@ TEST_CASE("NullSpace: the second law does not move the first one's link, and mov
     if (std::abs(std::sin(q[2])) < 0.3 || std::abs(std::sin(q[4])) < 0.3) continue;
     const State<6> rest{0, q, {}};
     const Pair law(First(zero), Second(random_torque(random)),
-                   {.task = Task::point, .heaviest = 1e4, .zone = 1});
+                   {.keeps = Keeps::point, .heaviest = 1e4, .zone = 1});
     const KnownHere known(model, rest, 0.0, none);
     const auto tau = law.torque(law.start(known), known);
     const auto free = law.first().torque({}, known) + law.second().tau;
@@ -120,8 +120,8 @@ TEST_CASE(
   auto random = seeded(13);
   const JointTorque<6> zero;
   const auto tau = random_torque(random);
-  for (const Task task : {Task::point, Task::pose}) {
-    const Pair law(First(zero), Second(tau), {.task = task});
+  for (const Keeps keeps : {Keeps::point, Keeps::pose}) {
+    const Pair law(First(zero), Second(tau), {.keeps = keeps});
     for (const std::size_t joint : {4u, 2u, 1u}) {
       const auto left = [&](double angle) {
         JointPosition<6> q{0.3, -1.2, 1.4, 0.1, 1.2, 0.2};

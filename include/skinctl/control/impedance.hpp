@@ -47,6 +47,7 @@ class Impedance : public Composable {
   using Settings = ImpedanceSettings<Space>;
   static constexpr Needs needs = Needs{.gravity = true, .mass = true} | Space::needs;
   static constexpr Role role = Role::tracking;
+  static constexpr const char* name = "impedance";
   struct Memory {
     Plan plan;
     JointTorque<N, T> difference;  ///< what the last reset changed

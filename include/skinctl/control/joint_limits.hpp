@@ -26,6 +26,7 @@ class JointLimitLaw : public Composable {
   struct Memory {};
   static constexpr Needs needs = {};
   static constexpr Role role = Role::reactive;
+  static constexpr const char* name = "joint_limits";
   static constexpr bool touch = false;  ///< the skin has no part in it: no opposition to detect
 
   /// Throws `ConfigurationError` for a range that holds no more than its margins, and for negative numbers.

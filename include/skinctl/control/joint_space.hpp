@@ -31,6 +31,8 @@ struct JointGoal {
 template <std::size_t N, Real T = double>
 class JointSpace {
  public:
+  static constexpr const char* name = "joint";                ///< of a law that follows targets in it
+  static constexpr const char* spline_name = "spline_joint";  ///< of one that goes to goals
   static constexpr std::size_t joints = N;
   static constexpr std::size_t coordinates = N;
   static constexpr Needs needs = {};

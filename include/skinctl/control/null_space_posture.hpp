@@ -17,6 +17,7 @@ class NullSpacePosture : public Composable {
   struct Memory {};
   static constexpr Needs needs = {.jacobians = link_bit<I>, .mass = true};
   static constexpr Role role = Role::reactive;
+  static constexpr const char* name = "posture";
   static constexpr bool touch = false;  ///< the skin has no part in it: no opposition to detect
 
   /// @param w      [1/s], > 0; `w dt <= 0.25`.

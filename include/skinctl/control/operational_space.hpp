@@ -45,6 +45,8 @@ template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task Wh
           class Orientation = RotationVectorError, class Null = DampedNullSpace>
 class OperationalSpace {
  public:
+  static constexpr const char* name = "operational";                ///< of a law that follows targets in it
+  static constexpr const char* spline_name = "spline_operational";  ///< of one that goes to goals
   static constexpr std::size_t joints = N;
   static constexpr std::size_t coordinates = What == Task::pose ? 6 : 3;
   static constexpr Needs needs = {.jacobians = link_bit<I>};

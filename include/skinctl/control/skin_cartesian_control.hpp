@@ -42,6 +42,7 @@ class SkinCartesianControl : public Composable {
   struct Memory {};
   static constexpr Needs needs = {.jacobians = link_bit<I>, .angles = true, .mass = damped, .touch = true};
   static constexpr Role role = Role::reactive;
+  static constexpr const char* name = "skin_cartesian";
 
   /// @param X_LP  the tool's frame in its link.
   /// @param rate  of a damped null space [1/s], > 0; `rate dt <= 0.5`. Throws `ConfigurationError`.

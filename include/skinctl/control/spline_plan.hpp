@@ -15,7 +15,7 @@ struct SplinePlan {
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
   static constexpr bool streams = false;
-  static constexpr const char* name = "spline_joint";  ///< of the law
+  static constexpr const char* name = Space::spline_name;  ///< of the law
 
   typename Space::Spline spline;
   PlanClock<T> clock;

@@ -20,7 +20,7 @@ struct TargetPlan {
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
   static constexpr bool streams = true;
-  static constexpr const char* name = "joint";  ///< of the law
+  static constexpr const char* name = Space::name;  ///< of the law
 
   Goal target;
   PlanClock<T> clock;  ///< time since it came

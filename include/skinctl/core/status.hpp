@@ -48,6 +48,12 @@ enum class Reason : std::uint8_t {
   budget_overrun,        ///< cycles took longer than their budget: the command brakes and holds
   work_skipped,          ///< a cycle took longer than its budget: optional work should be left out
   consent_awaited,       ///< a fault is over, but only the user's `resume` ends its reaction
+  skill_refused,         ///< a skill may not start now: the old one goes on
+  skill_finished,        ///< the skill has done its work and holds
+  skill_failed,          ///< the skill has failed: the one to fall back to comes
+  tank_empty,            ///< the energy tank cannot pay for the active torques: they fade
+  energy_held,           ///< moving on into a contact would cost more energy than it gave: held
+  contact_damped,        ///< a contact oscillated: damping was added along it
   stopping,              ///< a stop was asked for or is being carried out
   count
 };
@@ -127,6 +133,12 @@ constexpr const char* describe(Reason r) noexcept {
       "budget overrun: braking and holding",
       "budget overrun: optional work left out",
       "waiting for consent to go on",
+      "skill refused: the old one goes on",
+      "skill finished: it holds",
+      "skill failed: falling back",
+      "energy tank empty: active torques fade",
+      "energy of the contact used up: held",
+      "contact oscillated: damped",
       "stopping",
   };
   static_assert(sizeof text / sizeof *text == static_cast<unsigned>(Reason::count), "one text a reason");

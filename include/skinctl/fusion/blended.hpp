@@ -53,8 +53,11 @@ class Blended;
 ///   of the new weights is reached from the present by a quintic: torque, its rate and its bend go on. All
 ///   shares on the way are means of both ends, so that `Y_r Theta` stays one convex mean.
 /// - A change that comes while the weights still move waits until they stand; of several, the last counts.
-/// - A law without a share is not computed. It starts anew when it is given one, and takes goals from then
-/// on.
+/// - A law without a share is not computed. While it comes, a tracking law stands at the state at hand, anew
+/// in
+///   every cycle: it brakes the robot and pulls it nowhere. When all shares are there, its feedback comes by
+///   a ramp of its own, as long again, so that it takes up what pushes against it little by little; then it
+///   takes goals.
 /// - Gravity is held once and whole throughout: where no gravity law is in the sum and tracking fades, the
 /// sum
 ///   holds what of G is left.
@@ -95,6 +98,7 @@ class Blended<Fused<P, L...>> : public Composable {
     Factors from, to;                 ///< shares before and after the ramp
     Nanoseconds elapsed = clock_end;  ///< since the ramp began
     Nanoseconds ramp = 0;             ///< its duration
+    Nanoseconds settle = 0;           ///< after it: the feedback of tracking laws that come
     Nanoseconds next_ramp = 0;        ///< of the next
     bool waiting = false;             ///< other weights are to be gone to
   };
@@ -147,7 +151,7 @@ class Blended<Fused<P, L...>> : public Composable {
                                          const Weights<terms>& weights) const noexcept {
     return change(memory, known, weights);
   }
-  /// A goal for the one law that takes goals of this type; refused while that law has no share.
+  /// A goal for the one law that takes goals of this type; refused while that law has no share or comes.
   template <class K, class G>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known, const G& goal) const noexcept {
     constexpr std::size_t i = Fusion::template taker<G>();
@@ -163,14 +167,19 @@ class Blended<Fused<P, L...>> : public Composable {
     const auto answer = receive(out.memory, known, goal.goal);
     return {answer.memory, out.status | answer.status};
   }
-  /// A goal for the `I`-th law.
+  /// A goal for the `I`-th law. @param follows  it is the next sample of a moving target, if the law takes
+  /// such.
   template <std::size_t I, class K, class G>
-  [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
-                                                      const G& goal) const noexcept {
-    if (!loaded(memory, I)) return {memory, Reason::goal_refused};
+  [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known, const G& goal,
+                                                      bool follows = false) const noexcept {
+    if (!loaded(memory, I) || comes(memory, I)) return {memory, Reason::goal_refused};
     Received<Memory> out{memory, {}};
     auto& part = detail::memory_of<I>(out.memory.laws);
-    const auto answer = law<I>().receive(part, known, goal);
+    auto answer = [&] {
+      if constexpr (requires { law<I>().follow(part, known, goal); })
+        if (follows) return law<I>().follow(part, known, goal);
+      return law<I>().receive(part, known, goal);
+    }();
     part = answer.memory;
     out.status = answer.status;
     return out;
@@ -180,19 +189,32 @@ class Blended<Fused<P, L...>> : public Composable {
   [[nodiscard]] Factors factors(const Memory& memory) const noexcept {
     if (!moves(memory)) return memory.to;
     const auto way = quintic(static_cast<double>(memory.elapsed) / static_cast<double>(memory.ramp));
+    const double late =
+        memory.elapsed <= memory.ramp
+            ? 0
+            : quintic(static_cast<double>(memory.elapsed - memory.ramp) / static_cast<double>(memory.settle))
+                  .a1;
     Factors out;
-    for (std::size_t i = 0; i < terms; ++i)
-      out[i] = {way.rest * memory.from[i].feedback + way.a1 * memory.to[i].feedback,
-                way.rest * memory.from[i].feed_forward + way.a1 * memory.to[i].feed_forward};
+    for (std::size_t i = 0; i < terms; ++i) {
+      const auto &from = memory.from[i], &to = memory.to[i];
+      const bool slowly =
+          Fusion::roles[i] == Role::tracking && !has_share(from);  // it comes, or is not there
+      out[i] = {slowly ? late * to.feedback : way.rest * from.feedback + way.a1 * to.feedback,
+                way.rest * from.feed_forward + way.a1 * to.feed_forward};
+    }
     return out;
   }
   /// Whether the weights are on their way to others.
   [[nodiscard]] static SKINCTL_INLINE bool moves(const Memory& memory) noexcept {
-    return memory.elapsed < memory.ramp;
+    return memory.elapsed < memory.ramp + memory.settle;
+  }
+  /// Whether the `i`-th law is on its way from no share to some.
+  [[nodiscard]] static SKINCTL_INLINE bool comes(const Memory& memory, std::size_t i) noexcept {
+    return moves(memory) && !has_share(memory.from[i]) && has_share(memory.to[i]);
   }
   /// Whether the `i`-th law is computed.
   [[nodiscard]] static SKINCTL_INLINE bool loaded(const Memory& memory, std::size_t i) noexcept {
-    return has_share(memory.to[i]) || (moves(memory) && has_share(memory.from[i]));
+    return has_share(memory.to[i]) || (memory.elapsed < memory.ramp && has_share(memory.from[i]));
   }
 
   template <class K>
@@ -208,8 +230,9 @@ class Blended<Fused<P, L...>> : public Composable {
   }
   template <class K>
   [[nodiscard]] SKINCTL_INLINE auto evaluate(const Memory& memory, const K& known,
-                                             const typename K::scalar& dt) const noexcept {
-    return step(memory, known, dt, Opposition::none);
+                                             const typename K::scalar& dt,
+                                             Opposition opposition = Opposition::none) const noexcept {
+    return step(memory, known, dt, opposition);
   }
 
  private:
@@ -248,10 +271,12 @@ class Blended<Fused<P, L...>> : public Composable {
     next.to = target(memory);
     next.elapsed = 0;
     next.ramp = memory.next_ramp;
+    next.settle = 0;
     next.waiting = false;
     each([&](auto i) {
-      if (has_share(next.to[i]) && !has_share(next.from[i]))
-        detail::memory_of<i.value>(next.laws) = law<i.value>().start(known);
+      if (!has_share(next.to[i]) || has_share(next.from[i])) return;
+      if (Fusion::roles[i] == Role::tracking) next.settle = next.ramp;
+      detail::memory_of<i.value>(next.laws) = law<i.value>().start(known);
     });
     return next;
   }
@@ -314,6 +339,9 @@ class Blended<Fused<P, L...>> : public Composable {
         constexpr Role r = law_at<J>::role;
         const bool on = loaded(next, J);
         if (!on && !(gated && r == Role::reactive)) return;
+        if constexpr (r == Role::tracking)
+          if (comes(next, J) && next.elapsed < next.ramp) [[unlikely]]
+            detail::memory_of<J>(next.laws) = law<J>().start(known);
         auto& part = std::get<J>(parts);
         compute<J>(part, next, known, shares[J]);
         if constexpr (r == Role::tracking) {

@@ -63,11 +63,14 @@ void describe_to(Text& out, const Fused<P, L...>& sum,
   if constexpr (P == Sum::weighted) out << "weighted(";
   if constexpr (P == Sum::plain) out << "plain(";
   std::size_t i = 0;
+  bool first = true;
   const auto one = [&](const auto& law) {
-    if (i > 0) out << " + ";
-    if (weights[i] != 1.0) out << weights[i] << " ";
+    const double weight = weights[i++];
+    if (weight == 0.0) return;
+    if (!first) out << " + ";
+    first = false;
+    if (weight != 1.0) out << weight << " ";
     describe_to(out, law);
-    ++i;
   };
   std::apply([&](const auto&... law) { (one(law), ...); }, sum.laws());
   if constexpr (P != Sum::normalised) out << ")";
@@ -84,11 +87,20 @@ void describe_to(Text& out, const Blended<F>& blend) noexcept {
 }
 }  // namespace detail
 
-/// The expression of a law or sum, for logs: a law's `name`, weights other than 1 before it.
+/// The expression of a law or sum, for logs: a law's `name`, weights other than 1 before it, nothing of what
+/// has weight 0.
 template <LawMembers L>
 [[nodiscard]] Text describe(const L& law) noexcept {
   Text out;
   detail::describe_to(out, law);
+  return out;
+}
+/// A sum with other weights.
+template <Sum P, class... L>
+[[nodiscard]] Text describe(const Fused<P, L...>& sum,
+                            const std::array<double, sizeof...(L)>& weights) noexcept {
+  Text out;
+  detail::describe_to(out, sum, weights);
   return out;
 }
 

@@ -8,12 +8,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What of a link's motion the first law has for itself.
-enum class Task : unsigned char { point, pose };
+/// What of a link's motion the first law keeps for itself.
+enum class Keeps : unsigned char { point, pose };
 
 /// When and how much the null space is damped, by the nearness of a singularity.
 struct NullSpaceSettings {
-  Task task = Task::pose;  ///< the origin of the link's frame, or its orientation as well
+  Keeps keeps = Keeps::pose;  ///< the origin of the link's frame, or its orientation as well
   /// The most inertia that the task defends at a singularity [kg], [kg m^2].
   double heaviest = 1000;
   /// Damping sets in where the task's largest inertia, `trace((J M^-1 J')^-1)`, exceeds `heaviest / zone`.
@@ -31,7 +31,7 @@ struct NullSpaceSettings {
 /// - Both laws get the same share; gravity is held by the first, whole, or by the sum's gravity law, never by
 ///   the second.
 /// - A pose asks for a robot of six joints or more; with six of them the null space is empty but next to a
-///   singularity, and `Task::point` leaves three.
+///   singularity, and `Keeps::point` leaves three.
 template <std::size_t Link_, LawMembers First, LawMembers Second>
 class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, Second> {
  public:
@@ -146,7 +146,7 @@ JointTorque<K::joints, T> NullSpace<Link, First, Second>::projected(
   constexpr std::size_t n = K::joints;
   const auto J = known.template jacobian<Link>();
   const math::Ldlt<n, T> mass(known.mass().data);
-  const std::size_t rows = p_.task == Task::point ? 3 : 6;
+  const std::size_t rows = p_.keeps == Keeps::point ? 3 : 6;
   // Rows of J and of J M^-1; those that are not of the task stay zero, with a pivot of one.
   T j[6][n] = {}, jm[6][n] = {};
   J.for_each([&](auto i, const auto& c) {
