@@ -6,6 +6,7 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/safety/command.hpp"
 #include "skinctl/safety/detail/plausible.hpp"
+#include "skinctl/safety/faults.hpp"
 #include "skinctl/safety/limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -24,6 +25,16 @@ struct GuardConfiguration {
   /// Torque interface: fastest change of a torque, in units of the torque limit per second; also how fast the
   /// fallback takes over.
   T torque_rate = T(50);
+  /// How far beyond a position limit a joint may be and be believed [rad], [m].
+  T beyond = T(1);
+  /// How many times its velocity limit a joint may be measured at and be believed.
+  T overspeed = T(10);
+  /// Reasons found by other stages on which the command brakes, besides those of the table: such as
+  /// `sample_stale`, for a robot that must not move unless all of its skin feels.
+  Status brakes_on = {};
+  /// Reasons after which the motion goes on only on request, besides those of the table: such as
+  /// `state_stale`.
+  Status consent = {};
 };
 
 /// What a guard remembers: the last command it let out. Trivially copyable.
@@ -32,6 +43,7 @@ struct GuardMemory {
   Nanoseconds time = 0;
   State<N, T> measured;  ///< the newest good state
   JointCommand<N, T> command;
+  Status latched;  ///< faults that wait for the user's consent
 };
 
 /// What the guard lets out; `altered` says that it is not what was asked for (tell the resolver, see
@@ -43,20 +55,14 @@ struct Guarded {
   bool altered = false;
 };
 
-/// Lets a command pass unchanged if it is finite, if the robot's state is fresh, and if there is a motion
-/// from the last command to it within the limits of acceleration and velocity, after which the joint can
-/// still stop before its end. Else, in the same cycle:
+/// Lets a command pass unchanged if it is finite, if the robot's state is fresh, if no stage found a fault,
+/// and if there is a motion from the last command to it within the limits of acceleration and velocity, after
+/// which the joint can still stop before its end. Else it reacts in the same cycle, as the table `faults`
+/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback.
 ///
-/// | interface | reaction | way back |
-/// |---|---|---|
-/// | position, velocity | brakes with the acceleration limit and holds | by itself, once the state is good
-/// and the asked command can be reached within the limits; the resolver, told what was sent, goes on from
-/// there | | torque, beyond a limit or too fast | cut to the limit | by itself | | torque, not finite, or a
-/// stale state | ramps to the fallback torque | by itself, at the same rate |
-///
-/// Reasons in the status: `command_not_finite`, `state_not_finite`, `state_stale`, `time_backwards`,
-/// `interval_empty`, `interval_too_long`, `step_limited`, `outside_limits`, `torque_limited`.
-/// Never steps, and never gives a number that is not finite, whatever comes in.
+/// Most reactions end by themselves, once the asked command can be reached within the limits; the resolver,
+/// told what was sent, goes on from there. After a `stop` the guard waits for `acknowledge`
+/// (`consent_awaited`). Never steps, and never gives a number that is not finite, whatever comes in.
 template <Interface I, std::size_t N, Real T = double>
 class Guard {
  public:
@@ -70,7 +76,14 @@ class Guard {
         longest_(c.longest_interval.value_or(5 * c.period)),
         stale_after_(c.stale_after.value_or(25 * c.period)),
         lead_(c.lead),
-        torque_rate_(c.torque_rate) {
+        torque_rate_(c.torque_rate),
+        beyond_(c.beyond),
+        overspeed_(c.overspeed),
+        acts_on_(c.brakes_on | reasons_of([](const Fault& f) {
+                   return (f.motion == Reaction::stop || f.motion == Reaction::brake) &&
+                          f.finder != Finder::guard;
+                 })),
+        consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })) {
     const auto number = [](const auto& x) { return static_cast<double>(x); };
     require(period_ >= 100_us && period_ <= 1_s, "period [ns]", number(period_), "1e5 to 1e9 ns");
     require(longest_ >= period_ && longest_ <= 10_s, "longest interval [ns]", number(longest_),
@@ -79,6 +92,8 @@ class Guard {
             ">= period, <= 1e10 ns");
     require(torque_rate_ > T(0) && torque_rate_ <= T(1e6), "torque rate", number(torque_rate_),
             "> 0, <= 1e6 1/s");
+    require(beyond_ >= T(0), "beyond", number(beyond_), ">= 0 rad");
+    require(overspeed_ >= T(1), "overspeed", number(overspeed_), ">= 1");
     for (std::size_t i = 0; i < N; ++i) require(lead_[i] > T(0), "lead", number(lead_[i]), "> 0 rad");
   }
 
@@ -99,12 +114,16 @@ class Guard {
   ///
   /// @param fallback  torque interface: what the robot is brought to when no torque can be trusted, such as
   ///                  gravity compensation with damping. Not finite: zero.
+  /// @param found     what other stages found in this cycle, and the loop before it.
   SKINCTL_INLINE Guarded<N, T> pass(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
-                                    Nanoseconds now, const JointTorque<N, T>& fallback = {}) const noexcept {
+                                    Nanoseconds now, const JointTorque<N, T>& fallback = {},
+                                    Status found = {}) const noexcept {
     Guarded<N, T> out{m.command, {}, true};
     if (!m.command.valid) return out;
+    m.latched |= found & consent_;
     if (now == m.time) {
       out.status |= Reason::interval_empty;
+      if (m.latched.any()) out.status |= Reason::consent_awaited;
       out.altered = !(wish.time == now);
       return out;
     }
@@ -120,7 +139,8 @@ class Guard {
       m.time = now;
       see(m, measured, now, out.status);
     }
-    const bool good = !out.status.has(Reason::time_backwards) && !out.status.has(Reason::state_stale);
+    const bool good = !out.status.has(Reason::time_backwards) && !out.status.has(Reason::state_stale) &&
+                      !(found & acts_on_).any() && !((out.status & consent_) | m.latched).any();
     const bool finite = wish.valid && detail::is_plausible(wish);
     if (!finite) out.status |= Reason::command_not_finite;
     const T dt = seconds<T>(elapsed);
@@ -132,11 +152,18 @@ class Guard {
     } else {
       brake(m, dt, out);
     }
+    m.latched |= out.status & consent_;
+    if (m.latched.any()) out.status |= Reason::consent_awaited;
     out.command.time = m.time;
     out.command.valid = true;
     m.command = out.command;
     return out;
   }
+
+  /// The user's consent: what waits for it may go on, unless it is still there.
+  void acknowledge(Memory& m) const noexcept { m.latched = {}; }
+  /// Whether the command waits for consent.
+  [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
 
  private:
   using Size = std::size_t;
@@ -147,11 +174,24 @@ class Guard {
                           Status& status) const noexcept {
     if (!detail::is_plausible(measured)) {
       status |= Reason::state_not_finite;
+    } else if (!can_be(measured)) {
+      status |= Reason::state_out_of_range;
     } else if (measured.time >= m.measured.time) {
       m.measured = measured;
       if (measured.time > now) m.measured.time = now;
     }
     if (now - m.measured.time > stale_after_) status |= Reason::state_stale;
+  }
+
+  /// Whether this robot can be there.
+  SKINCTL_INLINE bool can_be(const State<N, T>& s) const noexcept {
+    bool can = true;
+    for (Size i = 0; i < N; ++i) {
+      const T fast = overspeed_ * limits_.velocity()[i];
+      can &= s.q[i] >= limits_.lower()[i] - beyond_ && s.q[i] <= limits_.upper()[i] + beyond_;
+      can &= s.dq[i] >= -fast && s.dq[i] <= fast;
+    }
+    return can;
   }
 
   /// Room of a command: of a position to the limits and to its lead over the measured one; of a velocity from
@@ -225,10 +265,12 @@ class Guard {
     const bool safe = detail::is_finite(fallback);
     out.command = good ? wish : m.command;
     out.altered = !good;
+    JointTorque<N, T> asked;
+    for (Size i = 0; i < N; ++i) asked[i] = good ? wish.torque[i] : (safe ? fallback[i] : T(0));
+    const JointTorque<N, T> cut = limits_.within(asked, m.measured.dq);
     for (Size i = 0; i < N; ++i) {
-      const T limit = limits_.torque()[i], step = torque_rate_ * limit * dt, last = m.command.torque[i];
-      const T wanted = good ? wish.torque[i] : (safe ? fallback[i] : T(0));
-      const T within = detail::clamp(wanted, T(-limit), limit);
+      const T step = torque_rate_ * limits_.torque()[i] * dt, last = m.command.torque[i];
+      const T wanted = asked[i], within = cut[i];
       const T given = detail::clamp(within, T(last - step), T(last + step));
       if (good && within != wanted) out.status |= Reason::torque_limited, out.altered = true;
       if (given != within) out.status |= Reason::step_limited, out.altered = true;
@@ -239,7 +281,9 @@ class Guard {
   JointLimits<N, T> limits_;
   Nanoseconds period_, longest_, stale_after_;
   JointPosition<N, T> lead_;
-  T torque_rate_;
+  T torque_rate_, beyond_, overspeed_;
+  Status acts_on_;  ///< found by others, these brake
+  Status consent_;  ///< these wait for `acknowledge`
 };
 
 SKINCTL_END_NAMESPACE
