@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "skinctl/control/joint_space.hpp"
 #include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
@@ -40,7 +41,7 @@ TEST_CASE_TEMPLATE("SlidingSurface: S_q is S_delta + K_i1 I1 + K_i2 I2, computed
   for (const double size : {0.0, 1e-8, 1e-3, 1.0, 30.0, 1e6})
     for (int k = 0; k < 200; ++k) {
       const auto c = random_case<T>(rng, size);
-      const auto s = sliding_surface(gains, c.in, c.q, c.dq);
+      const auto s = JointSpace<n, T>().surface(gains, c.in, {c.q, c.dq}, {});
       for (std::size_t i = 0; i < n; ++i) {
         const T sum = s.S_delta[i] + gains.K_i1 * c.in.I1[i] + gains.K_i2 * c.in.I2[i];
         const T magnitudes = magnitude(c.dq[i]) + magnitude(c.in.target.dq_d[i]) +
@@ -59,7 +60,7 @@ TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, flo
   Seeded rng(31);
   for (int k = 0; k < 200; ++k) {
     const auto c = random_case<T>(rng, 2.0);
-    const auto s = sliding_surface(gains, c.in, c.q, c.dq);
+    const auto s = JointSpace<n, T>().surface(gains, c.in, {c.q, c.dq}, {});
     for (std::size_t i = 0; i < n; ++i) {
       using E = Exact;
       const E e = E(c.q[i]) - E(c.in.target.q_d[i]), de = E(c.dq[i]) - E(c.in.target.dq_d[i]);
@@ -109,9 +110,9 @@ TEST_CASE_TEMPLATE("SlidingSurface: while held the integrals stand still and lea
   const SurfaceGains<T> gains(JointControlSettings<n, T>{});
   Seeded rng(32);
   auto c = random_case<T>(rng, 1.0);
-  const auto runs = sliding_surface(gains, c.in, c.q, c.dq);
+  const auto runs = JointSpace<n, T>().surface(gains, c.in, {c.q, c.dq}, {});
   c.in.held = true;
-  const auto held = sliding_surface(gains, c.in, c.q, c.dq);
+  const auto held = JointSpace<n, T>().surface(gains, c.in, {c.q, c.dq}, {});
   CHECK(held.dI1 == JointVelocity<n, T>{});
   CHECK(held.dI2 == JointVelocity<n, T>{});
   CHECK(held.S_q == runs.S_q);

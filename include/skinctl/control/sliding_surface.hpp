@@ -45,9 +45,11 @@ struct SlidingSurface {
 };
 
 /// What the surface is computed from, beside the state: all at the same instant.
-template <std::size_t N, Scalar T = double>
+///
+/// `N` coordinates, of the joints or of operational space; a bias and integrals in them.
+template <std::size_t N, Scalar T = double, class Target = JointReference<N, T>>
 struct SurfaceInputs {
-  JointReference<N, T> target;
+  Target target;
   Gain<T> K_p;
   BiasNow<N, T> bias;
   T I1[N];
@@ -80,19 +82,24 @@ struct SurfaceGains {
   }
 };
 
-/// Eqs. (9)-(14) and the derivative of (10), at the state `(q, dq)`. A NaN gives NaNs and nothing worse.
-template <std::size_t N, Real T>
-[[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T>& gains,
-                                                                  const SurfaceInputs<N, T>& in,
-                                                                  const JointPosition<N, T>& q,
-                                                                  const JointVelocity<N, T>& dq) noexcept {
-  SlidingSurface<N, T> s;
-  T e[N], de[N], steep[N];
-  for (std::size_t i = 0; i < N; ++i) {
-    e[i] = q[i] - in.target.q_d[i];
-    de[i] = dq[i] - in.target.dq_d[i];
-    s.S_delta[i] = de[i] + in.K_p.K * e[i] - in.bias.S_d[i];
-  }
+/// Errors of the coordinates, and what the target itself does in them.
+template <std::size_t N, Scalar T = double>
+struct SurfaceErrors {
+  T e[N];      ///< of position, eqs. (13), (20)
+  T de[N];     ///< of velocity, as S reads it, eqs. (12), (21)
+  T slope[N];  ///< the true derivative of `e`: `de` in joint space
+  T v_d[N];    ///< velocity of the target
+  T a_d[N];    ///< its acceleration
+};
+
+/// Eqs. (10)-(13), or (18)-(21), and the derivative of (10), without `S_q`. A NaN gives NaNs and nothing
+/// worse.
+template <std::size_t N, Real T, class Target>
+SKINCTL_INLINE void sliding_surface(SlidingSurface<N, T>& s, const SurfaceGains<T>& gains,
+                                    const SurfaceInputs<N, T, Target>& in,
+                                    const SurfaceErrors<N, T>& error) noexcept {
+  T steep[N];
+  for (std::size_t i = 0; i < N; ++i) s.S_delta[i] = error.de[i] + in.K_p.K * error.e[i] - in.bias.S_d[i];
   for (std::size_t i = 0; i < N; ++i) steep[i] = gains.mu * s.S_delta[i];
   math::tanh<N>(steep, s.dI2.data);
   for (std::size_t i = 0; i < N; ++i) {
@@ -101,12 +108,10 @@ template <std::size_t N, Real T>
   }
   for (std::size_t i = 0; i < N; ++i) {
     s.dq_r[i] =
-        in.target.dq_d[i] - in.K_p.K * e[i] + in.bias.S_d[i] - gains.K_i1 * in.I1[i] - gains.K_i2 * in.I2[i];
-    s.ddq_r[i] = in.target.ddq_d[i] - in.K_p.K * de[i] - in.K_p.dK * e[i] + in.bias.dS_d[i] -
+        error.v_d[i] - in.K_p.K * error.e[i] + in.bias.S_d[i] - gains.K_i1 * in.I1[i] - gains.K_i2 * in.I2[i];
+    s.ddq_r[i] = error.a_d[i] - in.K_p.K * error.slope[i] - in.K_p.dK * error.e[i] + in.bias.dS_d[i] -
                  gains.K_i1 * s.dI1[i] - gains.K_i2 * s.dI2[i];
-    s.S_q[i] = dq[i] - s.dq_r[i];
   }
-  return s;
 }
 
 SKINCTL_END_NAMESPACE

@@ -36,6 +36,7 @@ enum class Reason : std::uint8_t {
   goal_stretched,        ///< a goal got more time than asked, to keep velocity limits
   hand_over,             ///< a difference of torque is being ramped out
   singular,              ///< a matrix could not be factorised: zero acceleration for this sub-step
+  slowed,                ///< next to a singularity, or at the largest joint speed: the tool moves slower
   jerk_limited,          ///< a joint's jerk was cut to its limit
   jerk_exceeded,         ///< the jerk limit gave way: another limit could not be kept otherwise
   tool_speed_limited,    ///< all joints were slowed for the speed of the tool
@@ -47,6 +48,12 @@ enum class Reason : std::uint8_t {
   budget_overrun,        ///< cycles took longer than their budget: the command brakes and holds
   work_skipped,          ///< a cycle took longer than its budget: optional work should be left out
   consent_awaited,       ///< a fault is over, but only the user's `resume` ends its reaction
+  skill_refused,         ///< a skill may not start now: the old one goes on
+  skill_finished,        ///< the skill has done its work and holds
+  skill_failed,          ///< the skill has failed: the one to fall back to comes
+  tank_empty,            ///< the energy tank cannot pay for the active torques: they fade
+  energy_held,           ///< moving on into a contact would cost more energy than it gave: held
+  contact_damped,        ///< a contact oscillated: damping was added along it
   stopping,              ///< a stop was asked for or is being carried out
   count
 };
@@ -116,6 +123,7 @@ constexpr const char* describe(Reason r) noexcept {
       "goal stretched in time",
       "hand-over: a torque difference is being ramped out",
       "singular: zero acceleration",
+      "slowed: next to a singularity, or at the largest speed of a joint",
       "jerk limited",
       "jerk limit gave way to another limit",
       "tool speed limited: all joints slowed",
@@ -127,6 +135,12 @@ constexpr const char* describe(Reason r) noexcept {
       "budget overrun: braking and holding",
       "budget overrun: optional work left out",
       "waiting for consent to go on",
+      "skill refused: the old one goes on",
+      "skill finished: it holds",
+      "skill failed: falling back",
+      "energy tank empty: active torques fade",
+      "energy of the contact used up: held",
+      "contact oscillated: damped",
       "stopping",
   };
   static_assert(sizeof text / sizeof *text == static_cast<unsigned>(Reason::count), "one text a reason");

@@ -64,6 +64,8 @@ class ByteReader {
   bool short_ = false;
 };
 
+}  // namespace detail
+
 /// Walks over the plain numbers of a value: `f(number)` for each. Goals of own laws join in by an overload
 /// `each_number(goal, f)` found by argument-dependent look-up.
 template <class K, std::size_t N, class T, class F>
@@ -116,7 +118,35 @@ void each_number(G& goal, F&& f) {
   if constexpr (requires { goal.ddq_d; }) each_number(goal.ddq_d, f);
 }
 
-}  // namespace detail
+template <class T, class F>
+void each_number(Xyz<T>& v, F&& f) {
+  f(v.x), f(v.y), f(v.z);
+}
+template <Frame A, Frame B, class T, class F>
+void each_number(Transform<A, B, T>& X, F&& f) {
+  auto R = X.axes();
+  auto p = X.origin();
+  for (Xyz<T>* v : {&R.x, &R.y, &R.z, &p}) each_number(*v, f);
+  X = Transform<A, B, T>::trusted(R, p);
+}
+template <class G, class F>
+  requires requires(G& g) { g.X_BP; }
+void each_number(G& goal, F&& f) {
+  each_number(goal.X_BP, f);
+  if constexpr (requires { goal.duration; }) f(goal.duration);
+  if constexpr (requires { goal.V; }) {
+    for (auto* v : {&goal.V.linear, &goal.V.angular, &goal.A.linear, &goal.A.angular}) each_number(*v, f);
+  }
+}
+template <class G, class F>
+  requires requires(G& g) {
+    g.direction;
+    g.force;
+  }
+void each_number(G& goal, F&& f) {
+  each_number(goal.direction, f);
+  f(goal.force);
+}
 
 /// What happened in a run of `C`: the state at which it started, then every input and the command that it
 /// gave.
@@ -211,12 +241,10 @@ class Recording {
 
   template <class V>
   void write(V value) noexcept {
-    using detail::each_number;
     each_number(value, [this](const auto& x) { bytes_.put(x); });
   }
   template <class V>
   static void read(detail::ByteReader& reader, V& value) {
-    using detail::each_number;
     each_number(value, [&](auto& x) { x = reader.get<std::remove_cvref_t<decltype(x)>>(); });
   }
   static void read_cycle(detail::ByteReader& reader, Input& input, std::vector<CellSample>& samples,
@@ -280,8 +308,8 @@ template <class C>
   const auto memory = std::make_unique<typename C::Memory>();
   const auto same_bits = [](auto a, auto b) {
     detail::ByteWriter x(1024), y(1024);
-    detail::each_number(a, [&](const auto& v) { x.put(v); });
-    detail::each_number(b, [&](const auto& v) { y.put(v); });
+    each_number(a, [&](const auto& v) { x.put(v); });
+    each_number(b, [&](const auto& v) { y.put(v); });
     return x.bytes() == y.bytes();
   };
   recording.visit([&](const auto& state) { cycle.start(*memory, state); },

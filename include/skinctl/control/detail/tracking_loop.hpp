@@ -1,22 +1,22 @@
-// The part of JointTracking that runs in every cycle.
+// The part of Tracking that runs in every cycle.
 #pragma once
 
-#include "skinctl/control/joint_tracking.hpp"
+#include "skinctl/control/tracking.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// What the surface reads `x` seconds from now, the integrals going on as at `at_t`.
-template <std::size_t N, Real T, class Plan, class Damping>
-SKINCTL_NOINLINE SurfaceInputs<N, T> JointTracking<N, T, Plan, Damping>::inputs(
+template <class Space, class Plan, class Damping>
+SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping>::inputs(
     const Memory& memory, const T& x, const Surface& at_t) const noexcept {
   // Built in place: a copy of what has just been written in other pieces waits for them.
-  SurfaceInputs<N, T> in{memory.plan.at(x, settings_),
-                         gain(memory, x),
-                         memory.bias.at(x, settings_.kappa, settings_.hand_over),
-                         {},
-                         {},
-                         memory.held};
-  detail::for_each_index<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+  typename Space::Inputs in{memory.plan.at(x, settings_),
+                            gain(memory, x),
+                            memory.bias.at(x, gains().kappa, gains().hand_over),
+                            {},
+                            {},
+                            memory.held};
+  detail::for_each_index<Space::coordinates>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     in.I1[i] = memory.I1.sum[i] + x * at_t.dI1[i];
     in.I2[i] = memory.I2.sum[i] + x * at_t.dI2[i];
   });
@@ -24,26 +24,29 @@ SKINCTL_NOINLINE SurfaceInputs<N, T> JointTracking<N, T, Plan, Damping>::inputs(
 }
 
 /// The memory `dt` seconds later.
-template <std::size_t N, Real T, class Plan, class Damping>
-SKINCTL_INLINE TrackingMemory<N, T, Plan> JointTracking<N, T, Plan, Damping>::stepped(
+template <class Space, class Plan, class Damping>
+SKINCTL_INLINE TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::stepped(
     const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
   const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
   return {memory.plan.advanced(ns, settings_),
-          memory.bias.advanced(dt, ns, settings_.kappa),
+          memory.bias.advanced(dt, ns, gains().kappa),
           memory.I1.advanced(at_t.dI1, dt),
           memory.I2.advanced(at_t.dI2, dt),
           later(memory.since_reset, ns),
           memory.tb,
           memory.K_from,
-          memory.held};
+          memory.held,
+          space_.advanced(memory.space, at_t, dt)};
 }
 
 /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
 /// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
-template <std::size_t N, Real T, class Plan, class Damping>
+template <class Space, class Plan, class Damping>
 template <GravityTerm G, class K>
-SKINCTL_INLINE JointTorque<N, T> JointTracking<N, T, Plan, Damping>::torque(
-    const Memory& memory, const K& known, const Share<T>& share, const Surface& at_t) const noexcept {
+SKINCTL_INLINE auto Tracking<Space, Plan, Damping>::torque(const Memory& memory, const K& known,
+                                                           const Share<T>& share,
+                                                           const Surface& at_t) const noexcept
+    -> JointTorque<N, T> {
   using M = typename K::model_type;
   const T h = T(0.5) * known.dt();
   const auto damped = damping_.acceleration(known, at_t.S_q);
@@ -56,7 +59,7 @@ SKINCTL_INLINE JointTorque<N, T> JointTracking<N, T, Plan, Damping>::torque(
     dq_h[i] = known.dq()[i] + h * a[i];
   }
   const auto ahead = inputs(memory, h, at_t);
-  const auto middle = sliding_surface(gains_, ahead, q_h, dq_h);
+  const auto middle = space_.surface(gains_, ahead, space_.site(known.model(), q_h, dq_h), memory.space);
   JointVelocity<N, T> dq_r;
   JointAcceleration<N, T> ddq_r;
   JointTorque<N, T> shaped;  // of rotors and friction
@@ -70,9 +73,9 @@ SKINCTL_INLINE JointTorque<N, T> JointTracking<N, T, Plan, Damping>::torque(
     dq_r[i] = share.feed_forward * (middle.dq_r[i] - ahead.K_p.K * dx);
     ddq_r[i] = share.feed_forward * (middle.ddq_r[i] - ahead.K_p.K * dv - ahead.K_p.dK * dx);
     if constexpr (inertial) ddq_r[i] = ddq_r[i] - share.feedback * damped[i];
-    shaped[i] = settings_.shape.viscous[i] * dq_r[i] +
-                settings_.shape.inertia[i] * (ddq_r[i] + settings_.shape.decay * dq_r[i]);
-    ddq_r[i] = ddq_r[i] + settings_.shape.decay * dq_r[i];
+    shaped[i] = gains().shape.viscous[i] * dq_r[i] +
+                gains().shape.inertia[i] * (ddq_r[i] + gains().shape.decay * dq_r[i]);
+    ddq_r[i] = ddq_r[i] + gains().shape.decay * dq_r[i];
   }
   JointTorque<N, T> tau;
   const JointAngles<M, T> angles(known.model(), q_h);
