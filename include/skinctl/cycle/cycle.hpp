@@ -46,6 +46,10 @@ union Unwritten {
   V data[N];
   Unwritten() noexcept {}
 };
+template <class Overseer>
+inline constexpr bool is_governor = false;
+template <std::size_t N, Real T, class... Parts>
+inline constexpr bool is_governor<Governor<N, T, Parts...>> = true;
 /// Whether a governor suits a robot's joints and scalar.
 template <class Overseer, std::size_t N, class T>
 inline constexpr bool governs = true;
@@ -127,7 +131,7 @@ class Cycle {
     requires std::is_same_v<Skin, Bare>
       : Cycle(resolver, law, Bare{}, guard) {}
   Cycle(const Resolver& resolver, const L& law, const Watchman& guard, const Overseer& governor)
-    requires(std::is_same_v<Skin, Bare> && governed)
+    requires(std::is_same_v<Skin, Bare> && detail::is_governor<Overseer>)
       : Cycle(resolver, law, Bare{}, guard, governor) {}
 
   [[nodiscard]] const Resolver& resolver() const noexcept { return resolver_; }
@@ -182,7 +186,11 @@ class Cycle {
     out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
     watch.end(Stage::sense);
 
-    auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
+    // What the robot cannot have is no news of it; NaN is told from it by the resolver.
+    const auto& measured = guard_.believes(input.measured) || !detail::is_plausible(input.measured)
+                               ? input.measured
+                               : m.robot.measured;
+    auto resolved = resolver_.step(m.robot, law_, m.law, measured, interval,
                                    std::span<const Wrenches>(touches.data, parts));
     out.status |= resolved.status;
     out.shares = resolved.shares;

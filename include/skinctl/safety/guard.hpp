@@ -165,6 +165,17 @@ class Guard {
   /// Whether the command waits for consent.
   [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
 
+  /// Whether this robot can be at `s`: within `beyond` of its ends, below `overspeed`. False for NaN.
+  [[nodiscard]] SKINCTL_INLINE bool believes(const State<N, T>& s) const noexcept {
+    bool can = true;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T fast = overspeed_ * limits_.velocity()[i];
+      can &= s.q[i] >= limits_.lower()[i] - beyond_ && s.q[i] <= limits_.upper()[i] + beyond_;
+      can &= s.dq[i] >= -fast && s.dq[i] <= fast;
+    }
+    return can;
+  }
+
  private:
   using Size = std::size_t;
   /// What rounding may add to a limit.
@@ -174,24 +185,13 @@ class Guard {
                           Status& status) const noexcept {
     if (!detail::is_plausible(measured)) {
       status |= Reason::state_not_finite;
-    } else if (!can_be(measured)) {
+    } else if (!believes(measured)) {
       status |= Reason::state_out_of_range;
     } else if (measured.time >= m.measured.time) {
       m.measured = measured;
       if (measured.time > now) m.measured.time = now;
     }
     if (now - m.measured.time > stale_after_) status |= Reason::state_stale;
-  }
-
-  /// Whether this robot can be there.
-  SKINCTL_INLINE bool can_be(const State<N, T>& s) const noexcept {
-    bool can = true;
-    for (Size i = 0; i < N; ++i) {
-      const T fast = overspeed_ * limits_.velocity()[i];
-      can &= s.q[i] >= limits_.lower()[i] - beyond_ && s.q[i] <= limits_.upper()[i] + beyond_;
-      can &= s.dq[i] >= -fast && s.dq[i] <= fast;
-    }
-    return can;
   }
 
   /// Room of a command: of a position to the limits and to its lead over the measured one; of a velocity from
