@@ -39,6 +39,7 @@ struct Spoilt : R {
         break;
       case How::leap:
         c.position[0] += T(0.5);
+        if (R::interface == Interface::velocity) c.velocity[0] += T(0.5);
         c.torque[0] += T(1000);
         break;
       case How::end:
@@ -167,9 +168,12 @@ class FaultInjection {
       if (input.now > last.time) check_limits(last, out.command, input.now, sum);
 
       const bool here = out.status.has(f.reason);
-      reported |= here && faulty;
+      // A blocked virtual robot does not listen to its laws.
+      const bool deaf = f.finder == Finder::resolver && out.status.has(Reason::blocked);
+      reported |= (here || deaf) && faulty;
       const bool waits = out.status.has(Reason::consent_awaited);
-      if (here && faulty && f.finder != Finder::skin)
+      // The resolver says `state_stale` earlier, and brakes its own way.
+      if (here && faulty && f.finder != Finder::skin && (f.reason != Reason::state_stale || k - from > 27))
         reacted &= reacts(reaction, last, out.command, input.now, k - from, state);
       if (latches && k > over && k < resumed) reacted &= waits && at_rest(out.command, k > over + 23, state);
       if (!latches) awaited |= waits;
