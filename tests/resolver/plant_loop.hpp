@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cmath>
+#include <complex>
 #include <deque>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
@@ -40,7 +42,7 @@ struct Lean : Composable {
   }
 };
 
-/// The arm, touched at a point of link 4 along a fixed line.
+/// The arm, touched at a point of link 4 along a fixed line; its skin sends 1000 samples a second.
 class PlantLoop {
  public:
   static constexpr std::size_t link = 4;
@@ -52,12 +54,13 @@ class PlantLoop {
 
   struct Setting {
     Nanoseconds period = 8_ms;
-    double delay = 0.008;    ///< of commands [s]; a measurement is fresh
-    double damping = 0;      ///< contact damping, always [N s/m]
-    double observed = 0;     ///< contact damping, by observation [N s/m]
+    double delay = 0.008;  ///< of commands [s]; a measurement is fresh
+    double damping = 0;    ///< contact damping, always [N s/m]
+    double observed = 0;   ///< contact damping, by observation [N s/m]
     bool lead = false;
-    bool yields = true;      ///< false: the arm stands still, as without skinctl
-    double lean = 0;         ///< force with which it leans into the contact [N]
+    bool yields = true;     ///< false: the arm stands still, as without skinctl
+    bool quantised = true;  ///< the skin's readings, to 0.05 N
+    double lean = 0;        ///< force with which it leans into the contact [N]
     double decay = 4;
     std::array<double, 6> viscous{10, 10, 6, 2, 1, 0.5};
     JointPosition<6> q{0.1, -1.2, 1.4, -1.8, -1.57, 0.3};
@@ -84,9 +87,8 @@ class PlantLoop {
   }
 
   static ResolverConfiguration<6> configuration(const Setting& s) {
-    ResolverConfiguration<6> c{.limits = limits_of<ur5::Description>(100.0),
-                               .period = s.period,
-                               .delay = nanoseconds(s.delay)};
+    ResolverConfiguration<6> c{
+        .limits = limits_of<ur5::Description>(100.0), .period = s.period, .delay = nanoseconds(s.delay)};
     c.lag = servo_lag;
     c.shape.decay = s.decay;
     c.shape.viscous = JointTorque<6>(s.viscous);
@@ -105,6 +107,13 @@ class PlantLoop {
   /// One step of the plant under `world(t, depth, speed)` >= 0 or not [N], and a cycle where one is due.
   void step(const std::function<double(double, double, double)>& world) {
     const Nanoseconds now = nanoseconds(plant_.time());
+    if (now >= next_sample_) {
+      const auto rounded = [&](double f) {
+        return setting_.quantised ? quantum * std::round(f / quantum) : f;
+      };
+      samples_.push_back({next_sample_, {rounded(felt_[0]), rounded(felt_[1]), rounded(felt_[2])}});
+      next_sample_ += 1_ms;
+    }
     if (now >= next_) cycle(next_);
     double x[3], v[3], R[9];
     plant_.point(int(link), at, x, v, R);
@@ -132,17 +141,23 @@ class PlantLoop {
   void cycle(Nanoseconds now) {
     next_ = now + setting_.period;
     if (!setting_.yields || now == 0) return;
-    double f[3];
-    for (std::size_t r = 0; r < 3; ++r) f[r] = quantum * std::round(felt_[r] / quantum);
     const auto interval = robot_.interval(memory_, now);
     Wrenches parts[max_substeps];
     for (unsigned j = 0; j < interval.substeps; ++j) {
-      const double share = (j + 0.5) / interval.substeps;
-      const Xyz<double> F{last_[0] + share * (f[0] - last_[0]), last_[1] + share * (f[1] - last_[1]),
-                          last_[2] + share * (f[2] - last_[2])};
+      // The samples from the beginning of the sub-step to its end, linear between them.
+      Xyz<double> sum{0, 0, 0};
+      double n = 0;
+      const Nanoseconds from = interval.at(j), to = interval.at(j + 1);
+      for (const auto& [time, f] : samples_)
+        if (time >= from && time <= to) {
+          const double weight = time == from || time == to ? 0.5 : 1;
+          sum = sum + weight * f;
+          n += weight;
+        }
+      const Xyz<double> F = (1 / n) * sum;
       parts[j].set<link>({F, cross(Xyz<double>{at[0], at[1], at[2]}, F)});
     }
-    std::copy_n(f, 3, last_);
+    samples_ = {samples_.back()};
     const auto law = 1.0 * lean_ + SkinJointControl{} + GravityControl{};
     const auto out = robot_.step(memory_, law, law_memory_, measure(now), interval,
                                  std::span<const Wrenches>(parts, interval.substeps));
@@ -160,8 +175,9 @@ class PlantLoop {
   Lean lean_;
   Law::Memory law_memory_{};
   Contact<6> contact_;
-  double start_[3], outward_[3], felt_[3] = {}, last_[3] = {};
-  Nanoseconds next_ = 0;
+  double start_[3], outward_[3], felt_[3] = {};
+  Nanoseconds next_ = 0, next_sample_ = 0;
+  std::vector<std::pair<Nanoseconds, Xyz<double>>> samples_;
   std::deque<std::pair<double, std::array<double, 6>>> under_way_;
 };
 
@@ -169,6 +185,40 @@ class PlantLoop {
 inline auto wall(double stiffness, double gap = 0.002, double cover = 3e4) {
   const double k = stiffness * cover / (stiffness + cover);
   return [=](double, double depth, double) { return std::max(0.0, k * (depth - gap)); };
+}
+
+/// How far the admittance at the contact is from the configured one, relative and complex, at `frequency`
+/// [1/s]: a hand, a spring and damper, goes to and fro.
+inline double admittance_error(PlantLoop::Setting s, double frequency, double speed_amplitude = 0.005) {
+  using C = std::complex<double>;
+  s.quantised = false;
+  PlantLoop loop(s);
+  const double w = 2 * M_PI * frequency, amplitude = speed_amplitude / w,
+               begin = std::ceil(4 + 1.5 * frequency) / frequency,
+               end = begin + std::ceil(4 * std::max(1.0, 0.25 * frequency)) / frequency;
+  C v(0), f(0);
+  while (loop.time() < end) {
+    const double t = loop.time();
+    loop.step([&](double now, double depth, double speed) {
+      const double ramp = std::min(1.0, now / (0.6 * begin)), smooth = ramp * ramp * (3 - 2 * ramp);
+      return 800 * (depth - smooth * amplitude * std::sin(w * now)) +
+             30 * (speed - smooth * amplitude * w * std::cos(w * now));
+    });
+    if (t >= begin) {
+      const C turn = std::exp(C(0, -w * t));
+      v += loop.speed * turn, f += loop.force * turn;
+    }
+  }
+  // The push goes against the displacement: v / f = -Y.
+  auto c = PlantLoop::configuration(s);
+  c.delay = 0;
+  double row[6];
+  std::copy_n(loop.contact().row, 6, row);
+  const ContactStability<ur5::Model> stability(ur5::Model{}, c, {.stiffness = 1});
+  const auto m = mass_matrix(ur5::Model{}, s.q);
+  const C delays = std::polar(1.0, -w * 0.5 * seconds<double>(c.period)) / C(1, c.lag * w) * C(1, c.lead * w);
+  const C want = C(0, w) * stability.response(m, row, 0, w) / delays;
+  return std::abs(-v / f - want) / std::abs(want);
 }
 
 /// What is left of a contact after it has settled: peak-to-peak and mean force over the last second.
@@ -190,6 +240,21 @@ Settled settle(PlantLoop& loop, const World& world, double time) {
     ++n;
   }
   return {sum / double(n), high - low, peak};
+}
+
+/// Whether a tiny disturbance of an arm that is tied to a spring dies out.
+inline bool dies_out(PlantLoop::Setting s, double stiffness) {
+  s.quantised = false;
+  PlantLoop loop(s);
+  const double kick = 1e-6, time = 3;
+  double early = 0, late = 0;
+  while (loop.time() < time) {
+    loop.step([&](double, double depth, double) { return stiffness * (depth - kick); });
+    const double off = std::abs(loop.speed);
+    if (loop.time() > 0.25 * time && loop.time() < 0.5 * time) early = std::max(early, off);
+    if (loop.time() > 0.75 * time) late = std::max(late, off);
+  }
+  return late < early && late < 1e-3;
 }
 
 }  // namespace skinctl::test

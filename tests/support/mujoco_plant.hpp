@@ -10,8 +10,8 @@ namespace oracle {
 
 /// How the servos are built.
 struct ServoSettings {
-  double step = 2e-4;               ///< of the simulation [s]
-  double bandwidth = 250;           ///< w of every joint, critically damped [rad/s]: a lag of 2/w
+  double step = 2e-4;              ///< of the simulation [s]
+  double bandwidth = 250;          ///< w of every joint, critically damped [rad/s]: a lag of 2/w
   std::vector<double> rotor = {};  ///< reflected inertia of the motors [kg m^2]; empty: 1 each
 };
 
