@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Core>
+
 #include "plant.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/model/ur5.hpp"

@@ -11,7 +11,7 @@ using namespace skinctl::test;
 namespace {
 using M = ur5::Model;
 constexpr Needs everything{.poses = 0b111111,
-                           .jacobians = link_bit<5>,
+                           .jacobian_rates = link_bit<5>,
                            .gravity = true,
                            .mass = true,
                            .coriolis = true,
@@ -20,6 +20,9 @@ constexpr Needs everything{.poses = 0b111111,
 
 static_assert(complete<M>({.jacobians = link_bit<3>}).poses == 0b001111,
               "a Jacobian needs the poses on the way");
+static_assert(complete<M>({.jacobian_rates = link_bit<3>}) ==
+                  complete<M>({.jacobians = link_bit<3>, .jacobian_rates = link_bit<3>}),
+              "the rate of a Jacobian needs the Jacobian");
 static_assert(complete<M>({.gravity = true}).angles);
 static_assert(!complete<M>({}).angles, "a scene that needs nothing computes nothing");
 static_assert((Needs{.poses = 1} | Needs{.poses = 4, .mass = true}) == Needs{.poses = 5, .mass = true});
@@ -43,7 +46,12 @@ TEST_CASE("quantities: each is what its own function gives") {
     CHECK(known.mass()(2, 3) == mass_matrix(model, at.q)(2, 3));
     CHECK(known.coriolis() == coriolis_torque(model, known.angles(), at.dq));
     CHECK(gravity_torque(model, known.middle()) == gravity_torque(model, integrate(at.q, at.dq, 0.004)));
+    const auto X_LT = Transform<Link<5>, Tool, double>::translation_xyz(0.1, -0.2, 0.3);
+    const auto J = jacobian<5>(link_poses(model, at.q), X_LT);
+    CHECK(known.jacobian<5>(X_LT).matrix() == J.matrix());
+    CHECK(known.jacobian_rate<5>(X_LT).matrix() == jacobian_rate(J, at.dq).matrix());
     CHECK(known.jacobian<5>().matrix() == jacobian<5>(link_poses(model, at.q)).matrix());
+    CHECK(known.jacobian_rate<5>().matrix() == jacobian_rate(known.jacobian<5>(), at.dq).matrix());
   }
 }
 

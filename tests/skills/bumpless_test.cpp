@@ -11,7 +11,7 @@ TEST_CASE("SkillSet: no change of skill jumps, in torque or rate, at any state a
   const double dt = 0.002;
   const auto set = skilled_arm<double>(dt);
   using Set = std::remove_const_t<decltype(set)>;
-  static_assert(Set::skills == 8);
+  static_assert(Set::skills == 10);
   const std::uint64_t trials = sanitized ? 1 : 5;
   for (std::uint8_t from = 0; from < Set::skills; ++from)
     for (std::uint8_t to = 0; to < Set::skills; ++to)

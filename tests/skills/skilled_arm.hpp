@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "skinctl/control/force_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/operational_control.hpp"
@@ -40,7 +41,7 @@ template <class T>
 auto skilled_tool() {
   return Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.1));
 }
-/// All controllers of Fig. 7.
+/// All controllers of Fig. 7 and section 6.
 template <class T = double>
 auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
   const auto s = skilled_settings(dt);
@@ -52,7 +53,8 @@ auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
       as<controller::Joint>(JointControl<6, T>(s)),
       as<controller::SkinCartesian>(SkinCartesianControl<5, Tool, T>(skilled_tool<T>())),
       as<controller::Operational>(OperationalControl<6, 5, Tool, T>(space, o)),
-      as<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)));
+      as<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)),
+      as<controller::Force>(ForceControl<6, 5, Tool, T>(skilled_tool<T>(), {.pose = o})));
 }
 
 /// What happens to the arm: touches that come and go, and goals, all from one seed.
@@ -90,7 +92,8 @@ class SkilledRun {
     const PoseGoal<Tool, T> pose{X, goal.duration};
     PoseReference<Tool, T> moving{X, {}, {}};
     moving.V.linear = {away(0.1), away(0.1), away(0.1)};
-    return with_known_goals(Set::start_skill(skill), goal, target, pose, moving);
+    const ForceGoal<T> force{{away(1), away(1), away(1)}, static_cast<T>(uniform(random_, 0.0, 20.0))};
+    return with_known_goals(Set::start_skill(skill), goal, target, pose, moving, force);
   }
   /// The goals for which the set has takers.
   template <class... G>
@@ -201,6 +204,7 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
     for (const T& v : x) most = std::max(most, static_cast<double>(detail::magnitude(v)));
     return most;
   };
+  run.ask(Set::report(closed()));
   run.ask(run.any_request(from));
   if (random() % 4 != 0) run.touch(40);
   const int first = cycles(uniform(random, 0.0, 0.6));
@@ -230,6 +234,7 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
   for (int k = 0; k < cycles(0.1); ++k) follow(out.before);
   auto other = run;
   const auto at_rest = run.torque();
+  run.ask(Set::report(closed()));  // as force control wants it
   run.ask(run.any_request(to));
   out.jump = largest(run.torque() - at_rest);
   follow(out.rate);

@@ -60,6 +60,7 @@ class SkilledDay {
     };
     if (once_in(3)) ask(any_goal(Set::start_skill(static_cast<std::uint8_t>(random_() % Set::skills))));
     if (once_in(6)) ask(any_goal(Goal{}));
+    if (once_in(6)) ask(Set::report(random_() % 4 == 0 ? opened() : closed()));
     if (once_in(2) && !touching_) {
       const auto f = static_cast<float>(uniform(random_, 0.0, 0.4));
       for (auto& s : touch_) {
@@ -124,7 +125,8 @@ class SkilledDay {
             .template get<5>() *
         skilled_tool<T>();
     return SkilledRun<Set, T>::with_known_goals(request, goal, target, PoseGoal<Tool, T>{X_BP, goal.duration},
-                                                PoseReference<Tool, T>{X_BP, {}, {}});
+                                                PoseReference<Tool, T>{X_BP, {}, {}},
+                                                ForceGoal<T>{{T(0), T(0), T(-1)}, T(10)});
   }
 
   const Scene& scene_;

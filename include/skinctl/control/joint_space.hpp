@@ -140,7 +140,8 @@ class JointSpace {
     }
     return error;
   }
-  [[nodiscard]] SKINCTL_INLINE Surface surface(const SurfaceGains<T>& gains, const Inputs& in, const Site& at,
+  template <class Gains>
+  [[nodiscard]] SKINCTL_INLINE Surface surface(const Gains& gains, const Inputs& in, const Site& at,
                                                const Memory& memory) const noexcept {
     Surface s;
     sliding_surface(s, gains, in, errors(in.target, at, memory));

@@ -188,9 +188,9 @@ class OperationalSpace {
     errors(error, near, target, at, memory);
     return error;
   }
-  template <class J>
-  [[nodiscard]] SKINCTL_NOINLINE Surface surface(const SurfaceGains<T>& gains, const Inputs& in,
-                                                 const Site<J>& at, const Memory& memory) const noexcept;
+  template <class Gains, class J>
+  [[nodiscard]] SKINCTL_NOINLINE Surface surface(const Gains& gains, const Inputs& in, const Site<J>& at,
+                                                 const Memory& memory) const noexcept;
   template <class J>
   static void rows(const Site<J>& at, T (&rows)[coordinates][N]) noexcept {
     static_assert(!std::same_as<Orientation, ZyzError>, "a moment has no component along an angle's rate");
@@ -294,10 +294,9 @@ class OperationalSpace {
 
 /// Eqs. (15)-(21).
 template <std::size_t N, std::size_t I, Frame P, Real T, Task What, class Orientation, class Null>
-template <class J>
+template <class Gains, class J>
 SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::surface(
-    const SurfaceGains<T>& gains, const Inputs& in, const Site<J>& at, const Memory& memory) const noexcept
-    -> Surface {
+    const Gains& gains, const Inputs& in, const Site<J>& at, const Memory& memory) const noexcept -> Surface {
   Surface s;
   Errors error;
   errors(error, s.near, in.target, at, memory);

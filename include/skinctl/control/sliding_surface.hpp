@@ -2,9 +2,9 @@
 #pragma once
 
 #include "skinctl/control/settings.hpp"
+#include "skinctl/control/sign.hpp"
 #include "skinctl/control/surface_bias.hpp"
 #include "skinctl/math/sum.hpp"
-#include "skinctl/math/tanh.hpp"
 #include "skinctl/trajectory/spline.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -38,7 +38,7 @@ template <std::size_t N, Scalar T = double>
 struct SlidingSurface {
   JointVelocity<N, T> S_delta;    ///< `S - S_d`, eq. (12)
   JointVelocity<N, T> dI1;        ///< rate of the integral of S_delta
-  JointVelocity<N, T> dI2;        ///< rate of the integral of tanh(mu S_delta)
+  JointVelocity<N, T> dI2;        ///< rate of the integral of its sign
   JointVelocity<N, T> dq_r;       ///< eq. (10)
   JointAcceleration<N, T> ddq_r;  ///< its derivative in time
   JointVelocity<N, T> S_q;        ///< `dq - dq_r`, eq. (9)
@@ -54,13 +54,15 @@ struct SurfaceInputs {
   BiasNow<N, T> bias;
   T I1[N];
   T I2[N];
-  bool held;  ///< the integrals stand still
+  bool held;                 ///< the integrals stand still
+  const T* twist = nullptr;  ///< what the sign integrates by itself
 };
 
 /// Gains of the surface, in the form in which the loop reads them.
-template <Real T = double>
+template <Real T = double, class Sign = TanhSign>
 struct SurfaceGains {
   T K_i1, K_i2, mu;
+  T slope;               ///< the steepest of the sign
   T I1_limit, I2_limit;  ///< where the integrals stop
 
   template <std::size_t N>
@@ -68,6 +70,7 @@ struct SurfaceGains {
       : K_i1(s.K_i1),
         K_i2(s.K_i2),
         mu(s.mu),
+        slope(Sign::slope(s.mu, s.K_i2, s.dt)),
         I1_limit(s.K_i1 > T(0) ? T(s.integral_limit / s.K_i1) : T(1)),
         I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {}
 
@@ -94,14 +97,12 @@ struct SurfaceErrors {
 
 /// Eqs. (10)-(13), or (18)-(21), and the derivative of (10), without `S_q`. A NaN gives NaNs and nothing
 /// worse.
-template <std::size_t N, Real T, class Target>
-SKINCTL_INLINE void sliding_surface(SlidingSurface<N, T>& s, const SurfaceGains<T>& gains,
+template <std::size_t N, Real T, class Sign, class Target>
+SKINCTL_INLINE void sliding_surface(SlidingSurface<N, T>& s, const SurfaceGains<T, Sign>& gains,
                                     const SurfaceInputs<N, T, Target>& in,
                                     const SurfaceErrors<N, T>& error) noexcept {
-  T steep[N];
   for (std::size_t i = 0; i < N; ++i) s.S_delta[i] = error.de[i] + in.K_p.K * error.e[i] - in.bias.S_d[i];
-  for (std::size_t i = 0; i < N; ++i) steep[i] = gains.mu * s.S_delta[i];
-  math::tanh<N>(steep, s.dI2.data);
+  Sign::template rates<N>(s.S_delta.data, gains.slope, gains.mu, in.twist, s.dI2.data);
   for (std::size_t i = 0; i < N; ++i) {
     s.dI1[i] = in.held ? T(0) : gains.taken(in.I1[i], s.S_delta[i], gains.I1_limit);
     s.dI2[i] = in.held ? T(0) : gains.taken(in.I2[i], s.dI2[i], gains.I2_limit);

@@ -16,6 +16,8 @@ struct Position {};      ///< [rad] revolute, [m] prismatic
 struct Velocity {};      ///< [rad/s], [m/s]
 struct Acceleration {};  ///< [rad/s^2], [m/s^2]
 struct Torque {};        ///< generalised force [N m], [N]
+struct Jerk {};          ///< [rad/s^3], [m/s^3]
+struct Power {};         ///< [W]
 }  // namespace kind
 
 /// Anything with Eigen's vector interface, without including Eigen here.
@@ -153,6 +155,10 @@ template <std::size_t N, Scalar T = double>
 using JointAcceleration = JointVector<kind::Acceleration, N, T>;
 template <std::size_t N, Scalar T = double>
 using JointTorque = JointVector<kind::Torque, N, T>;
+template <std::size_t N, Scalar T = double>
+using JointJerk = JointVector<kind::Jerk, N, T>;
+template <std::size_t N, Scalar T = double>
+using JointPower = JointVector<kind::Power, N, T>;
 
 /// `q + h dq`, the position after `h` seconds at constant velocity.
 template <std::size_t N, class T>

@@ -19,18 +19,26 @@ inline constexpr LinkMask link_bit = LinkMask(1) << I;
 /// | b` is the union. A law states its own as `static constexpr Needs needs`; dependencies are closed by
 /// `complete()`.
 struct Needs {
-  LinkMask poses = 0;      ///< `X_BaseLink` of these links
-  LinkMask jacobians = 0;  ///< Jacobians of these links
-  bool angles = false;     ///< sines and cosines of the joint angles
-  bool gravity = false;    ///< G(q)
-  bool mass = false;       ///< M(q)
-  bool coriolis = false;   ///< C(q, dq) dq
-  bool touch = false;      ///< wrenches of the skin on the links
-  bool middle = false;     ///< sines and cosines half an interval ahead, at `q + dq dt/2`
+  LinkMask poses = 0;           ///< `X_BaseLink` of these links
+  LinkMask jacobians = 0;       ///< Jacobians of these links, and of frames fixed to them
+  LinkMask jacobian_rates = 0;  ///< time derivatives of the same
+  bool angles = false;          ///< sines and cosines of the joint angles
+  bool gravity = false;         ///< G(q)
+  bool mass = false;            ///< M(q)
+  bool coriolis = false;        ///< C(q, dq) dq
+  bool touch = false;           ///< wrenches of the skin on the links
+  bool middle = false;          ///< sines and cosines half an interval ahead, at `q + dq dt/2`
 
   friend constexpr Needs operator|(const Needs& a, const Needs& b) noexcept {
-    return {a.poses | b.poses, a.jacobians | b.jacobians, a.angles || b.angles, a.gravity || b.gravity,
-            a.mass || b.mass,  a.coriolis || b.coriolis,  a.touch || b.touch,   a.middle || b.middle};
+    return {.poses = a.poses | b.poses,
+            .jacobians = a.jacobians | b.jacobians,
+            .jacobian_rates = a.jacobian_rates | b.jacobian_rates,
+            .angles = a.angles || b.angles,
+            .gravity = a.gravity || b.gravity,
+            .mass = a.mass || b.mass,
+            .coriolis = a.coriolis || b.coriolis,
+            .touch = a.touch || b.touch,
+            .middle = a.middle || b.middle};
   }
   friend constexpr bool operator==(const Needs&, const Needs&) noexcept = default;
 

@@ -6,17 +6,18 @@
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/kinematics/jacobian_rate.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// No skin in this scene.
 struct NoTouch {};
 
-/// `needs` with its dependencies: a Jacobian needs the poses of the links on the way, everything needs the
-/// angles.
+/// `needs` with its dependencies: the rate of a Jacobian needs the Jacobian, a Jacobian the poses of the
+/// links on the way, everything the angles.
 template <Topology M>
 constexpr Needs complete(Needs needs) noexcept {
+  needs.jacobians |= needs.jacobian_rates;
   needs.poses |= closure<M>(needs.jacobians);
   needs.angles =
       needs.angles || needs.poses != 0 || needs.gravity || needs.mass || needs.coriolis || needs.touch;
@@ -28,7 +29,7 @@ template <Topology M>
 constexpr LinkMask links_for(const Needs& needs) noexcept {
   return needs.gravity || needs.mass || needs.coriolis || needs.angles
              ? all_links(M::joints)
-             : closure<M>(needs.poses | needs.jacobians);
+             : closure<M>(needs.poses | needs.jacobians | needs.jacobian_rates);
 }
 
 namespace detail {
@@ -113,6 +114,13 @@ class Quantities {
   [[nodiscard]] SKINCTL_INLINE auto jacobian(const X&... X_LP) const noexcept {
     static_assert((needs.jacobians >> I) & 1u, "not asked for: set the link's bit in needs.jacobians");
     return skinctl::jacobian<I>(poses_.value, X_LP...);
+  }
+  /// `dJ/dt` of `jacobian<I>(X_LP)` at this state's dq.
+  template <std::size_t I, class... X>
+  [[nodiscard]] SKINCTL_INLINE auto jacobian_rate(const X&... X_LP) const noexcept {
+    static_assert((needs.jacobian_rates >> I) & 1u,
+                  "not asked for: set the link's bit in needs.jacobian_rates");
+    return skinctl::jacobian_rate(jacobian<I>(X_LP...), state_.dq);
   }
   /// G(q) [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& gravity() const noexcept {

@@ -98,13 +98,17 @@ class CalibratedModel {
   ///                 must have gamma = 0 (turn the parent's frame instead). Throws `ConfigurationError`.
   /// @param gravity  gravitational acceleration in the axes of the base [m/s^2]; a base on a wall or ceiling
   /// turns it.
-  explicit CalibratedModel(const Links& links, const Xyz<T>& gravity = {T(0), T(0), T(-9.81)})
+  /// @param allowed_defect  of the links' inertias, for `check_link`: `makers_density` for a maker's file.
+  explicit CalibratedModel(const Links& links, const Xyz<T>& gravity = {T(0), T(0), T(-9.81)},
+                           double allowed_defect = rounded_density)
       : links_(links), gravity_(gravity) {
     if constexpr (Real<T>) {
-      for (const auto& link : links_) check_link(link);
+      for (const auto& link : links_) check_link(link, allowed_defect);
       [&]<std::size_t... I>(std::index_sequence<I...>) {
         (check_promises<I>(std::make_index_sequence<std::size_t(Parameter::count)>{}), ...);
       }(std::make_index_sequence<joints>{});
+    } else {
+      static_cast<void>(allowed_defect);
     }
   }
 

@@ -4,6 +4,7 @@
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/dynamics/shape.hpp"
 #include "skinctl/resolver/detail/stick_or_slip.hpp"
+#include "skinctl/safety/contact_damper.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -63,14 +64,34 @@ SKINCTL_INLINE JointTorque<K::joints, T> bias_at_start(const K& known, const A& 
   }
 }
 
+/// Friction along contacts, by the new velocity: `(M + h b r r') dv = ... - h b r (r . v)`.
+template <std::size_t N, Real T>
+SKINCTL_NOINLINE void add_damping(const ContactDamping<N, T>& damping, const T& h,
+                                  const JointVelocity<N, T>& v, MassMatrix<N, T>& m,
+                                  JointTorque<N, T>& impulse) noexcept {
+  for (std::size_t k = 0; k < N; ++k) {
+    const T b = h * damping.coefficient[k];
+    if (!(b > T(0))) continue;
+    T speed(0);
+    for (std::size_t i = 0; i < N; ++i) speed = speed + damping.row[k][i] * v[i];
+    for (std::size_t i = 0; i < N; ++i) {
+      const T r = b * damping.row[k][i];
+      impulse[i] = impulse[i] - r * speed;
+      for (std::size_t j = 0; j < N; ++j) m(i, j) = m(i, j) + r * damping.row[k][j];
+    }
+  }
+}
+
 /// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`.
 ///
 /// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
+/// @param damping  friction along contacts besides, by the new velocity; null: none.
 template <class Policy, class K, Real T>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
     const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
     const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
-    const JointAcceleration<K::joints, T>& last) noexcept {
+    const JointAcceleration<K::joints, T>& last,
+    const ContactDamping<K::joints, T>* damping = nullptr) noexcept {
   constexpr std::size_t n = K::joints;
   const T h = known.dt();
   const auto& v = known.dq();
@@ -108,6 +129,7 @@ template <class Policy, class K, Real T>
     for_each_index<n>([&](std::size_t j) SKINCTL_INLINE_LAMBDA { m(i, j) = m(i, j) * decayed; });
     m(i, i) = m(i, i) + Policy::weight(z) * b;
   });
+  if (damping != nullptr) add_damping(*damping, h, v, m, impulse);
   VelocityStep<n, T> out;
   const math::Ldlt<n, T> factors(m.data);
   out.singular = !factors.positive_definite();

@@ -4,6 +4,7 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/resolver/detail/running_sum.hpp"
+#include "skinctl/resolver/passivity.hpp"
 #include "skinctl/resolver/servo.hpp"
 #include "skinctl/safety/command.hpp"
 
@@ -18,7 +19,7 @@ enum class Mode : unsigned char {
 
 /// A resolver's memory: the virtual robot, the commands under way, the last good measurement. Trivially
 /// copyable; a fresh one has not been started and gives no valid command.
-template <std::size_t N, Real T, std::size_t History>
+template <std::size_t N, Real T, std::size_t History, class Keeper = Passivity<>>
 struct ResolverMemory {
   bool started = false;
   bool stop = false;  ///< a stop was asked for
@@ -37,6 +38,7 @@ struct ResolverMemory {
   detail::RunningPosition<N, T> offset;  ///< what r has been corrected by without moving (velocity interface)
   CommandsUnderWay<N, T, History> under_way;
   JointCommand<N, T> command;  ///< the last one
+  [[no_unique_address]] typename Keeper::template Memory<N> keeper;
 };
 
 SKINCTL_END_NAMESPACE

@@ -38,22 +38,32 @@ struct Resolved {
 ///   after `retry`.
 /// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory stands still.
 ///
+/// - `Keeper` names what else watches over energy and contacts: see `Passivity`.
+///
 /// In the loop nothing throws or allocates; the cost is that of the law and the integrator, times sub-steps.
-template <Interface I, Model M, Real T = double, class Integrator = CrankNicolson, std::size_t History = 32>
+template <Interface I, Model M, Real T = double, class Integrator = CrankNicolson, std::size_t History = 32,
+          class Keeper = Passivity<>>
 class Resolver {
  public:
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = I;
   using scalar = T;
   using Configuration = ResolverConfiguration<joints, T>;
-  using Memory = ResolverMemory<joints, T, History>;
+  static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
+  static constexpr bool has_ledger = Keeper::template has<PortLedger<T>>;
+  static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
+  static constexpr Needs keeper_needs = {
+      .angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank};
+  using Memory = ResolverMemory<joints, T, History, Keeper>;
   /// What a law gets to know: the state of the virtual robot and what law and integrator need of it.
   template <class L, class Touch = NoTouch>
-  using Knows = Quantities<M, L::needs | Integrator::needs, T, Touch>;
+  using Knows = Quantities<M, L::needs | Integrator::needs | keeper_needs, T, Touch>;
 
   /// Throws `ConfigurationError` for a number out of its range.
-  Resolver(const M& model, const Configuration& configuration)
-      : model_(model), p_(configuration), servo_(p_.delay, p_.lag) {
+  ///
+  /// @param keeper  what watches over energy and contacts, see `Passivity`.
+  Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
+      : model_(model), p_(configuration), servo_(p_.delay, p_.lag), keeper_(keeper) {
     require(p_.delay / p_.period + 2 <= static_cast<Nanoseconds>(History), "delay / period",
             static_cast<double>(p_.delay) / static_cast<double>(p_.period),
             "<= History - 2: commands under way");
@@ -61,6 +71,7 @@ class Resolver {
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
   [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return p_.limits; }
+  [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
   /// T = delay + lag + period [s]: until a command is seen in a measurement.
   [[nodiscard]] T total_delay() const noexcept { return p_.total_delay; }
   /// e_max: the most by which joint `i` of the virtual robot leads the real one [rad].
@@ -130,8 +141,11 @@ class Resolver {
     Velocity velocity;
     Status status;
   };
+  template <class Touch>
+  SKINCTL_INLINE Status watch(Memory& m, const Touch& touch, const T& dt) const noexcept;
+  SKINCTL_INLINE bool affords(const Memory& m, Velocity& v) const noexcept;
   template <class L, class Touch>
-  Driven<L> drive(const Memory& m, const L& law, const typename L::Memory& law_memory,
+  Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
                   const State<joints, T>& state, const JointAcceleration<joints, T>& pull, const T& h,
                   const Touch& touch) const noexcept;
   SKINCTL_COLD void try_to_leave(Memory& m, const Correction& c, const Torque& torque) const noexcept;
@@ -141,6 +155,7 @@ class Resolver {
   [[no_unique_address]] M model_;
   detail::ResolverParameters<joints, T> p_;
   Servo<joints, T, History> servo_;
+  [[no_unique_address]] Keeper keeper_;
 };
 
 SKINCTL_END_NAMESPACE

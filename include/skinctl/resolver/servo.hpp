@@ -67,6 +67,12 @@ class Servo {
     m.slope[k] = slope;
   }
 
+  /// Calls `f(position)` for every command that is carried out just now or under way, in their order.
+  template <class F>
+  SKINCTL_INLINE void each_under_way(const Memory& m, F&& f) const noexcept {
+    for (std::uint32_t k = 0; k < m.count; ++k) f(m.value[(m.first + k) % Capacity]);
+  }
+
   /// Where the declared robot is at `until`; times before the last call's leave it where it was.
   SKINCTL_INLINE const JointPosition<N, T>& predict(Memory& m, Nanoseconds until) const noexcept {
     while (m.now < until) {

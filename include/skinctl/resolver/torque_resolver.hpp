@@ -15,7 +15,7 @@ struct TorqueResolverMemory {
   JointCommand<N, T> command;  ///< the last one
 };
 
-/// For robots that take torques: `tau = law(measured state) - B dq`, cut to the torque limits.
+/// For robots that take torques: `tau = law(measured state) - B dq`, cut to the limits of torque and power.
 ///
 /// Of the configuration it uses the limits of torque, period, longest interval, stale age, and of the shape
 /// the viscous friction, which the robot then shows in addition to its own; other shapes are refused. A
@@ -24,7 +24,7 @@ struct TorqueResolverMemory {
 /// limited here. While the state is stale, or a stop is asked for, or the law's torque is not finite, the
 /// command is `fallback`: gravity held, and friction.
 template <Model M, Real T, class Integrator, std::size_t History>
-class Resolver<Interface::torque, M, T, Integrator, History> {
+class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
  public:
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = Interface::torque;
@@ -112,11 +112,8 @@ class Resolver<Interface::torque, M, T, Integrator, History> {
         out.status |= Reason::torque_not_finite;
       }
     }
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T limit = p_.limits.torque()[i], tau = detail::clamp(torque[i], T(-limit), limit);
-      if (tau != torque[i]) out.status |= Reason::torque_limited;
-      m.command.torque[i] = tau;
-    }
+    m.command.torque = p_.limits.within(torque, m.measured.dq);
+    if (!(m.command.torque == torque)) out.status |= Reason::torque_limited;
     if (!p_.limits.hold(m.measured.q)) out.status |= Reason::outside_limits;
     m.command.time = m.time;
     m.command.position = m.measured.q;

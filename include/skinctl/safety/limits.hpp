@@ -49,6 +49,8 @@ class JointLimits {
     JointVelocity<N, T> velocity;          ///< magnitude [rad/s], > 0
     JointAcceleration<N, T> acceleration;  ///< magnitude [rad/s^2], > 0, with which the joint can also brake
     JointTorque<N, T> torque;              ///< magnitude [N m], > 0
+    /// Most that a joint drives with, `tau dq` [W], > 0; braking is free. Infinity by default.
+    JointPower<N, T> power = JointPower<N, T>::constant(std::numeric_limits<T>::infinity());
   };
 
   /// Throws `ConfigurationError` for a number out of its range, with the number.
@@ -64,6 +66,8 @@ class JointLimits {
               number(values.acceleration[i]), "> 0, <= 1e5 rad/s^2");
       require(values.torque[i] > T(0) && values.torque[i] <= big, "torque limit", number(values.torque[i]),
               "> 0 N m, finite");
+      require(values.power[i] > T(0), "power limit", number(values.power[i]), "> 0 W");
+      has_power_ = has_power_ || values.power[i] <= big;
     }
   }
 
@@ -76,6 +80,7 @@ class JointLimits {
     return values_.acceleration;
   }
   [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque() const noexcept { return values_.torque; }
+  [[nodiscard]] SKINCTL_INLINE const JointPower<N, T>& power() const noexcept { return values_.power; }
   [[nodiscard]] const Values& values() const noexcept { return values_; }
 
   /// Distances from `q` to the position limits.
@@ -87,6 +92,19 @@ class JointLimits {
     bool inside = true;
     for (std::size_t i = 0; i < N; ++i) inside &= q[i] >= values_.lower[i] && q[i] <= values_.upper[i];
     return inside;
+  }
+
+  /// `tau`, cut to the limits of torque, and of power at the speeds `dq`.
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> within(const JointTorque<N, T>& tau,
+                                                        const JointVelocity<N, T>& dq) const noexcept {
+    JointTorque<N, T> out;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T limit = values_.torque[i];
+      out[i] = tau[i] < -limit ? -limit : (tau[i] > limit ? limit : tau[i]);
+      if (has_power_ && out[i] * dq[i] > values_.power[i]) [[unlikely]]
+        out[i] = values_.power[i] / dq[i];
+    }
+    return out;
   }
 
   /// The motion over `h` > 0 seconds from velocity `u0` towards velocity `target` that keeps the limits.
@@ -148,6 +166,7 @@ class JointLimits {
 
  private:
   Values values_;
+  bool has_power_ = false;
 };
 
 /// Limits from a robot's description: its positions, velocity and torques as the maker publishes them.

@@ -6,8 +6,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What the surface reads `x` seconds from now, the integrals going on as at `at_t`.
-template <class Space, class Plan, class Damping>
-SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping>::inputs(
+template <class Space, class Plan, class Damping, class Sign>
+SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::inputs(
     const Memory& memory, const T& x, const Surface& at_t) const noexcept {
   // Built in place: a copy of what has just been written in other pieces waits for them.
   typename Space::Inputs in{memory.plan.at(x, settings_),
@@ -15,7 +15,8 @@ SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping>::inputs(
                             memory.bias.at(x, gains().kappa, gains().hand_over),
                             {},
                             {},
-                            memory.held};
+                            memory.held,
+                            memory.sign.data()};
   detail::for_each_index<Space::coordinates>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     in.I1[i] = memory.I1.sum[i] + x * at_t.dI1[i];
     in.I2[i] = memory.I2.sum[i] + x * at_t.dI2[i];
@@ -24,8 +25,8 @@ SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping>::inputs(
 }
 
 /// The memory `dt` seconds later.
-template <class Space, class Plan, class Damping>
-SKINCTL_INLINE TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::stepped(
+template <class Space, class Plan, class Damping, class Sign>
+SKINCTL_INLINE TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Sign>::stepped(
     const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
   const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
   return {memory.plan.advanced(ns, settings_),
@@ -36,16 +37,17 @@ SKINCTL_INLINE TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::stepp
           memory.tb,
           memory.K_from,
           memory.held,
+          memory.sign.advanced(at_t.S_delta.data, gains().mu, dt, memory.held),
           space_.advanced(memory.space, at_t, dt)};
 }
 
 /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
 /// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
-template <class Space, class Plan, class Damping>
+template <class Space, class Plan, class Damping, class Sign>
 template <GravityTerm G, class K>
-SKINCTL_INLINE auto Tracking<Space, Plan, Damping>::torque(const Memory& memory, const K& known,
-                                                           const Share<T>& share,
-                                                           const Surface& at_t) const noexcept
+SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& memory, const K& known,
+                                                                 const Share<T>& share,
+                                                                 const Surface& at_t) const noexcept
     -> JointTorque<N, T> {
   using M = typename K::model_type;
   const T h = T(0.5) * known.dt();

@@ -5,14 +5,16 @@
 #include "skinctl/safety/detail/plausible.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-#define SKINCTL_RESOLVER template <Interface I, Model M, Real T, class Integrator, std::size_t History>
-#define SKINCTL_RESOLVER_CLASS Resolver<I, M, T, Integrator, History>
+#define SKINCTL_RESOLVER \
+  template <Interface I, Model M, Real T, class Integrator, std::size_t History, class Keeper>
+#define SKINCTL_RESOLVER_CLASS Resolver<I, M, T, Integrator, History, Keeper>
 
 SKINCTL_RESOLVER
 SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::start(const State<joints, T>& measured) const noexcept -> Memory {
   Memory m;
   if (!detail::is_plausible(measured) || !detail::is_plausible(measured.time)) return m;
   m.started = true;
+  m.keeper = keeper_.template start<joints>();
   m.time = measured.time;
   m.measured = measured;
   const T ahead = seconds<T>(p_.delay) + p_.lag;
@@ -188,10 +190,62 @@ SKINCTL_INLINE void SKINCTL_RESOLVER_CLASS::choose_mode(Memory& m, const Correct
   }
 }
 
+/// What the keepers learn of a cycle: the contacts, the measured position, the commands under way.
+SKINCTL_RESOLVER
+template <class Touch>
+SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touch,
+                                                    const T& dt) const noexcept {
+  Status status;
+  if constexpr (has_ledger || has_damper) {
+    const auto contacts = contacts_of(model_, m.measured.q, touch);
+    if constexpr (has_damper)
+      if (keeper_.template get<ContactDamper<T>>().observe(m.keeper.template of<ContactDamper<T>>(), contacts,
+                                                           dt))
+        status |= Reason::contact_damped;
+    if constexpr (has_ledger)
+      keeper_.template get<PortLedger<T>>().book(
+          m.keeper.template of<PortLedger<T>>(), contacts, m.measured.q, p_.total_delay / dt, [&](auto&& f) {
+            servo_.each_under_way(m.under_way, [&](const Position& q) {
+              f(I == Interface::position ? q - m.measured.q : q - m.under_way.reached);
+            });
+          });
+  }
+  return status;
+}
+
+/// Slows `v` down to what the ledger can pay for, braking included. False if it had to.
+SKINCTL_RESOLVER
+SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v) const noexcept {
+  if constexpr (has_ledger) {
+    const auto& ledger = keeper_.template get<PortLedger<T>>();
+    const auto& memory = m.keeper.template of<PortLedger<T>>();
+    const Position& from = I == Interface::position ? m.measured.q : m.under_way.reached;
+    const Position& sent = I == Interface::position ? m.q.value : m.sent.value;
+    const T ahead = p_.lead + seconds<T>(p_.period);
+    const auto allows = [&](const T& share) {
+      Position dq;
+      for (std::size_t i = 0; i < joints; ++i) {
+        const T u = share * v[i], speed = u < T(0) ? T(-u) : u;
+        dq[i] = sent[i] - from[i] + u * (ahead + T(0.5) * speed / p_.limits.acceleration()[i]);
+      }
+      return ledger.allows(memory, dq, v);
+    };
+    if (allows(T(1))) [[likely]]
+      return true;
+    T share(0), part(0.5);
+    for (int k = 0; k < 6; ++k, part = T(0.5) * part)
+      if (allows(share + part)) share = share + part;
+    v = share * v;
+    return false;
+  } else {
+    return true;
+  }
+}
+
 // One function for the sub-steps and for a blocked robot: the law is the largest part of a cycle's code.
 SKINCTL_RESOLVER
 template <class L, class Touch>
-SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(const Memory& m, const L& law,
+SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
                                                     const typename L::Memory& law_memory,
                                                     const State<joints, T>& state,
                                                     const JointAcceleration<joints, T>& pull, const T& h,
@@ -203,15 +257,34 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(const Memory& m, const L& la
     out.status |= Reason::torque_not_finite;
     return out;
   }
-  for (std::size_t i = 0; i < joints; ++i) {
-    const T limit = p_.limits.torque()[i];
-    out.torque[i] = detail::clamp(out.law.torque[i], T(-limit), limit);
-  }
+  out.torque = p_.limits.within(out.law.torque, state.dq);
   if (!(out.torque == out.law.torque)) out.status |= Reason::torque_limited;
+  const ContactDamping<joints, T>* damping = nullptr;
+  if constexpr (has_damper) {
+    const auto& d = m.keeper.template of<ContactDamper<T>>().damping;
+    if (d.any) damping = &d;
+  }
   const auto next =
-      detail::step_velocity<Integrator>(known, p_.shape, p_.has_coulomb, out.torque, pull, m.last);
+      detail::step_velocity<Integrator>(known, p_.shape, p_.has_coulomb, out.torque, pull, m.last, damping);
   if (next.singular) out.status |= Reason::singular;
   out.velocity = next.velocity;
+  if constexpr (has_tank) {
+    const auto& tank = keeper_.template get<EnergyTank<T>>();
+    auto& memory = m.keeper.template of<EnergyTank<T>>();
+    MassMatrix<joints, T> mass = known.mass();
+    for (std::size_t i = 0; i < joints; ++i) mass(i, i) = mass(i, i) + p_.shape.inertia[i];
+    tank.charge(memory, mass, state.dq);
+    const Torque port = skin_torque(model_, known.angles(), touch);
+    const Torque passive = tank.settings().port_gain * port + known.gravity();
+    const T share = tank.pay(memory, port, out.torque - passive, state.dq, out.velocity, h, [&] {
+      return detail::step_velocity<Integrator>(known, p_.shape, p_.has_coulomb, passive, {}, m.last, damping)
+          .velocity;
+    });
+    if (share < T(1)) {
+      out.status |= Reason::tank_empty;
+      out.torque = passive + share * (out.torque - passive);
+    }
+  }
   return out;
 }
 
@@ -300,6 +373,7 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
   const Correction c = correct(m, interval.to, dt);
   m.mode_for = m.mode_for + dt;
   choose_mode(m, c, status.has(Reason::state_stale));
+  status |= watch(m, touches[interval.substeps - 1], dt);
 
   Torque torque = m.command.torque;
   for (unsigned j = 0; j < interval.substeps; ++j) {
@@ -311,6 +385,8 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
       status |= driven.status;
       torque = driven.torque;
       v1 = driven.velocity;
+      if (!affords(m, v1)) [[unlikely]]
+        status |= Reason::energy_held;
       if (!driven.status.has(Reason::torque_not_finite)) [[likely]] {
         law_memory = driven.law.memory;
         out.shares = driven.law.shares;
@@ -319,7 +395,11 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
       moved.rate = m.mode == Mode::blocked ? way_back(m, h) : Velocity{};
       moved.off = true;
     }
+    const Position from = m.q.value;
     status |= move(m, moved, v1, h);
+    if constexpr (has_tank)
+      keeper_.template get<EnergyTank<T>>().book(m.keeper.template of<EnergyTank<T>>(), m.q.value - from,
+                                                 p_.shape, h);
   }
   m.time = interval.to;
   if (m.mode == Mode::blocked) {

@@ -1,0 +1,172 @@
+// How stiff a contact a resolver's virtual robot can rest in: the gain margin of the loop through the world.
+#pragma once
+
+#include <cmath>
+#include <complex>
+
+#include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/resolver/configuration.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What the robot will be pressed against, and how the push comes back to the law.
+template <Real T = double>
+struct ContactEnvironment {
+  T stiffness = T(0);   ///< of the stiffest thing that it meets [N/m], > 0
+  T cover = T(0);       ///< of the skin's cover, in series [N/m]; 0: rigid
+  T force_gain = T(1);  ///< w_f: newtons that the law gets per newton at the cell, > 0
+  T skin_delay = T(0);  ///< t_skin: age of a push when a cycle uses it [s], >= 0
+  T margin = T(2);      ///< gain margin that is asked for, >= 1
+
+  /// `k_env k_skin / (k_env + k_skin)` [N/m].
+  [[nodiscard]] T series() const noexcept {
+    return cover > T(0) ? T(stiffness * cover / (stiffness + cover)) : stiffness;
+  }
+};
+
+/// Damping along a contact of stiffness `k` [N/m] that a loop of total delay `delay` [s] needs whatever the
+/// virtual mass is: `B >= 1.5 k T` [N s/m], a gain margin of pi/2 * 1.5 = 2.4 (`EQUATIONS.md`).
+template <Real T>
+[[nodiscard]] T contact_damping(const T& k, const T& delay) noexcept {
+  return T(1.5) * k * delay;
+}
+
+/// The loop of `EQUATIONS.md`: push, virtual robot, delay, lag, displacement, push again.
+///
+/// `g(s) = w_f k n'J (M s^2 + B s)^-1 J'n (1 + T_lead s) exp(-s (T_d + t_skin + dt/2)) / (tau s + 1)`
+///
+/// with B the configured friction and, along the contact, the contact damping. The loop is stable up to the
+/// stiffness at which g passes -1. A contact is given by its row `n'J` (see `Contact::row`). For the time of
+/// configuration: some hundred small complex solutions a pose.
+template <Model M, Real T = double>
+class ContactStability {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  using Configuration = ResolverConfiguration<joints, T>;
+  using Row = T[joints];
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD ContactStability(const M& model, const Configuration& c, const ContactEnvironment<T>& e)
+      : model_(model), shape_(c.shape), environment_(e), lag_(c.lag), lead_(c.lead) {
+    const auto number = [](const T& x) { return static_cast<double>(x); };
+    require(e.stiffness > T(0) && e.stiffness <= T(1e12), "stiffness", number(e.stiffness),
+            "> 0, <= 1e12 N/m");
+    require(e.cover >= T(0) && e.cover <= T(1e12), "cover", number(e.cover), "0 to 1e12 N/m");
+    require(e.force_gain > T(0) && e.force_gain <= T(1e6), "force gain", number(e.force_gain), "> 0, <= 1e6");
+    require(e.skin_delay >= T(0) && e.skin_delay <= T(1), "delay of the skin", number(e.skin_delay),
+            "0 to 1 s");
+    require(e.margin >= T(1) && e.margin <= T(100), "gain margin", number(e.margin), "1 to 100");
+    dead_time_ = seconds<T>(c.delay) + e.skin_delay + T(0.5) * seconds<T>(c.period);
+    require(dead_time_ + lag_ > T(0), "delay and lag", number(dead_time_ + lag_), "> 0 s together");
+  }
+
+  /// T_d + t_skin + dt/2 + tau [s].
+  [[nodiscard]] T total_delay() const noexcept { return dead_time_ + lag_; }
+
+  /// `g(i w)` of a contact of 1 N/m, `row` in [m/rad], `damping` [N s/m] along it besides the shape's.
+  [[nodiscard]] std::complex<T> response(const MassMatrix<joints, T>& mass, const Row& row, const T& damping,
+                                         const T& w) const {
+    using C = std::complex<T>;
+    C a[joints][joints], x[joints];
+    for (std::size_t i = 0; i < joints; ++i) {
+      for (std::size_t j = 0; j < joints; ++j) {
+        const T m = mass(i, j) + (i == j ? shape_.inertia[i] : T(0));
+        const T b = shape_.decay * m + damping * row[i] * row[j] + (i == j ? shape_.viscous[i] : T(0));
+        a[i][j] = C(-w * w * m, w * b);
+      }
+      x[i] = C(row[i]);
+    }
+    solve(a, x);
+    C g(0);
+    for (std::size_t i = 0; i < joints; ++i) g += row[i] * x[i];
+    return environment_.force_gain * g * C(T(1), lead_ * w) * std::polar(T(1), -w * dead_time_) /
+           C(T(1), lag_ * w);
+  }
+
+  /// k_max [N/m]: the stiffest contact along `row` at the pose `q` that the loop is stable in. 0 for a
+  /// virtual robot without friction, infinity for a row of zeros.
+  [[nodiscard]] T stiffest(const JointPosition<joints, T>& q, const Row& row, const T& damping = T(0)) const {
+    const auto mass = mass_matrix(model_, q);
+    T size(0);
+    for (const T& r : row) size += r * r;
+    if (!(size > T(0))) return std::numeric_limits<T>::infinity();
+    // Every crossing of the negative real axis counts; beyond 20/T the gain has long gone.
+    const T first = T(1e-3) / total_delay(), last = T(20) / total_delay(), step = T(1.05);
+    T k = std::numeric_limits<T>::infinity(), from = first;
+    auto before = response(mass, row, damping, from);
+    if (before.imag() >= T(0)) return T(0);
+    for (T w = from * step; w < last; w *= step) {
+      const auto g = response(mass, row, damping, w);
+      if (before.imag() < T(0) && g.imag() >= T(0) && (g.real() < T(0) || before.real() < T(0))) {
+        T low = from, high = w;
+        for (int n = 0; n < 40; ++n) {
+          const T middle = T(0.5) * (low + high);
+          (response(mass, row, damping, middle).imag() < T(0) ? low : high) = middle;
+        }
+        const T real = response(mass, row, damping, high).real();
+        if (real < T(0) && T(-1) / real < k) k = T(-1) / real;
+      }
+      before = g;
+      from = w;
+    }
+    return k;
+  }
+
+  /// k_max over the stiffest contact: how many times stiffer it might be.
+  [[nodiscard]] T margin(const JointPosition<joints, T>& q, const Row& row, const T& damping = T(0)) const {
+    return stiffest(q, row, damping) / environment_.series();
+  }
+
+  /// Throws `ConfigurationError` with k_max and what is allowed unless the contact has the margin asked for.
+  SKINCTL_COLD void check(const JointPosition<joints, T>& q, const Row& row, const T& damping = T(0)) const {
+    const T k = stiffest(q, row, damping), allowed = k / environment_.margin;
+    if (allowed >= environment_.series()) return;
+    char text[160];
+    std::snprintf(
+        text, sizeof text, "> 0, <= %.6g N/m here (stable up to %.6g N/m), or contact damping >= %.6g N s/m",
+        static_cast<double>(allowed), static_cast<double>(k), static_cast<double>(damping_for(q, row)));
+    require(false, "stiffness of the stiffest contact", static_cast<double>(environment_.series()), text);
+  }
+
+  /// The least damping along the contact with which it has the margin asked for [N s/m]: what a
+  /// `ContactDamper` is given as `always`. 0 if it needs none; never more than `margin / 1.5` times
+  /// `contact_damping`.
+  [[nodiscard]] SKINCTL_COLD T damping_for(const JointPosition<joints, T>& q, const Row& row) const {
+    if (margin(q, row) >= environment_.margin) return T(0);
+    T low(0), high = environment_.margin / T(1.5) *
+                     contact_damping(T(environment_.force_gain * environment_.series()), total_delay());
+    for (int n = 0; n < 30; ++n) {
+      const T middle = T(0.5) * (low + high);
+      (margin(q, row, middle) < environment_.margin ? low : high) = middle;
+    }
+    return high;
+  }
+
+ private:
+  /// Gaussian elimination with pivots; `x` is the right side and then the solution.
+  static void solve(std::complex<T> (&a)[joints][joints], std::complex<T> (&x)[joints]) {
+    for (std::size_t k = 0; k < joints; ++k) {
+      std::size_t best = k;
+      for (std::size_t i = k + 1; i < joints; ++i)
+        if (std::norm(a[i][k]) > std::norm(a[best][k])) best = i;
+      for (std::size_t j = 0; j < joints; ++j) std::swap(a[k][j], a[best][j]);
+      std::swap(x[k], x[best]);
+      for (std::size_t i = k + 1; i < joints; ++i) {
+        const auto f = a[i][k] / a[k][k];
+        for (std::size_t j = k; j < joints; ++j) a[i][j] -= f * a[k][j];
+        x[i] -= f * x[k];
+      }
+    }
+    for (std::size_t n = joints; n-- > 0;) {
+      for (std::size_t j = n + 1; j < joints; ++j) x[n] -= a[n][j] * x[j];
+      x[n] /= a[n][n];
+    }
+  }
+
+  [[no_unique_address]] M model_;
+  VirtualShape<joints, T> shape_;
+  ContactEnvironment<T> environment_;
+  T lag_, lead_, dead_time_;
+};
+
+SKINCTL_END_NAMESPACE

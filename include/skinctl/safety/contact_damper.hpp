@@ -1,0 +1,131 @@
+// A contact that begins to ring is damped, and nothing else is touched.
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/tactile/contact.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Friction along contacts: a joint torque `-coefficient[k] row[k] (row[k] . dq)` each, `N m s` or `N s/m`.
+/// Symmetric and not negative: it can only take energy.
+template <std::size_t N, Real T = double>
+struct ContactDamping {
+  T coefficient[N] = {};
+  T row[N][N] = {};
+  bool any = false;
+};
+
+/// Contact damping, fixed and by observation. A part of a resolver's `Passivity`.
+///
+/// Each link's push is watched for turns: it rose and then fell by more than `swing` and by more than a tenth
+/// of the push, or the reverse. Turns that come within `slowest` of each other and do not die out quickly
+/// (each swing at least 0.4 of the last one) are a contact that rings; the fourth in a row, after two
+/// periods, raises the damping along the contact by a part of `most`, and so does each further one
+/// (`contact_damped`). The damping is never below `always` while the contact lasts, never above
+/// `always + most`, rises and falls smoothly, and falls with the time constant `calm` once the contact has
+/// ended, ten times as slowly while it lasts. A robot that is not touched, and a push that takes longer than
+/// `slowest` from peak to trough, are left alone.
+template <Real T = double>
+class ContactDamper {
+ public:
+  struct Settings {
+    T most = T(0);    ///< added at most [N s/m], as the virtual robot's force, >= 0; see `contact_damping`
+    T always = T(0);  ///< while a contact lasts [N s/m], >= 0: what a delay needs, see `contact_damping`
+    T swing = T(2);   ///< least change of a push that counts [N], > 0: two quanta of the sensor at least
+    T slowest = T(0.25);  ///< longest time from peak to trough [s], > 0
+    T calm = T(0.5);      ///< [s], > 0
+  };
+  /// One link's contact as it is watched.
+  struct Watch {
+    T extreme = T(0);  ///< of the push since the last turn [N]
+    T last = T(0);     ///< the push at that turn [N]
+    T swing = T(0);    ///< of the last turn [N]
+    T since = T(0);    ///< the last turn [s]
+    int turns = 0;     ///< in a row
+    bool rising = false;
+    bool touched = false;
+    T wish = T(0);   ///< damping that is wanted, in parts of `most`
+    T level = T(0);  ///< what is given
+  };
+  template <std::size_t N>
+  struct Memory {
+    Watch watch[N];
+    ContactDamping<N, T> damping;
+  };
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD explicit ContactDamper(const Settings& s = {}) : s_(s) {
+    const auto number = [](const T& x) { return static_cast<double>(x); };
+    require(s.most >= T(0) && s.most <= T(1e6), "most contact damping", number(s.most), "0 to 1e6 N s/m");
+    require(s.always >= T(0) && s.always <= T(1e6), "contact damping", number(s.always), "0 to 1e6 N s/m");
+    require(s.swing > T(0) && s.swing <= T(1e6), "least swing", number(s.swing), "> 0, <= 1e6 N");
+    require(s.slowest > T(0) && s.slowest <= T(10), "slowest swing", number(s.slowest), "> 0, <= 10 s");
+    require(s.calm > T(0) && s.calm <= T(1e3), "calm", number(s.calm), "> 0, <= 1e3 s");
+  }
+  [[nodiscard]] const Settings& settings() const noexcept { return s_; }
+
+  template <std::size_t N>
+  [[nodiscard]] Memory<N> start() const noexcept {
+    return {};
+  }
+
+  /// A cycle of `dt` seconds with these contacts. True if damping is added to what there always is.
+  template <std::size_t N, std::size_t K>
+  bool observe(Memory<N>& memory, const Contacts<N, T, K>& contacts, const T& dt) const noexcept {
+    T force[N] = {};
+    for (const auto& c : contacts) {
+      force[c.link] = c.force;
+      for (std::size_t j = 0; j < N; ++j) memory.damping.row[c.link][j] = c.row[j];
+    }
+    bool added = false;
+    memory.damping.any = false;
+    for (std::size_t i = 0; i < N; ++i) {
+      Watch& w = memory.watch[i];
+      if (!(force[i] > T(0)) && !w.touched) continue;
+      watch(w, force[i], dt);
+      T& b = memory.damping.coefficient[i];
+      b = w.level * s_.most + (force[i] > T(0) ? s_.always : T(0));
+      memory.damping.any = memory.damping.any || b > T(0);
+      added = added || w.level > T(0);
+    }
+    return added;
+  }
+
+ private:
+  void watch(Watch& w, const T& force, const T& dt) const noexcept {
+    using std::exp;
+    w.touched = true;
+    w.since = w.since + dt;
+    const T high = w.rising ? w.extreme : w.last;
+    const T bound = s_.swing > T(0.1) * high ? s_.swing : T(T(0.1) * high);
+    const T back = w.rising ? T(w.extreme - force) : T(force - w.extreme);
+    if (back < T(0)) {
+      w.extreme = force;
+    } else if (back > bound) {
+      const T swing = w.rising ? T(w.extreme - w.last) : T(w.last - w.extreme);
+      w.turns = w.since <= s_.slowest && swing >= T(0.4) * w.swing ? w.turns + 1 : 1;
+      if (w.turns >= 4) {
+        w.wish = w.wish + T(0.3) < T(1) ? T(w.wish + T(0.3)) : T(1);
+        w.turns = 4;
+      }
+      w.swing = swing;
+      w.last = w.extreme;
+      w.extreme = force;
+      w.rising = !w.rising;
+      w.since = T(0);
+    }
+    if (w.since > s_.slowest) w.turns = 0;
+    const T calm = force > T(0) ? T(T(10) * s_.calm) : s_.calm;
+    w.wish = w.wish * exp(-dt / calm);
+    const T rise = T(1) - exp(-dt / (T(0.1) * s_.calm));
+    w.level = w.level + rise * (w.wish - w.level);
+    if (w.level < T(1e-3) && w.wish < T(1e-3)) w.level = w.wish = T(0);
+    if (!(force > T(0)) && w.level == T(0) && w.since > s_.slowest) w = {};
+  }
+
+  Settings s_;
+};
+
+SKINCTL_END_NAMESPACE

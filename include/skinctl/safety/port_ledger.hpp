@@ -1,0 +1,145 @@
+// Passive where it is touched: what the real robot may give a contact is what it got from it.
+#pragma once
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/tactile/contact.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Energy at the measured port (`EQUATIONS.md`): behind a delay the virtual robot's passivity does not make
+/// the real one passive. A part of a resolver's `Passivity`.
+///
+/// `E_r = E_0 - sum 1/2 (F_k + F_{k-1}) dx`, F the push of a contact as measured and dx the real robot's
+/// displacement into it. The virtual robot moves on into contacts only while
+/// `sum (F + k_max p/2) p <= E_r`, p the furthest command that is under way, its braking distance included,
+/// ahead of the measured position along the contact; otherwise it slows down and holds (`energy_held`). Away
+/// from a contact it may always move. A contact that is not felt yet costs up to `k_max p^2/2` with
+/// `p = sum reach_i |dq_i|` of what is under way: where `reach` is given, that is kept below E_r too, which
+/// limits the speed in free space to one at which an impact can be paid for.
+template <Real T = double>
+class PortLedger {
+ public:
+  struct Settings {
+    T start = T(1);        ///< E_0 [J], >= 0
+    T most = T(5);         ///< energy beyond this is forgotten [J], >= start
+    T stiffness = T(3e4);  ///< k_max: stiffest contact, the skin's cover in series [N/m], > 0
+    /// Longest lever of each joint to a point that may be touched [m]; the last one holds for all further
+    /// joints. Zero: impacts are not reckoned with.
+    T reach[8] = {};
+    T reserve =
+        T(0.05);       ///< share of E_0 that commands never use: for what pushes change meanwhile, 0 to 0.9
+    T newtons = T(1);  ///< newtons at the cell per newton that the law gets (one over the scale of w_f)
+  };
+  template <std::size_t N>
+  struct Memory {
+    T energy = T(0);
+    T force[N] = {};        ///< of each link's contact at the last cycle [N]
+    T expected[N] = {};     ///< and when what is sent now is carried out [N]
+    T row[N][N] = {};       ///< and its direction
+    T under_way = T(0);     ///< furthest command under way for a contact not felt yet [m]
+    T ahead[N] = {};        ///< furthest command under way [m]
+    JointPosition<N, T> q;  ///< measured then
+    bool started = false;
+  };
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD explicit PortLedger(const Settings& s = {}) : s_(s) {
+    const auto number = [](const T& x) { return static_cast<double>(x); };
+    require(s.start >= T(0) && s.start <= T(1e6), "energy at the start", number(s.start), "0 to 1e6 J");
+    require(s.most >= s.start && s.most <= T(1e6), "most energy", number(s.most), ">= start, <= 1e6 J");
+    require(s.stiffness > T(0) && s.stiffness <= T(1e9), "stiffest contact", number(s.stiffness),
+            "> 0, <= 1e9 N/m");
+    require(s.reserve >= T(0) && s.reserve <= T(0.9), "reserve", number(s.reserve), "0 to 0.9");
+    for (const T& r : s.reach) require(r >= T(0) && r <= T(1e3), "reach", number(r), "0 to 1e3 m");
+    require(s.newtons > T(0) && s.newtons <= T(1e6), "newtons per newton", number(s.newtons), "> 0, <= 1e6");
+  }
+  [[nodiscard]] const Settings& settings() const noexcept { return s_; }
+
+  template <std::size_t N>
+  [[nodiscard]] Memory<N> start() const noexcept {
+    Memory<N> m;
+    m.energy = s_.start;
+    return m;
+  }
+
+  /// A cycle's contacts and measured position. `each_pending(f)` calls `f(dq)` for every command under way,
+  /// dq the displacement from the measured position to where it leads.
+  ///
+  /// @param cycles  for how many cycles a command is under way: a push that grows is reckoned with as it will
+  /// be
+  ///                by then.
+  template <std::size_t N, std::size_t K, class EachPending>
+  void book(Memory<N>& memory, const Contacts<N, T, K>& contacts, const JointPosition<N, T>& q,
+            const T& cycles, EachPending&& each_pending) const noexcept {
+    T before[N], now[N] = {};
+    for (std::size_t i = 0; i < N; ++i) before[i] = memory.force[i];
+    if (memory.started) spend(memory, before, q);  // half along the old directions, half along the new ones
+    for (const auto& c : contacts) {
+      now[c.link] = s_.newtons * c.force;
+      for (std::size_t j = 0; j < N; ++j) memory.row[c.link][j] = c.row[j];
+    }
+    if (memory.started) spend(memory, now, q);
+    if (memory.energy > s_.most) memory.energy = s_.most;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T growth = now[i] - before[i];
+      memory.expected[i] = now[i] + (growth > T(0) && now[i] > T(0) ? T(cycles * growth) : T(0));
+      memory.force[i] = now[i];
+      memory.ahead[i] = T(0);
+    }
+    memory.q = q;
+    memory.started = true;
+    memory.under_way = T(0);
+    each_pending([&](const JointPosition<N, T>& dq) {
+      for (std::size_t i = 0; i < N; ++i) {
+        const T p = along(memory.row[i], dq);
+        if (p > memory.ahead[i]) memory.ahead[i] = p;
+      }
+      const T p = lever(dq);
+      if (p > memory.under_way) memory.under_way = p;
+    });
+  }
+
+  /// Whether the virtual robot may move at `v`, which leads it to `dq` ahead of the measured position before
+  /// it can stop.
+  template <std::size_t N>
+  [[nodiscard]] SKINCTL_INLINE bool allows(const Memory<N>& memory, const JointPosition<N, T>& dq,
+                                           const JointVelocity<N, T>& v) const noexcept {
+    const T left = memory.energy - s_.reserve * s_.start;
+    T cost(0);
+    bool inward = false;
+    for (std::size_t i = 0; i < N; ++i) {
+      if (!(memory.force[i] > T(0))) continue;
+      inward = inward || along(memory.row[i], v) > T(0);
+      const T p = along(memory.row[i], dq), furthest = p > memory.ahead[i] ? p : memory.ahead[i];
+      cost = cost + (memory.expected[i] + T(0.5) * s_.stiffness * furthest) * furthest;
+    }
+    const T p = lever(dq), furthest = p > memory.under_way ? p : memory.under_way;
+    if (T(0.5) * s_.stiffness * furthest * furthest > left && p > T(0)) return false;
+    return !inward || cost <= left;
+  }
+
+ private:
+  template <std::size_t N, class Q>
+  static SKINCTL_INLINE T along(const T (&row)[N], const Q& dq) noexcept {
+    T sum(0);
+    for (std::size_t j = 0; j < N; ++j) sum = sum + row[j] * dq[j];
+    return sum;
+  }
+  template <std::size_t N>
+  SKINCTL_INLINE T lever(const JointPosition<N, T>& dq) const noexcept {
+    T sum(0);
+    for (std::size_t j = 0; j < N; ++j)
+      sum = sum + s_.reach[j < 7 ? j : 7] * (dq[j] < T(0) ? T(-dq[j]) : dq[j]);
+    return sum;
+  }
+  template <std::size_t N>
+  void spend(Memory<N>& memory, const T (&force)[N], const JointPosition<N, T>& q) const noexcept {
+    for (std::size_t i = 0; i < N; ++i)
+      if (force[i] > T(0))
+        memory.energy = memory.energy - T(0.5) * force[i] * along(memory.row[i], q - memory.q);
+  }
+
+  Settings s_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,52 @@
+#include "skinctl/resolver/passivity.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/resolver/contact_scene.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+static_assert(std::is_empty_v<Passivity<>>);
+using Full = Passivity<EnergyTank<>, PortLedger<>, ContactDamper<>>;
+static_assert(std::is_trivially_copyable_v<ResolverMemory<6, double, 32, Full>>);
+
+#if defined(__SANITIZE_ADDRESS__) || (defined(__has_feature) && __has_feature(address_sanitizer))
+constexpr std::uint64_t scenes = 60;
+#else
+constexpr std::uint64_t scenes = 300;
+#endif
+
+TEST_CASE("Passivity: a port never gives more than it got and had, whatever skills, weights and delays do") {
+  int broken = 0, broken_with_tank = 0, held = 0, empty = 0;
+  for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
+    CAPTURE(seed);
+    const RandomScene scene(seed);
+    const auto bare = run<Interface::position>(scene, Passivity<>());
+    const auto kept = run<Interface::position>(scene, scene.keeper());
+    broken += bare.extracted > scene.energy;
+    broken_with_tank += kept.virtual_extracted > scene.tank;
+    CHECK(kept.extracted <= scene.energy);
+    CHECK(kept.least_ledger >= 0);
+    held += kept.status.has(Reason::energy_held);
+    empty += kept.status.has(Reason::tank_empty);
+  }
+  CHECK(broken > 0);  // so the test can fail
+  CHECK(broken_with_tank == 0);
+  CHECK(held > 0);
+  CHECK(empty > 0);
+}
+
+TEST_CASE("Passivity: a full tank and ledger change nothing") {
+  for (const std::uint64_t seed : {5u, 6u, 7u}) {
+    RandomScene scene(seed);
+    scene.obstacles[0].stiffness = std::min(scene.obstacles[0].stiffness, 100.0);
+    scene.obstacles.resize(1);
+    const auto bare = run<Interface::position>(scene, Passivity<>());
+    const auto kept = run<Interface::position>(scene, Passivity(EnergyTank<>({.start = 1e5, .most = 1e5}),
+                                                                PortLedger<>({.start = 1e5, .most = 1e5})));
+    CHECK(kept.path == bare.path);
+    CHECK(kept.largest_force == bare.largest_force);
+    CHECK(kept.status == bare.status);
+  }
+}
