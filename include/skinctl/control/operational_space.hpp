@@ -99,8 +99,8 @@ class OperationalSpace {
         singularities_(settings.singularities),
         limit_(settings.tracking.max_velocity),
         null_(null) {
-    const auto positive = [](const char* name, const T& x) {
-      require(x > T(0) && x <= T(1e6), name, static_cast<double>(x), "> 0");
+    const auto positive = [](const char* what, const T& x) {
+      require(x > T(0) && x <= T(1e6), what, static_cast<double>(x), "> 0");
     };
     slowest_ = limit_[0];
     for (const T& v : limit_)
