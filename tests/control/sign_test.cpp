@@ -29,8 +29,8 @@ TEST_CASE_TEMPLATE("Sign: odd, within -1 and 1, growing, and no steeper than it 
   double last = -1;
   for (double S = -2; S < 2; S += 1e-3) {
     const double in[3] = {S, -S, 0};
-    const JointVelocity<3> out(
-        Sign::template rates<3>(detail::Row<3, double>(JointVelocity<3>{in[0], in[1], in[2]}), slope, mu, z));
+    double out[3];
+    Sign::rate(detail::Row<3, double>(in), slope, mu, z).store(out);
     CHECK(std::abs(out[0]) <= 1);
     CHECK(out[0] == doctest::Approx(-out[1]));
     CHECK(out[2] == 0);

@@ -120,8 +120,7 @@ template <std::size_t N, Real T, class Sign, class Target, class Rest>
   R dI1 = T(0), dI2 = T(0);
   if (!in.held) [[likely]] {
     dI1 = gains.taken(in.I1, S_delta, gains.I1_limit);
-    dI2 =
-        gains.taken(in.I2, Sign::template rates<N>(S_delta, gains.slope, gains.mu, in.twist), gains.I2_limit);
+    dI2 = gains.taken(in.I2, Sign::rate(S_delta, gains.slope, gains.mu, in.twist), gains.I2_limit);
   }
   const R dq_r = v_d - K * e + S_d - K_i1 * in.I1 - K_i2 * in.I2;
   const R ddq_r = a_d - K * slope - in.K_p.dK * e + in.bias.dS_d - K_i1 * dI1 - K_i2 * dI2;

@@ -96,8 +96,8 @@ class Tracking : public Composable {
     out.memory.space = Space::renewed(memory.space);
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};
-    out.memory.I1 = Integrals<Space::coordinates, T>();
-    out.memory.I2 = Integrals<Space::coordinates, T>();
+    out.memory.I1 = out.memory.I2 = Integrals<Space::coordinates, T>();
+    out.memory.sign = {};
     begin_bias(out.memory, known);
     hand_over(out.memory, memory, known);
     return out;

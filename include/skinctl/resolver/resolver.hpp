@@ -45,6 +45,7 @@ template <Interface I, Model M, Real T = double, class Integrator = CrankNicolso
           class Keeper = Passivity<>>
 class Resolver {
  public:
+  static_assert(I != Interface::torque, "for torques include skinctl/resolver/torque_resolver.hpp");
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = I;
   using scalar = T;

@@ -6,6 +6,7 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/safety/command.hpp"
 #include "skinctl/safety/detail/plausible.hpp"
+#include "skinctl/safety/faults.hpp"
 #include "skinctl/safety/limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -24,6 +25,16 @@ struct GuardConfiguration {
   /// Torque interface: fastest change of a torque, in units of the torque limit per second; also how fast the
   /// fallback takes over.
   T torque_rate = T(50);
+  /// How far beyond a position limit a joint may be and be believed [rad], [m].
+  T beyond = T(1);
+  /// How many times its velocity limit a joint may be measured at and be believed.
+  T overspeed = T(10);
+  /// Reasons found by other stages on which the command brakes, besides those of the table: such as
+  /// `sample_stale`, for a robot that must not move unless all of its skin feels.
+  Status brakes_on = {};
+  /// Reasons after which the motion goes on only on request, besides those of the table: such as
+  /// `state_stale`.
+  Status consent = {};
 };
 
 /// What a guard remembers: the last command it let out. Trivially copyable.
@@ -32,6 +43,7 @@ struct GuardMemory {
   Nanoseconds time = 0;
   State<N, T> measured;  ///< the newest good state
   JointCommand<N, T> command;
+  Status latched;  ///< faults that wait for the user's consent
 };
 
 /// What the guard lets out; `altered` says that it is not what was asked for (tell the resolver, see
@@ -43,20 +55,14 @@ struct Guarded {
   bool altered = false;
 };
 
-/// Lets a command pass unchanged if it is finite, if the robot's state is fresh, and if there is a motion
-/// from the last command to it within the limits of acceleration and velocity, after which the joint can
-/// still stop before its end. Else, in the same cycle:
+/// Lets a command pass unchanged if it is finite, if the robot's state is fresh, if no stage found a fault,
+/// and if there is a motion from the last command to it within the limits of acceleration and velocity, after
+/// which the joint can still stop before its end. Else it reacts in the same cycle, as the table `faults`
+/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback.
 ///
-/// | interface | reaction | way back |
-/// |---|---|---|
-/// | position, velocity | brakes with the acceleration limit and holds | by itself, once the state is good
-/// and the asked command can be reached within the limits; the resolver, told what was sent, goes on from
-/// there | | torque, beyond a limit or too fast | cut to the limit | by itself | | torque, not finite, or a
-/// stale state | ramps to the fallback torque | by itself, at the same rate |
-///
-/// Reasons in the status: `command_not_finite`, `state_not_finite`, `state_stale`, `time_backwards`,
-/// `interval_empty`, `interval_too_long`, `step_limited`, `outside_limits`, `torque_limited`.
-/// Never steps, and never gives a number that is not finite, whatever comes in.
+/// Most reactions end by themselves, once the asked command can be reached within the limits; the resolver,
+/// told what was sent, goes on from there. After a `stop` the guard waits for `acknowledge`
+/// (`consent_awaited`). Never steps, and never gives a number that is not finite, whatever comes in.
 template <Interface I, std::size_t N, Real T = double>
 class Guard {
  public:
@@ -70,7 +76,14 @@ class Guard {
         longest_(c.longest_interval.value_or(5 * c.period)),
         stale_after_(c.stale_after.value_or(25 * c.period)),
         lead_(c.lead),
-        torque_rate_(c.torque_rate) {
+        torque_rate_(c.torque_rate),
+        beyond_(c.beyond),
+        overspeed_(c.overspeed),
+        acts_on_(c.brakes_on | reasons_of([](const Fault& f) {
+                   return (f.motion == Reaction::stop || f.motion == Reaction::brake) &&
+                          f.finder != Finder::guard;
+                 })),
+        consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })) {
     const auto number = [](const auto& x) { return static_cast<double>(x); };
     require(period_ >= 100_us && period_ <= 1_s, "period [ns]", number(period_), "1e5 to 1e9 ns");
     require(longest_ >= period_ && longest_ <= 10_s, "longest interval [ns]", number(longest_),
@@ -79,6 +92,8 @@ class Guard {
             ">= period, <= 1e10 ns");
     require(torque_rate_ > T(0) && torque_rate_ <= T(1e6), "torque rate", number(torque_rate_),
             "> 0, <= 1e6 1/s");
+    require(beyond_ >= T(0), "beyond", number(beyond_), ">= 0 rad");
+    require(overspeed_ >= T(1), "overspeed", number(overspeed_), ">= 1");
     for (std::size_t i = 0; i < N; ++i) require(lead_[i] > T(0), "lead", number(lead_[i]), "> 0 rad");
   }
 
@@ -99,13 +114,18 @@ class Guard {
   ///
   /// @param fallback  torque interface: what the robot is brought to when no torque can be trusted, such as
   ///                  gravity compensation with damping. Not finite: zero.
+  /// @param found     what other stages found in this cycle, and the loop before it.
   SKINCTL_INLINE Guarded<N, T> pass(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
-                                    Nanoseconds now, const JointTorque<N, T>& fallback = {}) const noexcept {
+                                    Nanoseconds now, const JointTorque<N, T>& fallback = {},
+                                    Status found = {}) const noexcept {
     if (!m.command.valid) [[unlikely]]
       return {m.command, {}, true};
-    if (now == m.time) [[unlikely]]
-      return {m.command, Reason::interval_empty, !(wish.time == now)};
+    m.latched |= found & consent_;
     Status status;
+    if (now == m.time) [[unlikely]] {
+      if (m.latched.any()) status |= Reason::consent_awaited;
+      return {m.command, status | Reason::interval_empty, !(wish.time == now)};
+    }
     Nanoseconds elapsed = period_;
     if (now < m.time || !detail::is_plausible(now)) {
       status |= Reason::time_backwards;
@@ -118,7 +138,8 @@ class Guard {
       m.time = now;
       see(m, measured, now, status);
     }
-    const bool good = !status.has(Reason::time_backwards) && !status.has(Reason::state_stale);
+    const bool good = !status.has(Reason::time_backwards) && !status.has(Reason::state_stale) &&
+                      !(found & acts_on_).any() && !((status & consent_) | m.latched).any();
     const bool finite = wish.valid && detail::is_plausible(wish);
     if (!finite) status |= Reason::command_not_finite;
     const T dt = seconds<T>(elapsed);
@@ -133,6 +154,20 @@ class Guard {
     }
   }
 
+  /// The user's consent: what waits for it may go on, unless it is still there.
+  void acknowledge(Memory& m) const noexcept { m.latched = {}; }
+  /// Whether the command waits for consent.
+  [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
+
+  /// Whether this robot can be at `s`: within `beyond` of its ends, below `overspeed`. False for NaN.
+  [[nodiscard]] SKINCTL_INLINE bool believes(const State<N, T>& s) const noexcept {
+    using R = detail::Row<N, T>;
+    const R q = s.q, dq = s.dq, fast = overspeed_ * R(limits_.velocity());
+    const auto can = (q >= R(limits_.lower()) - beyond_) & (q <= R(limits_.upper()) + beyond_) &
+                     (dq >= -fast) & (dq <= fast);
+    return !any(!can);
+  }
+
  private:
   using Size = std::size_t;
   /// What rounding may add to a limit.
@@ -142,6 +177,8 @@ class Guard {
                           Status& status) const noexcept {
     if (!detail::is_plausible(measured)) {
       status |= Reason::state_not_finite;
+    } else if (!believes(measured)) {
+      status |= Reason::state_out_of_range;
     } else if (measured.time >= m.measured.time) {
       m.measured = measured;
       if (measured.time > now) m.measured.time = now;
@@ -199,6 +236,9 @@ class Guard {
   }
 
   SKINCTL_INLINE Guarded<N, T> let_out(Memory& m, Guarded<N, T> out) const noexcept {
+    m.latched |= out.status & consent_;
+    if (m.latched.any()) [[unlikely]]
+      out.status |= Reason::consent_awaited;
     out.command.time = m.time;
     out.command.valid = true;
     m.command.assign(out.command);
@@ -223,10 +263,11 @@ class Guard {
                                            const JointTorque<N, T>& fallback, const T& dt,
                                            Status status) const noexcept {
     using R = detail::Row<N, T>;
-    const R limit = limits_.torque(), step = T(torque_rate_ * dt) * limit, last = m.command.torque;
-    const R rest = detail::is_finite(fallback) ? R(fallback) : R(T(0));
-    const R wanted = good ? R(wish.torque) : rest;
-    const R within = clamp(wanted, -limit, limit), given = clamp(within, last - step, last + step);
+    const R step = T(torque_rate_ * dt) * R(limits_.torque()), last = m.command.torque;
+    const JointTorque<N, T> rest = detail::is_finite(fallback) ? fallback : JointTorque<N, T>();
+    const JointTorque<N, T>& asked = good ? wish.torque : rest;
+    const R wanted = asked, within = limits_.within(asked, m.measured.dq);
+    const R given = clamp(within, last - step, last + step);
     const bool limited = good && any(within != wanted), slowed = any(given != within);
     if (limited) status |= Reason::torque_limited;
     if (slowed) status |= Reason::step_limited;
@@ -238,7 +279,9 @@ class Guard {
   JointLimits<N, T> limits_;
   Nanoseconds period_, longest_, stale_after_;
   JointPosition<N, T> lead_;
-  T torque_rate_;
+  T torque_rate_, beyond_, overspeed_;
+  Status acts_on_;  ///< found by others, these brake
+  Status consent_;  ///< these wait for `acknowledge`
 };
 
 SKINCTL_END_NAMESPACE

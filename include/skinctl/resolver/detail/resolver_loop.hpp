@@ -196,7 +196,7 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touc
     const auto contacts = contacts_of(model_, m.measured.q, touch);
     if constexpr (has_damper)
       if (keeper_.template get<ContactDamper<T>>().observe(m.keeper.template of<ContactDamper<T>>(), contacts,
-                                                           dt))
+                                                           m.measured.dq, dt))
         status |= Reason::contact_damped;
     if constexpr (has_ledger)
       keeper_.template get<PortLedger<T>>().book(
