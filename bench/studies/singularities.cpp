@@ -8,7 +8,8 @@
 //                                                  (what is asked points where v of J v = 0 cannot lead)
 //   slow      the tool went at less than a tenth of what was asked for longer than 1 s, the direction out of
 //             the workspace left aside: while the arm turns round, or because it sticks
-//   stuck     neither arrived nor at the edge 4 s after the end of the spline
+//   late      neither arrived nor at the edge 4 s after the end of the spline, but on its way
+//   stuck     neither, and slow at the end of these 4 s
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -54,12 +55,12 @@ bool over_the_shoulder(JointPosition<6>& q) {
 
 struct Row {
   const char* name;
-  int sweeps = 0, arrived = 0, edge = 0, slow = 0, stuck = 0, fast = 0;
+  int sweeps = 0, arrived = 0, edge = 0, slow = 0, late = 0, stuck = 0;
   double fastest = 0, worst = 0, sum = 0;
 
   void print() const {
-    std::printf("%-22s %6d %8.2f %9.3f %9.3f %8d %6d %6d %6d\n", name, sweeps, fastest, worst,
-                sum / std::max(1, sweeps), arrived, edge, slow, stuck);
+    std::printf("%-22s %6d %8.2f %9.3f %9.3f %8d %6d %6d %6d %6d\n", name, sweeps, fastest, worst,
+                sum / std::max(1, sweeps), arrived, edge, slow, late, stuck);
   }
 };
 
@@ -110,7 +111,8 @@ void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate
   ++row.sweeps;
   row.arrived += arrived;
   row.edge += !arrived && outward;
-  row.stuck += !arrived && !outward;
+  row.late += !arrived && !outward && !(below > 1);
+  row.stuck += !arrived && !outward && below > 1;
   row.slow += longest > 1;
   row.worst = std::max(row.worst, deviation);
   row.sum += deviation;
@@ -138,8 +140,8 @@ int main(int count, char** arguments) {
     for (double& a : from) a += rng.between(-0.35, 0.35);
     sweep<RotationVectorError>(rows[k % 3], from, through(from, q, 1.6), rate);
   }
-  std::printf("%-22s %6s %8s %9s %9s %8s %6s %6s %6s\n", "", "sweeps", "fastest", "deviation", "mean",
-              "arrived", "edge", "slow", "stuck");
+  std::printf("%-22s %6s %8s %9s %9s %8s %6s %6s %6s %6s\n", "", "sweeps", "fastest", "deviation", "mean",
+              "arrived", "edge", "slow", "late", "stuck");
   for (const auto& row : rows) row.print();
 
   // Tool straight down, straight up, and through both: ZYZ theta = pi and 0.
