@@ -50,6 +50,7 @@
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/loop_dynamics.hpp"
+#include "skinctl/dynamics/loop_forward_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/dynamics/operational_inertia.hpp"
 #include "skinctl/dynamics/quantities.hpp"
