@@ -1,6 +1,7 @@
 // All of skinctl but what needs a third-party parser or serves above the loop: io/, calibration/, semantics/.
 #pragma once
 
+#include "skinctl/control/adaptation.hpp"
 #include "skinctl/control/damping.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
@@ -13,6 +14,8 @@
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/operational_space.hpp"
 #include "skinctl/control/orientation_error.hpp"
+#include "skinctl/control/reactive_control.hpp"
+#include "skinctl/control/reactive_plan.hpp"
 #include "skinctl/control/settings.hpp"
 #include "skinctl/control/sign.hpp"
 #include "skinctl/control/skin_cartesian_control.hpp"
@@ -153,6 +156,7 @@
 #include "skinctl/trajectory/pose_spline.hpp"
 #include "skinctl/trajectory/quintic.hpp"
 #include "skinctl/trajectory/ramp.hpp"
+#include "skinctl/trajectory/reaction.hpp"
 #include "skinctl/trajectory/spline.hpp"
 #include "skinctl/trajectory/spline_so3.hpp"
 #include "skinctl/trajectory/time_base.hpp"
