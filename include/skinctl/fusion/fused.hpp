@@ -79,6 +79,10 @@ SKINCTL_INLINE typename Law::Memory advance_with(const Law& law, const typename 
 template <class L>
 inline constexpr bool is_gated = requires { L::gate; };
 
+/// Whether a tracking law presses against what it touches by its own purpose: the skin does not oppose it.
+template <class L>
+inline constexpr bool presses = requires { L::presses; };
+
 template <class... L>
 constexpr std::size_t count_role(Role role) noexcept {
   return (std::size_t(0) + ... + (L::role == role ? 1u : 0u));
@@ -258,8 +262,10 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       if constexpr (r == Role::tracking) {
         const Share<T> share{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
         shares[I] = detail::torque_with<gravity_term>(law, part, known, share, std::get<I>(now));
-        track += shares[I];
-        if constexpr (watches && gravity_laws == 0) track -= share.feed_forward * known.gravity();
+        if constexpr (!detail::presses<law_at<I>>) {
+          track += shares[I];
+          if constexpr (watches && gravity_laws == 0) track -= share.feed_forward * known.gravity();
+        }
       } else if constexpr (r == Role::reactive) {
         shares[I] = static_cast<T>(weights_[I]) * law.torque(part, known);
         skin += shares[I];
