@@ -15,7 +15,7 @@ set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 set(skinctl_sanitizer_flags "")
 if(SKINCTL_SANITIZERS)
   # An address that wraps around is what the address sanitizer and the check of array bounds see as well; asking at every
-  # member access doubles the time of compilation (joint_tracking_test with Clang: 102 s, 51 s without).
+  # member access doubles the time of compilation (tracking_test with Clang: 102 s, 51 s without).
   set(skinctl_sanitizer_flags "-fsanitize=${SKINCTL_SANITIZERS}" -fno-sanitize=pointer-overflow -fno-sanitize-recover=all
     -fno-omit-frame-pointer)
 endif()

@@ -22,7 +22,9 @@ int main(int argc, char** argv) try {
   CLI11_PARSE(app, argc, argv);
   for (std::size_t k = 0; k < gravity.size(); ++k) settings.gravity[k] = gravity[k];
 
-  const std::string text = urdf_to_model::header(skinctl::read_urdf(urdf), settings);
+  const skinctl::Urdf robot = skinctl::read_urdf(urdf);
+  for (const std::string& warning : robot.warnings) std::fprintf(stderr, "%s\n", warning.c_str());
+  const std::string text = urdf_to_model::header(robot, settings);
   if (output.empty()) {
     std::fputs(text.c_str(), stdout);
     return 0;

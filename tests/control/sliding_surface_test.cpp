@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "skinctl/control/joint_space.hpp"
 #include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
@@ -40,7 +41,7 @@ TEST_CASE_TEMPLATE("SlidingSurface: S_q is S_delta + K_i1 I1 + K_i2 I2, computed
   for (const double size : {0.0, 1e-8, 1e-3, 1.0, 30.0, 1e6})
     for (int k = 0; k < 200; ++k) {
       const auto c = random_case<T>(rng, size);
-      const auto s = sliding_surface(gains, c.in, c.q, c.dq);
+      const auto s = JointSpace<n, T>().surface(gains, c.in, {c.q, c.dq}, {});
       for (std::size_t i = 0; i < n; ++i) {
         const T sum = s.S_delta[i] + gains.K_i1 * c.in.I1[i] + gains.K_i2 * c.in.I2[i];
         const T magnitudes = magnitude(c.dq[i]) + magnitude(c.in.target.dq_d[i]) +
@@ -59,7 +60,7 @@ TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, flo
   Seeded rng(31);
   for (int k = 0; k < 200; ++k) {
     const auto c = random_case<T>(rng, 2.0);
-    const auto s = sliding_surface(gains, c.in, c.q, c.dq);
+    const auto s = JointSpace<n, T>().surface(gains, c.in, {c.q, c.dq}, {});
     for (std::size_t i = 0; i < n; ++i) {
       using E = Exact;
       const E e = E(c.q[i]) - E(c.in.target.q_d[i]), de = E(c.dq[i]) - E(c.in.target.dq_d[i]);
@@ -86,7 +87,15 @@ TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, flo
 TEST_CASE_TEMPLATE("SlidingSurface: integrals stop at their limit, smoothly, and always find back", T, float,
                    double) {
   const T limit(0.5);
-  using Gains = SurfaceGains<T>;
+  struct Gains {
+    static T taken(const T& integral, const T& rate, const T& limit) {
+      const auto part = SurfaceGains<T>::taken(JointVelocity<2, T>{integral, T(0)},
+                                               detail::Row<2, T>(JointVelocity<2, T>{rate, rate}), limit);
+      const JointVelocity<2, T> of_each(part);
+      CHECK(of_each[1] == rate);  // the joint beside it keeps its own
+      return of_each[0];
+    }
+  };
   for (const T& rate : {T(0.3), T(-0.3)}) {
     const T sign = rate < T(0) ? T(-1) : T(1);
     CHECK(Gains::taken(T(0), rate, limit) == rate);
@@ -109,9 +118,9 @@ TEST_CASE_TEMPLATE("SlidingSurface: while held the integrals stand still and lea
   const SurfaceGains<T> gains(JointControlSettings<n, T>{});
   Seeded rng(32);
   auto c = random_case<T>(rng, 1.0);
-  const auto runs = sliding_surface(gains, c.in, c.q, c.dq);
+  const auto runs = JointSpace<n, T>().surface(gains, c.in, {c.q, c.dq}, {});
   c.in.held = true;
-  const auto held = sliding_surface(gains, c.in, c.q, c.dq);
+  const auto held = JointSpace<n, T>().surface(gains, c.in, {c.q, c.dq}, {});
   CHECK(held.dI1 == JointVelocity<n, T>{});
   CHECK(held.dI2 == JointVelocity<n, T>{});
   CHECK(held.S_q == runs.S_q);
@@ -124,13 +133,14 @@ TEST_CASE_TEMPLATE("Integrals: lose nothing in ten million small steps, and take
                    T, float, double) {
   Integrals<1, T> sum;
   const T step = T(1e-6), dt = T(1e-3);
-  sum.add(0, T(1e6), dt);  // a large sum that plain additions of 1e-9 would not change in float
-  for (int i = 0; i < 10'000'000; ++i) sum.add(0, step, dt);
+  const auto add = [&](T rate) { sum = sum.advanced(JointVelocity<1, T>::constant(rate), dt); };
+  add(T(1e6));  // a large sum that plain additions of 1e-9 would not change in float
+  for (int i = 0; i < 10'000'000; ++i) add(step);
   const Exact exact = Exact(T(1e6) * dt) + Exact(1e7) * Exact(T(step * dt));
   CHECK(magnitude(Exact(sum.sum[0]) - Exact(sum.carry[0]) - exact) <=
         Exact(2 * static_cast<double>(epsilon<T>())) * exact);
   const auto before = sum;
-  sum.add(0, std::numeric_limits<T>::quiet_NaN(), dt);
-  sum.add(0, std::numeric_limits<T>::infinity(), dt);
+  add(std::numeric_limits<T>::quiet_NaN());
+  add(std::numeric_limits<T>::infinity());
   CHECK(sum.sum[0] == doctest::Approx(before.sum[0]));
 }

@@ -5,13 +5,14 @@
 #include <limits>
 #include <type_traits>
 
+#include "skinctl/control/joint_space.hpp"
 #include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::test;
 
 namespace {
-using Plan = SplinePlan<3>;
+using Plan = SplinePlan<JointSpace<3>>;
 using Settings = JointControlSettings<3>;
 static_assert(std::is_trivially_copyable_v<Plan>);
 const JointPosition<3> here{0.1, -0.2, 0.3};
@@ -72,7 +73,7 @@ TEST_CASE("SplinePlan: goals that are not finite, or in the past, are refused") 
 
 TEST_CASE("SplinePlan: stops and goes on smoothly, its derivatives being derivatives all the way") {
   using E = Exact;
-  using ExactPlan = SplinePlan<2, E>;
+  using ExactPlan = SplinePlan<JointSpace<2, E>>;
   const JointControlSettings<2, E> s{.dt = E(0.002)};
   const JointPosition<2, E> from{E(0), E(1)};
   auto plan = ExactPlan::standing(from, s).to({JointPosition<2, E>{E(1), E(0.5)}, 2_s}, from, s).memory;

@@ -5,13 +5,14 @@
 #include <limits>
 #include <type_traits>
 
+#include "skinctl/control/joint_space.hpp"
 #include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::test;
 
 namespace {
-using Plan = TargetPlan<2>;
+using Plan = TargetPlan<JointSpace<2>>;
 using Settings = JointControlSettings<2>;
 static_assert(std::is_trivially_copyable_v<Plan>);
 }  // namespace

@@ -284,6 +284,9 @@ TEST_CASE("URDF: the makers' files of the Allegro hand and the UR5") {
     for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p)
       CHECK(hand.link(i).numbers[p] ==
             doctest::Approx(shipped.link(i).numbers[p]).epsilon(1e-13).scale(1e-3));
+  const auto warned = read_urdf(folder + "/allegro_model/allegro_right_hand.urdf").warnings;
+  REQUIRE(warned.size() == 13);  // three links of each finger, four of the thumb
+  CHECK(names(warned[0], {"allegro_right_hand.urdf:", "<link name=", "moments of inertia", "%"}));
   const auto other = read_urdf(folder + "/allegro_model/allegro_hand_description_right.urdf");
   CHECK(other.joints.size() == 16);
 

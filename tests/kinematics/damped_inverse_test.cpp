@@ -177,3 +177,40 @@ TEST_CASE("DampedInverse: seven joints take the least speed, four the least erro
   check(random_robot<Chain<7>>("chain of 7", 7), std::integral_constant<std::size_t, 6>{});
   check(random_robot<MixedTree>("mixed tree", 11), std::integral_constant<std::size_t, 4>{});
 }
+
+TEST_CASE("DampedInverse: of a position it takes the linear rows, and finds a load back from torques") {
+  oracle::Random random(6);
+  for (int k = 0; k < 50; ++k) {
+    const Motion<6> at(random);
+    const auto J = ur5_jacobian(at.q);
+    const auto inverse = damped_inverse<Task::position>(J, SingularityDamping<double>(1e-4, 0.08));
+    const Eigen::Matrix<double, 3, 6> J_v = J.matrix().topRows<3>();
+    const Eigen::Matrix3d A = J_v * J_v.transpose();
+    CHECK(inverse.manipulability() == doctest::Approx(std::sqrt(A.determinant())).epsilon(1e-9));
+    if (inverse.damping() > 0) continue;
+    const Speed<double> v{{0.3, -0.2, 0.5}, {9, 9, 9}};  // the angular part is not read
+    const Eigen::Matrix<double, 6, 1> expected = J_v.transpose() * A.inverse() * as_eigen(v).head<3>();
+    CHECK(relative_error(inverse.solve(v), expected.data(), 6) <= 1e-9);
+
+    const Wrench<Flange, Flange, Base> F{{3, -2, 5}, {0.4, 0.1, -0.7}};
+    const auto full =
+        damped_inverse(J, SingularityDamping<double>(1e-6, 0.08)).solve_transposed(transpose(J) * F);
+    CHECK(std::abs(full.force.x - F.force.x) + std::abs(full.moment.z - F.moment.z) < 1e-6);
+    const auto force = inverse.solve_transposed(transpose(J) * Wrench<Flange, Flange, Base>{F.force, {}});
+    CHECK(std::abs(force.force.y - F.force.y) < 1e-9);
+    CHECK(force.moment.x == 0.0);
+
+    const Rise<double> a{{1, 0.5, -0.25}, {}};
+    const auto asked = [&](double t) {
+      const auto moved = ur5_jacobian(integrate(at.q, at.dq, t));
+      return damped_inverse<Task::position>(moved, SingularityDamping<double>(0.5, 0.1))
+          .solve({v.linear + t * a.linear, {}});
+    };
+    const double h = 1e-5;
+    const auto change = asked(h) - asked(-h);
+    const auto rate = damped_inverse<Task::position>(J, SingularityDamping<double>(0.5, 0.1))
+                          .solve_rate(jacobian_rate(J, at.dq), v, a);
+    for (std::size_t i = 0; i < 6; ++i)
+      CHECK(std::abs(change[i] / (2 * h) - rate[i]) <= 1e-6 * (1 + as_eigen(rate).norm()));
+  }
+}

@@ -13,6 +13,19 @@ TEST_CASE("Allegro: every finger keeps what the type of a finger promises") {
   }
 }
 
+TEST_CASE("Allegro: no density makes the maker's products of inertia, but kinetic energy stays positive") {
+  double worst = 0;
+  for (const auto side : {allegro::Side::right, allegro::Side::left}) {
+    const auto hand = allegro::hand(side);
+    for (std::size_t i = 0; i < 16; ++i) {
+      worst = std::max(worst, density_defect(hand.link(i)));
+      CHECK_NOTHROW(check_link(hand.link(i), makers_density));
+    }
+  }
+  CHECK(worst == doctest::Approx(0.164).epsilon(0.01));
+  CHECK(worst <= makers_density);
+}
+
 TEST_CASE("Allegro: one finger alone is the same finger of the hand") {
   const auto hand = allegro::right_hand();
   JointPosition<16> q;

@@ -51,6 +51,30 @@ TEST_CASE("link: what cannot exist is refused with its number") {
   l[P::cos_alpha] = 0.9;
   CHECK(refusal(l).find("0.81") != std::string::npos);
   CHECK(refusal(make_link({}, {1, {0, 0, 0}, 1, 1, 3})).find("triangle") != std::string::npos);
+  CHECK(refusal(make_link({}, {1, {0, 0, 0}, -1, 1, 1})).find("principal moment") != std::string::npos);
+}
+
+TEST_CASE("link: the principal moments count, not those along the axes") {
+  // I_1, I_2, I_3 = 1, 2, 3.2 about axes halfway between x and z: the diagonal alone looks healthy.
+  const LinkInertia hidden{1, {0, 0, 0}, 2.1, 2, 2.1, 0, -1.1, 0};
+  const auto l = make_link({}, hidden);
+  CHECK(density_defect(l) == doctest::Approx(0.1 / 3.1));
+  CHECK(refusal(l).find("triangle") != std::string::npos);
+  CHECK_NOTHROW(check_link(l, makers_density));
+  CHECK(density_defect(make_link({}, {1, {0, 0, 0}, 2, 2, 2, 0, -1, 0})) == 0);
+  // On the edge: a flat body (0.1, 0.2, 0.3) turned by 0.7 about y; what float rounds is forgiven.
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  const auto flat = make_link(
+      {}, {1, {0, 0, 0}, 0.1 * c * c + 0.3 * s * s, 0.2, 0.1 * s * s + 0.3 * c * c, 0, 0.2 * s * c, 0});
+  CHECK_NOTHROW(check_link(flat));
+  CHECK_NOTHROW(check_link(flat.cast<float>()));
+  // Moments below zero are refused whatever is allowed: kinetic energy would be negative.
+  CHECK_THROWS_AS(check_link(make_link({}, {1, {0, 0, 0}, 1, 1, 1, 0, 1.2, 0}), 10), ConfigurationError);
+  auto nothing = make_link({}, {});
+  CHECK(density_defect(nothing) == 0);
+  CHECK_NOTHROW(check_link(nothing));
+  nothing[P::s_xy] = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_AS(check_link(nothing, 10), ConfigurationError);
 }
 
 TEST_CASE("link: two bodies fixed to each other weigh and turn like both") {

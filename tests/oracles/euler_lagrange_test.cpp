@@ -92,6 +92,22 @@ TEST_CASE("Euler-Lagrange: Christoffel's C makes dM - 2C skew and its product ne
   }
 }
 
+TEST_CASE("Euler-Lagrange: D'Alembert's principle gives the same torques") {
+  for (const NamedRobot& each : robots()) {
+    const std::string& name = each.name;
+    CAPTURE(name);
+    const Definition model(each.robot);
+    for (const State& s : states(6, each.robot.joint_count())) {
+      CAPTURE(s.name);
+      const auto q = widened(s.q), dq = widened(s.dq), ddq = widened(s.ddq);
+      Vector magnitude;
+      const Vector tau = model.dalembert(q, dq, ddq, &magnitude);
+      CHECK(difference(tau, model.inverse_dynamics(q, dq, ddq)) < quotient);
+      for (std::size_t i = 0; i < tau.size(); ++i) CHECK(magnitude[i] >= abs(tau[i]));
+    }
+  }
+}
+
 TEST_CASE("Euler-Lagrange: forward dynamics undoes inverse dynamics") {
   for (const NamedRobot& each : robots()) {
     const std::string& name = each.name;

@@ -215,3 +215,35 @@ TEST_CASE_TEMPLATE("JointLimits: a speed that decays ends at zero, not at denorm
   const T slow = sizeof(T) == 4 ? T(1e-15) : T(1e-140);  // as slow as one can tell: it moves
   CHECK(limits.move(room, speed(slow), speed(slow), T(0.002)).velocity[0] == slow);
 }
+
+TEST_CASE_TEMPLATE("JointLimits: torques are cut to their limit, and to the power where they drive", T, float,
+                   double) {
+  typename JointLimits<2, T>::Values v;
+  v.lower = {T(-1), T(-1)};
+  v.upper = {T(1), T(1)};
+  v.velocity = {T(3), T(3)};
+  v.acceleration = {T(9), T(9)};
+  v.torque = {T(20), T(20)};
+  const JointTorque<2, T> tau{T(30), T(-15)};
+  const JointVelocity<2, T> dq{T(2), T(-2)};
+  CHECK(JointLimits<2, T>(v).within(tau, dq) == JointTorque<2, T>{T(20), T(-15)});
+  v.power = {T(10), T(50)};
+  const JointLimits<2, T> limits(v);
+  CHECK(limits.within(tau, dq) == JointTorque<2, T>{T(5), T(-15)});
+  CHECK(limits.within(tau, T(-1) * dq) == JointTorque<2, T>{T(20), T(-15)});  // braking is free
+  CHECK(limits.within(tau, JointVelocity<2, T>{}) == JointTorque<2, T>{T(20), T(-15)});
+  std::mt19937_64 rng(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int k = 0; k < 10000; ++k) {
+    const JointTorque<2, T> t{T(1e6 * unit(rng)), T(40 * unit(rng))};
+    const JointVelocity<2, T> w{T(k % 2 ? 1e-8 * unit(rng) : 1e6 * unit(rng)), T(3 * unit(rng))};
+    const auto out = limits.within(t, w);
+    for (std::size_t i = 0; i < 2; ++i) {
+      CHECK(std::abs(out[i]) <= T(20));
+      CHECK(out[i] * w[i] <= v.power[i] * (1 + 4 * std::numeric_limits<T>::epsilon()));
+      CHECK(out[i] * t[i] >= T(0));
+    }
+  }
+  v.power[1] = T(0);
+  CHECK_THROWS_AS((JointLimits<2, T>(v)), ConfigurationError);
+}

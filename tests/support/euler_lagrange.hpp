@@ -195,27 +195,78 @@ class EulerLagrange {
     return yr_theta(q, dq, dq, ddq);
   }
 
-  /// Acceleration under the torque tau: M ddq = tau - C dq - G, by Cholesky.
-  [[nodiscard]] std::vector<T> forward_dynamics(In q, In dq, In tau) const {
-    std::vector<T> x = inverse_dynamics(q, dq, std::vector<T>(n_, T(0)));
-    for (std::size_t i = 0; i < n_; ++i) x[i] = tau[i] - x[i];
-    std::vector<T> L = mass_matrix(q);
-    for (std::size_t j = 0; j < n_; ++j) {
-      using std::sqrt;
-      for (std::size_t k = 0; k < j; ++k) L[j * n_ + j] -= L[j * n_ + k] * L[j * n_ + k];
-      L[j * n_ + j] = sqrt(L[j * n_ + j]);
-      for (std::size_t i = j + 1; i < n_; ++i) {
-        for (std::size_t k = 0; k < j; ++k) L[i * n_ + j] -= L[i * n_ + k] * L[j * n_ + k];
-        L[i * n_ + j] /= L[j * n_ + j];
+  /// The same by D'Alembert's principle, exact up to rounding: every body's rate of momentum, times its own
+  /// Jacobian. `magnitude`, if given, receives per joint the sum of the magnitudes of the bodies' shares.
+  [[nodiscard]] std::vector<T> dalembert(In q, In dq, In ddq, std::vector<T>* magnitude = nullptr) const {
+    using table_detail::product;
+    const std::vector<Pose> X = poses(q);
+    std::vector<T> tau(n_, T(0));
+    if (magnitude) *magnitude = tau;
+    struct Moving {
+      Vec3 w{}, alpha{}, a{};
+    };
+    std::vector<Moving> moving;
+    for (int i = 0; i < robot_.body_count(); ++i) {
+      const BasicBody<T>& b = robot_.body(i);
+      Moving m;
+      if (b.parent >= 0) {
+        m = moving[size(b.parent)];
+        const Vec3& up = X[size(b.parent)].p;
+        const Vec3 r{X[size(i)].p[0] - up[0], X[size(i)].p[1] - up[1], X[size(i)].p[2] - up[2]};
+        m.a = sum(m.a, sum(cross(m.alpha, r), cross(m.w, cross(m.w, r))));
+      }
+      const Vec3 z{X[size(i)].R[2], X[size(i)].R[5], X[size(i)].R[8]};
+      if (b.motion == Motion::revolute) {
+        const Vec3 turn = scaled(dq[joint(i)], z);
+        m.alpha = sum(m.alpha, sum(scaled(ddq[joint(i)], z), cross(m.w, turn)));
+        m.w = sum(m.w, turn);
+      } else if (b.motion == Motion::prismatic) {
+        m.a = sum(m.a, sum(scaled(ddq[joint(i)], z), scaled(T(2) * dq[joint(i)], cross(m.w, z))));
+      }
+      moving.push_back(m);
+      const Vec3 c = product(X[size(i)].R, b.com);
+      const Mat3 I = inertia_in_base(X, i);
+      Vec3 f = sum(m.a, sum(cross(m.alpha, c), cross(m.w, cross(m.w, c))));
+      for (std::size_t k = 0; k < 3; ++k) f[k] = b.mass * (f[k] - robot_.gravity[k]);
+      const Vec3 n = sum(product(I, m.alpha), cross(m.w, product(I, m.w)));
+      const std::vector<T> J = jacobian(X, i, b.com);
+      for (std::size_t j : path(i)) {
+        T share(0);
+        for (std::size_t k = 0; k < 3; ++k) share += J[k * n_ + j] * f[k] + J[(3 + k) * n_ + j] * n[k];
+        tau[j] += share;
+        using std::abs;
+        if (magnitude) (*magnitude)[j] += abs(share);
       }
     }
-    for (std::size_t i = 0; i < n_; ++i) {
-      for (std::size_t k = 0; k < i; ++k) x[i] -= L[i * n_ + k] * x[k];
-      x[i] /= L[i * n_ + i];
+    return tau;
+  }
+
+  /// Acceleration under the torque tau: M ddq = tau - C dq - G, by Cholesky.
+  [[nodiscard]] std::vector<T> forward_dynamics(In q, In dq, In tau) const {
+    std::vector<T> x = dalembert(q, dq, std::vector<T>(n_, T(0)));
+    for (std::size_t i = 0; i < n_; ++i) x[i] = tau[i] - x[i];
+    return solved(mass_matrix(q), std::move(x));
+  }
+
+  /// The solution of L x = b for a symmetric positive definite matrix, by Cholesky.
+  [[nodiscard]] static std::vector<T> solved(std::vector<T> L, std::vector<T> x) {
+    const std::size_t n = x.size();
+    for (std::size_t j = 0; j < n; ++j) {
+      using std::sqrt;
+      for (std::size_t k = 0; k < j; ++k) L[j * n + j] -= L[j * n + k] * L[j * n + k];
+      L[j * n + j] = sqrt(L[j * n + j]);
+      for (std::size_t i = j + 1; i < n; ++i) {
+        for (std::size_t k = 0; k < j; ++k) L[i * n + j] -= L[i * n + k] * L[j * n + k];
+        L[i * n + j] /= L[j * n + j];
+      }
     }
-    for (std::size_t i = n_; i-- > 0;) {
-      for (std::size_t k = i + 1; k < n_; ++k) x[i] -= L[k * n_ + i] * x[k];
-      x[i] /= L[i * n_ + i];
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = 0; k < i; ++k) x[i] -= L[i * n + k] * x[k];
+      x[i] /= L[i * n + i];
+    }
+    for (std::size_t i = n; i-- > 0;) {
+      for (std::size_t k = i + 1; k < n; ++k) x[i] -= L[k * n + i] * x[k];
+      x[i] /= L[i * n + i];
     }
     return x;
   }
@@ -233,6 +284,10 @@ class EulerLagrange {
   std::size_t joint(int body) const { return size(joints_[size(body)]); }
 
   static Vec3 sum(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+  static Vec3 scaled(const T& s, const Vec3& a) { return {s * a[0], s * a[1], s * a[2]}; }
+  static Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  }
 
   /// Joints that move body i.
   std::vector<std::size_t> path(int i) const {

@@ -58,7 +58,7 @@ const std::vector<Folder>& folders() {
       {"tactile", {"kinematics", "sensing"}},
       {"trajectory", {"frames"}},
       {"control", {"dynamics", "tactile", "trajectory"}},
-      {"fusion", {"core"}},
+      {"fusion", {"dynamics", "trajectory"}},
       {"safety", {"dynamics", "tactile"}},
       {"resolver", {"dynamics", "safety"}},
       {"cycle", {"control", "fusion", "resolver"}},

@@ -18,6 +18,7 @@ struct GravityCompensation : Composable {
   struct Memory {};
   static constexpr Needs needs = {.gravity = At == Instant::start, .middle = At == Instant::middle};
   static constexpr Role role = Role::gravity;
+  static constexpr const char* name = "gravity";
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE constexpr Memory start(const K&) const noexcept {

@@ -1,14 +1,14 @@
 // Joint Control: tracks positions and velocities that come from outside, section 4.2.1.
 #pragma once
 
-#include "skinctl/control/joint_tracking.hpp"
 #include "skinctl/control/target_plan.hpp"
+#include "skinctl/control/tracking.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) with a target from outside. A goal is a `JointReference`: `receive` starts the time base for
 /// it, `follow` takes the next sample of a target that moves.
-template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
-using JointControl = JointTracking<N, T, TargetPlan<N, T>, Damping>;
+template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
+using JointControl = Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping, Sign>;
 
 SKINCTL_END_NAMESPACE

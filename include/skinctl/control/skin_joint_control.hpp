@@ -12,6 +12,7 @@ struct SkinJointControl : Composable {
   struct Memory {};
   static constexpr Needs needs = {.angles = true, .touch = true};
   static constexpr Role role = Role::reactive;
+  static constexpr const char* name = "skin_joint";
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE constexpr Memory start(const K&) const noexcept {

@@ -1,13 +1,13 @@
 // Spline Joint Control: goes to a static goal along a spline, section 4.2.4.
 #pragma once
 
-#include "skinctl/control/joint_tracking.hpp"
 #include "skinctl/control/spline_plan.hpp"
+#include "skinctl/control/tracking.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) along the spline (22). A goal is a `JointGoal`: a position, and a duration or none.
-template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
-using SplineJoint = JointTracking<N, T, SplinePlan<N, T>, Damping>;
+template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
+using SplineJoint = Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping, Sign>;
 
 SKINCTL_END_NAMESPACE

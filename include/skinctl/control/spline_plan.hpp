@@ -1,72 +1,60 @@
-// The target of Spline Joint Control: a static goal, reached by a spline, section 4.2.4.
+// A static goal, reached along a spline, sections 4.2.4 and 4.2.5.
 #pragma once
 
 #include "skinctl/control/settings.hpp"
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/trajectory/plan_clock.hpp"
-#include "skinctl/trajectory/spline.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where to go, and in what time.
-template <std::size_t N, Scalar T = double>
-struct JointGoal {
-  JointPosition<N, T> q_g;
-  Nanoseconds duration = 0;  ///< from the moment of reception; 0: as long as `max_velocity` asks for
-};
-
-/// A spline under way; trivially copyable.
-template <std::size_t N, Real T = double>
+/// A spline under way in the coordinates of `Space`; trivially copyable.
+template <class Space>
 struct SplinePlan {
-  using Goal = JointGoal<N, T>;
+  using T = typename Space::scalar;
+  using Goal = typename Space::Goal;
+  using Settings = typename Space::Settings;
+  using Where = typename Space::Where;
   static constexpr bool streams = false;
+  static constexpr const char* name = Space::spline_name;  ///< of the law
 
-  JointSpline<N, T> spline;
+  typename Space::Spline spline;
   PlanClock<T> clock;
 
-  /// Standing at `q`.
-  [[nodiscard]] static SKINCTL_INLINE constexpr SplinePlan standing(
-      const JointPosition<N, T>& q, const JointControlSettings<N, T>&) noexcept {
-    return {{q, q, T(0)}, {}};
+  /// Standing at a place.
+  [[nodiscard]] static SKINCTL_INLINE constexpr SplinePlan standing(const Where& at,
+                                                                    const Settings&) noexcept {
+    return {Space::spline(at, at, T(0)), {}};
   }
   /// The reference `x` seconds from now.
-  [[nodiscard]] SKINCTL_INLINE constexpr JointReference<N, T> at(
-      const T& x, const JointControlSettings<N, T>& s) const noexcept {
-    const auto own = clock.at(x, s.hand_over);
+  [[nodiscard]] SKINCTL_INLINE typename Space::Reference at(const T& x, const Settings& s) const noexcept {
+    const auto own = clock.at(x, Space::tracking(s).hand_over);
     auto r = spline.at(own.t);
-    for (std::size_t i = 0; i < N; ++i) {
-      r.ddq_d[i] = own.rate * own.rate * r.ddq_d[i] + own.bend * r.dq_d[i];
-      r.dq_d[i] = own.rate * r.dq_d[i];
-    }
+    Space::slow(r, own);
     return r;
   }
-  [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan advanced(
-      Nanoseconds dt, const JointControlSettings<N, T>& s) const noexcept {
-    return {spline, clock.advanced(dt, s.hand_over)};
+  [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan advanced(Nanoseconds dt,
+                                                             const Settings& s) const noexcept {
+    return {spline, clock.advanced(dt, Space::tracking(s).hand_over)};
   }
   /// The spline comes to a stop, or goes on.
-  [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan held(bool holds,
-                                                         const JointControlSettings<N, T>& s) const noexcept {
-    return {spline, clock.changed(!holds, s.hand_over)};
+  [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan held(bool holds, const Settings& s) const noexcept {
+    return {spline, clock.changed(!holds, Space::tracking(s).hand_over)};
   }
 
-  /// A spline from `q` to the goal. Its peak speed must keep below `max_velocity`, and it lasts 10 intervals
-  /// or longer: it is stretched, or refused. A goal that is not finite is refused.
-  [[nodiscard]] Received<SplinePlan> to(const Goal& goal, const JointPosition<N, T>& q,
-                                        const JointControlSettings<N, T>& s) const noexcept {
-    T least = T(10) * s.dt;
-    for (std::size_t i = 0; i < N; ++i) {
-      const T distance = goal.q_g[i] - q[i];
-      if (!(distance - distance == T(0))) return {*this, Reason::goal_refused};
-      const T time = shortest_spline_time(distance, s.max_velocity[i]);
-      if (time > least) least = time;
-    }
+  /// A spline from `where` to the goal. Its peak speed must keep below the largest that the settings allow,
+  /// and it lasts 10 intervals or longer: it is stretched, or refused. A goal that is not finite is refused.
+  [[nodiscard]] Received<SplinePlan> to(const Goal& goal, const Where& where,
+                                        const Settings& settings) const noexcept {
+    const auto& s = Space::tracking(settings);
+    const T shortest = Space::shortest_time(where, goal, settings);
+    const T least = shortest > T(10) * s.dt ? shortest : T(T(10) * s.dt);
+    if (!(shortest < T(1e9)) || goal.duration < 0) return {*this, Reason::goal_refused};
     const T asked = seconds<T>(goal.duration);
-    if (goal.duration < 0 || !(least < T(1e9))) return {*this, Reason::goal_refused};
     const PlanClock<T> begun{0, clock_end, clock.to, clock.to};  // a held plan stays so
-    if (asked >= least) return {{{q, goal.q_g, asked}, begun}, {}};
+    if (asked >= least) return {{Space::spline(where, Space::place(goal), asked), begun}, {}};
     if (goal.duration > 0 && s.reach == Reach::refuse) return {*this, Reason::goal_refused};
-    return {{{q, goal.q_g, least}, begun}, goal.duration > 0 ? Status(Reason::goal_stretched) : Status{}};
+    return {{Space::spline(where, Space::place(goal), least), begun},
+            goal.duration > 0 ? Status(Reason::goal_stretched) : Status{}};
   }
 };
 

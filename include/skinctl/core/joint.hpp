@@ -16,6 +16,8 @@ struct Position {};      ///< [rad] revolute, [m] prismatic
 struct Velocity {};      ///< [rad/s], [m/s]
 struct Acceleration {};  ///< [rad/s^2], [m/s^2]
 struct Torque {};        ///< generalised force [N m], [N]
+struct Jerk {};          ///< [rad/s^3], [m/s^3]
+struct Power {};         ///< [W]
 }  // namespace kind
 
 /// Anything with Eigen's vector interface, without including Eigen here.
@@ -78,6 +80,13 @@ struct JointVector {
   static SKINCTL_INLINE constexpr JointVector generate(F&& f) noexcept {
     JointVector v(unset);
     each([&](std::size_t i) SKINCTL_INLINE_LAMBDA { v.data[i] = f(i); });
+    return v;
+  }
+  /// The numbers that `write(data)` puts there: all `N` of them.
+  template <class F>
+  static SKINCTL_INLINE JointVector written(F&& write) noexcept {
+    JointVector v(unset);
+    write(v.data);
     return v;
   }
   /// The same number for every joint.
@@ -153,6 +162,10 @@ template <std::size_t N, Scalar T = double>
 using JointAcceleration = JointVector<kind::Acceleration, N, T>;
 template <std::size_t N, Scalar T = double>
 using JointTorque = JointVector<kind::Torque, N, T>;
+template <std::size_t N, Scalar T = double>
+using JointJerk = JointVector<kind::Jerk, N, T>;
+template <std::size_t N, Scalar T = double>
+using JointPower = JointVector<kind::Power, N, T>;
 
 /// `q + h dq`, the position after `h` seconds at constant velocity.
 template <std::size_t N, class T>

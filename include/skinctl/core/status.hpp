@@ -36,6 +36,21 @@ enum class Reason : std::uint8_t {
   goal_stretched,        ///< a goal got more time than asked, to keep velocity limits
   hand_over,             ///< a difference of torque is being ramped out
   singular,              ///< a matrix could not be factorised: zero acceleration for this sub-step
+  slowed,                ///< next to a singularity, or at the largest joint speed: the tool moves slower
+  jerk_limited,          ///< a joint's jerk was cut to its limit
+  jerk_exceeded,         ///< the jerk limit gave way: another limit could not be kept otherwise
+  tool_speed_limited,    ///< all joints were slowed for the speed of the tool
+  state_out_of_range,    ///< a joint sensor gave what the robot cannot do: the sample is refused
+  packets_lost,          ///< too many packets in a row never came: the command brakes and holds
+  contact_slowed,        ///< all joints were slowed for somebody near or in touch
+  contact_force,         ///< a contact presses harder than configured: the command stops
+  contact_power,         ///< a contact takes more power than configured: the command stops
+  budget_overrun,        ///< cycles took longer than their budget: the command brakes and holds
+  work_skipped,          ///< a cycle took longer than its budget: optional work should be left out
+  consent_awaited,       ///< a fault is over, but only the user's `resume` ends its reaction
+  skill_refused,         ///< a skill may not start now: the old one goes on
+  skill_finished,        ///< the skill has done its work and holds
+  skill_failed,          ///< the skill has failed: the one to fall back to comes
   tank_empty,            ///< the energy tank cannot pay for the active torques: they fade
   energy_held,           ///< moving on into a contact would cost more energy than it gave: held
   contact_damped,        ///< a contact oscillated: damping was added along it
@@ -56,6 +71,8 @@ class Status {
     return *this;
   }
   friend constexpr Status operator|(Status a, Status b) noexcept { return a |= b; }
+  /// The reasons that both sets hold.
+  friend constexpr Status operator&(Status a, Status b) noexcept { return from_bits(a.bits_ & b.bits_); }
   friend constexpr bool operator==(Status, Status) noexcept = default;
   [[nodiscard]] constexpr std::uint64_t bits() const noexcept { return bits_; }
   [[nodiscard]] static constexpr Status from_bits(std::uint64_t bits) noexcept {
@@ -106,6 +123,21 @@ constexpr const char* describe(Reason r) noexcept {
       "goal stretched in time",
       "hand-over: a torque difference is being ramped out",
       "singular: zero acceleration",
+      "slowed: next to a singularity, or at the largest speed of a joint",
+      "jerk limited",
+      "jerk limit gave way to another limit",
+      "tool speed limited: all joints slowed",
+      "state out of range: refused",
+      "packets lost: braking and holding",
+      "contact: all joints slowed for somebody near or in touch",
+      "contact force above its limit: stopping",
+      "contact power above its limit: stopping",
+      "budget overrun: braking and holding",
+      "budget overrun: optional work left out",
+      "waiting for consent to go on",
+      "skill refused: the old one goes on",
+      "skill finished: it holds",
+      "skill failed: falling back",
       "energy tank empty: active torques fade",
       "energy of the contact used up: held",
       "contact oscillated: damped",

@@ -64,6 +64,8 @@ class ByteReader {
   bool short_ = false;
 };
 
+}  // namespace detail
+
 /// Walks over the plain numbers of a value: `f(number)` for each. Goals of own laws join in by an overload
 /// `each_number(goal, f)` found by argument-dependent look-up.
 template <class K, std::size_t N, class T, class F>
@@ -116,7 +118,35 @@ void each_number(G& goal, F&& f) {
   if constexpr (requires { goal.ddq_d; }) each_number(goal.ddq_d, f);
 }
 
-}  // namespace detail
+template <class T, class F>
+void each_number(Xyz<T>& v, F&& f) {
+  f(v.x), f(v.y), f(v.z);
+}
+template <Frame A, Frame B, class T, class F>
+void each_number(Transform<A, B, T>& X, F&& f) {
+  auto R = X.axes();
+  auto p = X.origin();
+  for (Xyz<T>* v : {&R.x, &R.y, &R.z, &p}) each_number(*v, f);
+  X = Transform<A, B, T>::trusted(R, p);
+}
+template <class G, class F>
+  requires requires(G& g) { g.X_BP; }
+void each_number(G& goal, F&& f) {
+  each_number(goal.X_BP, f);
+  if constexpr (requires { goal.duration; }) f(goal.duration);
+  if constexpr (requires { goal.V; }) {
+    for (auto* v : {&goal.V.linear, &goal.V.angular, &goal.A.linear, &goal.A.angular}) each_number(*v, f);
+  }
+}
+template <class G, class F>
+  requires requires(G& g) {
+    g.direction;
+    g.force;
+  }
+void each_number(G& goal, F&& f) {
+  each_number(goal.direction, f);
+  f(goal.force);
+}
 
 /// What happened in a run of `C`: the state at which it started, then every input and the command that it
 /// gave.
@@ -145,6 +175,7 @@ class Recording {
     bytes_.put(input.now);
     write(input.measured);
     bytes_.put(static_cast<std::uint8_t>(input.request));
+    bytes_.put(input.observed.bits());
     bytes_.put(input.has_goal);
     write(input.goal);
     bytes_.put(static_cast<std::uint32_t>(input.samples.size()));
@@ -210,12 +241,10 @@ class Recording {
 
   template <class V>
   void write(V value) noexcept {
-    using detail::each_number;
     each_number(value, [this](const auto& x) { bytes_.put(x); });
   }
   template <class V>
   static void read(detail::ByteReader& reader, V& value) {
-    using detail::each_number;
     each_number(value, [&](auto& x) { x = reader.get<std::remove_cvref_t<decltype(x)>>(); });
   }
   static void read_cycle(detail::ByteReader& reader, Input& input, std::vector<CellSample>& samples,
@@ -224,6 +253,7 @@ class Recording {
     read(reader, input.measured);
     const auto request = reader.get<std::uint8_t>();
     input.request = request <= 2 ? static_cast<Request>(request) : Request::none;
+    input.observed = Status::from_bits(reader.get<std::uint64_t>());
     input.has_goal = reader.get<bool>();
     read(reader, input.goal);
     const std::size_t count = reader.get<std::uint32_t>();
@@ -249,7 +279,7 @@ class Recording {
   /// Magic, byte order, sizes that must agree, number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '1'}) w.put(c);
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '2'}) w.put(c);
     w.put(std::uint32_t(0x01020304));
     w.put(static_cast<std::uint32_t>(C::joints));
     w.put(static_cast<std::uint32_t>(sizeof(typename C::scalar)));
@@ -278,8 +308,8 @@ template <class C>
   const auto memory = std::make_unique<typename C::Memory>();
   const auto same_bits = [](auto a, auto b) {
     detail::ByteWriter x(1024), y(1024);
-    detail::each_number(a, [&](const auto& v) { x.put(v); });
-    detail::each_number(b, [&](const auto& v) { y.put(v); });
+    each_number(a, [&](const auto& v) { x.put(v); });
+    each_number(b, [&](const auto& v) { y.put(v); });
     return x.bytes() == y.bytes();
   };
   recording.visit([&](const auto& state) { cycle.start(*memory, state); },

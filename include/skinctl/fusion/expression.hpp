@@ -14,7 +14,7 @@ inline constexpr bool is_fused<Fused<P, L...>> = true;
 /// Number of gravity laws in a law or sum.
 template <class L>
 constexpr std::size_t gravity_count() noexcept {
-  if constexpr (is_fused<L>) {
+  if constexpr (requires { L::gravity_laws; }) {
     return L::gravity_laws;
   } else {
     return L::role == Role::gravity ? 1 : 0;
@@ -41,10 +41,13 @@ auto join(const Fused<P, A...>& a, const Fused<Q, B...>& b) {
   for (std::size_t i = 0; i < sizeof...(B); ++i) weights[sizeof...(A) + i] = b.weights()[i];
   return Fused<Sum::normalised, A..., B...>(std::tuple_cat(a.laws(), b.laws()), weights);
 }
+/// A sum that cannot be part of another, such as one that blends.
+template <class L>
+inline constexpr bool is_complete = requires { L::complete_sum; };
 template <class W, class L>
 constexpr bool weighs() noexcept {
   if constexpr (std::is_arithmetic_v<W> && LawMembers<L>) {
-    return gravity_count<L>() == 0;
+    return gravity_count<L>() == 0 && !is_complete<L>;
   } else {
     return false;
   }
@@ -53,7 +56,7 @@ template <class A, class B>
 constexpr bool adds(std::size_t least, std::size_t most) noexcept {
   if constexpr (LawMembers<A> && LawMembers<B>) {
     const auto count = gravity_count<A>() + gravity_count<B>();
-    return count >= least && count <= most;
+    return count >= least && count <= most && !is_complete<A> && !is_complete<B>;
   } else {
     return false;
   }
@@ -92,7 +95,7 @@ template <class A, class B>
   requires(detail::adds<A, B>(2, 99))
 void operator+(const A&, const B&) = delete;  // gravity twice: keep one gravity law
 template <class A, class B>
-void operator+(const A&, const B&) = delete;  // a law adds to laws only: a torque comes from law.torque(memory, known)
+void operator+(const A&, const B&) = delete;  // a law adds to laws only: a torque comes from law.torque(memory, known), a blend of the whole sum
 // clang-format on
 
 }  // namespace expression

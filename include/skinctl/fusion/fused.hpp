@@ -45,6 +45,40 @@ template <class... G, class L, class... Rest>
   requires requires { typename L::Goal; }
 struct GoalOf<std::tuple<G...>, L, Rest...> : GoalOf<std::tuple<G..., typename L::Goal>, Rest...> {};
 
+/// What a law's torque and memory share, or nothing.
+struct Nothing {};
+template <class Law, class K>
+SKINCTL_INLINE auto now_of(const Law& law, const typename Law::Memory& memory, const K& known) noexcept {
+  if constexpr (requires { law.now(memory, known); }) {
+    return law.now(memory, known);
+  } else {
+    return Nothing{};
+  }
+}
+/// A tracking law's torque and next memory, with what they share.
+template <GravityTerm G, class Law, class K, class T, class Now>
+SKINCTL_INLINE auto torque_with(const Law& law, const typename Law::Memory& memory, const K& known,
+                                const Share<T>& share, const Now& now) noexcept {
+  if constexpr (std::same_as<Now, Nothing>) {
+    return law.template torque<G>(memory, known, share);
+  } else {
+    return law.template torque<G>(memory, known, share, now);
+  }
+}
+template <class Law, class K, class T, class Now>
+SKINCTL_INLINE typename Law::Memory advance_with(const Law& law, const typename Law::Memory& memory,
+                                                 const K& known, const T& dt, Opposition opposition,
+                                                 const Now& now) noexcept {
+  if constexpr (std::same_as<Now, Nothing>) {
+    return law.advance(memory, known, dt, opposition);
+  } else {
+    return law.advance(memory, known, dt, opposition, now);
+  }
+}
+/// Whether a law waits behind a gate (fusion/blended.hpp).
+template <class L>
+inline constexpr bool is_gated = requires { L::gate; };
+
 template <class... L>
 constexpr std::size_t count_role(Role role) noexcept {
   return (std::size_t(0) + ... + (L::role == role ? 1u : 0u));
@@ -64,6 +98,8 @@ template <Sum Policy, LawMembers... L>
 class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
  public:
   static constexpr std::size_t terms = sizeof...(L);
+  static constexpr Sum policy = Policy;
+  static constexpr std::array<Role, terms> roles = {L::role...};
   static constexpr std::size_t gravity_laws = detail::count_role<L...>(Role::gravity);
   static constexpr std::size_t tracking_laws = detail::count_role<L...>(Role::tracking);
   static constexpr std::size_t reactive_laws = detail::count_role<L...>(Role::reactive);
@@ -86,18 +122,28 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   explicit Fused(const std::tuple<L...>& laws, const std::array<double, terms>& weights,
                  const OppositionDetector& detector = OppositionDetector())
       : laws_(laws), weights_(weights), detector_(detector) {
-    constexpr std::array<Role, terms> roles = {L::role...};
-    double sum = 0;
     for (std::size_t i = 0; i < terms; ++i) {
       require(weights[i] > 0 && weights[i] <= 1e6, "weight of a law", weights[i],
               "> 0: leave out what has none");
       require(roles[i] != Role::gravity || weights[i] == 1.0, "weight of gravity", weights[i], "1");
+    }
+    shares_ = shares(weights);
+  }
+
+  /// What the policy makes of weights >= 0: what each law's two parts are multiplied by. Where no tracking
+  /// law has a weight, none has a share.
+  [[nodiscard]] static constexpr std::array<Share<double>, terms> shares(
+      const std::array<double, terms>& weights) noexcept {
+    double sum = 0;
+    for (std::size_t i = 0; i < terms; ++i)
       if (roles[i] == Role::tracking) sum += weights[i];
-    }
+    std::array<Share<double>, terms> out{};
     for (std::size_t i = 0; i < terms; ++i) {
-      const double part = weights[i] / sum;
-      shares_[i] = {Policy == Sum::normalised ? part : weights[i], Policy == Sum::plain ? weights[i] : part};
+      const double w = weights[i];
+      const double part = roles[i] == Role::tracking && sum > 0 ? w / sum : w;
+      out[i] = {Policy == Sum::normalised ? part : w, Policy == Sum::plain ? w : part};
     }
+    return out;
   }
 
   /// The same sum with other thresholds of opposition.
@@ -111,6 +157,18 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   template <std::size_t I>
   [[nodiscard]] static SKINCTL_INLINE constexpr const auto& memory(const Memory& m) noexcept {
     return detail::memory_of<I>(m.laws);
+  }
+
+  /// Which law takes goals of this type; `terms` if none or several do.
+  template <class Goal>
+  static constexpr std::size_t taker() noexcept {
+    std::size_t found = terms, count = 0, i = 0;
+    const auto look = [&](bool takes) {
+      if (takes) found = i, ++count;
+      ++i;
+    };
+    (look(takes_goal<L, Goal>()), ...);
+    return count == 1 ? found : terms;
   }
 
   /// Every law takes over at the state that is known.
@@ -170,16 +228,6 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       (f(std::integral_constant<std::size_t, I>{}, std::get<I>(laws_)), ...);
     }(std::index_sequence_for<L...>{});
   }
-  template <class Goal>
-  static constexpr std::size_t taker() noexcept {
-    std::size_t found = terms, count = 0, i = 0;
-    const auto look = [&](bool takes) {
-      if (takes) found = i, ++count;
-      ++i;
-    };
-    (look(takes_goal<L, Goal>()), ...);
-    return count == 1 ? found : terms;
-  }
   template <class Law, class Goal>
   static constexpr bool takes_goal() noexcept {
     if constexpr (requires { typename Law::Goal; }) {
@@ -188,51 +236,48 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       return false;
     }
   }
-  /// What a law's torque and memory share, or nothing.
-  struct Nothing {};
-  template <class Law, class K>
-  static SKINCTL_INLINE auto now_of(const Law& law, const typename Law::Memory& memory,
-                                    const K& known) noexcept {
-    if constexpr (requires { law.now(memory, known); }) {
-      return law.now(memory, known);
+  template <class First, class Rest>
+  struct Chain {
+    First first;
+    Rest rest;
+  };
+  /// What torque and memory of the laws from the `I`-th on share, each built where it stays.
+  template <std::size_t I, class K>
+  [[nodiscard]] SKINCTL_INLINE auto now_from(const Memory& memory, const K& known) const noexcept {
+    if constexpr (I == terms) {
+      return detail::Memories<>{};
     } else {
-      return Nothing{};
+      using Here = decltype(detail::now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known));
+      return Chain<Here, decltype(now_from<I + 1>(memory, known))>{
+          detail::now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known),
+          now_from<I + 1>(memory, known)};
     }
   }
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
       const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept {
+    static_assert(!(false || ... || detail::is_gated<L>), "a gate opens in time: blended(sum)");
     using T = typename K::scalar;
     using Torque = JointTorque<K::joints, T>;
-    std::array<Torque, terms> shares;
-    Torque total, skin, track;
-    Status status;
-
-    const auto now = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      return std::tuple{now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known)...};
+    const auto now = now_from<0>(memory, known);
+    const auto shares = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      return std::array<Torque, terms>{share<I>(memory, known, now)...};
     }(std::index_sequence_for<L...>{});
 
+    Torque total, skin, track;
+    Status status;
     each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
       constexpr std::size_t I = i.value;
-      constexpr Role r = law_at<I>::role;
-      const auto& part = detail::memory_of<I>(memory.laws);
-      if constexpr (r == Role::tracking) {
-        const Share<T> share{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
-        if constexpr (std::same_as<std::remove_cvref_t<decltype(std::get<I>(now))>, Nothing>) {
-          shares[I] = law.template torque<gravity_term>(part, known, share);
-        } else {
-          shares[I] = law.template torque<gravity_term>(part, known, share, std::get<I>(now));
-        }
+      if constexpr (law_at<I>::role == Role::tracking) {
         track += shares[I];
-        if constexpr (watches && gravity_laws == 0) track -= share.feed_forward * known.gravity();
-      } else if constexpr (r == Role::reactive) {
-        shares[I] = static_cast<T>(weights_[I]) * law.torque(part, known);
+        if constexpr (watches && gravity_laws == 0)
+          track -= static_cast<T>(shares_[I].feed_forward) * known.gravity();
+      } else if constexpr (law_at<I>::role == Role::reactive) {
         skin += shares[I];
-      } else {
-        shares[I] = law.torque(part, known);
       }
       total += shares[I];
+      const auto& part = detail::memory_of<I>(memory.laws);
       if constexpr (requires { law.status(part); }) status |= law.status(part);
     });
 
@@ -245,7 +290,27 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       if (opposition == Opposition::lasting) status |= Reason::opposed;
     }
     // Each memory is written once, where it stays: a copy of what has just been written waits for it.
-    return {total, {advanced<0>(memory, known, dt, opposition, now), watched}, shares, status};
+    return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      return Evaluation<K::joints, T, Memory, terms>{
+          total, {advanced<0>(memory, known, dt, opposition, now), watched}, {shares[I]...}, status};
+    }(std::index_sequence_for<L...>{});
+  }
+
+  /// What the `I`-th law contributes.
+  template <std::size_t I, class K, class Now>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> share(
+      const Memory& memory, const K& known, const Now& now) const noexcept {
+    using T = typename K::scalar;
+    const auto& law = std::get<I>(laws_);
+    const auto& part = detail::memory_of<I>(memory.laws);
+    if constexpr (law_at<I>::role == Role::tracking) {
+      const Share<T> weight{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
+      return detail::torque_with<gravity_term>(law, part, known, weight, detail::memory_of<I>(now));
+    } else if constexpr (law_at<I>::role == Role::reactive) {
+      return static_cast<T>(weights_[I]) * law.torque(part, known);
+    } else {
+      return law.torque(part, known);
+    }
   }
 
   /// The memories from the `I`-th law on.
@@ -256,16 +321,10 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     if constexpr (I == terms) {
       return detail::Memories<>{};
     } else {
-      const auto next = [&]() SKINCTL_INLINE_LAMBDA {
-        const auto& part = detail::memory_of<I>(memory.laws);
-        if constexpr (std::same_as<std::remove_cvref_t<decltype(std::get<I>(now))>, Nothing>) {
-          return std::get<I>(laws_).advance(part, known, dt, opposition);
-        } else {
-          return std::get<I>(laws_).advance(part, known, dt, opposition, std::get<I>(now));
-        }
-      };
       return detail::MemoriesFrom<I, typename L::Memory...>{
-          next(), advanced<I + 1>(memory, known, dt, opposition, now)};
+          detail::advance_with(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known, dt, opposition,
+                               detail::memory_of<I>(now)),
+          advanced<I + 1>(memory, known, dt, opposition, now)};
     }
   }
 

@@ -49,6 +49,12 @@ template <std::size_t N, Real T>
 
 }  // namespace detail
 
+/// What of a frame's motion is asked for.
+enum class Task : unsigned char {
+  pose,     ///< position and orientation: six numbers
+  position  ///< of its origin alone: three, the angular parts of what goes in are not read
+};
+
 /// When a damped inverse is damped, and how much: `l^2 = most^2 (1 - (w / zone)^2)^2` while the
 /// manipulability w is below `zone`, else 0. Smooth: l^2 and its slope meet zero at the edge of the zone.
 template <Real T = double>
@@ -59,7 +65,7 @@ class SingularityDamping {
   /// @param most  l at the singularity, > 0: there no joint speed exceeds `1 / (2 most)` times what is asked.
   ///              Throws `ConfigurationError`.
   explicit SingularityDamping(const T& zone = static_cast<T>(0.004), const T& most = static_cast<T>(0.08))
-      : zone_(zone), most_(most) {
+      : zone_(zone), most_(most), most_squared_(most * most) {
     const auto allowed = [](const T& x) { return x > T(0) && x <= (std::numeric_limits<T>::max)(); };
     require(allowed(zone), "SingularityDamping: zone", static_cast<double>(zone), "> 0");
     require(allowed(most), "SingularityDamping: most", static_cast<double>(most), "> 0");
@@ -69,17 +75,34 @@ class SingularityDamping {
     const T r = T(1) - w_squared / (zone_ * zone_);
     return r > T(0) ? T(r * r) : T(r == r ? T(0) : r);
   }
+  /// The same with as much damping as the joints' speed needs for what is asked of the body: at the
+  /// singularity `l^2 = least^2 + x / (1 + x / most^2)`, `x = (speed / (2 fastest))^2`: up to `most` no joint
+  /// goes faster than `fastest`. Where little is asked little is damped, and an arm does not stick there.
+  /// @param speed_squared, rate  of what is asked, and its time derivative.
+  [[nodiscard]] SingularityDamping scaled(const T& least, const T& speed_squared, const T& rate,
+                                          const T& fastest) const noexcept {
+    const T factor = T(0.25) / (fastest * fastest);
+    const T less = T(1) / (T(1) + factor * speed_squared / (most_ * most_));
+    SingularityDamping next = *this;
+    next.most_squared_ = least * least + factor * speed_squared * less;
+    next.most_squared_rate_ = factor * rate * less * less;
+    return next;
+  }
   /// l^2.
-  [[nodiscard]] T squared(const T& w_squared) const noexcept { return most_ * most_ * nearness(w_squared); }
+  [[nodiscard]] T squared(const T& w_squared) const noexcept { return most_squared_ * nearness(w_squared); }
   /// `d(l^2)/dt = 2 l dl`, from the rate of the square of the manipulability.
   [[nodiscard]] T squared_rate(const T& w_squared, const T& w_squared_rate) const noexcept {
     const T r = T(1) - w_squared / (zone_ * zone_);
-    return r > T(0) ? T(-T(2) * most_ * most_ * r * w_squared_rate / (zone_ * zone_)) : T(0);
+    return r > T(0)
+               ? T(r * (r * most_squared_rate_ - T(2) * most_squared_ * w_squared_rate / (zone_ * zone_)))
+               : T(0);
   }
 
  private:
   T zone_;
   T most_;
+  T most_squared_;
+  T most_squared_rate_ = T(0);
 };
 
 /// The damped inverse `J^+ = (J'J + l^2)^-1 J' = J' (J J' + l^2)^-1` of eq. (19), l from
@@ -87,13 +110,14 @@ class SingularityDamping {
 /// least joint speed; for fewer, of least error), near them bounded and smooth.
 ///
 /// `J` is a geometric `Jacobian` along the axes of the base, metres and radians weighted alike; it must
-/// outlive this object. The smaller of the two products is formed and factorised: the error is a few units in
-/// the last place times the square of the condition of J (on a UR5 about 1e-12 and 1e-3 of the result at the
-/// edge of the default zone). Never divides by zero, does not allocate; a NaN gives NaNs or zeros.
-template <class J>
+/// outlive this object. With `Task::position` its linear rows alone are inverted. The smaller of the two
+/// products is formed and factorised: the error is a few units in the last place times the square of the
+/// condition of J (on a UR5 about 1e-12 and 1e-3 of the result at the edge of the default zone). Never
+/// divides by zero, does not allocate; a NaN gives NaNs or zeros.
+template <class J, Task What = Task::pose>
 class DampedInverse;
-template <Topology M, LinkMask Columns, Frame Body, Real T>
-class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
+template <Topology M, LinkMask Columns, Frame Body, Real T, Task What>
+class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
  public:
   using Of = Jacobian<M, Columns, Body, Body, Base, T>;
   using Velocity = Twist<Body, Base, Body, Base, T>;
@@ -123,11 +147,40 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
     return dq;
   }
 
+  /// `J^+' tau`: the load on the frame that stands for these joint torques; exactly the load where all of
+  /// them come from one, `tau = transpose(J) F`, and nothing is damped.
+  [[nodiscard]] typename Of::Load solve_transposed(const JointTorque<joints, T>& tau) const noexcept {
+    if constexpr (by_joints) {
+      T b[order], x[order];
+      std::size_t k = 0;
+      J_.for_each([&](auto i, const auto&) { b[k++] = tau[i.value]; });
+      factors_.solve(b, x);
+      JointVelocity<joints, T> y;
+      k = 0;
+      J_.for_each([&](auto i, const auto&) { y[i.value] = x[k++]; });
+      const Velocity F = seen(J_ * y);
+      return {F.linear, F.angular};
+    } else {
+      Velocity v;
+      J_.for_each([&](auto i, const auto& c) {
+        v.linear = v.linear + tau[i.value] * c.linear;
+        v.angular = v.angular + tau[i.value] * c.angular;
+      });
+      const Velocity F = outer(v);
+      return {F.linear, F.angular};
+    }
+  }
+
   /// The time derivative of `solve(dx_r)` while the joints move at the dq of `dJ`, with that of the damping:
   /// `ddq_r = J^+ (ddx_r - dJ dq_r) + (J'J + l^2)^-1 (dJ' (dx_r - J dq_r) - 2 l dl dq_r)`.
   [[nodiscard]] JointAcceleration<joints, T> solve_rate(const JacobianRate<Of>& dJ, const Velocity& dx_r,
                                                         const BodyAcceleration& ddx_r) const noexcept {
-    const JointVelocity<joints, T> dq_r = solve(dx_r);
+    return solve_rate(dJ, dx_r, ddx_r, solve(dx_r));
+  }
+  /// The same where `dq_r = solve(dx_r)` is known.
+  [[nodiscard]] JointAcceleration<joints, T> solve_rate(const JacobianRate<Of>& dJ, const Velocity& dx_r,
+                                                        const BodyAcceleration& ddx_r,
+                                                        const JointVelocity<joints, T>& dq_r) const noexcept {
     const T dl2 = damping_rate(dJ);
     const BodyAcceleration missing = ddx_r - dJ * dq_r;
     JointAcceleration<joints, T> ddq;
@@ -137,8 +190,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
       std::size_t k = 0;
       J_.for_each([&](auto i, const auto& c) {
         const auto& d = dJ.template column<i.value>();
-        b[k++] = dot(c.linear, missing.linear) + dot(c.angular, missing.angular) +
-                 dot(d.linear, left.linear) + dot(d.angular, left.angular) - dl2 * dq_r[i.value];
+        b[k++] = along(c, missing) + along(d, left) - dl2 * dq_r[i.value];
       });
       factors_.solve(b, x);
       k = 0;
@@ -149,7 +201,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
       JointVelocity<joints, T> turned;
       J_.for_each([&](auto i, const auto&) {
         const auto& d = dJ.template column<i.value>();
-        turned[i.value] = dot(d.linear, y.linear) + dot(d.angular, y.angular);
+        turned[i.value] = along(d, y);
       });
       const Velocity back = J_ * turned + dl2 * y;
       apply(Velocity{missing.linear - back.linear, missing.angular - back.angular}, ddq.data);
@@ -160,28 +212,40 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
 
  private:
   static constexpr auto moving = static_cast<std::size_t>(std::popcount(Columns));
-  static constexpr bool by_joints = moving <= 6;
-  static constexpr std::size_t order = by_joints ? moving : 6;
+  static constexpr std::size_t rows_count = What == Task::pose ? 6 : 3;
+  static constexpr bool by_joints = moving <= rows_count;
+  static constexpr std::size_t order = by_joints ? moving : rows_count;
   struct Matrix {
     T data[order * order];
   };
 
   static void store(const Velocity& v, T* x) noexcept {
     x[0] = v.linear.x, x[1] = v.linear.y, x[2] = v.linear.z;
-    x[3] = v.angular.x, x[4] = v.angular.y, x[5] = v.angular.z;
+    if constexpr (What == Task::pose) x[3] = v.angular.x, x[4] = v.angular.y, x[5] = v.angular.z;
+  }
+  /// What of a velocity is asked for.
+  static Velocity seen(const Velocity& v) noexcept {
+    if constexpr (What == Task::pose) return v;
+    return {v.linear, {T(0), T(0), T(0)}};
+  }
+  template <class V>
+  static T along(const typename Of::Column& c, const V& v) noexcept {
+    if constexpr (What == Task::pose) return dot(c.linear, v.linear) + dot(c.angular, v.angular);
+    return dot(c.linear, v.linear);
   }
   template <class Columns6>
-  static void rows(const Columns6& J, T (&r)[moving][6]) noexcept {
+  static void rows(const Columns6& J, T (&r)[moving][rows_count]) noexcept {
     std::size_t k = 0;
     J.for_each([&](auto, const auto& c) { store({c.linear, c.angular}, r[k++]); });
   }
   /// `J'J` or `J J'` of the joints that move the body, or with `d` the rate of it.
-  static void product(const T (&r)[moving][6], const T (&s)[moving][6], T (&a)[order][order]) noexcept {
+  static void product(const T (&r)[moving][rows_count], const T (&s)[moving][rows_count],
+                      T (&a)[order][order]) noexcept {
     for (std::size_t i = 0; i < order; ++i)
       for (std::size_t j = 0; j < order; ++j) {
         T sum(0);
         if constexpr (by_joints) {
-          for (std::size_t k = 0; k < 6; ++k) sum = sum + r[i][k] * s[j][k];
+          for (std::size_t k = 0; k < rows_count; ++k) sum = sum + r[i][k] * s[j][k];
         } else {
           for (std::size_t k = 0; k < moving; ++k) sum = sum + r[k][i] * s[k][j];
         }
@@ -189,7 +253,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
       }
   }
   Matrix normal(const Of& J) noexcept {
-    T r[moving][6], a[order][order], still[order][order] = {};
+    T r[moving][rows_count], a[order][order], still[order][order] = {};
     rows(J, r);
     product(r, r, a);
     Matrix m;
@@ -202,7 +266,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
   }
   T damping_rate(const JacobianRate<Of>& dJ) const noexcept {
     if (nearness() == T(0)) return T(0);
-    T r[moving][6], d[moving][6], a[order][order], b[order][order], da[order][order];
+    T r[moving][rows_count], d[moving][rows_count], a[order][order], b[order][order], da[order][order];
     rows(J_, r);
     rows(dJ, d);
     product(r, r, a);
@@ -213,7 +277,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
   }
   /// `(J J' + l^2)^-1 v`.
   Velocity outer(const Velocity& v) const noexcept {
-    T x[6];
+    T x[6] = {};
     store(v, x);
     factors_.solve(x, x);
     return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
@@ -222,14 +286,13 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
     if constexpr (by_joints) {
       T b[order], x[order];
       std::size_t k = 0;
-      J_.for_each([&](auto, const auto& c) { b[k++] = dot(c.linear, v.linear) + dot(c.angular, v.angular); });
+      J_.for_each([&](auto, const auto& c) { b[k++] = along(c, v); });
       factors_.solve(b, x);
       k = 0;
       J_.for_each([&](auto i, const auto&) { out[i.value] = x[k++]; });
     } else {
       const Velocity y = outer(v);
-      J_.for_each(
-          [&](auto i, const auto& c) { out[i.value] = dot(c.linear, y.linear) + dot(c.angular, y.angular); });
+      J_.for_each([&](auto i, const auto& c) { out[i.value] = along(c, y); });
     }
   }
 
@@ -240,10 +303,10 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>> {
 };
 
 /// The damped inverse of a Jacobian.
-template <Topology M, LinkMask C, Frame Body, Real T>
+template <Task What = Task::pose, Topology M, LinkMask C, Frame Body, Real T>
 [[nodiscard]] auto damped_inverse(const Jacobian<M, C, Body, Body, Base, T>& J,
                                   const SingularityDamping<T>& damping) noexcept {
-  return DampedInverse<Jacobian<M, C, Body, Body, Base, T>>(J, damping);
+  return DampedInverse<Jacobian<M, C, Body, Body, Base, T>, What>(J, damping);
 }
 
 SKINCTL_END_NAMESPACE

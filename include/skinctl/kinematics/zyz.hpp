@@ -122,6 +122,13 @@ class ZyzMap {
     const T y = rates.phi * across;
     return {cos_phi_ * x - sin_phi_ * y, sin_phi_ * x + cos_phi_ * y, -(rates.theta * across)};
   }
+  /// `dB c` for other numbers `c` than the rates at which the angles change.
+  [[nodiscard]] SKINCTL_INLINE Xyz<T> rate_times(const Zyz<T>& rates, const Zyz<T>& c) const noexcept {
+    const T along = c.psi * rates.theta * cos_theta_ - c.theta * rates.phi;
+    const T across = c.psi * rates.phi * sin_theta_;
+    return {cos_phi_ * along - sin_phi_ * across, sin_phi_ * along + cos_phi_ * across,
+            -(c.psi * rates.theta * sin_theta_)};
+  }
   /// `B^-1 omega`, damped next to the singularity.
   [[nodiscard]] SKINCTL_INLINE Zyz<T> solve(const Xyz<T>& omega) const noexcept {
     const T psi = inverse_ * (cos_phi_ * omega.x + sin_phi_ * omega.y);

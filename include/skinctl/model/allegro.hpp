@@ -69,7 +69,8 @@ inline constexpr LinkInertia palm{0.4154, {0, 0, 0.0475}, 1e-4, 1e-4, 1e-4};
 /// The joints of finger `f` as the maker's description gives them: allegro_right_hand.urdf and
 /// allegro_left_hand.urdf of Gepetto/example-robot-data (as of its first commit: a later one replaced
 /// inertias by estimates), after the hand's own ROS package (BSD). The centre of mass of every link lies at
-/// its origin there; the tip belongs to the last link.
+/// its origin there; the tip belongs to the last link. No density makes some of its products of inertia: see
+/// `makers_density`.
 inline std::array<PlacedLink, 4> finger_links(std::size_t f, Side side = Side::right) {
   using namespace detail;
   const double mirror = side == Side::right ? 1 : -1;
@@ -188,7 +189,7 @@ template <Scalar T = double>
     const auto canonical = canonical_links<Chain<4>>(finger_links(f, side));
     for (std::size_t i = 0; i < 4; ++i) links[4 * f + i] = canonical.links[i].template cast<T>();
   }
-  return CalibratedModel<Tree, T>(links);
+  return CalibratedModel<Tree, T>(links, {T(0), T(0), T(-9.81)}, makers_density);
 }
 template <Scalar T = double>
 [[nodiscard]] CalibratedModel<Tree, T> right_hand() {
@@ -219,7 +220,7 @@ template <std::size_t W, Real T = double>
       }
     }
   }
-  return CalibratedModel<Finger, L>(links);
+  return CalibratedModel<Finger, L>(links, {L(0), L(0), L(T(-9.81))}, makers_density);
 }
 template <std::size_t W, Real T = double>
 [[nodiscard]] auto right_fingers(std::size_t first = 0) {

@@ -31,6 +31,13 @@ concept Model = Topology<M> && requires(const M& m) {
   m.template gravity<typename detail::ScalarOf<M>::type>();
 };
 
+/// Whether a model computes in `T`: a static one in every scalar, one with numbers at run time in its own.
+template <class M, class T>
+inline constexpr bool computes_in = true;
+template <class M, class T>
+  requires requires { typename M::scalar; }
+inline constexpr bool computes_in<M, T> = std::is_same_v<typename M::scalar, T>;
+
 /// All numbers of link `I` of a model that computes in `T`, typed constants among them.
 template <std::size_t I, Scalar T, Model M>
 [[nodiscard]] constexpr LinkParameters<double> numbers_of(const M& model) noexcept {
@@ -98,19 +105,23 @@ class CalibratedModel {
   ///                 must have gamma = 0 (turn the parent's frame instead). Throws `ConfigurationError`.
   /// @param gravity  gravitational acceleration in the axes of the base [m/s^2]; a base on a wall or ceiling
   /// turns it.
-  explicit CalibratedModel(const Links& links, const Xyz<T>& gravity = {T(0), T(0), T(-9.81)})
+  /// @param allowed_defect  of the links' inertias, for `check_link`: `makers_density` for a maker's file.
+  explicit CalibratedModel(const Links& links, const Xyz<T>& gravity = {T(0), T(0), T(-9.81)},
+                           double allowed_defect = rounded_density)
       : links_(links), gravity_(gravity) {
     if constexpr (Real<T>) {
-      for (const auto& link : links_) check_link(link);
+      for (const auto& link : links_) check_link(link, allowed_defect);
       [&]<std::size_t... I>(std::index_sequence<I...>) {
         (check_promises<I>(std::make_index_sequence<std::size_t(Parameter::count)>{}), ...);
       }(std::make_index_sequence<joints>{});
+    } else {
+      static_cast<void>(allowed_defect);
     }
   }
 
   template <std::size_t I, Parameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
-    static_assert(std::same_as<U, T>, "a calibrated model computes in the scalar that it stores");
+    static_assert(std::is_same_v<U, T>, "a calibrated model computes in the scalar that it stores");
     using Promise = decltype(promised<I, P>());
     if constexpr (is_known<Promise>) {
       return Promise{};
@@ -120,7 +131,7 @@ class CalibratedModel {
   }
   template <Scalar U>
   SKINCTL_INLINE constexpr Xyz<T> gravity() const noexcept {
-    static_assert(std::same_as<U, T>, "a calibrated model computes in the scalar that it stores");
+    static_assert(std::is_same_v<U, T>, "a calibrated model computes in the scalar that it stores");
     return gravity_;
   }
   /// The numbers of link `i`.
@@ -160,13 +171,15 @@ class CalibratedModel {
   Xyz<T> gravity_;
 };
 
-/// The run-time twin of a static description: same tree, same numbers, as a starting point for a calibration.
+/// The run-time twin of a static description: same tree, same numbers, as a starting point for a calibration;
+/// a maker's inertias are taken as they are (`makers_density`).
 template <class Description, Scalar T = double>
 CalibratedModel<Description, T> calibrated_from() {
   typename CalibratedModel<Description, T>::Links links;
   for (std::size_t i = 0; i < Description::joints; ++i) links[i] = Description::links[i].template cast<T>();
   return CalibratedModel<Description, T>(
-      links, {T(Description::gravity[0]), T(Description::gravity[1]), T(Description::gravity[2])});
+      links, {T(Description::gravity[0]), T(Description::gravity[1]), T(Description::gravity[2])},
+      makers_density);
 }
 
 SKINCTL_END_NAMESPACE

@@ -15,7 +15,7 @@ struct TorqueResolverMemory {
   JointCommand<N, T> command;  ///< the last one
 };
 
-/// For robots that take torques: `tau = law(measured state) - B dq`, cut to the torque limits.
+/// For robots that take torques: `tau = law(measured state) - B dq`, cut to the limits of torque and power.
 ///
 /// Of the configuration it uses the limits of torque, period, longest interval, stale age, and of the shape
 /// the viscous friction, which the robot then shows in addition to its own; other shapes are refused. A
@@ -59,7 +59,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     m.started = true;
     m.time = measured.time;
     m.measured = measured;
-    m.command = {m.time, measured.q, measured.dq, {}, fallback(m), true};
+    m.command = {m.time, true, measured.q, measured.dq, {}, fallback(m)};
     return m;
   }
 
@@ -82,7 +82,11 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
                                                        const Interval& interval,
                                                        std::span<const Touch> touches) const noexcept {
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
-    if (!m.started || interval.substeps == 0) return out;
+    if (!m.started) return out;
+    if (interval.substeps == 0) {
+      out.fallback = fallback(m);
+      return out;
+    }
     SKINCTL_EXPECTS(!touches.empty(), "one touch");
     m.time = interval.to;
     if (!detail::is_plausible(measured)) {
@@ -112,11 +116,8 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
         out.status |= Reason::torque_not_finite;
       }
     }
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T limit = p_.limits.torque()[i], tau = detail::clamp(torque[i], T(-limit), limit);
-      if (tau != torque[i]) out.status |= Reason::torque_limited;
-      m.command.torque[i] = tau;
-    }
+    m.command.torque = p_.limits.within(torque, m.measured.dq);
+    if (!(m.command.torque == torque)) out.status |= Reason::torque_limited;
     if (!p_.limits.hold(m.measured.q)) out.status |= Reason::outside_limits;
     m.command.time = m.time;
     m.command.position = m.measured.q;

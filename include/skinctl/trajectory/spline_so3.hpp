@@ -19,6 +19,8 @@ struct RotationReference {
 template <Real T = double>
 class RotationSpline {
  public:
+  /// At the identity.
+  RotationSpline() noexcept : phi_{T(0), T(0), T(0)}, tf_(T(0)) {}
   /// @param R_i, R_g  start and goal, rotations to within `tolerance<T>`, of one frame in another.
   /// @param tf        duration [s]; the goal from the start on if not positive.
   RotationSpline(const Rotation<T>& R_i, const Rotation<T>& R_g, const T& tf) noexcept

@@ -1,65 +1,83 @@
-// The second-order sliding mode of eqs. (8)-(14) in joint space, for any plan of targets.
+// The second-order sliding mode of eqs. (8)-(14), in joint or operational space, for any plan of targets.
 #pragma once
 
 #include "skinctl/control/damping.hpp"
-#include "skinctl/control/sliding_surface.hpp"
+#include "skinctl/control/joint_space.hpp"
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// What a tracking law remembers; trivially copyable.
-template <std::size_t N, Real T, class Plan>
+template <class Space, class Plan, class Sign = TanhSign>
 struct TrackingMemory {
-  Plan plan;
-  SurfaceBias<N, T> bias;
-  Integrals<N, T> I1;  ///< of S_delta [rad]
-  Integrals<N, T> I2;  ///< of tanh(mu S_delta) [s]
+  using T = typename Space::scalar;
   Nanoseconds since_reset = 0;
-  T tb = T(0);        ///< convergence time [s], stretched if need be; 0: no time base
-  T K_from = T(0);    ///< without one: the gain at the reset [1/s]
   bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
+  Plan plan;
+  SurfaceBias<Space::coordinates, T> bias;
+  Integrals<Space::coordinates, T> I1;  ///< of S_delta
+  Integrals<Space::coordinates, T> I2;  ///< of its sign [s]
+  T tb = T(0);                          ///< convergence time [s], stretched if need be; 0: no time base
+  T K_from = T(0);                      ///< without one: the gain at the reset [1/s]
+  [[no_unique_address]] SignMemory<Sign, Space::coordinates, T> sign = {};
+  [[no_unique_address]] typename Space::Memory space = {};  ///< what the space itself remembers
 };
 
-/// Tracking in joint space, eqs. (8)-(14): `tau = -K_d S_q + Y_r Theta`, evaluated at the middle of the
-/// interval for which it will be held, at the state that the law itself predicts there.
+/// Tracking, eqs. (8)-(14): `tau = -K_d S_q + Y_r Theta`, evaluated at the middle of the interval for which
+/// it will be held, at the state that the law itself predicts there.
 ///
 /// Every reset (a new goal, the skin that begins or ceases to push against the law) keeps the torque: the
 /// reference motion goes on from where it was and reaches its new course after `hand_over` (`SurfaceBias`).
 /// In the loop nothing is refused but goals. A state that is not finite gives a torque that is not, for the
 /// cycle to drop, and leaves the memory finite.
 ///
-/// @tparam Plan  where targets come from: `SplinePlan` or `TargetPlan`.
-template <std::size_t N, Real T, class Plan, class Damping = InertialDamping<T>>
-class JointTracking : public Composable {
+/// @tparam Space  the coordinates: `JointSpace` or `OperationalSpace`.
+/// @tparam Plan   where targets come from: a spline to a goal, or the samples of a source.
+/// @tparam Sign   how the second integral takes the sign: control/sign.hpp.
+template <class Space, class Plan, class Damping = InertialDamping<typename Space::scalar>,
+          class Sign = TanhSign>
+class Tracking : public Composable {
  public:
-  using Memory = TrackingMemory<N, T, Plan>;
+  static constexpr std::size_t N = Space::joints;
+  static constexpr std::size_t coordinates = Space::coordinates;
+  using T = typename Space::scalar;
+  using Memory = TrackingMemory<Space, Plan, Sign>;
   using Goal = typename Plan::Goal;
-  using Surface = SlidingSurface<N, T>;
-  using Settings = JointControlSettings<N, T>;
-  static constexpr Needs needs = Damping::needs;
+  using Surface = typename Space::Surface;
+  using Settings = typename Space::Settings;
+  static constexpr Needs needs = Damping::needs | Space::needs;
   static constexpr Role role = Role::tracking;
+  static constexpr const char* name = Plan::name;
 
   /// Throws `ConfigurationError` for settings that cannot work: see `check`.
-  explicit JointTracking(const Settings& settings = {})
+  explicit Tracking(const Settings& settings = {})
+    requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
+      : Tracking(Space(), settings) {}
+  Tracking(const Settings& settings, const Damping& damping)
+    requires std::default_initializable<Space>
+      : Tracking(Space(), settings, damping) {}
+  Tracking(const Space& space, const Settings& settings)
     requires std::same_as<Damping, InertialDamping<T>>
-      : JointTracking(settings, InertialDamping<T>(settings.lambda)) {}
-  JointTracking(const Settings& settings, const Damping& damping)
-      : settings_(settings),
+      : Tracking(space, settings, InertialDamping<T>(Space::tracking(settings).lambda)) {}
+  Tracking(const Space& space, const Settings& settings, const Damping& damping)
+      : space_(space),
+        settings_(settings),
         damping_(damping),
-        gains_(settings),
-        schedule_(settings.K_c, settings.base, settings.settle) {
-    check(settings, damping.fastest());
+        gains_(Space::tracking(settings)),
+        schedule_(gains().K_c, gains().base, gains().settle) {
+    check(gains(), damping.fastest(), gains_.slope);
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+  [[nodiscard]] const Space& space() const noexcept { return space_; }
 
   /// Takes over at the state that is known: the target stands where the robot is, `S_d` takes up its
   /// velocity, S_q is zero.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
     Memory memory;
-    memory.plan = Plan::standing(known.q(), settings_);
-    memory.tb = settings_.tb;
+    memory.plan = Plan::standing(space_.where(space_.site(known)), settings_);
+    memory.tb = gains().tb;
     memory.K_from = schedule_.K_c();
     begin_bias(memory, known);
     return memory;
@@ -70,30 +88,28 @@ class JointTracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const Goal& goal) const noexcept {
-    const auto planned = memory.plan.to(goal, known.q(), settings_);
+    const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
     out.memory.plan = planned.memory;
+    out.memory.space = Space::renewed(memory.space);
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};
-    out.memory.I1 = Integrals<N, T>();
-    out.memory.I2 = Integrals<N, T>();
+    out.memory.I1 = out.memory.I2 = Integrals<Space::coordinates, T>();
+    out.memory.sign = {};
     begin_bias(out.memory, known);
     hand_over(out.memory, memory, known);
     return out;
   }
 
   /// The next sample of a target that moves smoothly: time base, surface and integrals go on. A sample
-  /// further from where the last one leads than `max_velocity` covers in an interval is taken as a new goal.
+  /// further from where the last one leads than the largest speed covers in an interval is a new goal.
   template <class K>
   [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const Goal& goal) const noexcept
     requires(Plan::streams)
   {
-    const auto expected = memory.plan.at(T(0), settings_);
-    for (std::size_t i = 0; i < N; ++i)
-      if (!(detail::magnitude(goal.q_d[i] - expected.q_d[i]) <= settings_.max_velocity[i] * settings_.dt))
-        return receive(memory, known, goal);
-    const auto planned = memory.plan.to(goal, known.q(), settings_);
+    if (!memory.plan.leads_to(goal, settings_)) return receive(memory, known, goal);
+    const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
     Received<Memory> out{memory, planned.status};
     out.memory.plan = planned.memory;
     return out;
@@ -103,7 +119,7 @@ class JointTracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
     static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
-    return sliding_surface(gains_, inputs(memory, T(0), Surface{}), known.q(), known.dq());
+    return space_.surface(gains_, inputs(memory, T(0), {}, {}), space_.site(known), memory.space);
   }
 
   /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
@@ -140,8 +156,8 @@ class JointTracking : public Composable {
   }
   /// Whether a hand-over goes on, and whether the skin holds the law up.
   [[nodiscard]] SKINCTL_INLINE Status status(const Memory& memory) const noexcept {
-    Status s;
-    if (memory.bias.hands_over(settings_.hand_over)) s |= Reason::hand_over;
+    Status s = space_.status(memory.space);
+    if (memory.bias.hands_over(gains().hand_over)) s |= Reason::hand_over;
     if (memory.held) s |= Reason::opposed;
     return s;
   }
@@ -152,8 +168,13 @@ class JointTracking : public Composable {
     const T t = seconds<T>(memory.since_reset) + x;
     return memory.tb > T(0) ? schedule_.at(t, memory.tb) : schedule_.rising(t, memory.K_from);
   }
-  [[nodiscard]] SKINCTL_NOINLINE SurfaceInputs<N, T> inputs(const Memory& memory, const T& x,
-                                                            const Surface& at_t) const noexcept;
+  [[nodiscard]] SKINCTL_INLINE const JointControlSettings<N, T>& gains() const noexcept {
+    return Space::tracking(settings_);
+  }
+  using Rates = JointVelocity<Space::coordinates, T>;
+  [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
+                                                               const Rates& dI1,
+                                                               const Rates& dI2) const noexcept;
   [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
                                               const T& dt) const noexcept;
   template <class K>
@@ -173,13 +194,14 @@ class JointTracking : public Composable {
   template <class K>
   SKINCTL_COLD void hand_over(Memory& next, const Memory& before, const K& known) const noexcept;
 
+  [[no_unique_address]] Space space_;
   Settings settings_;
   Damping damping_;
-  SurfaceGains<T> gains_;
+  SurfaceGains<T, Sign> gains_;
   GainSchedule<T> schedule_;
 };
 
 SKINCTL_END_NAMESPACE
 
-#include "skinctl/control/detail/joint_tracking_loop.hpp"
-#include "skinctl/control/detail/joint_tracking_reset.hpp"
+#include "skinctl/control/detail/tracking_loop.hpp"
+#include "skinctl/control/detail/tracking_reset.hpp"

@@ -1,4 +1,4 @@
-#include "skinctl/control/joint_tracking.hpp"
+#include "skinctl/control/tracking.hpp"
 
 #include <doctest/doctest.h>
 
@@ -92,7 +92,7 @@ State<6, T> swinging(const T& t) {
 }  // namespace
 
 #if SKINCTL_MANY_DIGITS
-TEST_CASE("JointTracking: ddq_r is the derivative of dq_r, in every phase") {
+TEST_CASE("Tracking: ddq_r is the derivative of dq_r, in every phase") {
   using T = Exact;
   const SplineJoint<6, T> law({.dt = T(0.004), .K_i1 = T(2), .K_i2 = T(0.4), .tb = T(0.6)});
   const T h("1e-9");
@@ -131,8 +131,8 @@ TEST_CASE("JointTracking: ddq_r is the derivative of dq_r, in every phase") {
 }
 #endif
 
-TEST_CASE_TEMPLATE("JointTracking: with nothing to hold it is -K_d S_q + Y_r Theta at the state itself", T,
-                   float, double) {
+TEST_CASE_TEMPLATE("Tracking: with nothing to hold it is -K_d S_q + Y_r Theta at the state itself", T, float,
+                   double) {
   const T lambda(90);
   const JointControl<6, T> law({.lambda = lambda});
   Seeded rng(70);
@@ -157,7 +157,7 @@ TEST_CASE_TEMPLATE("JointTracking: with nothing to hold it is -K_d S_q + Y_r The
   }
 }
 
-TEST_CASE("JointTracking: is linear in its shares, over an interval too") {
+TEST_CASE("Tracking: is linear in its shares, over an interval too") {
   const SplineJoint<6> law({.dt = 0.008});
   Seeded rng(71);
   const State<6> state{0, rng.vector<JointPosition<6>>(3), rng.vector<JointVelocity<6>>(1)};
@@ -172,7 +172,7 @@ TEST_CASE("JointTracking: is linear in its shares, over an interval too") {
   CHECK(largest(gravity - gravity_torque(model, state.q)) < 0.5);  // at the middle of the interval
 }
 
-TEST_CASE("JointTracking: a constant K_d of lambda M(q) is the default law") {
+TEST_CASE("Tracking: a constant K_d of lambda M(q) is the default law") {
   Seeded rng(72);
   const double lambda = 60;
   const State<6> state{0, rng.vector<JointPosition<6>>(1), rng.vector<JointVelocity<6>>(0.3)};
@@ -199,7 +199,7 @@ TEST_CASE("JointTracking: a constant K_d of lambda M(q) is the default law") {
                 constant.torque(b, known, Share<double>{0.5, 2})) < 1e-10 * largest(tau));
 }
 
-TEST_CASE("JointTracking: a constant K_d beyond the bound of sampled time is refused with its rate") {
+TEST_CASE("Tracking: a constant K_d beyond the bound of sampled time is refused with its rate") {
   std::array<double, 36> K_d{};
   for (std::size_t i = 0; i < 6; ++i) K_d[7 * i] = 5;
   const ConstantDamping<6> damping(model, K_d);
@@ -210,7 +210,7 @@ TEST_CASE("JointTracking: a constant K_d beyond the bound of sampled time is ref
   CHECK_THROWS_AS(SplineJoint<6>({.dt = 0.008, .lambda = 60}), ConfigurationError);
 }
 
-TEST_CASE("JointTracking: with a constant K_d it brings the UR5 to its goal") {
+TEST_CASE("Tracking: with a constant K_d it brings the UR5 to its goal") {
   std::array<double, 36> K_d{};
   const std::array<double, 6> diagonal = {0.03, 0.03, 0.03, 0.03, 0.03, 0.03};
   for (std::size_t i = 0; i < 6; ++i) K_d[7 * i] = diagonal[i];
@@ -229,7 +229,7 @@ TEST_CASE("JointTracking: with a constant K_d it brings the UR5 to its goal") {
   for (std::size_t i = 0; i < 6; ++i) CHECK(x.q[i] == doctest::Approx(goal[i]).epsilon(2e-3));
 }
 
-TEST_CASE_TEMPLATE("JointTracking: a robot at rest is held where it is, from the first torque on", T, float,
+TEST_CASE_TEMPLATE("Tracking: a robot at rest is held where it is, from the first torque on", T, float,
                    double) {
   const SplineJoint<6, T> law({.dt = T(0.008)});
   Seeded rng(73);
@@ -240,7 +240,7 @@ TEST_CASE_TEMPLATE("JointTracking: a robot at rest is held where it is, from the
   CHECK(largest(tau - G) <= T(100) * epsilon<T>() * largest(G));
 }
 
-TEST_CASE("JointTracking: a goal does not jump, a reset without hand-over does") {
+TEST_CASE("Tracking: a goal does not jump, a reset without hand-over does") {
   for (const double rate : {125.0, 500.0, 1000.0}) {
     const double dt = 1 / rate;
     // The arm has been pushed 0.2 rad from where the constant gain holds it, and gets a new goal.
@@ -262,7 +262,7 @@ TEST_CASE("JointTracking: a goal does not jump, a reset without hand-over does")
   }
 }
 
-TEST_CASE("JointTracking: goals at any moment of any motion do not jump") {
+TEST_CASE("Tracking: goals at any moment of any motion do not jump") {
   const double dt = 0.002;
   const SplineJoint<6> law({.dt = dt});
   Seeded rng(74);
@@ -301,7 +301,7 @@ TEST_CASE("JointTracking: goals at any moment of any motion do not jump") {
 }
 
 TEST_CASE(
-    "JointTracking: while the skin pushes against it, integrals and spline stand still, and both go on "
+    "Tracking: while the skin pushes against it, integrals and spline stand still, and both go on "
     "after") {
   const double dt = 0.002;
   const SplineJoint<6> law({.dt = dt});
@@ -332,8 +332,8 @@ TEST_CASE(
   CHECK(memory.plan.clock.own == doctest::Approx(static_cast<double>(stood + 2_s - 50_ms)).epsilon(2e-3));
 }
 
-TEST_CASE_TEMPLATE("JointTracking: under a lasting disturbance the integrals stay within their limit", T,
-                   float, double) {
+TEST_CASE_TEMPLATE("Tracking: under a lasting disturbance the integrals stay within their limit", T, float,
+                   double) {
   const JointControl<6, T> law({.dt = T(0.008), .K_i1 = T(2), .K_i2 = T(0.5)});
   State<6, T> x{0, JointPosition<6, T>{}, {}};
   auto memory = law.start(KnownAt<T>(model, x, T(0.008), none));
@@ -347,7 +347,7 @@ TEST_CASE_TEMPLATE("JointTracking: under a lasting disturbance the integrals sta
   }
 }
 
-TEST_CASE_TEMPLATE("JointTracking: numbers that are not finite do not enter the memory", T, float, double) {
+TEST_CASE_TEMPLATE("Tracking: numbers that are not finite do not enter the memory", T, float, double) {
   const T nan = std::numeric_limits<T>::quiet_NaN(), inf = std::numeric_limits<T>::infinity();
   const JointControl<6, T> law({.dt = T(0.008)});
   const State<6, T> good{0, JointPosition<6, T>::constant(T(0.1)), {}};
@@ -367,7 +367,7 @@ TEST_CASE_TEMPLATE("JointTracking: numbers that are not finite do not enter the 
   }
 }
 
-TEST_CASE("JointTracking: nothing of it allocates") {
+TEST_CASE("Tracking: nothing of it allocates") {
   const SplineJoint<6> law({.dt = 0.002});
   State<6> x{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
   auto memory = law.start(KnownAt<double>(model, x, 0.002, none));
@@ -387,7 +387,7 @@ TEST_CASE("JointTracking: nothing of it allocates") {
 }
 
 #if SKINCTL_MANY_DIGITS
-TEST_CASE("JointTracking: float, double and 50 digits give the same torque, as far as their digits go") {
+TEST_CASE("Tracking: float, double and 50 digits give the same torque, as far as their digits go") {
   Seeded rng(75);
   const Elbow elbow;
   for (int k = 0; k < 5; ++k) {

@@ -1,0 +1,188 @@
+// Force control in Cartesian space: a tool presses with a given force, and tracks its pose in all other
+// directions.
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/control/operational_control.hpp"
+#include "skinctl/control/skin_cartesian_control.hpp"
+#include "skinctl/math/tanh.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// How hard to press, and whereto.
+template <Scalar T = double>
+struct ForceGoal {
+  Xyz<T> direction;  ///< along the axes of the base, of any length but 0; 0: hold the pose where it is
+  T force{0};        ///< along it, >= 0 [N]
+};
+
+/// Settings of `ForceControl`.
+template <std::size_t N, Real T = double>
+struct ForceSettings {
+  OperationalSettings<N, T> pose = {};  ///< of the tracking in all other directions
+  T K_p = T(0.002);    ///< speed per missing force [m/(s N)]; K_p k < 1/(4 lag) for a surface of k [N/m]
+  T K_i1 = T(0.0005);  ///< its integral's gain [m/(s^2 N)]
+  T K_i2 = T(0.0005);  ///< gain of the integral of tanh(mu dF) [m/s^2]
+  T mu = T(0.5);       ///< steepness of tanh [1/N]
+  T max_velocity = T(0.05);  ///< of the approach, where there is no contact [m/s]
+  T max_travel = T(0.3);     ///< the tool goes no further along the direction than this, either way [m]
+  T lag = T(0.01);           ///< of the two lags that smooth the speed [s]
+  /// How much of the contact's own torque the law works against: 1 on a torque interface, where the contact
+  /// pushes the very robot that is controlled; 0 where a virtual robot is, which does not feel it.
+  T carried = T(0);
+};
+
+/// The paper's ForceCart, after Cartesian sliding PID force/position control (Garcia-Valdovinos et al.,
+/// 2005): with `dF = F_d - F` along the direction n, F from the skin (`touch_on_tool`), the target of an
+/// `OperationalControl` moves along n at
+///
+///     v = sat(K_p dF + K_i1 int dF + K_i2 int tanh(mu dF)),
+///
+/// through two lags, so that velocity and acceleration of the target are true derivatives whatever the
+/// sensor does. Position across n, and the orientation, are tracked. A stiff surface answers with `dF' = -k
+/// v`, so the force arrives without error; without contact the tool approaches at `max_velocity`. Integrals
+/// stop where v is saturated (anti-windup), before the contact, and while the skin pushes against the law.
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double>
+class ForceControl : public Composable {
+ public:
+  using Tracker = OperationalControl<N, I, P, T>;
+  using Goal = ForceGoal<T>;
+  using Settings = ForceSettings<N, T>;
+  using Surface = typename Tracker::Surface;
+  static constexpr Needs needs = Tracker::needs | Needs{.angles = true, .touch = true};
+  static constexpr Role role = Role::tracking;
+  static constexpr const char* name = "force";
+  struct Memory {
+    typename Tracker::Memory tracker;
+    ForceGoal<T> goal{{T(0), T(0), T(0)}, T(0)};  ///< its direction of length 1, or 0
+    T v = T(0), a = T(0);                         ///< speed of the target along it, and its derivative
+    T I1 = T(0), I2 = T(0);
+    T travel = T(0);  ///< since the goal came [m]
+  };
+
+  /// Throws `ConfigurationError` for settings that cannot work.
+  explicit ForceControl(const Transform<Link<I>, P, T>& X_LP, const Settings& settings = {})
+      : tracker_(OperationalSpace<N, I, P, T>(X_LP, settings.pose), settings.pose),
+        X_LP_(X_LP),
+        settings_(settings) {
+    const auto check = [](bool allowed, const char* what, const T& x, const char* range) {
+      require(allowed && x - x == T(0), what, static_cast<double>(x), range);
+    };
+    check(settings.K_p > T(0), "K_p of the force", settings.K_p, "> 0 m/(s N)");
+    check(settings.K_i1 >= T(0), "K_i1 of the force", settings.K_i1, ">= 0");
+    check(settings.K_i2 >= T(0), "K_i2 of the force", settings.K_i2, ">= 0");
+    check(settings.mu > T(0), "mu of the force", settings.mu, "> 0 1/N");
+    check(settings.max_velocity > T(0) && settings.max_velocity < settings.pose.max_linear_velocity,
+          "max_velocity of the approach", settings.max_velocity, "> 0 and below max_linear_velocity");
+    check(settings.max_travel > T(0), "max_travel", settings.max_travel, "> 0 m");
+    check(settings.carried >= T(0) && settings.carried <= T(1), "carried", settings.carried, "0 to 1");
+    check(settings.lag > T(0) && settings.lag <= T(10), "lag", settings.lag, "> 0 s");
+  }
+  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+
+  template <class K>
+  [[nodiscard]] Memory start(const K& known) const noexcept {
+    Memory memory;
+    memory.tracker = tracker_.start(known);
+    return memory;
+  }
+  /// The new direction and force; the target moves on from where it is. Refused if not finite or negative.
+  template <class K>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K&, const Goal& goal) const noexcept {
+    const T size = detail::length(goal.direction);
+    const T sum = size + goal.force;
+    if (!(sum - sum == T(0)) || goal.force < T(0)) return {memory, Reason::goal_refused};
+    Received<Memory> out{memory, {}};
+    out.memory.goal = {size > T(0) ? Xyz<T>(T(T(1) / size) * goal.direction) : goal.direction, goal.force};
+    out.memory.I1 = out.memory.I2 = out.memory.travel = T(0);
+    const T along =
+        dot(memory.goal.direction, out.memory.goal.direction);  // the speed goes on as far as it may
+    out.memory.v = along * memory.v;
+    out.memory.a = along * memory.a;
+    return out;
+  }
+
+  /// The force with which the tool presses [N]: what the skin feels against the direction.
+  template <class K>
+  [[nodiscard]] T force(const Memory& memory, const K& known) const noexcept {
+    const auto J = known.template jacobian<I>(X_LP_);
+    const auto inverse = damped_inverse(J, settings_.pose.singularities);
+    return -dot(touch_on_tool(inverse, known).force, memory.goal.direction);
+  }
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
+    return tracker_.now(memory.tracker, known);
+  }
+  template <GravityTerm G = GravityTerm::included, class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
+                                                        const Share<T>& share,
+                                                        const Surface& at_t) const noexcept {
+    auto tau = tracker_.template torque<G>(memory.tracker, known, share, at_t);
+    if (settings_.carried > T(0))
+      tau -= T(share.feed_forward * settings_.carried) * SkinJointControl{}.torque({}, known);
+    return tau;
+  }
+  template <GravityTerm G = GravityTerm::included, class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
+                                                        const Share<T>& share = {}) const noexcept {
+    return torque<G>(memory, known, share, now(memory, known));
+  }
+  template <class K>
+  [[nodiscard]] Memory advance(const Memory& memory, const K& known, const T& dt, Opposition opposition,
+                               const Surface& at_t) const noexcept {
+    Memory next = memory;
+    next.tracker = tracker_.advance(memory.tracker, known, dt, opposition, at_t);
+    const T missing = memory.goal.force - force(memory, known);
+    if (dot(memory.goal.direction, memory.goal.direction) > T(0) && missing - missing == T(0))
+      move(next, missing, dt, opposition == Opposition::lasting);
+    return next;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known, const T& dt,
+                                              Opposition opposition) const noexcept {
+    return advance(memory, known, dt, opposition, now(memory, known));
+  }
+  [[nodiscard]] Status status(const Memory& memory) const noexcept { return tracker_.status(memory.tracker); }
+
+ private:
+  void move(Memory& m, const T& missing, const T& dt, bool held) const noexcept {
+    using std::sqrt;
+    const auto& s = settings_;
+    T asked = s.K_p * missing + s.K_i1 * m.I1 + s.K_i2 * m.I2;
+    const bool saturated = detail::magnitude(asked) > s.max_velocity && asked * missing > T(0);
+    const bool touches = missing < T(0.9) * m.goal.force;  // before it there is nothing to integrate
+    if (!held && !saturated && touches) {
+      m.I1 = bounded(m.I1 + dt * missing, s.K_i1);
+      T steep[1] = {s.mu * missing}, sign[1];
+      math::tanh<1>(steep, sign);
+      m.I2 = bounded(m.I2 + dt * sign[0], s.K_i2);
+    }
+    asked = asked / sqrt(T(1) + asked * asked / (s.max_velocity * s.max_velocity));
+    if (held || (m.travel * asked > T(0) && detail::magnitude(m.travel) > s.max_travel)) asked = T(0);
+    const T w = T(1) / s.lag;
+    m.a = (m.a + w * w * dt * (asked - m.v)) / (T(1) + w * dt * (T(2) + w * dt));
+    m.v = m.v + dt * m.a;
+    m.travel = m.travel + dt * m.v;
+    auto& plan = m.tracker.plan;
+    const Xyz<T> n = m.goal.direction;
+    plan.target = {
+        Transform<Base, P, T>::trusted(plan.target.X_BP.axes(), plan.target.X_BP.origin() + T(dt * m.v) * n),
+        {m.v * n, {T(0), T(0), T(0)}},
+        {m.a * n, {T(0), T(0), T(0)}}};
+    plan.clock = {};
+    plan.aged = false;
+  }
+  /// An integral, as far as it alone would not saturate the speed.
+  T bounded(const T& integral, const T& gain) const noexcept {
+    const T limit = gain > T(0) ? T(settings_.max_velocity / gain) : T(1);
+    return integral > limit ? limit : (integral < -limit ? T(-limit) : integral);
+  }
+
+  Tracker tracker_;
+  Transform<Link<I>, P, T> X_LP_;
+  Settings settings_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,169 @@
+// Impedance: a spring and a damper between robot and target, the plain alternative to sliding modes.
+#pragma once
+
+#include <array>
+
+#include "skinctl/control/joint_space.hpp"
+#include "skinctl/control/operational_space.hpp"
+#include "skinctl/control/spline_plan.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/math/ldlt.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Springs and dampers, one per coordinate: joints, or the tool's position and then its orientation.
+template <class Space>
+struct ImpedanceSettings {
+  using T = typename Space::scalar;
+  typename Space::Settings space = {};  ///< of goals and of the tool; its gains are not read
+  std::array<T, Space::coordinates> stiffness = filled(T(100));  ///< >= 0 [N m/rad], [N/m]
+  std::array<T, Space::coordinates> damping = filled(T(20));     ///< >= 0 [N m s/rad], [N s/m]
+  JointTorque<Space::joints, T> joint_damping;  ///< of every joint besides, for the null space [N m s/rad]
+
+  static constexpr std::array<T, Space::coordinates> filled(const T& value) {
+    std::array<T, Space::coordinates> a{};
+    for (T& x : a) x = value;
+    return a;
+  }
+};
+
+/// `tau = -J'(K e + D de)` in the coordinates of `Space` (in joint space J = 1), plus G: a contact feels
+/// spring and damper in front of the robot's own inertia. It inverts no Jacobian and knows no singularity. No
+/// integral: under a load it stands off by load over stiffness.
+///
+/// A damper whose torque is held turns unstable from `D dt > 2 m` on, and a wrist has next to no inertia m.
+/// It is therefore the one at the end of the interval, `-M (M + dt D_q)^-1 (J'D de + joint_damping dq)` with
+/// `D_q = J'D J + joint_damping`: stable for every damping, and the plain one for dt -> 0. Springs need `K
+/// dt^2 < m`.
+///
+/// Goals move along the spline (22) from where the target is; what a goal or a contact changes in the torque
+/// is ramped out over `hand_over`.
+template <class Space, class Plan = SplinePlan<Space>>
+class Impedance : public Composable {
+ public:
+  static constexpr std::size_t N = Space::joints;
+  using T = typename Space::scalar;
+  using Goal = typename Plan::Goal;
+  using Settings = ImpedanceSettings<Space>;
+  static constexpr Needs needs = Needs{.gravity = true, .mass = true} | Space::needs;
+  static constexpr Role role = Role::tracking;
+  static constexpr const char* name = "impedance";
+  struct Memory {
+    Plan plan;
+    JointTorque<N, T> difference;  ///< what the last reset changed
+    Nanoseconds elapsed = clock_end;
+    bool held = false;
+    [[no_unique_address]] typename Space::Memory space = {};
+  };
+
+  /// Throws `ConfigurationError` for numbers that are negative or not finite.
+  explicit Impedance(const Settings& settings = {})
+    requires std::default_initializable<Space>
+      : Impedance(Space(), settings) {}
+  Impedance(const Space& space, const Settings& settings) : space_(space), settings_(settings) {
+    const auto check = [](const T& x, const char* name) {
+      require(x >= T(0) && x <= T(1e6), name, static_cast<double>(x), "0 to 1e6");
+    };
+    for (const T& k : settings.stiffness) check(k, "stiffness");
+    for (const T& d : settings.damping) check(d, "damping");
+    for (const T& d : settings.joint_damping) check(d, "joint_damping");
+    const auto& s = Space::tracking(settings.space);
+    require(s.hand_over >= T(1e-9) && s.hand_over <= T(1e3), "hand_over", static_cast<double>(s.hand_over),
+            "> 0 s");
+  }
+  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+  [[nodiscard]] const Space& space() const noexcept { return space_; }
+
+  template <class K>
+  [[nodiscard]] Memory start(const K& known) const noexcept {
+    Memory memory;
+    memory.plan = Plan::standing(space_.where(space_.site(known)), settings_.space);
+    return memory;
+  }
+  template <class K>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
+                                         const Goal& goal) const noexcept {
+    const auto from = Space::where_of(memory.plan.at(T(0), settings_.space));
+    const auto planned = memory.plan.to(goal, from, settings_.space);
+    Received<Memory> out{memory, planned.status};
+    if (planned.status.has(Reason::goal_refused)) return out;
+    out.memory.plan = planned.memory;
+    hand_over(out.memory, memory, known);
+    return out;
+  }
+  template <GravityTerm G = GravityTerm::included, class K>
+  [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known,
+                                         const Share<T>& share = {}) const noexcept {
+    const auto site = space_.site(known);
+    const auto error = space_.errors(memory.plan.at(T(0), settings_.space), site, memory.space);
+    constexpr std::size_t m = Space::coordinates;
+    T J[m][N], A[N * N], braked[N];
+    Space::rows(site, J);
+    JointTorque<N, T> tau;
+    for (std::size_t i = 0; i < N; ++i) {
+      T spring(0), damper = settings_.joint_damping[i] * known.dq()[i];
+      for (std::size_t c = 0; c < m; ++c) {
+        spring = spring + J[c][i] * settings_.stiffness[c] * error.e[c];
+        damper = damper + J[c][i] * settings_.damping[c] * error.de[c];
+      }
+      tau[i] = -spring;
+      braked[i] = damper;
+      for (std::size_t j = 0; j <= i; ++j) {
+        T sum = i == j ? settings_.joint_damping[i] : T(0);
+        for (std::size_t c = 0; c < m; ++c) sum = sum + settings_.damping[c] * J[c][i] * J[c][j];
+        A[i * N + j] = known.mass()(i, j) + known.dt() * sum;
+      }
+    }
+    JointAcceleration<N, T> a;
+    math::Ldlt<N, T>(A).solve(braked, a.data);
+    tau -= known.mass() * a;
+    const T left = quintic(seconds<T>(memory.elapsed) / Space::tracking(settings_.space).hand_over).rest;
+    for (std::size_t i = 0; i < N; ++i) tau[i] = share.feedback * (tau[i] + left * memory.difference[i]);
+    if constexpr (G == GravityTerm::included) tau += share.feed_forward * known.gravity();
+    return tau;
+  }
+  template <class K>
+  [[nodiscard]] Memory advance(const Memory& memory, const K& known, const T& dt,
+                               Opposition opposition) const noexcept {
+    Memory next = memory;
+    if ((opposition == Opposition::lasting) != memory.held) {
+      next.held = opposition == Opposition::lasting;
+      next.plan = memory.plan.held(next.held, settings_.space);
+      hand_over(next, memory, known);
+    }
+    const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
+    next.plan = next.plan.advanced(ns, settings_.space);
+    next.elapsed = later(next.elapsed, ns);
+    Space::follow_branch(next.space, memory.plan.at(T(0), settings_.space), space_.site(known));
+    return next;
+  }
+  [[nodiscard]] Status status(const Memory& memory) const noexcept {
+    Status s;
+    if (seconds<T>(memory.elapsed) < Space::tracking(settings_.space).hand_over) s |= Reason::hand_over;
+    if (memory.held) s |= Reason::opposed;
+    return s;
+  }
+
+ private:
+  template <class K>
+  void hand_over(Memory& next, const Memory& before, const K& known) const noexcept {
+    const auto old = torque(before, known);
+    next.elapsed = clock_end;
+    next.difference = old - torque(next, known);
+    next.elapsed = 0;
+    for (T& x : next.difference)
+      if (!(x - x == T(0))) x = T(0);
+  }
+
+  [[no_unique_address]] Space space_;
+  Settings settings_;
+};
+
+/// Springs at the joints.
+template <std::size_t N, Real T = double>
+using JointImpedance = Impedance<JointSpace<N, T>>;
+/// Springs at a tool `P` on link `I`.
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose>
+using CartesianImpedance = Impedance<OperationalSpace<N, I, P, T, What>>;
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,77 @@
+// A law that keeps the joints away from the ends of their range.
+#pragma once
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What `JointLimitLaw` is configured with.
+template <std::size_t N, Real T = double>
+struct JointLimitSettings {
+  JointPosition<N, T> lower = JointPosition<N, T>::constant(T(-6.2831853));  ///< [rad]
+  JointPosition<N, T> upper = JointPosition<N, T>::constant(T(6.2831853));
+  T margin = T(0.2);  ///< where it begins, before the limit [rad]
+  JointTorque<N, T> strength = JointTorque<N, T>::constant(T(20));  ///< at the limit [N m]
+  JointTorque<N, T> damping = JointTorque<N, T>::constant(T(5));    ///< there [N m s/rad]
+};
+
+/// Repels from the limits: with x the way into the margin, in margins (1 at the limit, and growing beyond),
+/// `tau = -+ strength x^2 - damping x^2 / (1 + x^2) 2 dq`. Zero inside, continuous with its first derivative,
+/// and it takes energy out only: the spring's potential is `strength margin x^3 / 3`. Beyond three margins it
+/// grows no further. Its weight in a sum is its own.
+template <std::size_t N, Real T = double>
+class JointLimitLaw : public Composable {
+ public:
+  struct Memory {};
+  static constexpr Needs needs = {};
+  static constexpr Role role = Role::reactive;
+  static constexpr const char* name = "joint_limits";
+  static constexpr bool touch = false;  ///< the skin has no part in it: no opposition to detect
+
+  /// Throws `ConfigurationError` for a range that holds no more than its margins, and for negative numbers.
+  explicit JointLimitLaw(const JointLimitSettings<N, T>& settings = {}) : settings_(settings) {
+    const auto number = [](const T& x) { return static_cast<double>(x); };
+    require(settings.margin > T(0) && settings.margin <= T(10), "margin of joint limits",
+            number(settings.margin), "> 0 rad");
+    for (std::size_t i = 0; i < N; ++i) {
+      const T range = settings.upper[i] - settings.lower[i];
+      require(range > T(2) * settings.margin, "range between joint limits", number(range),
+              "more than two margins");
+      require(settings.strength[i] >= T(0) && settings.strength[i] <= T(1e6), "strength",
+              number(settings.strength[i]), ">= 0 N m");
+      require(settings.damping[i] >= T(0) && settings.damping[i] <= T(1e6), "damping",
+              number(settings.damping[i]), ">= 0 N m s/rad");
+    }
+  }
+  template <class K>
+  [[nodiscard]] Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory&, const K& known) const noexcept {
+    JointTorque<N, T> tau;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T above = (known.q()[i] - settings_.upper[i]) / settings_.margin + T(1);
+      const T below = (settings_.lower[i] - known.q()[i]) / settings_.margin + T(1);
+      const bool up = above > below;
+      T x = up ? above : below;
+      if (!(x > T(0))) continue;
+      if (x > T(3)) x = T(3);
+      const T square = x * x;
+      tau[i] = (up ? T(-settings_.strength[i]) : settings_.strength[i]) * square -
+               T(2) * settings_.damping[i] * square / (T(1) + square) * known.dq()[i];
+    }
+    return tau;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K&, const T&,
+                                              Opposition) const noexcept {
+    return memory;
+  }
+
+ private:
+  JointLimitSettings<N, T> settings_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,62 @@
+// A posture for what the joints do beside the tool's motion, as a law of its own.
+#pragma once
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/kinematics/damped_inverse.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// `tau = M (1 - J^+ J) (-w^2 (q - q_p) - 2 w dq)`: a critically damped pull to the posture `q_p`, of which
+/// the tool notices nothing, neither at rest nor in acceleration (`J M^-1 tau = 0` where J^+ is not damped).
+/// For robots with more joints than the tool's task has coordinates; beside laws that leave the null space
+/// free. Each joint's pull is limited: `w^2 (q - q_p)` goes no further than `limit`.
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::position>
+class NullSpacePosture : public Composable {
+ public:
+  struct Memory {};
+  static constexpr Needs needs = {.jacobians = link_bit<I>, .mass = true};
+  static constexpr Role role = Role::reactive;
+  static constexpr const char* name = "posture";
+  static constexpr bool touch = false;  ///< the skin has no part in it: no opposition to detect
+
+  /// @param w      [1/s], > 0; `w dt <= 0.25`.
+  /// @param limit  [rad/s^2], > 0. Throws `ConfigurationError`.
+  NullSpacePosture(const Transform<Link<I>, P, T>& X_LP, const JointPosition<N, T>& posture,
+                   const T& w = T(3), const T& limit = T(5),
+                   const SingularityDamping<T>& singularities = SingularityDamping<T>())
+      : X_LP_(X_LP), posture_(posture), w_(w), limit_(limit), singularities_(singularities) {
+    require(w > T(0) && w <= T(1e3), "w of a posture", static_cast<double>(w), "> 0 1/s");
+    require(limit > T(0) && limit <= T(1e6), "limit of a posture", static_cast<double>(limit), "> 0 rad/s^2");
+  }
+  template <class K>
+  [[nodiscard]] Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <class K>
+  [[nodiscard]] JointTorque<N, T> torque(const Memory&, const K& known) const noexcept {
+    const auto J = known.template jacobian<I>(X_LP_);
+    const auto inverse = damped_inverse<What>(J, singularities_);
+    JointAcceleration<N, T> a;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T pull = w_ * w_ * (known.q()[i] - posture_[i]);
+      a[i] = -limit_ * pull / (limit_ + detail::magnitude(pull)) - T(2) * w_ * known.dq()[i];
+    }
+    const auto seen = inverse.solve(J * JointVelocity<N, T>::generate([&](std::size_t i) { return a[i]; }));
+    for (std::size_t i = 0; i < N; ++i) a[i] = a[i] - seen[i];
+    return known.mass() * a;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K&, const T&,
+                                              Opposition) const noexcept {
+    return memory;
+  }
+
+ private:
+  Transform<Link<I>, P, T> X_LP_;
+  JointPosition<N, T> posture_;
+  T w_, limit_;
+  SingularityDamping<T> singularities_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,19 @@
+// Operational Control: tracks poses and velocities of a tool that come from outside, section 4.2.2.
+#pragma once
+
+#include "skinctl/control/operational_space.hpp"
+#include "skinctl/control/target_plan.hpp"
+#include "skinctl/control/tracking.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Eqs. (8), (15)-(21) of a tool `P` on link `I` of a robot with `N` joints. A goal is a `PoseReference`:
+/// `receive` starts the time base for it, `follow` takes the next sample of a target that moves.
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
+          class Orientation = RotationVectorError, class Null = DampedNullSpace,
+          class Damping = InertialDamping<T>, class Sign = TanhSign>
+using OperationalControl =
+    Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
+             TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>;
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,109 @@
+// Ways to say how far an orientation is from its target: on SO(3), as a quaternion, in ZYZ angles.
+#pragma once
+
+#include "skinctl/kinematics/zyz.hpp"
+#include "skinctl/trajectory/pose_spline.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The orientation's part of eqs. (20), (21), three coordinates: see `SurfaceErrors`.
+template <Real T = double>
+struct OrientationErrors {
+  Xyz<T> e, de, slope, v_d, a_d;
+  Xyz<T> near;  ///< on which branch: to be handed in the next time
+};
+
+namespace detail {
+template <Real T>
+constexpr Xyz<T> as_triple(const Zyz<T>& a) noexcept {
+  return {a.phi, a.theta, a.psi};
+}
+template <Real T>
+constexpr Zyz<T> as_zyz(const Xyz<T>& a) noexcept {
+  return {a.x, a.y, a.z};
+}
+}  // namespace detail
+
+/// The default: the rotation vector `phi` of `R R_d^T`, along the axes of the base. `S` reads omega, and
+/// `dphi = J_l^-1(phi) (omega - R R_d^T omega_d)`. The shortest way round at a reset; the branch is then kept
+/// across half a turn. Regular up to one whole turn.
+struct RotationVectorError {
+  template <Real T>
+  struct Map {
+    [[nodiscard]] const Xyz<T>& omega(const Xyz<T>& v) const noexcept { return v; }
+    [[nodiscard]] const Xyz<T>& domega(const Xyz<T>&, const Xyz<T>& a) const noexcept { return a; }
+  };
+  template <Real T>
+  [[nodiscard]] static Map<T> map(const Rotation<T>&, const Xyz<T>&, const Xyz<T>&) noexcept {
+    return {};
+  }
+  template <Real T>
+  [[nodiscard]] static OrientationErrors<T> errors(const Rotation<T>& R, const Xyz<T>& omega,
+                                                   const RotationReference<T>& target,
+                                                   const Xyz<T>& near) noexcept {
+    const Rotation<T> E = R * target.R.transpose();
+    const Xyz<T> phi = log_so3(E, near);
+    const Xyz<T> slope = left_jacobian_inverse_so3(phi, Xyz<T>(omega - E * target.omega));
+    return {phi, omega - target.omega, slope, target.omega, target.domega, phi};
+  }
+};
+
+/// Twice the vector part of the unit quaternion of `R R_d^T`: no trigonometric function, `2 sin(angle/2)`
+/// along the axis. It weakens beyond a right angle and is largest at half a turn, where the branch is kept.
+struct QuaternionError {
+  template <Real T>
+  using Map = RotationVectorError::Map<T>;
+  template <Real T>
+  [[nodiscard]] static Map<T> map(const Rotation<T>&, const Xyz<T>&, const Xyz<T>&) noexcept {
+    return {};
+  }
+  template <Real T>
+  [[nodiscard]] static OrientationErrors<T> errors(const Rotation<T>& R, const Xyz<T>& omega,
+                                                   const RotationReference<T>& target,
+                                                   const Xyz<T>& near) noexcept {
+    const Rotation<T> E = R * target.R.transpose();
+    auto q = detail::unit_quaternion(E.x, E.y, E.z);
+    if (q.w < T(0.5) && dot(q.v, near) < T(0)) q = {T(-q.w), -q.v};
+    const Xyz<T> e = T(2) * q.v;
+    const Xyz<T> w_e = omega - E * target.omega;
+    return {e, omega - target.omega, q.w * w_e + cross(w_e, q.v), target.omega, target.domega, e};
+  }
+};
+
+/// The paper's: differences of ZYZ angles, wrapped, and their rates, eqs. (16), (17). At theta = 0 and pi one
+/// direction of rotation has no rate, and the tool does not turn that way by this law.
+struct ZyzError {
+  template <Real T>
+  struct Map {
+    ZyzMap<T> B;
+    Zyz<T> rates;
+    [[nodiscard]] Xyz<T> omega(const Xyz<T>& v) const noexcept { return B * detail::as_zyz(v); }
+    [[nodiscard]] Xyz<T> domega(const Xyz<T>& v, const Xyz<T>& a) const noexcept {
+      return B * detail::as_zyz(a) + B.rate_times(rates, detail::as_zyz(v));
+    }
+  };
+  template <Real T>
+  [[nodiscard]] static Map<T> map(const Rotation<T>& R, const Xyz<T>& omega, const Xyz<T>& near) noexcept {
+    const ZyzMap<T> B(zyz_angles(R, detail::as_zyz(near)));
+    return {B, B.solve(omega)};
+  }
+  template <Real T>
+  [[nodiscard]] static OrientationErrors<T> errors(const Rotation<T>& R, const Xyz<T>& omega,
+                                                   const RotationReference<T>& target,
+                                                   const Xyz<T>& near) noexcept {
+    const Zyz<T> is = zyz_angles(R, detail::as_zyz(near));
+    const Zyz<T> should = zyz_angles(target.R, is);
+    const ZyzMap<T> B_d(should);
+    const Zyz<T> v_d = B_d.solve(target.omega);
+    const Xyz<T> rates = detail::as_triple(ZyzMap<T>(is).solve(omega));
+    const Xyz<T> de = rates - detail::as_triple(v_d);
+    return {detail::as_triple(difference(is, should)),
+            de,
+            de,
+            detail::as_triple(v_d),
+            detail::as_triple(B_d.solve_rate(target.omega, target.domega, v_d)),
+            detail::as_triple(is)};
+  }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,42 @@
+// A reference motion of the joints that keeps below their largest speeds without a kink.
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/core/joint.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Slows a motion down along its own direction, `v <- f v`, so that no joint exceeds its limit:
+/// `f = h(y)^(-1/8)`, `y = sum (v_i / limit_i)^8`, h = 1 up to y = 0.1, then a parabola into h = y. Below
+/// three quarters of the limits nothing changes, not even in the last place. The acceleration follows as the
+/// true derivative. A NaN gives NaNs.
+/// Returns whether something was changed.
+template <std::size_t N, Real T = double>
+SKINCTL_INLINE bool limit_speed(const JointVelocity<N, T>& limit, JointVelocity<N, T>& v,
+                                JointAcceleration<N, T>& a) noexcept {
+  T y(0), dy(0);
+  for (std::size_t i = 0; i < N; ++i) {
+    const T x = v[i] / limit[i];
+    const T x2 = x * x, x4 = x2 * x2;
+    y = y + x4 * x4;
+    dy = dy + T(8) * x4 * x2 * x * (a[i] / limit[i]);
+  }
+  if (y <= T(0.1)) [[likely]]
+    return false;
+  using std::sqrt;
+  const T w = T(0.9);
+  const T over = y - T(0.1);
+  const bool far = !(y < T(1) + w);
+  const T h = far ? y : T(T(1) + over * over / (T(4) * w));
+  const T dh = far ? dy : T(over / (T(2) * w) * dy);
+  const T f = T(1) / sqrt(sqrt(sqrt(h)));
+  const T df = T(-0.125) * f * dh / h;
+  for (std::size_t i = 0; i < N; ++i) {
+    a[i] = f * a[i] + df * v[i];
+    v[i] = f * v[i];
+  }
+  return true;
+}
+
+SKINCTL_END_NAMESPACE

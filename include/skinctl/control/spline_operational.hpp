@@ -1,0 +1,19 @@
+// Spline Operational Control: brings a tool to a static goal along a spline, section 4.2.5.
+#pragma once
+
+#include "skinctl/control/operational_space.hpp"
+#include "skinctl/control/spline_plan.hpp"
+#include "skinctl/control/tracking.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Eqs. (8), (15)-(21) along the spline (22), in a straight line and by the shortest turn. A goal is a
+/// `PoseGoal`: a pose of the tool `P` on link `I`, and a duration or none.
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
+          class Orientation = RotationVectorError, class Null = DampedNullSpace,
+          class Damping = InertialDamping<T>, class Sign = TanhSign>
+using SplineOperational =
+    Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
+             SplinePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>;
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,448 @@
+// A sum of laws whose weights change while it runs: by request, and by gates that contact opens and shuts.
+#pragma once
+
+#include <memory>
+
+#include "skinctl/fusion/contact.hpp"
+#include "skinctl/fusion/fused.hpp"
+#include "skinctl/trajectory/ramp.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A request for other weights, in the order of the sum; 0: the law fades out. Gravity keeps 1.
+template <std::size_t Terms>
+struct Weights {
+  std::array<double, Terms> of{};
+
+  template <class F>
+  friend void each_number(Weights& w, F&& f) {
+    for (double& x : w.of) f(x);
+  }
+};
+
+/// What a sum that blends and whose laws take goals of type `G` may be asked for: a goal, weights, or both.
+template <class G, std::size_t Terms>
+struct BlendGoal {
+  bool has_goal = false;
+  G goal{};
+  bool has_weights = false;
+  Weights<Terms> weights{};
+
+  template <class F>
+  friend void each_number(BlendGoal& g, F&& f) {
+    f(g.has_goal);
+    each_number(g.goal, f);
+    f(g.has_weights);
+    each_number(g.weights, f);
+  }
+};
+
+/// Times and thresholds of a blend.
+struct BlendSettings {
+  Nanoseconds ramp = 100_ms;  ///< of the way to other weights
+  double most_rate = 0;  ///< a ramp slows down where it would move a joint's torque faster [N m/s]; 0: never
+  ContactSettings contact{};  ///< what gates take for a touch
+};
+
+template <class>
+class Blended;
+
+/// A sum whose weights move, made by `blended(sum)`.
+///
+/// - Weights are asked for (`change`, or a goal of type `Weights`), gates follow contact. What the policy
+/// makes
+///   of the new weights is reached from the present by a quintic: torque, its rate and its bend go on. All
+///   shares on the way are means of both ends, so that `Y_r Theta` stays one convex mean.
+/// - A change that comes while the weights still move waits until they stand; of several, the last counts.
+/// - A law without a share is not computed. While it comes, a tracking law stands at the state at hand, anew
+/// in
+///   every cycle: it brakes the robot and pulls it nowhere. When all shares are there, its feedback comes by
+///   a ramp of its own, as long again, so that it takes up what pushes against it little by little; then it
+///   takes goals.
+/// - With `most_rate` a ramp slows down, to a twentieth of its speed at most, where the laws have come to
+/// differ
+///   so much that their shares alone would move the torque faster.
+/// - Gravity is held once and whole throughout: where no gravity law is in the sum and tracking fades, the
+/// sum
+///   holds what of G is left.
+template <Sum P, class... L>
+class Blended<Fused<P, L...>> : public Composable {
+ public:
+  using Fusion = Fused<P, L...>;
+  static constexpr std::size_t terms = Fusion::terms;
+  static constexpr Role role = Fusion::role;
+  static constexpr bool complete_sum = true;  ///< cannot be part of another
+  static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
+  static constexpr bool gated = (false || ... || detail::is_gated<L>);
+  /// Whether the sum itself holds what of G is left.
+  static constexpr bool holds_gravity = Fusion::gravity_laws == 0 && Fusion::tracking_laws > 0;
+  static_assert(!holds_gravity || P != Sum::plain, "a plain sum that blends needs a gravity law");
+  static constexpr Needs needs = Fusion::needs | Needs{.gravity = holds_gravity};
+  static_assert(!gated || Fusion::reactive_laws > 0, "a gate needs a law of the skin in its sum");
+
+ private:
+  template <class F>
+  struct GoalOf {
+    using type = Weights<terms>;
+  };
+  template <class F>
+    requires requires { typename F::Goal; }
+  struct GoalOf<F> {
+    using type = BlendGoal<typename F::Goal, terms>;
+  };
+
+ public:
+  using Goal = typename GoalOf<Fusion>::type;
+  using Factors = std::array<Share<double>, terms>;
+  struct Memory {
+    detail::Memories<typename L::Memory...> laws;
+    OppositionDetector::Memory opposition;
+    ContactDetector::Memory contact;
+    std::array<double, terms> asked;  ///< weights
+    Factors from, to;                 ///< shares before and after the ramp
+    Nanoseconds elapsed = clock_end;  ///< since the ramp began
+    Nanoseconds ramp = 0;             ///< its duration
+    Nanoseconds settle = 0;           ///< after it: the feedback of tracking laws that come
+    Nanoseconds next_ramp = 0;        ///< of the next
+    bool waiting = false;             ///< other weights are to be gone to
+  };
+
+  explicit Blended(const Fusion& sum, const BlendSettings& settings = {})
+      : Blended(sum, sum.weights(), settings) {}
+  /// @param first  weights to start with, >= 0. Throws `ConfigurationError`.
+  Blended(const Fusion& sum, const std::array<double, terms>& first, const BlendSettings& settings = {})
+      : sum_(sum),
+        first_(first),
+        ramp_(settings.ramp),
+        most_rate_(settings.most_rate),
+        contact_(settings.contact) {
+    require(settings.most_rate >= 0 && settings.most_rate <= 1e9, "most_rate", settings.most_rate,
+            ">= 0 N m/s");
+    for (std::size_t i = 0; i < terms; ++i)
+      require(usable(i, first[i]), "weight of a law", first[i], "0 to 1e6, and 1 for gravity");
+  }
+  [[nodiscard]] const Fusion& sum() const noexcept { return sum_; }
+  /// The weights that it starts with.
+  [[nodiscard]] const std::array<double, terms>& first() const noexcept { return first_; }
+  [[nodiscard]] Nanoseconds ramp() const noexcept { return ramp_.duration(); }
+  template <std::size_t I>
+  [[nodiscard]] static SKINCTL_INLINE constexpr const auto& memory(const Memory& m) noexcept {
+    return detail::memory_of<I>(m.laws);
+  }
+
+  /// Begins with the first weights, untouched.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
+    Memory memory{};
+    memory.asked = first_;
+    memory.from = memory.to = target(memory);
+    each([&](auto i) {
+      if (loaded(memory, i)) detail::memory_of<i.value>(memory.laws) = law<i.value>().start(known);
+    });
+    return memory;
+  }
+
+  /// Other weights, within `ramp` (0: as configured). Refused if one is negative, not finite, or not 1 for
+  /// gravity.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Received<Memory> change(const Memory& memory, const K& known,
+                                                     const Weights<terms>& weights,
+                                                     Nanoseconds ramp = 0) const noexcept {
+    for (std::size_t i = 0; i < terms; ++i)
+      if (!usable(i, weights.of[i])) return {memory, Reason::goal_refused};
+    Memory next = memory;
+    next.asked = weights.of;
+    next.next_ramp = ramp > 0 ? ramp : ramp_.duration();
+    next.waiting = true;
+    return {moves(memory) ? next : begun(next, known), {}};
+  }
+  template <class K>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
+                                         const Weights<terms>& weights) const noexcept {
+    return change(memory, known, weights);
+  }
+  /// A goal for the one law that takes goals of this type; refused while that law has no share or comes.
+  template <class K, class G>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known, const G& goal) const noexcept {
+    constexpr std::size_t i = Fusion::template taker<G>();
+    static_assert(i < terms, "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
+    return receive<i>(memory, known, goal);
+  }
+  template <class K, class G>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
+                                         const BlendGoal<G, terms>& goal) const noexcept {
+    Received<Memory> out{memory, {}};
+    if (goal.has_weights) out = change(memory, known, goal.weights);
+    if (!goal.has_goal) return out;
+    const auto answer = receive(out.memory, known, goal.goal);
+    return {answer.memory, out.status | answer.status};
+  }
+  /// A goal for the `I`-th law. @param follows  it is the next sample of a moving target, if the law takes
+  /// such.
+  template <std::size_t I, class K, class G>
+  [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known, const G& goal,
+                                                      bool follows = false) const noexcept {
+    if (!loaded(memory, I) || comes(memory, I)) return {memory, Reason::goal_refused};
+    Received<Memory> out{memory, {}};
+    auto& part = detail::memory_of<I>(out.memory.laws);
+    auto answer = [&] {
+      if constexpr (requires { law<I>().follow(part, known, goal); })
+        if (follows) return law<I>().follow(part, known, goal);
+      return law<I>().receive(part, known, goal);
+    }();
+    part = answer.memory;
+    out.status = answer.status;
+    return out;
+  }
+
+  /// What the laws' parts are multiplied by, now or soon.
+  [[nodiscard]] Factors factors(const Memory& memory, Nanoseconds ahead = 0) const noexcept {
+    if (!moves(memory)) return memory.to;
+    const Nanoseconds elapsed = memory.elapsed + ahead;
+    const auto way = quintic(static_cast<double>(elapsed) / static_cast<double>(memory.ramp));
+    const double late =
+        memory.elapsed <= memory.ramp
+            ? 0
+            : quintic(static_cast<double>(elapsed - memory.ramp) / static_cast<double>(memory.settle)).a1;
+    Factors out;
+    for (std::size_t i = 0; i < terms; ++i) {
+      const auto &from = memory.from[i], &to = memory.to[i];
+      const bool slowly =
+          Fusion::roles[i] == Role::tracking && !has_share(from);  // it comes, or is not there
+      out[i] = {slowly ? late * to.feedback : way.rest * from.feedback + way.a1 * to.feedback,
+                way.rest * from.feed_forward + way.a1 * to.feed_forward};
+    }
+    return out;
+  }
+  /// Whether the weights are on their way to others.
+  [[nodiscard]] static SKINCTL_INLINE bool moves(const Memory& memory) noexcept {
+    return memory.elapsed < memory.ramp + memory.settle;
+  }
+  /// Whether the `i`-th law is on its way from no share to some.
+  [[nodiscard]] static SKINCTL_INLINE bool comes(const Memory& memory, std::size_t i) noexcept {
+    return moves(memory) && !has_share(memory.from[i]) && has_share(memory.to[i]);
+  }
+  /// Whether the `i`-th law is computed.
+  [[nodiscard]] static SKINCTL_INLINE bool loaded(const Memory& memory, std::size_t i) noexcept {
+    return has_share(memory.to[i]) || (memory.elapsed < memory.ramp && has_share(memory.from[i]));
+  }
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
+      const Memory& memory, const K& known) const noexcept {
+    return evaluate(memory, known, known.dt()).torque;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known,
+                                              const typename K::scalar& dt,
+                                              Opposition opposition) const noexcept {
+    return step(memory, known, dt, opposition).memory;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE auto evaluate(const Memory& memory, const K& known,
+                                             const typename K::scalar& dt,
+                                             Opposition opposition = Opposition::none) const noexcept {
+    return step(memory, known, dt, opposition);
+  }
+
+ private:
+  template <std::size_t I>
+  using law_at = std::tuple_element_t<I, std::tuple<L...>>;
+  template <std::size_t I>
+  [[nodiscard]] SKINCTL_INLINE const law_at<I>& law() const noexcept {
+    return std::get<I>(sum_.laws());
+  }
+  template <class F>
+  static SKINCTL_INLINE constexpr void each(F&& f) noexcept {
+    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      (f(std::integral_constant<std::size_t, I>{}), ...);
+    }(std::index_sequence_for<L...>{});
+  }
+  [[nodiscard]] static bool usable(std::size_t i, double w) noexcept {
+    return Fusion::roles[i] == Role::gravity ? w == 1.0 : w >= 0 && w <= 1e6;
+  }
+  [[nodiscard]] static SKINCTL_INLINE bool has_share(const Share<double>& share) noexcept {
+    return share.feedback > 0 || share.feed_forward > 0;
+  }
+  /// Shares that the weights asked for and the gates lead to.
+  [[nodiscard]] static Factors target(const Memory& memory) noexcept {
+    std::array<double, terms> weights = memory.asked;
+    each([&](auto i) {
+      if constexpr (detail::is_gated<law_at<i.value>>)
+        if ((law_at<i.value>::gate == Gate::touched) != memory.contact.touched) weights[i.value] = 0;
+    });
+    return Fusion::shares(weights);
+  }
+  /// The way to other shares begins; laws that had none start.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Memory begun(const Memory& memory, const K& known) const noexcept {
+    Memory next = memory;
+    next.from = memory.to;
+    next.to = target(memory);
+    next.elapsed = 0;
+    next.ramp = memory.next_ramp;
+    next.settle = 0;
+    next.waiting = false;
+    each([&](auto i) {
+      if (!has_share(next.to[i]) || has_share(next.from[i])) return;
+      if (Fusion::roles[i] == Role::tracking) next.settle = next.ramp;
+      detail::memory_of<i.value>(next.laws) = law<i.value>().start(known);
+    });
+    return next;
+  }
+
+  /// What a law gave, and what its memory will be computed from.
+  template <class Now, std::size_t N, class T>
+  struct Part {
+    JointTorque<N, T> torque;
+    union {
+      Now now;  ///< of loaded tracking laws
+    };
+    Part() noexcept {}
+    Part(const Part& other) noexcept : torque(other.torque) {}
+  };
+  // Each law's code stands alone: several in one function take the compiler far longer than one by one.
+  template <std::size_t I, class Now, class K>
+  SKINCTL_NOINLINE void compute(Part<Now, K::joints, typename K::scalar>& out, const Memory& memory,
+                                const K& known, const Share<double>& share) const noexcept {
+    using T = typename K::scalar;
+    const auto& part = detail::memory_of<I>(memory.laws);
+    if constexpr (law_at<I>::role == Role::tracking) {
+      std::construct_at(&out.now, detail::now_of(law<I>(), part, known));
+      out.torque = detail::torque_with<Fusion::gravity_term>(
+          law<I>(), part, known, Share<T>{static_cast<T>(share.feedback), static_cast<T>(share.feed_forward)},
+          out.now);
+    } else {
+      out.torque = law<I>().torque(part, known);
+    }
+  }
+  /// The time by which the ramp goes on in an interval of `ns`.
+  template <class K, class... Parts>
+  [[nodiscard]] SKINCTL_COLD Nanoseconds paced(const Memory& memory, const std::tuple<Parts...>& parts,
+                                               const K& known, const Factors& now,
+                                               Nanoseconds ns) const noexcept {
+    using T = typename K::scalar;
+    const Factors soon = factors(memory, ns);
+    JointTorque<K::joints, T> moved;
+    each([&](auto i) {
+      constexpr std::size_t J = i.value;
+      if (!loaded(memory, J)) return;
+      if (comes(memory, J) && memory.elapsed >= memory.ramp) {
+        auto feedback = std::get<J>(parts);
+        compute<J>(feedback, memory, known, Share<double>{1, 0});
+        moved += static_cast<T>(soon[J].feedback - now[J].feedback) * feedback.torque;
+      } else {
+        const double had = now[J].feed_forward, gets = soon[J].feed_forward;
+        if (had > 0) moved += static_cast<T>((gets - had) / had) * std::get<J>(parts).torque;
+      }
+    });
+    double most = 0;
+    for (const T& x : moved)
+      most = detail::magnitude(x) > static_cast<T>(most) ? static_cast<double>(detail::magnitude(x)) : most;
+    const double allowed = most_rate_ * static_cast<double>(ns) * 1e-9;
+    if (!(most > allowed)) return ns;
+    const Nanoseconds slow = nanoseconds(static_cast<double>(ns) * 1e-9 * allowed / most);
+    return slow > ns / 20 ? slow : ns / 20;
+  }
+  template <std::size_t I, class Now, class K>
+  SKINCTL_NOINLINE void move_on(Memory& next, const Now& now, const K& known, const typename K::scalar& dt,
+                                Opposition opposition) const noexcept {
+    auto& part = detail::memory_of<I>(next.laws);
+    part = detail::advance_with(law<I>(), part, known, dt, opposition, now);
+  }
+  template <class Law, class K>
+  struct NowOf {
+    using type = detail::Nothing;
+  };
+  template <class Law, class K>
+    requires(Law::role == Role::tracking)
+  struct NowOf<Law, K> {
+    using type = decltype(detail::now_of(
+        std::declval<const Law&>(), std::declval<const typename Law::Memory&>(), std::declval<const K&>()));
+  };
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
+      const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept {
+    using T = typename K::scalar;
+    Evaluation<K::joints, T, Memory, terms> out{{}, memory, {}, {}};
+    Memory& next = out.memory;
+    if (memory.waiting && !moves(memory)) [[unlikely]]
+      next = begun(memory, known);
+    const Factors shares = factors(next);
+    JointTorque<K::joints, T> skin, track, contact;
+    const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
+    Nanoseconds pace = ns;
+    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      std::tuple<Part<typename NowOf<law_at<I>, K>::type, K::joints, T>...> parts;
+      each([&](auto i) SKINCTL_INLINE_LAMBDA {
+        constexpr std::size_t J = i.value;
+        constexpr Role r = law_at<J>::role;
+        const bool on = loaded(next, J);
+        if (!on && !(gated && r == Role::reactive)) return;
+        if constexpr (r == Role::tracking)
+          if (comes(next, J) && next.elapsed < next.ramp) [[unlikely]]
+            detail::memory_of<J>(next.laws) = law<J>().start(known);
+        auto& part = std::get<J>(parts);
+        compute<J>(part, next, known, shares[J]);
+        if constexpr (r == Role::tracking) {
+          track += part.torque;
+          if constexpr (Fusion::watches && holds_gravity)
+            track -= static_cast<T>(shares[J].feed_forward) * known.gravity();
+        } else if constexpr (r == Role::reactive) {
+          if constexpr (gated) contact += static_cast<T>(sum_.weights()[J]) * part.torque;
+          part.torque = static_cast<T>(shares[J].feedback) * part.torque;
+          skin += part.torque;
+        }
+        out.shares[J] = part.torque;
+        out.torque += part.torque;
+        if constexpr (requires { law<J>().status(detail::memory_of<J>(next.laws)); })
+          if (on) out.status |= law<J>().status(detail::memory_of<J>(next.laws));
+      });
+      if constexpr (holds_gravity) {
+        double left = 1;
+        for (std::size_t i = 0; i < terms; ++i)
+          if (Fusion::roles[i] == Role::tracking) left -= shares[i].feed_forward;
+        out.torque += static_cast<T>(left) * known.gravity();
+      }
+      if (most_rate_ > 0 && moves(next)) [[unlikely]]
+        pace = paced(next, parts, known, shares, ns);
+      Opposition opposition = given;
+      if constexpr (Fusion::watches) {
+        const auto found = sum_.detector().detect(memory.opposition, skin, track, dt);
+        next.opposition = found.memory;
+        if (given == Opposition::none) opposition = found.opposition;
+        if (opposition == Opposition::lasting) out.status |= Reason::opposed;
+      }
+      each([&](auto i) SKINCTL_INLINE_LAMBDA {
+        constexpr std::size_t J = i.value;
+        if constexpr (!std::is_empty_v<typename law_at<J>::Memory>)
+          if (loaded(next, J)) move_on<J>(next, std::get<J>(parts).now, known, dt, opposition);
+      });
+    }(std::index_sequence_for<L...>{});
+    if (moves(next)) out.status |= Reason::hand_over;
+    next.elapsed = later(next.elapsed, pace);
+    if constexpr (gated) {
+      next.contact = contact_.advanced(next.contact, contact, ns);
+      if (next.contact.touched != memory.contact.touched) {
+        next.waiting = true;
+        next.next_ramp = ramp_.duration();
+      }
+    }
+    return out;
+  }
+
+  Fusion sum_;
+  std::array<double, terms> first_;
+  Ramp<double> ramp_;
+  double most_rate_;
+  ContactDetector contact_;
+};
+
+/// The same sum with weights that can move, and gates.
+template <Sum P, class... L>
+[[nodiscard]] Blended<Fused<P, L...>> blended(const Fused<P, L...>& sum, const BlendSettings& settings = {}) {
+  return Blended<Fused<P, L...>>(sum, settings);
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,78 @@
+// Gates by contact: laws that act only while something touches the robot, or only while nothing does.
+#pragma once
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/law.hpp"
+#include "skinctl/core/time.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// When the robot counts as touched, in the norm of the skin's joint torque with its configured weight.
+struct ContactSettings {
+  double on = 1.0;                     ///< touched from above this [N m]
+  double off = 0.5;                    ///< until it has been below this [N m] ...
+  Nanoseconds release_after = 100_ms;  ///< ... for so long
+};
+
+/// Touched from `|tau_skin| > on` until `|tau_skin| < off` has held without a break for `release_after`.
+class ContactDetector {
+ public:
+  struct Memory {
+    Nanoseconds quiet = 0;  ///< for how long it has been below `off`
+    bool touched = false;
+  };
+  /// Throws `ConfigurationError` unless `on >= off > 0` and `release_after >= 0`.
+  explicit ContactDetector(const ContactSettings& settings = {}) : settings_(settings) {
+    require(settings.off > 0 && settings.off <= 1e9, "contact: off", settings.off, "> 0 N m");
+    require(settings.on >= settings.off && settings.on <= 1e9, "contact: on", settings.on, ">= off, in N m");
+    require(settings.release_after >= 0, "contact: release_after",
+            static_cast<double>(settings.release_after) * 1e-9, ">= 0 s");
+  }
+  [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
+
+  /// `dt` later. A torque that is not finite counts as below `on` and not below `off`.
+  template <std::size_t N, Scalar T>
+  [[nodiscard]] SKINCTL_INLINE Memory advanced(const Memory& memory, const JointTorque<N, T>& skin,
+                                               Nanoseconds dt) const noexcept {
+    T square(0);
+    for (std::size_t i = 0; i < N; ++i) square = square + skin[i] * skin[i];
+    const T on = static_cast<T>(settings_.on), off = static_cast<T>(settings_.off);
+    if (!memory.touched) return {0, square > on * on};
+    const Nanoseconds quiet = square < off * off ? memory.quiet + dt : 0;
+    return quiet > settings_.release_after ? Memory{} : Memory{quiet, true};
+  }
+
+ private:
+  ContactSettings settings_;
+};
+
+/// What opens a gate.
+enum class Gate : unsigned char { touched, untouched };
+
+/// A law that acts only while the robot is touched, or only while it is not. Needs a sum that blends.
+template <Gate G, class L>
+struct Gated : L {
+  static constexpr Gate gate = G;
+  explicit Gated(const L& law) : L(law) {}
+};
+
+/// `law` while the robot is touched.
+template <class L>
+  requires(L::role != Role::gravity)
+[[nodiscard]] Gated<Gate::touched, L> when_touched(const L& law) {
+  return Gated<Gate::touched, L>(law);
+}
+/// `law` while nothing touches the robot.
+template <class L>
+  requires(L::role != Role::gravity)
+[[nodiscard]] Gated<Gate::untouched, L> when_untouched(const L& law) {
+  return Gated<Gate::untouched, L>(law);
+}
+// clang-format off
+template <class L>
+L when_touched(const L&) = delete;  // gravity is always held: no gate
+template <class L>
+L when_untouched(const L&) = delete;  // gravity is always held: no gate
+// clang-format on
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,107 @@
+// An expression of laws in words: `0.6 skin_joint + 0.4 spline_joint + gravity`.
+#pragma once
+
+#include <cstdio>
+#include <string_view>
+
+#include "skinctl/fusion/blended.hpp"
+#include "skinctl/fusion/null_space.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Up to 255 characters in place; what does not fit is cut off.
+class Text {
+ public:
+  [[nodiscard]] std::string_view view() const noexcept { return {text_, size_}; }
+  [[nodiscard]] const char* c_str() const noexcept { return text_; }
+
+  Text& operator<<(std::string_view s) noexcept {
+    for (const char c : s)
+      if (size_ + 1 < sizeof text_) text_[size_++] = c;
+    return *this;
+  }
+  /// Six digits.
+  Text& operator<<(double x) noexcept {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.6g", x);
+    return *this << std::string_view(number);
+  }
+  friend bool operator==(const Text& a, std::string_view b) noexcept { return a.view() == b; }
+  template <class Stream>
+    requires requires(Stream& out, const char* s) { out.write(s, 1); }
+  friend Stream& operator<<(Stream& out, const Text& text) {
+    out.write(text.text_, static_cast<std::ptrdiff_t>(text.size_));
+    return out;
+  }
+
+ private:
+  char text_[256] = {};
+  std::size_t size_ = 0;
+};
+
+namespace detail {
+template <class L>
+void describe_to(Text& out, const L&) noexcept {
+  if constexpr (is_gated<L>) out << (L::gate == Gate::touched ? "touched: " : "untouched: ");
+  if constexpr (requires { std::string_view(L::name); }) {
+    out << L::name;
+  } else {
+    out << "law";
+  }
+}
+template <std::size_t Link, class A, class B>
+void describe_to(Text& out, const NullSpace<Link, A, B>& law) noexcept {
+  out << "(";
+  describe_to(out, law.first());
+  out << " over ";
+  describe_to(out, law.second());
+  out << ")";
+}
+template <Sum P, class... L>
+void describe_to(Text& out, const Fused<P, L...>& sum,
+                 const std::array<double, sizeof...(L)>& weights) noexcept {
+  if constexpr (P == Sum::weighted) out << "weighted(";
+  if constexpr (P == Sum::plain) out << "plain(";
+  std::size_t i = 0;
+  bool first = true;
+  const auto one = [&](const auto& law) {
+    const double weight = weights[i++];
+    if (weight == 0.0) return;
+    if (!first) out << " + ";
+    first = false;
+    if (weight != 1.0) out << weight << " ";
+    describe_to(out, law);
+  };
+  std::apply([&](const auto&... law) { (one(law), ...); }, sum.laws());
+  if constexpr (P != Sum::normalised) out << ")";
+}
+template <Sum P, class... L>
+void describe_to(Text& out, const Fused<P, L...>& sum) noexcept {
+  describe_to(out, sum, sum.weights());
+}
+template <class F>
+void describe_to(Text& out, const Blended<F>& blend) noexcept {
+  out << "blended(";
+  describe_to(out, blend.sum(), blend.first());
+  out << ")";
+}
+}  // namespace detail
+
+/// The expression of a law or sum, for logs: a law's `name`, weights other than 1 before it, nothing of what
+/// has weight 0.
+template <LawMembers L>
+[[nodiscard]] Text describe(const L& law) noexcept {
+  Text out;
+  detail::describe_to(out, law);
+  return out;
+}
+/// A sum with other weights.
+template <Sum P, class... L>
+[[nodiscard]] Text describe(const Fused<P, L...>& sum,
+                            const std::array<double, sizeof...(L)>& weights) noexcept {
+  Text out;
+  detail::describe_to(out, sum, weights);
+  return out;
+}
+
+SKINCTL_END_NAMESPACE

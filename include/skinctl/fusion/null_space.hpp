@@ -1,0 +1,174 @@
+// One law behind another: it moves the robot only where the first one's link stays as it is.
+#pragma once
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/fusion/fused.hpp"
+#include "skinctl/math/ldlt.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What of a link's motion the first law keeps for itself.
+enum class Keeps : unsigned char { point, pose };
+
+/// When and how much the null space is damped, by the nearness of a singularity.
+struct NullSpaceSettings {
+  Keeps keeps = Keeps::pose;  ///< the origin of the link's frame, or its orientation as well
+  /// The most inertia that the task defends at a singularity [kg], [kg m^2].
+  double heaviest = 1000;
+  /// Damping sets in where the task's largest inertia, `trace((J M^-1 J')^-1)`, exceeds `heaviest / zone`.
+  double zone = 10;
+};
+
+/// `tau = tau_1 + N' tau_2` with `N' = 1 - J' Lambda J M^-1`, `Lambda = (J M^-1 J' + l)^-1` (Khatib): the
+/// second law's torque without what would accelerate the link. J is the Jacobian of link `Link`, or of its
+/// origin.
+///
+/// - Dynamically consistent: with l = 0 the second law does not accelerate the task at all.
+/// - Next to a singularity of J, where the task's inertia grows without bound, l grows smoothly; there the
+/// task
+///   gives way to the second law along the direction in which it can hardly move anyway.
+/// - Both laws get the same share; gravity is held by the first, whole, or by the sum's gravity law, never by
+///   the second.
+/// - A pose asks for a robot of six joints or more; with six of them the null space is empty but next to a
+///   singularity, and `Keeps::point` leaves three.
+template <std::size_t Link_, LawMembers First, LawMembers Second>
+class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, Second> {
+ public:
+  static_assert(First::role == Role::tracking && Second::role != Role::gravity);
+  static constexpr Role role = Role::tracking;
+  static constexpr Needs needs =
+      First::needs | Second::needs | Needs{.jacobians = link_bit<Link_>, .mass = true};
+  struct Memory {
+    [[no_unique_address]] typename First::Memory first;
+    [[no_unique_address]] typename Second::Memory second;
+  };
+
+  /// Throws `ConfigurationError` unless `heaviest > 0` and `zone > 0`.
+  NullSpace(const First& first, const Second& second, const NullSpaceSettings& settings = {})
+      : first_(first), second_(second), p_(settings) {
+    require(p_.heaviest > 0 && p_.heaviest <= 1e9, "heaviest", p_.heaviest, "> 0 kg");
+    require(p_.zone > 0 && p_.zone <= 1e9, "zone", p_.zone, "> 0");
+  }
+  [[nodiscard]] const First& first() const noexcept { return first_; }
+  [[nodiscard]] const Second& second() const noexcept { return second_; }
+
+  template <class K>
+  [[nodiscard]] Memory start(const K& known) const noexcept {
+    return {first_.start(known), second_.start(known)};
+  }
+  template <class K, class G>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known, const G& goal) const noexcept {
+    Received<Memory> out{memory, {}};
+    if constexpr (requires { first_.receive(memory.first, known, goal); }) {
+      const auto answer = first_.receive(memory.first, known, goal);
+      out.memory.first = answer.memory;
+      out.status = answer.status;
+    } else {
+      const auto answer = second_.receive(memory.second, known, goal);
+      out.memory.second = answer.memory;
+      out.status = answer.status;
+    }
+    return out;
+  }
+
+  template <GravityTerm G = GravityTerm::included, class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
+      const Memory& memory, const K& known, const Share<typename K::scalar>& share = {}) const noexcept {
+    using T = typename K::scalar;
+    const auto behind = [&]() SKINCTL_INLINE_LAMBDA {
+      if constexpr (Second::role == Role::tracking) {
+        return second_.template torque<GravityTerm::left_out>(memory.second, known, share);
+      } else {
+        return share.feedback * second_.torque(memory.second, known);
+      }
+    }();
+    return first_.template torque<G>(memory.first, known, share) + projected<T>(known, behind);
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known,
+                                              const typename K::scalar& dt,
+                                              Opposition opposition) const noexcept {
+    return {first_.advance(memory.first, known, dt, opposition),
+            second_.advance(memory.second, known, dt, opposition)};
+  }
+  [[nodiscard]] Status status(const Memory& memory) const noexcept {
+    Status s;
+    if constexpr (requires { first_.status(memory.first); }) s |= first_.status(memory.first);
+    if constexpr (requires { second_.status(memory.second); }) s |= second_.status(memory.second);
+    return s;
+  }
+
+  /// `N' tau`.
+  template <class T, class K>
+  [[nodiscard]] SKINCTL_NOINLINE JointTorque<K::joints, T> projected(
+      const K& known, const JointTorque<K::joints, T>& tau) const noexcept;
+
+ private:
+  /// l: 0 up to `heaviest / zone`, and `1 / heaviest` at the singularity.
+  template <class T>
+  [[nodiscard]] T softness(const math::Ldlt<6, T>& mobility, std::size_t rows) const noexcept {
+    const T heaviest = static_cast<T>(p_.heaviest);
+    if (!mobility.positive_definite()) return T(1) / heaviest;
+    T inertia(0);
+    for (std::size_t r = 0; r < rows; ++r) {
+      T unit[6] = {};
+      unit[r] = T(1);
+      mobility.solve(unit, unit);
+      inertia = inertia + unit[r];
+    }
+    const T ratio = heaviest / (static_cast<T>(p_.zone) * inertia);
+    const T rest = T(1) - ratio * ratio;
+    return rest > T(0) ? T(rest * rest / heaviest) : T(0);
+  }
+
+  First first_;
+  Second second_;
+  NullSpaceSettings p_;
+};
+
+/// `second` in the null space of link `Link`, which `first` moves.
+template <std::size_t Link, LawMembers First, LawMembers Second>
+  requires(First::role == Role::tracking && Second::role != Role::gravity)
+[[nodiscard]] NullSpace<Link, First, Second> over(const First& first, const Second& second,
+                                                  const NullSpaceSettings& settings = {}) {
+  return NullSpace<Link, First, Second>(first, second, settings);
+}
+// clang-format off
+template <std::size_t Link, class First, class Second>
+First over(const First&, const Second&, const NullSpaceSettings& = {}) = delete;  // the first law tracks, and gravity is held whole, not in a null space
+// clang-format on
+
+template <std::size_t Link, LawMembers First, LawMembers Second>
+template <class T, class K>
+JointTorque<K::joints, T> NullSpace<Link, First, Second>::projected(
+    const K& known, const JointTorque<K::joints, T>& tau) const noexcept {
+  constexpr std::size_t n = K::joints;
+  const auto J = known.template jacobian<Link>();
+  const math::Ldlt<n, T> mass(known.mass().data);
+  const std::size_t rows = p_.keeps == Keeps::point ? 3 : 6;
+  // Rows of J and of J M^-1; those that are not of the task stay zero, with a pivot of one.
+  T j[6][n] = {}, jm[6][n] = {};
+  J.for_each([&](auto i, const auto& c) {
+    const T six[6] = {c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y, c.angular.z};
+    for (std::size_t r = 0; r < rows; ++r) j[r][i.value] = six[r];
+  });
+  T a[36] = {}, right[6] = {};
+  for (std::size_t r = 0; r < rows; ++r) {
+    mass.solve(j[r], jm[r]);
+    for (std::size_t s = 0; s <= r; ++s)
+      for (std::size_t i = 0; i < n; ++i) a[r * 6 + s] = a[r * 6 + s] + jm[r][i] * j[s][i];
+    for (std::size_t i = 0; i < n; ++i) right[r] = right[r] + jm[r][i] * tau[i];
+  }
+  for (std::size_t r = rows; r < 6; ++r) a[r * 6 + r] = T(1);
+  const T l = softness(math::Ldlt<6, T>(a), rows);
+  for (std::size_t r = 0; r < rows; ++r) a[r * 6 + r] = a[r * 6 + r] + l;
+  T force[6];
+  math::Ldlt<6, T>(a).solve(right, force);
+  JointTorque<n, T> out = tau;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t r = 0; r < rows; ++r) out[i] = out[i] - j[r][i] * force[r];
+  return out;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,143 @@
+// The controllers and behaviours of the paper by name, and which behaviour loads which: Fig. 7, section 6.
+#pragma once
+
+#include <array>
+#include <boost/hana/map.hpp>
+#include <boost/hana/pair.hpp>
+#include <boost/hana/type.hpp>
+
+#include "skinctl/skills/skill.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Names of controllers, the columns of Fig. 7. A set of skills says which law each of them is.
+namespace controller {
+struct Joint {};              ///< Joint Control
+struct SplineJoint {};        ///< Spline Joint Control
+struct Operational {};        ///< Cartesian (Operational) Control
+struct SplineOperational {};  ///< Spline Cartesian Control
+struct SkinJoint {};          ///< Skin Joint Control
+struct SkinCartesian {};      ///< Skin Cartesian Control
+struct Gravity {};            ///< G Control
+struct Force {};              ///< force control in Cartesian space, for section 6
+}  // namespace controller
+
+/// Names of behaviours: the rows of Fig. 7, and the activities of section 6.
+namespace behaviour {
+struct KinestheticJoint {
+  static constexpr const char* name = "kinesthetic_joint";
+};
+struct KinestheticCartesian {
+  static constexpr const char* name = "kinesthetic_cartesian";
+};
+struct ReachJoint {
+  static constexpr const char* name = "reach_joint";
+};
+struct ReachJointGoal {
+  static constexpr const char* name = "reach_joint_goal";
+};
+struct ReachCartesian {
+  static constexpr const char* name = "reach_cartesian";
+};
+struct ReachCartesianGoal {
+  static constexpr const char* name = "reach_cartesian_goal";
+};
+struct Reaching {
+  static constexpr const char* name = "reaching";
+};
+struct Putting {
+  static constexpr const char* name = "putting";
+};
+struct Squeezing {  ///< its first step: the gripper closes, the arm holds; then `ForceCartesian`
+  static constexpr const char* name = "squeezing";
+};
+struct ForceCartesian {
+  static constexpr const char* name = "force_cartesian";
+};
+}  // namespace behaviour
+
+/// One controller of a recipe, and its weight in the sum.
+template <class C>
+struct Load {
+  double weight = 1;
+};
+template <class C>
+[[nodiscard]] constexpr Load<C> load(double weight = 1) noexcept {
+  return {weight};
+}
+
+/// What a behaviour loads, in this order, and how it starts, finishes and fails; `Next` follows when it is
+/// finished, `void`: nothing does.
+template <class Next, class... C>
+struct Recipe {
+  std::array<double, sizeof...(C)> weights;
+  Switches switches;
+  SkillConditions conditions;
+
+  [[nodiscard]] constexpr Recipe when(const SkillConditions& c) const noexcept {
+    return {weights, switches, c};
+  }
+  [[nodiscard]] constexpr Recipe switching(const Switches& s) const noexcept {
+    return {weights, s, conditions};
+  }
+  /// `=> N`.
+  template <class N>
+  [[nodiscard]] constexpr Recipe<N, C...> then() const noexcept {
+    return {weights, switches, conditions};
+  }
+};
+template <class... C>
+[[nodiscard]] constexpr Recipe<void, C...> recipe(const Load<C>&... controllers) noexcept {
+  return {{controllers.weight...}, {}, {}};
+}
+
+/// An entry of a library, which is a map of Hana from behaviours to recipes.
+template <class Behaviour, class R>
+[[nodiscard]] constexpr auto skill(const R& recipe) noexcept {
+  return boost::hana::make_pair(boost::hana::type_c<Behaviour>, recipe);
+}
+
+namespace detail {
+inline constexpr SkillConditions until_settled{.finish = Finish::settled, .timeout = 60_s};
+}
+
+/// Fig. 7. The paper lists controllers in the order in which they load: those that hold the robot come last
+/// there; here they come first, so that nothing acts before gravity is held and the skin gives way.
+inline constexpr auto figure_7 = boost::hana::make_map(
+    skill<behaviour::KinestheticJoint>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>())),
+    skill<behaviour::KinestheticCartesian>(
+        recipe(load<controller::Gravity>(), load<controller::SkinCartesian>())),
+    skill<behaviour::ReachJoint>(
+        recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Joint>())),
+    skill<behaviour::ReachJointGoal>(
+        recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::SplineJoint>())
+            .when(detail::until_settled)),
+    skill<behaviour::ReachCartesian>(
+        recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Operational>())),
+    skill<behaviour::ReachCartesianGoal>(recipe(load<controller::Gravity>(),
+                                                load<controller::SkinCartesian>(),
+                                                load<controller::SplineOperational>())
+                                             .when(detail::until_settled)));
+
+/// Section 6: `Reaching` and `Putting` = ReachCartGoal [SplineOpCtrl, SkinJointCtrl, GCtrl], `Squeezing` =
+/// Close
+/// => ForceCart [CloseCtrl(D)] => [force control, SkinJointCtrl]. Gravity is held throughout. Gripper 0 opens
+/// before `Reaching` and closes to squeeze.
+inline constexpr auto section_6 = boost::hana::make_map(
+    skill<behaviour::Reaching>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>(),
+                                      load<controller::SplineOperational>())
+                                   .switching(opened())
+                                   .when(detail::until_settled)),
+    skill<behaviour::Putting>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>(),
+                                     load<controller::SplineOperational>())
+                                  .when(detail::until_settled)),
+    skill<behaviour::Squeezing>(
+        recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::SplineJoint>())
+            .switching(closed())
+            .when({.finish = Finish::switched, .hold = 500_ms, .timeout = 5_s})
+            .then<behaviour::ForceCartesian>()),
+    skill<behaviour::ForceCartesian>(
+        recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Force>())
+            .when({.needs = closed()})));
+
+SKINCTL_END_NAMESPACE

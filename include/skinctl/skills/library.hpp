@@ -1,0 +1,104 @@
+// From a library, a map of behaviours to recipes, and a robot's controllers to the law that runs them.
+#pragma once
+
+#include <boost/hana/at_key.hpp>
+#include <boost/hana/concat.hpp>
+#include <boost/hana/core/to.hpp>
+#include <boost/hana/filter.hpp>
+#include <boost/hana/tuple.hpp>
+#include <boost/hana/union.hpp>
+#include <boost/hana/unpack.hpp>
+
+#include "skinctl/skills/behaviours.hpp"
+#include "skinctl/skills/skill_set.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A law under the name by which recipes load it.
+template <class Name, class L>
+struct Controller {
+  using name = Name;
+  L law;
+};
+template <class Name, class L>
+[[nodiscard]] Controller<Name, L> as(const L& law) {
+  return {law};
+}
+
+namespace detail {
+template <class... Name>
+struct Bank {
+  static constexpr std::size_t size = sizeof...(Name);
+  template <class N>
+  static constexpr std::size_t index = Behaviours<Name...>::template index<N>;
+  /// Whether all controllers of a recipe are there, and of those that follow it.
+  template <class Library, std::size_t Depth = 16, class Next, class... C>
+  static constexpr bool can(const Recipe<Next, C...>*) noexcept {
+    constexpr bool all = ((index<C> < size) && ...);
+    if constexpr (all && !std::is_void_v<Next> && Depth > 0) {
+      using After = decltype(boost::hana::at_key(std::declval<const Library&>(), boost::hana::type_c<Next>));
+      return can<Library, Depth - 1>(static_cast<std::remove_cvref_t<After>*>(nullptr));
+    } else {
+      return all;
+    }
+  }
+};
+
+template <class Bank, class Names, class Next, class... C>
+constexpr Skill<Bank::size> row(const char* name, std::size_t own, const Recipe<Next, C...>& r) noexcept {
+  Skill<Bank::size> s;
+  s.name = name;
+  s.switches = r.switches;
+  s.conditions = r.conditions;
+  std::size_t k = 0;
+  const auto one = [&](std::size_t i) {
+    s.order[k] = static_cast<std::uint8_t>(i);
+    s.weights[i] = r.weights[k++];
+  };
+  (one(Bank::template index<C>), ...);
+  s.controllers = static_cast<std::uint8_t>(sizeof...(C));
+  if constexpr (std::is_void_v<Next>) {
+    s.next = static_cast<std::uint8_t>(own);
+  } else {
+    s.next = static_cast<std::uint8_t>(Names::template index<Next>);
+  }
+  return s;
+}
+}  // namespace detail
+
+/// The skills of `library` whose controllers are all there, as a law: `skill_set<First>(library, settings,
+/// as<controller::SplineJoint>(law), ...)`. `First` is the behaviour to start with and to fall back to.
+/// Throws `ConfigurationError` for numbers out of their range.
+template <class First, class Library, class... Name, class... L>
+[[nodiscard]] auto skill_set(const Library& library, const SkillSettings& settings,
+                             const Controller<Name, L>&... controllers) {
+  namespace hana = boost::hana;
+  using Bank = detail::Bank<Name...>;
+  const auto known = hana::filter(hana::to_tuple(library), [](const auto& entry) {
+    return hana::bool_c<Bank::template can<Library>(
+        static_cast<std::remove_cvref_t<decltype(hana::second(entry))>*>(nullptr))>;
+  });
+  return hana::unpack(known, [&](const auto&... entry) {
+    // The first of the set comes first; the others keep their order.
+    const auto behaviours =
+        hana::concat(hana::make_tuple(hana::type_c<First>),
+                     hana::filter(hana::make_tuple(hana::first(entry)...), [](auto b) {
+                       return hana::bool_c<!std::is_same_v<typename decltype(b)::type, First>>;
+                     }));
+    return hana::unpack(behaviours, [&](auto... b) {
+      using Names = Behaviours<typename decltype(b)::type...>;
+      static_assert(Names::count == sizeof...(entry),
+                    "the first skill is not in the library, or lacks a controller");
+      const Fused<Sum::normalised, L...> sum(std::tuple<L...>(controllers.law...),
+                                             {((void)controllers, 1.0)...});
+      return SkillSet<Names, Fused<Sum::normalised, L...>>(
+          sum,
+          {detail::row<Bank, Names>(decltype(b)::type::name,
+                                    Names::template index<typename decltype(b)::type>,
+                                    hana::at_key(library, b))...},
+          settings);
+    });
+  });
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,78 @@
+// What a set of skills can be asked for: another skill, another goal, or what the switches report.
+#pragma once
+
+#include "skinctl/fusion/detail/memories.hpp"
+#include "skinctl/skills/skill.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+namespace detail {
+/// Goals of several types side by side, each there or not.
+template <class... G>
+struct Goals {
+  template <class X>
+  struct NoSuchGoal {};
+  template <class X>
+  constexpr NoSuchGoal<X> of() const noexcept {
+    return {};
+  }
+  template <class F>
+  friend void each_number(Goals&, F&&) {}
+};
+template <class G, class... Rest>
+struct Goals<G, Rest...> {
+  bool has = false;
+  G goal{};
+  Goals<Rest...> rest;
+
+  /// The part for goals of type `X`.
+  template <class X>
+  constexpr auto& of() noexcept {
+    if constexpr (std::is_same_v<G, X>)
+      return *this;
+    else
+      return rest.template of<X>();
+  }
+  template <class X>
+  constexpr const auto& of() const noexcept {
+    if constexpr (std::is_same_v<G, X>)
+      return *this;
+    else
+      return rest.template of<X>();
+  }
+  [[nodiscard]] constexpr bool any() const noexcept {
+    if constexpr (sizeof...(Rest) > 0)
+      return has || rest.any();
+    else
+      return has;
+  }
+  template <class F>
+  friend void each_number(Goals& g, F&& f) {
+    f(g.has);
+    each_number(g.goal, f);
+    each_number(g.rest, f);
+  }
+};
+}  // namespace detail
+
+/// A request to a set of skills whose controllers take goals of the types `G`. Made by `SkillSet::start`,
+/// `goal` and `report`. Trivially copyable; any bits are allowed in it.
+template <class... G>
+struct SkillRequest {
+  enum class Kind : unsigned char { start, goal, report };
+  unsigned char kind = static_cast<unsigned char>(Kind::goal);
+  std::uint8_t skill = 0;
+  Switches reported;
+  detail::Goals<G...> goals;
+
+  template <class F>
+  friend void each_number(SkillRequest& r, F&& f) {
+    f(r.kind);
+    f(r.skill);
+    f(r.reported.which);
+    f(r.reported.on);
+    each_number(r.goals, f);
+  }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,422 @@
+// All skills of a robot as one law: which of them acts is chosen while it runs, without a jump.
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/fusion/blended.hpp"
+#include "skinctl/skills/detail/settled.hpp"
+#include "skinctl/skills/skill_request.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// How a set of skills hands over.
+struct SkillSettings {
+  Nanoseconds hand_over = 100_ms;   ///< the torque moves to the next skill in this time, or longer ...
+  double most_rate = 1000;          ///< ... so that it moves no faster than this per joint [N m/s]
+  Nanoseconds longest = 2_s;        ///< but never in more than this
+  double touched = 1;               ///< skin's joint torque from which the robot counts as touched [N m]
+  OppositionSettings opposition{};  ///< when skin and tracking count as opposed
+};
+
+namespace detail {
+/// The goals that laws take, each type once.
+template <class Found, class... L>
+struct GoalTypes;
+template <class... G>
+struct GoalTypes<SkillRequest<G...>> {
+  using type = SkillRequest<G...>;
+};
+template <class... G, class L, class... Rest>
+struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G...>, Rest...> {};
+template <class... G, class L, class... Rest>
+  requires(requires { typename L::Goal; } && !(std::is_same_v<G, typename L::Goal> || ...))
+struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G..., typename L::Goal>, Rest...> {
+};
+}  // namespace detail
+
+/// A set of skills, made by `skill_set(library, controllers...)`. It is a law like any other: a `Cycle` runs,
+/// records and replays it, and `Input::goal` brings its requests.
+///
+/// - Its controllers are one sum that blends; a skill is a row of weights. So a skill more costs a row, every
+///   controller is computed only while a skill loads it, and gravity is held once and whole throughout.
+/// - A change moves the shares by a quintic. Controllers that come start at the state at hand with share
+/// zero,
+///   controllers that stay go on: torque and rate begin where they were. The time is as configured, and
+///   longer where the change would move the torque faster than `most_rate`; what happens meanwhile, a touch
+///   or a goal, is answered as always.
+/// - A request during a change waits for its end; of several the last counts.
+/// - A finished skill holds, or goes on to its `next`; a failed one falls back to the first of the set.
+///
+/// @tparam Names  `Behaviours<...>`: the compile-time names of the skills, in the order of their indices.
+template <class Names, class Fusion>
+class SkillSet;
+template <class... Behaviour>
+struct Behaviours {
+  static constexpr std::size_t count = sizeof...(Behaviour);
+  /// `count` if it is none of them.
+  template <class B>
+  static constexpr std::size_t index = [] {
+    constexpr bool found[] = {std::is_same_v<B, Behaviour>...};
+    std::size_t i = 0;
+    while (i < count && !found[i]) ++i;
+    return i;
+  }();
+};
+
+template <class... Behaviour, Sum P, class... L>
+class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
+ public:
+  using Names = Behaviours<Behaviour...>;
+  using Fusion = Fused<P, L...>;
+  using Blend = Blended<Fusion>;
+  using Goal = typename detail::GoalTypes<SkillRequest<>, L...>::type;
+  static constexpr std::size_t terms = Fusion::terms;
+  static constexpr std::size_t skills = Names::count;
+  static constexpr Needs needs = Blend::needs;
+  static constexpr Role role = Fusion::role;
+  static constexpr const char* name = "skills";
+  static constexpr bool complete_sum = true;
+  static_assert(Fusion::gravity_laws == 1, "a set of skills holds gravity: give it a gravity controller");
+  static_assert(skills > 0 && skills < 256);
+
+  struct Memory {
+    typename Blend::Memory blend;
+    Goal request;  ///< the accepted one: its goals are there for the skills of a sequence
+    Goal waiting;  ///< the one that waits for the end of a change
+    Switches commanded, reported;
+    std::uint32_t reporting = 0;  ///< switches that have ever been reported
+    double touch = 0;             ///< norm of what the skin's laws contributed last [N m]
+    Nanoseconds since = 0;        ///< the skill's start
+    Nanoseconds held = 0;         ///< for how long its finish condition has held
+    std::uint8_t skill = 0;
+    Phase phase = Phase::loading;
+    bool waits = false;  ///< for the end of a change
+  };
+
+  /// @param skills  the first is the one to start with and to fall back to. Throws `ConfigurationError` for
+  ///                numbers out of their range.
+  SkillSet(const Fusion& sum, const std::array<Skill<terms>, skills>& rows,
+           const SkillSettings& settings = {})
+      : blend_(sum.opposed_by(settings.opposition), rows[0].weights,
+               BlendSettings{settings.hand_over, settings.most_rate, {}}),
+        skills_(rows),
+        settings_(settings) {
+    require(settings.most_rate > 0 && settings.most_rate <= 1e9, "most_rate", settings.most_rate,
+            "> 0 N m/s");
+    require(settings.longest >= settings.hand_over, "longest", static_cast<double>(settings.longest) * 1e-9,
+            ">= hand_over, in s");
+    for (const auto& s : rows) {
+      const auto& c = s.conditions;
+      require(s.next < skills, "next", s.next, "the index of a skill");
+      require(c.hold >= 0 && c.timeout >= 0, "hold or timeout", static_cast<double>(c.hold) * 1e-9, ">= 0 s");
+      require(c.still > 0 && c.still <= 1e3, "still", c.still, "> 0 rad/s");
+      require(c.most_touch >= 0 && c.most_touch <= 1e9, "most_touch", c.most_touch, ">= 0 N m");
+      for (std::size_t i = 0; i < terms; ++i)
+        require(
+            Fusion::roles[i] == Role::gravity ? s.weights[i] == 1 : s.weights[i] >= 0 && s.weights[i] <= 1e6,
+            "weight of a controller", s.weights[i], "0 to 1e6, and 1 for gravity");
+    }
+    require(rows[0].conditions.timeout == 0 && rows[0].conditions.most_touch == 0,
+            "failure of the first skill", 1, "none: others fall back to it");
+  }
+  [[nodiscard]] const Fusion& sum() const noexcept { return blend_.sum(); }
+  [[nodiscard]] const Skill<terms>& skill(std::size_t i) const noexcept { return skills_[i]; }
+  template <class B>
+  [[nodiscard]] const Skill<terms>& skill() const noexcept {
+    return skills_[index<B>()];
+  }
+  /// The index of a behaviour's skill.
+  template <class B>
+  [[nodiscard]] static constexpr std::uint8_t index() noexcept {
+    constexpr std::size_t i = Names::template index<B>;
+    static_assert(i < skills, "no such skill in this set: its recipe or one of its controllers is missing");
+    return static_cast<std::uint8_t>(i);
+  }
+  /// The skill that acts, or that the torque moves to.
+  [[nodiscard]] const Skill<terms>& now(const Memory& m) const noexcept { return skills_[m.skill]; }
+  /// How the discrete controls shall stand.
+  [[nodiscard]] static const Switches& commanded(const Memory& m) noexcept { return m.commanded; }
+
+  // Requests, for `Input::goal` or `receive`.
+  /// The skill of a behaviour, with goals for its controllers or none.
+  template <class B, class... G>
+  [[nodiscard]] static Goal start_skill(const G&... goals) noexcept {
+    return start_skill(index<B>(), goals...);
+  }
+  template <class... G>
+  [[nodiscard]] static Goal start_skill(std::uint8_t skill, const G&... goals) noexcept {
+    Goal out = goal(goals...);
+    out.kind = static_cast<unsigned char>(Goal::Kind::start);
+    out.skill = skill;
+    return out;
+  }
+  /// Other goals for the controllers of the skill that acts.
+  template <class... G>
+  [[nodiscard]] static Goal goal(const G&... goals) noexcept {
+    Goal out;
+    ((out.goals.template of<G>().has = true, out.goals.template of<G>().goal = goals), ...);
+    return out;
+  }
+  /// What the switches report.
+  [[nodiscard]] static Goal report(const Switches& reported) noexcept {
+    Goal out;
+    out.kind = static_cast<unsigned char>(Goal::Kind::report);
+    out.reported = reported;
+    return out;
+  }
+
+  /// The first skill, at the state that is known.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
+    Memory m{};
+    m.blend = blend_.start(known);
+    m.commanded = skills_[0].switches;
+    return m;
+  }
+
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
+                                                      const Goal& request) const noexcept {
+    using Kind = typename Goal::Kind;
+    Received<Memory> out{memory, {}};
+    if (request.kind == static_cast<unsigned char>(Kind::report)) {
+      out.memory.reported = out.memory.reported.then(request.reported);
+      out.memory.reporting |= request.reported.which;
+      return out;
+    }
+    if (request.kind == static_cast<unsigned char>(Kind::goal)) {
+      if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
+      deliver(out.memory, known, request, out.status, true);
+      out.memory.held = 0;
+      if (memory.phase == Phase::finished) out.memory.phase = Phase::running;
+      return out;
+    }
+    if (request.kind != static_cast<unsigned char>(Kind::start) || request.skill >= skills)
+      return {memory, Reason::goal_refused};
+    if (!may_start(memory, skills_[request.skill])) return {memory, Reason::skill_refused};
+    if (!Blend::moves(memory.blend)) {
+      if (memory.phase == Phase::loading) out.status |= arrive(out.memory, known);
+      auto change = begun(out.memory, known, request);
+      change.status |= out.status;
+      return change;
+    }
+    out.memory.waiting = request;
+    out.memory.waits = true;
+    return out;
+  }
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
+      const Memory& memory, const K& known) const noexcept {
+    return step(memory, known, known.dt(), Opposition::none).torque;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known,
+                                              const typename K::scalar& dt,
+                                              Opposition opposition) const noexcept {
+    return step(memory, known, dt, opposition).memory;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE auto evaluate(const Memory& memory, const K& known,
+                                             const typename K::scalar& dt) const noexcept {
+    return step(memory, known, dt, Opposition::none);
+  }
+
+ private:
+  template <std::size_t I>
+  using law_at = std::tuple_element_t<I, std::tuple<L...>>;
+  template <class F>
+  static SKINCTL_INLINE constexpr void each(F&& f) noexcept {
+    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      (f(std::integral_constant<std::size_t, I>{}), ...);
+    }(std::index_sequence_for<L...>{});
+  }
+
+  [[nodiscard]] bool may_start(const Memory& m, const Skill<terms>& s) const noexcept {
+    if (s.conditions.untouched && !(m.touch <= settings_.touched)) return false;
+    return m.commanded.then(m.reported).stand(s.conditions.needs);
+  }
+  /// Calls `f(index, goal)` for each controller of a skill for which the request has a goal.
+  template <class F>
+  void each_goal(const Goal& request, std::uint8_t skill, F&& f) const noexcept {
+    each([&](auto i) {
+      if constexpr (requires { typename law_at<i.value>::Goal; }) {
+        const auto& part = request.goals.template of<typename law_at<i.value>::Goal>();
+        if (part.has && skills_[skill].weights[i.value] > 0) f(i, part.goal);
+      }
+    });
+  }
+  /// Whether controllers of a skill take the request's goals: at least one, and none refuses.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD bool fits(const Memory& m, const K& known, const Goal& request,
+                                       std::uint8_t skill, Status& status) const noexcept {
+    bool taken = false;
+    each_goal(request, skill, [&](auto i, const auto& goal) {
+      const auto& law = std::get<i.value>(blend_.sum().laws());
+      const bool on = Blend::loaded(m.blend, i) && !Blend::comes(m.blend, i);
+      status |=
+          law.receive(on ? Blend::template memory<i.value>(m.blend) : law.start(known), known, goal).status;
+      taken = true;
+    });
+    return taken && !status.has(Reason::goal_refused);
+  }
+  /// The request's goals to the controllers that are there; the others get them when they have come.
+  template <class K>
+  SKINCTL_COLD void deliver(Memory& m, const K& known, const Goal& request, Status& status, bool follows,
+                            bool arrived = false) const noexcept {
+    each_goal(request, m.skill, [&](auto i, const auto& goal) {
+      if (Blend::comes(m.blend, i)) {
+        m.request.goals.template of<std::remove_cvref_t<decltype(goal)>>() =
+            request.goals.template of<std::remove_cvref_t<decltype(goal)>>();
+      } else if (!arrived || m.blend.from[i].feed_forward == 0) {
+        const auto answer = blend_.template receive<i.value>(m.blend, known, goal, follows);
+        m.blend = answer.memory;
+        status |= answer.status;
+      }
+    });
+  }
+  /// The change to another skill begins.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Received<Memory> begun(const Memory& memory, const K& known,
+                                                    const Goal& request) const noexcept {
+    Received<Memory> out{memory, {}};
+    Memory& m = out.memory;
+    m.waits = false;
+    bool any = false;
+    each_goal(request, request.skill, [&](auto, const auto&) { any = true; });
+    if (any && !fits(m, known, request, request.skill, out.status)) return out;
+    const auto& next = skills_[request.skill];
+    m.blend = blend_.change(m.blend, known, Weights<terms>{next.weights}).memory;
+    stretch(m.blend, known);
+    m.skill = request.skill;
+    m.request = request;
+    deliver(m, known, request, out.status, false);
+    m.commanded = m.commanded.then(next.switches);
+    m.reported.which &= ~next.switches.which;  // an old report says nothing about what is only beginning
+    m.phase = Phase::loading;
+    m.since = m.held = 0;
+    return out;
+  }
+  /// Makes a change last long enough that the torque moves no faster than `most_rate`: by the quintic to the
+  /// torque of the other skill at this state; and then, where the feedback of a tracking law comes, to what
+  /// it holds against the skin. There the torque moves at up to `1.7 |tau_skin| sqrt(lambda / T)`, and 100
+  /// 1/s stands for lambda.
+  template <class K>
+  SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept {
+    auto there = m;
+    there.elapsed = clock_end;
+    const auto from = look(m, known), to = look(there, known);
+    double way = 0, push = 0;
+    for (std::size_t j = 0; j < K::joints; ++j) {
+      double pushed = 0;
+      for (std::size_t i = 0; i < terms; ++i)
+        if (Fusion::roles[i] == Role::reactive) pushed += static_cast<double>(to.shares[i][j]);
+      way = std::fmax(way, std::abs(static_cast<double>(to.torque[j] - from.torque[j])));
+      push = std::fmax(push, std::abs(pushed));
+    }
+    const double slowly = 1.7 * push / settings_.most_rate;
+    m.ramp = within(quintic_peak_speed<double> * way / settings_.most_rate);
+    if (m.settle > 0) m.settle = within(100 * slowly * slowly);
+  }
+  [[nodiscard]] Nanoseconds within(double time) const noexcept {
+    const Nanoseconds asked = time < 1e6 ? nanoseconds(time) : settings_.longest;
+    return asked > settings_.longest     ? settings_.longest
+           : asked > settings_.hand_over ? asked
+                                         : settings_.hand_over;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD auto look(const typename Blend::Memory& m, const K& known) const noexcept {
+    return blend_.evaluate(m, known, known.dt());
+  }
+
+  /// The controllers that have come get their goals.
+  template <class K>
+  SKINCTL_COLD Status arrive(Memory& m, const K& known) const noexcept {
+    Status status;
+    m.phase = Phase::running;
+    deliver(m, known, m.request, status, false, true);
+    return status;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
+      const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept {
+    Evaluation<K::joints, typename K::scalar, Memory, terms> out{{}, memory, {}, {}};
+    Memory& m = out.memory;
+    if (m.phase == Phase::loading && !Blend::moves(m.blend)) [[unlikely]]
+      out.status |= arrive(m, known);
+    if (m.waits && !Blend::moves(m.blend)) [[unlikely]] {
+      const auto change = begun(m, known, m.waiting);
+      m = change.memory;
+      out.status |= change.status;
+    }
+    const auto e = blend_.evaluate(m.blend, known, dt, given);
+    m.blend = e.memory;
+    out.torque = e.torque;
+    out.shares = e.shares;
+    out.status |= e.status;
+    supervise(m, known, e.shares, nanoseconds(static_cast<double>(dt)));
+    if (m.phase == Phase::finished) out.status |= Reason::skill_finished;
+    if (m.phase == Phase::failed) out.status |= Reason::skill_failed;
+    return out;
+  }
+  /// Where the skill stands after `dt`, and what follows from it.
+  template <class K, class Shares>
+  SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Shares& shares,
+                                  Nanoseconds dt) const noexcept {
+    const auto& s = skills_[m.skill];
+    const auto& c = s.conditions;
+    m.since = later(m.since, dt);
+    m.touch = touch(shares);
+    if (m.phase == Phase::failed || m.phase == Phase::finished) return;
+    if (c.most_touch > 0 && m.touch > c.most_touch) return end(m, Phase::failed, 0);
+    if (c.timeout > 0 && m.since >= c.timeout) return end(m, Phase::failed, 0);
+    if (m.phase == Phase::loading || c.finish == Finish::never) return;
+    bool holds = true;
+    if (c.finish == Finish::switched) {
+      const std::uint32_t reports = s.switches.which & m.reporting;
+      holds = m.reported.stand({reports, s.switches.on & reports});
+    }
+    if (c.finish == Finish::settled)
+      each([&](auto i) {
+        using Law = law_at<i.value>;
+        if constexpr (Law::role == Role::tracking)
+          if (s.weights[i.value] > 0)
+            holds = holds && detail::settled(std::get<i.value>(blend_.sum().laws()),
+                                             Blend::template memory<i.value>(m.blend), known,
+                                             static_cast<typename K::scalar>(c.still));
+      });
+    m.held = holds ? later(m.held, dt) : 0;
+    if (holds && m.held >= c.hold) end(m, Phase::finished, s.next);
+  }
+  /// The norm of what the skin's laws contribute [N m].
+  template <class Shares>
+  [[nodiscard]] static double touch(const Shares& shares) noexcept {
+    auto skin = shares[0];
+    skin = {};
+    each([&](auto i) {
+      if constexpr (law_at<i.value>::role == Role::reactive) skin += shares[i.value];
+    });
+    double square = 0;
+    for (const auto& x : skin) square += static_cast<double>(x) * static_cast<double>(x);
+    return std::sqrt(square);
+  }
+  void end(Memory& m, Phase phase, std::uint8_t next) const noexcept {
+    m.phase = phase;
+    if (next == m.skill && phase == Phase::finished) return;
+    if (phase == Phase::finished && !may_start(m, skills_[next])) {
+      m.phase = Phase::failed;
+      next = 0;
+    }
+    m.waiting = m.request;
+    m.waiting.kind = static_cast<unsigned char>(Goal::Kind::start);
+    m.waiting.skill = next;
+    if (m.phase == Phase::failed) m.waiting.goals = {};
+    m.waits = true;
+  }
+
+  Blend blend_;
+  std::array<Skill<terms>, skills> skills_;
+  SkillSettings settings_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,49 @@
+// Poses that move: splines from a pose to a goal, in a straight line and by one turn, section 4.2.5.
+#pragma once
+
+#include "skinctl/frames/acceleration.hpp"
+#include "skinctl/frames/transform.hpp"
+#include "skinctl/trajectory/spline_so3.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Where a frame `P` should be in the base, and how that changes, along the axes of the base.
+template <Frame P, Scalar T = double>
+struct PoseReference {
+  Transform<Base, P, T> X_BP;
+  Twist<P, Base, P, Base, T> V;
+  Acceleration<P, Base, P, Base, T> A;
+};
+
+/// From `X_i` to `X_g` in `tf` seconds: the origin in a straight line, the axes by the shortest turn about
+/// one axis, both with the time course of the quintic (22). At rest at both ends. Trivially copyable.
+template <Frame P, Real T = double>
+class PoseSpline {
+ public:
+  using Pose = Transform<Base, P, T>;
+
+  /// At the base's own pose.
+  PoseSpline() noexcept : PoseSpline(Pose(), Pose(), T(0)) {}
+  /// @param tf  duration [s]; the goal from the start on if not positive.
+  PoseSpline(const Pose& X_i, const Pose& X_g, const T& tf) noexcept
+      : p_i_(X_i.origin()), p_g_(X_g.origin()), turn_(X_i.axes(), X_g.axes(), tf), tf_(tf) {}
+
+  /// The reference `t` seconds after the start; exactly the ends before and after.
+  [[nodiscard]] PoseReference<P, T> at(const T& t) const noexcept {
+    const T rate = tf_ > T(0) ? T(T(1) / tf_) : T(0);
+    const auto way = quintic(tf_ > T(0) ? T(t / tf_) : T(1), rate);
+    const Xyz<T> d = p_g_ - p_i_;
+    const auto r = turn_.at(t);
+    const Xyz<T> p = way.a1 <= T(0.5) ? Xyz<T>(p_i_ + way.a1 * d) : Xyz<T>(p_g_ - way.rest * d);
+    return {Pose::trusted(r.R, p), {way.a2 * d, r.omega}, {way.a3 * d, r.domega}};
+  }
+  /// The whole turn as a rotation vector [rad].
+  [[nodiscard]] const Xyz<T>& turn() const noexcept { return turn_.turn(); }
+
+ private:
+  Xyz<T> p_i_, p_g_;
+  RotationSpline<T> turn_;
+  T tf_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,8 @@
+#include "skinctl/skinctl.hpp"
+
+int main() {
+  const skinctl::GravityControl gravity;
+  const skinctl::SkinJointControl skin;
+  const skinctl::SplineJoint<6> reach({.dt = 0.002});
+  static_cast<void>(when_touched(reach) + skin + gravity);
+}

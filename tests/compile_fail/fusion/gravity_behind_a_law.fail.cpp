@@ -1,0 +1,9 @@
+// expect: gravity is held whole, not in a null space
+#include "skinctl/skinctl.hpp"
+
+int main() {
+  const skinctl::GravityControl gravity;
+  const skinctl::SkinJointControl skin;
+  const skinctl::SplineJoint<6> reach({.dt = 0.002});
+  static_cast<void>(skinctl::over<5>(reach, gravity) + skin);
+}

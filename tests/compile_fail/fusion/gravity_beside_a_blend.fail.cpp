@@ -1,0 +1,9 @@
+// expect: a blend of the whole sum
+#include "skinctl/skinctl.hpp"
+
+int main() {
+  const skinctl::GravityControl gravity;
+  const skinctl::SkinJointControl skin;
+  const skinctl::SplineJoint<6> reach({.dt = 0.002});
+  static_cast<void>(blended(skin + reach + gravity) + gravity);
+}

@@ -1,0 +1,28 @@
+#include <doctest/doctest.h>
+
+#include "skilled_arm.hpp"
+#include "tests/support/scene.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+// A part of bench/studies/bumpless.cpp, which changes a thousand times between each two.
+TEST_CASE("SkillSet: no change of skill jumps, in torque or rate, at any state and under any touch") {
+  const double dt = 0.002;
+  const auto set = skilled_arm<double>(dt);
+  using Set = std::remove_const_t<decltype(set)>;
+  static_assert(Set::skills == 10);
+  const std::uint64_t trials = sanitized ? 1 : 5;
+  for (std::uint8_t from = 0; from < Set::skills; ++from)
+    for (std::uint8_t to = 0; to < Set::skills; ++to)
+      for (std::uint64_t seed = 0; seed < trials && from != to; ++seed) {
+        CAPTURE(set.skill(from).name);
+        CAPTURE(set.skill(to).name);
+        CAPTURE(seed);
+        const auto b = bump<double>(set, from, to, seed, dt);
+        CHECK(b.finite);
+        CHECK(b.jump <= bump_bounds.jump);
+        CHECK(b.kink <= bump_bounds.kink);
+        CHECK(b.moved <= bump_bounds.moved);
+      }
+}

@@ -1,0 +1,255 @@
+// A UR5 with all skills that its controllers allow, moved and touched at random.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "skinctl/control/force_control.hpp"
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/joint_control.hpp"
+#include "skinctl/control/operational_control.hpp"
+#include "skinctl/control/skin_cartesian_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/control/spline_operational.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/skills/library.hpp"
+#include "tests/control/plant.hpp"
+#include "tests/support/random.hpp"
+
+namespace skinctl::test {
+
+inline const ur5::Model skilled_model;
+template <class T>
+using SkinTouch = LinkWrenches<ur5::Model, 0b110110, T>;
+
+/// Friction of the arm that carries the torque: B = decay M [1/s].
+inline constexpr double skilled_decay = 6;
+
+template <class T>
+JointControlSettings<6, T> skilled_settings(const T& dt) {
+  JointControlSettings<6, T> s;
+  s.dt = dt;
+  s.lambda = T(0.2) / dt > T(60) ? T(60) : T(T(0.2) / dt);
+  s.K_c = T(8);
+  s.tb = T(4);
+  s.shape.decay = T(skilled_decay);
+  return s;
+}
+
+template <class T>
+auto skilled_tool() {
+  return Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.1));
+}
+/// All controllers of Fig. 7 and section 6.
+template <class T = double>
+auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
+  const auto s = skilled_settings(dt);
+  const OperationalSettings<6, T> o{.tracking = s};
+  const OperationalSpace<6, 5, Tool, T> space(skilled_tool<T>(), o);
+  return skill_set<behaviour::KinestheticJoint>(
+      boost::hana::union_(figure_7, section_6), settings, as<controller::Gravity>(GravityControl{}),
+      as<controller::SkinJoint>(SkinJointControl{}), as<controller::SplineJoint>(SplineJoint<6, T>(s)),
+      as<controller::Joint>(JointControl<6, T>(s)),
+      as<controller::SkinCartesian>(SkinCartesianControl<5, Tool, T>(skilled_tool<T>())),
+      as<controller::Operational>(OperationalControl<6, 5, Tool, T>(space, o)),
+      as<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)),
+      as<controller::Force>(ForceControl<6, 5, Tool, T>(skilled_tool<T>(), {.pose = o})));
+}
+
+/// What happens to the arm: touches that come and go, and goals, all from one seed.
+template <class Set, class T>
+class SkilledRun {
+ public:
+  using KnownTo = Quantities<ur5::Model, Set::needs, T, SkinTouch<T>>;
+  using Goal = typename Set::Goal;
+
+  SkilledRun(const Set& set, const T& dt, std::uint64_t seed) : set_(set), dt_(dt), random_(seeded(seed)) {
+    for (T& q : state_.q) q = static_cast<T>(uniform(random_, -2.5, 2.5));
+    for (T& v : state_.dq) v = static_cast<T>(uniform(random_, -0.5, 0.5));
+    memory_ = set_.start(known());
+  }
+  [[nodiscard]] KnownTo known() const { return KnownTo(skilled_model, state_, dt_, touch_); }
+  [[nodiscard]] const State<6, T>& state() const { return state_; }
+  [[nodiscard]] const typename Set::Memory& memory() const { return memory_; }
+  [[nodiscard]] bool changing() const { return memory_.phase == Phase::loading; }
+  [[nodiscard]] Random& random() { return random_; }
+  Status ask(const Goal& goal) {
+    const auto answer = set_.receive(memory_, known(), goal);
+    memory_ = answer.memory;
+    return answer.status;
+  }
+  /// A skill with a goal for every controller that takes one.
+  Goal any_request(std::uint8_t skill) {
+    JointGoal<6, T> goal{state_.q, nanoseconds(uniform(random_, 0.5, 4.0))};
+    for (T& q : goal.q_g) q += static_cast<T>(uniform(random_, -0.5, 0.5));
+    JointReference<6, T> target{goal.q_g, {}, {}};
+    for (T& v : target.dq_d) v = static_cast<T>(uniform(random_, -0.3, 0.3));
+    const auto X_BP = tool();
+    const auto away = [&](double by) { return static_cast<T>(uniform(random_, -by, by)); };
+    const auto X = X_BP * Transform<Tool, Tool, T>(Transform<Tool, Tool, T>::rotation_x(away(0.5)).axes(),
+                                                   {away(0.1), away(0.1), away(0.1)});
+    const PoseGoal<Tool, T> pose{X, goal.duration};
+    PoseReference<Tool, T> moving{X, {}, {}};
+    moving.V.linear = {away(0.1), away(0.1), away(0.1)};
+    const ForceGoal<T> force{{away(1), away(1), away(1)}, static_cast<T>(uniform(random_, 0.0, 20.0))};
+    return with_known_goals(Set::start_skill(skill), goal, target, pose, moving, force);
+  }
+  /// The goals for which the set has takers.
+  template <class... G>
+  static Goal with_known_goals(Goal request, const G&... goals) {
+    const auto one = [&](const auto& goal) {
+      using X = std::remove_cvref_t<decltype(goal)>;
+      if constexpr (requires { request.goals.template of<X>().goal; }) {
+        request.goals.template of<X>().has = true;
+        request.goals.template of<X>().goal = goal;
+      }
+    };
+    (one(goals), ...);
+    return request;
+  }
+  [[nodiscard]] Transform<Base, Tool, T> tool() const {
+    return Poses<ur5::Model, all_links(6), T>(skilled_model,
+                                              JointAngles<ur5::Model, T>(skilled_model, state_.q))
+               .template get<5>() *
+           skilled_tool<T>();
+  }
+  /// A touch of up to `force` on a link, anywhere on it; it comes and goes within a tenth of a second.
+  void touch(double force) {
+    const double u = uniform(random_, -1.0, 1.0), v = uniform(random_, -1.0, 1.0),
+                 w = uniform(random_, -1.0, 1.0);
+    const double size = force * uniform(random_, 0.25, 1.0) / std::sqrt(u * u + v * v + w * w + 1e-9);
+    wanted_ = {};
+    const auto at = [&] { return static_cast<T>(uniform(random_, -0.15, 0.15)); };
+    const Xyz<T> f{T(size * u), T(size * v), T(size * w)};
+    const Xyz<T> moment = cross(Xyz<T>{at(), at(), at()}, f);
+    if (random_() % 2 == 0)
+      wanted_.template set<2>({f, moment});
+    else
+      wanted_.template set<4>({f, moment});
+    rise_ = T(0);
+    lasts_ = true;
+  }
+  void release() { lasts_ = false; }
+  void hold_touch(bool hold) { held_ = hold; }
+  [[nodiscard]] JointTorque<6, T> torque() const { return set_.torque(memory_, known()); }
+  /// The torque at this state, were the change of skill a cycle further.
+  [[nodiscard]] JointTorque<6, T> torque_ahead() const {
+    auto later = memory_;
+    later.blend.elapsed = evaluate(set_, memory_, known(), dt_).memory.blend.elapsed;
+    if (!Set::Blend::moves(later.blend) || later.blend.elapsed < memory_.blend.elapsed) return torque();
+    return set_.torque(later, known());
+  }
+  /// One cycle.
+  auto step() {
+    const auto e = evaluate(set_, memory_, known(), dt_);
+    memory_ = e.memory;
+    auto tau = e.torque;
+    const auto mass = mass_matrix(skilled_model, state_.q);
+    for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t j = 0; j < 6; ++j) tau[i] -= T(skilled_decay) * mass(i, j) * state_.dq[j];
+    state_ = simulate(skilled_model, state_, tau, dt_, 1);
+    for (T& v : state_.dq) v = v > T(2) ? T(2) : v < T(-2) ? T(-2) : v;  // as a resolver's limits do
+    if (!held_) {
+      rise_ += (lasts_ ? dt_ : -dt_) * T(10);
+      rise_ = rise_ < T(0) ? T(0) : rise_ > T(1) ? T(1) : rise_;
+      touch_ = quintic(rise_).a1 * wanted_;
+    }
+    return e;
+  }
+
+ private:
+  const Set& set_;
+  T dt_;
+  Random random_;
+  State<6, T> state_;
+  SkinTouch<T> touch_, wanted_;
+  T rise_ = T(0);
+  bool lasts_ = false, held_ = false;
+  typename Set::Memory memory_;
+};
+
+/// One change of skill, from the seed alone.
+struct Bump {
+  double jump = 0;    ///< what the request changes of the torque at its instant [N m]
+  double kink = 0;    ///< ... and of the torque one cycle later, per dt: the jump of the rate [N m/s]
+  double moved = 0;   ///< the fastest that the change itself moves the torque, beside all else [N m/s]
+  double rate = 0;    ///< the fastest torque of any joint, but the skin's, until the change is over [N m/s]
+  double before = 0;  ///< and shortly before it, without a change
+  bool finite = true;
+
+  void widen(const Bump& b) {
+    jump = std::max(jump, b.jump);
+    kink = std::max(kink, b.kink);
+    moved = std::max(moved, b.moved);
+    rate = std::max(rate, b.rate);
+    before = std::max(before, b.before);
+    finite = finite && b.finite;
+  }
+};
+
+/// What is allowed of it. A controller that both skills load gets its goal at once, and its own hand-over
+/// keeps the torque to half a newton metre. Laws move their torque as well (`rate`): next to singularities
+/// and under touches of 40 N as fast without a change.
+inline constexpr Bump bump_bounds{.jump = 1, .kink = 1000, .moved = 2000};
+
+/// @param look  called with the time since the request, the evaluation and the run, in every cycle.
+template <class T, class Set, class Look>
+Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed, const T& dt, Look&& look) {
+  SkilledRun<Set, T> run(set, dt, seed * 10007 + from * 101u + to);
+  auto& random = run.random();
+  const auto cycles = [&](double s) { return static_cast<int>(s / static_cast<double>(dt)); };
+  const auto largest = [](const JointTorque<6, T>& x) {
+    double most = 0;
+    for (const T& v : x) most = std::max(most, static_cast<double>(detail::magnitude(v)));
+    return most;
+  };
+  run.ask(Set::report(closed()));
+  run.ask(run.any_request(from));
+  if (random() % 4 != 0) run.touch(40);
+  const int first = cycles(uniform(random, 0.0, 0.6));
+  for (int k = 0; k < first; ++k) {
+    run.step();
+    if (random() % static_cast<std::uint64_t>(cycles(0.5)) == 0) run.release();
+  }
+  run.hold_touch(true);
+  Bump out;
+  const auto own = [](const auto& e) {
+    auto tau = e.torque;
+    for (std::size_t i = 0; i < Set::terms; ++i)
+      if (Set::Fusion::roles[i] == Role::reactive) tau -= e.shares[i];
+    return tau;
+  };
+  auto last = own(run.step());
+  double time = -cycles(0.1) * static_cast<double>(dt);
+  const auto follow = [&](double& fastest) {
+    const auto e = run.step();
+    const auto now = own(e);
+    fastest = std::max(fastest, largest(now - last) / static_cast<double>(dt));
+    for (const T& v : e.torque) out.finite = out.finite && v - v == T(0);
+    look(time, e, run);
+    time += static_cast<double>(dt);
+    last = now;
+  };
+  for (int k = 0; k < cycles(0.1); ++k) follow(out.before);
+  auto other = run;
+  const auto at_rest = run.torque();
+  run.ask(Set::report(closed()));  // as force control wants it
+  run.ask(run.any_request(to));
+  out.jump = largest(run.torque() - at_rest);
+  follow(out.rate);
+  other.step();
+  out.kink = largest(run.torque() - other.torque()) / static_cast<double>(dt);
+  for (int k = 0; run.changing() && k < cycles(5); ++k) {
+    if (k % 4 == 0)
+      out.moved = std::max(out.moved, largest(run.torque_ahead() - run.torque()) / static_cast<double>(dt));
+    follow(out.rate);
+  }
+  return out;
+}
+template <class T, class Set>
+Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed, const T& dt) {
+  return bump<T>(set, from, to, seed, dt, [](double, const auto&, const auto&) {});
+}
+
+}  // namespace skinctl::test
