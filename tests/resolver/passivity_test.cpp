@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/resolver/contact_scene.hpp"
+#include "tests/support/digits.hpp"
 
 using namespace skinctl;
 using namespace skinctl::test;
@@ -11,11 +12,8 @@ static_assert(std::is_empty_v<Passivity<>>);
 using Full = Passivity<EnergyTank<>, PortLedger<>, ContactDamper<>>;
 static_assert(std::is_trivially_copyable_v<ResolverMemory<6, double, 32, Full>>);
 
-#if defined(__SANITIZE_ADDRESS__) || (defined(__has_feature) && __has_feature(address_sanitizer))
-constexpr std::uint64_t scenes = 60;
-#else
-constexpr std::uint64_t scenes = 300;
-#endif
+// Fewer where the sanitizers slow it down.
+constexpr std::uint64_t scenes = SKINCTL_MANY_DIGITS ? 300 : 60;
 
 TEST_CASE("Passivity: a port never gives more than it got and had, whatever skills, weights and delays do") {
   int broken = 0, broken_with_tank = 0, held = 0, empty = 0;
