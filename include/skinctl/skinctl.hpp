@@ -14,6 +14,7 @@
 #include "skinctl/control/operational_space.hpp"
 #include "skinctl/control/orientation_error.hpp"
 #include "skinctl/control/settings.hpp"
+#include "skinctl/control/sign.hpp"
 #include "skinctl/control/skin_cartesian_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/sliding_surface.hpp"

@@ -11,7 +11,7 @@
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "tests/control/plant.hpp"
+#include "tests/fusion/touches.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 using namespace skinctl;
@@ -19,8 +19,6 @@ using namespace skinctl::test;
 
 namespace {
 using Arm = ur5::Model;
-template <class T>
-using Skinned = LinkWrenches<Arm, 0b110110, T>;
 template <class L, class T = double>
 using KnownTo = Quantities<Arm, L::needs, T, Skinned<T>>;
 const Arm model;
@@ -66,12 +64,6 @@ auto evaluated(const L& law, const Skinned<double>& touch = {}) {
   return evaluate(law, law.start(known), known, 0.002);
 }
 
-/// A force on link 2, about 0.2 m off its origin.
-Skinned<double> touch_of(double x, double y, double z) {
-  Skinned<double> touch;
-  touch.set<2>({{x, y, z}, {0.05 * z, -0.1 * z, 0.1 * y - 0.05 * x}});
-  return touch;
-}
 }  // namespace
 
 TEST_CASE("Fused: is a law, and its memory can be copied byte by byte") {
@@ -209,63 +201,17 @@ TEST_CASE("Fused: a goal reaches the law that takes it") {
 }
 
 TEST_CASE("Fused: after 60 random touches no joint swings beyond its target, and no torque jumps") {
-  for (const double rate : {125.0, 500.0}) {
-    const double dt = 1 / rate;
-    const SplineJoint<6> reach({.dt = dt, .K_c = 8});
-    const SkinJointControl skin;
-    const GravityControl gravity;
-    const auto law = 3.0 * skin + reach + gravity;
-    using L = std::remove_const_t<decltype(law)>;
-    using K = KnownTo<L>;
-    const Skinned<double> untouched;
-    Seeded rng(101);
-    double beyond = 0, furthest = 0, steepest = 0;
-    int counted = 0;
-    for (int trial = 0; trial < 60; ++trial) {
-      State<6> x{0, rng.vector<JointPosition<6>>(1.5), {}};
-      JointGoal<6> goal{x.q, nanoseconds(rng.between(1.5, 3))};
-      for (double& q : goal.q_g) q += 0.6 * rng();
-      auto memory = law.start(K(model, x, dt, untouched));
-      memory = law.receive(memory, K(model, x, dt, untouched), goal).memory;
-      const double begin = rng.between(0.2, 2.5), lasts = rng.between(0.3, 2);
-      const double force = rng.between(10, 40);
-      const double u = rng(), v = rng(), w = rng(), size = std::sqrt(u * u + v * v + w * w);
-      const auto touch = touch_of(force * u / size, force * v / size, force * w / size);
-      JointPosition<6> deflection, side, over;
-      JointTorque<6> last;
-      for (int i = 0; i < static_cast<int>(7 * rate); ++i) {
-        const double t = i * dt;
-        const double since = std::min(t - begin, begin + lasts - t);
-        const Skinned<double> now = quintic(since / 0.1).a1 * touch;
-        const K known(model, x, dt, now);
-        const auto e = evaluate(law, memory, known, dt);
-        const auto wanted = law.memory<1>(memory).plan.at(0, reach.settings()).q_d;
-        for (std::size_t j = 0; j < 6; ++j) {
-          const double off = x.q[j] - wanted[j];
-          if (t < begin + lasts + 0.06) {
-            if (magnitude(off) > magnitude(deflection[j])) deflection[j] = off;
-            side[j] = off;
-          } else if (off * side[j] < 0) {
-            over[j] = std::max(over[j], magnitude(off));
-          }
-        }
-        const auto own = e.torque - e.shares[0];
-        if (i > 0) steepest = std::max(steepest, largest(own - last) * rate);
-        last = own;
-        memory = e.memory;
-        x = simulate(model, x, e.torque, dt, 1);
-      }
-      for (std::size_t j = 0; j < 6; ++j) {
-        if (magnitude(deflection[j]) < 0.02) continue;
-        ++counted;
-        furthest = std::max(furthest, magnitude(deflection[j]));
-        beyond = std::max(beyond, over[j] / magnitude(deflection[j]));
-      }
-    }
-    MESSAGE(rate << " Hz: " << counted << " deflections up to " << furthest << " rad, overshoot "
-                 << 100 * beyond << " %, fastest torque " << steepest << " N m/s");
-    CHECK(counted > 5);
-    CHECK(beyond < 0.05);
+  // With the small weight a touch next to an axis is too weak to stop the arm, and winds the integrals up.
+  for (const auto [rate, weight, K_c] : {std::array{125.0, 3.0, 8.0}, {500.0, 3.0, 8.0}, {125.0, 1.0, 4.0}}) {
+    const SplineJoint<6> reach({.dt = 1 / rate, .K_c = K_c});
+    const auto law = weight * SkinJointControl{} + reach + GravityControl{};
+    const auto result = touch_and_release(
+        law, [&](const auto& m) { return law.memory<1>(m).plan.at(0, reach.settings()).q_d; }, rate, 60);
+    CAPTURE(rate);
+    CAPTURE(weight);
+    CAPTURE(result.fastest);
+    CHECK(result.counted > 5);
+    CHECK(result.overshoot < 0.05);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "skinctl/control/force_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/operational_control.hpp"
@@ -40,7 +41,7 @@ template <class T>
 auto skilled_tool() {
   return Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.1));
 }
-/// All controllers of Fig. 7.
+/// All controllers of Fig. 7 and section 6.
 template <class T = double>
 auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
   const auto s = skilled_settings(dt);
@@ -52,7 +53,8 @@ auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
       as<controller::Joint>(JointControl<6, T>(s)),
       as<controller::SkinCartesian>(SkinCartesianControl<5, Tool, T>(skilled_tool<T>())),
       as<controller::Operational>(OperationalControl<6, 5, Tool, T>(space, o)),
-      as<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)));
+      as<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)),
+      as<controller::Force>(ForceControl<6, 5, Tool, T>(skilled_tool<T>(), {.pose = o})));
 }
 
 /// What happens to the arm: touches that come and go, and goals, all from one seed.
@@ -90,7 +92,8 @@ class SkilledRun {
     const PoseGoal<Tool, T> pose{X, goal.duration};
     PoseReference<Tool, T> moving{X, {}, {}};
     moving.V.linear = {away(0.1), away(0.1), away(0.1)};
-    return with_known_goals(Set::start_skill(skill), goal, target, pose, moving);
+    const ForceGoal<T> force{{away(1), away(1), away(1)}, static_cast<T>(uniform(random_, 0.0, 20.0))};
+    return with_known_goals(Set::start_skill(skill), goal, target, pose, moving, force);
   }
   /// The goals for which the set has takers.
   template <class... G>
@@ -130,6 +133,13 @@ class SkilledRun {
   void release() { lasts_ = false; }
   void hold_touch(bool hold) { held_ = hold; }
   [[nodiscard]] JointTorque<6, T> torque() const { return set_.torque(memory_, known()); }
+  /// The torque at this state, were the change of skill a cycle further.
+  [[nodiscard]] JointTorque<6, T> torque_ahead() const {
+    auto later = memory_;
+    later.blend.elapsed = evaluate(set_, memory_, known(), dt_).memory.blend.elapsed;
+    if (!Set::Blend::moves(later.blend) || later.blend.elapsed < memory_.blend.elapsed) return torque();
+    return set_.torque(later, known());
+  }
   /// One cycle.
   auto step() {
     const auto e = evaluate(set_, memory_, known(), dt_);
@@ -163,18 +173,29 @@ class SkilledRun {
 struct Bump {
   double jump = 0;    ///< what the request changes of the torque at its instant [N m]
   double kink = 0;    ///< ... and of the torque one cycle later, per dt: the jump of the rate [N m/s]
+  double moved = 0;   ///< the fastest that the change itself moves the torque, beside all else [N m/s]
   double rate = 0;    ///< the fastest torque of any joint, but the skin's, until the change is over [N m/s]
   double before = 0;  ///< and shortly before it, without a change
   bool finite = true;
+
+  void widen(const Bump& b) {
+    jump = std::max(jump, b.jump);
+    kink = std::max(kink, b.kink);
+    moved = std::max(moved, b.moved);
+    rate = std::max(rate, b.rate);
+    before = std::max(before, b.before);
+    finite = finite && b.finite;
+  }
 };
 
-/// What is allowed of it. The rate holds what laws do of themselves, against touches of up to 40 N; without a
-/// change it reaches as much.
-template <class T>
-inline const Bump bump_bounds{.jump = 1000 * static_cast<double>(tolerance<T>), .kink = 40, .rate = 3000};
+/// What is allowed of it. A controller that both skills load gets its goal at once, and its own hand-over
+/// keeps the torque to half a newton metre. Laws move their torque as well (`rate`): next to singularities
+/// and under touches of 40 N as fast without a change.
+inline constexpr Bump bump_bounds{.jump = 1, .kink = 1000, .moved = 2000};
 
-template <class T, class Set>
-Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed, const T& dt) {
+/// @param look  called with the time since the request, the evaluation and the run, in every cycle.
+template <class T, class Set, class Look>
+Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed, const T& dt, Look&& look) {
   SkilledRun<Set, T> run(set, dt, seed * 10007 + from * 101u + to);
   auto& random = run.random();
   const auto cycles = [&](double s) { return static_cast<int>(s / static_cast<double>(dt)); };
@@ -183,6 +204,7 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
     for (const T& v : x) most = std::max(most, static_cast<double>(detail::magnitude(v)));
     return most;
   };
+  run.ask(Set::report(closed()));
   run.ask(run.any_request(from));
   if (random() % 4 != 0) run.touch(40);
   const int first = cycles(uniform(random, 0.0, 0.6));
@@ -199,23 +221,35 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
     return tau;
   };
   auto last = own(run.step());
+  double time = -cycles(0.1) * static_cast<double>(dt);
   const auto follow = [&](double& fastest) {
     const auto e = run.step();
     const auto now = own(e);
     fastest = std::max(fastest, largest(now - last) / static_cast<double>(dt));
     for (const T& v : e.torque) out.finite = out.finite && v - v == T(0);
+    look(time, e, run);
+    time += static_cast<double>(dt);
     last = now;
   };
   for (int k = 0; k < cycles(0.1); ++k) follow(out.before);
   auto other = run;
   const auto at_rest = run.torque();
+  run.ask(Set::report(closed()));  // as force control wants it
   run.ask(run.any_request(to));
   out.jump = largest(run.torque() - at_rest);
   follow(out.rate);
   other.step();
   out.kink = largest(run.torque() - other.torque()) / static_cast<double>(dt);
-  for (int k = 0; k < cycles(0.05) || (run.changing() && k < cycles(5)); ++k) follow(out.rate);
+  for (int k = 0; run.changing() && k < cycles(5); ++k) {
+    if (k % 4 == 0)
+      out.moved = std::max(out.moved, largest(run.torque_ahead() - run.torque()) / static_cast<double>(dt));
+    follow(out.rate);
+  }
   return out;
+}
+template <class T, class Set>
+Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed, const T& dt) {
+  return bump<T>(set, from, to, seed, dt, [](double, const auto&, const auto&) {});
 }
 
 }  // namespace skinctl::test

@@ -52,6 +52,7 @@ class ForceControl : public Composable {
   using Surface = typename Tracker::Surface;
   static constexpr Needs needs = Tracker::needs | Needs{.angles = true, .touch = true};
   static constexpr Role role = Role::tracking;
+  static constexpr const char* name = "force";
   struct Memory {
     typename Tracker::Memory tracker;
     ForceGoal<T> goal{{T(0), T(0), T(0)}, T(0)};  ///< its direction of length 1, or 0
@@ -65,8 +66,8 @@ class ForceControl : public Composable {
       : tracker_(OperationalSpace<N, I, P, T>(X_LP, settings.pose), settings.pose),
         X_LP_(X_LP),
         settings_(settings) {
-    const auto check = [](bool allowed, const char* name, const T& x, const char* range) {
-      require(allowed && x - x == T(0), name, static_cast<double>(x), range);
+    const auto check = [](bool allowed, const char* what, const T& x, const char* range) {
+      require(allowed && x - x == T(0), what, static_cast<double>(x), range);
     };
     check(settings.K_p > T(0), "K_p of the force", settings.K_p, "> 0 m/(s N)");
     check(settings.K_i1 >= T(0), "K_i1 of the force", settings.K_i1, ">= 0");

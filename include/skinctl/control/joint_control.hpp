@@ -8,7 +8,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) with a target from outside. A goal is a `JointReference`: `receive` starts the time base for
 /// it, `follow` takes the next sample of a target that moves.
-template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
-using JointControl = Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping>;
+template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
+using JointControl = Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping, Sign>;
 
 SKINCTL_END_NAMESPACE

@@ -11,9 +11,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// `receive` starts the time base for it, `follow` takes the next sample of a target that moves.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
-          class Damping = InertialDamping<T>>
+          class Damping = InertialDamping<T>, class Sign = TanhSign>
 using OperationalControl =
     Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-             TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping>;
+             TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>;
 
 SKINCTL_END_NAMESPACE

@@ -99,8 +99,8 @@ class OperationalSpace {
         singularities_(settings.singularities),
         limit_(settings.tracking.max_velocity),
         null_(null) {
-    const auto positive = [](const char* name, const T& x) {
-      require(x > T(0) && x <= T(1e6), name, static_cast<double>(x), "> 0");
+    const auto positive = [](const char* what, const T& x) {
+      require(x > T(0) && x <= T(1e6), what, static_cast<double>(x), "> 0");
     };
     slowest_ = limit_[0];
     for (const T& v : limit_)
@@ -188,9 +188,9 @@ class OperationalSpace {
     errors(error, near, target, at, memory);
     return error;
   }
-  template <class J>
-  [[nodiscard]] SKINCTL_NOINLINE Surface surface(const SurfaceGains<T>& gains, const Inputs& in,
-                                                 const Site<J>& at, const Memory& memory) const noexcept;
+  template <class Gains, class J>
+  [[nodiscard]] SKINCTL_NOINLINE Surface surface(const Gains& gains, const Inputs& in, const Site<J>& at,
+                                                 const Memory& memory) const noexcept;
   template <class J>
   static void rows(const Site<J>& at, T (&rows)[coordinates][N]) noexcept {
     static_assert(!std::same_as<Orientation, ZyzError>, "a moment has no component along an angle's rate");
@@ -294,15 +294,14 @@ class OperationalSpace {
 
 /// Eqs. (15)-(21).
 template <std::size_t N, std::size_t I, Frame P, Real T, Task What, class Orientation, class Null>
-template <class J>
+template <class Gains, class J>
 SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::surface(
-    const SurfaceGains<T>& gains, const Inputs& in, const Site<J>& at, const Memory& memory) const noexcept
-    -> Surface {
+    const Gains& gains, const Inputs& in, const Site<J>& at, const Memory& memory) const noexcept -> Surface {
   Surface s;
   Errors error;
   errors(error, s.near, in.target, at, memory);
-  SlidingSurface<coordinates, T> x;
-  sliding_surface(x, gains, in, error);
+  const auto x =
+      sliding_surface(gains, in, error, [](const auto&) { return JointVelocity<coordinates, T>(); });
   s.S_delta = x.S_delta, s.dI1 = x.dI1, s.dI2 = x.dI2, s.dx_r = x.dq_r, s.ddx_r = x.ddq_r;
 
   Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};

@@ -46,8 +46,9 @@ inline const T largest_gain_product = T(0.5);
 /// Throws `ConfigurationError` with the number and the range, if a setting cannot work.
 /// @param lambda  the largest rate [1/s] at which K_d alone stops the robot: lambda, or the largest
 ///                eigenvalue of M^-1 K_d.
+/// @param slope   the steepest of the sign, mu for tanh [s/rad].
 template <std::size_t N, Real T>
-SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
+SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda, const T& slope) {
   const auto number = [](const T& x) { return static_cast<double>(x); };
   require(s.dt > T(0) && s.dt <= T(1), "dt", number(s.dt), "> 0 and <= 1 s");
   require(lambda > T(0) && lambda <= T(1e6), "lambda", number(lambda), "> 0 1/s");
@@ -70,7 +71,7 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
   }
   for (const T& v : s.max_velocity) require(v > T(0) && v <= T(1e6), "max_velocity", number(v), "> 0 rad/s");
   const T K_p = GainSchedule<T>(s.K_c, s.base, s.settle).largest(s.tb);
-  const T product = (K_p + lambda + s.K_i1 + s.mu * s.K_i2) * s.dt;
+  const T product = (K_p + lambda + s.K_i1 + slope * s.K_i2) * s.dt;
   require(product <= largest_gain_product<T>, "(K_p + lambda + K_i1 + mu K_i2) dt", number(product),
           "<= 0.5: lower the gains, lengthen tb (K_p peaks at 14.5 / tb) or shorten dt");
 }

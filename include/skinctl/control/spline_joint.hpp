@@ -7,7 +7,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) along the spline (22). A goal is a `JointGoal`: a position, and a duration or none.
-template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
-using SplineJoint = Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping>;
+template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
+using SplineJoint = Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping, Sign>;
 
 SKINCTL_END_NAMESPACE

@@ -11,9 +11,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// `PoseGoal`: a pose of the tool `P` on link `I`, and a duration or none.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
-          class Damping = InertialDamping<T>>
+          class Damping = InertialDamping<T>, class Sign = TanhSign>
 using SplineOperational =
     Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-             SplinePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping>;
+             SplinePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>;
 
 SKINCTL_END_NAMESPACE

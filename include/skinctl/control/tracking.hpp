@@ -9,17 +9,18 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What a tracking law remembers; trivially copyable.
-template <class Space, class Plan>
+template <class Space, class Plan, class Sign = TanhSign>
 struct TrackingMemory {
   using T = typename Space::scalar;
+  Nanoseconds since_reset = 0;
+  bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
   Plan plan;
   SurfaceBias<Space::coordinates, T> bias;
   Integrals<Space::coordinates, T> I1;  ///< of S_delta
-  Integrals<Space::coordinates, T> I2;  ///< of tanh(mu S_delta) [s]
-  Nanoseconds since_reset = 0;
-  T tb = T(0);        ///< convergence time [s], stretched if need be; 0: no time base
-  T K_from = T(0);    ///< without one: the gain at the reset [1/s]
-  bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
+  Integrals<Space::coordinates, T> I2;  ///< of its sign [s]
+  T tb = T(0);                          ///< convergence time [s], stretched if need be; 0: no time base
+  T K_from = T(0);                      ///< without one: the gain at the reset [1/s]
+  [[no_unique_address]] SignMemory<Sign, Space::coordinates, T> sign = {};
   [[no_unique_address]] typename Space::Memory space = {};  ///< what the space itself remembers
 };
 
@@ -33,13 +34,15 @@ struct TrackingMemory {
 ///
 /// @tparam Space  the coordinates: `JointSpace` or `OperationalSpace`.
 /// @tparam Plan   where targets come from: a spline to a goal, or the samples of a source.
-template <class Space, class Plan, class Damping = InertialDamping<typename Space::scalar>>
+/// @tparam Sign   how the second integral takes the sign: control/sign.hpp.
+template <class Space, class Plan, class Damping = InertialDamping<typename Space::scalar>,
+          class Sign = TanhSign>
 class Tracking : public Composable {
  public:
   static constexpr std::size_t N = Space::joints;
   static constexpr std::size_t coordinates = Space::coordinates;
   using T = typename Space::scalar;
-  using Memory = TrackingMemory<Space, Plan>;
+  using Memory = TrackingMemory<Space, Plan, Sign>;
   using Goal = typename Plan::Goal;
   using Surface = typename Space::Surface;
   using Settings = typename Space::Settings;
@@ -63,7 +66,7 @@ class Tracking : public Composable {
         damping_(damping),
         gains_(Space::tracking(settings)),
         schedule_(gains().K_c, gains().base, gains().settle) {
-    check(gains(), damping.fastest());
+    check(gains(), damping.fastest(), gains_.slope);
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
   [[nodiscard]] const Space& space() const noexcept { return space_; }
@@ -92,8 +95,8 @@ class Tracking : public Composable {
     out.memory.space = Space::renewed(memory.space);
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};
-    out.memory.I1 = {};
-    out.memory.I2 = {};
+    out.memory.I1 = out.memory.I2 = Integrals<Space::coordinates, T>();
+    out.memory.sign = {};
     begin_bias(out.memory, known);
     hand_over(out.memory, memory, known);
     return out;
@@ -116,7 +119,7 @@ class Tracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
     static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
-    return space_.surface(gains_, inputs(memory, T(0), Surface{}), space_.site(known), memory.space);
+    return space_.surface(gains_, inputs(memory, T(0), {}, {}), space_.site(known), memory.space);
   }
 
   /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
@@ -168,8 +171,10 @@ class Tracking : public Composable {
   [[nodiscard]] SKINCTL_INLINE const JointControlSettings<N, T>& gains() const noexcept {
     return Space::tracking(settings_);
   }
+  using Rates = JointVelocity<Space::coordinates, T>;
   [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
-                                                               const Surface& at_t) const noexcept;
+                                                               const Rates& dI1,
+                                                               const Rates& dI2) const noexcept;
   [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
                                               const T& dt) const noexcept;
   template <class K>
@@ -192,7 +197,7 @@ class Tracking : public Composable {
   [[no_unique_address]] Space space_;
   Settings settings_;
   Damping damping_;
-  SurfaceGains<T> gains_;
+  SurfaceGains<T, Sign> gains_;
   GainSchedule<T> schedule_;
 };
 

@@ -210,7 +210,7 @@ class Cycle {
     const auto guarded = guard_.pass(m.guard, resolved.command, input.measured, input.now, resolved.fallback,
                                      found | out.status);
     out.status |= guarded.status | input.observed;
-    out.command = guarded.command;
+    out.command.assign(guarded.command);
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
     if constexpr (governed) {
       if (guarded.altered) governor_.sent(m.governor, guarded.command);

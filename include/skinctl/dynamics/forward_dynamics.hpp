@@ -138,5 +138,9 @@ template <Model M, Scalar T>
   const MassFactors<M, T> factors(mass_matrix(model, angles));
   return {factors.solve(free), factors.positive_definite()};
 }
+// clang-format off
+template <Model M, Scalar T> requires(!computes_in<M, T>)
+void forward_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointTorque<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+// clang-format on
 
 SKINCTL_END_NAMESPACE

@@ -40,6 +40,7 @@ struct BlendGoal {
 /// Times and thresholds of a blend.
 struct BlendSettings {
   Nanoseconds ramp = 100_ms;  ///< of the way to other weights
+  double most_rate = 0;  ///< a ramp slows down where it would move a joint's torque faster [N m/s]; 0: never
   ContactSettings contact{};  ///< what gates take for a touch
 };
 
@@ -58,6 +59,9 @@ class Blended;
 ///   every cycle: it brakes the robot and pulls it nowhere. When all shares are there, its feedback comes by
 ///   a ramp of its own, as long again, so that it takes up what pushes against it little by little; then it
 ///   takes goals.
+/// - With `most_rate` a ramp slows down, to a twentieth of its speed at most, where the laws have come to
+/// differ
+///   so much that their shares alone would move the torque faster.
 /// - Gravity is held once and whole throughout: where no gravity law is in the sum and tracking fades, the
 /// sum
 ///   holds what of G is left.
@@ -107,7 +111,13 @@ class Blended<Fused<P, L...>> : public Composable {
       : Blended(sum, sum.weights(), settings) {}
   /// @param first  weights to start with, >= 0. Throws `ConfigurationError`.
   Blended(const Fusion& sum, const std::array<double, terms>& first, const BlendSettings& settings = {})
-      : sum_(sum), first_(first), ramp_(settings.ramp), contact_(settings.contact) {
+      : sum_(sum),
+        first_(first),
+        ramp_(settings.ramp),
+        most_rate_(settings.most_rate),
+        contact_(settings.contact) {
+    require(settings.most_rate >= 0 && settings.most_rate <= 1e9, "most_rate", settings.most_rate,
+            ">= 0 N m/s");
     for (std::size_t i = 0; i < terms; ++i)
       require(usable(i, first[i]), "weight of a law", first[i], "0 to 1e6, and 1 for gravity");
   }
@@ -185,15 +195,15 @@ class Blended<Fused<P, L...>> : public Composable {
     return out;
   }
 
-  /// What the laws' parts are multiplied by now.
-  [[nodiscard]] Factors factors(const Memory& memory) const noexcept {
+  /// What the laws' parts are multiplied by, now or soon.
+  [[nodiscard]] Factors factors(const Memory& memory, Nanoseconds ahead = 0) const noexcept {
     if (!moves(memory)) return memory.to;
-    const auto way = quintic(static_cast<double>(memory.elapsed) / static_cast<double>(memory.ramp));
+    const Nanoseconds elapsed = memory.elapsed + ahead;
+    const auto way = quintic(static_cast<double>(elapsed) / static_cast<double>(memory.ramp));
     const double late =
         memory.elapsed <= memory.ramp
             ? 0
-            : quintic(static_cast<double>(memory.elapsed - memory.ramp) / static_cast<double>(memory.settle))
-                  .a1;
+            : quintic(static_cast<double>(elapsed - memory.ramp) / static_cast<double>(memory.settle)).a1;
     Factors out;
     for (std::size_t i = 0; i < terms; ++i) {
       const auto &from = memory.from[i], &to = memory.to[i];
@@ -289,6 +299,7 @@ class Blended<Fused<P, L...>> : public Composable {
       Now now;  ///< of loaded tracking laws
     };
     Part() noexcept {}
+    Part(const Part& other) noexcept : torque(other.torque) {}
   };
   // Each law's code stands alone: several in one function take the compiler far longer than one by one.
   template <std::size_t I, class Now, class K>
@@ -304,6 +315,34 @@ class Blended<Fused<P, L...>> : public Composable {
     } else {
       out.torque = law<I>().torque(part, known);
     }
+  }
+  /// The time by which the ramp goes on in an interval of `ns`.
+  template <class K, class... Parts>
+  [[nodiscard]] SKINCTL_COLD Nanoseconds paced(const Memory& memory, const std::tuple<Parts...>& parts,
+                                               const K& known, const Factors& now,
+                                               Nanoseconds ns) const noexcept {
+    using T = typename K::scalar;
+    const Factors soon = factors(memory, ns);
+    JointTorque<K::joints, T> moved;
+    each([&](auto i) {
+      constexpr std::size_t J = i.value;
+      if (!loaded(memory, J)) return;
+      if (comes(memory, J) && memory.elapsed >= memory.ramp) {
+        auto feedback = std::get<J>(parts);
+        compute<J>(feedback, memory, known, Share<double>{1, 0});
+        moved += static_cast<T>(soon[J].feedback - now[J].feedback) * feedback.torque;
+      } else {
+        const double had = now[J].feed_forward, gets = soon[J].feed_forward;
+        if (had > 0) moved += static_cast<T>((gets - had) / had) * std::get<J>(parts).torque;
+      }
+    });
+    double most = 0;
+    for (const T& x : moved)
+      most = detail::magnitude(x) > static_cast<T>(most) ? static_cast<double>(detail::magnitude(x)) : most;
+    const double allowed = most_rate_ * static_cast<double>(ns) * 1e-9;
+    if (!(most > allowed)) return ns;
+    const Nanoseconds slow = nanoseconds(static_cast<double>(ns) * 1e-9 * allowed / most);
+    return slow > ns / 20 ? slow : ns / 20;
   }
   template <std::size_t I, class Now, class K>
   SKINCTL_NOINLINE void move_on(Memory& next, const Now& now, const K& known, const typename K::scalar& dt,
@@ -332,6 +371,8 @@ class Blended<Fused<P, L...>> : public Composable {
       next = begun(memory, known);
     const Factors shares = factors(next);
     JointTorque<K::joints, T> skin, track, contact;
+    const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
+    Nanoseconds pace = ns;
     [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
       std::tuple<Part<typename NowOf<law_at<I>, K>::type, K::joints, T>...> parts;
       each([&](auto i) SKINCTL_INLINE_LAMBDA {
@@ -364,6 +405,8 @@ class Blended<Fused<P, L...>> : public Composable {
           if (Fusion::roles[i] == Role::tracking) left -= shares[i].feed_forward;
         out.torque += static_cast<T>(left) * known.gravity();
       }
+      if (most_rate_ > 0 && moves(next)) [[unlikely]]
+        pace = paced(next, parts, known, shares, ns);
       Opposition opposition = given;
       if constexpr (Fusion::watches) {
         const auto found = sum_.detector().detect(memory.opposition, skin, track, dt);
@@ -378,8 +421,7 @@ class Blended<Fused<P, L...>> : public Composable {
       });
     }(std::index_sequence_for<L...>{});
     if (moves(next)) out.status |= Reason::hand_over;
-    const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
-    next.elapsed = later(next.elapsed, ns);
+    next.elapsed = later(next.elapsed, pace);
     if constexpr (gated) {
       next.contact = contact_.advanced(next.contact, contact, ns);
       if (next.contact.touched != memory.contact.touched) {
@@ -393,6 +435,7 @@ class Blended<Fused<P, L...>> : public Composable {
   Fusion sum_;
   std::array<double, terms> first_;
   Ramp<double> ramp_;
+  double most_rate_;
   ContactDetector contact_;
 };
 

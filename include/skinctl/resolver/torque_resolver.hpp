@@ -59,7 +59,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     m.started = true;
     m.time = measured.time;
     m.measured = measured;
-    m.command = {m.time, measured.q, measured.dq, {}, fallback(m), true};
+    m.command = {m.time, true, measured.q, measured.dq, {}, fallback(m)};
     return m;
   }
 

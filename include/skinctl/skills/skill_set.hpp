@@ -42,8 +42,8 @@ struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G..., 
 /// - A change moves the shares by a quintic. Controllers that come start at the state at hand with share
 /// zero,
 ///   controllers that stay go on: torque and rate begin where they were. The time is as configured, and
-///   longer where the torque would move faster than `most_rate` on the way, as far as can be told at its
-///   begin: what happens meanwhile, a touch or a goal, is answered as always.
+///   longer where the change would move the torque faster than `most_rate`; what happens meanwhile, a touch
+///   or a goal, is answered as always.
 /// - A request during a change waits for its end; of several the last counts.
 /// - A finished skill holds, or goes on to its `next`; a failed one falls back to the first of the set.
 ///
@@ -97,7 +97,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   ///                numbers out of their range.
   SkillSet(const Fusion& sum, const std::array<Skill<terms>, skills>& rows,
            const SkillSettings& settings = {})
-      : blend_(sum.opposed_by(settings.opposition), rows[0].weights, BlendSettings{settings.hand_over, {}}),
+      : blend_(sum.opposed_by(settings.opposition), rows[0].weights,
+               BlendSettings{settings.hand_over, settings.most_rate, {}}),
         skills_(rows),
         settings_(settings) {
     require(settings.most_rate > 0 && settings.most_rate <= 1e9, "most_rate", settings.most_rate,

@@ -6,10 +6,10 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The gain from now on, as slow as the largest error asks for.
-template <class Space, class Plan, class Damping>
+template <class Space, class Plan, class Damping, class Sign>
 template <class K>
-SKINCTL_COLD Status Tracking<Space, Plan, Damping>::begin_gain(Memory& memory,
-                                                               const K& known) const noexcept {
+SKINCTL_COLD Status Tracking<Space, Plan, Damping, Sign>::begin_gain(Memory& memory,
+                                                                     const K& known) const noexcept {
   memory.since_reset = 0;
   memory.tb = gains().tb;
   memory.K_from = schedule_.K_c();
@@ -28,9 +28,10 @@ SKINCTL_COLD Status Tracking<Space, Plan, Damping>::begin_gain(Memory& memory,
 }
 
 /// Without a time base: a gain with which the largest error goes back no faster than `max_velocity`.
-template <class Space, class Plan, class Damping>
+template <class Space, class Plan, class Damping, class Sign>
 template <class K>
-SKINCTL_COLD void Tracking<Space, Plan, Damping>::slow_gain(Memory& memory, const K& known) const noexcept {
+SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::slow_gain(Memory& memory,
+                                                                  const K& known) const noexcept {
   memory.tb = T(0);
   memory.K_from = schedule_.K_c();
   auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
@@ -40,9 +41,10 @@ SKINCTL_COLD void Tracking<Space, Plan, Damping>::slow_gain(Memory& memory, cons
 }
 
 /// `S_d = S`, so that S_delta is zero.
-template <class Space, class Plan, class Damping>
+template <class Space, class Plan, class Damping, class Sign>
 template <class K>
-SKINCTL_COLD void Tracking<Space, Plan, Damping>::begin_bias(Memory& memory, const K& known) const noexcept {
+SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::begin_bias(Memory& memory,
+                                                                   const K& known) const noexcept {
   const auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
   const auto K_p = gain(memory, T(0));
   memory.bias = {};
@@ -52,9 +54,9 @@ SKINCTL_COLD void Tracking<Space, Plan, Damping>::begin_bias(Memory& memory, con
 
 /// The skin begins or ceases to push against this law. At the release S_d is zero but for the hand-over, and
 /// the gain constant: the error goes back on its own side.
-template <class Space, class Plan, class Damping>
+template <class Space, class Plan, class Damping, class Sign>
 template <class K>
-SKINCTL_COLD TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::switched(
+SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Sign>::switched(
     const Memory& memory, const K& known, const T& dt, Opposition opposition) const noexcept {
   Memory next = memory;
   next.held = opposition == Opposition::lasting;
@@ -70,10 +72,10 @@ SKINCTL_COLD TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::switche
 }
 
 /// Makes the reference of `next` go on from that of `before` at this state, in velocity and acceleration.
-template <class Space, class Plan, class Damping>
+template <class Space, class Plan, class Damping, class Sign>
 template <class K>
-SKINCTL_COLD void Tracking<Space, Plan, Damping>::hand_over(Memory& next, const Memory& before,
-                                                            const K& known) const noexcept {
+SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::hand_over(Memory& next, const Memory& before,
+                                                                  const K& known) const noexcept {
   const auto old = look(before, known);
   next.bias.elapsed = clock_end;
   const auto raw = look(next, known);

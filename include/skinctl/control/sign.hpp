@@ -1,0 +1,111 @@
+// Ways to take a sign: what integrates the error of the sliding surface, eqs. (10), (14).
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/core/detail/row.hpp"
+#include "skinctl/math/tanh.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A sign turns S_delta into the rate of the second integral, in [-1, 1]. `slope` is the steepest of it,
+/// which the bound of the gains counts; `twists`: whether it integrates by itself.
+
+/// The paper's `tanh(mu S)`: smooth everywhere, exponentially close to the sign.
+struct TanhSign {
+  static constexpr bool twists = false;
+  template <std::size_t N, Real T>
+  [[nodiscard]] SKINCTL_INLINE static auto rate(const detail::Row<N, T>& S, const T& mu, const T&,
+                                                const T*) noexcept {
+    return math::tanh(mu * S);
+  }
+  template <Real T>
+  [[nodiscard]] static T slope(const T& mu, const T&, const T&) noexcept {
+    return mu;
+  }
+};
+
+/// `mu S`, cut off at -1 and 1: the cheapest.
+struct SaturationSign {
+  static constexpr bool twists = false;
+  template <std::size_t N, Real T>
+  [[nodiscard]] SKINCTL_INLINE static auto rate(const detail::Row<N, T>& S, const T& mu, const T&,
+                                                const T*) noexcept {
+    return clamp(mu * S, T(-1), T(1));
+  }
+  template <Real T>
+  [[nodiscard]] static T slope(const T& mu, const T&, const T&) noexcept {
+    return mu;
+  }
+};
+
+/// The set-valued sign itself, by backward Euler (Acary and Brogliato, 2010): the nu in `sign(S')` with which
+/// the surface is at `S' = S - h K_i2 nu` when the robot has followed, h = 10 intervals: `nu = S / (h K_i2)`,
+/// cut off at -1 and 1. No mu, and as steep as sampled time and a cycle of delay allow: over one interval it
+/// would be dead-beat, and any delay would make it oscillate.
+struct ImplicitSign {
+  static constexpr bool twists = false;
+  template <std::size_t N, Real T>
+  [[nodiscard]] SKINCTL_INLINE static auto rate(const detail::Row<N, T>& S, const T& slope, const T&,
+                                                const T* z) noexcept {
+    return SaturationSign::rate(S, slope, slope, z);
+  }
+  template <Real T>
+  [[nodiscard]] static T slope(const T&, const T& K_i2, const T& dt) noexcept {
+    return K_i2 > T(0) ? T(T(0.1) / (dt * K_i2)) : T(0);
+  }
+};
+
+/// Super-twisting (Levant, 1993): `sqrt(mu |S|) sign(S) + z`, `dz = mu sign(S)`, cut off at -1 and 1: the
+/// jump of the sign is two integrals away from the torque. Where the root is steeper than sampled time allows
+/// it is a straight line.
+struct SuperTwistingSign {
+  static constexpr bool twists = true;
+  template <std::size_t N, Real T>
+  [[nodiscard]] SKINCTL_INLINE static auto rate(const detail::Row<N, T>& row, const T& slope, const T& mu,
+                                                const T* z) noexcept {
+    using std::sqrt;
+    T S[N];
+    row.store(S);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T size = S[i] < T(0) ? T(-S[i]) : S[i];
+      const T root = sqrt(T(mu * size)), line = slope * size;
+      const T x = (S[i] < T(0) ? T(-1) : T(1)) * (root < line ? root : line) + z[i];
+      S[i] = x > T(1) ? T(1) : (x < T(-1) ? T(-1) : x);
+    }
+    return detail::Row<N, T>(S);
+  }
+  template <Real T>
+  [[nodiscard]] static T slope(const T& mu, const T& K_i2, const T& dt) noexcept {
+    const T most = ImplicitSign::slope(mu, K_i2, dt);
+    return most > mu ? most : mu;
+  }
+};
+
+/// What a sign integrates by itself: nothing, or the z of super-twisting.
+template <class Sign, std::size_t N, Real T>
+struct SignMemory {
+  [[nodiscard]] const T* data() const noexcept { return nullptr; }
+  [[nodiscard]] SignMemory advanced(const T*, const T&, const T&, bool) const noexcept { return *this; }
+};
+template <class Sign, std::size_t N, Real T>
+  requires(Sign::twists)
+struct SignMemory<Sign, N, T> {
+  T z[N] = {};
+  [[nodiscard]] const T* data() const noexcept { return z; }
+  /// `dt` later; a NaN in S changes nothing, and nothing changes while the law is held.
+  [[nodiscard]] SignMemory advanced(const T* S, const T& mu, const T& dt, bool held) const noexcept {
+    SignMemory next = *this;
+    if (held) return next;
+    for (std::size_t i = 0; i < N; ++i) {
+      // backward Euler about S = 0, as the sign is set-valued there
+      const T x = S[i] * mu * T(100);
+      const T sign = x > T(1) ? T(1) : (x < T(-1) ? T(-1) : (x == x ? x : T(0)));
+      const T z_i = z[i] + dt * mu * sign;
+      next.z[i] = z_i > T(1) ? T(1) : (z_i < T(-1) ? T(-1) : z_i);
+    }
+    return next;
+  }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,55 @@
+#include "skilled_scene.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <type_traits>
+
+#include "skinctl/cycle/recording.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+// A part of bench/studies/nightly.cpp, which takes a day.
+TEST_CASE(
+    "Skills in a cycle: minutes at 1 kHz in float, recorded, replayed bit for bit, and at rest without "
+    "drift") {
+  static const auto scene = skilled_scene<float>(1_ms);
+  using Scene = std::remove_const_t<decltype(scene)>;
+  static_assert(std::is_trivially_copyable_v<Scene::Memory>);
+  SkilledDay<Scene> day(scene, 1_ms, 5);
+  Recording<Scene> recording(std::size_t(48) << 20);
+  recording.start(day.measured());
+  std::uint64_t allocated = 0;
+  double integrals = 0, drift = 0;
+  int bad = 0, changes = 0;
+  std::uint8_t skill = 0;
+  JointPosition<6, float> rest;
+  const int busy = sanitized ? 2'000 : 60'000;
+  for (int k = 0; k < busy + 30'000; ++k) {
+    if (k < busy) day.happen();
+    if (k == busy) day.release_all(), day.go_home();
+    const AllocationGuard guard;
+    const auto out = day.step();
+    allocated += guard.count();
+    if (k < 20'000) recording.add(day.last(), out.command);
+    integrals = std::max(integrals, day.integrals());
+    bad += !out.command.valid;
+    changes += day.memory().law.skill != skill;
+    skill = day.memory().law.skill;
+    for (std::size_t i = 0; i < 6; ++i) {
+      bad += !std::isfinite(out.command.position[i]);
+      if (k == busy + 20'000) rest = out.command.position;
+      if (k > busy + 20'000)
+        drift = std::max(drift, static_cast<double>(std::abs(out.command.position[i] - rest[i])));
+    }
+  }
+  CHECK(bad == 0);
+  CHECK(allocated == 0);
+  CHECK(changes >= (sanitized ? 1 : 10));
+  CHECK(integrals <= 1.001);
+  CHECK(drift <= 1e-6);
+  REQUIRE_FALSE(recording.full());
+  CHECK(replay(scene, recording).different == 0);
+}
