@@ -2,7 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <bit>
+#include <cmath>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/robot_table.hpp"
@@ -178,6 +182,69 @@ TEST_CASE("governor: a contact above its limit stops the arm, and only consent l
   CHECK(seen.has(Reason::contact_force));
   CHECK(stopped);
   CHECK(moving_again);
+}
+
+TEST_CASE("governor: whatever bits come in, commands stay finite, within limits and free of steps") {
+  const auto scene = governed(governor());
+  const auto memory = std::make_unique<decltype(scene)::Memory>();
+  const auto limits = ur5_test_limits<double>();
+  oracle::Random random(5);
+  const auto any_number = [&](double usual) {
+    const double special[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, -5e-324, -0.0};
+    const auto kind = random.index(12);
+    return kind < 6 && random.index(4) == 0 ? special[kind]
+           : kind == 6                      ? std::bit_cast<double>(random.bits())
+                                            : usual;
+  };
+  int bad = 0, steps = 0;
+  Status seen;
+  for (int run = 0; run < (sanitized ? 20 : 200); ++run) {
+    State<6> state;
+    state.q = home_position();
+    scene.start(*memory, state);
+    auto last = memory->robot.command;
+    Nanoseconds now = 0;
+    for (int k = 0; k < 100; ++k) {
+      now += 8_ms;
+      typename decltype(scene)::Input input;
+      input.now = random.index(20) == 0 ? static_cast<Nanoseconds>(random.bits()) : now;
+      input.measured = state;
+      input.measured.time = random.index(20) == 0 ? static_cast<Nanoseconds>(random.bits()) : now;
+      for (double& x : input.measured.q) x = any_number(x);
+      for (double& x : input.measured.dq) x = any_number(x);
+      std::array<CellSample, 3> samples;
+      for (auto& s : samples)
+        s = {.time = now,
+             .cell = static_cast<std::uint32_t>(1 + random.index(260)),
+             .force = {static_cast<float>(any_number(0.3)), 0.2f, static_cast<float>(any_number(0))},
+             .proximity = static_cast<float>(any_number(0.1))};
+      input.samples = samples;
+      if (random.index(40) == 0) input.observed = Status::from_bits(random.bits());
+      input.request = random.index(10) == 0 ? Request::resume : Request::none;
+      const auto out = scene.step(*memory, input);
+      seen |= out.status;
+      bad += !out.command.valid;
+      for (std::size_t i = 0; i < 6; ++i) {
+        const double q = out.command.position[i], v = out.command.velocity[i];
+        bad += !(q >= limits.lower()[i] && q <= limits.upper()[i]);
+        bad += !(std::abs(v) <= limits.velocity()[i] * 1.0001);
+        steps += !(std::abs(v - last.velocity[i]) <= limits.acceleration()[i] * 0.0801);
+        steps += !(std::abs(q - last.position[i]) <= limits.velocity()[i] * 0.0801);
+      }
+      last = out.command;
+      state.q = out.command.position;
+      state.dq = out.command.velocity;
+    }
+  }
+  CHECK(bad == 0);
+  CHECK(steps == 0);
+  for (const Reason r :
+       {Reason::jerk_limited, Reason::tool_speed_limited, Reason::contact_force, Reason::state_stale,
+        Reason::state_out_of_range, Reason::state_not_finite, Reason::consent_awaited}) {
+    const std::string reason = describe(r);
+    CAPTURE(reason);
+    CHECK((sanitized || seen.has(r)));
+  }
 }
 
 TEST_CASE("governor: a cycle allocates nothing") {

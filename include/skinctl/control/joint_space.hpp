@@ -102,7 +102,7 @@ class JointSpace {
   SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
                                  const T& dt) noexcept {
     for (std::size_t i = 0; i < N; ++i) {
-      Reaction<1, T> one{{r.dq_d[i]}, {r.ddq_d[i]}};
+      Pursuit<1, T> one{{r.dq_d[i]}, {r.ddq_d[i]}};
       const T e[1] = {target.q_d[i] - r.q_d[i]}, v[1] = {target.dq_d[i]};
       T moved[1];
       one.advance(e, v, {s.max_velocity[i], s.max_acceleration, s.max_jerk}, dt, moved);

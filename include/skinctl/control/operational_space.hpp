@@ -111,8 +111,8 @@ class OperationalSpace {
       if (v < slowest_) slowest_ = v;
     positive("max_linear_velocity", settings.max_linear_velocity);
     positive("max_angular_velocity", settings.max_angular_velocity);
-    check(ReactionLimits<T>{T(1), settings.max_linear_acceleration, settings.max_linear_jerk});
-    check(ReactionLimits<T>{T(1), settings.max_angular_acceleration, settings.max_angular_jerk});
+    check(PursuitLimits<T>{T(1), settings.max_linear_acceleration, settings.max_linear_jerk});
+    check(PursuitLimits<T>{T(1), settings.max_angular_acceleration, settings.max_angular_jerk});
   }
   [[nodiscard]] static SKINCTL_INLINE constexpr const JointControlSettings<N, T>& tracking(
       const Settings& s) noexcept {
@@ -161,8 +161,8 @@ class OperationalSpace {
   SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
                                  const T& dt) noexcept {
     const auto part = [&](const Xyz<T>& way, Xyz<T>& v, Xyz<T>& a, const Xyz<T>& v_t,
-                          const ReactionLimits<T>& l) {
-      Reaction<3, T> three;
+                          const PursuitLimits<T>& l) {
+      Pursuit<3, T> three;
       put(three.v, v), put(three.a, a);
       T e[3], to[3], moved[3];
       put(e, way), put(to, v_t);

@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// The last sample of a sensor, and the smooth motion that follows it; trivially copyable.
 ///
 /// Whatever the samples do, the reference keeps below the speed, acceleration and jerk of the settings (see
-/// `Reaction`), so it needs no reset: `receive` takes a sample like `follow`, and the law's time base and
+/// `Pursuit`), so it needs no reset: `receive` takes a sample like `follow`, and the law's time base and
 /// integrals go on. A moving target is met with its velocity. One that is not finite is refused, the last one
 /// stands (`Reason::goal_refused`); one that moves too fast is followed as fast as allowed
 /// (`Reason::goal_stretched`). When the source falls silent for `target_age` the target stands still where it

@@ -5,7 +5,7 @@
 #include "skinctl/core/time.hpp"
 #include "skinctl/dynamics/shape.hpp"
 #include "skinctl/trajectory/gain_schedule.hpp"
-#include "skinctl/trajectory/reaction.hpp"
+#include "skinctl/trajectory/pursuit.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -72,7 +72,7 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda, co
     require(s.shape.inertia[i] >= T(0) && s.shape.inertia[i] <= T(1e6), "added inertia",
             number(s.shape.inertia[i]), "0 to 1e6 kg m^2");
   }
-  check(ReactionLimits<T>{T(1), s.max_acceleration, s.max_jerk});
+  check(PursuitLimits<T>{T(1), s.max_acceleration, s.max_jerk});
   for (const T& v : s.max_velocity) require(v > T(0) && v <= T(1e6), "max_velocity", number(v), "> 0 rad/s");
   const T K_p = GainSchedule<T>(s.K_c, s.base, s.settle).largest(s.tb);
   const T product = (K_p + lambda + s.K_i1 + slope * s.K_i2) * s.dt;

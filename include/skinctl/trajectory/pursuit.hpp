@@ -11,29 +11,29 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// How fast a motion may react; each limit > 0, of the length of the vector.
 template <Scalar T = double>
-struct ReactionLimits {
+struct PursuitLimits {
   T velocity, acceleration, jerk;
 };
 
 /// Refuses limits that are not positive, or whose jerk takes less than an interval: `ConfigurationError`.
 template <Real T>
-SKINCTL_COLD void check(const ReactionLimits<T>& l) {
-  require(l.velocity > T(0) && l.velocity <= T(1e6), "reaction: velocity", static_cast<double>(l.velocity),
+SKINCTL_COLD void check(const PursuitLimits<T>& l) {
+  require(l.velocity > T(0) && l.velocity <= T(1e6), "pursuit: velocity", static_cast<double>(l.velocity),
           "> 0");
-  require(l.acceleration > T(0) && l.acceleration <= T(1e6), "reaction: acceleration",
+  require(l.acceleration > T(0) && l.acceleration <= T(1e6), "pursuit: acceleration",
           static_cast<double>(l.acceleration), "> 0");
-  require(l.jerk > T(0) && l.jerk <= T(1e9), "reaction: jerk", static_cast<double>(l.jerk), "> 0");
+  require(l.jerk > T(0) && l.jerk <= T(1e9), "pursuit: jerk", static_cast<double>(l.jerk), "> 0");
 }
 
 /// Where a motion of `D` coordinates goes: velocity and acceleration now.
 template <std::size_t D, Scalar T = double>
-struct Reaction {
+struct Pursuit {
   T v[D] = {};
   T a[D] = {};
 
   /// The distance it needs to stop from the speed `v`, [m] or [rad]: it brakes with half of the acceleration
   /// and builds that up with the jerk.
-  [[nodiscard]] static constexpr T braking_distance(const ReactionLimits<T>& l, const T& v) noexcept {
+  [[nodiscard]] static constexpr T braking_distance(const PursuitLimits<T>& l, const T& v) noexcept {
     return v * v / l.acceleration + v * l.acceleration / l.jerk;
   }
 
@@ -44,7 +44,7 @@ struct Reaction {
   ///
   /// each cut off at its limit: velocity, acceleration and jerk never exceed them, whatever e does. b is half
   /// of the acceleration, and k leaves the jerk time to follow. A NaN in e or v_t: it brakes.
-  SKINCTL_COLD void advance(const T (&e)[D], const T (&v_t)[D], const ReactionLimits<T>& l, const T& dt,
+  SKINCTL_COLD void advance(const T (&e)[D], const T (&v_t)[D], const PursuitLimits<T>& l, const T& dt,
                             T (&moved)[D]) noexcept {
     using std::sqrt;
     const T b = T(0.5) * l.acceleration, b_j = T(0.5) * l.jerk;

@@ -1,4 +1,4 @@
-#include "skinctl/trajectory/reaction.hpp"
+#include "skinctl/trajectory/pursuit.hpp"
 
 #include <doctest/doctest.h>
 
@@ -16,9 +16,9 @@ double length(const double (&x)[D]) {
 }
 /// Random jumps of the target, its velocity and NaNs between; velocity, acceleration and jerk are watched.
 template <std::size_t D>
-void jump(double rate, const ReactionLimits<double>& l, unsigned seed) {
+void jump(double rate, const PursuitLimits<double>& l, unsigned seed) {
   Seeded rng(seed);
-  Reaction<D> x;
+  Pursuit<D> x;
   double e[D], v_t[D] = {}, moved[D], p[D] = {}, target[D] = {};
   const double dt = 1 / rate;
   for (int i = 0; i < static_cast<int>(40 * rate); ++i) {
@@ -41,18 +41,18 @@ void jump(double rate, const ReactionLimits<double>& l, unsigned seed) {
 }
 }  // namespace
 
-TEST_CASE("Reaction: any jump of the target keeps the limits of velocity, acceleration and jerk") {
+TEST_CASE("Pursuit: any jump of the target keeps the limits of velocity, acceleration and jerk") {
   jump<1>(125, {1, 4, 40}, 1);
   jump<1>(1000, {1, 4, 40}, 2);
   jump<3>(125, {0.25, 1.5, 15}, 3);
   jump<3>(500, {0.25, 1.5, 15}, 4);
 }
 
-TEST_CASE("Reaction: reaches a target that stands without overshoot, and meets one that moves") {
-  const ReactionLimits<double> l{1, 4, 40};
+TEST_CASE("Pursuit: reaches a target that stands without overshoot, and meets one that moves") {
+  const PursuitLimits<double> l{1, 4, 40};
   for (const double rate : {125.0, 1000.0}) {
     for (const double step : {1e-3, 0.1, 1.0, 4.0}) {
-      Reaction<1> x;
+      Pursuit<1> x;
       double p = 0, most = 0, moved[1];
       const double still[1] = {0}, drift[1] = {0.3};
       for (int i = 0; i < static_cast<int>((4 + step) * rate); ++i) {
@@ -76,9 +76,9 @@ TEST_CASE("Reaction: reaches a target that stands without overshoot, and meets o
   }
 }
 
-TEST_CASE("Reaction: stops within its braking distance when the target vanishes") {
-  const ReactionLimits<double> l{1, 4, 40};
-  Reaction<1> x;
+TEST_CASE("Pursuit: stops within its braking distance when the target vanishes") {
+  const PursuitLimits<double> l{1, 4, 40};
+  Pursuit<1> x;
   double p = 0, moved[1];
   const double still[1] = {0};
   for (int i = 0; i < 2000; ++i) {
@@ -92,7 +92,7 @@ TEST_CASE("Reaction: stops within its braking distance when the target vanishes"
     x.advance(nothing, still, l, 0.002, moved);
     p += moved[0];
   }
-  CHECK(p <= Reaction<1>::braking_distance(l, speed));
+  CHECK(p <= Pursuit<1>::braking_distance(l, speed));
   CHECK(magnitude(x.v[0]) < 1e-6);
-  CHECK_THROWS_AS(check(ReactionLimits<double>{1, 0, 1}), ConfigurationError);
+  CHECK_THROWS_AS(check(PursuitLimits<double>{1, 0, 1}), ConfigurationError);
 }
