@@ -1,8 +1,12 @@
 // What operational control adds to poses and Jacobian: dJ dq, the damped inverse, and the rate of what it
 // asks.
+#include <Eigen/Cholesky>
+#include <memory>
+
 #include "bench/support/rows.hpp"
 #include "skinctl/kinematics/damped_inverse.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;
 
@@ -36,6 +40,29 @@ void rows() {
   });
 }
 
-const bool registered = (rows<double>(), rows<float>(), true);
+/// The same from our Jacobian by Eigen, with constant damping; and KDL's own from q.
+void twin_rows() {
+  using Matrix = Eigen::Matrix<double, 6, 6>;
+  using Vector = Eigen::Matrix<double, 6, 1>;
+  bench::row<6>("kinematics/damped-inverse/ur5/eigen/double", [](const auto& s) {
+    const Matrix J = jacobian<5>(link_poses(ur5::Model{}, s.q)).matrix();
+    const Matrix A = J.transpose() * J + 0.0064 * Matrix::Identity();
+    const Vector b = J.transpose() * Eigen::Map<const Vector>(s.dq.data);
+    return Vector(A.ldlt().solve(b));
+  });
+  const auto kdl = std::make_shared<oracle::KdlOracle>(oracle::ur5());
+  bench::row<6>("kinematics/damped-inverse/ur5/kdl/double", [kdl](const auto& s) {
+    bench::Numbers<6> dq;
+    kdl->damped_inverse(s.q.data, s.dq.data, 0.08, dq.data);
+    return dq;
+  });
+  bench::row<6>("kinematics/jacobian-and-rate/ur5/kdl/double", [kdl](const auto& s) {
+    bench::Numbers<36> dJ;
+    kdl->jacobian_rate(s.q.data, s.dq.data, dJ.data);
+    return dJ;
+  });
+}
+
+const bool registered = (rows<double>(), rows<float>(), twin_rows(), true);
 
 }  // namespace

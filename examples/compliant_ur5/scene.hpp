@@ -72,7 +72,9 @@ auto make_scene(const Settings& s) {
   skin.force = EventGate<>::dead_band(s.control.force_threshold);
 
   const auto law = SplineJoint<6>(tracking(s)) + SkinJointControl{} + GravityControl{};
-  return Cycle(Resolver<I, ur5::Model>(ur5::Model{}, resolver), law, ur5_skin<cells>(gains(s), skin),
+  const Passivity keeper(ContactDamper<>({.most = s.control.contact_damping}));
+  using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32, Passivity<ContactDamper<>>>;
+  return Cycle(Robot(ur5::Model{}, resolver, keeper), law, ur5_skin<cells>(gains(s), skin),
                Guard<I, 6>(guard));
 }
 

@@ -30,7 +30,7 @@ TEST_CASE_TEMPLATE("Sign: odd, within -1 and 1, growing, and no steeper than it 
   for (double S = -2; S < 2; S += 1e-3) {
     const double in[3] = {S, -S, 0};
     double out[3];
-    Sign::template rates<3>(in, slope, mu, z, out);
+    Sign::rate(detail::Row<3, double>(in), slope, mu, z).store(out);
     CHECK(std::abs(out[0]) <= 1);
     CHECK(out[0] == doctest::Approx(-out[1]));
     CHECK(out[2] == 0);

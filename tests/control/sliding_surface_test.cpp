@@ -87,7 +87,15 @@ TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, flo
 TEST_CASE_TEMPLATE("SlidingSurface: integrals stop at their limit, smoothly, and always find back", T, float,
                    double) {
   const T limit(0.5);
-  using Gains = SurfaceGains<T>;
+  struct Gains {
+    static T taken(const T& integral, const T& rate, const T& limit) {
+      const auto part = SurfaceGains<T>::taken(JointVelocity<2, T>{integral, T(0)},
+                                               detail::Row<2, T>(JointVelocity<2, T>{rate, rate}), limit);
+      const JointVelocity<2, T> of_each(part);
+      CHECK(of_each[1] == rate);  // the joint beside it keeps its own
+      return of_each[0];
+    }
+  };
   for (const T& rate : {T(0.3), T(-0.3)}) {
     const T sign = rate < T(0) ? T(-1) : T(1);
     CHECK(Gains::taken(T(0), rate, limit) == rate);
@@ -125,13 +133,14 @@ TEST_CASE_TEMPLATE("Integrals: lose nothing in ten million small steps, and take
                    T, float, double) {
   Integrals<1, T> sum;
   const T step = T(1e-6), dt = T(1e-3);
-  sum.add(0, T(1e6), dt);  // a large sum that plain additions of 1e-9 would not change in float
-  for (int i = 0; i < 10'000'000; ++i) sum.add(0, step, dt);
+  const auto add = [&](T rate) { sum = sum.advanced(JointVelocity<1, T>::constant(rate), dt); };
+  add(T(1e6));  // a large sum that plain additions of 1e-9 would not change in float
+  for (int i = 0; i < 10'000'000; ++i) add(step);
   const Exact exact = Exact(T(1e6) * dt) + Exact(1e7) * Exact(T(step * dt));
   CHECK(magnitude(Exact(sum.sum[0]) - Exact(sum.carry[0]) - exact) <=
         Exact(2 * static_cast<double>(epsilon<T>())) * exact);
   const auto before = sum;
-  sum.add(0, std::numeric_limits<T>::quiet_NaN(), dt);
-  sum.add(0, std::numeric_limits<T>::infinity(), dt);
+  add(std::numeric_limits<T>::quiet_NaN());
+  add(std::numeric_limits<T>::infinity());
   CHECK(sum.sum[0] == doctest::Approx(before.sum[0]));
 }

@@ -27,9 +27,11 @@ static_assert(link_bit<0> == 1 && link_bit<63> == LinkMask(1) << 63);
 }  // namespace
 
 TEST_CASE("Needs: each flag alone is covered by itself only") {
-  const Needs each[] = {{.poses = 1},       {.jacobians = 1},  {.jacobian_rates = 1},
-                        {.angles = true},   {.gravity = true}, {.mass = true},
-                        {.coriolis = true}, {.touch = true},   {.middle = true}};
+  const Needs each[] = {
+      {.poses = 1},       {.jacobians = 1},         {.jacobian_rates = 1},    {.angles = true},
+      {.gravity = true},  {.mass = true},           {.mass_factors = true},   {.coriolis = true},
+      {.momentum = true}, {.kinetic_energy = true}, {.centre_of_mass = true}, {.touch = true},
+      {.middle = true}};
   for (const Needs& x : each)
     for (const Needs& y : each) CHECK(x.cover(y) == (&x == &y));
 }

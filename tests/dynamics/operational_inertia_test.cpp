@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "skinctl/kinematics/damped_inverse.hpp"
+#include "tests/support/mujoco_oracle.hpp"
 #include "tests/support/robots.hpp"
 
 using namespace skinctl;
@@ -104,4 +105,27 @@ TEST_CASE_TEMPLATE("OperationalInertia: bounded at the singularities of a UR5", 
         CHECK(effective_mass(A, a.linear, T(500)) <= static_cast<T>(500.001));
       }
     }
+}
+
+TEST_CASE("OperationalMobility: MuJoCo agrees, of the flange and of a link further in") {
+  const auto check = [](const auto& robot, auto link) {
+    constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
+    using Model = typename std::remove_cvref_t<decltype(robot)>::Model;
+    oracle::MujocoOracle mujoco(robot.table);
+    oracle::Random random(3);
+    double worst = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Motion<N> at(random);
+      const auto J = jacobian<link.value>(link_poses(robot.model, at.q));
+      const auto A = operational_mobility(J, MassFactors<Model>(mass_matrix(robot.model, at.q)));
+      double rows[36], expected[36];
+      for (std::size_t r = 0; r < 6; ++r)
+        for (std::size_t s = 0; s < 6; ++s) rows[r * 6 + s] = A(r, s);
+      mujoco.mobility(int(link.value), at.q.data, expected);
+      worst = std::max(worst, relative_error(rows, expected, 36));
+    }
+    CHECK(worst <= 1e-12);
+  };
+  check(ur5_robot(), std::integral_constant<std::size_t, 5>{});
+  check(ur5_robot(), std::integral_constant<std::size_t, 3>{});
 }

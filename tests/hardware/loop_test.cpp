@@ -114,3 +114,92 @@ TEST_CASE(
   CHECK(interrupted.report.ended == Ended::interrupted);
   CHECK(interrupted.robot.stops == 1);
 }
+
+namespace {
+/// Numbers its packets; every second one is lost on the way from the 100th to the 150th.
+struct NumberedRobot : FastRobot {
+  std::uint32_t number = 0;
+  Heard wait(State<6>& state) noexcept {
+    number += waits >= 100 && waits < 150 ? 2 : 1;
+    return FastRobot::wait(state);
+  }
+  [[nodiscard]] std::uint32_t packet() const noexcept { return number; }
+};
+static_assert(RobotDriver<NumberedRobot, 6, double>);
+}  // namespace
+
+TEST_CASE("loop: cycles over their budget skip optional work, then stop until there is consent") {
+  const auto scene = reaching_scene();
+  auto memory = std::make_unique<Scene::Memory>();
+  FastRobot robot;
+  NoSkin skin;
+  LoopOptions options{.cycles = 300};
+  options.budget = Budget({.cycle = 1_s, .skip_after = 2, .stop_after = 4, .calm_after = 10});
+  int cycle = 0, skipped = 0, waiting = 0;
+  bool stopped_at_once = false, went_on = false;
+  // No test should wait: what a slow cycle would leave is handed to the next one.
+  const auto report = run_loop(
+      scene, *memory, robot, skin, options,
+      [&](Scene::Input& input, auto&) {
+        ++cycle;
+        BudgetMemory slow;
+        if (cycle == 54) {
+          for (int k = 0; k < 4; ++k) input.observed |= options.budget->after(slow, 2_s);
+        }
+        if (cycle == 200) input.request = Request::resume;
+        return true;
+      },
+      [&](const auto& input, const auto& output, const auto&) {
+        skipped += input.observed.has(Reason::work_skipped);
+        waiting += output.status.has(Reason::consent_awaited);
+        if (cycle == 54) stopped_at_once = output.status.has(Reason::consent_awaited);
+        if (cycle == 201) went_on = !output.status.has(Reason::stopping);
+      });
+  CHECK(report.cycles == 300);
+  CHECK(report.overruns == 0);
+  CHECK(report.load.count() == 300);
+  CHECK(skipped == 1);
+  CHECK(stopped_at_once);
+  CHECK(waiting == 200 - 54);
+  CHECK(went_on);
+}
+
+TEST_CASE("loop: a real overrun is seen by the cycles after it") {
+  const auto scene = reaching_scene();
+  auto memory = std::make_unique<Scene::Memory>();
+  FastRobot robot;
+  NoSkin skin;
+  LoopOptions options{.cycles = 20};
+  options.budget = Budget({.cycle = 1_ns, .skip_after = 1, .stop_after = 3});  // nobody keeps this one
+  int cycle = 0, first_skipped = 0, first_stopped = 0;
+  const auto report = run_loop(
+      scene, *memory, robot, skin, options, [&](auto&, auto&) { return ++cycle > 0; },
+      [&](const auto& input, const auto& output, const auto&) {
+        if (first_skipped == 0 && input.observed.has(Reason::work_skipped)) first_skipped = cycle;
+        if (first_stopped == 0 && output.status.has(Reason::budget_overrun)) first_stopped = cycle;
+      });
+  CHECK(report.overruns == 20);
+  CHECK(first_skipped == 2);
+  CHECK(first_stopped == 4);
+}
+
+TEST_CASE("loop: packets that never came brake the scene, and it goes on by itself") {
+  const auto scene = reaching_scene();
+  auto memory = std::make_unique<Scene::Memory>();
+  NumberedRobot robot;
+  NoSkin skin;
+  int lost = 0, awaited = 0;
+  bool last = true;
+  const auto report = run_loop(
+      scene, *memory, robot, skin, LoopOptions{.cycles = 400}, [](auto&, auto&) { return true; },
+      [&](const auto&, const auto& output, const auto&) {
+        last = output.status.has(Reason::packets_lost);
+        lost += last;
+        awaited += output.status.has(Reason::consent_awaited);
+      });
+  CHECK(report.lost_packets == 50);
+  CHECK(lost > 50);
+  CHECK(lost < 150);
+  CHECK(awaited == 0);
+  CHECK_FALSE(last);
+}

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "tests/support/euler_lagrange.hpp"
+#include "tests/support/kdl_oracle.hpp"
 #include "tests/support/robots.hpp"
 
 using namespace skinctl;
@@ -60,6 +61,26 @@ TEST_CASE("JacobianRate: it is the slope of the Jacobian along the motion, by qu
   const auto tree = random_robot<MixedTree>("mixed tree", 11);
   CHECK(worst_error<4, double>(tree, tree.model) <= 2e-14);  // carries the rounding of canonical_links
   CHECK(worst_error<8, double>(tree, tree.model) <= 2e-14);
+}
+
+TEST_CASE("JacobianRate: KDL agrees at 1000 states") {
+  const auto arm = ur5_robot();
+  oracle::KdlOracle kdl(arm.table);
+  oracle::Random random(6);
+  double worst = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const Motion<6> at(random);
+    double expected[36];
+    kdl.jacobian_rate(at.q.data, at.dq.data, expected);
+    const auto dJ = jacobian_rate(jacobian<5>(link_poses(arm.model, at.q)), at.dq);
+    double rows[36] = {};
+    dJ.for_each([&](auto j, const auto& c) {
+      const double six[6] = {c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y, c.angular.z};
+      for (std::size_t r = 0; r < 6; ++r) rows[r * 6 + j.value] = six[r];
+    });
+    worst = std::max(worst, relative_error(rows, expected, 36));
+  }
+  CHECK(worst <= 1e-14);
 }
 
 TEST_CASE("JacobianRate: a motion at rest has none, and lanes do what numbers do") {

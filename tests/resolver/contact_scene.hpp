@@ -177,7 +177,6 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
   out.least_tank = out.least_ledger = 1e9;
   double given = 0, given_virtual = 0, force[2] = {};
   auto last = joints.q();
-  JointTouch touch;
   for (Nanoseconds now = scene.period; now < 2_s; now += scene.period) {
     const double t = seconds<double>(now);
     joints.advance(t);

@@ -10,6 +10,8 @@
 #include <kdl/chainfdsolver_recursive_newton_euler.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
+#include <kdl/chainiksolvervel_wdls.hpp>
+#include <kdl/chainjnttojacdotsolver.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 #include <kdl/tree.hpp>
 #include <kdl/treefksolverpos_recursive.hpp>
@@ -96,12 +98,15 @@ struct KdlOracle::State {
         chain_dynamics(chain, g),
         chain_parameters(chain, g),
         chain_forward(chain, g),
+        chain_rate(chain),
+        chain_inverse(chain),
         frames(chain.getNrOfSegments()),
         wrenches(chain.getNrOfSegments(), KDL::Wrench::Zero()),
         q(count()),
         dq(count()),
         ddq(count()),
         tau(count()),
+        moving(count()),
         J(count()),
         M(n) {
     const KDL::Tree copy(tree);
@@ -147,10 +152,13 @@ struct KdlOracle::State {
   KDL::ChainIdSolver_RNE chain_dynamics;
   KDL::ChainDynParam chain_parameters;
   KDL::ChainFdSolver_RNE chain_forward;
+  KDL::ChainJntToJacDotSolver chain_rate;
+  KDL::ChainIkSolverVel_wdls chain_inverse;
   std::vector<KDL::Frame> frames;
   KDL::Wrenches wrenches;
   KDL::WrenchMap no_wrenches;
   KDL::JntArray q, dq, ddq, tau;
+  KDL::JntArrayVel moving;
   KDL::Jacobian J;
   KDL::JntSpaceInertiaMatrix M;
   std::vector<std::string> names, leaves;
@@ -252,6 +260,25 @@ void KdlOracle::forward_dynamics(const double* q, const double* dq, const double
   s.load(s.tau, tau);
   State::check(s.chain_forward.CartToJnt(s.q, s.dq, s.tau, s.wrenches, s.ddq));
   s.unload(s.ddq, ddq);
+}
+
+void KdlOracle::jacobian_rate(const double* q, const double* dq, double* dJ) {
+  State& s = *state_;
+  if (!s.is_chain) throw std::logic_error("KDL has no rates of Jacobians of trees");
+  s.load(s.moving.q, q);
+  s.load(s.moving.qdot, dq);
+  State::check(s.chain_rate.JntToJacDot(s.moving, s.J));
+  s.unload_jacobian(dJ);
+}
+
+void KdlOracle::damped_inverse(const double* q, const double* twist, double damping, double* dq) {
+  State& s = *state_;
+  if (!s.is_chain) throw std::logic_error("KDL inverts Jacobians of chains only here");
+  s.load(s.q, q);
+  s.chain_inverse.setLambda(damping);
+  State::check(s.chain_inverse.CartToJnt(
+      s.q, {KDL::Vector(twist[0], twist[1], twist[2]), KDL::Vector(twist[3], twist[4], twist[5])}, s.dq));
+  s.unload(s.dq, dq);
 }
 
 void KdlOracle::peer_poses(const double* q, double* X) {

@@ -37,6 +37,12 @@ class KdlOracle {
   /// Acceleration under the torque tau. Chains only: KDL has none for trees.
   void forward_dynamics(const double* q, const double* dq, const double* tau, double* ddq);
 
+  /// dJ/dt of the last body's origin, 6 x n as `jacobian`. Chains only.
+  void jacobian_rate(const double* q, const double* dq, double* dJ);
+  /// Joint velocities that move the last body's origin as `twist` (linear, then angular) asks, by KDL's
+  /// weighted damped least squares. Chains only.
+  void damped_inverse(const double* q, const double* twist, double damping, double* dq);
+
   /// What KDL itself would compute for all frames of a chain, without conversion: `X` takes 12 numbers a body
   /// (R row-major, p) of the frames that stand at the next joint, `tip` at its place on the last body. For
   /// benchmarks. For a tree: the bodies' own frames.

@@ -143,7 +143,7 @@ struct MujocoOracle::State {
     }
     for (int i = 0; i < bodies; ++i)
       if (!is_parent[static_cast<std::size_t>(i)]) leaves.push_back(body[static_cast<std::size_t>(i)]);
-    square.resize(static_cast<std::size_t>(n * n));
+    square.resize(static_cast<std::size_t>(std::max(6, n) * n));
     rows.resize(static_cast<std::size_t>(6 * n));
   }
 
@@ -245,6 +245,18 @@ void MujocoOracle::forward_dynamics(const double* q, const double* dq, const dou
   for (int j = 0; j < s.n; ++j) s.data->qfrc_applied[j] -= s.data->qfrc_bias[j];
   mj_solveM(s.model.get(), s.data.get(), s.data->qacc, s.data->qfrc_applied, 1);
   s.unload(s.data->qacc, ddq);
+}
+
+void MujocoOracle::mobility(int body, const double* q, double* A) {
+  State& s = *state_;
+  s.place(q);
+  mj_comPos(s.model.get(), s.data.get());
+  mj_crb(s.model.get(), s.data.get());
+  mj_factorM(s.model.get(), s.data.get());
+  double* const J = s.rows.data();
+  mj_jacBody(s.model.get(), s.data.get(), J, J + 3 * s.n, s.body[static_cast<std::size_t>(body)]);
+  mj_solveM(s.model.get(), s.data.get(), s.square.data(), J, 6);
+  mju_mulMatMatT(A, J, s.square.data(), 6, s.n, 6);
 }
 
 void MujocoOracle::energy(const double* q, const double* dq, double& potential, double& kinetic) {

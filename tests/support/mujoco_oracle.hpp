@@ -39,6 +39,8 @@ class MujocoOracle {
   void mass_matrix(const double* q, double* M);
   /// Acceleration under the torque tau.
   void forward_dynamics(const double* q, const double* dq, const double* tau, double* ddq);
+  /// J M^-1 J' of a body's origin, 6 x 6, base axes, linear rows first.
+  void mobility(int body, const double* q, double* A);
   /// [J]; zero of the potential: all centres of mass at the base's origin.
   void energy(const double* q, const double* dq, double& potential, double& kinetic);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/needs.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/math/ldlt.hpp"
@@ -26,9 +27,7 @@ class InertialDamping {
   template <class K, std::size_t N>
   [[nodiscard]] SKINCTL_INLINE JointAcceleration<N, T> acceleration(
       const K&, const JointVelocity<N, T>& S_q) const noexcept {
-    JointAcceleration<N, T> a;
-    for (std::size_t i = 0; i < N; ++i) a[i] = lambda_ * S_q[i];
-    return a;
+    return JointAcceleration<N, T>(lambda_ * detail::Row<N, T>(S_q));
   }
 
  private:

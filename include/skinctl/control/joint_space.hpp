@@ -45,6 +45,7 @@ class JointSpace {
   using Where = JointPosition<N, T>;
   using Goal = JointGoal<N, T>;
   using Spline = JointSpline<N, T>;
+  using Row = detail::Row<N, T>;
   struct Memory {};
   struct Site {
     const JointPosition<N, T>& q;
@@ -80,20 +81,35 @@ class JointSpace {
     }
     return least;
   }
-  static SKINCTL_INLINE constexpr void slow(Reference& r, const OwnTime<T>& own) noexcept {
-    for (std::size_t i = 0; i < N; ++i) {
-      r.ddq_d[i] = own.rate * own.rate * r.ddq_d[i] + own.bend * r.dq_d[i];
-      r.dq_d[i] = own.rate * r.dq_d[i];
-    }
+  static SKINCTL_INLINE void slow(Reference& r, const OwnTime<T>& own) noexcept {
+    const Row dq_d = r.dq_d, ddq_d = r.ddq_d;
+    (T(own.rate * own.rate) * ddq_d + own.bend * dq_d).store(r.ddq_d);
+    (own.rate * dq_d).store(r.dq_d);
   }
-  [[nodiscard]] static SKINCTL_INLINE constexpr Reference ahead(const Reference& r, const T& t) noexcept {
-    Reference out;
+  [[nodiscard]] static SKINCTL_INLINE Reference ahead(const Reference& r, const T& t) noexcept {
+    const Row q = r.q_d, dq = r.dq_d, ddq = r.ddq_d;
+    return {Where(q + t * (dq + T(T(0.5) * t) * ddq)), JointVelocity<N, T>(dq + t * ddq), r.ddq_d};
+  }
+  [[nodiscard]] static bool finite(const Reference& r) noexcept {
+    T sum(0);
+    for (std::size_t i = 0; i < N; ++i) sum = sum + r.q_d[i] + r.dq_d[i] + r.ddq_d[i];
+    return sum - sum == T(0);
+  }
+  /// The same place at constant velocity, or at rest.
+  [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.q_d, r.dq_d, {}}; }
+  [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.q_d, {}, {}}; }
+  /// `r` moves on for `dt` towards a target, within the limits: each joint on its own.
+  SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
+                                 const T& dt) noexcept {
     for (std::size_t i = 0; i < N; ++i) {
-      out.q_d[i] = r.q_d[i] + t * (r.dq_d[i] + T(0.5) * t * r.ddq_d[i]);
-      out.dq_d[i] = r.dq_d[i] + t * r.ddq_d[i];
-      out.ddq_d[i] = r.ddq_d[i];
+      Pursuit<1, T> one{{r.dq_d[i]}, {r.ddq_d[i]}};
+      const T e[1] = {target.q_d[i] - r.q_d[i]}, v[1] = {target.dq_d[i]};
+      T moved[1];
+      one.advance(e, v, {s.max_velocity[i], s.max_acceleration, s.max_jerk}, dt, moved);
+      r.q_d[i] = r.q_d[i] + moved[0];
+      r.dq_d[i] = one.v[0];
+      r.ddq_d[i] = one.a[0];
     }
-    return out;
   }
   [[nodiscard]] static bool allows(const Reference& r, const Settings& s) noexcept {
     for (std::size_t i = 0; i < N; ++i) {
@@ -132,21 +148,20 @@ class JointSpace {
   [[nodiscard]] static SKINCTL_INLINE Errors errors(const Reference& target, const Site& at,
                                                     const Memory&) noexcept {
     Errors error;
-    for (std::size_t i = 0; i < N; ++i) {
-      error.e[i] = at.q[i] - target.q_d[i];
-      error.de[i] = error.slope[i] = at.dq[i] - target.dq_d[i];
-      error.v_d[i] = target.dq_d[i];
-      error.a_d[i] = target.ddq_d[i];
-    }
+    const Row v_d = target.dq_d, a_d = target.ddq_d, de = at.dq - v_d;
+    (Row(at.q) - target.q_d).store(error.e);
+    de.store(error.de);
+    de.store(error.slope);
+    v_d.store(error.v_d);
+    a_d.store(error.a_d);
     return error;
   }
   template <class Gains>
   [[nodiscard]] SKINCTL_INLINE Surface surface(const Gains& gains, const Inputs& in, const Site& at,
                                                const Memory& memory) const noexcept {
-    Surface s;
-    sliding_surface(s, gains, in, errors(in.target, at, memory));
-    for (std::size_t i = 0; i < N; ++i) s.S_q[i] = at.dq[i] - s.dq_r[i];
-    return s;
+    return sliding_surface(gains, in, errors(in.target, at, memory),
+                           [&](const Row& dq_r)
+                               SKINCTL_INLINE_LAMBDA { return JointVelocity<N, T>(at.dq - dq_r); });
   }
   /// How the coordinates change with the joints, row by row.
   static void rows(const Site&, T (&J)[coordinates][N]) noexcept {

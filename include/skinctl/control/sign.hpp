@@ -3,21 +3,21 @@
 
 #include <cmath>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/math/tanh.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A sign turns S_delta into the rate of the second integral, in [-1, 1]. `slope` is
-/// the steepest of it, which the bound of the gains counts; `twists`: whether it integrates by itself.
+/// A sign turns S_delta into the rate of the second integral, in [-1, 1]. `slope` is the steepest of it,
+/// which the bound of the gains counts; `twists`: whether it integrates by itself.
 
 /// The paper's `tanh(mu S)`: smooth everywhere, exponentially close to the sign.
 struct TanhSign {
   static constexpr bool twists = false;
   template <std::size_t N, Real T>
-  SKINCTL_INLINE static void rates(const T* S, const T& mu, const T&, const T*, T* out) noexcept {
-    T steep[N];
-    for (std::size_t i = 0; i < N; ++i) steep[i] = mu * S[i];
-    math::tanh<N>(steep, out);
+  [[nodiscard]] SKINCTL_INLINE static auto rate(const detail::Row<N, T>& S, const T& mu, const T&,
+                                                const T*) noexcept {
+    return math::tanh(mu * S);
   }
   template <Real T>
   [[nodiscard]] static T slope(const T& mu, const T&, const T&) noexcept {
@@ -29,11 +29,9 @@ struct TanhSign {
 struct SaturationSign {
   static constexpr bool twists = false;
   template <std::size_t N, Real T>
-  SKINCTL_INLINE static void rates(const T* S, const T& mu, const T&, const T*, T* out) noexcept {
-    for (std::size_t i = 0; i < N; ++i) {
-      const T x = mu * S[i];
-      out[i] = x > T(1) ? T(1) : (x < T(-1) ? T(-1) : x);
-    }
+  [[nodiscard]] SKINCTL_INLINE static auto rate(const detail::Row<N, T>& S, const T& mu, const T&,
+                                                const T*) noexcept {
+    return clamp(mu * S, T(-1), T(1));
   }
   template <Real T>
   [[nodiscard]] static T slope(const T& mu, const T&, const T&) noexcept {
@@ -48,8 +46,9 @@ struct SaturationSign {
 struct ImplicitSign {
   static constexpr bool twists = false;
   template <std::size_t N, Real T>
-  SKINCTL_INLINE static void rates(const T* S, const T& slope, const T&, const T* z, T* out) noexcept {
-    SaturationSign::rates<N>(S, slope, slope, z, out);
+  [[nodiscard]] SKINCTL_INLINE static auto rate(const detail::Row<N, T>& S, const T& slope, const T&,
+                                                const T* z) noexcept {
+    return SaturationSign::rate(S, slope, slope, z);
   }
   template <Real T>
   [[nodiscard]] static T slope(const T&, const T& K_i2, const T& dt) noexcept {
@@ -63,14 +62,18 @@ struct ImplicitSign {
 struct SuperTwistingSign {
   static constexpr bool twists = true;
   template <std::size_t N, Real T>
-  SKINCTL_INLINE static void rates(const T* S, const T& slope, const T& mu, const T* z, T* out) noexcept {
+  [[nodiscard]] SKINCTL_INLINE static auto rate(const detail::Row<N, T>& row, const T& slope, const T& mu,
+                                                const T* z) noexcept {
     using std::sqrt;
+    T S[N];
+    row.store(S);
     for (std::size_t i = 0; i < N; ++i) {
       const T size = S[i] < T(0) ? T(-S[i]) : S[i];
       const T root = sqrt(T(mu * size)), line = slope * size;
       const T x = (S[i] < T(0) ? T(-1) : T(1)) * (root < line ? root : line) + z[i];
-      out[i] = x > T(1) ? T(1) : (x < T(-1) ? T(-1) : x);
+      S[i] = x > T(1) ? T(1) : (x < T(-1) ? T(-1) : x);
     }
+    return detail::Row<N, T>(S);
   }
   template <Real T>
   [[nodiscard]] static T slope(const T& mu, const T& K_i2, const T& dt) noexcept {

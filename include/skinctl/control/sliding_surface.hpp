@@ -15,20 +15,16 @@ struct Integrals {
   T sum[N] = {};
   T carry[N] = {};  ///< what the sums lack
 
-  /// Adds `dt * rate`; a rate that is not finite adds nothing.
-  SKINCTL_INLINE constexpr void add(std::size_t i, const T& rate, const T& dt) noexcept {
-    const T step = dt * rate;
-    math::add_compensated(sum[i], carry[i], step - step == T(0) ? step : T(0));
-  }
-  /// The integrals `dt` seconds later.
-  [[nodiscard]] SKINCTL_INLINE constexpr Integrals advanced(const JointVelocity<N, T>& rate,
-                                                            const T& dt) const noexcept {
+  /// The integrals `dt` seconds later; a rate that is not finite adds nothing.
+  [[nodiscard]] SKINCTL_INLINE Integrals advanced(const JointVelocity<N, T>& rate,
+                                                  const T& dt) const noexcept {
+    using R = detail::Row<N, T>;
+    const R step = dt * R(rate);
+    R total(sum), rest(carry);
+    math::add_compensated(total, rest, select(step - step == R(T(0)), step, T(0)));
     Integrals next;
-    detail::for_each_index<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-      next.sum[i] = sum[i];
-      next.carry[i] = carry[i];
-      next.add(i, rate[i], dt);
-    });
+    total.store(next.sum);
+    rest.store(next.carry);
     return next;
   }
 };
@@ -52,8 +48,8 @@ struct SurfaceInputs {
   Target target;
   Gain<T> K_p;
   BiasNow<N, T> bias;
-  T I1[N];
-  T I2[N];
+  JointVelocity<N, T> I1;  ///< the integrals themselves
+  JointVelocity<N, T> I2;
   bool held;                 ///< the integrals stand still
   const T* twist = nullptr;  ///< what the sign integrates by itself
 };
@@ -76,12 +72,27 @@ struct SurfaceGains {
 
   /// The part of its rate that an integral takes: all of it up to half the limit and on the way back, then
   /// less, smoothly, and none at the limit.
-  [[nodiscard]] static SKINCTL_INLINE constexpr T taken(const T& integral, const T& rate,
-                                                        const T& limit) noexcept {
-    const T size = integral < T(0) ? T(-integral) : integral;
-    if (!(T(2) * size > limit) || !(integral * rate > T(0))) [[likely]]
-      return rate;
-    return rate * quintic(T(T(2) * size / limit - T(1))).rest;
+  template <std::size_t N>
+  [[nodiscard]] static SKINCTL_INLINE detail::Row<N, T> taken(const JointVelocity<N, T>& integral,
+                                                              const detail::Row<N, T>& rate,
+                                                              const T& limit) noexcept {
+    const detail::Row<N, T> I = integral, half = T(0.5) * limit, zero = T(0);
+    if (any((magnitude(I) > half) & (I * rate > zero))) [[unlikely]]
+      return detail::Row<N, T>(slowed(integral, JointVelocity<N, T>(rate), limit));
+    return rate;
+  }
+
+ private:
+  template <std::size_t N>
+  [[nodiscard]] static SKINCTL_COLD JointVelocity<N, T> slowed(const JointVelocity<N, T>& integral,
+                                                               JointVelocity<N, T> rate,
+                                                               const T& limit) noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      const T size = detail::magnitude(integral[i]);
+      if (T(2) * size > limit && integral[i] * rate[i] > T(0))
+        rate[i] = rate[i] * quintic(T(T(2) * size / limit - T(1))).rest;
+    }
+    return rate;
   }
 };
 
@@ -95,24 +106,27 @@ struct SurfaceErrors {
   T a_d[N];    ///< its acceleration
 };
 
-/// Eqs. (10)-(13), or (18)-(21), and the derivative of (10), without `S_q`. A NaN gives NaNs and nothing
-/// worse.
-template <std::size_t N, Real T, class Sign, class Target>
-SKINCTL_INLINE void sliding_surface(SlidingSurface<N, T>& s, const SurfaceGains<T, Sign>& gains,
-                                    const SurfaceInputs<N, T, Target>& in,
-                                    const SurfaceErrors<N, T>& error) noexcept {
-  for (std::size_t i = 0; i < N; ++i) s.S_delta[i] = error.de[i] + in.K_p.K * error.e[i] - in.bias.S_d[i];
-  Sign::template rates<N>(s.S_delta.data, gains.slope, gains.mu, in.twist, s.dI2.data);
-  for (std::size_t i = 0; i < N; ++i) {
-    s.dI1[i] = in.held ? T(0) : gains.taken(in.I1[i], s.S_delta[i], gains.I1_limit);
-    s.dI2[i] = in.held ? T(0) : gains.taken(in.I2[i], s.dI2[i], gains.I2_limit);
+/// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `S_q` is what `rest(dq_r)` gives. A NaN gives
+/// NaNs and nothing worse.
+template <std::size_t N, Real T, class Sign, class Target, class Rest>
+[[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T, Sign>& gains,
+                                                                  const SurfaceInputs<N, T, Target>& in,
+                                                                  const SurfaceErrors<N, T>& error,
+                                                                  Rest&& rest) noexcept {
+  using R = detail::Row<N, T>;
+  const R e(error.e), de(error.de), slope(error.slope), v_d(error.v_d), a_d(error.a_d);
+  const R S_d = in.bias.S_d, K = in.K_p.K, K_i1 = gains.K_i1, K_i2 = gains.K_i2;
+  const R S_delta = de + K * e - S_d;
+  R dI1 = T(0), dI2 = T(0);
+  if (!in.held) [[likely]] {
+    dI1 = gains.taken(in.I1, S_delta, gains.I1_limit);
+    dI2 = gains.taken(in.I2, Sign::rate(S_delta, gains.slope, gains.mu, in.twist), gains.I2_limit);
   }
-  for (std::size_t i = 0; i < N; ++i) {
-    s.dq_r[i] =
-        error.v_d[i] - in.K_p.K * error.e[i] + in.bias.S_d[i] - gains.K_i1 * in.I1[i] - gains.K_i2 * in.I2[i];
-    s.ddq_r[i] = error.a_d[i] - in.K_p.K * error.slope[i] - in.K_p.dK * error.e[i] + in.bias.dS_d[i] -
-                 gains.K_i1 * s.dI1[i] - gains.K_i2 * s.dI2[i];
-  }
+  const R dq_r = v_d - K * e + S_d - K_i1 * in.I1 - K_i2 * in.I2;
+  const R ddq_r = a_d - K * slope - in.K_p.dK * e + in.bias.dS_d - K_i1 * dI1 - K_i2 * dI2;
+  using Velocity = JointVelocity<N, T>;
+  return {Velocity(S_delta), Velocity(dI1), Velocity(dI2), Velocity(dq_r), JointAcceleration<N, T>(ddq_r),
+          rest(dq_r)};
 }
 
 SKINCTL_END_NAMESPACE

@@ -26,8 +26,7 @@ struct SplinePlan {
     return {Space::spline(at, at, T(0)), {}};
   }
   /// The reference `x` seconds from now.
-  [[nodiscard]] SKINCTL_INLINE constexpr typename Space::Reference at(const T& x,
-                                                                      const Settings& s) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE typename Space::Reference at(const T& x, const Settings& s) const noexcept {
     const auto own = clock.at(x, Space::tracking(s).hand_over);
     auto r = spline.at(own.t);
     Space::slow(r, own);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/trajectory/ramp.hpp"
 
@@ -26,20 +27,17 @@ struct BiasNow {
 /// disturbance that K_d works against: the torque then changes by M da within 1/lambda, not T_h.
 template <std::size_t N, Real T = double>
 struct SurfaceBias {
-  JointVelocity<N, T> decaying;  ///< the first part now
+  Nanoseconds elapsed = clock_end;  ///< since t0
+  JointVelocity<N, T> decaying;     ///< the first part now
   JointVelocity<N, T> dv;
   JointAcceleration<N, T> da;
-  Nanoseconds elapsed = clock_end;  ///< since t0
 
   /// The bias `x` seconds from now, with the hand-over taking `T_h` seconds.
   [[nodiscard]] SKINCTL_INLINE BiasNow<N, T> at(const T& x, const T& kappa, const T& T_h) const noexcept {
     using std::exp;
-    BiasNow<N, T> now;
-    const T left = x > T(0) ? T(exp(T(-kappa * x))) : T(1);
-    for (std::size_t i = 0; i < N; ++i) {
-      now.S_d[i] = left * decaying[i];
-      now.dS_d[i] = -kappa * now.S_d[i];
-    }
+    using R = detail::Row<N, T>;
+    R S_d = x > T(0) ? T(exp(T(-kappa * x))) * R(decaying) : R(decaying);
+    R dS_d = T(-kappa) * S_d;
     const T t = seconds<T>(elapsed) + x;
     if (t < T_h) [[unlikely]] {
       const T r = t / T_h;
@@ -47,23 +45,19 @@ struct SurfaceBias {
       const T rest = T(1) - r;
       const T p = T_h * r * rest * rest * rest * (T(1) + T(3) * r);
       const T dp = rest * rest * (T(1) + r * (T(2) - T(15) * r));
-      for (std::size_t i = 0; i < N; ++i) {
-        now.S_d[i] = now.S_d[i] + out.rest * dv[i] + p * da[i];
-        now.dS_d[i] = now.dS_d[i] - out.a2 * dv[i] + dp * da[i];
-      }
+      S_d = S_d + out.rest * R(dv) + p * R(da);
+      dS_d = dS_d - out.a2 * R(dv) + dp * R(da);
     }
-    return now;
+    return {JointVelocity<N, T>(S_d), JointAcceleration<N, T>(dS_d)};
   }
   /// The same bias `dt` seconds later.
   [[nodiscard]] SKINCTL_INLINE SurfaceBias advanced(const T& dt, Nanoseconds ns,
                                                     const T& kappa) const noexcept {
     using std::exp;
-    const T left = exp(T(-kappa * dt));
-    return {JointVelocity<N, T>::generate([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-              const T s = left * decaying[i];
-              return s > T(1e-30) || s < T(-1e-30) ? s : T(0);  // denormal numbers are slow
-            }),
-            dv, da, later(elapsed, ns)};
+    const detail::Row<N, T> s = T(exp(T(-kappa * dt))) * detail::Row<N, T>(decaying), tiny = T(1e-30);
+    return {later(elapsed, ns),
+            JointVelocity<N, T>(select(magnitude(s) > tiny, s, T(0))),  // denormal numbers are slow
+            dv, da};
   }
   /// Whether the hand-over still goes on.
   [[nodiscard]] SKINCTL_INLINE bool hands_over(const T& T_h) const noexcept {

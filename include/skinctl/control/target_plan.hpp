@@ -31,7 +31,7 @@ struct TargetPlan {
     return {Goal{at, {}, {}}, {}, false};
   }
   /// The target `x` seconds from now.
-  [[nodiscard]] SKINCTL_INLINE constexpr Goal at(const T& x, const Settings& s) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE Goal at(const T& x, const Settings& s) const noexcept {
     const auto own = clock.at(x, Space::tracking(s).target_age);
     auto r = Space::ahead(target, own.t);
     Space::slow(r, own);

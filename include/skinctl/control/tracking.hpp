@@ -12,14 +12,14 @@ SKINCTL_BEGIN_NAMESPACE
 template <class Space, class Plan, class Sign = TanhSign>
 struct TrackingMemory {
   using T = typename Space::scalar;
+  Nanoseconds since_reset = 0;
+  bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
   Plan plan;
   SurfaceBias<Space::coordinates, T> bias;
   Integrals<Space::coordinates, T> I1;  ///< of S_delta
   Integrals<Space::coordinates, T> I2;  ///< of its sign [s]
-  Nanoseconds since_reset = 0;
-  T tb = T(0);        ///< convergence time [s], stretched if need be; 0: no time base
-  T K_from = T(0);    ///< without one: the gain at the reset [1/s]
-  bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
+  T tb = T(0);                          ///< convergence time [s], stretched if need be; 0: no time base
+  T K_from = T(0);                      ///< without one: the gain at the reset [1/s]
   [[no_unique_address]] SignMemory<Sign, Space::coordinates, T> sign = {};
   [[no_unique_address]] typename Space::Memory space = {};  ///< what the space itself remembers
 };
@@ -92,10 +92,11 @@ class Tracking : public Composable {
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
     out.memory.plan = planned.memory;
+    if constexpr (requires { Plan::reacts; }) return out;
     out.memory.space = Space::renewed(memory.space);
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};
-    out.memory.I1 = out.memory.I2 = Integrals<coordinates, T>();
+    out.memory.I1 = out.memory.I2 = Integrals<Space::coordinates, T>();
     out.memory.sign = {};
     begin_bias(out.memory, known);
     hand_over(out.memory, memory, known);
@@ -119,7 +120,7 @@ class Tracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
     static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
-    return space_.surface(gains_, inputs(memory, T(0), Surface{}), space_.site(known), memory.space);
+    return space_.surface(gains_, inputs(memory, T(0), {}, {}), space_.site(known), memory.space);
   }
 
   /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
@@ -171,8 +172,10 @@ class Tracking : public Composable {
   [[nodiscard]] SKINCTL_INLINE const JointControlSettings<N, T>& gains() const noexcept {
     return Space::tracking(settings_);
   }
+  using Rates = JointVelocity<Space::coordinates, T>;
   [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
-                                                               const Surface& at_t) const noexcept;
+                                                               const Rates& dI1,
+                                                               const Rates& dI2) const noexcept;
   [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
                                               const T& dt) const noexcept;
   template <class K>

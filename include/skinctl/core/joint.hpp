@@ -82,6 +82,13 @@ struct JointVector {
     each([&](std::size_t i) SKINCTL_INLINE_LAMBDA { v.data[i] = f(i); });
     return v;
   }
+  /// The numbers that `write(data)` puts there: all `N` of them.
+  template <class F>
+  static SKINCTL_INLINE JointVector written(F&& write) noexcept {
+    JointVector v(unset);
+    write(v.data);
+    return v;
+  }
   /// The same number for every joint.
   static SKINCTL_INLINE constexpr JointVector constant(const T& value) noexcept {
     return generate([&](std::size_t) SKINCTL_INLINE_LAMBDA { return value; });

@@ -10,6 +10,7 @@
 #include "skinctl/cycle/stage.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/resolver/resolver.hpp"
+#include "skinctl/safety/governor.hpp"
 #include "skinctl/safety/guard.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -45,6 +46,36 @@ union Unwritten {
   V data[N];
   Unwritten() noexcept {}
 };
+template <class Overseer>
+inline constexpr bool is_governor = false;
+template <std::size_t N, Real T, class... Parts>
+inline constexpr bool is_governor<Governor<N, T, Parts...>> = true;
+/// Whether a governor suits a robot's joints and scalar.
+template <class Overseer, std::size_t N, class T>
+inline constexpr bool governs = true;
+template <std::size_t M, Real U, class J, class S, class C, std::size_t N, class T>
+inline constexpr bool governs<Governor<M, U, J, S, C>, N, T> = M == N && std::is_same_v<U, T>;
+/// Whether a skin feels all that a governor's contact limits name.
+template <class Overseer, class Skin>
+inline constexpr bool feels = true;
+template <std::size_t N, Real T, class J, class S, class C, class Skin>
+  requires requires { C::links; }
+inline constexpr bool feels<Governor<N, T, J, S, C>, Skin> = [] {
+  if constexpr (requires { Skin::Wrenches::links; }) {
+    return (Skin::Wrenches::links & C::links) == C::links;
+  } else {
+    return false;
+  }
+}();
+/// The strongest proximity reading for each link of a governor's contact limits.
+template <class Overseer, class Skin>
+[[nodiscard]] SKINCTL_INLINE auto nearest(const Skin& skin, const typename Skin::Memory& memory) noexcept {
+  if constexpr (requires { Overseer::contact_type::links; }) {
+    return Overseer::contact_type::nearest(skin, memory);
+  } else {
+    return NoTouch{};
+  }
+}
 template <class L>
 struct GoalType {
   using type = NoGoal;
@@ -56,16 +87,25 @@ struct GoalType<L> {
 };
 }  // namespace detail
 
-/// A scene: which robot and interface (the resolver), which law, which skin, which guard. All of it is
-/// configuration; what changes is a `Memory`. A cycle is a function of memory and input alone, so it can be
-/// recorded, replayed bit for bit, started at any state and run as fast as the machine can.
+/// A scene: which robot and interface (the resolver), which law, which skin, which guard, and for limits of
+/// jerk, tool speed and contact a governor (`make_governor`). All of it is configuration; what changes is a
+/// `Memory`. A cycle is a function of memory and input alone, so it can be recorded, replayed bit for bit,
+/// started at any state and run as fast as the machine can.
 ///
 /// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
 /// else of the model is computed.
 template <class Resolver, class L, class Skin = Bare,
-          class Watchman = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>>
+          class Watchman = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>,
+          class Overseer = NoGovernor>
 class Cycle {
  public:
+  static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
+  static_assert(!governed || Resolver::interface != Interface::torque,
+                "a governor slows motions: a torque interface has none to slow, leave it out");
+  static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
+                "the governor is of a robot with other joints, or of another scalar");
+  static_assert(detail::feels<Overseer, Skin>,
+                "contact limits need a skin on each link that they name: what is not felt cannot be limited");
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;
   using law_type = L;
@@ -81,18 +121,24 @@ class Cycle {
     typename L::Memory law;
     typename Watchman::Memory guard;
     typename Skin::Memory skin;
+    [[no_unique_address]] typename Overseer::Memory governor;
   };
 
-  Cycle(const Resolver& resolver, const L& law, const Skin& skin, const Watchman& guard)
-      : resolver_(resolver), law_(law), guard_(guard), skin_(skin) {}
+  Cycle(const Resolver& resolver, const L& law, const Skin& skin, const Watchman& guard,
+        const Overseer& governor = {})
+      : resolver_(resolver), law_(law), guard_(guard), skin_(skin), governor_(governor) {}
   Cycle(const Resolver& resolver, const L& law, const Watchman& guard)
     requires std::is_same_v<Skin, Bare>
       : Cycle(resolver, law, Bare{}, guard) {}
+  Cycle(const Resolver& resolver, const L& law, const Watchman& guard, const Overseer& governor)
+    requires(std::is_same_v<Skin, Bare> && detail::is_governor<Overseer>)
+      : Cycle(resolver, law, Bare{}, guard, governor) {}
 
   [[nodiscard]] const Resolver& resolver() const noexcept { return resolver_; }
   [[nodiscard]] const L& law() const noexcept { return law_; }
   [[nodiscard]] const Skin& skin() const noexcept { return skin_; }
   [[nodiscard]] const Watchman& guard() const noexcept { return guard_; }
+  [[nodiscard]] const Overseer& governor() const noexcept { return governor_; }
 
   /// The memory with which the scene takes over a robot that reports `measured`: it stays where it is. A
   /// state that is not finite gives a memory whose cycles command nothing (`command.valid` is false).
@@ -106,6 +152,7 @@ class Cycle {
     m.robot = resolver_.start(measured);
     m.skin = skin_.start(measured.time);
     m.guard = guard_.start(m.robot.command, measured);
+    m.governor = {};
     const auto state = resolver_.state(m.robot);
     const Wrenches touch = skin_.wrenches(m.skin);
     m.law = law_.start(Known(resolver_.model(), state, period(), touch));
@@ -126,7 +173,10 @@ class Cycle {
     watch.begin();
     Output out;
     if (input.request == Request::stop) resolver_.stop(m.robot);
-    if (input.request == Request::resume) resolver_.resume(m.robot);
+    if (input.request == Request::resume) {
+      resolver_.resume(m.robot);
+      guard_.acknowledge(m.guard);
+    }
     if (input.has_goal) out.status |= receive(m, input);
 
     const Interval interval = resolver_.interval(m.robot, input.now);
@@ -136,16 +186,36 @@ class Cycle {
     out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
     watch.end(Stage::sense);
 
-    const auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
-                                         std::span<const Wrenches>(touches.data, parts));
+    // What the robot cannot have is no news of it; NaN is told from it by the resolver.
+    const auto& measured = guard_.believes(input.measured) || !detail::is_plausible(input.measured)
+                               ? input.measured
+                               : m.robot.measured;
+    auto resolved = resolver_.step(m.robot, law_, m.law, measured, interval,
+                                   std::span<const Wrenches>(touches.data, parts));
     out.status |= resolved.status;
     out.shares = resolved.shares;
     watch.end(Stage::resolve);
 
-    const auto guarded = guard_.pass(m.guard, resolved.command, input.measured, input.now);
-    out.status |= guarded.status;
-    out.command = guarded.command;
-    if (guarded.altered) resolver_.sent(m.robot, guarded.command);
+    Status found = input.observed;
+    bool slowed = false;
+    if constexpr (governed) {
+      if (interval.substeps != 0) {
+        const auto given = govern(m, resolved.command, interval);
+        out.status |= given.status;
+        found |= given.status;
+        slowed = given.altered;
+        resolved.command = given.command;
+      }
+    }
+    const auto guarded = guard_.pass(m.guard, resolved.command, input.measured, input.now, resolved.fallback,
+                                     found | out.status);
+    out.status |= guarded.status | input.observed;
+    out.command.assign(guarded.command);
+    if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
+    if constexpr (governed) {
+      if (guarded.altered) governor_.sent(m.governor, guarded.command);
+    }
+    if (guard_.waits(m.guard)) resolver_.stop(m.robot);
     watch.end(Stage::guard);
     return out;
   }
@@ -153,6 +223,13 @@ class Cycle {
  private:
   /// The planned interval [s], for the laws that start or take goals between two evaluations.
   [[nodiscard]] scalar period() const noexcept { return resolver_.planned_step(); }
+
+  SKINCTL_INLINE auto govern(Memory& m, const JointCommand<joints, scalar>& wish,
+                             const Interval& interval) const noexcept {
+    const auto dt = seconds<scalar>(interval.to - interval.from);
+    return governor_.pass(m.governor, m.guard.command, wish, m.robot.measured, skin_.wrenches(m.skin),
+                          detail::nearest<Overseer>(skin_, m.skin), dt);
+  }
 
   SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept {
     if constexpr (std::is_same_v<Goal, NoGoal>) {
@@ -170,11 +247,18 @@ class Cycle {
   L law_;
   Watchman guard_;
   Skin skin_;
+  [[no_unique_address]] Overseer governor_;
 };
 
 template <class Resolver, class L, class Skin, class Watchman>
 Cycle(const Resolver&, const L&, const Skin&, const Watchman&) -> Cycle<Resolver, L, Skin, Watchman>;
 template <class Resolver, class L, class Watchman>
 Cycle(const Resolver&, const L&, const Watchman&) -> Cycle<Resolver, L, Bare, Watchman>;
+template <class Resolver, class L, class Skin, class Watchman, class Overseer>
+Cycle(const Resolver&, const L&, const Skin&, const Watchman&, const Overseer&)
+    -> Cycle<Resolver, L, Skin, Watchman, Overseer>;
+template <class Resolver, class L, class Watchman, std::size_t N, Real T, class... Parts>
+Cycle(const Resolver&, const L&, const Watchman&, const Governor<N, T, Parts...>&)
+    -> Cycle<Resolver, L, Bare, Watchman, Governor<N, T, Parts...>>;
 
 SKINCTL_END_NAMESPACE

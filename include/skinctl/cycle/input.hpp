@@ -4,6 +4,7 @@
 #include <span>
 
 #include "skinctl/core/state.hpp"
+#include "skinctl/core/status.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -12,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 enum class Request : unsigned char {
   none,
   stop,   ///< brake and hold, until `resume`
-  resume  ///< go on after a stop
+  resume  ///< go on after a stop, also after one that the guard asked consent for
 };
 
 /// No law of the scene takes goals.
@@ -25,6 +26,7 @@ struct Input {
   State<N, T> measured;                 ///< the newest state, with its own stamp
   std::span<const CellSample> samples;  ///< that arrived since the last cycle
   Request request = Request::none;
+  Status observed;  ///< what the loop saw go wrong before this cycle: see `Budget`, `PacketWatch`
   bool has_goal = false;
   Goal goal{};  ///< read if `has_goal`
 };

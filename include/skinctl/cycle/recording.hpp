@@ -175,6 +175,7 @@ class Recording {
     bytes_.put(input.now);
     write(input.measured);
     bytes_.put(static_cast<std::uint8_t>(input.request));
+    bytes_.put(input.observed.bits());
     bytes_.put(input.has_goal);
     write(input.goal);
     bytes_.put(static_cast<std::uint32_t>(input.samples.size()));
@@ -252,6 +253,7 @@ class Recording {
     read(reader, input.measured);
     const auto request = reader.get<std::uint8_t>();
     input.request = request <= 2 ? static_cast<Request>(request) : Request::none;
+    input.observed = Status::from_bits(reader.get<std::uint64_t>());
     input.has_goal = reader.get<bool>();
     read(reader, input.goal);
     const std::size_t count = reader.get<std::uint32_t>();
@@ -277,7 +279,7 @@ class Recording {
   /// Magic, byte order, sizes that must agree, number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '1'}) w.put(c);
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '2'}) w.put(c);
     w.put(std::uint32_t(0x01020304));
     w.put(static_cast<std::uint32_t>(C::joints));
     w.put(static_cast<std::uint32_t>(sizeof(typename C::scalar)));

@@ -92,6 +92,10 @@ template <Model M, Scalar T>
   return detail::gravity_torque_from<T>(model,
                                         JointAngles<M, T, all, detail::weightless_angles<M, T>()>(model, q));
 }
+// clang-format off
+template <Model M, Scalar T> requires(!computes_in<M, T>)
+void gravity_torque(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+// clang-format on
 
 /// Potential energy `V(q) = -g . sum m_i r_i` [J], zero with all mass at the base's origin.
 template <Model M, Scalar T>

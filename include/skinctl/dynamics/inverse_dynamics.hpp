@@ -27,6 +27,10 @@ template <Model M, Scalar T>
     const JointAcceleration<M::joints, T>& ddq) noexcept {
   return inverse_dynamics(model, JointAngles<M, T>(model, q), dq, ddq);
 }
+// clang-format off
+template <Model M, Scalar T> requires(!computes_in<M, T>)
+void inverse_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointAcceleration<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+// clang-format on
 
 /// `C(q, dq) dq + G(q)` [N m]: inverse dynamics at zero acceleration.
 template <Model M, Scalar T, LinkMask Mask>

@@ -9,7 +9,12 @@ SKINCTL_BEGIN_NAMESPACE
 /// row. `M * ddq` is a torque; products with other kinds do not compile.
 template <std::size_t N, Scalar T = double>
 struct MassMatrix {
-  T data[N * N] = {};
+  T data[N * N];
+
+  constexpr MassMatrix() noexcept : data{} {}
+  /// For one that is written completely at once: GCC would keep the zeros.
+  struct Unset {};
+  SKINCTL_INLINE constexpr explicit MassMatrix(Unset) noexcept {}
 
   SKINCTL_INLINE constexpr T& operator()(std::size_t i, std::size_t j) noexcept { return data[i * N + j]; }
   SKINCTL_INLINE constexpr const T& operator()(std::size_t i, std::size_t j) const noexcept {
@@ -94,6 +99,22 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
   return composite_to_parent(joint_frame<I>(model, angles), body);
 }
 
+/// A chain couples all its joints, so that each entry is written; elsewhere there are zeros.
+template <Scalar T, Model M>
+SKINCTL_INLINE MassMatrix<M::joints, T> empty_mass() noexcept {
+  using Matrix = MassMatrix<M::joints, T>;
+  constexpr bool chain = [] {
+    bool one = true;
+    for (std::size_t i = 0; i < M::joints; ++i) one = one && M::parents[i] == int(i) - 1;
+    return one;
+  }();
+  if constexpr (chain) {
+    return Matrix(typename Matrix::Unset{});
+  } else {
+    return Matrix();
+  }
+}
+
 }  // namespace detail
 
 /// `M(q)` [kg m^2], symmetric positive definite for links with mass: the composite-rigid-body recursion in
@@ -103,7 +124,7 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
 template <Model M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<M::joints, T> mass_matrix(
     const M& model, const JointAngles<M, T, Mask>& angles) noexcept {
-  MassMatrix<M::joints, T> m;
+  MassMatrix<M::joints, T> m = detail::empty_mass<T, M>();
   detail::for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
     static_cast<void>(detail::subtree_mass<child.value, T>(model, angles, m));
   });
@@ -114,5 +135,9 @@ template <Model M, Scalar T>
     const M& model, const JointPosition<M::joints, T>& q) noexcept {
   return mass_matrix(model, JointAngles<M, T>(model, q));
 }
+// clang-format off
+template <Model M, Scalar T> requires(!computes_in<M, T>)
+void mass_matrix(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+// clang-format on
 
 SKINCTL_END_NAMESPACE

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "skinctl/core/law.hpp"
-#include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/dynamics/energy.hpp"
+#include "skinctl/dynamics/operational_inertia.hpp"
+#include "skinctl/kinematics/centre_of_mass.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -19,17 +19,17 @@ template <Topology M>
 constexpr Needs complete(Needs needs) noexcept {
   needs.jacobians |= needs.jacobian_rates;
   needs.poses |= closure<M>(needs.jacobians);
-  needs.angles =
-      needs.angles || needs.poses != 0 || needs.gravity || needs.mass || needs.coriolis || needs.touch;
+  if (needs.centre_of_mass) needs.poses = all_links(M::joints);
+  needs.mass = needs.mass || needs.mass_factors;
+  needs.angles = needs.angles || needs.poses != 0 || needs.any_mass() || needs.touch;
   return needs;
 }
 
 /// The links whose poses, masses or wrenches `needs` touches: joints behind the last of them stay unread.
 template <Topology M>
 constexpr LinkMask links_for(const Needs& needs) noexcept {
-  return needs.gravity || needs.mass || needs.coriolis || needs.angles
-             ? all_links(M::joints)
-             : closure<M>(needs.poses | needs.jacobians | needs.jacobian_rates);
+  return needs.any_mass() || needs.angles ? all_links(M::joints)
+                                          : closure<M>(needs.poses | needs.jacobians | needs.jacobian_rates);
 }
 
 namespace detail {
@@ -82,7 +82,13 @@ class Quantities {
         poses_([&](auto) SKINCTL_INLINE_LAMBDA { return Poses<M, needs.poses, T>(model_, angles()); }),
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
         mass_([&](auto) SKINCTL_INLINE_LAMBDA { return mass_matrix(model_, angles()); }),
-        coriolis_([&](auto) SKINCTL_INLINE_LAMBDA { return coriolis_torque(model_, angles(), state_.dq); }) {}
+        factors_([&](auto) SKINCTL_INLINE_LAMBDA { return MassFactors<M, T>(mass()); }),
+        coriolis_([&](auto) SKINCTL_INLINE_LAMBDA { return coriolis_torque(model_, angles(), state_.dq); }),
+        momentum_([&](auto)
+                      SKINCTL_INLINE_LAMBDA { return generalised_momentum(model_, angles(), state_.dq); }),
+        energy_([&](auto)
+                    SKINCTL_INLINE_LAMBDA { return skinctl::kinetic_energy(model_, angles(), state_.dq); }),
+        centre_([&](auto) SKINCTL_INLINE_LAMBDA { return skinctl::centre_of_mass(model_, poses()); }) {}
 
   [[nodiscard]] SKINCTL_INLINE const M& model() const noexcept { return model_; }
   [[nodiscard]] SKINCTL_INLINE const State<joints, T>& state() const noexcept { return state_; }
@@ -103,11 +109,15 @@ class Quantities {
     static_assert(needs.middle, "not asked for: set needs.middle");
     return middle_.value;
   }
+  /// `X_BaseLink` of all links that were asked for.
+  [[nodiscard]] SKINCTL_INLINE const Poses<M, needs.poses, T>& poses() const noexcept {
+    static_assert(needs.poses != 0, "not asked for: set needs.poses");
+    return poses_.value;
+  }
   /// `X_BaseLink` of link `I`.
   template <std::size_t I>
   [[nodiscard]] SKINCTL_INLINE Transform<Base, Link<I>, T> pose() const noexcept {
-    static_assert(needs.poses != 0, "not asked for: set needs.poses");
-    return poses_.value.template get<I>();
+    return poses().template get<I>();
   }
   /// Jacobian of the frame fixed to link `I` at `X_LP`, or of the link itself.
   template <std::size_t I, class... X>
@@ -132,10 +142,35 @@ class Quantities {
     static_assert(needs.mass, "not asked for: set needs.mass");
     return mass_.value;
   }
+  /// M(q), factorised.
+  [[nodiscard]] SKINCTL_INLINE const MassFactors<M, T>& mass_factors() const noexcept {
+    static_assert(needs.mass_factors, "not asked for: set needs.mass_factors");
+    return factors_.value;
+  }
+  /// How the frame at `X_LP` on link `I` gives way, `J M^-1 J'`; see `OperationalMobility`.
+  template <std::size_t I, class... X>
+  [[nodiscard]] SKINCTL_INLINE auto mobility(const X&... X_LP) const noexcept {
+    return operational_mobility(jacobian<I>(X_LP...), mass_factors());
+  }
   /// C(q, dq) dq [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& coriolis() const noexcept {
     static_assert(needs.coriolis, "not asked for: set needs.coriolis");
     return coriolis_.value;
+  }
+  /// M(q) dq [N m s].
+  [[nodiscard]] SKINCTL_INLINE const JointMomentum<joints, T>& momentum() const noexcept {
+    static_assert(needs.momentum, "not asked for: set needs.momentum");
+    return momentum_.value;
+  }
+  /// 1/2 dq' M(q) dq [J].
+  [[nodiscard]] SKINCTL_INLINE const T& kinetic_energy() const noexcept {
+    static_assert(needs.kinetic_energy, "not asked for: set needs.kinetic_energy");
+    return energy_.value;
+  }
+  /// Where the robot's mass is, and its Jacobian.
+  [[nodiscard]] SKINCTL_INLINE const CentreOfMass<joints, T>& centre_of_mass() const noexcept {
+    static_assert(needs.centre_of_mass, "not asked for: set needs.centre_of_mass");
+    return centre_.value;
   }
 
  private:
@@ -148,7 +183,11 @@ class Quantities {
   [[no_unique_address]] detail::Computed<needs.poses != 0, Poses<M, needs.poses, T>> poses_;
   [[no_unique_address]] detail::Computed<needs.gravity, JointTorque<joints, T>> gravity_;
   [[no_unique_address]] detail::Computed<needs.mass, MassMatrix<joints, T>> mass_;
+  [[no_unique_address]] detail::Computed<needs.mass_factors, MassFactors<M, T>> factors_;
   [[no_unique_address]] detail::Computed<needs.coriolis, JointTorque<joints, T>> coriolis_;
+  [[no_unique_address]] detail::Computed<needs.momentum, JointMomentum<joints, T>> momentum_;
+  [[no_unique_address]] detail::Computed<needs.kinetic_energy, T> energy_;
+  [[no_unique_address]] detail::Computed<needs.centre_of_mass, CentreOfMass<joints, T>> centre_;
 };
 
 SKINCTL_END_NAMESPACE

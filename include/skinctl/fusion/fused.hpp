@@ -240,6 +240,23 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       return false;
     }
   }
+  template <class First, class Rest>
+  struct Chain {
+    First first;
+    Rest rest;
+  };
+  /// What torque and memory of the laws from the `I`-th on share, each built where it stays.
+  template <std::size_t I, class K>
+  [[nodiscard]] SKINCTL_INLINE auto now_from(const Memory& memory, const K& known) const noexcept {
+    if constexpr (I == terms) {
+      return detail::Memories<>{};
+    } else {
+      using Here = decltype(detail::now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known));
+      return Chain<Here, decltype(now_from<I + 1>(memory, known))>{
+          detail::now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known),
+          now_from<I + 1>(memory, known)};
+    }
+  }
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
@@ -247,32 +264,24 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     static_assert(!(false || ... || detail::is_gated<L>), "a gate opens in time: blended(sum)");
     using T = typename K::scalar;
     using Torque = JointTorque<K::joints, T>;
-    std::array<Torque, terms> shares;
-    Torque total, skin, track;
-    Status status;
-
-    const auto now = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      return std::tuple{detail::now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known)...};
+    const auto now = now_from<0>(memory, known);
+    const auto shares = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      return std::array<Torque, terms>{share<I>(memory, known, now)...};
     }(std::index_sequence_for<L...>{});
 
+    Torque total, skin, track;
+    Status status;
     each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
       constexpr std::size_t I = i.value;
-      constexpr Role r = law_at<I>::role;
-      const auto& part = detail::memory_of<I>(memory.laws);
-      if constexpr (r == Role::tracking) {
-        const Share<T> share{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
-        shares[I] = detail::torque_with<gravity_term>(law, part, known, share, std::get<I>(now));
-        if constexpr (!detail::presses<law_at<I>>) {
-          track += shares[I];
-          if constexpr (watches && gravity_laws == 0) track -= share.feed_forward * known.gravity();
-        }
-      } else if constexpr (r == Role::reactive) {
-        shares[I] = static_cast<T>(weights_[I]) * law.torque(part, known);
+      if constexpr (law_at<I>::role == Role::tracking && !detail::presses<law_at<I>>) {
+        track += shares[I];
+        if constexpr (watches && gravity_laws == 0)
+          track -= static_cast<T>(shares_[I].feed_forward) * known.gravity();
+      } else if constexpr (law_at<I>::role == Role::reactive) {
         skin += shares[I];
-      } else {
-        shares[I] = law.torque(part, known);
       }
       total += shares[I];
+      const auto& part = detail::memory_of<I>(memory.laws);
       if constexpr (requires { law.status(part); }) status |= law.status(part);
     });
 
@@ -285,7 +294,27 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       if (opposition == Opposition::lasting) status |= Reason::opposed;
     }
     // Each memory is written once, where it stays: a copy of what has just been written waits for it.
-    return {total, {advanced<0>(memory, known, dt, opposition, now), watched}, shares, status};
+    return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      return Evaluation<K::joints, T, Memory, terms>{
+          total, {advanced<0>(memory, known, dt, opposition, now), watched}, {shares[I]...}, status};
+    }(std::index_sequence_for<L...>{});
+  }
+
+  /// What the `I`-th law contributes.
+  template <std::size_t I, class K, class Now>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> share(
+      const Memory& memory, const K& known, const Now& now) const noexcept {
+    using T = typename K::scalar;
+    const auto& law = std::get<I>(laws_);
+    const auto& part = detail::memory_of<I>(memory.laws);
+    if constexpr (law_at<I>::role == Role::tracking) {
+      const Share<T> weight{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
+      return detail::torque_with<gravity_term>(law, part, known, weight, detail::memory_of<I>(now));
+    } else if constexpr (law_at<I>::role == Role::reactive) {
+      return static_cast<T>(weights_[I]) * law.torque(part, known);
+    } else {
+      return law.torque(part, known);
+    }
   }
 
   /// The memories from the `I`-th law on.
@@ -298,7 +327,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     } else {
       return detail::MemoriesFrom<I, typename L::Memory...>{
           detail::advance_with(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known, dt, opposition,
-                               std::get<I>(now)),
+                               detail::memory_of<I>(now)),
           advanced<I + 1>(memory, known, dt, opposition, now)};
     }
   }

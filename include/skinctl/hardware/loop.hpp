@@ -11,6 +11,8 @@
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/robot.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/safety/budget.hpp"
+#include "skinctl/safety/packet_watch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -32,7 +34,10 @@ struct LoopReport {
   std::uint64_t samples = 0;  ///< from the skin
   std::array<Histogram, stage_count> stages;
   Histogram whole;
-  Histogram period;  ///< between states, by this computer's clock
+  Histogram period;                ///< between states, by this computer's clock
+  Histogram load;                  ///< from a state heard until its command was sent and `after` returned
+  std::uint64_t overruns = 0;      ///< cycles whose load was above the budget
+  std::uint64_t lost_packets = 0;  ///< of a robot that numbers them
 
   /// The slowest cycle: its number, memory and input, so that `cycle(memory, input)` runs it again.
   struct Worst {
@@ -49,12 +54,15 @@ struct LoopOptions {
   std::uint64_t cycles = 0;                 ///< 0: until it is stopped
   Nanoseconds period = 8_ms;                ///< planned, to tell missed ones
   std::size_t most_samples = 8192;          ///< of one cycle that the worst cycle's copy keeps
+  std::optional<Budget> budget = {};        ///< of the load; see `Budget` for what an overrun does
+  PacketWatch packets{};                    ///< for a robot that numbers its packets
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };
 
 /// Runs `cycle` against `robot` and `skin` until it ends. In every cycle: wait for a state, take the samples,
 /// let `before(input, memory)` set goals or requests and end the run by returning false, step, send, then
-/// `after(input, output, watch)`. Whatever ends it, the robot is stopped.
+/// `after(input, output, watch)`. Whatever ends it, the robot is stopped. Both functions find in
+/// `input.observed` whether optional work should be left out (`work_skipped`).
 ///
 /// What allocates (the report, the copy of the worst cycle) does so before the first cycle.
 template <class C, class Robot, class Source, class Before, class After>
@@ -68,6 +76,9 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
   report.worst->samples.reserve(options.most_samples);
   const auto previous = std::make_unique<typename C::Memory>();
 
+  BudgetMemory budget;
+  PacketMemory packets;
+  Status overrun;
   typename C::Input input;
   Heard heard = robot.wait(input.measured);
   while (heard == Heard::silent && !(options.stop && options.stop->load()))
@@ -105,6 +116,11 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     report.samples += input.samples.size();
     input.request = Request::none;
     input.has_goal = false;
+    input.observed = overrun;
+    if constexpr (requires {
+                    { robot.packet() } noexcept -> std::convertible_to<std::uint32_t>;
+                  })
+      input.observed |= options.packets.see(packets, robot.packet());
     if (!before(input, memory)) break;
 
     std::memcpy(static_cast<void*>(previous.get()), &memory, sizeof memory);
@@ -124,6 +140,11 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     }
     report.whole.record(watch.total());
     after(input, output, watch);
+    const Nanoseconds load = Stopwatch::now() - now;
+    report.load.record(load);
+    if (options.budget) overrun = options.budget->after(budget, load);
+    report.overruns = budget.overruns;
+    report.lost_packets = packets.lost;
     if (!sent) {
       report.ended = Ended::lost;
       break;

@@ -22,6 +22,7 @@ enum class Heard : unsigned char {
 /// block and make
 ///   system calls; the loop runs no cycle meanwhile.
 /// - `send(command)` passes a command on; false if it could not be sent.
+/// - `packet()`, which a driver need not have, is the number of the newest packet; `PacketWatch` counts gaps.
 /// - `stop()` asks the robot to come to rest by its own means; it must work at any time and not throw.
 template <class R, std::size_t N, class T>
 concept RobotDriver = requires(R& robot, State<N, T>& state, const JointCommand<N, T>& command) {

@@ -73,5 +73,9 @@ template <LinkMask Mask = ~LinkMask(0), Model M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE auto link_poses(const M& model, const JointPosition<M::joints, T>& q) noexcept {
   return Poses < M, Mask & all_links(M::joints), T > (model, q);
 }
+// clang-format off
+template <LinkMask Mask = ~LinkMask(0), Model M, Scalar T> requires(!computes_in<M, T>)
+void link_poses(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+// clang-format on
 
 SKINCTL_END_NAMESPACE

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/lane.hpp"
 #include "skinctl/math/detail/row_blocks.hpp"
@@ -57,6 +58,19 @@ SKINCTL_INLINE void tanh(const T* x, T* y) noexcept {
       detail::tanh_kernel(Lane<T, W>::load(x + i)).store(y + i);
     });
   }
+}
+
+/// Of a row of joints: the same numbers as of an array.
+template <std::size_t N, Real T>
+[[nodiscard]] SKINCTL_INLINE skinctl::detail::Row<N, T> tanh(const skinctl::detail::Row<N, T>& x) noexcept {
+  return skinctl::detail::Row<N, T>::made([&](std::size_t k) SKINCTL_INLINE_LAMBDA {
+    if constexpr (detail::has_kernel<T>) {
+      return detail::tanh_kernel(x.block[k]);
+    } else {
+      using std::tanh;
+      return tanh(x.block[k]);
+    }
+  });
 }
 
 /// `y[i] = tanh x[i]` of an array; `y` may not be `x`.

@@ -27,6 +27,7 @@ struct Stand {
 template <class A, int At, class B>
 struct AttachedTree {
   static_assert(At >= -1 && At < static_cast<int>(A::joints), "the trunk has no such link");
+  static_assert(A::joints + B::joints <= 64, "more than 64 joints");
   static constexpr std::size_t trunk = A::joints;
   static constexpr std::size_t joints = A::joints + B::joints;
   static constexpr auto parents = [] {
@@ -52,7 +53,6 @@ class Attached : public AttachedTree<A, At, B> {
   using Tree = AttachedTree<A, At, B>;
 
  public:
-  static_assert(is_tree<Tree>(), "parents come before children; 1 to 64 joints");
   using scalar = T;
 
   /// @param stand  the base of `B` in the frame of link `At`. Throws `ConfigurationError` for axes that are

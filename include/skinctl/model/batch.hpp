@@ -90,7 +90,8 @@ class LaneGroup {
   template <class V>
   [[nodiscard]] SKINCTL_INLINE auto read(const V& all) const noexcept {
     using Row = std::remove_cvref_t<decltype(all[0])>;
-    static_assert(std::same_as<typename Row::scalar, T>, "one joint vector of the batch's scalar per robot");
+    static_assert(std::is_same_v<typename Row::scalar, T>,
+                  "one joint vector of the batch's scalar per robot");
     SKINCTL_EXPECTS(std::size(all) >= first_ + count_, "one joint vector per robot");
     return JointVector<typename Row::kind, Row::size(), scalar>::generate(
         [&](std::size_t i)

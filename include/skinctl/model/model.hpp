@@ -31,6 +31,13 @@ concept Model = Topology<M> && requires(const M& m) {
   m.template gravity<typename detail::ScalarOf<M>::type>();
 };
 
+/// Whether a model computes in `T`: a static one in every scalar, one with numbers at run time in its own.
+template <class M, class T>
+inline constexpr bool computes_in = true;
+template <class M, class T>
+  requires requires { typename M::scalar; }
+inline constexpr bool computes_in<M, T> = std::is_same_v<typename M::scalar, T>;
+
 /// All numbers of link `I` of a model that computes in `T`, typed constants among them.
 template <std::size_t I, Scalar T, Model M>
 [[nodiscard]] constexpr LinkParameters<double> numbers_of(const M& model) noexcept {
@@ -114,7 +121,7 @@ class CalibratedModel {
 
   template <std::size_t I, Parameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
-    static_assert(std::same_as<U, T>, "a calibrated model computes in the scalar that it stores");
+    static_assert(std::is_same_v<U, T>, "a calibrated model computes in the scalar that it stores");
     using Promise = decltype(promised<I, P>());
     if constexpr (is_known<Promise>) {
       return Promise{};
@@ -124,7 +131,7 @@ class CalibratedModel {
   }
   template <Scalar U>
   SKINCTL_INLINE constexpr Xyz<T> gravity() const noexcept {
-    static_assert(std::same_as<U, T>, "a calibrated model computes in the scalar that it stores");
+    static_assert(std::is_same_v<U, T>, "a calibrated model computes in the scalar that it stores");
     return gravity_;
   }
   /// The numbers of link `i`.
@@ -164,13 +171,15 @@ class CalibratedModel {
   Xyz<T> gravity_;
 };
 
-/// The run-time twin of a static description: same tree, same numbers, as a starting point for a calibration.
+/// The run-time twin of a static description: same tree, same numbers, as a starting point for a calibration;
+/// a maker's inertias are taken as they are (`makers_density`).
 template <class Description, Scalar T = double>
 CalibratedModel<Description, T> calibrated_from() {
   typename CalibratedModel<Description, T>::Links links;
   for (std::size_t i = 0; i < Description::joints; ++i) links[i] = Description::links[i].template cast<T>();
   return CalibratedModel<Description, T>(
-      links, {T(Description::gravity[0]), T(Description::gravity[1]), T(Description::gravity[2])});
+      links, {T(Description::gravity[0]), T(Description::gravity[1]), T(Description::gravity[2])},
+      makers_density);
 }
 
 SKINCTL_END_NAMESPACE

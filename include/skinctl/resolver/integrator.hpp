@@ -1,6 +1,7 @@
 // How the virtual robot's velocity is integrated over a sub-step: policies.
 #pragma once
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/dynamics/shape.hpp"
 #include "skinctl/resolver/detail/stick_or_slip.hpp"
@@ -96,29 +97,30 @@ template <class Policy, class K, Real T>
   const T h = known.dt();
   const auto& v = known.dq();
 
-  MassMatrix<n, T> m;
-  JointTorque<n, T> bias;
-  if constexpr (Policy::midpoint) {
-    const T half = T(0.5) * h;
-    const JointVelocity<n, T> v_mid = integrate(v, last, half);
-    // Where laws of the half step evaluate the model too, so that held gravity cancels.
-    const auto& angles = known.middle();
-    m = mass_matrix(known.model(), angles);
-    if constexpr (K::needs.gravity) {
-      bias = coriolis_torque(known.model(), angles, v_mid) + known.gravity();
+  MassMatrix<n, T> m = [&]() SKINCTL_INLINE_LAMBDA {
+    if constexpr (Policy::midpoint) {
+      return mass_matrix(known.model(), known.middle());
     } else {
-      bias = bias_torque(known.model(), angles, v_mid);
+      return MassMatrix<n, T>(known.mass());
     }
-  } else {
-    m = known.mass();
-    bias = bias_at_start<T>(known, known.angles());
-  }
+  }();
+  const auto bias = [&]() SKINCTL_INLINE_LAMBDA {
+    if constexpr (Policy::midpoint) {
+      const JointVelocity<n, T> v_mid = integrate(v, last, T(T(0.5) * h));
+      // Where laws of the half step evaluate the model too, so that held gravity cancels.
+      if constexpr (K::needs.gravity) {
+        return coriolis_torque(known.model(), known.middle(), v_mid) + known.gravity();
+      } else {
+        return bias_torque(known.model(), known.middle(), v_mid);
+      }
+    } else {
+      return bias_at_start<T>(known, known.angles());
+    }
+  }();
 
-  JointAcceleration<n, T> free;  // h times the acceleration that is given per mass
-  for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-    m(i, i) = m(i, i) + shape.inertia[i];
-    free[i] = h * (pull[i] - shape.decay * v[i]);
-  });
+  for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { m(i, i) = m(i, i) + shape.inertia[i]; });
+  // h times the acceleration that is given per mass
+  const JointAcceleration<n, T> free(h * (pull - shape.decay * Row<n, T>(v)));
   JointTorque<n, T> impulse = m * free;
   const T decayed = T(1) + Policy::weight(T(h * shape.decay)) * (h * shape.decay);
   for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {

@@ -45,6 +45,7 @@ template <Interface I, Model M, Real T = double, class Integrator = CrankNicolso
           class Keeper = Passivity<>>
 class Resolver {
  public:
+  static_assert(I != Interface::torque, "for torques include skinctl/resolver/torque_resolver.hpp");
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = I;
   using scalar = T;
@@ -120,12 +121,18 @@ class Resolver {
   using Torque = JointTorque<joints, T>;
   using Position = JointPosition<joints, T>;
   using Velocity = JointVelocity<joints, T>;
+  using Row = detail::Row<joints, T>;
   /// What a cycle's measurement means for its sub-steps.
   struct Correction {
     Velocity rate;                      ///< L1 rho (+ drift r)
     JointAcceleration<joints, T> pull;  ///< L2 rho
-    Velocity least, most;               ///< of the command, velocity interface
     bool off = false;                   ///< rho is not zero
+    struct Speed {
+      Velocity least, most;
+    };
+    struct Free {};
+    [[no_unique_address]] std::conditional_t<I == Interface::velocity, Speed, Free>
+        speed;  ///< of the command
   };
 
   SKINCTL_INLINE Status measure(Memory& m, const State<joints, T>& measured, Nanoseconds now) const noexcept;
@@ -136,6 +143,10 @@ class Resolver {
   /// The law and the velocity after a sub-step: `torque` is what the law asked for within the limits.
   template <class L>
   struct Driven {
+    /// Built in place. (Of an aggregate GCC would clear all first, and then write it.)
+    template <class F>
+    SKINCTL_INLINE explicit Driven(F&& law_now) : law(law_now()), status(law.status) {}
+
     Evaluation<joints, T, typename L::Memory, terms_of<L>> law;
     Torque torque;
     Velocity velocity;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/time.hpp"
 
@@ -97,17 +98,16 @@ class Servo {
   SKINCTL_INLINE void follow(Memory& m, Nanoseconds end) const noexcept {
     using std::exp;
     if (end <= m.now) return;
-    const auto& slope = m.slope[m.first];
-    const auto goal = integrate(m.value[m.first], slope, seconds<T>(end - delay_ - m.time[m.first]));
+    using R = detail::Row<N, T>;
+    const R slope = m.slope[m.first];
+    const R goal = m.value[m.first] + seconds<T>(end - delay_ - m.time[m.first]) * slope;
     const T dt = seconds<T>(end - m.now);
     // Below a ten-thousandth of the step a lag cannot be told from none.
     const bool lags = lag_ * T(1e4) > dt;
     const T decay = lags ? T(exp(-dt / lag_)) : T(0);
     const T behind = lags ? lag_ : T(0);
-    for (std::size_t i = 0; i < N; ++i) {
-      const T last_goal = goal[i] - slope[i] * dt;
-      m.reached[i] = goal[i] - slope[i] * behind + (m.reached[i] - last_goal + slope[i] * behind) * decay;
-    }
+    const R last_goal = goal - slope * dt, lead = slope * behind;
+    (goal - lead + (m.reached - last_goal + lead) * decay).store(m.reached);
     m.now = end;
   }
 

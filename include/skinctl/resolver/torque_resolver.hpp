@@ -59,7 +59,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     m.started = true;
     m.time = measured.time;
     m.measured = measured;
-    m.command = {m.time, measured.q, measured.dq, {}, fallback(m), true};
+    m.command = {m.time, true, measured.q, measured.dq, {}, fallback(m)};
     return m;
   }
 
@@ -82,7 +82,11 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
                                                        const Interval& interval,
                                                        std::span<const Touch> touches) const noexcept {
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
-    if (!m.started || interval.substeps == 0) return out;
+    if (!m.started) return out;
+    if (interval.substeps == 0) {
+      out.fallback = fallback(m);
+      return out;
+    }
     SKINCTL_EXPECTS(!touches.empty(), "one touch");
     m.time = interval.to;
     if (!detail::is_plausible(measured)) {

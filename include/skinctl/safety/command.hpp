@@ -20,11 +20,24 @@ enum class Interface : unsigned char {
 template <std::size_t N, Real T = double>
 struct JointCommand {
   Nanoseconds time = 0;
+  bool valid = false;  // not last: of a struct that ends with padding GCC copies byte by byte
   JointPosition<N, T> position;
   JointVelocity<N, T> velocity;
   JointAcceleration<N, T> acceleration;
   JointTorque<N, T> torque;
-  bool valid = false;
+
+  /// `*this = other`, number by number: so much at once GCC copies with an instruction that starts slowly.
+  SKINCTL_INLINE void assign(const JointCommand& other) noexcept {
+    time = other.time;
+    valid = other.valid;
+    position = other.position;
+    velocity = other.velocity;
+    acceleration = other.acceleration;
+    torque = other.torque;
+  }
+  [[nodiscard]] SKINCTL_INLINE JointCommand copy() const noexcept {
+    return {time, valid, position, velocity, acceleration, torque};
+  }
 };
 
 SKINCTL_END_NAMESPACE

@@ -21,12 +21,13 @@ struct ContactDamping {
 ///
 /// Each link's push is watched for turns: it rose and then fell by more than `swing` and by more than a tenth
 /// of the push, or the reverse. Turns that come within `slowest` of each other and do not die out quickly
-/// (each swing at least 0.4 of the last one) are a contact that rings; the fourth in a row, after two
-/// periods, raises the damping along the contact by a part of `most`, and so does each further one
-/// (`contact_damped`). The damping is never below `always` while the contact lasts, never above
-/// `always + most`, rises and falls smoothly, and falls with the time constant `calm` once the contact has
-/// ended, ten times as slowly while it lasts. A robot that is not touched, and a push that takes longer than
-/// `slowest` from peak to trough, are left alone.
+/// (each swing at least 0.4 of the last one) are a contact that rings; so is one that bounces, however long
+/// the robot flies, if it comes back by itself. The third turn in a row raises the damping along the contact
+/// by half of `most`, and so does each further one (`contact_damped`). The damping is never below `always`
+/// while the contact lasts, never above `always + most`, rises and falls smoothly, and falls with the time
+/// constant `calm` once the contact has ended, ten times as slowly while it lasts. A robot that is not
+/// touched, a push that takes longer than `slowest` from peak to trough, and taps on a robot that rests or
+/// gives way are left alone.
 template <Real T = double>
 class ContactDamper {
  public:
@@ -43,6 +44,7 @@ class ContactDamper {
     T last = T(0);     ///< the push at that turn [N]
     T swing = T(0);    ///< of the last turn [N]
     T since = T(0);    ///< the last turn [s]
+    T away = T(0);     ///< for how long it has not been touched [s]
     int turns = 0;     ///< in a row
     bool rising = false;
     bool touched = false;
@@ -71,12 +73,15 @@ class ContactDamper {
     return {};
   }
 
-  /// A cycle of `dt` seconds with these contacts. True if damping is added to what there always is.
+  /// A cycle of `dt` seconds with these contacts of a robot that moves at `dq`, as measured. True if damping
+  /// is added to what there always is.
   template <std::size_t N, std::size_t K>
-  bool observe(Memory<N>& memory, const Contacts<N, T, K>& contacts, const T& dt) const noexcept {
-    T force[N] = {};
+  bool observe(Memory<N>& memory, const Contacts<N, T, K>& contacts, const JointVelocity<N, T>& dq,
+               const T& dt) const noexcept {
+    T force[N] = {}, speed[N] = {};
     for (const auto& c : contacts) {
       force[c.link] = c.force;
+      speed[c.link] = c.along(dq);
       for (std::size_t j = 0; j < N; ++j) memory.damping.row[c.link][j] = c.row[j];
     }
     bool added = false;
@@ -84,7 +89,7 @@ class ContactDamper {
     for (std::size_t i = 0; i < N; ++i) {
       Watch& w = memory.watch[i];
       if (!(force[i] > T(0)) && !w.touched) continue;
-      watch(w, force[i], dt);
+      watch(w, force[i], speed[i], dt);
       T& b = memory.damping.coefficient[i];
       b = w.level * s_.most + (force[i] > T(0) ? s_.always : T(0));
       memory.damping.any = memory.damping.any || b > T(0);
@@ -94,10 +99,16 @@ class ContactDamper {
   }
 
  private:
-  void watch(Watch& w, const T& force, const T& dt) const noexcept {
+  void watch(Watch& w, const T& force, const T& speed, const T& dt) const noexcept {
     using std::exp;
     w.touched = true;
-    w.since = w.since + dt;
+    if (force > T(0)) {
+      // A robot that comes back by itself has bounced: the flight does not count.
+      w.since = w.since + dt + (speed > T(0) ? T(0) : w.away);
+      w.away = T(0);
+    } else {
+      w.away = w.away + dt;
+    }
     const T high = w.rising ? w.extreme : w.last;
     const T bound = s_.swing > T(0.1) * high ? s_.swing : T(T(0.1) * high);
     const T back = w.rising ? T(w.extreme - force) : T(force - w.extreme);
@@ -105,10 +116,10 @@ class ContactDamper {
       w.extreme = force;
     } else if (back > bound) {
       const T swing = w.rising ? T(w.extreme - w.last) : T(w.last - w.extreme);
-      w.turns = w.since <= s_.slowest && swing >= T(0.4) * w.swing ? w.turns + 1 : 1;
-      if (w.turns >= 4) {
-        w.wish = w.wish + T(0.3) < T(1) ? T(w.wish + T(0.3)) : T(1);
-        w.turns = 4;
+      w.turns = w.since <= s_.slowest && w.swing > T(0) && swing >= T(0.4) * w.swing ? w.turns + 1 : 1;
+      if (w.turns >= 3) {
+        w.wish = w.wish + T(0.5) < T(1) ? T(w.wish + T(0.5)) : T(1);
+        w.turns = 3;
       }
       w.swing = swing;
       w.last = w.extreme;
@@ -122,7 +133,7 @@ class ContactDamper {
     const T rise = T(1) - exp(-dt / (T(0.1) * s_.calm));
     w.level = w.level + rise * (w.wish - w.level);
     if (w.level < T(1e-3) && w.wish < T(1e-3)) w.level = w.wish = T(0);
-    if (!(force > T(0)) && w.level == T(0) && w.since > s_.slowest) w = {};
+    if (w.level == T(0) && w.away > T(8) * s_.slowest) w = {};
   }
 
   Settings s_;

@@ -6,6 +6,7 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/safety/command.hpp"
 #include "skinctl/safety/detail/plausible.hpp"
+#include "skinctl/safety/faults.hpp"
 #include "skinctl/safety/limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -24,6 +25,16 @@ struct GuardConfiguration {
   /// Torque interface: fastest change of a torque, in units of the torque limit per second; also how fast the
   /// fallback takes over.
   T torque_rate = T(50);
+  /// How far beyond a position limit a joint may be and be believed [rad], [m].
+  T beyond = T(1);
+  /// How many times its velocity limit a joint may be measured at and be believed.
+  T overspeed = T(10);
+  /// Reasons found by other stages on which the command brakes, besides those of the table: such as
+  /// `sample_stale`, for a robot that must not move unless all of its skin feels.
+  Status brakes_on = {};
+  /// Reasons after which the motion goes on only on request, besides those of the table: such as
+  /// `state_stale`.
+  Status consent = {};
 };
 
 /// What a guard remembers: the last command it let out. Trivially copyable.
@@ -32,6 +43,7 @@ struct GuardMemory {
   Nanoseconds time = 0;
   State<N, T> measured;  ///< the newest good state
   JointCommand<N, T> command;
+  Status latched;  ///< faults that wait for the user's consent
 };
 
 /// What the guard lets out; `altered` says that it is not what was asked for (tell the resolver, see
@@ -43,20 +55,14 @@ struct Guarded {
   bool altered = false;
 };
 
-/// Lets a command pass unchanged if it is finite, if the robot's state is fresh, and if there is a motion
-/// from the last command to it within the limits of acceleration and velocity, after which the joint can
-/// still stop before its end. Else, in the same cycle:
+/// Lets a command pass unchanged if it is finite, if the robot's state is fresh, if no stage found a fault,
+/// and if there is a motion from the last command to it within the limits of acceleration and velocity, after
+/// which the joint can still stop before its end. Else it reacts in the same cycle, as the table `faults`
+/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback.
 ///
-/// | interface | reaction | way back |
-/// |---|---|---|
-/// | position, velocity | brakes with the acceleration limit and holds | by itself, once the state is good
-/// and the asked command can be reached within the limits; the resolver, told what was sent, goes on from
-/// there | | torque, beyond a limit or too fast | cut to the limit | by itself | | torque, not finite, or a
-/// stale state | ramps to the fallback torque | by itself, at the same rate |
-///
-/// Reasons in the status: `command_not_finite`, `state_not_finite`, `state_stale`, `time_backwards`,
-/// `interval_empty`, `interval_too_long`, `step_limited`, `outside_limits`, `torque_limited`.
-/// Never steps, and never gives a number that is not finite, whatever comes in.
+/// Most reactions end by themselves, once the asked command can be reached within the limits; the resolver,
+/// told what was sent, goes on from there. After a `stop` the guard waits for `acknowledge`
+/// (`consent_awaited`). Never steps, and never gives a number that is not finite, whatever comes in.
 template <Interface I, std::size_t N, Real T = double>
 class Guard {
  public:
@@ -70,7 +76,14 @@ class Guard {
         longest_(c.longest_interval.value_or(5 * c.period)),
         stale_after_(c.stale_after.value_or(25 * c.period)),
         lead_(c.lead),
-        torque_rate_(c.torque_rate) {
+        torque_rate_(c.torque_rate),
+        beyond_(c.beyond),
+        overspeed_(c.overspeed),
+        acts_on_(c.brakes_on | reasons_of([](const Fault& f) {
+                   return (f.motion == Reaction::stop || f.motion == Reaction::brake) &&
+                          f.finder != Finder::guard;
+                 })),
+        consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })) {
     const auto number = [](const auto& x) { return static_cast<double>(x); };
     require(period_ >= 100_us && period_ <= 1_s, "period [ns]", number(period_), "1e5 to 1e9 ns");
     require(longest_ >= period_ && longest_ <= 10_s, "longest interval [ns]", number(longest_),
@@ -79,6 +92,8 @@ class Guard {
             ">= period, <= 1e10 ns");
     require(torque_rate_ > T(0) && torque_rate_ <= T(1e6), "torque rate", number(torque_rate_),
             "> 0, <= 1e6 1/s");
+    require(beyond_ >= T(0), "beyond", number(beyond_), ">= 0 rad");
+    require(overspeed_ >= T(1), "overspeed", number(overspeed_), ">= 1");
     for (std::size_t i = 0; i < N; ++i) require(lead_[i] > T(0), "lead", number(lead_[i]), "> 0 rad");
   }
 
@@ -99,43 +114,58 @@ class Guard {
   ///
   /// @param fallback  torque interface: what the robot is brought to when no torque can be trusted, such as
   ///                  gravity compensation with damping. Not finite: zero.
+  /// @param found     what other stages found in this cycle, and the loop before it.
   SKINCTL_INLINE Guarded<N, T> pass(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
-                                    Nanoseconds now, const JointTorque<N, T>& fallback = {}) const noexcept {
-    Guarded<N, T> out{m.command, {}, true};
-    if (!m.command.valid) return out;
-    if (now == m.time) {
-      out.status |= Reason::interval_empty;
-      out.altered = !(wish.time == now);
-      return out;
+                                    Nanoseconds now, const JointTorque<N, T>& fallback = {},
+                                    Status found = {}) const noexcept {
+    if (!m.command.valid) [[unlikely]]
+      return {m.command, {}, true};
+    m.latched |= found & consent_;
+    Status status;
+    if (now == m.time) [[unlikely]] {
+      if (m.latched.any()) status |= Reason::consent_awaited;
+      return {m.command, status | Reason::interval_empty, !(wish.time == now)};
     }
     Nanoseconds elapsed = period_;
     if (now < m.time || !detail::is_plausible(now)) {
-      out.status |= Reason::time_backwards;
+      status |= Reason::time_backwards;
     } else {
       elapsed = now - m.time;
       if (elapsed > longest_) {
         elapsed = longest_;
-        out.status |= Reason::interval_too_long;
+        status |= Reason::interval_too_long;
       }
       m.time = now;
-      see(m, measured, now, out.status);
+      see(m, measured, now, status);
     }
-    const bool good = !out.status.has(Reason::time_backwards) && !out.status.has(Reason::state_stale);
+    const bool good = !status.has(Reason::time_backwards) && !status.has(Reason::state_stale) &&
+                      !(found & acts_on_).any() && !((status & consent_) | m.latched).any();
     const bool finite = wish.valid && detail::is_plausible(wish);
-    if (!finite) out.status |= Reason::command_not_finite;
+    if (!finite) status |= Reason::command_not_finite;
     const T dt = seconds<T>(elapsed);
     if constexpr (I == Interface::torque) {
-      turn_torque(m, wish, good && finite, fallback, dt, out);
-    } else if (good && finite && wish.time == now && can_reach(m, wish, dt, out.status)) {
-      out.command = wish;
-      out.altered = false;
+      return let_out(m, turn_torque(m, wish, good && finite, fallback, dt, status));
     } else {
-      brake(m, dt, out);
+      if (good && finite && wish.time == now && can_reach(m, wish, dt, status)) [[likely]] {
+        m.command.assign(wish);
+        return {wish.copy(), status, false};
+      }
+      return let_out(m, brake(m, dt, status));
     }
-    out.command.time = m.time;
-    out.command.valid = true;
-    m.command = out.command;
-    return out;
+  }
+
+  /// The user's consent: what waits for it may go on, unless it is still there.
+  void acknowledge(Memory& m) const noexcept { m.latched = {}; }
+  /// Whether the command waits for consent.
+  [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
+
+  /// Whether this robot can be at `s`: within `beyond` of its ends, below `overspeed`. False for NaN.
+  [[nodiscard]] SKINCTL_INLINE bool believes(const State<N, T>& s) const noexcept {
+    using R = detail::Row<N, T>;
+    const R q = s.q, dq = s.dq, fast = overspeed_ * R(limits_.velocity());
+    const auto can = (q >= R(limits_.lower()) - beyond_) & (q <= R(limits_.upper()) + beyond_) &
+                     (dq >= -fast) & (dq <= fast);
+    return !any(!can);
   }
 
  private:
@@ -147,6 +177,8 @@ class Guard {
                           Status& status) const noexcept {
     if (!detail::is_plausible(measured)) {
       status |= Reason::state_not_finite;
+    } else if (!believes(measured)) {
+      status |= Reason::state_out_of_range;
     } else if (measured.time >= m.measured.time) {
       m.measured = measured;
       if (measured.time > now) m.measured.time = now;
@@ -157,17 +189,17 @@ class Guard {
   /// Room of a command: of a position to the limits and to its lead over the measured one; of a velocity from
   /// where the robot is, counting in that it goes on the way it moves.
   SKINCTL_INLINE JointRoom<N, T> room(const Memory& m, const JointPosition<N, T>& command) const noexcept {
-    const auto& q = m.measured.q;
-    auto room = limits_.room(I == Interface::position ? command : q);
-    for (Size i = 0; i < N; ++i) {
-      if constexpr (I == Interface::position) {
-        room.above[i] = detail::smaller(room.above[i], T(lead_[i] - (command[i] - q[i])));
-        room.below[i] = detail::smaller(room.below[i], T(lead_[i] + (command[i] - q[i])));
-      } else {
-        const T on = m.measured.dq[i] * seconds<T>(longest_);
-        if (on < T(0)) room.above[i] = room.above[i] - on;
-        if (on > T(0)) room.below[i] = room.below[i] + on;
-      }
+    using R = detail::Row<N, T>;
+    const R q = m.measured.q;
+    auto room = limits_.room(I == Interface::position ? command : m.measured.q);
+    if constexpr (I == Interface::position) {
+      const R ahead = R(command) - q, lead = lead_;
+      smaller(room.above, lead - ahead).store(room.above);
+      smaller(room.below, lead + ahead).store(room.below);
+    } else {
+      const R on = R(m.measured.dq) * R(seconds<T>(longest_)), zero = T(0);
+      (R(room.above) - select(on < zero, on, zero)).store(room.above);
+      (R(room.below) + select(on > zero, on, zero)).store(room.below);
     }
     return room;
   }
@@ -176,70 +208,80 @@ class Guard {
   /// stop or brakes as hard as it may.
   SKINCTL_INLINE bool can_reach(const Memory& m, const JointCommand<N, T>& wish, const T& dt,
                                 Status& status) const noexcept {
-    const T eps = std::numeric_limits<T>::epsilon();
-    using detail::magnitude;
+    using R = detail::Row<N, T>;
     const auto& last = m.command;
     const auto left = room(m, wish.position);
-    bool steps = false, outside = false;
-    for (Size i = 0; i < N; ++i) {
-      const T a = limits_.acceleration()[i], u0 = last.velocity[i], u = wish.velocity[i], du = u - u0;
-      const T q = magnitude(wish.position[i]) + magnitude(last.position[i]);
-      const T most = a * dt * slack() + T(4) * eps * limits_.velocity()[i];
-      steps |= magnitude(u) > limits_.velocity()[i] * slack() && magnitude(u) > magnitude(u0);
-      steps |= magnitude(du) > most;
-      if constexpr (I == Interface::position) {
-        // With its acceleration limited, a joint reaches this far to both sides of where the mean speed
-        // leads.
-        const T moved = wish.position[i] - last.position[i], straight = T(0.5) * dt * (u0 + u);
-        const T aside = T(0.25) * (a * dt * dt * slack() - du * du / a);
-        steps |= magnitude(T(moved - straight)) > (aside > T(0) ? aside : T(0)) + T(16) * eps * q;
-        outside |= left.above[i] < T(-16) * eps * q && moved > T(16) * eps * q;
-        outside |= left.below[i] < T(-16) * eps * q && -moved > T(16) * eps * q;
-      }
-      const T stop = u * u / (T(2) * a) / slack() - T(16) * eps * (T(1) + q);
-      const bool brakes = magnitude(u) <= magnitude(u0) - (T(2) * a * dt - most);
-      outside |= !brakes && u > T(0) && stop > left.above[i];
-      outside |= !brakes && u < T(0) && stop > left.below[i];
+    const R eps = std::numeric_limits<T>::epsilon(), wide = slack(), zero = T(0);
+    const R limit = limits_.velocity(), a = limits_.acceleration(), above = left.above, below = left.below;
+    const R u0 = last.velocity, u = wish.velocity, du = u - u0, from = last.position, to = wish.position;
+    const R q = magnitude(to) + magnitude(from), rounding = T(16) * eps * q;
+    const R most = a * R(T(dt * slack())) + T(4) * eps * limit;
+    auto steps = (magnitude(u) > limit * wide) & (magnitude(u) > magnitude(u0));
+    steps = steps | (magnitude(du) > most);
+    const R stop = u * u / (T(2) * a) / wide - T(16) * eps * (R(T(1)) + q);
+    const auto rushes = !(magnitude(u) <= magnitude(u0) - (T(2) * a * R(dt) - most));
+    auto outside = rushes & (((u > zero) & (stop > above)) | ((u < zero) & (stop > below)));
+    if constexpr (I == Interface::position) {
+      // With its acceleration limited, a joint reaches this far to both sides of where the mean speed leads.
+      const R moved = to - from, straight = R(T(T(0.5) * dt)) * (u0 + u);
+      const R aside = T(0.25) * (a * R(T(dt * dt * slack())) - du * du / a);
+      steps = steps | (magnitude(moved - straight) > select(aside > zero, aside, zero) + rounding);
+      outside =
+          outside | ((above < -rounding) & (moved > rounding)) | ((below < -rounding) & (-moved > rounding));
     }
-    if (steps) status |= Reason::step_limited;
-    if (outside) status |= Reason::outside_limits;
-    return !steps && !outside;
+    const bool too_far = any(steps), beyond = any(outside);
+    if (too_far) status |= Reason::step_limited;
+    if (beyond) status |= Reason::outside_limits;
+    return !too_far && !beyond;
   }
 
-  SKINCTL_COLD void brake(const Memory& m, const T& dt, Guarded<N, T>& out) const noexcept {
+  SKINCTL_INLINE Guarded<N, T> let_out(Memory& m, Guarded<N, T> out) const noexcept {
+    m.latched |= out.status & consent_;
+    if (m.latched.any()) [[unlikely]]
+      out.status |= Reason::consent_awaited;
+    out.command.time = m.time;
+    out.command.valid = true;
+    m.command.assign(out.command);
+    return out;
+  }
+
+  SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const T& dt, Status status) const noexcept {
+    Guarded<N, T> out{m.command, status, true};
     const auto& last = m.command;
     const auto motion = limits_.move(room(m, last.position), last.velocity, JointVelocity<N, T>{}, dt);
-    out.command = last;
     out.command.torque = {};
     for (Size i = 0; i < N; ++i) {
       out.command.position[i] = last.position[i] + motion.displacement[i];
       out.command.velocity[i] = motion.velocity[i];
       out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
     }
+    return out;
   }
 
   /// Towards the wished torque or the fallback, at most as fast as allowed.
-  SKINCTL_INLINE void turn_torque(const Memory& m, const JointCommand<N, T>& wish, bool good,
-                                  const JointTorque<N, T>& fallback, const T& dt,
-                                  Guarded<N, T>& out) const noexcept {
-    const bool safe = detail::is_finite(fallback);
-    out.command = good ? wish : m.command;
-    out.altered = !good;
-    for (Size i = 0; i < N; ++i) {
-      const T limit = limits_.torque()[i], step = torque_rate_ * limit * dt, last = m.command.torque[i];
-      const T wanted = good ? wish.torque[i] : (safe ? fallback[i] : T(0));
-      const T within = detail::clamp(wanted, T(-limit), limit);
-      const T given = detail::clamp(within, T(last - step), T(last + step));
-      if (good && within != wanted) out.status |= Reason::torque_limited, out.altered = true;
-      if (given != within) out.status |= Reason::step_limited, out.altered = true;
-      out.command.torque[i] = given;
-    }
+  SKINCTL_INLINE Guarded<N, T> turn_torque(const Memory& m, const JointCommand<N, T>& wish, bool good,
+                                           const JointTorque<N, T>& fallback, const T& dt,
+                                           Status status) const noexcept {
+    using R = detail::Row<N, T>;
+    const R step = T(torque_rate_ * dt) * R(limits_.torque()), last = m.command.torque;
+    const JointTorque<N, T> rest = detail::is_finite(fallback) ? fallback : JointTorque<N, T>();
+    const JointTorque<N, T>& asked = good ? wish.torque : rest;
+    const R wanted = asked, within = limits_.within(asked, m.measured.dq);
+    const R given = clamp(within, last - step, last + step);
+    const bool limited = good && any(within != wanted), slowed = any(given != within);
+    if (limited) status |= Reason::torque_limited;
+    if (slowed) status |= Reason::step_limited;
+    Guarded<N, T> out{good ? wish : m.command, status, !good || limited || slowed};
+    given.store(out.command.torque);
+    return out;
   }
 
   JointLimits<N, T> limits_;
   Nanoseconds period_, longest_, stale_after_;
   JointPosition<N, T> lead_;
-  T torque_rate_;
+  T torque_rate_, beyond_, overspeed_;
+  Status acts_on_;  ///< found by others, these brake
+  Status consent_;  ///< these wait for `acknowledge`
 };
 
 SKINCTL_END_NAMESPACE

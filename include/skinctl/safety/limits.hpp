@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/status.hpp"
 
@@ -89,21 +90,19 @@ class JointLimits {
   }
   /// Whether every joint is within its position limits.
   [[nodiscard]] SKINCTL_INLINE bool hold(const JointPosition<N, T>& q) const noexcept {
-    bool inside = true;
-    for (std::size_t i = 0; i < N; ++i) inside &= q[i] >= values_.lower[i] && q[i] <= values_.upper[i];
-    return inside;
+    const detail::Row row(q);
+    return all((row >= values_.lower) & (row <= values_.upper));
   }
 
   /// `tau`, cut to the limits of torque, and of power at the speeds `dq`.
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> within(const JointTorque<N, T>& tau,
                                                         const JointVelocity<N, T>& dq) const noexcept {
-    JointTorque<N, T> out;
-    for (std::size_t i = 0; i < N; ++i) {
-      const T limit = values_.torque[i];
-      out[i] = tau[i] < -limit ? -limit : (tau[i] > limit ? limit : tau[i]);
-      if (has_power_ && out[i] * dq[i] > values_.power[i]) [[unlikely]]
+    using R = detail::Row<N, T>;
+    const R limit = values_.torque;
+    JointTorque<N, T> out(clamp(R(tau), -limit, limit));
+    for (std::size_t i = 0; has_power_ && i < N; ++i)
+      if (out[i] * dq[i] > values_.power[i]) [[unlikely]]
         out[i] = values_.power[i] / dq[i];
-    }
     return out;
   }
 
@@ -120,51 +119,58 @@ class JointLimits {
                                                         const JointVelocity<N, T>& u0,
                                                         const JointVelocity<N, T>& target,
                                                         const T& h) const noexcept {
+    using R = detail::Row<N, T>;
+    const R limit = values_.velocity, a = values_.acceleration, from = u0, zero = T(0);
+    const R dv = a * R(h), half = T(0.5) * h, brake = a * R(braking_share<T>);
+    const R wish = select(R(target) == R(target), target, zero);
+    R u = clamp(wish, -limit, limit);
     JointMotion<N, T> out;
-    const T least = T(std::same_as<T, float> ? 1e-17 : 1e-150);
-    bool velocity = false, acceleration = false;
-    for (std::size_t i = 0; i < N; ++i) {
-      const T limit = values_.velocity[i], a = values_.acceleration[i], from = u0[i], dv = a * h;
-      const T wish = target[i] == target[i] ? target[i] : T(0);
-      T u = wish < -limit ? -limit : (wish > limit ? limit : wish);
-      velocity |= u != wish;
-      const T capped = u;
-      // Braking is looked at only where the fastest that this step can reach may not stop in time.
-      const T brake = a * braking_share<T>, half = T(0.5) * h;
-      const T up = from + dv, down = dv - from;
-      if (up > T(0) && !(half * (from + up) + up * up / (T(2) * brake) < room.above[i])) [[unlikely]] {
-        const T most = speed_to_stop(T(room.above[i] - half * from), half, brake);
-        u = u > most ? most : u;
-      }
-      if (down > T(0) && !(half * (down - from) + down * down / (T(2) * brake) < room.below[i]))
-          [[unlikely]] {
-        const T most = speed_to_stop(T(room.below[i] + half * from), half, brake);
-        u = u < -most ? -most : u;
-      }
-      if (u != capped) [[unlikely]]
-        out.braked |= std::uint64_t(1) << i;
-      const T before = u;
-      u = u > from + dv ? from + dv : (u < from - dv ? from - dv : u);
-      acceleration |= u != before;
-      T s = half * (from + u);
-      // A joint that stops within the step may stop earlier than a straight line does.
-      const T stop = from * from / (T(2) * a);
-      const T above =
-          from > T(0) && stop > room.above[i] ? stop : (room.above[i] > T(0) ? room.above[i] : T(0));
-      const T below =
-          from < T(0) && stop > room.below[i] ? stop : (room.below[i] > T(0) ? room.below[i] : T(0));
-      s = s > above ? above : (s < -below ? -below : s);
-      // Squares of what is next to nothing are denormal numbers, which are slow.
-      out.velocity[i] = u > least || u < -least ? u : T(0);
-      out.displacement[i] = s;
+    if (any(u != wish)) out.status |= Reason::velocity_limited;
+    // Braking is looked at only where the fastest that this step can reach may not stop in time.
+    const R up = from + dv, down = dv - from, above = room.above, below = room.below;
+    const auto near_above = (up > zero) & !(half * (from + up) + up * up / (T(2) * brake) < above);
+    const auto near_below = (down > zero) & !(half * (down - from) + down * down / (T(2) * brake) < below);
+    if (any(near_above | near_below)) [[unlikely]] {
+      u.store(out.velocity);
+      out.braked = slow_down(near_above.bits(), near_below.bits(), room, u0, h, out.velocity);
+      if (out.braked != 0) out.status |= Reason::position_limited;
+      u = out.velocity;
     }
-    if (out.braked != 0) out.status |= Reason::position_limited;
-    if (velocity) out.status |= Reason::velocity_limited;
-    if (acceleration) out.status |= Reason::acceleration_limited;
+    const R reached = clamp(u, from - dv, up);
+    if (any(reached != u)) out.status |= Reason::acceleration_limited;
+    // A joint that stops within the step may stop earlier than a straight line does.
+    const R stop = from * from / (T(2) * a);
+    const R most = select((from > zero) & (stop > above), stop, select(above > zero, above, zero));
+    const R least = select((from < zero) & (stop > below), stop, select(below > zero, below, zero));
+    clamp(half * (from + reached), -least, most).store(out.displacement);
+    // Squares of what is next to nothing are denormal numbers, which are slow.
+    const R tiny = T(std::same_as<T, float> ? 1e-17 : 1e-150);
+    select(magnitude(reached) > tiny, reached, zero).store(out.velocity);
     return out;
   }
 
  private:
+  /// Slows the joints of the two sets of bits down to where they can still stop, and says which it slowed.
+  SKINCTL_COLD std::uint64_t slow_down(std::uint64_t near_above, std::uint64_t near_below,
+                                       const JointRoom<N, T>& room, const JointVelocity<N, T>& from,
+                                       const T& h, JointVelocity<N, T>& u) const noexcept {
+    std::uint64_t slowed = 0;
+    const T half = T(0.5) * h;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T brake = values_.acceleration[i] * braking_share<T>, wish = u[i];
+      if (((near_above >> i) & 1u) != 0) {
+        const T most = speed_to_stop(T(room.above[i] - half * from[i]), half, brake);
+        u[i] = u[i] > most ? most : u[i];
+      }
+      if (((near_below >> i) & 1u) != 0) {
+        const T most = speed_to_stop(T(room.below[i] + half * from[i]), half, brake);
+        u[i] = u[i] < -most ? -most : u[i];
+      }
+      if (u[i] != wish) slowed |= std::uint64_t(1) << i;
+    }
+    return slowed;
+  }
+
   Values values_;
   bool has_power_ = false;
 };

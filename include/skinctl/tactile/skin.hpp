@@ -121,6 +121,31 @@ class Skin {
     for (const std::uint64_t block : memory.heard) n -= static_cast<std::size_t>(std::popcount(block));
     return n;
   }
+  /// The strongest proximity reading in [0, 1] that a cell on link `I` may have: at least what the gate
+  /// opens at, because less does not pass; 1 if one of them is silent, because then nobody knows. A link
+  /// without skin does not compile.
+  template <std::size_t I>
+  [[nodiscard]] T nearest(const Memory& memory) const noexcept {
+    static_assert(((Patches::link == I) || ...), "no skin on this link: it sees nothing");
+    std::uint16_t most = 0;
+    bool all = true;
+    std::size_t first = 0;
+    const auto look = [&]<class P>(std::type_identity<P>) {
+      if constexpr (P::link == I) {
+        for (std::size_t i = first; i < first + P::cells; ++i) {
+          const std::uint16_t p = memory.held[i].proximity;
+          most = p > most ? p : most;
+        }
+        all = all && memory.hears_all_from(first, P::cells);
+      }
+      first += P::cells;
+    };
+    (look(std::type_identity<Patches>{}), ...);
+    const auto& gate = tables_.proximity_gate;
+    const std::int32_t seen = most + gate.subtract(), hidden = gate.opens_at();
+    const T reading = T(most != 0 && seen > hidden ? seen : hidden) * T(CellCounts::proximity_unit);
+    return all && reading < T(1) ? reading : T(1);
+  }
   /// What of the last sample of the `i`-th cell (in the order of the patches) passed the gates; 0 if silent.
   [[nodiscard]] CellCounts held(const Memory& memory, std::size_t i) const noexcept {
     SKINCTL_EXPECTS(i < cells, "a cell of this skin");

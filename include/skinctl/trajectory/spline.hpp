@@ -1,6 +1,7 @@
 // Splines in joint space: from where the robot is to a goal, at rest at both ends, eq. (22).
 #pragma once
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/time.hpp"
 #include "skinctl/trajectory/quintic.hpp"
@@ -24,18 +25,14 @@ struct JointSpline {
 
   /// The reference `t` seconds after the start: at rest in `q_i` before it, at rest in `q_g` (exactly) from
   /// the end on.
-  [[nodiscard]] SKINCTL_INLINE constexpr JointReference<N, T> at(const T& t) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE JointReference<N, T> at(const T& t) const noexcept {
     const T rate = tf > T(0) ? T(T(1) / tf) : T(0);
     const auto way = quintic(tf > T(0) ? T(t / tf) : T(1), rate);
-    JointReference<N, T> r;
-    for (std::size_t i = 0; i < N; ++i) {
-      const T d = q_g[i] - q_i[i];
-      // from the nearer end: both are met exactly
-      r.q_d[i] = way.a1 <= T(0.5) ? T(q_i[i] + way.a1 * d) : T(q_g[i] - way.rest * d);
-      r.dq_d[i] = way.a2 * d;
-      r.ddq_d[i] = way.a3 * d;
-    }
-    return r;
+    // from the nearer end: both are met exactly
+    const bool early = way.a1 <= T(0.5);
+    const detail::Row<N, T> start = q_i, goal = q_g, d = goal - start;
+    return {JointPosition<N, T>((early ? start : goal) + (early ? way.a1 : T(-way.rest)) * d),
+            JointVelocity<N, T>(way.a2 * d), JointAcceleration<N, T>(way.a3 * d)};
   }
 };
 

@@ -5,23 +5,19 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What the surface reads `x` seconds from now, the integrals going on as at `at_t`.
+/// What the surface reads `x` seconds from now, the integrals going on at the given rates.
 template <class Space, class Plan, class Damping, class Sign>
 SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::inputs(
-    const Memory& memory, const T& x, const Surface& at_t) const noexcept {
+    const Memory& memory, const T& x, const Rates& dI1, const Rates& dI2) const noexcept {
+  using R = detail::Row<Space::coordinates, T>;
   // Built in place: a copy of what has just been written in other pieces waits for them.
-  typename Space::Inputs in{memory.plan.at(x, settings_),
-                            gain(memory, x),
-                            memory.bias.at(x, gains().kappa, gains().hand_over),
-                            {},
-                            {},
-                            memory.held,
-                            memory.sign.data()};
-  detail::for_each_index<Space::coordinates>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-    in.I1[i] = memory.I1.sum[i] + x * at_t.dI1[i];
-    in.I2[i] = memory.I2.sum[i] + x * at_t.dI2[i];
-  });
-  return in;
+  return {memory.plan.at(x, settings_),
+          gain(memory, x),
+          memory.bias.at(x, gains().kappa, gains().hand_over),
+          Rates(R(memory.I1.sum) + x * R(dI1)),
+          Rates(R(memory.I2.sum) + x * R(dI2)),
+          memory.held,
+          memory.sign.data()};
 }
 
 /// The memory `dt` seconds later.
@@ -29,14 +25,14 @@ template <class Space, class Plan, class Damping, class Sign>
 SKINCTL_INLINE TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Sign>::stepped(
     const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
   const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
-  return {memory.plan.advanced(ns, settings_),
+  return {later(memory.since_reset, ns),
+          memory.held,
+          memory.plan.advanced(ns, settings_),
           memory.bias.advanced(dt, ns, gains().kappa),
           memory.I1.advanced(at_t.dI1, dt),
           memory.I2.advanced(at_t.dI2, dt),
-          later(memory.since_reset, ns),
           memory.tb,
           memory.K_from,
-          memory.held,
           memory.sign.advanced(at_t.S_delta.data, gains().mu, dt, memory.held),
           space_.advanced(memory.space, at_t, dt)};
 }
@@ -50,35 +46,27 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
                                                                  const Surface& at_t) const noexcept
     -> JointTorque<N, T> {
   using M = typename K::model_type;
+  using R = detail::Row<N, T>;
   const T h = T(0.5) * known.dt();
-  const auto damped = damping_.acceleration(known, at_t.S_q);
-  JointPosition<N, T> q_h;
-  JointVelocity<N, T> dq_h;
-  JointAcceleration<N, T> a;
-  for (std::size_t i = 0; i < N; ++i) {
-    a[i] = at_t.ddq_r[i] - damped[i];
-    q_h[i] = known.q()[i] + h * (known.dq()[i] + T(0.5) * h * a[i]);
-    dq_h[i] = known.dq()[i] + h * a[i];
-  }
-  const auto ahead = inputs(memory, h, at_t);
-  const auto middle = space_.surface(gains_, ahead, space_.site(known.model(), q_h, dq_h), memory.space);
-  JointVelocity<N, T> dq_r;
-  JointAcceleration<N, T> ddq_r;
-  JointTorque<N, T> shaped;  // of rotors and friction
+  const R damped(damping_.acceleration(known, at_t.S_q));
+  const R a = at_t.ddq_r - damped;
+  const JointPosition<N, T> q_m(known.q() + h * (known.dq() + T(T(0.5) * h) * a));
+  const JointVelocity<N, T> dq_m(known.dq() + h * a);
+  const auto ahead = inputs(memory, h, at_t.dI1, at_t.dI2);
+  const auto middle = space_.surface(gains_, ahead, space_.site(known.model(), q_m, dq_m), memory.space);
+  // The acceleration that is held is the one asked for at the middle: the state there once more, with it.
+  const R dv = h * (middle.ddq_r - damped - a), dx = T(T(0.5) * h) * dv;
+  const JointPosition<N, T> q_h(q_m + dx);
+  const JointVelocity<N, T> dq_h(dq_m + dv);
+  const R v_r = share.feed_forward * (middle.dq_r - ahead.K_p.K * dx);
+  R a_r = share.feed_forward * (middle.ddq_r - ahead.K_p.K * dv - ahead.K_p.dK * dx);
   constexpr bool inertial = std::same_as<Damping, InertialDamping<T>>;
-  for (std::size_t i = 0; i < N; ++i) {
-    // The acceleration that is held is the one asked for at the middle: the state there once more, with it.
-    const T dv = h * (middle.ddq_r[i] - damped[i] - a[i]);
-    const T dx = T(0.5) * h * dv;
-    q_h[i] = q_h[i] + dx;
-    dq_h[i] = dq_h[i] + dv;
-    dq_r[i] = share.feed_forward * (middle.dq_r[i] - ahead.K_p.K * dx);
-    ddq_r[i] = share.feed_forward * (middle.ddq_r[i] - ahead.K_p.K * dv - ahead.K_p.dK * dx);
-    if constexpr (inertial) ddq_r[i] = ddq_r[i] - share.feedback * damped[i];
-    shaped[i] = gains().shape.viscous[i] * dq_r[i] +
-                gains().shape.inertia[i] * (ddq_r[i] + gains().shape.decay * dq_r[i]);
-    ddq_r[i] = ddq_r[i] + gains().shape.decay * dq_r[i];
-  }
+  if constexpr (inertial) a_r = a_r - share.feedback * damped;
+  const auto& shape = gains().shape;
+  const R decayed = a_r + shape.decay * v_r;
+  const R shaped = shape.viscous * v_r + shape.inertia * decayed;  // of rotors and friction
+  const JointVelocity<N, T> dq_r(v_r);
+  const JointAcceleration<N, T> ddq_r(decayed);
   JointTorque<N, T> tau;
   const JointAngles<M, T> angles(known.model(), q_h);
   const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
@@ -90,10 +78,10 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
   } else {
     run(ZeroTriple{});
   }
-  tau += shaped;
+  (tau + shaped).store(tau);
   if constexpr (!inertial) {
     const auto feedback = damping_.torque(at_t.S_q);
-    for (std::size_t i = 0; i < N; ++i) tau[i] = tau[i] - share.feedback * feedback[i];
+    tau -= share.feedback * feedback;
   }
   return tau;
 }

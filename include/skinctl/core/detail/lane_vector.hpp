@@ -106,8 +106,18 @@ template <class T, std::size_t W>
     return sum_halves<T, W / 2>(half<T, W>(v, Lower{}) + half<T, W>(v, Upper{}));
 }
 
+/// Whether a comparison holds in some lane. From the signs of the lanes where the target can collect them:
+/// of an `or` of the halves compilers make three times as many instructions.
 template <class Bits>
 [[nodiscard]] SKINCTL_INLINE bool any_bit(Bits bits) noexcept {
+#if defined(__AVX__)
+  if constexpr (sizeof(Bits) == 32)
+    return __builtin_ia32_movmskps256(__builtin_bit_cast(LaneVector<float, 8>, bits)) != 0;
+#endif
+#if defined(__SSE2__)
+  if constexpr (sizeof(Bits) == 16)
+    return __builtin_ia32_movmskps(__builtin_bit_cast(LaneVector<float, 4>, bits)) != 0;
+#endif
   constexpr std::size_t words = sizeof(Bits) / sizeof(std::uint64_t);
   if constexpr (words == 1) {
     return __builtin_bit_cast(std::uint64_t, bits) != 0;

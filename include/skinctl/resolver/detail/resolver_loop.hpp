@@ -69,27 +69,26 @@ SKINCTL_RESOLVER
 SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::correct(Memory& m, Nanoseconds now, const T& dt) const noexcept
     -> Correction {
   const bool fresh = now - m.measured.time <= p_.fresh_for;
-  Correction c;
-  for (std::size_t i = 0; i < joints; ++i) {
-    // An old measurement says nothing about where the robot is now: its difference is not acted on again.
-    const T r = fresh ? m.residual[i] : T(0);
-    const T rho = r - detail::clamp(r, T(-p_.dead_band[i]), p_.dead_band[i]);
-    const bool off = rho != T(0);
-    c.off |= off;
-    if (fresh) m.off_for[i] = off ? T(m.off_for[i] + dt) : T(0);
-    c.rate[i] = p_.L1 * rho;
-    c.pull[i] = p_.L2 * rho;
-    if constexpr (I == Interface::velocity) {
-      c.rate[i] = c.rate[i] + p_.drift * r;
+  // An old measurement says nothing about where the robot is now: its difference is not acted on again.
+  const Row r = fresh ? Row(m.residual) : Row(T(0)), dead_band = p_.dead_band;
+  const Row rho = r - clamp(r, -dead_band, dead_band);
+  const auto off = rho != Row(T(0));
+  if (fresh) select(off, Row(m.off_for) + dt, T(0)).store(m.off_for);
+  const JointAcceleration<joints, T> pull(p_.L2 * rho);
+  if constexpr (I == Interface::position) {
+    return Correction{Velocity(p_.L1 * rho), pull, any(off), {}};
+  } else {
+    Correction c{Velocity(p_.L1 * rho + p_.drift * r), pull, any(off), {}};
+    for (std::size_t i = 0; i < joints; ++i) {
       // Where the real robot will be when it has carried out all that was sent up to now.
       const T arrives = m.measured.q[i] + (m.sent.value[i] - m.under_way.reached[i]);
       const T brake = p_.limits.acceleration()[i] * braking_share<T>;
       const T reaction = seconds<T>(p_.longest_interval);
-      c.most[i] = speed_to_stop(T(p_.limits.upper()[i] - arrives), reaction, brake);
-      c.least[i] = -speed_to_stop(T(arrives - p_.limits.lower()[i]), reaction, brake);
+      c.speed.most[i] = speed_to_stop(T(p_.limits.upper()[i] - arrives), reaction, brake);
+      c.speed.least[i] = -speed_to_stop(T(arrives - p_.limits.lower()[i]), reaction, brake);
     }
+    return c;
   }
-  return c;
 }
 
 SKINCTL_RESOLVER
@@ -97,42 +96,39 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::move(Memory& m, const Correction& 
                                                    const T& h) const noexcept {
   Status status;
   JointRoom<joints, T> room = p_.limits.room(m.q.value);
-  Velocity v = v1, least, most;
-  std::uint64_t leashed = 0;
-  for (std::size_t i = 0; i < joints; ++i) {
-    const T e = m.q.value[i] - m.measured.q[i];
-    const T above = p_.leash[i] - e, below = p_.leash[i] + e;
-    most[i] = above > T(0) ? T(above * p_.per_delay) : T(0);
-    least[i] = below > T(0) ? T(-below * p_.per_delay) : T(0);
-    if constexpr (I == Interface::position) {
-      if (above < room.above[i]) room.above[i] = above, leashed |= std::uint64_t(1) << i;
-      if (below < room.below[i]) room.below[i] = below, leashed |= std::uint64_t(1) << i;
-    } else {
-      room.above[i] = room.below[i] = std::numeric_limits<T>::infinity();
-      if (v[i] > c.most[i] || v[i] < c.least[i]) status |= Reason::position_limited;
-      v[i] = detail::clamp(v[i], c.least[i], c.most[i]);
-    }
-    if (v[i] > most[i] || v[i] < least[i]) status |= Reason::lead_limited;
-    v[i] = detail::clamp(v[i], least[i], most[i]);
+  const Row zero = T(0), leash = p_.leash, e = Row(m.q.value) - m.measured.q;
+  const Row above = leash - e, below = leash + e;
+  const Row most = select(above > zero, above * p_.per_delay, zero);
+  const Row least = select(below > zero, -below * p_.per_delay, zero);
+  Row v = v1;
+  auto leashed = above < room.above;
+  if constexpr (I == Interface::position) {
+    leashed = leashed | (below < room.below);
+    smaller(room.above, above).store(room.above);
+    smaller(room.below, below).store(room.below);
+  } else {
+    room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());
+    if (any((v > c.speed.most) | (v < c.speed.least))) status |= Reason::position_limited;
+    v = clamp(v, c.speed.least, c.speed.most);
   }
-  const auto own = p_.limits.move(room, m.v, v, h);
+  if (any((v > most) | (v < least))) status |= Reason::lead_limited;
+  const auto own = p_.limits.move(room, m.v, Velocity(clamp(v, least, most)), h);
   auto motion = own;
   if constexpr (I == Interface::position) {
     if (c.off || !(m.rate == m.v)) {
-      Velocity u;
-      for (std::size_t i = 0; i < joints; ++i)
-        u[i] = detail::clamp(T(own.velocity[i] + c.rate[i]), least[i], most[i]);
-      motion = p_.limits.move(room, m.rate, u, h);
+      const Row corrected = Row(own.velocity) + c.rate;
+      motion = p_.limits.move(room, m.rate, Velocity(clamp(corrected, least, most)), h);
     }
-  }
-  const T per_h = T(1) / h;
-  for (std::size_t i = 0; i < joints; ++i) {
-    const T q = m.q.value[i], lower = p_.limits.lower()[i], upper = p_.limits.upper()[i];
-    if constexpr (I == Interface::position) {
-      m.q.add(i, motion.displacement[i]);
-      if (m.q.value[i] > upper && q <= upper) m.q.set(i, upper);
-      if (m.q.value[i] < lower && q >= lower) m.q.set(i, lower);
-    } else {
+    const Row q = m.q.value, lower = p_.limits.lower(), upper = p_.limits.upper();
+    m.q.add(motion.displacement);
+    const Row next = m.q.value;
+    const auto passed = ((next > upper) & (q <= upper)) | ((next < lower) & (q >= lower));
+    if (any(passed)) [[unlikely]] {
+      select(passed, clamp(next, lower, upper), next).store(m.q.value);
+      select(passed, zero, m.q.rest).store(m.q.rest);
+    }
+  } else {
+    for (std::size_t i = 0; i < joints; ++i) {
       const T corrected = h * c.rate[i];
       m.offset.add(i, corrected);
       m.q.add(i, motion.displacement[i] + corrected);
@@ -143,14 +139,15 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::move(Memory& m, const Correction& 
         m.q.set(i, kept);
       }
     }
-    m.last[i] = (own.velocity[i] - m.v[i]) * per_h;
   }
+  ((Row(own.velocity) - m.v) * T(T(1) / h)).store(m.last);
   m.v = own.velocity;
   m.rate = motion.velocity;
   const std::uint64_t braked = own.braked | motion.braked;
+  const std::uint64_t by_leash = I == Interface::position && braked != 0 ? leashed.bits() : 0;
   status |= Status::from_bits((own.status | motion.status).bits() & ~Status(Reason::position_limited).bits());
-  if ((braked & leashed) != 0) status |= Reason::lead_limited;
-  if ((braked & ~leashed) != 0) status |= Reason::position_limited;
+  if ((braked & by_leash) != 0) status |= Reason::lead_limited;
+  if ((braked & ~by_leash) != 0) status |= Reason::position_limited;
   return status;
 }
 
@@ -177,11 +174,10 @@ SKINCTL_INLINE void SKINCTL_RESOLVER_CLASS::choose_mode(Memory& m, const Correct
     m.mode = mode;
     m.mode_for = T(0);
   };
-  bool stuck = false;
-  for (std::size_t i = 0; i < joints; ++i) stuck |= m.off_for[i] >= T(5) * p_.total_delay;
+  const bool stuck = c.off && any(Row(m.off_for) >= Row(T(5) * p_.total_delay));
   if (stale) {
     enter(Mode::braking);
-  } else if (m.mode != Mode::blocked && c.off && stuck) {
+  } else if (m.mode != Mode::blocked && stuck) {
     enter(Mode::blocked);
     if constexpr (I == Interface::position) m.v = m.v * T(0);
     for (std::size_t i = 0; i < joints; ++i) m.pushed[i] = c.pull[i] < T(0) ? 1 : (c.pull[i] > T(0) ? -1 : 0);
@@ -200,7 +196,7 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touc
     const auto contacts = contacts_of(model_, m.measured.q, touch);
     if constexpr (has_damper)
       if (keeper_.template get<ContactDamper<T>>().observe(m.keeper.template of<ContactDamper<T>>(), contacts,
-                                                           dt))
+                                                           m.measured.dq, dt))
         status |= Reason::contact_damped;
     if constexpr (has_ledger)
       keeper_.template get<PortLedger<T>>().book(
@@ -251,14 +247,13 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
                                                     const JointAcceleration<joints, T>& pull, const T& h,
                                                     const Touch& touch) const noexcept -> Driven<L> {
   const Knows<L, Touch> known(model_, state, h, touch);
-  Driven<L> out{evaluate(law, law_memory, known, h), {}, {}, {}};
-  out.status = out.law.status;
+  Driven<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
   if (!detail::is_finite(out.law.torque)) [[unlikely]] {
     out.status |= Reason::torque_not_finite;
     return out;
   }
   out.torque = p_.limits.within(out.law.torque, state.dq);
-  if (!(out.torque == out.law.torque)) out.status |= Reason::torque_limited;
+  if (any(Row(out.torque) != out.law.torque)) out.status |= Reason::torque_limited;
   const ContactDamping<joints, T>* damping = nullptr;
   if constexpr (has_damper) {
     const auto& d = m.keeper.template of<ContactDamper<T>>().damping;
@@ -313,7 +308,7 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::publish(Memory& m, const Correctio
                                                       const Torque& torque, const T& dt) const noexcept {
   Status status;
   auto& command = m.command;
-  const Velocity last = command.velocity;
+  const Row last = command.velocity;
   if (I == Interface::position && p_.lead == T(0)) {
     m.sent = m.q;
     command.velocity = m.rate;
@@ -321,31 +316,27 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::publish(Memory& m, const Correctio
     // What is sent follows the virtual robot's position, `lead` seconds ahead, within the same limits.
     const T per_dt = T(1) / dt;
     auto room = p_.limits.room(m.sent.value);
-    Velocity target;
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T steady = m.rate[i] + p_.lead * (m.rate[i] - before[i]) * per_dt;
-      if constexpr (I == Interface::position) {
-        const T goal = m.q.value[i] + p_.lead * m.rate[i], e = m.sent.value[i] - m.measured.q[i];
-        target[i] = steady + (goal - m.sent.value[i]) * per_dt - T(0.5) * (last[i] + steady);
-        room.above[i] = detail::smaller(room.above[i], T(p_.leash[i] - e));
-        room.below[i] = detail::smaller(room.below[i], T(p_.leash[i] + e));
-      } else {
-        // A velocity is held for a period: half of it is still to come.
-        const T goal = m.q.value[i] + (p_.lead - T(0.5) * seconds<T>(p_.period)) * m.rate[i];
-        target[i] = steady + p_.catch_up * (goal - m.sent.value[i] - m.offset.value[i]);
-        target[i] = detail::clamp(target[i], c.least[i], c.most[i]);
-        room.above[i] = room.below[i] = std::numeric_limits<T>::infinity();
-      }
+    const Row rate = m.rate, sent = m.sent.value, steady = rate + p_.lead * (rate - before) * per_dt;
+    Row target;
+    if constexpr (I == Interface::position) {
+      const Row goal = m.q.value + p_.lead * rate, e = sent - m.measured.q, leash = p_.leash;
+      target = steady + (goal - sent) * per_dt - T(0.5) * (last + steady);
+      smaller(room.above, leash - e).store(room.above);
+      smaller(room.below, leash + e).store(room.below);
+    } else {
+      // A velocity is held for a period: half of it is still to come.
+      const Row goal = m.q.value + T(p_.lead - T(0.5) * seconds<T>(p_.period)) * rate;
+      target = clamp(steady + p_.catch_up * (goal - sent - m.offset.value), c.speed.least, c.speed.most);
+      room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());
     }
-    const auto motion = p_.limits.move(room, last, target, dt);
+    const auto motion = p_.limits.move(room, Velocity(last), Velocity(target), dt);
     status = motion.status;
     command.velocity = motion.velocity;
-    if constexpr (I == Interface::position)
-      for (std::size_t i = 0; i < joints; ++i) m.sent.add(i, motion.displacement[i]);
+    if constexpr (I == Interface::position) m.sent.add(motion.displacement);
   }
   command.time = m.time;
   command.position = I == Interface::position ? m.sent.value : m.q.value;
-  for (std::size_t i = 0; i < joints; ++i) command.acceleration[i] = (command.velocity[i] - last[i]) / dt;
+  ((Row(command.velocity) - last) / Row(dt)).store(command.acceleration);
   command.torque = torque;
   command.valid = true;
   servo_.send(m.under_way, m.time, m.sent.value, I == Interface::velocity ? command.velocity : Velocity{});
@@ -358,12 +349,13 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
                                                  const State<joints, T>& measured, const Interval& interval,
                                                  std::span<const Touch> touches) const noexcept
     -> Resolved<joints, T, terms_of<L>> {
-  Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
-  if (!m.started || interval.substeps == 0) return out;
+  if (!m.started || interval.substeps == 0) [[unlikely]]
+    return {m.command, interval.status, {}, {}};
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   const T dt = seconds<T>(interval.to - interval.from);
   const Velocity before = m.rate;
-  Status& status = out.status;
+  Status status = interval.status;
+  std::array<Torque, terms_of<L>> shares{};
   if constexpr (I == Interface::velocity) {
     // The velocity that was sent has been held up to now.
     for (std::size_t i = 0; i < joints; ++i)
@@ -389,7 +381,7 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
         status |= Reason::energy_held;
       if (!driven.status.has(Reason::torque_not_finite)) [[likely]] {
         law_memory = driven.law.memory;
-        out.shares = driven.law.shares;
+        shares = driven.law.shares;
       }
     } else {
       moved.rate = m.mode == Mode::blocked ? way_back(m, h) : Velocity{};
@@ -416,8 +408,7 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
   if (m.stop) status |= Reason::stopping;
   if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;
   status |= publish(m, c, before, torque, dt);
-  out.command = m.command;
-  return out;
+  return {m.command, status, shares, {}};
 }
 
 SKINCTL_RESOLVER

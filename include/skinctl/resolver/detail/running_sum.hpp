@@ -1,6 +1,7 @@
 // A sum whose rounding errors are kept beside it.
 #pragma once
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/math/sum.hpp"
 
@@ -19,6 +20,13 @@ struct RunningPosition {
   }
   SKINCTL_INLINE void add(std::size_t i, const T& step) noexcept {
     math::add_compensated(value[i], rest[i], step);
+  }
+  /// All joints at once.
+  SKINCTL_INLINE void add(const Row<N, T>& step) noexcept {
+    Row<N, T> sum(value), left(rest);
+    math::add_compensated(sum, left, step);
+    sum.store(value);
+    left.store(rest);
   }
 };
 

@@ -1,6 +1,7 @@
 // What may be a number of a robot at all: finite, and of a size that arithmetic with it stays finite.
 #pragma once
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/safety/command.hpp"
 
@@ -13,9 +14,8 @@ inline constexpr double plausible = 1e4;
 /// Whether all of `x` lies within +-`limit`; false for NaN.
 template <class Kind, std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE bool within(const JointVector<Kind, N, T>& x, const T& limit) noexcept {
-  bool ok = true;
-  for (std::size_t i = 0; i < N; ++i) ok &= x[i] >= -limit && x[i] <= limit;
-  return ok;
+  const Row row(x);
+  return all((row >= -limit) & (row <= limit));
 }
 template <class Kind, std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE bool is_finite(const JointVector<Kind, N, T>& x) noexcept {

@@ -37,6 +37,18 @@ struct SkinMemory {
     constexpr std::uint64_t all = ~std::uint64_t(0), rest = Cells % 64;
     return heard[b] == (b + 1 < blocks || rest == 0 ? all : (std::uint64_t(1) << rest) - 1);
   }
+  /// Whether each of `count` cells from `first` on is heard.
+  [[nodiscard]] bool hears_all_from(std::size_t first, std::size_t count) const noexcept {
+    const std::size_t end = first + count;
+    bool all = true;
+    for (std::size_t b = first / 64; b * 64 < end; ++b) {
+      const std::size_t from = first > b * 64 ? first - b * 64 : 0, to = end - b * 64;
+      const std::uint64_t wanted =
+          (~std::uint64_t(0) << from) & (to >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << to) - 1);
+      all = all && (heard[b] & wanted) == wanted;
+    }
+    return all;
+  }
   friend bool operator==(const SkinMemory&, const SkinMemory&) noexcept = default;
 };
 

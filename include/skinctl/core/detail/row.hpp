@@ -1,0 +1,236 @@
+// One number per joint as a value that is computed in lanes.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "skinctl/core/detail/unrolled.hpp"
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/lane.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// How `N` numbers are cut into blocks of `width`; the last holds `last` of them, and what there is beside
+/// them means nothing. Loads and stores touch each number once: a processor forwards a store to the load that
+/// has the same place and size, and stalls where blocks overlap.
+template <std::size_t N, Real T>
+struct RowShape {
+  static constexpr bool wide = std::same_as<T, float> || std::same_as<T, double>;
+  static constexpr std::size_t width = [] {
+    if constexpr (wide) {
+      return std::bit_floor(N) < native_lanes<T> ? std::bit_floor(N) : native_lanes<T>;
+    } else {
+      return std::size_t(1);
+    }
+  }();
+  static constexpr std::size_t blocks = (N + width - 1) / width;
+  static constexpr std::size_t last = N - (blocks - 1) * width;
+  using Block = std::conditional_t<wide, Lane<T, width>, T>;
+  using Mask = decltype(std::declval<Block>() < std::declval<Block>());
+
+  /// Two floats as one word: as a vector of two GCC moves them about once more.
+  typedef std::uint64_t Word __attribute__((may_alias, aligned(4)));
+  typedef std::uint64_t Pair __attribute__((vector_size(16)));
+
+  static constexpr std::size_t held(std::size_t block) noexcept { return block + 1 < blocks ? width : last; }
+
+  /// `Held` numbers from `from` on.
+  template <std::size_t Held>
+  static SKINCTL_INLINE Block load(const T* from) noexcept {
+    if constexpr (!wide) {
+      return *from;
+    } else if constexpr (Held == width) {
+      return Block::load(from);
+    } else if constexpr (sizeof(T) * Held == 8 && sizeof(Block) == 16) {
+      const Pair both = {*reinterpret_cast<const Word*>(from), 0};
+      return Block(__builtin_bit_cast(typename Block::Vector, both));
+    } else if constexpr (2 * Held == width && Held > 1) {
+      const auto low = Lane<T, Held>::load(from).vector();
+      return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+        return Block(__builtin_shufflevector(low, low, (I < Held ? int(I) : -1)...));
+      }(std::make_index_sequence<width>{});
+    } else {
+      return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+        return Block(typename Block::Vector{(I < Held ? from[I < Held ? I : 0] : T(0))...});
+      }(std::make_index_sequence<width>{});
+    }
+  }
+  template <std::size_t Held>
+  static SKINCTL_INLINE void store(const Block& block, T* to) noexcept {
+    if constexpr (!wide) {
+      *to = block;
+    } else if constexpr (Held == width) {
+      block.store(to);
+    } else if constexpr (sizeof(T) * Held == 8 && sizeof(Block) == 16) {
+      *reinterpret_cast<Word*>(to) = __builtin_bit_cast(Pair, block)[0];
+    } else if constexpr (2 * Held == width && Held > 1) {
+      Lane<T, Held>(half<T, width>(block.vector(), Lower{})).store(to);
+    } else {
+      unrolled<Held>([&](auto i) SKINCTL_INLINE_LAMBDA { to[i] = block[i]; });
+    }
+  }
+  /// Whether the mask holds for one of the first `Held` numbers.
+  template <std::size_t Held>
+  static SKINCTL_INLINE bool any_of(const Mask& mask) noexcept {
+    if constexpr (!wide) {
+      return mask;
+    } else if constexpr (Held == width) {
+      return any(mask);
+    } else {
+      return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+        return any(mask & (Block(typename Block::Vector{T(I)...}) < Block(T(Held))));
+      }(std::make_index_sequence<width>{});
+    }
+  }
+  static SKINCTL_INLINE bool at(const Mask& mask, std::size_t lane) noexcept {
+    if constexpr (wide) {
+      return mask[lane];
+    } else {
+      return static_cast<void>(lane), mask;
+    }
+  }
+};
+
+/// Which numbers of a row a comparison holds for.
+template <std::size_t N, Real T>
+class RowMask {
+ public:
+  using Shape = RowShape<N, T>;
+  typename Shape::Mask block[Shape::blocks];
+
+  friend SKINCTL_INLINE RowMask operator&(const RowMask& a, const RowMask& b) noexcept {
+    return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] & b.block[k]; });
+  }
+  friend SKINCTL_INLINE RowMask operator|(const RowMask& a, const RowMask& b) noexcept {
+    return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] | b.block[k]; });
+  }
+  friend SKINCTL_INLINE RowMask operator!(const RowMask& a) noexcept {
+    return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return !a.block[k]; });
+  }
+  [[nodiscard]] friend SKINCTL_INLINE bool any(const RowMask& a) noexcept {
+    if constexpr (Shape::blocks == 1) {
+      return Shape::template any_of<Shape::last>(a.block[0]);
+    } else {
+      bool found = Shape::template any_of<Shape::last>(a.block[Shape::blocks - 1]);
+      unrolled<Shape::blocks - 1>(
+          [&](auto k) SKINCTL_INLINE_LAMBDA { found |= Shape::template any_of<Shape::width>(a.block[k]); });
+      return found;
+    }
+  }
+  [[nodiscard]] friend SKINCTL_INLINE bool all(const RowMask& a) noexcept { return !any(!a); }
+  /// Bit i: whether it holds for number i, i < 64.
+  [[nodiscard]] SKINCTL_INLINE std::uint64_t bits() const noexcept {
+    std::uint64_t out = 0;
+    for (std::size_t i = 0; i < N; ++i)
+      out |= std::uint64_t(Shape::at(block[i / Shape::width], i % Shape::width)) << i;
+    return out;
+  }
+  template <class F>
+  static SKINCTL_INLINE RowMask made(F&& f) noexcept {
+    RowMask mask;
+    unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA { mask.block[k] = f(k); });
+    return mask;
+  }
+};
+
+/// `N` numbers, one per joint, without their kind: for the loops over joints inside one function. Every
+/// operation is that of the plain number, joint by joint; NaN and comparisons behave the same. What compilers
+/// make of a loop with choices in it is a branch or a flag per joint; this is one instruction for four.
+template <std::size_t N, Real T>
+class Row {
+ public:
+  using Shape = RowShape<N, T>;
+  using Mask = RowMask<N, T>;
+  typename Shape::Block block[Shape::blocks];
+
+  Row() = default;
+  /// The same number everywhere.
+  SKINCTL_INLINE Row(const T& x) noexcept {
+    unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA { block[k] = typename Shape::Block(x); });
+  }
+  SKINCTL_INLINE explicit Row(const T* from) noexcept {
+    unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA {
+      block[k] = Shape::template load<Shape::held(k)>(from + k * Shape::width);
+    });
+  }
+  template <class Kind>
+  SKINCTL_INLINE Row(const JointVector<Kind, N, T>& from) noexcept : Row(from.data) {}
+
+  template <class Kind>
+  SKINCTL_INLINE void store(JointVector<Kind, N, T>& to) const noexcept {
+    store(to.data);
+  }
+  SKINCTL_INLINE void store(T* to) const noexcept {
+    unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA {
+      Shape::template store<Shape::held(k)>(block[k], to + k * Shape::width);
+    });
+  }
+  template <class Kind>
+  SKINCTL_INLINE explicit operator JointVector<Kind, N, T>() const noexcept {
+    return JointVector<Kind, N, T>::written([&](T* to) SKINCTL_INLINE_LAMBDA { store(to); });
+  }
+
+  friend SKINCTL_INLINE Row operator+(const Row& a, const Row& b) noexcept {
+    return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] + b.block[k]; });
+  }
+  friend SKINCTL_INLINE Row operator-(const Row& a, const Row& b) noexcept {
+    return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] - b.block[k]; });
+  }
+  friend SKINCTL_INLINE Row operator*(const Row& a, const Row& b) noexcept {
+    return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] * b.block[k]; });
+  }
+  friend SKINCTL_INLINE Row operator/(const Row& a, const Row& b) noexcept {
+    return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] / b.block[k]; });
+  }
+  friend SKINCTL_INLINE Row operator-(const Row& a) noexcept {
+    return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return -a.block[k]; });
+  }
+  friend SKINCTL_INLINE Mask operator<(const Row& a, const Row& b) noexcept {
+    return Mask::made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] < b.block[k]; });
+  }
+  friend SKINCTL_INLINE Mask operator<=(const Row& a, const Row& b) noexcept {
+    return Mask::made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] <= b.block[k]; });
+  }
+  friend SKINCTL_INLINE Mask operator>(const Row& a, const Row& b) noexcept { return b < a; }
+  friend SKINCTL_INLINE Mask operator>=(const Row& a, const Row& b) noexcept { return b <= a; }
+  friend SKINCTL_INLINE Mask operator==(const Row& a, const Row& b) noexcept {
+    return Mask::made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] == b.block[k]; });
+  }
+  friend SKINCTL_INLINE Mask operator!=(const Row& a, const Row& b) noexcept { return !(a == b); }
+
+  /// `a` where the mask holds, else `b`.
+  [[nodiscard]] friend SKINCTL_INLINE Row select(const Mask& mask, const Row& a, const Row& b) noexcept {
+    return made([&](std::size_t k)
+                    SKINCTL_INLINE_LAMBDA { return select(mask.block[k], a.block[k], b.block[k]); });
+  }
+  /// `b < a ? b : a`.
+  [[nodiscard]] friend SKINCTL_INLINE Row smaller(const Row& a, const Row& b) noexcept {
+    return select(b < a, b, a);
+  }
+  /// `x < low ? low : (x > high ? high : x)`.
+  [[nodiscard]] friend SKINCTL_INLINE Row clamp(const Row& x, const Row& low, const Row& high) noexcept {
+    return select(x < low, low, select(x > high, high, x));
+  }
+  [[nodiscard]] friend SKINCTL_INLINE Row magnitude(const Row& x) noexcept {
+    return select(x < Row(T(0)), -x, x);
+  }
+
+  /// The blocks `f(0)`, `f(1)`, ...
+  template <class F>
+  static SKINCTL_INLINE Row made(F&& f) noexcept {
+    Row row;
+    unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA { row.block[k] = f(k); });
+    return row;
+  }
+};
+template <class Kind, std::size_t N, Real T>
+Row(const JointVector<Kind, N, T>&) -> Row<N, T>;
+
+}  // namespace detail
+
+/// A row is computed on as a lane is: sums with compensation take both.
+template <std::size_t N, class T>
+inline constexpr bool is_lane<detail::Row<N, T>> = true;
+
+SKINCTL_END_NAMESPACE

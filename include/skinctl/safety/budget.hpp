@@ -1,0 +1,70 @@
+// How long a cycle may take, and what is done when it takes longer.
+#pragma once
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/status.hpp"
+#include "skinctl/core/time.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+struct BudgetSettings {
+  Nanoseconds cycle;          ///< from a state heard to its command sent and all else done [ns]
+  unsigned skip_after = 1;    ///< so many overruns in a row: leave optional work out
+  unsigned stop_after = 5;    ///< so many in a row: brake, hold, wait for consent
+  unsigned calm_after = 100;  ///< so many cycles within the budget in a row: optional work may come back
+};
+
+/// What a budget remembers. Trivially copyable.
+struct BudgetMemory {
+  unsigned over = 0;           ///< overruns in a row
+  unsigned within = 0;         ///< cycles within the budget since the last overrun
+  bool light = false;          ///< optional work is left out
+  std::uint64_t overruns = 0;  ///< all of them
+};
+
+/// A budget of time for a cycle. It reads no clock: given how long a cycle took, it says what the next one
+/// must know (`Input::observed`), so that a recording replays its actions too.
+///
+/// - An overrun alone changes nothing: the next cycle integrates the longer interval.
+/// - `skip_after` in a row: `work_skipped`. Whoever does optional work (logs, pictures, plans) looks at
+///   `input.observed` and leaves it out, until `calm_after` cycles in a row were within the budget.
+/// - `stop_after` in a row: `budget_overrun`, at each cycle that is still over. The guard stops and waits for
+///   the user's consent.
+class Budget {
+ public:
+  using Memory = BudgetMemory;
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  explicit Budget(const BudgetSettings& s) : settings_(s) {
+    require(s.cycle > 0 && s.cycle <= 10_s, "Budget: cycle [ns]", static_cast<double>(s.cycle),
+            "> 0, <= 1e10 ns");
+    require(s.skip_after >= 1, "Budget: skip after", s.skip_after, ">= 1 overrun");
+    require(s.stop_after >= s.skip_after, "Budget: stop after", s.stop_after, ">= skip after");
+    require(s.calm_after >= 1, "Budget: calm after", s.calm_after, ">= 1 cycle");
+  }
+
+  /// What the next cycle must know after one that took `duration`.
+  [[nodiscard]] Status after(Memory& m, Nanoseconds duration) const noexcept {
+    Status out;
+    if (duration > settings_.cycle) {
+      ++m.overruns;
+      if (m.over < settings_.stop_after) ++m.over;
+      m.within = 0;
+      m.light = m.light || m.over >= settings_.skip_after;
+      if (m.over >= settings_.stop_after) out |= Reason::budget_overrun;
+    } else {
+      m.over = 0;
+      if (m.within < settings_.calm_after) ++m.within;
+      m.light = m.light && m.within < settings_.calm_after;
+    }
+    if (m.light) out |= Reason::work_skipped;
+    return out;
+  }
+
+  [[nodiscard]] const BudgetSettings& settings() const noexcept { return settings_; }
+
+ private:
+  BudgetSettings settings_;
+};
+
+SKINCTL_END_NAMESPACE

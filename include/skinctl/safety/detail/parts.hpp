@@ -1,0 +1,48 @@
+// Which part of a governor is which.
+#pragma once
+
+#include "skinctl/core/config.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// The place of a part that a governor does not have.
+struct NoPart {
+  struct Memory {};
+};
+template <class Part>
+concept JerkPart = requires(const Part& p) { p.jerk(); };
+template <class Part>
+concept ToolPart = requires { typename Part::At; };
+template <class Part>
+concept ContactPart = requires { typename Part::Verdict; };
+
+struct IsJerk {
+  template <class P>
+  static constexpr bool of = JerkPart<P>;
+};
+struct IsTool {
+  template <class P>
+  static constexpr bool of = ToolPart<P>;
+};
+struct IsContact {
+  template <class P>
+  static constexpr bool of = ContactPart<P>;
+};
+
+/// The first of the parts that `Is`, or `NoPart`.
+template <class Is>
+constexpr NoPart pick() noexcept {
+  return {};
+}
+template <class Is, class First, class... Rest>
+constexpr auto pick(const First& first, const Rest&... rest) noexcept {
+  if constexpr (Is::template of<First>) {
+    return first;
+  } else {
+    return pick<Is>(rest...);
+  }
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

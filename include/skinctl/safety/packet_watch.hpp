@@ -1,0 +1,54 @@
+// Whether too many of a robot's numbered packets never came.
+#pragma once
+
+#include <bit>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/status.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What a packet watch remembers. Trivially copyable.
+struct PacketMemory {
+  bool started = false;
+  std::uint32_t last = 0;     ///< the newest number
+  std::uint64_t missing = 0;  ///< of the last 64 packets, a bit for each that never came
+  std::uint64_t lost = 0;     ///< all of them
+};
+
+/// Counts the gaps in the numbers of packets: `packets_lost` while more than `most` of the last 64 never
+/// came. The guard brakes then, and goes on by itself once enough came again. Numbers wrap at 2^32; one that
+/// is not newer than the last (a copy, a latecomer) changes nothing: its state is refused by its stamp.
+class PacketWatch {
+ public:
+  using Memory = PacketMemory;
+
+  /// Throws `ConfigurationError` for more than 63.
+  explicit PacketWatch(unsigned most = 4) : most_(most) {
+    require(most <= 63, "PacketWatch: most", most, "0 to 63 of 64 packets");
+  }
+
+  /// The newest packet has the number `number`.
+  [[nodiscard]] Status see(Memory& m, std::uint32_t number) const noexcept {
+    const std::uint32_t ahead = number - m.last;
+    if (!m.started) {
+      m.started = true;
+      m.last = number;
+    } else if (ahead != 0 && ahead < (std::uint32_t(1) << 31)) {
+      const std::uint32_t gap = ahead - 1;
+      m.lost += gap;
+      m.last = number;
+      if (gap >= 63) {
+        m.missing = ~std::uint64_t(1);
+      } else {
+        m.missing = ((m.missing << gap) | ((std::uint64_t(1) << gap) - 1)) << 1;
+      }
+    }
+    return unsigned(std::popcount(m.missing)) > most_ ? Status(Reason::packets_lost) : Status{};
+  }
+
+ private:
+  unsigned most_;
+};
+
+SKINCTL_END_NAMESPACE

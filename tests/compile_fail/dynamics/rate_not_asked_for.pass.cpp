@@ -1,0 +1,11 @@
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const ur5::Model model;
+  const State<6> state{};
+  const NoTouch touch;
+  const Quantities<ur5::Model, Needs{.jacobian_rates = link_bit<5>}> known(model, state, 0.008, touch);
+  static_cast<void>(known.jacobian_rate<5>());
+}

@@ -1,0 +1,9 @@
+// expect: other kind, size or scalar|does not match adjusted type
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  static_cast<void>(
+      inverse_dynamics(ur5::Model{}, JointPosition<7>{}, JointVelocity<7>{}, JointAcceleration<7>{}));
+}

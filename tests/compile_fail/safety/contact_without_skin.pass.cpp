@@ -1,0 +1,11 @@
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+using Robot = Resolver<Interface::position, ur5::Model>;
+
+auto scene(const Robot& robot, const Guard<Interface::position, 6>& guard, const LinkContact<2>& contact,
+           const Skin<ur5::Model, double, Patch<2, 10>>& skin) {
+  return Cycle(robot, GravityControl{}, skin, guard,
+               make_governor(robot.limits(), contact_limits(robot.model(), contact)));
+}

@@ -1,0 +1,10 @@
+// expect: a governor slows motions
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+using Robot = Resolver<Interface::torque, ur5::Model>;
+
+auto scene(const Robot& robot, const Guard<Interface::torque, 6>& guard, const JerkLimits<6>& jerk) {
+  return Cycle(robot, GravityControl{}, guard, make_governor(robot.limits(), jerk));
+}

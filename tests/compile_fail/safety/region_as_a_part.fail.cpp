@@ -1,0 +1,8 @@
+// expect: a governor takes JerkLimits, ToolSpeed and ContactLimits
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+auto wrong(const JointLimits<6>& limits, const BodyRegion& region) {
+  return make_governor(limits, region);
+}

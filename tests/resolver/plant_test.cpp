@@ -1,0 +1,50 @@
+// A part of bench/studies/plant.cpp: an arm that we did not write, MuJoCo under stiff servos.
+#include <doctest/doctest.h>
+
+#include "tests/resolver/plant_loop.hpp"
+#include "tests/support/mujoco_plant.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+TEST_CASE("Plant: a hand feels the configured mass and friction") {
+  PlantLoop::Setting s{.period = 8_ms, .delay = 0.008};
+  const double f = 1 / (2 * M_PI * PlantLoop(s).total_delay());
+  CHECK(admittance_error(s, 0.05 * f) < 0.05);
+  CHECK(admittance_error(s, 0.3 * f) > 0.1);
+  s.lead = true;
+  CHECK(admittance_error(s, 0.3 * f) < 0.05);
+}
+
+TEST_CASE(
+    "Plant: an arm that leans on a wall is calm with the damping that the check asks for, and rings "
+    "without") {
+  PlantLoop::Setting s{.period = 8_ms, .delay = 0.008, .lean = 20};
+  const ContactStability<ur5::Model> stability(ur5::Model{}, PlantLoop::configuration(s),
+                                               {.stiffness = 1e6, .cover = 3e4});
+  double row[6];
+  std::copy_n(PlantLoop(s).contact().row, 6, row);
+  CHECK_THROWS_AS(stability.check(s.q, row), ConfigurationError);
+  const auto leaning = [](const PlantLoop::Setting& setting) {
+    PlantLoop loop(setting);
+    return settle(loop, wall(1e6), 6);
+  };
+  CHECK_FALSE(leaning(s).calm());
+  s.damping = stability.damping_for(s.q, row);
+  const auto damped = leaning(s);
+  CHECK(damped.calm());
+  CHECK(damped.mean > 10);
+  s.damping = 0;
+  s.observed = contact_damping(3e4, stability.total_delay());
+  CHECK(leaning(s).calm());
+}
+
+TEST_CASE("Plant: the stiffest contact is where it is predicted") {
+  const PlantLoop::Setting s{.period = 2_ms, .delay = 0.02};
+  const ContactStability<ur5::Model> stability(ur5::Model{}, PlantLoop::configuration(s), {.stiffness = 1e4});
+  double row[6];
+  std::copy_n(PlantLoop(s).contact().row, 6, row);
+  const double k = stability.stiffest(s.q, row);
+  CHECK(dies_out(s, 0.93 * k));
+  CHECK_FALSE(dies_out(s, 1.07 * k));
+}

@@ -1,0 +1,117 @@
+#include "skinctl/safety/tool_speed.hpp"
+
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "skinctl/model/ur5.hpp"
+#include "tests/support/allocation_guard.hpp"
+
+using namespace skinctl;
+
+namespace {
+
+template <class T>
+using Tool = ToolSpeed<ur5::Model, 5, T>;
+
+template <class T>
+Tool<T> tool(double speed) {
+  return Tool<T>(ur5::Model{}, limits_of<ur5::Description, T>(T(15)),
+                 {.speed = T(speed), .point = {T(0), T(0.05), T(0.1)}, .reach = T(1.3)});
+}
+/// The speed by differences of poses: independent of Jacobians.
+double measured_speed(const JointPosition<6>& q, const JointVelocity<6>& u) {
+  const auto at = [&](double h) {
+    const auto X = link_poses<link_bit<5>>(ur5::Model{}, integrate(q, u, h)).get<5>();
+    return X.origin() + X.axes() * Xyz<double>{0, 0.05, 0.1};
+  };
+  const auto v = (1 / 2e-6) * (at(1e-6) - at(-1e-6));
+  return std::sqrt(dot(v, v));
+}
+
+}  // namespace
+
+TEST_CASE("ToolSpeed: refuses what cannot be") {
+  CHECK_THROWS_AS(tool<double>(0), ConfigurationError);
+  CHECK_THROWS_AS(tool<double>(101), ConfigurationError);
+  CHECK_THROWS_AS(tool<double>(std::nan("")), ConfigurationError);
+}
+
+TEST_CASE_TEMPLATE("ToolSpeed: its speed is that of the moving point", T, float, double) {
+  std::mt19937_64 rng(1);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto limit = tool<T>(0.25);
+  for (int k = 0; k < 200; ++k) {
+    JointPosition<6> q;
+    JointVelocity<6> u;
+    for (std::size_t i = 0; i < 6; ++i) q[i] = 3 * unit(rng), u[i] = 3 * unit(rng);
+    const double v = double(limit.at(q.template cast<T>()).speed(u.template cast<T>()));
+    CHECK(v == doctest::Approx(measured_speed(q, u)).epsilon(sizeof(T) == 4 ? 1e-5 : 1e-7));
+  }
+}
+
+// Whatever is asked for, from rest, at whatever intervals: the tool is never too fast, and joints brake only
+// as hard as they may.
+TEST_CASE_TEMPLATE("ToolSpeed: the limit is always kept", T, float, double) {
+  std::mt19937_64 rng(2);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto joints = limits_of<ur5::Description, T>(T(15));
+  int near = 0, total = 0;
+  double fastest = 0;
+  for (const double speed : {0.05, 0.25, 1.0}) {
+    const auto limit = tool<T>(speed);
+    for (int run = 0; run < 60; ++run) {
+      JointPosition<6, T> q;
+      JointVelocity<6, T> u, target;
+      for (auto& x : q) x = T(2 * unit(rng));
+      for (int k = 0; k < 300; ++k, ++total) {
+        const T h = T(run % 2 ? 0.002 : std::pow(10, -2.2 + 0.7 * unit(rng)));
+        if (k % 60 == 0)
+          for (auto& x : target) x = T(4 * unit(rng));
+        if (run % 7 == 0) target[5] = T(3);  // turns much, moves little
+        const auto room = joints.room(q);
+        const auto wish = joints.move(room, u, target, h).velocity;
+        const auto slow = limit.within(q, u, wish, h);
+        for (std::size_t i = 0; i < 6; ++i)
+          REQUIRE(std::abs(double(slow[i]) - double(u[i])) <= 15 * double(h) * 1.0001 + 1e-6);
+        // On its way the point follows the joints.
+        for (const double part : {0.25, 0.5, 0.75, 1.0}) {
+          JointPosition<6> at;
+          JointVelocity<6> w;
+          for (std::size_t i = 0; i < 6; ++i) {
+            w[i] = double(u[i]) + part * (double(slow[i]) - double(u[i]));
+            at[i] = double(q[i]) + part * double(h) * 0.5 * (double(u[i]) + w[i]);
+          }
+          const double v = double(tool<double>(speed).at(at).speed(w));
+          REQUIRE(v <= speed * (1 + 1e-5));
+          near += v > 0.9 * speed;
+          fastest = std::max(fastest, v / speed);
+        }
+        for (std::size_t i = 0; i < 6; ++i) q[i] += T(0.5) * h * (u[i] + slow[i]);
+        u = slow;
+      }
+    }
+  }
+  CHECK(near > total / 4);  // used, not shunned
+  MESSAGE("fastest " << fastest << " of the limit, above 0.9 of it in " << near << " of " << 4 * total);
+}
+
+TEST_CASE("ToolSpeed: who starts too fast brakes with all joints alike, as hard as the weakest may") {
+  const auto limit = tool<double>(0.1);
+  const JointPosition<6> q{0.3, -1.2, 1.4, -1.8, -1.57, 0.3};
+  JointVelocity<6> u{1.0, 0.5, 0.0, 0.0, 0.0, 0.0};
+  const auto slow = limit.within(q, u, u, 0.01);
+  CHECK(slow[0] == doctest::Approx(0.85));
+  CHECK(slow[1] == doctest::Approx(0.425));
+  u[0] = std::nan("");
+  CHECK_FALSE(limit.at(q).keeps(u, 0));
+}
+
+TEST_CASE("ToolSpeed: a step allocates nothing") {
+  const auto limit = tool<double>(0.1);
+  const test::AllocationGuard guard;
+  for (int k = 0; k < 100; ++k)
+    static_cast<void>(
+        limit.within({}, JointVelocity<6>::constant(0.1), JointVelocity<6>::constant(0.2), 0.002));
+  CHECK(guard.count() == 0);
+}
