@@ -156,6 +156,7 @@ class FaultInjection {
       input.now = now;
       input.measured = state;
       input.measured.time = now;
+      if (!torque) input.measured.dq = last.velocity;  // those of the joints' small steps are all spikes
       const bool pushed = (k / 25) % 2 == 0 && f.reason != Reason::contact_slowed;
       const auto f3 = static_cast<float>(pushed ? pushes : 0);
       CellSample sample{.time = now - 1_ms, .cell = cell, .force = {f3, f3, f3}};
