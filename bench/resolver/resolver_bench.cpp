@@ -44,13 +44,21 @@ ResolverConfiguration<6, T> configuration(Interface interface, Nanoseconds perio
   return c;
 }
 
-// The robot does what is declared; the push changes its sign every second.
-template <Interface I, class T, class Integrator>
-void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lead = T(0)) {
+// The robot does what is declared; the push changes its sign every second. With `Touch` a link is touched,
+// for what `keeper` watches.
+template <Interface I, class T, class Integrator, class Touch = NoTouch, class Keeper = Passivity<>>
+void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lead = T(0),
+            const Keeper& keeper = Keeper()) {
   auto c = configuration<T>(I, period);
   c.lead = lead;
   if (I != Interface::torque) c.shape.coulomb = JointTorque<6, T>::constant(coulomb);
-  const Resolver<I, ur5::Model, T, Integrator> resolver(ur5::Model{}, c);
+  const auto resolver = [&] {
+    if constexpr (I == Interface::torque) {
+      return Resolver<I, ur5::Model, T, Integrator>(ur5::Model{}, c);
+    } else {
+      return Resolver<I, ur5::Model, T, Integrator, 32, Keeper>(ur5::Model{}, c, keeper);
+    }
+  }();
   std::mt19937_64 rng(1);
   std::uniform_real_distribution<double> angle(-2, 2);
   State<6, T> measured;
@@ -59,7 +67,9 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lea
   const auto gravity = gravity_torque(ur5::Model{}, measured.q);
   Constant<T> law{gravity};
   typename Constant<T>::Memory law_memory;
-  const NoTouch touches[max_substeps] = {};
+  Touch touches[max_substeps] = {};
+  if constexpr (!std::is_same_v<Touch, NoTouch>)
+    for (Touch& touch : touches) touch.template set<4>({{T(1), T(2), T(-8)}, {T(0.1), T(0.2), T(0)}});
   Nanoseconds now = 0;
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
@@ -69,9 +79,16 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lea
     for (std::size_t i = 0; i < 6; ++i)
       law.push[i] = gravity[i] + ((now / 1'000'000'000) % 2 == 0 ? T(1) : T(-1));
     const auto out = resolver.step(memory, law, law_memory, measured, resolver.interval(memory, now),
-                                   std::span<const NoTouch>(touches));
+                                   std::span<const Touch>(touches));
     benchmark::DoNotOptimize(out);
   }
+}
+
+template <class T, class... Parts>
+void touched(benchmark::State& state, const Parts&... parts) {
+  using Touch = LinkWrenches<ur5::Model, link_bit<2> | link_bit<4>, T>;
+  cycles<Interface::position, T, CrankNicolson, Touch>(state, 2_ms, T(0), T(0),
+                                                       Passivity<Parts...>(parts...));
 }
 
 template <class T>
@@ -88,6 +105,14 @@ void skinctl_rows() {
   add("ur5-lead", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2_ms, T(0), T(0.018)); });
   add("ur5-four-substeps", [](auto& s) { cycles<position, T, CrankNicolson>(s, 8_ms); });
   add("ur5-velocity", [](auto& s) { cycles<Interface::velocity, T, CrankNicolson>(s, 2_ms); });
+  static const EnergyTank<T> tank({.start = T(1000), .most = T(1000)}), empty({.start = T(0), .most = T(0)});
+  static const PortLedger<T> ledger({.start = T(1000), .most = T(1000)});
+  static const ContactDamper<T> damper({.most = T(100), .always = T(50)});
+  add("ur5-energy-tank", [](auto& s) { touched<T>(s, tank); });
+  add("ur5-energy-tank-empty", [](auto& s) { touched<T>(s, empty); });
+  add("ur5-port-ledger", [](auto& s) { touched<T>(s, ledger); });
+  add("ur5-contact-damper", [](auto& s) { touched<T>(s, damper); });
+  add("ur5-all-keepers", [](auto& s) { touched<T>(s, tank, ledger, damper); });
   add("ur5-torque", [](auto& s) { cycles<Interface::torque, T, CrankNicolson>(s, 2_ms); });
 }
 
