@@ -6,6 +6,7 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/joint_control.hpp"
+#include "skinctl/control/joint_limits.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/core/real_time.hpp"
@@ -65,6 +66,10 @@ auto evaluated(const L& law, const Skinned<double>& touch = {}) {
 }
 
 }  // namespace
+
+// Joint limits answer no touch: tracking that works against them is not held.
+static_assert(!decltype(SplineJoint<6>() + JointLimitLaw<6>() + GravityControl())::watches);
+static_assert(decltype(SplineJoint<6>() + JointLimitLaw<6>() + SkinJointControl())::watches);
 
 TEST_CASE("Fused: is a law, and its memory can be copied byte by byte") {
   const SplineJoint<6> reach({.dt = 0.002});

@@ -27,7 +27,6 @@ class JointLimitLaw : public Composable {
   static constexpr Needs needs = {};
   static constexpr Role role = Role::reactive;
   static constexpr const char* name = "joint_limits";
-  static constexpr bool touch = false;  ///< the skin has no part in it: no opposition to detect
 
   /// Throws `ConfigurationError` for a range that holds no more than its margins, and for negative numbers.
   explicit JointLimitLaw(const JointLimitSettings<N, T>& settings = {}) : settings_(settings) {

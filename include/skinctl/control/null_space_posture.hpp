@@ -18,7 +18,6 @@ class NullSpacePosture : public Composable {
   static constexpr Needs needs = {.jacobians = link_bit<I>, .mass = true};
   static constexpr Role role = Role::reactive;
   static constexpr const char* name = "posture";
-  static constexpr bool touch = false;  ///< the skin has no part in it: no opposition to detect
 
   /// @param w      [1/s], > 0; `w dt <= 0.25`.
   /// @param limit  [rad/s^2], > 0. Throws `ConfigurationError`.

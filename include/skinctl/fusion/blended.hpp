@@ -78,7 +78,7 @@ class Blended<Fused<P, L...>> : public Composable {
   static constexpr bool holds_gravity = Fusion::gravity_laws == 0 && Fusion::tracking_laws > 0;
   static_assert(!holds_gravity || P != Sum::plain, "a plain sum that blends needs a gravity law");
   static constexpr Needs needs = Fusion::needs | Needs{.gravity = holds_gravity};
-  static_assert(!gated || Fusion::reactive_laws > 0, "a gate needs a law of the skin in its sum");
+  static_assert(!gated || Fusion::feels, "a gate needs a law of the skin in its sum");
 
  private:
   template <class F>
@@ -379,7 +379,7 @@ class Blended<Fused<P, L...>> : public Composable {
         constexpr std::size_t J = i.value;
         constexpr Role r = law_at<J>::role;
         const bool on = loaded(next, J);
-        if (!on && !(gated && r == Role::reactive)) return;
+        if (!on && !(gated && detail::feels<law_at<J>>)) return;
         if constexpr (r == Role::tracking)
           if (comes(next, J) && next.elapsed < next.ramp) [[unlikely]]
             detail::memory_of<J>(next.laws) = law<J>().start(known);
@@ -390,9 +390,10 @@ class Blended<Fused<P, L...>> : public Composable {
           if constexpr (Fusion::watches && holds_gravity)
             track -= static_cast<T>(shares[J].feed_forward) * known.gravity();
         } else if constexpr (r == Role::reactive) {
-          if constexpr (gated) contact += static_cast<T>(sum_.weights()[J]) * part.torque;
+          if constexpr (gated && detail::feels<law_at<J>>)
+            contact += static_cast<T>(sum_.weights()[J]) * part.torque;
           part.torque = static_cast<T>(shares[J].feedback) * part.torque;
-          skin += part.torque;
+          if constexpr (detail::feels<law_at<J>>) skin += part.torque;
         }
         out.shares[J] = part.torque;
         out.torque += part.torque;

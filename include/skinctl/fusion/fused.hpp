@@ -83,6 +83,11 @@ inline constexpr bool is_gated = requires { L::gate; };
 template <class L>
 inline constexpr bool presses = requires { L::presses; };
 
+/// Whether a law is the skin's answer: others may oppose it, and it opens gates. A reactive law that does not
+/// ask for touch (a joint limit, a posture) is pushed by nobody.
+template <class L>
+inline constexpr bool feels = L::role == Role::reactive && Needs(L::needs).touch;
+
 template <class... L>
 constexpr std::size_t count_role(Role role) noexcept {
   return (std::size_t(0) + ... + (L::role == role ? 1u : 0u));
@@ -107,7 +112,8 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   static constexpr std::size_t gravity_laws = detail::count_role<L...>(Role::gravity);
   static constexpr std::size_t tracking_laws = detail::count_role<L...>(Role::tracking);
   static constexpr std::size_t reactive_laws = detail::count_role<L...>(Role::reactive);
-  static constexpr bool watches = tracking_laws > 0 && reactive_laws > 0;
+  static constexpr bool feels = (false || ... || detail::feels<L>);  ///< the skin has a law in it
+  static constexpr bool watches = tracking_laws > 0 && feels;
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");
   static constexpr GravityTerm gravity_term =
       gravity_laws > 0 ? GravityTerm::left_out : GravityTerm::included;
@@ -277,7 +283,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
         track += shares[I];
         if constexpr (watches && gravity_laws == 0)
           track -= static_cast<T>(shares_[I].feed_forward) * known.gravity();
-      } else if constexpr (law_at<I>::role == Role::reactive) {
+      } else if constexpr (detail::feels<law_at<I>>) {
         skin += shares[I];
       }
       total += shares[I];
