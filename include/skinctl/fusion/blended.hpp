@@ -186,7 +186,7 @@ class Blended<Fused<P, L...>> : public Composable {
     Received<Memory> out{memory, {}};
     auto& part = detail::memory_of<I>(out.memory.laws);
     auto answer = [&] {
-      if constexpr (requires { law<I>().follow(part, known, goal); })
+      if constexpr (detail::follows_targets<law_at<I>, K, G>)
         if (follows) return law<I>().follow(part, known, goal);
       return law<I>().receive(part, known, goal);
     }();
@@ -397,7 +397,7 @@ class Blended<Fused<P, L...>> : public Composable {
         }
         out.shares[J] = part.torque;
         out.torque += part.torque;
-        if constexpr (requires { law<J>().status(detail::memory_of<J>(next.laws)); })
+        if constexpr (detail::reports<law_at<J>>)
           if (on) out.status |= law<J>().status(detail::memory_of<J>(next.laws));
       });
       if constexpr (holds_gravity) {

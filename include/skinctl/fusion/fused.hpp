@@ -87,6 +87,14 @@ inline constexpr bool presses = requires { L::presses; };
 /// ask for touch (a joint limit, a posture) is pushed by nobody.
 template <class L>
 inline constexpr bool feels = L::role == Role::reactive && Needs(L::needs).touch;
+// Traits, not requires-expressions in generic lambdas: Clang 14 takes those for false.
+template <class L>
+inline constexpr bool takes_goals = requires { typename L::Goal; };
+template <class L>
+inline constexpr bool reports = requires(const L& law, const typename L::Memory& m) { law.status(m); };
+template <class L, class K, class G>
+inline constexpr bool follows_targets =
+    requires(const L& law, const typename L::Memory& m, const K& k, const G& g) { law.follow(m, k, g); };
 
 template <class... L>
 constexpr std::size_t count_role(Role role) noexcept {
@@ -288,7 +296,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       }
       total += shares[I];
       const auto& part = detail::memory_of<I>(memory.laws);
-      if constexpr (requires { law.status(part); }) status |= law.status(part);
+      if constexpr (detail::reports<law_at<I>>) status |= law.status(part);
     });
 
     Opposition opposition = given;

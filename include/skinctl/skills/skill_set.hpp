@@ -240,7 +240,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   template <class F>
   void each_goal(const Goal& request, std::uint8_t skill, F&& f) const noexcept {
     each([&](auto i) {
-      if constexpr (requires { typename law_at<i.value>::Goal; }) {
+      if constexpr (detail::takes_goals<law_at<i.value>>) {
         const auto& part = request.goals.template of<typename law_at<i.value>::Goal>();
         if (part.has && skills_[skill].weights[i.value] > 0) f(i, part.goal);
       }
