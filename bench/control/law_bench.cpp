@@ -8,10 +8,18 @@
 #include "bench/floor/ur5_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "bench/tactile/skin_floor.hpp"
+#include "skinctl/control/adaptation.hpp"
+#include "skinctl/control/force_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
+#include "skinctl/control/joint_limits.hpp"
+#include "skinctl/control/null_space_posture.hpp"
+#include "skinctl/control/reactive_control.hpp"
+#include "skinctl/control/skin_cartesian_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
+#include "skinctl/control/spline_operational.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/model/ur5.hpp"
@@ -112,6 +120,33 @@ void skinctl_rows() {
   law_row<T>("gravity_control", GravityControl{}, stand);
   law_row<T>("skin_joint_control", SkinJointControl{}, stand);
   law_row<T>("spline_joint+skin+gravity", spline + SkinJointControl{} + GravityControl{}, goal);
+
+  const auto X_LT = Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.15));
+  OperationalSettings<6, T> pose{.tracking = settings<T>()};
+  const auto lift = [](const auto& law, const auto& known) {
+    auto X = known.template pose<5>() * Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.15));
+    X = Transform<Base, Tool, T>::translation_xyz(T(0), T(0), T(0.1)).template renamed<Base, Base>() * X;
+    return law.receive(law.start(known), known, PoseGoal<Tool, T>{X, 4_s}).memory;
+  };
+  using Pose = OperationalSpace<6, 5, Tool, T>;
+  using Place = OperationalSpace<6, 5, Tool, T, Task::position>;
+  const SplineOperational<6, 5, Tool, T> operational(Pose(X_LT, pose), pose);
+  law_row<T>("spline_operational", operational, lift);
+  law_row<T>("spline_operational-position",
+             SplineOperational<6, 5, Tool, T, Task::position>(Place(X_LT, pose), pose), lift);
+  law_row<T>("reactive_joint", ReactiveJoint<6, T>(settings<T>()), target);
+  law_row<T>("skin_cartesian_control", SkinCartesianControl<5, Tool, T>(X_LT), stand);
+  law_row<T>("force_control", ForceControl<6, 5, Tool, T>(X_LT, {.pose = pose}), stand);
+  law_row<T>("joint_impedance", JointImpedance<6, T>(), stand);
+  law_row<T>("cartesian_impedance", CartesianImpedance<6, 5, Tool, T>(Pose(X_LT, pose), {}), stand);
+  law_row<T>("joint_limits", JointLimitLaw<6, T>(), stand);
+  law_row<T>("null_space_posture",
+             NullSpacePosture<6, 5, Tool, T>(X_LT, JointPosition<6, T>::constant(T(0.5))), stand);
+  law_row<T>("adaptive_joint_control",
+             Adaptive<JointControl<6, T>>(JointControl<6, T>(settings<T>()),
+                                          {T(2), deviations<T>(ur5::Model{}, T(0.3))}),
+             target);
+  law_row<T>("spline_operational+skin+gravity", operational + SkinJointControl{} + GravityControl{}, lift);
 
   std::array<T, 36> K_d{};
   for (std::size_t i = 0; i < 6; ++i) K_d[7 * i] = T(0.02);

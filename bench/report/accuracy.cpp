@@ -9,7 +9,7 @@
 #include <functional>
 #include <utility>
 
-#include "skinctl/dynamics/loop_dynamics.hpp"
+#include "skinctl/dynamics/loop_forward_dynamics.hpp"
 #include "skinctl/model/universal_robots.hpp"
 #include "skinctl/model/ur5_allegro.hpp"
 
@@ -97,29 +97,55 @@ LinkInertia rod(double m) {
   return {m, {0.15, 0.02, 0.05}, 0.002 * m, 0.009 * m, 0.0085 * m, 0.0004 * m, 0.0001 * m, -0.0002 * m};
 }
 
+/// As `ulps_at`, of what the loop computes.
+template <class T>
+Ulps loop_ulps(const CalibratedModel<Chain<64>, T>& model, const Exact& exact,
+               const skinctl::test::Motion<64, T>& at) {
+  using skinctl::test::detail::in_ulps, skinctl::test::detail::largest;
+  const auto q = wide(at.q), dq = wide(at.dq), ddq = wide(at.ddq), zero = std::vector<Wide>(64, Wide(0));
+  Ulps u;
+  const auto X = loop_poses(model, at.q);
+  std::vector<Placed<T>> placed;
+  for (std::size_t i = 0; i < 64; ++i) placed.push_back({X.axes[i].x, X.axes[i].y, X.axes[i].z, X.origin[i]});
+  u.pose = pose_ulps(exact, q, placed);
+  const auto J = loop_jacobian<Chain<64>>(X, 63, X.origin[63]);
+  std::vector<T> rows;
+  for (const auto of : {&Xyz<T>::x, &Xyz<T>::y, &Xyz<T>::z})
+    for (const auto& c : J.linear) rows.push_back(c.*of);
+  for (const auto of : {&Xyz<T>::x, &Xyz<T>::y, &Xyz<T>::z})
+    for (const auto& c : J.angular) rows.push_back(c.*of);
+  const auto J_exact = exact.jacobian(63, {Wide(0), Wide(0), Wide(0)}, q);
+  u.jacobian = in_ulps<T>(rows, J_exact, largest(J_exact));
+
+  std::vector<Wide> magnitude;
+  const auto tau = exact.dalembert(q, dq, ddq, &magnitude);
+  const Wide scale = largest(magnitude);
+  u.inverse_dynamics = in_ulps<T>(loop_yr_theta(model, at.q, at.dq, at.dq, at.ddq), tau, scale);
+  const auto G = exact.dalembert(q, zero, zero, &magnitude);
+  u.gravity = in_ulps<T>(loop_gravity_torque(model, at.q), G, largest(magnitude));
+  const auto M = exact.mass_matrix(q);
+  u.mass = in_ulps<T>(loop_mass_matrix(model, at.q).data, M, largest(M));
+
+  JointTorque<64, T> applied;
+  for (std::size_t i = 0; i < 64; ++i) applied[i] = static_cast<T>(tau[i]);
+  auto free = exact.dalembert(q, dq, zero);
+  for (std::size_t i = 0; i < 64; ++i) free[i] = Wide(applied[i]) - free[i];
+  const auto ddq_exact = Exact::solved(M, free);
+  const auto mine = loop_forward_dynamics(model, at.q, at.dq, applied).acceleration;
+  u.acceleration = in_ulps<T>(mine, ddq_exact, largest(ddq_exact));
+  std::vector<Wide> off(64);
+  for (std::size_t i = 0; i < 64; ++i) off[i] = Wide(mine[i]) - ddq_exact[i];
+  u.explained = in_ulps<T>(zero, Exact::product(M, off), scale);
+  return u;
+}
+
 template <class T>
 void loop_row(int states) {
-  const auto robot = random_robot<Chain<64>>("", 64);
-  const auto same = random_robot<Chain<64>, T>("", 64);
-  const Exact exact = exact_tree(robot.model);
+  const auto model = random_robot<Chain<64>, T>("", 64).model;
+  const Exact exact = exact_tree(random_robot<Chain<64>>("", 64).model);
   oracle::Random random(1);
   Ulps all;
-  for (int k = 0; k < states; ++k) {
-    const skinctl::test::Motion<64, T> at(random);
-    const auto X = loop_poses(same.model, at.q);
-    std::vector<Placed<T>> placed;
-    for (std::size_t i = 0; i < 64; ++i)
-      placed.push_back({X.axes[i].x, X.axes[i].y, X.axes[i].z, X.origin[i]});
-    Ulps u;
-    u.pose = pose_ulps(exact, wide(at.q), placed);
-    std::vector<Wide> magnitude;
-    const auto tau = exact.dalembert(wide(at.q), wide(at.dq), wide(at.ddq), &magnitude);
-    u.inverse_dynamics =
-        skinctl::test::detail::in_ulps<T>(loop_yr_theta(same.model, at.q, at.dq, at.dq, at.ddq), tau,
-                                          skinctl::test::detail::largest(magnitude));
-    u.jacobian = u.gravity = u.mass = u.acceleration = u.explained = 1e300;
-    all.note(u);
-  }
+  for (int k = 0; k < states; ++k) all.note(loop_ulps<T>(model, exact, skinctl::test::Motion<64, T>(random)));
   print("chain of 64, by the loop", std::is_same_v<T, float> ? "float" : "double", states, all);
 }
 

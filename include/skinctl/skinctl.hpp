@@ -1,6 +1,7 @@
 // All of skinctl but what needs a third-party parser or serves above the loop: io/, calibration/, semantics/.
 #pragma once
 
+#include "skinctl/control/adaptation.hpp"
 #include "skinctl/control/damping.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
@@ -13,6 +14,8 @@
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/operational_space.hpp"
 #include "skinctl/control/orientation_error.hpp"
+#include "skinctl/control/reactive_control.hpp"
+#include "skinctl/control/reactive_plan.hpp"
 #include "skinctl/control/settings.hpp"
 #include "skinctl/control/sign.hpp"
 #include "skinctl/control/skin_cartesian_control.hpp"
@@ -51,6 +54,7 @@
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/loop_dynamics.hpp"
+#include "skinctl/dynamics/loop_forward_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/dynamics/operational_inertia.hpp"
 #include "skinctl/dynamics/quantities.hpp"
@@ -150,6 +154,7 @@
 #include "skinctl/trajectory/gain_schedule.hpp"
 #include "skinctl/trajectory/plan_clock.hpp"
 #include "skinctl/trajectory/pose_spline.hpp"
+#include "skinctl/trajectory/pursuit.hpp"
 #include "skinctl/trajectory/quintic.hpp"
 #include "skinctl/trajectory/ramp.hpp"
 #include "skinctl/trajectory/spline.hpp"

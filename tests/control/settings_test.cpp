@@ -9,7 +9,7 @@ using namespace skinctl;
 namespace {
 using S = JointControlSettings<6>;
 void accept(const S& s) {
-  check(s, s.lambda, s.mu);
+  check(s, s.lambda);
 }
 }  // namespace
 

@@ -367,6 +367,39 @@ TEST_CASE_TEMPLATE("Tracking: numbers that are not finite do not enter the memor
   }
 }
 
+TEST_CASE("Tracking: the Lyapunov function S_q' M S_q / 2 falls as exp(-2 lambda t), from any disturbance") {
+  const double dt = 0.002, lambda = 60;
+  const JointControl<6> law({.dt = dt, .lambda = lambda});
+  Seeded rng(77);
+  double worst = 0;
+  for (int k = 0; k < 10; ++k) {
+    State<6> x{0, rng.vector<JointPosition<6>>(2), rng.vector<JointVelocity<6>>(0.5)};
+    auto memory = law.start(KnownAt<double>(model, x, dt, none));
+    memory = law.receive(memory, KnownAt<double>(model, x, dt, none), {x.q, {}, {}}).memory;
+    x.dq += rng.vector<JointVelocity<6>>(0.3);  // a blow
+    const auto V_of = [&] {
+      const auto S_q = law.now(memory, KnownAt<double>(model, x, dt, none)).S_q;
+      return 0.5 * power(mass_matrix(model, x.q) *
+                             JointAcceleration<6>::generate([&](std::size_t i) { return S_q[i]; }),
+                         S_q);
+    };
+    double V = V_of();
+    const double first = V;
+    for (int i = 0; i < 100; ++i) {
+      const auto out = law.evaluate(memory, KnownAt<double>(model, x, dt, none), dt);
+      memory = out.memory;
+      x = simulate(model, x, out.torque, dt, 1);
+      const double next = V_of();
+      CHECK(next < V + 1e-9 * first);
+      if (V > 1e-4 * first) worst = std::max(worst, std::abs(next / V - std::exp(-2 * lambda * dt)));
+      V = next;
+    }
+    CHECK(V < 1e-6 * first);
+  }
+  MESSAGE("V(t + dt) / V(t) differs from exp(-2 lambda dt) by at most " << worst);
+  CHECK(worst < 0.05);
+}
+
 TEST_CASE("Tracking: nothing of it allocates") {
   const SplineJoint<6> law({.dt = 0.002});
   State<6> x{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};

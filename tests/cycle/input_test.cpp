@@ -43,7 +43,7 @@ void showValue(Content content, std::ostream& out) {
 }
 using Field = std::pair<Content, std::uint64_t>;
 constexpr std::size_t samples_a_cycle = 3;
-constexpr std::size_t fields_a_cycle = 14 + 1 + 10 * samples_a_cycle + 2 + 7;
+constexpr std::size_t fields_a_cycle = 14 + 1 + 10 * samples_a_cycle + 3 + 7;
 
 /// The fields of one cycle in turn; each 0 and usual is a cycle in which nothing happens, so that cases
 /// shrink to what matters.
@@ -126,6 +126,7 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
     }
     input.samples = std::span(samples).first(count);
     input.request = static_cast<Request>(tape.index(1));
+    input.observed = Status::from_bits(tape.index(1));  // a stop waits for the request `resume`
     input.has_goal = tape.index(16) == 15;
     for (std::size_t i = 0; i < 6; ++i) input.goal.q_g[i] = tape.number(T(state.q[i] + T(0.3)));
     input.goal.duration = tape.time(4_s, 4_s);
@@ -204,6 +205,7 @@ TEST_CASE_TEMPLATE(
       }
       input.samples = samples;
       input.request = static_cast<Request>(random.index(30));
+      if (random.index(50) == 0) input.observed = Status::from_bits(random.bits());
       input.has_goal = random.index(10) == 0;
       for (auto& x : input.goal.q_g) x = random.index(2) == 0 ? any_number<T>(random) : T(0.3);
       input.goal.duration = static_cast<Nanoseconds>(random.bits());

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/kinematics/poses.hpp"
+#include "skinctl/kinematics/jacobian.hpp"
 #include "tests/support/euler_lagrange.hpp"
 #include "tests/support/robots.hpp"
 
@@ -22,6 +22,17 @@ TEST_CASE("loop dynamics: what straight-line code gives, on a tree with sliding 
     const auto d = X.origin[4] - expected.origin();
     CHECK(dot(d, d) <= 1e-28);
     CHECK(std::abs(dot(X.axes[4].x, expected.axes().x) - 1) <= 1e-14);
+    const auto p = expected * Point<Link<4>>{0.1, -0.2, 0.3};
+    const auto mine = loop_jacobian<MixedTree>(X, 4, p.xyz);
+    const auto J =
+        jacobian<4>(link_poses(robot.model, at.q), Transform<Link<4>, Cell>::translation_xyz(0.1, -0.2, 0.3));
+    double sum = 0;
+    J.for_each([&](auto j, const auto& c) {
+      const auto a = mine.linear[j] - c.linear, b = mine.angular[j] - c.angular;
+      sum += dot(a, a) + dot(b, b);
+    });
+    CHECK(sum <= 1e-28);
+    CHECK(mine.linear[2] == Xyz<double>{0, 0, 0});  // joint 2 does not move link 4
   }
 }
 

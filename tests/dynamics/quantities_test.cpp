@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/support/counted.hpp"
+#include "tests/support/digits.hpp"
 #include "tests/support/robots.hpp"
 
 using namespace skinctl;
@@ -10,14 +11,16 @@ using namespace skinctl::test;
 
 namespace {
 using M = ur5::Model;
+// The sanitizers take a minute to compile the last four.
 constexpr Needs everything{.poses = 0b111111,
                            .jacobian_rates = link_bit<5>,
                            .gravity = true,
-                           .mass_factors = true,
+                           .mass = true,
+                           .mass_factors = SKINCTL_MANY_DIGITS,
                            .coriolis = true,
-                           .momentum = true,
-                           .kinetic_energy = true,
-                           .centre_of_mass = true,
+                           .momentum = SKINCTL_MANY_DIGITS,
+                           .kinetic_energy = SKINCTL_MANY_DIGITS,
+                           .centre_of_mass = SKINCTL_MANY_DIGITS,
                            .middle = true};
 }  // namespace
 
@@ -51,12 +54,14 @@ TEST_CASE("quantities: each is what its own function gives") {
     CHECK(known.pose<4>() == link_poses(model, at.q).get<4>());
     CHECK(known.mass()(2, 3) == mass_matrix(model, at.q)(2, 3));
     CHECK(known.coriolis() == coriolis_torque(model, known.angles(), at.dq));
+#if SKINCTL_MANY_DIGITS
     CHECK(known.momentum() == generalised_momentum(model, at.q, at.dq));
     CHECK(known.kinetic_energy() == kinetic_energy(model, at.q, at.dq));
     CHECK(known.centre_of_mass().p.xyz == centre_of_mass(model, at.q).p.xyz);
     const MassFactors<M> factors(mass_matrix(model, at.q));
     CHECK(known.mass_factors().solve(known.gravity()) == factors.solve(known.gravity()));
     CHECK(known.mobility<5>()(1, 2) == operational_mobility(known.jacobian<5>(), factors)(1, 2));
+#endif
     CHECK(gravity_torque(model, known.middle()) == gravity_torque(model, integrate(at.q, at.dq, 0.004)));
     const auto X_LT = Transform<Link<5>, Tool, double>::translation_xyz(0.1, -0.2, 0.3);
     const auto J = jacobian<5>(link_poses(model, at.q), X_LT);
@@ -96,7 +101,9 @@ TEST_CASE("quantities: a scene pays for what it asks for, and for nothing else")
   CHECK(weight > 0);
   CHECK(both <= near + weight);  // the sines and cosines are shared
   CHECK(4 * both < all);
+#if SKINCTL_MANY_DIGITS
   // The kinetic energy alone costs less than M, and M less than M with its factors.
   CHECK(operations<Needs{.kinetic_energy = true}>() < operations<Needs{.mass = true}>());
   CHECK(operations<Needs{.mass = true}>() < operations<Needs{.mass_factors = true}>());
+#endif
 }

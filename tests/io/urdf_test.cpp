@@ -7,6 +7,7 @@
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/poses.hpp"
+#include "tests/support/digits.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
 #include "tests/support/robots.hpp"
@@ -254,6 +255,65 @@ TEST_CASE("URDF: a bad file gives one clear error that names the element") {
                 joint_text("elbow", "upper", "lower", "<limit lower=\"1\" upper=\"-1\"/>") + "</robot>"),
       {"\"elbow\"", "lower limit"}));
   CHECK(names(complaint("<robot><link/></robot>"), {"<link>", "\"name\""}));
+}
+
+TEST_CASE(
+    "URDF: bodies that no density makes: by little a warning, by more a complaint, whatever their axes") {
+  const auto with = [](const std::string& inertia) {
+    return head + "<link name=\"upper\"><inertial><mass value=\"1\"/><inertia " + inertia +
+           "/></inertial></link>\n" + link_text("lower") + shoulder + elbow + "</robot>";
+  };
+  // Principal moments 1, 2, 3.2 about axes halfway between x and z: the diagonal alone looks healthy.
+  const std::string little = with(R"(ixx="2.1" iyy="2" izz="2.1" ixz="-1.1")");
+  const Urdf urdf = parse_urdf(little, "arm.urdf");
+  REQUIRE(urdf.warnings.size() == 1);
+  CHECK(names(urdf.warnings[0], {"arm.urdf:3", "\"upper\"", "moments of inertia", "3.2 %"}));
+  CHECK(complaint(little) == "accepted");
+  // 1, 2, 5.
+  CHECK(names(complaint(with(R"(ixx="3" iyy="2" izz="3" ixz="-2")")),
+              {"arm.urdf:3", "\"upper\"", "moments of inertia"}));
+  CHECK(parse_urdf(head + links + shoulder + elbow + "</robot>", "arm.urdf").warnings.empty());
+}
+
+TEST_CASE("URDF: whatever the bytes, a model of finite numbers or a complaint with the source") {
+  const std::string good = written(twig(7), 8);
+  oracle::Random random(9);
+  int refused = 0, read = 0;
+  for (int k = 0; k < (SKINCTL_MANY_DIGITS ? 3000 : 300); ++k) {
+    std::string text = good;
+    for (int changes = random.index(4); changes >= 0; --changes) {
+      const std::size_t at = random.bits() % text.size(), many = 1 + random.bits() % 12;
+      switch (random.index(5)) {
+        case 0:
+          text[at] = static_cast<char>(random.bits());
+          break;
+        case 1:
+          text.erase(at, many);
+          break;
+        case 2:
+          text.insert(at, 1, "<>/\"= 0-e.&"[random.bits() % 11]);
+          break;
+        case 3:
+          text.insert(at, good.substr(random.bits() % good.size(), many));
+          break;
+        default:
+          text[at] = static_cast<char>('0' + random.index(10));
+      }
+      if (text.empty()) text = " ";
+    }
+    try {
+      const auto numbers = model_links(parse_urdf(text, "arm.urdf")).links;
+      ++read;
+      for (const auto& l : numbers)
+        for (double x : l.numbers) CHECK(x - x == 0);
+    } catch (const ConfigurationError& e) {
+      ++refused;
+      const std::string what = e.what();
+      CHECK(what.find("arm.urdf") != std::string::npos);
+    }
+  }
+  CHECK(refused > 100 * (SKINCTL_MANY_DIGITS ? 3 : 1) / 3);
+  CHECK(read > 0);
 }
 
 TEST_CASE("URDF: a robot of another shape than the program's is refused by name") {

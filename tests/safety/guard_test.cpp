@@ -415,3 +415,54 @@ TEST_CASE("Guard: a cycle allocates nothing") {
   const auto count = guard.count();
   CHECK(count == 0);
 }
+
+TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consent where it should", C,
+                   MOTIONS) {
+  using T = typename C::scalar;
+  auto c = configuration<T>();
+  c.brakes_on = Reason::sample_stale;
+  c.consent = Reason::packets_lost;
+  const Guard<C::interface, 1, T> guard(c);
+  const auto after = [&](Status found, bool acknowledged) {
+    auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+    Nanoseconds now = 0;
+    const auto pass = [&](Status what) {
+      now += 10_ms;
+      return guard.pass(memory, command<T>(now, 0, 0), at<T>(now, 0), now, {}, what);
+    };
+    CHECK_FALSE(pass({}).altered);
+    const auto during = pass(found);
+    CHECK(during.altered);
+    if (acknowledged) guard.acknowledge(memory);
+    return pass({});
+  };
+  CHECK_FALSE(after(Reason::sample_stale, false).altered);  // over, so it goes on
+  for (const Reason r :
+       {Reason::packets_lost, Reason::contact_force, Reason::contact_power, Reason::budget_overrun}) {
+    const auto waits = after(r, false);
+    CHECK(waits.altered);
+    CHECK(waits.status.has(Reason::consent_awaited));
+    const auto goes_on = after(r, true);
+    CHECK_FALSE(goes_on.altered);
+    CHECK_FALSE(goes_on.status.any());
+  }
+  // Consent does not help while the fault is still there.
+  auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+  guard.acknowledge(memory);
+  CHECK(
+      guard.pass(memory, command<T>(10_ms, 0, 0), at<T>(10_ms, 0), 10_ms, {}, Reason::contact_force).altered);
+  CHECK(guard.waits(memory));
+}
+
+TEST_CASE_TEMPLATE("Guard: a state that this robot cannot have is no news of it", T, float, double) {
+  const Guard<Interface::position, 1, T> guard(configuration<T>());
+  CHECK(guard.believes(at<T>(0, 2.9, 9)));
+  for (const auto& [q, dq] :
+       {std::pair{3.1, 0.0}, {-3.1, 0.0}, {0.0, 10.1}, {0.0, -10.1}, {std::nan(""), 0.0}})
+    CHECK_FALSE(guard.believes(at<T>(0, q, dq)));
+  auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+  const auto out = guard.pass(memory, command<T>(10_ms, 0, 0), at<T>(10_ms, 3.1), 10_ms);
+  CHECK(out.status == Reason::state_out_of_range);
+  CHECK_FALSE(out.altered);
+  CHECK(memory.measured.time == 0);
+}

@@ -53,6 +53,7 @@ TEST_CASE("Library: own behaviours join it, with weights, conditions and followe
                                      .switching(opened(1))
                                      .then<behaviour::KinestheticJoint>())));
   const auto& wave = mine[hana::type_c<Wave>];
+  CHECK(std::string(Wave::name) == "wave");
   CHECK(wave.weights == std::array<double, 2>{1.0, 0.5});
   CHECK(wave.conditions.timeout == 2_s);
   CHECK(wave.switches == opened(1));

@@ -16,6 +16,7 @@
 #include "skinctl/skills/library.hpp"
 #include "tests/control/plant.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/scene.hpp"
 
 namespace skinctl::test {
 
@@ -41,20 +42,27 @@ template <class T>
 auto skilled_tool() {
   return Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.1));
 }
-/// All controllers of Fig. 7 and section 6.
+/// All controllers of Fig. 7 and section 6; under sanitizers a few, as all take them a minute to compile.
 template <class T = double>
 auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
   const auto s = skilled_settings(dt);
-  const OperationalSettings<6, T> o{.tracking = s};
-  const OperationalSpace<6, 5, Tool, T> space(skilled_tool<T>(), o);
-  return skill_set<behaviour::KinestheticJoint>(
-      boost::hana::union_(figure_7, section_6), settings, as<controller::Gravity>(GravityControl{}),
-      as<controller::SkinJoint>(SkinJointControl{}), as<controller::SplineJoint>(SplineJoint<6, T>(s)),
-      as<controller::Joint>(JointControl<6, T>(s)),
-      as<controller::SkinCartesian>(SkinCartesianControl<5, Tool, T>(skilled_tool<T>())),
-      as<controller::Operational>(OperationalControl<6, 5, Tool, T>(space, o)),
-      as<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)),
-      as<controller::Force>(ForceControl<6, 5, Tool, T>(skilled_tool<T>(), {.pose = o})));
+  const auto library = boost::hana::union_(figure_7, section_6);
+  const auto gravity = as<controller::Gravity>(GravityControl{});
+  const auto skin = as<controller::SkinJoint>(SkinJointControl{});
+  const auto spline = as<controller::SplineJoint>(SplineJoint<6, T>(s));
+  const auto joint = as<controller::Joint>(JointControl<6, T>(s));
+  if constexpr (sanitized) {
+    return skill_set<behaviour::KinestheticJoint>(library, settings, gravity, skin, spline);
+  } else {
+    const OperationalSettings<6, T> o{.tracking = s};
+    const OperationalSpace<6, 5, Tool, T> space(skilled_tool<T>(), o);
+    return skill_set<behaviour::KinestheticJoint>(
+        library, settings, gravity, skin, spline, joint,
+        as<controller::SkinCartesian>(SkinCartesianControl<5, Tool, T>(skilled_tool<T>())),
+        as<controller::Operational>(OperationalControl<6, 5, Tool, T>(space, o)),
+        as<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)),
+        as<controller::Force>(ForceControl<6, 5, Tool, T>(skilled_tool<T>(), {.pose = o})));
+  }
 }
 
 /// What happens to the arm: touches that come and go, and goals, all from one seed.

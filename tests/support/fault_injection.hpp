@@ -73,6 +73,9 @@ struct Spoiler : Composable {
   }
 };
 
+template <Interface I>
+using Robot = Resolver<I, ur5::Model, double, SemiImplicitEuler>;  // the least to compile
+
 /// A scene that faults are put into: skin on a UR5, contact limits if it moves. Numbers of the test.
 template <Interface I>
 auto faulty_scene() {
@@ -83,7 +86,7 @@ auto faulty_scene() {
   GuardConfiguration<6> g{.limits = limits, .period = s.period};
   SkinSettings skin;
   skin.max_age = 10_s;
-  const Spoilt robot{Resolver<I, ur5::Model>(ur5::Model{}, c)};
+  const Spoilt robot{Robot<I>(ur5::Model{}, c)};
   const auto law = SkinJointControl{} + GravityControl{} + Spoiler{};
   const auto cells = ur5_skin<260>({.force = s.force_gain}, skin);
   if constexpr (I == Interface::torque) {
@@ -131,7 +134,7 @@ class FaultInjection {
                                                         ? 40
                                                         : 6 + random.index(20);
     const int over = from + lasts, resumed = over + 25, end = over + 90;
-    auto& how = Spoilt<Resolver<I, ur5::Model>>::how;
+    auto& how = Spoilt<Robot<I>>::how;
     using How = typename std::remove_reference_t<decltype(how)>;
     auto q = home_position();
     for (auto& x : q) x += random.uniform(-0.2, 0.2);
@@ -153,6 +156,7 @@ class FaultInjection {
       input.now = now;
       input.measured = state;
       input.measured.time = now;
+      if (!torque) input.measured.dq = last.velocity;  // those of the joints' small steps are all spikes
       const bool pushed = (k / 25) % 2 == 0 && f.reason != Reason::contact_slowed;
       const auto f3 = static_cast<float>(pushed ? pushes : 0);
       CellSample sample{.time = now - 1_ms, .cell = cell, .force = {f3, f3, f3}};
@@ -193,7 +197,7 @@ class FaultInjection {
  private:
   void inject(Reason reason, typename Scene::Input& input, CellSample& sample, int k, Nanoseconds& now,
               oracle::Random& random, const JointTorque<6>& skin_torque) {
-    auto& how = Spoilt<Resolver<I, ur5::Model>>::how;
+    auto& how = Spoilt<Robot<I>>::how;
     using How = typename std::remove_reference_t<decltype(how)>;
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     const auto joint = static_cast<std::size_t>(random.index(6));

@@ -53,6 +53,7 @@ class ForceControl : public Composable {
   static constexpr Needs needs = Tracker::needs | Needs{.angles = true, .touch = true};
   static constexpr Role role = Role::tracking;
   static constexpr const char* name = "force";
+  static constexpr bool presses = true;  ///< in a sum with the skin's laws this is no opposition
   struct Memory {
     typename Tracker::Memory tracker;
     ForceGoal<T> goal{{T(0), T(0), T(0)}, T(0)};  ///< its direction of length 1, or 0

@@ -90,6 +90,27 @@ class JointSpace {
     const Row q = r.q_d, dq = r.dq_d, ddq = r.ddq_d;
     return {Where(q + t * (dq + T(T(0.5) * t) * ddq)), JointVelocity<N, T>(dq + t * ddq), r.ddq_d};
   }
+  [[nodiscard]] static bool finite(const Reference& r) noexcept {
+    T sum(0);
+    for (std::size_t i = 0; i < N; ++i) sum = sum + r.q_d[i] + r.dq_d[i] + r.ddq_d[i];
+    return sum - sum == T(0);
+  }
+  /// The same place at constant velocity, or at rest.
+  [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.q_d, r.dq_d, {}}; }
+  [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.q_d, {}, {}}; }
+  /// `r` moves on for `dt` towards a target, within the limits: each joint on its own.
+  SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
+                                 const T& dt) noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      Pursuit<1, T> one{{r.dq_d[i]}, {r.ddq_d[i]}};
+      const T e[1] = {target.q_d[i] - r.q_d[i]}, v[1] = {target.dq_d[i]};
+      T moved[1];
+      one.advance(e, v, {s.max_velocity[i], s.max_acceleration, s.max_jerk}, dt, moved);
+      r.q_d[i] = r.q_d[i] + moved[0];
+      r.dq_d[i] = one.v[0];
+      r.ddq_d[i] = one.a[0];
+    }
+  }
   [[nodiscard]] static bool allows(const Reference& r, const Settings& s) noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       const T sum = r.q_d[i] + r.dq_d[i] + r.ddq_d[i];

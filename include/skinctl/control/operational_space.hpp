@@ -17,8 +17,12 @@ struct OperationalSettings {
   /// Gains and times, as in joint space, of coordinates in metres and radians. `max_velocity` is the fastest
   /// that any joint is asked to go, next to a singularity too.
   JointControlSettings<N, T> tracking = {};
-  T max_linear_velocity = T(0.5);   ///< of any motion to a goal [m/s]
-  T max_angular_velocity = T(1.5);  ///< [rad/s]
+  T max_linear_velocity = T(0.5);      ///< of any motion to a goal [m/s]
+  T max_angular_velocity = T(1.5);     ///< [rad/s]
+  T max_linear_acceleration = T(1.5);  ///< after a reactive target [m/s^2]
+  T max_linear_jerk = T(15);           ///< [m/s^3]
+  T max_angular_acceleration = T(5);   ///< [rad/s^2]
+  T max_angular_jerk = T(50);          ///< [rad/s^3]
   /// When J^+ is damped, and how much at most; as much as the joints' speed asks for.
   SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
   T least_damping = T(0.02);  ///< l at a singularity where next to nothing is asked
@@ -107,6 +111,8 @@ class OperationalSpace {
       if (v < slowest_) slowest_ = v;
     positive("max_linear_velocity", settings.max_linear_velocity);
     positive("max_angular_velocity", settings.max_angular_velocity);
+    check(PursuitLimits<T>{T(1), settings.max_linear_acceleration, settings.max_linear_jerk});
+    check(PursuitLimits<T>{T(1), settings.max_angular_acceleration, settings.max_angular_jerk});
   }
   [[nodiscard]] static SKINCTL_INLINE constexpr const JointControlSettings<N, T>& tracking(
       const Settings& s) noexcept {
@@ -142,6 +148,34 @@ class OperationalSpace {
     return {Where::trusted(exp_so3(turn) * r.X_BP.axes(), r.X_BP.origin() + t * v),
             {r.V.linear + t * r.A.linear, r.V.angular + t * r.A.angular},
             r.A};
+  }
+  [[nodiscard]] static bool finite(const Reference& r) noexcept {
+    const T sum = dot(r.X_BP.origin(), r.X_BP.origin()) + dot(r.V.linear, r.V.linear) +
+                  dot(r.V.angular, r.V.angular) + dot(r.A.linear, r.A.linear) + dot(r.A.angular, r.A.angular);
+    return sum - sum == T(0) && rotation_error(r.X_BP.axes()) <= tolerance<T>;
+  }
+  /// The same pose at constant velocity, or at rest.
+  [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.X_BP, r.V, {}}; }
+  [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.X_BP, {}, {}}; }
+  /// `r` moves on for `dt` towards a target, within the limits: its origin, and by the shortest turn.
+  SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
+                                 const T& dt) noexcept {
+    const auto part = [&](const Xyz<T>& way, Xyz<T>& v, Xyz<T>& a, const Xyz<T>& v_t,
+                          const PursuitLimits<T>& l) {
+      Pursuit<3, T> three;
+      put(three.v, v), put(three.a, a);
+      T e[3], to[3], moved[3];
+      put(e, way), put(to, v_t);
+      three.advance(e, to, l, dt, moved);
+      v = get(three.v), a = get(three.a);
+      return get(moved);
+    };
+    const Xyz<T> p = part(target.X_BP.origin() - r.X_BP.origin(), r.V.linear, r.A.linear, target.V.linear,
+                          {s.max_linear_velocity, s.max_linear_acceleration, s.max_linear_jerk});
+    const Xyz<T> turn =
+        part(log_so3(target.X_BP.axes() * r.X_BP.axes().transpose()), r.V.angular, r.A.angular,
+             target.V.angular, {s.max_angular_velocity, s.max_angular_acceleration, s.max_angular_jerk});
+    r.X_BP = Where::trusted(normalised(exp_so3(turn) * r.X_BP.axes()), r.X_BP.origin() + p);
   }
   [[nodiscard]] static bool allows(const Reference& r, const Settings& s) noexcept {
     const T sum =

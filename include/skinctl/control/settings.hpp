@@ -5,6 +5,7 @@
 #include "skinctl/core/time.hpp"
 #include "skinctl/dynamics/shape.hpp"
 #include "skinctl/trajectory/gain_schedule.hpp"
+#include "skinctl/trajectory/pursuit.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -31,6 +32,8 @@ struct JointControlSettings {
   T settle = T(0.5);          ///< duration of the way from the gain's peak to K_c, in multiples of tb
   T hand_over = T(0.1);       ///< time that the reference takes to its new course after a reset [s]
   T target_age = T(0.1);  ///< a moving target goes on for so long after its last sample, then slows down [s]
+  T max_acceleration = T(4);  ///< of every joint after a reactive target [rad/s^2]
+  T max_jerk = T(40);         ///< the same [rad/s^3]
   Reach reach = Reach::stretch;
   /// Of the robot that carries the torque, as in its resolver: `Y_r Theta` holds against inertia and
   /// friction, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.
@@ -69,11 +72,18 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda, co
     require(s.shape.inertia[i] >= T(0) && s.shape.inertia[i] <= T(1e6), "added inertia",
             number(s.shape.inertia[i]), "0 to 1e6 kg m^2");
   }
+  check(PursuitLimits<T>{T(1), s.max_acceleration, s.max_jerk});
   for (const T& v : s.max_velocity) require(v > T(0) && v <= T(1e6), "max_velocity", number(v), "> 0 rad/s");
   const T K_p = GainSchedule<T>(s.K_c, s.base, s.settle).largest(s.tb);
   const T product = (K_p + lambda + s.K_i1 + slope * s.K_i2) * s.dt;
   require(product <= largest_gain_product<T>, "(K_p + lambda + K_i1 + mu K_i2) dt", number(product),
           "<= 0.5: lower the gains, lengthen tb (K_p peaks at 14.5 / tb) or shorten dt");
+}
+
+/// The same with the sign by tanh.
+template <std::size_t N, Real T>
+SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
+  check(s, lambda, s.mu);
 }
 
 SKINCTL_END_NAMESPACE

@@ -92,6 +92,7 @@ class Tracking : public Composable {
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
     out.memory.plan = planned.memory;
+    if constexpr (requires { Plan::reacts; }) return out;
     out.memory.space = Space::renewed(memory.space);
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};

@@ -1,5 +1,5 @@
-// Poses and inverse dynamics by a loop at run time: for chains so long that straight-line code is slow
-// to compile.
+// Poses, Jacobians and inverse dynamics by a loop at run time: for chains so long that straight-line code is
+// slow to compile.
 #pragma once
 
 #include <array>
@@ -66,6 +66,33 @@ template <class Tree, Real T>
   return X;
 }
 
+/// Columns of a geometric Jacobian along the axes of the base; those of joints that do not move the body are
+/// zero.
+template <std::size_t N, Scalar T = double>
+struct LoopJacobian {
+  std::array<Xyz<T>, N> linear{};   ///< [m/s] per joint unit
+  std::array<Xyz<T>, N> angular{};  ///< [rad/s] per joint unit
+};
+
+/// The Jacobian of a point of link `link` (< joints) that stands at `p` [m], in the base.
+template <class Tree, Scalar T>
+[[nodiscard]] LoopJacobian<Tree::joints, T> loop_jacobian(const LoopPoses<Tree::joints, T>& X,
+                                                          std::size_t link, const Xyz<T>& p) noexcept {
+  SKINCTL_EXPECTS(link < Tree::joints, "loop_jacobian: the tree has no such link");
+  LoopJacobian<Tree::joints, T> J;
+  for (int i = static_cast<int>(link); i >= 0; i = Tree::parents[static_cast<std::size_t>(i)]) {
+    const auto k = static_cast<std::size_t>(i);
+    const Xyz<T>& z = X.axes[k].z;
+    if (Tree::kinds[k] == JointKind::revolute) {
+      J.linear[k] = cross(z, p - X.origin[k]);
+      J.angular[k] = z;
+    } else {
+      J.linear[k] = z;
+    }
+  }
+  return J;
+}
+
 /// `M ddq_r + C dq_r + G` [N m], as `yr_theta`, by a loop over the topology; inverse dynamics with `dq_r =
 /// dq`.
 template <class Tree, Real T>
@@ -112,6 +139,14 @@ template <class Tree, Real T>
     n[up] = n[up] + frames[i].to_parent(n[i]) + cross(frames[i].p, force);
   }
   return tau;
+}
+
+/// `G(q)` [N m], as `gravity_torque`, by a loop over the topology.
+template <class Tree, Real T>
+[[nodiscard]] JointTorque<Tree::joints, T> loop_gravity_torque(
+    const CalibratedModel<Tree, T>& model, const JointPosition<Tree::joints, T>& q) noexcept {
+  const JointVelocity<Tree::joints, T> rest;
+  return loop_yr_theta(model, q, rest, rest, JointAcceleration<Tree::joints, T>());
 }
 
 SKINCTL_END_NAMESPACE

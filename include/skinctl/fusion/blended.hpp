@@ -385,7 +385,7 @@ class Blended<Fused<P, L...>> : public Composable {
             detail::memory_of<J>(next.laws) = law<J>().start(known);
         auto& part = std::get<J>(parts);
         compute<J>(part, next, known, shares[J]);
-        if constexpr (r == Role::tracking) {
+        if constexpr (r == Role::tracking && !detail::presses<law_at<J>>) {
           track += part.torque;
           if constexpr (Fusion::watches && holds_gravity)
             track -= static_cast<T>(shares[J].feed_forward) * known.gravity();

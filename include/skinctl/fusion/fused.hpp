@@ -79,6 +79,10 @@ SKINCTL_INLINE typename Law::Memory advance_with(const Law& law, const typename 
 template <class L>
 inline constexpr bool is_gated = requires { L::gate; };
 
+/// Whether a tracking law presses against what it touches by its own purpose: the skin does not oppose it.
+template <class L>
+inline constexpr bool presses = requires { L::presses; };
+
 template <class... L>
 constexpr std::size_t count_role(Role role) noexcept {
   return (std::size_t(0) + ... + (L::role == role ? 1u : 0u));
@@ -269,7 +273,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     Status status;
     each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
       constexpr std::size_t I = i.value;
-      if constexpr (law_at<I>::role == Role::tracking) {
+      if constexpr (law_at<I>::role == Role::tracking && !detail::presses<law_at<I>>) {
         track += shares[I];
         if constexpr (watches && gravity_laws == 0)
           track -= static_cast<T>(shares_[I].feed_forward) * known.gravity();

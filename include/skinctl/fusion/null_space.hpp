@@ -38,7 +38,7 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   static_assert(First::role == Role::tracking && Second::role != Role::gravity);
   static constexpr Role role = Role::tracking;
   static constexpr Needs needs =
-      First::needs | Second::needs | Needs{.jacobians = link_bit<Link_>, .mass = true};
+      First::needs | Second::needs | Needs{.jacobians = link_bit<Link_>, .mass_factors = true};
   struct Memory {
     [[no_unique_address]] typename First::Memory first;
     [[no_unique_address]] typename Second::Memory second;
@@ -145,17 +145,17 @@ JointTorque<K::joints, T> NullSpace<Link, First, Second>::projected(
     const K& known, const JointTorque<K::joints, T>& tau) const noexcept {
   constexpr std::size_t n = K::joints;
   const auto J = known.template jacobian<Link>();
-  const math::Ldlt<n, T> mass(known.mass().data);
   const std::size_t rows = p_.keeps == Keeps::point ? 3 : 6;
   // Rows of J and of J M^-1; those that are not of the task stay zero, with a pivot of one.
-  T j[6][n] = {}, jm[6][n] = {};
+  JointTorque<n, T> j[6];
+  JointAcceleration<n, T> jm[6];
   J.for_each([&](auto i, const auto& c) {
     const T six[6] = {c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y, c.angular.z};
     for (std::size_t r = 0; r < rows; ++r) j[r][i.value] = six[r];
   });
   T a[36] = {}, right[6] = {};
   for (std::size_t r = 0; r < rows; ++r) {
-    mass.solve(j[r], jm[r]);
+    jm[r] = known.mass_factors().solve(j[r]);
     for (std::size_t s = 0; s <= r; ++s)
       for (std::size_t i = 0; i < n; ++i) a[r * 6 + s] = a[r * 6 + s] + jm[r][i] * j[s][i];
     for (std::size_t i = 0; i < n; ++i) right[r] = right[r] + jm[r][i] * tau[i];

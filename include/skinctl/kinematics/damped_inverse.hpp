@@ -125,7 +125,11 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   static constexpr std::size_t joints = M::joints;
 
   DampedInverse(const Of& J, const SingularityDamping<T>& damping) noexcept
-      : J_(J), damping_(damping), factors_(normal(J).data) {}
+      : J_(J), damping_(damping), factors_(normal().data) {
+    w_squared_ = factors_.determinant();
+    if (!factors_.positive_definite() || nearness() > T(0)) [[unlikely]]
+      damp();
+  }
 
   /// Yoshikawa's manipulability, `sqrt(det(J J'))` (of `J'J` for fewer than six joints): 0 at a singularity.
   [[nodiscard]] T manipulability() const noexcept {
@@ -252,17 +256,25 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
         a[i][j] = sum;
       }
   }
-  Matrix normal(const Of& J) noexcept {
-    T r[moving][rows_count], a[order][order], still[order][order] = {};
-    rows(J, r);
+  Matrix normal() const noexcept {
+    T r[moving][rows_count], a[order][order];
+    rows(J_, r);
     product(r, r, a);
     Matrix m;
     for (std::size_t i = 0; i < order; ++i)
       for (std::size_t j = 0; j < order; ++j) m.data[i * order + j] = a[i][j];
+    return m;
+  }
+  /// Next to a singularity: the determinant with pivots, and factors of the damped matrix.
+  SKINCTL_COLD void damp() noexcept {
+    Matrix m = normal();
+    T a[order][order], still[order][order] = {};
+    for (std::size_t i = 0; i < order; ++i)
+      for (std::size_t j = 0; j < order; ++j) a[i][j] = m.data[i * order + j];
     w_squared_ = detail::determinant(a, still).value;
     const T l2 = damping_.squared(w_squared_);
     for (std::size_t i = 0; i < order; ++i) m.data[i * order + i] = m.data[i * order + i] + l2;
-    return m;
+    factors_ = math::Ldlt<order, T>(m.data);
   }
   T damping_rate(const JacobianRate<Of>& dJ) const noexcept {
     if (nearness() == T(0)) return T(0);

@@ -55,6 +55,14 @@ class Ldlt {
     return least;
   }
 
+  /// Product of D: the determinant, unless an unknown was taken out. Next to a singular matrix it errs by the
+  /// condition.
+  [[nodiscard]] SKINCTL_INLINE constexpr T determinant() const noexcept {
+    T product = pivot_[0];
+    for (std::size_t i = 1; i < N; ++i) product = product * pivot_[i];
+    return product;
+  }
+
   /// `x` with `a x = b`; `x` may be `b`.
   SKINCTL_INLINE constexpr void solve(const T* b, T* x) const noexcept {
     T y[N];

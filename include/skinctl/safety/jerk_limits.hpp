@@ -43,6 +43,9 @@ class JerkLimits {
               "> 0, <= 1e9 rad/s^3");
       require(jerk[i] * T(1000) >= limits.acceleration()[i], "jerk limit", static_cast<double>(jerk[i]),
               ">= acceleration limit / 1000 s");
+      // No state below the velocity limit gets further than this before it rests.
+      const T V = limits.velocity()[i], A = limits.acceleration()[i];
+      far_[i] = T(1.01) * (V * A / jerk[i] + detail::Stopping<T>(V, T(0), A, jerk[i]).reach().above);
     }
   }
 
@@ -62,7 +65,7 @@ class JerkLimits {
     SmoothMotion<N, T> out;
     for (std::size_t i = 0; i < N; ++i) {
       const Joint joint(limits_.velocity()[i], limits_.acceleration()[i], jerk_[i], room.above[i],
-                        room.below[i]);
+                        room.below[i], T(far_[i] + limits_.velocity()[i] * h));
       const T given = joint.within_acceleration(a0[i]);
       const auto start = joint.bearable(u0[i], given);
       if (start.a != given || !start.rests) [[unlikely]]
@@ -87,9 +90,18 @@ class JerkLimits {
   /// One joint, its limits and its room.
   struct Joint {
     T V, A, J, above, below, slack;
+    bool roomy;  ///< no end is near enough to matter in this step
 
-    Joint(const T& v, const T& a, const T& j, const T& up, const T& down) noexcept
-        : V(v), A(a), J(j), above(up > T(0) ? up : T(0)), below(down > T(0) ? down : T(0)), slack(0) {
+    Joint(const T& v, const T& a, const T& j, const T& up, const T& down, const T& far) noexcept
+        : V(v),
+          A(a),
+          J(j),
+          above(up > T(0) ? up : T(0)),
+          below(down > T(0) ? down : T(0)),
+          slack(0),
+          roomy(up > far && down > far) {
+      if (roomy) [[likely]]
+        return;
       const T both = up + down;
       slack = T(16) * eps() * (both <= std::numeric_limits<T>::max() ? both : T(V * V / A + V * A / J));
     }
@@ -103,6 +115,8 @@ class JerkLimits {
     }
     /// Whether a step may end like this: the same with something to spare, and below the velocity limit.
     [[nodiscard]] bool may_end(const Moved& m) const noexcept {
+      if (roomy) [[likely]]
+        return slow_enough(m);
       const T j = J * braking_share<T>;
       const auto reach = detail::Stopping<T>(m.u, m.a, T(A * braking_share<T>), j).reach();
       return reach.above <= above - m.s && reach.below <= below + m.s && slow_enough(m);
@@ -133,6 +147,8 @@ class JerkLimits {
     /// `a` itself nearly always.
     [[nodiscard]] Bearable bearable(const T& u, T a) const noexcept {
       using std::sqrt;
+      if (roomy && slow_enough({T(0), u, a})) [[likely]]
+        return {a, true};
       const T j = T(2) * J, more = V * (T(1) + T(256) * eps());
       const T up = more > u ? T(sqrt(j * (more - u))) : T(0),
               down = more > -u ? T(sqrt(j * (more + u))) : T(0);
@@ -168,11 +184,12 @@ class JerkLimits {
       const T slope = (a1 - a) / h;
       Moved m = Moved{T(0), u, a}.after(h, slope);
       m.a = a1;
-      if (!may_end(m) || !stays_inside(u, a, slope, h)) [[unlikely]] {
+      if (!may_end(m) || (!roomy && !stays_inside(u, a, slope, h))) [[unlikely]] {
         status |= slow_enough(m) ? Reason::position_limited : Reason::velocity_limited;
         const Moved brake = detail::Stopping<T>(u, a, A, J).after(h);
         Moved kept = brake;
-        if (stays_inside(u, a, slope, h)) {  // as much of the step as may be: both parts keep all limits
+        if (roomy ||
+            stays_inside(u, a, slope, h)) {  // as much of the step as may be: both parts keep all limits
           T good = T(0), bad = T(1);
           for (int k = 0; k < 24; ++k) {
             const T part = T(0.5) * (good + bad);
@@ -206,6 +223,7 @@ class JerkLimits {
 
   JointLimits<N, T> limits_;
   JointJerk<N, T> jerk_;
+  JointPosition<N, T> far_;
 };
 
 SKINCTL_END_NAMESPACE

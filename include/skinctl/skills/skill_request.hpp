@@ -27,16 +27,16 @@ struct Goals<G, Rest...> {
 
   /// The part for goals of type `X`.
   template <class X>
-  constexpr auto& of() noexcept {
+  constexpr decltype(auto) of() noexcept {
     if constexpr (std::is_same_v<G, X>)
-      return *this;
+      return (*this);
     else
       return rest.template of<X>();
   }
   template <class X>
-  constexpr const auto& of() const noexcept {
+  constexpr decltype(auto) of() const noexcept {
     if constexpr (std::is_same_v<G, X>)
-      return *this;
+      return (*this);
     else
       return rest.template of<X>();
   }

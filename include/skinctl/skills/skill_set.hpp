@@ -305,7 +305,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept {
     auto there = m;
     there.elapsed = clock_end;
-    const auto from = look(m, known), to = look(there, known);
+    const auto from = run(m, known, known.dt(), Opposition::none);
+    const auto to = run(there, known, known.dt(), Opposition::none);
     double way = 0, push = 0;
     for (std::size_t j = 0; j < K::joints; ++j) {
       double pushed = 0;
@@ -324,9 +325,12 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
            : asked > settings_.hand_over ? asked
                                          : settings_.hand_over;
   }
+  // One function for the loop and for what is asked of it aside: it is the largest part of the code.
   template <class K>
-  [[nodiscard]] SKINCTL_COLD auto look(const typename Blend::Memory& m, const K& known) const noexcept {
-    return blend_.evaluate(m, known, known.dt());
+  [[nodiscard]] SKINCTL_NOINLINE auto run(const typename Blend::Memory& m, const K& known,
+                                          const typename K::scalar& dt,
+                                          Opposition opposition) const noexcept {
+    return blend_.evaluate(m, known, dt, opposition);
   }
 
   /// The controllers that have come get their goals.
@@ -349,7 +353,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       m = change.memory;
       out.status |= change.status;
     }
-    const auto e = blend_.evaluate(m.blend, known, dt, given);
+    const auto e = run(m.blend, known, dt, given);
     m.blend = e.memory;
     out.torque = e.torque;
     out.shares = e.shares;

@@ -1,0 +1,229 @@
+// What the observer of the resolver does: after a jump of the real robot, under noise of its encoders, under
+// jitter of its cycles. A UR5 that follows its commands after a delay.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <deque>
+#include <memory>
+#include <optional>
+
+#include "tests/support/robot_table.hpp"
+#include "tests/support/scene.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+
+/// Joints that take positions or velocities after a delay, exactly, and can be pushed aside.
+template <Interface I>
+struct Joints {
+  Nanoseconds delay;
+  State<6> state{};
+  std::deque<std::pair<Nanoseconds, JointCommand<6>>> under_way{};
+  JointCommand<6> taken{};
+  std::optional<double> held{};  ///< where somebody holds joint 1
+
+  const State<6>& run_to(Nanoseconds now) {
+    while (state.time < now) {
+      state.time += 250_us;
+      const auto before = state.q;
+      while (!under_way.empty() && under_way.front().first <= state.time) {
+        taken = under_way.front().second;
+        taken.valid = true;
+        under_way.pop_front();
+      }
+      if (!taken.valid) continue;
+      for (std::size_t i = 0; i < 6; ++i) {
+        if (i == 1 && held) {
+          state.q[i] = *held;
+        } else if constexpr (I == Interface::velocity) {
+          state.q[i] += 250e-6 * taken.velocity[i];
+        } else {  // between two commands it moves evenly
+          const Nanoseconds next = under_way.empty() ? state.time : under_way.front().first;
+          const auto& to = under_way.empty() ? taken : under_way.front().second;
+          const double steps = std::max(1.0, 1e-9 * static_cast<double>(next - state.time + 250_us) / 250e-6);
+          state.q[i] += (to.position[i] - state.q[i]) / steps;
+        }
+        state.dq[i] = (state.q[i] - before[i]) / 250e-6;
+      }
+    }
+    return state;
+  }
+  void take(Nanoseconds now, const JointCommand<6>& c) { under_way.push_back({now + delay, c}); }
+};
+
+struct Disturbed {
+  double jump = 0;              ///< of joint 1 at 1 s [rad]; positions: held there until 3 s
+  double noise = 0;             ///< of the encoders, standard deviation [rad]
+  Nanoseconds late = 0;         ///< a cycle comes up to this much earlier or later
+  Nanoseconds wrong_stamp = 0;  ///< a stamp is up to this much off
+  bool moves = false;           ///< to a goal, and is pushed on the way
+  double dead_band = 0.01;
+};
+struct Path {
+  std::vector<JointPosition<6>> command, real;
+  std::vector<JointVelocity<6>> rate;
+  std::vector<double> time;
+};
+
+template <Interface I>
+Path run(const SceneSettings& s, const Disturbed& d, double duration) {
+  auto c = resolver_configuration<I, double>(s);
+  c.dead_band = JointPosition<6>::constant(d.dead_band);
+  JointControlSettings<6> settings;
+  settings.dt = 0.002;
+  settings.lambda = s.lambda;
+  settings.K_c = s.K_c;
+  settings.tb = 2;
+  settings.shape = c.shape;
+  SkinSettings skin;
+  skin.max_age = 10_s;
+  const auto law = SplineJoint<6>(settings) + SkinJointControl{} + GravityControl{};
+  const auto scene = Cycle(Resolver<I, ur5::Model>(ur5::Model{}, c), law, ur5_skin<260>({.force = 40}, skin),
+                           Guard<I, 6>({.limits = c.limits, .period = s.period}));
+  using Scene = std::remove_cvref_t<decltype(scene)>;
+  const auto memory = std::make_unique<typename Scene::Memory>();
+  oracle::Random random(3);
+  const auto normal = [&] {
+    double sum = 0;
+    for (int k = 0; k < 12; ++k) sum += random.uniform(-0.5, 0.5);
+    return sum;
+  };
+  Joints<I> robot{s.delay};
+  robot.state.q = home_position();
+  scene.start(*memory, robot.state);
+  Path path;
+  bool jumped = false;
+  for (int k = 1; k * s.period <= nanoseconds(duration); ++k) {
+    const auto shift = [&](Nanoseconds most) {
+      return most == 0 ? 0 : static_cast<Nanoseconds>(random.uniform(-1, 1) * static_cast<double>(most));
+    };
+    const Nanoseconds now =
+        k * s.period + std::clamp<Nanoseconds>(shift(d.late), -s.period / 2, s.period / 2);
+    if (now > 1_s && !jumped && d.jump != 0) {
+      robot.state.q[1] += d.jump, jumped = true;
+      // Who takes positions goes back by itself unless it is held.
+      if (I == Interface::position) robot.held = robot.state.q[1];
+    }
+    if (now > 3_s) robot.held.reset();
+    typename Scene::Input input;
+    input.now = now;
+    input.measured = robot.run_to(now);
+    input.measured.time = now + shift(d.wrong_stamp);
+    for (double& q : input.measured.q) q += d.noise * normal();
+    if (d.moves && k == 2) {
+      input.has_goal = true;
+      input.goal.q_g = home_position();
+      for (double& q : input.goal.q_g) q += 0.8;
+      input.goal.duration = 2_s;
+    }
+    const double t = 1e-9 * static_cast<double>(now);
+    const auto f = static_cast<float>(d.moves && t > 1 && t < 1.5 ? 0.1 : 0);
+    const CellSample touch{.time = now - 1_ms, .cell = 60, .force = {f, f, f}};
+    input.samples = std::span(&touch, 1);
+    const auto out = scene.step(*memory, input);
+    robot.take(now, out.command);
+    path.command.push_back(out.command.position);
+    path.rate.push_back(out.command.velocity);
+    path.real.push_back(robot.state.q);
+    path.time.push_back(t);
+  }
+  return path;
+}
+
+template <Interface I>
+void jumps(const char* name, const SceneSettings& s) {
+  for (const double jump : {0.03, 0.1}) {
+    const auto p = run<I>(s, {.jump = jump}, 12);
+    // How far the virtual robot is from the real one, beyond the dead band.
+    double near = 0, fastest = 0, most = 0, end = 0, swing = 0;
+    for (std::size_t k = 0; k < p.time.size(); ++k) {
+      const double t = p.time[k] - 1, e = p.real[k][1] - p.command[k][1];
+      if (t <= 0) continue;
+      if (near == 0 && std::abs(e) <= 0.0105) near = t;  // by position it tries again after 1 s of waiting
+      fastest = std::max(fastest, std::abs(p.rate[k][1]));
+      if (k > 0)
+        most = std::max(most, std::abs(p.rate[k][1] - p.rate[k - 1][1]) / (p.time[k] - p.time[k - 1]));
+      swing = std::max(swing, -e);
+      end = e;
+    }
+    std::printf("%-9s %5.0f ms %6.0f ms %9.2f %13.0f ms %13.4f %12.3f %12.2f %12.5f\n", name,
+                1e-6 * double(s.period), 1e-6 * double(s.delay), jump, 1e3 * near, swing, fastest, most, end);
+  }
+}
+
+double difference(const Path& a, const Path& b) {
+  double worst = 0;
+  for (std::size_t k = 0; k < a.command.size() && k < b.command.size(); ++k)
+    for (std::size_t i = 0; i < 6; ++i) worst = std::max(worst, std::abs(a.command[k][i] - b.command[k][i]));
+  return worst;
+}
+double rms(const Path& p, const Path& clean) {
+  double sum = 0;
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < p.rate.size() && k < clean.rate.size(); ++k)
+    for (std::size_t i = 0; i < 6; ++i, ++n) sum += std::pow(p.rate[k][i] - clean.rate[k][i], 2);
+  return std::sqrt(sum / static_cast<double>(n));
+}
+
+template <Interface I>
+void noises(const char* name, const SceneSettings& s) {
+  for (const bool moves : {false, true})
+    for (const double band : {0.01, 4e-4}) {
+      if (moves && band < 0.01)
+        continue;  // less than v_max times what is uncertain of the delay: refused by the rule
+      const auto clean = run<I>(s, {.moves = moves, .dead_band = band}, 4);
+      const auto noisy = run<I>(s, {.noise = 1e-4, .moves = moves, .dead_band = band}, 4);
+      std::printf("%-9s %5.0f ms %6.0f ms %-7s %10.4f %16.2e %16.2e\n", name, 1e-6 * double(s.period),
+                  1e-6 * double(s.delay), moves ? "moves" : "rests", band, difference(noisy, clean),
+                  rms(noisy, clean));
+    }
+}
+
+template <Interface I>
+void jitters(const char* name, const SceneSettings& s) {
+  const auto clean = run<I>(s, {.moves = true}, 4);
+  const auto end = [&](const Path& p) {
+    double worst = 0;
+    for (std::size_t i = 0; i < 6; ++i)
+      worst = std::max(worst, std::abs(p.command.back()[i] - clean.command.back()[i]));
+    return worst;
+  };
+  const auto late = run<I>(s, {.late = 1_ms, .moves = true}, 4);
+  const auto wrong = run<I>(s, {.wrong_stamp = 1_ms, .moves = true}, 4);
+  std::printf("%-9s %5.0f ms %6.0f ms %18.2e %18.2e %18.2e\n", name, 1e-6 * double(s.period),
+              1e-6 * double(s.delay), end(late), difference(wrong, clean), end(wrong));
+}
+
+template <class F>
+void each(F&& f) {
+  for (const auto& [period, delay] : {std::pair{8_ms, 8_ms}, {8_ms, 24_ms}, {2_ms, 8_ms}, {2_ms, 24_ms}}) {
+    SceneSettings s;
+    s.period = period;
+    s.delay = delay;
+    f(s);
+  }
+}
+
+}  // namespace
+
+int main() {
+  std::printf(
+      "Joint 1 of the real robot jumps, at rest (dead band 0.01 rad; by position: it is held there for 2 "
+      "s)\n%-9s %8s %9s %9s %16s %13s %12s %12s "
+      "%12s\n",
+      "interface", "period", "delay", "jump/rad", "in the dead band", "past it/rad", "top rad/s",
+      "top rad/s^2", "12 s later");
+  each([](const SceneSettings& s) { jumps<Interface::velocity>("velocity", s); });
+  each([](const SceneSettings& s) { jumps<Interface::position>("position", s); });
+  std::printf("\nNoise of 1e-4 rad at the encoders, 4 s\n%-9s %8s %9s %-7s %10s %16s %16s\n", "interface",
+              "period", "delay", "arm", "dead band", "most off/rad", "rms off/(rad/s)");
+  each([](const SceneSettings& s) { noises<Interface::velocity>("velocity", s); });
+  each([](const SceneSettings& s) { noises<Interface::position>("position", s); });
+  std::printf(
+      "\nJitter of 1 ms: a motion of 0.8 rad in 2 s, pushed on its way\n%-9s %8s %9s %18s %18s %18s\n",
+      "interface", "period", "delay", "cycles: end/rad", "stamps: most/rad", "stamps: end/rad");
+  each([](const SceneSettings& s) { jitters<Interface::velocity>("velocity", s); });
+  each([](const SceneSettings& s) { jitters<Interface::position>("position", s); });
+}

@@ -1,0 +1,165 @@
+// A tool is led straight through the singularities of a UR5: `singularities [sweeps] [rate]`, 1000 at 500 Hz.
+//
+// A sweep: from a random pose near a singular one (wrist, elbow, shoulder in turn) in a straight line and one
+// turn through it and as far again beyond, at up to 0.25 m/s and 1 rad/s; then named ones: tool straight down
+// and up, ZYZ angles through theta = 0 and pi. A plant with exactly the model's parameters. Printed per kind:
+//   fastest   of any joint [rad/s], limit 3.0      deviation  of the tool from its line, worst and mean [m]
+//   arrived   within 1 mm and 5 mrad               edge       not arrived: the line leaves the workspace
+//                                                  (what is asked points where v of J v = 0 cannot lead)
+//   slow      the tool went at less than a tenth of what was asked for longer than 1 s, the direction out of
+//             the workspace left aside: while the arm turns round, or because it sticks
+//   late      neither arrived nor at the edge 4 s after the end of the spline, but on its way
+//   stuck     neither, and slow at the end of these 4 s
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "skinctl/control/spline_operational.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "tests/control/plant.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+using Pose = Transform<Base, Flange>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+const ur5::Model model;
+const NoTouch none;
+const auto X_LF = Transform<Link<5>, Flange>::translation_xyz(0, 0, ur5::Description::d6);
+
+Pose pose(const JointPosition<6>& q) {
+  return link_poses(model, q).get<5>() * X_LF;
+}
+/// Horizontal distance of the wrist's centre from the first axis, along the arm.
+double reach(double q1, double q2, double q3) {
+  using D = ur5::Description;
+  return D::a2 * std::cos(q1) + D::a3 * std::cos(q1 + q2) + D::d5 * std::sin(q1 + q2 + q3);
+}
+/// Puts the wrist's centre above the first axis; false if this arm cannot.
+bool over_the_shoulder(JointPosition<6>& q) {
+  for (double a = -3; a < 0; a += 0.05) {
+    if (reach(a, q[2], q[3]) * reach(a + 0.05, q[2], q[3]) > 0) continue;
+    double low = a, high = a + 0.05;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (low + high);
+      (reach(low, q[2], q[3]) * reach(middle, q[2], q[3]) <= 0 ? high : low) = middle;
+    }
+    q[1] = low;
+    return true;
+  }
+  return false;
+}
+
+struct Row {
+  const char* name;
+  int sweeps = 0, arrived = 0, edge = 0, slow = 0, late = 0, stuck = 0;
+  double fastest = 0, worst = 0, sum = 0;
+
+  void print() const {
+    std::printf("%-22s %6d %8.2f %9.3f %9.3f %8d %6d %6d %6d %6d\n", name, sweeps, fastest, worst,
+                sum / std::max(1, sweeps), arrived, edge, slow, late, stuck);
+  }
+};
+
+template <class Orientation>
+void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate) {
+  using Space = OperationalSpace<6, 5, Flange, double, Task::pose, Orientation>;
+  using L = SplineOperational<6, 5, Flange, double, Task::pose, Orientation>;
+  using K = Quantities<ur5::Model, L::needs>;
+  const double dt = 1 / rate;
+  OperationalSettings<6> s{.tracking = {.dt = dt, .tb = 0}};
+  s.tracking.max_velocity = JointVelocity<6>::constant(3);
+  s.max_linear_velocity = 0.25;
+  s.max_angular_velocity = 1;
+  const L law(Space(X_LF, s), s);
+  State<6> x{0, from, {}};
+  auto memory = law.start(K(model, x, dt, none));
+  memory = law.receive(memory, K(model, x, dt, none), {goal, 0}).memory;
+  const double tf = Space::shortest_time(pose(from), {goal, 0}, s);
+  double deviation = 0, left = 0, turned = 0, below = 0, longest = 0;
+  bool outward = false;
+  for (int i = 0; i < static_cast<int>((tf + 4) * rate); ++i) {
+    const K known(model, x, dt, none);
+    const auto site = law.space().site(known);
+    const auto target = memory.plan.at(0, s);
+    const auto d = site.X_BP.origin() - target.X_BP.origin();
+    const auto phi = log_so3(site.X_BP.axes() * target.X_BP.axes().transpose());
+    left = std::sqrt(dot(d, d)), turned = std::sqrt(dot(phi, phi));
+    deviation = std::max(deviation, left);
+    const auto now = law.now(memory, known);
+    Vector6 asked;
+    for (int j = 0; j < 6; ++j) asked[j] = now.dx_r[static_cast<std::size_t>(j)];
+    const auto least = singular_direction(site.jacobian, JointVelocity<6>{});
+    const double c = as_eigen(least.u).dot(asked);
+    outward = c * least.bend < 0 && least.sigma < 0.05;
+    if (outward) asked -= c * as_eigen(least.u);
+    Vector6 V = as_eigen(site.V);
+    if constexpr (std::same_as<Orientation, ZyzError>)
+      asked.tail<3>().setZero(), V.tail<3>().setZero();  // no omega
+    const bool slow = asked.norm() > 0.02 && V.dot(asked) < 0.1 * asked.squaredNorm();
+    below = slow ? below + dt : 0;
+    longest = std::max(longest, below);
+    const auto out = evaluate(law, memory, known, dt);
+    memory = out.memory;
+    x = simulate(model, x, out.torque, dt, 1);
+    for (const double v : x.dq) row.fastest = std::max(row.fastest, std::abs(v));
+  }
+  const bool arrived = left < 1e-3 && turned < 5e-3;
+  ++row.sweeps;
+  row.arrived += arrived;
+  row.edge += !arrived && outward;
+  row.late += !arrived && !outward && !(below > 1);
+  row.stuck += !arrived && !outward && below > 1;
+  row.slow += longest > 1;
+  row.worst = std::max(row.worst, deviation);
+  row.sum += deviation;
+}
+/// From the pose of `from` through that of `through`, `beyond` times as far.
+Pose through(const JointPosition<6>& from, const JointPosition<6>& by, double beyond) {
+  const auto X0 = pose(from), X1 = pose(by);
+  return {exp_so3(Xyz<double>(beyond * log_so3(X1.axes() * X0.axes().transpose()))) * X0.axes(),
+          X0.origin() + beyond * (X1.origin() - X0.origin())};
+}
+}  // namespace
+
+int main(int count, char** arguments) {
+  const int sweeps = count > 1 ? std::atoi(arguments[1]) : 1000;
+  const double rate = count > 2 ? std::atof(arguments[2]) : 500;
+  Seeded rng(5);
+  Row rows[3] = {{"wrist"}, {"elbow"}, {"shoulder"}};
+  for (int k = 0; k < sweeps; ++k) {
+    JointPosition<6> q{rng.between(-3, 3), rng.between(-2.5, -0.5), rng.between(0.5, 2.3),
+                       rng.between(-2, 1), rng.between(0.5, 2.5),   rng.between(-3, 3)};
+    if (k % 3 == 0) q[4] = 0;
+    if (k % 3 == 1) q[2] = 0;
+    if (k % 3 == 2 && !over_the_shoulder(q)) continue;
+    auto from = q;
+    for (double& a : from) a += rng.between(-0.35, 0.35);
+    sweep<RotationVectorError>(rows[k % 3], from, through(from, q, 1.6), rate);
+  }
+  std::printf("%-22s %6s %8s %9s %9s %8s %6s %6s %6s %6s\n", "", "sweeps", "fastest", "deviation", "mean",
+              "arrived", "edge", "slow", "late", "stuck");
+  for (const auto& row : rows) row.print();
+
+  // Tool straight down, straight up, and through both: ZYZ theta = pi and 0.
+  const JointPosition<6> down{0, -1.4, 1.9, -2.0708, -1.5708, 0}, up{0, -1.4, 1.9, 1.0708, -1.5708, 0};
+  Row named[4] = {{"tool down, SO(3)"}, {"tool down, ZYZ"}, {"tool up, SO(3)"}, {"tool up, ZYZ"}};
+  for (int k = 0; k < 20; ++k) {
+    for (int which = 0; which < 2; ++which) {
+      const auto& home = which == 0 ? down : up;
+      auto from = home;
+      for (double& a : from) a += 0.25 * rng();
+      Pose goal = through(from, home, 2.0);
+      if (k % 2 == 0) {  // straight down (up) all the way
+        from = home;
+        goal = {pose(home).axes(), pose(home).origin() + Xyz<double>{0.1 * rng(), 0.15 * rng(), 0.1 * rng()}};
+      }
+      sweep<RotationVectorError>(named[2 * which], from, goal, rate);
+      sweep<ZyzError>(named[2 * which + 1], from, goal, rate);
+    }
+  }
+  for (const auto& row : named) row.print();
+}

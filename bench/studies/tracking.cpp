@@ -1,0 +1,211 @@
+// How well a joint law tracks on a UR5: the time base against its closed form, wrong inertial parameters and
+// a cycle of delay against computed-torque PD, and the ways to take a sign. `tracking`; a few seconds.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "skinctl/control/adaptation.hpp"
+#include "skinctl/control/joint_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "tests/control/plant.hpp"
+
+using namespace skinctl;
+using namespace skinctl::test;
+
+namespace {
+using Arm = ur5::Model;
+using Plant = CalibratedModel<ur5::Description>;
+using K = Quantities<Arm, Needs{}>;
+const Arm model;
+const NoTouch none;
+const JointPosition<6> home{0.3, -1.2, 1.4, -1.8, -1.4, 0.3};
+
+/// The arm with all masses and moments of inertia `factor` times what the model says.
+Plant wrong(double factor) {
+  const auto right = calibrated_from<ur5::Description, double>();
+  Plant::Links links{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    links[i] = right.link(i);
+    for (const auto p : {Parameter::mass, Parameter::s_xx, Parameter::s_yy, Parameter::s_zz, Parameter::s_xy,
+                         Parameter::s_xz, Parameter::s_yz})
+      links[i][p] *= factor;
+  }
+  return Plant(links);
+}
+
+/// e(tb) / e(0) of the first joint's error, weight 1, from rest.
+void time_base() {
+  std::printf("error at tb over the closed form, x0 = 0.9 dq_max tb / 1.886 (at most 2 rad)\n%8s", "tb [s]");
+  for (const double rate : {125.0, 500.0, 1000.0}) std::printf("%10g Hz", rate);
+  std::printf("\n");
+  for (const double tb : {0.25, 0.5, 1.0, 2.0, 5.0, 10.0}) {
+    std::printf("%8g", tb);
+    for (const double rate : {125.0, 500.0, 1000.0}) {
+      const double dt = 1 / rate, x0 = std::min(2.0, 0.9 * tb / 1.886);
+      JointControlSettings<6> s{.dt = dt, .K_i1 = 0, .K_i2 = 0, .tb = tb};
+      const double peak = GainSchedule<double>(s.K_c, s.base, s.settle).largest(tb);
+      s.lambda = 0.49 / dt - peak;
+      if (s.lambda < 5) {
+        std::printf("%13s", "refused");
+        continue;
+      }
+      s.lambda = std::min(s.lambda, 0.25 / dt);
+      const JointControl<6> law(s);
+      State<6> x{0, home, {}};
+      auto memory = law.start(K(model, x, dt, none));
+      auto goal = home;
+      goal[0] += x0;
+      memory = law.receive(memory, K(model, x, dt, none), {goal, {}, {}}).memory;
+      memory.bias.elapsed = clock_end;  // S(t0) = 0: no hand-over
+      for (int i = 0; i < static_cast<int>(std::lround(tb * rate)); ++i) {
+        const auto out = evaluate(law, memory, K(model, x, dt, none), dt);
+        memory = out.memory;
+        x = simulate(model, x, out.torque, dt, 2);
+      }
+      const TimeBase<double> base;
+      const double t_p = base.peak_time(), delta = 0.01, eps = 0.05;
+      const double closed = std::pow((quintic(t_p).rest + delta) / (1 + delta), 1 + eps) *
+                            std::exp(-base.peak_gain() * (1 - t_p));
+      std::printf("%13.4f", (goal[0] - x.q[0]) / x0 / closed);
+    }
+    std::printf("\n");
+  }
+}
+
+struct Errors {
+  double rms = 0, largest = 0;
+};
+/// Six joints go to and fro along quintics of 1.5 s, 8 s in all, the last half counts. `torque(x, t,
+/// target)`.
+template <class Torque>
+Errors follow(const Plant& plant, double dt, int delay, Torque torque) {
+  State<6> x{0, home, {}};
+  std::vector<JointTorque<6>> pending(static_cast<std::size_t>(delay), gravity_torque(model, home));
+  Errors e;
+  int n = 0;
+  const int steps = static_cast<int>(std::lround(9 / dt));
+  for (int i = 0; i < steps; ++i) {
+    const double t = i * dt;
+    const int leg = static_cast<int>(t / 1.5);
+    JointSpline<6> spline{home, home, 1.5};
+    for (std::size_t j = 0; j < 6; ++j)
+      (leg % 2 == 0 ? spline.q_g : spline.q_i)[j] += j % 2 == 0 ? 0.5 : -0.4;
+    const auto target = spline.at(t - 1.5 * leg);
+    if (i > steps / 2)
+      for (std::size_t j = 0; j < 6; ++j) {
+        const double d = x.q[j] - target.q_d[j];
+        e.rms += d * d, ++n;
+        e.largest = std::max(e.largest, std::abs(d));
+      }
+    pending.push_back(torque(x, target));
+    x = simulate(plant, x, pending.front(), dt, 2);
+    pending.erase(pending.begin());
+  }
+  e.rms = std::sqrt(e.rms / n);
+  return e;
+}
+template <class L>
+Errors with_law(const Plant& plant, double dt, int delay, const L& law) {
+  State<6> x0{0, home, {}};
+  auto memory = law.start(K(model, x0, dt, none));
+  return follow(plant, dt, delay, [&](const State<6>& x, const JointReference<6>& target) {
+    const K known(model, x, dt, none);
+    if constexpr (requires { memory.law.plan; }) {
+      memory.law.plan.target = target;
+      memory.law.plan.clock = {};
+    } else {
+      memory.plan.target = target;
+      memory.plan.clock = {};
+    }
+    const auto tau = law.torque(memory, known);
+    memory = law.advance(memory, known, dt, Opposition::none);
+    return tau;
+  });
+}
+
+void parameters() {
+  std::printf(
+      "\nlargest tracking error [mrad], all masses and moments wrong by ..., 500 Hz, lambda 60, K_c 10;\n"
+      "PD: computed torque with the same poles\n%-10s %-6s %12s %12s %12s %12s\n",
+      "wrong by", "delay", "PD", "no integral", "law", "adaptive");
+  const double dt = 0.002;
+  JointControlSettings<6> s{.dt = dt, .lambda = 60, .tb = 0};
+  auto bare = s;
+  bare.K_i1 = bare.K_i2 = 0;
+  for (const double part : {0.0, 0.01, 0.1, 0.3})
+    for (const int delay : {0, 1}) {
+      const auto plant = wrong(1 + part);
+      const auto pd = follow(plant, dt, delay, [&](const State<6>& x, const JointReference<6>& target) {
+        JointAcceleration<6> a;
+        for (std::size_t j = 0; j < 6; ++j)
+          a[j] =
+              target.ddq_d[j] - (60 + 10) * (x.dq[j] - target.dq_d[j]) - 60 * 10 * (x.q[j] - target.q_d[j]);
+        return mass_matrix(model, x.q) * a + bias_torque(model, JointAngles<Arm, double>(model, x.q), x.dq);
+      });
+      const auto plain = with_law(plant, dt, delay, JointControl<6>(bare));
+      const auto law = with_law(plant, dt, delay, JointControl<6>(s));
+      const auto adaptive = with_law(
+          plant, dt, delay, Adaptive<JointControl<6>>(JointControl<6>(s), {10, deviations(model, 0.5)}));
+      std::printf("%8g %% %-6d %12.4f %12.4f %12.4f %12.4f\n", 100 * part, delay, 1e3 * pd.largest,
+                  1e3 * plain.largest, 1e3 * law.largest, 1e3 * adaptive.largest);
+    }
+}
+
+template <class Sign>
+void sign_row(const char* name) {
+  for (const double rate : {125.0, 500.0, 1000.0}) {
+    const double dt = 1 / rate;
+    const JointControl<6, double, InertialDamping<double>, Sign> law(
+        {.dt = dt, .K_i1 = 1, .K_i2 = 0.2, .mu = 20, .tb = 0, .K_c = 8});
+    const auto plant = wrong(1.1);
+    JointTorque<6> last, before;
+    double rough = 0, size = 0;
+    State<6> x0{0, home, {}};
+    auto memory = law.start(K(model, x0, dt, none));
+    int n = 0;
+    const auto e = follow(plant, dt, 1, [&](const State<6>& x, const JointReference<6>& target) {
+      const K known(model, x, dt, none);
+      memory.plan.target = target;
+      memory.plan.clock = {};
+      const auto tau = law.torque(memory, known);
+      memory = law.advance(memory, known, dt, Opposition::none);
+      if (++n > 4 * static_cast<int>(rate))
+        for (std::size_t j = 0; j < 6; ++j) {
+          rough += std::abs(tau[j] - 2 * last[j] + before[j]);
+          size += std::abs(tau[j] - last[j]);
+        }
+      before = last, last = tau;
+      return tau;
+    });
+    // The cost: evaluations of the law on its own.
+    const State<6> x{0, home, JointVelocity<6>::constant(0.1)};
+    const auto start = std::chrono::steady_clock::now();
+    double sum = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const auto out = evaluate(law, memory, K(model, x, dt, none), dt);
+      memory = out.memory;
+      sum += out.torque[0];
+    }
+    const double ns =
+        std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / 20000;
+    std::printf("%-16s %6g Hz %14.4f %12.4f %12.4f %8.0f%s\n", name, rate, rough / size, 1e3 * e.rms,
+                1e3 * e.largest, ns, sum == 0.5 ? "!" : "");
+  }
+}
+}  // namespace
+
+int main() {
+  time_base();
+  parameters();
+  std::printf(
+      "\nsigns, masses 10 %% wrong and a cycle of delay; chattering: changes of the torque's slope over\n"
+      "changes of the torque\n%-16s %9s %14s %12s %12s %8s\n",
+      "", "rate", "chattering", "rms [mrad]", "max [mrad]", "ns");
+  sign_row<TanhSign>("tanh");
+  sign_row<SaturationSign>("saturation");
+  sign_row<ImplicitSign>("implicit");
+  sign_row<SuperTwistingSign>("super-twisting");
+}

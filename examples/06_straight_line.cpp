@@ -1,0 +1,49 @@
+// 06 A straight line: a tool goes to a pose and on the way turns, straight through a wrist singularity.
+//
+//   reach       Spline Operational Control, eqs. (15)-(22), of the tool on link 5   X_BG   where it goes
+//   slowed      next to the singularity the joints reach their speed limit and the tool waits for them
+#include <cmath>
+#include <cstdio>
+
+#include "skinctl/control/spline_operational.hpp"
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/dynamics/forward_dynamics.hpp"
+#include "skinctl/model/ur5.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const ur5::Model robot;
+  const double h = 0.002;
+  OperationalSettings<6> settings{.tracking = {.dt = h, .tb = 0}};
+  settings.tracking.max_velocity = JointVelocity<6>::constant(2.5);
+  const auto X_LT = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.15);
+  const SplineOperational<6, 5> reach(OperationalSpace<6, 5>(X_LT, settings), settings);
+  using Known = Quantities<ur5::Model, SplineOperational<6, 5>::needs>;
+  const NoTouch touch;
+
+  // The goal is the pose of joints whose wrist is stretched: q4 = 0, and J has no inverse there.
+  State<6> state{0, {0.5, -1.4, 1.2, -1.7, 0.4, 0.1}, {}};
+  const auto X_BG = link_poses(robot, JointPosition<6>{0.3, -1.2, 1.4, -1.8, 0.0, 0.3}).get<5>() * X_LT;
+  auto memory = reach.start(Known(robot, state, h, touch));
+  memory = reach.receive(memory, Known(robot, state, h, touch), {X_BG, 2_s}).memory;
+
+  std::printf("   t  distance [mm]   q4 [rad]  fastest joint [rad/s]\n");
+  double distance = 0;
+  for (int k = 0; k <= 2000; ++k) {
+    const Known known(robot, state, h, touch);
+    const auto d = (known.pose<5>() * X_LT).origin() - X_BG.origin();
+    distance = std::sqrt(dot(d, d));
+    double fastest = 0;
+    for (const double v : state.dq) fastest = std::fmax(fastest, std::abs(v));
+    const auto now = evaluate(reach, memory, known, h);
+    if (k % 125 == 0)
+      std::printf("%5.2f %10.2f %12.3f %10.2f%s\n", h * k, 1e3 * distance, state.q[4], fastest,
+                  now.status.has(Reason::slowed) ? "   slowed" : "");
+    const auto ddq = forward_dynamics(robot, state.q, state.dq, now.torque).acceleration;
+    state.dq = integrate(state.dq, ddq, h);
+    state.q = integrate(state.q, state.dq, h);
+    memory = now.memory;
+  }
+  return distance < 2e-3 ? 0 : 1;
+}

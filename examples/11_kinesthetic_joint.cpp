@@ -1,0 +1,24 @@
+// 11 Kinesthetic Joint (Fig. 7): an arm that is led by the hand, all joints giving way.
+//
+//   tau = tau_skin + G(q)   skin and gravity, nothing that pulls anywhere   F  force of a hand on the forearm
+//   [N] q   joint angles [rad]  drawn: the force, and how far the tool follows it and stays where it was left
+#include "support/arm.hpp"
+
+using namespace examples;
+
+int main(int argc, char** argv) {
+  Arm arm(SkinJointControl{} + GravityControl{});
+  std::printf("%s\n", describe(arm.law()).c_str());
+  Curve force{"force [N]", {}, {}}, way{"tool moved by [m]", {}, {}};
+  const auto cell = arm.cell<2>();
+  while (arm.time() < 4) {
+    const double F = arm.time() > 0.5 && arm.time() < 1.5 ? 8 : 0;
+    arm.push(cell.id, F);
+    arm.step();
+    force.add(arm.time(), F);
+    way.add(arm.time(), detail::length(Xyz<double>(arm.tool().origin() - tool_at(home).origin())));
+  }
+  std::printf("led by %.3f m\n", way.y.back());
+  return draw(argc, argv, "11_kinesthetic_joint.svg", "Kinesthetic Joint", {force, way}) ||
+         way.y.back() < 0.02;
+}

@@ -1,0 +1,27 @@
+// 12 Kinesthetic Cartesian (Fig. 7): the tool is led by the hand; what the joints do beside comes to rest.
+//
+//   tau = J' J^+' tau_skin - rate M (1 - J^+ J) dq + G(q)   the skin's load on the tool, as joint torques
+//   p, R   the tool's position [m] and axes   F  force of a hand on the wrist [N]
+#include "skinctl/control/skin_cartesian_control.hpp"
+#include "support/arm.hpp"
+
+using namespace examples;
+
+int main(int argc, char** argv) {
+  const SkinCartesianControl<5, Tool, double, Yields::both, DampedNullSpace> skin(tool_on_flange);
+  Arm arm(skin + GravityControl{});
+  Curve force{"force [N]", {}, {}}, way{"tool moved by [m]", {}, {}}, turn{"and turned by [rad]", {}, {}};
+  const auto cell = arm.cell<5>();
+  const auto start = arm.tool();
+  while (arm.time() < 4) {
+    const double F = arm.time() > 0.5 && arm.time() < 1.5 ? 6 : 0;
+    arm.push(cell.id, F);
+    arm.step();
+    force.add(arm.time(), F);
+    way.add(arm.time(), detail::length(Xyz<double>(arm.tool().origin() - start.origin())));
+    turn.add(arm.time(), detail::length(log_so3(arm.tool().axes() * start.axes().transpose())));
+  }
+  std::printf("moved by %.3f m, turned by %.3f rad\n", way.y.back(), turn.y.back());
+  return draw(argc, argv, "12_kinesthetic_cartesian.svg", "Kinesthetic Cartesian", {force, way, turn}) ||
+         way.y.back() < 0.02;
+}

@@ -1,0 +1,38 @@
+// 15 Reach Cartesian Compliant (Fig. 7): a tool follows a target on a circle, and gives way to touch.
+//
+//   X_BP, V   pose and velocity of the target   tau = operational control, eqs. (15)-(21), + tau_skin + G(q)
+//   F  force of a hand on the forearm [N]       drawn: height of target and tool, the force
+#include "skinctl/control/operational_control.hpp"
+#include "skinctl/skills/library.hpp"
+#include "support/arm.hpp"
+
+using namespace examples;
+
+int main(int argc, char** argv) {
+  const OperationalSettings<6> settings{.tracking = gains()};
+  const OperationalControl<6, 5> follow(OperationalSpace<6, 5>(tool_on_flange, settings), settings);
+  const auto set = skill_set<behaviour::ReachCartesian>(
+      figure_7, {}, as<controller::Gravity>(GravityControl{}), as<controller::SkinJoint>(SkinJointControl{}),
+      as<controller::Operational>(follow));
+  Arm arm(set);
+  Curve target{"height of the target [m]", {}, {}}, tool{"of the tool [m]", {}, {}},
+      force{"force [N]", {}, {}};
+  const auto cell = arm.cell<2>();
+  const auto start = arm.tool();
+  double away = 0;
+  for (int k = 0; arm.time() < 9; ++k) {
+    const double t = arm.time(), F = t > 4 && t < 5 ? 20 : 0, r = 0.06;
+    const Xyz<double> p = start.origin() + Xyz<double>{0, r * std::sin(t), r * (1 - std::cos(t))};
+    PoseReference<Tool> reference{{start.axes(), p}, {}, {}};
+    reference.V.linear = {0, r * std::cos(t), r * std::sin(t)};
+    if (k == 0) reference = {start, {}, {}};
+    if (k % 5 == 0) arm.ask(set.goal(reference));
+    arm.push(cell.id, F);
+    arm.step();
+    target.add(t, p.z), tool.add(t, arm.tool().origin().z), force.add(t, F);
+    if (t > 8) away = std::fmax(away, detail::length(Xyz<double>(arm.tool().origin() - p)));
+  }
+  std::printf("after the touch %.4f m from the target\n", away);
+  return draw(argc, argv, "15_reach_cartesian.svg", "Reach Cartesian Compliant", {target, tool, force}) ||
+         away > 0.02;
+}

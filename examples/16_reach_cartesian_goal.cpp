@@ -1,0 +1,31 @@
+// 16 Reach Cartesian Goal Compliant (Fig. 7): a tool goes to a pose in a straight line; its skin gives way.
+//
+//   X_g  pose of the goal, reached along the spline (22)   tau = spline operational + Cartesian skin + G(q)
+//   F  force of a hand on the wrist [N]                    drawn: distance to the goal, the force
+#include "skinctl/control/skin_cartesian_control.hpp"
+#include "skinctl/control/spline_operational.hpp"
+#include "support/arm.hpp"
+
+using namespace examples;
+
+int main(int argc, char** argv) {
+  const OperationalSettings<6> settings{.tracking = gains()};
+  const SplineOperational<6, 5> reach(OperationalSpace<6, 5>(tool_on_flange, settings), settings);
+  Arm arm(SkinCartesianControl<5>(tool_on_flange) + reach + GravityControl{});
+  Curve distance{"distance to the goal [m]", {}, {}}, force{"force [N]", {}, {}};
+  const auto cell = arm.cell<5>();
+  const auto start = arm.tool();
+  const Xyz<double> goal = start.origin() + Xyz<double>{-0.1, 0.15, 0.1};
+  arm.ask({{start.axes(), goal}, 3_s});
+  while (arm.time() < 9) {
+    const double F = arm.time() > 1.2 && arm.time() < 2.2 ? 20 : 0;
+    arm.push(cell.id, F);
+    arm.step();
+    distance.add(arm.time(), detail::length(Xyz<double>(arm.tool().origin() - goal))),
+        force.add(arm.time(), F);
+  }
+  std::printf("reached to %.5f m\n", distance.y.back());
+  return draw(argc, argv, "16_reach_cartesian_goal.svg", "Reach Cartesian Goal Compliant",
+              {distance, force}) ||
+         distance.y.back() > 0.005;
+}

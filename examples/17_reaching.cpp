@@ -1,0 +1,29 @@
+// 17 Reaching (section 6) = ReachCartGoal [SplineOpCtrl, SkinJointCtrl, GCtrl]: to an orange, gripper open.
+//
+//   X_o  pose of the orange     F  force of a hand on the forearm [N]
+//   drawn: distance to the orange, the force, and where the skill stands (0 loading, 1 running, 2 finished)
+#include "support/skills.hpp"
+
+using namespace examples;
+
+int main(int argc, char** argv) {
+  const auto set = packing_skills();
+  Arm arm(set);
+  std::printf("reaching = %s\n", describe(set.sum(), set.skill<behaviour::Reaching>().weights).c_str());
+  Curve distance{"distance [m]", {}, {}}, force{"force [N]", {}, {}}, phase{"phase", {}, {}};
+  const auto cell = arm.cell<2>();
+  const auto start = arm.tool();
+  const Xyz<double> orange = start.origin() + Xyz<double>{-0.05, 0.2, -0.1};
+  arm.ask(set.start_skill<behaviour::Reaching>(PoseGoal<Tool>{{start.axes(), orange}, 3_s}));
+  while (arm.time() < 9) {
+    const double F = arm.time() > 1.2 && arm.time() < 2.2 ? 20 : 0;
+    arm.push(cell.id, F);
+    arm.step();
+    distance.add(arm.time(), detail::length(Xyz<double>(arm.tool().origin() - orange)));
+    force.add(arm.time(), F), phase.add(arm.time(), static_cast<double>(arm.memory().law.phase));
+  }
+  const bool open = set.commanded(arm.memory().law) == opened();
+  std::printf("reached to %.5f m, gripper %s\n", distance.y.back(), open ? "open" : "closed");
+  return draw(argc, argv, "17_reaching.svg", "Reaching", {distance, force, phase}) ||
+         distance.y.back() > 0.005 || !open || arm.memory().law.phase != Phase::finished;
+}

@@ -1,0 +1,146 @@
+// What the examples 11 and on share: a UR5 with 260 cells of skin in a simulated world, and a plot of its
+// run.
+#pragma once
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/settings.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/describe.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
+
+namespace examples {
+using namespace skinctl;
+
+inline const JointPosition<6> home{0.0, -1.2, 1.4, -1.8, -1.57, 0.0};
+/// The flange, 0.1 m along the last axis.
+inline const auto tool_on_flange = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.1);
+inline constexpr double newtons_per_reading = 20;
+
+/// Where a tool is when the joints are at `q`.
+inline Transform<Base, Tool> tool_at(const JointPosition<6>& q) {
+  const ur5::Model robot;
+  return Poses<ur5::Model, all_links(6)>(robot, JointAngles<ur5::Model, double>(robot, q)).get<5>() *
+         tool_on_flange;
+}
+/// Gains for a law on this arm: its virtual robot has friction of 4 M [N m s/rad].
+inline JointControlSettings<6> gains() {
+  JointControlSettings<6> s;
+  s.shape.decay = 4;
+  return s;
+}
+
+/// The arm, commanded by position every 8 ms, which it follows one cycle late.
+template <class Law>
+class Arm {
+ public:
+  using Scene =
+      Cycle<Resolver<Interface::position, ur5::Model>, Law, Ur5Skin<260>, Guard<Interface::position, 6>>;
+  using Goal = typename Scene::Goal;
+
+  explicit Arm(const Law& law) : scene_(make(law)), memory_(std::make_unique<typename Scene::Memory>()) {
+    measured_.q = under_way_ = home;
+    scene_.start(*memory_, measured_);
+  }
+  /// The middle cell of a link.
+  template <std::size_t Link>
+  [[nodiscard]] static PlacedCell<Link> cell() {
+    const auto patches = ur5::skin_patches<260>();
+    const auto& patch = std::get<Link>(patches);
+    return patch.placed()[patch.placed().size() / 2];
+  }
+  /// From now on a force of so many newtons on a cell.
+  void push(std::uint32_t cell, double force) {
+    const auto f = static_cast<float>(force / (3 * newtons_per_reading));
+    sample_ = {.cell = cell, .force = {f, f, f}};
+  }
+  void ask(const Goal& goal) { input_.goal = goal, input_.has_goal = true; }
+  /// A cycle.
+  auto step() {
+    measured_.time += 8_ms;
+    measured_.dq =
+        JointVelocity<6>::generate([&](std::size_t i) { return (under_way_[i] - measured_.q[i]) / 0.008; });
+    measured_.q = under_way_;
+    input_.now = sample_.time = measured_.time;
+    input_.measured = measured_;
+    input_.samples = {&sample_, 1};
+    const auto out = scene_.step(*memory_, input_);
+    under_way_ = out.command.position;
+    input_.has_goal = false;
+    return out;
+  }
+  [[nodiscard]] double time() const { return seconds<double>(measured_.time); }
+  [[nodiscard]] const JointPosition<6>& q() const { return measured_.q; }
+  [[nodiscard]] Transform<Base, Tool> tool() const { return tool_at(measured_.q); }
+  [[nodiscard]] const typename Scene::Memory& memory() const { return *memory_; }
+  [[nodiscard]] const Law& law() const { return scene_.law(); }
+
+ private:
+  static Scene make(const Law& law) {
+    const auto limits = limits_of<ur5::Description>(15.0);
+    ResolverConfiguration<6> robot{.limits = limits, .period = 8_ms, .delay = 8_ms};
+    robot.shape.decay = 4;
+    SkinSettings skin;
+    skin.force = EventGate<>::dead_band(0.002);  // of readings without noise
+    return Scene(Resolver<Interface::position, ur5::Model>(ur5::Model{}, robot), law,
+                 ur5_skin<260>({.force = newtons_per_reading}, skin),
+                 Guard<Interface::position, 6>({.limits = limits, .period = 8_ms}));
+  }
+  Scene scene_;
+  std::unique_ptr<typename Scene::Memory> memory_;
+  State<6> measured_;
+  JointPosition<6> under_way_;
+  CellSample sample_{.cell = 1};
+  typename Scene::Input input_;
+};
+
+/// A curve over time.
+struct Curve {
+  std::string name;
+  std::vector<double> t, y;
+  void add(double time, double value) { t.push_back(time), y.push_back(value); }
+};
+
+/// Draws curves, each on its own scale from its least to its largest value, as an SVG file: at the path given
+/// on the command line, or `name` in the working directory. Returns 0, or 1 if the file cannot be written.
+inline int draw(int argc, char** argv, const std::string& name, const std::string& title,
+                const std::vector<Curve>& curves) {
+  const std::string path = argc > 1 ? argv[1] : name;
+  std::ofstream out(path);
+  const char* colors[] = {"#1f77b4", "#d62728", "#2ca02c", "#9467bd"};
+  const double width = 900, high = 150, left = 190;
+  out << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << " "
+      << 40 + high * double(curves.size())
+      << "\" font-family=\"sans-serif\" font-size=\"13\"><rect width=\"100%\" height=\"100%\" "
+         "fill=\"white\"/>"
+      << "<text x=\"12\" y=\"22\" font-size=\"16\">" << title << "</text>\n";
+  double top = 36;
+  for (std::size_t k = 0; k < curves.size(); ++k, top += high) {
+    const auto& c = curves[k];
+    double low = c.y.front(), up = low;
+    for (const double y : c.y) low = std::fmin(low, y), up = std::fmax(up, y);
+    const double span = up - low > 1e-9 ? up - low : 1;
+    out << "<text x=\"12\" y=\"" << top + 20 << "\">" << c.name << "</text><text x=\"12\" y=\"" << top + 40
+        << "\" fill=\"#666\">" << low << " to " << up << "</text><polyline fill=\"none\" stroke=\""
+        << colors[k % 4] << "\" points=\"";
+    for (std::size_t i = 0; i < c.t.size(); ++i)
+      out << left + (width - left - 20) * c.t[i] / c.t.back() << ","
+          << top + 10 + (high - 30) * (up - c.y[i]) / span << " ";
+    out << "\"/><text x=\"" << width - 60 << "\" y=\"" << top + high - 6 << "\" fill=\"#666\">" << c.t.back()
+        << " s</text>\n";
+  }
+  out << "</svg>\n";
+  std::printf("%s: %s\n", title.c_str(), path.c_str());
+  return out.flush() ? 0 : 1;
+}
+
+}  // namespace examples

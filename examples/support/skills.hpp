@@ -1,0 +1,24 @@
+// The controllers of the paper's section 6 for the arm of the examples, as a set of skills.
+#pragma once
+
+#include "arm.hpp"
+#include "skinctl/control/force_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/control/spline_operational.hpp"
+#include "skinctl/skills/library.hpp"
+
+namespace examples {
+
+/// Reaching, Putting, Squeezing => force control; `tool` is the frame that they move. It begins led by the
+/// hand.
+inline auto packing_skills(const Transform<Link<5>, Tool>& tool = tool_on_flange) {
+  const OperationalSettings<6> settings{.tracking = gains()};
+  const OperationalSpace<6, 5> space(tool, settings);
+  return skill_set<behaviour::KinestheticJoint>(
+      boost::hana::union_(figure_7, section_6), {}, as<controller::Gravity>(GravityControl{}),
+      as<controller::SkinJoint>(SkinJointControl{}), as<controller::SplineJoint>(SplineJoint<6>(gains())),
+      as<controller::SplineOperational>(SplineOperational<6, 5>(space, settings)),
+      as<controller::Force>(ForceControl<6, 5>(tool, {.pose = settings, .carried = 1})));
+}
+
+}  // namespace examples
