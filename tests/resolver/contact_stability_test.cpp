@@ -42,7 +42,9 @@ TEST_CASE("ContactStability: a frictionless robot rests in nothing, a row of zer
   CHECK(s.stiffest(pose, none) == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("ContactStability: contact damping of 1.5 k T is enough whatever the mass") {
+TEST_CASE(
+    "ContactStability: contact damping of 1.5 k T, a margin of 1.5 for a heavy mass and 2.4 for a light "
+    "one") {
   for (const double decay : {0.0, 1.0, 10.0})
     for (const double delay : {0.002, 0.04}) {
       const auto c = configuration(2_ms, delay, 0.005, decay);
@@ -54,6 +56,16 @@ TEST_CASE("ContactStability: contact damping of 1.5 k T is enough whatever the m
         CHECK(least <= contact_damping(k, s.total_delay()) * 2 / 1.5);
       }
     }
+}
+
+TEST_CASE("ContactStability: with friction of 1.5 k T a heavy virtual robot has a margin of 1.5") {
+  auto c = configuration(2_ms, 0.04, 0, 0);
+  c.shape.inertia = JointTorque<6>::constant(1e5);
+  const double row[6] = {0.5, 0, 0, 0, 0, 0}, T = 0.041;
+  c.shape.viscous = JointTorque<6>::constant(0.25 * contact_damping(100.0, T));
+  const ContactStability<ur5::Model> s(ur5::Model{}, c, {.stiffness = 100});
+  CHECK(s.total_delay() == doctest::Approx(T));
+  CHECK(s.margin(pose, row) == doctest::Approx(1.5).epsilon(0.02));
 }
 
 TEST_CASE("ContactStability: refuses what is too stiff, with the numbers") {

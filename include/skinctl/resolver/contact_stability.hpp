@@ -24,8 +24,9 @@ struct ContactEnvironment {
   }
 };
 
-/// Damping along a contact of stiffness `k` [N/m] that a loop of total delay `delay` [s] needs whatever the
-/// virtual mass is: `B >= 1.5 k T` [N s/m], a gain margin of pi/2 * 1.5 = 2.4 (`EQUATIONS.md`).
+/// Damping along a contact of stiffness `k` [N/m] with which a loop of total delay `delay` [s] is stable
+/// whatever the virtual mass is: `B >= 1.5 k T` [N s/m] (`EQUATIONS.md`). The gain margin is then 1.5 for a
+/// heavy mass and `1.5 pi/2 = 2.4` for a light one; `ContactStability::damping_for` knows the mass.
 template <Real T>
 [[nodiscard]] T contact_damping(const T& k, const T& delay) noexcept {
   return T(1.5) * k * delay;
@@ -91,7 +92,7 @@ class ContactStability {
     for (const T& r : row) size += r * r;
     if (!(size > T(0))) return std::numeric_limits<T>::infinity();
     // Every crossing of the negative real axis counts; beyond 20/T the gain has long gone.
-    const T first = T(1e-3) / total_delay(), last = T(20) / total_delay(), step = T(1.05);
+    const T first = T(1e-5) / total_delay(), last = T(20) / total_delay(), step = T(1.05);
     T k = std::numeric_limits<T>::infinity(), from = first;
     auto before = response(mass, row, damping, from);
     if (before.imag() >= T(0)) return T(0);
