@@ -14,10 +14,9 @@ namespace simulated_ur5 {
 ///
 /// `[robot]`: series ("cb3" or "e-series"), delay, lag, compliance, position_noise, velocity_noise,
 /// step_tolerance, protective_force, protective_deceleration, velocity_limit, acceleration_limit (one number
-/// or six), home (six), powered, power_on_time, brake_release_time, unlock_time, seed.
-/// `[skin]`: cells (file), newtons_per_reading, rest_reading, force_noise, proximity_noise,
-/// acceleration_noise, proximity_distance, temperature, force_delta, proximity_delta, acceleration_delta,
-/// keep_alive.
+/// or six), home (six), powered, power_on_time, brake_release_time, unlock_time, seed. `[skin]`: cells
+/// (file), newtons_per_reading, rest_reading, force_noise, proximity_noise, acceleration_noise,
+/// proximity_distance, temperature, force_delta, proximity_delta, acceleration_delta, keep_alive.
 /// `[[touch]]`: name, start, cell or link + point + normal, stiffness, damping, gap, approach_speed, travel,
 /// hold, release_speed, patch_radius, reach, follow, profile (CSV file), profile_scale, impose_force, repeat
 /// (number of times), period (seconds between).

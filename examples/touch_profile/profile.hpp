@@ -37,9 +37,9 @@ struct Mapping {
 Profile profile_of(const Recording& recording, const Mapping& mapping);
 
 /// A push that no one recorded: minimum-jerk rise in 0.35 s, hold with a tremor of 4 % at 9 Hz, minimum-jerk
-/// release in 0.45 s; 100 rows a second over 1.6 s.
-/// `f(t) = c s(t/0.35) (1 - s((t - 1.15)/0.45)) (1 + 0.04 sin(2 pi 9 t))`, `s(x) = x^3 (10 - 15 x + 6 x^2)`
-/// on [0, 1], held outside, `c` such that the largest row is `peak` [N], 0.01 to 1000.
+/// release in 0.45 s; 100 rows a second over 1.6 s. `f(t) = c s(t/0.35) (1 - s((t - 1.15)/0.45)) (1 + 0.04
+/// sin(2 pi 9 t))`, `s(x) = x^3 (10 - 15 x + 6 x^2)` on [0, 1], held outside, `c` such that the largest row
+/// is `peak` [N], 0.01 to 1000.
 Profile synthetic_push(double peak);
 
 /// CSV: comments with `#`, the header `time,force`, a row each.

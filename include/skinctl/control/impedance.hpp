@@ -61,8 +61,8 @@ class Impedance : public Composable {
     requires std::default_initializable<Space>
       : Impedance(Space(), settings) {}
   Impedance(const Space& space, const Settings& settings) : space_(space), settings_(settings) {
-    const auto check = [](const T& x, const char* name) {
-      require(x >= T(0) && x <= T(1e6), name, static_cast<double>(x), "0 to 1e6");
+    const auto check = [](const T& x, const char* what) {
+      require(x >= T(0) && x <= T(1e6), what, static_cast<double>(x), "0 to 1e6");
     };
     for (const T& k : settings.stiffness) check(k, "stiffness");
     for (const T& d : settings.damping) check(d, "damping");

@@ -50,21 +50,17 @@ class Blended;
 /// A sum whose weights move, made by `blended(sum)`.
 ///
 /// - Weights are asked for (`change`, or a goal of type `Weights`), gates follow contact. What the policy
-/// makes
-///   of the new weights is reached from the present by a quintic: torque, its rate and its bend go on. All
-///   shares on the way are means of both ends, so that `Y_r Theta` stays one convex mean.
+///   makes of the new weights is reached from the present by a quintic: torque, its rate and its bend go on.
+///   All shares on the way are means of both ends, so that `Y_r Theta` stays one convex mean.
 /// - A change that comes while the weights still move waits until they stand; of several, the last counts.
 /// - A law without a share is not computed. While it comes, a tracking law stands at the state at hand, anew
-/// in
-///   every cycle: it brakes the robot and pulls it nowhere. When all shares are there, its feedback comes by
-///   a ramp of its own, as long again, so that it takes up what pushes against it little by little; then it
-///   takes goals.
+///   in every cycle: it brakes the robot and pulls it nowhere. When all shares are there, its feedback comes
+///   by a ramp of its own, as long again, so that it takes up what pushes against it little by little; then
+///   it takes goals.
 /// - With `most_rate` a ramp slows down, to a twentieth of its speed at most, where the laws have come to
-/// differ
-///   so much that their shares alone would move the torque faster.
+///   differ so much that their shares alone would move the torque faster.
 /// - Gravity is held once and whole throughout: where no gravity law is in the sum and tracking fades, the
-/// sum
-///   holds what of G is left.
+///   sum holds what of G is left.
 template <Sum P, class... L>
 class Blended<Fused<P, L...>> : public Composable {
  public:
@@ -78,7 +74,7 @@ class Blended<Fused<P, L...>> : public Composable {
   static constexpr bool holds_gravity = Fusion::gravity_laws == 0 && Fusion::tracking_laws > 0;
   static_assert(!holds_gravity || P != Sum::plain, "a plain sum that blends needs a gravity law");
   static constexpr Needs needs = Fusion::needs | Needs{.gravity = holds_gravity};
-  static_assert(!gated || Fusion::feels, "a gate needs a law of the skin in its sum");
+  static_assert(!gated || Fusion::answers_touch, "a gate needs a law of the skin in its sum");
 
  private:
   template <class F>
@@ -379,7 +375,7 @@ class Blended<Fused<P, L...>> : public Composable {
         constexpr std::size_t J = i.value;
         constexpr Role r = law_at<J>::role;
         const bool on = loaded(next, J);
-        if (!on && !(gated && detail::feels<law_at<J>>)) return;
+        if (!on && !(gated && detail::answers_touch<law_at<J>>)) return;
         if constexpr (r == Role::tracking)
           if (comes(next, J) && next.elapsed < next.ramp) [[unlikely]]
             detail::memory_of<J>(next.laws) = law<J>().start(known);
@@ -390,10 +386,10 @@ class Blended<Fused<P, L...>> : public Composable {
           if constexpr (Fusion::watches && holds_gravity)
             track -= static_cast<T>(shares[J].feed_forward) * known.gravity();
         } else if constexpr (r == Role::reactive) {
-          if constexpr (gated && detail::feels<law_at<J>>)
+          if constexpr (gated && detail::answers_touch<law_at<J>>)
             contact += static_cast<T>(sum_.weights()[J]) * part.torque;
           part.torque = static_cast<T>(shares[J].feedback) * part.torque;
-          if constexpr (detail::feels<law_at<J>>) skin += part.torque;
+          if constexpr (detail::answers_touch<law_at<J>>) skin += part.torque;
         }
         out.shares[J] = part.torque;
         out.torque += part.torque;

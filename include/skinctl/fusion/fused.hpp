@@ -86,7 +86,8 @@ inline constexpr bool presses = requires { L::presses; };
 /// Whether a law is the skin's answer: others may oppose it, and it opens gates. A reactive law that does not
 /// ask for touch (a joint limit, a posture) is pushed by nobody.
 template <class L>
-inline constexpr bool feels = L::role == Role::reactive && Needs(L::needs).touch;
+inline constexpr bool answers_touch = L::role == Role::reactive && Needs(L::needs).touch;
+
 // Traits, not requires-expressions in generic lambdas: Clang 14 takes those for false.
 template <class L>
 inline constexpr bool takes_goals = requires { typename L::Goal; };
@@ -105,9 +106,8 @@ constexpr std::size_t count_role(Role role) noexcept {
 /// A sum of laws, written `0.6 * skin + 0.4 * reach + gravity` (fusion/expression.hpp).
 ///
 /// - Gravity enters exactly once: where a gravity law is in the sum, tracking laws leave G out of `Y_r
-/// Theta`;
-///   where none is, it is in there. (In a plain sum without a gravity law the weights of the tracking laws
-///   act on G as on the rest, so they should sum to one.)
+///   Theta`; where none is, it is in there. (In a plain sum without a gravity law the weights of the tracking
+///   laws act on G as on the rest, so they should sum to one.)
 /// - Each law is computed once for the torque, its share and the opposition of skin and tracking, which then
 ///   freezes and resets the tracking laws.
 /// - A law that needs more than torque and memory of its state (`now`) computes that once.
@@ -120,8 +120,9 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   static constexpr std::size_t gravity_laws = detail::count_role<L...>(Role::gravity);
   static constexpr std::size_t tracking_laws = detail::count_role<L...>(Role::tracking);
   static constexpr std::size_t reactive_laws = detail::count_role<L...>(Role::reactive);
-  static constexpr bool feels = (false || ... || detail::feels<L>);  ///< the skin has a law in it
-  static constexpr bool watches = tracking_laws > 0 && feels;
+  static constexpr bool answers_touch =
+      (false || ... || detail::answers_touch<L>);  ///< the skin has a law in it
+  static constexpr bool watches = tracking_laws > 0 && answers_touch;
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");
   static constexpr GravityTerm gravity_term =
       gravity_laws > 0 ? GravityTerm::left_out : GravityTerm::included;
@@ -291,7 +292,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
         track += shares[I];
         if constexpr (watches && gravity_laws == 0)
           track -= static_cast<T>(shares_[I].feed_forward) * known.gravity();
-      } else if constexpr (detail::feels<law_at<I>>) {
+      } else if constexpr (detail::answers_touch<law_at<I>>) {
         skin += shares[I];
       }
       total += shares[I];

@@ -26,8 +26,7 @@ struct NullSpaceSettings {
 ///
 /// - Dynamically consistent: with l = 0 the second law does not accelerate the task at all.
 /// - Next to a singularity of J, where the task's inertia grows without bound, l grows smoothly; there the
-/// task
-///   gives way to the second law along the direction in which it can hardly move anyway.
+///   task gives way to the second law along the direction in which it can hardly move anyway.
 /// - Both laws get the same share; gravity is held by the first, whole, or by the sum's gravity law, never by
 ///   the second.
 /// - A pose asks for a robot of six joints or more; with six of them the null space is empty but next to a

@@ -19,8 +19,7 @@ enum class Heard : unsigned char {
 
 /// A robot on the other end of a driver, for `N` joints.
 /// - `wait(state)` paces the loop: it returns when the next state is there, or nothing came in time. It may
-/// block and make
-///   system calls; the loop runs no cycle meanwhile.
+///   block and make system calls; the loop runs no cycle meanwhile.
 /// - `send(command)` passes a command on; false if it could not be sent.
 /// - `packet()`, which a driver need not have, is the number of the newest packet; `PacketWatch` counts gaps.
 /// - `stop()` asks the robot to come to rest by its own means; it must work at any time and not throw.

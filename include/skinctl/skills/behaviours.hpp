@@ -120,9 +120,8 @@ inline constexpr auto figure_7 = boost::hana::make_map(
                                              .when(detail::until_settled)));
 
 /// Section 6: `Reaching` and `Putting` = ReachCartGoal [SplineOpCtrl, SkinJointCtrl, GCtrl], `Squeezing` =
-/// Close
-/// => ForceCart [CloseCtrl(D)] => [force control, SkinJointCtrl]. Gravity is held throughout. Gripper 0 opens
-/// before `Reaching` and closes to squeeze.
+/// Close => ForceCart [CloseCtrl(D)] => [force control, SkinJointCtrl]. Gravity is held throughout. Gripper 0
+/// opens before `Reaching` and closes to squeeze.
 inline constexpr auto section_6 = boost::hana::make_map(
     skill<behaviour::Reaching>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>(),
                                       load<controller::SplineOperational>())

@@ -40,8 +40,7 @@ struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G..., 
 /// - Its controllers are one sum that blends; a skill is a row of weights. So a skill more costs a row, every
 ///   controller is computed only while a skill loads it, and gravity is held once and whole throughout.
 /// - A change moves the shares by a quintic. Controllers that come start at the state at hand with share
-/// zero,
-///   controllers that stay go on: torque and rate begin where they were. The time is as configured, and
+///   zero, controllers that stay go on: torque and rate begin where they were. The time is as configured, and
 ///   longer where the change would move the torque faster than `most_rate`; what happens meanwhile, a touch
 ///   or a goal, is answered as always.
 /// - A request during a change waits for its end; of several the last counts.
