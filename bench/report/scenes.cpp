@@ -1,0 +1,125 @@
+// Evaluates one scene of a UR5 so many times: what `instructions` runs under callgrind.
+//
+//     scenes            prints the names of the scenes, one a line
+//     scenes I N        evaluates the I-th scene N times
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/dynamics/forward_dynamics.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
+
+using namespace skinctl;
+
+namespace {
+
+using Arm = ur5::Model;
+constexpr Arm arm;
+
+/// The compiler must have the value in memory, and cannot know it afterwards.
+template <class V>
+void keep(V& value) {
+  asm volatile("" : : "g"(&value) : "memory");
+}
+
+/// What a law that asks for `Asked` costs, and nothing else.
+template <Needs Asked>
+void known(int times) {
+  State<6> state{1_ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {0.1, 0.2, -0.3, 0.1, 0.2, -0.1}};
+  const NoTouch touch;
+  for (int i = 0; i < times; ++i) {
+    keep(state);
+    const Quantities<Arm, Asked> all(arm, state, 0.002, touch);
+    keep(all);
+  }
+}
+template <class F>
+void each(int times, F&& f) {
+  State<6> state{1_ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {0.1, 0.2, -0.3, 0.1, 0.2, -0.1}};
+  for (int i = 0; i < times; ++i) {
+    keep(state);
+    const auto result = f(state);
+    keep(result);
+  }
+}
+
+/// Cycles at 500 Hz without a new sample: one evaluation of the laws, one sub-step, the guard.
+template <class L, class Skin>
+void cycles(int times, const L& law, const Skin& skin) {
+  const auto limits = limits_of<ur5::Description>(15.0);
+  const Cycle cycle(
+      Resolver<Interface::position, Arm>(arm, {.limits = limits, .period = 2_ms, .delay = 8_ms}), law, skin,
+      Guard<Interface::position, 6>({.limits = limits, .period = 2_ms}));
+  using Scene = decltype(cycle);
+  auto memory = std::make_unique<typename Scene::Memory>();
+  State<6> state{1_ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {}};
+  cycle.start(*memory, state);
+  typename Scene::Input input{};
+  for (int i = 0; i < times; ++i) {
+    state.time += 2_ms;
+    input.now = state.time;
+    input.measured = state;
+    const auto out = cycle.step(*memory, input);
+    keep(out);
+  }
+}
+
+struct Scene {
+  const char* name;
+  void (*run)(int);
+};
+constexpr LinkMask first_three = link_bit<0> | link_bit<1> | link_bit<2>;
+constexpr LinkMask all_six = first_three | link_bit<3> | link_bit<4> | link_bit<5>;
+const Scene scenes[] = {
+    {"poses of links 1 to 3", [](int n) { known<Needs{.poses = first_three}>(n); }},
+    {"poses of all links", [](int n) { known<Needs{.poses = all_six}>(n); }},
+    {"Jacobian of link 6 (its links' poses)", [](int n) { known<Needs{.jacobians = link_bit<5>}>(n); }},
+    {"gravity", [](int n) { known<Needs{.gravity = true}>(n); }},
+    {"gravity, and poses of links 1 to 3",
+     [](int n) { known<Needs{.poses = first_three, .gravity = true}>(n); }},
+    {"mass matrix", [](int n) { known<Needs{.mass = true}>(n); }},
+    {"C dq", [](int n) { known<Needs{.coriolis = true}>(n); }},
+    {"all poses, gravity, mass matrix, C dq",
+     [](int n) { known<Needs{.poses = all_six, .gravity = true, .mass = true, .coriolis = true}>(n); }},
+    {"inverse dynamics",
+     [](int n) {
+       each(n, [](const State<6>& s) {
+         return inverse_dynamics(arm, s.q, s.dq, JointAcceleration<6>{0.1, 0.2, 0.3, 0.4, 0.5, 0.6});
+       });
+     }},
+    {"forward dynamics",
+     [](int n) {
+       each(n, [](const State<6>& s) { return forward_dynamics(arm, s.q, s.dq, JointTorque<6>{}); });
+     }},
+    {"cycle: gravity", [](int n) { cycles(n, GravityControl{}, Bare{}); }},
+    {"cycle: spline joint + gravity", [](int n) { cycles(n, SplineJoint<6>() + GravityControl{}, Bare{}); }},
+    {"cycle: skin joint + gravity, 260 cells at rest",
+     [](int n) { cycles(n, SkinJointControl{} + GravityControl{}, ur5_skin<260>({.force = 20})); }},
+    {"cycle: spline joint + skin joint + gravity, 260 cells at rest",
+     [](int n) {
+       cycles(n, SplineJoint<6>() + SkinJointControl{} + GravityControl{}, ur5_skin<260>({.force = 20}));
+     }},
+};
+
+}  // namespace
+
+int main(int count, char** words) {
+  if (count == 1) {
+    for (const Scene& scene : scenes) std::puts(scene.name);
+    return 0;
+  }
+  const auto i = count == 3 ? std::strtoul(words[1], nullptr, 10) : std::size(scenes);
+  const auto times = count == 3 ? std::strtol(words[2], nullptr, 10) : 0;
+  if (i >= std::size(scenes) || times < 0 || times > 1000000) {
+    std::fprintf(stderr, "scenes [I N]: the I-th of %zu scenes, N <= 1000000 times\n", std::size(scenes));
+    return 2;
+  }
+  scenes[i].run(static_cast<int>(times));
+  return 0;
+}
