@@ -35,6 +35,10 @@ template <class L>
 struct TermsOf<L> {
   static constexpr std::size_t value = L::terms;
 };
+// A trait, not a requires-expression in a generic lambda: Clang 14 takes those for false.
+template <class L, class K, class G>
+inline constexpr bool follows_targets =
+    requires(const L& law, const typename L::Memory& m, const K& k, const G& g) { law.follow(m, k, g); };
 }  // namespace detail
 
 /// Number of parts whose shares a law reports: its `terms`, or 1.
@@ -56,6 +60,20 @@ template <class L, class K>
     static_assert(terms_of<L> == 1, "a law of several terms reports their shares by its own evaluate");
     const auto torque = law.torque(memory, known);
     return Result{torque, law.advance(memory, known, dt, Opposition::none), {torque}, Status{}};
+  }
+}
+
+/// What a law makes of a goal that may also be the next sample of a target that moves: `follow` where it has
+/// one, which tells the one from the other, else `receive`.
+template <class L, class K, class G>
+[[nodiscard]] SKINCTL_COLD Received<typename L::Memory> follow_or_receive(const L& law,
+                                                                          const typename L::Memory& memory,
+                                                                          const K& known,
+                                                                          const G& goal) noexcept {
+  if constexpr (detail::follows_targets<L, K, G>) {
+    return law.follow(memory, known, goal);
+  } else {
+    return law.receive(memory, known, goal);
   }
 }
 

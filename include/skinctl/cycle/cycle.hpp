@@ -237,7 +237,8 @@ class Cycle {
     } else {
       const auto state = resolver_.state(m.robot);
       const Wrenches touch = skin_.wrenches(m.skin);
-      const auto received = law_.receive(m.law, Known(resolver_.model(), state, period(), touch), input.goal);
+      const auto received =
+          follow_or_receive(law_, m.law, Known(resolver_.model(), state, period(), touch), input.goal);
       m.law = received.memory;
       return received.status;
     }

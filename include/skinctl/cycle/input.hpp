@@ -28,7 +28,7 @@ struct Input {
   Request request = Request::none;
   Status observed;  ///< what the loop saw go wrong before this cycle: see `Budget`, `PacketWatch`
   bool has_goal = false;
-  Goal goal{};  ///< read if `has_goal`
+  Goal goal{};  ///< read if `has_goal`: a goal, or the next sample of a target that moves
 };
 
 SKINCTL_END_NAMESPACE

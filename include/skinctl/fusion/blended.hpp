@@ -173,6 +173,24 @@ class Blended<Fused<P, L...>> : public Composable {
     const auto answer = receive(out.memory, known, goal.goal);
     return {answer.memory, out.status | answer.status};
   }
+  /// The same, and the next sample of a target that moves if that law follows such.
+  template <class K, class G>
+  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const G& goal) const noexcept {
+    if constexpr (std::same_as<G, Weights<terms>>) {
+      return change(memory, known, goal);
+    } else if constexpr (std::same_as<G, Goal>) {
+      Received<Memory> out{memory, {}};
+      if (goal.has_weights) out = change(memory, known, goal.weights);
+      if (!goal.has_goal) return out;
+      const auto answer = follow(out.memory, known, goal.goal);
+      return {answer.memory, out.status | answer.status};
+    } else {
+      constexpr std::size_t i = Fusion::template taker<G>();
+      static_assert(i < terms,
+                    "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
+      return receive<i>(memory, known, goal, true);
+    }
+  }
   /// A goal for the `I`-th law. @param follows  it is the next sample of a moving target, if the law takes
   /// such.
   template <std::size_t I, class K, class G>

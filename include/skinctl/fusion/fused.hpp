@@ -93,9 +93,6 @@ template <class L>
 inline constexpr bool takes_goals = requires { typename L::Goal; };
 template <class L>
 inline constexpr bool reports = requires(const L& law, const typename L::Memory& m) { law.status(m); };
-template <class L, class K, class G>
-inline constexpr bool follows_targets =
-    requires(const L& law, const typename L::Memory& m, const K& k, const G& g) { law.follow(m, k, g); };
 
 template <class... L>
 constexpr std::size_t count_role(Role role) noexcept {
@@ -205,6 +202,19 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     constexpr std::size_t i = taker<Goal>();
     static_assert(i < terms, "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
     return receive<i>(memory, known, goal);
+  }
+  /// The same, and the next sample of a target that moves if that law follows such.
+  template <class K, class Goal>
+  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known,
+                                        const Goal& goal) const noexcept {
+    constexpr std::size_t i = taker<Goal>();
+    static_assert(i < terms, "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
+    Received<Memory> out{memory, {}};
+    auto& part = detail::memory_of<i>(out.memory.laws);
+    const auto answer = follow_or_receive(std::get<i>(laws_), part, known, goal);
+    part = answer.memory;
+    out.status = answer.status;
+    return out;
   }
   /// A goal for the `I`-th law.
   template <std::size_t I, class K, class Goal>

@@ -1,0 +1,66 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/joint_control.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/blended.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/model/ur5.hpp"
+
+using namespace skinctl;
+
+namespace {
+
+/// Largest distance [rad] of the command from a sine that is streamed into every cycle, after 3 s.
+template <class L, class Wrap>
+double lag_behind_a_sine(const L& law, Wrap&& wrap) {
+  const auto limits = limits_of<ur5::Description>(15.0);
+  const Nanoseconds period = 2_ms;
+  const Cycle cycle(
+      Resolver<Interface::position, ur5::Model>(ur5::Model{}, {.limits = limits, .period = period}), law,
+      Guard<Interface::position, 6>({.limits = limits, .period = period}));
+  using Scene = std::remove_const_t<decltype(cycle)>;
+  const JointPosition<6> home{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
+  State<6> state{0, home, {}};
+  auto memory = cycle.start(state);
+  double off = 0;
+  for (int k = 1; k <= 3000; ++k) {
+    const double t = 0.002 * k, w = 1.5;
+    typename Scene::Input input;
+    input.now = state.time = k * period;
+    input.measured = state;
+    JointReference<6> target{home, {}, {}};
+    target.q_d[1] += 0.2 * (1 - std::cos(w * t));
+    target.dq_d[1] = 0.2 * w * std::sin(w * t);
+    target.ddq_d[1] = 0.2 * w * w * std::cos(w * t);
+    input.goal = wrap(target);
+    input.has_goal = true;
+    const auto out = cycle.step(memory, input);
+    REQUIRE(out.command.valid);
+    state.q = out.command.position;
+    state.dq = out.command.velocity;
+    if (t > 3) off = std::max(off, std::abs(out.command.position[1] - target.q_d[1]));
+  }
+  return off;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "cycle: a target that moves is followed, sample by sample, alone, in a sum and in one that blends") {
+  const JointControl<6> follow({.dt = 0.002});
+  const auto plain = [](const JointReference<6>& target) { return target; };
+  CHECK(lag_behind_a_sine(follow, plain) < 2e-3);
+  CHECK(lag_behind_a_sine(follow + GravityControl(), plain) < 2e-3);
+  const auto sum = blended(follow + GravityControl());
+  using Goal = decltype(sum)::Goal;
+  CHECK(lag_behind_a_sine(sum, [](const JointReference<6>& target) {
+          Goal goal;
+          goal.has_goal = true;
+          goal.goal = target;
+          return goal;
+        }) < 2e-3);
+}
