@@ -207,7 +207,8 @@ TEST_CASE("Fused: a goal reaches the law that takes it") {
 
 TEST_CASE("Fused: after 60 random touches no joint swings beyond its target, and no torque jumps") {
   // With the small weight a touch next to an axis is too weak to stop the arm, and winds the integrals up.
-  for (const auto [rate, weight, K_c] : {std::array{125.0, 3.0, 8.0}, {500.0, 3.0, 8.0}, {125.0, 1.0, 4.0}}) {
+  for (const auto& row : {std::array{125.0, 3.0, 8.0}, {500.0, 3.0, 8.0}, {125.0, 1.0, 4.0}}) {
+    const double rate = row[0], weight = row[1], K_c = row[2];
     const SplineJoint<6> reach({.dt = 1 / rate, .K_c = K_c});
     const auto law = weight * SkinJointControl{} + reach + GravityControl{};
     const auto result = touch_and_release(
