@@ -92,7 +92,7 @@ TEST_CASE(
   const auto g = make_governor(limits, contact_limits(Arm{}, contact(1e6, 1e6)),
                                ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 1, .reach = 1.3}));
   decltype(g)::Memory memory;
-  const LinkWrenches<Arm, link_bit<forearm>> nothing;
+  const LinkWrenches<Arm, link_bit<forearm>> untouched;
   State<6> measured;
   measured.q = home_position();
   oracle::Random random(2);
@@ -109,7 +109,7 @@ TEST_CASE(
       wish.position[i] += 0.004 * (last.velocity[i] + wish.velocity[i]);
       if (k % 2 != 0) wish.velocity[i] = random.uniform(-3, 3);
     }
-    const auto out = g.pass(memory, last, wish, measured, nothing, std::array<double, 1>{1}, 0.008);
+    const auto out = g.pass(memory, last, wish, measured, untouched, std::array<double, 1>{1}, 0.008);
     if (!out.altered) {
       CHECK(out.command.position == wish.position);
       CHECK(out.command.velocity == wish.velocity);
