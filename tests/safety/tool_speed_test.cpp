@@ -31,7 +31,7 @@ double measured_speed(const JointPosition<6>& q, const JointVelocity<6>& u) {
   const auto v = measured_velocity(q, u);
   return std::sqrt(dot(v, v));
 }
-/// What of `u` leaves the point where it is, for now: the arm moves fast, and the point will.
+/// The part of `u` that does not move the point at this instant: the arm is fast, and the point soon is.
 JointVelocity<6> still(const JointPosition<6>& q, JointVelocity<6> u) {
   Xyz<double> J[6];
   for (std::size_t i = 0; i < 6; ++i) {

@@ -49,7 +49,7 @@ class TakeOver {
   template <class K, class Goal>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {
-    const auto answer = law_.receive(memory.law, known, goal);
+    const auto answer = follow_or_receive(law_, memory.law, known, goal);
     return {{answer.memory, memory.difference, memory.elapsed}, answer.status};
   }
 

@@ -157,7 +157,8 @@ class Blended<Fused<P, L...>> : public Composable {
                                          const Weights<terms>& weights) const noexcept {
     return change(memory, known, weights);
   }
-  /// A goal for the one law that takes goals of this type; refused while that law has no share or comes.
+  /// A goal for the one law that takes goals of this type, or the next sample of a target that it follows;
+  /// refused while that law has no share or comes.
   template <class K, class G>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known, const G& goal) const noexcept {
     constexpr std::size_t i = Fusion::template taker<G>();
@@ -173,37 +174,14 @@ class Blended<Fused<P, L...>> : public Composable {
     const auto answer = receive(out.memory, known, goal.goal);
     return {answer.memory, out.status | answer.status};
   }
-  /// The same, and the next sample of a target that moves if that law follows such.
-  template <class K, class G>
-  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const G& goal) const noexcept {
-    if constexpr (std::same_as<G, Weights<terms>>) {
-      return change(memory, known, goal);
-    } else if constexpr (std::same_as<G, Goal>) {
-      Received<Memory> out{memory, {}};
-      if (goal.has_weights) out = change(memory, known, goal.weights);
-      if (!goal.has_goal) return out;
-      const auto answer = follow(out.memory, known, goal.goal);
-      return {answer.memory, out.status | answer.status};
-    } else {
-      constexpr std::size_t i = Fusion::template taker<G>();
-      static_assert(i < terms,
-                    "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
-      return receive<i>(memory, known, goal, true);
-    }
-  }
-  /// A goal for the `I`-th law. @param follows  it is the next sample of a moving target, if the law takes
-  /// such.
+  /// The same for the `I`-th law.
   template <std::size_t I, class K, class G>
-  [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known, const G& goal,
-                                                      bool follows = false) const noexcept {
+  [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
+                                                      const G& goal) const noexcept {
     if (!loaded(memory, I) || comes(memory, I)) return {memory, Reason::goal_refused};
     Received<Memory> out{memory, {}};
     auto& part = detail::memory_of<I>(out.memory.laws);
-    auto answer = [&] {
-      if constexpr (detail::follows_targets<law_at<I>, K, G>)
-        if (follows) return law<I>().follow(part, known, goal);
-      return law<I>().receive(part, known, goal);
-    }();
+    const auto answer = follow_or_receive(law<I>(), part, known, goal);
     part = answer.memory;
     out.status = answer.status;
     return out;

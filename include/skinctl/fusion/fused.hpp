@@ -195,7 +195,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     return memory;
   }
 
-  /// A goal for the one law that takes goals of this type.
+  /// A goal for the one law that takes goals of this type, or the next sample of a target that it follows.
   template <class K, class Goal>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {
@@ -203,26 +203,13 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     static_assert(i < terms, "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
     return receive<i>(memory, known, goal);
   }
-  /// The same, and the next sample of a target that moves if that law follows such.
-  template <class K, class Goal>
-  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known,
-                                        const Goal& goal) const noexcept {
-    constexpr std::size_t i = taker<Goal>();
-    static_assert(i < terms, "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
-    Received<Memory> out{memory, {}};
-    auto& part = detail::memory_of<i>(out.memory.laws);
-    const auto answer = follow_or_receive(std::get<i>(laws_), part, known, goal);
-    part = answer.memory;
-    out.status = answer.status;
-    return out;
-  }
-  /// A goal for the `I`-th law.
+  /// The same for the `I`-th law.
   template <std::size_t I, class K, class Goal>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {
     Received<Memory> out{memory, {}};
     auto& part = detail::memory_of<I>(out.memory.laws);
-    const auto answer = std::get<I>(laws_).receive(part, known, goal);
+    const auto answer = follow_or_receive(std::get<I>(laws_), part, known, goal);
     part = answer.memory;
     out.status = answer.status;
     return out;

@@ -60,11 +60,11 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known, const G& goal) const noexcept {
     Received<Memory> out{memory, {}};
     if constexpr (requires { first_.receive(memory.first, known, goal); }) {
-      const auto answer = first_.receive(memory.first, known, goal);
+      const auto answer = follow_or_receive(first_, memory.first, known, goal);
       out.memory.first = answer.memory;
       out.status = answer.status;
     } else {
-      const auto answer = second_.receive(memory.second, known, goal);
+      const auto answer = follow_or_receive(second_, memory.second, known, goal);
       out.memory.second = answer.memory;
       out.status = answer.status;
     }

@@ -185,7 +185,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     }
     if (request.kind == static_cast<unsigned char>(Kind::goal)) {
       if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
-      deliver(out.memory, known, request, out.status, true);
+      deliver(out.memory, known, request, out.status);
       out.memory.held = 0;
       if (memory.phase == Phase::finished) out.memory.phase = Phase::running;
       return out;
@@ -261,14 +261,14 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   }
   /// The request's goals to the controllers that are there; the others get them when they have come.
   template <class K>
-  SKINCTL_COLD void deliver(Memory& m, const K& known, const Goal& request, Status& status, bool follows,
+  SKINCTL_COLD void deliver(Memory& m, const K& known, const Goal& request, Status& status,
                             bool arrived = false) const noexcept {
     each_goal(request, m.skill, [&](auto i, const auto& goal) {
       if (Blend::comes(m.blend, i)) {
         m.request.goals.template of<std::remove_cvref_t<decltype(goal)>>() =
             request.goals.template of<std::remove_cvref_t<decltype(goal)>>();
       } else if (!arrived || m.blend.from[i].feed_forward == 0) {
-        const auto answer = blend_.template receive<i.value>(m.blend, known, goal, follows);
+        const auto answer = blend_.template receive<i.value>(m.blend, known, goal);
         m.blend = answer.memory;
         status |= answer.status;
       }
@@ -289,7 +289,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     stretch(m.blend, known);
     m.skill = request.skill;
     m.request = request;
-    deliver(m, known, request, out.status, false);
+    deliver(m, known, request, out.status);
     m.commanded = m.commanded.then(next.switches);
     m.reported.which &= ~next.switches.which;  // an old report says nothing about what is only beginning
     m.phase = Phase::loading;
@@ -337,7 +337,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   SKINCTL_COLD Status arrive(Memory& m, const K& known) const noexcept {
     Status status;
     m.phase = Phase::running;
-    deliver(m, known, m.request, status, false, true);
+    deliver(m, known, m.request, status, true);
     return status;
   }
   template <class K>
