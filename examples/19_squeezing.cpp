@@ -22,10 +22,10 @@ int main(int argc, char** argv) {
   arm.ask(set.start_skill<behaviour::Squeezing>(JointGoal<6>{home, 0}, ForceGoal<>{n, F_d}));
   while (arm.time() < 8) {
     const double d = dot(touching().origin() - start.origin(), n) - gap, F = d > 0 ? k * d : 0;
-    arm.push(cell.id, F);
-    arm.step();
     force.add(arm.time(), F), depth.add(arm.time(), d);
     gripper.add(arm.time(), set.commanded(arm.memory().law) == closed() ? 1 : 0);
+    arm.push(cell.id, F);
+    arm.step();
   }
   std::printf("%s presses with %.2f N\n", set.now(arm.memory().law).name, force.y.back());
   return draw(argc, argv, "19_squeezing.svg", "Squeezing", {force, depth, gripper}) ||

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "examples/compliant_ur5/svg_plot.hpp"
+#include "examples/support/svg_plot.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/loop_dynamics.hpp"
 #include "tests/support/kdl_oracle.hpp"

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "examples/compliant_ur5/svg_plot.hpp"
+#include "examples/support/svg_plot.hpp"
 #include "tests/resolver/plant_loop.hpp"
 #include "tests/support/mujoco_plant.hpp"
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "examples/compliant_ur5/svg_plot.hpp"
+#include "examples/support/svg_plot.hpp"
 #include "skinctl/resolver/contact_stability.hpp"
 #include "tests/resolver/wall_contact.hpp"
 

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "examples/compliant_ur5/report_style.hpp"
-#include "examples/compliant_ur5/svg_plot.hpp"
+#include "examples/support/svg_plot.hpp"
 #include "skinctl/core/status.hpp"
 
 namespace compliant_ur5 {

@@ -1,5 +1,4 @@
-// What the examples 11 and on share: a UR5 with 260 cells of skin in a simulated world, and a plot of its
-// run.
+// What the examples 11 and on share: a UR5 with 260 cells in a simulated world, and a plot of its run.
 #pragma once
 
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "examples/support/svg_plot.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/settings.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
@@ -103,42 +103,28 @@ class Arm {
   typename Scene::Input input_;
 };
 
-/// A curve over time.
+/// A curve over time; its unit stands in its name.
 struct Curve {
   std::string name;
   std::vector<double> t, y;
   void add(double time, double value) { t.push_back(time), y.push_back(value); }
 };
 
-/// Draws curves, each on its own scale from its least to its largest value, as an SVG file: at the path given
-/// on the command line, or `name` in the working directory. Returns 0, or 1 if the file cannot be written.
+/// Draws curves, each on its own axes, as an SVG file: at the path given on the command line, or `name` in
+/// the working directory. Returns 0, or 1 if the file cannot be written.
 inline int draw(int argc, char** argv, const std::string& name, const std::string& title,
                 const std::vector<Curve>& curves) {
+  std::vector<plotting::Plot> plots;
+  for (const Curve& c : curves) {
+    plotting::Plot plot;
+    plot.y_name = c.name;
+    plot.series = {{c.name, c.t, c.y, static_cast<int>(plots.size())}};
+    plot.height = 190;
+    plots.push_back(plot);
+  }
   const std::string path = argc > 1 ? argv[1] : name;
   std::ofstream out(path);
-  const char* colors[] = {"#1f77b4", "#d62728", "#2ca02c", "#9467bd"};
-  const double width = 900, high = 150, left = 190;
-  out << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << " "
-      << 40 + high * double(curves.size())
-      << "\" font-family=\"sans-serif\" font-size=\"13\"><rect width=\"100%\" height=\"100%\" "
-         "fill=\"white\"/>"
-      << "<text x=\"12\" y=\"22\" font-size=\"16\">" << title << "</text>\n";
-  double top = 36;
-  for (std::size_t k = 0; k < curves.size(); ++k, top += high) {
-    const auto& c = curves[k];
-    double low = c.y.front(), up = low;
-    for (const double y : c.y) low = std::fmin(low, y), up = std::fmax(up, y);
-    const double span = up - low > 1e-9 ? up - low : 1;
-    out << "<text x=\"12\" y=\"" << top + 20 << "\">" << c.name << "</text><text x=\"12\" y=\"" << top + 40
-        << "\" fill=\"#666\">" << low << " to " << up << "</text><polyline fill=\"none\" stroke=\""
-        << colors[k % 4] << "\" points=\"";
-    for (std::size_t i = 0; i < c.t.size(); ++i)
-      out << left + (width - left - 20) * c.t[i] / c.t.back() << ","
-          << top + 10 + (high - 30) * (up - c.y[i]) / span << " ";
-    out << "\"/><text x=\"" << width - 60 << "\" y=\"" << top + high - 6 << "\" fill=\"#666\">" << c.t.back()
-        << " s</text>\n";
-  }
-  out << "</svg>\n";
+  out << plotting::svg_figure(title, plots);
   std::printf("%s: %s\n", title.c_str(), path.c_str());
   return out.flush() ? 0 : 1;
 }

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "examples/compliant_ur5/svg_plot.hpp"
 #include "examples/compliant_ur5/tests/synthetic_log.hpp"
+#include "examples/support/svg_plot.hpp"
 
 using namespace compliant_ur5;
 using plotting::Plot;

@@ -1,4 +1,4 @@
-#include "examples/compliant_ur5/svg_plot.hpp"
+#include "examples/support/svg_plot.hpp"
 
 #include <algorithm>
 #include <array>
