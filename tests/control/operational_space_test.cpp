@@ -302,7 +302,7 @@ TEST_CASE("OperationalSpace: goals and contacts at any moment do not jump") {
     x = simulate(model, x, law.torque(next, known), dt, 1);
   }
   MESSAGE("largest jump " << worst << " N m");
-  CHECK(worst < 1);
+  CHECK(worst < 0.005);
 }
 
 TEST_CASE("OperationalSpace: numbers that are not finite do not enter the memory, nor refuse for ever") {

@@ -158,7 +158,11 @@ TEST_CASE("Resolver for torques: time that goes back or stands still repeats the
   auto m = robot.start(at<double>(10_ms));
   Yield::Memory law;
   CHECK(step(robot, m, law, at<double>(10_ms), 10_ms, {}).status == Reason::interval_empty);
-  CHECK(step(robot, m, law, at<double>(8_ms), 8_ms, {}).status == Reason::time_backwards);
+  auto elsewhere = at<double>(8_ms);
+  elsewhere.q[1] += 0.4;
+  const auto late = step(robot, m, law, elsewhere, 8_ms, {});
+  CHECK(late.status == Reason::time_backwards);
+  CHECK(late.fallback == gravity_torque(ur5::Model{}, elsewhere.q));  // held where it is, not where it was
   CHECK(law.evaluations == 0);
   auto bad = at<double>(0);
   bad.q[0] = std::nan("");

@@ -59,7 +59,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     m.started = true;
     m.time = measured.time;
     m.measured = measured;
-    m.command = {m.time, true, measured.q, measured.dq, {}, fallback(m)};
+    m.command = {m.time, true, measured.q, measured.dq, {}, held(measured)};
     return m;
   }
 
@@ -84,7 +84,8 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
-      out.fallback = fallback(m);
+      // Whatever the clock says: gravity is to be held where the robot is.
+      out.fallback = detail::is_plausible(measured) ? held(measured) : held(m.measured);
       return out;
     }
     SKINCTL_EXPECTS(!touches.empty(), "one touch");
@@ -97,7 +98,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
       m.measured = measured;
       if (measured.time > interval.to) m.measured.time = interval.to;
     }
-    const JointTorque<joints, T> drag = friction(m);
+    const JointTorque<joints, T> drag = friction(m.measured);
     JointTorque<joints, T> torque = gravity_torque(model_, m.measured.q) - drag;
     out.fallback = torque;
     if (interval.to - m.measured.time > p_.stale_after) {
@@ -126,9 +127,9 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     return out;
   }
 
-  /// What holds the robot when no law can: `G(q) - B dq` at the last good measurement.
-  [[nodiscard]] SKINCTL_INLINE JointTorque<joints, T> fallback(const Memory& m) const noexcept {
-    return gravity_torque(model_, m.measured.q) - friction(m);
+  /// What holds the robot when no law can: `G(q) - B dq`.
+  [[nodiscard]] SKINCTL_INLINE JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
+    return gravity_torque(model_, robot.q) - friction(robot);
   }
 
   /// Tells that the guard let `command` out instead of the last one.
@@ -139,14 +140,14 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
   void resume(Memory& m) const noexcept { m.stop = false; }
 
  private:
-  SKINCTL_INLINE JointTorque<joints, T> friction(const Memory& m) const noexcept {
+  SKINCTL_INLINE JointTorque<joints, T> friction(const State<joints, T>& robot) const noexcept {
     JointTorque<joints, T> drag;
     if (!viscous_) return drag;
-    const auto mass = mass_matrix(model_, m.measured.q);
+    const auto mass = mass_matrix(model_, robot.q);
     const T h = T(1.5) * seconds<T>(p_.period);
     for (std::size_t i = 0; i < joints; ++i) {
       const T b = p_.shape.viscous[i], own = mass(i, i);
-      drag[i] = own > T(0) ? T(b * own / (own + h * b) * m.measured.dq[i]) : T(0);
+      drag[i] = own > T(0) ? T(b * own / (own + h * b) * robot.dq[i]) : T(0);
     }
     return drag;
   }
