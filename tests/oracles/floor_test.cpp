@@ -3,6 +3,8 @@
 #include "bench/floor/hand_floor.hpp"
 #include "bench/floor/ur5_floor.hpp"
 #include "bench/floor/ur5_planar_floor.hpp"
+#include "skinctl/dynamics/regressor.hpp"
+#include "skinctl/model/ur5.hpp"
 #include "tests/oracles/agreement.hpp"
 
 using namespace oracle;
@@ -112,6 +114,18 @@ TEST_CASE_TEMPLATE("Floor: UR5 agrees with the definition in 50 digits", Floor, 
       Floor::forward_dynamics(s.q.data(), s.dq.data(), s.ddq.data(), tau.data());
       CHECK(difference(tau, definition.forward_dynamics(q, dq, ddq)) < 1e-12);
     }
+}
+
+TEST_CASE("Floor: the UR5 with its inertial parameters as numbers is the UR5") {
+  const auto theta = skinctl::inertial_parameters<double>(skinctl::ur5::Model{});
+  for (const State& s : states(9, 6)) {
+    CAPTURE(s.name);
+    std::vector<double> tau(6), fixed(6);
+    bench_floor::ur5::floor_regressor_product(s.q.data(), s.dq.data(), s.dq_r.data(), s.ddq.data(),
+                                              theta.data, tau.data());
+    bench_floor::ur5::floor_yr_theta(s.q.data(), s.dq.data(), s.dq_r.data(), s.ddq.data(), fixed.data());
+    CHECK(difference(tau, fixed) < rounding);
+  }
 }
 
 TEST_CASE("Floor: the hand agrees with the definition in 50 digits") {
