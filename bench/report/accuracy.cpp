@@ -76,6 +76,15 @@ void row(const std::string& what, const M& model, int states, const Choose& choo
   row(what, model, model, states, choose);
 }
 
+/// An arm with its numbers at run time: one type for all of them.
+template <class Description>
+void arm_row(const std::string& what, int states) {
+  typename CalibratedModel<Chain<6>, float>::Links narrow;
+  for (std::size_t i = 0; i < 6; ++i) narrow[i] = Description::links[i].template cast<float>();
+  row(what, CalibratedModel<Chain<6>>(Description::links, {0, 0, -9.81}, makers_density),
+      CalibratedModel<Chain<6>, float>(narrow, {0, 0, -9.81f}, makers_density), states);
+}
+
 /// A chain of seven whose links `make` says.
 template <class F>
 void chain_row(const std::string& what, int states, F make, const Choose& choose = as_it_comes) {
@@ -164,13 +173,13 @@ int main(int argc, char** argv) {
       "| robot, states | scalar | states | poses | J | inverse dynamics | G | M | ddq | as torque |\n");
   std::printf("|---|---|---|---|---|---|---|---|---|---|\n");
 
-  row("UR3", ur3::Model{}, n);
   row("UR5", ur5::Model{}, n);
-  row("UR10", ur10::Model{}, n);
-  row("UR3e", ur3e::Model{}, n);
-  row("UR5e", ur5e::Model{}, n);
-  row("UR10e", ur10e::Model{}, n);
-  row("UR5, calibrated", calibrated_from<ur5::Description>(), calibrated_from<ur5::Description, float>(), n);
+  arm_row<ur3::Description>("UR3", n);
+  arm_row<ur5::Description>("UR5, numbers at run time", n);
+  arm_row<ur10::Description>("UR10", n);
+  arm_row<ur3e::Description>("UR3e", n);
+  arm_row<ur5e::Description>("UR5e", n);
+  arm_row<ur10e::Description>("UR10e", n);
   row("Allegro, right", allegro::right_hand(), allegro::right_hand<float>(), n);
   row("Allegro, left", allegro::left_hand(), allegro::left_hand<float>(), n);
   row("UR5 + Allegro", ur5_allegro::arm_with_hand(), ur5_allegro::arm_with_hand<float>(), n);
