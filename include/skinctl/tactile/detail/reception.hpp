@@ -37,7 +37,9 @@ class Reception {
         max_age_(static_cast<std::uint64_t>(tables.settings.max_age)),
         hold_(static_cast<std::uint64_t>(tables.settings.max_age - tables.settings.fade)),
         max_ahead_(static_cast<std::uint64_t>(tables.settings.max_ahead)),
-        ramp_(static_cast<std::uint64_t>(tables.settings.ramp)) {}
+        ramp_(static_cast<std::uint64_t>(tables.settings.ramp)),
+        ramp_length_(seconds<T>(tables.settings.ramp)),
+        ramp_slope_(T(1) / ramp_length_) {}
 
   SKINCTL_INLINE Status take(const CellSample& sample) const noexcept {
     if (const Status bad = check(sample); bad.any()) [[unlikely]]
@@ -72,9 +74,7 @@ class Reception {
     if (passed == old && !fading) return {};
     const CellEntry& cell = tables_.cells[i];
     memory_.sums[cell.patch].add(cell, passed.force - in_sums.force, passed.proximity - in_sums.proximity);
-    const std::uint64_t gap = span(last, time);
-    const auto rise = static_cast<Nanoseconds>(gap < ramp_ ? gap : ramp_);
-    const Ramp<T> ramp(seconds_after<T>(parts_.from, time - rise), seconds<T>(rise));
+    const Ramp<T> ramp = ramp_between(last, time);
     const T from = tables_.force_on(cell, old), to = tables_.force_on(cell, passed);
     if (!fading) [[likely]] {
       change(cell, ramp, to - from);
@@ -136,6 +136,13 @@ class Reception {
     });
   }
 
+  /// How a cell's force came from its reading at `last` to that at `time`, later.
+  SKINCTL_INLINE Ramp<T> ramp_between(Nanoseconds last, Nanoseconds time) const noexcept {
+    const std::uint64_t gap = span(last, time);
+    if (gap >= ramp_) [[likely]]
+      return {seconds_after<T>(parts_.from, time - static_cast<Nanoseconds>(ramp_)), ramp_length_, ramp_slope_};
+    return {seconds_after<T>(parts_.from, last), seconds<T>(static_cast<Nanoseconds>(gap))};
+  }
   /// The share of a reading that is lost to the cell's silence since `stamp`.
   SKINCTL_INLINE Ramp<T> loss_since(Nanoseconds stamp) const noexcept {
     return {seconds_after<T>(parts_.from, stamp) + seconds<T>(static_cast<Nanoseconds>(hold_)),
@@ -171,6 +178,7 @@ class Reception {
   const Parts<T>& parts_;
   Wrenches* means_;
   std::uint64_t max_age_, hold_, max_ahead_, ramp_;
+  T ramp_length_, ramp_slope_;
 };
 
 }  // namespace detail
