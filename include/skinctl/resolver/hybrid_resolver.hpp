@@ -31,11 +31,11 @@ struct HybridMemory {
 ///
 /// - A law reads one state: the virtual one of the stiff joints, the measured one of the driven joints.
 /// - The stiff joints are what `Resolver<I>` makes of them: a virtual robot that carries the law's torque,
-///   sub-stepped over the interval just passed. In its equation the driven joints move as measured, at a
-///   steady speed: `M_ss dv = tau_s - (C v + G)_s - B v`, with M and C of the whole robot. Their acceleration
-///   is left out, `M_sd ddq_d` (a finger of 0.2 kg that starts at 50 rad/s^2 asks 0.5 N at its knuckle of an
-///   arm): measured it would be a difference of differences of encoders, and computed it would need every
-///   force in the grasp.
+///   sub-stepped over the interval just passed, with the driven joints as a load that stands as measured:
+///   `M_ss dv = tau_s - (C_s v)_s - G_s - B v`. What these ask of the arm by moving is left out: the reaction
+///   of a finger that starts and stops (0.2 kg at 50 rad/s^2: half a newton at its knuckle) is zero on
+///   average, and half of it, the velocities without the accelerations, would push an arm about whose fingers
+///   tremble.
 /// - The driven joints are what `Resolver<Interface::torque>` makes of them: the law's torque at the newest
 ///   measurement, meant for one period from now, less the friction configured, cut to the limits. The law is
 ///   asked for it once more, at the end of the cycle.

@@ -173,22 +173,37 @@ template <class Policy, class K, Real T>
   return solve_step<Policy>(m, bias, known.dq(), shape, has_coulomb, tau, pull, known.dt(), damping);
 }
 
-/// The same for the joints of `Subset` alone: the others move on as they do, at `known.dq()`, and are not
-/// accelerated (see `HybridResolver`).
+/// The same for the joints of `Subset` alone, as if the others stood where they are: what these, moving, ask
+/// of the former is left out (see `HybridResolver`).
 template <class Policy, class Subset, class K, Real T>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<Subset::count, T> step_velocity_of(
     const K& known, const VirtualShape<Subset::count, T>& shape, bool has_coulomb,
     const JointTorque<Subset::count, T>& tau, const JointAcceleration<Subset::count, T>& pull,
     const JointAcceleration<Subset::count, T>& last) noexcept {
-  JointAcceleration<K::joints, T> last_of_all;
-  Subset::put(last, last_of_all);
+  constexpr std::size_t n = Subset::count;
+  const JointVelocity<n, T> v = Subset::of(known.dq());
+  const T half = T(0.5) * known.dt();
+  JointVelocity<K::joints, T> moving;
+  Subset::put(Policy::midpoint ? integrate(v, last, half) : v, moving);
+  const auto bias = [&]() SKINCTL_INLINE_LAMBDA {
+    const auto all = [&](const auto& angles) SKINCTL_INLINE_LAMBDA {
+      if constexpr (K::needs.gravity) {
+        return coriolis_torque(known.model(), angles, moving) + known.gravity();
+      } else {
+        return bias_torque(known.model(), angles, moving);
+      }
+    };
+    if constexpr (Policy::midpoint) {
+      return Subset::of(all(known.middle()));
+    } else {
+      return Subset::of(all(known.angles()));
+    }
+  }();
   const MassMatrix<K::joints, T> all = mass_where<Policy, K, T>(known);
-  MassMatrix<Subset::count, T> m;
-  for (std::size_t i = 0; i < Subset::count; ++i)
-    for (std::size_t j = 0; j < Subset::count; ++j) m(i, j) = all(Subset::index[i], Subset::index[j]);
-  const auto bias = Subset::of(bias_where<Policy, K, T>(known, last_of_all));
-  return solve_step<Policy, Subset::count, T>(m, bias, Subset::of(known.dq()), shape, has_coulomb, tau, pull,
-                                              known.dt(), nullptr);
+  MassMatrix<n, T> m;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) m(i, j) = all(Subset::index[i], Subset::index[j]);
+  return solve_step<Policy, n, T>(m, bias, v, shape, has_coulomb, tau, pull, known.dt(), nullptr);
 }
 
 }  // namespace detail
