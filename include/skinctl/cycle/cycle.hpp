@@ -76,6 +76,17 @@ template <class Overseer, class Skin>
     return NoTouch{};
   }
 }
+/// Whether a resolver's commands are motions of all joints.
+template <class Resolver>
+inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
+/// The guard of a resolver whose joints are all of one kind.
+template <class Resolver>
+struct GuardOf {};
+template <class Resolver>
+  requires requires { Resolver::interface; }
+struct GuardOf<Resolver> {
+  using type = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>;
+};
 template <class L>
 struct GoalType {
   using type = NoGoal;
@@ -95,12 +106,11 @@ struct GoalType<L> {
 /// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
 /// else of the model is computed.
 template <class Resolver, class L, class Skin = Bare,
-          class Watchman = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>,
-          class Overseer = NoGovernor>
+          class Watchman = typename detail::GuardOf<Resolver>::type, class Overseer = NoGovernor>
 class Cycle {
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
-  static_assert(!governed || Resolver::interface != Interface::torque,
+  static_assert(!governed || detail::commands_motion<Resolver>,
                 "a governor slows motions: a torque interface has none to slow, leave it out");
   static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
                 "the governor is of a robot with other joints, or of another scalar");

@@ -90,45 +90,42 @@ SKINCTL_NOINLINE void add_damping(const ContactDamping<N, T>& damping, const T& 
   }
 }
 
-/// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`.
+/// M, and `C v + G`, where the policy takes them.
 ///
 /// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
-/// @param damping  friction along contacts besides, by the new velocity; null: none.
 template <class Policy, class K, Real T>
-[[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
-    const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
-    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
-    const JointAcceleration<K::joints, T>& last,
-    const ContactDamping<K::joints, T>* damping = nullptr) noexcept {
-  constexpr std::size_t n = K::joints;
-  const T h = known.dt();
-  const auto& v = known.dq();
-  if constexpr (std::same_as<Policy, RungeKutta4>) {
-    VelocityStep<n, T> out;
-    if (!has_coulomb && damping == nullptr && runge_kutta(known, shape, tau, pull, out.velocity)) return out;
+[[nodiscard]] SKINCTL_INLINE MassMatrix<K::joints, T> mass_where(const K& known) noexcept {
+  if constexpr (Policy::midpoint) {
+    return mass_matrix(known.model(), known.middle());
+  } else {
+    return MassMatrix<K::joints, T>(known.mass());
   }
-
-  MassMatrix<n, T> m = [&]() SKINCTL_INLINE_LAMBDA {
-    if constexpr (Policy::midpoint) {
-      return mass_matrix(known.model(), known.middle());
+}
+template <class Policy, class K, Real T>
+[[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, T> bias_where(
+    const K& known, const JointAcceleration<K::joints, T>& last) noexcept {
+  if constexpr (Policy::midpoint) {
+    const JointVelocity<K::joints, T> v_mid = integrate(known.dq(), last, T(T(0.5) * known.dt()));
+    // Where laws of the half step evaluate the model too, so that held gravity cancels.
+    if constexpr (K::needs.gravity) {
+      return coriolis_torque(known.model(), known.middle(), v_mid) + known.gravity();
     } else {
-      return MassMatrix<n, T>(known.mass());
+      return bias_torque(known.model(), known.middle(), v_mid);
     }
-  }();
-  const auto bias = [&]() SKINCTL_INLINE_LAMBDA {
-    if constexpr (Policy::midpoint) {
-      const JointVelocity<n, T> v_mid = integrate(v, last, T(T(0.5) * h));
-      // Where laws of the half step evaluate the model too, so that held gravity cancels.
-      if constexpr (K::needs.gravity) {
-        return coriolis_torque(known.model(), known.middle(), v_mid) + known.gravity();
-      } else {
-        return bias_torque(known.model(), known.middle(), v_mid);
-      }
-    } else {
-      return bias_at_start<T>(known, known.angles());
-    }
-  }();
+  } else {
+    return bias_at_start<T>(known, known.angles());
+  }
+}
 
+/// The velocity after `h` seconds of `M_v dv = tau - bias - B v - tau_c(v) + M_v pull`, `M_v = m +
+/// diag(inertia)`; see `step_velocity`.
+template <class Policy, std::size_t n, Real T>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<n, T> solve_step(MassMatrix<n, T>& m, const JointTorque<n, T>& bias,
+                                                           const JointVelocity<n, T>& v,
+                                                           const VirtualShape<n, T>& shape, bool has_coulomb,
+                                                           const JointTorque<n, T>& tau,
+                                                           const JointAcceleration<n, T>& pull, const T& h,
+                                                           const ContactDamping<n, T>* damping) noexcept {
   for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { m(i, i) = m(i, i) + shape.inertia[i]; });
   // h times the acceleration that is given per mass
   const JointAcceleration<n, T> free(h * (pull - shape.decay * Row<n, T>(v)));
@@ -155,6 +152,58 @@ template <class Policy, class K, Real T>
     if (has_coulomb) stick_or_slip(m, h * shape.coulomb, impulse, v, out.velocity);
   }
   return out;
+}
+
+/// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`.
+///
+/// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
+/// @param damping  friction along contacts besides, by the new velocity; null: none.
+template <class Policy, class K, Real T>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
+    const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
+    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
+    const JointAcceleration<K::joints, T>& last,
+    const ContactDamping<K::joints, T>* damping = nullptr) noexcept {
+  if constexpr (std::same_as<Policy, RungeKutta4>) {
+    VelocityStep<K::joints, T> out;
+    if (!has_coulomb && damping == nullptr && runge_kutta(known, shape, tau, pull, out.velocity)) return out;
+  }
+  MassMatrix<K::joints, T> m = mass_where<Policy, K, T>(known);
+  const auto bias = bias_where<Policy, K, T>(known, last);
+  return solve_step<Policy>(m, bias, known.dq(), shape, has_coulomb, tau, pull, known.dt(), damping);
+}
+
+/// The same for the joints of `Subset` alone, as if the others stood where they are: what these, moving, ask
+/// of the former is left out (see `HybridResolver`).
+template <class Policy, class Subset, class K, Real T>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<Subset::count, T> step_velocity_of(
+    const K& known, const VirtualShape<Subset::count, T>& shape, bool has_coulomb,
+    const JointTorque<Subset::count, T>& tau, const JointAcceleration<Subset::count, T>& pull,
+    const JointAcceleration<Subset::count, T>& last) noexcept {
+  constexpr std::size_t n = Subset::count;
+  const JointVelocity<n, T> v = Subset::of(known.dq());
+  const T half = T(0.5) * known.dt();
+  JointVelocity<K::joints, T> moving;
+  Subset::put(Policy::midpoint ? integrate(v, last, half) : v, moving);
+  const auto bias = [&]() SKINCTL_INLINE_LAMBDA {
+    const auto all = [&](const auto& angles) SKINCTL_INLINE_LAMBDA {
+      if constexpr (K::needs.gravity) {
+        return coriolis_torque(known.model(), angles, moving) + known.gravity();
+      } else {
+        return bias_torque(known.model(), angles, moving);
+      }
+    };
+    if constexpr (Policy::midpoint) {
+      return Subset::of(all(known.middle()));
+    } else {
+      return Subset::of(all(known.angles()));
+    }
+  }();
+  const MassMatrix<K::joints, T> all = mass_where<Policy, K, T>(known);
+  MassMatrix<n, T> m;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) m(i, j) = all(Subset::index[i], Subset::index[j]);
+  return solve_step<Policy, n, T>(m, bias, v, shape, has_coulomb, tau, pull, known.dt(), nullptr);
 }
 
 }  // namespace detail

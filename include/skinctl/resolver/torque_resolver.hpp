@@ -1,6 +1,7 @@
 // The torque interface: the law on the measured state, and its torque is the command.
 #pragma once
 
+#include "skinctl/resolver/detail/held_friction.hpp"
 #include "skinctl/resolver/resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -144,11 +145,9 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     JointTorque<joints, T> drag;
     if (!viscous_) return drag;
     const auto mass = mass_matrix(model_, robot.q);
-    const T h = T(1.5) * seconds<T>(p_.period);
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T b = p_.shape.viscous[i], own = mass(i, i);
-      drag[i] = own > T(0) ? T(b * own / (own + h * b) * robot.dq[i]) : T(0);
-    }
+    const T h = seconds<T>(p_.period);
+    for (std::size_t i = 0; i < joints; ++i)
+      drag[i] = detail::held_friction(p_.shape.viscous[i], mass(i, i), h, robot.dq[i]);
     return drag;
   }
 
