@@ -39,7 +39,8 @@ struct PoseGoal {
 /// origin [m], then its orientation, or the origin alone.
 ///
 /// `dq_r = J^+ dx_r`, with the damped inverse; `ddq_r` is its derivative, that of the damping included; `S_q
-/// = dq - dq_r`. Next to a singularity the arm slows down (`Reason::slowed`).
+/// = dq - dq_r`, so that `J S_q = S_xdelta + K_i1 I1 + K_i2 I2` where nothing is damped or limited. Next to a
+/// singularity the arm slows down (`Reason::slowed`).
 ///
 /// @tparam What         `Task::pose` or `Task::position`.
 /// @tparam Orientation  `RotationVectorError`, `QuaternionError` or `ZyzError`.
@@ -67,8 +68,8 @@ class OperationalSpace {
     Xyz<T> near{T(0), T(0), T(0)};   ///< branch of the orientation error
     JointVelocity<N, T> escape;      ///< motion out of a singularity that the damped inverse does not find
     JointAcceleration<N, T> rising;  ///< its derivative
-    JointVelocity<N, T> drift;       ///< what the joints did at the start that the tool's course does not ask for
-    bool slowed = false;             ///< next to a singularity, or at the largest speed of a joint
+    JointVelocity<N, T> drift;  ///< what the joints did at the start that the tool's course does not ask for
+    bool slowed = false;        ///< next to a singularity, or at the largest speed of a joint
   };
   struct Surface {
     JointVelocity<coordinates, T> S_delta;  ///< eq. (19)
@@ -267,8 +268,7 @@ class OperationalSpace {
   /// Takes over from joints that are `faster` than the reference asks for: next to a singularity, or above
   /// their limits, it does not follow them. The rest decays as S_d does.
   static SKINCTL_INLINE void take_up(Memory& memory, const JointVelocity<N, T>& faster) noexcept {
-    for (std::size_t i = 0; i < N; ++i)
-      memory.drift[i] = faster[i] - faster[i] == T(0) ? faster[i] : T(0);
+    for (std::size_t i = 0; i < N; ++i) memory.drift[i] = faster[i] - faster[i] == T(0) ? faster[i] : T(0);
   }
   /// After a reset: the shortest way round.
   [[nodiscard]] static SKINCTL_INLINE Memory renewed(Memory memory) noexcept {
