@@ -204,7 +204,12 @@ class Governor {
       if (next < lower && q >= lower) next = lower, m.carry[i] = T(0);
       out.command.position[i] = m.position[i] = next;
       out.command.velocity[i] = motion.velocity[i];
-      out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+      if constexpr (requires { motion.acceleration; }) {
+        out.command.acceleration[i] =
+            motion.acceleration[i];  // that at its end: the guard may brake from there
+      } else {
+        out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+      }
     }
     out.altered = true;
   }
