@@ -134,7 +134,7 @@ void check_rate(const L& law, const JointPosition<6>& q, double tolerance) {
         m.I1.sum[i] += d * now.dI1[i];
         m.I2.sum[i] += d * now.dI2[i];
       }
-      for (std::size_t i = 0; i < 6; ++i) m.space.escape[i] += d * memory.space.rising[i];
+      for (std::size_t i = 0; i < 6; ++i) m.space.escape.v[i] += d * memory.space.escape.a[i];
       return law.now(m, K(model, moved, dt, none));
     };
     const auto ahead = at(h), behind = at(-h);
