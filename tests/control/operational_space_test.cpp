@@ -135,7 +135,7 @@ void check_rate(const L& law, const JointPosition<6>& q, double tolerance) {
         m.I2.sum[i] += d * now.dI2[i];
       }
       for (double& v : m.space.drift) v *= std::exp(-law.settings().tracking.kappa * d);
-      for (std::size_t i = 0; i < 6; ++i) m.space.escape[i] += d * memory.space.rising[i];
+      for (std::size_t i = 0; i < 6; ++i) m.space.escape.v[i] += d * memory.space.escape.a[i];
       return law.now(m, K(model, moved, dt, none));
     };
     const auto ahead = at(h), behind = at(-h);
