@@ -25,7 +25,7 @@ struct TorqueResolverMemory {
 /// limited here. While the state is stale, or a stop is asked for, or the law's torque is not finite, the
 /// command is `fallback`: gravity held, and friction.
 template <Model M, Real T, class Integrator, std::size_t History>
-class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
+class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>, NoToolShape> {
  public:
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = Interface::torque;
