@@ -95,11 +95,11 @@ TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, gravity is h
   const Robot<T> robot(ur5::Model{}, c);
   const T nan = std::numeric_limits<T>::quiet_NaN();
   Yield::Memory law;
-  const auto holds = [&](const auto& out) {
+  const auto holds = [&](const auto& out, double friction = 2) {
     const auto gravity = gravity_torque(ur5::Model{}, at<T>(0).q);
     for (std::size_t i = 0; i < 6; ++i) {
       const double own = double(mass_matrix(ur5::Model{}, at<T>(0).q)(i, i));
-      const double want = double(gravity[i]) - 2 / (1 + 0.006 / own) * double(at<T>(0).dq[i]);
+      const double want = double(gravity[i]) - friction / (1 + 0.006 / own) * double(at<T>(0).dq[i]);
       CHECK(double(out.command.torque[i]) == doctest::Approx(want).epsilon(1e-5));
     }
   };
@@ -123,7 +123,7 @@ TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, gravity is h
   CHECK(m.measured.q == at<T>(0).q);
   out = step(robot, m, law, bad, 40_ms, JointTorque<6, T>::constant(T(3)));
   CHECK(out.status.has(Reason::state_stale));
-  holds(out);
+  holds(out, 0);  // nobody knows how it moves: friction by an old velocity would push
 }
 
 TEST_CASE_TEMPLATE("Resolver for torques: a push moves a robot that obeys, friction stops it", T, float,
@@ -158,7 +158,11 @@ TEST_CASE("Resolver for torques: time that goes back or stands still repeats the
   auto m = robot.start(at<double>(10_ms));
   Yield::Memory law;
   CHECK(step(robot, m, law, at<double>(10_ms), 10_ms, {}).status == Reason::interval_empty);
-  CHECK(step(robot, m, law, at<double>(8_ms), 8_ms, {}).status == Reason::time_backwards);
+  auto elsewhere = at<double>(8_ms);
+  elsewhere.q[1] += 0.4;
+  const auto late = step(robot, m, law, elsewhere, 8_ms, {});
+  CHECK(late.status == Reason::time_backwards);
+  CHECK(late.fallback == gravity_torque(ur5::Model{}, elsewhere.q));  // held where it is, not where it was
   CHECK(law.evaluations == 0);
   auto bad = at<double>(0);
   bad.q[0] = std::nan("");

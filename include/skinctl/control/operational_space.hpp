@@ -39,7 +39,8 @@ struct PoseGoal {
 /// origin [m], then its orientation, or the origin alone.
 ///
 /// `dq_r = J^+ dx_r`, with the damped inverse; `ddq_r` is its derivative, that of the damping included; `S_q
-/// = dq - dq_r`. Next to a singularity the arm slows down (`Reason::slowed`).
+/// = dq - dq_r`, so that `J S_q = S_xdelta + K_i1 I1 + K_i2 I2` where nothing is damped or limited. Next to a
+/// singularity the arm slows down (`Reason::slowed`).
 ///
 /// @tparam What         `Task::pose` or `Task::position`.
 /// @tparam Orientation  `RotationVectorError`, `QuaternionError` or `ZyzError`.
@@ -67,7 +68,8 @@ class OperationalSpace {
     Xyz<T> near{T(0), T(0), T(0)};   ///< branch of the orientation error
     JointVelocity<N, T> escape;      ///< motion out of a singularity that the damped inverse does not find
     JointAcceleration<N, T> rising;  ///< its derivative
-    bool slowed = false;             ///< next to a singularity, or at the largest speed of a joint
+    JointVelocity<N, T> drift;  ///< what the joints did at the start that the tool's course does not ask for
+    bool slowed = false;        ///< next to a singularity, or at the largest speed of a joint
   };
   struct Surface {
     JointVelocity<coordinates, T> S_delta;  ///< eq. (19)
@@ -102,6 +104,7 @@ class OperationalSpace {
         least_damping_(settings.least_damping),
         singularities_(settings.singularities),
         limit_(settings.tracking.max_velocity),
+        kappa_(settings.tracking.kappa),
         null_(null) {
     const auto positive = [](const char* what, const T& x) {
       require(x > T(0) && x <= T(1e6), what, static_cast<double>(x), "> 0");
@@ -249,6 +252,8 @@ class OperationalSpace {
     const T sum = dot(s.near, s.near);
     if (sum - sum == T(0)) next.near = s.near;
     next.slowed = s.slowed;
+    const T stays = T(1) / (T(1) + kappa_ * dt);
+    for (T& v : next.drift) v = detail::magnitude(v) > T(1e-30) ? T(stays * v) : T(0);
     // Two first-order lags of 50 ms, by backward Euler: smooth, and stable for every dt.
     const T w = T(1) / T(0.05);
     const T scale = T(1) / (T(1) + w * dt * (T(2) + w * dt));
@@ -259,6 +264,11 @@ class OperationalSpace {
       next.escape[i] = memory.escape[i] + dt * rising;
     }
     return next;
+  }
+  /// Takes over from joints that are `faster` than the reference asks for: next to a singularity, or above
+  /// their limits, it does not follow them. The rest decays as S_d does.
+  static SKINCTL_INLINE void take_up(Memory& memory, const JointVelocity<N, T>& faster) noexcept {
+    for (std::size_t i = 0; i < N; ++i) memory.drift[i] = faster[i] - faster[i] == T(0) ? faster[i] : T(0);
   }
   /// After a reset: the shortest way round.
   [[nodiscard]] static SKINCTL_INLINE Memory renewed(Memory memory) noexcept {
@@ -322,6 +332,7 @@ class OperationalSpace {
   T least_damping_;
   SingularityDamping<T> singularities_;
   JointVelocity<N, T> limit_;
+  T kappa_;    ///< decay of the drift
   T slowest_;  ///< of the limits
   [[no_unique_address]] Null null_;
 };
@@ -370,6 +381,10 @@ SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::sur
   s.ddq_r += memory.rising;
   s.slowed = nearness > T(0);
   s.slowed |= limit_speed(limit_, s.dq_r, s.ddq_r);
+  for (std::size_t i = 0; i < N; ++i) {
+    s.dq_r[i] = s.dq_r[i] + memory.drift[i];
+    s.ddq_r[i] = s.ddq_r[i] - kappa_ * memory.drift[i];
+  }
   for (std::size_t i = 0; i < N; ++i) s.S_q[i] = at.dq[i] - s.dq_r[i];
   return s;
 }

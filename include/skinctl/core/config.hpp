@@ -42,3 +42,12 @@
 // What runs before the loop: compiled for size.
 #define SKINCTL_COLD __attribute__((noinline, cold))
 #define SKINCTL_INLINE_LAMBDA __attribute__((always_inline))
+
+/// In the body of an operator: lets its multiplication or addition and that of another operator become one
+/// fused operation, as GCC does anyway; Clang would otherwise fuse only within one expression. Define
+/// SKINCTL_NO_CONTRACT to forbid it there.
+#if defined(__clang__) && !defined(SKINCTL_NO_CONTRACT)
+#define SKINCTL_CONTRACT _Pragma("clang fp contract(fast)")
+#else
+#define SKINCTL_CONTRACT
+#endif
