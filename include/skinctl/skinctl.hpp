@@ -123,6 +123,7 @@
 #include "skinctl/resolver/passivity.hpp"
 #include "skinctl/resolver/resolver.hpp"
 #include "skinctl/resolver/servo.hpp"
+#include "skinctl/resolver/tool_shape.hpp"
 #include "skinctl/resolver/torque_resolver.hpp"
 #include "skinctl/safety/body_region.hpp"
 #include "skinctl/safety/budget.hpp"

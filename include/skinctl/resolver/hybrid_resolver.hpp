@@ -41,7 +41,8 @@ struct HybridMemory {
 ///   asked for it once more, at the end of the cycle.
 /// - News are taken whole or not at all: a measurement with a number that is not finite is none of both
 ///   parts. When news are stale, or a stop is asked for, the stiff joints brake and hold, the driven ones are
-///   held against gravity with friction (`fallback`). While a stiff joint is blocked the driven ones go on.
+///   held against gravity with friction (stale: without). While a stiff joint is blocked the driven ones go
+///   on.
 ///
 /// A command has both kinds: `stiff(command)` and `torque(command)` are the two devices' shares, and cannot
 /// be mixed up, as their numbers of joints differ. Keepers (`Passivity`) are for robots of one kind so far.
@@ -96,7 +97,7 @@ class HybridResolver {
     if (!detail::is_plausible(measured)) return m;
     m.stiff = virtual_.start(part_of<Stiff>(measured));
     m.measured = measured;
-    if (m.stiff.started) compose(m, Driven::of(fallback(m)));
+    if (m.stiff.started) compose(m, Driven::of(held(measured)));
     return m;
   }
 
@@ -116,10 +117,8 @@ class HybridResolver {
                                         std::span<const Touch> touches) const noexcept;
 
   /// What holds the driven joints when no law can: `G(q) - B dq`; zero for the others.
-  [[nodiscard]] JointTorque<joints, T> fallback(const Memory& m) const noexcept {
-    JointTorque<joints, T> out;
-    Driven::put(Driven::of(gravity_torque(model_, m.measured.q)) - friction(m.measured), out);
-    return out;
+  [[nodiscard]] JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
+    return held(robot.q, friction(robot));
   }
 
   /// Tells that the guard let `command` out instead of the last one.
@@ -164,6 +163,12 @@ class HybridResolver {
     Stiff::put(m.stiff.q.value, s.q);
     Stiff::put(v, s.dq);
     return s;
+  }
+  [[nodiscard]] JointTorque<joints, T> held(const JointPosition<joints, T>& q,
+                                            const DrivenTorque& drag) const noexcept {
+    JointTorque<joints, T> out;
+    Driven::put(Driven::of(gravity_torque(model_, q)) - drag, out);
+    return out;
   }
   SKINCTL_INLINE Status accept(Memory& m, const State<joints, T>& measured, Nanoseconds now) const noexcept;
   [[nodiscard]] DrivenTorque friction(const State<joints, T>& s) const noexcept {

@@ -6,6 +6,7 @@
 #include "skinctl/dynamics/shape.hpp"
 #include "skinctl/resolver/detail/runge_kutta.hpp"
 #include "skinctl/resolver/detail/stick_or_slip.hpp"
+#include "skinctl/resolver/tool_shape.hpp"
 #include "skinctl/safety/contact_damper.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -117,16 +118,15 @@ template <class Policy, class K, Real T>
   }
 }
 
-/// The velocity after `h` seconds of `M_v dv = tau - bias - B v - tau_c(v) + M_v pull`, `M_v = m +
-/// diag(inertia)`; see `step_velocity`.
-template <class Policy, std::size_t n, Real T>
+/// The velocity after `h` seconds of `m dv = tau - bias - B v - tau_c(v) + m pull`; see `step_velocity`.
+/// `more(m, impulse)` adds what there is of friction besides.
+template <class Policy, std::size_t n, Real T, class More>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<n, T> solve_step(MassMatrix<n, T>& m, const JointTorque<n, T>& bias,
                                                            const JointVelocity<n, T>& v,
                                                            const VirtualShape<n, T>& shape, bool has_coulomb,
                                                            const JointTorque<n, T>& tau,
                                                            const JointAcceleration<n, T>& pull, const T& h,
-                                                           const ContactDamping<n, T>* damping) noexcept {
-  for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { m(i, i) = m(i, i) + shape.inertia[i]; });
+                                                           const More& more) noexcept {
   // h times the acceleration that is given per mass
   const JointAcceleration<n, T> free(h * (pull - shape.decay * Row<n, T>(v)));
   JointTorque<n, T> impulse = m * free;
@@ -139,7 +139,7 @@ template <class Policy, std::size_t n, Real T>
     for_each_index<n>([&](std::size_t j) SKINCTL_INLINE_LAMBDA { m(i, j) = m(i, j) * decayed; });
     m(i, i) = m(i, i) + Policy::weight(z) * b;
   });
-  if (damping != nullptr) add_damping(*damping, h, v, m, impulse);
+  more(m, impulse);
   VelocityStep<n, T> out;
   const math::Ldlt<n, T> factors(m.data);
   out.singular = !factors.positive_definite();
@@ -154,23 +154,79 @@ template <class Policy, std::size_t n, Real T>
   return out;
 }
 
+/// `m += diag(inertia)`.
+template <std::size_t n, Real T>
+SKINCTL_INLINE void add_inertia(const VirtualShape<n, T>& shape, MassMatrix<n, T>& m) noexcept {
+  for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { m(i, i) = m(i, i) + shape.inertia[i]; });
+}
+
+/// `step_velocity` of a virtual robot that feels at its tool like `tool`; `m` is the joints' own inertia.
+template <class Policy, class K, Real T, class Tool>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_shaped(
+    const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
+    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
+    const JointAcceleration<K::joints, T>& last, const ContactDamping<K::joints, T>* damping,
+    const Tool& tool, const MassMatrix<K::joints, T>& m) noexcept {
+  constexpr std::size_t n = K::joints;
+  const auto& v = known.dq();
+  const T h = known.dt();
+  const auto step = [&](const auto& angles, const JointVelocity<n, T>& moving) SKINCTL_INLINE_LAMBDA {
+    ToolTerms<n, Tool::rows, T> terms;
+    const auto coriolis = coriolis_torque(known.model(), angles, moving);
+    if (!tool.template terms<Policy>(known.model(), angles, moving, m, coriolis, h, terms))
+      return VelocityStep<n, T>{v, true};
+    if constexpr (K::needs.gravity) {
+      terms.coriolis += known.gravity();
+    } else {
+      terms.coriolis += gravity_torque(known.model(), angles);
+    }
+    const JointTorque<n, T> drag = terms.friction * JointAcceleration<n, T>(h * Row<n, T>(v));
+    return solve_step<Policy>(terms.mass, terms.coriolis, v, shape, has_coulomb, tau, pull, h,
+                              [&](auto& mass, auto& impulse) SKINCTL_INLINE_LAMBDA {
+                                impulse -= drag;
+                                for (std::size_t i = 0; i < n * n; ++i)
+                                  mass.data[i] = mass.data[i] + terms.implicit.data[i];
+                                if (damping != nullptr) add_damping(*damping, h, v, mass, impulse);
+                              });
+  };
+  if constexpr (Policy::midpoint) {
+    const JointVelocity<n, T> v_mid = integrate(v, last, T(T(0.5) * h));
+    return step(known.middle(), v_mid);
+  } else {
+    return step(known.angles(), v);
+  }
+}
+
 /// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`.
 ///
 /// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
 /// @param damping  friction along contacts besides, by the new velocity; null: none.
-template <class Policy, class K, Real T>
+/// @param tool  what the tool is to feel like, or `NoToolShape`.
+template <class Policy, class K, Real T, class Tool = NoToolShape>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
     const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
     const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
     const JointAcceleration<K::joints, T>& last,
-    const ContactDamping<K::joints, T>* damping = nullptr) noexcept {
-  if constexpr (std::same_as<Policy, RungeKutta4>) {
-    VelocityStep<K::joints, T> out;
+    const ContactDamping<K::joints, typename K::scalar>* damping = nullptr, const Tool& tool = {}) noexcept {
+  constexpr std::size_t n = K::joints;
+  constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
+  const auto& v = known.dq();
+  const T h = known.dt();
+  if constexpr (std::same_as<Policy, RungeKutta4> && !shaped) {
+    VelocityStep<n, T> out;
     if (!has_coulomb && damping == nullptr && runge_kutta(known, shape, tau, pull, out.velocity)) return out;
   }
-  MassMatrix<K::joints, T> m = mass_where<Policy, K, T>(known);
-  const auto bias = bias_where<Policy, K, T>(known, last);
-  return solve_step<Policy>(m, bias, known.dq(), shape, has_coulomb, tau, pull, known.dt(), damping);
+  MassMatrix<n, T> m = mass_where<Policy, K, T>(known);
+  add_inertia(shape, m);
+  if constexpr (shaped) {
+    return step_shaped<Policy>(known, shape, has_coulomb, tau, pull, last, damping, tool, m);
+  } else {
+    const auto bias = bias_where<Policy, K, T>(known, last);
+    return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, h,
+                              [&](auto& mass, auto& impulse) SKINCTL_INLINE_LAMBDA {
+                                if (damping != nullptr) add_damping(*damping, h, v, mass, impulse);
+                              });
+  }
 }
 
 /// The same for the joints of `Subset` alone, as if the others stood where they are: what these, moving, ask
@@ -203,7 +259,8 @@ template <class Policy, class Subset, class K, Real T>
   MassMatrix<n, T> m;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j) m(i, j) = all(Subset::index[i], Subset::index[j]);
-  return solve_step<Policy, n, T>(m, bias, v, shape, has_coulomb, tau, pull, known.dt(), nullptr);
+  add_inertia(shape, m);
+  return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, known.dt(), [](auto&, auto&) {});
 }
 
 }  // namespace detail

@@ -31,7 +31,7 @@ struct TorqueResolverMemory {
 /// Of `Passivity` it takes the `EnergyTank`, at the real port: the robot gives no more energy than it got,
 /// and than the tank held.
 template <Model M, Real T, class Integrator, std::size_t History, class Keeper>
-class Resolver<Interface::torque, M, T, Integrator, History, Keeper> {
+class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape> {
   struct NoTank {};
 
  public:

@@ -27,7 +27,8 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
   if (!m.stiff.started) return out;
   if (interval.substeps == 0) {
-    out.fallback = fallback(m);
+    // Whatever the clock says: gravity is to be held where the robot is.
+    out.fallback = held(detail::is_plausible(measured) ? measured : m.measured);
     return out;
   }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
@@ -63,7 +64,8 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   }
   m.stiff.time = interval.to;
 
-  out.fallback = fallback(m);
+  // By an old velocity nothing can be braked.
+  out.fallback = begun.status.has(Reason::state_stale) ? held(m.measured.q, {}) : held(m.measured);
   DrivenTorque driven = Driven::of(out.fallback);
   const bool blocked = m.stiff.mode == Mode::blocked;
   if (blocked) out.status |= Reason::blocked;
