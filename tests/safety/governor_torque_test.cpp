@@ -1,6 +1,7 @@
 // A governor of torques on an arm that obeys them, and on people and walls made of springs.
 #include <doctest/doctest.h>
 
+#include <bit>
 #include <cmath>
 
 #include "skinctl/model/ur5.hpp"
@@ -189,4 +190,45 @@ TEST_CASE("Governor of torques: one that stops for a contact is held with dampin
   const auto moved = run(&governor, s, {}, hand, 1.0, [](auto&&...) {}, true);
   CHECK(dot(hand.n, hand.place(moved.q) - hand.place(s.q)) > 0.002);
   CHECK(energy(moved) < 1e-3);
+}
+
+TEST_CASE(
+    "Governor of torques: whatever bits are in what it reads, a torque within the limits or the wish "
+    "itself") {
+  Random random(11);
+  const auto any = [&](double usual) {
+    if (random() % 6 != 0) return usual;
+    constexpr double special[] = {
+        std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+        -std::numeric_limits<double>::max(), std::numeric_limits<double>::denorm_min()};
+    const auto k = random() % 8;
+    return k < 4 ? special[k] : std::bit_cast<double>(random());
+  };
+  Governors::Memory memory{};
+  int braked = 0, stopped = 0;
+  for (int k = 0; k < (SKINCTL_MANY_DIGITS ? 20000 : 1000); ++k) {
+    State<6> s = pose(random);  // measured states are those that the guard believes
+    for (double& v : s.dq) v = uniform(random, -3.0, 3.0);
+    JointTorque<6> hold = gravity_torque(Arm{}, s.q);
+    JointCommand<6> wish;
+    wish.valid = random() % 20 != 0;
+    for (std::size_t i = 0; i < 6; ++i) wish.torque[i] = any(hold[i] + uniform(random, -20.0, 20.0));
+    for (double& x : hold) x = any(x);
+    Touch touch;
+    for (double& x : touch.data[0]) x = any(random() % 2 == 0 ? 0.0 : uniform(random, -30.0, 30.0));
+    const std::array<double, 1> nearest{any(0.5)};
+    const auto out = governor.pass_torque(memory, wish, hold, random() % 4 == 0, s, touch, nearest, dt);
+    for (std::size_t i = 0; i < 6; ++i) {
+      if (out.altered) CHECK(std::abs(out.command.torque[i]) <= limits.torque()[i]);
+      if (!out.altered)
+        CHECK(std::bit_cast<std::uint64_t>(out.command.torque[i]) ==
+              std::bit_cast<std::uint64_t>(wish.torque[i]));
+      if (std::bit_cast<std::uint64_t>(out.hold[i]) != std::bit_cast<std::uint64_t>(hold[i]))
+        CHECK(std::abs(out.hold[i]) <= limits.torque()[i]);
+    }
+    braked += out.altered;
+    stopped += out.status.has(Reason::contact_force);
+  }
+  CHECK(braked > 100);
+  CHECK(stopped > 10);  // a wrench that is not a number counts as pressed too hard
 }

@@ -144,7 +144,8 @@ class Governor {
     const math::Ldlt<N, T> factors(mass.data);
     if (!factors.positive_definite()) return out;
     const T ahead = T(braking_cycles) * dt;
-    const JointTorque<N, T> drive = wish.torque - hold;
+    const JointTorque<N, T> asked = limits_.within(wish.torque, measured.dq);
+    const JointTorque<N, T> drive = asked - limits_.within(hold, measured.dq);
     JointAcceleration<N, T> given;
     factors.solve(drive.data, given.data);
     const JointVelocity<N, T> u = integrate(measured.dq, given, ahead);
@@ -161,7 +162,7 @@ class Governor {
       if (tool < share) share = tool;
     }
     if (share < T(1)) {
-      const JointTorque<N, T> braked = wish.torque - momentum(mass, u) * T((T(1) - share) / ahead);
+      const JointTorque<N, T> braked = asked - momentum(mass, u) * T((T(1) - share) / ahead);
       out.command.torque = limits_.within(braked, measured.dq);
       out.altered = true;
     }
