@@ -81,6 +81,14 @@ int replay(char** argv) {
   const auto fault = std::strtoul(argv[3], nullptr, 10);
   if (fault >= count) return 2;
   const auto skill = static_cast<std::uint8_t>(std::strtoul(argv[4], nullptr, 10));
+  injection.watch = [](int k, bool faulty, const auto& out) {
+    std::printf("%4d %c", k, faulty ? '!' : ' ');
+    for (const double x : I == Interface::position ? out.command.position.data : out.command.torque.data)
+      std::printf(" %8.4f", x);
+    for (const double x : out.command.velocity.data) std::printf(" %7.4f", x);
+    out.status.for_each([](Reason r) { std::printf(", %s", describe(r)); });
+    std::printf("\n");
+  };
   const auto run = injection.run(faults[fault], skill, std::strtoull(argv[5], nullptr, 10));
   std::printf("%s, %s: %s, largest step %.9f: %s\n", faults[fault].what, injection.name(skill),
               name(run.seen), run.worst_step, run.good() ? "as documented" : run.wrong.c_str());

@@ -83,7 +83,7 @@ struct RandomScene {
   std::array<double, 6> pose{};
   Nanoseconds period = 0;
   int delay = 0;
-  double lag = 0, energy = 1, tank = 3, stiffest = 0;
+  double lag = 0, energy = 1, tank = 1, stiffest = 0;
   RandomSkills law;
   std::vector<Obstacle> obstacles;
   ResolverConfiguration<6> configuration{.limits = limits_of<ur5::Description>(20.0), .period = 8_ms};
@@ -97,7 +97,7 @@ struct RandomScene {
   }
 
   explicit RandomScene(std::uint64_t seed) {
-    std::mt19937_64 rng(seed);
+    std::mt19937_64 rng(seed), other(~seed);
     const auto uniform = [&](double a, double b) {
       return a + (b - a) * std::uniform_real_distribution<>()(rng);
     };
@@ -107,8 +107,10 @@ struct RandomScene {
     period = std::array<Nanoseconds, 3>{8_ms, 4_ms, 2_ms}[std::size_t(pick(3))];
     delay = pick(6);
     lag = pick(2) * 0.006;
-    auto values = limits_of<ur5::Description>(20.0).values();
     const double speed = uniform(0.2, 1);
+    // Slow brakes give a contact what a free robot would not: 1 to 20 rad/s^2.
+    const double brake = std::exp(std::log(20.0) * std::uniform_real_distribution<>()(other));
+    auto values = limits_of<ur5::Description>(brake).values();
     values.velocity = JointVelocity<6>::constant(speed);
     configuration = {.limits = JointLimits<6>(values), .period = period, .delay = delay * period};
     configuration.lag = lag;
@@ -131,7 +133,7 @@ struct RandomScene {
     // The stiffest world whose first impact the energy at the start pays for.
     const double T = seconds<double>((delay + 1) * period) + lag, v = reach * speed;
     configuration.dead_band = JointPosition<6>::constant(std::min(0.02, speed * T));
-    const double p = v * T + 0.5 * v * speed / 20;
+    const double p = v * T + 0.5 * v * speed / brake;
     stiffest = std::min(3e4, 2 * energy / (p * p));
     for (Obstacle& o : obstacles) {
       o.stiffness = stiffest * std::exp(uniform(-3, 0)) / double(obstacles.size());

@@ -51,7 +51,7 @@ std::string refusal(const LinkContact<2>& c) {
 
 }  // namespace
 
-TEST_CASE("BodyRegion: no number is shipped, and what cannot be is refused") {
+TEST_CASE("LinkContact: what cannot be is refused, with the number") {
   CHECK(refusal(contact<2>()).empty());
   CHECK(refusal({}).find("BodyRegion: force = nan") != std::string::npos);
   const auto changed = [](auto&& change) {
@@ -67,38 +67,6 @@ TEST_CASE("BodyRegion: no number is shipped, and what cannot be is refused") {
   CHECK(changed([](auto& c) { c.reaction = 0; }).find("reaction") != std::string::npos);
   CHECK(changed([](auto& c) { c.separation = Separation{}; }).find("Separation") != std::string::npos);
   CHECK(changed([](auto& c) { c.separation = separation(); }).find("range") != std::string::npos);
-}
-
-TEST_CASE_TEMPLATE("speed_of_blow: two masses and a spring meet at it, and the force peaks at the limit", T,
-                   float, double) {
-  for (const double body : {0.6, 4.0, 40.0, std::numeric_limits<double>::infinity()})
-    for (const double robot : {0.5, 5.0, 50.0}) {
-      auto r = region();
-      r.mass = body;
-      const double v = double(speed_of_blow(r, T(robot)));
-      double x = 0, dx = v, peak = 0;  // compression; both masses feel the spring
-      for (int k = 0; k < 400000 && x >= 0; ++k) {
-        dx -= 1e-6 * r.stiffness * x * (1 / body + 1 / robot);
-        x += 1e-6 * dx;
-        peak = std::max(peak, r.stiffness * x);
-      }
-      CHECK(peak == doctest::Approx(200).epsilon(1e-3));
-    }
-}
-
-TEST_CASE_TEMPLATE("speed_of_separation: who comes near meets a robot at rest", T, float, double) {
-  for (const double S : {0.0, 0.2, 0.32, 0.5, 1.0, 3.0}) {
-    const auto s = separation();
-    const double v = double(speed_of_separation(s, T(S)));
-    if (S <= s.margin + s.body_speed * s.reaction) CHECK(v == 0);
-    double apart = S, u = v;
-    for (double t = 0; u > 0; t += 1e-5) {
-      apart -= 1e-5 * (s.body_speed + u);
-      if (t >= s.reaction) u -= 1e-5 * s.deceleration;
-    }
-    if (v > 0) CHECK(apart == doctest::Approx(s.margin).epsilon(1e-2));
-  }
-  CHECK(speed_of_separation(separation(), std::numeric_limits<T>::quiet_NaN()) == T(0));
 }
 
 TEST_CASE("ContactLimits: no point of a link hits harder than they say, in any direction") {

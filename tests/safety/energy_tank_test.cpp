@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "tests/support/random.hpp"
 
 using namespace skinctl;
@@ -108,4 +110,37 @@ TEST_CASE("EnergyTank: kinetic energy without a reason is charged") {
   mass.v = 0;  // and none is credited
   mass.step(0, 0);
   CHECK(mass.memory.energy < 1);
+}
+
+TEST_CASE(
+    "EnergyTank: behind a torque interface the work of what was held is booked, port and gravity apart") {
+  const EnergyTank<> tank({.start = 2, .most = 3, .port_gain = 0.5});
+  auto m = tank.hold<1>();
+  const auto Q = [](double x) { return JointPosition<1>::constant(x); };
+  const auto V = [](double x) { return JointVelocity<1>::constant(x); };
+  const auto Tau = [](double x) { return JointTorque<1>::constant(x); };
+  tank.book(m, Q(1.0), Tau(0), Tau(0));  // nothing was sent yet
+  CHECK(m.energy == 2);
+  // Sent: 7 = port 0.5 * 4, gravity 3, friction -1, active 3. Port and gravity change while it is held.
+  tank.sent(m, Tau(7.0), Tau(4.0), Tau(4.0), Tau(3.0));
+  CHECK(m.active[0] == 3);
+  tank.book(m, Q(0.1), Tau(4.0), Tau(3.0));
+  CHECK(m.energy == doctest::Approx(2 - 0.3));  // friction is no gain
+  tank.book(m, Q(-0.1), Tau(4.0), Tau(3.0));
+  CHECK(m.energy == doctest::Approx(2 - 0.1));  // but what it gives is charged
+  tank.book(m, Q(0.1), Tau(-4.0), Tau(1.0));    // 4 of held torque had no right to be there: 1 braked, 3 gave
+  CHECK(m.energy == doctest::Approx(1.9 - 0.3 - 0.2));
+  tank.sent(m, Tau(3.5));  // the guard has sent something else
+  CHECK(m.active[0] == -0.5);
+  for (int k = 0; k < 50; ++k) tank.book(m, Q(1.0), Tau(4.0), Tau(3.0));
+  CHECK(m.energy == 3);
+  // Mass 2, 0.1 s: from 1 rad/s all of 10 N m leads to 1.5 and costs 1.25 J.
+  const auto move = [&](const JointTorque<1>& tau) { return V(1 + 0.1 * tau[0] / 2); };
+  const auto share = [&] { return tank.pay(m, Tau(0), Tau(10.0), V(1), 0.1, move); };
+  m.energy = 1.25 * (1 + 1e-12);
+  CHECK(share() == 1);
+  m.energy = 0.5;  // a + a^2/4 = 1/2
+  CHECK(share() == doctest::Approx(2 * (std::sqrt(1.5) - 1)));
+  m.energy = -0.1;
+  CHECK(share() == 0);
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/safety/jerk_limits.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 using namespace skinctl;
@@ -465,4 +466,76 @@ TEST_CASE_TEMPLATE("Guard: a state that this robot cannot have is no news of it"
   CHECK(out.status == Reason::state_out_of_range);
   CHECK_FALSE(out.altered);
   CHECK(memory.measured.time == 0);
+}
+
+TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever it has to", C,
+                   Case<Interface::position, double>, Case<Interface::velocity, float>) {
+  constexpr Interface I = C::interface;
+  using T = typename C::scalar;
+  const auto c = configuration<T>();
+  const double J = 80, A = 10, V = 1, dt = 0.01;
+  const JerkLimits<1, T> smooth(c.limits, JointJerk<1, T>::constant(T(J)));
+  const Guard<I, 1, T, JerkLimits<1, T>> guard(c, smooth);
+  auto random = [state = std::uint64_t(7)]() mutable {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<double>(state >> 11) * 0x1p-53;
+  };
+  auto m = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+  // Somebody who keeps the limits asks for one speed and another; now and then its command is lost for a
+  // while.
+  double target = 0, hardest = 0;
+  int lost = 0, braked = 0, rested = 0, exceeded = 0;
+  for (int k = 1; k < 20000; ++k) {
+    const auto last = m.command;
+    if (random() < 0.05) target = 2.4 * random() - 1.2;
+    if (lost == 0 && random() < 0.02) lost = 1 + static_cast<int>(60 * random());
+    auto room = c.limits.room(last.position);
+    if (I == Interface::velocity) room.above[0] -= T(0.1), room.below[0] -= T(0.1);
+    const auto motion =
+        smooth.move(room, last.velocity, last.acceleration, JointVelocity<1, T>::constant(T(target)), T(dt));
+    const Nanoseconds now = k * 10_ms;
+    auto wish =
+        command<T>(now, double(last.position[0] + motion.displacement[0]), double(motion.velocity[0]));
+    wish.acceleration = motion.acceleration;
+    if (lost > 0) --lost, wish.valid = false;
+    const auto out = guard.pass(m, wish, at<T>(now, double(last.position[0]), double(last.velocity[0])), now);
+    const double q = double(out.command.position[0]), u = double(out.command.velocity[0]),
+                 a = double(out.command.acceleration[0]);
+    if (wish.valid) CHECK_FALSE(out.altered);
+    exceeded += out.status.has(Reason::jerk_exceeded);
+    hardest = std::max(hardest, std::abs(a - double(last.acceleration[0])) / dt);
+    CHECK(std::abs(a) <= A * (1 + 1e-5));
+    CHECK(std::abs(u) <= V * (1 + 1e-5));
+    CHECK(std::abs(q) <= 2 * (1 + 1e-6));
+    // The velocity is the integral of an acceleration that keeps the jerk.
+    CHECK(std::abs(u - double(last.velocity[0]) - 0.5 * (a + double(last.acceleration[0])) * dt) <=
+          0.25 * J * dt * dt * (1 + 1e-4));
+    rested += !wish.valid && u == 0 && a == 0 && last.velocity[0] != T(0);
+    braked += !wish.valid;
+  }
+  CHECK(braked > 1000);
+  CHECK(rested > 100);
+  CHECK(exceeded == 0);
+  CHECK(hardest <= J * (1 + 1e-3));
+  CHECK(hardest > 0.99 * J);
+}
+
+TEST_CASE("Guard: what cannot be braked within the jerk is braked harder, and said so") {
+  const auto c = configuration<double>();
+  const Guard<Interface::position, 1, double, JerkLimits<1>> guard(
+      c, JerkLimits<1>(c.limits, JointJerk<1>::constant(30)));
+  // 0.9 rad/s at 0.05 rad before the end: 10 rad/s^2 stop it in 0.04 rad, 30 rad/s^3 do not.
+  auto m = guard.start(command<double>(0, 1.95, 0.9), at<double>(0, 1.95));
+  Status seen;
+  double farthest = 0;
+  for (int k = 1; k < 60; ++k) {
+    const auto last = m.command;
+    const auto out = guard.pass(m, {}, at<double>(k * 10_ms, double(last.position[0])), k * 10_ms);
+    seen |= out.status;
+    farthest = std::max(farthest, out.command.position[0]);
+    CHECK(std::abs(out.command.velocity[0] - last.velocity[0]) <= 0.1 * (1 + 1e-9));
+  }
+  CHECK(seen.has(Reason::jerk_exceeded));
+  CHECK(farthest <= 2);
+  CHECK(m.command.velocity[0] == 0);
 }

@@ -248,6 +248,32 @@ TEST_CASE_TEMPLATE("JerkLimits: extremes of limits and steps", T, float, double)
         }
 }
 
+TEST_CASE("JerkLimits: braking ends at rest, the quickest way, and does not overshoot") {
+  JointLimits<1>::Values v;
+  v.lower[0] = -100, v.upper[0] = 100, v.velocity[0] = 2, v.acceleration[0] = 10, v.torque[0] = 1;
+  const JointLimits<1> joints(v);
+  const JerkLimits<1> limits(joints, JointJerk<1>::constant(50));
+  // From 2 rad/s: 0.2 s to -10 rad/s^2 and 0.2 s back, which is just all of it. So is 0.4 s.
+  for (const double h : {0.004, 0.0073, 0.05}) {
+    JointPosition<1> q;
+    auto u = JointVelocity<1>::constant(2);
+    JointAcceleration<1> a;
+    double t = 0;
+    while (u[0] != 0 && t < 1) {
+      const auto motion = limits.brake(joints.room(q), u, a, h);
+      CHECK(motion.velocity[0] >= -1e-12);
+      CHECK(std::abs(motion.acceleration[0] - a[0]) <= 50 * h * (1 + 1e-9));
+      CHECK_FALSE(motion.status.any());
+      u = motion.velocity, a = motion.acceleration;
+      q += motion.displacement;
+      t += h;
+    }
+    CHECK(a[0] == 0);
+    CHECK(t <= 0.4 + h + 1e-9);
+    CHECK(q[0] == doctest::Approx(0.4));  // half of 2 rad/s in 0.4 s
+  }
+}
+
 TEST_CASE("JerkLimits: a motion allocates nothing") {
   Joint<double> joint{one_joint<double>(-1, 1, 1, 10, 100)};
   const test::AllocationGuard guard;

@@ -181,6 +181,44 @@ TEST_CASE_TEMPLATE("JointLimits: beyond an end only inward motion is given", T, 
   CHECK(double(motion.velocity[0]) == doctest::Approx(0.6));
 }
 
+TEST_CASE_TEMPLATE("JointLimits: who starts where not all can be kept comes back, in the documented order", T,
+                   float, double) {
+  const T h = T(0.004);
+  const auto limits = one_joint(T(-3), T(3), T(2), T(40));
+  for (const double start : {2.5, 2.99, 3.2})
+    for (const double fast : {-6.0, 1.5, 6.0}) {
+      CAPTURE(start);
+      CAPTURE(fast);
+      T q = T(start), u = T(fast);
+      double farthest = start;
+      bool within = false;
+      for (int k = 0; k < 1000; ++k) {
+        const auto motion =
+            limits.move(limits.room(JointPosition<1, T>::constant(q)), speed(u), speed(T(2)), h);
+        // 1. acceleration never;
+        CHECK(std::abs(motion.velocity[0] - u) <= T(40) * h * T(1.0001));
+        // 2. an end no further than the whole deceleration needs;
+        q += motion.displacement[0];
+        // 3. velocity: as soon as it can, and never again;
+        const bool slow = std::abs(motion.velocity[0]) <= T(2) * T(1.0001);
+        CHECK((slow || !within));
+        if (!slow) CHECK(std::abs(motion.velocity[0]) <= std::abs(u) - T(40) * h * T(0.999));
+        within = within || slow;
+        u = motion.velocity[0];
+        farthest = std::max(farthest, double(q));
+      }
+      const double stop = start + (fast > 0 ? fast * fast / 80 : 0);
+      CHECK(farthest <= std::max(3.0, stop) * (1 + 1e-5));
+      CHECK(within);
+      // Beyond an end it stays where it stands as long as the target leads outward; inside it reaches the
+      // end.
+      CHECK(double(q) <= std::max(3.0, farthest) * (1 + 1e-6));
+      const auto inward =
+          limits.move(limits.room(JointPosition<1, T>::constant(q)), speed(u), speed(T(-1)), h);
+      CHECK(inward.velocity[0] < T(0));
+    }
+}
+
 TEST_CASE_TEMPLATE("JointLimits: a target that is NaN counts as zero", T, float, double) {
   const auto limits = one_joint(T(-3), T(3), T(2), T(40));
   const auto room = limits.room(JointPosition<1, T>::constant(T(0)));

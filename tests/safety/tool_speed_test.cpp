@@ -163,3 +163,27 @@ TEST_CASE("ToolSpeed: a step allocates nothing") {
         limit.within({}, JointVelocity<6>::constant(0.1), JointVelocity<6>::constant(0.2), 0.002));
   CHECK(guard.count() == 0);
 }
+
+TEST_CASE("ToolSpeed: the share of a motion with which the point keeps its limit for a while") {
+  const auto limit = tool<double>(0.25);
+  std::mt19937_64 rng(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int slowed = 0;
+  for (int k = 0; k < 300; ++k) {
+    JointPosition<6> q;
+    JointVelocity<6> u;
+    for (std::size_t i = 0; i < 6; ++i) q[i] = 3 * unit(rng), u[i] = unit(rng);
+    const double time = 0.01, s = limit.share(q, u, time);
+    REQUIRE(s >= 0);
+    REQUIRE(s <= 1);
+    double fastest = 0;  // while it goes on like this
+    for (double t = 0; t <= time; t += time / 5)
+      fastest = std::max(fastest, measured_speed(integrate(q, u, s * t), s * u));
+    CHECK(fastest <= 0.25 * (1 + 1e-6));
+    if (s < 1) CHECK(fastest >= 0.12);
+    slowed += s < 1;
+  }
+  CHECK(slowed > 50);
+  CHECK(limit.share({}, JointVelocity<6>::constant(std::nan("")), 0.01) == 0);
+  CHECK(limit.share({}, {}, 0.01) == 1);
+}

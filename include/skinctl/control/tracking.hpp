@@ -81,6 +81,7 @@ class Tracking : public Composable {
     memory.tb = gains().tb;
     memory.K_from = schedule_.K_c();
     begin_bias(memory, known);
+    space_.take_up(memory.space, look(memory, known).S_q);
     return memory;
   }
 

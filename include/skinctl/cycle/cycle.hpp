@@ -50,6 +50,8 @@ template <class Overseer>
 inline constexpr bool is_governor = false;
 template <std::size_t N, Real T, class... Parts>
 inline constexpr bool is_governor<Governor<N, T, Parts...>> = true;
+template <class Overseer>
+inline constexpr bool limits_jerk = requires { requires Overseer::has_jerk; };
 /// Whether a governor suits a robot's joints and scalar.
 template <class Overseer, std::size_t N, class T>
 inline constexpr bool governs = true;
@@ -76,6 +78,19 @@ template <class Overseer, class Skin>
     return NoTouch{};
   }
 }
+/// Whether all joints of a resolver take the same, and whether that is a motion.
+template <class Resolver>
+inline constexpr bool has_one_interface = requires { Resolver::interface; };
+template <class Resolver>
+inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
+/// The guard of a resolver whose joints are all of one kind.
+template <class Resolver>
+struct GuardOf {};
+template <class Resolver>
+  requires requires { Resolver::interface; }
+struct GuardOf<Resolver> {
+  using type = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>;
+};
 template <class L>
 struct GoalType {
   using type = NoGoal;
@@ -95,13 +110,14 @@ struct GoalType<L> {
 /// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
 /// else of the model is computed.
 template <class Resolver, class L, class Skin = Bare,
-          class Watchman = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>,
-          class Overseer = NoGovernor>
+          class Watchman = typename detail::GuardOf<Resolver>::type, class Overseer = NoGovernor>
 class Cycle {
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
-  static_assert(!governed || Resolver::interface != Interface::torque,
-                "a governor slows motions: a torque interface has none to slow, leave it out");
+  static_assert(!governed || detail::has_one_interface<Resolver>,
+                "a governor is for a robot whose joints all take the same: leave it out");
+  static_assert(!detail::limits_jerk<Overseer> || detail::commands_motion<Resolver>,
+                "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
   static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
                 "the governor is of a robot with other joints, or of another scalar");
   static_assert(detail::feels<Overseer, Skin>,
@@ -200,11 +216,12 @@ class Cycle {
     bool slowed = false;
     if constexpr (governed) {
       if (interval.substeps != 0) {
-        const auto given = govern(m, resolved.command, interval);
+        const auto given = govern(m, resolved, interval);
         out.status |= given.status;
         found |= given.status;
         slowed = given.altered;
         resolved.command = given.command;
+        if constexpr (Resolver::interface == Interface::torque) resolved.fallback = given.hold;
       }
     }
     const auto guarded = guard_.pass(m.guard, resolved.command, input.measured, input.now, resolved.fallback,
@@ -213,7 +230,8 @@ class Cycle {
     out.command.assign(guarded.command);
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
     if constexpr (governed) {
-      if (guarded.altered) governor_.sent(m.governor, guarded.command);
+      if (guarded.altered && Resolver::interface != Interface::torque)
+        governor_.sent(m.governor, guarded.command);
     }
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
     watch.end(Stage::guard);
@@ -224,11 +242,21 @@ class Cycle {
   /// The planned interval [s], for the laws that start or take goals between two evaluations.
   [[nodiscard]] scalar period() const noexcept { return resolver_.planned_step(); }
 
-  SKINCTL_INLINE auto govern(Memory& m, const JointCommand<joints, scalar>& wish,
-                             const Interval& interval) const noexcept {
+  template <class Resolved>
+  SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Interval& interval) const noexcept {
     const auto dt = seconds<scalar>(interval.to - interval.from);
-    return governor_.pass(m.governor, m.guard.command, wish, m.robot.measured, skin_.wrenches(m.skin),
-                          detail::nearest<Overseer>(skin_, m.skin), dt);
+    const auto touch = skin_.wrenches(m.skin);
+    const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
+    if constexpr (Resolver::interface == Interface::torque) {
+      // By an old velocity nothing can be braked.
+      if (resolved.status.has(Reason::state_stale))
+        return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};
+      return governor_.pass_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
+                                   m.robot.measured, touch, nearest, dt);
+    } else {
+      return governor_.pass(m.governor, m.guard.command, resolved.command, m.robot.measured, touch, nearest,
+                            dt);
+    }
   }
 
   SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept {

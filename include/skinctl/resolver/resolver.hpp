@@ -38,10 +38,11 @@ struct Resolved {
 /// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory stands still.
 ///
 /// - `Keeper` names what else watches over energy and contacts: see `Passivity`.
+/// - `Tool`: inertia and friction that the virtual robot is to have at its tool; see `ToolShape`.
 ///
 /// In the loop nothing throws or allocates; the cost is that of the law and the integrator, times sub-steps.
 template <Interface I, Model M, Real T = double, class Integrator = CrankNicolson, std::size_t History = 32,
-          class Keeper = Passivity<>>
+          class Keeper = Passivity<>, class Tool = NoToolShape>
 class Resolver {
  public:
   static_assert(I != Interface::torque, "for torques include skinctl/resolver/torque_resolver.hpp");
@@ -50,6 +51,8 @@ class Resolver {
   using scalar = T;
   using Configuration = ResolverConfiguration<joints, T>;
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
+  static_assert(!has_tank || std::same_as<Tool, NoToolShape>,
+                "an energy tank counts with the inertia of joints so far: no tank beside a tool's shape");
   static constexpr bool has_ledger = Keeper::template has<PortLedger<T>>;
   static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
   static constexpr Needs keeper_needs = {
@@ -63,7 +66,13 @@ class Resolver {
   ///
   /// @param keeper  what watches over energy and contacts, see `Passivity`.
   Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
+    requires std::same_as<Tool, NoToolShape>
       : model_(model), virtual_(configuration), keeper_(keeper) {}
+  /// @param tool  what the virtual robot is to feel like at its tool, see `ToolShape`.
+  Resolver(const M& model, const Configuration& configuration, const Tool& tool,
+           const Keeper& keeper = Keeper())
+    requires(!std::same_as<Tool, NoToolShape>)
+      : model_(model), virtual_(configuration), keeper_(keeper), tool_(tool) {}
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
   [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return parameters().limits; }
@@ -147,6 +156,7 @@ class Resolver {
   [[no_unique_address]] M model_;
   detail::VirtualJoints<I, joints, T, History> virtual_;
   [[no_unique_address]] Keeper keeper_;
+  [[no_unique_address]] Tool tool_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -1,18 +1,21 @@
 // The torque interface: the law on the measured state, and its torque is the command.
 #pragma once
 
+#include "skinctl/math/ldlt.hpp"
+#include "skinctl/resolver/detail/held_friction.hpp"
 #include "skinctl/resolver/resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// Memory of the torque interface. Trivially copyable.
-template <std::size_t N, Real T>
+template <std::size_t N, Real T, class Tank>
 struct TorqueResolverMemory {
   bool started = false;
   bool stop = false;
   Nanoseconds time = 0;
   State<N, T> measured;        ///< the last good measurement
   JointCommand<N, T> command;  ///< the last one
+  [[no_unique_address]] Tank tank;
 };
 
 /// For robots that take torques: `tau = law(measured state) - B dq`, cut to the limits of torque and power.
@@ -22,20 +25,32 @@ struct TorqueResolverMemory {
 /// torque is held for a period, so friction that would stop a joint faster than that would shake it: the
 /// friction given is `B / (1 + 3/2 h B/M_ii)`. It has no virtual robot: positions and velocities are not
 /// limited here. While the state is stale, or a stop is asked for, or the law's torque is not finite, the
-/// command is `fallback`: gravity held, and friction.
-template <Model M, Real T, class Integrator, std::size_t History>
-class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
+/// command is `fallback`: gravity held, and friction; while it is stale without friction, as nobody knows how
+/// the robot moves.
+///
+/// Of `Passivity` it takes the `EnergyTank`, at the real port: the robot gives no more energy than it got,
+/// and than the tank held.
+template <Model M, Real T, class Integrator, std::size_t History, class Keeper>
+class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape> {
+  struct NoTank {};
+
  public:
+  static_assert(!Keeper::template has<PortLedger<T>> && !Keeper::template has<ContactDamper<T>>,
+                "a torque interface has no virtual robot that runs ahead: its Passivity is an EnergyTank");
+  static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = Interface::torque;
   using scalar = T;
   using Configuration = ResolverConfiguration<joints, T>;
-  using Memory = TorqueResolverMemory<joints, T>;
+  using Memory = TorqueResolverMemory<
+      joints, T, std::conditional_t<has_tank, typename EnergyTank<T>::template Held<joints>, NoTank>>;
+  static constexpr Needs keeper_needs = {.angles = has_tank, .mass = has_tank};
   template <class L, class Touch = NoTouch>
-  using Knows = Quantities<M, L::needs, T, Touch>;
+  using Knows = Quantities<M, L::needs | keeper_needs, T, Touch>;
 
   /// Throws `ConfigurationError` for a number out of its range.
-  Resolver(const M& model, const Configuration& configuration) : model_(model), p_(configuration) {
+  Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
+      : model_(model), p_(configuration), keeper_(keeper) {
     require(p_.shape.decay == T(0), "decay", static_cast<double>(p_.shape.decay), "0 for a torque interface");
     for (std::size_t i = 0; i < joints; ++i) {
       viscous_ = viscous_ || p_.shape.viscous[i] > T(0);
@@ -48,6 +63,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
   [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return p_.limits; }
+  [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
 
   /// The time for which a torque is held in a cycle that comes as planned [s].
   [[nodiscard]] T planned_step() const noexcept { return seconds<T>(p_.period); }
@@ -60,6 +76,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     m.time = measured.time;
     m.measured = measured;
     m.command = {m.time, true, measured.q, measured.dq, {}, held(measured)};
+    if constexpr (has_tank) m.tank = keeper_.template get<EnergyTank<T>>().template hold<joints>();
     return m;
   }
 
@@ -90,6 +107,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     }
     SKINCTL_EXPECTS(!touches.empty(), "one touch");
     m.time = interval.to;
+    const JointPosition<joints, T> before = m.measured.q;
     if (!detail::is_plausible(measured)) {
       out.status |= Reason::state_not_finite;
     } else if (measured.time < m.measured.time) {
@@ -98,10 +116,19 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
       m.measured = measured;
       if (measured.time > interval.to) m.measured.time = interval.to;
     }
-    const JointTorque<joints, T> drag = friction(m.measured);
-    JointTorque<joints, T> torque = gravity_torque(model_, m.measured.q) - drag;
+    const bool stale = interval.to - m.measured.time > p_.stale_after;
+    const JointTorque<joints, T> drag = stale ? JointTorque<joints, T>() : friction(m.measured);
+    const JointTorque<joints, T> gravity = gravity_torque(model_, m.measured.q);
+    JointTorque<joints, T> torque = gravity - drag;
     out.fallback = torque;
-    if (interval.to - m.measured.time > p_.stale_after) {
+    [[maybe_unused]] JointTorque<joints, T> port, passive;
+    if constexpr (has_tank) {
+      const auto& tank = keeper_.template get<EnergyTank<T>>();
+      port = skin_torque(model_, JointAngles<M, T>(model_, m.measured.q), touches[0]);
+      tank.book(m.tank, m.measured.q - before, port, gravity);
+      passive = tank.settings().port_gain * port + gravity - drag;
+    }
+    if (stale) {
       out.status |= Reason::state_stale;
     } else if (m.stop) {
       out.status |= Reason::stopping;
@@ -112,7 +139,8 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
       if (detail::is_finite(evaluation.torque)) [[likely]] {
         law_memory = evaluation.memory;
         out.shares = evaluation.shares;
-        for (std::size_t i = 0; i < joints; ++i) torque[i] = evaluation.torque[i] - drag[i];
+        torque = evaluation.torque - drag;
+        if constexpr (has_tank) out.status |= pay(m, known, passive, gravity, torque);
       } else {
         out.status |= Reason::torque_not_finite;
       }
@@ -120,6 +148,8 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
     m.command.torque = p_.limits.within(torque, m.measured.dq);
     if (!(m.command.torque == torque)) out.status |= Reason::torque_limited;
     if (!p_.limits.hold(m.measured.q)) out.status |= Reason::outside_limits;
+    if constexpr (has_tank)
+      keeper_.template get<EnergyTank<T>>().sent(m.tank, m.command.torque, passive, port, gravity);
     m.command.time = m.time;
     m.command.position = m.measured.q;
     m.command.velocity = m.measured.dq;
@@ -134,27 +164,49 @@ class Resolver<Interface::torque, M, T, Integrator, History, Passivity<>> {
 
   /// Tells that the guard let `command` out instead of the last one.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
-    if (m.started && command.valid) m.command.torque = command.torque;
+    if (!m.started || !command.valid) return;
+    m.command.torque = command.torque;
+    if constexpr (has_tank) keeper_.template get<EnergyTank<T>>().sent(m.tank, command.torque);
   }
   void stop(Memory& m) const noexcept { m.stop = true; }
   void resume(Memory& m) const noexcept { m.stop = false; }
 
  private:
+  /// Scales the active part of `torque` down to what the tank pays for.
+  template <class K>
+  SKINCTL_INLINE Status pay(Memory& m, const K& known, const JointTorque<joints, T>& passive,
+                            const JointTorque<joints, T>& gravity,
+                            JointTorque<joints, T>& torque) const noexcept {
+    const JointTorque<joints, T> active = p_.limits.within(torque, m.measured.dq) - passive;
+    const JointTorque<joints, T> bias = gravity + coriolis_torque(model_, known.angles(), m.measured.dq);
+    const math::Ldlt<joints, T> mass(known.mass().data);
+    const T h = known.dt();
+    const T share = keeper_.template get<EnergyTank<T>>().pay(m.tank, passive, active, m.measured.dq, h,
+                                                              [&](const JointTorque<joints, T>& tau) {
+                                                                const JointTorque<joints, T> net = tau - bias;
+                                                                JointAcceleration<joints, T> given;
+                                                                if (mass.positive_definite())
+                                                                  mass.solve(net.data, given.data);
+                                                                return integrate(m.measured.dq, given, h);
+                                                              });
+    if (!(share < T(1))) return {};
+    torque = passive + share * active;
+    return Reason::tank_empty;
+  }
   SKINCTL_INLINE JointTorque<joints, T> friction(const State<joints, T>& robot) const noexcept {
     JointTorque<joints, T> drag;
     if (!viscous_) return drag;
     const auto mass = mass_matrix(model_, robot.q);
-    const T h = T(1.5) * seconds<T>(p_.period);
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T b = p_.shape.viscous[i], own = mass(i, i);
-      drag[i] = own > T(0) ? T(b * own / (own + h * b) * robot.dq[i]) : T(0);
-    }
+    const T h = seconds<T>(p_.period);
+    for (std::size_t i = 0; i < joints; ++i)
+      drag[i] = detail::held_friction(p_.shape.viscous[i], mass(i, i), h, robot.dq[i]);
     return drag;
   }
 
   [[no_unique_address]] M model_;
   detail::ResolverParameters<joints, T> p_;
   bool viscous_ = false;
+  [[no_unique_address]] Keeper keeper_;
 };
 
 SKINCTL_END_NAMESPACE

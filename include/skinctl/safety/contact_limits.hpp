@@ -86,6 +86,8 @@ class ContactLimits {
   SKINCTL_COLD explicit ContactLimits(const M& model, const LinkContact<I>&... link)
       : model_(model), at_{Link(link)...} {}
 
+  [[nodiscard]] const M& model() const noexcept { return model_; }
+
   /// The distances that the strongest proximity reading in [0, 1] of each link tells.
   [[nodiscard]] SKINCTL_INLINE Distances distances(const std::array<T, count>& nearest) const noexcept {
     Distances d;

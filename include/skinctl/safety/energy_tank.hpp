@@ -32,6 +32,11 @@ template <Real T>
 /// `alpha tau_a` remains (`tank_empty`): the robot yields and brakes as before, but no longer drives. Kinetic
 /// energy that no work explains (`res`: a changed mass matrix, discretisation, the observer's pull) is
 /// charged as soon as it is seen, at the next sub-step.
+///
+/// A torque interface has no virtual robot: the port is the real one, `Held` what is remembered, and the
+/// work is booked by how far the robot has moved under the torque that it held. A push from outside can make
+/// a cycle cost more than was foreseen: then the tank is in debt, and nothing active is given until braking
+/// has paid it back.
 template <Real T = double>
 class EnergyTank {
  public:
@@ -50,6 +55,17 @@ class EnergyTank {
     MassMatrix<N, T> mass;     ///< of the last sub-step
     bool counts = false;       ///< they hold
     bool paid = false;         ///< a sub-step is to be booked
+  };
+  /// Behind a torque interface: the torque that the real robot holds, and what its parts were when it was
+  /// sent.
+  template <std::size_t N>
+  struct Held {
+    T energy = T(0);
+    JointTorque<N, T> passive;  ///< what costs nothing: port, gravity, friction
+    JointTorque<N, T> port;     ///< of it, the touch's
+    JointTorque<N, T> gravity;
+    JointTorque<N, T> active;  ///< all the rest
+    bool counts = false;       ///< they hold
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
@@ -95,16 +111,7 @@ class EnergyTank {
   [[nodiscard]] SKINCTL_INLINE T pay(Memory<N>& memory, const JointTorque<N, T>& port,
                                      const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
                                      JointVelocity<N, T>& v1, const T& h, Without&& without) const noexcept {
-    T cost(0);
-    for (std::size_t i = 0; i < N; ++i) cost = cost + T(0.5) * h * active[i] * (v[i] + v1[i]);
-    T share(1);
-    if (!(cost <= memory.energy || cost <= T(0))) [[unlikely]] {
-      const JointVelocity<N, T> v0 = without();
-      T w1(0);
-      for (std::size_t i = 0; i < N; ++i) w1 = w1 + T(0.5) * h * active[i] * (v[i] + v0[i]);
-      share = affordable_share(w1, T(cost - w1), memory.energy);
-      for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
-    }
+    const T share = share_of(memory.energy, active, v, v1, h, without);
     memory.port = s_.port_gain * port;
     memory.active = share * active;
     memory.paid = true;
@@ -133,7 +140,75 @@ class EnergyTank {
     memory.explained = input + drawn - friction / h;
   }
 
+  template <std::size_t N>
+  [[nodiscard]] Held<N> hold() const noexcept {
+    Held<N> m;
+    m.energy = s_.start;
+    return m;
+  }
+
+  /// The real robot moved by `dq` under the torque that it held, to where gravity asks for `gravity` and the
+  /// touch gives `port`: books what the active part did. What the rest did that is no work of port, gravity
+  /// or friction (it was held while they changed) is charged.
+  template <std::size_t N>
+  SKINCTL_INLINE void book(Held<N>& memory, const JointPosition<N, T>& dq, const JointTorque<N, T>& port,
+                           const JointTorque<N, T>& gravity) const noexcept {
+    if (!memory.counts) return;
+    T drawn(0), res(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      drawn = drawn + memory.active[i] * dq[i];
+      const T fair = s_.port_gain * (memory.port[i] + port[i]) + memory.gravity[i] + gravity[i];
+      res = res + (memory.passive[i] - T(0.5) * fair) * dq[i];
+    }
+    memory.energy = memory.energy - drawn - (res > T(0) ? res : T(0));
+    if (memory.energy > s_.most) memory.energy = s_.most;
+  }
+
+  /// The share of the active torque that may be held for `h` seconds from the velocity `v` on; `move(torque)`
+  /// gives the velocity that a torque leads to.
+  ///
+  /// @param passive  `port_gain port + gravity` less friction.
+  template <std::size_t N, class Move>
+  [[nodiscard]] SKINCTL_INLINE T pay(const Held<N>& memory, const JointTorque<N, T>& passive,
+                                     const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
+                                     const T& h, Move&& move) const noexcept {
+    JointVelocity<N, T> v1 = move(passive + active);
+    return share_of(memory.energy, active, v, v1, h, [&] { return move(passive); });
+  }
+  /// This is sent: limits and guard have had the last word.
+  template <std::size_t N>
+  SKINCTL_INLINE void sent(Held<N>& memory, const JointTorque<N, T>& torque, const JointTorque<N, T>& passive,
+                           const JointTorque<N, T>& port, const JointTorque<N, T>& gravity) const noexcept {
+    memory.passive = passive;
+    memory.port = port;
+    memory.gravity = gravity;
+    sent(memory, torque);
+  }
+  /// Something else was sent instead.
+  template <std::size_t N>
+  SKINCTL_INLINE void sent(Held<N>& memory, const JointTorque<N, T>& torque) const noexcept {
+    memory.active = torque - memory.passive;
+    memory.counts = true;
+  }
+
  private:
+  /// The share that is paid for, and the velocity that it leads to in the place of `v1`.
+  template <std::size_t N, class Without>
+  static SKINCTL_INLINE T share_of(const T& energy, const JointTorque<N, T>& active,
+                                   const JointVelocity<N, T>& v, JointVelocity<N, T>& v1, const T& h,
+                                   Without&& without) noexcept {
+    T cost(0);
+    for (std::size_t i = 0; i < N; ++i) cost = cost + T(0.5) * h * active[i] * (v[i] + v1[i]);
+    if (cost <= energy || cost <= T(0)) [[likely]]
+      return T(1);
+    const JointVelocity<N, T> v0 = without();
+    T w1(0);
+    for (std::size_t i = 0; i < N; ++i) w1 = w1 + T(0.5) * h * active[i] * (v[i] + v0[i]);
+    const T share = affordable_share(w1, T(cost - w1), energy);
+    for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
+    return share;
+  }
+
   Settings s_;
 };
 

@@ -71,11 +71,11 @@ inline constexpr std::array<Fault, 20> faults{{
      "a cell has been silent for too long: it stops to push"},
     {Reason::torque_not_finite, Finder::resolver, Reaction::refuse, Reaction::fade, WayBack::at_once,
      "a law gives NaN or infinity"},
-    {Reason::contact_slowed, Finder::governor, Reaction::limit, Reaction::none, WayBack::by_itself,
+    {Reason::contact_slowed, Finder::governor, Reaction::limit, Reaction::limit, WayBack::by_itself,
      "somebody is near or in touch"},
-    {Reason::contact_force, Finder::governor, Reaction::stop, Reaction::none, WayBack::on_request,
+    {Reason::contact_force, Finder::governor, Reaction::stop, Reaction::stop, WayBack::on_request,
      "a contact presses harder than its region bears"},
-    {Reason::contact_power, Finder::governor, Reaction::stop, Reaction::none, WayBack::on_request,
+    {Reason::contact_power, Finder::governor, Reaction::stop, Reaction::stop, WayBack::on_request,
      "a contact takes more power than its region bears"},
 }};
 

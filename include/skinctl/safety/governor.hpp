@@ -1,6 +1,7 @@
 // Slows a command down for limits that concern the whole robot: jerk, tool speed, contact.
 #pragma once
 
+#include "skinctl/math/ldlt.hpp"
 #include "skinctl/safety/command.hpp"
 #include "skinctl/safety/contact_limits.hpp"
 #include "skinctl/safety/detail/parts.hpp"
@@ -25,17 +26,30 @@ struct NoGovernor {
   };
 };
 
-/// Stands between resolver and guard of a scene that takes positions or velocities. `make_governor` builds it
-/// from those of `JerkLimits`, `ToolSpeed` and `ContactLimits` that the scene has; the others cost nothing.
+/// The same of a torque; `hold` is what holds the robot should the guard not let the command pass.
+template <std::size_t N, Real T>
+struct GovernedTorque : Governed<N, T> {
+  JointTorque<N, T> hold;
+};
+
+/// Stands between resolver and guard of a scene. `make_governor` builds it from those of `JerkLimits`,
+/// `ToolSpeed` and `ContactLimits` that the scene has; the others cost nothing.
 ///
-/// A command that keeps them passes to the bit. Else all joints are slowed alike (contact, tool), a motion
-/// from the last command to that is made within the limits of the joints (and of jerk), and the resolver is
-/// told what was sent: its virtual robot goes on from there, so nothing is caught up later. With a limit of
-/// jerk every command is made anew.
+/// **Positions and velocities.** A command that keeps them passes to the bit. Else all joints are slowed
+/// alike (contact, tool), a motion from the last command to that is made within the limits of the joints (and
+/// of jerk), and the resolver is told what was sent: its virtual robot goes on from there, so nothing is
+/// caught up later. With a limit of jerk every command is made anew.
 ///
 /// Where not all can be kept the last of this list gives way first: acceleration, position, velocity of the
 /// joints; the tool's speed; jerk; contact (somebody who steps in is braked for as hard as the others allow,
 /// and the guard stops for what is too much).
+///
+/// **Torques.** Nobody knows how a robot will move that is pushed, so its speed is braked: `braking_cycles`
+/// cycles ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which a share s keeps all
+/// limits. `tau - (1 - s) M u / T` leads to s u: drive that would make the robot too fast, or press harder
+/// than a region bears, is taken out, and a robot that is pushed too fast is damped. It sets in without a
+/// jump (s = 1 leaves the torque to the bit), and never exceeds the joints' torques. A robot that stops for a
+/// contact is held with damping `M / T`. There is no limit of jerk.
 template <std::size_t N, Real T, class Jerk, class Tool, class Contact>
 class Governor {
  public:
@@ -45,6 +59,8 @@ class Governor {
   static constexpr bool has_jerk = !std::is_same_v<Jerk, detail::NoPart>;
   static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
   static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
+  /// For torques: how many cycles ahead a limit is looked for, and in how many a robot is braked.
+  static constexpr int braking_cycles = 4;
 
   /// Trivially copyable.
   struct Memory {
@@ -111,12 +127,71 @@ class Governor {
     return out;
   }
 
+  /// The torque that takes the place of `wish.torque`, `dt` > 0 seconds after the last one was sent.
+  ///
+  /// @param hold      what holds the robot: gravity compensation, with friction if it has some.
+  /// @param stopping  whether the guard waits for consent: then hold with damping.
+  /// All else as `pass`.
+  template <class Touch, class Nearest>
+  SKINCTL_INLINE GovernedTorque<N, T> pass_torque(Memory& m, const JointCommand<N, T>& wish,
+                                                  const JointTorque<N, T>& hold, bool stopping,
+                                                  const State<N, T>& measured, const Touch& touch,
+                                                  const Nearest& nearest, const T& dt) const noexcept {
+    static_assert(!has_jerk, "a torque interface has no motion whose jerk could be limited");
+    GovernedTorque<N, T> out{{wish, {}, false}, hold};
+    if (!wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) || !(dt > T(0))) return out;
+    const auto mass = mass_matrix(model(), measured.q);
+    const math::Ldlt<N, T> factors(mass.data);
+    if (!factors.positive_definite()) return out;
+    const T ahead = T(braking_cycles) * dt;
+    const JointTorque<N, T> asked = limits_.within(wish.torque, measured.dq);
+    const JointTorque<N, T> drive = asked - limits_.within(hold, measured.dq);
+    JointAcceleration<N, T> given;
+    factors.solve(drive.data, given.data);
+    const JointVelocity<N, T> u = integrate(measured.dq, given, ahead);
+    T share(1);
+    if constexpr (has_contact) {
+      const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
+      out.status |= verdict.status;
+      share = verdict.scale;
+      stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
+    }
+    if constexpr (has_tool) {
+      const T tool = tool_.share(measured.q, u, ahead);
+      if (tool < T(1)) out.status |= Reason::tool_speed_limited;
+      if (tool < share) share = tool;
+    }
+    if (share < T(1)) {
+      const JointTorque<N, T> braked = asked - momentum(mass, u) * T((T(1) - share) / ahead);
+      out.command.torque = limits_.within(braked, measured.dq);
+      out.altered = true;
+    }
+    if (stopping)
+      out.hold = limits_.within(hold - momentum(mass, measured.dq) * T(T(1) / ahead), measured.dq);
+    return out;
+  }
+
   /// Tells what the guard let out instead.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept {
     if constexpr (has_jerk) m.acceleration = command.acceleration;
   }
 
  private:
+  [[nodiscard]] SKINCTL_INLINE const auto& model() const noexcept {
+    if constexpr (has_contact) {
+      return contact_.model();
+    } else {
+      return tool_.model();
+    }
+  }
+  static SKINCTL_INLINE JointTorque<N, T> momentum(const MassMatrix<N, T>& mass,
+                                                   const JointVelocity<N, T>& u) noexcept {
+    JointTorque<N, T> p;  // M u, in N m s
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = 0; j < N; ++j) p[i] = p[i] + mass(i, j) * u[j];
+    return p;
+  }
+
   template <class Motion>
   SKINCTL_INLINE void make(Memory& m, const JointCommand<N, T>& last, const Motion& motion, const T& dt,
                            Governed<N, T>& out) const noexcept {
@@ -130,7 +205,12 @@ class Governor {
       if (next < lower && q >= lower) next = lower, m.carry[i] = T(0);
       out.command.position[i] = m.position[i] = next;
       out.command.velocity[i] = motion.velocity[i];
-      out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+      if constexpr (requires { motion.acceleration; }) {
+        out.command.acceleration[i] =
+            motion.acceleration[i];  // that at its end: the guard may brake from there
+      } else {
+        out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+      }
     }
     out.altered = true;
   }

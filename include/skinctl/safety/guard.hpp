@@ -5,6 +5,7 @@
 
 #include "skinctl/core/state.hpp"
 #include "skinctl/safety/command.hpp"
+#include "skinctl/safety/detail/parts.hpp"
 #include "skinctl/safety/detail/plausible.hpp"
 #include "skinctl/safety/faults.hpp"
 #include "skinctl/safety/limits.hpp"
@@ -60,17 +61,29 @@ struct Guarded {
 /// which the joint can still stop before its end. Else it reacts in the same cycle, as the table `faults`
 /// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback.
 ///
+/// With `JerkLimits` as `Smooth` the guard brakes within them: where a motion is such that it can be stopped
+/// so (a governor with the same limits sends no other) jerk is kept too, else it gives way as that class
+/// documents (`jerk_exceeded`). Whether a command keeps a jerk is the governor's business: a guard lets pass
+/// what the joints can do.
+///
 /// Most reactions end by themselves, once the asked command can be reached within the limits; the resolver,
 /// told what was sent, goes on from there. After a `stop` the guard waits for `acknowledge`
 /// (`consent_awaited`). Never steps, and never gives a number that is not finite, whatever comes in.
-template <Interface I, std::size_t N, Real T = double>
+template <Interface I, std::size_t N, Real T = double, class Smooth = detail::NoPart>
 class Guard {
  public:
+  static constexpr bool smooth = detail::JerkPart<Smooth>;
+  static_assert(smooth || std::is_same_v<Smooth, detail::NoPart>,
+                "a guard brakes within JerkLimits or without");
+  static_assert(!smooth || I != Interface::torque,
+                "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
   using Configuration = GuardConfiguration<N, T>;
   using Memory = GuardMemory<N, T>;
 
   /// Throws `ConfigurationError` for a number out of its range.
-  explicit Guard(const Configuration& c)
+  ///
+  /// @param braking  limits of jerk on top of the same limits of the joints, if the guard has some.
+  explicit Guard(const Configuration& c, const Smooth& braking = Smooth())
       : limits_(c.limits),
         period_(c.period),
         longest_(c.longest_interval.value_or(5 * c.period)),
@@ -83,7 +96,8 @@ class Guard {
                    return (f.motion == Reaction::stop || f.motion == Reaction::brake) &&
                           f.finder != Finder::guard;
                  })),
-        consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })) {
+        consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })),
+        braking_(braking) {
     const auto number = [](const auto& x) { return static_cast<double>(x); };
     require(period_ >= 100_us && period_ <= 1_s, "period [ns]", number(period_), "1e5 to 1e9 ns");
     require(longest_ >= period_ && longest_ <= 10_s, "longest interval [ns]", number(longest_),
@@ -248,8 +262,22 @@ class Guard {
   SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const T& dt, Status status) const noexcept {
     Guarded<N, T> out{m.command, status, true};
     const auto& last = m.command;
-    const auto motion = limits_.move(room(m, last.position), last.velocity, JointVelocity<N, T>{}, dt);
     out.command.torque = {};
+    if constexpr (smooth) {
+      const auto motion = braking_.brake(room(m, last.position), last.velocity, last.acceleration, dt);
+      out.status |= motion.status & Status(Reason::jerk_exceeded);
+      for (Size i = 0; i < N; ++i) {
+        const T q = last.position[i], to = q + motion.displacement[i];
+        const bool passed = (to > limits_.upper()[i] && q <= limits_.upper()[i]) ||
+                            (to < limits_.lower()[i] && q >= limits_.lower()[i]);
+        out.command.position[i] =
+            passed ? detail::clamp(to, limits_.lower()[i], limits_.upper()[i]) : to;  // rounding
+      }
+      out.command.velocity = motion.velocity;
+      out.command.acceleration = motion.acceleration;
+      return out;
+    }
+    const auto motion = limits_.move(room(m, last.position), last.velocity, JointVelocity<N, T>{}, dt);
     for (Size i = 0; i < N; ++i) {
       out.command.position[i] = last.position[i] + motion.displacement[i];
       out.command.velocity[i] = motion.velocity[i];
@@ -282,6 +310,7 @@ class Guard {
   T torque_rate_, beyond_, overspeed_;
   Status acts_on_;  ///< found by others, these brake
   Status consent_;  ///< these wait for `acknowledge`
+  [[no_unique_address]] Smooth braking_;
 };
 
 SKINCTL_END_NAMESPACE

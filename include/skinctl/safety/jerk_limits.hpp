@@ -62,26 +62,19 @@ class JerkLimits {
                                                          const JointAcceleration<N, T>& a0,
                                                          const JointVelocity<N, T>& target,
                                                          const T& h) const noexcept {
-    SmoothMotion<N, T> out;
-    for (std::size_t i = 0; i < N; ++i) {
-      const Joint joint(limits_.velocity()[i], limits_.acceleration()[i], jerk_[i], room.above[i],
-                        room.below[i], T(far_[i] + limits_.velocity()[i] * h));
-      const T given = joint.within_acceleration(a0[i]);
-      const auto start = joint.bearable(u0[i], given);
-      if (start.a != given || !start.rests) [[unlikely]]
-        out.status |= Reason::jerk_exceeded;
-      if (!start.rests) [[unlikely]] {
-        without_jerk(i, room, u0, h, out);
-        continue;
-      }
-      const auto [moved, status] = joint.move(u0[i], start.a, target[i], h);
-      out.status |= status;
-      if (status.has(Reason::position_limited)) out.braked |= std::uint64_t(1) << i;
-      out.displacement[i] = moved.s;
-      out.velocity[i] = moved.u;
-      out.acceleration[i] = moved.a;
-    }
-    return out;
+    return each(room, u0, a0, h, [&](const Joint& joint, std::size_t i, const T& u, const T& a) {
+      return joint.move(u, a, target[i], h);
+    });
+  }
+
+  /// The same towards rest, the quickest way and without overshooting it.
+  [[nodiscard]] SKINCTL_COLD SmoothMotion<N, T> brake(const JointRoom<N, T>& room,
+                                                      const JointVelocity<N, T>& u0,
+                                                      const JointAcceleration<N, T>& a0,
+                                                      const T& h) const noexcept {
+    return each(room, u0, a0, h, [&](const Joint& joint, std::size_t, const T& u, const T& a) {
+      return std::pair(Joint::without_dust(detail::Stopping<T>(u, a, joint.A, joint.J).after(h)), Status{});
+    });
   }
 
  private:
@@ -202,12 +195,42 @@ class JerkLimits {
         }
         m = kept;
       }
-      const T tiny = T(std::same_as<T, float> ? 1e-17 : 1e-150);  // squares of less are denormal numbers
+      return {without_dust(m), status};
+    }
+    /// Without speeds and accelerations whose squares are denormal numbers.
+    [[nodiscard]] static Moved without_dust(Moved m) noexcept {
+      const T tiny = T(std::same_as<T, float> ? 1e-17 : 1e-150);
       if (m.u < tiny && -m.u < tiny) m.u = T(0);
       if (m.a < tiny && -m.a < tiny) m.a = T(0);
-      return {m, status};
+      return m;
     }
   };
+
+  template <class Way>
+  SKINCTL_INLINE SmoothMotion<N, T> each(const JointRoom<N, T>& room, const JointVelocity<N, T>& u0,
+                                         const JointAcceleration<N, T>& a0, const T& h,
+                                         Way&& way) const noexcept {
+    SmoothMotion<N, T> out;
+    for (std::size_t i = 0; i < N; ++i) {
+      const Joint joint(limits_.velocity()[i], limits_.acceleration()[i], jerk_[i], room.above[i],
+                        room.below[i], T(far_[i] + limits_.velocity()[i] * h));
+      const T given = joint.within_acceleration(a0[i]);
+      const auto start = joint.bearable(u0[i], given);
+      if (start.a != given || !start.rests) [[unlikely]]
+        out.status |= Reason::jerk_exceeded;
+      if (!start.rests) [[unlikely]] {
+        without_jerk(i, room, u0, h, out);
+        continue;
+      }
+      const auto [moved, status] = way(joint, i, u0[i], start.a);
+      out.status |= status;
+      if (status.has(Reason::position_limited)) out.braked |= std::uint64_t(1) << i;
+      out.displacement[i] = moved.s;
+      out.velocity[i] = moved.u;
+      out.acceleration[i] = moved.a;
+    }
+    return out;
+  }
 
   /// Joint `i` as if its jerk had no limit: it brakes as hard as it may.
   SKINCTL_COLD void without_jerk(std::size_t i, const JointRoom<N, T>& room, const JointVelocity<N, T>& u0,

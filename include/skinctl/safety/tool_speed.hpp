@@ -40,6 +40,7 @@ class ToolSpeed {
   }
 
   [[nodiscard]] T limit() const noexcept { return values_.speed; }
+  [[nodiscard]] const M& model() const noexcept { return model_; }
 
   /// The point's velocity per joint velocity at `q`, to be asked several times.
   class At {
@@ -80,6 +81,20 @@ class ToolSpeed {
   };
   [[nodiscard]] SKINCTL_INLINE At at(const JointPosition<joints, T>& q) const noexcept {
     return At(*this, q);
+  }
+
+  /// The share in [0, 1] of `u` with which the point keeps the limit for `time` seconds to come: the root of
+  /// `s v + s^2 K time = limit`. 0 for NaN.
+  [[nodiscard]] SKINCTL_NOINLINE T share(const JointPosition<joints, T>& q, const JointVelocity<joints, T>& u,
+                                         const T& time) const noexcept {
+    using std::sqrt;
+    T sum(0);
+    for (std::size_t i = 0; i < joints; ++i) sum = sum + (u[i] < T(0) ? T(-u[i]) : u[i]);
+    const T v = at(q).speed(u), growth = values_.reach * sum * sum * time, most = limit();
+    if (v + growth <= most) [[likely]]
+      return T(1);
+    const T s = T(2) * most / (v + sqrt(v * v + T(4) * growth * most));
+    return s > T(0) ? s : T(0);
   }
 
   /// As much of the step from `u0` to `u1` over `h` seconds as keeps the limit: `u1` if it does, else its mix

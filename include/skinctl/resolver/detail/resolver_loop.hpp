@@ -6,8 +6,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 #define SKINCTL_RESOLVER \
-  template <Interface I, Model M, Real T, class Integrator, std::size_t History, class Keeper>
-#define SKINCTL_RESOLVER_CLASS Resolver<I, M, T, Integrator, History, Keeper>
+  template <Interface I, Model M, Real T, class Integrator, std::size_t History, class Keeper, class Tool>
+#define SKINCTL_RESOLVER_CLASS Resolver<I, M, T, Integrator, History, Keeper, Tool>
 
 /// What the keepers learn of a cycle: the contacts, the measured position, the commands under way.
 SKINCTL_RESOLVER
@@ -84,7 +84,7 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
     if (d.any) damping = &d;
   }
   const auto next = detail::step_velocity<Integrator>(known, parameters().shape, parameters().has_coulomb,
-                                                      out.torque, pull, m.last, damping);
+                                                      out.torque, pull, m.last, damping, tool_);
   if (next.singular) out.status |= Reason::singular;
   out.velocity = next.velocity;
   if constexpr (has_tank) {

@@ -1,4 +1,4 @@
-// expect: a governor slows motions
+// expect: a torque interface has no motion whose jerk
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
