@@ -202,7 +202,7 @@ struct Bump {
 };
 
 /// What is allowed of it; the rate is what the skills are configured with, and rounding.
-inline const Bump bump_bounds{.jump = 0.05, .kink = 500, .rate = SkillSettings{}.most_rate * 1.01, .time = 5};
+inline const Bump bump_bounds{.jump = 0.25, .kink = 300, .rate = SkillSettings{}.most_rate * 1.01, .time = 4};
 
 template <class T>
 double largest(const JointTorque<6, T>& x) {

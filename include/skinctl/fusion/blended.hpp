@@ -4,38 +4,11 @@
 #include <memory>
 
 #include "skinctl/fusion/contact.hpp"
+#include "skinctl/fusion/detail/blend_goal.hpp"
 #include "skinctl/fusion/fused.hpp"
 #include "skinctl/trajectory/ramp.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// A request for other weights, in the order of the sum; 0: the law fades out. Gravity keeps 1.
-template <std::size_t Terms>
-struct Weights {
-  std::array<double, Terms> of{};
-
-  template <class F>
-  friend void each_number(Weights& w, F&& f) {
-    for (double& x : w.of) f(x);
-  }
-};
-
-/// What a sum that blends and whose laws take goals of type `G` may be asked for: a goal, weights, or both.
-template <class G, std::size_t Terms>
-struct BlendGoal {
-  bool has_goal = false;
-  G goal{};
-  bool has_weights = false;
-  Weights<Terms> weights{};
-
-  template <class F>
-  friend void each_number(BlendGoal& g, F&& f) {
-    f(g.has_goal);
-    each_number(g.goal, f);
-    f(g.has_weights);
-    each_number(g.weights, f);
-  }
-};
 
 /// Times and thresholds of a blend.
 struct BlendSettings {
@@ -123,7 +96,7 @@ class Blended<Fused<P, L...>> : public Composable {
     Memory memory{};
     memory.asked = first_;
     memory.from = memory.to = target(memory);
-    each([&](auto i) {
+    detail::each_index<terms>([&](auto i) {
       if (loaded(memory, i)) detail::memory_of<i.value>(memory.laws) = law<i.value>().start(known);
     });
     return memory;
@@ -235,12 +208,6 @@ class Blended<Fused<P, L...>> : public Composable {
   [[nodiscard]] SKINCTL_INLINE const law_at<I>& law() const noexcept {
     return std::get<I>(sum_.laws());
   }
-  template <class F>
-  static SKINCTL_INLINE constexpr void each(F&& f) noexcept {
-    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      (f(std::integral_constant<std::size_t, I>{}), ...);
-    }(std::index_sequence_for<L...>{});
-  }
   [[nodiscard]] static bool usable(std::size_t i, double w) noexcept {
     return Fusion::roles[i] == Role::gravity ? w == 1.0 : w >= 0 && w <= 1e6;
   }
@@ -250,7 +217,7 @@ class Blended<Fused<P, L...>> : public Composable {
   /// Shares that the weights asked for and the gates lead to.
   [[nodiscard]] static Factors target(const Memory& memory) noexcept {
     std::array<double, terms> weights = memory.asked;
-    each([&](auto i) {
+    detail::each_index<terms>([&](auto i) {
       if constexpr (detail::is_gated<law_at<i.value>>)
         if ((law_at<i.value>::gate == Gate::touched) != memory.contact.touched) weights[i.value] = 0;
     });
@@ -266,7 +233,7 @@ class Blended<Fused<P, L...>> : public Composable {
     next.ramp = memory.next_ramp;
     next.settle = 0;
     next.waiting = false;
-    each([&](auto i) {
+    detail::each_index<terms>([&](auto i) {
       if (!has_share(next.to[i]) || has_share(next.from[i])) return;
       if (Fusion::roles[i] == Role::tracking) next.settle = next.ramp;
       detail::memory_of<i.value>(next.laws) = law<i.value>().start(known);
@@ -318,72 +285,7 @@ class Blended<Fused<P, L...>> : public Composable {
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
-      const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept {
-    using T = typename K::scalar;
-    Evaluation<K::joints, T, Memory, terms> out{{}, memory, {}, {}};
-    Memory& next = out.memory;
-    if (memory.waiting && !moves(memory)) [[unlikely]]
-      next = begun(memory, known);
-    const Factors shares = factors(next);
-    JointTorque<K::joints, T> skin, track, contact;
-    const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
-    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      std::tuple<Part<typename NowOf<law_at<I>, K>::type, K::joints, T>...> parts;
-      each([&](auto i) SKINCTL_INLINE_LAMBDA {
-        constexpr std::size_t J = i.value;
-        constexpr Role r = law_at<J>::role;
-        const bool on = loaded(next, J);
-        if (!on && !(gated && detail::answers_touch<law_at<J>>)) return;
-        if constexpr (r == Role::tracking)
-          if (comes(next, J) && next.elapsed < next.ramp) [[unlikely]]
-            detail::memory_of<J>(next.laws) = law<J>().start(known);
-        auto& part = std::get<J>(parts);
-        compute<J>(part, next, known, shares[J]);
-        if constexpr (r == Role::tracking && !detail::presses<law_at<J>>) {
-          track += part.torque;
-          if constexpr (Fusion::watches && holds_gravity)
-            track -= static_cast<T>(shares[J].feed_forward) * known.gravity();
-        } else if constexpr (r == Role::reactive) {
-          if constexpr (gated && detail::answers_touch<law_at<J>>)
-            contact += static_cast<T>(sum_.weights()[J]) * part.torque;
-          part.torque = static_cast<T>(shares[J].feedback) * part.torque;
-          if constexpr (detail::answers_touch<law_at<J>>) skin += part.torque;
-        }
-        out.shares[J] = part.torque;
-        out.torque += part.torque;
-        if constexpr (detail::reports<law_at<J>>)
-          if (on) out.status |= law<J>().status(detail::memory_of<J>(next.laws));
-      });
-      if constexpr (holds_gravity) {
-        double left = 1;
-        for (std::size_t i = 0; i < terms; ++i)
-          if (Fusion::roles[i] == Role::tracking) left -= shares[i].feed_forward;
-        out.torque += static_cast<T>(left) * known.gravity();
-      }
-      Opposition opposition = given;
-      if constexpr (Fusion::watches) {
-        const auto found = sum_.detector().detect(memory.opposition, skin, track, dt);
-        next.opposition = found.memory;
-        if (given == Opposition::none) opposition = found.opposition;
-        if (opposition == Opposition::lasting) out.status |= Reason::opposed;
-      }
-      each([&](auto i) SKINCTL_INLINE_LAMBDA {
-        constexpr std::size_t J = i.value;
-        if constexpr (!std::is_empty_v<typename law_at<J>::Memory>)
-          if (loaded(next, J)) move_on<J>(next, std::get<J>(parts).now, known, dt, opposition);
-      });
-    }(std::index_sequence_for<L...>{});
-    if (moves(next)) out.status |= Reason::hand_over;
-    next.elapsed = later(next.elapsed, ns);
-    if constexpr (gated) {
-      next.contact = contact_.advanced(next.contact, contact, ns);
-      if (next.contact.touched != memory.contact.touched) {
-        next.waiting = true;
-        next.next_ramp = ramp_.duration();
-      }
-    }
-    return out;
-  }
+      const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept;
 
   Fusion sum_;
   std::array<double, terms> first_;
@@ -398,3 +300,5 @@ template <Sum P, class... L>
 }
 
 SKINCTL_END_NAMESPACE
+
+#include "skinctl/fusion/detail/blend_loop.hpp"

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "skinctl/core/evaluate.hpp"
+#include "skinctl/fusion/detail/law_parts.hpp"
 #include "skinctl/fusion/detail/memories.hpp"
 #include "skinctl/fusion/opposition.hpp"
 
@@ -17,88 +18,6 @@ enum class Sum : unsigned char {
                ///< `Y_r Theta` remains as a disturbance
   plain        ///< the paper's sum: everything but gravity with the weights as given
 };
-
-/// Anything that has the members of a law, whatever the robot. Asks for members, not for a call: an Eigen
-/// vector is callable too.
-template <class L>
-concept LawMembers = requires {
-  typename L::Memory;
-  { L::needs } -> std::convertible_to<Needs>;
-  { L::role } -> std::convertible_to<Role>;
-};
-
-namespace detail {
-/// The one goal type of a sum, if it has exactly one law with goals.
-template <class... G>
-struct OneGoal {};
-template <class G>
-struct OneGoal<G> {
-  using Goal = G;
-};
-template <class Found, class... L>
-struct GoalOf;
-template <class... G>
-struct GoalOf<std::tuple<G...>> : OneGoal<G...> {};
-template <class... G, class L, class... Rest>
-struct GoalOf<std::tuple<G...>, L, Rest...> : GoalOf<std::tuple<G...>, Rest...> {};
-template <class... G, class L, class... Rest>
-  requires requires { typename L::Goal; }
-struct GoalOf<std::tuple<G...>, L, Rest...> : GoalOf<std::tuple<G..., typename L::Goal>, Rest...> {};
-
-/// What a law's torque and memory share, or nothing.
-struct Nothing {};
-template <class Law, class K>
-SKINCTL_INLINE auto now_of(const Law& law, const typename Law::Memory& memory, const K& known) noexcept {
-  if constexpr (requires { law.now(memory, known); }) {
-    return law.now(memory, known);
-  } else {
-    return Nothing{};
-  }
-}
-/// A tracking law's torque and next memory, with what they share.
-template <GravityTerm G, class Law, class K, class T, class Now>
-SKINCTL_INLINE auto torque_with(const Law& law, const typename Law::Memory& memory, const K& known,
-                                const Share<T>& share, const Now& now) noexcept {
-  if constexpr (std::same_as<Now, Nothing>) {
-    return law.template torque<G>(memory, known, share);
-  } else {
-    return law.template torque<G>(memory, known, share, now);
-  }
-}
-template <class Law, class K, class T, class Now>
-SKINCTL_INLINE typename Law::Memory advance_with(const Law& law, const typename Law::Memory& memory,
-                                                 const K& known, const T& dt, Opposition opposition,
-                                                 const Now& now) noexcept {
-  if constexpr (std::same_as<Now, Nothing>) {
-    return law.advance(memory, known, dt, opposition);
-  } else {
-    return law.advance(memory, known, dt, opposition, now);
-  }
-}
-/// Whether a law waits behind a gate (fusion/blended.hpp).
-template <class L>
-inline constexpr bool is_gated = requires { L::gate; };
-
-/// Whether a tracking law presses against what it touches by its own purpose: the skin does not oppose it.
-template <class L>
-inline constexpr bool presses = requires { L::presses; };
-
-/// Whether a law is the skin's answer: others may oppose it, and it opens gates. A reactive law that does not
-/// ask for touch (a joint limit, a posture) is pushed by nobody.
-template <class L>
-inline constexpr bool answers_touch = L::role == Role::reactive && Needs(L::needs).touch;
-
-// Traits, not requires-expressions in generic lambdas: Clang 14 takes those for false.
-template <class L>
-inline constexpr bool takes_goals = requires { typename L::Goal; };
-template <class L>
-inline constexpr bool reports = requires(const L& law, const typename L::Memory& m) { law.status(m); };
-
-template <class... L>
-constexpr std::size_t count_role(Role role) noexcept {
-  return (std::size_t(0) + ... + (L::role == role ? 1u : 0u));
-}
-}  // namespace detail
 
 /// A sum of laws, written `0.6 * skin + 0.4 * reach + gravity` (fusion/expression.hpp).
 ///
@@ -240,9 +159,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   /// Calls `f(index, law)` for each law.
   template <class F>
   SKINCTL_INLINE constexpr void each(F&& f) const noexcept {
-    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      (f(std::integral_constant<std::size_t, I>{}, std::get<I>(laws_)), ...);
-    }(std::index_sequence_for<L...>{});
+    detail::each_index<terms>([&](auto i) SKINCTL_INLINE_LAMBDA { f(i, std::get<i.value>(laws_)); });
   }
   template <class Law, class Goal>
   static constexpr bool takes_goal() noexcept {

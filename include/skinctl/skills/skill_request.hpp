@@ -75,4 +75,20 @@ struct SkillRequest {
   }
 };
 
+namespace detail {
+/// The goals that laws take, each type once.
+template <class Found, class... L>
+struct GoalTypes;
+template <class... G>
+struct GoalTypes<SkillRequest<G...>> {
+  using type = SkillRequest<G...>;
+};
+template <class... G, class L, class... Rest>
+struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G...>, Rest...> {};
+template <class... G, class L, class... Rest>
+  requires(requires { typename L::Goal; } && !(std::is_same_v<G, typename L::Goal> || ...))
+struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G..., typename L::Goal>, Rest...> {
+};
+}  // namespace detail
+
 SKINCTL_END_NAMESPACE

@@ -19,22 +19,6 @@ struct SkillSettings {
   OppositionSettings opposition{};  ///< when skin and tracking count as opposed
 };
 
-namespace detail {
-/// The goals that laws take, each type once.
-template <class Found, class... L>
-struct GoalTypes;
-template <class... G>
-struct GoalTypes<SkillRequest<G...>> {
-  using type = SkillRequest<G...>;
-};
-template <class... G, class L, class... Rest>
-struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G...>, Rest...> {};
-template <class... G, class L, class... Rest>
-  requires(requires { typename L::Goal; } && !(std::is_same_v<G, typename L::Goal> || ...))
-struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G..., typename L::Goal>, Rest...> {
-};
-}  // namespace detail
-
 /// A set of skills, made by `skill_set(library, controllers...)`. It is a law like any other: a `Cycle` runs,
 /// records and replays it, and `Input::goal` brings its requests.
 ///
@@ -180,40 +164,14 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     m.blend = blend_.start(known);
     m.commanded = skills_[0].switches;
     const auto e = run(m.blend, known, known.dt(), Opposition::none);
-    if constexpr (joints > 0) m.bound.follow(e.torque - skin(e.shares), {}, {});
+    if constexpr (joints > 0) m.bound.follow(e.torque - skin(e.shares), {}, {}, settings_.most_rate);
     return m;
   }
 
+  /// A request, as `SkillRequest` says.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
-                                                      const Goal& request) const noexcept {
-    using Kind = typename Goal::Kind;
-    Received<Memory> out{memory, {}};
-    if (request.kind == static_cast<unsigned char>(Kind::report)) {
-      out.memory.reported = out.memory.reported.then(request.reported);
-      out.memory.reporting |= request.reported.which;
-      return out;
-    }
-    if (request.kind == static_cast<unsigned char>(Kind::goal)) {
-      if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
-      deliver(out.memory, known, request, out.status);
-      out.memory.held = 0;
-      if (memory.phase == Phase::finished) out.memory.phase = Phase::running;
-      return out;
-    }
-    if (request.kind != static_cast<unsigned char>(Kind::start) || request.skill >= skills)
-      return {memory, Reason::goal_refused};
-    if (!may_start(memory, skills_[request.skill])) return {memory, Reason::skill_refused};
-    if (!Blend::moves(memory.blend)) {
-      if (memory.phase == Phase::loading) out.status |= arrive(out.memory, known);
-      auto change = begun(out.memory, known, request);
-      change.status |= out.status;
-      return change;
-    }
-    out.memory.waiting = request;
-    out.memory.waits = true;
-    return out;
-  }
+                                                      const Goal& request) const noexcept;
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
@@ -235,12 +193,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
  private:
   template <std::size_t I>
   using law_at = std::tuple_element_t<I, std::tuple<L...>>;
-  template <class F>
-  static SKINCTL_INLINE constexpr void each(F&& f) noexcept {
-    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      (f(std::integral_constant<std::size_t, I>{}), ...);
-    }(std::index_sequence_for<L...>{});
-  }
 
   [[nodiscard]] bool may_start(const Memory& m, const Skill<controllers>& s) const noexcept {
     if (s.conditions.untouched && !(m.touch <= settings_.touched)) return false;
@@ -249,81 +201,35 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   /// Calls `f(index, goal)` for each controller of a skill for which the request has a goal.
   template <class F>
   void each_goal(const Goal& request, std::uint8_t skill, F&& f) const noexcept {
-    each([&](auto i) {
+    detail::each_index<controllers>([&](auto i) {
       if constexpr (detail::takes_goals<law_at<i.value>>) {
         const auto& part = request.goals.template of<typename law_at<i.value>::Goal>();
         if (part.has && skills_[skill].weights[i.value] > 0) f(i, part.goal);
       }
     });
   }
-  /// Whether controllers of a skill take the request's goals: at least one, and none refuses.
   template <class K>
   [[nodiscard]] SKINCTL_COLD bool fits(const Memory& m, const K& known, const Goal& request,
-                                       std::uint8_t skill, Status& status) const noexcept {
-    bool taken = false;
-    each_goal(request, skill, [&](auto i, const auto& goal) {
-      const auto& law = std::get<i.value>(blend_.sum().laws());
-      const bool on = Blend::loaded(m.blend, i) && !Blend::comes(m.blend, i);
-      status |=
-          law.receive(on ? Blend::template memory<i.value>(m.blend) : law.start(known), known, goal).status;
-      taken = true;
-    });
-    return taken && !status.has(Reason::goal_refused);
-  }
-  /// The request's goals to the controllers that are there; the others get them when they have come.
+                                       std::uint8_t skill, Status& status) const noexcept;
   template <class K>
   SKINCTL_COLD void deliver(Memory& m, const K& known, const Goal& request, Status& status,
-                            bool arrived = false) const noexcept {
-    each_goal(request, m.skill, [&](auto i, const auto& goal) {
-      if (Blend::comes(m.blend, i)) {
-        m.request.goals.template of<std::remove_cvref_t<decltype(goal)>>() =
-            request.goals.template of<std::remove_cvref_t<decltype(goal)>>();
-      } else if (!arrived || m.blend.from[i].feed_forward == 0) {
-        const auto answer = blend_.template receive<i.value>(m.blend, known, goal);
-        m.blend = answer.memory;
-        status |= answer.status;
-      }
-    });
-  }
-  /// The change to another skill begins.
+                            bool arrived = false) const noexcept;
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> begun(const Memory& memory, const K& known,
-                                                    const Goal& request) const noexcept {
-    Received<Memory> out{memory, {}};
-    Memory& m = out.memory;
-    m.waits = false;
-    bool any = false;
-    each_goal(request, request.skill, [&](auto, const auto&) { any = true; });
-    if (any && !fits(m, known, request, request.skill, out.status)) return out;
-    const auto& next = skills_[request.skill];
-    m.blend = blend_.change(m.blend, known, Weights<controllers>{next.weights}).memory;
-    stretch(m.blend, known);
-    m.skill = request.skill;
-    m.request = request;
-    deliver(m, known, request, out.status);
-    m.commanded = m.commanded.then(next.switches);
-    m.reported.which &= ~next.switches.which;  // an old report says nothing about what is only beginning
-    m.phase = Phase::loading;
-    m.since = m.held = 0;
-    return out;
-  }
-  /// Makes a change last long enough that by its quintics the torque moves no faster than `most_rate`: to
-  /// what the other skill asks for at this state; and then, where the feedback of a tracking law comes, to
-  /// what it holds against the skin. There the torque moves at up to `1.7 |tau_skin| sqrt(lambda / T)`, and
-  /// 100 1/s stands for lambda.
+                                                    const Goal& request) const noexcept;
   template <class K>
-  SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept {
-    auto there = m;
-    there.elapsed = clock_end;
-    const auto from = run(m, known, known.dt(), Opposition::none);
-    const auto to = run(there, known, known.dt(), Opposition::none);
-    const auto seconds_for = [&](const auto& way) {
-      return static_cast<double>(largest(way)) / settings_.most_rate;
-    };
-    m.ramp = within(quintic_peak_speed<double> * seconds_for(to.torque - from.torque));
-    const double push = 1.7 * seconds_for(skin(to.shares));
-    if (m.settle > 0) m.settle = within(100 * push * push);
-  }
+  SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept;
+  template <class K>
+  SKINCTL_COLD void restart(typename Blend::Memory& m, const K& known) const noexcept;
+  template <class Torque, class Shares, class T>
+  [[nodiscard]] SKINCTL_COLD Torque bounded(detail::RateBound<joints>& bound,
+                                            const typename Blend::Memory& before,
+                                            typename Blend::Memory& next, const Torque& own, Shares shares,
+                                            const T& most) const noexcept;
+  template <class K, class Torque>
+  SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Torque& touched,
+                                  Nanoseconds dt) const noexcept;
+  void end(Memory& m, Phase phase, std::uint8_t next) const noexcept;
   [[nodiscard]] Nanoseconds within(double time) const noexcept {
     const Nanoseconds asked = time < 1e6 ? nanoseconds(time) : settings_.longest;
     return asked > settings_.longest     ? settings_.longest
@@ -348,72 +254,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   }
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
-      const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept {
-    Evaluation<K::joints, typename K::scalar, Memory, terms> out{{}, memory, {}, {}};
-    Memory& m = out.memory;
-    if (m.phase == Phase::loading && !Blend::moves(m.blend)) [[unlikely]]
-      out.status |= arrive(m, known);
-    if (m.waits && !Blend::moves(m.blend)) [[unlikely]] {
-      const auto change = begun(m, known, m.waiting);
-      m = change.memory;
-      out.status |= change.status;
-    }
-    if (m.bound.lags && swaps(m.blend)) [[unlikely]]
-      restart(m.blend, known);
-    const auto e = run(m.blend, known, dt, given);
-    const auto touched = skin(e.shares);
-    out.torque = e.torque;
-    for (std::size_t i = 0; i < controllers; ++i) out.shares[i] = e.shares[i];
-    out.status |= e.status;
-    const auto before = m.blend;
-    m.blend = e.memory;
-    if constexpr (joints > 0) {
-      const auto own = e.torque - touched;
-      if (m.bound.lags || Blend::moves(before)) [[unlikely]] {
-        out.shares[controllers] =
-            bounded(m, before, own, e.shares, static_cast<typename K::scalar>(settings_.most_rate) * dt);
-        out.torque += out.shares[controllers];
-        if (m.bound.lags) out.status |= Reason::hand_over;
-      } else {
-        m.bound.follow(own, {}, {});
-      }
-    }
-    supervise(m, known, touched, nanoseconds(static_cast<double>(dt)));
-    if (m.phase == Phase::finished) out.status |= Reason::skill_finished;
-    if (m.phase == Phase::failed) out.status |= Reason::skill_failed;
-    return out;
-  }
-  /// Where the skill stands after `dt`, and what follows from it.
-  template <class K, class Torque>
-  SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Torque& touched,
-                                  Nanoseconds dt) const noexcept {
-    const auto& s = skills_[m.skill];
-    const auto& c = s.conditions;
-    m.since = later(m.since, dt);
-    double square = 0;
-    for (const auto& x : touched) square += static_cast<double>(x) * static_cast<double>(x);
-    m.touch = std::sqrt(square);
-    if (m.phase == Phase::failed || m.phase == Phase::finished) return;
-    if (c.most_touch > 0 && m.touch > c.most_touch) return end(m, Phase::failed, 0);
-    if (c.timeout > 0 && m.since >= c.timeout) return end(m, Phase::failed, 0);
-    if (m.phase == Phase::loading || c.finish == Finish::never) return;
-    bool holds = true;
-    if (c.finish == Finish::switched) {
-      const std::uint32_t reports = s.switches.which & m.reporting;
-      holds = m.reported.stand({reports, s.switches.on & reports});
-    }
-    if (c.finish == Finish::settled)
-      each([&](auto i) {
-        using Law = law_at<i.value>;
-        if constexpr (Law::role == Role::tracking)
-          if (s.weights[i.value] > 0)
-            holds = holds && detail::settled(std::get<i.value>(blend_.sum().laws()),
-                                             Blend::template memory<i.value>(m.blend), known,
-                                             static_cast<typename K::scalar>(c.still));
-      });
-    m.held = holds ? later(m.held, dt) : 0;
-    if (holds && m.held >= c.hold) end(m, Phase::finished, s.next);
-  }
+      const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept;
   template <class Torque>
   [[nodiscard]] static auto largest(const Torque& tau) noexcept {
     auto most = detail::magnitude(tau[0]);
@@ -425,7 +266,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   template <class Shares>
   [[nodiscard]] static SKINCTL_INLINE auto skin(const Shares& shares) noexcept {
     std::remove_cvref_t<decltype(shares[0])> sum;
-    each([&](auto i) {
+    detail::each_index<controllers>([&](auto i) {
       if constexpr (detail::answers_touch<law_at<i.value>>) sum += shares[i.value];
     });
     return sum;
@@ -438,53 +279,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
         return false;
     return true;
   }
-  /// While the torque lags, what goes stands at the state at hand, as does what comes: what the torque lacks
-  /// would wind it up.
-  template <class K>
-  SKINCTL_COLD void restart(typename Blend::Memory& m, const K& known) const noexcept {
-    each([&](auto i) {
-      if constexpr (law_at<i.value>::role == Role::tracking)
-        if (m.from[i.value].feed_forward > 0)
-          detail::memory_of<i.value>(m.laws) = std::get<i.value>(blend_.sum().laws()).start(known);
-    });
-  }
-  /// What is added to the torque `own` of all but the skin, so that none moves by more than `most`.
-  template <class Torque, class Shares, class T>
-  [[nodiscard]] SKINCTL_COLD Torque bounded(Memory& m, const typename Blend::Memory& before,
-                                            const Torque& own, Shares shares, const T& most) const noexcept {
-    // By how much the skin's weights will move its torque until the next cycle, if the touch stays.
-    const auto now = blend_.factors(before), next = blend_.factors(m.blend);
-    for (std::size_t i = 0; i < controllers; ++i) {
-      const double had = now[i].feedback, gets = next[i].feedback;
-      shares[i] = static_cast<T>(had > 0 ? (gets - had) / had : 0) * shares[i];
-    }
-    auto moved = skin(shares);
-    if (largest(moved) > most) {
-      const T slower = most / largest(moved);
-      m.blend.elapsed = before.elapsed + nanoseconds(seconds<double>(m.blend.elapsed - before.elapsed) *
-                                                     static_cast<double>(slower));
-      moved = slower * moved;
-    }
-    Torque carried;
-    if (m.bound.lags || swaps(before)) carried = m.bound.missing(own, most);
-    m.bound.follow(own, carried, moved);
-    if (m.bound.lags && m.blend.settle > 0 && m.blend.elapsed >= m.blend.ramp)
-      m.blend.elapsed = m.blend.ramp - 1;  // feedback came faster than the torque may: once more
-    return carried;
-  }
-  void end(Memory& m, Phase phase, std::uint8_t next) const noexcept {
-    m.phase = phase;
-    if (next == m.skill && phase == Phase::finished) return;
-    if (phase == Phase::finished && !may_start(m, skills_[next])) {
-      m.phase = Phase::failed;
-      next = 0;
-    }
-    m.waiting = m.request;
-    m.waiting.kind = static_cast<unsigned char>(Goal::Kind::start);
-    m.waiting.skill = next;
-    if (m.phase == Phase::failed) m.waiting.goals = {};
-    m.waits = true;
-  }
 
   Blend blend_;
   std::array<Skill<controllers>, skills> skills_;
@@ -492,3 +286,5 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
 };
 
 SKINCTL_END_NAMESPACE
+
+#include "skinctl/skills/detail/skill_change.hpp"

@@ -32,7 +32,8 @@ constexpr std::size_t joints_of_laws() noexcept {
 template <std::size_t N>
 struct RateBound {
   std::array<double, N> stay{};
-  bool lags = false;  ///< `own` has not been caught up with
+  bool lags = false;   ///< `own` has not been caught up with
+  bool winds = false;  ///< ... and is more than 10 ms away: laws in a closed loop would wind up
 
   /// What has to be added to `own` [N m] for an interval in which the torque may move by `most`.
   template <class T>
@@ -46,12 +47,15 @@ struct RateBound {
   }
   /// After an interval with the torque `own + added`. `moved`: by how much other weights will move the skin's
   /// torque until the next, if the touch stays. What is not finite is forgotten.
+  /// @param rate  R, whatever is added [N m/s].
   template <class T>
-  void follow(const JointTorque<N, T>& own, const JointTorque<N, T>& added,
-              const JointTorque<N, T>& moved) noexcept {
-    lags = false;
+  void follow(const JointTorque<N, T>& own, const JointTorque<N, T>& added, const JointTorque<N, T>& moved,
+              double rate) noexcept {
+    lags = winds = false;
     for (std::size_t i = 0; i < N; ++i) {
-      lags = lags || added[i] != T(0);
+      const double size = static_cast<double>(detail::magnitude(added[i]));
+      lags = lags || size > 0;
+      winds = winds || size > 0.01 * rate;
       const double next = static_cast<double>(own[i] + added[i] - moved[i]);
       if (next - next == 0) stay[i] = next;
     }

@@ -1,0 +1,256 @@
+// The part of SkillSet that a reader need not see: how a skill begins, changes and ends.
+#pragma once
+
+#include "skinctl/skills/skill_set.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What a request asks for begins, waits, or is refused.
+template <class... Behaviour, Sum P, class... L>
+template <class K>
+SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
+    const Memory& memory, const K& known, const Goal& request) const noexcept -> Received<Memory> {
+  using Kind = typename Goal::Kind;
+  Received<Memory> out{memory, {}};
+  if (request.kind == static_cast<unsigned char>(Kind::report)) {
+    out.memory.reported = out.memory.reported.then(request.reported);
+    out.memory.reporting |= request.reported.which;
+    return out;
+  }
+  if (request.kind == static_cast<unsigned char>(Kind::goal)) {
+    if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
+    deliver(out.memory, known, request, out.status);
+    out.memory.held = 0;
+    if (memory.phase == Phase::finished) out.memory.phase = Phase::running;
+    return out;
+  }
+  if (request.kind != static_cast<unsigned char>(Kind::start) || request.skill >= skills)
+    return {memory, Reason::goal_refused};
+  if (!may_start(memory, skills_[request.skill])) return {memory, Reason::skill_refused};
+  if (!Blend::moves(memory.blend)) {
+    if (memory.phase == Phase::loading) out.status |= arrive(out.memory, known);
+    auto change = begun(out.memory, known, request);
+    change.status |= out.status;
+    return change;
+  }
+  out.memory.waiting = request;
+  out.memory.waits = true;
+  return out;
+}
+
+/// Whether controllers of a skill take the request's goals: at least one, and none refuses.
+template <class... Behaviour, Sum P, class... L>
+template <class K>
+SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::fits(const Memory& m, const K& known,
+                                                                           const Goal& request,
+                                                                           std::uint8_t skill,
+                                                                           Status& status) const noexcept
+    -> bool {
+  bool taken = false;
+  each_goal(request, skill, [&](auto i, const auto& goal) {
+    const auto& law = std::get<i.value>(blend_.sum().laws());
+    const bool on = Blend::loaded(m.blend, i) && !Blend::comes(m.blend, i);
+    status |=
+        law.receive(on ? Blend::template memory<i.value>(m.blend) : law.start(known), known, goal).status;
+    taken = true;
+  });
+  return taken && !status.has(Reason::goal_refused);
+}
+
+/// The request's goals to the controllers that are there; the others get them when they have come.
+template <class... Behaviour, Sum P, class... L>
+template <class K>
+SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::deliver(Memory& m, const K& known,
+                                                                              const Goal& request,
+                                                                              Status& status,
+                                                                              bool arrived) const noexcept {
+  each_goal(request, m.skill, [&](auto i, const auto& goal) {
+    if (Blend::comes(m.blend, i)) {
+      m.request.goals.template of<std::remove_cvref_t<decltype(goal)>>() =
+          request.goals.template of<std::remove_cvref_t<decltype(goal)>>();
+    } else if (!arrived || m.blend.from[i].feed_forward == 0) {
+      const auto answer = blend_.template receive<i.value>(m.blend, known, goal);
+      m.blend = answer.memory;
+      status |= answer.status;
+    }
+  });
+}
+
+/// The change to another skill begins.
+template <class... Behaviour, Sum P, class... L>
+template <class K>
+SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
+    const Memory& memory, const K& known, const Goal& request) const noexcept -> Received<Memory> {
+  Received<Memory> out{memory, {}};
+  Memory& m = out.memory;
+  m.waits = false;
+  bool any = false;
+  each_goal(request, request.skill, [&](auto, const auto&) { any = true; });
+  if (any && !fits(m, known, request, request.skill, out.status)) return out;
+  const auto& next = skills_[request.skill];
+  m.blend = blend_.change(m.blend, known, Weights<controllers>{next.weights}).memory;
+  stretch(m.blend, known);
+  m.skill = request.skill;
+  m.request = request;
+  deliver(m, known, request, out.status);
+  m.commanded = m.commanded.then(next.switches);
+  m.reported.which &= ~next.switches.which;  // an old report says nothing about what is only beginning
+  m.phase = Phase::loading;
+  m.since = m.held = 0;
+  return out;
+}
+
+/// Makes a change last long enough that by its quintics the torque moves no faster than `most_rate`: to
+/// what the other skill asks for at this state; and then, where the feedback of a tracking law comes, to
+/// what it holds against the skin. There the torque moves at up to `1.7 |tau_skin| sqrt(lambda / T)`, and
+/// 100 1/s stands for lambda.
+template <class... Behaviour, Sum P, class... L>
+template <class K>
+SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::stretch(typename Blend::Memory& m,
+                                                                              const K& known) const noexcept {
+  auto there = m;
+  there.elapsed = clock_end;
+  const auto from = run(m, known, known.dt(), Opposition::none);
+  const auto to = run(there, known, known.dt(), Opposition::none);
+  const auto seconds_for = [&](const auto& way) {
+    return static_cast<double>(largest(way)) / settings_.most_rate;
+  };
+  m.ramp = within(quintic_peak_speed<double> * seconds_for(to.torque - from.torque));
+  const double push = 1.7 * seconds_for(skin(to.shares));
+  if (m.settle > 0) m.settle = within(100 * push * push);
+}
+
+/// While the torque lags far behind, what goes stands at the state at hand, as does what comes: what the
+/// torque lacks would wind it up.
+template <class... Behaviour, Sum P, class... L>
+template <class K>
+SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::restart(typename Blend::Memory& m,
+                                                                              const K& known) const noexcept {
+  detail::each_index<controllers>([&](auto i) {
+    if constexpr (law_at<i.value>::role == Role::tracking)
+      if (m.from[i.value].feed_forward > 0)
+        detail::memory_of<i.value>(m.laws) = std::get<i.value>(blend_.sum().laws()).start(known);
+  });
+}
+
+/// What is added to the torque `own` of all but the skin, so that none moves by more than `most`.
+template <class... Behaviour, Sum P, class... L>
+template <class Torque, class Shares, class T>
+SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::bounded(
+    detail::RateBound<joints>& bound, const typename Blend::Memory& before, typename Blend::Memory& next,
+    const Torque& own, Shares shares, const T& most) const noexcept -> Torque {
+  // By how much the skin's weights will move its torque until the next cycle, if the touch stays.
+  const auto now = Blend::factors(before), soon = Blend::factors(next);
+  for (std::size_t i = 0; i < controllers; ++i) {
+    const double had = now[i].feedback, gets = soon[i].feedback;
+    shares[i] = static_cast<T>(had > 0 ? (gets - had) / had : 0) * shares[i];
+  }
+  auto moved = skin(shares);
+  if (largest(moved) > most) {
+    const T slower = most / largest(moved);
+    next.elapsed = before.elapsed +
+                   nanoseconds(seconds<double>(next.elapsed - before.elapsed) * static_cast<double>(slower));
+    moved = slower * moved;
+  }
+  Torque carried;
+  if (bound.lags || swaps(before)) carried = bound.missing(own, most);
+  bound.follow(own, carried, moved, settings_.most_rate);
+  if (bound.winds && next.settle > 0 && next.elapsed >= next.ramp)
+    next.elapsed = next.ramp - 1;  // feedback came faster than the torque may: once more
+  if (bound.lags && swaps(before) && !Blend::moves(next))
+    next.elapsed = before.elapsed;  // nothing has arrived before the torque has caught up
+  return carried;
+}
+
+/// Where the skill stands after `dt`, and what follows from it.
+template <class... Behaviour, Sum P, class... L>
+template <class K, class Torque>
+SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::supervise(
+    Memory& m, const K& known, const Torque& touched, Nanoseconds dt) const noexcept {
+  const auto& s = skills_[m.skill];
+  const auto& c = s.conditions;
+  m.since = later(m.since, dt);
+  double square = 0;
+  for (const auto& x : touched) square += static_cast<double>(x) * static_cast<double>(x);
+  m.touch = std::sqrt(square);
+  if (m.phase == Phase::failed || m.phase == Phase::finished) return;
+  if (c.most_touch > 0 && m.touch > c.most_touch) return end(m, Phase::failed, 0);
+  if (c.timeout > 0 && m.since >= c.timeout) return end(m, Phase::failed, 0);
+  if (m.phase == Phase::loading || c.finish == Finish::never) return;
+  bool holds = true;
+  if (c.finish == Finish::switched) {
+    const std::uint32_t reports = s.switches.which & m.reporting;
+    holds = m.reported.stand({reports, s.switches.on & reports});
+  }
+  if (c.finish == Finish::settled)
+    detail::each_index<controllers>([&](auto i) {
+      using Law = law_at<i.value>;
+      if constexpr (Law::role == Role::tracking)
+        if (s.weights[i.value] > 0)
+          holds = holds && detail::settled(std::get<i.value>(blend_.sum().laws()),
+                                           Blend::template memory<i.value>(m.blend), known,
+                                           static_cast<typename K::scalar>(c.still));
+    });
+  m.held = holds ? later(m.held, dt) : 0;
+  if (holds && m.held >= c.hold) end(m, Phase::finished, s.next);
+}
+
+template <class... Behaviour, Sum P, class... L>
+void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::end(Memory& m, Phase phase,
+                                                             std::uint8_t next) const noexcept {
+  m.phase = phase;
+  if (next == m.skill && phase == Phase::finished) return;
+  if (phase == Phase::finished && !may_start(m, skills_[next])) {
+    m.phase = Phase::failed;
+    next = 0;
+  }
+  m.waiting = m.request;
+  m.waiting.kind = static_cast<unsigned char>(Goal::Kind::start);
+  m.waiting.skill = next;
+  if (m.phase == Phase::failed) m.waiting.goals = {};
+  m.waits = true;
+}
+
+/// One evaluation of the sum, and what goes on beside it.
+template <class... Behaviour, Sum P, class... L>
+template <class K>
+SKINCTL_INLINE auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::step(const Memory& memory,
+                                                                             const K& known,
+                                                                             const typename K::scalar& dt,
+                                                                             Opposition given) const noexcept
+    -> Evaluation<K::joints, typename K::scalar, Memory, terms> {
+  Evaluation<K::joints, typename K::scalar, Memory, terms> out{{}, memory, {}, {}};
+  Memory& m = out.memory;
+  if (m.phase == Phase::loading && !Blend::moves(m.blend)) [[unlikely]]
+    out.status |= arrive(m, known);
+  if (m.waits && !Blend::moves(m.blend)) [[unlikely]] {
+    const auto change = begun(m, known, m.waiting);
+    m = change.memory;
+    out.status |= change.status;
+  }
+  if (m.bound.winds && swaps(m.blend)) [[unlikely]]
+    restart(m.blend, known);
+  auto e = run(m.blend, known, dt, given);
+  const auto touched = skin(e.shares);
+  out.torque = e.torque;
+  for (std::size_t i = 0; i < controllers; ++i) out.shares[i] = e.shares[i];
+  out.status |= e.status;
+  if constexpr (joints > 0) {
+    const auto own = e.torque - touched;
+    if (m.bound.lags || Blend::moves(m.blend)) [[unlikely]] {
+      const auto most = static_cast<typename K::scalar>(settings_.most_rate) * dt;
+      out.shares[controllers] = bounded(m.bound, m.blend, e.memory, own, e.shares, most);
+      out.torque += out.shares[controllers];
+      if (m.bound.lags) out.status |= Reason::hand_over;
+    } else {
+      m.bound.follow(own, {}, {}, settings_.most_rate);
+    }
+  }
+  m.blend = e.memory;
+  supervise(m, known, touched, nanoseconds(static_cast<double>(dt)));
+  if (m.phase == Phase::finished) out.status |= Reason::skill_finished;
+  if (m.phase == Phase::failed) out.status |= Reason::skill_failed;
+  return out;
+}
+
+SKINCTL_END_NAMESPACE
