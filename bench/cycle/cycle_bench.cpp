@@ -10,6 +10,7 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
+#include "skinctl/control/spline_operational.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/math/sincos.hpp"
@@ -31,6 +32,17 @@ auto law() {
   s.K_c = T(5);
   s.tb = T(4);
   return SplineJoint<6, T>(s) + SkinJointControl{} + GravityControl{};
+}
+/// The same of a tool: Spline Operational + skin + gravity.
+template <class T>
+auto operational_law() {
+  OperationalSettings<6, T> s;
+  s.tracking.lambda = T(25);
+  s.tracking.K_c = T(5);
+  s.tracking.tb = T(4);
+  const auto X_LT = Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.15));
+  return SplineOperational<6, 5, Tool, T>(OperationalSpace<6, 5, Tool, T>(X_LT, s), s) + SkinJointControl{} +
+         GravityControl{};
 }
 template <class T>
 auto resolver() {
@@ -80,8 +92,8 @@ void run(benchmark::State& state, const Scene& scene, std::size_t cells) {
 }
 
 /// The same from whole frames of readings: one number a cell.
-template <class T, std::size_t Cells, class Policy>
-void run_dense(benchmark::State& state) {
+template <class T, std::size_t Cells, class Policy, class Law>
+void run_dense(benchmark::State& state, const Law& control) {
   const auto skin = std::apply(
       [](const auto&... patch) {
         return DenseSkin<ur5::Model, Policy, std::remove_cvref_t<decltype(patch)>...>(patch...);
@@ -89,7 +101,6 @@ void run_dense(benchmark::State& state) {
       ur5::skin_patches<Cells>());
   using Dense = std::remove_cvref_t<decltype(skin)>;
   const auto robot = resolver<T>();
-  const auto control = law<T>();
   auto frame = std::make_unique<typename Dense::Frame>();
   for (std::size_t i = 0; i < ur5::skin_cells<Cells>[2]; ++i)
     frame->template at<2>(i) = static_cast<typename Dense::Stored>(0.001 * static_cast<double>(i % 7));
@@ -135,10 +146,14 @@ void skinctl_rows() {
   with(std::integral_constant<std::size_t, 1260>{});
   using Policy = std::conditional_t<std::is_same_v<T, double>, DoubleSum, FloatSum>;
   benchmark::RegisterBenchmark(("cycle/evaluation/ur5-1260-frames" + end).c_str(),
-                               run_dense<T, 1260, Policy>);
+                               [](benchmark::State& s) { run_dense<T, 1260, Policy>(s, law<T>()); });
+  benchmark::RegisterBenchmark(
+      ("cycle/evaluation/ur5-1260-frames-operational" + end).c_str(),
+      [](benchmark::State& s) { run_dense<T, 1260, Policy>(s, operational_law<T>()); });
   if constexpr (std::is_same_v<T, double>)  // half the bytes a cell; the error is that of readings in float
-    benchmark::RegisterBenchmark(("cycle/evaluation/ur5-1260-frames-stored-in-float" + end).c_str(),
-                                 run_dense<T, 1260, FloatStoredSum>);
+    benchmark::RegisterBenchmark(
+        ("cycle/evaluation/ur5-1260-frames-stored-in-float" + end).c_str(),
+        [](benchmark::State& s) { run_dense<T, 1260, FloatStoredSum>(s, law<T>()); });
 }
 
 /// The same quantities with KDL: cell by cell or link by link, inverse dynamics, mass matrix.

@@ -135,6 +135,30 @@ void print(const Rows& rows) {
   }
 }
 
+/// What each law costs, and its share of the whole cycle (1260 cells; with a law of the joints, and of a
+/// tool): where these rows were measured.
+void print_shares(const Rows& rows) {
+  const auto ours = [&](const std::string& row) {
+    const auto found = rows.find(row);
+    if (found == rows.end() || !found->second.contains("skinctl")) return 0.0;
+    return found->second.at("skinctl").median();
+  };
+  for (const std::string scalar : {"double", "float"}) {
+    const double joints = ours("cycle/evaluation/ur5-1260-frames/" + scalar);
+    const double tool = ours("cycle/evaluation/ur5-1260-frames-operational/" + scalar);
+    if (joints <= 0 || tool <= 0) continue;
+    const std::string end = "/ur5/" + scalar;
+    std::printf("\n%-44s %10s %14s %14s\n", ("law alone, " + scalar).c_str(), "ns", "of the cycle",
+                "of a tool's");
+    for (const auto& [row, timings] : rows) {
+      if (row.rfind("control/", 0) != 0 || !row.ends_with(end) || ours(row) <= 0) continue;
+      const auto law = row.substr(8, row.size() - 8 - end.size());
+      std::printf("%-44s %10.1f %12.0f %% %12.0f %%\n", law.c_str(), ours(row), 100 * ours(row) / joints,
+                  100 * ours(row) / tool);
+    }
+    std::printf("%-44s %10.1f %14s %10.1f ns\n", "the cycle", joints, "", tool);
+  }
+}
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -185,6 +209,7 @@ int main(int argc, char** argv) try {
   output << merged.dump(1) << "\n";
   if (!output) throw std::runtime_error(std::string("cannot write ") + argv[1]);
   print(rows);
+  print_shares(rows);
   for (const auto& [key, value] : added) std::printf("%s: %s\n", key.c_str(), value.c_str());
   std::printf("median (and maximum) of the repetitions; all in %s\n", argv[1]);
   return 0;

@@ -1,11 +1,15 @@
 // How well a joint law tracks on a UR5: the time base against its closed form, wrong inertial parameters and
-// a cycle of delay against computed-torque PD, and the ways to take a sign. `tracking`; a few seconds.
+// a cycle of delay against computed-torque PD, and the ways to take a sign. `tracking [FOLDER]`, a few
+// seconds; with a folder also three pictures of the tables: time_base.svg, parameters.svg, signs.svg.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <string>
 #include <vector>
 
+#include "examples/support/svg_plot.hpp"
 #include "skinctl/control/adaptation.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
@@ -36,11 +40,26 @@ Plant wrong(double factor) {
   return Plant(links);
 }
 
+/// Pictures go here, if anywhere.
+std::string folder;
+void draw(const char* name, const char* title, const std::vector<plotting::Plot>& plots) {
+  if (folder.empty()) return;
+  std::ofstream(folder + "/" + name) << plotting::svg_figure(title, plots);
+}
+plotting::Plot axes(const char* title, const char* x_name, const char* y_name) {
+  plotting::Plot plot;
+  plot.title = title, plot.x_name = x_name, plot.y_name = y_name;
+  return plot;
+}
+
 /// e(tb) / e(0) of the first joint's error, weight 1, from rest.
 void time_base() {
   std::printf("error at tb over the closed form, x0 = 0.9 dq_max tb / 1.886 (at most 2 rad)\n%8s", "tb [s]");
   for (const double rate : {125.0, 500.0, 1000.0}) std::printf("%10g Hz", rate);
   std::printf("\n");
+  auto plot = axes("Distance of the error at tb from its closed form", "tb [s]", "log10 of [%]");
+  for (const char* rate : {"125 Hz", "500 Hz", "1000 Hz"}) plot.series.push_back({rate, {}, {}});
+  plot.limits = {{0, "1 %"}};
   for (const double tb : {0.25, 0.5, 1.0, 2.0, 5.0, 10.0}) {
     std::printf("%8g", tb);
     for (const double rate : {125.0, 500.0, 1000.0}) {
@@ -69,10 +88,14 @@ void time_base() {
       const double t_p = base.peak_time(), delta = 0.01, eps = 0.05;
       const double closed = std::pow((quintic(t_p).rest + delta) / (1 + delta), 1 + eps) *
                             std::exp(-base.peak_gain() * (1 - t_p));
-      std::printf("%13.4f", (goal[0] - x.q[0]) / x0 / closed);
+      const double ratio = (goal[0] - x.q[0]) / x0 / closed;
+      std::printf("%13.4f", ratio);
+      auto& series = plot.series[rate < 200 ? 0 : rate < 700 ? 1 : 2];
+      series.x.push_back(tb), series.y.push_back(std::log10(100 * std::abs(ratio - 1)));
     }
     std::printf("\n");
   }
+  draw("time_base.svg", "The time base against its closed form", {plot});
 }
 
 struct Errors {
@@ -135,6 +158,12 @@ void parameters() {
   JointControlSettings<6> s{.dt = dt, .lambda = 60, .tb = 0};
   auto bare = s;
   bare.K_i1 = bare.K_i2 = 0;
+  std::vector<plotting::Plot> plots{
+      axes("No delay", "masses and inertias wrong by [%]", "largest error [mrad]"),
+      axes("One cycle of delay", "masses and inertias wrong by [%]", "largest error [mrad]")};
+  for (auto& plot : plots)
+    for (const char* name : {"computed-torque PD", "law without integral", "law", "adaptive law"})
+      plot.series.push_back({name, {}, {}});
   for (const double part : {0.0, 0.01, 0.1, 0.3})
     for (const int delay : {0, 1}) {
       const auto plant = wrong(1 + part);
@@ -151,11 +180,22 @@ void parameters() {
           plant, dt, delay, Adaptive<JointControl<6>>(JointControl<6>(s), {10, deviations(model, 0.5)}));
       std::printf("%8g %% %-6d %12.4f %12.4f %12.4f %12.4f\n", 100 * part, delay, 1e3 * pd.largest,
                   1e3 * plain.largest, 1e3 * law.largest, 1e3 * adaptive.largest);
+      std::size_t k = 0;
+      for (const auto& e : {pd, plain, law, adaptive}) {
+        auto& series = plots[static_cast<std::size_t>(delay)].series[k++];
+        series.x.push_back(100 * part), series.y.push_back(1e3 * e.largest);
+      }
     }
+  draw("parameters.svg", "Tracking with wrong parameters", plots);
 }
 
+/// Of each way to take a sign: chattering, error and cost over the rate.
+std::vector<plotting::Plot> sign_plots{axes("Chattering", "rate [Hz]", "change of slope / change"),
+                                       axes("Tracking error", "rate [Hz]", "largest [mrad]"),
+                                       axes("Cost of an evaluation", "rate [Hz]", "[ns]")};
 template <class Sign>
 void sign_row(const char* name) {
+  for (auto& plot : sign_plots) plot.series.push_back({name, {}, {}});
   for (const double rate : {125.0, 500.0, 1000.0}) {
     const double dt = 1 / rate;
     const JointControl<6, double, InertialDamping<double>, Sign> law(
@@ -180,24 +220,32 @@ void sign_row(const char* name) {
       before = last, last = tau;
       return tau;
     });
-    // The cost: evaluations of the law on its own.
+    // The cost: evaluations of the law on its own, the fastest of many batches.
     const State<6> x{0, home, JointVelocity<6>::constant(0.1)};
-    const auto start = std::chrono::steady_clock::now();
-    double sum = 0;
-    for (int i = 0; i < 20000; ++i) {
-      const auto out = evaluate(law, memory, K(model, x, dt, none), dt);
-      memory = out.memory;
-      sum += out.torque[0];
+    double sum = 0, ns = 1e9;
+    for (int batch = 0; batch < 40; ++batch) {
+      const auto start = std::chrono::steady_clock::now();
+      for (int i = 0; i < 1000; ++i) {
+        const auto out = evaluate(law, memory, K(model, x, dt, none), dt);
+        memory = out.memory;
+        sum += out.torque[0];
+      }
+      const auto taken = std::chrono::steady_clock::now() - start;
+      ns = std::min(ns, std::chrono::duration<double, std::nano>(taken).count() / 1000);
     }
-    const double ns =
-        std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / 20000;
     std::printf("%-16s %6g Hz %14.4f %12.4f %12.4f %8.0f%s\n", name, rate, rough / size, 1e3 * e.rms,
                 1e3 * e.largest, ns, sum == 0.5 ? "!" : "");
+    const double values[] = {rough / size, 1e3 * e.largest, ns};
+    for (std::size_t k = 0; k < 3; ++k) {
+      sign_plots[k].series.back().x.push_back(rate);
+      sign_plots[k].series.back().y.push_back(values[k]);
+    }
   }
 }
 }  // namespace
 
-int main() {
+int main(int count, char** arguments) {
+  if (count > 1) folder = arguments[1];
   time_base();
   parameters();
   std::printf(
@@ -208,4 +256,5 @@ int main() {
   sign_row<SaturationSign>("saturation");
   sign_row<ImplicitSign>("implicit");
   sign_row<SuperTwistingSign>("super-twisting");
+  draw("signs.svg", "Ways to take a sign", sign_plots);
 }

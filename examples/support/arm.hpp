@@ -39,15 +39,17 @@ inline JointControlSettings<6> gains() {
   return s;
 }
 
-/// The arm, commanded by position every 8 ms, which it follows one cycle late.
-template <class Law>
+/// The arm, commanded by position every 8 ms, which it follows one cycle late. `Keeper`: what else watches
+/// over energy and contacts.
+template <class Law, class Keeper = Passivity<>>
 class Arm {
  public:
-  using Scene =
-      Cycle<Resolver<Interface::position, ur5::Model>, Law, Ur5Skin<260>, Guard<Interface::position, 6>>;
+  using Robot = Resolver<Interface::position, ur5::Model, double, CrankNicolson, 32, Keeper>;
+  using Scene = Cycle<Robot, Law, Ur5Skin<260>, Guard<Interface::position, 6>>;
   using Goal = typename Scene::Goal;
 
-  explicit Arm(const Law& law) : scene_(make(law)), memory_(std::make_unique<typename Scene::Memory>()) {
+  explicit Arm(const Law& law, const Keeper& keeper = Keeper())
+      : scene_(make(law, keeper)), memory_(std::make_unique<typename Scene::Memory>()) {
     measured_.q = under_way_ = home;
     scene_.start(*memory_, measured_);
   }
@@ -85,14 +87,13 @@ class Arm {
   [[nodiscard]] const Law& law() const { return scene_.law(); }
 
  private:
-  static Scene make(const Law& law) {
+  static Scene make(const Law& law, const Keeper& keeper) {
     const auto limits = limits_of<ur5::Description>(15.0);
     ResolverConfiguration<6> robot{.limits = limits, .period = 8_ms, .delay = 8_ms};
     robot.shape.decay = 4;
     SkinSettings skin;
     skin.force = EventGate<>::dead_band(0.002);  // of readings without noise
-    return Scene(Resolver<Interface::position, ur5::Model>(ur5::Model{}, robot), law,
-                 ur5_skin<260>({.force = newtons_per_reading}, skin),
+    return Scene(Robot(ur5::Model{}, robot, keeper), law, ur5_skin<260>({.force = newtons_per_reading}, skin),
                  Guard<Interface::position, 6>({.limits = limits, .period = 8_ms}));
   }
   Scene scene_;

@@ -127,7 +127,8 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   DampedInverse(const Of& J, const SingularityDamping<T>& damping) noexcept
       : J_(J), damping_(damping), factors_(normal().data) {
     w_squared_ = factors_.determinant();
-    if (!factors_.positive_definite() || nearness() > T(0)) [[unlikely]]
+    damped_ = !factors_.positive_definite() || nearness() > T(0);
+    if (damped_) [[unlikely]]
       damp();
   }
 
@@ -185,9 +186,15 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   [[nodiscard]] JointAcceleration<joints, T> solve_rate(const JacobianRate<Of>& dJ, const Velocity& dx_r,
                                                         const BodyAcceleration& ddx_r,
                                                         const JointVelocity<joints, T>& dq_r) const noexcept {
-    const T dl2 = damping_rate(dJ);
     const BodyAcceleration missing = ddx_r - dJ * dq_r;
     JointAcceleration<joints, T> ddq;
+    if constexpr (square) {
+      if (!damped_) [[likely]] {  // dx_r - J dq_r is zero
+        apply(Velocity{missing.linear, missing.angular}, ddq.data);
+        return ddq;
+      }
+    }
+    const T dl2 = damping_rate(dJ);
     if constexpr (by_joints) {
       const Velocity left = dx_r - J_ * dq_r;
       T b[order], x[order];
@@ -217,7 +224,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
  private:
   static constexpr auto moving = static_cast<std::size_t>(std::popcount(Columns));
   static constexpr std::size_t rows_count = What == Task::pose ? 6 : 3;
-  static constexpr bool by_joints = moving <= rows_count;
+  static constexpr bool by_joints = moving <= rows_count, square = moving == rows_count;
   static constexpr std::size_t order = by_joints ? moving : rows_count;
   struct Matrix {
     T data[order * order];
@@ -257,12 +264,19 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
       }
   }
   Matrix normal() const noexcept {
-    T r[moving][rows_count], a[order][order];
+    T r[moving][rows_count];
     rows(J_, r);
-    product(r, r, a);
     Matrix m;
     for (std::size_t i = 0; i < order; ++i)
-      for (std::size_t j = 0; j < order; ++j) m.data[i * order + j] = a[i][j];
+      for (std::size_t j = 0; j <= i; ++j) {
+        T sum(0);
+        if constexpr (by_joints) {
+          for (std::size_t k = 0; k < rows_count; ++k) sum = sum + r[i][k] * r[j][k];
+        } else {
+          for (std::size_t k = 0; k < moving; ++k) sum = sum + r[k][i] * r[k][j];
+        }
+        m.data[i * order + j] = m.data[j * order + i] = sum;
+      }
     return m;
   }
   /// Next to a singularity: the determinant with pivots, and factors of the damped matrix.
@@ -311,6 +325,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   const Of& J_;
   SingularityDamping<T> damping_;
   T w_squared_;
+  bool damped_;
   math::Ldlt<order, T> factors_;
 };
 

@@ -1,0 +1,37 @@
+// 08 Force control: the wrist finds a table of unknown height and presses on it, harder half-way through.
+//
+//   F_d  force to press with [N]   n  direction [-]   k  stiffness of the table [N/m]   d  depth [m], F = k d
+//   v = sat(K_p dF + K_i1 int dF + K_i2 int tanh(mu dF)), dF = F_d - F: how the target moves along n
+#include "skinctl/control/force_control.hpp"
+#include "support/arm.hpp"
+
+using namespace examples;
+
+int main(int argc, char** argv) {
+  const ur5::Model robot;
+  const auto cell = Arm<SkinJointControl>::cell<5>();
+  const auto X_LC = cell.X_LC.renamed<Link<5>, Tool>();  // the tool is a cell; z its normal
+  const ForceControl<6, 5> press(X_LC, {.pose = {.tracking = gains()}, .carried = 1});
+  Arm arm(press + SkinJointControl{} + GravityControl{});
+  const auto touching = [&] {
+    return Poses<ur5::Model, all_links(6)>(robot, JointAngles<ur5::Model, double>(robot, arm.q())).get<5>() *
+           X_LC;
+  };
+  const auto start = touching();
+  const Xyz<double> n = start.axis_z();
+  const double k = 2000, gap = 0.02;
+  Curve wanted{"asked force [N]", {}, {}}, force{"force [N]", {}, {}}, depth{"depth [m]", {}, {}};
+  double F_d = 6, F = 0;
+  arm.ask({n, F_d});
+  while (arm.time() < 10) {
+    if (arm.time() > 5 && F_d < 12) arm.ask({n, F_d = 12});
+    const double d = dot(touching().origin() - start.origin(), n) - gap;
+    F = d > 0 ? k * d : 0;
+    arm.push(cell.id, F);
+    arm.step();
+    wanted.add(arm.time(), F_d), force.add(arm.time(), F), depth.add(arm.time(), d);
+  }
+  std::printf("presses with %.2f N\n", F);
+  return draw(argc, argv, "08_force_control.svg", "Force control", {wanted, force, depth}) ||
+         std::abs(F - F_d) > 0.5;
+}

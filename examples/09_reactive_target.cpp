@@ -1,0 +1,39 @@
+// 09 A reactive target: a camera sees a part at 5 Hz; every picture the target jumps, and the tool does not.
+//
+//   X_BP  pose of the target, from a sensor at any rate   v, a, j  limits of speed, acceleration and jerk
+//   tau = operational control, eqs. (15)-(21), after the target that these limits let through, + tau_skin +
+//   G(q)
+#include "skinctl/control/reactive_control.hpp"
+#include "support/arm.hpp"
+
+using namespace examples;
+
+int main(int argc, char** argv) {
+  OperationalSettings<6> settings{.tracking = gains()};
+  settings.max_linear_velocity = 0.25;   // [m/s]
+  settings.max_linear_acceleration = 1;  // [m/s^2]
+  settings.max_linear_jerk = 10;         // [m/s^3]
+  const ReactiveOperational<6, 5> follow(OperationalSpace<6, 5>(tool_on_flange, settings), settings);
+  Arm arm(follow + SkinJointControl{} + GravityControl{});
+  Curve seen{"target as seen [m]", {}, {}}, tool{"tool [m]", {}, {}}, speed{"its speed [m/s]", {}, {}};
+  const auto start = arm.tool();
+  Xyz<double> p = start.origin(), last = p;
+  double fastest = 0, noise = 0.5;
+  for (int k = 0; arm.time() < 8; ++k) {
+    if (k % 25 == 0) {
+      noise = 3.9 * noise * (1 - noise);  // of the camera, never the same
+      const double jump = arm.time() > 4 ? 0.1 : 0;
+      p = start.origin() + Xyz<double>{0, 0.06 * std::sin(arm.time()) + jump, 0.004 * noise};
+      arm.ask(PoseReference<Tool>{{start.axes(), p}, {}, {}});
+    }
+    arm.step();
+    const auto now = arm.tool().origin();
+    const double v = detail::length(Xyz<double>(now - last)) / 0.008;
+    seen.add(arm.time(), p.y), tool.add(arm.time(), now.y), speed.add(arm.time(), v);
+    if (k > 0) fastest = std::fmax(fastest, v);
+    last = now;
+  }
+  std::printf("fastest %.3f m/s\n", fastest);
+  return draw(argc, argv, "09_reactive_target.svg", "A reactive target", {seen, tool, speed}) ||
+         fastest > 0.3;
+}
