@@ -1,0 +1,45 @@
+#include "skinctl/resolver/memory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/resolver/detail/virtual_joints.hpp"
+
+using namespace skinctl;
+
+using Memory = ResolverMemory<6, double, 32>;
+static_assert(std::is_trivially_copyable_v<Memory> &&
+              std::is_trivially_copyable_v<ResolverMemory<22, float, 64>>);
+static_assert(std::is_base_of_v<VirtualJointsMemory<6, double, 32>, Memory>);
+static_assert(sizeof(Memory) == sizeof(VirtualJointsMemory<6, double, 32>), "no keeper, no bytes");
+
+TEST_CASE("ResolverMemory: a fresh one has not been started and gives no valid command") {
+  const Memory m;
+  CHECK_FALSE(m.started);
+  CHECK_FALSE(m.command.valid);
+  CHECK(m.mode == Mode::following);
+}
+
+TEST_CASE("ResolverMemory: a copy by its bytes goes on as the original does") {
+  ResolverConfiguration<6> c{.limits = limits_of<ur5::Description>(40.0), .period = 8_ms, .delay = 8_ms};
+  const detail::VirtualJoints<Interface::velocity, 6, double, 32> joints(c);
+  Memory a{joints.start({0, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, {}}), {}}, b;
+  const auto cycle = [&](Memory& m, Nanoseconds now) {
+    const Interval interval{now - 8_ms, now, 1, {}};
+    const auto begun = joints.begin(m, {now, m.under_way.reached, {}}, interval);
+    static_cast<void>(joints.move(m, begun.correction, JointVelocity<6>::constant(0.2), 0.008));
+    m.time = now;
+    static_cast<void>(joints.end(m, begun, {}));
+    return m.command.velocity;
+  };
+  for (Nanoseconds now = 8_ms; now < 400_ms; now += 8_ms) cycle(a, now);
+  std::memcpy(static_cast<void*>(&b), &a, sizeof a);
+  for (Nanoseconds now = 400_ms; now < 800_ms; now += 8_ms) {
+    const auto one = cycle(a, now), other = cycle(b, now);
+    CHECK(one == other);
+  }
+  CHECK(a.command.velocity[0] == doctest::Approx(0.2).epsilon(0.01));
+  CHECK(a.q.value == b.q.value);
+}
