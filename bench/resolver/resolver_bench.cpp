@@ -91,6 +91,36 @@ void touched(benchmark::State& state, const Parts&... parts) {
                                                        Passivity<Parts...>(parts...));
 }
 
+// The virtual robot shaped at its tool.
+template <class T, std::size_t Rows>
+void shaped(benchmark::State& state) {
+  using Shape = ToolShape<5, Rows, T>;
+  typename Shape::Settings s;
+  for (std::size_t i = 0; i < Rows; ++i) {
+    s.mass[i][i] = i < 3 ? T(6) : T(0.3);
+    s.damping[i][i] = i < 3 ? T(40) : T(2);
+  }
+  const Resolver<Interface::position, ur5::Model, T, CrankNicolson, 32, Passivity<>, Shape> resolver(
+      ur5::Model{}, configuration<T>(Interface::position, 2_ms), Shape(s));
+  State<6, T> measured;
+  measured.q = {T(0.1), T(-1.2), T(1.4), T(-1.0), T(1.2), T(0.3)};
+  auto memory = resolver.start(measured);
+  Constant<T> law{};
+  typename Constant<T>::Memory law_memory;
+  NoTouch touches[max_substeps];
+  Nanoseconds now = 0;
+  const bench::CountAllocations counted(state);
+  for (auto _ : state) {
+    measured.time = now += 2_ms;
+    measured.q = memory.under_way.reached;
+    law.push = gravity_torque(ur5::Model{}, memory.q.value);
+    law.push[0] += (now / 1'000'000'000) % 2 == 0 ? T(1) : T(-1);
+    const auto out = resolver.step(memory, law, law_memory, measured, resolver.interval(memory, now),
+                                   std::span<const NoTouch>(touches));
+    benchmark::DoNotOptimize(out);
+  }
+}
+
 template <class T>
 void skinctl_rows() {
   const std::string end = std::string("/skinctl/") + bench::scalar_name<T>;
@@ -113,6 +143,8 @@ void skinctl_rows() {
   add("ur5-port-ledger", [](auto& s) { touched<T>(s, ledger); });
   add("ur5-contact-damper", [](auto& s) { touched<T>(s, damper); });
   add("ur5-all-keepers", [](auto& s) { touched<T>(s, tank, ledger, damper); });
+  add("ur5-tool-translation", [](auto& s) { shaped<T, 3>(s); });
+  add("ur5-tool", [](auto& s) { shaped<T, 6>(s); });
   add("ur5-torque", [](auto& s) { cycles<Interface::torque, T, CrankNicolson>(s, 2_ms); });
 }
 

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <cstring>
 #include <span>
 
 #include "skinctl/control/gravity_control.hpp"
@@ -12,8 +13,12 @@
 using namespace skinctl;
 
 using Robot = Resolver<Interface::position, ur5::Model, double, SemiImplicitEuler>;
+using Memory = ResolverMemory<6, double, 32>;
 static_assert(std::is_trivially_copyable_v<Robot::Memory>);
-static_assert(std::is_trivially_copyable_v<Resolver<Interface::velocity, ur5::Model, float>::Memory>);
+static_assert(std::is_trivially_copyable_v<Memory> &&
+              std::is_trivially_copyable_v<ResolverMemory<22, float, 64>>);
+static_assert(std::is_base_of_v<VirtualJointsMemory<6, double, 32>, Memory>);
+static_assert(sizeof(Memory) == sizeof(VirtualJointsMemory<6, double, 32>), "no keeper, no bytes");
 
 TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no command that may be sent") {
   const Robot robot(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 8_ms});
@@ -37,4 +42,26 @@ TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no comman
   CHECK(started.started);
   CHECK(started.command.valid);
   CHECK(started.command.position == state.q);
+}
+
+TEST_CASE("ResolverMemory: a copy by its bytes goes on as the original does") {
+  ResolverConfiguration<6> c{.limits = limits_of<ur5::Description>(40.0), .period = 8_ms, .delay = 8_ms};
+  const detail::VirtualJoints<Interface::velocity, 6, double, 32> joints(c);
+  Memory a{joints.start({0, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, {}}), {}}, b;
+  const auto cycle = [&](Memory& m, Nanoseconds now) {
+    const Interval interval{now - 8_ms, now, 1, {}};
+    const auto begun = joints.begin(m, {now, m.under_way.reached, {}}, interval);
+    static_cast<void>(joints.move(m, begun.correction, JointVelocity<6>::constant(0.2), 0.008));
+    m.time = now;
+    static_cast<void>(joints.end(m, begun, {}));
+    return m.command.velocity;
+  };
+  for (Nanoseconds now = 8_ms; now < 400_ms; now += 8_ms) cycle(a, now);
+  std::memcpy(static_cast<void*>(&b), &a, sizeof a);
+  for (Nanoseconds now = 400_ms; now < 800_ms; now += 8_ms) {
+    const auto one = cycle(a, now), other = cycle(b, now);
+    CHECK(one == other);
+  }
+  CHECK(a.command.velocity[0] == doctest::Approx(0.2).epsilon(0.01));
+  CHECK(a.q.value == b.q.value);
 }

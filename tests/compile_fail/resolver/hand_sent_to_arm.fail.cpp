@@ -1,0 +1,10 @@
+// expect: other kind, size or scalar
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+using Robot = HybridResolver<Interface::velocity, joints_between(6, 22), ur5_allegro::Model<>>;
+
+JointTorque<6> arm(const JointCommand<22>& command) {
+  return Robot::torque(command);
+}
