@@ -159,6 +159,11 @@ void floor_rows() {
     hand::floor_inverse_dynamics(s.q.data, s.dq.data, s.ddq.data, tau.data);
     return tau;
   });
+  bench::row<16>("dynamics/gravity/hand/floor/double", [](const auto& s) {
+    Numbers<16> G;
+    hand::floor_gravity(s.q.data, G.data);
+    return G;
+  });
   bench::row<16>("dynamics/mass_matrix/hand/floor/double", [](const auto& s) {
     Numbers<40> M;
     hand::floor_mass_matrix(s.q.data, M.data);

@@ -1,8 +1,15 @@
-// The regressor and its products, and energies, beside inverse dynamics with fixed parameters.
+// The regressor and its products, and energies, beside inverse dynamics with fixed parameters. KDL, whose
+// bodies are numbers at run time, has the product with parameters in one inverse dynamics, and the regressor
+// in one for each of 60 bodies that span the parameters (with dq_r = dq).
+#include <memory>
+#include <vector>
+
+#include "bench/floor/ur5_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;
 
@@ -29,6 +36,59 @@ void rows() {
                    [model](const auto& s) { return generalised_momentum(model, s.q, s.dq); });
 }
 
-const bool registered = (rows<double>(), rows<float>(), true);
+void floor_rows() {
+  const auto theta = inertial_parameters<double>(ur5::Model{});
+  bench::row<6>("dynamics/regressor-product/ur5/floor/double", [theta](const auto& s) {
+    bench::Numbers<6> tau;
+    bench_floor::ur5::floor_regressor_product(s.q.data, s.dq.data, s.dq_r.data, s.ddq.data, theta.data,
+                                              tau.data);
+    return tau;
+  });
+}
+
+/// The arm with only one body on it, a mass or an inertia: ten of these for each link.
+oracle::Robot with_one_body(std::size_t k) {
+  oracle::Robot arm = oracle::ur5();
+  for (auto& b : arm.bodies) b.mass = 0, b.inertia = {};
+  auto& body = arm.bodies[k / 10];
+  const std::size_t p = k % 10;
+  if (p < 4) {
+    body.mass = 1;
+    body.com = {p == 1 ? 1. : 0., p == 2 ? 1. : 0., p == 3 ? 1. : 0.};
+  } else {
+    constexpr std::size_t row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
+    body.inertia[3 * row[p - 4] + column[p - 4]] = body.inertia[3 * column[p - 4] + row[p - 4]] = 1;
+  }
+  return arm;
+}
+
+void peer_rows() {
+  const auto arm = std::make_shared<oracle::KdlOracle>(oracle::ur5());
+  bench::row<6>("dynamics/regressor-product/ur5/kdl/double", [arm](const auto& s) {
+    bench::Numbers<6> tau;
+    arm->inverse_dynamics(s.q.data, s.dq.data, s.ddq.data, tau.data);
+    return tau;
+  });
+  const auto bodies = std::make_shared<std::vector<oracle::KdlOracle>>();
+  for (std::size_t k = 0; k < 60; ++k) bodies->emplace_back(with_one_body(k));
+  bench::row<6>("dynamics/regressor/ur5/kdl/double", [bodies](const auto& s) {
+    bench::Numbers<360> Y;
+    for (std::size_t k = 0; k < 60; ++k)
+      (*bodies)[k].inverse_dynamics(s.q.data, s.dq.data, s.ddq.data, Y.data + 6 * k);
+    return Y;
+  });
+  bench::row<6>("dynamics/regressor-transposed-product/ur5/kdl/double", [bodies](const auto& s) {
+    bench::Numbers<60> powers;
+    for (std::size_t k = 0; k < 60; ++k) {
+      double tau[6];
+      (*bodies)[k].inverse_dynamics(s.q.data, s.dq.data, s.ddq.data, tau);
+      powers.data[k] = 0;
+      for (std::size_t i = 0; i < 6; ++i) powers.data[k] += tau[i] * s.dq[i];
+    }
+    return powers;
+  });
+}
+
+const bool registered = (rows<double>(), rows<float>(), floor_rows(), peer_rows(), true);
 
 }  // namespace

@@ -337,6 +337,32 @@ BENCH_FLOOR_INLINE void floor_inverse_dynamics(const double* __restrict q, const
   }
 }
 
+BENCH_FLOOR_INLINE void floor_gravity(const double* __restrict q, double* __restrict G) {
+  using namespace detail;
+  const Constants& k = constants;
+  const L g = L(9.81);
+  for (std::size_t first = 0; first < 4; first += lanes) {
+    const Angles t(q, first);
+    // The vertical seen by the four links, as in `recursion`.
+    const V g0 = into(t.s[0], t.c[0], {g * at(k.R[6], first), g * at(k.R[7], first), g * at(k.R[8], first)});
+    const V g1 = into(t.s[1], t.c[1], {g0.x, -g0.z, g0.y});
+    const L sa = at(k.sa, first), ca = at(k.ca, first);
+    const V g2 = into(t.s[2], t.c[2], tilt(sa, ca, g1));
+    const L m3 = at(k.m3, first), h3 = at(k.h3, first), m23 = at(k.m2, first) + m3;
+    const L m3x3 = m3 * at(k.px3, first), m123 = at(k.m1, first) + m23;
+    // Joints 2 and 3 are parallel. The other links' centres of mass lie at their origins.
+    const L tau3 = h3 * (t.c[3] * g2.y - t.s[3] * g2.x);
+    const V h2 = untilt(sa, ca, out_of(t.s[2], t.c[2], V{m3x3 + t.c[3] * h3, t.s[3] * h3, L(0.0)}));
+    const L h1x = h2.x + m23 * at(k.px2, first), h1z = h2.z + m23 * at(k.pz2, first);
+    const L h0x = m123 * at(k.p1[0], first) + (t.c[1] * h1x - t.s[1] * h2.y);
+    const L h0y = m123 * at(k.p1[1], first) + h1z;
+    scatter(h0x * g0.y - h0y * g0.x, G, first, 0);
+    scatter(h1x * g1.y - h2.y * g1.x, G, first, 1);
+    scatter(tau3 + m3x3 * g2.y, G, first, 2);
+    scatter(tau3, G, first, 3);
+  }
+}
+
 /// `M[entry][finger]`, 10 x 4: the lower half of each finger's 4 x 4 block, row by row.
 BENCH_FLOOR_INLINE void floor_mass_matrix(const double* __restrict q, double* __restrict M) {
   for (std::size_t first = 0; first < 4; first += lanes) {

@@ -69,38 +69,55 @@ struct Wrench {
   V f, n;
 };
 
-/// M a + C(w) r + G with Christoffel's C, links 2 to 6; `s`, `c` are those of q2 to q6.
+/// Links 2 to 6; `s`, `c` are those of q2 to q6.
+struct Motions {
+  Motion l2;
+  Spin e2;
+  Motion l3;
+  Spin e3;
+  Motion l4;
+  Spin e4;
+  Motion l5;
+  Spin e5;
+  Motion l6;
+  Spin e6;
+
+  // Link 1 turns about the vertical: (0, 0, dq1). Link 2 stands upright on it.
+  BENCH_FLOOR_INLINE Motions(const double* s, const double* c, const double* dq, const double* dq_r,
+                             const double* ddq_r)
+      : l2{{s[0] * dq[0], c[0] * dq[0], dq[1]},
+           {s[0] * dq_r[0], c[0] * dq_r[0], dq_r[1]},
+           {s[0] * ddq_r[0] + dq_r[1] * (c[0] * dq[0]), c[0] * ddq_r[0] - dq_r[1] * (s[0] * dq[0]), ddq_r[1]},
+           {s[0] * g, c[0] * g, 0}},
+        e2(l2),
+        l3(turned(s[1], c[1], {l2.w, l2.r, l2.al, {l2.a.x + a2 * e2.xx, l2.a.y + a2 * e2.yx, a2 * e2.zx}},
+                  dq[2], dq_r[2], ddq_r[2])),
+        e3(l3),
+        l4(turned(s[2], c[2],
+                  {l3.w, l3.r, l3.al, {l3.a.x + a3 * e3.xx, l3.a.y + a3 * e3.yx, l3.a.z + a3 * e3.zx}}, dq[3],
+                  dq_r[3], ddq_r[3])),
+        e4(l4),
+        l5(turned(s[3], c[3],
+                  {{l4.w.x, l4.w.z, -l4.w.y},
+                   {l4.r.x, l4.r.z, -l4.r.y},
+                   {l4.al.x, l4.al.z, -l4.al.y},
+                   {l4.a.x + d4 * e4.xz, l4.a.z + d4 * e4.zz, -(l4.a.y + d4 * e4.yz)}},
+                  dq[4], dq_r[4], ddq_r[4])),
+        e5(l5),
+        l6(turned(s[4], c[4],
+                  {{l5.w.x, -l5.w.z, l5.w.y},
+                   {l5.r.x, -l5.r.z, l5.r.y},
+                   {l5.al.x, -l5.al.z, l5.al.y},
+                   {l5.a.x + d5 * e5.xz, -(l5.a.z + d5 * e5.zz), l5.a.y + d5 * e5.yz}},
+                  dq[5], dq_r[5], ddq_r[5])),
+        e6(l6) {}
+};
+
+/// M a + C(w) r + G with Christoffel's C.
 BENCH_FLOOR_INLINE void recursion(const double* s, const double* c, const double* dq, const double* dq_r,
                                   const double* ddq_r, double* tau) {
-  // Link 1 turns about the vertical: (0, 0, dq1). Link 2 stands upright on it.
-  Motion l2;
-  l2.w = {s[0] * dq[0], c[0] * dq[0], dq[1]};
-  l2.r = {s[0] * dq_r[0], c[0] * dq_r[0], dq_r[1]};
-  l2.al = {s[0] * ddq_r[0] + dq_r[1] * l2.w.y, c[0] * ddq_r[0] - dq_r[1] * l2.w.x, ddq_r[1]};
-  l2.a = {s[0] * g, c[0] * g, 0};
-  const Spin e2(l2);
-  const Motion l3 =
-      turned(s[1], c[1], {l2.w, l2.r, l2.al, {l2.a.x + a2 * e2.xx, l2.a.y + a2 * e2.yx, a2 * e2.zx}}, dq[2],
-             dq_r[2], ddq_r[2]);
-  const Spin e3(l3);
-  const Motion l4 =
-      turned(s[2], c[2], {l3.w, l3.r, l3.al, {l3.a.x + a3 * e3.xx, l3.a.y + a3 * e3.yx, l3.a.z + a3 * e3.zx}},
-             dq[3], dq_r[3], ddq_r[3]);
-  const Spin e4(l4);
-  const Motion l5 = turned(s[3], c[3],
-                           {{l4.w.x, l4.w.z, -l4.w.y},
-                            {l4.r.x, l4.r.z, -l4.r.y},
-                            {l4.al.x, l4.al.z, -l4.al.y},
-                            {l4.a.x + d4 * e4.xz, l4.a.z + d4 * e4.zz, -(l4.a.y + d4 * e4.yz)}},
-                           dq[4], dq_r[4], ddq_r[4]);
-  const Spin e5(l5);
-  const Motion l6 = turned(s[4], c[4],
-                           {{l5.w.x, -l5.w.z, l5.w.y},
-                            {l5.r.x, -l5.r.z, l5.r.y},
-                            {l5.al.x, -l5.al.z, l5.al.y},
-                            {l5.a.x + d5 * e5.xz, -(l5.a.z + d5 * e5.zz), l5.a.y + d5 * e5.yz}},
-                           dq[5], dq_r[5], ddq_r[5]);
-  const Spin e6(l6);
+  const Motions m(s, c, dq, dq_r, ddq_r);
+  const auto& [l2, e2, l3, e3, l4, e4, l5, e5, l6, e6] = m;
 
   Wrench h;
   h.f = {m6 * (l6.a.x + c6z * e6.xz), m6 * (l6.a.y + c6z * e6.yz), m6 * (l6.a.z + c6z * e6.zz)};
@@ -144,6 +161,48 @@ BENCH_FLOOR_INLINE void recursion(const double* s, const double* c, const double
          n.z + a2 * f.y + S2x * e2.yx - S2 * e2.xy + c2x * h.f.y};
   tau[1] = h.n.z;
   tau[0] = s[0] * h.n.x + c[0] * h.n.y + J1 * ddq_r[0];
+}
+
+/// The wrench of a body with the ten numbers `o` (mass, first moments, xx yy zz xy xz yz of its inertia about
+/// the frame's origin).
+BENCH_FLOOR_INLINE Wrench wrench_of(const double* o, const Motion& m, const Spin& e) {
+  const double hx = o[1], hy = o[2], hz = o[3];
+  const double xx = 0.5 * (o[5] + o[6] - o[4]), yy = 0.5 * (o[4] + o[6] - o[5]),
+               zz = 0.5 * (o[4] + o[5] - o[6]);
+  const double xy = -o[7], xz = -o[8], yz = -o[9];
+  return {{o[0] * m.a.x + e.xx * hx + e.xy * hy + e.xz * hz, o[0] * m.a.y + e.yx * hx + e.yy * hy + e.yz * hz,
+           o[0] * m.a.z + e.zx * hx + e.zy * hy + e.zz * hz},
+          {e.zx * xy + e.zy * yy - e.yx * xz - e.yz * zz + (e.zz - e.yy) * yz + hy * m.a.z - hz * m.a.y,
+           e.xy * yz + e.xz * zz - e.zx * xx - e.zy * xy + (e.xx - e.zz) * xz + hz * m.a.x - hx * m.a.z,
+           e.yx * xx + e.yz * xz - e.xy * yy - e.xz * yz + (e.yy - e.xx) * xy + hx * m.a.y - hy * m.a.x}};
+}
+
+/// The same torques with the links' inertial parameters as numbers: ten a link.
+BENCH_FLOOR_INLINE void recursion_of(const double* s, const double* c, const double* dq, const double* dq_r,
+                                     const double* ddq_r, const double* theta, double* tau) {
+  const Motions m(s, c, dq, dq_r, ddq_r);
+  const auto sum = [](const Wrench& h, const V& f, const V& n) __attribute__((always_inline)) {
+    return Wrench{{h.f.x + f.x, h.f.y + f.y, h.f.z + f.z}, {h.n.x + n.x, h.n.y + n.y, h.n.z + n.z}};
+  };
+  Wrench h = wrench_of(theta + 50, m.l6, m.e6);
+  tau[5] = h.n.z;
+  V f = out_of(s[4], c[4], h.f), n = out_of(s[4], c[4], h.n);
+  f = {f.x, f.z, -f.y}, n = {n.x - d5 * f.y, n.z + d5 * f.x, -n.y};
+  h = sum(wrench_of(theta + 40, m.l5, m.e5), f, n);
+  tau[4] = h.n.z;
+  f = out_of(s[3], c[3], h.f), n = out_of(s[3], c[3], h.n);
+  f = {f.x, -f.z, f.y}, n = {n.x - d4 * f.y, d4 * f.x - n.z, n.y};
+  h = sum(wrench_of(theta + 30, m.l4, m.e4), f, n);
+  tau[3] = h.n.z;
+  f = out_of(s[2], c[2], h.f), n = out_of(s[2], c[2], h.n);
+  n.y -= a3 * f.z, n.z += a3 * f.y;
+  h = sum(wrench_of(theta + 20, m.l3, m.e3), f, n);
+  tau[2] = h.n.z;
+  f = out_of(s[1], c[1], h.f), n = out_of(s[1], c[1], h.n);
+  n.y -= a2 * f.z, n.z += a2 * f.y;
+  h = sum(wrench_of(theta + 10, m.l2, m.e2), f, n);
+  tau[1] = h.n.z;
+  tau[0] = s[0] * h.n.x + c[0] * h.n.y + theta[6] * ddq_r[0];
 }
 
 /// Mass and moments of a link with all that it carries, about the origin and in the axes of its frame.
@@ -326,6 +385,15 @@ BENCH_FLOOR_INLINE void floor_yr_theta(const double* __restrict q, const double*
   double s[6], c[6];
   sincos6(s, c, q[1], q[2], q[3], q[4], q[5], q[5]);
   detail::recursion(s, c, dq, dq_r, ddq_r, tau);
+}
+
+/// Y(q, dq, dq_r, ddq_r) theta without the matrix Y.
+BENCH_FLOOR_INLINE void floor_regressor_product(const double* __restrict q, const double* __restrict dq,
+                                                const double* __restrict dq_r, const double* __restrict ddq_r,
+                                                const double* __restrict theta, double* __restrict tau) {
+  double s[6], c[6];
+  sincos6(s, c, q[1], q[2], q[3], q[4], q[5], q[5]);
+  detail::recursion_of(s, c, dq, dq_r, ddq_r, theta, tau);
 }
 
 BENCH_FLOOR_INLINE void floor_gravity(const double* __restrict q, double* __restrict G) {

@@ -1,12 +1,17 @@
 // What the observer of the resolver does: after a jump of the real robot, under noise of its encoders, under
-// jitter of its cycles. A UR5 that follows its commands after a delay.
+// jitter of its cycles, and while the robot is blocked. A UR5 that follows its commands after a delay.
+// `observer [folder]` draws observer.svg there.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <deque>
+#include <fstream>
 #include <memory>
 #include <optional>
+#include <string>
 
+#include "examples/support/svg_plot.hpp"
+#include "tests/resolver/closed_loop.hpp"
 #include "tests/support/robot_table.hpp"
 #include "tests/support/scene.hpp"
 
@@ -132,10 +137,34 @@ Path run(const SceneSettings& s, const Disturbed& d, double duration) {
   return path;
 }
 
+plotting::Plot titled(const char* title) {
+  plotting::Plot plot;
+  plot.title = title;
+  plot.y_name = "[rad]";
+  return plot;
+}
+plotting::Plot after_jump = titled("Real joint less virtual one, after a jump of 0.1 rad at 1 s");
+plotting::Plot while_blocked =
+    titled("Virtual joint, pushed with 300 N from 0.5 to 2.5 s while the real one is held fast");
+
+std::string label(const char* name, Nanoseconds period, Nanoseconds delay) {
+  return std::string(name) + ", " + std::to_string(period / 1'000'000) + " ms, delay " +
+         std::to_string(delay / 1'000'000) + " ms";
+}
+
 template <Interface I>
 void jumps(const char* name, const SceneSettings& s) {
   for (const double jump : {0.03, 0.1}) {
     const auto p = run<I>(s, {.jump = jump}, 12);
+    if (jump == 0.1 && after_jump.series.size() < 8) {
+      plotting::Series curve{.name = label(name, s.period, s.delay), .x = {}, .y = {}};
+      for (std::size_t k = 0; k < p.time.size() && p.time[k] < 2.5; ++k) {
+        if (p.time[k] < 0.9) continue;
+        curve.x.push_back(p.time[k]);
+        curve.y.push_back(p.real[k][1] - p.command[k][1]);
+      }
+      after_jump.series.push_back(curve);
+    }
     // How far the virtual robot is from the real one, beyond the dead band.
     double near = 0, fastest = 0, most = 0, end = 0, swing = 0;
     for (std::size_t k = 0; k < p.time.size(); ++k) {
@@ -196,6 +225,38 @@ void jitters(const char* name, const SceneSettings& s) {
               1e-6 * double(s.delay), end(late), difference(wrong, clean), end(wrong));
 }
 
+/// 300 N at 0.4 m for 2 s on a joint that is held fast until a second later.
+template <Interface I>
+void blocked(const char* name, Nanoseconds period) {
+  ResolverConfiguration<6> c{
+      .limits = limits_of<ur5::Description>(40.0), .period = period, .delay = 20_ms, .lag = 0.008};
+  c.shape.viscous = {20, 20, 10, 2, 1, 0.5};
+  ClosedLoop<I> loop(c, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, 0.02, 0.008);
+  const Impulse push = [](double t) { return std::array<double, 6>{120 * (std::clamp(t, 0.5, 2.5) - 0.5)}; };
+  plotting::Series curve{.name = label(name, period, 20_ms), .x = {}, .y = {}};
+  double lead = 0, late = 0, said = 0, free = 0, steepest = 0, last = 0;
+  for (Nanoseconds now = period; now < 6_s; now += period) {
+    const double t = seconds<double>(now);
+    loop.joints.hold_fast(0, t > 0.3 && t < 3.5);
+    const auto out = loop.step(now, push);
+    const double e = std::abs(loop.memory.q.value[0] - loop.joints.q()[0]), v = out.command.velocity[0];
+    lead = std::max(lead, e);
+    if (t > 3) late = std::max(late, e);
+    const bool is = out.status.has(Reason::blocked);
+    if (is && said == 0) said = t - 0.5;
+    if (is) free = t - 2.5;
+    steepest = std::max(steepest, std::abs(v - last) / seconds<double>(period));
+    last = v;
+    curve.x.push_back(t);
+    curve.y.push_back(loop.memory.q.value[0] - 0.1);
+  }
+  while_blocked.series.push_back(curve);
+  const double T = loop.robot.total_delay();
+  std::printf("%-9s %5.0f ms %13.4f %13.4f %11.0f ms %16.0f ms %14.1e %14.2f %14.1e\n", name,
+              1e-6 * double(period), 2 * c.limits.velocity()[0] * T, lead, 1e3 * said, 1e3 * free, late,
+              steepest, std::abs(loop.joints.q()[0] - 0.1));
+}
+
 template <class F>
 void each(F&& f) {
   for (const auto& [period, delay] : {std::pair{8_ms, 8_ms}, {8_ms, 24_ms}, {2_ms, 8_ms}, {2_ms, 24_ms}}) {
@@ -208,7 +269,7 @@ void each(F&& f) {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
   std::printf(
       "Joint 1 of the real robot jumps, at rest (dead band 0.01 rad; by position: it is held there for 2 "
       "s)\n%-9s %8s %9s %9s %16s %13s %12s %12s "
@@ -226,4 +287,16 @@ int main() {
       "interface", "period", "delay", "cycles: end/rad", "stamps: most/rad", "stamps: end/rad");
   each([](const SceneSettings& s) { jitters<Interface::velocity>("velocity", s); });
   each([](const SceneSettings& s) { jitters<Interface::position>("position", s); });
+  std::printf(
+      "\nBlocked: 300 N at 0.4 m for 2 s, delay 20 ms; the joint is free 1 s after the push\n%-9s %8s %13s "
+      "%13s %14s %19s %14s %14s %14s\n",
+      "interface", "period", "2 v_max T/rad", "most lead/rad", "\"blocked\" after", "until, after push",
+      "lead, 3 s/rad", "top rad/s^2", "moved in all");
+  for (const Nanoseconds period : {8_ms, 2_ms}) {
+    blocked<Interface::velocity>("velocity", period);
+    blocked<Interface::position>("position", period);
+  }
+  const std::string path = std::string(argc > 1 ? argv[1] : ".") + "/observer.svg";
+  std::ofstream(path) << plotting::svg_figure("What the observer does", {after_jump, while_blocked});
+  std::printf("\n%s\n", path.c_str());
 }

@@ -1,21 +1,27 @@
-// A tool is led straight through the singularities of a UR5: `singularities [sweeps] [rate]`, 1000 at 500 Hz.
+// A tool is led straight through the singularities of a UR5: `singularities [sweeps] [rate] [seed]
+// [plot.svg]`, 1000 at 500 Hz.
 //
 // A sweep: from a random pose near a singular one (wrist, elbow, shoulder in turn) in a straight line and one
 // turn through it and as far again beyond, at up to 0.25 m/s and 1 rad/s; then named ones: tool straight down
 // and up, ZYZ angles through theta = 0 and pi. A plant with exactly the model's parameters. Printed per kind:
 //   fastest   of any joint [rad/s], limit 3.0      deviation  of the tool from its line, worst and mean [m]
 //   arrived   within 1 mm and 5 mrad               edge       not arrived: the line leaves the workspace
-//                                                  (what is asked points where v of J v = 0 cannot lead)
-//   slow      the tool went at less than a tenth of what was asked for longer than 1 s, the direction out of
-//             the workspace left aside: while the arm turns round, or because it sticks
+//   slow      the tool went at less than a tenth of what was asked for longer than 1 s, what is asked out of
+//             the workspace left aside (`Reachable`): while the arm turns round, or because it sticks
 //   late      neither arrived nor at the edge 4 s after the end of the spline, but on its way
 //   stuck     neither, and slow at the end of these 4 s
 #include <Eigen/Core>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
 
+#include "examples/support/svg_plot.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "tests/control/plant.hpp"
@@ -53,10 +59,50 @@ bool over_the_shoulder(JointPosition<6>& q) {
   return false;
 }
 
+/// What of a velocity can be reached at q, by Eigen's singular values and differences of J: the rest points
+/// out of the workspace. In the plane of the singular u (one, or two where the second sigma is below 0.01) a
+/// motion x of the singular v leads, at second order, along q = u' dJ(x) x; all these q fill a convex cone (a
+/// theorem of Dines), and what is asked is projected on it. Where q vanishes, or sigma does not within 0.2
+/// rad along x, the arm may turn round without loss: every direction across the cone counts as reachable.
+Vector6 reachable(const JointPosition<6>& at, const Vector6& asked) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  const auto J = [](const JointPosition<6>& q) {
+    return Matrix6(jacobian<5>(link_poses(model, q), X_LF).matrix());
+  };
+  const Eigen::JacobiSVD<Matrix6> svd(J(at), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const auto& sigma = svd.singularValues();
+  if (sigma[5] > 0.05) return asked;
+  const int n = sigma[4] < 0.01 ? 2 : 1;
+  const Eigen::MatrixXd u = svd.matrixU().rightCols(n), v = svd.matrixV().rightCols(n);
+  const Eigen::VectorXd c = u.transpose() * asked;
+  Eigen::VectorXd best = Eigen::VectorXd::Zero(n), mean = best;
+  bool straight = false;
+  for (int k = 0; k < (n == 1 ? 1 : 180); ++k) {
+    Eigen::VectorXd w(n);
+    w[0] = std::cos(std::numbers::pi * k / 180);
+    if (n == 2) w[1] = std::sin(std::numbers::pi * k / 180);
+    JointVelocity<6> x;
+    as_eigen(x) = v * w;
+    const Matrix6 dJ = (J(integrate(at, x, 1e-4)) - J(integrate(at, x, -1e-4))) / 2e-4;
+    const Eigen::VectorXd q = u.transpose() * (dJ * as_eigen(x));
+    const double kept = w.cwiseProduct(sigma.tail(n)).norm();
+    if (q.norm() < std::max(2e-4, kept / 0.2)) {
+      straight = true;
+      continue;
+    }
+    mean += q;
+    const Eigen::VectorXd p = std::max(0.0, q.dot(c)) / q.squaredNorm() * q;
+    if (p.norm() > best.norm()) best = p;
+  }
+  if (straight) best = mean.dot(c) < 0 ? Eigen::VectorXd(c - mean.dot(c) / mean.squaredNorm() * mean) : c;
+  return asked - u * (c - best);
+}
+
 struct Row {
   const char* name;
   int sweeps = 0, arrived = 0, edge = 0, slow = 0, late = 0, stuck = 0;
   double fastest = 0, worst = 0, sum = 0;
+  std::vector<double> deviations{}, waits{};  ///< of every sweep [mm], [s]
 
   void print() const {
     std::printf("%-22s %6d %8.2f %9.3f %9.3f %8d %6d %6d %6d %6d\n", name, sweeps, fastest, worst,
@@ -92,10 +138,9 @@ void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate
     const auto now = law.now(memory, known);
     Vector6 asked;
     for (int j = 0; j < 6; ++j) asked[j] = now.dx_r[static_cast<std::size_t>(j)];
-    const auto least = singular_direction(site.jacobian, JointVelocity<6>{});
-    const double c = as_eigen(least.u).dot(asked);
-    outward = c * least.bend < 0 && least.sigma < 0.05;
-    if (outward) asked -= c * as_eigen(least.u);
+    const Vector6 inside = reachable(x.q, asked);
+    outward = (asked - inside).norm() > 1e-3;
+    asked = inside;
     Vector6 V = as_eigen(site.V);
     if constexpr (std::same_as<Orientation, ZyzError>)
       asked.tail<3>().setZero(), V.tail<3>().setZero();  // no omega
@@ -114,6 +159,8 @@ void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate
   row.late += !arrived && !outward && !(below > 1);
   row.stuck += !arrived && !outward && below > 1;
   row.slow += longest > 1;
+  row.deviations.push_back(1000 * deviation);
+  row.waits.push_back(longest);
   row.worst = std::max(row.worst, deviation);
   row.sum += deviation;
 }
@@ -123,12 +170,34 @@ Pose through(const JointPosition<6>& from, const JointPosition<6>& by, double be
   return {exp_so3(Xyz<double>(beyond * log_so3(X1.axes() * X0.axes().transpose()))) * X0.axes(),
           X0.origin() + beyond * (X1.origin() - X0.origin())};
 }
+/// Every sweep of a row, sorted: how many of them stay below.
+plotting::Series sorted(const Row& row, std::vector<double> y) {
+  std::sort(y.begin(), y.end());
+  std::vector<double> x;
+  for (std::size_t i = 0; i < y.size(); ++i)
+    x.push_back(100 * static_cast<double>(i + 1) / static_cast<double>(y.size()));
+  return {row.name, x, y};
+}
+void draw(const char* path, const Row (&rows)[3]) {
+  plotting::Plot wait, deviation;
+  wait.title = "Longest time below a tenth of the asked speed";
+  wait.y_name = "[s]", wait.x_name = deviation.x_name = "sweeps [%]";
+  wait.limits = {{1.0, "1 s"}};
+  deviation.title = "Largest deviation of the tool from its line";
+  deviation.y_name = "[mm]";
+  for (const auto& row : rows) {
+    wait.series.push_back(sorted(row, row.waits));
+    deviation.series.push_back(sorted(row, row.deviations));
+  }
+  std::ofstream(path) << plotting::svg_figure("Straight through the singularities of a UR5",
+                                              {wait, deviation});
+}
 }  // namespace
 
 int main(int count, char** arguments) {
   const int sweeps = count > 1 ? std::atoi(arguments[1]) : 1000;
   const double rate = count > 2 ? std::atof(arguments[2]) : 500;
-  Seeded rng(5);
+  Seeded rng(count > 3 ? static_cast<unsigned>(std::atoi(arguments[3])) : 5);
   Row rows[3] = {{"wrist"}, {"elbow"}, {"shoulder"}};
   for (int k = 0; k < sweeps; ++k) {
     JointPosition<6> q{rng.between(-3, 3), rng.between(-2.5, -0.5), rng.between(0.5, 2.3),
@@ -162,4 +231,5 @@ int main(int count, char** arguments) {
     }
   }
   for (const auto& row : named) row.print();
+  if (count > 4) draw(arguments[4], rows);
 }

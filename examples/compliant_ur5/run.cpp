@@ -86,7 +86,7 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
     speed = std::max(speed, t.approach_speed);
   }
   const auto& arm = config.controller.arm;
-  log.scenario = {{"touches", std::to_string(config.controller.touches.size())},
+  log.scenario = {{"touches of the whole scenario", std::to_string(config.controller.touches.size())},
                   {"stiffness of finger and skin", text("%.0f N/m", stiffness)},
                   {"approach speed", text("%.3f m/s", speed)},
                   {"travel beyond the surface", text("%.1f mm", 1000 * travel)},

@@ -134,7 +134,8 @@ void check_rate(const L& law, const JointPosition<6>& q, double tolerance) {
         m.I1.sum[i] += d * now.dI1[i];
         m.I2.sum[i] += d * now.dI2[i];
       }
-      for (std::size_t i = 0; i < 6; ++i) m.space.escape[i] += d * memory.space.rising[i];
+      for (double& v : m.space.drift) v *= std::exp(-law.settings().tracking.kappa * d);
+      for (std::size_t i = 0; i < 6; ++i) m.space.escape.v[i] += d * memory.space.escape.a[i];
       return law.now(m, K(model, moved, dt, none));
     };
     const auto ahead = at(h), behind = at(-h);
@@ -225,6 +226,8 @@ TEST_CASE("OperationalSpace: ddq_r is the derivative of dq_r, in every form, nex
 }
 
 #if SKINCTL_MANY_DIGITS
+// J^+ inverts J'J, so that J J^+ is 1 to within the condition of J, up to 140 outside the zone of damping:
+// half of the allowed 64 epsilon is that. Inside the zone it is not 1.
 TEST_CASE_TEMPLATE("OperationalSpace: J S_q is S_xdelta + K_i1 I1 + K_i2 I2, computed either way", T, float,
                    double) {
   using L = OperationalControl<6, 5, Tool, T>;
@@ -232,23 +235,41 @@ TEST_CASE_TEMPLATE("OperationalSpace: J S_q is S_xdelta + K_i1 I1 + K_i2 I2, com
   s.tracking.max_velocity = JointVelocity<6, T>::constant(T(100));
   const auto law = make<L>(s);
   Seeded rng(11);
-  for (int k = 0; k < 50; ++k) {
-    State<6, T> x{0, home.cast<T>() + rng.vector<JointPosition<6, T>>(0.2),
-                  rng.vector<JointVelocity<6, T>>(0.5)};
+  int checked = 0;
+  double most = 0;
+  for (int k = 0; k < 500; ++k) {
+    State<6, T> x{0, rng.vector<JointPosition<6, T>>(3), rng.vector<JointVelocity<6, T>>(0.5)};
     const KnownFor<L, T> known(model, x, T(0.004), none);
+    const auto J = known.template jacobian<5>(tool<T>());
+    if (damped_inverse(J, s.singularities).nearness() > T(0)) continue;
     auto memory = law.start(known);
     const State<6> near{0, x.q.template cast<double>(), {}};
     const auto X = goal_near(make<SplineOperational<6, 5>>(settings_at(0.004)), near, 1.0).X_BP;
     memory = law.receive(memory, known, {X.template cast<T>(), {}, {}}).memory;
-    for (int i = 0; i < 60; ++i) memory = law.advance(memory, known, T(0.004), Opposition::none);
+    for (int i = 0; i < 20; ++i) memory = law.advance(memory, known, T(0.004), Opposition::none);
     const auto now = law.now(memory, known);
-    const auto V = known.template jacobian<5>(tool<T>()) * now.S_q;
+    const auto site = law.space().site(known);
+    T rows[6][6];
+    law.space().rows(site, rows);
+    const auto V = J * now.S_q;
     const T J_S[6] = {V.linear.x, V.linear.y, V.linear.z, V.angular.x, V.angular.y, V.angular.z};
+    const T place[6] = {
+        site.X_BP.origin().x, site.X_BP.origin().y, site.X_BP.origin().z, T(1.5), T(1.5), T(1.5)};
     for (std::size_t i = 0; i < 6; ++i) {
-      const T sum = now.S_delta[i] + s.tracking.K_i1 * memory.I1.sum[i] + s.tracking.K_i2 * memory.I2.sum[i];
-      CHECK(magnitude(T(J_S[i] - sum)) <= T(20000) * epsilon<T>());  // the condition of J squared
+      const T integrals[2] = {s.tracking.K_i1 * memory.I1.sum[i], s.tracking.K_i2 * memory.I2.sum[i]};
+      const T sum = now.S_delta[i] + integrals[0] + integrals[1];
+      T magnitudes = magnitude(now.S_delta[i]) + magnitude(integrals[0]) + magnitude(integrals[1]) +
+                     magnitude(memory.bias.decaying[i]) + T(2) * s.tracking.K_c * magnitude(place[i]);
+      for (std::size_t j = 0; j < 6; ++j)
+        magnitudes = magnitudes + magnitude(rows[i][j]) * (magnitude(x.dq[j]) + magnitude(now.dq_r[j]));
+      const T error = magnitude(T(J_S[i] - sum));
+      CHECK(error <= T(64) * epsilon<T>() * magnitudes);
+      most = std::max(most, static_cast<double>(error / (epsilon<T>() * magnitudes)));
     }
+    ++checked;
   }
+  CHECK(checked > 200);
+  MESSAGE(checked << " poses, at most " << most << " epsilon of the magnitudes");
 }
 #endif
 
@@ -302,7 +323,7 @@ TEST_CASE("OperationalSpace: goals and contacts at any moment do not jump") {
     x = simulate(model, x, law.torque(next, known), dt, 1);
   }
   MESSAGE("largest jump " << worst << " N m");
-  CHECK(worst < 1);
+  CHECK(worst < 0.005);
 }
 
 TEST_CASE("OperationalSpace: numbers that are not finite do not enter the memory, nor refuse for ever") {

@@ -18,6 +18,7 @@ SurfaceBias<3, T> some_bias(Seeded& rng, Nanoseconds elapsed) {
   b.decaying = rng.vector<JointVelocity<3, T>>(2);
   b.dv = rng.vector<JointVelocity<3, T>>(2);
   b.da = rng.vector<JointAcceleration<3, T>>(50);
+  b.dj = rng.vector<JointAcceleration<3, T>>(1000);
   b.elapsed = elapsed;
   return b;
 }
@@ -32,6 +33,26 @@ TEST_CASE("SurfaceBias: dS_d is the derivative of S_d, in 50 digits") {
     const auto before = b.at(x - h, kappa, T_h), now = b.at(x, kappa, T_h), after = b.at(x + h, kappa, T_h);
     for (std::size_t j = 0; j < 3; ++j)
       CHECK(magnitude((after.S_d[j] - before.S_d[j]) / (2 * h) - now.dS_d[j]) < Exact("1e-22"));
+  }
+}
+
+TEST_CASE("SurfaceBias: the rate of dS_d begins with dj and ends with nothing, in 50 digits") {
+  Seeded rng(23);
+  const Exact h("1e-15"), kappa(10), T_h("0.1");
+  for (int i = 0; i < 20; ++i) {
+    auto b = some_bias<Exact>(rng, 0);
+    b.decaying = {};
+    const auto begin = b.at(Exact(0), kappa, T_h), soon = b.at(h, kappa, T_h);
+    const auto late = b.at(T_h - h, kappa, T_h), later = b.at(T_h - 2 * h, kappa, T_h);
+    for (std::size_t j = 0; j < 3; ++j) {
+      CHECK(magnitude((soon.dS_d[j] - begin.dS_d[j]) / h - b.dj[j]) < Exact("1e-7"));
+      CHECK(magnitude((late.dS_d[j] - later.dS_d[j]) / h) < Exact("1e-7"));
+    }
+    SurfaceBias<3, Exact> one;
+    one.elapsed = 0;
+    one.dj = JointAcceleration<3, Exact>::constant(1);
+    for (const Exact& x : {Exact("0.001"), Exact("0.05"), Exact("0.09")})
+      CHECK(magnitude(one.at(x, kappa, T_h).dS_d[0] - SurfaceBias<3, Exact>::bend(x, T_h)) < Exact("1e-40"));
   }
 }
 

@@ -258,7 +258,7 @@ TEST_CASE("Tracking: a goal does not jump, a reset without hand-over does") {
     CAPTURE(rate);
     MESSAGE("jump at " << rate << " Hz: " << smooth << " N m, without hand-over " << naive << " N m");
     CHECK(naive > 47);
-    CHECK(smooth < 0.02 * naive);
+    CHECK(smooth < 0.002 * naive);
   }
 }
 
@@ -295,8 +295,8 @@ TEST_CASE("Tracking: goals at any moment of any motion do not jump") {
   }
   MESSAGE("largest jump " << worst << " N m, without hand-over " << naive
                           << " N m, largest change in a cycle of 2 ms " << steepest << " N m");
-  CHECK(worst < 1);
-  CHECK(worst < 0.1 * naive);
+  CHECK(worst < 0.005);
+  CHECK(worst < 0.001 * naive);
   CHECK(steepest < 4);
 }
 

@@ -100,3 +100,25 @@ TEST_CASE_TEMPLATE("poses: axes stay orthonormal at extreme angles, and a NaN st
   CHECK(rotation_error(poses.template get<2>().axes()) <= tolerance<T>);
   CHECK(poses.template get<5>().axis_x().x != poses.template get<5>().axis_x().x);
 }
+
+// Links 1 to 3 of a UR5 turn about horizontal axes, and the model's type knows it.
+static_assert(is_known<decltype(std::declval<Poses<ur5::Model, 0b111111>>().place<0>().z.z)>);
+static_assert(is_zero<decltype(std::declval<Poses<ur5::Model, 0b111111>>().place<3>().z.z)>);
+static_assert(!is_known<decltype(std::declval<Poses<ur5::Model, 0b111111>>().place<4>().z.z)>);
+
+TEST_CASE("poses: what the type knows of a place is what is stored") {
+  oracle::Random random(7);
+  for (int k = 0; k < 20; ++k) {
+    JointPosition<6> q;
+    for (auto& x : q) x = random.uniform(-3, 3);
+    const Poses<ur5::Model, 0b111111> poses(ur5::Model{}, q);
+    detail::unrolled<6>([&](auto i) {
+      const auto place = poses.place<i>();
+      const auto X = poses.get<i>();
+      CHECK(dense<double>(place.x) == X.axis_x());
+      CHECK(dense<double>(place.y) == X.axis_y());
+      CHECK(dense<double>(place.z) == X.axis_z());
+      CHECK(dense<double>(place.p) == X.origin());
+    });
+  }
+}

@@ -3,6 +3,8 @@
 #include "bench/floor/hand_floor.hpp"
 #include "bench/floor/ur5_floor.hpp"
 #include "bench/floor/ur5_planar_floor.hpp"
+#include "skinctl/dynamics/regressor.hpp"
+#include "skinctl/model/ur5.hpp"
 #include "tests/oracles/agreement.hpp"
 
 using namespace oracle;
@@ -114,6 +116,18 @@ TEST_CASE_TEMPLATE("Floor: UR5 agrees with the definition in 50 digits", Floor, 
     }
 }
 
+TEST_CASE("Floor: the UR5 with its inertial parameters as numbers is the UR5") {
+  const auto theta = skinctl::inertial_parameters<double>(skinctl::ur5::Model{});
+  for (const State& s : states(9, 6)) {
+    CAPTURE(s.name);
+    std::vector<double> tau(6), fixed(6);
+    bench_floor::ur5::floor_regressor_product(s.q.data(), s.dq.data(), s.dq_r.data(), s.ddq.data(),
+                                              theta.data, tau.data());
+    bench_floor::ur5::floor_yr_theta(s.q.data(), s.dq.data(), s.dq_r.data(), s.ddq.data(), fixed.data());
+    CHECK(difference(tau, fixed) < rounding);
+  }
+}
+
 TEST_CASE("Floor: the hand agrees with the definition in 50 digits") {
   namespace floor = bench_floor::allegro;
   const Robot robot = without_fixed(allegro_right());
@@ -127,17 +141,19 @@ TEST_CASE("Floor: the hand agrees with the definition in 50 digits") {
       CAPTURE(seed);
       CAPTURE(s.name);
       const auto q = widened(s.q), dq = widened(s.dq), ddq = widened(s.ddq);
-      std::vector<double> tau(16), M(40), X(192), acceleration(16);
+      std::vector<double> tau(16), G(16), M(40), X(192), acceleration(16);
       floor::floor_inverse_dynamics(s.q.data(), s.dq.data(), s.ddq.data(), tau.data());
+      floor::floor_gravity(s.q.data(), G.data());
       floor::floor_mass_matrix(s.q.data(), M.data());
       floor::floor_forward_dynamics(s.q.data(), s.dq.data(), s.ddq.data(), acceleration.data());
       floor::floor_fk(s.q.data(), X.data());
       const auto tau_exact = definition.inverse_dynamics(q, dq, ddq), M_exact = definition.mass_matrix(q);
-      const auto a_exact = definition.forward_dynamics(q, dq, ddq);
+      const auto G_exact = definition.gravity(q), a_exact = definition.forward_dynamics(q, dq, ddq);
       const auto poses = definition.poses(q);
       for (std::size_t f = 0; f < 4; ++f) {
         CAPTURE(f);
         CHECK(difference(finger(tau, f), finger(tau_exact, f)) < rounding);
+        CHECK(difference(finger(G, f), finger(G_exact, f)) < rounding);
         if (s.name != "fast") CHECK(difference(finger(acceleration, f), finger(a_exact, f)) < 1e-12);
         std::vector<double> entries;
         std::vector<Digits50> exact_entries;

@@ -138,10 +138,34 @@ TEST_CASE_TEMPLATE("Resolver: released, it comes to rest and stays", I,
 
 namespace {
 
-// The same pushes at some rate, with cycles left out and jitter: where the real joints end, and the path.
+// What was commanded when, and where the real joints were every 100 ms and in the end.
+struct Path {
+  std::vector<Nanoseconds> time;
+  std::vector<std::array<double, 6>> command, joints;
+
+  // Between two commands that lie close.
+  std::array<double, 6> at(Nanoseconds t) const {
+    const auto next = std::upper_bound(time.begin(), time.end(), t);
+    if (next == time.begin()) return command.front();
+    if (next == time.end()) return command.back();
+    const auto k = std::size_t(next - time.begin());
+    const double part = double(t - time[k - 1]) / double(time[k] - time[k - 1]);
+    auto q = command[k - 1];
+    for (std::size_t i = 0; i < 6; ++i) q[i] += part * (command[k][i] - q[i]);
+    return q;
+  }
+  // How far the commands are from those of `reference` at the same instants.
+  double commands_off(const Path& reference) const {
+    double worst = 0;
+    for (std::size_t k = 0; k < time.size(); ++k)
+      worst = std::max(worst, distance(command[k], reference.at(time[k])));
+    return worst;
+  }
+};
+
+// The same pushes at some rate, with cycles left out and jitter.
 template <Interface I, class Integrator = CrankNicolson>
-std::vector<std::array<double, 6>> pushed_about(Nanoseconds period, double skipped, double jitter,
-                                                double coulomb = 0) {
+Path pushed_about(Nanoseconds period, double skipped, double jitter, double coulomb = 0) {
   auto c = configuration(period);
   c.limits = limits_of<ur5::Description>(200.0);
   c.shape.decay = 1;
@@ -159,19 +183,22 @@ std::vector<std::array<double, 6>> pushed_about(Nanoseconds period, double skipp
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<double> unit(0, 1);
   Nanoseconds now = 0, next = 100_ms;
-  std::vector<std::array<double, 6>> path;
+  Path path;
   while (now < 4_s) {
     Nanoseconds dt = period;
     while (unit(rng) < skipped) dt += period;
     now += dt + Nanoseconds(jitter * (unit(rng) - 0.5) * double(period));
     for (; next <= now; next += 100_ms) {
       loop.joints.advance(1e-9 * double(next));
-      path.push_back(loop.joints.q());
+      path.joints.push_back(loop.joints.q());
     }
-    loop.step(now, impulse);
+    const auto out = loop.step(now, impulse);
+    path.time.push_back(now);
+    path.command.emplace_back();
+    for (std::size_t i = 0; i < 6; ++i) path.command.back()[i] = out.command.position[i];
   }
   loop.joints.advance(1e-9 * double(now) + 0.3);
-  path.push_back(loop.joints.q());
+  path.joints.push_back(loop.joints.q());
   return path;
 }
 
@@ -180,9 +207,11 @@ std::vector<std::array<double, 6>> pushed_about(Nanoseconds period, double skipp
 TEST_CASE("Resolver: the same touch gives the same motion at any rate, with skipped cycles and jitter") {
   for (const double coulomb : {0.0, 0.5}) {
     const auto reference = pushed_about<Interface::position>(200_us, 0, 0, coulomb);
-    const double travel = distance(reference.back(), pose);
+    const double travel = distance(reference.joints.back(), pose);
     CHECK(travel > 0.3);
-    const auto end = [&](const auto& path) { return distance(path.back(), reference.back()) / travel; };
+    const auto end = [&](const Path& path) {
+      return distance(path.joints.back(), reference.joints.back()) / travel;
+    };
     for (const Nanoseconds period : {8_ms, 4_ms, 2_ms, 1_ms})
       for (const double skipped : {0.0, 0.1}) {
         CAPTURE(period);
@@ -190,14 +219,20 @@ TEST_CASE("Resolver: the same touch gives the same motion at any rate, with skip
         const double jitter = skipped > 0 ? 0.8 : 0;
         const auto path = pushed_about<Interface::position>(period, skipped, jitter, coulomb);
         CHECK(end(path) < 5e-4);
+        CHECK(path.commands_off(reference) < 2e-3 * travel);
         if (skipped == 0)  // on the way a held command is half a period late, at up to 3 rad/s
-          for (std::size_t k = 0; k < path.size(); ++k)
-            CHECK(distance(path[k], reference[k]) < 1.5 * seconds<double>(period) + 1e-3 * travel);
+          for (std::size_t k = 0; k < path.joints.size(); ++k)
+            CHECK(distance(path.joints[k], reference.joints[k]) <
+                  1.5 * seconds<double>(period) + 1e-3 * travel);
         CHECK(end(pushed_about<Interface::velocity>(period, skipped, jitter, coulomb)) < 5e-4);
-        CHECK(end(pushed_about<Interface::position, ImplicitFriction>(period, skipped, jitter, coulomb)) <
-              5e-3);
-        CHECK(end(pushed_about<Interface::position, SemiImplicitEuler>(period, skipped, jitter, coulomb)) <
-              5e-3);
+        const auto implicit =
+            pushed_about<Interface::position, ImplicitFriction>(period, skipped, jitter, coulomb);
+        CHECK(end(implicit) < 5e-3);
+        CHECK(implicit.commands_off(reference) < 1e-2 * travel);
+        const auto semi =
+            pushed_about<Interface::position, SemiImplicitEuler>(period, skipped, jitter, coulomb);
+        CHECK(end(semi) < 5e-3);
+        CHECK(semi.commands_off(reference) < 1e-2 * travel);
       }
   }
 }

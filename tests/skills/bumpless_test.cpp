@@ -22,6 +22,7 @@ TEST_CASE("SkillSet: no change of skill jumps, in torque or rate, at any state a
         CHECK(b.finite);
         CHECK(b.jump <= bump_bounds.jump);
         CHECK(b.kink <= bump_bounds.kink);
-        CHECK(b.moved <= bump_bounds.moved);
+        CHECK(b.rate <= bump_bounds.rate);
+        CHECK(b.time <= bump_bounds.time);
       }
 }

@@ -47,7 +47,7 @@ const auto set = skill_set<KinestheticJoint>(
 using Set = std::remove_const_t<decltype(set)>;
 using Run = SkilledRun<Set, double>;
 static_assert(Law<Set, Run::KnownTo> && std::is_trivially_copyable_v<Set::Memory>);
-static_assert(Set::skills == 6 && Set::terms == 4);  // those whose controllers are there
+static_assert(Set::skills == 6 && Set::controllers == 4);  // those whose controllers are there
 static_assert(Set::index<KinestheticJoint>() == 0);
 
 /// Runs for `seconds`; what was reported on the way.

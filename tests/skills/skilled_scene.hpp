@@ -19,6 +19,18 @@ auto skilled_scene(Nanoseconds period, const SkillSettings& settings = {}) {
   return make_scene<Interface::position, 260, T>(skilled_arm<T>(seconds<T>(period), settings), s);
 }
 
+// Not requires-expressions in a generic lambda: Clang 14 takes those for false.
+template <class L>
+inline constexpr bool has_integrals = requires(const typename L::Memory& memory) { memory.I1.sum; };
+template <class T>
+const JointControlSettings<6, T>& gains_of(const JointControlSettings<6, T>& s) {
+  return s;
+}
+template <class T>
+const JointControlSettings<6, T>& gains_of(const OperationalSettings<6, T>& s) {
+  return s.tracking;
+}
+
 /// The scene at work: random skills and goals, and touches of up to three cells that come and go.
 template <class Scene>
 class SkilledDay {
@@ -93,13 +105,9 @@ class SkilledDay {
   [[nodiscard]] double integrals() const {
     double most = 0;
     const auto look = [&](const auto& law, const auto& memory) {
-      if constexpr (requires { memory.I1.sum; }) {
-        const auto& s = [&]() -> const auto& {
-          if constexpr (requires { law.settings().tracking; })
-            return law.settings().tracking;
-          else
-            return law.settings();
-        }();
+      using Law = std::remove_cvref_t<decltype(law)>;
+      if constexpr (has_integrals<Law>) {
+        const auto& s = gains_of(law.settings());
         const T* sums[] = {memory.I1.sum, memory.I2.sum};
         const T gains[] = {s.K_i1, s.K_i2};
         for (int k = 0; k < 2; ++k)
@@ -110,7 +118,7 @@ class SkilledDay {
     };
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       (look(std::get<I>(scene_.law().sum().laws()), Set::Blend::template memory<I>(memory_->law.blend)), ...);
-    }(std::make_index_sequence<Set::terms>{});
+    }(std::make_index_sequence<Set::controllers>{});
     return most;
   }
 

@@ -51,6 +51,7 @@ class ForceControl : public Composable {
   using Settings = ForceSettings<N, T>;
   using Surface = typename Tracker::Surface;
   static constexpr Needs needs = Tracker::needs | Needs{.angles = true, .touch = true};
+  static constexpr std::size_t joints = N;
   static constexpr Role role = Role::tracking;
   static constexpr const char* name = "force";
   static constexpr bool presses = true;  ///< in a sum with the skin's laws this is no opposition

@@ -27,7 +27,8 @@ struct JointGoal {
 /// - `course(surface)`: the reference motion of the coordinates;
 /// - `rows(site, J)`: how the coordinates change with the joints; `follow_branch`: the memory of a law that
 ///   has no surface;
-/// - `advanced(memory, surface, dt)`, `renewed(memory)` after a reset, `status(memory)`.
+/// - `advanced(memory, surface, dt)`, `take_up(memory, S_q)` at the start, `renewed(memory)` after a reset,
+/// `status(memory)`.
 template <std::size_t N, Real T = double>
 class JointSpace {
  public:
@@ -173,6 +174,7 @@ class JointSpace {
   [[nodiscard]] static SKINCTL_INLINE Memory advanced(const Memory&, const Surface&, const T&) noexcept {
     return {};
   }
+  static SKINCTL_INLINE void take_up(Memory&, const JointVelocity<N, T>&) noexcept {}
   [[nodiscard]] static SKINCTL_INLINE Memory renewed(const Memory&) noexcept { return {}; }
   [[nodiscard]] static SKINCTL_INLINE Status status(const Memory&) noexcept { return {}; }
 };

@@ -1,45 +1,19 @@
 // The space in which Operational Control tracks: the pose of a tool, section 4.2.2.
 #pragma once
 
-#include "skinctl/control/null_space.hpp"
-#include "skinctl/control/orientation_error.hpp"
-#include "skinctl/control/sliding_surface.hpp"
+#include "skinctl/control/pose_targets.hpp"
+#include "skinctl/control/singular_escape.hpp"
 #include "skinctl/control/speed_limit.hpp"
 #include "skinctl/core/status.hpp"
-#include "skinctl/kinematics/singular_direction.hpp"
-#include "skinctl/trajectory/plan_clock.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// Settings of a tracking law in operational space.
-template <std::size_t N, Real T = double>
-struct OperationalSettings {
-  /// Gains and times, as in joint space, of coordinates in metres and radians. `max_velocity` is the fastest
-  /// that any joint is asked to go, next to a singularity too.
-  JointControlSettings<N, T> tracking = {};
-  T max_linear_velocity = T(0.5);      ///< of any motion to a goal [m/s]
-  T max_angular_velocity = T(1.5);     ///< [rad/s]
-  T max_linear_acceleration = T(1.5);  ///< after a reactive target [m/s^2]
-  T max_linear_jerk = T(15);           ///< [m/s^3]
-  T max_angular_acceleration = T(5);   ///< [rad/s^2]
-  T max_angular_jerk = T(50);          ///< [rad/s^3]
-  /// When J^+ is damped, and how much at most; as much as the joints' speed asks for.
-  SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
-  T least_damping = T(0.02);  ///< l at a singularity where next to nothing is asked
-};
-
-/// Where a frame has to go, and in what time.
-template <Frame P, Scalar T = double>
-struct PoseGoal {
-  Transform<Base, P, T> X_BP;
-  Nanoseconds duration = 0;  ///< from the moment of reception; 0: as long as the speeds ask for
-};
 
 /// The pose of the frame `P`, fixed to link `I`, as the coordinates of a tracking law, eqs. (15)-(21): its
 /// origin [m], then its orientation, or the origin alone.
 ///
 /// `dq_r = J^+ dx_r`, with the damped inverse; `ddq_r` is its derivative, that of the damping included; `S_q
-/// = dq - dq_r`. Next to a singularity the arm slows down (`Reason::slowed`).
+/// = dq - dq_r`, so that `J S_q = S_xdelta + K_i1 I1 + K_i2 I2` where nothing is damped or limited. Next to a
+/// singularity the arm slows down (`Reason::slowed`).
 ///
 /// @tparam What         `Task::pose` or `Task::position`.
 /// @tparam Orientation  `RotationVectorError`, `QuaternionError` or `ZyzError`.
@@ -47,27 +21,29 @@ struct PoseGoal {
 ///                      tool does not ask for.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace>
-class OperationalSpace {
+class OperationalSpace : public PoseTargets<N, P, T, What> {
+  using Targets = PoseTargets<N, P, T, What>;
+  using Targets::get;
+  using Targets::put;
+
  public:
   static constexpr const char* name = "operational";                ///< of a law that follows targets in it
   static constexpr const char* spline_name = "spline_operational";  ///< of one that goes to goals
   static constexpr std::size_t joints = N;
-  static constexpr std::size_t coordinates = What == Task::pose ? 6 : 3;
+  using Targets::coordinates;
   static constexpr Needs needs = {.jacobians = link_bit<I>};
   using scalar = T;
-  using Settings = OperationalSettings<N, T>;
-  using Reference = PoseReference<P, T>;
+  using typename Targets::Errors;
+  using typename Targets::Reference;
+  using typename Targets::Settings;
+  using typename Targets::Where;
   using Inputs = SurfaceInputs<coordinates, T, Reference>;
-  using Errors = SurfaceErrors<coordinates, T>;
-  using Where = Transform<Base, P, T>;
-  using Goal = PoseGoal<P, T>;
-  using Spline = PoseSpline<P, T>;
 
   struct Memory {
-    Xyz<T> near{T(0), T(0), T(0)};   ///< branch of the orientation error
-    JointVelocity<N, T> escape;      ///< motion out of a singularity that the damped inverse does not find
-    JointAcceleration<N, T> rising;  ///< its derivative
-    bool slowed = false;             ///< next to a singularity, or at the largest speed of a joint
+    Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error
+    SingularEscape<N, T> escape;    ///< motion out of a singularity that the damped inverse does not find
+    JointVelocity<N, T> drift;  ///< what the joints did at the start that the tool's course does not ask for
+    bool slowed = false;        ///< next to a singularity, or at the largest speed of a joint
   };
   struct Surface {
     JointVelocity<coordinates, T> S_delta;  ///< eq. (19)
@@ -102,6 +78,7 @@ class OperationalSpace {
         least_damping_(settings.least_damping),
         singularities_(settings.singularities),
         limit_(settings.tracking.max_velocity),
+        kappa_(settings.tracking.kappa),
         null_(null) {
     const auto positive = [](const char* what, const T& x) {
       require(x > T(0) && x <= T(1e6), what, static_cast<double>(x), "> 0");
@@ -124,83 +101,6 @@ class OperationalSpace {
   [[nodiscard]] static SKINCTL_INLINE const Where& where(const Site<J>& at) noexcept {
     return at.X_BP;
   }
-  [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.X_BP; }
-  [[nodiscard]] static SKINCTL_INLINE const Where& place(const Goal& goal) noexcept { return goal.X_BP; }
-  [[nodiscard]] static Spline spline(const Where& from, const Where& to, const T& tf) noexcept {
-    return {from, to, tf};
-  }
-  [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
-    const T way = detail::length(Xyz<T>(goal.X_BP.origin() - from.origin()));
-    const T turn =
-        What == Task::pose ? detail::length(log_so3(goal.X_BP.axes() * from.axes().transpose())) : T(0);
-    const T a = shortest_spline_time(way, s.max_linear_velocity);
-    const T b = shortest_spline_time(turn, s.max_angular_velocity);
-    return a > b || !(a == a) ? a : b;
-  }
-  static void slow(Reference& r, const OwnTime<T>& own) noexcept {
-    r.A = own.rate * own.rate * r.A +
-          Acceleration<P, Base, P, Base, T>{own.bend * r.V.linear, own.bend * r.V.angular};
-    r.V = own.rate * r.V;
-  }
-  [[nodiscard]] static Reference ahead(const Reference& r, const T& t) noexcept {
-    const Xyz<T> v = r.V.linear + T(0.5) * t * r.A.linear;
-    const Xyz<T> turn = t * (r.V.angular + T(0.5) * t * r.A.angular);
-    return {Where::trusted(exp_so3(turn) * r.X_BP.axes(), r.X_BP.origin() + t * v),
-            {r.V.linear + t * r.A.linear, r.V.angular + t * r.A.angular},
-            r.A};
-  }
-  [[nodiscard]] static bool finite(const Reference& r) noexcept {
-    const T sum = dot(r.X_BP.origin(), r.X_BP.origin()) + dot(r.V.linear, r.V.linear) +
-                  dot(r.V.angular, r.V.angular) + dot(r.A.linear, r.A.linear) + dot(r.A.angular, r.A.angular);
-    return sum - sum == T(0) && rotation_error(r.X_BP.axes()) <= tolerance<T>;
-  }
-  /// The same pose at constant velocity, or at rest.
-  [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.X_BP, r.V, {}}; }
-  [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.X_BP, {}, {}}; }
-  /// `r` moves on for `dt` towards a target, within the limits: its origin, and by the shortest turn.
-  SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
-                                 const T& dt) noexcept {
-    const auto part = [&](const Xyz<T>& way, Xyz<T>& v, Xyz<T>& a, const Xyz<T>& v_t,
-                          const PursuitLimits<T>& l) {
-      Pursuit<3, T> three;
-      put(three.v, v), put(three.a, a);
-      T e[3], to[3], moved[3];
-      put(e, way), put(to, v_t);
-      three.advance(e, to, l, dt, moved);
-      v = get(three.v), a = get(three.a);
-      return get(moved);
-    };
-    const Xyz<T> p = part(target.X_BP.origin() - r.X_BP.origin(), r.V.linear, r.A.linear, target.V.linear,
-                          {s.max_linear_velocity, s.max_linear_acceleration, s.max_linear_jerk});
-    const Xyz<T> turn =
-        part(log_so3(target.X_BP.axes() * r.X_BP.axes().transpose()), r.V.angular, r.A.angular,
-             target.V.angular, {s.max_angular_velocity, s.max_angular_acceleration, s.max_angular_jerk});
-    r.X_BP = Where::trusted(normalised(exp_so3(turn) * r.X_BP.axes()), r.X_BP.origin() + p);
-  }
-  [[nodiscard]] static bool allows(const Reference& r, const Settings& s) noexcept {
-    const T sum =
-        dot(r.X_BP.origin(), r.X_BP.origin()) + dot(r.A.linear, r.A.linear) + dot(r.A.angular, r.A.angular);
-    return sum - sum == T(0) && rotation_error(r.X_BP.axes()) <= tolerance<T> &&
-           detail::length(r.V.linear) < s.max_linear_velocity &&
-           detail::length(r.V.angular) < s.max_angular_velocity;
-  }
-  [[nodiscard]] static Errors distance(const Reference& a, const Reference& b) noexcept {
-    Errors error{};
-    put(error.e, a.X_BP.origin() - b.X_BP.origin());
-    if constexpr (What == Task::pose) put(error.e + 3, log_so3(a.X_BP.axes() * b.X_BP.axes().transpose()));
-    return error;
-  }
-  [[nodiscard]] static T slowness(const Errors& error, const Settings& s) noexcept {
-    const auto time = [&](std::size_t first, const T& fastest) {
-      const T speed = fastest - detail::length(get(error.v_d + first));
-      return speed > T(0) ? T(detail::length(get(error.e + first)) / speed) : T(0);
-    };
-    const T a = time(0, s.max_linear_velocity);
-    if constexpr (What == Task::position) return a;
-    const T b = time(3 % coordinates, s.max_angular_velocity);
-    return b > a ? b : a;
-  }
-
   // Of laws.
   template <class K>
   [[nodiscard]] SKINCTL_INLINE auto site(const K& known) const noexcept {
@@ -249,16 +149,15 @@ class OperationalSpace {
     const T sum = dot(s.near, s.near);
     if (sum - sum == T(0)) next.near = s.near;
     next.slowed = s.slowed;
-    // Two first-order lags of 50 ms, by backward Euler: smooth, and stable for every dt.
-    const T w = T(1) / T(0.05);
-    const T scale = T(1) / (T(1) + w * dt * (T(2) + w * dt));
-    for (std::size_t i = 0; i < N; ++i) {
-      const T rising = scale * (memory.rising[i] + w * w * dt * (s.way_out[i] - memory.escape[i]));
-      if (!(rising - rising == T(0))) continue;
-      next.rising[i] = rising;
-      next.escape[i] = memory.escape[i] + dt * rising;
-    }
+    const T stays = T(1) / (T(1) + kappa_ * dt);
+    for (T& v : next.drift) v = detail::magnitude(v) > T(1e-30) ? T(stays * v) : T(0);
+    next.escape = memory.escape.advanced(s.way_out, dt);
     return next;
+  }
+  /// Takes over from joints that are `faster` than the reference asks for: next to a singularity, or above
+  /// their limits, it does not follow them. The rest decays as S_d does.
+  static SKINCTL_INLINE void take_up(Memory& memory, const JointVelocity<N, T>& faster) noexcept {
+    for (std::size_t i = 0; i < N; ++i) memory.drift[i] = faster[i] - faster[i] == T(0) ? faster[i] : T(0);
   }
   /// After a reset: the shortest way round.
   [[nodiscard]] static SKINCTL_INLINE Memory renewed(Memory memory) noexcept {
@@ -270,8 +169,6 @@ class OperationalSpace {
   }
 
  private:
-  static SKINCTL_INLINE void put(T* to, const Xyz<T>& v) noexcept { to[0] = v.x, to[1] = v.y, to[2] = v.z; }
-  [[nodiscard]] static SKINCTL_INLINE Xyz<T> get(const T* x) noexcept { return {x[0], x[1], x[2]}; }
   template <class J>
   [[nodiscard]] static SKINCTL_INLINE Site<J> site_of(const JointPosition<N, T>& q,
                                                       const JointVelocity<N, T>& dq, const J& jacobian,
@@ -301,27 +198,11 @@ class OperationalSpace {
     }
   }
 
-  /// Where the asked motion is along the singular direction, and not out of the workspace, the joints turn
-  /// along `v` by themselves, up to a quarter of their speed: the damped inverse alone would stay there.
-  template <class J>
-  [[nodiscard]] SKINCTL_COLD JointVelocity<N, T> way_out(const J& jacobian,
-                                                         const Twist<P, Base, P, Base, T>& asked,
-                                                         const JointVelocity<N, T>& escape) const noexcept {
-    const auto d = singular_direction<What>(jacobian, escape);
-    const T c = dot(d.u.linear, asked.linear) + dot(d.u.angular, asked.angular);
-    const T size = detail::magnitude(c);
-    const T left = T(1) - d.sigma * d.sigma / (T(0.03) * T(0.03));
-    const T open = T(1) + (c < T(0) ? T(-d.bend) : d.bend) / T(0.02);
-    if (!(left > T(0)) || !(open > T(0))) return {};
-    const T gain = (c < T(0) ? T(-1) : T(1)) * T(0.25) * slowest_ * left * left *
-                   (open < T(1) ? open : T(1)) * size / (size + T(0.02));
-    return gain * d.v;
-  }
-
   Transform<Link<I>, P, T> X_LP_;
   T least_damping_;
   SingularityDamping<T> singularities_;
   JointVelocity<N, T> limit_;
+  T kappa_;    ///< decay of the drift
   T slowest_;  ///< of the limits
   [[no_unique_address]] Null null_;
 };
@@ -365,11 +246,15 @@ SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::sur
   }
   const T nearness = inverse.nearness();
   if (nearness > T(0)) [[unlikely]]
-    s.way_out = way_out(at.jacobian, v, memory.escape);
-  s.dq_r += memory.escape;
-  s.ddq_r += memory.rising;
+    s.way_out = SingularEscape<N, T>::template wish<What>(at.jacobian, v, slowest_);
+  s.dq_r += memory.escape.v;
+  s.ddq_r += memory.escape.a;
   s.slowed = nearness > T(0);
   s.slowed |= limit_speed(limit_, s.dq_r, s.ddq_r);
+  for (std::size_t i = 0; i < N; ++i) {
+    s.dq_r[i] = s.dq_r[i] + memory.drift[i];
+    s.ddq_r[i] = s.ddq_r[i] - kappa_ * memory.drift[i];
+  }
   for (std::size_t i = 0; i < N; ++i) s.S_q[i] = at.dq[i] - s.dq_r[i];
   return s;
 }

@@ -18,12 +18,13 @@ struct BiasNow {
 
 /// The bias since a reset at t0; trivially copyable, zero by default:
 ///
-///     S_d = decaying exp(-kappa (t - t0)) + (1 - a1(r)) dv + T_h p(r) da,   r = (t - t0) / T_h,
-///     p = r - 6 r^3 + 8 r^4 - 3 r^5.
+///     S_d = decaying exp(-kappa (t - t0)) + (1 - a1(r)) dv + T_h p(r) da + T_h^2 b(r) dj,
+///     r = (t - t0) / T_h,   p = r - 6 r^3 + 8 r^4 - 3 r^5,   b = r^2 (1 - r)^3 / 2.
 ///
-/// The first part is eq. (12)'s. The others hand over: with `dv` and `da` the changes of dq_r and ddq_r that
-/// the reset makes, both go on from where they were and reach their new course after T_h, and as dS_d is the
-/// true derivative, the surface stays invariant meanwhile. A difference of torque, ramped out, would be a
+/// The first part is eq. (12)'s. The others hand over: with `dv`, `da` and `dj` the changes of dq_r, ddq_r
+/// and its rate that the reset makes, all three go on from where they were and reach their new course after
+/// T_h (it is the quintic that does so), and with them the torque and its rate. As dS_d is the true
+/// derivative, the surface stays invariant meanwhile. A difference of torque, ramped out, would be a
 /// disturbance that K_d works against: the torque then changes by M da within 1/lambda, not T_h.
 template <std::size_t N, Real T = double>
 struct SurfaceBias {
@@ -31,6 +32,7 @@ struct SurfaceBias {
   JointVelocity<N, T> decaying;     ///< the first part now
   JointVelocity<N, T> dv;
   JointAcceleration<N, T> da;
+  JointAcceleration<N, T> dj;  ///< per second
 
   /// The bias `x` seconds from now, with the hand-over taking `T_h` seconds.
   [[nodiscard]] SKINCTL_INLINE BiasNow<N, T> at(const T& x, const T& kappa, const T& T_h) const noexcept {
@@ -45,8 +47,11 @@ struct SurfaceBias {
       const T rest = T(1) - r;
       const T p = T_h * r * rest * rest * rest * (T(1) + T(3) * r);
       const T dp = rest * rest * (T(1) + r * (T(2) - T(15) * r));
-      S_d = S_d + out.rest * R(dv) + p * R(da);
-      dS_d = dS_d - out.a2 * R(dv) + dp * R(da);
+      const T half = T(0.5) * T_h * r * rest * rest;
+      const T b = T_h * half * r * rest;
+      const T db = half * (T(2) - T(5) * r);
+      S_d = S_d + out.rest * R(dv) + p * R(da) + b * R(dj);
+      dS_d = dS_d - out.a2 * R(dv) + dp * R(da) + db * R(dj);
     }
     return {JointVelocity<N, T>(S_d), JointAcceleration<N, T>(dS_d)};
   }
@@ -57,7 +62,12 @@ struct SurfaceBias {
     const detail::Row<N, T> s = T(exp(T(-kappa * dt))) * detail::Row<N, T>(decaying), tiny = T(1e-30);
     return {later(elapsed, ns),
             JointVelocity<N, T>(select(magnitude(s) > tiny, s, T(0))),  // denormal numbers are slow
-            dv, da};
+            dv, da, dj};
+  }
+  /// What a `dj` of 1 adds to dS_d after `x` seconds: `x` but for the way out.
+  [[nodiscard]] static constexpr T bend(const T& x, const T& T_h) noexcept {
+    const T r = x / T_h, rest = T(1) - r;
+    return x * rest * rest * (T(1) - T(2.5) * r);
   }
   /// Whether the hand-over still goes on.
   [[nodiscard]] SKINCTL_INLINE bool hands_over(const T& T_h) const noexcept {

@@ -27,8 +27,9 @@ struct TrackingMemory {
 /// Tracking, eqs. (8)-(14): `tau = -K_d S_q + Y_r Theta`, evaluated at the middle of the interval for which
 /// it will be held, at the state that the law itself predicts there.
 ///
-/// Every reset (a new goal, the skin that begins or ceases to push against the law) keeps the torque: the
-/// reference motion goes on from where it was and reaches its new course after `hand_over` (`SurfaceBias`).
+/// Every reset (a new goal, the skin that begins or ceases to push against the law) keeps the torque and its
+/// rate: the reference motion goes on from where it was and reaches its new course after `hand_over`
+/// (`SurfaceBias`).
 /// In the loop nothing is refused but goals. A state that is not finite gives a torque that is not, for the
 /// cycle to drop, and leaves the memory finite.
 ///
@@ -80,6 +81,7 @@ class Tracking : public Composable {
     memory.tb = gains().tb;
     memory.K_from = schedule_.K_c();
     begin_bias(memory, known);
+    space_.take_up(memory.space, look(memory, known).S_q);
     return memory;
   }
 
@@ -173,6 +175,18 @@ class Tracking : public Composable {
     return Space::tracking(settings_);
   }
   using Rates = JointVelocity<Space::coordinates, T>;
+  /// The middle of the interval, as the law itself predicts it.
+  struct Middle {
+    detail::Row<N, T> damped;  ///< `M^-1 K_d S_q`
+    detail::Row<N, T> a;       ///< `ddq_r - damped`, both at its beginning
+    JointPosition<N, T> q;
+    JointVelocity<N, T> dq;
+    Gain<T> K_p;
+    Surface surface;
+  };
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Middle middle(const Memory& memory, const K& known,
+                                             const Surface& at_t) const noexcept;
   [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
                                                                const Rates& dI1,
                                                                const Rates& dI2) const noexcept;
@@ -181,10 +195,15 @@ class Tracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory switched(const Memory& memory, const K& known, const T& dt,
                                              Opposition opposition) const noexcept;
-  /// `now` for what happens rarely: one copy of it.
+  /// `now` and `middle` for what happens rarely: one copy of each.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Surface look(const Memory& memory, const K& known) const noexcept {
     return now(memory, known);
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Surface look_ahead(const Memory& memory, const K& known,
+                                                const Surface& at_t) const noexcept {
+    return middle(memory, known, at_t).surface;
   }
   template <class K>
   SKINCTL_COLD Status begin_gain(Memory& memory, const K& known) const noexcept;

@@ -106,16 +106,16 @@ class Lane {
   [[nodiscard]] SKINCTL_INLINE constexpr Vector vector() const noexcept { return v_; }
 
   SKINCTL_INLINE friend constexpr Lane operator+(Lane a, Lane b) noexcept {
-    SKINCTL_LANE_CONTRACT return of(a.v_ + b.v_);
+    SKINCTL_CONTRACT return of(a.v_ + b.v_);
   }
   SKINCTL_INLINE friend constexpr Lane operator-(Lane a, Lane b) noexcept {
-    SKINCTL_LANE_CONTRACT return of(a.v_ - b.v_);
+    SKINCTL_CONTRACT return of(a.v_ - b.v_);
   }
   SKINCTL_INLINE friend constexpr Lane operator*(Lane a, Lane b) noexcept {
-    SKINCTL_LANE_CONTRACT return of(a.v_ * b.v_);
+    SKINCTL_CONTRACT return of(a.v_ * b.v_);
   }
   SKINCTL_INLINE friend constexpr Lane operator/(Lane a, Lane b) noexcept { return of(a.v_ / b.v_); }
-  SKINCTL_INLINE friend constexpr Lane operator-(Lane a) noexcept { SKINCTL_LANE_CONTRACT return of(-a.v_); }
+  SKINCTL_INLINE friend constexpr Lane operator-(Lane a) noexcept { SKINCTL_CONTRACT return of(-a.v_); }
   SKINCTL_INLINE friend constexpr Lane operator+(Lane a) noexcept { return a; }
   SKINCTL_INLINE constexpr Lane& operator+=(Lane b) noexcept { return *this = *this + b; }
   SKINCTL_INLINE constexpr Lane& operator-=(Lane b) noexcept { return *this = *this - b; }

@@ -15,18 +15,18 @@ struct Triple {
 
   template <class A, class B, class C>
   friend SKINCTL_INLINE constexpr auto operator+(const Triple& u, const Triple<A, B, C>& v) noexcept {
-    return skinctl::Triple{u.x + v.x, u.y + v.y, u.z + v.z};
+    SKINCTL_CONTRACT return skinctl::Triple{u.x + v.x, u.y + v.y, u.z + v.z};
   }
   template <class A, class B, class C>
   friend SKINCTL_INLINE constexpr auto operator-(const Triple& u, const Triple<A, B, C>& v) noexcept {
-    return skinctl::Triple{u.x - v.x, u.y - v.y, u.z - v.z};
+    SKINCTL_CONTRACT return skinctl::Triple{u.x - v.x, u.y - v.y, u.z - v.z};
   }
   friend SKINCTL_INLINE constexpr auto operator-(const Triple& u) noexcept {
-    return skinctl::Triple{-u.x, -u.y, -u.z};
+    SKINCTL_CONTRACT return skinctl::Triple{-u.x, -u.y, -u.z};
   }
   template <Number S>
   friend SKINCTL_INLINE constexpr auto operator*(const S& s, const Triple& v) noexcept {
-    return skinctl::Triple{s * v.x, s * v.y, s * v.z};
+    SKINCTL_CONTRACT return skinctl::Triple{s * v.x, s * v.y, s * v.z};
   }
   friend SKINCTL_INLINE constexpr bool operator==(const Triple& u, const Triple& v) noexcept
     requires(Real<X> && Real<Y> && Real<Z>)
@@ -72,11 +72,11 @@ SKINCTL_INLINE constexpr Xyz<U> cast(const Xyz<T>& v) noexcept {
 
 template <class A, class B, class C, class D, class E, class F>
 SKINCTL_INLINE constexpr auto dot(const Triple<A, B, C>& u, const Triple<D, E, F>& v) noexcept {
-  return u.x * v.x + u.y * v.y + u.z * v.z;
+  SKINCTL_CONTRACT return u.x * v.x + u.y * v.y + u.z * v.z;
 }
 template <class A, class B, class C, class D, class E, class F>
 SKINCTL_INLINE constexpr auto cross(const Triple<A, B, C>& u, const Triple<D, E, F>& v) noexcept {
-  return Triple{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+  SKINCTL_CONTRACT return Triple{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
 }
 
 /// A rotation about one axis by a known cosine and sine, either of which may be a typed constant.
@@ -91,22 +91,22 @@ Turn(C, S) -> Turn<C, S>;
 /// `Rz(turn) v`: coordinates in the turned frame to coordinates in the frame it turned from.
 template <class C, class S, class X, class Y, class Z>
 SKINCTL_INLINE constexpr auto turn_z(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
-  return Triple{t.cos * v.x - t.sin * v.y, t.sin * v.x + t.cos * v.y, v.z};
+  SKINCTL_CONTRACT return Triple{t.cos * v.x - t.sin * v.y, t.sin * v.x + t.cos * v.y, v.z};
 }
 /// `Rz(turn)^T v`.
 template <class C, class S, class X, class Y, class Z>
 SKINCTL_INLINE constexpr auto turn_back_z(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
-  return Triple{t.cos * v.x + t.sin * v.y, t.cos * v.y - t.sin * v.x, v.z};
+  SKINCTL_CONTRACT return Triple{t.cos * v.x + t.sin * v.y, t.cos * v.y - t.sin * v.x, v.z};
 }
 /// `Rx(turn) v`.
 template <class C, class S, class X, class Y, class Z>
 SKINCTL_INLINE constexpr auto turn_x(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
-  return Triple{v.x, t.cos * v.y - t.sin * v.z, t.sin * v.y + t.cos * v.z};
+  SKINCTL_CONTRACT return Triple{v.x, t.cos * v.y - t.sin * v.z, t.sin * v.y + t.cos * v.z};
 }
 /// `Rx(turn)^T v`.
 template <class C, class S, class X, class Y, class Z>
 SKINCTL_INLINE constexpr auto turn_back_x(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
-  return Triple{v.x, t.cos * v.y + t.sin * v.z, t.cos * v.z - t.sin * v.y};
+  SKINCTL_CONTRACT return Triple{v.x, t.cos * v.y + t.sin * v.z, t.cos * v.z - t.sin * v.y};
 }
 
 SKINCTL_END_NAMESPACE

@@ -78,6 +78,19 @@ template <class Overseer, class Skin>
     return NoTouch{};
   }
 }
+/// Whether all joints of a resolver take the same, and whether that is a motion.
+template <class Resolver>
+inline constexpr bool has_one_interface = requires { Resolver::interface; };
+template <class Resolver>
+inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
+/// The guard of a resolver whose joints are all of one kind.
+template <class Resolver>
+struct GuardOf {};
+template <class Resolver>
+  requires requires { Resolver::interface; }
+struct GuardOf<Resolver> {
+  using type = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>;
+};
 template <class L>
 struct GoalType {
   using type = NoGoal;
@@ -97,12 +110,13 @@ struct GoalType<L> {
 /// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
 /// else of the model is computed.
 template <class Resolver, class L, class Skin = Bare,
-          class Watchman = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>,
-          class Overseer = NoGovernor>
+          class Watchman = typename detail::GuardOf<Resolver>::type, class Overseer = NoGovernor>
 class Cycle {
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
-  static_assert(!detail::limits_jerk<Overseer> || Resolver::interface != Interface::torque,
+  static_assert(!governed || detail::has_one_interface<Resolver>,
+                "a governor is for a robot whose joints all take the same: leave it out");
+  static_assert(!detail::limits_jerk<Overseer> || detail::commands_motion<Resolver>,
                 "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
   static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
                 "the governor is of a robot with other joints, or of another scalar");

@@ -7,6 +7,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// Result of `forward_dynamics`.
+template <std::size_t N, Scalar T = double>
+struct ForwardDynamics {
+  JointAcceleration<N, T> acceleration;  ///< [rad/s^2]
+  bool positive_definite = true;         ///< false: see `MassFactors`
+};
+
 /// A mass matrix factorised as `L' D L`, where L has the zeros of the tree: row k of L is empty but for the
 /// joints that carry link k, so branches cost nothing (Featherstone, Rigid Body Dynamics Algorithms,
 /// section 6.5).
@@ -38,13 +45,25 @@ class MassFactors {
     [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
       const auto one = [&](auto k) SKINCTL_INLINE_LAMBDA {
         T sum = x[k.value] * inverse_[k.value];
-        for_each_bit<carriers_of(k.value)>(
-            [&](auto j) SKINCTL_INLINE_LAMBDA { sum = sum - l_(k.value, j.value) * x[j.value]; });
+        // The joint found last comes last: all others are subtracted while it is still being computed.
+        detail::unrolled<k.value>([&](auto j) SKINCTL_INLINE_LAMBDA {
+          if constexpr ((carriers_of(k.value) >> j) & 1u) sum = sum - l_(k.value, j) * x[j];
+        });
         x[k.value] = sum;
       };
       (one(std::integral_constant<std::size_t, K>{}), ...);
     }(std::make_index_sequence<joints>{});
     return x;
+  }
+
+  /// `MassFactors(mass).solve(tau)` for one torque: the factors need not be kept for the case of a bad pivot.
+  [[nodiscard]] static SKINCTL_INLINE ForwardDynamics<joints, T> solved(
+      const MassMatrix<joints, T>& mass, const JointTorque<joints, T>& tau) noexcept {
+    const MassFactors factors(mass, WithoutCare{});
+    ForwardDynamics<joints, T> out{factors.solve(tau), factors.positive_definite_};
+    if (!out.positive_definite) [[unlikely]]
+      out.acceleration = solved_with_care(mass, tau);
+    return out;
   }
 
   /// False if a joint was taken out, in any lane.
@@ -107,23 +126,24 @@ class MassFactors {
       positive_definite_ = good;
     }
   }
+  struct WithoutCare {};
+  SKINCTL_INLINE MassFactors(const MassMatrix<joints, T>& mass, WithoutCare) noexcept {
+    factorise<false>(mass);
+  }
   struct WithCare {};
   explicit MassFactors(const MassMatrix<joints, T>& mass, WithCare) noexcept { factorise<true>(mass); }
   /// By value, so that the matrix of the usual case may stay in registers.
   [[gnu::cold, gnu::noinline]] static MassFactors without_bad_pivots(MassMatrix<joints, T> mass) noexcept {
     return MassFactors(mass, WithCare{});
   }
+  [[gnu::cold, gnu::noinline]] static JointAcceleration<joints, T> solved_with_care(
+      MassMatrix<joints, T> mass, JointTorque<joints, T> tau) noexcept {
+    return MassFactors(mass, WithCare{}).solve(tau);
+  }
 
   MassMatrix<joints, T> l_;
   T inverse_[joints];
   bool positive_definite_ = true;
-};
-
-/// Result of `forward_dynamics`.
-template <std::size_t N, Scalar T = double>
-struct ForwardDynamics {
-  JointAcceleration<N, T> acceleration;  ///< [rad/s^2]
-  bool positive_definite = true;         ///< false: see `MassFactors`
 };
 
 /// `M^-1 (tau - C dq - G)`: the acceleration of the robot under joint torques, by mass matrix and
@@ -140,8 +160,7 @@ template <Model M, Scalar T>
     const JointTorque<M::joints, T>& tau) noexcept {
   const JointAngles<M, T> angles(model, q);
   const JointTorque<M::joints, T> free = tau - bias_torque(model, angles, dq);
-  const MassFactors<M, T> factors(mass_matrix(model, angles));
-  return {factors.solve(free), factors.positive_definite()};
+  return MassFactors<M, T>::solved(mass_matrix(model, angles), free);
 }
 // clang-format off
 template <Model M, Scalar T> requires(!computes_in<M, T>)

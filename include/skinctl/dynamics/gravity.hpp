@@ -6,45 +6,65 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Mass and first moment of mass about a link's origin, in some axes.
-template <class Mass, class H>
-struct MassMoment {
+/// A subtree as the link that carries it weighs it, in that link's axes: its mass, the first moment of mass
+/// about its own origin, the mass times where that origin is, and the moment of its weight about its own z
+/// axis.
+template <class Mass, class H, class At, class N>
+struct Weight {
   Mass mass;
   H h;
+  At at;
+  N moment_z;
 };
-template <class Mass, class H>
-MassMoment(Mass, H) -> MassMoment<Mass, H>;
+template <class Mass, class H, class At, class N>
+Weight(Mass, H, At, N) -> Weight<Mass, H, At, N>;
+
+/// Whether the z axis of link `I` is known to be parallel to that of its parent.
+template <std::size_t I, Model M, Scalar T>
+constexpr bool parallel_to_parent() noexcept {
+  using Sin = decltype(std::declval<const M&>().template number<I, Parameter::sin_alpha, T>());
+  using Cos = decltype(std::declval<const M&>().template number<I, Parameter::cos_alpha, T>());
+  return is_zero<Sin> && std::is_same_v<Cos, Known<1>>;
+}
 
 /// Writes `tau[I]` for the subtree of link `I` under the gravitational acceleration `g_parent` (parent's
-/// axes) and returns the subtree's mass and first moment in the parent's frame: only vectors of three travel
-/// back.
+/// axes) and returns the subtree's weight in the parent's axes. About a parallel axis the moment of a weight
+/// is the same, so that a link adds to its child's only what lies between the axes; where nobody else asks
+/// for the first moment the compiler then drops it.
 template <std::size_t I, Scalar T, Model M, class Angles, class G>
 SKINCTL_INLINE constexpr auto subtree_gravity(const M& model, const Angles& angles, const G& g_parent,
                                               T* tau) noexcept {
+  constexpr auto carried = children<M, int(I)>;
   const auto frame = joint_frame<I>(model, angles);
   const auto g = frame.to_link(g_parent);
+  const auto moment_z = [&](const auto& h) SKINCTL_INLINE_LAMBDA { return h.x * g.y - h.y * g.x; };
   const auto own_mass = model.template number<I, Parameter::mass, T>();
   const auto own_h = own_mass * centre_of_mass<I, T>(model);
-  const auto total = [&]() SKINCTL_INLINE_LAMBDA {
-    if constexpr (children<M, int(I)>.size() == 0) {
-      return MassMoment{own_mass, own_h};
+  const auto in_parent = [&](const auto& mass, const auto& h, const auto& n) SKINCTL_INLINE_LAMBDA {
+    tau[I] = M::kinds[I] == JointKind::revolute ? T(-n) : T(-(mass * g.z));
+    return Weight{mass, frame.to_parent(h), mass * frame.p, n};
+  };
+  if constexpr (carried.size() == 0) {
+    return in_parent(own_mass, own_h, moment_z(own_h));
+  } else if constexpr (carried.size() == 1) {
+    const auto part = subtree_gravity<carried[0], T>(model, angles, g, tau);
+    const auto fixed = own_h + part.at;
+    if constexpr (parallel_to_parent<carried[0], M, T>()) {
+      return in_parent(own_mass + part.mass, fixed + part.h, moment_z(fixed) + part.moment_z);
     } else {
-      T mass(own_mass);
-      auto h = dense<T>(own_h);
-      for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-        const auto part = subtree_gravity<child.value, T>(model, angles, g, tau);
-        mass = mass + part.mass;
-        h = dense<T>(h + part.h);
-      });
-      return MassMoment<T, Xyz<T>>{mass, h};
+      const auto h = fixed + part.h;
+      return in_parent(own_mass + part.mass, h, moment_z(h));
     }
-  }();
-  if constexpr (M::kinds[I] == JointKind::revolute) {
-    tau[I] = T(-(total.h.x * g.y - total.h.y * g.x));
   } else {
-    tau[I] = T(-(total.mass * g.z));
+    T mass(own_mass);
+    auto h = dense<T>(own_h);
+    for_each_link<carried>([&](auto child) SKINCTL_INLINE_LAMBDA {
+      const auto part = subtree_gravity<child.value, T>(model, angles, g, tau);
+      mass = mass + part.mass;
+      h = dense<T>(h + part.at + part.h);
+    });
+    return in_parent(mass, h, moment_z(h));
   }
-  return MassMoment{total.mass, frame.to_parent(total.h) + total.mass * frame.p};
 }
 
 /// Joints whose angle G does not depend on, as their model's types tell: the first of a chain if it turns
@@ -69,12 +89,12 @@ constexpr LinkMask weightless_angles() noexcept {
 /// Writes G from sines and cosines that may lack those of the angles above.
 template <Scalar T, Model M, class Angles>
 SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque_from(const M& model, const Angles& angles) noexcept {
-  JointTorque<M::joints, T> tau;
-  const auto g = model.template gravity<T>();
-  for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-    static_cast<void>(subtree_gravity<child.value, T>(model, angles, g, tau.data));
+  return JointTorque<M::joints, T>::written([&](T* tau) SKINCTL_INLINE_LAMBDA {
+    const auto g = model.template gravity<T>();
+    for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
+      static_cast<void>(subtree_gravity<child.value, T>(model, angles, g, tau));
+    });
   });
-  return tau;
 }
 
 }  // namespace detail
@@ -107,7 +127,7 @@ template <Model M, Scalar T>
   T energy(0);
   detail::for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
     const auto part = detail::subtree_gravity<child.value, T>(model, angles, g, unused.data);
-    energy = energy - dot(g, part.h);
+    energy = energy - dot(g, part.at + part.h);
   });
   return energy;
 }

@@ -46,9 +46,7 @@ template <class Tree, Real T>
     }
     if (Tree::parents[i] < 0) continue;
     auto& up = bodies[static_cast<std::size_t>(Tree::parents[i])];
-    const auto part = detail::composite_to_parent(frames[i], b);
-    up = {up.mass + part.mass, up.h + part.h,   up.xx + part.xx, up.yy + part.yy,
-          up.zz + part.zz,     up.xy + part.xy, up.xz + part.xz, up.yz + part.yz};
+    up = detail::carrying(up, frames[i], b);
   }
   return m;
 }

@@ -65,22 +65,25 @@ SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles,
 }
 
 /// Fills the rows and columns of `M` that belong to the subtree of link `I`, and returns the subtree as one
-/// body in the parent's frame.
+/// body in the frame of the link.
 template <std::size_t I, Scalar T, Model M, class Angles>
 SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
                                            MassMatrix<M::joints, T>& m) noexcept {
+  constexpr auto carried = children<M, int(I)>;
+  const auto with = [&](const auto& own, auto child) SKINCTL_INLINE_LAMBDA {
+    return carrying(own, joint_frame<child.value>(model, angles),
+                    subtree_mass<child.value, T>(model, angles, m));
+  };
   const auto body = [&]() SKINCTL_INLINE_LAMBDA {
     const auto own = link_composite<I, T>(model);
-    if constexpr (children<M, int(I)>.size() == 0) {
+    if constexpr (carried.size() == 0) {
       return own;
+    } else if constexpr (carried.size() == 1) {
+      return with(own, std::integral_constant<std::size_t, carried[0]>{});
     } else {
       auto sum = dense_composite<T>(own);
-      for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-        const auto part = subtree_mass<child.value, T>(model, angles, m);
-        sum = dense_composite<T>(Composite{sum.mass + part.mass, sum.h + part.h, sum.xx + part.xx,
-                                           sum.yy + part.yy, sum.zz + part.zz, sum.xy + part.xy,
-                                           sum.xz + part.xz, sum.yz + part.yz});
-      });
+      for_each_link<carried>([&](auto child)
+                                 SKINCTL_INLINE_LAMBDA { sum = dense_composite<T>(with(sum, child)); });
       return sum;
     }
   }();
@@ -96,7 +99,7 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
     carry_wrench<I>(model, angles, Triple{Known<0>{}, Known<0>{}, body.mass},
                     Triple{body.h.y, -body.h.x, Known<0>{}}, I, m);
   }
-  return composite_to_parent(joint_frame<I>(model, angles), body);
+  return body;
 }
 
 /// A chain couples all its joints, so that each entry is written; elsewhere there are zeros.

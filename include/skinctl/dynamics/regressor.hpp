@@ -62,34 +62,23 @@ SKINCTL_INLINE void parameter_powers(const LinkMotion<T>& m, const Xyz<T>& v, co
   powers[9] = -(w.x * (ez.z - ey.y) + w.y * ex.y - w.z * ex.z);
 }
 
-/// The wrench of link `I` with the parameters `theta`.
-template <Scalar T>
-SKINCTL_INLINE ForceMoment<Xyz<T>, Xyz<T>> parameter_wrench(const LinkMotion<T>& m, const T* theta) noexcept {
-  const Xyz<T> h{theta[1], theta[2], theta[3]};
-  const T half(0.5);
-  const Xyz<T> s_x{half * (theta[5] + theta[6] - theta[4]), -theta[7], -theta[8]};
-  const Xyz<T> s_y{-theta[7], half * (theta[4] + theta[6] - theta[5]), -theta[9]};
-  const Xyz<T> s_z{-theta[8], -theta[9], half * (theta[4] + theta[5] - theta[6])};
-  const auto& [ex, ey, ez] = m.spin;
-  const Xyz<T> n{dot(ez, s_y) - dot(ey, s_z), dot(ex, s_z) - dot(ez, s_x), dot(ey, s_x) - dot(ex, s_y)};
-  return {theta[0] * m.a + m.spin * h, n + cross(h, m.a)};
-}
-
-template <std::size_t I, class Input, Scalar T>
-SKINCTL_INLINE ForceMoment<Xyz<T>, Xyz<T>> parameter_torque(const Input& in, const LinkMotion<T>& parent,
-                                                            const T* theta, T* tau) noexcept {
-  using M = std::remove_cvref_t<decltype(in.model)>;
-  const auto frame = joint_frame<I>(in.model, in.angles);
-  const LinkMotion<T> m = motion_of<I>(in, frame, parent);
-  auto sum = parameter_wrench(m, theta + 10 * I);
-  for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-    const auto part = parameter_torque<child.value>(in, m, theta, tau);
-    sum = {sum.f + part.f, sum.n + part.n};
-  });
-  tau[I] = M::kinds[I] == JointKind::revolute ? sum.n.z : sum.f.z;
-  const Xyz<T> f = dense<T>(frame.to_parent(sum.f));
-  return {f, dense<T>(frame.to_parent(sum.n) + cross(frame.p, f))};
-}
+/// Bodies with the parameters `theta`, for the recursion of inverse dynamics.
+template <Scalar Number>
+struct ParameterBodies {
+  const Number* theta;
+  template <std::size_t I, Scalar T, class E, class A>
+  SKINCTL_INLINE constexpr auto wrench(const E& spin, const A& a) const noexcept {
+    const T* o = theta + 10 * I;
+    const Xyz<T> h{o[1], o[2], o[3]};
+    const T half(0.5);
+    const Xyz<T> s_x{half * (o[5] + o[6] - o[4]), -o[7], -o[8]};
+    const Xyz<T> s_y{-o[7], half * (o[4] + o[6] - o[5]), -o[9]};
+    const Xyz<T> s_z{-o[8], -o[9], half * (o[4] + o[5] - o[6])};
+    const auto& [ex, ey, ez] = spin;
+    const Triple n{dot(ez, s_y) - dot(ey, s_z), dot(ex, s_z) - dot(ez, s_x), dot(ey, s_x) - dot(ex, s_y)};
+    return ForceMoment{o[0] * a + spin * h, n + cross(h, a)};
+  }
+};
 
 /// The velocity of a link's origin and its angular velocity, in its axes.
 template <Scalar T>
@@ -213,12 +202,10 @@ template <Model M, Scalar T>
     const JointVelocity<M::joints, T>& dq_r, const JointAcceleration<M::joints, T>& ddq_r,
     const InertialParameters<M::joints, T>& theta) noexcept {
   const JointAngles<M, T> angles(model, q);
-  const detail::MotionInput<M, JointAngles<M, T>, T> in{model, angles, dq.data, dq_r.data, ddq_r.data};
   JointTorque<M::joints, T> tau;
-  detail::for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-    static_cast<void>(
-        detail::parameter_torque<child.value>(in, detail::motion_of_base<T>(model), theta.data, tau.data));
-  });
+  detail::run_recursion_over<T>(model, detail::ParameterBodies<T>{theta.data}, angles,
+                                detail::Values<T>{dq.data}, detail::Values<T>{dq_r.data},
+                                detail::Values<T>{ddq_r.data}, -model.template gravity<T>(), tau.data);
   return tau;
 }
 

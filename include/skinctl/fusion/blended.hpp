@@ -40,7 +40,6 @@ struct BlendGoal {
 /// Times and thresholds of a blend.
 struct BlendSettings {
   Nanoseconds ramp = 100_ms;  ///< of the way to other weights
-  double most_rate = 0;  ///< a ramp slows down where it would move a joint's torque faster [N m/s]; 0: never
   ContactSettings contact{};  ///< what gates take for a touch
 };
 
@@ -57,8 +56,6 @@ class Blended;
 ///   in every cycle: it brakes the robot and pulls it nowhere. When all shares are there, its feedback comes
 ///   by a ramp of its own, as long again, so that it takes up what pushes against it little by little; then
 ///   it takes goals.
-/// - With `most_rate` a ramp slows down, to a twentieth of its speed at most, where the laws have come to
-///   differ so much that their shares alone would move the torque faster.
 /// - Gravity is held once and whole throughout: where no gravity law is in the sum and tracking fades, the
 ///   sum holds what of G is left.
 template <Sum P, class... L>
@@ -107,13 +104,7 @@ class Blended<Fused<P, L...>> : public Composable {
       : Blended(sum, sum.weights(), settings) {}
   /// @param first  weights to start with, >= 0. Throws `ConfigurationError`.
   Blended(const Fusion& sum, const std::array<double, terms>& first, const BlendSettings& settings = {})
-      : sum_(sum),
-        first_(first),
-        ramp_(settings.ramp),
-        most_rate_(settings.most_rate),
-        contact_(settings.contact) {
-    require(settings.most_rate >= 0 && settings.most_rate <= 1e9, "most_rate", settings.most_rate,
-            ">= 0 N m/s");
+      : sum_(sum), first_(first), ramp_(settings.ramp), contact_(settings.contact) {
     for (std::size_t i = 0; i < terms; ++i)
       require(usable(i, first[i]), "weight of a law", first[i], "0 to 1e6, and 1 for gravity");
   }
@@ -187,15 +178,15 @@ class Blended<Fused<P, L...>> : public Composable {
     return out;
   }
 
-  /// What the laws' parts are multiplied by, now or soon.
-  [[nodiscard]] Factors factors(const Memory& memory, Nanoseconds ahead = 0) const noexcept {
+  /// What the laws' parts are multiplied by.
+  [[nodiscard]] static Factors factors(const Memory& memory) noexcept {
     if (!moves(memory)) return memory.to;
-    const Nanoseconds elapsed = memory.elapsed + ahead;
-    const auto way = quintic(static_cast<double>(elapsed) / static_cast<double>(memory.ramp));
+    const auto part = [](Nanoseconds t, Nanoseconds of) {
+      return static_cast<double>(t) / static_cast<double>(of);
+    };
+    const auto way = quintic(part(memory.elapsed, memory.ramp));
     const double late =
-        memory.elapsed <= memory.ramp
-            ? 0
-            : quintic(static_cast<double>(elapsed - memory.ramp) / static_cast<double>(memory.settle)).a1;
+        memory.elapsed <= memory.ramp ? 0 : quintic(part(memory.elapsed - memory.ramp, memory.settle)).a1;
     Factors out;
     for (std::size_t i = 0; i < terms; ++i) {
       const auto &from = memory.from[i], &to = memory.to[i];
@@ -308,34 +299,6 @@ class Blended<Fused<P, L...>> : public Composable {
       out.torque = law<I>().torque(part, known);
     }
   }
-  /// The time by which the ramp goes on in an interval of `ns`.
-  template <class K, class... Parts>
-  [[nodiscard]] SKINCTL_COLD Nanoseconds paced(const Memory& memory, const std::tuple<Parts...>& parts,
-                                               const K& known, const Factors& now,
-                                               Nanoseconds ns) const noexcept {
-    using T = typename K::scalar;
-    const Factors soon = factors(memory, ns);
-    JointTorque<K::joints, T> moved;
-    each([&](auto i) {
-      constexpr std::size_t J = i.value;
-      if (!loaded(memory, J)) return;
-      if (comes(memory, J) && memory.elapsed >= memory.ramp) {
-        auto feedback = std::get<J>(parts);
-        compute<J>(feedback, memory, known, Share<double>{1, 0});
-        moved += static_cast<T>(soon[J].feedback - now[J].feedback) * feedback.torque;
-      } else {
-        const double had = now[J].feed_forward, gets = soon[J].feed_forward;
-        if (had > 0) moved += static_cast<T>((gets - had) / had) * std::get<J>(parts).torque;
-      }
-    });
-    double most = 0;
-    for (const T& x : moved)
-      most = detail::magnitude(x) > static_cast<T>(most) ? static_cast<double>(detail::magnitude(x)) : most;
-    const double allowed = most_rate_ * static_cast<double>(ns) * 1e-9;
-    if (!(most > allowed)) return ns;
-    const Nanoseconds slow = nanoseconds(static_cast<double>(ns) * 1e-9 * allowed / most);
-    return slow > ns / 20 ? slow : ns / 20;
-  }
   template <std::size_t I, class Now, class K>
   SKINCTL_NOINLINE void move_on(Memory& next, const Now& now, const K& known, const typename K::scalar& dt,
                                 Opposition opposition) const noexcept {
@@ -364,7 +327,6 @@ class Blended<Fused<P, L...>> : public Composable {
     const Factors shares = factors(next);
     JointTorque<K::joints, T> skin, track, contact;
     const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
-    Nanoseconds pace = ns;
     [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
       std::tuple<Part<typename NowOf<law_at<I>, K>::type, K::joints, T>...> parts;
       each([&](auto i) SKINCTL_INLINE_LAMBDA {
@@ -398,8 +360,6 @@ class Blended<Fused<P, L...>> : public Composable {
           if (Fusion::roles[i] == Role::tracking) left -= shares[i].feed_forward;
         out.torque += static_cast<T>(left) * known.gravity();
       }
-      if (most_rate_ > 0 && moves(next)) [[unlikely]]
-        pace = paced(next, parts, known, shares, ns);
       Opposition opposition = given;
       if constexpr (Fusion::watches) {
         const auto found = sum_.detector().detect(memory.opposition, skin, track, dt);
@@ -414,7 +374,7 @@ class Blended<Fused<P, L...>> : public Composable {
       });
     }(std::index_sequence_for<L...>{});
     if (moves(next)) out.status |= Reason::hand_over;
-    next.elapsed = later(next.elapsed, pace);
+    next.elapsed = later(next.elapsed, ns);
     if constexpr (gated) {
       next.contact = contact_.advanced(next.contact, contact, ns);
       if (next.contact.touched != memory.contact.touched) {
@@ -428,7 +388,6 @@ class Blended<Fused<P, L...>> : public Composable {
   Fusion sum_;
   std::array<double, terms> first_;
   Ramp<double> ramp_;
-  double most_rate_;
   ContactDetector contact_;
 };
 

@@ -122,19 +122,22 @@ template <std::size_t I, Frame P, class M, LinkMask Mask, class T>
     const Poses<M, Mask, T>& poses, const Transform<Link<I>, P, T>& X_LP) noexcept {
   static_assert((ancestors<M>(I) & ~Mask) == 0,
                 "a Jacobian needs the poses of all links on the way to its link");
-  const auto X_BL = poses.template get<I>();
-  const Xyz<T> p = X_BL.origin() + X_BL.axes() * X_LP.origin();
+  const auto body = poses.template place<I>();
+  const Xyz<T>& at = X_LP.origin();
+  const Xyz<T> p = dense<T>(body.p + at.x * body.x + at.y * body.y + at.z * body.z);
   Jacobian<M, ancestors<M>(I), P, P, Base, T> J;
   [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
     const auto one = [&](auto k) SKINCTL_INLINE_LAMBDA {
       constexpr std::size_t joint = k.value;
       if constexpr ((ancestors<M>(I) >> joint) & 1u) {
-        const auto X_BK = poses.template get<joint>();
+        const auto link = poses.template place<joint>();
         auto& column = J.template column<joint>();
         if constexpr (M::kinds[joint] == JointKind::revolute) {
-          column = {cross(X_BK.axis_z(), p - X_BK.origin()), X_BK.axis_z()};
+          assign(column.linear, cross(link.z, p - link.p));
+          assign(column.angular, link.z);
         } else {
-          column = {X_BK.axis_z(), {T(0), T(0), T(0)}};
+          assign(column.linear, link.z);
+          assign(column.angular, ZeroTriple{});
         }
       }
     };

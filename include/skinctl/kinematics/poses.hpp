@@ -5,6 +5,63 @@
 #include "skinctl/kinematics/joint_frame.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Axes and origin of a link along the axes of the base.
+template <class X, class Y, class Z, class P>
+struct Place {
+  X x;
+  Y y;
+  Z z;
+  P p;
+};
+template <class X, class Y, class Z, class P>
+Place(X, Y, Z, P) -> Place<X, Y, Z, P>;
+
+using BasePlace =
+    Place<Triple<Known<1>, Known<0>, Known<0>>, Triple<Known<0>, Known<1>, Known<0>>, UnitZ, ZeroTriple>;
+
+/// The place of a link from that of its parent.
+template <class Frame, class Parent>
+SKINCTL_INLINE constexpr auto placed(const Frame& frame, const Parent& in) noexcept {
+  const auto x1 = frame.gamma.cos * in.x + frame.gamma.sin * in.y;
+  const auto y1 = frame.gamma.cos * in.y - frame.gamma.sin * in.x;
+  const auto y2 = frame.alpha.cos * y1 + frame.alpha.sin * in.z;
+  const auto z2 = frame.alpha.cos * in.z - frame.alpha.sin * y1;
+  return Place{frame.theta.cos * x1 + frame.theta.sin * y2, frame.theta.cos * y2 - frame.theta.sin * x1,
+               by_component(z2), in.p + frame.p.x * in.x + frame.p.y * in.y + frame.p.z * in.z};
+}
+
+/// Which numbers of a link's place the type of the model knows.
+template <std::size_t I, Model M, Scalar T>
+struct PlaceOf {
+  static constexpr auto parent() noexcept {
+    if constexpr (M::parents[I] < 0) {
+      return std::type_identity<BasePlace>{};
+    } else {
+      return std::type_identity<typename PlaceOf<std::size_t(M::parents[I]), M, T>::type>{};
+    }
+  }
+  using type =
+      decltype(placed(joint_frame<I>(std::declval<const M&>(), std::declval<const JointAngles<M, T>&>()),
+                      std::declval<const typename decltype(parent())::type&>()));
+};
+
+/// `x`, unless its type in an algorithm is a constant.
+template <Number K, Scalar T>
+SKINCTL_INLINE constexpr auto known_or(const T& x) noexcept {
+  if constexpr (is_known<K>) {
+    return K{};
+  } else {
+    return x;
+  }
+}
+template <Scalar T, class X, class Y, class Z>
+SKINCTL_INLINE constexpr auto known_or(const Xyz<T>& v, std::type_identity<Triple<X, Y, Z>>) noexcept {
+  return Triple{known_or<X>(v.x), known_or<Y>(v.y), known_or<Z>(v.z)};
+}
+
+}  // namespace detail
 
 /// `X_BaseLink` of the links in `Mask`, eq. (2), computed when it is built; nothing else is stored, and no
 /// joint that carries none of them is touched. Trivially copyable.
@@ -19,11 +76,8 @@ class Poses {
 
   template <LinkMask A>
   SKINCTL_INLINE Poses(const M& model, const JointAngles<M, T, A>& angles) noexcept {
-    constexpr Triple x{Known<1>{}, Known<0>{}, Known<0>{}};
-    constexpr Triple y{Known<0>{}, Known<1>{}, Known<0>{}};
-    detail::for_each_link<children<M, -1>>([&](auto link) SKINCTL_INLINE_LAMBDA {
-      place<link.value>(model, angles, x, y, UnitZ{}, ZeroTriple{});
-    });
+    detail::for_each_link<children<M, -1>>(
+        [&](auto link) SKINCTL_INLINE_LAMBDA { compute<link.value>(model, angles, detail::BasePlace{}); });
   }
   SKINCTL_INLINE Poses(const M& model, const JointPosition<M::joints, T>& q) noexcept
       : Poses(model, JointAngles<M, T, Mask>(model, q)) {}
@@ -31,41 +85,49 @@ class Poses {
   /// Pose of link `I` in the base. A link that was not asked for does not compile.
   template <std::size_t I>
   [[nodiscard]] SKINCTL_INLINE Transform<Base, Link<I>, T> get() const noexcept {
-    static_assert((Mask >> I) & 1u, "this link's pose was not asked for: add it to the mask of links");
-    const Place& at = places_[slot(I)];
+    const Stored& at = stored<I>();
     return Transform<Base, Link<I>, T>::trusted({at.x, at.y, at.z}, at.p);
   }
 
+  /// Axes and origin of link `I` along the axes of the base; zeros and ones that the model's type knows are
+  /// typed constants.
+  template <std::size_t I>
+  [[nodiscard]] SKINCTL_INLINE auto place() const noexcept {
+    using Typed = typename detail::PlaceOf<I, M, T>::type;
+    const Stored& at = stored<I>();
+    return detail::Place{detail::known_or(at.x, std::type_identity<decltype(Typed::x)>{}),
+                         detail::known_or(at.y, std::type_identity<decltype(Typed::y)>{}),
+                         detail::known_or(at.z, std::type_identity<decltype(Typed::z)>{}),
+                         detail::known_or(at.p, std::type_identity<decltype(Typed::p)>{})};
+  }
+
  private:
-  struct Place {
-    Xyz<T> x, y, z, p;
-  };
+  using Stored = detail::Place<Xyz<T>, Xyz<T>, Xyz<T>, Xyz<T>>;
+
   static constexpr std::size_t slot(std::size_t i) noexcept {
     return static_cast<std::size_t>(std::popcount(Mask & ((LinkMask(1) << i) - 1)));
   }
 
-  /// Places link `I`, given the axes and origin of its parent, then its children that are needed.
-  template <std::size_t I, class A, class X, class Y, class Z, class O>
-  SKINCTL_INLINE void place(const M& model, const A& angles, const X& x, const Y& y, const Z& z,
-                            const O& o) noexcept {
+  template <std::size_t I>
+  SKINCTL_INLINE const Stored& stored() const noexcept {
+    static_assert((Mask >> I) & 1u, "this link's pose was not asked for: add it to the mask of links");
+    return places_[slot(I)];
+  }
+
+  /// Places link `I`, given the place of its parent, then its children that are needed.
+  template <std::size_t I, class A, class Parent>
+  SKINCTL_INLINE void compute(const M& model, const A& angles, const Parent& parent) noexcept {
     if constexpr ((closure<M>(Mask) >> I) & 1u) {
-      const auto frame = joint_frame<I>(model, angles);
-      const auto p = o + frame.p.x * x + frame.p.y * y + frame.p.z * z;
-      const auto x1 = frame.gamma.cos * x + frame.gamma.sin * y;
-      const auto y1 = frame.gamma.cos * y - frame.gamma.sin * x;
-      const auto y2 = frame.alpha.cos * y1 + frame.alpha.sin * z;
-      const auto z2 = frame.alpha.cos * z - frame.alpha.sin * y1;
-      const auto x3 = frame.theta.cos * x1 + frame.theta.sin * y2;
-      const auto y3 = frame.theta.cos * y2 - frame.theta.sin * x1;
+      const auto own = detail::placed(joint_frame<I>(model, angles), parent);
       if constexpr ((Mask >> I) & 1u) {
-        Place& at = places_[slot(I)];
-        assign(at.x, x3), assign(at.y, y3), assign(at.z, z2), assign(at.p, p);
+        Stored& at = places_[slot(I)];
+        assign(at.x, own.x), assign(at.y, own.y), assign(at.z, own.z), assign(at.p, own.p);
       }
       detail::for_each_link<children<M, int(I)>>(
-          [&](auto link) SKINCTL_INLINE_LAMBDA { place<link.value>(model, angles, x3, y3, z2, p); });
+          [&](auto link) SKINCTL_INLINE_LAMBDA { compute<link.value>(model, angles, own); });
     }
   }
-  Place places_[Mask == 0 ? 1 : static_cast<std::size_t>(std::popcount(Mask))];
+  Stored places_[Mask == 0 ? 1 : static_cast<std::size_t>(std::popcount(Mask))];
 };
 
 /// The poses of the links in `Mask` (all by default) at `q`.

@@ -36,7 +36,9 @@ struct Finger : Chain<4> {
       return Known<1>{};
     } else if constexpr (I == 3 && (P == sin_alpha || P == p_x || P == p_z || P == offset)) {
       return Known<0>{};
-    } else if constexpr (I < 3 && (P == c_x || P == c_y || P == c_z)) {
+    } else if constexpr (I == 2 && (P == p_x || P == offset)) {
+      return Known<0>{};
+    } else if constexpr (P == c_x || P == c_z || (I < 3 && P == c_y)) {
       return Known<0>{};
     } else {
       return;

@@ -28,7 +28,8 @@ struct ResolverConfiguration {
   std::optional<T> observer = {};
   /// Sends where the virtual robot will be after this time [s] at its present velocity (velocities alike):
   /// makes up for the robot's delay, at the price of passing on every change of torque at once. 0 to T;
-  /// `delay + lag + period / 2` makes up for all of it.
+  /// `delay + lag + period / 2` makes up for all of it; `period / 2` for that a robot holds a position until
+  /// the next one comes.
   T lead = T(0);
   /// Velocity interface only: rate at which the virtual robot's position drifts to the real one's without
   /// moving it [1/s], at most w. Default: 1, or w if that is less.

@@ -36,10 +36,11 @@ template <Real T>
 ///
 /// `g(s) = w_f k n'J (M s^2 + B s)^-1 J'n (1 + T_lead s) exp(-s (T_d + t_skin + dt/2)) / (tau s + 1)`
 ///
-/// with B the configured friction and, along the contact, the contact damping. The loop is stable up to the
-/// stiffness at which g passes -1. A contact is given by its row `n'J` (see `Contact::row`). For the time of
-/// configuration: some hundred small complex solutions a pose.
-template <Model M, Real T = double>
+/// with M and B the configured inertia and friction, of joints and of the tool (`Tool`, as the resolver has
+/// it), and along the contact the contact damping. The loop is stable up to the stiffness at which g passes
+/// -1. A contact is given by its row `n'J` (see `Contact::row`). For the time of configuration: some hundred
+/// small complex solutions a pose.
+template <Model M, Real T = double, class Tool = NoToolShape>
 class ContactStability {
  public:
   static constexpr std::size_t joints = M::joints;
@@ -47,8 +48,9 @@ class ContactStability {
   using Row = T[joints];
 
   /// Throws `ConfigurationError` for a number out of its range.
-  SKINCTL_COLD ContactStability(const M& model, const Configuration& c, const ContactEnvironment<T>& e)
-      : model_(model), shape_(c.shape), environment_(e), lag_(c.lag), lead_(c.lead) {
+  SKINCTL_COLD ContactStability(const M& model, const Configuration& c, const ContactEnvironment<T>& e,
+                                const Tool& tool = Tool())
+      : model_(model), shape_(c.shape), environment_(e), lag_(c.lag), lead_(c.lead), tool_(tool) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(e.stiffness > T(0) && e.stiffness <= T(1e12), "stiffness", number(e.stiffness),
             "> 0, <= 1e12 N/m");
@@ -64,16 +66,35 @@ class ContactStability {
   /// T_d + t_skin + dt/2 + tau [s].
   [[nodiscard]] T total_delay() const noexcept { return dead_time_ + lag_; }
 
+  /// What the virtual robot is at a pose.
+  struct Felt {
+    MassMatrix<joints, T> inertia;   ///< M_v
+    MassMatrix<joints, T> friction;  ///< B
+  };
+  [[nodiscard]] Felt felt(const JointPosition<joints, T>& q) const {
+    Felt out{mass_matrix(model_, q), {}};
+    if constexpr (std::same_as<Tool, NoToolShape>) {
+      for (std::size_t i = 0; i < joints; ++i) out.inertia(i, i) += shape_.inertia[i];
+    } else {
+      const auto terms = tool_.at(model_, q, shape_.inertia);
+      out = {terms.mass, terms.friction};
+    }
+    for (std::size_t i = 0; i < joints; ++i) {
+      for (std::size_t j = 0; j < joints; ++j) out.friction(i, j) += shape_.decay * out.inertia(i, j);
+      out.friction(i, i) += shape_.viscous[i];
+    }
+    return out;
+  }
+
   /// `g(i w)` of a contact of 1 N/m, `row` in [m/rad], `damping` [N s/m] along it besides the shape's.
-  [[nodiscard]] std::complex<T> response(const MassMatrix<joints, T>& mass, const Row& row, const T& damping,
+  [[nodiscard]] std::complex<T> response(const Felt& robot, const Row& row, const T& damping,
                                          const T& w) const {
     using C = std::complex<T>;
     C a[joints][joints], x[joints];
     for (std::size_t i = 0; i < joints; ++i) {
       for (std::size_t j = 0; j < joints; ++j) {
-        const T m = mass(i, j) + (i == j ? shape_.inertia[i] : T(0));
-        const T b = shape_.decay * m + damping * row[i] * row[j] + (i == j ? shape_.viscous[i] : T(0));
-        a[i][j] = C(-w * w * m, w * b);
+        const T b = robot.friction(i, j) + damping * row[i] * row[j];
+        a[i][j] = C(-w * w * robot.inertia(i, j), w * b);
       }
       x[i] = C(row[i]);
     }
@@ -87,24 +108,24 @@ class ContactStability {
   /// k_max [N/m]: the stiffest contact along `row` at the pose `q` that the loop is stable in. 0 for a
   /// virtual robot without friction, infinity for a row of zeros.
   [[nodiscard]] T stiffest(const JointPosition<joints, T>& q, const Row& row, const T& damping = T(0)) const {
-    const auto mass = mass_matrix(model_, q);
+    const Felt robot = felt(q);
     T size(0);
     for (const T& r : row) size += r * r;
     if (!(size > T(0))) return std::numeric_limits<T>::infinity();
     // Every crossing of the negative real axis counts; beyond 20/T the gain has long gone.
     const T first = T(1e-5) / total_delay(), last = T(20) / total_delay(), step = T(1.05);
     T k = std::numeric_limits<T>::infinity(), from = first;
-    auto before = response(mass, row, damping, from);
+    auto before = response(robot, row, damping, from);
     if (before.imag() >= T(0)) return T(0);
     for (T w = from * step; w < last; w *= step) {
-      const auto g = response(mass, row, damping, w);
+      const auto g = response(robot, row, damping, w);
       if (before.imag() < T(0) && g.imag() >= T(0) && (g.real() < T(0) || before.real() < T(0))) {
         T low = from, high = w;
         for (int n = 0; n < 40; ++n) {
           const T middle = T(0.5) * (low + high);
-          (response(mass, row, damping, middle).imag() < T(0) ? low : high) = middle;
+          (response(robot, row, damping, middle).imag() < T(0) ? low : high) = middle;
         }
-        const T real = response(mass, row, damping, high).real();
+        const T real = response(robot, row, damping, high).real();
         if (real < T(0) && T(-1) / real < k) k = T(-1) / real;
       }
       before = g;
@@ -168,6 +189,7 @@ class ContactStability {
   VirtualShape<joints, T> shape_;
   ContactEnvironment<T> environment_;
   T lag_, lead_, dead_time_;
+  [[no_unique_address]] Tool tool_;
 };
 
 SKINCTL_END_NAMESPACE

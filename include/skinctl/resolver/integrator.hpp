@@ -6,6 +6,7 @@
 #include "skinctl/dynamics/shape.hpp"
 #include "skinctl/resolver/detail/runge_kutta.hpp"
 #include "skinctl/resolver/detail/stick_or_slip.hpp"
+#include "skinctl/resolver/tool_shape.hpp"
 #include "skinctl/safety/contact_damper.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -90,46 +91,42 @@ SKINCTL_NOINLINE void add_damping(const ContactDamping<N, T>& damping, const T& 
   }
 }
 
-/// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`.
+/// M, and `C v + G`, where the policy takes them.
 ///
 /// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
-/// @param damping  friction along contacts besides, by the new velocity; null: none.
 template <class Policy, class K, Real T>
-[[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
-    const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
-    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
-    const JointAcceleration<K::joints, T>& last,
-    const ContactDamping<K::joints, T>* damping = nullptr) noexcept {
-  constexpr std::size_t n = K::joints;
-  const T h = known.dt();
-  const auto& v = known.dq();
-  if constexpr (std::same_as<Policy, RungeKutta4>) {
-    VelocityStep<n, T> out;
-    if (!has_coulomb && damping == nullptr && runge_kutta(known, shape, tau, pull, out.velocity)) return out;
+[[nodiscard]] SKINCTL_INLINE MassMatrix<K::joints, T> mass_where(const K& known) noexcept {
+  if constexpr (Policy::midpoint) {
+    return mass_matrix(known.model(), known.middle());
+  } else {
+    return MassMatrix<K::joints, T>(known.mass());
   }
-
-  MassMatrix<n, T> m = [&]() SKINCTL_INLINE_LAMBDA {
-    if constexpr (Policy::midpoint) {
-      return mass_matrix(known.model(), known.middle());
+}
+template <class Policy, class K, Real T>
+[[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, T> bias_where(
+    const K& known, const JointAcceleration<K::joints, T>& last) noexcept {
+  if constexpr (Policy::midpoint) {
+    const JointVelocity<K::joints, T> v_mid = integrate(known.dq(), last, T(T(0.5) * known.dt()));
+    // Where laws of the half step evaluate the model too, so that held gravity cancels.
+    if constexpr (K::needs.gravity) {
+      return coriolis_torque(known.model(), known.middle(), v_mid) + known.gravity();
     } else {
-      return MassMatrix<n, T>(known.mass());
+      return bias_torque(known.model(), known.middle(), v_mid);
     }
-  }();
-  const auto bias = [&]() SKINCTL_INLINE_LAMBDA {
-    if constexpr (Policy::midpoint) {
-      const JointVelocity<n, T> v_mid = integrate(v, last, T(T(0.5) * h));
-      // Where laws of the half step evaluate the model too, so that held gravity cancels.
-      if constexpr (K::needs.gravity) {
-        return coriolis_torque(known.model(), known.middle(), v_mid) + known.gravity();
-      } else {
-        return bias_torque(known.model(), known.middle(), v_mid);
-      }
-    } else {
-      return bias_at_start<T>(known, known.angles());
-    }
-  }();
+  } else {
+    return bias_at_start<T>(known, known.angles());
+  }
+}
 
-  for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { m(i, i) = m(i, i) + shape.inertia[i]; });
+/// The velocity after `h` seconds of `m dv = tau - bias - B v - tau_c(v) + m pull`; see `step_velocity`.
+/// `more(m, impulse)` adds what there is of friction besides.
+template <class Policy, std::size_t n, Real T, class More>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<n, T> solve_step(MassMatrix<n, T>& m, const JointTorque<n, T>& bias,
+                                                           const JointVelocity<n, T>& v,
+                                                           const VirtualShape<n, T>& shape, bool has_coulomb,
+                                                           const JointTorque<n, T>& tau,
+                                                           const JointAcceleration<n, T>& pull, const T& h,
+                                                           const More& more) noexcept {
   // h times the acceleration that is given per mass
   const JointAcceleration<n, T> free(h * (pull - shape.decay * Row<n, T>(v)));
   JointTorque<n, T> impulse = m * free;
@@ -142,7 +139,7 @@ template <class Policy, class K, Real T>
     for_each_index<n>([&](std::size_t j) SKINCTL_INLINE_LAMBDA { m(i, j) = m(i, j) * decayed; });
     m(i, i) = m(i, i) + Policy::weight(z) * b;
   });
-  if (damping != nullptr) add_damping(*damping, h, v, m, impulse);
+  more(m, impulse);
   VelocityStep<n, T> out;
   const math::Ldlt<n, T> factors(m.data);
   out.singular = !factors.positive_definite();
@@ -155,6 +152,115 @@ template <class Policy, class K, Real T>
     if (has_coulomb) stick_or_slip(m, h * shape.coulomb, impulse, v, out.velocity);
   }
   return out;
+}
+
+/// `m += diag(inertia)`.
+template <std::size_t n, Real T>
+SKINCTL_INLINE void add_inertia(const VirtualShape<n, T>& shape, MassMatrix<n, T>& m) noexcept {
+  for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { m(i, i) = m(i, i) + shape.inertia[i]; });
+}
+
+/// `step_velocity` of a virtual robot that feels at its tool like `tool`; `m` is the joints' own inertia.
+template <class Policy, class K, Real T, class Tool>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_shaped(
+    const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
+    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
+    const JointAcceleration<K::joints, T>& last, const ContactDamping<K::joints, T>* damping,
+    const Tool& tool, const MassMatrix<K::joints, T>& m) noexcept {
+  constexpr std::size_t n = K::joints;
+  const auto& v = known.dq();
+  const T h = known.dt();
+  const auto step = [&](const auto& angles, const JointVelocity<n, T>& moving) SKINCTL_INLINE_LAMBDA {
+    ToolTerms<n, Tool::rows, T> terms;
+    const auto coriolis = coriolis_torque(known.model(), angles, moving);
+    if (!tool.template terms<Policy>(known.model(), angles, moving, m, coriolis, h, terms))
+      return VelocityStep<n, T>{v, true};
+    if constexpr (K::needs.gravity) {
+      terms.coriolis += known.gravity();
+    } else {
+      terms.coriolis += gravity_torque(known.model(), angles);
+    }
+    const JointTorque<n, T> drag = terms.friction * JointAcceleration<n, T>(h * Row<n, T>(v));
+    return solve_step<Policy>(terms.mass, terms.coriolis, v, shape, has_coulomb, tau, pull, h,
+                              [&](auto& mass, auto& impulse) SKINCTL_INLINE_LAMBDA {
+                                impulse -= drag;
+                                for (std::size_t i = 0; i < n * n; ++i)
+                                  mass.data[i] = mass.data[i] + terms.implicit.data[i];
+                                if (damping != nullptr) add_damping(*damping, h, v, mass, impulse);
+                              });
+  };
+  if constexpr (Policy::midpoint) {
+    const JointVelocity<n, T> v_mid = integrate(v, last, T(T(0.5) * h));
+    return step(known.middle(), v_mid);
+  } else {
+    return step(known.angles(), v);
+  }
+}
+
+/// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`.
+///
+/// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
+/// @param damping  friction along contacts besides, by the new velocity; null: none.
+/// @param tool  what the tool is to feel like, or `NoToolShape`.
+template <class Policy, class K, Real T, class Tool = NoToolShape>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
+    const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
+    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
+    const JointAcceleration<K::joints, T>& last,
+    const ContactDamping<K::joints, typename K::scalar>* damping = nullptr, const Tool& tool = {}) noexcept {
+  constexpr std::size_t n = K::joints;
+  constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
+  const auto& v = known.dq();
+  const T h = known.dt();
+  if constexpr (std::same_as<Policy, RungeKutta4> && !shaped) {
+    VelocityStep<n, T> out;
+    if (!has_coulomb && damping == nullptr && runge_kutta(known, shape, tau, pull, out.velocity)) return out;
+  }
+  MassMatrix<n, T> m = mass_where<Policy, K, T>(known);
+  add_inertia(shape, m);
+  if constexpr (shaped) {
+    return step_shaped<Policy>(known, shape, has_coulomb, tau, pull, last, damping, tool, m);
+  } else {
+    const auto bias = bias_where<Policy, K, T>(known, last);
+    return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, h,
+                              [&](auto& mass, auto& impulse) SKINCTL_INLINE_LAMBDA {
+                                if (damping != nullptr) add_damping(*damping, h, v, mass, impulse);
+                              });
+  }
+}
+
+/// The same for the joints of `Subset` alone, as if the others stood where they are: what these, moving, ask
+/// of the former is left out (see `HybridResolver`).
+template <class Policy, class Subset, class K, Real T>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<Subset::count, T> step_velocity_of(
+    const K& known, const VirtualShape<Subset::count, T>& shape, bool has_coulomb,
+    const JointTorque<Subset::count, T>& tau, const JointAcceleration<Subset::count, T>& pull,
+    const JointAcceleration<Subset::count, T>& last) noexcept {
+  constexpr std::size_t n = Subset::count;
+  const JointVelocity<n, T> v = Subset::of(known.dq());
+  const T half = T(0.5) * known.dt();
+  JointVelocity<K::joints, T> moving;
+  Subset::put(Policy::midpoint ? integrate(v, last, half) : v, moving);
+  const auto bias = [&]() SKINCTL_INLINE_LAMBDA {
+    const auto all = [&](const auto& angles) SKINCTL_INLINE_LAMBDA {
+      if constexpr (K::needs.gravity) {
+        return coriolis_torque(known.model(), angles, moving) + known.gravity();
+      } else {
+        return bias_torque(known.model(), angles, moving);
+      }
+    };
+    if constexpr (Policy::midpoint) {
+      return Subset::of(all(known.middle()));
+    } else {
+      return Subset::of(all(known.angles()));
+    }
+  }();
+  const MassMatrix<K::joints, T> all = mass_where<Policy, K, T>(known);
+  MassMatrix<n, T> m;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) m(i, j) = all(Subset::index[i], Subset::index[j]);
+  add_inertia(shape, m);
+  return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, known.dt(), [](auto&, auto&) {});
 }
 
 }  // namespace detail

@@ -17,10 +17,10 @@ enum class Mode : unsigned char {
   braking     ///< it brakes and holds: a stop, or no news of the real robot
 };
 
-/// A resolver's memory: the virtual robot, the commands under way, the last good measurement. Trivially
-/// copyable; a fresh one has not been started and gives no valid command.
-template <std::size_t N, Real T, std::size_t History, class Keeper = Passivity<>>
-struct ResolverMemory {
+/// The virtual robot's joints, the commands under way, the last good measurement. Trivially copyable; a fresh
+/// one has not been started and gives no valid command.
+template <std::size_t N, Real T, std::size_t History>
+struct VirtualJointsMemory {
   bool started = false;
   bool stop = false;  ///< a stop was asked for
   Mode mode = Mode::following;
@@ -38,6 +38,11 @@ struct ResolverMemory {
   detail::RunningPosition<N, T> offset;  ///< what r has been corrected by without moving (velocity interface)
   CommandsUnderWay<N, T, History> under_way;
   JointCommand<N, T> command;  ///< the last one
+};
+
+/// A resolver's memory: the virtual robot, and what its keepers remember.
+template <std::size_t N, Real T, std::size_t History, class Keeper = Passivity<>>
+struct ResolverMemory : VirtualJointsMemory<N, T, History> {
   [[no_unique_address]] typename Keeper::template Memory<N> keeper;
 };
 

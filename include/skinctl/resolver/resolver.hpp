@@ -4,8 +4,7 @@
 #include <span>
 
 #include "skinctl/core/evaluate.hpp"
-#include "skinctl/resolver/configuration.hpp"
-#include "skinctl/resolver/memory.hpp"
+#include "skinctl/resolver/detail/virtual_joints.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -39,10 +38,11 @@ struct Resolved {
 /// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory stands still.
 ///
 /// - `Keeper` names what else watches over energy and contacts: see `Passivity`.
+/// - `Tool`: inertia and friction that the virtual robot is to have at its tool; see `ToolShape`.
 ///
 /// In the loop nothing throws or allocates; the cost is that of the law and the integrator, times sub-steps.
 template <Interface I, Model M, Real T = double, class Integrator = CrankNicolson, std::size_t History = 32,
-          class Keeper = Passivity<>>
+          class Keeper = Passivity<>, class Tool = NoToolShape>
 class Resolver {
  public:
   static_assert(I != Interface::torque, "for torques include skinctl/resolver/torque_resolver.hpp");
@@ -51,6 +51,8 @@ class Resolver {
   using scalar = T;
   using Configuration = ResolverConfiguration<joints, T>;
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
+  static_assert(!has_tank || std::same_as<Tool, NoToolShape>,
+                "an energy tank counts with the inertia of joints so far: no tank beside a tool's shape");
   static constexpr bool has_ledger = Keeper::template has<PortLedger<T>>;
   static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
   static constexpr Needs keeper_needs = {
@@ -64,39 +66,45 @@ class Resolver {
   ///
   /// @param keeper  what watches over energy and contacts, see `Passivity`.
   Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
-      : model_(model), p_(configuration), servo_(p_.delay, p_.lag), keeper_(keeper) {
-    require(p_.delay / p_.period + 2 <= static_cast<Nanoseconds>(History), "delay / period",
-            static_cast<double>(p_.delay) / static_cast<double>(p_.period),
-            "<= History - 2: commands under way");
-  }
+    requires std::same_as<Tool, NoToolShape>
+      : model_(model), virtual_(configuration), keeper_(keeper) {}
+  /// @param tool  what the virtual robot is to feel like at its tool, see `ToolShape`.
+  Resolver(const M& model, const Configuration& configuration, const Tool& tool,
+           const Keeper& keeper = Keeper())
+    requires(!std::same_as<Tool, NoToolShape>)
+      : model_(model), virtual_(configuration), keeper_(keeper), tool_(tool) {}
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
-  [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return p_.limits; }
+  [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return parameters().limits; }
   [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
   /// T = delay + lag + period [s]: until a command is seen in a measurement.
-  [[nodiscard]] T total_delay() const noexcept { return p_.total_delay; }
+  [[nodiscard]] T total_delay() const noexcept { return parameters().total_delay; }
   /// e_max: the most by which joint `i` of the virtual robot leads the real one [rad].
-  [[nodiscard]] T leash(std::size_t i) const noexcept { return p_.leash[i]; }
+  [[nodiscard]] T leash(std::size_t i) const noexcept { return parameters().leash[i]; }
   /// Speed that the leash leaves to joint `i` of a robot that follows: it can still stop should the robot be
   /// held up just then.
   [[nodiscard]] T top_speed(std::size_t i) const noexcept {
-    const T u = speed_to_stop(p_.leash[i], p_.total_delay, p_.limits.acceleration()[i]);
-    return u < p_.limits.velocity()[i] ? u : p_.limits.velocity()[i];
+    const T u = speed_to_stop(leash(i), total_delay(), limits().acceleration()[i]);
+    return u < limits().velocity()[i] ? u : limits().velocity()[i];
   }
 
   /// Length of a sub-step in a cycle that comes as planned [s].
-  [[nodiscard]] T planned_step() const noexcept { return p_.planned_step(); }
+  [[nodiscard]] T planned_step() const noexcept { return parameters().planned_step(); }
 
   /// The virtual robot takes over where the real one is; it moves on if that moves faster than the dead band
   /// can tell from rest. The law's memory then starts at `state(memory)`. A state that is not finite: a
   /// memory that has not been started.
-  [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept;
+  [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
+    return {virtual_.start(measured), keeper_.template start<joints>()};
+  }
 
   /// The state that laws read.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return {m.time, m.q.value, m.v}; }
 
   /// The part of time that a cycle at `now` has to integrate. No later than the last one: empty.
-  [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept;
+  [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
+    return virtual_.interval(m, now);
+  }
 
   /// One cycle: integrates `interval` and gives the command for its end.
   ///
@@ -111,7 +119,9 @@ class Resolver {
                                                        std::span<const Touch> touches) const noexcept;
 
   /// Tells that the guard let `command` out instead of the last one: the virtual robot goes on from there.
-  SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept;
+  SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
+    virtual_.sent(m, command);
+  }
 
   /// Asks for a stop, or ends it.
   void stop(Memory& m) const noexcept { m.stop = true; }
@@ -122,24 +132,6 @@ class Resolver {
   using Position = JointPosition<joints, T>;
   using Velocity = JointVelocity<joints, T>;
   using Row = detail::Row<joints, T>;
-  /// What a cycle's measurement means for its sub-steps.
-  struct Correction {
-    Velocity rate;                      ///< L1 rho (+ drift r)
-    JointAcceleration<joints, T> pull;  ///< L2 rho
-    bool off = false;                   ///< rho is not zero
-    struct Speed {
-      Velocity least, most;
-    };
-    struct Free {};
-    [[no_unique_address]] std::conditional_t<I == Interface::velocity, Speed, Free>
-        speed;  ///< of the command
-  };
-
-  SKINCTL_INLINE Status measure(Memory& m, const State<joints, T>& measured, Nanoseconds now) const noexcept;
-  SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
-  SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept;
-  SKINCTL_COLD Velocity way_back(const Memory& m, const T& h) const noexcept;
-  SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
   /// The law and the velocity after a sub-step: `torque` is what the law asked for within the limits.
   template <class L>
   struct Driven {
@@ -159,14 +151,12 @@ class Resolver {
   Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
                   const State<joints, T>& state, const JointAcceleration<joints, T>& pull, const T& h,
                   const Touch& touch) const noexcept;
-  SKINCTL_COLD void try_to_leave(Memory& m, const Correction& c, const Torque& torque) const noexcept;
-  SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Velocity& before, const Torque& torque,
-                                const T& dt) const noexcept;
+  [[nodiscard]] SKINCTL_INLINE const auto& parameters() const noexcept { return virtual_.parameters(); }
 
   [[no_unique_address]] M model_;
-  detail::ResolverParameters<joints, T> p_;
-  Servo<joints, T, History> servo_;
+  detail::VirtualJoints<I, joints, T, History> virtual_;
   [[no_unique_address]] Keeper keeper_;
+  [[no_unique_address]] Tool tool_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/math/ldlt.hpp"
+#include "skinctl/resolver/detail/held_friction.hpp"
 #include "skinctl/resolver/resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -30,7 +31,7 @@ struct TorqueResolverMemory {
 /// Of `Passivity` it takes the `EnergyTank`, at the real port: the robot gives no more energy than it got,
 /// and than the tank held.
 template <Model M, Real T, class Integrator, std::size_t History, class Keeper>
-class Resolver<Interface::torque, M, T, Integrator, History, Keeper> {
+class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape> {
   struct NoTank {};
 
  public:
@@ -196,11 +197,9 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper> {
     JointTorque<joints, T> drag;
     if (!viscous_) return drag;
     const auto mass = mass_matrix(model_, robot.q);
-    const T h = T(1.5) * seconds<T>(p_.period);
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T b = p_.shape.viscous[i], own = mass(i, i);
-      drag[i] = own > T(0) ? T(b * own / (own + h * b) * robot.dq[i]) : T(0);
-    }
+    const T h = seconds<T>(p_.period);
+    for (std::size_t i = 0; i < joints; ++i)
+      drag[i] = detail::held_friction(p_.shape.viscous[i], mass(i, i), h, robot.dq[i]);
     return drag;
   }
 

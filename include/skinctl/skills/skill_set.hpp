@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "skinctl/fusion/blended.hpp"
+#include "skinctl/skills/detail/rate_bound.hpp"
 #include "skinctl/skills/detail/settled.hpp"
 #include "skinctl/skills/skill_request.hpp"
 
@@ -12,8 +13,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// How a set of skills hands over.
 struct SkillSettings {
   Nanoseconds hand_over = 100_ms;   ///< the torque moves to the next skill in this time, or longer ...
-  double most_rate = 1000;          ///< ... so that it moves no faster than this per joint [N m/s]
-  Nanoseconds longest = 2_s;        ///< but never in more than this
+  Nanoseconds longest = 2_s;        ///< ... where it has far to go, but never in more than this
+  double most_rate = 1000;          ///< of every joint's torque while something hands over [N m/s]
   double touched = 1;               ///< skin's joint torque from which the robot counts as touched [N m]
   OppositionSettings opposition{};  ///< when skin and tracking count as opposed
 };
@@ -41,8 +42,12 @@ struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G..., 
 ///   controller is computed only while a skill loads it, and gravity is held once and whole throughout.
 /// - A change moves the shares by a quintic. Controllers that come start at the state at hand with share
 ///   zero, controllers that stay go on: torque and rate begin where they were. The time is as configured, and
-///   longer where the change would move the torque faster than `most_rate`; what happens meanwhile, a touch
-///   or a goal, is answered as always.
+///   longer where the change would move the torque faster than `most_rate`.
+/// - While anything hands over (a change, a controller that has got another goal or is pushed by the skin),
+/// no
+///   joint's torque moves faster than `most_rate`, whatever the controllers ask for, beside what the skin
+///   itself does: a touch is answered at once. What the torque then lacks is carried on until it has caught
+///   up, and is the last share.
 /// - A request during a change waits for its end; of several the last counts.
 /// - A finished skill holds, or goes on to its `next`; a failed one falls back to the first of the set.
 ///
@@ -69,7 +74,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   using Fusion = Fused<P, L...>;
   using Blend = Blended<Fusion>;
   using Goal = typename detail::GoalTypes<SkillRequest<>, L...>::type;
-  static constexpr std::size_t terms = Fusion::terms;
+  static constexpr std::size_t controllers = Fusion::terms;
+  static constexpr std::size_t terms = controllers + 1;  ///< and what is carried over
   static constexpr std::size_t skills = Names::count;
   static constexpr Needs needs = Blend::needs;
   static constexpr Role role = Fusion::role;
@@ -77,9 +83,13 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   static constexpr bool complete_sum = true;
   static_assert(Fusion::gravity_laws == 1, "a set of skills holds gravity: give it a gravity controller");
   static_assert(skills > 0 && skills < 256);
+  static constexpr std::size_t joints = detail::joints_of_laws<L...>();
+  static_assert(joints > 0 || Fusion::tracking_laws == 0,
+                "a tracking controller says for how many joints it is: static constexpr std::size_t joints");
 
   struct Memory {
     typename Blend::Memory blend;
+    detail::RateBound<joints> bound;
     Goal request;  ///< the accepted one: its goals are there for the skills of a sequence
     Goal waiting;  ///< the one that waits for the end of a change
     Switches commanded, reported;
@@ -94,10 +104,9 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
 
   /// @param skills  the first is the one to start with and to fall back to. Throws `ConfigurationError` for
   ///                numbers out of their range.
-  SkillSet(const Fusion& sum, const std::array<Skill<terms>, skills>& rows,
+  SkillSet(const Fusion& sum, const std::array<Skill<controllers>, skills>& rows,
            const SkillSettings& settings = {})
-      : blend_(sum.opposed_by(settings.opposition), rows[0].weights,
-               BlendSettings{settings.hand_over, settings.most_rate, {}}),
+      : blend_(sum.opposed_by(settings.opposition), rows[0].weights, BlendSettings{settings.hand_over, {}}),
         skills_(rows),
         settings_(settings) {
     require(settings.most_rate > 0 && settings.most_rate <= 1e9, "most_rate", settings.most_rate,
@@ -110,7 +119,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       require(c.hold >= 0 && c.timeout >= 0, "hold or timeout", static_cast<double>(c.hold) * 1e-9, ">= 0 s");
       require(c.still > 0 && c.still <= 1e3, "still", c.still, "> 0 rad/s");
       require(c.most_touch >= 0 && c.most_touch <= 1e9, "most_touch", c.most_touch, ">= 0 N m");
-      for (std::size_t i = 0; i < terms; ++i)
+      for (std::size_t i = 0; i < controllers; ++i)
         require(
             Fusion::roles[i] == Role::gravity ? s.weights[i] == 1 : s.weights[i] >= 0 && s.weights[i] <= 1e6,
             "weight of a controller", s.weights[i], "0 to 1e6, and 1 for gravity");
@@ -119,9 +128,9 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
             "failure of the first skill", 1, "none: others fall back to it");
   }
   [[nodiscard]] const Fusion& sum() const noexcept { return blend_.sum(); }
-  [[nodiscard]] const Skill<terms>& skill(std::size_t i) const noexcept { return skills_[i]; }
+  [[nodiscard]] const Skill<controllers>& skill(std::size_t i) const noexcept { return skills_[i]; }
   template <class B>
-  [[nodiscard]] const Skill<terms>& skill() const noexcept {
+  [[nodiscard]] const Skill<controllers>& skill() const noexcept {
     return skills_[index<B>()];
   }
   /// The index of a behaviour's skill.
@@ -132,7 +141,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     return static_cast<std::uint8_t>(i);
   }
   /// The skill that acts, or that the torque moves to.
-  [[nodiscard]] const Skill<terms>& now(const Memory& m) const noexcept { return skills_[m.skill]; }
+  [[nodiscard]] const Skill<controllers>& now(const Memory& m) const noexcept { return skills_[m.skill]; }
   /// How the discrete controls shall stand.
   [[nodiscard]] static const Switches& commanded(const Memory& m) noexcept { return m.commanded; }
 
@@ -170,6 +179,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     Memory m{};
     m.blend = blend_.start(known);
     m.commanded = skills_[0].switches;
+    const auto e = run(m.blend, known, known.dt(), Opposition::none);
+    if constexpr (joints > 0) m.bound.follow(e.torque - skin(e.shares), {}, {});
     return m;
   }
 
@@ -231,7 +242,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     }(std::index_sequence_for<L...>{});
   }
 
-  [[nodiscard]] bool may_start(const Memory& m, const Skill<terms>& s) const noexcept {
+  [[nodiscard]] bool may_start(const Memory& m, const Skill<controllers>& s) const noexcept {
     if (s.conditions.untouched && !(m.touch <= settings_.touched)) return false;
     return m.commanded.then(m.reported).stand(s.conditions.needs);
   }
@@ -285,7 +296,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     each_goal(request, request.skill, [&](auto, const auto&) { any = true; });
     if (any && !fits(m, known, request, request.skill, out.status)) return out;
     const auto& next = skills_[request.skill];
-    m.blend = blend_.change(m.blend, known, Weights<terms>{next.weights}).memory;
+    m.blend = blend_.change(m.blend, known, Weights<controllers>{next.weights}).memory;
     stretch(m.blend, known);
     m.skill = request.skill;
     m.request = request;
@@ -296,27 +307,22 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     m.since = m.held = 0;
     return out;
   }
-  /// Makes a change last long enough that the torque moves no faster than `most_rate`: by the quintic to the
-  /// torque of the other skill at this state; and then, where the feedback of a tracking law comes, to what
-  /// it holds against the skin. There the torque moves at up to `1.7 |tau_skin| sqrt(lambda / T)`, and 100
-  /// 1/s stands for lambda.
+  /// Makes a change last long enough that by its quintics the torque moves no faster than `most_rate`: to
+  /// what the other skill asks for at this state; and then, where the feedback of a tracking law comes, to
+  /// what it holds against the skin. There the torque moves at up to `1.7 |tau_skin| sqrt(lambda / T)`, and
+  /// 100 1/s stands for lambda.
   template <class K>
   SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept {
     auto there = m;
     there.elapsed = clock_end;
     const auto from = run(m, known, known.dt(), Opposition::none);
     const auto to = run(there, known, known.dt(), Opposition::none);
-    double way = 0, push = 0;
-    for (std::size_t j = 0; j < K::joints; ++j) {
-      double pushed = 0;
-      for (std::size_t i = 0; i < terms; ++i)
-        if (Fusion::roles[i] == Role::reactive) pushed += static_cast<double>(to.shares[i][j]);
-      way = std::fmax(way, std::abs(static_cast<double>(to.torque[j] - from.torque[j])));
-      push = std::fmax(push, std::abs(pushed));
-    }
-    const double slowly = 1.7 * push / settings_.most_rate;
-    m.ramp = within(quintic_peak_speed<double> * way / settings_.most_rate);
-    if (m.settle > 0) m.settle = within(100 * slowly * slowly);
+    const auto seconds_for = [&](const auto& way) {
+      return static_cast<double>(largest(way)) / settings_.most_rate;
+    };
+    m.ramp = within(quintic_peak_speed<double> * seconds_for(to.torque - from.torque));
+    const double push = 1.7 * seconds_for(skin(to.shares));
+    if (m.settle > 0) m.settle = within(100 * push * push);
   }
   [[nodiscard]] Nanoseconds within(double time) const noexcept {
     const Nanoseconds asked = time < 1e6 ? nanoseconds(time) : settings_.longest;
@@ -352,24 +358,41 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       m = change.memory;
       out.status |= change.status;
     }
+    if (m.bound.lags && swaps(m.blend)) [[unlikely]]
+      restart(m.blend, known);
     const auto e = run(m.blend, known, dt, given);
-    m.blend = e.memory;
+    const auto touched = skin(e.shares);
     out.torque = e.torque;
-    out.shares = e.shares;
+    for (std::size_t i = 0; i < controllers; ++i) out.shares[i] = e.shares[i];
     out.status |= e.status;
-    supervise(m, known, e.shares, nanoseconds(static_cast<double>(dt)));
+    const auto before = m.blend;
+    m.blend = e.memory;
+    if constexpr (joints > 0) {
+      const auto own = e.torque - touched;
+      if (m.bound.lags || Blend::moves(before)) [[unlikely]] {
+        out.shares[controllers] =
+            bounded(m, before, own, e.shares, static_cast<typename K::scalar>(settings_.most_rate) * dt);
+        out.torque += out.shares[controllers];
+        if (m.bound.lags) out.status |= Reason::hand_over;
+      } else {
+        m.bound.follow(own, {}, {});
+      }
+    }
+    supervise(m, known, touched, nanoseconds(static_cast<double>(dt)));
     if (m.phase == Phase::finished) out.status |= Reason::skill_finished;
     if (m.phase == Phase::failed) out.status |= Reason::skill_failed;
     return out;
   }
   /// Where the skill stands after `dt`, and what follows from it.
-  template <class K, class Shares>
-  SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Shares& shares,
+  template <class K, class Torque>
+  SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Torque& touched,
                                   Nanoseconds dt) const noexcept {
     const auto& s = skills_[m.skill];
     const auto& c = s.conditions;
     m.since = later(m.since, dt);
-    m.touch = touch(shares);
+    double square = 0;
+    for (const auto& x : touched) square += static_cast<double>(x) * static_cast<double>(x);
+    m.touch = std::sqrt(square);
     if (m.phase == Phase::failed || m.phase == Phase::finished) return;
     if (c.most_touch > 0 && m.touch > c.most_touch) return end(m, Phase::failed, 0);
     if (c.timeout > 0 && m.since >= c.timeout) return end(m, Phase::failed, 0);
@@ -391,17 +414,63 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     m.held = holds ? later(m.held, dt) : 0;
     if (holds && m.held >= c.hold) end(m, Phase::finished, s.next);
   }
-  /// The norm of what the skin's laws contribute [N m].
+  template <class Torque>
+  [[nodiscard]] static auto largest(const Torque& tau) noexcept {
+    auto most = detail::magnitude(tau[0]);
+    for (const auto& x : tau)
+      if (detail::magnitude(x) > most) most = detail::magnitude(x);
+    return most;
+  }
+  /// What the skin's laws contribute.
   template <class Shares>
-  [[nodiscard]] static double touch(const Shares& shares) noexcept {
-    auto skin = shares[0];
-    skin = {};
+  [[nodiscard]] static SKINCTL_INLINE auto skin(const Shares& shares) noexcept {
+    std::remove_cvref_t<decltype(shares[0])> sum;
     each([&](auto i) {
-      if constexpr (law_at<i.value>::role == Role::reactive) skin += shares[i.value];
+      if constexpr (detail::answers_touch<law_at<i.value>>) sum += shares[i.value];
     });
-    double square = 0;
-    for (const auto& x : skin) square += static_cast<double>(x) * static_cast<double>(x);
-    return std::sqrt(square);
+    return sum;
+  }
+  /// Whether a change is under way that keeps no tracking controller.
+  [[nodiscard]] static bool swaps(const typename Blend::Memory& m) noexcept {
+    if (!Blend::moves(m)) return false;
+    for (std::size_t i = 0; i < controllers; ++i)
+      if (Fusion::roles[i] == Role::tracking && m.from[i].feed_forward > 0 && m.to[i].feed_forward > 0)
+        return false;
+    return true;
+  }
+  /// While the torque lags, what goes stands at the state at hand, as does what comes: what the torque lacks
+  /// would wind it up.
+  template <class K>
+  SKINCTL_COLD void restart(typename Blend::Memory& m, const K& known) const noexcept {
+    each([&](auto i) {
+      if constexpr (law_at<i.value>::role == Role::tracking)
+        if (m.from[i.value].feed_forward > 0)
+          detail::memory_of<i.value>(m.laws) = std::get<i.value>(blend_.sum().laws()).start(known);
+    });
+  }
+  /// What is added to the torque `own` of all but the skin, so that none moves by more than `most`.
+  template <class Torque, class Shares, class T>
+  [[nodiscard]] SKINCTL_COLD Torque bounded(Memory& m, const typename Blend::Memory& before,
+                                            const Torque& own, Shares shares, const T& most) const noexcept {
+    // By how much the skin's weights will move its torque until the next cycle, if the touch stays.
+    const auto now = blend_.factors(before), next = blend_.factors(m.blend);
+    for (std::size_t i = 0; i < controllers; ++i) {
+      const double had = now[i].feedback, gets = next[i].feedback;
+      shares[i] = static_cast<T>(had > 0 ? (gets - had) / had : 0) * shares[i];
+    }
+    auto moved = skin(shares);
+    if (largest(moved) > most) {
+      const T slower = most / largest(moved);
+      m.blend.elapsed = before.elapsed + nanoseconds(seconds<double>(m.blend.elapsed - before.elapsed) *
+                                                     static_cast<double>(slower));
+      moved = slower * moved;
+    }
+    Torque carried;
+    if (m.bound.lags || swaps(before)) carried = m.bound.missing(own, most);
+    m.bound.follow(own, carried, moved);
+    if (m.bound.lags && m.blend.settle > 0 && m.blend.elapsed >= m.blend.ramp)
+      m.blend.elapsed = m.blend.ramp - 1;  // feedback came faster than the torque may: once more
+    return carried;
   }
   void end(Memory& m, Phase phase, std::uint8_t next) const noexcept {
     m.phase = phase;
@@ -418,7 +487,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   }
 
   Blend blend_;
-  std::array<Skill<terms>, skills> skills_;
+  std::array<Skill<controllers>, skills> skills_;
   SkillSettings settings_;
 };
 

@@ -37,6 +37,23 @@ SKINCTL_INLINE TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, 
           space_.advanced(memory.space, at_t, dt)};
 }
 
+/// The middle of the interval, as the law itself predicts it.
+template <class Space, class Plan, class Damping, class Sign>
+template <class K>
+SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::middle(const Memory& memory, const K& known,
+                                                                 const Surface& at_t) const noexcept
+    -> Middle {
+  using R = detail::Row<N, T>;
+  const T h = T(0.5) * known.dt();
+  const R damped(damping_.acceleration(known, at_t.S_q));
+  const R a = at_t.ddq_r - damped;
+  const JointPosition<N, T> q(known.q() + h * (known.dq() + T(T(0.5) * h) * a));
+  const JointVelocity<N, T> dq(known.dq() + h * a);
+  const auto ahead = inputs(memory, h, at_t.dI1, at_t.dI2);
+  return {damped, a,         q,
+          dq,     ahead.K_p, space_.surface(gains_, ahead, space_.site(known.model(), q, dq), memory.space)};
+}
+
 /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
 /// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
 template <class Space, class Plan, class Damping, class Sign>
@@ -48,18 +65,15 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
   using M = typename K::model_type;
   using R = detail::Row<N, T>;
   const T h = T(0.5) * known.dt();
-  const R damped(damping_.acceleration(known, at_t.S_q));
-  const R a = at_t.ddq_r - damped;
-  const JointPosition<N, T> q_m(known.q() + h * (known.dq() + T(T(0.5) * h) * a));
-  const JointVelocity<N, T> dq_m(known.dq() + h * a);
-  const auto ahead = inputs(memory, h, at_t.dI1, at_t.dI2);
-  const auto middle = space_.surface(gains_, ahead, space_.site(known.model(), q_m, dq_m), memory.space);
+  const auto mid = middle(memory, known, at_t);
+  const R damped = mid.damped, asked = mid.surface.ddq_r;
+  const auto& K_p = mid.K_p;
   // The acceleration that is held is the one asked for at the middle: the state there once more, with it.
-  const R dv = h * (middle.ddq_r - damped - a), dx = T(T(0.5) * h) * dv;
-  const JointPosition<N, T> q_h(q_m + dx);
-  const JointVelocity<N, T> dq_h(dq_m + dv);
-  const R v_r = share.feed_forward * (middle.dq_r - ahead.K_p.K * dx);
-  R a_r = share.feed_forward * (middle.ddq_r - ahead.K_p.K * dv - ahead.K_p.dK * dx);
+  const R dv = h * (asked - damped - mid.a), dx = T(T(0.5) * h) * dv;
+  const JointPosition<N, T> q_h(mid.q + dx);
+  const JointVelocity<N, T> dq_h(mid.dq + dv);
+  const R v_r = share.feed_forward * (mid.surface.dq_r - K_p.K * dx);
+  R a_r = share.feed_forward * (asked - K_p.K * dv - K_p.dK * dx);
   constexpr bool inertial = std::same_as<Damping, InertialDamping<T>>;
   if constexpr (inertial) a_r = a_r - share.feedback * damped;
   const auto& shape = gains().shape;

@@ -71,21 +71,28 @@ SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Si
   return stepped(next, look(next, known), dt);
 }
 
-/// Makes the reference of `next` go on from that of `before` at this state, in velocity and acceleration.
+/// Makes the reference of `next` go on from that of `before` at this state: in velocity, in acceleration, and
+/// in how the acceleration changes until the middle of the interval, where the torque reads it.
 template <class Space, class Plan, class Damping, class Sign>
 template <class K>
 SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::hand_over(Memory& next, const Memory& before,
                                                                   const K& known) const noexcept {
+  auto& bias = next.bias;
   const auto old = look(before, known);
-  next.bias.elapsed = clock_end;
+  bias.elapsed = clock_end;
   const auto raw = look(next, known);
-  next.bias.elapsed = 0;
-  next.bias.da = {};
+  bias.elapsed = 0;
+  bias.da = bias.dj = {};
   for (std::size_t i = 0; i < Space::coordinates; ++i)
-    next.bias.dv[i] = finite(space_.course(old).v[i] - space_.course(raw).v[i]);
+    bias.dv[i] = finite(space_.course(old).v[i] - space_.course(raw).v[i]);
   const auto moved = look(next, known);  // dv is part of S_delta, which the integrals of ddq_r read
   for (std::size_t i = 0; i < Space::coordinates; ++i)
-    next.bias.da[i] = finite(space_.course(old).a[i] - space_.course(moved).a[i]);
+    bias.da[i] = finite(space_.course(old).a[i] - space_.course(moved).a[i]);
+  const T bend = bias.bend(T(T(0.5) * known.dt()), gains().hand_over);
+  if (!(bend > T(0))) return;
+  const auto soon = look_ahead(before, known, old), here = look_ahead(next, known, look(next, known));
+  for (std::size_t i = 0; i < Space::coordinates; ++i)
+    bias.dj[i] = finite((space_.course(soon).a[i] - space_.course(here).a[i]) / bend);
 }
 
 SKINCTL_END_NAMESPACE

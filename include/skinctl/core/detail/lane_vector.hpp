@@ -8,15 +8,6 @@
 
 #include "skinctl/core/config.hpp"
 
-/// Lets a multiplication and an addition in different lane operators become one fused operation, as GCC does
-/// anyway: Clang would otherwise fuse only within one expression. Define SKINCTL_NO_CONTRACT to forbid it
-/// there.
-#if defined(__clang__) && !defined(SKINCTL_NO_CONTRACT)
-#define SKINCTL_LANE_CONTRACT _Pragma("clang fp contract(fast)")
-#else
-#define SKINCTL_LANE_CONTRACT
-#endif
-
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 

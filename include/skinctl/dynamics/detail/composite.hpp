@@ -77,19 +77,26 @@ SKINCTL_INLINE constexpr auto turn_moments_x(const Turn& t, const C& b) noexcept
                    t.sin * b.xy + t.cos * b.xz,
                    t.sin * u + t.cos * v};
 }
-template <class Frame, class C>
-SKINCTL_INLINE constexpr auto composite_to_parent(const Frame& frame, const C& body) noexcept {
-  const auto b = turn_moments_z(frame.gamma, turn_moments_x(frame.alpha, turn_moments_z(frame.theta, body)));
+/// A link with one more subtree on it, which is given in the frame that `frame` places in the link. What does
+/// not depend on the subtree's motion is added up first: the chain from the tips to the base waits for two
+/// operations a link besides the turns.
+template <class Own, class Frame, class C>
+SKINCTL_INLINE constexpr auto carrying(const Own& own, const Frame& frame, const C& subtree) noexcept {
+  const auto b =
+      turn_moments_z(frame.gamma, turn_moments_x(frame.alpha, turn_moments_z(frame.theta, subtree)));
   const auto& p = frame.p;
-  const auto h = b.h + b.mass * p;
-  return Composite{b.mass,
-                   by_component(h),
-                   b.xx + p.x * (h.x + b.h.x),
-                   b.yy + p.y * (h.y + b.h.y),
-                   b.zz + p.z * (h.z + b.h.z),
-                   b.xy + p.x * h.y + b.h.x * p.y,
-                   b.xz + p.x * h.z + b.h.x * p.z,
-                   b.yz + p.y * h.z + b.h.y * p.z};
+  const auto hp = b.mass * p;
+  const auto twice = [](const auto& x, const auto& y)
+                         SKINCTL_INLINE_LAMBDA { SKINCTL_CONTRACT return Known<2>{} * x + y; };
+  const auto h = b.h + hp;
+  return Composite{own.mass + b.mass,
+                   (own.h + hp) + b.h,
+                   (own.xx + b.xx) + p.x * twice(b.h.x, hp.x),
+                   (own.yy + b.yy) + p.y * twice(b.h.y, hp.y),
+                   (own.zz + b.zz) + p.z * twice(b.h.z, hp.z),
+                   (own.xy + b.xy) + p.x * h.y + b.h.x * p.y,
+                   (own.xz + b.xz) + p.x * h.z + b.h.x * p.z,
+                   (own.yz + b.yz) + p.y * h.z + b.h.y * p.z};
 }
 
 }  // namespace detail

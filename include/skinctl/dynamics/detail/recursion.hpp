@@ -98,10 +98,21 @@ SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, con
   return ForceMoment{by_component(f), n + cross(c, f)};
 }
 
+/// The bodies of the model itself: what the recursion asks for the wrench of a link.
+template <Model M>
+struct ModelBodies {
+  const M& model;
+  template <std::size_t I, Scalar T, class E, class A>
+  SKINCTL_INLINE constexpr auto wrench(const E& spin, const A& a) const noexcept {
+    return inertial_wrench<I, T>(model, spin, a);
+  }
+};
+
 /// Everything that the recursion reads, and where it writes.
-template <class M, class Angles, class V, class R, class A, class T>
+template <class M, class Bodies, class Angles, class V, class R, class A, class T>
 struct Recursion {
   const M& model;
+  Bodies bodies;
   const Angles& angles;
   V dq;
   R dq_r;
@@ -132,7 +143,7 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
   const auto add_up = [&](const auto& w, const auto& w_r, const auto& alpha, const auto& a)
                           SKINCTL_INLINE_LAMBDA {
                             const auto spin = make_spin(w, w_r, alpha);
-                            const auto own = inertial_wrench<I, T>(c.model, spin, a);
+                            const auto own = c.bodies.template wrench<I, T>(spin, a);
                             if constexpr (children<M, int(I)>.size() == 0) {
                               return own;
                             } else {
@@ -162,16 +173,24 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
   return ForceMoment{by_component(f), frame.to_parent(total.n) + cross(frame.p, f)};
 }
 
-/// Runs the recursion from the base; `a0` is the acceleration of the base (minus gravity, or typed zeros).
-template <Scalar T, Model M, class Angles, class V, class R, class A, class L>
-SKINCTL_INLINE constexpr void run_recursion(const M& model, const Angles& angles, const V& dq, const R& dq_r,
-                                            const A& ddq_r, const L& a0, T* tau) noexcept {
-  const Recursion<M, Angles, V, R, A, T> c{model, angles, dq, dq_r, ddq_r, tau};
+/// Runs the recursion from the base over links with the given bodies; `a0` is the acceleration of the base
+/// (minus gravity, or typed zeros).
+template <Scalar T, Model M, class Bodies, class Angles, class V, class R, class A, class L>
+SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& bodies, const Angles& angles,
+                                                 const V& dq, const R& dq_r, const A& ddq_r, const L& a0,
+                                                 T* tau) noexcept {
+  const Recursion<M, Bodies, Angles, V, R, A, T> c{model, bodies, angles, dq, dq_r, ddq_r, tau};
   const ZeroTriple zero{};
   const auto spin = make_spin(zero, zero, zero);
   for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
     static_cast<void>(subtree_wrench<child.value>(c, zero, zero, zero, spin, a0));
   });
+}
+/// The same over the model's own bodies.
+template <Scalar T, Model M, class Angles, class V, class R, class A, class L>
+SKINCTL_INLINE constexpr void run_recursion(const M& model, const Angles& angles, const V& dq, const R& dq_r,
+                                            const A& ddq_r, const L& a0, T* tau) noexcept {
+  run_recursion_over<T>(model, ModelBodies<M>{model}, angles, dq, dq_r, ddq_r, a0, tau);
 }
 
 }  // namespace detail

@@ -1,0 +1,119 @@
+// How an arm gets out of a singularity when it is asked to go where the damped inverse knows no way.
+#pragma once
+
+#include "skinctl/kinematics/singular_directions.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A motion of the joints that the frame does not notice at first: the arm turns round (a wrist by up to a
+/// right angle) until what is asked is no longer singular. A state of tracking laws, two first-order lags
+/// behind `wish`, so that neither its velocity nor its acceleration has steps.
+template <std::size_t N, Real T = double>
+struct SingularEscape {
+  JointVelocity<N, T> v;
+  JointAcceleration<N, T> a;  ///< its derivative
+
+  static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
+  static constexpr double lag = 0.03;     ///< of either filter [s]
+  static constexpr double share = 0.9;    ///< of the slowest joint's limit that an escape takes at most
+  static constexpr double least = 0.004;  ///< asked [m/s, rad/s] for seven tenths of this pace
+
+  /// `dt` seconds later, by backward Euler: stable for every dt. A wish that is no number changes nothing.
+  [[nodiscard]] SingularEscape advanced(const JointVelocity<N, T>& wish, const T& dt) const noexcept {
+    SingularEscape next = *this;
+    const T w = T(1) / T(lag), scale = T(1) / (T(1) + w * dt * (T(2) + w * dt));
+    for (std::size_t i = 0; i < N; ++i) {
+      const T rate = scale * (a[i] + w * w * dt * (wish[i] - v[i]));
+      if (!(rate - rate == T(0))) continue;
+      next.a[i] = rate;
+      next.v[i] = v[i] + dt * rate;
+    }
+    return next;
+  }
+
+  /// What the motion should go to where `asked` is the frame's velocity: along the v of the singular
+  /// directions in which it is asked, as fast as `share` of `slowest` [rad/s] allows if nothing else is, less
+  /// the more of it the frame can do as it stands. Zero where it is asked out of the workspace.
+  template <Task What, class J, class Velocity>
+  [[nodiscard]] SKINCTL_COLD static JointVelocity<N, T> wish(const J& jacobian, const Velocity& asked,
+                                                             const T& slowest) noexcept {
+    using std::sqrt;
+    const auto at = singular_directions<What>(jacobian);
+    T c[2], left = along(asked, asked), size(0), moved(0), most(0);
+    for (std::size_t n = 0; n < 2; ++n) {
+      c[n] = nearness(at[n].sigma, T(zone)) * along(at[n].u, asked);
+      left = left - c[n] * c[n];
+    }
+    leave_closed_ways(jacobian, at, c);
+    JointVelocity<N, T> turn;
+    for (std::size_t n = 0; n < 2; ++n) {
+      size = size + c[n] * c[n];
+      moved = moved + at[n].sigma * at[n].sigma * c[n] * c[n];
+      turn += c[n] * at[n].v;
+    }
+    for (const T& x : turn)
+      if (detail::magnitude(x) > most) most = detail::magnitude(x);
+    if (!(most > T(0)) || !(size > T(0))) return {};
+    const T other = left / (left + size), straight = slowest * slowest * moved / size;
+    const T pace = sqrt(size / (size + straight + T(least) * T(least))) * (T(1) - other * other * other);
+    return T(T(share) * slowest * pace / most) * turn;
+  }
+
+ private:
+  template <class P, class Q>
+  static T along(const P& p, const Q& q) noexcept {
+    return dot(p.linear, q.linear) + dot(p.angular, q.angular);
+  }
+  static T nearness(const T& sigma, const T& edge) noexcept {
+    const T left = T(1) - sigma * sigma / (edge * edge);
+    return left > T(0) ? T(left * left) : T(0);
+  }
+  /// A motion x of the joints bends the frame's way towards `q = u' dJ(x) x`: where that points away from
+  /// what is asked, c, the workspace ends, at `sigma / |q|` radians along x. The two such x are the
+  /// eigenvectors of `c' u' dJ(x) x`; what a closed one cannot do is taken out of c, and the rest left to the
+  /// other.
+  template <class J, class D>
+  static void leave_closed_ways(const J& jacobian, const D& at, T (&c)[2]) noexcept {
+    using std::sqrt;
+    const T meet = nearness(at[1].sigma, T(zone) / T(3));  // else the second is regular in comparison
+    const T part[2] = {T(1), meet};
+    const auto bend = [&](const JointVelocity<N, T>& x, T(&q)[2]) {
+      const auto acceleration = bias_acceleration(jacobian, x);
+      for (std::size_t n = 0; n < 2; ++n) q[n] = part[n] * along(at[n].u, acceleration);
+    };
+    const auto towards = [&](const T(&q)[2]) { return T(c[0] * q[0] + c[1] * q[1]); };
+    const JointVelocity<N, T> y = sqrt(meet) * at[1].v;
+    T qx[2], qy[2], qxy[2];
+    bend(at[0].v, qx), bend(y, qy), bend(at[0].v + y, qxy);
+    for (std::size_t n = 0; n < 2; ++n) qxy[n] = T(0.5) * (qxy[n] - qx[n] - qy[n]);
+    const T half = T(0.5) * (towards(qx) - towards(qy)), mixed = towards(qxy);
+    const T whole = sqrt(half * half + mixed * mixed);
+    // The eigenvector of the lesser eigenvalue, and across it the other.
+    T e[2] = {half < T(0) ? T(whole - half) : T(-mixed), half < T(0) ? T(-mixed) : T(whole + half)};
+    const T size = sqrt(e[0] * e[0] + e[1] * e[1]);
+    if (size > T(0))
+      e[0] = e[0] / size, e[1] = e[1] / size;
+    else
+      e[0] = towards(qx) < T(0) ? T(1) : T(0), e[1] = T(1) - e[0];
+    T rest[2] = {c[0], c[1]}, closed[2];
+    for (std::size_t k = 0; k < 2; ++k) {
+      const T x = k == 0 ? e[0] : T(-e[1]), z = k == 0 ? e[1] : e[0];
+      T q[2];
+      for (std::size_t n = 0; n < 2; ++n) q[n] = x * x * qx[n] + T(2) * x * z * qxy[n] + z * z * qy[n];
+      const T square = q[0] * q[0] + q[1] * q[1], length = sqrt(square), against = towards(q);
+      const T sigma = sqrt(x * x * at[0].sigma * at[0].sigma + z * z * at[1].sigma * at[1].sigma);
+      const T fold = (length - sigma / T(ahead)) / T(bent) - T(0.5);
+      closed[k] = against < T(0) && fold > T(0) ? (fold < T(1) ? fold : T(1)) : T(0);
+      if (closed[k] > T(0) && k == 0)
+        for (std::size_t n = 0; n < 2; ++n) rest[n] = rest[n] - against / square * q[n];
+    }
+    const T f[2] = {T(-e[1]), e[0]};
+    const T amount = (T(1) - closed[1]) * sqrt(rest[0] * rest[0] + rest[1] * rest[1]);
+    const bool back = rest[0] * at[0].sigma * f[0] + rest[1] * at[1].sigma * f[1] < T(0);
+    for (std::size_t n = 0; n < 2; ++n) c[n] = c[n] + closed[0] * ((back ? -amount : amount) * f[n] - c[n]);
+  }
+  static constexpr double bent = 0.0002;  ///< |q| [m/rad^2] below which a way is as good as straight
+  static constexpr double ahead = 0.2;    ///< a way is closed if sigma vanishes so near along it [rad]
+};
+
+SKINCTL_END_NAMESPACE

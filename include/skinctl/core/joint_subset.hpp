@@ -1,0 +1,50 @@
+// Some of a robot's joints, chosen at compile time: the others are left out, or left as they are.
+#pragma once
+
+#include <bit>
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/needs.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The joints `from` to `to - 1` as a set, bit i for joint i.
+[[nodiscard]] constexpr LinkMask joints_between(std::size_t from, std::size_t to) noexcept {
+  LinkMask set = 0;
+  for (std::size_t i = from; i < to && i < 64; ++i) set |= LinkMask(1) << i;
+  return set;
+}
+
+/// The joints of `Set` among `N`, in their order. What is of the subset has its own number of joints in its
+/// type: `JointTorque<16>` of a hand, `JointVelocity<6>` of its arm.
+template <std::size_t N, LinkMask Set>
+struct JointSubset {
+  static_assert(N <= 64 && (Set & ~joints_between(0, N)) == 0,
+                "the set names a joint that the robot has not");
+  static constexpr std::size_t count = static_cast<std::size_t>(std::popcount(Set));
+  /// Joint `index[k]` of the robot is joint k of the subset.
+  static constexpr std::array<std::size_t, count> index = [] {
+    std::array<std::size_t, count> out{};
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < N; ++i)
+      if ((Set >> i) & 1u) out[k++] = i;
+    return out;
+  }();
+  using Others = JointSubset<N, joints_between(0, N) & ~Set>;
+
+  /// What `whole` has for the joints of the subset.
+  template <class Kind, Scalar T>
+  [[nodiscard]] static SKINCTL_INLINE constexpr JointVector<Kind, count, T> of(
+      const JointVector<Kind, N, T>& whole) noexcept {
+    return JointVector<Kind, count, T>::generate([&](std::size_t k)
+                                                     SKINCTL_INLINE_LAMBDA { return whole[index[k]]; });
+  }
+  /// Writes `part` into the places of the subset.
+  template <class Kind, Scalar T>
+  static SKINCTL_INLINE constexpr void put(const JointVector<Kind, count, T>& part,
+                                           JointVector<Kind, N, T>& whole) noexcept {
+    for (std::size_t k = 0; k < count; ++k) whole[index[k]] = part[k];
+  }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,84 @@
+// The joints of a virtual robot: how they stay with the real ones, keep their limits and become commands.
+#pragma once
+
+#include "skinctl/resolver/configuration.hpp"
+#include "skinctl/resolver/memory.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// What a resolver does to joints that take positions or velocities, besides asking laws what moves them:
+/// the observer with the declared delay, limits and leash, the modes, the command. Knows of no model, so that
+/// a part of a robot's joints can be such, and the others take torques.
+template <Interface I, std::size_t N, Real T, std::size_t History>
+class VirtualJoints {
+  static_assert(I != Interface::torque, "a joint that takes torques has no virtual state");
+
+ public:
+  using Memory = VirtualJointsMemory<N, T, History>;
+  using Position = JointPosition<N, T>;
+  using Velocity = JointVelocity<N, T>;
+  using Torque = JointTorque<N, T>;
+  using Row = detail::Row<N, T>;
+  /// What a cycle's measurement means for its sub-steps.
+  struct Correction {
+    Velocity rate;                 ///< L1 rho (+ drift r)
+    JointAcceleration<N, T> pull;  ///< L2 rho
+    bool off = false;              ///< rho is not zero
+    struct Speed {
+      Velocity least, most;
+    };
+    struct Free {};
+    [[no_unique_address]] std::conditional_t<I == Interface::velocity, Speed, Free>
+        speed;  ///< of the command
+  };
+  /// A cycle that has begun.
+  struct Begun {
+    Correction correction;
+    Velocity before;  ///< the rate at which it found the joints [rad/s]
+    T dt;             ///< its interval [s]
+    Status status;
+  };
+
+  SKINCTL_COLD explicit VirtualJoints(const ResolverConfiguration<N, T>& c)
+      : p_(c), servo_(p_.delay, p_.lag) {
+    require(p_.delay / p_.period + 2 <= static_cast<Nanoseconds>(History), "delay / period",
+            static_cast<double>(p_.delay) / static_cast<double>(p_.period),
+            "<= History - 2: commands under way");
+  }
+  [[nodiscard]] SKINCTL_INLINE const ResolverParameters<N, T>& parameters() const noexcept { return p_; }
+  [[nodiscard]] SKINCTL_INLINE const Servo<N, T, History>& servo() const noexcept { return servo_; }
+
+  [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured) const noexcept;
+  [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept;
+
+  /// A cycle begins: takes the measurement in, and says what the sub-steps are to make of it.
+  SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval) const noexcept;
+  /// One sub-step towards the velocity `v1` (ignored where the mode is another than `following`).
+  SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept;
+  /// Whether a blocked robot may follow again, given what its laws would ask of it at rest, less gravity.
+  SKINCTL_COLD void try_to_leave(Memory& m, const Correction& c, const Torque& net) const noexcept;
+  /// A cycle ends: `command` is what is sent.
+  SKINCTL_INLINE Status end(Memory& m, const Begun& begun, const Torque& torque) const noexcept;
+
+  /// `command` was sent instead of the last one.
+  SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept;
+
+ private:
+  SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now) const noexcept;
+  SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
+  SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
+  SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,
+                              const Velocity& v1, const T& h) const noexcept;
+  SKINCTL_COLD Velocity way_back(const Memory& m, const T& h) const noexcept;
+  SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Velocity& before, const Torque& torque,
+                                const T& dt) const noexcept;
+
+  ResolverParameters<N, T> p_;
+  Servo<N, T, History> servo_;
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE
+
+#include "skinctl/resolver/detail/virtual_joints_loop.hpp"

@@ -1,0 +1,205 @@
+// An arm by velocity and a hand by torque in one cycle: joints of both kinds moved by one fused torque.
+#pragma once
+
+#include "skinctl/core/joint_subset.hpp"
+#include "skinctl/resolver/detail/held_friction.hpp"
+#include "skinctl/resolver/resolver.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What a hybrid resolver has to be told of its two parts.
+template <std::size_t Stiff, std::size_t Driven, Real T = double>
+struct HybridConfiguration {
+  /// The joints that take positions or velocities; also period, sub-step and stale age of the whole.
+  ResolverConfiguration<Stiff, T> stiff;
+  /// Of torque and power, of the joints that take torques.
+  JointLimits<Driven, T> limits;
+  /// Friction that these are given besides their own [N m s/rad], >= 0.
+  JointTorque<Driven, T> viscous = {};
+};
+
+/// Memory of a hybrid resolver. Trivially copyable.
+template <std::size_t N, std::size_t Stiff, Real T, std::size_t History>
+struct HybridMemory {
+  VirtualJointsMemory<Stiff, T, History> stiff;
+  State<N, T> measured;        ///< the last good measurement, of all joints
+  JointCommand<N, T> command;  ///< the last one
+};
+
+/// One robot, one law, one fused torque, and joints of two kinds: those of the set `ByTorque` take torques,
+/// the others positions or velocities (`I`).
+///
+/// - A law reads one state: the virtual one of the stiff joints, the measured one of the driven joints.
+/// - The stiff joints are what `Resolver<I>` makes of them: a virtual robot that carries the law's torque,
+///   sub-stepped over the interval just passed, with the driven joints as a load that stands as measured:
+///   `M_ss dv = tau_s - (C_s v)_s - G_s - B v`. What these ask of the arm by moving is left out: the reaction
+///   of a finger that starts and stops (0.2 kg at 50 rad/s^2: half a newton at its knuckle) is zero on
+///   average, and half of it, the velocities without the accelerations, would push an arm about whose fingers
+///   tremble.
+/// - The driven joints are what `Resolver<Interface::torque>` makes of them: the law's torque at the newest
+///   measurement, meant for one period from now, less the friction configured, cut to the limits. The law is
+///   asked for it once more, at the end of the cycle.
+/// - News are taken whole or not at all: a measurement with a number that is not finite is none of both
+///   parts. When news are stale, or a stop is asked for, the stiff joints brake and hold, the driven ones are
+///   held against gravity with friction (stale: without). While a stiff joint is blocked the driven ones go
+///   on.
+///
+/// A command has both kinds: `stiff(command)` and `torque(command)` are the two devices' shares, and cannot
+/// be mixed up, as their numbers of joints differ. Keepers (`Passivity`) are for robots of one kind so far.
+template <Interface I, LinkMask ByTorque, Model M, Real T = double, class Integrator = CrankNicolson,
+          std::size_t History = 32>
+class HybridResolver {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  using Driven = JointSubset<joints, ByTorque>;
+  using Stiff = typename Driven::Others;
+  static_assert(Driven::count > 0 && Stiff::count > 0, "joints of one kind: Resolver is for these");
+  using scalar = T;
+  static constexpr Interface stiff_interface = I;
+  static constexpr LinkMask by_torque = ByTorque;
+  using Configuration = HybridConfiguration<Stiff::count, Driven::count, T>;
+  using Memory = HybridMemory<joints, Stiff::count, T, History>;
+  template <class L, class Touch = NoTouch>
+  using Knows = Quantities<M, L::needs | Integrator::needs, T, Touch>;
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  HybridResolver(const M& model, const Configuration& c)
+      : model_(model), virtual_(c.stiff), limits_(c.limits), viscous_(c.viscous) {
+    for (const T& b : viscous_) {
+      has_friction_ = has_friction_ || b > T(0);
+      require(b >= T(0) && b <= T(1e6), "viscous friction", static_cast<double>(b), "0 to 1e6 N m s/rad");
+    }
+  }
+
+  [[nodiscard]] const M& model() const noexcept { return model_; }
+  [[nodiscard]] const JointLimits<Stiff::count, T>& stiff_limits() const noexcept {
+    return virtual_.parameters().limits;
+  }
+  [[nodiscard]] const JointLimits<Driven::count, T>& torque_limits() const noexcept { return limits_; }
+  /// T = delay + lag + period of the stiff joints [s].
+  [[nodiscard]] T total_delay() const noexcept { return virtual_.parameters().total_delay; }
+  /// Length of a sub-step in a cycle that comes as planned [s].
+  [[nodiscard]] T planned_step() const noexcept { return virtual_.parameters().planned_step(); }
+
+  /// What the stiff joints are sent.
+  [[nodiscard]] static JointCommand<Stiff::count, T> stiff(const JointCommand<joints, T>& c) noexcept {
+    return part_of<Stiff>(c);
+  }
+  /// What the driven joints are sent [N m].
+  [[nodiscard]] static JointTorque<Driven::count, T> torque(const JointCommand<joints, T>& c) noexcept {
+    return Driven::of(c.torque);
+  }
+
+  /// The virtual joints take over where the real ones are, the driven ones are held against gravity. A state
+  /// that is not finite: a memory that has not been started.
+  [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
+    Memory m;
+    if (!detail::is_plausible(measured)) return m;
+    m.stiff = virtual_.start(part_of<Stiff>(measured));
+    m.measured = measured;
+    if (m.stiff.started) compose(m, Driven::of(held(measured)));
+    return m;
+  }
+
+  /// The state that laws read.
+  [[nodiscard]] SKINCTL_INLINE State<joints, T> state(const Memory& m) const noexcept {
+    return state(m, m.stiff.time, m.stiff.v);
+  }
+  /// The part of time that a cycle at `now` has to integrate. No later than the last one: empty.
+  [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
+    return virtual_.interval(m.stiff, now);
+  }
+
+  /// One cycle, as `Resolver::step`.
+  template <class L, class Touch>
+  Resolved<joints, T, terms_of<L>> step(Memory& m, const L& law, typename L::Memory& law_memory,
+                                        const State<joints, T>& measured, const Interval& interval,
+                                        std::span<const Touch> touches) const noexcept;
+
+  /// What holds the driven joints when no law can: `G(q) - B dq`; zero for the others.
+  [[nodiscard]] JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
+    return held(robot.q, friction(robot));
+  }
+
+  /// Tells that the guard let `command` out instead of the last one.
+  void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
+    if (!m.stiff.started || !command.valid) return;
+    const auto given = stiff(command);
+    const auto& asked = m.stiff.command;
+    if (!(given.position == asked.position && given.velocity == asked.velocity))
+      virtual_.sent(m.stiff, given);
+    compose(m, torque(command));
+  }
+
+  /// Asks for a stop, or ends it.
+  void stop(Memory& m) const noexcept { m.stiff.stop = true; }
+  void resume(Memory& m) const noexcept { m.stiff.stop = false; }
+
+  /// `whole` as the joints of a subset have it.
+  template <class Subset>
+  [[nodiscard]] static SKINCTL_INLINE State<Subset::count, T> part_of(
+      const State<joints, T>& whole) noexcept {
+    return {whole.time, Subset::of(whole.q), Subset::of(whole.dq)};
+  }
+  template <class Subset>
+  [[nodiscard]] static SKINCTL_INLINE JointCommand<Subset::count, T> part_of(
+      const JointCommand<joints, T>& whole) noexcept {
+    return {whole.time,
+            whole.valid,
+            Subset::of(whole.position),
+            Subset::of(whole.velocity),
+            Subset::of(whole.acceleration),
+            Subset::of(whole.torque)};
+  }
+
+ private:
+  using Velocity = JointVelocity<Stiff::count, T>;
+  using StiffTorque = JointTorque<Stiff::count, T>;
+  using DrivenTorque = JointTorque<Driven::count, T>;
+
+  [[nodiscard]] SKINCTL_INLINE State<joints, T> state(const Memory& m, Nanoseconds time,
+                                                      const Velocity& v) const noexcept {
+    State<joints, T> s{time, m.measured.q, m.measured.dq};
+    Stiff::put(m.stiff.q.value, s.q);
+    Stiff::put(v, s.dq);
+    return s;
+  }
+  [[nodiscard]] JointTorque<joints, T> held(const JointPosition<joints, T>& q,
+                                            const DrivenTorque& drag) const noexcept {
+    JointTorque<joints, T> out;
+    Driven::put(Driven::of(gravity_torque(model_, q)) - drag, out);
+    return out;
+  }
+  SKINCTL_INLINE Status accept(Memory& m, const State<joints, T>& measured, Nanoseconds now) const noexcept;
+  [[nodiscard]] DrivenTorque friction(const State<joints, T>& s) const noexcept {
+    DrivenTorque drag;
+    if (!has_friction_) return drag;
+    const auto mass = mass_matrix(model_, s.q);
+    const T h = seconds<T>(virtual_.parameters().period);
+    for (std::size_t k = 0; k < Driven::count; ++k) {
+      const std::size_t i = Driven::index[k];
+      drag[k] = detail::held_friction(viscous_[k], mass(i, i), h, s.dq[i]);
+    }
+    return drag;
+  }
+  /// The command of both parts.
+  SKINCTL_INLINE void compose(Memory& m, const DrivenTorque& torque) const noexcept {
+    const auto& c = m.stiff.command;
+    m.command = {c.time, c.valid, m.measured.q, m.measured.dq, {}, {}};
+    Stiff::put(c.position, m.command.position);
+    Stiff::put(c.velocity, m.command.velocity);
+    Stiff::put(c.acceleration, m.command.acceleration);
+    Stiff::put(c.torque, m.command.torque);
+    Driven::put(torque, m.command.torque);
+  }
+
+  [[no_unique_address]] M model_;
+  detail::VirtualJoints<I, Stiff::count, T, History> virtual_;
+  JointLimits<Driven::count, T> limits_;
+  DrivenTorque viscous_;
+  bool has_friction_ = false;
+};
+
+SKINCTL_END_NAMESPACE
+
+#include "skinctl/resolver/detail/hybrid_loop.hpp"
