@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cmath>
+#include <functional>
 
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/safety/governor.hpp"
@@ -24,9 +25,15 @@ const LinkContact<2> region{
     .region = {.force = 80, .blow = 120, .first = 0.1, .stiffness = 2e4, .mass = 4, .power = 50},
     .reach = 0.5,
     .reaction = 0.02};
-const auto governor = make_governor(limits, contact_limits(Arm{}, region),
-                                    ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 0.3, .reach = 1.3}));
-const auto tool_only = make_governor(limits, ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 0.3, .reach = 1.3}));
+auto governing(const LinkContact<2>& contact) {
+  return make_governor(limits, contact_limits(Arm{}, contact),
+                       ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 0.3, .reach = 1.3}));
+}
+const auto governor = governing(region);
+const auto tool_only =
+    governing({.region = {.force = 1e6, .blow = 1e6, .first = 1, .stiffness = 1, .mass = 1},
+               .reach = 0.5,
+               .reaction = 0.02});
 using Governors = std::remove_const_t<decltype(governor)>;
 constexpr std::array<double, 1> nobody_near{0.0};
 
@@ -35,11 +42,11 @@ struct Wall {
   Xyz<double> point{-0.2, 0, 0.1}, n{0, 0, 1}, at{0, 0, 0};
   double stiffness = 0, force = 0;
 
-  Xyz<double> place(const JointPosition<6>& q) const {
+  SKINCTL_NOINLINE Xyz<double> place(const JointPosition<6>& q) const {
     const auto X = link_poses<link_bit<2>>(Arm{}, q).template get<2>();
     return X.origin() + X.axes() * point;
   }
-  Touch push(const JointPosition<6>& q) {
+  SKINCTL_NOINLINE Touch push(const JointPosition<6>& q) {
     const auto X = link_poses<link_bit<2>>(Arm{}, q).template get<2>();
     const double depth = -dot(n, place(q) - at);
     force = depth > 0 ? stiffness * depth : 0;
@@ -53,10 +60,11 @@ struct Wall {
 };
 
 /// The arm for `duration` seconds under gravity compensation, `drive`, and a governor or none.
-template <class G, class Each>
-State<6> run(const G* with, State<6> s, const JointTorque<6>& drive, Wall wall, double duration, Each&& each,
-             bool stopping = false) {
-  typename G::Memory memory{};
+// One function, and loops in it: compilers take long for what is inlined.
+using Each = std::function<void(double, const State<6>&, double, Status)>;
+State<6> run(const Governors* with, State<6> s, const JointTorque<6>& drive, Wall wall, double duration,
+             const Each& each, bool stopping = false) {
+  Governors::Memory memory{};
   for (double t = 0; t < duration; t += dt) {
     const JointTorque<6> hold = gravity_torque(Arm{}, s.q);
     JointCommand<6> wish;
@@ -133,8 +141,8 @@ TEST_CASE("Governor of torques: no drive makes the tool faster than its limit, a
       fastest = std::max(fastest, tool_speed(x));
       seen |= status;
     });
-    run<Governors>(nullptr, s, drive, {}, 0.6,
-                   [&](double, const State<6>& x, double, Status) { free = std::max(free, tool_speed(x)); });
+    run(nullptr, s, drive, {}, 0.6,
+        [&](double, const State<6>& x, double, Status) { free = std::max(free, tool_speed(x)); });
     CHECK(fastest <= 0.3 * 1.01);
     if (free > 0.5) {
       CHECK(fastest >= 0.1);  // the wrist could bring the tool more: it is reckoned with
@@ -163,8 +171,8 @@ TEST_CASE(
       most = std::max(most, F);
       seen |= status;
     });
-    run<Governors>(nullptr, s, drive, wall, 1.0,
-                   [&](double, const State<6>&, double F, Status) { free = std::max(free, F); });
+    run(nullptr, s, drive, wall, 1.0,
+        [&](double, const State<6>&, double F, Status) { free = std::max(free, F); });
     CHECK(most <= region.region.force);
     CHECK_FALSE(seen.has(Reason::contact_force));
     harder += free > region.region.blow;
@@ -181,13 +189,13 @@ TEST_CASE("Governor of torques: one that stops for a contact is held with dampin
   const auto energy = [](const State<6>& x) {
     return kinetic_energy(Arm{}, JointAngles<Arm, double>(Arm{}, x.q), x.dq);
   };
-  const auto after = run(&governor, s, {}, {}, 0.05, [](auto&&...) {}, true);
+  const auto after = run(&governor, s, {}, {}, 0.05, [](double, const State<6>&, double, Status) {}, true);
   CHECK(energy(after) < 0.01 * energy(s));
   Wall hand;  // it pushes 20 mm deep for a second
   hand.stiffness = 500;
   s.dq = {};
   hand.at = hand.place(s.q) + Xyz<double>{0, 0, 0.02};
-  const auto moved = run(&governor, s, {}, hand, 1.0, [](auto&&...) {}, true);
+  const auto moved = run(&governor, s, {}, hand, 1.0, [](double, const State<6>&, double, Status) {}, true);
   CHECK(dot(hand.n, hand.place(moved.q) - hand.place(s.q)) > 0.002);
   CHECK(energy(moved) < 1e-3);
 }

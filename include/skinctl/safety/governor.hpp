@@ -133,10 +133,10 @@ class Governor {
   /// @param stopping  whether the guard waits for consent: then hold with damping.
   /// All else as `pass`.
   template <class Touch, class Nearest>
-  SKINCTL_INLINE GovernedTorque<N, T> pass_torque(Memory& m, const JointCommand<N, T>& wish,
-                                                  const JointTorque<N, T>& hold, bool stopping,
-                                                  const State<N, T>& measured, const Touch& touch,
-                                                  const Nearest& nearest, const T& dt) const noexcept {
+  SKINCTL_NOINLINE GovernedTorque<N, T> pass_torque(Memory& m, const JointCommand<N, T>& wish,
+                                                    const JointTorque<N, T>& hold, bool stopping,
+                                                    const State<N, T>& measured, const Touch& touch,
+                                                    const Nearest& nearest, const T& dt) const noexcept {
     static_assert(!has_jerk, "a torque interface has no motion whose jerk could be limited");
     GovernedTorque<N, T> out{{wish, {}, false}, hold};
     if (!wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) || !(dt > T(0))) return out;
