@@ -1,4 +1,4 @@
-// 07 An arm by velocity and a hand by torque in one cycle: the hand closes, a push on a finger moves both.
+// 20 An arm by velocity and a hand by torque in one cycle: the hand closes, a push on a finger moves both.
 //
 //   tau      the one torque of skin, grip and gravity, 22 joints
 //   arm      6 of them: a UR5 that takes nothing but velocities; its virtual robot carries their torque
