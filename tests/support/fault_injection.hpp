@@ -209,7 +209,7 @@ class FaultInjection {
       if (twin) fits.left_out &= same(scene_.step(*twin_, twin_input).command, out.command);
       if (!faulty) last_good = input.measured;
       skin_torque = {};
-      for (std::size_t i = 0; i < Skills::terms; ++i)
+      for (std::size_t i = 0; i < Skills::Fusion::terms; ++i)
         if (Skills::Fusion::roles[i] == Role::reactive) skin_torque += out.shares[i];
       if (input.now > last.time) check_limits(last, out.command, input.now, sum);
 
