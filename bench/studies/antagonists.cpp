@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
             rate, touches);
         std::printf("%-40s %5.0f %6d %12.3f %12.0f %8.2f %%\n", describe(law).c_str(), rate, r.counted,
                     r.furthest, r.fastest, 100 * r.overshoot);
-        auto& series = plot.series[(rate > 200 ? 2 : 0) + (K_c > 6 ? 1 : 0)];
+        auto& series = plot.series[(rate > 200 ? 2u : 0u) + (K_c > 6 ? 1u : 0u)];
         series.x.push_back(weight), series.y.push_back(100 * r.overshoot);
         good = good && r.overshoot <= 0.05;
       }
