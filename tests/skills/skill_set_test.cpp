@@ -205,6 +205,36 @@ TEST_CASE("SkillSet: refuses settings that cannot work") {
   refuses([](auto& r, auto&) { r[2].conditions.still = 0; });
 }
 
+TEST_CASE(
+    "SkillSet: while a change lasts the torque moves no faster than configured, and what it lacks is a "
+    "share") {
+  SkillSettings slow;
+  slow.most_rate = 20;
+  slow.longest = 100_ms;  // no time to stretch the change to
+  const auto slowly = skill_set<KinestheticJoint>(
+      library, slow, as<controller::Gravity>(GravityControl{}), as<controller::SkinJoint>(SkinJointControl{}),
+      as<controller::SplineJoint>(SplineJoint<6>(skilled_settings(dt))),
+      as<controller::Joint>(JointControl<6>(skilled_settings(dt))));
+  SkilledRun<Set, double> run(slowly, dt, 8);
+  run.touch(40);
+  run_for(run, 0.3);
+  run.ask(Set::start_skill<ReachJointGoal>(near(run, 0.3)));
+  const auto own = [](const auto& e) { return e.torque - e.shares[1]; };  // both skills weigh the skin with 1
+  auto last = own(run.step());
+  double lacked = 0;
+  for (int k = 0; k < 5000 && run.changing(); ++k) {
+    const auto e = run.step();
+    auto sum = e.shares[0];
+    for (std::size_t i = 1; i < Set::terms; ++i) sum += e.shares[i];
+    CHECK(largest<double>(sum - e.torque) < 1e-12);
+    if (run.changing()) CHECK(largest<double>(own(e) - last) < slow.most_rate * dt * (1 + 1e-9));
+    lacked = std::max(lacked, largest<double>(e.shares[Set::controllers]));
+    last = own(e);
+  }
+  CHECK(lacked > 0.01);
+  CHECK_FALSE(run.changing());
+}
+
 TEST_CASE("SkillSet: nothing of it allocates") {
   Run run(set, dt, 8);
   const AllocationGuard guard;
