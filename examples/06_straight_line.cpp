@@ -3,16 +3,16 @@
 //   reach       Spline Operational Control, eqs. (15)-(22), of the tool on link 5   X_BG   where it goes
 //   slowed      next to the singularity the joints reach their speed limit and the tool waits for them
 #include <cmath>
-#include <cstdio>
 
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "support/curves.hpp"
 
 using namespace skinctl;
 
-int main() {
+int main(int argc, char** argv) {
   const ur5::Model robot;
   const double h = 0.002;
   OperationalSettings<6> settings{.tracking = {.dt = h, .tb = 0}};
@@ -28,22 +28,27 @@ int main() {
   auto memory = reach.start(Known(robot, state, h, touch));
   memory = reach.receive(memory, Known(robot, state, h, touch), {X_BG, 2_s}).memory;
 
-  std::printf("   t  distance [mm]   q4 [rad]  fastest joint [rad/s]\n");
-  double distance = 0;
+  examples::Curve way{"distance [mm]", {}, {}}, wrist{"q4 [rad]", {}, {}},
+      speed{"fastest joint [rad/s]", {}, {}};
+  int slowed = 0;
   for (int k = 0; k <= 2000; ++k) {
     const Known known(robot, state, h, touch);
     const auto d = (known.pose<5>() * X_LT).origin() - X_BG.origin();
-    distance = std::sqrt(dot(d, d));
     double fastest = 0;
     for (const double v : state.dq) fastest = std::fmax(fastest, std::abs(v));
+    way.add(h * k, 1e3 * std::sqrt(dot(d, d)));
+    wrist.add(h * k, state.q[4]);
+    speed.add(h * k, fastest);
+
     const auto now = evaluate(reach, memory, known, h);
-    if (k % 125 == 0)
-      std::printf("%5.2f %10.2f %12.3f %10.2f%s\n", h * k, 1e3 * distance, state.q[4], fastest,
-                  now.status.has(Reason::slowed) ? "   slowed" : "");
+    slowed += now.status.has(Reason::slowed);
     const auto ddq = forward_dynamics(robot, state.q, state.dq, now.torque).acceleration;
     state.dq = integrate(state.dq, ddq, h);
     state.q = integrate(state.q, state.dq, h);
     memory = now.memory;
   }
-  return distance < 2e-3 ? 0 : 1;
+  std::printf("%.2f mm from the goal, slowed down for %.2f s\n", way.y.back(), h * slowed);
+  return examples::draw(argc, argv, "06_straight_line.svg", "Straight through a wrist singularity",
+                        {way, wrist, speed}) ||
+         way.y.back() > 2;
 }

@@ -1,14 +1,10 @@
-// What the examples 11 and on share: a UR5 with 260 cells in a simulated world, and a plot of its run.
+// What the examples of laws and behaviours share: a UR5 with 260 cells in a simulated world.
 #pragma once
 
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <memory>
-#include <string>
-#include <vector>
 
-#include "examples/support/svg_plot.hpp"
+#include "examples/support/curves.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/settings.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
@@ -103,31 +99,5 @@ class Arm {
   CellSample sample_{.cell = 1};
   typename Scene::Input input_;
 };
-
-/// A curve over time; its unit stands in its name.
-struct Curve {
-  std::string name;
-  std::vector<double> t, y;
-  void add(double time, double value) { t.push_back(time), y.push_back(value); }
-};
-
-/// Draws curves, each on its own axes, as an SVG file: at the path given on the command line, or `name` in
-/// the working directory. Returns 0, or 1 if the file cannot be written.
-inline int draw(int argc, char** argv, const std::string& name, const std::string& title,
-                const std::vector<Curve>& curves) {
-  std::vector<plotting::Plot> plots;
-  for (const Curve& c : curves) {
-    plotting::Plot plot;
-    plot.y_name = c.name;
-    plot.series = {{c.name, c.t, c.y, static_cast<int>(plots.size())}};
-    plot.height = 190;
-    plots.push_back(plot);
-  }
-  const std::string path = argc > 1 ? argv[1] : name;
-  std::ofstream out(path);
-  out << plotting::svg_figure(title, plots);
-  std::printf("%s: %s\n", title.c_str(), path.c_str());
-  return out.flush() ? 0 : 1;
-}
 
 }  // namespace examples
