@@ -246,7 +246,7 @@ SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::sur
   }
   const T nearness = inverse.nearness();
   if (nearness > T(0)) [[unlikely]]
-    s.way_out = SingularEscape<N, T>::template wish<What>(at.jacobian, v, slowest_);
+    s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
   s.dq_r += memory.escape.v;
   s.ddq_r += memory.escape.a;
   s.slowed = nearness > T(0);

@@ -15,7 +15,7 @@ struct SingularEscape {
 
   static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
   static constexpr double lag = 0.03;     ///< of either filter [s]
-  static constexpr double share = 0.9;    ///< of the slowest joint's limit that an escape takes at most
+  static constexpr double share = 0.97;   ///< of its limit that an escape asks of the busiest joint at most
   static constexpr double least = 0.004;  ///< asked [m/s, rad/s] for seven tenths of this pace
 
   /// `dt` seconds later, by backward Euler: stable for every dt. A wish that is no number changes nothing.
@@ -32,11 +32,13 @@ struct SingularEscape {
   }
 
   /// What the motion should go to where `asked` is the frame's velocity: along the v of the singular
-  /// directions in which it is asked, as fast as `share` of `slowest` [rad/s] allows if nothing else is, less
-  /// the more of it the frame can do as it stands. Zero where it is asked out of the workspace.
+  /// directions in which it is asked, as fast as `share` of `limit` allows if nothing else is, less the more
+  /// of it the frame can do as it stands. Zero where it is asked out of the workspace. On a way that is
+  /// nearly straight the sign of sigma, and with it that of v, is left to rounding: there it goes on as it
+  /// turns already, rather than to and fro.
   template <Task What, class J, class Velocity>
-  [[nodiscard]] SKINCTL_COLD static JointVelocity<N, T> wish(const J& jacobian, const Velocity& asked,
-                                                             const T& slowest) noexcept {
+  [[nodiscard]] SKINCTL_COLD JointVelocity<N, T> wish(const J& jacobian, const Velocity& asked,
+                                                      const JointVelocity<N, T>& limit) const noexcept {
     using std::sqrt;
     const auto at = singular_directions<What>(jacobian);
     T c[2], left = along(asked, asked), size(0), moved(0), most(0);
@@ -51,12 +53,21 @@ struct SingularEscape {
       moved = moved + at[n].sigma * at[n].sigma * c[n] * c[n];
       turn += c[n] * at[n].v;
     }
-    for (const T& x : turn)
-      if (detail::magnitude(x) > most) most = detail::magnitude(x);
+    T onward(0), bend(0), slowest = limit[0];
+    for (std::size_t i = 0; i < N; ++i) {
+      if (limit[i] < slowest) slowest = limit[i];
+      if (detail::magnitude(turn[i]) > most * limit[i]) most = detail::magnitude(turn[i]) / limit[i];
+      onward = onward + turn[i] * v[i];
+    }
     if (!(most > T(0)) || !(size > T(0))) return {};
+    if (onward < T(0) && moved < T(bent * bent) * size) {
+      const auto acceleration = bias_acceleration(jacobian, turn);
+      for (std::size_t n = 0; n < 2; ++n) bend = bend + c[n] * along(at[n].u, acceleration);
+      if (detail::magnitude(bend) < T(2 * bent) * size * sqrt(size)) most = -most;
+    }
     const T other = left / (left + size), straight = slowest * slowest * moved / size;
     const T pace = sqrt(size / (size + straight + T(least) * T(least))) * (T(1) - other * other * other);
-    return T(T(share) * slowest * pace / most) * turn;
+    return T(T(share) * pace / most) * turn;
   }
 
  private:
