@@ -77,15 +77,15 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
       : X_LP_(X_LP),
         least_damping_(settings.least_damping),
         singularities_(settings.singularities),
-        limit_(settings.tracking.max_velocity),
+        limit_(T(0.99) * settings.tracking.max_velocity),
         kappa_(settings.tracking.kappa),
+        slowest_(limit_[0]),
         null_(null) {
+    for (const T& v : limit_)
+      if (v < slowest_) slowest_ = v;
     const auto positive = [](const char* what, const T& x) {
       require(x > T(0) && x <= T(1e6), what, static_cast<double>(x), "> 0");
     };
-    slowest_ = limit_[0];
-    for (const T& v : limit_)
-      if (v < slowest_) slowest_ = v;
     positive("max_linear_velocity", settings.max_linear_velocity);
     positive("max_angular_velocity", settings.max_angular_velocity);
     check(PursuitLimits<T>{T(1), settings.max_linear_acceleration, settings.max_linear_jerk});
@@ -201,9 +201,9 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   Transform<Link<I>, P, T> X_LP_;
   T least_damping_;
   SingularityDamping<T> singularities_;
-  JointVelocity<N, T> limit_;
-  T kappa_;    ///< decay of the drift
-  T slowest_;  ///< of the limits
+  JointVelocity<N, T> limit_;  ///< of the reference: a hundredth is left for what the joints overshoot
+  T kappa_;                    ///< decay of the drift
+  T slowest_;                  ///< of the limits
   [[no_unique_address]] Null null_;
 };
 
