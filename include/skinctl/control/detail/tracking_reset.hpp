@@ -72,7 +72,8 @@ SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Si
 }
 
 /// Makes the reference of `next` go on from that of `before` at this state: in velocity, in acceleration, and
-/// in how the acceleration changes until the middle of the interval, where the torque reads it.
+/// in how the acceleration changes until the middle of the interval, where the torque reads it. The last is
+/// left out where `before` stands still: a plan begins as smoothly as it was planned, and arrives in time.
 template <class Space, class Plan, class Damping, class Sign>
 template <class K>
 SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::hand_over(Memory& next, const Memory& before,
@@ -89,7 +90,11 @@ SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::hand_over(Memory& next, 
   for (std::size_t i = 0; i < Space::coordinates; ++i)
     bias.da[i] = finite(space_.course(old).a[i] - space_.course(moved).a[i]);
   const T bend = bias.bend(T(T(0.5) * known.dt()), gains().hand_over);
-  if (!(bend > T(0))) return;
+  T fastest(0);  // [rad/s, m/s]
+  for (std::size_t i = 0; i < Space::coordinates; ++i)
+    if (detail::magnitude(space_.course(old).v[i]) > fastest)
+      fastest = detail::magnitude(space_.course(old).v[i]);
+  if (!(bend > T(0)) || !(fastest > T(1e-3))) return;
   const auto soon = look_ahead(before, known, old), here = look_ahead(next, known, look(next, known));
   for (std::size_t i = 0; i < Space::coordinates; ++i)
     bias.dj[i] = finite((space_.course(soon).a[i] - space_.course(here).a[i]) / bend);
