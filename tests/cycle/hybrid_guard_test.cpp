@@ -7,24 +7,14 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/arm_with_finger.hpp"
 
 using namespace skinctl;
 using namespace skinctl::test;
 
 namespace {
 
-// An arm of two joints by velocity, a finger by torque.
-struct ArmWithFinger {
-  static constexpr std::size_t joints = 3;
-  static constexpr auto parents = chain_parents<3>();
-  static constexpr auto kinds = all_of_kind<3>(JointKind::revolute);
-  static constexpr double gravity[3] = {0, 0, -9.81};
-  static constexpr std::array<LinkParameters<double>, 3> links = {
-      make_link({.p = {0, 0, 0.3}}, {3, {0, 0, 0.1}, 0.05, 0.05, 0.04}),
-      make_link({.p = {0, 0, 0.2}, .alpha = Angle::quarter(1)}, {2, {0.2, 0, 0}, 0.01, 0.06, 0.06}),
-      make_link({.p = {0.4, 0, 0}}, {0.2, {0.05, 0, 0}, 1e-4, 4e-4, 4e-4})};
-};
-using Model3 = StaticModel<ArmWithFinger>;
+using Model3 = ArmWithFingerModel;
 using Robot = HybridResolver<Interface::velocity, 0b100, Model3>;
 
 // Pulls the arm and the finger along.

@@ -9,6 +9,7 @@
 #include "skinctl/resolver/torque_resolver.hpp"
 #include "tests/resolver/simulated_joints.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/arm_with_finger.hpp"
 
 using namespace skinctl;
 using namespace skinctl::test;
@@ -50,24 +51,14 @@ struct Grasp {
   }
 };
 
-// A column, an arm and a finger.
-struct Small {
-  static constexpr std::size_t joints = 3;
-  static constexpr auto parents = chain_parents<3>();
-  static constexpr auto kinds = all_of_kind<3>(JointKind::revolute);
-  static constexpr double gravity[3] = {0, 0, -9.81};
-  static constexpr std::array<LinkParameters<double>, 3> links = {
-      make_link({.p = {0, 0, 0.3}}, {3, {0, 0, 0.1}, 0.05, 0.05, 0.04}),
-      make_link({.p = {0, 0, 0.2}, .alpha = Angle::quarter(1)}, {2, {0.2, 0, 0}, 0.01, 0.06, 0.06}),
-      make_link({.p = {0.4, 0, 0}}, {0.2, {0.05, 0, 0}, 1e-4, 4e-4, 4e-4})};
-};
-using SmallModel = StaticModel<Small>;
+using SmallModel = ArmWithFingerModel;
 struct Arm {
   static constexpr std::size_t joints = 2;
   static constexpr auto parents = chain_parents<2>();
   static constexpr auto kinds = all_of_kind<2>(JointKind::revolute);
   static constexpr double gravity[3] = {0, 0, -9.81};
-  static constexpr std::array<LinkParameters<double>, 2> links = {Small::links[0], Small::links[1]};
+  static constexpr std::array<LinkParameters<double>, 2> links = {ArmWithFinger::links[0],
+                                                                  ArmWithFinger::links[1]};
 };
 using ArmModel = StaticModel<Arm>;
 template <Interface I, class T = double>
@@ -155,8 +146,8 @@ TEST_CASE(
   // The oracle: an arm that carries the finger as a part of itself, in the same pose.
   const auto X = Poses<SmallModel, all_links(3), double>(SmallModel{}, measured.q);
   const auto X_AF = X.get<1>().inverse() * X.get<2>();
-  const Loaded<ArmModel, 1> loaded(ArmModel{},
-                                   seen_from(X_AF.axes(), X_AF.origin(), inertia_of(Small::links[2])));
+  const Loaded<ArmModel, 1> loaded(
+      ArmModel{}, seen_from(X_AF.axes(), X_AF.origin(), inertia_of(ArmWithFinger::links[2])));
   const Resolver<Interface::velocity, Loaded<ArmModel, 1>> alone(loaded, c.stiff);
   ResolverConfiguration<3> direct{.limits = limits<3, double>(1e3), .period = 4_ms};
   direct.shape.viscous[2] = c.viscous[0];
