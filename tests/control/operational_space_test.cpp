@@ -301,10 +301,10 @@ TEST_CASE("OperationalSpace: goals and contacts at any moment do not jump") {
   State<6> x{0, home, {}};
   auto memory = law.start(K(model, x, dt, none));
   double worst = 0, from_rest = 0;
-  const auto largest = [](const auto& x) {
-    double most = 0;
-    for (const double t : x) most = std::max(most, std::abs(t));
-    return most;
+  const auto largest = [](const auto& joints) {
+    double highest = 0;
+    for (const double j : joints) highest = std::max(highest, std::abs(j));
+    return highest;
   };
   for (int i = 0; i < 3000; ++i) {
     const K known(model, x, dt, none);
