@@ -6,7 +6,6 @@
 // Returns 1 if an overshoot exceeds 5 % of its deflection.
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/control/gravity_control.hpp"
@@ -43,6 +42,6 @@ int main(int argc, char** argv) {
         series.x.push_back(weight), series.y.push_back(100 * r.overshoot);
         good = good && r.overshoot <= 0.05;
       }
-  if (argc > 2) std::ofstream(argv[2]) << plotting::svg_plot(plot);
+  if (argc > 2 && !plotting::write_svg(argv[2], plotting::svg_plot(plot))) return 1;
   return good ? 0 : 1;
 }

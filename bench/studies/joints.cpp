@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <string>
 
 #include "examples/support/svg_plot.hpp"
@@ -119,7 +118,5 @@ int main(int count, char** words) {
   all.title = "The same beside KDL";
   all.series = {series(straight), series(loop), series(kdl)};
   const std::string path = folder + "/cost_by_joints.svg";
-  std::ofstream(path) << plotting::svg_figure("What inverse dynamics cost", {ours, all});
-  std::printf("\nwrote %s\n", path.c_str());
-  return 0;
+  return plotting::write_svg(path, plotting::svg_figure("What inverse dynamics costs", {ours, all})) ? 0 : 1;
 }

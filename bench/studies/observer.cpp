@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <deque>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -297,6 +296,8 @@ int main(int argc, char** argv) {
     blocked<Interface::position>("position", period);
   }
   const std::string path = std::string(argc > 1 ? argv[1] : ".") + "/observer.svg";
-  std::ofstream(path) << plotting::svg_figure("What the observer does", {after_jump, while_blocked});
-  std::printf("\n%s\n", path.c_str());
+  return plotting::write_svg(path,
+                             plotting::svg_figure("What the observer does", {after_jump, while_blocked}))
+             ? 0
+             : 1;
 }

@@ -2,7 +2,7 @@
 // `plant [folder for pictures]`: the felt admittance, contacts with walls, the stiffest contact predicted and
 // simulated, peak forces with and without skinctl.
 #include <cstdio>
-#include <fstream>
+#include <cstdlib>
 #include <string>
 
 #include "examples/support/svg_plot.hpp"
@@ -121,7 +121,8 @@ void stiffest(const std::string& folder) {
     simulated.x.push_back(std::log10(k)), simulated.y.push_back(std::log10(found));
   }
   plot.series = {predicted, simulated};
-  if (!folder.empty()) std::ofstream(folder + "/stiffest_contact.svg") << plotting::svg_plot(plot);
+  if (!folder.empty() && !plotting::write_svg(folder + "/stiffest_contact.svg", plotting::svg_plot(plot)))
+    std::exit(1);
 }
 
 void peaks() {

@@ -16,7 +16,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -189,8 +188,9 @@ void draw(const char* path, const Row (&rows)[3]) {
     wait.series.push_back(sorted(row, row.waits));
     deviation.series.push_back(sorted(row, row.deviations));
   }
-  std::ofstream(path) << plotting::svg_figure("Straight through the singularities of a UR5",
-                                              {wait, deviation});
+  if (!plotting::write_svg(
+          path, plotting::svg_figure("Straight through the singularities of a UR5", {wait, deviation})))
+    std::exit(1);
 }
 }  // namespace
 

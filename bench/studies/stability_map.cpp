@@ -1,7 +1,7 @@
 // Which virtual mass and damping rest in which contact: `stability_map [folder for pictures]`. One mass with
 // friction, position commands, delay; then simulated and predicted k_max of a UR5 at 40 poses.
 #include <cstdio>
-#include <fstream>
+#include <cstdlib>
 #include <random>
 #include <string>
 
@@ -66,9 +66,12 @@ void map(const std::string& folder) {
       }
     plots.push_back(plot);
   }
-  if (!folder.empty())
-    std::ofstream(folder + "/stability_map.svg") << plotting::svg_figure(
-        "Virtual mass and damping that rest in a contact, at 500 Hz and four delays", plots);
+  if (!folder.empty() &&
+      !plotting::write_svg(
+          folder + "/stability_map.svg",
+          plotting::svg_figure("Virtual mass and damping that rest in a contact, at 500 Hz and four delays",
+                               plots)))
+    std::exit(1);
 }
 
 void poses() {

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -43,8 +43,8 @@ Plant wrong(double factor) {
 /// Pictures go here, if anywhere.
 std::string folder;
 void draw(const char* name, const char* title, const std::vector<plotting::Plot>& plots) {
-  if (folder.empty()) return;
-  std::ofstream(folder + "/" + name) << plotting::svg_figure(title, plots);
+  if (!folder.empty() && !plotting::write_svg(folder + "/" + name, plotting::svg_figure(title, plots)))
+    std::exit(1);
 }
 plotting::Plot axes(const char* title, const char* x_name, const char* y_name) {
   plotting::Plot plot;

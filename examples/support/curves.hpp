@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -30,10 +29,7 @@ inline int draw(int argc, char** argv, const std::string& name, const std::strin
     plots.push_back(plot);
   }
   const std::string path = argc > 1 ? argv[1] : name;
-  std::ofstream out(path);
-  out << plotting::svg_figure(title, plots);
-  std::printf("%s: %s\n", title.c_str(), path.c_str());
-  return out.flush() ? 0 : 1;
+  return plotting::write_svg(path, plotting::svg_figure(title, plots)) ? 0 : 1;
 }
 
 }  // namespace examples

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <utility>
 
@@ -511,6 +512,14 @@ std::string svg_figure(const std::string& title, const std::vector<Plot>& plots)
   }
   return opening(width, std::max(y, 20.0), title, true) + "<style>" + plot_style() + "</style>" + body +
          "</svg>\n";
+}
+
+bool write_svg(const std::string& path, const std::string& svg) {
+  std::ofstream file(path);
+  file << svg;
+  const bool written = static_cast<bool>(file.flush());
+  std::fprintf(written ? stdout : stderr, written ? "wrote %s\n" : "cannot write %s\n", path.c_str());
+  return written;
 }
 
 std::string svg_plot(const Plot& plot) {

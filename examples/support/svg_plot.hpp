@@ -47,6 +47,9 @@ std::string svg_plot(const Plot& plot);
 /// Several plots, one below the other, as one SVG file.
 std::string svg_figure(const std::string& title, const std::vector<Plot>& plots);
 
+/// Writes a picture to a file, and prints where it is; or, on the error output, that it cannot: false.
+[[nodiscard]] bool write_svg(const std::string& path, const std::string& svg);
+
 /// Only the axes and curves, for a page that has `plot_style()` and shows title and legend itself. Curves
 /// carry the classes `s0` to `s7`.
 std::string inline_svg(const Plot& plot);
