@@ -8,13 +8,12 @@
 #include "bench/floor/ur5_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "bench/tactile/skin_floor.hpp"
-#include "skinctl/control/adaptation.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/joint_limits.hpp"
-#include "skinctl/control/null_space_posture.hpp"
+#include "skinctl/control/posture.hpp"
 #include "skinctl/control/reactive_control.hpp"
 #include "skinctl/control/skin_cartesian_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
@@ -24,6 +23,7 @@
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
+#include "skinctl/tracking/adaptation.hpp"
 #include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;

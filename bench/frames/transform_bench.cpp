@@ -6,7 +6,7 @@
 
 #include "bench/support/bench.hpp"
 #include "skinctl/frames/wrench.hpp"
-#include "tests/frames/random_frames.hpp"
+#include "skinctl/testing/random_frames.hpp"
 
 using namespace skinctl;
 
@@ -73,10 +73,10 @@ struct Pool {
   std::vector<EigenWrench<T>, Eigen::aligned_allocator<EigenWrench<T>>> eigen_wrench;
 
   Pool() {
-    auto rng = test::seeded(1);
+    auto rng = testing::seeded(1);
     for (std::size_t i = 0; i < count; ++i) {
-      const auto X = test::random_transform<World, World>(rng, T(1));
-      const auto f = test::random_xyz(rng, T(1)), m = test::random_xyz(rng, T(1));
+      const auto X = testing::random_transform<World, World>(rng, T(1));
+      const auto f = testing::random_xyz(rng, T(1)), m = testing::random_xyz(rng, T(1));
       typed.push_back(X);
       wrench.push_back({f, m});
       const auto &x = X.axis_x(), &y = X.axis_y(), &z = X.axis_z(), &p = X.origin();

@@ -14,7 +14,7 @@
 #include "skinctl/model/ur5_allegro.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 
@@ -109,8 +109,8 @@ LinkInertia rod(double m) {
 /// As `ulps_at`, of what the loop computes.
 template <class T>
 Ulps loop_ulps(const CalibratedModel<Chain<64>, T>& model, const Exact& exact,
-               const skinctl::test::Motion<64, T>& at) {
-  using skinctl::test::detail::in_ulps, skinctl::test::detail::largest;
+               const skinctl::testing::Motion<64, T>& at) {
+  using skinctl::testing::detail::in_ulps, skinctl::testing::detail::largest;
   const auto q = wide(at.q), dq = wide(at.dq), ddq = wide(at.ddq), zero = std::vector<Wide>(64, Wide(0));
   Ulps u;
   const auto X = loop_poses(model, at.q);
@@ -154,7 +154,8 @@ void loop_row(int states) {
   const Exact exact = exact_tree(random_robot<Chain<64>>("", 64).model);
   oracle::Random random(1);
   Ulps all;
-  for (int k = 0; k < states; ++k) all.note(loop_ulps<T>(model, exact, skinctl::test::Motion<64, T>(random)));
+  for (int k = 0; k < states; ++k)
+    all.note(loop_ulps<T>(model, exact, skinctl::testing::Motion<64, T>(random)));
   print("chain of 64, by the loop", std::is_same_v<T, float> ? "float" : "double", states, all);
 }
 

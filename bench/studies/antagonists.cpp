@@ -13,7 +13,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/fusion/describe.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "tests/fusion/touches.hpp"
+#include "skinctl/testing/touches.hpp"
 
 using namespace skinctl;
 
@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
       for (const double K_c : {4.0, 8.0}) {
         const SplineJoint<6> reach({.dt = 1 / rate, .K_c = K_c});
         const auto law = weight * SkinJointControl{} + reach + GravityControl{};
-        const auto r = test::touch_and_release(
+        const auto r = testing::touch_and_release(
             law, [&](const auto& m) { return law.template memory<1>(m).plan.at(0, reach.settings()).q_d; },
             rate, touches);
         std::printf("%-40s %5.0f %6d %12.3f %12.0f %8.2f %%\n", describe(law).c_str(), rate, r.counted,

@@ -9,10 +9,10 @@
 #include <cstring>
 #include <type_traits>
 
-#include "tests/skills/skilled_arm.hpp"
+#include "skinctl/testing/skilled_arm.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

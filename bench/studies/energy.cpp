@@ -9,10 +9,10 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "tests/resolver/torque_passivity.hpp"
+#include "skinctl/testing/torque_passivity.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

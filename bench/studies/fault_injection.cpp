@@ -6,7 +6,7 @@
 // reason, answered as the table says (brakes and stops checked joint by joint; what is refused leaves the
 // command as it is without it, to the bit), and ended as the table says with the skill that was asked for;
 // and commands beyond a limit, not finite, or further than a cycle may step.
-#include "tests/support/fault_injection.hpp"
+#include "skinctl/testing/fault_injection.hpp"
 
 #include <cstdio>
 #include <cstdlib>
@@ -14,7 +14,7 @@
 #include <vector>
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

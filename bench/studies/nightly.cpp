@@ -9,10 +9,10 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "tests/skills/skilled_scene.hpp"
+#include "skinctl/testing/skilled_scene.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 int main(int argc, char** argv) {
   const double hours = argc > 1 ? std::atof(argv[1]) : 24;

@@ -10,12 +10,12 @@
 #include <string>
 
 #include "examples/support/svg_plot.hpp"
-#include "tests/resolver/closed_loop.hpp"
+#include "skinctl/testing/closed_loop.hpp"
+#include "skinctl/testing/scene.hpp"
 #include "tests/support/robot_table.hpp"
-#include "tests/support/scene.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

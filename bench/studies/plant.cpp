@@ -6,11 +6,11 @@
 #include <string>
 
 #include "examples/support/svg_plot.hpp"
-#include "tests/resolver/plant_loop.hpp"
+#include "skinctl/testing/plant_loop.hpp"
 #include "tests/support/mujoco_plant.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

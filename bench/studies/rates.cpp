@@ -13,10 +13,10 @@
 #include <sstream>
 #include <string>
 
-#include "tests/resolver/closed_loop.hpp"
+#include "skinctl/testing/closed_loop.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -23,10 +23,10 @@
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "tests/control/plant.hpp"
+#include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Pose = Transform<Base, Flange>;

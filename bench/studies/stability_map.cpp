@@ -6,11 +6,11 @@
 #include <string>
 
 #include "examples/support/svg_plot.hpp"
-#include "skinctl/resolver/contact_stability.hpp"
-#include "tests/resolver/wall_contact.hpp"
+#include "skinctl/passivity/contact_stability.hpp"
+#include "skinctl/testing/wall_contact.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "examples/support/svg_plot.hpp"
-#include "skinctl/control/adaptation.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "tests/control/plant.hpp"
+#include "skinctl/testing/plant.hpp"
+#include "skinctl/tracking/adaptation.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Arm = ur5::Model;

@@ -27,11 +27,11 @@
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/testing/scene.hpp"
 #include "tests/support/robot_table.hpp"
-#include "tests/support/scene.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
 
 namespace skinctl::bench {
 
@@ -27,7 +27,7 @@ class CountAllocations {
 
  private:
   benchmark::State& state_;
-  test::AllocationGuard guard_;
+  testing::AllocationGuard guard_;
 };
 
 }  // namespace skinctl::bench

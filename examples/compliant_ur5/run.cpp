@@ -13,7 +13,7 @@
 #include "skinctl/cycle/recording.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
 
 namespace compliant_ur5 {
 namespace {
@@ -281,7 +281,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
     simulation->stop();
   }
   fill_times(report, log);
-  const auto allocations = test::unexpected_real_time_allocations();
+  const auto allocations = testing::unexpected_real_time_allocations();
   const bool real_time = s.robot || s.speed == 1;
   log.title = std::string(s.rigid ? "Rigid" : "Compliant") + " UR5, " + (s.robot ? *s.robot : "simulated") +
               ", " + text("%.0f Hz, ", s.rate) + (I == Interface::position ? "position" : "velocity") +

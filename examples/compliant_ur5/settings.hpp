@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "skinctl/safety/command.hpp"
+#include "skinctl/core/command.hpp"
 
 namespace compliant_ur5 {
 

@@ -6,13 +6,13 @@
 
 #include "examples/support/curves.hpp"
 #include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/settings.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/describe.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/tracking/settings.hpp"
 
 namespace examples {
 using namespace skinctl;

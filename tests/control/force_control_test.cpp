@@ -4,11 +4,11 @@
 
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Arm = ur5::Model;

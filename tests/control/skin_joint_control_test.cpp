@@ -6,7 +6,7 @@
 #include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 template <class T>

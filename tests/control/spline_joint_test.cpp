@@ -2,11 +2,11 @@
 
 #include <doctest/doctest.h>
 
-#include "plant.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Arm = ur5::Model;

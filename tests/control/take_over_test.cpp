@@ -5,13 +5,13 @@
 #include <limits>
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Arm = ur5::Model;

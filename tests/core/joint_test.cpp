@@ -10,7 +10,7 @@
 #include <random>
 #include <type_traits>
 
-#include "support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
 
 using namespace skinctl;
 
@@ -117,7 +117,7 @@ TEST_CASE_TEMPLATE("JointVector: takes arrays, Eigen vectors and expressions of 
 TEST_CASE("JointVector: its algebra does not allocate") {
   std::mt19937_64 rng(4);
   const auto a = random_joints<JointTorque<22>>(rng, 1.0), b = random_joints<JointTorque<22>>(rng, 1.0);
-  const test::AllocationGuard guard;
+  const testing::AllocationGuard guard;
   const auto c = 2.0 * a - b;
   const auto count = guard.count();
   CHECK(count == 0);

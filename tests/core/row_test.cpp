@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "tests/support/random_robots.hpp"
+#include "skinctl/testing/random_robots.hpp"
 
 using namespace skinctl;
 using detail::Row;

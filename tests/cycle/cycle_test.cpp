@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/scene.hpp"
 #include "tests/support/robot_table.hpp"
-#include "tests/support/scene.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 using Reaching = decltype(reaching_scene());
 static_assert(std::is_trivially_copyable_v<Reaching::Memory>);

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/scene.hpp"
 #include "tests/support/robot_table.hpp"
-#include "tests/support/scene.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

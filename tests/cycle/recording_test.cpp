@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/scene.hpp"
 #include "tests/support/robot_table.hpp"
-#include "tests/support/scene.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

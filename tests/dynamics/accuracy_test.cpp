@@ -7,7 +7,7 @@
 #include "tests/support/accuracy.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 // What the README's table of accuracy promises, at a few of its states; the table itself is printed by
 // bench/report/accuracy.cpp.
@@ -22,7 +22,7 @@ Ulps worst(const M& model, const Exact& exact, int states, F&& choose) {
   oracle::Random random(3);
   Ulps all;
   for (int k = 0; k < states; ++k) {
-    test::Motion<N, T> at(random);
+    testing::Motion<N, T> at(random);
     choose(random, at);
     all.note(ulps_at<T>(model, exact, at.q, at.dq, at.ddq));
   }
@@ -107,11 +107,11 @@ TEST_CASE("accuracy: 64 joints by the loop") {
     const auto model = random_robot<Chain<64>, T>("", 64).model;
     oracle::Random random(5);
     for (int k = 0; k < 5; ++k) {
-      const test::Motion<64, T> at(random);
+      const testing::Motion<64, T> at(random);
       std::vector<Wide> magnitude;
       const auto tau = exact.dalembert(wide(at.q), wide(at.dq), wide(at.ddq), &magnitude);
-      CHECK(test::detail::in_ulps<T>(loop_yr_theta(model, at.q, at.dq, at.dq, at.ddq), tau,
-                                     test::detail::largest(magnitude)) <= 64);
+      CHECK(testing::detail::in_ulps<T>(loop_yr_theta(model, at.q, at.dq, at.dq, at.ddq), tau,
+                                        testing::detail::largest(magnitude)) <= 64);
     }
   };
   chain(0.0);

@@ -3,12 +3,12 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/mujoco_oracle.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 TEST_CASE("energy: MuJoCo's, and momentum is M dq") {
   const auto check = [](const auto& robot) {

@@ -2,13 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 TEST_CASE("gravity: KDL and MuJoCo agree at 1000 random states") {
   for_each_robot([](const auto& robot) {

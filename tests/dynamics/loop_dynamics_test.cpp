@@ -4,11 +4,11 @@
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 TEST_CASE("loop dynamics: what straight-line code gives, on a tree with sliding joints") {
   const auto robot = random_robot<MixedTree>("mixed tree", 11);

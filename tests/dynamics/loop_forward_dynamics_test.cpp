@@ -2,12 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/euler_lagrange.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 /// Undoes inverse dynamics on a chain of 64 joints, and M is the definition's.

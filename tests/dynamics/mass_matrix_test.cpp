@@ -3,13 +3,13 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 static_assert(std::is_trivially_copyable_v<MassMatrix<6>>);
 

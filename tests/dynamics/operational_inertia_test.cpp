@@ -6,11 +6,11 @@
 #include <Eigen/LU>
 
 #include "skinctl/kinematics/damped_inverse.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/mujoco_oracle.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 struct Slider {

@@ -2,12 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/counted.hpp"
 #include "tests/support/digits.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using M = ur5::Model;

@@ -5,11 +5,11 @@
 #include <Eigen/Core>
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 static_assert(sizeof(Regressor<ur5::Model>) == 21 * 10 * sizeof(double), "the lower half is all there is");
 

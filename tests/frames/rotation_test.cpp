@@ -5,10 +5,10 @@
 #include <type_traits>
 #include <vector>
 
-#include "random_frames.hpp"
+#include "skinctl/testing/random_frames.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 static_assert(std::is_trivially_copyable_v<Rotation<float>> && sizeof(Rotation<float>) == 9 * sizeof(float));
 static_assert(std::is_trivially_copyable_v<Rotation<double>> &&
@@ -84,7 +84,7 @@ TEST_CASE_TEMPLATE("Rotation: exp is the turn by |phi| about phi, at every lengt
           exact_angle == 0 ? Rotation<Exact>{} : rotation_about((1 / exact_angle) * exact_phi, exact_angle);
       const Rotation<T> R = exp_so3(phi);
       CAPTURE(as_code(phi));
-      CHECK(largest(test::cast<Exact>(R), expected) <= Exact(T(4) + T(2) * angle) * epsilon<T>());
+      CHECK(largest(testing::cast<Exact>(R), expected) <= Exact(T(4) + T(2) * angle) * epsilon<T>());
       CHECK(rotation_error(R) <= T(16) * epsilon<T>());
     }
   }
@@ -109,7 +109,7 @@ TEST_CASE_TEMPLATE("Rotation: log finds the vector that exp was given, to relati
     for (const auto& axis : telling_axes<T>(rng)) {
       const Xyz<Exact> unit = (1 / norm(skinctl::cast<Exact>(axis))) * skinctl::cast<Exact>(axis);
       const Xyz<Exact> expected = Exact(angle) * unit;
-      const Rotation<T> R = test::cast<T>(rotation_about(unit, Exact(angle)));
+      const Rotation<T> R = testing::cast<T>(rotation_about(unit, Exact(angle)));
       const Xyz<Exact> phi = skinctl::cast<Exact>(log_so3(R));
       CAPTURE(as_code(R));
       // Next to half a turn the rounding of R may put it on the other side.

@@ -5,10 +5,10 @@
 #include <array>
 #include <type_traits>
 
-#include "random_frames.hpp"
+#include "skinctl/testing/random_frames.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 static_assert(std::is_trivially_copyable_v<Symmetric<double>> &&
               sizeof(Symmetric<double>) == 6 * sizeof(double));

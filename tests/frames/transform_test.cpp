@@ -8,12 +8,12 @@
 #include <type_traits>
 #include <vector>
 
-#include "random_frames.hpp"
 #include "skinctl/core/lane.hpp"
-#include "support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/random_frames.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 struct Table : FrameTag {};

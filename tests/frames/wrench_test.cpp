@@ -4,10 +4,10 @@
 
 #include <type_traits>
 
-#include "random_frames.hpp"
+#include "skinctl/testing/random_frames.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Arm = Link<2>;

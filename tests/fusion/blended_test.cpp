@@ -12,11 +12,11 @@
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "tests/control/plant.hpp"
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Arm = ur5::Model;

@@ -10,11 +10,11 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "tests/control/plant.hpp"
-#include "tests/support/random.hpp"
+#include "skinctl/testing/plant.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Arm = ur5::Model;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
 #include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
@@ -35,7 +35,7 @@ TEST_CASE("histogram: percentiles are those of the sorted durations, to 1/32") {
 TEST_CASE("histogram: small durations are exact, extremes stay in range, nothing is allocated") {
   Histogram histogram;
   CHECK(histogram.percentile(0.5) == 0);
-  const test::AllocationGuard guard;
+  const testing::AllocationGuard guard;
   for (Nanoseconds d = 0; d < 32; ++d) histogram.record(d);
   CHECK(histogram.percentile(0.5) == 15);
   histogram.record(-5);

@@ -2,11 +2,11 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/allocation_guard.hpp"
-#include "tests/support/scene.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/scene.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -4,11 +4,11 @@
 
 #include <Eigen/Core>
 
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 TEST_CASE(
     "CentreOfMass: total moments and total mass of the table, gravity torque, the slope of the position") {

@@ -6,10 +6,10 @@
 #include <Eigen/LU>
 #include <vector>
 
-#include "tests/support/robots.hpp"
+#include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

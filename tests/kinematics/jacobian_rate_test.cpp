@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
 #include "tests/support/kdl_oracle.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

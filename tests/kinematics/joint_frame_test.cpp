@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "tests/support/robots.hpp"
+#include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 TEST_CASE("joint frame: to the link undoes to the parent, whatever the joint") {
   const auto robot = random_robot<MixedTree>("mixed tree", 3);

@@ -2,13 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 static_assert(std::is_trivially_copyable_v<Poses<ur5::Model, 0b111111>>);
 static_assert(sizeof(Poses<ur5::Model, 0b100100>) == 2 * sizeof(Transform<Base, Link<2>>),

@@ -5,10 +5,10 @@
 #include <Eigen/Core>
 #include <Eigen/SVD>
 
-#include "tests/support/robots.hpp"
+#include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;

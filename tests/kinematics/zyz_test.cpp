@@ -2,10 +2,10 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/robots.hpp"
+#include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 template <class T>

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 using Exact =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
@@ -35,4 +35,4 @@ template <class T>
   return static_cast<double>(abs(Exact(got) - exact));
 }
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

@@ -8,11 +8,11 @@
 #include <limits>
 #include <vector>
 
-#include "tests/support/allocation_guard.hpp"
-#include "tests/support/random.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <limits>
 
+#include "skinctl/testing/allocation_guard.hpp"
 #include "tests/math/matrices.hpp"
-#include "tests/support/allocation_guard.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

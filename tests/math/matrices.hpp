@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <limits>
 
+#include "skinctl/testing/random.hpp"
 #include "tests/math/exact_error.hpp"
-#include "tests/support/random.hpp"
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 template <class T>
 inline constexpr T nan_of = std::numeric_limits<T>::quiet_NaN();
@@ -82,4 +82,4 @@ template <std::size_t N, class T>
          static_cast<double>(std::numeric_limits<T>::epsilon());
 }
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "math/exact_error.hpp"
-#include "support/allocation_guard.hpp"
-#include "support/random.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

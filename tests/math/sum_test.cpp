@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "skinctl/core/lane.hpp"
+#include "skinctl/testing/random.hpp"
 #include "tests/math/exact_error.hpp"
-#include "tests/support/random.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 using math::Compensated;
 using math::DoubleWord;
 using math::Sum;

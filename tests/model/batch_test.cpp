@@ -6,12 +6,12 @@
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/attached.hpp"
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/digits.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 
@@ -31,7 +31,7 @@ double worst(const B& batch, F one) {
   std::vector<MassMatrix<N, T>> mass(count);
   std::vector<Transform<Base, Link<N - 1>, T>> tip(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const test::Motion<N, T> at(random);
+    const testing::Motion<N, T> at(random);
     q[k] = at.q, dq[k] = at.dq, ddq[k] = at.ddq;
   }
   q[4][1] = std::numeric_limits<T>::quiet_NaN();

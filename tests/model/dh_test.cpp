@@ -3,10 +3,10 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "tests/support/robots.hpp"
+#include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
-using test::Wide;
+using testing::Wide;
 
 namespace {
 

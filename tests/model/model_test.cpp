@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "tests/support/robots.hpp"
+#include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
 using P = Parameter;

@@ -2,10 +2,10 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/robots.hpp"
+#include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
-using test::MixedTree;
+using testing::MixedTree;
 
 static_assert(Topology<MixedTree>);
 static_assert(is_tree<MixedTree>() && is_tree<Chain<6>>() && is_tree<allegro::Tree>());

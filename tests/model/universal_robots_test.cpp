@@ -4,12 +4,12 @@
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/poses.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
-#include "tests/support/robots.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

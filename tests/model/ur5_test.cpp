@@ -2,12 +2,12 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/robots.hpp"
+#include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
 
 TEST_CASE("UR5: the model is the table that was entered from the maker's sources by other hands") {
-  const auto robot = test::ur5_robot();
+  const auto robot = testing::ur5_robot();
   for (std::size_t i = 0; i < 6; ++i) {
     const auto& l = ur5::Description::links[i];
     const auto& b = robot.table.bodies[i];

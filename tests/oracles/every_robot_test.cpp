@@ -10,13 +10,13 @@
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/model/universal_robots.hpp"
 #include "skinctl/model/ur5_allegro.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
-#include "tests/support/robots.hpp"
 #include "tests/support/table_of.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 
@@ -46,7 +46,7 @@ Worst worst(const M& model) {
   Worst w;
   const auto note = [](double& most, double error) { most = std::max(most, error); };
   for (int k = 0; k < states; ++k) {
-    const test::Motion<N> at(random);
+    const testing::Motion<N> at(random);
     double expected[N * N > 6 * N ? N * N : 6 * N], R[9], p[3];
     const auto poses = link_poses<ancestors<M>(last)>(model, at.q);
     const auto X = poses.template get<last>();

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-using namespace skinctl::test;
+using namespace skinctl::testing;
 namespace fs = std::filesystem;
 
 namespace {

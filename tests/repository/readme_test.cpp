@@ -9,7 +9,7 @@
 
 #include "tests/support/readme_blocks.hpp"
 
-using namespace skinctl::test;
+using namespace skinctl::testing;
 namespace fs = std::filesystem;
 
 namespace {

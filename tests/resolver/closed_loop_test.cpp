@@ -1,14 +1,14 @@
-#include "closed_loop.hpp"
+#include "skinctl/testing/closed_loop.hpp"
 
 #include <doctest/doctest.h>
 
 #include <Eigen/LU>
 #include <complex>
 
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

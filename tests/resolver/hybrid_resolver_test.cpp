@@ -7,12 +7,12 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/resolver/torque_resolver.hpp"
-#include "tests/resolver/simulated_joints.hpp"
-#include "tests/support/allocation_guard.hpp"
-#include "tests/support/arm_with_finger.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/arm_with_finger.hpp"
+#include "skinctl/testing/simulated_joints.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

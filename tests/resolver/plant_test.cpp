@@ -1,11 +1,11 @@
 // A part of bench/studies/plant.cpp: an arm that we did not write, MuJoCo under stiff servos.
 #include <doctest/doctest.h>
 
-#include "tests/resolver/plant_loop.hpp"
+#include "skinctl/testing/plant_loop.hpp"
 #include "tests/support/mujoco_plant.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 TEST_CASE("Plant: a hand feels the configured mass and friction") {
   PlantLoop::Setting s{.period = 8_ms, .delay = 0.008};

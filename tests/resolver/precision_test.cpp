@@ -2,11 +2,11 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
-#include "closed_loop.hpp"
+#include "skinctl/testing/closed_loop.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 using Exact =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
 

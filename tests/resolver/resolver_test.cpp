@@ -8,11 +8,11 @@
 #include <string>
 #include <type_traits>
 
-#include "closed_loop.hpp"
-#include "skinctl/safety/guard.hpp"
+#include "skinctl/guard/guard.hpp"
+#include "skinctl/testing/closed_loop.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 static_assert(std::is_trivially_copyable_v<Resolver<Interface::position, ur5::Model>::Memory>);
 static_assert(std::is_trivially_copyable_v<Resolver<Interface::velocity, ur5::Model, float>::Memory>);

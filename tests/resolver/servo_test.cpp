@@ -5,10 +5,10 @@
 #include <random>
 #include <type_traits>
 
-#include "simulated_joints.hpp"
+#include "skinctl/testing/simulated_joints.hpp"
 
 using namespace skinctl;
-using test::SimulatedJoints;
+using testing::SimulatedJoints;
 
 static_assert(std::is_trivially_copyable_v<CommandsUnderWay<6, double, 32>>);
 

@@ -4,12 +4,12 @@
 #include <complex>
 #include <random>
 
-#include "skinctl/resolver/contact_stability.hpp"
+#include "skinctl/passivity/contact_stability.hpp"
 #include "skinctl/resolver/tool_shape.hpp"
-#include "tests/resolver/closed_loop.hpp"
+#include "skinctl/testing/closed_loop.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <string>
 
-#include "closed_loop.hpp"
+#include "skinctl/testing/closed_loop.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -1,9 +1,9 @@
 #include <doctest/doctest.h>
 
-#include "skilled_arm.hpp"
+#include "skinctl/testing/skilled_arm.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 // A part of bench/studies/bumpless.cpp, which changes a thousand times between each two.
 TEST_CASE("SkillSet: no change of skill jumps, in torque or rate, at any state and under any touch") {

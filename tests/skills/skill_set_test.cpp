@@ -4,12 +4,12 @@
 
 #include <type_traits>
 
-#include "skilled_arm.hpp"
 #include "skinctl/core/real_time.hpp"
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/skilled_arm.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 using namespace skinctl::behaviour;
 
 namespace {

@@ -1,4 +1,4 @@
-#include "skilled_scene.hpp"
+#include "skinctl/testing/skilled_scene.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,10 +6,10 @@
 #include <type_traits>
 
 #include "skinctl/cycle/recording.hpp"
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 // A part of bench/studies/nightly.cpp, which takes a day.
 TEST_CASE(

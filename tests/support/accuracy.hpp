@@ -9,10 +9,10 @@
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
-#include "tests/support/robots.hpp"
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 using Exact = oracle::EulerLagrange<Wide>;
 
@@ -184,4 +184,4 @@ template <class T, Model M>
   return u;
 }
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

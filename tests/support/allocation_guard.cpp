@@ -1,4 +1,4 @@
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
 
 #include <atomic>
 #include <cerrno>
@@ -21,7 +21,7 @@
 #endif
 #endif
 
-namespace skinctl::test {
+namespace skinctl::testing {
 namespace {
 
 constinit thread_local std::uint64_t of_thread = 0;
@@ -55,7 +55,7 @@ void note_allocation() noexcept {
 }  // namespace
 #endif
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing
 
 #if SKINCTL_COUNTS_ALLOCATIONS
 // The program's own malloc comes before the C library's for every library in the process; glibc keeps the
@@ -70,27 +70,27 @@ void __libc_free(void*) noexcept;
 #define SKINCTL_INTERPOSED [[gnu::visibility("default")]]
 
 SKINCTL_INTERPOSED void* malloc(std::size_t size) noexcept {
-  skinctl::test::note_allocation();
+  skinctl::testing::note_allocation();
   return __libc_malloc(size);
 }
 SKINCTL_INTERPOSED void* calloc(std::size_t count, std::size_t size) noexcept {
-  skinctl::test::note_allocation();
+  skinctl::testing::note_allocation();
   return __libc_calloc(count, size);
 }
 SKINCTL_INTERPOSED void* realloc(void* old, std::size_t size) noexcept {
-  skinctl::test::note_allocation();
+  skinctl::testing::note_allocation();
   return __libc_realloc(old, size);
 }
 SKINCTL_INTERPOSED void* memalign(std::size_t alignment, std::size_t size) noexcept {
-  skinctl::test::note_allocation();
+  skinctl::testing::note_allocation();
   return __libc_memalign(alignment, size);
 }
 SKINCTL_INTERPOSED void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  skinctl::test::note_allocation();
+  skinctl::testing::note_allocation();
   return __libc_memalign(alignment, size);
 }
 SKINCTL_INTERPOSED int posix_memalign(void** result, std::size_t alignment, std::size_t size) noexcept {
-  skinctl::test::note_allocation();
+  skinctl::testing::note_allocation();
   if (alignment % sizeof(void*) != 0 || (alignment & (alignment - 1)) != 0 || alignment == 0) return EINVAL;
   void* memory = __libc_memalign(alignment, size);
   if (memory == nullptr) return ENOMEM;
@@ -99,7 +99,7 @@ SKINCTL_INTERPOSED int posix_memalign(void** result, std::size_t alignment, std:
 }
 // Giving memory back is a call to the allocator as well: it may lock.
 SKINCTL_INTERPOSED void free(void* memory) noexcept {
-  if (memory != nullptr) skinctl::test::note_allocation();
+  if (memory != nullptr) skinctl::testing::note_allocation();
   __libc_free(memory);
 }
 }

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 /// A double whose every operation counts: what an algorithm costs, whatever compiler and machine.
 struct Counted {
@@ -29,7 +29,7 @@ struct Counted {
   friend Counted sqrt(Counted a) { return ++operations, std::sqrt(a.value); }
 };
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing
 
 template <>
-class std::numeric_limits<skinctl::test::Counted> : public std::numeric_limits<double> {};
+class std::numeric_limits<skinctl::testing::Counted> : public std::numeric_limits<double> {};

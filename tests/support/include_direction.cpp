@@ -5,12 +5,12 @@
 #include <map>
 #include <set>
 
-namespace skinctl::test {
+namespace skinctl::testing {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::set<std::string> left_to_the_user = {"io", "calibration", "semantics"};
+const std::set<std::string> left_to_the_user = {"io", "calibration", "semantics", "testing"};
 
 std::set<std::string> reachable(const std::map<std::string, std::vector<std::string>>& table,
                                 const std::string& folder) {
@@ -54,18 +54,23 @@ const std::vector<Folder>& folders() {
       {"model", {"frames"}},
       {"kinematics", {"model"}},
       {"dynamics", {"kinematics"}},
+      {"robot", {"dynamics"}},
       {"sensing", {"math"}},
-      {"tactile", {"kinematics", "sensing"}},
+      {"tactile", {"dynamics", "sensing"}},
       {"trajectory", {"frames"}},
-      {"control", {"dynamics", "tactile", "trajectory"}},
+      {"tracking", {"robot", "trajectory"}},
+      {"control", {"tracking", "tactile"}},
       {"fusion", {"dynamics", "trajectory"}},
-      {"safety", {"dynamics", "tactile"}},
-      {"resolver", {"dynamics", "safety"}},
-      {"cycle", {"control", "fusion", "resolver"}},
-      {"skills", {"control", "fusion"}},
+      {"limits", {"robot", "tactile"}},
+      {"passivity", {"robot", "tactile"}},
+      {"resolver", {"limits", "passivity"}},
+      {"guard", {"resolver"}},
+      {"cycle", {"guard"}},
+      {"skills", {"fusion"}},
       {"hardware", {"cycle"}},
-      {"calibration", {"dynamics", "tactile"}},
-      {"semantics", {"skills"}},
+      {"calibration", {"tactile", "trajectory"}},
+      {"semantics", {"skills", "cycle"}},
+      {"testing", {"control", "fusion", "skills", "hardware", "calibration", "semantics"}},
       {"io", {"cycle"}},
   };
   return table;
@@ -120,4 +125,4 @@ std::vector<std::string> include_errors(const fs::path& include) {
   return errors;
 }
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 /// A folder and those it may use directly; what these may use it may use as well, and everyone may use core.
 struct Folder {
@@ -22,4 +22,4 @@ struct Folder {
 /// semantics).
 [[nodiscard]] std::vector<std::string> include_errors(const std::filesystem::path& include);
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

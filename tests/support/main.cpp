@@ -5,11 +5,11 @@
 #include <cinttypes>
 #include <cstdio>
 
-#include "tests/support/allocation_guard.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
 
 int main(int argc, char** argv) {
   const int failed = doctest::Context(argc, argv).run();
-  const auto allocations = skinctl::test::unexpected_real_time_allocations();
+  const auto allocations = skinctl::testing::unexpected_real_time_allocations();
   if (allocations == 0) return failed;
   std::fprintf(stderr, "skinctl: %" PRIu64 " calls to the allocator inside real-time scopes\n", allocations);
   return 1;

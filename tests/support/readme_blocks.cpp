@@ -4,7 +4,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace skinctl::test {
+namespace skinctl::testing {
 namespace {
 
 std::string trimmed(const std::string& line) {
@@ -61,4 +61,4 @@ std::map<std::string, std::string> marked_regions(const std::string& source) {
   return regions;
 }
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

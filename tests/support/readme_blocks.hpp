@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 /// The contents of the fenced ```cpp blocks of a Markdown text, in order.
 [[nodiscard]] std::vector<std::string> cpp_blocks(const std::string& markdown);
@@ -14,4 +14,4 @@ namespace skinctl::test {
 /// indentation that all their lines share. Throws `std::runtime_error` if a region has no end.
 [[nodiscard]] std::map<std::string, std::string> marked_regions(const std::string& source);
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "tests/support/random_robots.hpp"
+#include "skinctl/testing/random_robots.hpp"
 #include "tests/support/robot_table_types.hpp"
 
 namespace oracle {

@@ -4,7 +4,7 @@
 #include "skinctl/model/model.hpp"
 #include "tests/support/robot_table.hpp"
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 /// The frames are the model's own.
 template <Model M>
@@ -41,4 +41,4 @@ template <Model M>
   return robot;
 }
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

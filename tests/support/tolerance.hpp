@@ -8,7 +8,7 @@
 
 #include "skinctl/core/real.hpp"
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 /// `operations` rounding errors of `T` at numbers of `magnitude`: the largest number that enters the
 /// computation, not its result, which may have cancelled. At magnitude 0 only the smallest normal number is
@@ -68,4 +68,4 @@ template <class A, class B>
   return largest;
 }
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/tactile/random_skin.hpp"
+#include "skinctl/testing/random_skin.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <type_traits>
 
 #include "skinctl/model/ur5.hpp"
-#include "tests/frames/random_frames.hpp"
+#include "skinctl/testing/random_frames.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 using Two = LinkWrenches<ur5::Model, 0b100100, double>;

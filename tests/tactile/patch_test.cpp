@@ -4,10 +4,10 @@
 
 #include <limits>
 
-#include "tests/tactile/random_skin.hpp"
+#include "skinctl/testing/random_skin.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 TEST_CASE("unit_wrench: one newton inwards, no moment about the cell, some about the link") {
   Random rng = seeded(1);

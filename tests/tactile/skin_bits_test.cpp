@@ -8,10 +8,10 @@
 
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
-#include "tests/tactile/random_skin.hpp"
+#include "skinctl/testing/random_skin.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

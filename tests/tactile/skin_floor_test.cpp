@@ -8,10 +8,10 @@
 #include "bench/tactile/kdl_skin.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
-#include "tests/tactile/random_skin.hpp"
+#include "skinctl/testing/random_skin.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 TEST_CASE_TEMPLATE("Floor of skin torque: the backward pass by hand is skinctl's", T, float, double) {
   Random rng = seeded(1);

@@ -9,7 +9,7 @@
 
 #include "skinctl/core/time.hpp"
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 /// What passed the gates of one cell at one time [N].
 struct Knot {
@@ -71,4 +71,4 @@ class CellSignal {
   Nanoseconds max_age_, fade_, ramp_;
 };
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

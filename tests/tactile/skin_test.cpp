@@ -9,13 +9,13 @@
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
-#include "tests/support/allocation_guard.hpp"
-#include "tests/support/robots.hpp"
-#include "tests/tactile/random_skin.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/random_skin.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/tactile/skin_oracle.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

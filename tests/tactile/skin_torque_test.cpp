@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/testing/random_skin.hpp"
+#include "skinctl/testing/robots.hpp"
 #include "tests/support/kdl_oracle.hpp"
-#include "tests/support/robots.hpp"
-#include "tests/tactile/random_skin.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -6,11 +6,11 @@
 #include <limits>
 #include <vector>
 
-#include "tests/support/allocation_guard.hpp"
-#include "tests/tactile/random_skin.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/random_skin.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 

@@ -6,10 +6,10 @@
 #include <set>
 #include <vector>
 
-#include "tests/tactile/random_skin.hpp"
+#include "skinctl/testing/random_skin.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 static_assert(Ur5Skin<260>::cells == 260 && Ur5Skin<1260>::cells == 1260 && Ur5Skin<10000>::cells == 10000);
 static_assert(Ur5Skin<260>::links == 0b111111);

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-namespace skinctl::test {
+namespace skinctl::testing {
 
 using Exact =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
@@ -38,4 +38,4 @@ T magnitude(const T& x) {
   return x < T(0) ? T(-x) : x;
 }
 
-}  // namespace skinctl::test
+}  // namespace skinctl::testing

@@ -5,7 +5,7 @@
 #include "exact.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 /// x(t) under dx = -K x, the integral of K by Simpson's rule on a fine grid between the joins.

@@ -5,7 +5,7 @@
 #include "exact.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 template <std::size_t D>

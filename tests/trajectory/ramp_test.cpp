@@ -5,7 +5,7 @@
 #include "exact.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 TEST_CASE_TEMPLATE("Ramp: goes from 0 to 1 without a jump in value, rate or bend", T, float, double) {
   const Ramp<T> ramp(200_ms);

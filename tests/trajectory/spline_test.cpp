@@ -7,7 +7,7 @@
 #include "exact.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 static_assert(std::is_trivially_copyable_v<JointSpline<6>>);
 

@@ -5,7 +5,7 @@
 #include "exact.hpp"
 
 using namespace skinctl;
-using namespace skinctl::test;
+using namespace skinctl::testing;
 
 namespace {
 // dx = -f(t) x from 0 to 1, Runge-Kutta of fourth order.

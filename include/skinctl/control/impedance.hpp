@@ -3,11 +3,11 @@
 
 #include <array>
 
-#include "skinctl/control/joint_space.hpp"
-#include "skinctl/control/operational_space.hpp"
-#include "skinctl/control/spline_plan.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/math/ldlt.hpp"
+#include "skinctl/tracking/joint_space.hpp"
+#include "skinctl/tracking/operational_space.hpp"
+#include "skinctl/tracking/spline_plan.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

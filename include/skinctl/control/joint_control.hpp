@@ -1,8 +1,8 @@
 // Joint Control: tracks positions and velocities that come from outside, section 4.2.1.
 #pragma once
 
-#include "skinctl/control/target_plan.hpp"
-#include "skinctl/control/tracking.hpp"
+#include "skinctl/tracking/target_plan.hpp"
+#include "skinctl/tracking/tracking.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

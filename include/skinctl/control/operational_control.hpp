@@ -1,9 +1,9 @@
 // Operational Control: tracks poses and velocities of a tool that come from outside, section 4.2.2.
 #pragma once
 
-#include "skinctl/control/operational_space.hpp"
-#include "skinctl/control/target_plan.hpp"
-#include "skinctl/control/tracking.hpp"
+#include "skinctl/tracking/operational_space.hpp"
+#include "skinctl/tracking/target_plan.hpp"
+#include "skinctl/tracking/tracking.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -1,9 +1,9 @@
 // Joint and Operational Control with a target from a sensor that may jump.
 #pragma once
 
-#include "skinctl/control/operational_space.hpp"
-#include "skinctl/control/reactive_plan.hpp"
-#include "skinctl/control/tracking.hpp"
+#include "skinctl/tracking/operational_space.hpp"
+#include "skinctl/tracking/reactive_plan.hpp"
+#include "skinctl/tracking/tracking.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

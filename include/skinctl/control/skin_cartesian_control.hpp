@@ -1,9 +1,9 @@
 // Skin Cartesian Control: the tool gives way to touch, in the directions that are chosen, section 4.1.
 #pragma once
 
-#include "skinctl/control/null_space.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/kinematics/damped_inverse.hpp"
+#include "skinctl/tracking/redundancy.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

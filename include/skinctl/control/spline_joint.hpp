@@ -1,8 +1,8 @@
 // Spline Joint Control: goes to a static goal along a spline, section 4.2.4.
 #pragma once
 
-#include "skinctl/control/spline_plan.hpp"
-#include "skinctl/control/tracking.hpp"
+#include "skinctl/tracking/spline_plan.hpp"
+#include "skinctl/tracking/tracking.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -1,9 +1,9 @@
 // Spline Operational Control: brings a tool to a static goal along a spline, section 4.2.5.
 #pragma once
 
-#include "skinctl/control/operational_space.hpp"
-#include "skinctl/control/spline_plan.hpp"
-#include "skinctl/control/tracking.hpp"
+#include "skinctl/tracking/operational_space.hpp"
+#include "skinctl/tracking/spline_plan.hpp"
+#include "skinctl/tracking/tracking.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

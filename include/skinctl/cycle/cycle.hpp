@@ -9,9 +9,9 @@
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/stage.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/guard/guard.hpp"
+#include "skinctl/limits/governor.hpp"
 #include "skinctl/resolver/resolver.hpp"
-#include "skinctl/safety/governor.hpp"
-#include "skinctl/safety/guard.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "skinctl/fusion/contact.hpp"
+#include "skinctl/fusion/contact_gate.hpp"
 #include "skinctl/fusion/detail/blend_goal.hpp"
 #include "skinctl/fusion/fused.hpp"
 #include "skinctl/trajectory/ramp.hpp"

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/guard/budget.hpp"
+#include "skinctl/guard/packet_watch.hpp"
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/robot.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
-#include "skinctl/safety/budget.hpp"
-#include "skinctl/safety/packet_watch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

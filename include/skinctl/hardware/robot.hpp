@@ -4,8 +4,8 @@
 #include <concepts>
 #include <span>
 
+#include "skinctl/core/command.hpp"
 #include "skinctl/core/state.hpp"
-#include "skinctl/safety/command.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -3,9 +3,9 @@
 
 #include <optional>
 
+#include "skinctl/core/detail/plausible.hpp"
 #include "skinctl/resolver/integrator.hpp"
-#include "skinctl/safety/detail/plausible.hpp"
-#include "skinctl/safety/limits.hpp"
+#include "skinctl/robot/joint_limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

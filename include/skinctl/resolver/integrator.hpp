@@ -3,11 +3,11 @@
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/dynamics/shape.hpp"
+#include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/resolver/detail/runge_kutta.hpp"
 #include "skinctl/resolver/detail/stick_or_slip.hpp"
 #include "skinctl/resolver/tool_shape.hpp"
-#include "skinctl/safety/contact_damper.hpp"
+#include "skinctl/robot/virtual_shape.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -1,12 +1,12 @@
 // What changes in a resolver from cycle to cycle.
 #pragma once
 
+#include "skinctl/core/command.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
+#include "skinctl/passivity/passivity.hpp"
 #include "skinctl/resolver/detail/running_sum.hpp"
-#include "skinctl/resolver/passivity.hpp"
 #include "skinctl/resolver/servo.hpp"
-#include "skinctl/safety/command.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

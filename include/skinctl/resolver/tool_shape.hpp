@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "skinctl/core/detail/real_of_inverse.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/math/ldlt.hpp"
-#include "skinctl/resolver/detail/real_of_inverse.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -1,8 +1,8 @@
 // The loop of the resolver: what resolver.hpp declares.
 #pragma once
 
+#include "skinctl/core/detail/plausible.hpp"
 #include "skinctl/resolver/resolver.hpp"
-#include "skinctl/safety/detail/plausible.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 #define SKINCTL_RESOLVER \

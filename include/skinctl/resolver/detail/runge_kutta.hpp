@@ -2,8 +2,8 @@
 #pragma once
 
 #include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/dynamics/shape.hpp"
 #include "skinctl/math/ldlt.hpp"
+#include "skinctl/robot/virtual_shape.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {

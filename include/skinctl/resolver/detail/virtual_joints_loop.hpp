@@ -1,8 +1,8 @@
 // The loop of a virtual robot's joints: what virtual_joints.hpp declares.
 #pragma once
 
+#include "skinctl/core/detail/plausible.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
-#include "skinctl/safety/detail/plausible.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {

@@ -1,0 +1,48 @@
+// What may be a number of a robot at all: finite, and of a size that arithmetic with it stays finite.
+#pragma once
+
+#include "skinctl/core/command.hpp"
+#include "skinctl/core/detail/row.hpp"
+#include "skinctl/core/state.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Positions beyond this [rad] and speeds beyond its thousandfold are no measurements.
+inline constexpr double plausible = 1e4;
+
+/// Whether all of `x` lies within +-`limit`; false for NaN.
+template <class Kind, std::size_t N, Real T>
+[[nodiscard]] SKINCTL_INLINE bool within(const JointVector<Kind, N, T>& x, const T& limit) noexcept {
+  const Row row(x);
+  return all((row >= -limit) & (row <= limit));
+}
+template <class Kind, std::size_t N, Real T>
+[[nodiscard]] SKINCTL_INLINE bool is_finite(const JointVector<Kind, N, T>& x) noexcept {
+  return within(x, std::numeric_limits<T>::max());
+}
+template <std::size_t N, Real T>
+[[nodiscard]] SKINCTL_INLINE bool is_plausible(const State<N, T>& s) noexcept {
+  return within(s.q, T(plausible)) && within(s.dq, T(1000 * plausible));
+}
+template <std::size_t N, Real T>
+[[nodiscard]] SKINCTL_INLINE bool is_plausible(const JointCommand<N, T>& c) noexcept {
+  return within(c.position, T(2 * plausible)) && within(c.velocity, T(1000 * plausible)) &&
+         is_finite(c.acceleration) && is_finite(c.torque);
+}
+/// Far enough from the ends of an int64 that differences of two fit.
+[[nodiscard]] SKINCTL_INLINE constexpr bool is_plausible(Nanoseconds t) noexcept {
+  constexpr Nanoseconds far = Nanoseconds(1) << 61;
+  return t > -far && t < far;
+}
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE T clamp(const T& x, const T& low, const T& high) noexcept {
+  return x < low ? low : (x > high ? high : x);
+}
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE T smaller(const T& x, const T& y) noexcept {
+  return y < x ? y : x;
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,316 @@
+// The guard: the last word before a command leaves.
+#pragma once
+
+#include <optional>
+
+#include "skinctl/core/command.hpp"
+#include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/core/state.hpp"
+#include "skinctl/guard/faults.hpp"
+#include "skinctl/limits/detail/parts.hpp"
+#include "skinctl/robot/joint_limits.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+template <std::size_t N, Real T = double>
+struct GuardConfiguration {
+  JointLimits<N, T> limits;
+  /// Time between two cycles as planned [ns].
+  Nanoseconds period;
+  /// Longest time that a motion may take credit for [ns]; default: five periods. As in the resolver.
+  std::optional<Nanoseconds> longest_interval = {};
+  /// Age of the robot's newest state from which on the command brakes [ns]; default: 25 periods.
+  std::optional<Nanoseconds> stale_after = {};
+  /// Position interface: how far a command may be from the measured position [rad].
+  JointPosition<N, T> lead = JointPosition<N, T>::constant(std::numeric_limits<T>::infinity());
+  /// Torque interface: fastest change of a torque, in units of the torque limit per second; also how fast the
+  /// fallback takes over.
+  T torque_rate = T(50);
+  /// How far beyond a position limit a joint may be and be believed [rad], [m].
+  T beyond = T(1);
+  /// How many times its velocity limit a joint may be measured at and be believed.
+  T overspeed = T(10);
+  /// Reasons found by other stages on which the command brakes, besides those of the table: such as
+  /// `sample_stale`, for a robot that must not move unless all of its skin feels.
+  Status brakes_on = {};
+  /// Reasons after which the motion goes on only on request, besides those of the table: such as
+  /// `state_stale`.
+  Status consent = {};
+};
+
+/// What a guard remembers: the last command it let out. Trivially copyable.
+template <std::size_t N, Real T = double>
+struct GuardMemory {
+  Nanoseconds time = 0;
+  State<N, T> measured;  ///< the newest good state
+  JointCommand<N, T> command;
+  Status latched;  ///< faults that wait for the user's consent
+};
+
+/// What the guard lets out; `altered` says that it is not what was asked for (tell the resolver, see
+/// `Resolver::sent`).
+template <std::size_t N, Real T = double>
+struct Guarded {
+  JointCommand<N, T> command;
+  Status status;
+  bool altered = false;
+};
+
+/// Lets a command pass unchanged if it is finite, if the robot's state is fresh, if no stage found a fault,
+/// and if there is a motion from the last command to it within the limits of acceleration and velocity, after
+/// which the joint can still stop before its end. Else it reacts in the same cycle, as the table `faults`
+/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback.
+///
+/// With `JerkLimits` as `Smooth` the guard brakes within them: where a motion is such that it can be stopped
+/// so (a governor with the same limits sends no other) jerk is kept too, else it gives way as that class
+/// documents (`jerk_exceeded`). Whether a command keeps a jerk is the governor's business: a guard lets pass
+/// what the joints can do.
+///
+/// Most reactions end by themselves, once the asked command can be reached within the limits; the resolver,
+/// told what was sent, goes on from there. After a `stop` the guard waits for `acknowledge`
+/// (`consent_awaited`). Never steps, and never gives a number that is not finite, whatever comes in.
+template <Interface I, std::size_t N, Real T = double, class Smooth = detail::NoPart>
+class Guard {
+ public:
+  static constexpr bool smooth = detail::JerkPart<Smooth>;
+  static_assert(smooth || std::is_same_v<Smooth, detail::NoPart>,
+                "a guard brakes within JerkLimits or without");
+  static_assert(!smooth || I != Interface::torque,
+                "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
+  using Configuration = GuardConfiguration<N, T>;
+  using Memory = GuardMemory<N, T>;
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  ///
+  /// @param braking  limits of jerk on top of the same limits of the joints, if the guard has some.
+  explicit Guard(const Configuration& c, const Smooth& braking = Smooth())
+      : limits_(c.limits),
+        period_(c.period),
+        longest_(c.longest_interval.value_or(5 * c.period)),
+        stale_after_(c.stale_after.value_or(25 * c.period)),
+        lead_(c.lead),
+        torque_rate_(c.torque_rate),
+        beyond_(c.beyond),
+        overspeed_(c.overspeed),
+        acts_on_(c.brakes_on | reasons_of([](const Fault& f) {
+                   return (f.motion == Reaction::stop || f.motion == Reaction::brake) &&
+                          f.finder != Finder::guard;
+                 })),
+        consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })),
+        braking_(braking) {
+    const auto number = [](const auto& x) { return static_cast<double>(x); };
+    require(period_ >= 100_us && period_ <= 1_s, "period [ns]", number(period_), "1e5 to 1e9 ns");
+    require(longest_ >= period_ && longest_ <= 10_s, "longest interval [ns]", number(longest_),
+            ">= period, <= 1e10 ns");
+    require(stale_after_ >= period_ && stale_after_ <= 10_s, "stale after [ns]", number(stale_after_),
+            ">= period, <= 1e10 ns");
+    require(torque_rate_ > T(0) && torque_rate_ <= T(1e6), "torque rate", number(torque_rate_),
+            "> 0, <= 1e6 1/s");
+    require(beyond_ >= T(0), "beyond", number(beyond_), ">= 0 rad");
+    require(overspeed_ >= T(1), "overspeed", number(overspeed_), ">= 1");
+    for (std::size_t i = 0; i < N; ++i) require(lead_[i] > T(0), "lead", number(lead_[i]), "> 0 rad");
+  }
+
+  /// Takes over at a robot that has `command` and is at `measured`. A command that is not valid, or not
+  /// plausible: nothing is let out until a guard is started with a good one.
+  [[nodiscard]] SKINCTL_COLD Memory start(const JointCommand<N, T>& command,
+                                          const State<N, T>& measured) const noexcept {
+    Memory m;
+    m.command = command;
+    m.time = command.time;
+    m.measured = measured;
+    m.command.valid = command.valid && detail::is_plausible(command) && detail::is_plausible(measured) &&
+                      detail::is_plausible(command.time) && detail::is_plausible(measured.time);
+    return m;
+  }
+
+  /// The command that may leave at `now`.
+  ///
+  /// @param fallback  torque interface: what the robot is brought to when no torque can be trusted, such as
+  ///                  gravity compensation with damping. Not finite: zero.
+  /// @param found     what other stages found in this cycle, and the loop before it.
+  SKINCTL_INLINE Guarded<N, T> pass(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
+                                    Nanoseconds now, const JointTorque<N, T>& fallback = {},
+                                    Status found = {}) const noexcept {
+    if (!m.command.valid) [[unlikely]]
+      return {m.command, {}, true};
+    m.latched |= found & consent_;
+    Status status;
+    if (now == m.time) [[unlikely]] {
+      if (m.latched.any()) status |= Reason::consent_awaited;
+      return {m.command, status | Reason::interval_empty, !(wish.time == now)};
+    }
+    Nanoseconds elapsed = period_;
+    if (now < m.time || !detail::is_plausible(now)) {
+      status |= Reason::time_backwards;
+    } else {
+      elapsed = now - m.time;
+      if (elapsed > longest_) {
+        elapsed = longest_;
+        status |= Reason::interval_too_long;
+      }
+      m.time = now;
+      see(m, measured, now, status);
+    }
+    const bool good = !status.has(Reason::time_backwards) && !status.has(Reason::state_stale) &&
+                      !(found & acts_on_).any() && !((status & consent_) | m.latched).any();
+    const bool finite = wish.valid && detail::is_plausible(wish);
+    if (!finite) status |= Reason::command_not_finite;
+    const T dt = seconds<T>(elapsed);
+    if constexpr (I == Interface::torque) {
+      return let_out(m, turn_torque(m, wish, good && finite, fallback, dt, status));
+    } else {
+      if (good && finite && wish.time == now && can_reach(m, wish, dt, status)) [[likely]] {
+        m.command.assign(wish);
+        return {wish.copy(), status, false};
+      }
+      return let_out(m, brake(m, dt, status));
+    }
+  }
+
+  /// The user's consent: what waits for it may go on, unless it is still there.
+  void acknowledge(Memory& m) const noexcept { m.latched = {}; }
+  /// Whether the command waits for consent.
+  [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
+
+  /// Whether this robot can be at `s`: within `beyond` of its ends, below `overspeed`. False for NaN.
+  [[nodiscard]] SKINCTL_INLINE bool believes(const State<N, T>& s) const noexcept {
+    using R = detail::Row<N, T>;
+    const R q = s.q, dq = s.dq, fast = overspeed_ * R(limits_.velocity());
+    const auto can = (q >= R(limits_.lower()) - beyond_) & (q <= R(limits_.upper()) + beyond_) &
+                     (dq >= -fast) & (dq <= fast);
+    return !any(!can);
+  }
+
+ private:
+  using Size = std::size_t;
+  /// What rounding may add to a limit.
+  static SKINCTL_INLINE T slack() noexcept { return T(1) + T(1024) * std::numeric_limits<T>::epsilon(); }
+
+  SKINCTL_INLINE void see(Memory& m, const State<N, T>& measured, Nanoseconds now,
+                          Status& status) const noexcept {
+    if (!detail::is_plausible(measured)) {
+      status |= Reason::state_not_finite;
+    } else if (!believes(measured)) {
+      status |= Reason::state_out_of_range;
+    } else if (measured.time >= m.measured.time) {
+      m.measured = measured;
+      if (measured.time > now) m.measured.time = now;
+    }
+    if (now - m.measured.time > stale_after_) status |= Reason::state_stale;
+  }
+
+  /// Room of a command: of a position to the limits and to its lead over the measured one; of a velocity from
+  /// where the robot is, counting in that it goes on the way it moves.
+  SKINCTL_INLINE JointRoom<N, T> room(const Memory& m, const JointPosition<N, T>& command) const noexcept {
+    using R = detail::Row<N, T>;
+    const R q = m.measured.q;
+    auto room = limits_.room(I == Interface::position ? command : m.measured.q);
+    if constexpr (I == Interface::position) {
+      const R ahead = R(command) - q, lead = lead_;
+      smaller(room.above, lead - ahead).store(room.above);
+      smaller(room.below, lead + ahead).store(room.below);
+    } else {
+      const R on = R(m.measured.dq) * R(seconds<T>(longest_)), zero = T(0);
+      (R(room.above) - select(on < zero, on, zero)).store(room.above);
+      (R(room.below) + select(on > zero, on, zero)).store(room.below);
+    }
+    return room;
+  }
+
+  /// Whether a motion within the limits leads from the last command to `wish` in `dt`, and leaves room to
+  /// stop or brakes as hard as it may.
+  SKINCTL_INLINE bool can_reach(const Memory& m, const JointCommand<N, T>& wish, const T& dt,
+                                Status& status) const noexcept {
+    using R = detail::Row<N, T>;
+    const auto& last = m.command;
+    const auto left = room(m, wish.position);
+    const R eps = std::numeric_limits<T>::epsilon(), wide = slack(), zero = T(0);
+    const R limit = limits_.velocity(), a = limits_.acceleration(), above = left.above, below = left.below;
+    const R u0 = last.velocity, u = wish.velocity, du = u - u0, from = last.position, to = wish.position;
+    const R q = magnitude(to) + magnitude(from), rounding = T(16) * eps * q;
+    const R most = a * R(T(dt * slack())) + T(4) * eps * limit;
+    auto steps = (magnitude(u) > limit * wide) & (magnitude(u) > magnitude(u0));
+    steps = steps | (magnitude(du) > most);
+    const R stop = u * u / (T(2) * a) / wide - T(16) * eps * (R(T(1)) + q);
+    const auto rushes = !(magnitude(u) <= magnitude(u0) - (T(2) * a * R(dt) - most));
+    auto outside = rushes & (((u > zero) & (stop > above)) | ((u < zero) & (stop > below)));
+    if constexpr (I == Interface::position) {
+      // With its acceleration limited, a joint reaches this far to both sides of where the mean speed leads.
+      const R moved = to - from, straight = R(T(T(0.5) * dt)) * (u0 + u);
+      const R aside = T(0.25) * (a * R(T(dt * dt * slack())) - du * du / a);
+      steps = steps | (magnitude(moved - straight) > select(aside > zero, aside, zero) + rounding);
+      outside =
+          outside | ((above < -rounding) & (moved > rounding)) | ((below < -rounding) & (-moved > rounding));
+    }
+    const bool too_far = any(steps), beyond = any(outside);
+    if (too_far) status |= Reason::step_limited;
+    if (beyond) status |= Reason::outside_limits;
+    return !too_far && !beyond;
+  }
+
+  SKINCTL_INLINE Guarded<N, T> let_out(Memory& m, Guarded<N, T> out) const noexcept {
+    m.latched |= out.status & consent_;
+    if (m.latched.any()) [[unlikely]]
+      out.status |= Reason::consent_awaited;
+    out.command.time = m.time;
+    out.command.valid = true;
+    m.command.assign(out.command);
+    return out;
+  }
+
+  SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const T& dt, Status status) const noexcept {
+    Guarded<N, T> out{m.command, status, true};
+    const auto& last = m.command;
+    out.command.torque = {};
+    if constexpr (smooth) {
+      const auto motion = braking_.brake(room(m, last.position), last.velocity, last.acceleration, dt);
+      out.status |= motion.status & Status(Reason::jerk_exceeded);
+      for (Size i = 0; i < N; ++i) {
+        const T q = last.position[i], to = q + motion.displacement[i];
+        const bool passed = (to > limits_.upper()[i] && q <= limits_.upper()[i]) ||
+                            (to < limits_.lower()[i] && q >= limits_.lower()[i]);
+        out.command.position[i] =
+            passed ? detail::clamp(to, limits_.lower()[i], limits_.upper()[i]) : to;  // rounding
+      }
+      out.command.velocity = motion.velocity;
+      out.command.acceleration = motion.acceleration;
+      return out;
+    }
+    const auto motion = limits_.move(room(m, last.position), last.velocity, JointVelocity<N, T>{}, dt);
+    for (Size i = 0; i < N; ++i) {
+      out.command.position[i] = last.position[i] + motion.displacement[i];
+      out.command.velocity[i] = motion.velocity[i];
+      out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+    }
+    return out;
+  }
+
+  /// Towards the wished torque or the fallback, at most as fast as allowed.
+  SKINCTL_INLINE Guarded<N, T> turn_torque(const Memory& m, const JointCommand<N, T>& wish, bool good,
+                                           const JointTorque<N, T>& fallback, const T& dt,
+                                           Status status) const noexcept {
+    using R = detail::Row<N, T>;
+    const R step = T(torque_rate_ * dt) * R(limits_.torque()), last = m.command.torque;
+    const JointTorque<N, T> rest = detail::is_finite(fallback) ? fallback : JointTorque<N, T>();
+    const JointTorque<N, T>& asked = good ? wish.torque : rest;
+    const R wanted = asked, within = limits_.within(asked, m.measured.dq);
+    const R given = clamp(within, last - step, last + step);
+    const bool limited = good && any(within != wanted), slowed = any(given != within);
+    if (limited) status |= Reason::torque_limited;
+    if (slowed) status |= Reason::step_limited;
+    Guarded<N, T> out{good ? wish : m.command, status, !good || limited || slowed};
+    given.store(out.command.torque);
+    return out;
+  }
+
+  JointLimits<N, T> limits_;
+  Nanoseconds period_, longest_, stale_after_;
+  JointPosition<N, T> lead_;
+  T torque_rate_, beyond_, overspeed_;
+  Status acts_on_;  ///< found by others, these brake
+  Status consent_;  ///< these wait for `acknowledge`
+  [[no_unique_address]] Smooth braking_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,234 @@
+// How fast a robot may be for the people who touch it or come near: force, power, distance.
+#pragma once
+
+#include <array>
+#include <tuple>
+
+#include "skinctl/dynamics/energy.hpp"
+#include "skinctl/dynamics/forward_dynamics.hpp"
+#include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/limits/body_region.hpp"
+#include "skinctl/tactile/skin_torque.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What link `I` may meet, and how it is known.
+template <std::size_t I>
+struct LinkContact {
+  static constexpr std::size_t link = I;
+  BodyRegion region;                    ///< the most delicate one that can be met
+  double reach = BodyRegion::unset;     ///< of the link's surface from the link's origin, at most [m]
+  double reaction = BodyRegion::unset;  ///< from a change of force until the robot's speed changes [s]
+  double newton = 1;  ///< newtons of the contact per newton of the skin's wrench: its calibration
+  /// Lets the link be faster than a blow allows as long as its skin sees nobody.
+  std::optional<Separation> separation = {};
+  /// Distance at which a cell begins to see [m]; it says `range (1 - proximity)`. Choose it so that this lies
+  /// below the sensor's own curve. Needed with `separation`.
+  double range = 0;
+};
+
+/// What contact limits remember: for how long each contact has been above its lasting limit [s].
+template <std::size_t Links, Real T>
+struct ContactMemory {
+  T above[Links == 0 ? 1 : Links] = {};
+};
+
+/// The factor in [0, 1] that all joint speeds have to be multiplied by, and what was found.
+template <Real T>
+struct ContactVerdict {
+  T scale = T(1);
+  Status status;   ///< `contact_slowed`; `contact_force`, `contact_power`: stop
+  T force = T(0);  ///< the strongest contact [N]
+  T power = T(0);  ///< the most that one of them takes [W]
+  T blow = T(0);   ///< the force with which the commanded motion could hit [N], at most
+};
+
+namespace detail {
+template <std::size_t... I>
+inline constexpr bool distinct_links =
+    static_cast<std::size_t>(std::popcount((link_bit<I> | ...))) == sizeof...(I);
+}  // namespace detail
+
+/// Limits of contact for some links of a robot: power and force, and separation, in the form of ISO/TS 15066
+/// with the user's own numbers. **Not a safety-rated function**: see `BodyRegion`.
+///
+/// For each link that has them, with the commanded joint velocities u:
+/// - **Somebody might be met.** No point of the link is faster than `v = |v_o| + |w| reach`, and none, in any
+///   direction, hits with more than the robot's energy `e = u'Mu` (m_n v_n^2 <= e, Cauchy-Schwarz). So no
+///   blow exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin sees nobody,
+///   the speed of separation is allowed if that is more.
+/// - **Somebody is touched**, with the skin's resultant F on the link: the effective mass along F is
+///   `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the contact. It is kept below
+///   `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region still takes), `(F_q - F) / (k reaction)`
+///   (pressed no harder than F_q before the robot reacts) and `P / F`. Motion out of the contact is not
+///   slowed by these.
+/// - **Too much**: F above F_t, or above F_q for longer than the first moments, is `contact_force`; more
+///   power than allowed at the measured velocities is `contact_power`. The guard stops.
+///
+/// Opposite pushes on one link cancel in its resultant. Rotors are not in M: add their inertia to the model's
+/// links if they matter.
+template <Model M, Real T, std::size_t... I>
+class ContactLimits {
+ public:
+  static_assert(sizeof...(I) > 0, "name at least one link");
+  static_assert(((I < M::joints) && ...), "contact limits for a link that the model does not have");
+  static_assert(detail::distinct_links<I...>,
+                "two contact limits for one link: give it those of the more delicate region");
+  static constexpr LinkMask links = (link_bit<I> | ...);
+  static constexpr std::size_t count = sizeof...(I);
+  static constexpr std::size_t joints = M::joints;
+  using Memory = ContactMemory<count, T>;
+  using Verdict = ContactVerdict<T>;
+  /// How near the nearest body may be to each link, in the order of the links given [m].
+  using Distances = std::array<T, count>;
+
+  /// Throws `ConfigurationError` for a number that is out of its range, or was not given.
+  SKINCTL_COLD explicit ContactLimits(const M& model, const LinkContact<I>&... link)
+      : model_(model), at_{Link(link)...} {}
+
+  [[nodiscard]] const M& model() const noexcept { return model_; }
+
+  /// The distances that the strongest proximity reading in [0, 1] of each link tells.
+  [[nodiscard]] SKINCTL_INLINE Distances distances(const std::array<T, count>& nearest) const noexcept {
+    Distances d;
+    for (std::size_t k = 0; k < count; ++k) d[k] = at_[k].range * (T(1) - nearest[k]);
+    return d;
+  }
+
+  /// The strongest proximity readings that a skin holds, in the order of the links given.
+  template <class Skin>
+  [[nodiscard]] static SKINCTL_INLINE std::array<T, count> nearest(
+      const Skin& skin, const typename Skin::Memory& memory) noexcept {
+    return {skin.template nearest<I>(memory)...};
+  }
+
+  /// How much of the joint velocities `u` is allowed.
+  ///
+  /// @param measured  the robot: where contacts are and what power they take.
+  /// @param touch     what the skin does to the links; a link without skin does not compile.
+  /// @param dt        seconds since the last call.
+  /// NaN in a wrench, or a distance that is NaN: the link counts as pressed too hard, or as near.
+  template <class Wrenches>
+  [[nodiscard]] SKINCTL_NOINLINE Verdict look(Memory& memory, const State<joints, T>& measured,
+                                              const JointVelocity<joints, T>& u, const Wrenches& touch,
+                                              const Distances& distance, const T& dt) const noexcept {
+    static_assert((Wrenches::links & links) == links,
+                  "contact limits for a link without skin: nothing is felt");
+    Verdict out;
+    const JointAngles<M, T> angles(model_, measured.q);
+    const MassFactors<M, T> mass(mass_matrix(model_, angles));
+    const Poses<M, closure<M>(links), T> poses(model_, angles);
+    const T energy = T(2) * kinetic_energy(model_, angles, u);
+    std::size_t k = 0;
+    const auto one = [&](auto link) {
+      constexpr std::size_t i = link.value;
+      const auto V = jacobian<i>(poses) * u;
+      before(at_[k], length(V.linear) + at_[k].reach * length(V.angular), energy, distance[k], out);
+      Wrenches only;
+      only.template set<i>(touch.template wrench<i>());
+      const auto tau = at_[k].newton * skin_torque(model_, angles, only);
+      const T F = at_[k].newton * length(touch.template wrench<i>().force);
+      during(at_[k], memory.above[k], F, tau, mass, u, measured.dq, dt, out);
+      ++k;
+    };
+    (one(std::integral_constant<std::size_t, I>{}), ...);
+    if (out.scale < T(1)) out.status |= Reason::contact_slowed;
+    return out;
+  }
+
+ private:
+  struct Link {
+    BodyRegion region;
+    T reach, reaction, newton, range;
+    std::optional<Separation> separation;
+
+    template <std::size_t L>
+    explicit Link(const LinkContact<L>& c)
+        : region(c.region),
+          reach(T(c.reach)),
+          reaction(T(c.reaction)),
+          newton(T(c.newton)),
+          range(T(c.range)),
+          separation(c.separation) {
+      c.region.check();
+      require(c.reach >= 0 && c.reach <= 100, "LinkContact: reach", c.reach, "0 to 100 m");
+      require(c.reaction > 0 && c.reaction <= 10, "LinkContact: reaction", c.reaction, "> 0, <= 10 s");
+      require(c.newton > 0 && c.newton <= 1e6, "LinkContact: newton", c.newton, "> 0, <= 1e6");
+      require(c.range >= 0 && c.range <= 100, "LinkContact: range", c.range, "0 to 100 m");
+      if (!c.separation) return;
+      c.separation->check();
+      require(c.range > 0, "LinkContact: range", c.range, "> 0 m with a separation");
+    }
+  };
+
+  static SKINCTL_INLINE T length(const Xyz<T>& x) noexcept {
+    using std::sqrt;
+    return sqrt(dot(x, x));
+  }
+  static SKINCTL_INLINE T least(const T& x, const T& y) noexcept { return y < x ? y : x; }
+
+  /// Somebody might be met at up to `v`.
+  static SKINCTL_INLINE void before(const Link& link, const T& v, const T& energy, const T& distance,
+                                    Verdict& out) noexcept {
+    using std::sqrt;
+    const auto& r = link.region;
+    const T body = T(r.mass) * v * v, k = T(r.stiffness);
+    // Of two energies the smaller counts most: e b / (e + b); a region that cannot give way takes e.
+    const T hit = v == T(0) || energy == T(0) ? T(0) : T(T(1) / (T(1) / energy + T(1) / body));
+    const T blow = sqrt(k * hit);
+    if (blow > out.blow) out.blow = blow;
+    if (blow <= T(r.blow)) return;
+    T scale = blow > T(r.blow) ? T(T(r.blow) / blow) : T(0);  // 0 for NaN
+    if (link.separation) {
+      const T apart = speed_of_separation(*link.separation, distance) / v;
+      if (apart > scale) scale = apart;
+    }
+    out.scale = least(out.scale, scale);
+  }
+
+  /// Somebody is touched with `F`, which gives `tau` at the joints.
+  static SKINCTL_INLINE void during(const Link& link, T& above, const T& F, const JointTorque<joints, T>& tau,
+                                    const MassFactors<M, T>& mass, const JointVelocity<joints, T>& u,
+                                    const JointVelocity<joints, T>& dq, const T& dt, Verdict& out) noexcept {
+    using std::sqrt;
+    const auto& r = link.region;
+    if (F == T(0)) {
+      above = T(0);
+      return;
+    }
+    if (F > out.force) out.force = F;
+    above = F > T(r.force) ? T(above + dt) : T(0);
+    if (!(F <= T(r.blow)) || above > T(r.first)) out.status |= Reason::contact_force;
+    const T taken = -power(tau, dq);
+    if (taken > out.power) out.power = taken;
+    if (!(taken <= T(r.power))) out.status |= Reason::contact_power;
+    const T given = -power(tau, u);
+    if (!(given > T(0))) return;
+    const auto ddq = mass.solve(tau);
+    T give(0);  // acceleration along F per force
+    for (std::size_t i = 0; i < joints; ++i) give = give + tau[i] * ddq[i];
+    give = give / (F * F);
+    const T v = given / F;
+    const T both = T(1) / T(r.mass) + give, k = T(r.stiffness);
+    const T rest = T(r.blow) * T(r.blow) - F * F, room = T(r.force) - F;
+    T most = rest > T(0) ? T(sqrt(rest * both / k)) : T(0);
+    most = least(most, room > T(0) ? T(room / (k * link.reaction)) : T(0));
+    most = least(most, T(r.power) / F);
+    if (most < v) out.scale = least(out.scale, T(most / v));
+  }
+
+  [[no_unique_address]] M model_;
+  Link at_[count];
+};
+template <Model M, std::size_t... I>
+ContactLimits(const M&, const LinkContact<I>&...) -> ContactLimits<M, double, I...>;
+
+/// The same for a scalar that is named: `contact_limits<float>(model, ...)`.
+template <Real T = double, Model M, std::size_t... I>
+[[nodiscard]] auto contact_limits(const M& model, const LinkContact<I>&... link) {
+  static_assert(detail::distinct_links<I...>,
+                "two contact limits for one link: give it those of the more delicate region");
+  if constexpr (detail::distinct_links<I...>) return ContactLimits<M, T, I...>(model, link...);
+}
+
+SKINCTL_END_NAMESPACE

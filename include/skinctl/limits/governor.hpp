@@ -1,0 +1,241 @@
+// Slows a command down for limits that concern the whole robot: jerk, tool speed, contact.
+#pragma once
+
+#include "skinctl/core/command.hpp"
+#include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/limits/detail/parts.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/tool_speed.hpp"
+#include "skinctl/math/ldlt.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A command that a governor let through or slowed; `altered` says which.
+template <std::size_t N, Real T>
+struct Governed {
+  JointCommand<N, T> command;
+  Status status;
+  bool altered = false;
+};
+
+/// The place of a governor in a scene that has none: no code, nothing remembered.
+struct NoGovernor {
+  struct Memory {
+    friend bool operator==(const Memory&, const Memory&) noexcept = default;
+  };
+};
+
+/// The same of a torque; `hold` is what holds the robot should the guard not let the command pass.
+template <std::size_t N, Real T>
+struct GovernedTorque : Governed<N, T> {
+  JointTorque<N, T> hold;
+};
+
+/// Stands between resolver and guard of a scene. `make_governor` builds it from those of `JerkLimits`,
+/// `ToolSpeed` and `ContactLimits` that the scene has; the others cost nothing.
+///
+/// **Positions and velocities.** A command that keeps them passes to the bit. Else all joints are slowed
+/// alike (contact, tool), a motion from the last command to that is made within the limits of the joints (and
+/// of jerk), and the resolver is told what was sent: its virtual robot goes on from there, so nothing is
+/// caught up later. With a limit of jerk every command is made anew.
+///
+/// Where not all can be kept the last of this list gives way first: acceleration, position, velocity of the
+/// joints; the tool's speed; jerk; contact (somebody who steps in is braked for as hard as the others allow,
+/// and the guard stops for what is too much).
+///
+/// **Torques.** Nobody knows how a robot will move that is pushed, so its speed is braked: `braking_cycles`
+/// cycles ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which a share s keeps all
+/// limits. `tau - (1 - s) M u / T` leads to s u: drive that would make the robot too fast, or press harder
+/// than a region bears, is taken out, and a robot that is pushed too fast is damped. It sets in without a
+/// jump (s = 1 leaves the torque to the bit), and never exceeds the joints' torques. A robot that stops for a
+/// contact is held with damping `M / T`. There is no limit of jerk.
+template <std::size_t N, Real T, class Jerk, class Tool, class Contact>
+class Governor {
+ public:
+  static constexpr std::size_t joints = N;
+  using scalar = T;
+  using contact_type = Contact;
+  static constexpr bool has_jerk = !std::is_same_v<Jerk, detail::NoPart>;
+  static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
+  static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
+  /// For torques: how many cycles ahead a limit is looked for, and in how many a robot is braked.
+  static constexpr int braking_cycles = 4;
+
+  /// Trivially copyable.
+  struct Memory {
+    JointAcceleration<N, T> acceleration;  ///< at the end of the last command
+    JointPosition<N, T> position, carry;   ///< the last one made, and what its rounding left out
+    [[no_unique_address]] typename Contact::Memory contact;
+  };
+
+  SKINCTL_COLD Governor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
+                        const Contact& contact)
+      : limits_(limits), jerk_(jerk), tool_(tool), contact_(contact) {}
+
+  [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
+
+  /// The command that takes the place of `wish`, `dt` > 0 seconds after `last` was sent.
+  ///
+  /// @param measured  the last good state of the robot.
+  /// @param touch     wrenches on the links; @param nearest  strongest proximity reading for each link of the
+  ///                  contact limits. Both are read if there are any.
+  /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.
+  template <class Touch, class Nearest>
+  SKINCTL_INLINE Governed<N, T> pass(Memory& m, const JointCommand<N, T>& last,
+                                     const JointCommand<N, T>& wish, const State<N, T>& measured,
+                                     const Touch& touch, const Nearest& nearest, const T& dt) const noexcept {
+    Governed<N, T> out{wish, {}, false};
+    if (!last.valid || !wish.valid || !detail::is_plausible(wish) || !(dt > T(0))) {
+      m.acceleration = {};
+      return out;
+    }
+    JointVelocity<N, T> u = wish.velocity;
+    bool slowed = false;
+    if constexpr (has_contact) {
+      const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
+      out.status |= verdict.status;
+      if (verdict.scale < T(1)) slowed = true, u = verdict.scale * u;
+    }
+    const auto room = limits_.room(last.position);
+    if constexpr (has_tool) {
+      JointVelocity<N, T> reached = u;
+      if (slowed) reached = limits_.move(room, last.velocity, u, dt).velocity;
+      u = tool_.within(last.position, last.velocity, reached, dt);
+      if (!(u == reached)) out.status |= Reason::tool_speed_limited, slowed = true;
+    }
+    if constexpr (has_jerk) {
+      const auto motion = jerk_.move(room, last.velocity, m.acceleration, u, dt);
+      if constexpr (has_tool) {
+        // A jerk limit that would let the tool get too fast gives way.
+        if (!(tool_.within(last.position, last.velocity, motion.velocity, dt) == motion.velocity)) {
+          out.status |= Reason::tool_speed_limited | Status(Reason::jerk_exceeded);
+          const auto hard = limits_.move(room, last.velocity, u, dt);
+          for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (hard.velocity[i] - last.velocity[i]) / dt;
+          make(m, last, hard, dt, out);
+          return out;
+        }
+      }
+      out.status |= motion.status;
+      m.acceleration = motion.acceleration;
+      make(m, last, motion, dt, out);
+    } else if (slowed) {
+      const auto motion = limits_.move(room, last.velocity, u, dt);
+      out.status |= Status::from_bits(motion.status.bits() & ~Status(Reason::acceleration_limited).bits());
+      make(m, last, motion, dt, out);
+    }
+    return out;
+  }
+
+  /// The torque that takes the place of `wish.torque`, `dt` > 0 seconds after the last one was sent.
+  ///
+  /// @param hold      what holds the robot: gravity compensation, with friction if it has some.
+  /// @param stopping  whether the guard waits for consent: then hold with damping.
+  /// All else as `pass`.
+  template <class Touch, class Nearest>
+  SKINCTL_NOINLINE GovernedTorque<N, T> pass_torque(Memory& m, const JointCommand<N, T>& wish,
+                                                    const JointTorque<N, T>& hold, bool stopping,
+                                                    const State<N, T>& measured, const Touch& touch,
+                                                    const Nearest& nearest, const T& dt) const noexcept {
+    static_assert(!has_jerk, "a torque interface has no motion whose jerk could be limited");
+    GovernedTorque<N, T> out{{wish, {}, false}, hold};
+    if (!wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) || !(dt > T(0))) return out;
+    const auto mass = mass_matrix(model(), measured.q);
+    const math::Ldlt<N, T> factors(mass.data);
+    if (!factors.positive_definite()) return out;
+    const T ahead = T(braking_cycles) * dt;
+    const JointTorque<N, T> asked = limits_.within(wish.torque, measured.dq);
+    const JointTorque<N, T> drive = asked - limits_.within(hold, measured.dq);
+    JointAcceleration<N, T> given;
+    factors.solve(drive.data, given.data);
+    const JointVelocity<N, T> u = integrate(measured.dq, given, ahead);
+    T share(1);
+    if constexpr (has_contact) {
+      const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
+      out.status |= verdict.status;
+      share = verdict.scale;
+      stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
+    }
+    if constexpr (has_tool) {
+      const T tool = tool_.share(measured.q, u, ahead);
+      if (tool < T(1)) out.status |= Reason::tool_speed_limited;
+      if (tool < share) share = tool;
+    }
+    if (share < T(1)) {
+      const JointTorque<N, T> braked = asked - momentum(mass, u) * T((T(1) - share) / ahead);
+      out.command.torque = limits_.within(braked, measured.dq);
+      out.altered = true;
+    }
+    if (stopping)
+      out.hold = limits_.within(hold - momentum(mass, measured.dq) * T(T(1) / ahead), measured.dq);
+    return out;
+  }
+
+  /// Tells what the guard let out instead.
+  SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept {
+    if constexpr (has_jerk) m.acceleration = command.acceleration;
+  }
+
+ private:
+  [[nodiscard]] SKINCTL_INLINE const auto& model() const noexcept {
+    if constexpr (has_contact) {
+      return contact_.model();
+    } else {
+      return tool_.model();
+    }
+  }
+  static SKINCTL_INLINE JointTorque<N, T> momentum(const MassMatrix<N, T>& mass,
+                                                   const JointVelocity<N, T>& u) noexcept {
+    JointTorque<N, T> p;  // M u, in N m s
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = 0; j < N; ++j) p[i] = p[i] + mass(i, j) * u[j];
+    return p;
+  }
+
+  template <class Motion>
+  SKINCTL_INLINE void make(Memory& m, const JointCommand<N, T>& last, const Motion& motion, const T& dt,
+                           Governed<N, T>& out) const noexcept {
+    if (!(m.position == last.position)) m.carry = {};
+    for (std::size_t i = 0; i < N; ++i) {
+      const T q = last.position[i], step = motion.displacement[i] + m.carry[i];
+      const T lower = limits_.lower()[i], upper = limits_.upper()[i];
+      T next = q + step;
+      m.carry[i] = step - (next - q);
+      if (next > upper && q <= upper) next = upper, m.carry[i] = T(0);
+      if (next < lower && q >= lower) next = lower, m.carry[i] = T(0);
+      out.command.position[i] = m.position[i] = next;
+      out.command.velocity[i] = motion.velocity[i];
+      if constexpr (requires { motion.acceleration; }) {
+        out.command.acceleration[i] =
+            motion.acceleration[i];  // that at its end: the guard may brake from there
+      } else {
+        out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+      }
+    }
+    out.altered = true;
+  }
+
+  JointLimits<N, T> limits_;
+  [[no_unique_address]] Jerk jerk_;
+  [[no_unique_address]] Tool tool_;
+  [[no_unique_address]] Contact contact_;
+};
+
+/// A governor from its parts, in any order; `limits` are those of resolver and guard.
+template <std::size_t N, Real T, class... Parts>
+[[nodiscard]] auto make_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
+  using namespace detail;
+  static_assert(sizeof...(Parts) > 0, "a governor without parts: leave it out of the cycle");
+  static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts>) && ...),
+                "a governor takes JerkLimits, ToolSpeed and ContactLimits");
+  static_assert(((int(JerkPart<Parts>) + ... + 0) <= 1) && ((int(ToolPart<Parts>) + ... + 0) <= 1) &&
+                    ((int(ContactPart<Parts>) + ... + 0) <= 1),
+                "a governor takes each part once; contact limits of all links belong into one");
+  return [&](const auto& jerk, const auto& tool, const auto& contact) {
+    using std::remove_cvref_t;
+    return Governor<N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
+                    remove_cvref_t<decltype(contact)>>(limits, jerk, tool, contact);
+  }(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...));
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,215 @@
+// Energy from nowhere: a tank that pays for every torque but the touch's own.
+#pragma once
+
+#include <cmath>
+
+#include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/robot/virtual_shape.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The share of an active torque that energy `E` pays for, if all of it costs `w1` + `w2` [J], a share alpha
+/// `alpha w1 + alpha^2 w2`, w2 >= 0: 1 if that is at most E, otherwise the root
+/// `(-w1 + sqrt(w1^2 + 4 w2 E)) / (2 w2)` in [0, 1]. An E below 0 counts as 0. 0 for NaN.
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE T affordable_share(const T& w1, const T& w2, const T& E) noexcept {
+  using std::sqrt;
+  const T left = E > T(0) ? E : T(0);
+  if (w1 + w2 <= left) return T(1);
+  const T root = sqrt(w1 * w1 + T(4) * w2 * left);
+  // The same root twice: each form is exact where the other one cancels.
+  const T over = w1 > T(0) ? T(w1 + root) : T(2 * w2);
+  const T share = over > T(0) ? T((w1 > T(0) ? T(2 * left) : T(root - w1)) / over) : T(0);
+  return share > T(0) ? (share < T(1) ? share : T(1)) : T(0);
+}
+
+/// An energy tank around everything that is not the touch itself (`EQUATIONS.md`): weighted laws, changes of
+/// skill and weight, hand-overs, the observer, errors of the integration. A part of a resolver's `Passivity`.
+///
+/// The virtual robot is passive at its port: kinetic energy plus tank never grow by more than the work of the
+/// touch, `port_gain tau_skin . dq^`. The law's torque beyond `port_gain tau_skin + G` is active: it takes
+/// `tau_a . dq^` out of the tank, or fills it up to `most`. Where a sub-step would cost more than is left,
+/// `alpha tau_a` remains (`tank_empty`): the robot yields and brakes as before, but no longer drives. Kinetic
+/// energy that no work explains (`res`: a changed mass matrix, discretisation, the observer's pull) is
+/// charged as soon as it is seen, at the next sub-step.
+///
+/// A torque interface has no virtual robot: the port is the real one, `Held` what is remembered, and the
+/// work is booked by how far the robot has moved under the torque that it held. A push from outside can make
+/// a cycle cost more than was foreseen: then the tank is in debt, and nothing active is given until braking
+/// has paid it back.
+template <Real T = double>
+class EnergyTank {
+ public:
+  struct Settings {
+    T start = T(1);      ///< energy at the start [J], >= 0
+    T most = T(5);       ///< room [J], >= start
+    T port_gain = T(1);  ///< weight with which the law takes the skin's torque; another one is active
+  };
+  template <std::size_t N>
+  struct Memory {
+    T energy = T(0);
+    T kinetic = T(0);          ///< at the last sub-step
+    T explained = T(0);        ///< what of its change since is work or friction
+    JointTorque<N, T> port;    ///< of the last sub-step
+    JointTorque<N, T> active;  ///< the share of the active torque that was paid for
+    MassMatrix<N, T> mass;     ///< of the last sub-step
+    bool counts = false;       ///< they hold
+    bool paid = false;         ///< a sub-step is to be booked
+  };
+  /// Behind a torque interface: the torque that the real robot holds, and what its parts were when it was
+  /// sent.
+  template <std::size_t N>
+  struct Held {
+    T energy = T(0);
+    JointTorque<N, T> passive;  ///< what costs nothing: port, gravity, friction
+    JointTorque<N, T> port;     ///< of it, the touch's
+    JointTorque<N, T> gravity;
+    JointTorque<N, T> active;  ///< all the rest
+    bool counts = false;       ///< they hold
+  };
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD explicit EnergyTank(const Settings& s = {}) : s_(s) {
+    const auto number = [](const T& x) { return static_cast<double>(x); };
+    require(s.start >= T(0) && s.start <= T(1e6), "energy at the start", number(s.start), "0 to 1e6 J");
+    require(s.most >= s.start && s.most <= T(1e6), "room of the tank", number(s.most), ">= start, <= 1e6 J");
+    require(s.port_gain >= T(0) && s.port_gain <= T(1e6), "port gain", number(s.port_gain), "0 to 1e6");
+  }
+  [[nodiscard]] const Settings& settings() const noexcept { return s_; }
+
+  template <std::size_t N>
+  [[nodiscard]] Memory<N> start() const noexcept {
+    Memory<N> m;
+    m.energy = s_.start;
+    return m;
+  }
+
+  /// A sub-step begins with mass matrix `m` (shape included) and velocity `v`: what kinetic energy has gained
+  /// without a reason is charged.
+  template <std::size_t N>
+  SKINCTL_INLINE void charge(Memory<N>& memory, const MassMatrix<N, T>& m,
+                             const JointVelocity<N, T>& v) const noexcept {
+    T kinetic(0);
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = 0; j < N; ++j) kinetic = kinetic + T(0.5) * v[i] * m(i, j) * v[j];
+    if (memory.counts) {
+      const T res = kinetic - memory.kinetic - memory.explained;
+      if (res > T(0)) memory.energy = memory.energy - res;
+    }
+    memory.counts = true;
+    memory.kinetic = kinetic;
+    memory.mass = m;
+  }
+
+  /// The share of the law's active part that is paid for, given the velocity after the sub-step with all of
+  /// it. `without()` gives the velocity with none, and is called only if the tank does not hold enough. The
+  /// displacement is that of the mean velocity: `w1 = h tau_a . (v + v0)/2`, `w2 = h tau_a . (v1 - v0)/2`.
+  ///
+  /// @param port    `tau_skin`, the touch's own torque [N m].
+  /// @param active  the law's torque less G(q) and less `port_gain * port`.
+  template <std::size_t N, class Without>
+  [[nodiscard]] SKINCTL_INLINE T pay(Memory<N>& memory, const JointTorque<N, T>& port,
+                                     const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
+                                     JointVelocity<N, T>& v1, const T& h, Without&& without) const noexcept {
+    const T share = share_of(memory.energy, active, v, v1, h, without);
+    memory.port = s_.port_gain * port;
+    memory.active = share * active;
+    memory.paid = true;
+    return share;
+  }
+
+  /// The virtual robot moved by `dq` in `h` seconds: books the work of the ports and of the friction. Where
+  /// no law drove it, kinetic energy is counted anew.
+  template <std::size_t N>
+  SKINCTL_INLINE void book(Memory<N>& memory, const JointPosition<N, T>& dq, const VirtualShape<N, T>& shape,
+                           const T& h) const noexcept {
+    memory.counts = memory.counts && memory.paid;
+    if (!memory.paid) return;
+    memory.paid = false;
+    T input(0), drawn(0), friction(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      input = input + memory.port[i] * dq[i];
+      drawn = drawn + memory.active[i] * dq[i];
+      friction = friction + shape.viscous[i] * dq[i] * dq[i];
+      if (shape.decay > T(0))
+        for (std::size_t j = 0; j < N; ++j)
+          friction = friction + shape.decay * dq[i] * memory.mass(i, j) * dq[j];
+    }
+    memory.energy = memory.energy - drawn;
+    if (memory.energy > s_.most) memory.energy = s_.most;
+    memory.explained = input + drawn - friction / h;
+  }
+
+  template <std::size_t N>
+  [[nodiscard]] Held<N> hold() const noexcept {
+    Held<N> m;
+    m.energy = s_.start;
+    return m;
+  }
+
+  /// The real robot moved by `dq` under the torque that it held, to where gravity asks for `gravity` and the
+  /// touch gives `port`: books what the active part did. What the rest did that is no work of port, gravity
+  /// or friction (it was held while they changed) is charged.
+  template <std::size_t N>
+  SKINCTL_INLINE void book(Held<N>& memory, const JointPosition<N, T>& dq, const JointTorque<N, T>& port,
+                           const JointTorque<N, T>& gravity) const noexcept {
+    if (!memory.counts) return;
+    T drawn(0), res(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      drawn = drawn + memory.active[i] * dq[i];
+      const T fair = s_.port_gain * (memory.port[i] + port[i]) + memory.gravity[i] + gravity[i];
+      res = res + (memory.passive[i] - T(0.5) * fair) * dq[i];
+    }
+    memory.energy = memory.energy - drawn - (res > T(0) ? res : T(0));
+    if (memory.energy > s_.most) memory.energy = s_.most;
+  }
+
+  /// The share of the active torque that may be held for `h` seconds from the velocity `v` on; `move(torque)`
+  /// gives the velocity that a torque leads to.
+  ///
+  /// @param passive  `port_gain port + gravity` less friction.
+  template <std::size_t N, class Move>
+  [[nodiscard]] SKINCTL_INLINE T pay(const Held<N>& memory, const JointTorque<N, T>& passive,
+                                     const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
+                                     const T& h, Move&& move) const noexcept {
+    JointVelocity<N, T> v1 = move(passive + active);
+    return share_of(memory.energy, active, v, v1, h, [&] { return move(passive); });
+  }
+  /// This is sent: limits and guard have had the last word.
+  template <std::size_t N>
+  SKINCTL_INLINE void sent(Held<N>& memory, const JointTorque<N, T>& torque, const JointTorque<N, T>& passive,
+                           const JointTorque<N, T>& port, const JointTorque<N, T>& gravity) const noexcept {
+    memory.passive = passive;
+    memory.port = port;
+    memory.gravity = gravity;
+    sent(memory, torque);
+  }
+  /// Something else was sent instead.
+  template <std::size_t N>
+  SKINCTL_INLINE void sent(Held<N>& memory, const JointTorque<N, T>& torque) const noexcept {
+    memory.active = torque - memory.passive;
+    memory.counts = true;
+  }
+
+ private:
+  /// The share that is paid for, and the velocity that it leads to in the place of `v1`.
+  template <std::size_t N, class Without>
+  static SKINCTL_INLINE T share_of(const T& energy, const JointTorque<N, T>& active,
+                                   const JointVelocity<N, T>& v, JointVelocity<N, T>& v1, const T& h,
+                                   Without&& without) noexcept {
+    T cost(0);
+    for (std::size_t i = 0; i < N; ++i) cost = cost + T(0.5) * h * active[i] * (v[i] + v1[i]);
+    if (cost <= energy || cost <= T(0)) [[likely]]
+      return T(1);
+    const JointVelocity<N, T> v0 = without();
+    T w1(0);
+    for (std::size_t i = 0; i < N; ++i) w1 = w1 + T(0.5) * h * active[i] * (v[i] + v0[i]);
+    const T share = affordable_share(w1, T(cost - w1), energy);
+    for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
+    return share;
+  }
+
+  Settings s_;
+};
+
+SKINCTL_END_NAMESPACE

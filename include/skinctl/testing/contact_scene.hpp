@@ -1,0 +1,241 @@
+// A resolver with random skills in random contacts, and the energy that comes out of the real robot.
+#pragma once
+
+#include <algorithm>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/resolver/resolver.hpp"
+#include "skinctl/testing/simulated_joints.hpp"
+
+namespace skinctl::testing {
+
+/// Contacts along fixed directions of joint space: a conservative world, exactly. In the skin's place.
+struct JointTouch {
+  Contacts<6, double, 2> contacts;
+};
+template <class M, class A>
+JointTorque<6> skin_torque(const M&, const A&, const JointTouch& touch) noexcept {
+  JointTorque<6> tau;
+  for (const auto& c : touch.contacts)
+    for (std::size_t i = 0; i < 6; ++i) tau[i] -= c.force * c.row[i];
+  return tau;
+}
+template <class M>
+Contacts<6, double, 2> contacts_of(const M&, const JointPosition<6>&, const JointTouch& touch) noexcept {
+  return touch.contacts;
+}
+
+/// For some time: a weight of the skin, and a spring and damper to a goal.
+struct Skill {
+  double until = 0, skin = 1, pull = 0, stiffness = 0, damping = 0;
+  JointPosition<6> goal;
+};
+
+/// Skills one after the other, with jumps between them: what a tank is for.
+struct RandomSkills {
+  struct Memory {};
+  static constexpr Needs needs{.angles = true, .gravity = true, .touch = true};
+  static constexpr Role role = Role::reactive;
+  std::vector<Skill> skills;
+
+  template <class K>
+  Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <class K>
+  JointTorque<6> torque(const Memory&, const K& known) const noexcept {
+    const double t = seconds<double>(known.time());
+    std::size_t k = 0;
+    while (k + 1 < skills.size() && skills[k].until <= t) ++k;
+    const Skill& s = skills[k];
+    constexpr double scale[6] = {1, 1, 0.6, 0.1, 0.1, 0.05};
+    auto tau = s.skin * skin_torque(known.model(), known.angles(), known.touch()) + known.gravity();
+    for (std::size_t i = 0; i < 6; ++i)
+      tau[i] += s.pull * scale[i] * (s.stiffness * (s.goal[i] - known.q()[i]) - s.damping * known.dq()[i]);
+    return tau;
+  }
+  template <class K>
+  Memory advance(const Memory&, const K&, double, Opposition) const noexcept {
+    return {};
+  }
+};
+
+/// What pushes back along `row` beyond `at` [m]: a wall, or a hand that moves.
+struct Obstacle {
+  double row[6] = {};
+  double at = 0, stiffness = 0, damping = 0, swing = 0, pulse = 0;  ///< `at + swing sin(pulse t)`
+
+  double force(const std::array<double, 6>& q, const std::array<double, 6>& q0,
+               const std::array<double, 6>& dq, double t) const {
+    double x = 0, v = 0;
+    for (std::size_t i = 0; i < 6; ++i) x += row[i] * (q[i] - q0[i]), v += row[i] * dq[i];
+    const double depth = x - (at + swing * std::sin(pulse * t));
+    return depth > 0 ? std::max(0.0, stiffness * depth + damping * (v - swing * pulse * std::cos(pulse * t)))
+                     : 0.0;
+  }
+};
+
+/// A scene from a seed: rate, delay of 0 to 5 cycles, skills, one or two obstacles.
+struct RandomScene {
+  std::array<double, 6> pose{};
+  Nanoseconds period = 0;
+  int delay = 0;
+  double lag = 0, energy = 1, tank = 1, stiffest = 0;
+  RandomSkills law;
+  std::vector<Obstacle> obstacles;
+  ResolverConfiguration<6> configuration{.limits = limits_of<ur5::Description>(20.0), .period = 8_ms};
+
+  /// What keeps it passive at the virtual and at the measured port.
+  [[nodiscard]] auto keeper() const {
+    return Passivity(
+        EnergyTank<>({.start = tank, .most = tank}),
+        PortLedger<>(
+            {.start = energy, .most = energy, .stiffness = stiffest, .reach = {0.6, 0.6, 0.4, 0.1, 0.1, 0}}));
+  }
+
+  explicit RandomScene(std::uint64_t seed) {
+    std::mt19937_64 rng(seed), other(~seed);
+    const auto uniform = [&](double a, double b) {
+      return a + (b - a) * std::uniform_real_distribution<>()(rng);
+    };
+    const auto pick = [&](int n) { return std::uniform_int_distribution<>(0, n - 1)(rng); };
+    pose = {0.1, -1.5, 1.2, -1, -1.5, 0.3};
+    for (double& q : pose) q += uniform(-0.5, 0.5);
+    period = std::array<Nanoseconds, 3>{8_ms, 4_ms, 2_ms}[std::size_t(pick(3))];
+    delay = pick(6);
+    lag = pick(2) * 0.006;
+    const double speed = uniform(0.2, 1);
+    // Slow brakes give a contact what a free robot would not: 1 to 20 rad/s^2.
+    const double brake = std::exp(std::log(20.0) * std::uniform_real_distribution<>()(other));
+    auto values = limits_of<ur5::Description>(brake).values();
+    values.velocity = JointVelocity<6>::constant(speed);
+    configuration = {.limits = JointLimits<6>(values), .period = period, .delay = delay * period};
+    configuration.lag = lag;
+    configuration.shape.decay = uniform(1, 8);
+    configuration.shape.viscous = JointTorque<6>::constant(uniform(0.5, 5));
+    configuration.leash = 5;
+    double reach = 0;
+    for (int k = 0, n = 1 + pick(2); k < n; ++k) {
+      Obstacle o;
+      double sum = 0;
+      for (std::size_t i = 0; i < 6; ++i) {
+        o.row[i] = uniform(-1, 1) * std::array<double, 6>{0.6, 0.6, 0.4, 0.1, 0.1, 0.0}[i];
+        sum += std::abs(o.row[i]);
+      }
+      reach = std::max(reach, sum);
+      o.at = uniform(0, 0.05);
+      if (pick(2) == 1) o.swing = uniform(0, 0.1), o.pulse = uniform(1, 8);
+      obstacles.push_back(o);
+    }
+    // The stiffest world whose first impact the energy at the start pays for.
+    const double T = seconds<double>((delay + 1) * period) + lag, v = reach * speed;
+    configuration.dead_band = JointPosition<6>::constant(std::min(0.02, speed * T));
+    const double p = v * T + 0.5 * v * speed / brake;
+    stiffest = std::min(3e4, 2 * energy / (p * p));
+    for (Obstacle& o : obstacles) {
+      o.stiffness = stiffest * std::exp(uniform(-3, 0)) / double(obstacles.size());
+      o.damping = pick(2) * uniform(0, 0.01) * o.stiffness;
+      if (o.swing > 0) o.damping = 0, o.stiffness *= 0.3;
+    }
+    for (double t = 0; t < 2;) {
+      Skill s;
+      s.until = t += uniform(0.05, 0.6);
+      s.skin = pick(2) ? 1 : uniform(0, 2);
+      s.pull = pick(4) ? uniform(0, 1) : 0;
+      s.stiffness = uniform(0, 300);
+      s.damping = uniform(0, 20);
+      for (std::size_t i = 0; i < 6; ++i) s.goal[i] = pose[i] + uniform(-0.4, 0.4);
+      law.skills.push_back(s);
+    }
+  }
+};
+
+/// What came of a scene.
+struct Energies {
+  double extracted = 0;          ///< most energy that the real port had given at any time [J]
+  double virtual_extracted = 0;  ///< and the virtual one
+  double least_tank = 0, least_ledger = 0;
+  double largest_force = 0;
+  double path = 0;  ///< of joint 0 [rad]
+  Status status;
+};
+
+/// Two seconds of a scene under `keeper`.
+template <Interface I, class Keeper>
+Energies run(const RandomScene& scene, const Keeper& keeper) {
+  using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32, Keeper>;
+  const Robot robot(ur5::Model{}, scene.configuration, keeper);
+  constexpr auto kind =
+      I == Interface::position ? SimulatedJoints<6>::Kind::position : SimulatedJoints<6>::Kind::velocity;
+  SimulatedJoints<6> joints(kind, seconds<double>(scene.delay * scene.period), scene.lag, scene.pose);
+  State<6> measured;
+  measured.q = JointPosition<6>(scene.pose);
+  auto memory = robot.start(measured);
+  RandomSkills::Memory law_memory;
+  Energies out;
+  out.least_tank = out.least_ledger = 1e9;
+  double given = 0, given_virtual = 0, force[2] = {};
+  auto last = joints.q();
+  for (Nanoseconds now = scene.period; now < 2_s; now += scene.period) {
+    const double t = seconds<double>(now);
+    joints.advance(t);
+    JointTouch next;
+    JointTouch parts[max_substeps];
+    const auto interval = robot.interval(memory, now);
+    for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
+      const Obstacle& o = scene.obstacles[k];
+      std::array<double, 6> dq{};
+      for (std::size_t i = 0; i < 6; ++i) dq[i] = (joints.q()[i] - last[i]) / seconds<double>(scene.period);
+      const double F = o.force(joints.q(), scene.pose, dq, t);
+      double dx = 0;
+      for (std::size_t i = 0; i < 6; ++i) dx += o.row[i] * (joints.q()[i] - last[i]);
+      given += 0.5 * (F + force[k]) * dx;
+      out.largest_force = std::max(out.largest_force, F);
+      auto& c = next.contacts.list[k];
+      c.link = 2 + k;
+      c.force = F;
+      std::copy(std::begin(o.row), std::end(o.row), c.row);
+      for (unsigned j = 0; j < interval.substeps; ++j) {
+        auto& part = parts[j].contacts;
+        part.list[k] = c;
+        part.list[k].force = force[k] + (F - force[k]) * (j + 0.5) / interval.substeps;
+        part.count = k + 1;
+      }
+      force[k] = F;
+    }
+    // The keepers are told the newest force: as from a skin that samples as often as the robot is commanded.
+    next.contacts.count = scene.obstacles.size();
+    parts[interval.substeps - 1] = next;
+    out.path += std::abs(joints.q()[0] - last[0]);
+    last = joints.q();
+    measured.time = now;
+    measured.q = JointPosition<6>(joints.q());
+    measured.dq = JointVelocity<6>(joints.dq());
+    const auto before = memory.q.value;
+    const auto result = robot.step(memory, scene.law, law_memory, measured, interval,
+                                   std::span<const JointTouch>(parts, interval.substeps));
+    for (std::size_t i = 0; i < 6; ++i) {
+      double tau = 0;
+      for (unsigned j = 0; j < interval.substeps; ++j)
+        tau += skin_torque(0, 0, parts[j])[i] / interval.substeps;
+      given_virtual -= tau * (memory.q.value[i] - before[i]);
+    }
+    out.status |= result.status;
+    out.extracted = std::max(out.extracted, given);
+    out.virtual_extracted = std::max(out.virtual_extracted, given_virtual);
+    if constexpr (Robot::has_tank)
+      out.least_tank = std::min(out.least_tank, memory.keeper.template of<EnergyTank<>>().energy);
+    if constexpr (Robot::has_ledger)
+      out.least_ledger = std::min(out.least_ledger, memory.keeper.template of<PortLedger<>>().energy);
+    SimulatedJoints<6>::Row row;
+    for (std::size_t i = 0; i < 6; ++i)
+      row[i] = I == Interface::position ? result.command.position[i] : result.command.velocity[i];
+    joints.command(t, row);
+  }
+  return out;
+}
+
+}  // namespace skinctl::testing

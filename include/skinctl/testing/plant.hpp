@@ -1,0 +1,32 @@
+// A robot with exactly the model's parameters, integrated finely under a held torque: the plant of the
+// control tests.
+#pragma once
+
+#include "skinctl/dynamics/forward_dynamics.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+#include "tests/trajectory/exact.hpp"
+
+namespace skinctl::testing {
+
+/// The state `dt` seconds later under a held torque: Runge-Kutta of fourth order in `steps` steps.
+template <class M, Real T>
+State<M::joints, T> simulate(const M& model, State<M::joints, T> x, const JointTorque<M::joints, T>& tau,
+                             const T& dt, int steps = 4) {
+  const T h = dt / T(steps);
+  for (int k = 0; k < steps; ++k) {
+    const auto a1 = forward_dynamics(model, x.q, x.dq, tau).acceleration;
+    const auto v2 = integrate(x.dq, a1, T(h / T(2)));
+    const auto a2 = forward_dynamics(model, integrate(x.q, x.dq, T(h / T(2))), v2, tau).acceleration;
+    const auto v3 = integrate(x.dq, a2, T(h / T(2)));
+    const auto a3 = forward_dynamics(model, integrate(x.q, v2, T(h / T(2))), v3, tau).acceleration;
+    const auto v4 = integrate(x.dq, a3, h);
+    const auto a4 = forward_dynamics(model, integrate(x.q, v3, h), v4, tau).acceleration;
+    x.q = integrate(x.q, JointVelocity<M::joints, T>(T(1) / T(6) * (x.dq + T(2) * v2 + T(2) * v3 + v4)), h);
+    x.dq =
+        integrate(x.dq, JointAcceleration<M::joints, T>(T(1) / T(6) * (a1 + T(2) * a2 + T(2) * a3 + a4)), h);
+  }
+  x.time += nanoseconds(static_cast<double>(dt));
+  return x;
+}
+
+}  // namespace skinctl::testing

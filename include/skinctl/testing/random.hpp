@@ -1,0 +1,113 @@
+// Seeded random numbers and the extremes that laws are tried at; a failing case prints itself as code.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <random>
+#include <sstream>
+#include <string>
+
+#include "skinctl/core/real.hpp"
+
+namespace skinctl::testing {
+
+/// The same sequence on every machine.
+using Random = std::mt19937_64;
+[[nodiscard]] inline Random seeded(std::uint64_t seed) {
+  return Random(seed);
+}
+
+/// Between `low` and `high`, with every digit of `T` random; std's distributions differ between libraries.
+template <Real T>
+[[nodiscard]] T uniform(Random& random, const T& low, const T& high) {
+  T unit(0);
+  T weight(1);
+  for (int digits = 0; digits < std::numeric_limits<T>::digits; digits += 53) {
+    weight = weight * T(0x1p-53);
+    unit = unit + weight * T(random() >> 11);
+  }
+  return low + (high - low) * unit;
+}
+
+template <Real T>
+[[nodiscard]] T pi() {
+  using std::acos;
+  return acos(T(-1));
+}
+
+/// 0, 1e-8, 1, 1e6 and pi.
+template <Real T>
+[[nodiscard]] std::array<T, 5> extremes() {
+  return {T(0), T(1) / T(100000000), T(1), T(1000000), pi<T>()};
+}
+
+/// Mostly between -reach and reach; one in four is an extreme of either sign, whatever the reach.
+template <Real T>
+[[nodiscard]] T random_or_extreme(Random& random, const T& reach) {
+  const auto choice = random();
+  if (choice % 4 != 0) return uniform(random, T(-reach), reach);
+  const T value = extremes<T>()[(choice / 4) % 5];
+  return (choice / 32) % 2 == 0 ? value : T(-value);
+}
+
+template <std::size_t N, Real T>
+[[nodiscard]] std::array<T, N> random_array(Random& random, const T& reach) {
+  std::array<T, N> values{};
+  for (auto& value : values) value = uniform(random, T(-reach), reach);
+  return values;
+}
+
+/// `value` as it stands in a program, to the last digit: paste it into a test.
+template <Real T>
+[[nodiscard]] std::string as_code(const T& value) {
+  const std::string type = std::same_as<T, float> ? "float" : std::same_as<T, double> ? "double" : "Exact";
+  if (!(value == value)) return "std::numeric_limits<" + type + ">::quiet_NaN()";
+  if (value > std::numeric_limits<T>::max()) return "std::numeric_limits<" + type + ">::infinity()";
+  if (value < std::numeric_limits<T>::lowest()) return "-std::numeric_limits<" + type + ">::infinity()";
+  std::ostringstream text;
+  text.precision(std::numeric_limits<T>::max_digits10);
+  text << value;
+  std::string digits = text.str();
+  if constexpr (!std::floating_point<T>) return type + "(\"" + digits + "\")";
+  if (digits.find_first_of(".e") == std::string::npos) digits += ".0";
+  return std::same_as<T, float> ? digits + "f" : digits;
+}
+
+/// Arrays and joint vectors: `{1.0, 2.0}`.
+template <class V>
+  requires(!Real<V> && requires(const V& v) { std::begin(v) == std::end(v); })
+[[nodiscard]] std::string as_code(const V& values) {
+  std::string text = "{";
+  for (const auto& value : values) text += (text.size() > 1 ? ", " : "") + as_code(value);
+  return text + "}";
+}
+
+/// Triples: `{1.0, 2.0, 3.0}`.
+template <class V>
+  requires requires(const V& v) {
+    requires Real<decltype(V::x)> && Real<decltype(V::y)> && Real<decltype(V::z)>;
+  }
+[[nodiscard]] std::string as_code(const V& v) {
+  return "{" + as_code(v.x) + ", " + as_code(v.y) + ", " + as_code(v.z) + "}";
+}
+
+/// Eigen's matrices, row by row: `{{1.0, 2.0}, {3.0, 4.0}}`, which their constructors take.
+template <class M>
+  requires requires(const M& m) { m.coeff(0, 0), m.rows(), m.cols(); }
+[[nodiscard]] std::string as_code(const M& matrix) {
+  std::string text = "{";
+  for (decltype(matrix.rows()) i = 0; i < matrix.rows(); ++i) {
+    text += i == 0 ? "{" : ", {";
+    for (decltype(matrix.cols()) j = 0; j < matrix.cols(); ++j)
+      text += (j == 0 ? "" : ", ") + as_code(matrix.coeff(i, j));
+    text += "}";
+  }
+  return text + "}";
+}
+
+}  // namespace skinctl::testing

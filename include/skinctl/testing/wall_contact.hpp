@@ -1,0 +1,94 @@
+// A resolver that rests against a spring: does it swing out, or up?
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "skinctl/testing/contact_scene.hpp"
+
+namespace skinctl::testing {
+
+/// Only the touch and gravity.
+struct Touched {
+  struct Memory {};
+  static constexpr Needs needs{.angles = true, .gravity = true, .touch = true};
+  static constexpr Role role = Role::reactive;
+  template <class K>
+  Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <class K>
+  auto torque(const Memory&, const K& known) const noexcept {
+    return skin_torque(known.model(), known.angles(), known.touch()) + known.gravity();
+  }
+  template <class K>
+  Memory advance(const Memory&, const K&, double, Opposition) const noexcept {
+    return {};
+  }
+};
+
+/// The displacement [m] along `row`, cycle by cycle, of a robot at `q0` that is tied to a spring of
+/// `stiffness` which pushes and pulls, after it was set off by `kick` [m]; `damping` along it. The spring's
+/// force comes linearly between cycles.
+inline std::vector<double> tied_to_a_spring(const ResolverConfiguration<6>& c, const JointPosition<6>& q0,
+                                            const double (&row)[6], double stiffness, double damping,
+                                            double seconds_long, double kick = 1e-7) {
+  using Keeper = Passivity<ContactDamper<>>;
+  const Keeper keeper(ContactDamper<>({.always = damping}));
+  const Resolver<Interface::position, ur5::Model, double, CrankNicolson, 64, Keeper> robot(ur5::Model{}, c,
+                                                                                           keeper);
+  SimulatedJoints<6> joints(SimulatedJoints<6>::Kind::position, seconds<double>(c.delay) - 1e-9, c.lag,
+                            {q0[0], q0[1], q0[2], q0[3], q0[4], q0[5]});
+  State<6> measured;
+  measured.q = q0;
+  auto memory = robot.start(measured);
+  Touched law;
+  Touched::Memory law_memory;
+  std::vector<double> path;
+  double last = -stiffness * kick;
+  for (Nanoseconds now = c.period; now < nanoseconds(seconds_long); now += c.period) {
+    joints.advance(seconds<double>(now));
+    double x = -kick;
+    for (std::size_t i = 0; i < 6; ++i) x += row[i] * (joints.q()[i] - q0[i]);
+    path.push_back(x);
+    const double force = stiffness * x;
+    const auto interval = robot.interval(memory, now);
+    JointTouch parts[max_substeps];
+    for (unsigned j = 0; j < interval.substeps; ++j) {
+      parts[j].contacts.count = 1;
+      auto& contact = parts[j].contacts.list[0];
+      std::copy(std::begin(row), std::end(row), contact.row);
+      contact.force = last + (force - last) * (j + 0.5) / interval.substeps;
+      if (j + 1 == interval.substeps && damping > 0 && !(contact.force > 0)) {
+        // A push is positive: a pull is a push the other way.
+        for (double& r : contact.row) r = -r;
+        contact.force = std::max(1e-12, -contact.force);
+      }
+    }
+    last = force;
+    measured.time = now;
+    measured.q = JointPosition<6>(joints.q());
+    const auto out = robot.step(memory, law, law_memory, measured, interval,
+                                std::span<const JointTouch>(parts, interval.substeps));
+    SimulatedJoints<6>::Row command;
+    for (std::size_t i = 0; i < 6; ++i) command[i] = out.command.position[i];
+    joints.command(seconds<double>(now), command);
+  }
+  return path;
+}
+
+/// Whether the swinging dies out.
+inline bool swings_out(const ResolverConfiguration<6>& c, const JointPosition<6>& q0, const double (&row)[6],
+                       double stiffness, double damping = 0) {
+  const auto path = tied_to_a_spring(c, q0, row, stiffness, damping, 8);
+  const auto largest = [&](std::size_t from, std::size_t to) {
+    double most = 0;
+    for (std::size_t k = from; k < to; ++k) most = std::max(most, std::abs(path[k]));
+    return most;
+  };
+  const std::size_t n = path.size();
+  const double early = largest(n / 4, n / 2), late = largest(3 * n / 4, n);
+  return late < early && late < 1e-6;  // what has grown up to the limits does not grow on
+}
+
+}  // namespace skinctl::testing

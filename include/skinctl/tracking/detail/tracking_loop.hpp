@@ -1,0 +1,103 @@
+// The part of Tracking that runs in every cycle.
+#pragma once
+
+#include "skinctl/tracking/tracking.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What the surface reads `x` seconds from now, the integrals going on at the given rates.
+template <class Space, class Plan, class Damping, class Sign>
+SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::inputs(
+    const Memory& memory, const T& x, const Rates& dI1, const Rates& dI2) const noexcept {
+  using R = detail::Row<Space::coordinates, T>;
+  // Built in place: a copy of what has just been written in other pieces waits for them.
+  return {memory.plan.at(x, settings_),
+          gain(memory, x),
+          memory.bias.at(x, gains().kappa, gains().hand_over),
+          Rates(R(memory.I1.sum) + x * R(dI1)),
+          Rates(R(memory.I2.sum) + x * R(dI2)),
+          memory.held,
+          memory.sign.data()};
+}
+
+/// The memory `dt` seconds later.
+template <class Space, class Plan, class Damping, class Sign>
+SKINCTL_INLINE TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Sign>::stepped(
+    const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
+  const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
+  return {later(memory.since_reset, ns),
+          memory.held,
+          memory.plan.advanced(ns, settings_),
+          memory.bias.advanced(dt, ns, gains().kappa),
+          memory.I1.advanced(at_t.dI1, dt),
+          memory.I2.advanced(at_t.dI2, dt),
+          memory.tb,
+          memory.K_from,
+          memory.sign.advanced(at_t.S_delta.data, gains().mu, dt, memory.held),
+          space_.advanced(memory.space, at_t, dt)};
+}
+
+/// The middle of the interval, as the law itself predicts it.
+template <class Space, class Plan, class Damping, class Sign>
+template <class K>
+SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::middle(const Memory& memory, const K& known,
+                                                                 const Surface& at_t) const noexcept
+    -> Middle {
+  using R = detail::Row<N, T>;
+  const T h = T(0.5) * known.dt();
+  const R damped(damping_.acceleration(known, at_t.S_q));
+  const R a = at_t.ddq_r - damped;
+  const JointPosition<N, T> q(known.q() + h * (known.dq() + T(T(0.5) * h) * a));
+  const JointVelocity<N, T> dq(known.dq() + h * a);
+  const auto ahead = inputs(memory, h, at_t.dI1, at_t.dI2);
+  return {damped, a,         q,
+          dq,     ahead.K_p, space_.surface(gains_, ahead, space_.site(known.model(), q, dq), memory.space)};
+}
+
+/// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
+/// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
+template <class Space, class Plan, class Damping, class Sign>
+template <GravityTerm G, class K>
+SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& memory, const K& known,
+                                                                 const Share<T>& share,
+                                                                 const Surface& at_t) const noexcept
+    -> JointTorque<N, T> {
+  using M = typename K::model_type;
+  using R = detail::Row<N, T>;
+  const T h = T(0.5) * known.dt();
+  const auto mid = middle(memory, known, at_t);
+  const R damped = mid.damped, asked = mid.surface.ddq_r;
+  const auto& K_p = mid.K_p;
+  // The acceleration that is held is the one asked for at the middle: the state there once more, with it.
+  const R dv = h * (asked - damped - mid.a), dx = T(T(0.5) * h) * dv;
+  const JointPosition<N, T> q_h(mid.q + dx);
+  const JointVelocity<N, T> dq_h(mid.dq + dv);
+  const R v_r = share.feed_forward * (mid.surface.dq_r - K_p.K * dx);
+  R a_r = share.feed_forward * (asked - K_p.K * dv - K_p.dK * dx);
+  constexpr bool inertial = std::same_as<Damping, InertialDamping<T>>;
+  if constexpr (inertial) a_r = a_r - share.feedback * damped;
+  const auto& shape = gains().shape;
+  const R decayed = a_r + shape.decay * v_r;
+  const R shaped = shape.viscous * v_r + shape.inertia * decayed;  // of rotors and friction
+  const JointVelocity<N, T> dq_r(v_r);
+  const JointAcceleration<N, T> ddq_r(decayed);
+  JointTorque<N, T> tau;
+  const JointAngles<M, T> angles(known.model(), q_h);
+  const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
+    detail::run_recursion<T>(known.model(), angles, detail::Values<T>{dq_h.data},
+                             detail::Values<T>{dq_r.data}, detail::Values<T>{ddq_r.data}, a0, tau.data);
+  };
+  if constexpr (G == GravityTerm::included) {
+    run(T(-share.feed_forward) * known.model().template gravity<T>());
+  } else {
+    run(ZeroTriple{});
+  }
+  (tau + shaped).store(tau);
+  if constexpr (!inertial) {
+    const auto feedback = damping_.torque(at_t.S_q);
+    tau -= share.feedback * feedback;
+  }
+  return tau;
+}
+
+SKINCTL_END_NAMESPACE

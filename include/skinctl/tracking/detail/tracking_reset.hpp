@@ -1,0 +1,103 @@
+// The part of Tracking that runs when something begins: a goal, a contact, a release.
+#pragma once
+
+#include "skinctl/tracking/tracking.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The gain from now on, as slow as the largest error asks for.
+template <class Space, class Plan, class Damping, class Sign>
+template <class K>
+SKINCTL_COLD Status Tracking<Space, Plan, Damping, Sign>::begin_gain(Memory& memory,
+                                                                     const K& known) const noexcept {
+  memory.since_reset = 0;
+  memory.tb = gains().tb;
+  memory.K_from = schedule_.K_c();
+  Status status;
+  if (!(memory.tb > T(0))) {
+    slow_gain(memory, known);
+    return status;
+  }
+  const auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
+  const T least = schedule_.shortest_time(Space::slowness(error, settings_), T(1));
+  if (least > memory.tb) {
+    status |= gains().reach == Reach::refuse ? Reason::goal_refused : Reason::goal_stretched;
+    memory.tb = least;
+  }
+  return status;
+}
+
+/// Without a time base: a gain with which the largest error goes back no faster than `max_velocity`.
+template <class Space, class Plan, class Damping, class Sign>
+template <class K>
+SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::slow_gain(Memory& memory,
+                                                                  const K& known) const noexcept {
+  memory.tb = T(0);
+  memory.K_from = schedule_.K_c();
+  auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
+  for (T& v : error.v_d) v = T(0);
+  const T time = Space::slowness(error, settings_);
+  if (memory.K_from * time > T(1)) memory.K_from = T(1) / time;
+}
+
+/// `S_d = S`, so that S_delta is zero.
+template <class Space, class Plan, class Damping, class Sign>
+template <class K>
+SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::begin_bias(Memory& memory,
+                                                                   const K& known) const noexcept {
+  const auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
+  const auto K_p = gain(memory, T(0));
+  memory.bias = {};
+  for (std::size_t i = 0; i < Space::coordinates; ++i)
+    memory.bias.decaying[i] = finite(error.de[i] + K_p.K * error.e[i]);
+}
+
+/// The skin begins or ceases to push against this law. At the release S_d is zero but for the hand-over, and
+/// the gain constant: the error goes back on its own side.
+template <class Space, class Plan, class Damping, class Sign>
+template <class K>
+SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Sign>::switched(
+    const Memory& memory, const K& known, const T& dt, Opposition opposition) const noexcept {
+  Memory next = memory;
+  next.held = opposition == Opposition::lasting;
+  next.plan = memory.plan.held(next.held, settings_);
+  if (!next.held) {
+    next.since_reset = 0;
+    next.space = Space::renewed(next.space);
+    slow_gain(next, known);
+    next.bias.decaying = {};
+  }
+  hand_over(next, memory, known);
+  return stepped(next, look(next, known), dt);
+}
+
+/// Makes the reference of `next` go on from that of `before` at this state: in velocity, in acceleration, and
+/// in how the acceleration changes until the middle of the interval, where the torque reads it. The last is
+/// left out where `before` stands still: a plan begins as smoothly as it was planned, and arrives in time.
+template <class Space, class Plan, class Damping, class Sign>
+template <class K>
+SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::hand_over(Memory& next, const Memory& before,
+                                                                  const K& known) const noexcept {
+  auto& bias = next.bias;
+  const auto old = look(before, known);
+  bias.elapsed = clock_end;
+  const auto raw = look(next, known);
+  bias.elapsed = 0;
+  bias.da = bias.dj = {};
+  for (std::size_t i = 0; i < Space::coordinates; ++i)
+    bias.dv[i] = finite(space_.course(old).v[i] - space_.course(raw).v[i]);
+  const auto moved = look(next, known);  // dv is part of S_delta, which the integrals of ddq_r read
+  for (std::size_t i = 0; i < Space::coordinates; ++i)
+    bias.da[i] = finite(space_.course(old).a[i] - space_.course(moved).a[i]);
+  const T bend = bias.bend(T(T(0.5) * known.dt()), gains().hand_over);
+  T fastest(0);  // [rad/s, m/s]
+  for (std::size_t i = 0; i < Space::coordinates; ++i)
+    if (detail::magnitude(space_.course(old).v[i]) > fastest)
+      fastest = detail::magnitude(space_.course(old).v[i]);
+  if (!(bend > T(0)) || !(fastest > T(1e-3))) return;
+  const auto soon = look_ahead(before, known, old), here = look_ahead(next, known, look(next, known));
+  for (std::size_t i = 0; i < Space::coordinates; ++i)
+    bias.dj[i] = finite((space_.course(soon).a[i] - space_.course(here).a[i]) / bend);
+}
+
+SKINCTL_END_NAMESPACE

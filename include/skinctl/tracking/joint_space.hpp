@@ -1,0 +1,182 @@
+// The space in which Joint Control tracks: the joints themselves.
+#pragma once
+
+#include "skinctl/core/needs.hpp"
+#include "skinctl/core/status.hpp"
+#include "skinctl/tracking/sliding_surface.hpp"
+#include "skinctl/trajectory/plan_clock.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Where to go, and in what time.
+template <std::size_t N, Scalar T = double>
+struct JointGoal {
+  JointPosition<N, T> q_g;
+  Nanoseconds duration = 0;  ///< from the moment of reception; 0: as long as `max_velocity` asks for
+};
+
+/// The joints as the coordinates of a tracking law: what `Tracking` asks of a space, at no cost.
+///
+/// A space has `joints` and `coordinates`, `Settings` (from which `tracking` picks the gains), a `Memory` of
+/// its own, `needs`. Of plans it knows places (`Where`, `where`, `place`), goals and their `shortest_time`,
+/// a `spline`, references that go `ahead` and `slow` down, whether it `allows` one, the `distance` of two and
+/// its `slowness`: how long the largest of them takes at the largest speed. Of laws it knows
+/// - `site(known)`, `site(model, q, dq)`: all that it reads of a state;
+/// - `errors(target, site, memory)`: eqs. (13) or (20), (21);
+/// - `surface(gains, inputs, site, memory)`: the surface and the reference motion of the joints;
+/// - `course(surface)`: the reference motion of the coordinates;
+/// - `rows(site, J)`: how the coordinates change with the joints; `follow_branch`: the memory of a law that
+///   has no surface;
+/// - `advanced(memory, surface, dt)`, `take_up(memory, S_q)` at the start, `renewed(memory)` after a reset,
+/// `status(memory)`.
+template <std::size_t N, Real T = double>
+class JointSpace {
+ public:
+  static constexpr const char* name = "joint";                ///< of a law that follows targets in it
+  static constexpr const char* spline_name = "spline_joint";  ///< of one that goes to goals
+  static constexpr std::size_t joints = N;
+  static constexpr std::size_t coordinates = N;
+  static constexpr Needs needs = {};
+  using scalar = T;
+  using Settings = JointControlSettings<N, T>;
+  using Surface = SlidingSurface<N, T>;
+  using Reference = JointReference<N, T>;
+  using Inputs = SurfaceInputs<N, T>;
+  using Errors = SurfaceErrors<N, T>;
+  using Where = JointPosition<N, T>;
+  using Goal = JointGoal<N, T>;
+  using Spline = JointSpline<N, T>;
+  using Row = detail::Row<N, T>;
+  struct Memory {};
+  struct Site {
+    const JointPosition<N, T>& q;
+    const JointVelocity<N, T>& dq;
+  };
+  struct Course {
+    const JointVelocity<N, T>& v;
+    const JointAcceleration<N, T>& a;
+  };
+
+  JointSpace() noexcept = default;
+  [[nodiscard]] static SKINCTL_INLINE constexpr const Settings& tracking(const Settings& s) noexcept {
+    return s;
+  }
+
+  // Of plans.
+  [[nodiscard]] static SKINCTL_INLINE const Where& where(const Site& at) noexcept { return at.q; }
+  [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.q_d; }
+  [[nodiscard]] static SKINCTL_INLINE constexpr const Where& place(const Goal& goal) noexcept {
+    return goal.q_g;
+  }
+  [[nodiscard]] static SKINCTL_INLINE constexpr Spline spline(const Where& from, const Where& to,
+                                                              const T& tf) noexcept {
+    return {from, to, tf};
+  }
+  /// NaN or infinite if the goal is not finite.
+  [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
+    T least(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T time = shortest_spline_time(T(goal.q_g[i] - from[i]), s.max_velocity[i]);
+      if (!(time <= least)) least = time;
+      if (!(time - time == T(0))) return time;
+    }
+    return least;
+  }
+  static SKINCTL_INLINE void slow(Reference& r, const OwnTime<T>& own) noexcept {
+    const Row dq_d = r.dq_d, ddq_d = r.ddq_d;
+    (T(own.rate * own.rate) * ddq_d + own.bend * dq_d).store(r.ddq_d);
+    (own.rate * dq_d).store(r.dq_d);
+  }
+  [[nodiscard]] static SKINCTL_INLINE Reference ahead(const Reference& r, const T& t) noexcept {
+    const Row q = r.q_d, dq = r.dq_d, ddq = r.ddq_d;
+    return {Where(q + t * (dq + T(T(0.5) * t) * ddq)), JointVelocity<N, T>(dq + t * ddq), r.ddq_d};
+  }
+  [[nodiscard]] static bool finite(const Reference& r) noexcept {
+    T sum(0);
+    for (std::size_t i = 0; i < N; ++i) sum = sum + r.q_d[i] + r.dq_d[i] + r.ddq_d[i];
+    return sum - sum == T(0);
+  }
+  /// The same place at constant velocity, or at rest.
+  [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.q_d, r.dq_d, {}}; }
+  [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.q_d, {}, {}}; }
+  /// `r` moves on for `dt` towards a target, within the limits: each joint on its own.
+  SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
+                                 const T& dt) noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      Pursuit<1, T> one{{r.dq_d[i]}, {r.ddq_d[i]}};
+      const T e[1] = {target.q_d[i] - r.q_d[i]}, v[1] = {target.dq_d[i]};
+      T moved[1];
+      one.advance(e, v, {s.max_velocity[i], s.max_acceleration, s.max_jerk}, dt, moved);
+      r.q_d[i] = r.q_d[i] + moved[0];
+      r.dq_d[i] = one.v[0];
+      r.ddq_d[i] = one.a[0];
+    }
+  }
+  [[nodiscard]] static bool allows(const Reference& r, const Settings& s) noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      const T sum = r.q_d[i] + r.dq_d[i] + r.ddq_d[i];
+      if (!(sum - sum == T(0)) || !(detail::magnitude(r.dq_d[i]) < s.max_velocity[i])) return false;
+    }
+    return true;
+  }
+  /// Errors of one reference against another, as `errors` gives those of a state.
+  [[nodiscard]] static Errors distance(const Reference& a, const Reference& b) noexcept {
+    Errors error{};
+    for (std::size_t i = 0; i < N; ++i) error.e[i] = a.q_d[i] - b.q_d[i];
+    return error;
+  }
+  /// [s]; infinite if something is not finite.
+  [[nodiscard]] static T slowness(const Errors& error, const Settings& s) noexcept {
+    T most(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T speed = s.max_velocity[i] - detail::magnitude(error.v_d[i]);
+      if (speed > T(0) && !(detail::magnitude(error.e[i]) <= most * speed))
+        most = detail::magnitude(error.e[i]) / speed;
+    }
+    return most;
+  }
+
+  // Of laws.
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Site site(const K& known) const noexcept {
+    return {known.q(), known.dq()};
+  }
+  template <class M>
+  [[nodiscard]] SKINCTL_INLINE Site site(const M&, const JointPosition<N, T>& q,
+                                         const JointVelocity<N, T>& dq) const noexcept {
+    return {q, dq};
+  }
+  [[nodiscard]] static SKINCTL_INLINE Errors errors(const Reference& target, const Site& at,
+                                                    const Memory&) noexcept {
+    Errors error;
+    const Row v_d = target.dq_d, a_d = target.ddq_d, de = at.dq - v_d;
+    (Row(at.q) - target.q_d).store(error.e);
+    de.store(error.de);
+    de.store(error.slope);
+    v_d.store(error.v_d);
+    a_d.store(error.a_d);
+    return error;
+  }
+  template <class Gains>
+  [[nodiscard]] SKINCTL_INLINE Surface surface(const Gains& gains, const Inputs& in, const Site& at,
+                                               const Memory& memory) const noexcept {
+    return sliding_surface(gains, in, errors(in.target, at, memory),
+                           [&](const Row& dq_r)
+                               SKINCTL_INLINE_LAMBDA { return JointVelocity<N, T>(at.dq - dq_r); });
+  }
+  /// How the coordinates change with the joints, row by row.
+  static void rows(const Site&, T (&J)[coordinates][N]) noexcept {
+    for (std::size_t c = 0; c < N; ++c)
+      for (std::size_t i = 0; i < N; ++i) J[c][i] = c == i ? T(1) : T(0);
+  }
+  static SKINCTL_INLINE void follow_branch(Memory&, const Reference&, const Site&) noexcept {}
+  [[nodiscard]] static SKINCTL_INLINE Course course(const Surface& s) noexcept { return {s.dq_r, s.ddq_r}; }
+  [[nodiscard]] static SKINCTL_INLINE Memory advanced(const Memory&, const Surface&, const T&) noexcept {
+    return {};
+  }
+  static SKINCTL_INLINE void take_up(Memory&, const JointVelocity<N, T>&) noexcept {}
+  [[nodiscard]] static SKINCTL_INLINE Memory renewed(const Memory&) noexcept { return {}; }
+  [[nodiscard]] static SKINCTL_INLINE Status status(const Memory&) noexcept { return {}; }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,262 @@
+// The space in which Operational Control tracks: the pose of a tool, section 4.2.2.
+#pragma once
+
+#include "skinctl/core/status.hpp"
+#include "skinctl/tracking/pose_targets.hpp"
+#include "skinctl/tracking/singular_escape.hpp"
+#include "skinctl/tracking/speed_limit.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The pose of the frame `P`, fixed to link `I`, as the coordinates of a tracking law, eqs. (15)-(21): its
+/// origin [m], then its orientation, or the origin alone.
+///
+/// `dq_r = J^+ dx_r`, with the damped inverse; `ddq_r` is its derivative, that of the damping included; `S_q
+/// = dq - dq_r`, so that `J S_q = S_xdelta + K_i1 I1 + K_i2 I2` where nothing is damped or limited. Next to a
+/// singularity the arm slows down (`Reason::slowed`).
+///
+/// @tparam What         `Task::pose` or `Task::position`.
+/// @tparam Orientation  `RotationVectorError`, `QuaternionError` or `ZyzError`.
+/// @tparam Null         `DampedNullSpace`, `FreeNullSpace` or `PostureNullSpace`: what joints do that the
+///                      tool does not ask for.
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
+          class Orientation = RotationVectorError, class Null = DampedNullSpace>
+class OperationalSpace : public PoseTargets<N, P, T, What> {
+  using Targets = PoseTargets<N, P, T, What>;
+  using Targets::get;
+  using Targets::put;
+
+ public:
+  static constexpr const char* name = "operational";                ///< of a law that follows targets in it
+  static constexpr const char* spline_name = "spline_operational";  ///< of one that goes to goals
+  static constexpr std::size_t joints = N;
+  using Targets::coordinates;
+  static constexpr Needs needs = {.jacobians = link_bit<I>};
+  using scalar = T;
+  using typename Targets::Errors;
+  using typename Targets::Reference;
+  using typename Targets::Settings;
+  using typename Targets::Where;
+  using Inputs = SurfaceInputs<coordinates, T, Reference>;
+
+  struct Memory {
+    Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error
+    SingularEscape<N, T> escape;    ///< motion out of a singularity that the damped inverse does not find
+    JointVelocity<N, T> drift;  ///< what the joints did at the start that the tool's course does not ask for
+    bool slowed = false;        ///< next to a singularity, or at the largest speed of a joint
+  };
+  struct Surface {
+    JointVelocity<coordinates, T> S_delta;  ///< eq. (19)
+    JointVelocity<coordinates, T> dI1, dI2;
+    JointVelocity<coordinates, T> dx_r;       ///< eq. (18)
+    JointAcceleration<coordinates, T> ddx_r;  ///< its derivative
+    JointVelocity<N, T> dq_r;                 ///< eq. (15)
+    JointAcceleration<N, T> ddq_r;
+    JointVelocity<N, T> S_q;
+    JointVelocity<N, T> way_out;  ///< what `escape` goes to
+    Xyz<T> near;                  ///< the branch of the orientation error
+    bool slowed;
+  };
+  struct Course {
+    const JointVelocity<coordinates, T>& v;
+    const JointAcceleration<coordinates, T>& a;
+  };
+  /// What is read of a state: the tool's Jacobian, pose and velocity.
+  template <class J>
+  struct Site {
+    const JointPosition<N, T>& q;
+    const JointVelocity<N, T>& dq;
+    J jacobian;
+    Where X_BP;
+    Twist<P, Base, P, Base, T> V;
+  };
+
+  /// @param X_LP  the frame in its link.
+  explicit OperationalSpace(const Transform<Link<I>, P, T>& X_LP, const Settings& settings = {},
+                            const Null& null = Null())
+      : X_LP_(X_LP),
+        least_damping_(settings.least_damping),
+        singularities_(settings.singularities),
+        limit_(T(0.99) * settings.tracking.max_velocity),
+        kappa_(settings.tracking.kappa),
+        slowest_(limit_[0]),
+        null_(null) {
+    for (const T& v : limit_)
+      if (v < slowest_) slowest_ = v;
+    const auto positive = [](const char* what, const T& x) {
+      require(x > T(0) && x <= T(1e6), what, static_cast<double>(x), "> 0");
+    };
+    positive("max_linear_velocity", settings.max_linear_velocity);
+    positive("max_angular_velocity", settings.max_angular_velocity);
+    check(PursuitLimits<T>{T(1), settings.max_linear_acceleration, settings.max_linear_jerk});
+    check(PursuitLimits<T>{T(1), settings.max_angular_acceleration, settings.max_angular_jerk});
+  }
+  [[nodiscard]] static SKINCTL_INLINE constexpr const JointControlSettings<N, T>& tracking(
+      const Settings& s) noexcept {
+    return s.tracking;
+  }
+
+  // Of plans.
+  template <class J>
+  [[nodiscard]] static SKINCTL_INLINE const Where& where(const Site<J>& at) noexcept {
+    return at.X_BP;
+  }
+  // Of laws.
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE auto site(const K& known) const noexcept {
+    return site_of(known.q(), known.dq(), known.template jacobian<I>(X_LP_),
+                   known.template pose<I>() * X_LP_);
+  }
+  template <class M>
+  [[nodiscard]] SKINCTL_INLINE auto site(const M& model, const JointPosition<N, T>& q,
+                                         const JointVelocity<N, T>& dq) const noexcept {
+    constexpr LinkMask mask = ancestors<M>(I);
+    const Poses<M, mask, T> poses(model, JointAngles<M, T, mask>(model, q));
+    return site_of(q, dq, jacobian<I>(poses, X_LP_), poses.template get<I>() * X_LP_);
+  }
+  template <class J>
+  [[nodiscard]] static Errors errors(const Reference& target, const Site<J>& at,
+                                     const Memory& memory) noexcept {
+    Errors error;
+    Xyz<T> near;
+    errors(error, near, target, at, memory);
+    return error;
+  }
+  template <class Gains, class J>
+  [[nodiscard]] SKINCTL_NOINLINE Surface surface(const Gains& gains, const Inputs& in, const Site<J>& at,
+                                                 const Memory& memory) const noexcept;
+  template <class J>
+  static void rows(const Site<J>& at, T (&rows)[coordinates][N]) noexcept {
+    static_assert(!std::same_as<Orientation, ZyzError>, "a moment has no component along an angle's rate");
+    for (auto& row : rows)
+      for (T& x : row) x = T(0);
+    at.jacobian.for_each([&](auto i, const auto& c) {
+      const T six[6] = {c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y, c.angular.z};
+      for (std::size_t r = 0; r < coordinates; ++r) rows[r][i.value] = six[r];
+    });
+  }
+  template <class J>
+  static void follow_branch(Memory& memory, const Reference& target, const Site<J>& at) noexcept {
+    Errors error;
+    Xyz<T> near;
+    errors(error, near, target, at, memory);
+    const T sum = dot(near, near);
+    if (sum - sum == T(0)) memory.near = near;
+  }
+  [[nodiscard]] static SKINCTL_INLINE Course course(const Surface& s) noexcept { return {s.dx_r, s.ddx_r}; }
+  [[nodiscard]] Memory advanced(const Memory& memory, const Surface& s, const T& dt) const noexcept {
+    Memory next = memory;
+    const T sum = dot(s.near, s.near);
+    if (sum - sum == T(0)) next.near = s.near;
+    next.slowed = s.slowed;
+    const T stays = T(1) / (T(1) + kappa_ * dt);
+    for (T& v : next.drift) v = detail::magnitude(v) > T(1e-30) ? T(stays * v) : T(0);
+    next.escape = memory.escape.advanced(s.way_out, dt);
+    return next;
+  }
+  /// Takes over from joints that are `faster` than the reference asks for: next to a singularity, or above
+  /// their limits, it does not follow them. The rest decays as S_d does.
+  static SKINCTL_INLINE void take_up(Memory& memory, const JointVelocity<N, T>& faster) noexcept {
+    for (std::size_t i = 0; i < N; ++i) memory.drift[i] = faster[i] - faster[i] == T(0) ? faster[i] : T(0);
+  }
+  /// After a reset: the shortest way round.
+  [[nodiscard]] static SKINCTL_INLINE Memory renewed(Memory memory) noexcept {
+    memory.near = {T(0), T(0), T(0)};
+    return memory;
+  }
+  [[nodiscard]] static SKINCTL_INLINE Status status(const Memory& memory) noexcept {
+    return memory.slowed ? Status(Reason::slowed) : Status();
+  }
+
+ private:
+  template <class J>
+  [[nodiscard]] static SKINCTL_INLINE Site<J> site_of(const JointPosition<N, T>& q,
+                                                      const JointVelocity<N, T>& dq, const J& jacobian,
+                                                      const Where& X_BP) noexcept {
+    return {q, dq, jacobian, X_BP, jacobian * dq};
+  }
+  template <class J>
+  static void errors(Errors& error, Xyz<T>& near, const Reference& target, const Site<J>& at,
+                     const Memory& memory) noexcept {
+    put(error.e, at.X_BP.origin() - target.X_BP.origin());
+    put(error.de, at.V.linear - target.V.linear);
+    put(error.slope, at.V.linear - target.V.linear);
+    put(error.v_d, target.V.linear);
+    put(error.a_d, target.A.linear);
+    if constexpr (What == Task::pose) {
+      const auto turned = Orientation::errors(
+          at.X_BP.axes(), at.V.angular,
+          RotationReference<T>{target.X_BP.axes(), target.V.angular, target.A.angular}, memory.near);
+      put(error.e + 3, turned.e);
+      put(error.de + 3, turned.de);
+      put(error.slope + 3, turned.slope);
+      put(error.v_d + 3, turned.v_d);
+      put(error.a_d + 3, turned.a_d);
+      near = turned.near;
+    } else {
+      near = memory.near;
+    }
+  }
+
+  Transform<Link<I>, P, T> X_LP_;
+  T least_damping_;
+  SingularityDamping<T> singularities_;
+  JointVelocity<N, T> limit_;  ///< of the reference: a hundredth is left for what the joints overshoot
+  T kappa_;                    ///< decay of the drift
+  T slowest_;                  ///< of the limits
+  [[no_unique_address]] Null null_;
+};
+
+/// Eqs. (15)-(21).
+template <std::size_t N, std::size_t I, Frame P, Real T, Task What, class Orientation, class Null>
+template <class Gains, class J>
+SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::surface(
+    const Gains& gains, const Inputs& in, const Site<J>& at, const Memory& memory) const noexcept -> Surface {
+  Surface s;
+  Errors error;
+  errors(error, s.near, in.target, at, memory);
+  const auto x =
+      sliding_surface(gains, in, error, [](const auto&) { return JointVelocity<coordinates, T>(); });
+  s.S_delta = x.S_delta, s.dI1 = x.dI1, s.dI2 = x.dI2, s.dx_r = x.dq_r, s.ddx_r = x.ddq_r;
+
+  Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};
+  Acceleration<P, Base, P, Base, T> a{get(x.ddq_r.data), {}};
+  if constexpr (What == Task::pose) {
+    const auto map = Orientation::map(at.X_BP.axes(), at.V.angular, memory.near);
+    v.angular = map.omega(get(x.dq_r.data + 3));
+    a.angular = map.domega(get(x.dq_r.data + 3), get(x.ddq_r.data + 3));
+  }
+  const T speed2 = dot(v.linear, v.linear) + dot(v.angular, v.angular);
+  const T rate = T(2) * (dot(v.linear, a.linear) + dot(v.angular, a.angular));
+  const auto inverse =
+      damped_inverse<What>(at.jacobian, singularities_.scaled(least_damping_, speed2, rate, slowest_));
+  const auto dJ = jacobian_rate(at.jacobian, at.dq);
+  if constexpr (Null::rests) {
+    s.dq_r = inverse.solve(v);
+    s.ddq_r = inverse.solve_rate(dJ, v, a, s.dq_r);
+  } else {
+    const NullMotion<N, T> z = null_.motion(at.q, at.dq);
+    v = v - at.jacobian * z.v;
+    const auto J_a = at.jacobian * JointVelocity<N, T>::generate([&](std::size_t i) { return z.a[i]; });
+    const auto dJ_v = dJ * z.v;
+    a = {a.linear - J_a.linear - dJ_v.linear, a.angular - J_a.angular - dJ_v.angular};
+    const auto dq = inverse.solve(v);
+    s.ddq_r = z.a + inverse.solve_rate(dJ, v, a, dq);
+    s.dq_r = z.v + dq;
+  }
+  const T nearness = inverse.nearness();
+  if (nearness > T(0)) [[unlikely]]
+    s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
+  s.dq_r += memory.escape.v;
+  s.ddq_r += memory.escape.a;
+  s.slowed = nearness > T(0);
+  s.slowed |= limit_speed(limit_, s.dq_r, s.ddq_r);
+  for (std::size_t i = 0; i < N; ++i) {
+    s.dq_r[i] = s.dq_r[i] + memory.drift[i];
+    s.ddq_r[i] = s.ddq_r[i] - kappa_ * memory.drift[i];
+  }
+  for (std::size_t i = 0; i < N; ++i) s.S_q[i] = at.dq[i] - s.dq_r[i];
+  return s;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,132 @@
+// Goals and targets of laws in operational space: the poses of a tool, and the way from one to the next.
+#pragma once
+
+#include "skinctl/kinematics/damped_inverse.hpp"
+#include "skinctl/tracking/orientation_error.hpp"
+#include "skinctl/tracking/redundancy.hpp"
+#include "skinctl/tracking/sliding_surface.hpp"
+#include "skinctl/trajectory/plan_clock.hpp"
+#include "skinctl/trajectory/pursuit.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Settings of a tracking law in operational space.
+template <std::size_t N, Real T = double>
+struct OperationalSettings {
+  /// Gains and times, as in joint space, of coordinates in metres and radians. `max_velocity` is the fastest
+  /// that any joint is asked to go, next to a singularity too.
+  JointControlSettings<N, T> tracking = {};
+  T max_linear_velocity = T(0.5);      ///< of any motion to a goal [m/s]
+  T max_angular_velocity = T(1.5);     ///< [rad/s]
+  T max_linear_acceleration = T(1.5);  ///< after a reactive target [m/s^2]
+  T max_linear_jerk = T(15);           ///< [m/s^3]
+  T max_angular_acceleration = T(5);   ///< [rad/s^2]
+  T max_angular_jerk = T(50);          ///< [rad/s^3]
+  /// When J^+ is damped, and how much at most; as much as the joints' speed asks for.
+  SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
+  T least_damping = T(0.02);  ///< l at a singularity where next to nothing is asked
+};
+
+/// Where a frame has to go, and in what time.
+template <Frame P, Scalar T = double>
+struct PoseGoal {
+  Transform<Base, P, T> X_BP;
+  Nanoseconds duration = 0;  ///< from the moment of reception; 0: as long as the speeds ask for
+};
+
+/// What plans (`SplinePlan`, `TargetPlan`, `ReactivePlan`) ask of operational space, beside the state: poses
+/// of `P` on their way to a goal or after a target, their limits and distances.
+template <std::size_t N, Frame P, Real T, Task What>
+class PoseTargets {
+ public:
+  static constexpr std::size_t coordinates = What == Task::pose ? 6 : 3;
+  using Settings = OperationalSettings<N, T>;
+  using Reference = PoseReference<P, T>;
+  using Errors = SurfaceErrors<coordinates, T>;
+  using Where = Transform<Base, P, T>;
+  using Goal = PoseGoal<P, T>;
+  using Spline = PoseSpline<P, T>;
+
+  [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.X_BP; }
+  [[nodiscard]] static SKINCTL_INLINE const Where& place(const Goal& goal) noexcept { return goal.X_BP; }
+  [[nodiscard]] static Spline spline(const Where& from, const Where& to, const T& tf) noexcept {
+    return {from, to, tf};
+  }
+  [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
+    const T way = detail::length(Xyz<T>(goal.X_BP.origin() - from.origin()));
+    const T turn =
+        What == Task::pose ? detail::length(log_so3(goal.X_BP.axes() * from.axes().transpose())) : T(0);
+    const T a = shortest_spline_time(way, s.max_linear_velocity);
+    const T b = shortest_spline_time(turn, s.max_angular_velocity);
+    return a > b || !(a == a) ? a : b;
+  }
+  static void slow(Reference& r, const OwnTime<T>& own) noexcept {
+    r.A = own.rate * own.rate * r.A +
+          Acceleration<P, Base, P, Base, T>{own.bend * r.V.linear, own.bend * r.V.angular};
+    r.V = own.rate * r.V;
+  }
+  [[nodiscard]] static Reference ahead(const Reference& r, const T& t) noexcept {
+    const Xyz<T> v = r.V.linear + T(0.5) * t * r.A.linear;
+    const Xyz<T> turn = t * (r.V.angular + T(0.5) * t * r.A.angular);
+    return {Where::trusted(exp_so3(turn) * r.X_BP.axes(), r.X_BP.origin() + t * v),
+            {r.V.linear + t * r.A.linear, r.V.angular + t * r.A.angular},
+            r.A};
+  }
+  [[nodiscard]] static bool finite(const Reference& r) noexcept {
+    const T sum = dot(r.X_BP.origin(), r.X_BP.origin()) + dot(r.V.linear, r.V.linear) +
+                  dot(r.V.angular, r.V.angular) + dot(r.A.linear, r.A.linear) + dot(r.A.angular, r.A.angular);
+    return sum - sum == T(0) && rotation_error(r.X_BP.axes()) <= tolerance<T>;
+  }
+  /// The same pose at constant velocity, or at rest.
+  [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.X_BP, r.V, {}}; }
+  [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.X_BP, {}, {}}; }
+  /// `r` moves on for `dt` towards a target, within the limits: its origin, and by the shortest turn.
+  SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
+                                 const T& dt) noexcept {
+    const auto part = [&](const Xyz<T>& way, Xyz<T>& v, Xyz<T>& a, const Xyz<T>& v_t,
+                          const PursuitLimits<T>& l) {
+      Pursuit<3, T> three;
+      put(three.v, v), put(three.a, a);
+      T e[3], to[3], moved[3];
+      put(e, way), put(to, v_t);
+      three.advance(e, to, l, dt, moved);
+      v = get(three.v), a = get(three.a);
+      return get(moved);
+    };
+    const Xyz<T> p = part(target.X_BP.origin() - r.X_BP.origin(), r.V.linear, r.A.linear, target.V.linear,
+                          {s.max_linear_velocity, s.max_linear_acceleration, s.max_linear_jerk});
+    const Xyz<T> turn =
+        part(log_so3(target.X_BP.axes() * r.X_BP.axes().transpose()), r.V.angular, r.A.angular,
+             target.V.angular, {s.max_angular_velocity, s.max_angular_acceleration, s.max_angular_jerk});
+    r.X_BP = Where::trusted(normalised(exp_so3(turn) * r.X_BP.axes()), r.X_BP.origin() + p);
+  }
+  [[nodiscard]] static bool allows(const Reference& r, const Settings& s) noexcept {
+    const T sum =
+        dot(r.X_BP.origin(), r.X_BP.origin()) + dot(r.A.linear, r.A.linear) + dot(r.A.angular, r.A.angular);
+    return sum - sum == T(0) && rotation_error(r.X_BP.axes()) <= tolerance<T> &&
+           detail::length(r.V.linear) < s.max_linear_velocity &&
+           detail::length(r.V.angular) < s.max_angular_velocity;
+  }
+  [[nodiscard]] static Errors distance(const Reference& a, const Reference& b) noexcept {
+    Errors error{};
+    put(error.e, a.X_BP.origin() - b.X_BP.origin());
+    if constexpr (What == Task::pose) put(error.e + 3, log_so3(a.X_BP.axes() * b.X_BP.axes().transpose()));
+    return error;
+  }
+  [[nodiscard]] static T slowness(const Errors& error, const Settings& s) noexcept {
+    const auto time = [&](std::size_t first, const T& fastest) {
+      const T speed = fastest - detail::length(get(error.v_d + first));
+      return speed > T(0) ? T(detail::length(get(error.e + first)) / speed) : T(0);
+    };
+    const T a = time(0, s.max_linear_velocity);
+    if constexpr (What == Task::position) return a;
+    const T b = time(3 % coordinates, s.max_angular_velocity);
+    return b > a ? b : a;
+  }
+
+ protected:
+  static SKINCTL_INLINE void put(T* to, const Xyz<T>& v) noexcept { to[0] = v.x, to[1] = v.y, to[2] = v.z; }
+  [[nodiscard]] static SKINCTL_INLINE Xyz<T> get(const T* x) noexcept { return {x[0], x[1], x[2]}; }
+};
+
+SKINCTL_END_NAMESPACE

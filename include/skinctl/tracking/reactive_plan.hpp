@@ -1,0 +1,67 @@
+// A target from a sensor, at any rate and with any jumps, sections 4.2.1 and 4.2.5: "reactive trajectories".
+#pragma once
+
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/tracking/settings.hpp"
+#include "skinctl/trajectory/plan_clock.hpp"
+#include "skinctl/trajectory/ramp.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The last sample of a sensor, and the smooth motion that follows it; trivially copyable.
+///
+/// Whatever the samples do, the reference keeps below the speed, acceleration and jerk of the settings (see
+/// `Pursuit`), so it needs no reset: `receive` takes a sample like `follow`, and the law's time base and
+/// integrals go on. A moving target is met with its velocity. One that is not finite is refused, the last one
+/// stands (`Reason::goal_refused`); one that moves too fast is followed as fast as allowed
+/// (`Reason::goal_stretched`). When the source falls silent for `target_age` the target stands still where it
+/// then leads.
+template <class Space>
+struct ReactivePlan {
+  using T = typename Space::scalar;
+  using Goal = typename Space::Reference;
+  using Settings = typename Space::Settings;
+  using Where = typename Space::Where;
+  static constexpr bool streams = true;
+  static constexpr bool reacts = true;
+
+  Goal target;          ///< as it came
+  Nanoseconds age = 0;  ///< since then
+  bool stands = false;  ///< the skin pushes against the law: the reference comes to rest
+  Goal reference;       ///< what the law follows
+
+  [[nodiscard]] static ReactivePlan standing(const Where& at, const Settings&) noexcept {
+    return {Goal{at, {}, {}}, 0, false, Goal{at, {}, {}}};
+  }
+  /// The reference `x` seconds from now, x up to an interval.
+  [[nodiscard]] Goal at(const T& x, const Settings&) const noexcept { return Space::ahead(reference, x); }
+  [[nodiscard]] ReactivePlan advanced(Nanoseconds dt, const Settings& s) const noexcept {
+    ReactivePlan next = *this;
+    next.age = later(age, dt);
+    const T step = seconds<T>(dt);
+    if (!(step > T(0))) return next;
+    // The target goes on as it came for its age, then stands.
+    const T old = seconds<T>(age), most = Space::tracking(s).target_age;
+    const T t = old < most ? old : most;
+    Goal now = Space::ahead(Space::drifting(target), t);
+    if (old >= most || stands) now = Space::resting(now);
+    if (stands) now = Space::resting(reference);
+    Space::react(next.reference, now, s, step);
+    return next;
+  }
+  [[nodiscard]] bool leads_to(const Goal&, const Settings&) const noexcept { return true; }
+  [[nodiscard]] ReactivePlan held(bool holds, const Settings&) const noexcept {
+    ReactivePlan next = *this;
+    next.stands = holds;
+    return next;
+  }
+  [[nodiscard]] Received<ReactivePlan> to(const Goal& goal, const Where&, const Settings& s) const noexcept {
+    if (!Space::finite(goal)) return {*this, Reason::goal_refused};
+    ReactivePlan next = *this;
+    next.target = goal;
+    next.age = 0;
+    return {next, Space::allows(goal, s) ? Status{} : Status(Reason::goal_stretched)};
+  }
+};
+
+SKINCTL_END_NAMESPACE

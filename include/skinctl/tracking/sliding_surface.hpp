@@ -1,0 +1,132 @@
+// The sliding surface of a tracking law at one instant, eqs. (9)-(14).
+#pragma once
+
+#include "skinctl/math/sum.hpp"
+#include "skinctl/tracking/settings.hpp"
+#include "skinctl/tracking/sign.hpp"
+#include "skinctl/tracking/surface_bias.hpp"
+#include "skinctl/trajectory/spline.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Integrals of one kind, a compensated sum per joint: at 1 kHz a plain float sum stops growing after hours.
+template <std::size_t N, Scalar T = double>
+struct Integrals {
+  T sum[N] = {};
+  T carry[N] = {};  ///< what the sums lack
+
+  /// The integrals `dt` seconds later; a rate that is not finite adds nothing.
+  [[nodiscard]] SKINCTL_INLINE Integrals advanced(const JointVelocity<N, T>& rate,
+                                                  const T& dt) const noexcept {
+    using R = detail::Row<N, T>;
+    const R step = dt * R(rate);
+    R total(sum), rest(carry);
+    math::add_compensated(total, rest, select(step - step == R(T(0)), step, T(0)));
+    Integrals next;
+    total.store(next.sum);
+    rest.store(next.carry);
+    return next;
+  }
+};
+
+/// Where the state is on the surface, and the reference motion that follows from it.
+template <std::size_t N, Scalar T = double>
+struct SlidingSurface {
+  JointVelocity<N, T> S_delta;    ///< `S - S_d`, eq. (12)
+  JointVelocity<N, T> dI1;        ///< rate of the integral of S_delta
+  JointVelocity<N, T> dI2;        ///< rate of the integral of its sign
+  JointVelocity<N, T> dq_r;       ///< eq. (10)
+  JointAcceleration<N, T> ddq_r;  ///< its derivative in time
+  JointVelocity<N, T> S_q;        ///< `dq - dq_r`, eq. (9)
+};
+
+/// What the surface is computed from, beside the state: all at the same instant.
+///
+/// `N` coordinates, of the joints or of operational space; a bias and integrals in them.
+template <std::size_t N, Scalar T = double, class Target = JointReference<N, T>>
+struct SurfaceInputs {
+  Target target;
+  Gain<T> K_p;
+  BiasNow<N, T> bias;
+  JointVelocity<N, T> I1;  ///< the integrals themselves
+  JointVelocity<N, T> I2;
+  bool held;                 ///< the integrals stand still
+  const T* twist = nullptr;  ///< what the sign integrates by itself
+};
+
+/// Gains of the surface, in the form in which the loop reads them.
+template <Real T = double, class Sign = TanhSign>
+struct SurfaceGains {
+  T K_i1, K_i2, mu;
+  T slope;               ///< the steepest of the sign
+  T I1_limit, I2_limit;  ///< where the integrals stop
+
+  template <std::size_t N>
+  explicit SurfaceGains(const JointControlSettings<N, T>& s) noexcept
+      : K_i1(s.K_i1),
+        K_i2(s.K_i2),
+        mu(s.mu),
+        slope(Sign::slope(s.mu, s.K_i2, s.dt)),
+        I1_limit(s.K_i1 > T(0) ? T(s.integral_limit / s.K_i1) : T(1)),
+        I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {}
+
+  /// The part of its rate that an integral takes: all of it up to half the limit and on the way back, then
+  /// less, smoothly, and none at the limit.
+  template <std::size_t N>
+  [[nodiscard]] static SKINCTL_INLINE detail::Row<N, T> taken(const JointVelocity<N, T>& integral,
+                                                              const detail::Row<N, T>& rate,
+                                                              const T& limit) noexcept {
+    const detail::Row<N, T> I = integral, half = T(0.5) * limit, zero = T(0);
+    if (any((magnitude(I) > half) & (I * rate > zero))) [[unlikely]]
+      return detail::Row<N, T>(slowed(integral, JointVelocity<N, T>(rate), limit));
+    return rate;
+  }
+
+ private:
+  template <std::size_t N>
+  [[nodiscard]] static SKINCTL_COLD JointVelocity<N, T> slowed(const JointVelocity<N, T>& integral,
+                                                               JointVelocity<N, T> rate,
+                                                               const T& limit) noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      const T size = detail::magnitude(integral[i]);
+      if (T(2) * size > limit && integral[i] * rate[i] > T(0))
+        rate[i] = rate[i] * quintic(T(T(2) * size / limit - T(1))).rest;
+    }
+    return rate;
+  }
+};
+
+/// Errors of the coordinates, and what the target itself does in them.
+template <std::size_t N, Scalar T = double>
+struct SurfaceErrors {
+  T e[N];      ///< of position, eqs. (13), (20)
+  T de[N];     ///< of velocity, as S reads it, eqs. (12), (21)
+  T slope[N];  ///< the true derivative of `e`: `de` in joint space
+  T v_d[N];    ///< velocity of the target
+  T a_d[N];    ///< its acceleration
+};
+
+/// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `S_q` is what `rest(dq_r)` gives. A NaN gives
+/// NaNs and nothing worse.
+template <std::size_t N, Real T, class Sign, class Target, class Rest>
+[[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T, Sign>& gains,
+                                                                  const SurfaceInputs<N, T, Target>& in,
+                                                                  const SurfaceErrors<N, T>& error,
+                                                                  Rest&& rest) noexcept {
+  using R = detail::Row<N, T>;
+  const R e(error.e), de(error.de), slope(error.slope), v_d(error.v_d), a_d(error.a_d);
+  const R S_d = in.bias.S_d, K = in.K_p.K, K_i1 = gains.K_i1, K_i2 = gains.K_i2;
+  const R S_delta = de + K * e - S_d;
+  R dI1 = T(0), dI2 = T(0);
+  if (!in.held) [[likely]] {
+    dI1 = gains.taken(in.I1, S_delta, gains.I1_limit);
+    dI2 = gains.taken(in.I2, Sign::rate(S_delta, gains.slope, gains.mu, in.twist), gains.I2_limit);
+  }
+  const R dq_r = v_d - K * e + S_d - K_i1 * in.I1 - K_i2 * in.I2;
+  const R ddq_r = a_d - K * slope - in.K_p.dK * e + in.bias.dS_d - K_i1 * dI1 - K_i2 * dI2;
+  using Velocity = JointVelocity<N, T>;
+  return {Velocity(S_delta), Velocity(dI1), Velocity(dI2), Velocity(dq_r), JointAcceleration<N, T>(ddq_r),
+          rest(dq_r)};
+}
+
+SKINCTL_END_NAMESPACE

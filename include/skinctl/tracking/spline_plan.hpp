@@ -1,0 +1,61 @@
+// A static goal, reached along a spline, sections 4.2.4 and 4.2.5.
+#pragma once
+
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/tracking/settings.hpp"
+#include "skinctl/trajectory/plan_clock.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A spline under way in the coordinates of `Space`; trivially copyable.
+template <class Space>
+struct SplinePlan {
+  using T = typename Space::scalar;
+  using Goal = typename Space::Goal;
+  using Settings = typename Space::Settings;
+  using Where = typename Space::Where;
+  static constexpr bool streams = false;
+  static constexpr const char* name = Space::spline_name;  ///< of the law
+
+  typename Space::Spline spline;
+  PlanClock<T> clock;
+
+  /// Standing at a place.
+  [[nodiscard]] static SKINCTL_INLINE constexpr SplinePlan standing(const Where& at,
+                                                                    const Settings&) noexcept {
+    return {Space::spline(at, at, T(0)), {}};
+  }
+  /// The reference `x` seconds from now.
+  [[nodiscard]] SKINCTL_INLINE typename Space::Reference at(const T& x, const Settings& s) const noexcept {
+    const auto own = clock.at(x, Space::tracking(s).hand_over);
+    auto r = spline.at(own.t);
+    Space::slow(r, own);
+    return r;
+  }
+  [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan advanced(Nanoseconds dt,
+                                                             const Settings& s) const noexcept {
+    return {spline, clock.advanced(dt, Space::tracking(s).hand_over)};
+  }
+  /// The spline comes to a stop, or goes on.
+  [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan held(bool holds, const Settings& s) const noexcept {
+    return {spline, clock.changed(!holds, Space::tracking(s).hand_over)};
+  }
+
+  /// A spline from `where` to the goal. Its peak speed must keep below the largest that the settings allow,
+  /// and it lasts 10 intervals or longer: it is stretched, or refused. A goal that is not finite is refused.
+  [[nodiscard]] Received<SplinePlan> to(const Goal& goal, const Where& where,
+                                        const Settings& settings) const noexcept {
+    const auto& s = Space::tracking(settings);
+    const T shortest = Space::shortest_time(where, goal, settings);
+    const T least = shortest > T(10) * s.dt ? shortest : T(T(10) * s.dt);
+    if (!(shortest < T(1e9)) || goal.duration < 0) return {*this, Reason::goal_refused};
+    const T asked = seconds<T>(goal.duration);
+    const PlanClock<T> begun{0, clock_end, clock.to, clock.to};  // a held plan stays so
+    if (asked >= least) return {{Space::spline(where, Space::place(goal), asked), begun}, {}};
+    if (goal.duration > 0 && s.reach == Reach::refuse) return {*this, Reason::goal_refused};
+    return {{Space::spline(where, Space::place(goal), least), begun},
+            goal.duration > 0 ? Status(Reason::goal_stretched) : Status{}};
+  }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,63 @@
+// A target from outside: positions and velocities, sections 4.2.1 and 4.2.2.
+#pragma once
+
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/tracking/settings.hpp"
+#include "skinctl/trajectory/plan_clock.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The last target that came, in the coordinates of `Space`, and for how long it has been the last; trivially
+/// copyable.
+///
+/// A moving target goes on as it came, `q_d + x dq_d + x^2/2 ddq_d`, for `target_age`; then its time slows
+/// down over as long again and stops: a source that falls silent leaves the robot at rest, half of
+/// `target_age` further.
+template <class Space>
+struct TargetPlan {
+  using T = typename Space::scalar;
+  using Goal = typename Space::Reference;
+  using Settings = typename Space::Settings;
+  using Where = typename Space::Where;
+  static constexpr bool streams = true;
+  static constexpr const char* name = Space::name;  ///< of the law
+
+  Goal target;
+  PlanClock<T> clock;  ///< time since it came
+  bool aged = false;   ///< it has become too old, and slows down
+
+  [[nodiscard]] static SKINCTL_INLINE constexpr TargetPlan standing(const Where& at,
+                                                                    const Settings&) noexcept {
+    return {Goal{at, {}, {}}, {}, false};
+  }
+  /// The target `x` seconds from now.
+  [[nodiscard]] SKINCTL_INLINE Goal at(const T& x, const Settings& s) const noexcept {
+    const auto own = clock.at(x, Space::tracking(s).target_age);
+    auto r = Space::ahead(target, own.t);
+    Space::slow(r, own);
+    return r;
+  }
+  [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan advanced(Nanoseconds dt,
+                                                             const Settings& s) const noexcept {
+    const T age = Space::tracking(s).target_age;
+    const auto next = clock.advanced(dt, age);
+    if (aged || seconds<T>(next.own) < age) return {target, next, aged};
+    return {target, next.changed(false, age), true};
+  }
+  /// Whether `goal` is where this target leads, to within what the largest speed covers in an interval.
+  [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
+    return Space::slowness(Space::distance(goal, at(T(0), s)), s) <= Space::tracking(s).dt;
+  }
+  /// The target comes from outside, where its time is not ours to hold.
+  [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan held(bool, const Settings&) const noexcept {
+    return *this;
+  }
+
+  /// The new target. One that is not finite, or itself faster than the settings allow, is refused.
+  [[nodiscard]] Received<TargetPlan> to(const Goal& goal, const Where&, const Settings& s) const noexcept {
+    if (!Space::allows(goal, s)) return {*this, Reason::goal_refused};
+    return {{goal, {}, false}, {}};
+  }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,227 @@
+// The second-order sliding mode of eqs. (8)-(14), in joint or operational space, for any plan of targets.
+#pragma once
+
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/tracking/damping.hpp"
+#include "skinctl/tracking/joint_space.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What a tracking law remembers; trivially copyable.
+template <class Space, class Plan, class Sign = TanhSign>
+struct TrackingMemory {
+  using T = typename Space::scalar;
+  Nanoseconds since_reset = 0;
+  bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
+  Plan plan;
+  SurfaceBias<Space::coordinates, T> bias;
+  Integrals<Space::coordinates, T> I1;  ///< of S_delta
+  Integrals<Space::coordinates, T> I2;  ///< of its sign [s]
+  T tb = T(0);                          ///< convergence time [s], stretched if need be; 0: no time base
+  T K_from = T(0);                      ///< without one: the gain at the reset [1/s]
+  [[no_unique_address]] SignMemory<Sign, Space::coordinates, T> sign = {};
+  [[no_unique_address]] typename Space::Memory space = {};  ///< what the space itself remembers
+};
+
+/// Tracking, eqs. (8)-(14): `tau = -K_d S_q + Y_r Theta`, evaluated at the middle of the interval for which
+/// it will be held, at the state that the law itself predicts there.
+///
+/// Every reset (a new goal, the skin that begins or ceases to push against the law) keeps the torque and its
+/// rate: the reference motion goes on from where it was and reaches its new course after `hand_over`
+/// (`SurfaceBias`).
+/// In the loop nothing is refused but goals. A state that is not finite gives a torque that is not, for the
+/// cycle to drop, and leaves the memory finite.
+///
+/// @tparam Space  the coordinates: `JointSpace` or `OperationalSpace`.
+/// @tparam Plan   where targets come from: a spline to a goal, or the samples of a source.
+/// @tparam Sign   how the second integral takes the sign: control/sign.hpp.
+template <class Space, class Plan, class Damping = InertialDamping<typename Space::scalar>,
+          class Sign = TanhSign>
+class Tracking : public Composable {
+ public:
+  static constexpr std::size_t N = Space::joints;
+  static constexpr std::size_t coordinates = Space::coordinates;
+  using T = typename Space::scalar;
+  using Memory = TrackingMemory<Space, Plan, Sign>;
+  using Goal = typename Plan::Goal;
+  using Surface = typename Space::Surface;
+  using Settings = typename Space::Settings;
+  static constexpr Needs needs = Damping::needs | Space::needs;
+  static constexpr Role role = Role::tracking;
+  static constexpr const char* name = Plan::name;
+
+  /// Throws `ConfigurationError` for settings that cannot work: see `check`.
+  explicit Tracking(const Settings& settings = {})
+    requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
+      : Tracking(Space(), settings) {}
+  Tracking(const Settings& settings, const Damping& damping)
+    requires std::default_initializable<Space>
+      : Tracking(Space(), settings, damping) {}
+  Tracking(const Space& space, const Settings& settings)
+    requires std::same_as<Damping, InertialDamping<T>>
+      : Tracking(space, settings, InertialDamping<T>(Space::tracking(settings).lambda)) {}
+  Tracking(const Space& space, const Settings& settings, const Damping& damping)
+      : space_(space),
+        settings_(settings),
+        damping_(damping),
+        gains_(Space::tracking(settings)),
+        schedule_(gains().K_c, gains().base, gains().settle) {
+    check(gains(), damping.fastest(), gains_.slope);
+  }
+  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+  [[nodiscard]] const Space& space() const noexcept { return space_; }
+
+  /// Takes over at the state that is known: the target stands where the robot is, `S_d` takes up its
+  /// velocity, S_q is zero.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
+    Memory memory;
+    memory.plan = Plan::standing(space_.where(space_.site(known)), settings_);
+    memory.tb = gains().tb;
+    memory.K_from = schedule_.K_c();
+    begin_bias(memory, known);
+    space_.take_up(memory.space, look(memory, known).S_q);
+    return memory;
+  }
+
+  /// A new goal: the plan, the time base, the surface and its integrals start again from the state that is
+  /// known. Refused or stretched goals: `Reach`.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
+                                                      const Goal& goal) const noexcept {
+    const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
+    Received<Memory> out{memory, planned.status};
+    if (planned.status.has(Reason::goal_refused)) return out;
+    out.memory.plan = planned.memory;
+    if constexpr (requires { Plan::reacts; }) return out;
+    out.memory.space = Space::renewed(memory.space);
+    out.status |= begin_gain(out.memory, known);
+    if (out.status.has(Reason::goal_refused)) return {memory, out.status};
+    out.memory.I1 = out.memory.I2 = Integrals<Space::coordinates, T>();
+    out.memory.sign = {};
+    begin_bias(out.memory, known);
+    hand_over(out.memory, memory, known);
+    return out;
+  }
+
+  /// The next sample of a target that moves smoothly: time base, surface and integrals go on. A sample
+  /// further from where the last one leads than the largest speed covers in an interval is a new goal.
+  template <class K>
+  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const Goal& goal) const noexcept
+    requires(Plan::streams)
+  {
+    if (!memory.plan.leads_to(goal, settings_)) return receive(memory, known, goal);
+    const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
+    Received<Memory> out{memory, planned.status};
+    out.memory.plan = planned.memory;
+    return out;
+  }
+
+  /// The surface at the state that is known: what `torque` and `advance` share.
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
+    static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
+    return space_.surface(gains_, inputs(memory, T(0), {}, {}), space_.site(known), memory.space);
+  }
+
+  /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
+  template <GravityTerm G = GravityTerm::included, class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
+                                                        const Share<T>& share,
+                                                        const Surface& at_t) const noexcept;
+  template <GravityTerm G = GravityTerm::included, class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
+                                                        const Share<T>& share = {}) const noexcept {
+    return torque<G>(memory, known, share, now(memory, known));
+  }
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known, const T& dt,
+                                              Opposition opposition, const Surface& at_t) const noexcept {
+    if ((opposition == Opposition::lasting) != memory.held) [[unlikely]]
+      return switched(memory, known, dt, opposition);
+    return stepped(memory, at_t, dt);
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known, const T& dt,
+                                              Opposition opposition) const noexcept {
+    return advance(memory, known, dt, opposition, now(memory, known));
+  }
+
+  /// Torque and next memory at once.
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Evaluation<N, T, Memory, 1> evaluate(const Memory& memory, const K& known,
+                                                                    const T& dt) const noexcept {
+    const auto at_t = now(memory, known);
+    const auto tau = torque(memory, known, Share<T>{}, at_t);
+    return {tau, advance(memory, known, dt, Opposition::none, at_t), {tau}, status(memory)};
+  }
+  /// Whether a hand-over goes on, and whether the skin holds the law up.
+  [[nodiscard]] SKINCTL_INLINE Status status(const Memory& memory) const noexcept {
+    Status s = space_.status(memory.space);
+    if (memory.bias.hands_over(gains().hand_over)) s |= Reason::hand_over;
+    if (memory.held) s |= Reason::opposed;
+    return s;
+  }
+
+ private:
+  [[nodiscard]] static SKINCTL_INLINE T finite(const T& x) noexcept { return x - x == T(0) ? x : T(0); }
+  [[nodiscard]] SKINCTL_INLINE Gain<T> gain(const Memory& memory, const T& x) const noexcept {
+    const T t = seconds<T>(memory.since_reset) + x;
+    return memory.tb > T(0) ? schedule_.at(t, memory.tb) : schedule_.rising(t, memory.K_from);
+  }
+  [[nodiscard]] SKINCTL_INLINE const JointControlSettings<N, T>& gains() const noexcept {
+    return Space::tracking(settings_);
+  }
+  using Rates = JointVelocity<Space::coordinates, T>;
+  /// The middle of the interval, as the law itself predicts it.
+  struct Middle {
+    detail::Row<N, T> damped;  ///< `M^-1 K_d S_q`
+    detail::Row<N, T> a;       ///< `ddq_r - damped`, both at its beginning
+    JointPosition<N, T> q;
+    JointVelocity<N, T> dq;
+    Gain<T> K_p;
+    Surface surface;
+  };
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Middle middle(const Memory& memory, const K& known,
+                                             const Surface& at_t) const noexcept;
+  [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
+                                                               const Rates& dI1,
+                                                               const Rates& dI2) const noexcept;
+  [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
+                                              const T& dt) const noexcept;
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Memory switched(const Memory& memory, const K& known, const T& dt,
+                                             Opposition opposition) const noexcept;
+  /// `now` and `middle` for what happens rarely: one copy of each.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Surface look(const Memory& memory, const K& known) const noexcept {
+    return now(memory, known);
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Surface look_ahead(const Memory& memory, const K& known,
+                                                const Surface& at_t) const noexcept {
+    return middle(memory, known, at_t).surface;
+  }
+  template <class K>
+  SKINCTL_COLD Status begin_gain(Memory& memory, const K& known) const noexcept;
+  template <class K>
+  SKINCTL_COLD void begin_bias(Memory& memory, const K& known) const noexcept;
+  template <class K>
+  SKINCTL_COLD void slow_gain(Memory& memory, const K& known) const noexcept;
+  template <class K>
+  SKINCTL_COLD void hand_over(Memory& next, const Memory& before, const K& known) const noexcept;
+
+  [[no_unique_address]] Space space_;
+  Settings settings_;
+  Damping damping_;
+  SurfaceGains<T, Sign> gains_;
+  GainSchedule<T> schedule_;
+};
+
+SKINCTL_END_NAMESPACE
+
+#include "skinctl/tracking/detail/tracking_loop.hpp"
+#include "skinctl/tracking/detail/tracking_reset.hpp"

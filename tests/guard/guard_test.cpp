@@ -1,0 +1,541 @@
+#include "skinctl/guard/guard.hpp"
+
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include <bit>
+#include <cmath>
+#include <string>
+
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+
+using namespace skinctl;
+
+static_assert(std::is_trivially_copyable_v<GuardMemory<6, double>>);
+
+namespace {
+
+template <Interface I, class T>
+struct Case {
+  static constexpr Interface interface = I;
+  using scalar = T;
+};
+#define MOTIONS                                                                                           \
+  Case<Interface::position, double>, Case<Interface::position, float>, Case<Interface::velocity, double>, \
+      Case<Interface::velocity, float>
+
+template <class T>
+GuardConfiguration<1, T> configuration() {
+  typename JointLimits<1, T>::Values v;
+  v.lower[0] = T(-2);
+  v.upper[0] = T(2);
+  v.velocity[0] = T(1);
+  v.acceleration[0] = T(10);
+  v.torque[0] = T(20);
+  return {.limits = JointLimits<1, T>(v), .period = 10_ms};
+}
+template <class T>
+JointCommand<1, T> command(Nanoseconds time, double q, double u, double tau = 0) {
+  JointCommand<1, T> c;
+  c.time = time;
+  c.position[0] = T(q);
+  c.velocity[0] = T(u);
+  c.torque[0] = T(tau);
+  c.valid = true;
+  return c;
+}
+template <class T>
+State<1, T> at(Nanoseconds time, double q, double dq = 0) {
+  State<1, T> s;
+  s.time = time;
+  s.q[0] = T(q);
+  s.dq[0] = T(dq);
+  return s;
+}
+
+// A guard under a steady motion at 0.5 rad/s that began at zero.
+template <Interface I, class T>
+struct Moving {
+  Guard<I, 1, T> guard{configuration<T>()};
+  GuardMemory<1, T> memory;
+  Nanoseconds now = 1_s;
+  double q = 0, u = 0.5;
+  Moving() { memory = guard.start(command<T>(now, q, u), at<T>(now, q, u)); }
+  // The command that goes on steadily, changed by `change`, with the state changed by `state`.
+  template <class Change, class Measure>
+  auto step(Change change, Measure measure) {
+    now += 10_ms;
+    q += 0.01 * u;
+    auto wish = command<T>(now, q, u);
+    auto s = at<T>(now, q, u);
+    change(wish);
+    measure(s);
+    return guard.pass(memory, wish, s, now);
+  }
+  auto step() {
+    return step([](auto&) {}, [](auto&) {});
+  }
+};
+const auto as_it_is = [](auto&) {};
+
+template <class T>
+void check_braked(const Guarded<1, T>& out, double u_before) {
+  CHECK(out.altered);
+  CHECK(out.command.valid);
+  CHECK(double(out.command.velocity[0]) == doctest::Approx(std::max(u_before - 0.1, 0.0)).epsilon(1e-5));
+  CHECK(double(out.command.acceleration[0]) >= -10.001);
+}
+
+}  // namespace
+
+TEST_CASE("Guard: refuses configurations that cannot work, with the number and the range") {
+  const auto refusal = [](auto&& change) -> std::string {
+    auto c = configuration<double>();
+    change(c);
+    try {
+      const Guard<Interface::position, 1> guard(c);
+    } catch (const ConfigurationError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  CHECK(refusal([](auto&) {}).empty());
+  CHECK(refusal([](auto& c) { c.period = 0; }).find("period [ns] = 0") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.longest_interval = 1_ms; }).find("longest interval") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.stale_after = 1_ms; }).find("stale after") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.lead[0] = 0; }).find("lead = 0") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.torque_rate = std::nan(""); }).find("torque rate = nan") !=
+        std::string::npos);
+}
+
+TEST_CASE_TEMPLATE("Guard: what is good passes to the bit", C, MOTIONS) {
+  using T = typename C::scalar;
+  Moving<C::interface, T> m;
+  for (int k = 0; k < 100; ++k) {
+    auto asked = command<T>(0, 0, 0);
+    const auto out = m.step([&](auto& wish) { asked = wish; }, as_it_is);
+    CHECK_FALSE(out.altered);
+    CHECK_FALSE(out.status.any());
+    CHECK(out.command.position == asked.position);
+    CHECK(out.command.velocity == asked.velocity);
+    CHECK(out.command.time == m.now);
+  }
+}
+
+TEST_CASE_TEMPLATE("Guard: each fault brakes with the acceleration limit, with its reason", C, MOTIONS) {
+  constexpr Interface I = C::interface;
+  using T = typename C::scalar;
+  const T nan = std::numeric_limits<T>::quiet_NaN(), inf = std::numeric_limits<T>::infinity();
+  const auto fault = [](auto change, Reason reason) {
+    Moving<I, T> m;
+    m.step();
+    const auto before = m.memory.command;
+    const auto out = m.step(change, as_it_is);
+    CHECK(out.status.has(reason));
+    check_braked(out, 0.5);
+    if (I == Interface::position)
+      CHECK(double(out.command.position[0] - before.position[0]) == doctest::Approx(0.0045).epsilon(1e-3));
+  };
+  for (const T bad : {nan, inf, T(-inf)}) {
+    fault([&](auto& c) { c.position[0] = bad; }, Reason::command_not_finite);
+    fault([&](auto& c) { c.velocity[0] = bad; }, Reason::command_not_finite);
+    fault([&](auto& c) { c.acceleration[0] = bad; }, Reason::command_not_finite);
+    fault([&](auto& c) { c.torque[0] = bad; }, Reason::command_not_finite);
+  }
+  fault([](auto& c) { c.valid = false; }, Reason::command_not_finite);
+  fault([](auto& c) { c.velocity[0] = T(1.2); }, Reason::step_limited);
+  fault([](auto& c) { c.velocity[0] = T(0.65); }, Reason::step_limited);
+  fault([](auto& c) { c.velocity[0] = T(-0.5); }, Reason::step_limited);
+  if (I == Interface::position) {
+    fault([](auto& c) { c.position[0] += T(0.001); }, Reason::step_limited);
+    fault([](auto& c) { c.position[0] -= T(0.001); }, Reason::step_limited);
+    fault([](auto& c) { c.position[0] = T(1.9); }, Reason::step_limited);
+  }
+}
+
+TEST_CASE_TEMPLATE("Guard: a command that is not renewed brakes", C, MOTIONS) {
+  using T = typename C::scalar;
+  Moving<C::interface, T> m;
+  m.step();
+  const auto old = m.memory.command;
+  double u = 0.5;
+  for (int k = 0; k < 20; ++k) {
+    const auto out = m.step([&](auto& wish) { wish = old; }, as_it_is);
+    check_braked(out, u);
+    u = std::max(u - 0.1, 0.0);
+  }
+  CHECK(m.memory.command.velocity[0] == T(0));
+}
+
+TEST_CASE_TEMPLATE("Guard: a silent robot brakes the command, news let it go on", C, MOTIONS) {
+  using T = typename C::scalar;
+  Moving<C::interface, T> m;
+  const auto last = at<T>(m.now, 0);
+  for (int k = 1; k <= 25; ++k) CHECK_FALSE(m.step(as_it_is, [&](auto& s) { s = last; }).altered);
+  auto out = m.step(as_it_is, [&](auto& s) { s = last; });
+  CHECK(out.status.has(Reason::state_stale));
+  check_braked(out, 0.5);
+  for (int k = 0; k < 20; ++k) out = m.step(as_it_is, [&](auto& s) { s = last; });
+  CHECK(out.command.velocity[0] == T(0));
+  // The one who asks goes on from what was let out.
+  m.q = double(out.command.position[0]) - 0.01 * 0.05;
+  m.u = 0.05;
+  out = m.step([&](auto& c) { c.position[0] = T(double(m.memory.command.position[0]) + 0.5 * 0.01 * 0.05); },
+               as_it_is);
+  CHECK_FALSE(out.altered);
+  CHECK_FALSE(out.status.any());
+}
+
+TEST_CASE_TEMPLATE("Guard: states that are not finite or from before count as silence", C, MOTIONS) {
+  using T = typename C::scalar;
+  for (const bool before : {false, true}) {
+    Moving<C::interface, T> m;
+    Status seen;
+    bool stale = false;
+    for (int k = 0; k < 30; ++k) {
+      const auto out = m.step(as_it_is, [&](auto& s) {
+        if (before)
+          s.time = 999_ms;
+        else
+          s.q[0] = std::numeric_limits<T>::quiet_NaN();
+      });
+      seen |= out.status;
+      stale = out.altered;
+    }
+    CHECK(seen.has(Reason::state_stale));
+    CHECK(seen.has(Reason::state_not_finite) == !before);
+    CHECK(stale);
+  }
+}
+
+TEST_CASE_TEMPLATE("Guard: a clock that goes back brakes, one that stands repeats", C, MOTIONS) {
+  using T = typename C::scalar;
+  Moving<C::interface, T> m;
+  m.step();
+  const auto last = m.memory.command;
+  auto out = m.guard.pass(m.memory, last, at<T>(m.now, m.q), m.now);
+  CHECK(out.status == Reason::interval_empty);
+  CHECK_FALSE(out.altered);
+  CHECK(out.command.position == last.position);
+  for (const Nanoseconds wrong :
+       {m.now - 1, Nanoseconds(0), Nanoseconds(INT64_MIN), Nanoseconds(INT64_MAX)}) {
+    auto memory = m.memory;
+    out = m.guard.pass(memory, command<T>(wrong, m.q, m.u), at<T>(wrong, m.q), wrong);
+    CHECK(out.status.has(Reason::time_backwards));
+    check_braked(out, 0.5);
+    CHECK(memory.time == m.now);
+  }
+}
+
+TEST_CASE_TEMPLATE("Guard: a long pause gives no credit for a long step", C, MOTIONS) {
+  using T = typename C::scalar;
+  Moving<C::interface, T> m;
+  m.now += 10_s;
+  const auto out = m.step(
+      [](auto& c) {
+        c.position[0] += T(0.5);
+        c.velocity[0] = T(-1);
+      },
+      as_it_is);
+  CHECK(out.status.has(Reason::interval_too_long));
+  CHECK(out.status.has(Reason::step_limited));
+  CHECK(out.altered);
+}
+
+TEST_CASE_TEMPLATE("Guard: too fast to stop before the end brakes", T, float, double) {
+  // 0.5 rad/s needs 0.0125 rad at 10 rad/s^2.
+  for (const double room : {0.02, 0.012}) {
+    Guard<Interface::position, 1, T> guard(configuration<T>());
+    auto memory = guard.start(command<T>(0, 1.995 - room, 0.5), at<T>(0, 1.995 - room));
+    const auto out = guard.pass(memory, command<T>(10_ms, 2 - room, 0.5), at<T>(10_ms, 1.99 - room), 10_ms);
+    CHECK(out.altered == (room < 0.0125));
+    CHECK(out.status.has(Reason::outside_limits) == (room < 0.0125));
+    CHECK(out.command.position[0] <= T(2));
+  }
+}
+
+TEST_CASE_TEMPLATE("Guard: beyond an end only inward motion passes", C, MOTIONS) {
+  constexpr Interface I = C::interface;
+  using T = typename C::scalar;
+  for (const double way : {-1.0, 1.0}) {
+    Guard<I, 1, T> guard(configuration<T>());
+    auto memory = guard.start(command<T>(0, 2.1, 0), at<T>(0, 2.1));
+    const auto out =
+        guard.pass(memory, command<T>(10_ms, 2.1 + way * 0.0002, way * 0.04), at<T>(10_ms, 2.1), 10_ms);
+    CHECK(out.altered == (way > 0));
+    CHECK(out.status.has(Reason::outside_limits) == (way > 0));
+  }
+}
+
+TEST_CASE_TEMPLATE("Guard: a position far from the robot does not go further", T, float, double) {
+  auto c = configuration<T>();
+  c.lead[0] = T(0.1);
+  Guard<Interface::position, 1, T> guard(c);
+  auto memory = guard.start(command<T>(0, 0, 0.5), at<T>(0, 0));
+  Nanoseconds now = 0;
+  double q = 0;
+  Guarded<1, T> out;
+  for (int k = 0; k < 100; ++k) {  // the robot does not move
+    q += 0.005;
+    now += 10_ms;
+    out = guard.pass(memory, command<T>(now, q, 0.5), at<T>(now, 0), now);
+    REQUIRE(out.command.position[0] <= T(0.1) * T(1.0001));
+  }
+  CHECK(out.altered);
+  CHECK(out.command.velocity[0] == T(0));
+}
+
+TEST_CASE_TEMPLATE("Guard: without a good first command nothing leaves", C, MOTIONS) {
+  using T = typename C::scalar;
+  const Guard<C::interface, 1, T> guard(configuration<T>());
+  const T nan = std::numeric_limits<T>::quiet_NaN();
+  auto invalid = command<T>(0, 0, 0);
+  invalid.valid = false;
+  for (auto memory : {guard.start(invalid, at<T>(0, 0)), guard.start(command<T>(0, nan, 0), at<T>(0, 0)),
+                      guard.start(command<T>(0, 0, 0), at<T>(0, nan)), GuardMemory<1, T>{}}) {
+    const auto out = guard.pass(memory, command<T>(10_ms, 0, 0), at<T>(10_ms, 0), 10_ms);
+    CHECK_FALSE(out.command.valid);
+  }
+}
+
+TEST_CASE_TEMPLATE("Guard: torques are cut to the limit and to the rate", T, float, double) {
+  auto c = configuration<T>();
+  c.torque_rate = T(10);  // 2 N m a cycle
+  const Guard<Interface::torque, 1, T> guard(c);
+  auto memory = guard.start(command<T>(0, 0, 0, 0), at<T>(0, 0));
+  auto out = guard.pass(memory, command<T>(10_ms, 0, 0, 1.5), at<T>(10_ms, 0), 10_ms);
+  CHECK_FALSE(out.altered);
+  CHECK(out.command.torque[0] == T(1.5));
+  out = guard.pass(memory, command<T>(20_ms, 0, 0, 100), at<T>(20_ms, 0), 20_ms);
+  CHECK(out.altered);
+  CHECK(out.status.has(Reason::torque_limited));
+  CHECK(out.status.has(Reason::step_limited));
+  CHECK(double(out.command.torque[0]) == doctest::Approx(3.5));
+  for (Nanoseconds now = 30_ms; now < 200_ms; now += 10_ms)
+    out = guard.pass(memory, command<T>(now, 0, 0, 100), at<T>(now, 0), now);
+  CHECK(out.command.torque[0] == T(20));
+}
+
+TEST_CASE_TEMPLATE("Guard: a torque that cannot be trusted ramps to the fallback", T, float, double) {
+  auto c = configuration<T>();
+  c.torque_rate = T(10);
+  const Guard<Interface::torque, 1, T> guard(c);
+  const T nan = std::numeric_limits<T>::quiet_NaN();
+  const auto fallback = JointTorque<1, T>::constant(T(7));
+  auto memory = guard.start(command<T>(0, 0, 0, 10), at<T>(0, 0));
+  auto out = guard.pass(memory, command<T>(10_ms, 0, 0, nan), at<T>(10_ms, 0), 10_ms, fallback);
+  CHECK(out.status.has(Reason::command_not_finite));
+  CHECK(double(out.command.torque[0]) == doctest::Approx(8));
+  out = guard.pass(memory, command<T>(20_ms, 0, 0, nan), at<T>(20_ms, 0), 20_ms, fallback);
+  CHECK(double(out.command.torque[0]) == doctest::Approx(7));
+  // a silent robot
+  for (Nanoseconds now = 30_ms; now < 1_s; now += 10_ms)
+    out = guard.pass(memory, command<T>(now, 0, 0, 12), at<T>(20_ms, 0), now, fallback);
+  CHECK(out.status.has(Reason::state_stale));
+  CHECK(out.command.torque[0] == T(7));
+  // no fallback either
+  out = guard.pass(memory, command<T>(1_s, 0, 0, nan), at<T>(1_s, 0), 1_s, JointTorque<1, T>::constant(nan));
+  CHECK(double(out.command.torque[0]) == doctest::Approx(5));
+}
+
+namespace {
+template <class T>
+T from_bits(std::uint64_t bits) {
+  if constexpr (std::is_same_v<T, float>) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+  } else {
+    return std::bit_cast<double>(bits);
+  }
+}
+}  // namespace
+
+TEST_CASE_TEMPLATE("Guard: whatever comes in, what goes out is finite, within limits, and never steps", C,
+                   MOTIONS, Case<Interface::torque, double>, Case<Interface::torque, float>) {
+  constexpr Interface I = C::interface;
+  using T = typename C::scalar;
+  const double eps = std::numeric_limits<T>::epsilon();
+  const Guard<I, 1, T> guard(configuration<T>());
+  const bool ok = rc::check([&] {
+    auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+    const int cycles = *rc::gen::inRange(1, 100);
+    for (int k = 0; k < cycles; ++k) {
+      const auto bits = [] { return *rc::gen::arbitrary<std::uint64_t>(); };
+      const auto number = [&](double good) {
+        const auto kind = *rc::gen::inRange(0, 12);
+        const double part = *rc::gen::inRange(-1000, 1001) * 1e-3;
+        return kind == 0 ? from_bits<T>(bits()) : T(kind == 1 ? part * 1e3 : good + part * 1e-3);
+      };
+      const auto before = memory.command;
+      const Nanoseconds last = memory.time, next = last + 10_ms;
+      const Nanoseconds now =
+          *rc::gen::inRange(0, 20) == 0 && last < 1000_s ? static_cast<Nanoseconds>(bits()) : next;
+      JointCommand<1, T> wish;
+      wish.time = *rc::gen::inRange(0, 20) == 0 ? static_cast<Nanoseconds>(bits()) : now;
+      wish.position[0] = number(double(before.position[0]) + 0.01 * double(before.velocity[0]));
+      wish.velocity[0] = number(double(before.velocity[0]));
+      wish.acceleration[0] = number(0);
+      wish.torque[0] = number(double(before.torque[0]));
+      wish.valid = *rc::gen::inRange(0, 20) != 0;
+      State<1, T> s;
+      s.time = *rc::gen::inRange(0, 20) == 0 ? static_cast<Nanoseconds>(bits()) : now;
+      s.q[0] = number(double(before.position[0]));
+      s.dq[0] = number(0);
+      const auto out = guard.pass(memory, wish, s, now, JointTorque<1, T>::constant(number(0)));
+      const auto& c = out.command;
+      RC_ASSERT(c.valid);
+      RC_ASSERT(std::isfinite(c.position[0]) && std::isfinite(c.velocity[0]) &&
+                std::isfinite(c.acceleration[0]) && std::isfinite(c.torque[0]));
+      // at most five periods of credit
+      const double dt =
+          now > last && now - last < 50_ms ? 1e-9 * double(now - last) : (now > last ? 0.05 : 0.01);
+      if (I == Interface::torque) {
+        RC_ASSERT(std::abs(double(c.torque[0])) <= 20);
+        RC_ASSERT(std::abs(double(c.torque[0]) - double(before.torque[0])) <=
+                  1000 * dt * (1 + 8 * eps) + 1e-5);
+      } else {
+        RC_ASSERT(std::abs(double(c.velocity[0])) <= 1 + 2000 * eps);
+        RC_ASSERT(std::abs(double(c.velocity[0]) - double(before.velocity[0])) <=
+                  10 * dt * (1 + 2000 * eps) + 8 * eps);
+      }
+      if (I == Interface::position) {
+        RC_ASSERT(std::abs(double(c.position[0]) - double(before.position[0])) <=
+                  dt * (1 + 2000 * eps) + 1e-6);
+        RC_ASSERT(std::abs(double(c.position[0])) <= 2 + 100 * eps);
+      }
+    }
+  });
+  CHECK(ok);
+}
+
+TEST_CASE("Guard: a cycle allocates nothing") {
+  Moving<Interface::position, double> m;
+  const testing::AllocationGuard guard;
+  for (int k = 0; k < 100; ++k) m.step();
+  const auto count = guard.count();
+  CHECK(count == 0);
+}
+
+TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consent where it should", C,
+                   MOTIONS) {
+  using T = typename C::scalar;
+  auto c = configuration<T>();
+  c.brakes_on = Reason::sample_stale;
+  c.consent = Reason::packets_lost;
+  const Guard<C::interface, 1, T> guard(c);
+  const auto after = [&](Status found, bool acknowledged) {
+    auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+    Nanoseconds now = 0;
+    const auto pass = [&](Status what) {
+      now += 10_ms;
+      return guard.pass(memory, command<T>(now, 0, 0), at<T>(now, 0), now, {}, what);
+    };
+    CHECK_FALSE(pass({}).altered);
+    const auto during = pass(found);
+    CHECK(during.altered);
+    if (acknowledged) guard.acknowledge(memory);
+    return pass({});
+  };
+  CHECK_FALSE(after(Reason::sample_stale, false).altered);  // over, so it goes on
+  for (const Reason r :
+       {Reason::packets_lost, Reason::contact_force, Reason::contact_power, Reason::budget_overrun}) {
+    const auto waits = after(r, false);
+    CHECK(waits.altered);
+    CHECK(waits.status.has(Reason::consent_awaited));
+    const auto goes_on = after(r, true);
+    CHECK_FALSE(goes_on.altered);
+    CHECK_FALSE(goes_on.status.any());
+  }
+  // Consent does not help while the fault is still there.
+  auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+  guard.acknowledge(memory);
+  CHECK(
+      guard.pass(memory, command<T>(10_ms, 0, 0), at<T>(10_ms, 0), 10_ms, {}, Reason::contact_force).altered);
+  CHECK(guard.waits(memory));
+}
+
+TEST_CASE_TEMPLATE("Guard: a state that this robot cannot have is no news of it", T, float, double) {
+  const Guard<Interface::position, 1, T> guard(configuration<T>());
+  CHECK(guard.believes(at<T>(0, 2.9, 9)));
+  for (const auto& [q, dq] :
+       {std::pair{3.1, 0.0}, {-3.1, 0.0}, {0.0, 10.1}, {0.0, -10.1}, {std::nan(""), 0.0}})
+    CHECK_FALSE(guard.believes(at<T>(0, q, dq)));
+  auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+  const auto out = guard.pass(memory, command<T>(10_ms, 0, 0), at<T>(10_ms, 3.1), 10_ms);
+  CHECK(out.status == Reason::state_out_of_range);
+  CHECK_FALSE(out.altered);
+  CHECK(memory.measured.time == 0);
+}
+
+TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever it has to", C,
+                   Case<Interface::position, double>, Case<Interface::velocity, float>) {
+  constexpr Interface I = C::interface;
+  using T = typename C::scalar;
+  const auto c = configuration<T>();
+  const double J = 80, A = 10, V = 1, dt = 0.01;
+  const JerkLimits<1, T> smooth(c.limits, JointJerk<1, T>::constant(T(J)));
+  const Guard<I, 1, T, JerkLimits<1, T>> guard(c, smooth);
+  auto random = [state = std::uint64_t(7)]() mutable {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<double>(state >> 11) * 0x1p-53;
+  };
+  auto m = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+  // Somebody who keeps the limits asks for one speed and another; now and then its command is lost for a
+  // while.
+  double target = 0, hardest = 0;
+  int lost = 0, braked = 0, rested = 0, exceeded = 0;
+  for (int k = 1; k < 20000; ++k) {
+    const auto last = m.command;
+    if (random() < 0.05) target = 2.4 * random() - 1.2;
+    if (lost == 0 && random() < 0.02) lost = 1 + static_cast<int>(60 * random());
+    auto room = c.limits.room(last.position);
+    if (I == Interface::velocity) room.above[0] -= T(0.1), room.below[0] -= T(0.1);
+    const auto motion =
+        smooth.move(room, last.velocity, last.acceleration, JointVelocity<1, T>::constant(T(target)), T(dt));
+    const Nanoseconds now = k * 10_ms;
+    auto wish =
+        command<T>(now, double(last.position[0] + motion.displacement[0]), double(motion.velocity[0]));
+    wish.acceleration = motion.acceleration;
+    if (lost > 0) --lost, wish.valid = false;
+    const auto out = guard.pass(m, wish, at<T>(now, double(last.position[0]), double(last.velocity[0])), now);
+    const double q = double(out.command.position[0]), u = double(out.command.velocity[0]),
+                 a = double(out.command.acceleration[0]);
+    if (wish.valid) CHECK_FALSE(out.altered);
+    exceeded += out.status.has(Reason::jerk_exceeded);
+    hardest = std::max(hardest, std::abs(a - double(last.acceleration[0])) / dt);
+    CHECK(std::abs(a) <= A * (1 + 1e-5));
+    CHECK(std::abs(u) <= V * (1 + 1e-5));
+    CHECK(std::abs(q) <= 2 * (1 + 1e-6));
+    // The velocity is the integral of an acceleration that keeps the jerk.
+    CHECK(std::abs(u - double(last.velocity[0]) - 0.5 * (a + double(last.acceleration[0])) * dt) <=
+          0.25 * J * dt * dt * (1 + 1e-4));
+    rested += !wish.valid && u == 0 && a == 0 && last.velocity[0] != T(0);
+    braked += !wish.valid;
+  }
+  CHECK(braked > 1000);
+  CHECK(rested > 100);
+  CHECK(exceeded == 0);
+  CHECK(hardest <= J * (1 + 1e-3));
+  CHECK(hardest > 0.99 * J);
+}
+
+TEST_CASE("Guard: what cannot be braked within the jerk is braked harder, and said so") {
+  const auto c = configuration<double>();
+  const Guard<Interface::position, 1, double, JerkLimits<1>> guard(
+      c, JerkLimits<1>(c.limits, JointJerk<1>::constant(30)));
+  // 0.9 rad/s at 0.05 rad before the end: 10 rad/s^2 stop it in 0.04 rad, 30 rad/s^3 do not.
+  auto m = guard.start(command<double>(0, 1.95, 0.9), at<double>(0, 1.95));
+  Status seen;
+  double farthest = 0;
+  for (int k = 1; k < 60; ++k) {
+    const auto last = m.command;
+    const auto out = guard.pass(m, {}, at<double>(k * 10_ms, double(last.position[0])), k * 10_ms);
+    seen |= out.status;
+    farthest = std::max(farthest, out.command.position[0]);
+    CHECK(std::abs(out.command.velocity[0] - last.velocity[0]) <= 0.1 * (1 + 1e-9));
+  }
+  CHECK(seen.has(Reason::jerk_exceeded));
+  CHECK(farthest <= 2);
+  CHECK(m.command.velocity[0] == 0);
+}

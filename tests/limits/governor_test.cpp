@@ -1,0 +1,305 @@
+#include "skinctl/limits/governor.hpp"
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/scene.hpp"
+#include "tests/support/robot_table.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+using Arm = ur5::Model;
+constexpr std::size_t forearm = 2;
+
+// Numbers of the test, nobody's recommendation.
+LinkContact<forearm> contact(double force, double blow) {
+  LinkContact<forearm> c{
+      .region = {.force = force, .blow = blow, .first = 0.1, .stiffness = 3e4, .mass = 4, .power = 50},
+      .reach = 0.5,
+      .reaction = 0.02};
+  c.newton = 0.2;  // the scene's skin is felt five times as strong as it is
+  return c;
+}
+struct Limited {
+  double jerk = 400, speed = 0.15, force = 100, blow = 150;
+};
+auto governor(const Limited& l = {}) {
+  const auto limits = ur5_test_limits<double>();
+  return make_governor(limits, contact_limits(Arm{}, contact(l.force, l.blow)),
+                       ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = l.speed, .reach = 1.3}),
+                       JerkLimits<6>(limits, JointJerk<6>::constant(l.jerk)));
+}
+auto governed(const Limited& l = {}) {
+  const SceneSettings s;
+  const auto c = resolver_configuration<Interface::position, double>(s);
+  SkinSettings skin;
+  skin.max_age = 10_s;
+  return Cycle(
+      Resolver<Interface::position, ur5::Model>(ur5::Model{}, c), SkinJointControl{} + GravityControl{},
+      ur5_skin<260>({.force = s.force_gain}, skin),
+      Guard<Interface::position, 6>({.limits = c.limits, .period = s.period, .longest_interval = 80_ms}),
+      governor(l));
+}
+
+static_assert(std::is_trivially_copyable_v<decltype(governed())::Memory>);
+static_assert(std::is_empty_v<NoGovernor::Memory>);
+
+/// Runs a scene on a robot that follows at once; the forearm is pushed with readings `push(t)`.
+template <class Scene, class Push, class Each>
+void run(const Scene& scene, double duration, Push&& push, Each&& each) {
+  const auto memory = std::make_unique<typename Scene::Memory>();
+  State<6> state;
+  state.q = home_position();
+  scene.start(*memory, state);
+  for (Nanoseconds now = 8_ms; now <= nanoseconds(duration); now += 8_ms) {
+    typename Scene::Input input;
+    input.now = now;
+    input.measured = state;
+    input.measured.time = now;
+    const double t = 1e-9 * static_cast<double>(now);
+    const auto f = static_cast<float>(push(t));
+    const CellSample touch{.time = now - 1_ms, .cell = 150, .force = {f, f, f}};
+    input.samples = std::span(&touch, 1);
+    each(t, input, *memory);
+    const auto out = scene.step(*memory, input);
+    each(t, out);
+    state.q = out.command.position;
+    state.dq = out.command.velocity;
+  }
+}
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
+const auto nothing = [](double, auto&, auto&) {};
+
+}  // namespace
+
+TEST_CASE(
+    "governor: what keeps its limits passes to the bit, what does not is slowed within the joints' limits") {
+  const auto limits = ur5_test_limits<double>();
+  const auto g = make_governor(limits, contact_limits(Arm{}, contact(1e6, 1e6)),
+                               ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 1, .reach = 1.3}));
+  decltype(g)::Memory memory;
+  const LinkWrenches<Arm, link_bit<forearm>> untouched;
+  State<6> measured;
+  measured.q = home_position();
+  oracle::Random random(2);
+  int slowed = 0;
+  for (int k = 0; k < 2000; ++k) {
+    JointCommand<6> last, wish;
+    last.valid = wish.valid = true;
+    last.position = home_position();
+    wish.position = last.position;
+    wish.time = 8_ms;
+    for (std::size_t i = 0; i < 6; ++i) {
+      last.velocity[i] = random.uniform(-0.3, 0.3);
+      wish.velocity[i] = last.velocity[i] + random.uniform(-0.12, 0.12);
+      wish.position[i] += 0.004 * (last.velocity[i] + wish.velocity[i]);
+      if (k % 2 != 0) wish.velocity[i] = random.uniform(-3, 3);
+    }
+    const auto out = g.pass(memory, last, wish, measured, untouched, std::array<double, 1>{1}, 0.008);
+    if (!out.altered) {
+      CHECK(out.command.position == wish.position);
+      CHECK(out.command.velocity == wish.velocity);
+      CHECK_FALSE(out.status.any());
+      continue;
+    }
+    ++slowed;
+    CHECK(out.status.has(Reason::tool_speed_limited));
+    for (std::size_t i = 0; i < 6; ++i)
+      CHECK(std::abs(out.command.velocity[i] - last.velocity[i]) <= 15 * 0.008 * (1 + 1e-9));
+  }
+  CHECK(slowed > 500);
+  CHECK(slowed < 1500);
+}
+
+TEST_CASE("governor: jerk, tool speed and blow of a pushed arm stay below their limits") {
+  const Limited l{.jerk = 400, .speed = 0.15, .force = 1e4, .blow = 1e4};
+  const auto scene = governed(l);
+  const auto tool = ToolSpeed<Arm, 5>(Arm{}, ur5_test_limits<double>(), {.speed = l.speed, .reach = 1.3});
+  JointAcceleration<6> last{};
+  double fastest = 0, jerk = 0, moved = 0;
+  Status seen;
+  int given_way = 0;
+  run(
+      scene, 6, [](double t) { return std::fmod(t, 2) < 0.7 ? 0.5 : 0; },
+      Overloaded{nothing, [&](double, const auto& out) {
+                   seen |= out.status;
+                   fastest = std::max(fastest, tool.at(out.command.position).speed(out.command.velocity));
+                   const bool gave_way = out.status.has(Reason::jerk_exceeded);
+                   given_way += gave_way;
+                   for (std::size_t i = 0; i < 6; ++i) {
+                     const double j = std::abs(out.command.acceleration[i] - last[i]) / 0.008;
+                     if (!gave_way) jerk = std::max(jerk, j);
+                     moved = std::max(moved, std::abs(out.command.position[i] - home[i]));
+                   }
+                   last = out.command.acceleration;
+                 }});
+  CHECK(seen.has(Reason::tool_speed_limited));
+  CHECK(fastest <= 0.15 * 1.001);
+  CHECK(fastest > 0.12);
+  CHECK(moved > 0.05);
+  MESSAGE("tool " << fastest << " m/s, jerk " << jerk << " rad/s^3, gave way in " << given_way << " of 750");
+  CHECK(given_way < 75);
+}
+
+TEST_CASE("governor: a jerk limit alone is kept by every command") {
+  const auto scene = governed({.jerk = 300, .speed = 50, .force = 1e6, .blow = 1e6});
+  JointAcceleration<6> last{};
+  double jerk = 0;
+  int gave_way = 0, altered = 0;
+  run(
+      scene, 6, [](double t) { return std::fmod(t, 1.1) < 0.4 ? 0.6 : 0; },
+      Overloaded{nothing, [&](double, const auto& out) {
+                   gave_way += out.status.has(Reason::jerk_exceeded);
+                   altered += out.status.has(Reason::step_limited) || out.status.has(Reason::outside_limits);
+                   for (std::size_t i = 0; i < 6; ++i)
+                     jerk = std::max(jerk, std::abs(out.command.acceleration[i] - last[i]) / 0.008);
+                   last = out.command.acceleration;
+                 }});
+  CHECK(gave_way == 0);
+  CHECK(altered == 0);  // the guard agrees
+  CHECK(jerk <= 300 * 1.0001);
+  CHECK(jerk > 200);
+}
+
+TEST_CASE("governor: a contact above its limit stops the arm, and only consent lets it go on") {
+  const auto scene = governed({.speed = 50, .force = 3, .blow = 6});
+  bool stopped = false, moving_again = false;
+  double speed = 0;
+  int slowed = 0;
+  Status seen;
+  // 40 N a unit of reading, a fifth of it true: 4.8 N from 0.5 s on, which is too long; nothing from 1 s on.
+  run(
+      scene, 4, [](double t) { return t > 0.5 && t < 1 ? 0.2 : (t > 2.5 && t < 3 ? 0.1 : 0); },
+      Overloaded{[](double t, auto& input, auto&) {
+                   if (t > 2 && t < 2.009) input.request = Request::resume;
+                 },
+                 [&](double t, const auto& out) {
+                   seen |= out.status;
+                   slowed += out.status.has(Reason::contact_slowed);
+                   speed = 0;
+                   for (const double u : out.command.velocity) speed = std::max(speed, std::abs(u));
+                   const bool waits = out.status.has(Reason::consent_awaited);
+                   if (t > 0.7 && t < 2) {
+                     CHECK(waits);
+                     stopped = stopped || speed == 0;
+                   }
+                   if (t > 1.5 && t < 2) CHECK(speed == 0);
+                   if (t > 2.01) CHECK_FALSE(waits);
+                   moving_again = moving_again || (t > 2.5 && speed > 0.001);
+                 }});
+  CHECK(seen.has(Reason::contact_force));
+  CHECK(stopped);
+  CHECK(moving_again);
+}
+
+TEST_CASE("governor: whatever bits come in, commands stay finite, within limits and free of steps") {
+  const auto scene = governed();
+  const auto memory = std::make_unique<decltype(scene)::Memory>();
+  const auto limits = ur5_test_limits<double>();
+  oracle::Random random(5);
+  const auto any_number = [&](double usual) {
+    const double special[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, -5e-324, -0.0};
+    const auto kind = random.index(12);
+    return kind < 6 && random.index(4) == 0 ? special[kind]
+           : kind == 6                      ? std::bit_cast<double>(random.bits())
+                                            : usual;
+  };
+  int bad = 0, steps = 0;
+  Status seen;
+  for (int run = 0; run < (sanitized ? 20 : 200); ++run) {
+    State<6> state;
+    state.q = home_position();
+    scene.start(*memory, state);
+    auto last = memory->robot.command;
+    Nanoseconds now = 0;
+    for (int k = 0; k < 100; ++k) {
+      now += 8_ms;
+      typename decltype(scene)::Input input;
+      input.now = random.index(20) == 0 ? static_cast<Nanoseconds>(random.bits()) : now;
+      input.measured = state;
+      input.measured.time = random.index(20) == 0 ? static_cast<Nanoseconds>(random.bits()) : now;
+      for (double& x : input.measured.q) x = any_number(x);
+      for (double& x : input.measured.dq) x = any_number(x);
+      std::array<CellSample, 3> samples;
+      for (auto& s : samples)
+        s = {.time = now,
+             .cell = static_cast<std::uint32_t>(1 + random.index(260)),
+             .force = {static_cast<float>(any_number(0.3)), 0.2f, static_cast<float>(any_number(0))},
+             .proximity = static_cast<float>(any_number(0.1))};
+      input.samples = samples;
+      if (random.index(40) == 0) input.observed = Status::from_bits(random.bits());
+      input.request = random.index(10) == 0 ? Request::resume : Request::none;
+      const auto out = scene.step(*memory, input);
+      seen |= out.status;
+      bad += !out.command.valid;
+      for (std::size_t i = 0; i < 6; ++i) {
+        const double q = out.command.position[i], v = out.command.velocity[i];
+        bad += !(q >= limits.lower()[i] && q <= limits.upper()[i]);
+        bad += !(std::abs(v) <= limits.velocity()[i] * 1.0001);
+        steps += !(std::abs(v - last.velocity[i]) <= limits.acceleration()[i] * 0.0801);
+        steps += !(std::abs(q - last.position[i]) <= limits.velocity()[i] * 0.0801);
+      }
+      last = out.command;
+      state.q = out.command.position;
+      state.dq = out.command.velocity;
+    }
+  }
+  CHECK(bad == 0);
+  CHECK(steps == 0);
+  for (const Reason r :
+       {Reason::jerk_limited, Reason::tool_speed_limited, Reason::contact_force, Reason::state_stale,
+        Reason::state_out_of_range, Reason::state_not_finite, Reason::consent_awaited}) {
+    const std::string reason = describe(r);
+    CAPTURE(reason);
+    CHECK((sanitized || seen.has(r)));
+  }
+}
+
+TEST_CASE("governor: a cycle allocates nothing") {
+  const auto scene = governed();
+  const auto memory = std::make_unique<decltype(scene)::Memory>();
+  std::uint64_t allocated = 0;
+  std::optional<AllocationGuard> guard;
+  run(
+      scene, 0.5, [](double) { return 0.3; },
+      Overloaded{[&](double, auto&, auto&) { guard.emplace(); },
+                 [&](double, const auto&) { allocated += guard->count(); }});
+  CHECK(allocated == 0);
+}
+
+TEST_CASE(
+    "governor: how near somebody is tells the nearest cell of the link, and a silent one tells nothing") {
+  const auto scene = governed();
+  const auto& skin = scene.skin();
+  auto memory = skin.start(0);
+  CHECK(skin.nearest<1>(memory) == 1);
+  const auto hear = [&](std::uint32_t id, float proximity, Nanoseconds now) {
+    const CellSample sample{.time = now, .cell = id, .proximity = proximity};
+    decltype(scene)::Wrenches mean;
+    skin.receive(memory, std::span(&sample, 1), now - 1_ms, now, 1, &mean);
+  };
+  std::uint32_t id = 1;  // ids run through the links
+  for (std::size_t link = 0; link < 6; ++link)
+    for (std::size_t k = 0; k < ur5::skin_cells<260>[link]; ++k, ++id) {
+      if (link == 1 && k + 1 == ur5::skin_cells<260>[1]) CHECK(skin.nearest<1>(memory) == 1);
+      hear(id, link == 2 && k == 3 ? 0.625f : 0, 2_ms);
+      if (link == 1 && k + 1 == ur5::skin_cells<260>[1])
+        CHECK(skin.nearest<1>(memory) == doctest::Approx(0.05).epsilon(1e-3));
+    }
+  CHECK(skin.nearest<2>(memory) == 0.625);  // the gate passes less: 0.05 is taken off
+  CHECK(skin.nearest<1>(memory) == doctest::Approx(0.05).epsilon(1e-3));
+}

@@ -1,0 +1,115 @@
+#include "skinctl/passivity/contact_damper.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+
+using namespace skinctl;
+
+namespace {
+
+struct Seen {
+  double highest = 0, last = 0, largest_step = 0;
+  double first = -1;  ///< when damping began [s]
+};
+
+// A push as a function of time, for `time` seconds at 125 Hz.
+Seen watch(const ContactDamper<>& damper, double time, const std::function<double(double)>& push,
+           double speed = 0, double dt = 0.008) {
+  auto m = damper.start<3>();
+  Seen out;
+  double before = 0;
+  for (double t = dt; t < time; t += dt) {
+    Contacts<3, double, 1> c;
+    c.list[0].link = 1;
+    c.list[0].force = std::max(0.0, push(t));
+    c.list[0].row[2] = 0.3;
+    c.count = c.list[0].force > 0 ? 1 : 0;
+    const bool added = damper.observe(m, c, JointVelocity<3>{0, 0, speed}, dt);
+    const double b = m.damping.coefficient[1];
+    CHECK(b >= 0);
+    CHECK(m.damping.coefficient[0] == 0);
+    CHECK(added == (b > (c.count > 0 ? damper.settings().always : 0)));
+    if (added && out.first < 0) out.first = t;
+    out.highest = std::max(out.highest, b);
+    out.largest_step = std::max(out.largest_step, std::abs(b - before));
+    before = out.last = b;
+  }
+  return out;
+}
+
+double swinging(double t, double hertz, double mean, double amplitude) {
+  return mean + amplitude * std::sin(2 * M_PI * hertz * t);
+}
+
+}  // namespace
+
+TEST_CASE("ContactDamper: a contact that rings is damped within two periods and a half, and bounded") {
+  const ContactDamper<> damper({.most = 100});
+  for (const double hertz : {2.5, 5.0, 12.0})
+    for (const double mean : {5.0, 40.0, 0.0}) {
+      if (mean == 0 && hertz < 4) continue;  // it bounces: half of the time it is not touched
+      CAPTURE(hertz);
+      CAPTURE(mean);
+      const auto seen = watch(damper, 20, [&](double t) { return swinging(t, hertz, mean, 12); });
+      CHECK(seen.first > 0);
+      CHECK(seen.first < 2.5 / hertz + 0.05);
+      CHECK(seen.highest > 90);
+      CHECK(seen.highest <= 100);
+      CHECK(seen.largest_step < 30);
+    }
+}
+
+TEST_CASE("ContactDamper: slow pushes, single blows, what dies out, and noise are left alone") {
+  const ContactDamper<> damper({.most = 100});
+  const auto calm = [&](const std::function<double(double)>& push) {
+    return watch(damper, 20, push).highest == 0;
+  };
+  CHECK(calm([](double) { return 0.0; }));
+  CHECK(calm([](double t) { return 60 * std::min(t, 1.0); }));
+  for (const double hertz : {0.1, 0.5, 1.0, 1.8})
+    CHECK(calm([&](double t) { return swinging(t, hertz, 30, 30); }));
+  CHECK(calm([](double t) { return t > 1 && t < 1.05 ? 80.0 : 0.0; }));
+  CHECK(calm([](double t) { return 30 + 20 * std::exp(-10 * t) * std::cos(2 * M_PI * 4 * t); }));
+  CHECK(calm([](double t) { return 30 + 1.2 * std::sin(1e4 * t); }));  // two quanta
+  CHECK(calm([](double t) { return 1000 + 40 * std::sin(30 * t); }));  // a few per cent
+}
+
+TEST_CASE("ContactDamper: a robot that bounces is damped, however long it flies; one that is tapped is not") {
+  const ContactDamper<> damper({.most = 100});
+  const auto bouncing = [](double t) {
+    return 30 * std::sin(2 * M_PI * 5 * std::fmod(t, 0.8)) * (std::fmod(t, 0.8) < 0.1);
+  };
+  CHECK(watch(damper, 10, bouncing, 0.2).highest > 40);
+  CHECK(watch(damper, 10, bouncing, 0.2).first < 2.5);
+  CHECK(watch(damper, 10, bouncing, -0.2).highest == 0);
+  CHECK(watch(damper, 10, bouncing, 0).highest == 0);
+}
+
+TEST_CASE("ContactDamper: it fades when it is calm, quickly after the contact and slowly in it") {
+  const ContactDamper<> damper({.most = 100, .calm = 0.5});
+  const auto then = [&](double push, double after) {
+    return watch(damper, 3 + after, [&](double t) { return t < 3 ? swinging(t, 6, 20, 15) : push; }).last;
+  };
+  CHECK(then(20, 0.1) > 70);
+  CHECK(then(20, 2.0) > 40);
+  CHECK(then(0, 1.0) < 20);
+  CHECK(then(0, 8.0) == 0);
+  CHECK(then(20, 80.0) == 0);
+}
+
+TEST_CASE("ContactDamper: the declared damping is there while the contact lasts") {
+  const ContactDamper<> damper({.always = 30});
+  const auto seen = watch(damper, 2, [](double t) { return t > 1 && t < 1.5 ? 20.0 : 0.0; });
+  CHECK(seen.highest == 30);
+  CHECK(seen.last == 0);
+}
+
+TEST_CASE("ContactDamper: refuses nonsense") {
+  CHECK_THROWS_AS(ContactDamper<>({.most = -1}), ConfigurationError);
+  CHECK_THROWS_AS(ContactDamper<>({.always = std::nan("")}), ConfigurationError);
+  CHECK_THROWS_AS(ContactDamper<>({.swing = 0}), ConfigurationError);
+  CHECK_THROWS_AS(ContactDamper<>({.slowest = 0}), ConfigurationError);
+  CHECK_THROWS_AS(ContactDamper<>({.calm = 0}), ConfigurationError);
+}

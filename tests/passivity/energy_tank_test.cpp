@@ -1,0 +1,146 @@
+#include "skinctl/passivity/energy_tank.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "skinctl/testing/random.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+TEST_CASE_TEMPLATE("EnergyTank: the share costs what is left, all of it if that is enough", T, float,
+                   double) {
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> exponent(-6, 3), sign(-1, 1);
+  for (int k = 0; k < 10000; ++k) {
+    const T w1 = T(std::copysign(std::pow(10, exponent(rng)), sign(rng))),
+            w2 = T(std::pow(10, exponent(rng))), E = T(std::pow(10, exponent(rng)));
+    const T share = affordable_share(w1, w2, E);
+    CAPTURE(w1);
+    CAPTURE(w2);
+    CAPTURE(E);
+    CHECK(share >= T(0));
+    CHECK(share <= T(1));
+    const T scale = std::abs(w1) + w2 + E;
+    if (w1 + w2 <= E) {
+      CHECK(share == T(1));
+    } else {
+      CHECK(std::abs(share * w1 + share * share * w2 - E) <=
+            T(8) * std::numeric_limits<T>::epsilon() * scale);
+    }
+  }
+}
+
+TEST_CASE("EnergyTank: edges") {
+  CHECK(affordable_share(1.0, 1.0, 0.0) == 0);
+  CHECK(affordable_share(1.0, 0.0, -1.0) == 0);
+  CHECK(affordable_share(-1.0, 0.5, 0.0) == 1);                     // it fills the tank
+  CHECK(affordable_share(-1.0, 2.0, 0.0) == doctest::Approx(0.5));  // as far as it costs nothing
+  CHECK(affordable_share(0.0, 4.0, 1.0) == doctest::Approx(0.5));
+  CHECK(affordable_share(2.0, 0.0, 1.0) == doctest::Approx(0.5));
+  CHECK(affordable_share(std::nan(""), 1.0, 1.0) == 0);
+  CHECK(affordable_share(1.0, 1.0, std::nan("")) == 0);
+  CHECK_THROWS_AS(EnergyTank<>({.start = -1}), ConfigurationError);
+  CHECK_THROWS_AS(EnergyTank<>({.start = 2, .most = 1}), ConfigurationError);
+  CHECK_THROWS_AS(EnergyTank<>({.port_gain = std::nan("")}), ConfigurationError);
+}
+
+namespace {
+
+// One mass on a line, pushed by `active` and `port`, with friction `viscous`; the exact trapezoid of a held
+// force.
+struct Mass {
+  double m = 2, viscous = 0, h = 1e-3, v = 0, x = 0;
+  EnergyTank<> tank;
+  EnergyTank<>::Memory<1> memory = tank.start<1>();
+
+  double step(double port, double active) {
+    MassMatrix<1> M;
+    M(0, 0) = m;
+    const auto after = [&](double f) {
+      return JointVelocity<1>::constant((m * v + h * f - 0.5 * h * viscous * v) / (m + 0.5 * h * viscous));
+    };
+    const auto now = JointVelocity<1>::constant(v);
+    tank.charge(memory, M, now);
+    JointVelocity<1> v1 = after(port + active);
+    const double share = tank.pay(memory, JointTorque<1>::constant(port), JointTorque<1>::constant(active),
+                                  now, v1, h, [&] { return after(port); });
+    const double dx = 0.5 * h * (v + v1[0]);
+    VirtualShape<1> shape;
+    shape.viscous[0] = viscous;
+    tank.book(memory, JointPosition<1>::constant(dx), shape, h);
+    v = v1[0];
+    x += dx;
+    return share;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("EnergyTank: an active force turns the tank into motion, and nothing more") {
+  Mass mass{.tank = EnergyTank<>({.start = 1, .most = 3})};
+  bool faded = false;
+  for (int k = 0; k < 5000; ++k) faded |= mass.step(0, 10) < 1;
+  CHECK(faded);
+  CHECK(0.5 * mass.m * mass.v * mass.v == doctest::Approx(1).epsilon(1e-9));
+  CHECK(mass.memory.energy == doctest::Approx(0).epsilon(1e-9));
+  for (int k = 0; k < 5000; ++k) mass.step(0, -1);  // braking fills it
+  CHECK(mass.memory.energy + 0.5 * mass.m * mass.v * mass.v == doctest::Approx(1).epsilon(1e-9));
+}
+
+TEST_CASE(
+    "EnergyTank: a touch moves the robot whatever is in the tank, friction takes, and the room is bounded") {
+  Mass free{.viscous = 5, .tank = EnergyTank<>({.start = 0, .most = 0.2})};
+  for (int k = 0; k < 5000; ++k) CHECK(free.step(8, 0) == 1);
+  CHECK(free.v == doctest::Approx(8 / 5.0).epsilon(1e-3));
+  CHECK(free.memory.energy == doctest::Approx(0).epsilon(1e-9));
+  // A force that works against the motion: what exceeds the room is lost.
+  for (int k = 0; k < 5000; ++k) free.step(8, -3);
+  CHECK(free.memory.energy == doctest::Approx(0.2));
+}
+
+TEST_CASE("EnergyTank: kinetic energy without a reason is charged") {
+  Mass mass{.tank = EnergyTank<>({.start = 1, .most = 3})};
+  mass.step(1, 0);
+  mass.v += 0.4;
+  mass.step(0, 0);
+  const double v = 1e-3 / 2 + 0.4, old = 1e-3 / 2;
+  CHECK(mass.memory.energy == doctest::Approx(1 - 0.5 * 2 * (v * v - old * old)).epsilon(1e-12));
+  mass.v = 0;  // and none is credited
+  mass.step(0, 0);
+  CHECK(mass.memory.energy < 1);
+}
+
+TEST_CASE(
+    "EnergyTank: behind a torque interface the work of what was held is booked, port and gravity apart") {
+  const EnergyTank<> tank({.start = 2, .most = 3, .port_gain = 0.5});
+  auto m = tank.hold<1>();
+  const auto Q = [](double x) { return JointPosition<1>::constant(x); };
+  const auto V = [](double x) { return JointVelocity<1>::constant(x); };
+  const auto Tau = [](double x) { return JointTorque<1>::constant(x); };
+  tank.book(m, Q(1.0), Tau(0), Tau(0));  // nothing was sent yet
+  CHECK(m.energy == 2);
+  // Sent: 7 = port 0.5 * 4, gravity 3, friction -1, active 3. Port and gravity change while it is held.
+  tank.sent(m, Tau(7.0), Tau(4.0), Tau(4.0), Tau(3.0));
+  CHECK(m.active[0] == 3);
+  tank.book(m, Q(0.1), Tau(4.0), Tau(3.0));
+  CHECK(m.energy == doctest::Approx(2 - 0.3));  // friction is no gain
+  tank.book(m, Q(-0.1), Tau(4.0), Tau(3.0));
+  CHECK(m.energy == doctest::Approx(2 - 0.1));  // but what it gives is charged
+  tank.book(m, Q(0.1), Tau(-4.0), Tau(1.0));    // 4 of held torque had no right to be there: 1 braked, 3 gave
+  CHECK(m.energy == doctest::Approx(1.9 - 0.3 - 0.2));
+  tank.sent(m, Tau(3.5));  // the guard has sent something else
+  CHECK(m.active[0] == -0.5);
+  for (int k = 0; k < 50; ++k) tank.book(m, Q(1.0), Tau(4.0), Tau(3.0));
+  CHECK(m.energy == 3);
+  // Mass 2, 0.1 s: from 1 rad/s all of 10 N m leads to 1.5 and costs 1.25 J.
+  const auto move = [&](const JointTorque<1>& tau) { return V(1 + 0.1 * tau[0] / 2); };
+  const auto share = [&] { return tank.pay(m, Tau(0), Tau(10.0), V(1), 0.1, move); };
+  m.energy = 1.25 * (1 + 1e-12);
+  CHECK(share() == 1);
+  m.energy = 0.5;  // a + a^2/4 = 1/2
+  CHECK(share() == doctest::Approx(2 * (std::sqrt(1.5) - 1)));
+  m.energy = -0.1;
+  CHECK(share() == 0);
+}

@@ -1,0 +1,58 @@
+#include "skinctl/passivity/passivity.hpp"
+
+#include <doctest/doctest.h>
+
+#include "skinctl/testing/contact_scene.hpp"
+#include "tests/support/digits.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+static_assert(std::is_empty_v<Passivity<>>);
+using Full = Passivity<EnergyTank<>, PortLedger<>, ContactDamper<>>;
+static_assert(std::is_trivially_copyable_v<ResolverMemory<6, double, 32, Full>>);
+
+// Fewer where the sanitizers slow it down.
+constexpr std::uint64_t scenes = SKINCTL_MANY_DIGITS ? 300 : 60;
+
+// More than any scene takes.
+const EnergyTank<> plenty({.start = 1e5, .most = 1e5});
+const PortLedger<> endless({.start = 1e5, .most = 1e5});
+
+TEST_CASE("Passivity: a port never gives more than it got and had, whatever skills, weights and delays do") {
+  int broken = 0, broken_virtual = 0, held = 0, empty = 0;
+  for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
+    CAPTURE(seed);
+    const RandomScene scene(seed);
+    const auto bare = run<Interface::position>(scene, Passivity(plenty, endless));
+    const auto keeper = scene.keeper();
+    const auto kept = run<Interface::position>(scene, keeper);
+    const auto alone = run<Interface::position>(scene, Passivity(plenty, keeper.get<PortLedger<>>()));
+    CHECK(alone.extracted <= scene.energy);
+    broken += bare.extracted > scene.energy;
+    broken_virtual += bare.virtual_extracted > scene.tank;
+    CHECK(kept.virtual_extracted <= scene.tank);
+    CHECK(kept.extracted <= scene.energy);
+    CHECK(kept.least_ledger >= 0);
+    held += kept.status.has(Reason::energy_held);
+    empty += kept.status.has(Reason::tank_empty);
+  }
+  CHECK(held > 0);
+  if (scenes < 300) return;  // too few for one that breaks
+  CHECK(broken > 0);         // so the test can fail
+  CHECK(broken_virtual > 0);
+  CHECK(empty > 0);
+}
+
+TEST_CASE("Passivity: a full tank and ledger change nothing") {
+  for (const std::uint64_t seed : {5u, 6u, 7u}) {
+    RandomScene scene(seed);
+    scene.obstacles[0].stiffness = std::min(scene.obstacles[0].stiffness, 100.0);
+    scene.obstacles.resize(1);
+    const auto bare = run<Interface::position>(scene, Passivity<>());
+    const auto kept = run<Interface::position>(scene, Passivity(plenty, endless));
+    CHECK(kept.path == bare.path);
+    CHECK(kept.largest_force == bare.largest_force);
+    CHECK(kept.status == bare.status);
+  }
+}

@@ -1,0 +1,102 @@
+#include "skinctl/tracking/surface_bias.hpp"
+
+#include <doctest/doctest.h>
+
+#include <type_traits>
+
+#include "tests/trajectory/exact.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+static_assert(std::is_trivially_copyable_v<SurfaceBias<6>>);
+
+namespace {
+template <class T>
+SurfaceBias<3, T> some_bias(Seeded& rng, Nanoseconds elapsed) {
+  SurfaceBias<3, T> b;
+  b.decaying = rng.vector<JointVelocity<3, T>>(2);
+  b.dv = rng.vector<JointVelocity<3, T>>(2);
+  b.da = rng.vector<JointAcceleration<3, T>>(50);
+  b.dj = rng.vector<JointAcceleration<3, T>>(1000);
+  b.elapsed = elapsed;
+  return b;
+}
+}  // namespace
+
+TEST_CASE("SurfaceBias: dS_d is the derivative of S_d, in 50 digits") {
+  Seeded rng(20);
+  const Exact h("1e-15"), kappa(10), T_h("0.1");
+  for (int i = 0; i < 100; ++i) {
+    const auto b = some_bias<Exact>(rng, nanoseconds(rng.between(0, 0.15)));
+    const Exact x(rng.between(1e-6, 0.02));
+    const auto before = b.at(x - h, kappa, T_h), now = b.at(x, kappa, T_h), after = b.at(x + h, kappa, T_h);
+    for (std::size_t j = 0; j < 3; ++j)
+      CHECK(magnitude((after.S_d[j] - before.S_d[j]) / (2 * h) - now.dS_d[j]) < Exact("1e-22"));
+  }
+}
+
+TEST_CASE("SurfaceBias: the rate of dS_d begins with dj and ends with nothing, in 50 digits") {
+  Seeded rng(23);
+  const Exact h("1e-15"), kappa(10), T_h("0.1");
+  for (int i = 0; i < 20; ++i) {
+    auto b = some_bias<Exact>(rng, 0);
+    b.decaying = {};
+    const auto begin = b.at(Exact(0), kappa, T_h), soon = b.at(h, kappa, T_h);
+    const auto late = b.at(T_h - h, kappa, T_h), later = b.at(T_h - 2 * h, kappa, T_h);
+    for (std::size_t j = 0; j < 3; ++j) {
+      CHECK(magnitude((soon.dS_d[j] - begin.dS_d[j]) / h - b.dj[j]) < Exact("1e-7"));
+      CHECK(magnitude((late.dS_d[j] - later.dS_d[j]) / h) < Exact("1e-7"));
+    }
+    SurfaceBias<3, Exact> one;
+    one.elapsed = 0;
+    one.dj = JointAcceleration<3, Exact>::constant(1);
+    for (const Exact& x : {Exact("0.001"), Exact("0.05"), Exact("0.09")})
+      CHECK(magnitude(one.at(x, kappa, T_h).dS_d[0] - SurfaceBias<3, Exact>::bend(x, T_h)) < Exact("1e-40"));
+  }
+}
+
+TEST_CASE_TEMPLATE("SurfaceBias: begins with what is handed over and ends with none of it", T, float,
+                   double) {
+  Seeded rng(21);
+  auto b = some_bias<T>(rng, 0);
+  const auto begin = b.at(T(0), T(10), T(0.1));
+  for (std::size_t j = 0; j < 3; ++j) {
+    CHECK(begin.S_d[j] == b.decaying[j] + b.dv[j]);
+    CHECK(begin.dS_d[j] == T(-10) * b.decaying[j] + b.da[j]);
+  }
+  b.elapsed = 100_ms;
+  CHECK_FALSE(b.hands_over(T(0.1)));
+  const auto end = b.at(T(0), T(10), T(0.1));
+  for (std::size_t j = 0; j < 3; ++j) CHECK(end.S_d[j] == b.decaying[j]);
+  // continuous at the end
+  b.elapsed = 99999999;
+  const auto near_end = b.at(T(0), T(10), T(0.1));
+  for (std::size_t j = 0; j < 3; ++j) {
+    CHECK(magnitude(T(near_end.S_d[j] - end.S_d[j])) < T(1e-6));
+    CHECK(magnitude(T(near_end.dS_d[j] - end.dS_d[j])) < T(1e-5));
+  }
+}
+
+TEST_CASE("SurfaceBias: steps of any length lead along the same curve") {
+  Seeded rng(22);
+  const auto b = some_bias<double>(rng, 0);
+  auto fine = b;
+  for (int i = 0; i < 120; ++i) fine = fine.advanced(0.001, 1_ms, 10);
+  const auto coarse = b.advanced(0.12, 120_ms, 10);
+  const auto ahead = b.at(0.12, 10, 0.1), now = fine.at(0, 10, 0.1), then = coarse.at(0, 10, 0.1);
+  for (std::size_t j = 0; j < 3; ++j) {
+    CHECK(now.S_d[j] == doctest::Approx(ahead.S_d[j]).epsilon(1e-13));
+    CHECK(then.S_d[j] == doctest::Approx(ahead.S_d[j]).epsilon(1e-13));
+  }
+}
+
+TEST_CASE_TEMPLATE("SurfaceBias: what has decayed becomes zero, not a denormal number", T, float, double) {
+  SurfaceBias<2, T> b;
+  b.decaying = JointVelocity<2, T>{T(1), T(-1)};
+  for (int i = 0; i < 20000; ++i) {
+    b = b.advanced(T(0.001), 1_ms, T(10));
+    for (const T& x : b.decaying) CHECK((x == T(0) || magnitude(x) > std::numeric_limits<T>::min()));
+  }
+  CHECK(b.decaying == JointVelocity<2, T>{});
+}
