@@ -6,6 +6,7 @@
 
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/real_time.hpp"
+#include "skinctl/cycle/detail/check_scene.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/stage.hpp"
 #include "skinctl/dynamics/quantities.hpp"
@@ -109,9 +110,12 @@ struct GoalType<L> {
 ///
 /// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
 /// else of the model is computed.
-template <class Resolver, class L, class Skin = Bare,
+template <class Resolver, class GivenLaw, class GivenSkin = Bare,
           class Watchman = typename detail::GuardOf<Resolver>::type, class Overseer = NoGovernor>
 class Cycle {
+  using Skin = detail::skin_of_scene<Resolver, GivenSkin>;
+  using L = detail::law_of_scene<Resolver, GivenLaw, Skin>;
+
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
   static_assert(!governed || detail::has_one_interface<Resolver>,
@@ -120,7 +124,7 @@ class Cycle {
                 "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
   static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
                 "the governor is of a robot with other joints, or of another scalar");
-  static_assert(detail::feels<Overseer, Skin>,
+  static_assert(detail::feels<Overseer, GivenSkin>,
                 "contact limits need a skin on each link that they name: what is not felt cannot be limited");
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;

@@ -35,6 +35,8 @@ template <Sum P, class... L>
 class Blended<Fused<P, L...>> : public Composable {
  public:
   using Fusion = Fused<P, L...>;
+  using Laws = std::tuple<L...>;
+  static constexpr std::size_t joints = Fusion::joints;
   static constexpr std::size_t terms = Fusion::terms;
   static constexpr Role role = Fusion::role;
   static constexpr bool complete_sum = true;  ///< cannot be part of another
@@ -263,7 +265,7 @@ class Blended<Fused<P, L...>> : public Composable {
           law<I>(), part, known, Share<T>{static_cast<T>(share.feedback), static_cast<T>(share.feed_forward)},
           out.now);
     } else {
-      out.torque = law<I>().torque(part, known);
+      out.torque = torque_of(law<I>(), part, known);
     }
   }
   template <std::size_t I, class Now, class K>

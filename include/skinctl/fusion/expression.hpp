@@ -17,7 +17,7 @@ constexpr std::size_t gravity_count() noexcept {
   if constexpr (requires { L::gravity_laws; }) {
     return L::gravity_laws;
   } else {
-    return L::role == Role::gravity ? 1 : 0;
+    return checked_law<L>::role == Role::gravity ? 1 : 0;
   }
 }
 
@@ -27,7 +27,8 @@ auto as_sum(const L& law) {
   if constexpr (is_fused<L>) {
     return law;
   } else {
-    return Fused<Sum::normalised, L>(std::tuple<L>(law), {1.0});
+    using Law = checked_law<L>;
+    return Fused<Sum::normalised, Law>(std::tuple<Law>(law), {1.0});
   }
 }
 template <Sum To, Sum From, class... L>
@@ -46,7 +47,7 @@ template <class L>
 inline constexpr bool is_complete = requires { L::complete_sum; };
 template <class W, class L>
 constexpr bool weighs() noexcept {
-  if constexpr (std::is_arithmetic_v<W> && LawMembers<L>) {
+  if constexpr (std::is_arithmetic_v<W> && MeantAsLaw<L>) {
     return gravity_count<L>() == 0 && !is_complete<L>;
   } else {
     return false;
@@ -54,7 +55,7 @@ constexpr bool weighs() noexcept {
 }
 template <class A, class B>
 constexpr bool adds(std::size_t least, std::size_t most) noexcept {
-  if constexpr (LawMembers<A> && LawMembers<B>) {
+  if constexpr (MeantAsLaw<A> && MeantAsLaw<B>) {
     const auto count = gravity_count<A>() + gravity_count<B>();
     return count >= least && count <= most && !is_complete<A> && !is_complete<B>;
   } else {

@@ -89,9 +89,9 @@ template <class First, class Library, class... Name, class... L>
       using Names = Behaviours<typename decltype(b)::type...>;
       static_assert(Names::count == sizeof...(entry),
                     "the first skill is not in the library, or lacks a controller");
-      const Fused<Sum::normalised, L...> sum(std::tuple<L...>(controllers.law...),
-                                             {((void)controllers, 1.0)...});
-      return SkillSet<Names, Fused<Sum::normalised, L...>>(
+      using Fusion = Fused<Sum::normalised, detail::checked_law<L>...>;
+      const Fusion sum(typename Fusion::Laws(controllers.law...), {((void)controllers, 1.0)...});
+      return SkillSet<Names, Fusion>(
           sum,
           {detail::row<Bank, Names>(decltype(b)::type::name,
                                     Names::template index<typename decltype(b)::type>,

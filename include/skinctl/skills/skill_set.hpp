@@ -5,7 +5,6 @@
 
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/skills/detail/rate_bound.hpp"
-#include "skinctl/skills/detail/settled.hpp"
 #include "skinctl/skills/skill_request.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -56,6 +55,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
  public:
   using Names = Behaviours<Behaviour...>;
   using Fusion = Fused<P, L...>;
+  using Laws = std::tuple<L...>;
   using Blend = Blended<Fusion>;
   using Goal = typename detail::GoalTypes<SkillRequest<>, L...>::type;
   static constexpr std::size_t controllers = Fusion::terms;

@@ -187,9 +187,9 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
       using Law = law_at<i.value>;
       if constexpr (Law::role == Role::tracking)
         if (s.weights[i.value] > 0)
-          holds = holds && detail::settled(std::get<i.value>(blend_.sum().laws()),
-                                           Blend::template memory<i.value>(m.blend), known,
-                                           static_cast<typename K::scalar>(c.still));
+          holds = holds &&
+                  settled(std::get<i.value>(blend_.sum().laws()), Blend::template memory<i.value>(m.blend),
+                          known, static_cast<typename K::scalar>(c.still));
     });
   m.held = holds ? later(m.held, dt) : 0;
   if (holds && m.held >= c.hold) end(m, Phase::finished, s.next);
