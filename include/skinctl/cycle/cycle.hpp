@@ -113,8 +113,11 @@ struct GoalType<L> {
 template <class Resolver, class GivenLaw, class GivenSkin = Bare,
           class Watchman = typename detail::GuardOf<Resolver>::type, class Overseer = NoGovernor>
 class Cycle {
-  using Skin = detail::skin_of_scene<Resolver, GivenSkin>;
-  using L = detail::law_of_scene<Resolver, GivenLaw, Skin>;
+  using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
+  static_assert(sizeof(detail::SaySkin<Scene::skin_fault, GivenSkin>) > 0);
+  static_assert(sizeof(detail::Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
+  using Skin = typename Scene::Skin;
+  using L = typename Scene::Law;
 
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;

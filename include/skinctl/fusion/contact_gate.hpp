@@ -58,15 +58,17 @@ struct Gated : L {
 
 /// `law` while the robot is touched.
 template <class L>
-  requires(detail::checked_law<L>::role != Role::gravity)
+  requires(detail::complete_law<L>::role != Role::gravity)
 [[nodiscard]] auto when_touched(const L& law) {
-  return Gated<Gate::touched, detail::checked_law<L>>(law);
+  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
+  return Gated<Gate::touched, detail::complete_law<L>>(law);
 }
 /// `law` while nothing touches the robot.
 template <class L>
-  requires(detail::checked_law<L>::role != Role::gravity)
+  requires(detail::complete_law<L>::role != Role::gravity)
 [[nodiscard]] auto when_untouched(const L& law) {
-  return Gated<Gate::untouched, detail::checked_law<L>>(law);
+  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
+  return Gated<Gate::untouched, detail::complete_law<L>>(law);
 }
 // clang-format off
 template <class L>

@@ -17,7 +17,7 @@ constexpr std::size_t gravity_count() noexcept {
   if constexpr (requires { L::gravity_laws; }) {
     return L::gravity_laws;
   } else {
-    return checked_law<L>::role == Role::gravity ? 1 : 0;
+    return complete_law<L>::role == Role::gravity ? 1 : 0;
   }
 }
 
@@ -27,7 +27,7 @@ auto as_sum(const L& law) {
   if constexpr (is_fused<L>) {
     return law;
   } else {
-    using Law = checked_law<L>;
+    using Law = complete_law<L>;
     return Fused<Sum::normalised, Law>(std::tuple<Law>(law), {1.0});
   }
 }
@@ -71,6 +71,7 @@ template <class A, class B>
   requires(detail::weighs<A, B>() || detail::weighs<B, A>())
 [[nodiscard]] auto operator*(const A& a, const B& b) {
   if constexpr (std::is_arithmetic_v<A>) {
+    static_assert(sizeof(detail::Say<detail::fault_in_members<B>(), B>) > 0);
     auto sum = detail::as_sum(b);
     auto weights = sum.weights();
     for (double& w : weights) w *= static_cast<double>(a);
@@ -85,6 +86,10 @@ template <class A, class B>
 template <class A, class B>
   requires(detail::adds<A, B>(0, 1))
 [[nodiscard]] auto operator+(const A& a, const B& b) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<A>(), A>) > 0);
+  static_assert(sizeof(detail::Say<detail::fault_in_members<B>(), B>) > 0);
+  static_assert(!detail::are_for_two_robots<A, B>,
+                "the laws of a sum are for robots with different numbers of joints");
   return detail::join(detail::as_sum(a), detail::as_sum(b));
 }
 

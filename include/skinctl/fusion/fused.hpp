@@ -41,8 +41,6 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   static constexpr bool answers_touch =
       (false || ... || detail::answers_touch<L>);  ///< the skin has a law in it
   static constexpr bool watches = tracking_laws > 0 && answers_touch;
-  static_assert(detail::are_for_one_robot<L...>(),
-                "the laws of a sum are for robots with different numbers of joints");
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");
   static constexpr GravityTerm gravity_term =
       gravity_laws > 0 ? GravityTerm::left_out : GravityTerm::included;

@@ -134,10 +134,14 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
 
 /// `second` in the null space of link `Link`, which `first` moves.
 template <std::size_t Link, detail::MeantAsLaw First, detail::MeantAsLaw Second>
-  requires(detail::checked_law<First>::role == Role::tracking &&
-           detail::checked_law<Second>::role != Role::gravity)
+  requires(detail::complete_law<First>::role == Role::tracking &&
+           detail::complete_law<Second>::role != Role::gravity)
 [[nodiscard]] auto over(const First& first, const Second& second, const NullSpaceSettings& settings = {}) {
-  return NullSpace<Link, detail::checked_law<First>, detail::checked_law<Second>>(first, second, settings);
+  static_assert(sizeof(detail::Say<detail::fault_in_members<First>(), First>) > 0);
+  static_assert(sizeof(detail::Say<detail::fault_in_members<Second>(), Second>) > 0);
+  static_assert(!detail::are_for_two_robots<First, Second>,
+                "the laws of this are for robots with different numbers of joints");
+  return NullSpace<Link, detail::complete_law<First>, detail::complete_law<Second>>(first, second, settings);
 }
 // clang-format off
 template <std::size_t Link, class First, class Second>

@@ -61,11 +61,10 @@ constexpr std::size_t joints_of_laws() noexcept {
   ((found = found > 0 ? found : joints_of_law<L>()), ...);
   return found;
 }
-/// Whether no two of them say different joints.
-template <class... L>
-constexpr bool are_for_one_robot() noexcept {
-  return ((joints_of_law<L>() == 0 || joints_of_law<L>() == joints_of_laws<L...>()) && ...);
-}
+/// Whether two of them say different joints.
+template <class A, class B>
+inline constexpr bool are_for_two_robots =
+    joints_of_law<A>() != 0 && joints_of_law<B>() != 0 && joints_of_law<A>() != joints_of_law<B>();
 template <class L, class T>
 struct ScalarOfLaw {
   using type = T;
@@ -76,221 +75,40 @@ struct ScalarOfLaw<L, T> {
   using type = typename L::scalar;
 };
 
-/// Whether a law has what every law has, as far as that does not depend on a robot. Says what it lacks.
-template <class L>
-consteval bool is_complete_law() {
-  if constexpr (!HasMemory<L>) {
-    static_assert(HasMemory<L>,
-                  "this law lacks its Memory: `struct Memory {...};`, or derive from StatelessLaw");
-    return false;
-  } else if constexpr (!std::is_trivially_copyable_v<typename L::Memory>) {
-    static_assert(std::is_trivially_copyable_v<typename L::Memory>,
-                  "the Memory of this law is not trivially copyable: a cycle copies, records and replays it");
-    return false;
-  } else if constexpr (!HasNeeds<L>) {
-    static_assert(HasNeeds<L>, "this law lacks its needs: `static constexpr Needs needs = {...};`");
-    return false;
-  } else if constexpr (!HasRole<L>) {
-    static_assert(HasRole<L>, "this law lacks its role: `static constexpr Role role = Role::reactive;`");
-    return false;
-  } else if constexpr (LacksStart<L>) {
-    static_assert(!LacksStart<L>, "this law lacks start(known), which returns a Memory");
-    return false;
-  } else if constexpr (LacksTorque<L> && LacksParts<L>) {
-    static_assert(!LacksTorque<L>, "this law lacks torque(memory, known), which returns a JointTorque");
-    return false;
-  } else if constexpr (LacksAdvance<L>) {
-    static_assert(!LacksAdvance<L>, "this law lacks advance(memory, known, dt, opposition)");
-    return false;
-  } else if constexpr (HasGoal<L> && LacksReceive<L>) {
-    static_assert(!LacksReceive<L>, "this law has a Goal, but lacks receive(memory, known, goal)");
-    return false;
-  } else if constexpr (!HasGoal<L> && !LacksReceive<L> && !IsMadeOfLaws<L>) {
-    static_assert(HasGoal<L>, "this law receives goals, but does not name their type: `using Goal = ...;`");
-    return false;
-  } else {
-    return true;
-  }
-}
-
-template <class L, std::size_t N, class T>
-consteval bool fits_robot();
-template <class L, class K, bool Part>
-consteval bool all_run_with();
-
-/// The same for each law of a tuple.
-template <class Laws>
-struct EachLaw;
-template <class... L>
-struct EachLaw<std::tuple<L...>> {
-  template <std::size_t N, class T>
-  static consteval bool fits_robot() {
-    return (detail::fits_robot<L, N, T>() && ...);
-  }
-  template <class K>
-  static consteval bool run_with() {
-    return (detail::all_run_with<L, K, true>() && ...);
-  }
+/// What can be wrong with a law.
+enum class LawFault {
+  none,
+  no_memory,
+  heavy_memory,
+  no_needs,
+  no_role,
+  no_start,
+  no_torque,
+  no_advance,
+  no_receive,
+  no_goal,
+  other_joints,
+  other_scalar,
+  missing_link,
+  start_arguments,
+  start_result,
+  advance_arguments,
+  advance_result,
+  advance_throws,
+  no_parts,
+  no_gravity,
+  torque_arguments,
+  torque_result,
+  torque_throws,
+  receive_arguments,
+  receive_result
 };
-
-/// Whether a law is for a robot of `N` joints in the scalar `T`, as far as it says so.
-template <class L, std::size_t N, class T>
-consteval bool fits_robot() {
-  if constexpr (!is_complete_law<L>()) {
-    return false;
-  } else if constexpr (IsMadeOfLaws<L>) {
-    return EachLaw<typename L::Laws>::template fits_robot<N, T>();
-  } else if constexpr (joints_of_law<L>() != 0 && joints_of_law<L>() != N) {
-    static_assert(joints_of_law<L>() == N, "this law is for a robot with another number of joints");
-    return false;
-  } else if constexpr (!std::same_as<typename ScalarOfLaw<L, T>::type, T>) {
-    static_assert(std::same_as<typename ScalarOfLaw<L, T>::type, T>,
-                  "this law is for a robot in another scalar");
-    return false;
-  } else {
-    constexpr Needs needs = L::needs;
-    constexpr LinkMask links = N < 64 ? (LinkMask(1) << (N % 64)) - 1 : ~LinkMask(0);
-    constexpr LinkMask missing = (needs.poses | needs.jacobians | needs.jacobian_rates) & ~links;
-    static_assert(missing == 0, "this law asks for a link that the robot does not have: links count from 0");
-    return missing == 0;
-  }
-}
-
-template <class L, class K>
-concept Starts = requires(const L& law, const K& known) { law.start(known); };
-template <class L, class K>
-concept Advances = requires(const L& law, const typename L::Memory& m, const K& known,
-                            const typename K::scalar& dt) { law.advance(m, known, dt, Opposition::none); };
-template <class L, class K>
-concept Receives = requires(const L& law, const typename L::Memory& m, const K& known,
-                            const typename L::Goal& goal) { law.receive(m, known, goal); };
-template <class L, class K>
-concept TakesParts = has_parts<L, K> || has_stateless_parts<L, K>;
-template <class L, class K>
-concept TakesTorque = has_torque<L, K> || has_stateless_torque<L, K>;
-template <class X>
-struct Returned {
-  using type = std::remove_cvref_t<X>;
-  bool may_throw;
+/// Which law it is, and what is wrong with it.
+template <LawFault F, class L>
+struct Found {
+  static constexpr LawFault fault = F;
+  using Law = L;
 };
-/// What a law's function returns, and whether it may throw.
-template <class L, class K>
-constexpr auto torque_returned(const L* law, const typename L::Memory* m, const K* known) {
-  if constexpr (has_torque<L, K>) {
-    return Returned<decltype(law->torque(*m, *known))>{!noexcept(law->torque(*m, *known))};
-  } else {
-    return Returned<decltype(law->torque(*known))>{!noexcept(law->torque(*known))};
-  }
-}
-template <class L, class K>
-constexpr auto parts_returned(const L* law, const typename L::Memory* m, const K* known) {
-  if constexpr (has_stateless_parts<L, K>) {
-    return Returned<decltype(law->parts(*known))>{!noexcept(law->parts(*known))};
-  } else {
-    return Returned<decltype(law->parts(*m, *known))>{!noexcept(law->parts(*m, *known))};
-  }
-}
-template <class L, class K>
-constexpr auto advance_returned(const L* law, const typename L::Memory* m, const K* known,
-                                const typename K::scalar* dt) {
-  using Given = decltype(law->advance(*m, *known, *dt, Opposition::none));
-  return Returned<Given>{!noexcept(law->advance(*m, *known, *dt, Opposition::none))};
-}
-
-/// Whether the functions of a law return what they should, and promise not to throw.
-template <class L, class K>
-consteval bool returns_right() {
-  using Memory = typename L::Memory;
-  using Torque = JointTorque<K::joints, typename K::scalar>;
-  constexpr auto advance = advance_returned<L, K>(nullptr, nullptr, nullptr, nullptr);
-  if constexpr (!std::same_as<typename decltype(advance)::type, Memory>) {
-    static_assert(std::same_as<typename decltype(advance)::type, Memory>,
-                  "advance(memory, known, dt, opposition) of this law does not return its Memory");
-    return false;
-  } else if constexpr (advance.may_throw) {
-    static_assert(!advance.may_throw, "advance(...) of this law may throw in the loop: mark it noexcept");
-    return false;
-  } else if constexpr (TakesTorque<L, K>) {
-    constexpr auto torque = torque_returned<L, K>(nullptr, nullptr, nullptr);
-    constexpr bool right = std::same_as<typename decltype(torque)::type, Torque>;
-    static_assert(std::same_as<typename decltype(torque)::type, Torque>,
-                  "torque(...) of this law does not return a JointTorque of the robot's joints and scalar");
-    static_assert(!right || !torque.may_throw,
-                  "torque(...) of this law may throw in the loop: mark it noexcept");
-    return right && !torque.may_throw;
-  } else {
-    constexpr auto parts = parts_returned<L, K>(nullptr, nullptr, nullptr);
-    using Parts = TorqueParts<K::joints, typename K::scalar>;
-    constexpr bool right = std::same_as<typename decltype(parts)::type, Parts>;
-    static_assert(std::same_as<typename decltype(parts)::type, Parts>,
-                  "parts(...) of this law does not return a TorqueParts of the robot's joints and scalar");
-    static_assert(!right || !parts.may_throw,
-                  "parts(...) of this law may throw in the loop: mark it noexcept");
-    return right && !parts.may_throw;
-  }
-}
-
-/// Whether a law's functions take what is known of a robot, and return what they should.
-/// @tparam Part  it is part of a sum, which weighs the parts of its torque.
-template <class L, class K, bool Part>
-consteval bool runs_with() {
-  if constexpr (!Starts<L, K>) {
-    static_assert(Starts<L, K>, "start(known) of this law is not const, or does not take what is known");
-    return false;
-  } else if constexpr (!std::same_as<decltype(std::declval<const L&>().start(std::declval<const K&>())),
-                                     typename L::Memory>) {
-    using Given = decltype(std::declval<const L&>().start(std::declval<const K&>()));
-    static_assert(std::same_as<Given, typename L::Memory>,
-                  "start(known) of this law does not return its Memory");
-    return false;
-  } else if constexpr (!Advances<L, K>) {
-    static_assert(Advances<L, K>,
-                  "advance(memory, known, dt, opposition) of this law is not const, or does not take these");
-    return false;
-  } else if constexpr (L::role == Role::tracking && Part && !TakesParts<L, K> && !has_weighted_torque<L, K>) {
-    static_assert(TakesParts<L, K>,
-                  "a tracking law in a sum gives its parts(memory, known), a TorqueParts: see TrackingLaw");
-    return false;
-  } else if constexpr (!TakesTorque<L, K> && !TakesParts<L, K>) {
-    static_assert(
-        TakesTorque<L, K>,
-        "torque(memory, known) of this law is not const, or does not take its Memory and what is known");
-    return false;
-  } else if constexpr (!TakesTorque<L, K> && !Part && !K::needs.gravity) {
-    static_assert(K::needs.gravity,
-                  "a tracking law without a gravity law beside it holds G(q): set needs.gravity");
-    return false;
-  } else if constexpr (HasGoal<L>) {
-    static_assert(Receives<L, K>, "receive(memory, known, goal) of this law does not take its Goal");
-    if constexpr (Receives<L, K>) {
-      using Given = decltype(std::declval<const L&>().receive(std::declval<const typename L::Memory&>(),
-                                                              std::declval<const K&>(),
-                                                              std::declval<const typename L::Goal&>()));
-      static_assert(std::same_as<Given, Received<typename L::Memory>>,
-                    "receive(memory, known, goal) of this law does not return a Received<Memory>");
-      return std::same_as<Given, Received<typename L::Memory>> && returns_right<L, K>();
-    } else {
-      return false;
-    }
-  } else {
-    return returns_right<L, K>();
-  }
-}
-
-/// The same, each law of a sum by itself first.
-template <class L, class K, bool Part>
-consteval bool all_run_with() {
-  if constexpr (IsMadeOfLaws<L>) {
-    if constexpr (!EachLaw<typename L::Laws>::template run_with<K>()) {
-      return false;
-    } else {
-      return runs_with<L, K, Part>();
-    }
-  } else {
-    return runs_with<L, K, Part>();
-  }
-}
-
 /// The Goal of a law that has one.
 template <class L>
 struct GoalOfLaw {};
@@ -334,17 +152,237 @@ struct WrongLaw : Composable, GoalOfLaw<L> {
   }
 };
 
-template <class L>
-struct CheckedLaw {
-  using type = std::conditional_t<is_complete_law<L>(), L, WrongLaw<L>>;
+/// Says it: an error for a fault. It stands in a `static_assert` of what a user calls: said once, and with few
+/// lines about where. (Whatever is read from a class with an error is one more error to Clang.)
+template <LawFault F, class L>
+struct Say {
+  using enum LawFault;
+  static_assert(F != no_memory,
+                "this law lacks its Memory: `struct Memory {...};`, or derive from StatelessLaw");
+  static_assert(F != heavy_memory,
+                "the Memory of this law is not trivially copyable: a cycle copies and records it");
+  static_assert(F != no_needs, "this law lacks its needs: `static constexpr Needs needs = {...};`");
+  static_assert(F != no_role, "this law lacks its role: `static constexpr Role role = Role::reactive;`");
+  static_assert(F != no_start, "this law lacks start(known), which returns a Memory");
+  static_assert(F != no_torque, "this law lacks torque(memory, known), which returns a JointTorque");
+  static_assert(F != no_advance, "this law lacks advance(memory, known, dt, opposition)");
+  static_assert(F != no_receive, "this law has a Goal, but lacks receive(memory, known, goal)");
+  static_assert(F != no_goal, "this law receives goals, but does not name their type: `using Goal = ...;`");
+  static_assert(F != other_joints, "this law is for a robot with another number of joints");
+  static_assert(F != other_scalar, "this law is for a robot in another scalar");
+  static_assert(F != missing_link,
+                "this law asks for a link that the robot does not have: links count from 0");
+  static_assert(F != start_arguments,
+                "start(known) of this law is not const, or does not take what is known");
+  static_assert(F != start_result, "start(known) of this law does not return its Memory");
+  static_assert(F != advance_arguments,
+                "advance(memory, known, dt, opposition) of this law is not const, or does not take these");
+  static_assert(F != advance_result,
+                "advance(memory, known, dt, opposition) of this law does not return its Memory");
+  static_assert(F != advance_throws, "advance(...) of this law may throw in the loop: mark it noexcept");
+  static_assert(F != no_parts, "a tracking law in a sum gives its parts(memory, known), a TorqueParts");
+  static_assert(F != no_gravity,
+                "a tracking law without a gravity law beside it holds G(q): set needs.gravity");
+  static_assert(
+      F != torque_arguments,
+      "torque(memory, known) of this law is not const, or does not take its Memory and what is known");
+  static_assert(F != torque_result,
+                "the torque of this law is not a JointTorque (its parts: TorqueParts) of the robot's joints "
+                "and scalar");
+  static_assert(F != torque_throws, "the torque of this law may throw in the loop: mark it noexcept");
+  static_assert(F != receive_arguments, "receive(memory, known, goal) of this law does not take its Goal");
+  static_assert(F != receive_result,
+                "receive(memory, known, goal) of this law does not return a Received<Memory>");
 };
-template <class L>
-struct CheckedLaw<WrongLaw<L>> {
-  using type = WrongLaw<L>;
-};
-/// `L`, if it has what every law has; else an error that says what it lacks, and a law that does nothing.
-template <class L>
-using checked_law = typename CheckedLaw<L>::type;
 
+/// What a law lacks, as far as that does not depend on a robot.
+template <class L>
+consteval LawFault fault_in_members() {
+  if constexpr (!HasMemory<L>) {
+    return LawFault::no_memory;
+  } else if constexpr (!std::is_trivially_copyable_v<typename L::Memory>) {
+    return LawFault::heavy_memory;
+  } else if constexpr (!HasNeeds<L>) {
+    return LawFault::no_needs;
+  } else if constexpr (!HasRole<L>) {
+    return LawFault::no_role;
+  } else if constexpr (LacksStart<L>) {
+    return LawFault::no_start;
+  } else if constexpr (LacksTorque<L> && LacksParts<L>) {
+    return LawFault::no_torque;
+  } else if constexpr (LacksAdvance<L>) {
+    return LawFault::no_advance;
+  } else if constexpr (HasGoal<L> && LacksReceive<L>) {
+    return LawFault::no_receive;
+  } else if constexpr (!HasGoal<L> && !LacksReceive<L> && !IsMadeOfLaws<L>) {
+    return LawFault::no_goal;
+  } else {
+    return LawFault::none;
+  }
+}
+
+/// Whether a law says that it is for other robots than one of `N` joints in the scalar `T`.
+template <class L, std::size_t N, class T>
+consteval LawFault fault_for_robot() {
+  constexpr Needs needs = L::needs;
+  constexpr LinkMask links = N < 64 ? (LinkMask(1) << (N % 64)) - 1 : ~LinkMask(0);
+  if constexpr (joints_of_law<L>() != 0 && joints_of_law<L>() != N) {
+    return LawFault::other_joints;
+  } else if constexpr (!std::same_as<typename ScalarOfLaw<L, T>::type, T>) {
+    return LawFault::other_scalar;
+  } else if constexpr (((needs.poses | needs.jacobians | needs.jacobian_rates) & ~links) != 0) {
+    return LawFault::missing_link;
+  } else {
+    return LawFault::none;
+  }
+}
+
+template <class L, class K>
+concept Starts = requires(const L& law, const K& known) { law.start(known); };
+template <class L, class K>
+concept Advances = requires(const L& law, const typename L::Memory& m, const K& known,
+                            const typename K::scalar& dt) { law.advance(m, known, dt, Opposition::none); };
+template <class L, class K>
+concept Receives = requires(const L& law, const typename L::Memory& m, const K& known,
+                            const typename L::Goal& goal) { law.receive(m, known, goal); };
+template <class L, class K>
+concept TakesParts = has_parts<L, K> || has_stateless_parts<L, K>;
+template <class L, class K>
+concept TakesTorque = has_torque<L, K> || has_stateless_torque<L, K>;
+
+/// Whether a function of a law returns `Wanted`, and does not throw.
+template <class Wanted, class Given>
+consteval LawFault fault_in_result(bool may_throw, LawFault result, LawFault throws) {
+  if (!std::same_as<std::remove_cv_t<Given>, Wanted>) return result;
+  return may_throw ? throws : LawFault::none;
+}
+template <class L, class K>
+consteval LawFault fault_in_torque(const L* law, const typename L::Memory* m, const K* known) {
+  using Torque = JointTorque<K::joints, typename K::scalar>;
+  using Parts = TorqueParts<K::joints, typename K::scalar>;
+  constexpr auto result = LawFault::torque_result, throws = LawFault::torque_throws;
+  if constexpr (has_torque<L, K>) {
+    using Given = decltype(law->torque(*m, *known));
+    return fault_in_result<Torque, Given>(!noexcept(law->torque(*m, *known)), result, throws);
+  } else if constexpr (has_stateless_torque<L, K>) {
+    using Given = decltype(law->torque(*known));
+    return fault_in_result<Torque, Given>(!noexcept(law->torque(*known)), result, throws);
+  } else if constexpr (has_stateless_parts<L, K>) {
+    using Given = decltype(law->parts(*known));
+    return fault_in_result<Parts, Given>(!noexcept(law->parts(*known)), result, throws);
+  } else {
+    using Given = decltype(law->parts(*m, *known));
+    return fault_in_result<Parts, Given>(!noexcept(law->parts(*m, *known)), result, throws);
+  }
+}
+
+/// Whether a law's functions take what is known of a robot, and return what they should.
+/// @tparam Part  it is part of a sum, which weighs the parts of its torque.
+template <class L, class K, bool Part>
+consteval LawFault fault_in_functions(const L* law, const typename L::Memory* m, const K* known,
+                                      const typename K::scalar* dt) {
+  using Memory = typename L::Memory;
+  if constexpr (!Starts<L, K>) {
+    return LawFault::start_arguments;
+  } else if constexpr (!std::same_as<decltype(law->start(*known)), Memory>) {
+    return LawFault::start_result;
+  } else if constexpr (!Advances<L, K>) {
+    return LawFault::advance_arguments;
+  } else if constexpr (L::role == Role::tracking && Part && !TakesParts<L, K> && !has_weighted_torque<L, K>) {
+    return LawFault::no_parts;
+  } else if constexpr (!TakesTorque<L, K> && !TakesParts<L, K>) {
+    return LawFault::torque_arguments;
+  } else if constexpr (!TakesTorque<L, K> && !Part && !K::needs.gravity) {
+    return LawFault::no_gravity;
+  } else {
+    if constexpr (HasGoal<L>) {
+      if constexpr (!Receives<L, K>) {
+        return LawFault::receive_arguments;
+      } else if constexpr (!GoalLaw<L, K> && Law<L, K>) {
+        return LawFault::receive_result;
+      }
+    }
+    using Given = decltype(law->advance(*m, *known, *dt, Opposition::none));
+    const auto fault =
+        fault_in_result<Memory, Given>(!noexcept(law->advance(*m, *known, *dt, Opposition::none)),
+                                       LawFault::advance_result, LawFault::advance_throws);
+    return fault != LawFault::none ? fault : fault_in_torque<L, K>(law, m, known);
+  }
+}
+
+/// The first of several findings that is one.
+template <class L>
+constexpr Found<LawFault::none, L> first_found() {
+  return {};
+}
+template <class L, class F, class... Rest>
+constexpr auto first_found(F found, Rest... rest) {
+  if constexpr (F::fault != LawFault::none) {
+    return found;
+  } else {
+    return first_found<L>(rest...);
+  }
+}
+
+/// What a law lacks, the laws that it is made of first.
+template <class L>
+constexpr auto find_in_members();
+template <class... L>
+constexpr auto find_in_members_of(std::type_identity<std::tuple<L...>>) {
+  return first_found<void>(find_in_members<L>()...);
+}
+template <class L>
+constexpr auto find_in_members() {
+  constexpr Found<fault_in_members<L>(), L> own;
+  if constexpr (own.fault == LawFault::none && IsMadeOfLaws<L>) {
+    return first_found<L>(find_in_members_of(std::type_identity<typename L::Laws>()));
+  } else {
+    return own;
+  }
+}
+/// The same of what it says about its robots.
+template <class L, std::size_t N, class T>
+constexpr auto find_for_robot();
+template <std::size_t N, class T, class... L>
+constexpr auto find_for_robot_in(std::type_identity<std::tuple<L...>>) {
+  return first_found<void>(find_for_robot<L, N, T>()...);
+}
+template <class L, std::size_t N, class T>
+constexpr auto find_for_robot() {
+  if constexpr (IsMadeOfLaws<L>) {
+    return first_found<L>(find_for_robot_in<N, T>(std::type_identity<typename L::Laws>()),
+                          Found<fault_for_robot<L, N, T>(), L>());
+  } else {
+    return Found<fault_for_robot<L, N, T>(), L>();
+  }
+}
+/// The same of its functions, for what is known in a scene.
+template <class L, class K, bool Part>
+constexpr auto find_in_functions();
+template <class K, class... L>
+constexpr auto find_in_functions_of(std::type_identity<std::tuple<L...>>) {
+  return first_found<void>(find_in_functions<L, K, true>()...);
+}
+template <class L, class K, bool Part>
+constexpr auto find_in_own_functions() {
+  return Found<fault_in_functions<L, K, Part>(nullptr, nullptr, nullptr, nullptr), L>();
+}
+template <class L, class K, bool Part>
+constexpr auto find_in_functions() {
+  if constexpr (IsMadeOfLaws<L>) {
+    constexpr auto found = find_in_functions_of<K>(std::type_identity<typename L::Laws>());
+    if constexpr (found.fault != LawFault::none) {
+      return found;
+    } else {
+      return find_in_own_functions<L, K, Part>();
+    }
+  } else {
+    return find_in_own_functions<L, K, Part>();
+  }
+}
+
+/// `L`, if it has what every law has, or a law that does nothing.
+template <class L>
+using complete_law = std::conditional_t<fault_in_members<L>() == LawFault::none, L, WrongLaw<L>>;
 }  // namespace detail
 SKINCTL_END_NAMESPACE

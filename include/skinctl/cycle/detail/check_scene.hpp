@@ -30,55 +30,57 @@ concept HasWrenches = requires(const Skin& skin, const typename Skin::Memory& me
   { skin.wrenches(memory) } -> std::same_as<typename Skin::Wrenches>;
 };
 
-/// Whether a skin has what a scene asks of it, and is for its robot.
+/// What can be wrong with a skin.
+enum class SkinFault { none, no_wrenches, other_scalar, other_joints, other_model };
+template <SkinFault F, class Skin>
+struct SaySkin {
+  using enum SkinFault;
+  static_assert(F != no_wrenches, "a skin has Memory, Wrenches and wrenches(memory): is this one?");
+  static_assert(F != other_scalar, "this skin is for a robot in another scalar");
+  static_assert(F != other_joints, "this skin is for a robot with another number of joints");
+  static_assert(
+      F != other_model,
+      "this skin is for another robot: its type names the model, as in ur5_skin<260, double, Model>()");
+};
 template <class Robot, class Skin>
-consteval bool skin_fits() {
-  using T = typename Robot::scalar;
+consteval SkinFault fault_in_skin() {
   if constexpr (!HasWrenches<Skin>) {
-    static_assert(HasWrenches<Skin>, "a skin has Memory, Wrenches and wrenches(memory): is this one?");
-    return false;
-  } else if constexpr (!requires { typename Skin::Wrenches::model_type; }) {
-    return true;
-  } else {
+    return SkinFault::no_wrenches;
+  } else if constexpr (requires { typename Skin::Wrenches::model_type; }) {
     using Wrenches = typename Skin::Wrenches;
-    constexpr bool scalar = std::same_as<typename Wrenches::scalar, T>;
-    constexpr bool joints = Wrenches::model_type::joints == Robot::joints;
-    constexpr bool model = std::same_as<typename Wrenches::model_type, model_of<Robot>>;
-    static_assert(scalar, "this skin is for a robot in another scalar");
-    static_assert(!scalar || joints, "this skin is for a robot with another number of joints");
-    static_assert(
-        !scalar || !joints || model,
-        "this skin is for another robot: name the model in its type, as in ur5_skin<260, double, Model>()");
-    return scalar && joints && model;
-  }
-}
-template <class Robot, class Skin>
-struct SkinOfScene {
-  using type = std::conditional_t<skin_fits<Robot, Skin>(), Skin, WrongSkin>;
-};
-/// `Skin`, if it is for the robot; else an error that says why not, and a skin that feels nothing.
-template <class Robot, class Skin>
-using skin_of_scene = typename SkinOfScene<Robot, Skin>::type;
-
-template <class Robot, class L, class Skin>
-consteval bool law_fits() {
-  if constexpr (!fits_robot<L, Robot::joints, typename Robot::scalar>()) {
-    return false;
+    using Other = typename Wrenches::model_type;
+    if (!std::same_as<typename Wrenches::scalar, typename Robot::scalar>) return SkinFault::other_scalar;
+    if (Other::joints != Robot::joints) return SkinFault::other_joints;
+    return std::same_as<Other, model_of<Robot>> ? SkinFault::none : SkinFault::other_model;
   } else {
-    return all_run_with<L, typename Robot::template Knows<L, typename Skin::Wrenches>, false>();
+    return SkinFault::none;
   }
 }
+
+/// The first thing that is wrong with a law in a scene.
 template <class Robot, class L, class Skin>
-struct LawOfScene {
-  using type = std::conditional_t<law_fits<Robot, L, Skin>(), L, WrongLaw<L>>;
+constexpr auto find_in_scene() {
+  constexpr auto members = find_in_members<L>();
+  if constexpr (members.fault != LawFault::none) {
+    return members;
+  } else {
+    constexpr auto robot = find_for_robot<L, Robot::joints, typename Robot::scalar>();
+    if constexpr (robot.fault != LawFault::none) {
+      return robot;
+    } else {
+      return find_in_functions<L, typename Robot::template Knows<L, typename Skin::Wrenches>, false>();
+    }
+  }
+}
+/// What is right of a scene, or does nothing in place of what is wrong.
+template <class Robot, class GivenLaw, class GivenSkin>
+struct Scene {
+  static constexpr SkinFault skin_fault = fault_in_skin<Robot, GivenSkin>();
+  using Skin = std::conditional_t<skin_fault == SkinFault::none, GivenSkin, WrongSkin>;
+  using Finding = decltype(find_in_scene<Robot, GivenLaw, Skin>());
+  static constexpr LawFault law_fault = Finding::fault;
+  using Law = std::conditional_t<law_fault == LawFault::none, GivenLaw, WrongLaw<GivenLaw>>;
 };
-template <class Robot, class L, class Skin>
-struct LawOfScene<Robot, WrongLaw<L>, Skin> {
-  using type = WrongLaw<L>;
-};
-/// `L`, if it is a law for the robot; else an error that says why not, and a law that does nothing.
-template <class Robot, class L, class Skin>
-using law_of_scene = typename LawOfScene<Robot, L, Skin>::type;
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE
