@@ -219,8 +219,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
                                                     const Goal& request) const noexcept;
   template <class K>
   SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept;
-  template <class K>
-  SKINCTL_COLD void restart(typename Blend::Memory& m, const K& known) const noexcept;
   template <class Torque, class Shares, class T>
   [[nodiscard]] SKINCTL_COLD Torque bounded(detail::RateBound<joints>& bound,
                                             const typename Blend::Memory& before,
@@ -270,14 +268,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       if constexpr (detail::answers_touch<law_at<i.value>>) sum += shares[i.value];
     });
     return sum;
-  }
-  /// Whether a change is under way that keeps no tracking controller.
-  [[nodiscard]] static bool swaps(const typename Blend::Memory& m) noexcept {
-    if (!Blend::moves(m)) return false;
-    for (std::size_t i = 0; i < controllers; ++i)
-      if (Fusion::roles[i] == Role::tracking && m.from[i].feed_forward > 0 && m.to[i].feed_forward > 0)
-        return false;
-    return true;
   }
 
   Blend blend_;

@@ -113,6 +113,12 @@ class Adaptive : public Composable {
   [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
     return law_.settled(memory.law, known, still);
   }
+  /// See `Tracking::with_target`.
+  template <class Target>
+  [[nodiscard]] static Memory with_target(Memory memory, const Target& target) noexcept {
+    memory.law = L::with_target(memory.law, target);
+    return memory;
+  }
   [[nodiscard]] Status status(const Memory& memory) const noexcept { return law_.status(memory.law); }
 
  private:
