@@ -31,7 +31,7 @@ TEST_CASE("NullSpacePosture: the tool notices nothing of it, and the joints go h
   const double away = as_eigen(JointPosition<6>(x.q - posture)).norm();
   for (int i = 0; i < 1500; ++i) {
     const KnownAt known(model, x, 0.002, none);
-    const auto tau = law.torque({}, known);
+    const auto tau = law.torque(known);
     // J M^-1 tau = 0: no acceleration of the tool.
     JointAcceleration<6> ddq;
     math::Ldlt<6>(known.mass().data).solve(tau.data, ddq.data);

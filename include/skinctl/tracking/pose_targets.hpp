@@ -63,6 +63,9 @@ class PoseTargets {
   [[nodiscard]] static Spline spline(const Where& from, const Where& to, const T& tf) noexcept {
     return {from, to, tf};
   }
+  [[nodiscard]] static bool stands(const Reference& r) noexcept {
+    return dot(r.V.linear, r.V.linear) == T(0) && dot(r.V.angular, r.V.angular) == T(0);
+  }
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
     const T way = detail::length(Xyz<T>(goal.X_BP.origin() - from.origin()));
     const T turn =
