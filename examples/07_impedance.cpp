@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
     force.add(arm.time(), F);
-    way.add(arm.time(), detail::length(Xyz<double>(arm.tool().origin() - start.origin())));
+    way.add(arm.time(), norm(Xyz<double>(arm.tool().origin() - start.origin())));
     if (F > 0) held = way.y.back();
   }
   std::printf("stood off by %.4f m (F / K = %.4f m), came back to %.4f m\n", held, 12 / K, way.y.back());

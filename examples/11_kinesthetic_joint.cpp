@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
     force.add(arm.time(), F);
-    way.add(arm.time(), detail::length(Xyz<double>(arm.tool().origin() - tool_at(home).origin())));
+    way.add(arm.time(), norm(Xyz<double>(arm.tool().origin() - tool_at(home).origin())));
   }
   std::printf("led by %.3f m\n", way.y.back());
   return draw(argc, argv, "11_kinesthetic_joint.svg", "Kinesthetic Joint", {force, way}) ||

@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
     target.add(t, p.z), tool.add(t, arm.tool().origin().z), force.add(t, F);
-    if (t > 8) away = std::fmax(away, detail::length(Xyz<double>(arm.tool().origin() - p)));
+    if (t > 8) away = std::fmax(away, norm(Xyz<double>(arm.tool().origin() - p)));
   }
   std::printf("after the touch %.4f m from the target\n", away);
   return draw(argc, argv, "15_reach_cartesian.svg", "Reach Cartesian Compliant", {target, tool, force}) ||

@@ -21,8 +21,7 @@ int main(int argc, char** argv) {
     const double F = arm.time() > 1.2 && arm.time() < 2.2 ? 20 : 0;
     arm.push(cell.id, F);
     arm.step();
-    distance.add(arm.time(), detail::length(Xyz<double>(arm.tool().origin() - goal))),
-        force.add(arm.time(), F);
+    distance.add(arm.time(), norm(Xyz<double>(arm.tool().origin() - goal))), force.add(arm.time(), F);
   }
   std::printf("reached to %.5f m\n", distance.y.back());
   return draw(argc, argv, "16_reach_cartesian_goal.svg", "Reach Cartesian Goal Compliant",

@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
     last = tau;
     height.add(arm.time(), arm.tool().origin().z), steps.add(arm.time(), most);
   }
-  const double missed = detail::length(Xyz<double>(arm.tool().origin() - box));
+  const double missed = norm(Xyz<double>(arm.tool().origin() - box));
   std::printf("put to %.5f m\n", missed);
   return draw(argc, argv, "18_putting.svg", "Reaching, then Putting", {height, steps}) || !puts ||
          missed > 0.005;

@@ -19,6 +19,7 @@
 #include "skinctl/core/config.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/eigen.hpp"
+#include "skinctl/core/eigen_expression.hpp"
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/joint_subset.hpp"
