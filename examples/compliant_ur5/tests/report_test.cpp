@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -166,13 +167,130 @@ TEST_CASE("svg_plot: numbers that are not finite are gaps and never reach the te
   check_nested(plotting::svg_plot(ragged));
 }
 
-TEST_CASE("svg_plot: limits are drawn in the plot when near, at its edge with an arrow when far") {
+TEST_CASE("svg_plot: limits are drawn where they are on scale, else said in words and not drawn") {
   Plot plot = plot_of({0, 10, 5});
-  plot.limits = {{15, "near"}, {200, "far"}};
+  plot.limits = {{15, "near"}, {200, "far"}, {-200, ""}};
+  for (const double width : {960.0, 200.0}) {
+    CAPTURE(width);
+    plot.width = width;
+    const std::string svg = plotting::inline_svg(plot);
+    CHECK(count(svg, "class=\"limit\"") == 1);
+    CHECK(has(svg, ">near<"));
+    CHECK(has(svg, "off this scale: far<"));
+  }
+  // At its height: the line of 10 lies on the peak.
+  plot.limits = {{10, "peak"}};
   const std::string svg = plotting::inline_svg(plot);
-  CHECK(count(svg, "class=\"limit\"") == 2);
-  CHECK(has(svg, ">near<"));
-  CHECK(has(svg, ">\u2191 far<"));
+  const auto at = svg.find("class=\"limit\" d=\"M");
+  REQUIRE(at != std::string::npos);
+  double x = 0, y = 0;
+  REQUIRE((std::istringstream(svg.substr(at + 18)) >> x >> y));
+  const auto points = corners(svg, "s0");
+  CHECK(y == doctest::Approx(points.at(1).y).epsilon(0.001));
+}
+
+TEST_CASE("svg_plot: both axes begin with a tick, and the y axis ends with one") {
+  // A run whose first cycle is at 0.008 s.
+  Plot plot = plot_of(std::vector<double>(1000));
+  for (std::size_t i = 0; i < 1000; ++i) {
+    plot.series[0].x[i] = 0.008 * static_cast<double>(i + 1);
+    plot.series[0].y[i] = 0.31 + 0.12 * std::sin(0.01 * static_cast<double>(i));
+  }
+  CHECK(has(plotting::inline_svg(plot), ">0<"));
+  CHECK(has(plotting::inline_svg(plot), ">8<"));
+  CHECK(has(plotting::inline_svg(plot), ">0.0<"));
+  CHECK(has(plotting::inline_svg(plot), ">0.5<"));
+  plot.from_zero = false;  // and then what moves little is seen
+  CHECK(has(plotting::inline_svg(plot), ">0.15<"));
+  CHECK(has(plotting::inline_svg(plot), ">0.45<"));
+  CHECK_FALSE(has(plotting::inline_svg(plot), ">0.0<"));
+}
+
+TEST_CASE("svg_plot: what is asked is dashed beside what is, in the plot and in its legend") {
+  Plot plot = plot_of({0, 1, 2});
+  plot.series.push_back(plot.series[0]);
+  plot.series[1].name = "two";
+  plot.series[1].dashed = true;
+  const std::string svg = plotting::svg_plot(plot);
+  CHECK(count(svg, "class=\"s1 dashed\"") == 2);
+  CHECK(count(svg, "class=\"s0\"") == 2);
+  for (const char* where : {".sp .curves .dashed{stroke-dasharray:", ".sp .key .dashed{stroke-dasharray:"})
+    CHECK(has(svg, where));
+}
+
+namespace {
+
+using Color = std::array<double, 3>;
+
+/// Linear light of what the style sheet gives class `s0` to `s7`, in its light or its dark part.
+Color color_of(const std::string& style, int k) {
+  const std::string name = ".sp .s" + std::to_string(k) + "{stroke:#";
+  const auto at = style.find(name);
+  REQUIRE(at != std::string::npos);
+  Color out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double v = std::stoi(style.substr(at + name.size() + 2 * i, 2), nullptr, 16) / 255.0;
+    out[i] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+  }
+  return out;
+}
+Color times(const std::array<Color, 3>& M, const Color& v) {
+  Color out{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) out[i] += M[i][j] * v[j];
+  return out;
+}
+/// Distance in OKLab (Ottosson 2020) of linear colours.
+double distance(const Color& a, const Color& b) {
+  const auto lab = [](const Color& c) {
+    Color lms = times({{{0.4122214708, 0.5363325363, 0.0514459929},
+                        {0.2119034982, 0.6806995451, 0.1073969566},
+                        {0.0883024619, 0.2817188376, 0.6299787005}}},
+                      c);
+    for (double& v : lms) v = std::cbrt(std::max(v, 0.0));
+    return times({{{0.2104542553, 0.7936177850, -0.0040720468},
+                   {1.9779984951, -2.4285922050, 0.4505937099},
+                   {0.0259040371, 0.7827717662, -0.8086757660}}},
+                 lms);
+  };
+  const Color x = lab(a), y = lab(b);
+  return std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
+}
+
+}  // namespace
+
+TEST_CASE("svg_plot: any two colours are told apart with every kind of colour vision, light and dark") {
+  // Machado, Oliveira, Fernandes 2009: how it looks without one of the three kinds of cones.
+  const std::array<std::array<Color, 3>, 4> vision{{
+      {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+      {{{0.152286, 1.052583, -0.204868}, {0.114503, 0.786281, 0.099216}, {-0.003882, -0.048116, 1.051998}}},
+      {{{0.367322, 0.860646, -0.227968}, {0.280085, 0.672501, 0.047413}, {-0.011820, 0.042940, 0.968881}}},
+      {{{1.255528, -0.076749, -0.178779}, {-0.078411, 0.930809, 0.147602}, {0.004733, 0.691367, 0.303900}}},
+  }};
+  const std::string style = plotting::plot_style();
+  const auto dark = style.find("@media(prefers-color-scheme:dark)");
+  REQUIRE(dark != std::string::npos);
+  for (const bool is_dark : {false, true}) {
+    const std::string part = is_dark ? style.substr(dark) : style.substr(0, dark);
+    const double page = is_dark ? 0.0105 : 1.0;  // luminance of the card that plots lie on
+    for (int i = 0; i < 8; ++i) {
+      const Color a = color_of(part, i);
+      const double y = 0.2126 * a[0] + 0.7152 * a[1] + 0.0722 * a[2];
+      CAPTURE(is_dark);
+      CAPTURE(i);
+      CHECK((std::max(y, page) + 0.05) / (std::min(y, page) + 0.05) >= 3);
+      for (int j = 0; j < i; ++j)
+        for (const auto& M : vision) {
+          CAPTURE(j);
+          const auto seen = [&](Color c) {
+            c = times(M, c);
+            for (double& v : c) v = std::clamp(v, 0.0, 1.0);
+            return c;
+          };
+          CHECK(distance(seen(a), seen(color_of(part, j))) >= 0.085);
+        }
+    }
+  }
 }
 
 TEST_CASE("svg_plot: ticks are round, carry their unit's digits, and reach the end of the run") {
