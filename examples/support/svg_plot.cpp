@@ -346,12 +346,12 @@ std::string panel(const Plot& plot, double top, double margin) {
   f.left = margin;
   f.width = std::max(plot.width - f.left - 12, 20.0);
   // A run from 0.008 to 59.998 s begins at the tick of 0 s and ends at that of 60 s.
-  const double step = ticks_of(x, f.width / 80).step, next = step * std::ceil(x.high / step - 1e-9),
+  const double step = ticks_of(x, f.width / 64).step, next = step * std::ceil(x.high / step - 1e-9),
                before = step * std::floor(x.low / step + 1e-9);
   const double close = 0.01 * x.span();
   if (next - x.high < close) f.x.high = x.high = next;
   if (x.low - before < close) f.x.low = x.low = before;
-  const Ticks x_ticks = ticks_of(x, f.width / 80);
+  const Ticks x_ticks = ticks_of(x, f.width / 64);
   const double right = f.left + f.width, bottom = f.top + f.height;
 
   std::string out = drawn_bands(plot, f);
