@@ -331,10 +331,10 @@ std::string touch_table(const RunLog& log) {
   std::string out =
       "<section id=touches><h2>Every touch</h2><p>Numbered as in the pictures.</p><div class=scroll "
       "tabindex=0><table><thead><tr>"
-      "<th scope=col>#<th class=word scope=col>Link<th scope=col>Peak force<small>N</small>"
-      "<th scope=col>Deflection<small>mm</small><th scope=col>Time to give way<small>ms</small>"
-      "<th scope=col>Return error<small>mm</small>";
-  if (truth) out += "<th scope=col>Finger\u2019s own peak<small>N</small>";
+      "<th scope=col>#<th class=word scope=col>Link<th class=long scope=col>Peak force<small>N</small>"
+      "<th scope=col>Deflection<small>mm</small><th class=long scope=col>Time to give way<small>ms</small>"
+      "<th class=long scope=col>Return error<small>mm</small>";
+  if (truth) out += "<th class=long scope=col>Finger\u2019s own peak<small>N</small>";
   out +=
       "<th scope=col>Cell<th scope=col>From<small>s</small><th "
       "scope=col>Lasted<small>s</small></tr></thead><tbody>\n";

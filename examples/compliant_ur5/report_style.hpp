@@ -7,7 +7,7 @@ inline constexpr char report_style[] = R"css(
 :root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--ink:#1f2328;--soft:#57606a;--line:#d8dee4;--good:#0969da;
 --bad:#c0262d;--fill:#dbe9fb;--body:#e4e8ec;--skin:#f3dba4}
 @media(prefers-color-scheme:dark){:root{--page:#0d1117;--card:#151b23;--ink:#e6edf3;--soft:#9da7b3;--line:#2d3540;
---good:#58a6ff;--bad:#ff7b72;--fill:#1c3350;--body:#39424e;--skin:#5f4d1e}}
+--good:#58a6ff;--bad:#ff7b72;--fill:#1c3350;--body:#39424e;--skin:#75612a}}
 *{box-sizing:border-box}
 html{-webkit-text-size-adjust:100%}
 body{margin:0;overflow-wrap:break-word;background:var(--page);color:var(--ink);
@@ -39,6 +39,7 @@ tbody tr:last-child>*{border-bottom:0}
 thead th{color:var(--soft);font-weight:500;font-size:13px;line-height:1.25;vertical-align:bottom;white-space:normal}
 th small{display:block;font-weight:400;font-size:12px}
 td.word,th.word,tbody th{text-align:left;font-weight:500}
+thead .long{min-width:7em}tbody th{white-space:normal;min-width:9.5em}
 .meter{background:linear-gradient(var(--fill),var(--fill)) no-repeat 0 50%/var(--v) 72%}
 .bad{color:var(--bad);font-weight:600}
 figure>svg{display:block;width:100%;height:auto;margin-top:6px}

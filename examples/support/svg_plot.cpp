@@ -16,6 +16,7 @@ namespace {
 constexpr double largest = 1e15;
 constexpr double font = 13;
 constexpr double letter = 8.3;        // advance of a digit at that size in a wide typeface
+constexpr double small_letter = 7.2;  // mean advance of a text of 12 units
 constexpr double tick_distance = 36;  // of the y axis
 
 bool shown(double v) {
@@ -300,7 +301,7 @@ std::string off_scale_words(const Plot& plot) {
   std::string words;
   for (const Limit& limit : plot.limits)
     if (shown(limit.value) && off_scale(limit, data) && !limit.name.empty())
-      words += (words.empty() ? "off this scale: " : "; ") + limit.name;
+      words += (words.empty() ? "off scale: " : "; ") + limit.name;
   return words;
 }
 /// Whether these words have room beside the name of the axis.
@@ -311,7 +312,7 @@ bool beside_name(const Plot& plot, const std::string& words) {
 std::vector<std::string> off_scale_rows(const Plot& plot) {
   const std::string words = off_scale_words(plot);
   if (words.empty() || beside_name(plot, words)) return {};
-  return wrapped(words, plot.width / letter);
+  return wrapped(words, plot.width / small_letter);
 }
 
 /// Heights above and below the axes, for names, marks and numbers.

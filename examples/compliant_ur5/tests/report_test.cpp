@@ -177,7 +177,7 @@ TEST_CASE("svg_plot: limits are drawn where they are on scale, else said in word
     const std::string svg = plotting::inline_svg(plot);
     CHECK(count(svg, "class=\"limit\"") == 1);
     CHECK(has(svg, ">near<"));
-    CHECK(has(svg, "off this scale: far<"));
+    CHECK(has(svg, "off scale: far<"));
   }
   // At its height: the line of 10 lies on the peak.
   plot.limits = {{10, "peak"}};
@@ -383,7 +383,7 @@ TEST_CASE("Report: says what the log says, needs nothing else, and stays small f
   // 182 N where the touches reach 33 N.
   const std::string force = html.substr(html.find("<figure id=force>"),
                                         html.find("<figure id=deflection>") - html.find("<figure id=force>"));
-  CHECK(count(force, "off this scale: peak of a rigid arm:") == 2);
+  CHECK(count(force, "off scale: peak of a rigid arm:") == 2);
   CHECK_FALSE(has(force, "class=\"limit\""));
   CHECK(has(html, "9 of 10"));
   CHECK(has(html, "<td class=bad>never"));
