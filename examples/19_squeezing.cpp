@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   const double k = 1500, gap = 0.01, F_d = 8;
   Curve asked{.name = "asked", .dashed = true}, force{"measured"}, depth{"depth in the orange [mm]"},
       gripper{"gripper: 0 open, 1 closed"};
-  arm.ask(set.start_skill<behaviour::Squeezing>(JointGoal<6>{home, 0}, ForceGoal<>{n, F_d}));
+  arm.ask(set.start_skill<behaviour::Squeezing>(JointGoal<6>{home, {}}, ForceGoal<>{n, F_d}));
   while (arm.time() < 8) {
     const double d = dot(touching().origin() - start.origin(), n) - gap, F = d > 0 ? k * d : 0;
     asked.add(arm.time(), F_d), force.add(arm.time(), F), depth.add(arm.time(), 1e3 * d);
