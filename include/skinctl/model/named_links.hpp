@@ -34,12 +34,12 @@ constexpr std::size_t named_link_entry(std::string_view name) noexcept {
   while (i < D::named_links.size() && name != D::named_links[i].name) ++i;
   return i;
 }
-template <NamesLinks D, FrameName Name>
-struct NamedLinkOf {
-  static constexpr std::size_t entry = named_link_entry<D>(Name.view());
-  static_assert(entry < D::named_links.size(), "no link of this name: see named_links of the description");
-  static constexpr int link = D::named_links[entry].link;
-};
+/// The link of the model that carries `name`; -1: the base, -2: there is none of this name.
+template <NamesLinks D>
+constexpr int carrier_of(std::string_view name) noexcept {
+  const std::size_t entry = named_link_entry<D>(name);
+  return entry < D::named_links.size() ? D::named_links[entry].link : -2;
+}
 template <int L>
 struct CarrierFrame {
   using type = Link<std::size_t(L)>;
@@ -50,23 +50,36 @@ struct CarrierFrame<-1> {
 };
 }  // namespace detail
 
-/// The index of the model's link to which the link `Name` of the file is fixed. A name that the file does not
-/// have, and a link that no joint moves, do not compile.
+/// Whether the file has a link of this name.
+template <class D, FrameName Name>
+concept HasLink = NamesLinks<D> && detail::carrier_of<D>(Name.view()) >= -1;
+/// Whether it has one that a joint moves.
+template <class D, FrameName Name>
+concept MovesLink = NamesLinks<D> && detail::carrier_of<D>(Name.view()) >= 0;
+
+/// The index of the model's link to which the link `Name` of the file is fixed.
 template <NamesLinks D, FrameName Name>
+  requires MovesLink<D, Name>
 [[nodiscard]] constexpr std::size_t named_link_index() noexcept {
-  static_assert(detail::NamedLinkOf<D, Name>::link >= 0, "no joint moves this link: it is fixed to the base");
-  return static_cast<std::size_t>(detail::NamedLinkOf<D, Name>::link);
+  return static_cast<std::size_t>(detail::carrier_of<D>(Name.view()));
 }
 
 /// Pose of the link `Name` of the file in the model's link that carries it, `Transform<Link<I>,
 /// NamedFrame<Name>>`; in `Base` where no joint moves it. `link_poses(model, q).get<I>()` times this is the
 /// pose that the file gives the link at `q`.
 template <NamesLinks D, FrameName Name, Scalar T = double>
+  requires HasLink<D, Name>
 [[nodiscard]] constexpr auto named_link_pose() noexcept {
-  using Of = detail::NamedLinkOf<D, Name>;
-  using Pose = Transform<typename detail::CarrierFrame<Of::link>::type, NamedFrame<Name>, double>;
-  constexpr const NamedLink& at = D::named_links[Of::entry];
-  return Pose(at.R, at.p).template cast<T>();
+  using Carrier = typename detail::CarrierFrame<detail::carrier_of<D>(Name.view())>::type;
+  constexpr const NamedLink& at = D::named_links[detail::named_link_entry<D>(Name.view())];
+  return Transform<Carrier, NamedFrame<Name>>(at.R, at.p).template cast<T>();
 }
+
+// clang-format off
+template <NamesLinks D, FrameName Name> requires(!MovesLink<D, Name>)
+std::size_t named_link_index() = delete;  // no link of this name, or it is fixed to the base: see named_links of the description
+template <NamesLinks D, FrameName Name, Scalar T = double> requires(!HasLink<D, Name>)
+void named_link_pose() = delete;  // no link of this name: see named_links of the description
+// clang-format on
 
 SKINCTL_END_NAMESPACE

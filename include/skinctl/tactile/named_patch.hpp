@@ -29,8 +29,10 @@ template <std::size_t I, FrameName Name, std::size_t N>
 /// `ConfigurationError` where `Patch` does.
 template <NamesLinks D, FrameName Name, std::size_t N>
 [[nodiscard]] auto patch_on(const NamedCell<Name> (&cells)[N], const Gains& gains = {}) {
-  constexpr std::size_t link = named_link_index<D, Name>();
-  return detail::place_patch<link, Name, N>(named_link_pose<D, Name>(), cells, gains);
+  static_assert(MovesLink<D, Name>, "no link of this name, or it is fixed to the base: see named_links of D");
+  if constexpr (MovesLink<D, Name>)
+    return detail::place_patch<named_link_index<D, Name>(), Name, N>(named_link_pose<D, Name>(), cells,
+                                                                     gains);
 }
 
 SKINCTL_END_NAMESPACE
