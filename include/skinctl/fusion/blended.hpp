@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Times and thresholds of a blend.
 struct BlendSettings {
-  Nanoseconds ramp = 100_ms;  ///< of the way to other weights
+  Nanoseconds ramp = 100ms;  ///< of the way to other weights
   ContactSettings contact{};  ///< what gates take for a touch
 };
 
@@ -41,6 +41,7 @@ class Blended<Fused<P, L...>> : public Composable {
   static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
   static constexpr bool gated = (false || ... || detail::is_gated<L>);
   /// Whether the sum itself holds what of G is left.
+  static constexpr bool compensates_friction = Fusion::compensates_friction;
   static constexpr bool holds_gravity = Fusion::gravity_laws == 0 && Fusion::tracking_laws > 0;
   static_assert(!holds_gravity || P != Sum::plain, "a plain sum that blends needs a gravity law");
   static constexpr Needs needs = Fusion::needs | Needs{.gravity = holds_gravity};
@@ -67,9 +68,9 @@ class Blended<Fused<P, L...>> : public Composable {
     std::array<double, terms> asked;  ///< weights
     Factors from, to;                 ///< shares before and after the ramp
     Nanoseconds elapsed = clock_end;  ///< since the ramp began
-    Nanoseconds ramp = 0;             ///< its duration
-    Nanoseconds settle = 0;           ///< after it: the feedback of tracking laws that come
-    Nanoseconds next_ramp = 0;        ///< of the next
+    Nanoseconds ramp{};             ///< its duration
+    Nanoseconds settle{};           ///< after it: the feedback of tracking laws that come
+    Nanoseconds next_ramp{};        ///< of the next
     bool waiting = false;             ///< other weights are to be gone to
   };
 
@@ -82,6 +83,10 @@ class Blended<Fused<P, L...>> : public Composable {
       require(usable(i, first[i]), "weight of a law", first[i], "0 to 1e6, and 1 for gravity");
   }
   [[nodiscard]] const Fusion& sum() const noexcept { return sum_; }
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    sum_.check_for(robot);
+  }
   /// The weights that it starts with.
   [[nodiscard]] const std::array<double, terms>& first() const noexcept { return first_; }
   [[nodiscard]] Nanoseconds ramp() const noexcept { return ramp_.duration(); }
@@ -107,12 +112,12 @@ class Blended<Fused<P, L...>> : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> change(const Memory& memory, const K& known,
                                                      const Weights<terms>& weights,
-                                                     Nanoseconds ramp = 0) const noexcept {
+                                                     Nanoseconds ramp = {}) const noexcept {
     for (std::size_t i = 0; i < terms; ++i)
       if (!usable(i, weights.of[i])) return {memory, Reason::goal_refused};
     Memory next = memory;
     next.asked = weights.of;
-    next.next_ramp = ramp > 0 ? ramp : ramp_.duration();
+    next.next_ramp = ramp > 0ns ? ramp : ramp_.duration();
     next.waiting = true;
     return {moves(memory) ? next : begun(next, known), {}};
   }
@@ -155,7 +160,7 @@ class Blended<Fused<P, L...>> : public Composable {
   [[nodiscard]] static Factors factors(const Memory& memory) noexcept {
     if (!moves(memory)) return memory.to;
     const auto part = [](Nanoseconds t, Nanoseconds of) {
-      return static_cast<double>(t) / static_cast<double>(of);
+      return static_cast<double>(t.count()) / static_cast<double>(of.count());
     };
     const auto way = quintic(part(memory.elapsed, memory.ramp));
     const double late =
@@ -229,9 +234,9 @@ class Blended<Fused<P, L...>> : public Composable {
     Memory next = memory;
     next.from = memory.to;
     next.to = target(memory);
-    next.elapsed = 0;
+    next.elapsed = 0ns;
     next.ramp = memory.next_ramp;
-    next.settle = 0;
+    next.settle = 0ns;
     next.waiting = false;
     detail::each_index<terms>([&](auto i) {
       if (!has_share(next.to[i]) || has_share(next.from[i])) return;

@@ -20,7 +20,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
   if (request.kind == static_cast<unsigned char>(Kind::goal)) {
     if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
     deliver(out.memory, known, request, out.status);
-    out.memory.held = 0;
+    out.memory.held = 0ns;
     if (memory.phase == Phase::finished) out.memory.phase = Phase::running;
     return out;
   }
@@ -96,7 +96,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
   m.commanded = m.commanded.then(next.switches);
   m.reported.which &= ~next.switches.which;  // an old report says nothing about what is only beginning
   m.phase = Phase::loading;
-  m.since = m.held = 0;
+  m.since = m.held = 0ns;
   return out;
 }
 
@@ -117,7 +117,7 @@ SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::stretch(ty
   };
   m.ramp = within(quintic_peak_speed<double> * seconds_for(to.torque - from.torque));
   const double push = 1.7 * seconds_for(skin(to.shares));
-  if (m.settle > 0) m.settle = within(100 * push * push);
+  if (m.settle > 0ns) m.settle = within(100 * push * push);
 }
 
 /// While the torque lags far behind, what goes stands at the state at hand, as does what comes: what the
@@ -155,8 +155,8 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::bounded(
   Torque carried;
   if (bound.lags || swaps(before)) carried = bound.missing(own, most);
   bound.follow(own, carried, moved, settings_.most_rate);
-  if (bound.winds && next.settle > 0 && next.elapsed >= next.ramp)
-    next.elapsed = next.ramp - 1;  // feedback came faster than the torque may: once more
+  if (bound.winds && next.settle > 0ns && next.elapsed >= next.ramp)
+    next.elapsed = next.ramp - 1ns;  // feedback came faster than the torque may: once more
   if (bound.lags && swaps(before) && !Blend::moves(next))
     next.elapsed = before.elapsed;  // nothing has arrived before the torque has caught up
   return carried;
@@ -175,7 +175,7 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
   m.touch = std::sqrt(square);
   if (m.phase == Phase::failed || m.phase == Phase::finished) return;
   if (c.most_touch > 0 && m.touch > c.most_touch) return end(m, Phase::failed, 0);
-  if (c.timeout > 0 && m.since >= c.timeout) return end(m, Phase::failed, 0);
+  if (c.timeout > 0ns && m.since >= c.timeout) return end(m, Phase::failed, 0);
   if (m.phase == Phase::loading || c.finish == Finish::never) return;
   bool holds = true;
   if (c.finish == Finish::switched) {
@@ -191,7 +191,7 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
                                            Blend::template memory<i.value>(m.blend), known,
                                            static_cast<typename K::scalar>(c.still));
     });
-  m.held = holds ? later(m.held, dt) : 0;
+  m.held = holds ? later(m.held, dt) : 0ns;
   if (holds && m.held >= c.hold) end(m, Phase::finished, s.next);
 }
 
