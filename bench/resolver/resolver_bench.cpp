@@ -36,8 +36,7 @@ struct Constant {
 
 template <class T>
 RobotConfiguration<6, T> configuration(Interface interface, Nanoseconds period) {
-  RobotConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8ms};
+  RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8ms};
   c.lag = 10ms;
   c.viscous_friction = {T(30), T(30), T(20), T(3), T(2), T(1)};
   if (interface != Interface::torque) c.virtual_damping = T(1);
@@ -87,8 +86,7 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lea
 template <class T, class... Parts>
 void touched(benchmark::State& state, const Parts&... parts) {
   using Touch = LinkWrenches<ur5::Model, link_bit<2> | link_bit<4>, T>;
-  cycles<Interface::position, T, CrankNicolson, Touch>(state, 2ms, T(0), T(0),
-                                                       Passivity<Parts...>(parts...));
+  cycles<Interface::position, T, CrankNicolson, Touch>(state, 2ms, T(0), T(0), Passivity<Parts...>(parts...));
 }
 
 // The virtual robot shaped at its tool.

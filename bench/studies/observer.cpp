@@ -58,11 +58,11 @@ struct Joints {
 };
 
 struct Disturbed {
-  double jump = 0;              ///< of joint 1 at 1 s [rad]; positions: held there until 3 s
-  double noise = 0;             ///< of the encoders, standard deviation [rad]
+  double jump = 0;            ///< of joint 1 at 1 s [rad]; positions: held there until 3 s
+  double noise = 0;           ///< of the encoders, standard deviation [rad]
   Nanoseconds late{};         ///< a cycle comes up to this much earlier or later
   Nanoseconds wrong_stamp{};  ///< a stamp is up to this much off
-  bool moves = false;           ///< to a goal, and is pushed on the way
+  bool moves = false;         ///< to a goal, and is pushed on the way
   double dead_band = 0.01;
 };
 struct Path {

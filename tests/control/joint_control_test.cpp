@@ -69,7 +69,8 @@ TEST_CASE("JointControl: the UR5 in sampled time ends at the closed form of the 
     for (const double K_i1 : {0.0, 1.0}) {
       const double dt = 1 / p.rate;
       const double K_c = std::min(10.0, 8 / p.tb);
-      JointControlSettings<6> settings{.dt = nanoseconds(dt), .K_i1 = K_i1, .K_i2 = 0.1 * K_i1, .tb = p.tb, .K_c = K_c};
+      JointControlSettings<6> settings{
+          .dt = nanoseconds(dt), .K_i1 = K_i1, .K_i2 = 0.1 * K_i1, .tb = p.tb, .K_c = K_c};
       settings.max_velocity = JointVelocity<6>::constant(ur5::Description::max_velocity);
       settings.reach = Reach::refuse;
       const JointControl<6> law(settings);

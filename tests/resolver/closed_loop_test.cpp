@@ -18,9 +18,9 @@ constexpr std::array<double, 6> still{};
 template <class T = double>
 RobotConfiguration<6, T> configuration(Nanoseconds period, double delay = 0.008, double lag = 0.008) {
   RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)),
-                                .period = period,
-                                .delay = nanoseconds(delay),
-                                .lag = T(lag)};
+                             .period = period,
+                             .delay = nanoseconds(delay),
+                             .lag = T(lag)};
   c.viscous_friction = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
   return c;
 }

@@ -326,8 +326,7 @@ TEST_CASE_TEMPLATE("Resolver: time that goes back or stands still changes nothin
   Nanoseconds now{};
   while (now < 500ms) loop.step(now += 8ms, impulse);
   const auto command = loop.memory.command;
-  for (const Nanoseconds wrong :
-       {now, now - 1, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
+  for (const Nanoseconds wrong : {now, now - 1, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
     auto m = loop.memory;
     Yield::Memory law;
     const auto out = step(loop.robot, m, law, at<T>(pose, wrong), wrong, pushing<T>({}));

@@ -53,7 +53,8 @@ TEST_CASE("RobotConfiguration: refuses that cannot work, with the number and the
   CHECK(refusal([](auto& c) { c.longest_interval = 1ms; }).find("longest interval") != std::string::npos);
   CHECK(refusal([](auto& c) { c.stale_after = 0; }).find("stale after") != std::string::npos);
   CHECK(refusal([](auto& c) { c.retry = 0s; }).find("retry") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.viscous_friction[2] = -3; }).find("viscous friction = -3") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.viscous_friction[2] = -3; }).find("viscous friction = -3") !=
+        std::string::npos);
   CHECK(refusal([&](auto& c) { c.coulomb_friction[2] = nan; }).find("Coulomb friction") != std::string::npos);
   CHECK(refusal([](auto& c) { c.virtual_inertia[2] = -1; }).find("added inertia") != std::string::npos);
   CHECK(refusal([](auto& c) { c.virtual_damping = -1; }).find("decay") != std::string::npos);

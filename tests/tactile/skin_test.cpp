@@ -309,8 +309,7 @@ TEST_CASE("Skin: rates agree with each other to rounding") {
       while (next < stream.samples.size() && stream.arrivals[next] <= to) ++next;
       decltype(skin)::Wrenches mean;
       skin.receive(memory, std::span(stream.samples).subspan(first, next - first), from, to, 1, &mean);
-      for (std::size_t r = 0; r < 6; ++r)
-        impulse[r] += seconds<double>(to - from) * mean.data[0][r];
+      for (std::size_t r = 0; r < 6; ++r) impulse[r] += seconds<double>(to - from) * mean.data[0][r];
       from = to;
     }
     for (std::size_t r = 0; r < 6; ++r) {
@@ -374,8 +373,7 @@ TEST_CASE("Skin: stale, duplicate, late, early and unknown samples never push an
   const float nan = std::numeric_limits<float>::quiet_NaN();
   OneCell one;
   Status status;
-  const double held = one.push({sample(7, 5ms, 0.5f)}, 0, 10ms),
-               steady = one.push({}, 10ms, 20ms, &status);
+  const double held = one.push({sample(7, 5ms, 0.5f)}, 0, 10ms), steady = one.push({}, 10ms, 20ms, &status);
   CHECK(held > 0);
   CHECK_FALSE(status.any());
   const auto before = one.memory;

@@ -215,7 +215,8 @@ TEST_CASE("Tracking: with a constant K_d it brings the UR5 to its goal") {
   const std::array<double, 6> diagonal = {0.03, 0.03, 0.03, 0.03, 0.03, 0.03};
   for (std::size_t i = 0; i < 6; ++i) K_d[7 * i] = diagonal[i];
   const double dt = 0.002;
-  const SplineJoint<6, double, ConstantDamping<6>> law({.dt = nanoseconds(dt)}, ConstantDamping<6>(model, K_d));
+  const SplineJoint<6, double, ConstantDamping<6>> law({.dt = nanoseconds(dt)},
+                                                       ConstantDamping<6>(model, K_d));
   State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
   using K = KnownAt<double, Needs{.mass = true}>;
   auto memory = law.start(K(model, x, dt, none));

@@ -68,8 +68,7 @@ class ClosedLoop {
     const auto interval = robot.interval(memory, now);
     Pushed<6, T> pushes[max_substeps];
     for (unsigned j = 0; j < interval.substeps; ++j) {
-      const double a = seconds<double>(interval.at(j)),
-                   b = seconds<double>(interval.at(j + 1));
+      const double a = seconds<double>(interval.at(j)), b = seconds<double>(interval.at(j + 1));
       const auto from = impulse(a), to = impulse(b);
       for (std::size_t i = 0; i < 6; ++i) pushes[j].torque[i] = static_cast<T>((to[i] - from[i]) / (b - a));
     }
