@@ -79,7 +79,7 @@ class TakeOver {
   template <class K>
   [[nodiscard]] Memory from(const typename L::Memory& next, const K& known,
                             const JointTorque<N, T>& before) const noexcept {
-    Memory memory{next, before - law_.torque(next, known), 0};
+    Memory memory{next, before - law_.torque(next, known), 0ns};
     for (T& x : memory.difference)
       if (!(x - x == T(0))) x = T(0);
     return memory;
