@@ -448,10 +448,10 @@ TEST_CASE("Skin: wrong configurations are refused") {
     change(settings);
     return settings;
   };
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.fade = 0; })), ConfigurationError);
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.max_age = s.fade - 1; })), ConfigurationError);
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.ramp = 0; })), ConfigurationError);
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.catch_up = -1; })), ConfigurationError);
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.max_ahead = -1; })), ConfigurationError);
-  CHECK_NOTHROW(S(two, with([](auto& s) { s.max_age = Nanoseconds::max(), s.ramp = 1; })));
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.fade = 0ns; })), ConfigurationError);
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.max_age = s.fade - 1ns; })), ConfigurationError);
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.ramp = 0ns; })), ConfigurationError);
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.catch_up = -1ns; })), ConfigurationError);
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.max_ahead = -1ns; })), ConfigurationError);
+  CHECK_NOTHROW(S(two, with([](auto& s) { s.max_age = Nanoseconds::max(), s.ramp = 1ns; })));
 }
