@@ -65,7 +65,7 @@ class Scenes {
 template <class T>
 JointControlSettings<6, T> settings() {
   JointControlSettings<6, T> s;
-  s.dt = T(dt);
+  s.dt = nanoseconds(dt);
   s.lambda = T(25);
   s.K_c = T(5);
   s.tb = 4s;

@@ -12,7 +12,7 @@ namespace {
 RobotConfiguration<6> configuration(Nanoseconds period, double delay, double lag, double decay) {
   RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(1000.0), .period = period, .delay = nanoseconds(delay)};
-  c.lag = lag;
+  c.lag = nanoseconds(lag);
   c.virtual_damping = decay;
   c.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   return c;

@@ -16,7 +16,7 @@ namespace {
 template <Interface I, class T>
 JointPosition<6, T> pushed() {
   RobotConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(40)), .period = 8ms, .delay = 8ms, .lag = 1s / T(64)};
+      .limits = limits_of<ur5::Description, T>(T(40)), .period = 8ms, .delay = 8ms, .lag = 15625us};
   for (auto& b : c.viscous_friction) b = T(8);
   const Resolver<I, ur5::Model, T> robot(ur5::Model{}, c);
   State<6, T> s;

@@ -40,7 +40,7 @@ TEST_CASE("SurfaceBias: the rate of dS_d begins with dj and ends with nothing, i
   Seeded rng(23);
   const Exact h("1e-15"), kappa(10), T_h("0.1");
   for (int i = 0; i < 20; ++i) {
-    auto b = some_bias<Exact>(rng, 0);
+    auto b = some_bias<Exact>(rng, 0ns);
     b.decaying = {};
     const auto begin = b.at(Exact(0), kappa, T_h), soon = b.at(h, kappa, T_h);
     const auto late = b.at(T_h - h, kappa, T_h), later = b.at(T_h - 2 * h, kappa, T_h);
@@ -49,7 +49,7 @@ TEST_CASE("SurfaceBias: the rate of dS_d begins with dj and ends with nothing, i
       CHECK(magnitude((late.dS_d[j] - later.dS_d[j]) / h) < Exact("1e-7"));
     }
     SurfaceBias<3, Exact> one;
-    one.elapsed = 0;
+    one.elapsed = 0ns;
     one.dj = JointAcceleration<3, Exact>::constant(1);
     for (const Exact& x : {Exact("0.001"), Exact("0.05"), Exact("0.09")})
       CHECK(magnitude(one.at(x, kappa, T_h).dS_d[0] - SurfaceBias<3, Exact>::bend(x, T_h)) < Exact("1e-40"));
@@ -59,18 +59,18 @@ TEST_CASE("SurfaceBias: the rate of dS_d begins with dj and ends with nothing, i
 TEST_CASE_TEMPLATE("SurfaceBias: begins with what is handed over and ends with none of it", T, float,
                    double) {
   Seeded rng(21);
-  auto b = some_bias<T>(rng, 0);
+  auto b = some_bias<T>(rng, 0ns);
   const auto begin = b.at(T(0), T(10), T(0.1));
   for (std::size_t j = 0; j < 3; ++j) {
     CHECK(begin.S_d[j] == b.decaying[j] + b.dv[j]);
     CHECK(begin.dS_d[j] == T(-10) * b.decaying[j] + b.da[j]);
   }
   b.elapsed = 100ms;
-  CHECK_FALSE(b.hands_over(T(0.1)));
+  CHECK_FALSE(b.hands_over(100ms));
   const auto end = b.at(T(0), T(10), T(0.1));
   for (std::size_t j = 0; j < 3; ++j) CHECK(end.S_d[j] == b.decaying[j]);
   // continuous at the end
-  b.elapsed = 99999999;
+  b.elapsed = 99999999ns;
   const auto near_end = b.at(T(0), T(10), T(0.1));
   for (std::size_t j = 0; j < 3; ++j) {
     CHECK(magnitude(T(near_end.S_d[j] - end.S_d[j])) < T(1e-6));
@@ -80,7 +80,7 @@ TEST_CASE_TEMPLATE("SurfaceBias: begins with what is handed over and ends with n
 
 TEST_CASE("SurfaceBias: steps of any length lead along the same curve") {
   Seeded rng(22);
-  const auto b = some_bias<double>(rng, 0);
+  const auto b = some_bias<double>(rng, 0ns);
   auto fine = b;
   for (int i = 0; i < 120; ++i) fine = fine.advanced(0.001, 1ms, 10);
   const auto coarse = b.advanced(0.12, 120ms, 10);

@@ -321,7 +321,8 @@ TEST_CASE(
   CHECK(memory.I1.sum[0] == before.I1.sum[0]);
   CHECK(memory.I2.sum[0] == before.I2.sum[0]);
   const auto stood = memory.plan.clock.own;
-  CHECK(stood == doctest::Approx(static_cast<double>(before.plan.clock.own + 50ms)).epsilon(1e-3));
+  CHECK(seconds<double>(stood) ==
+        doctest::Approx(seconds<double>(before.plan.clock.own + 50ms)).epsilon(1e-3));
   run(1000, Opposition::lasting);
   CHECK(memory.plan.clock.own == stood);
   CHECK(memory.plan.at(0, law.settings()).dq_d == JointVelocity<6>{});
@@ -330,7 +331,8 @@ TEST_CASE(
   CHECK(memory.bias.decaying == JointVelocity<6>{});
   CHECK(memory.tb == 0);
   run(1000, Opposition::none);
-  CHECK(memory.plan.clock.own == doctest::Approx(static_cast<double>(stood + 2s - 50ms)).epsilon(2e-3));
+  CHECK(seconds<double>(memory.plan.clock.own) ==
+        doctest::Approx(seconds<double>(stood + 2s - 50ms)).epsilon(2e-3));
 }
 
 TEST_CASE_TEMPLATE("Tracking: under a lasting disturbance the integrals stay within their limit", T, float,

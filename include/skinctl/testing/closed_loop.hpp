@@ -50,7 +50,7 @@ class ClosedLoop {
 
   ClosedLoop(const typename Robot::Configuration& c, const std::array<double, 6>& q, double real_delay,
              double real_lag)
-      : robot(M{}, c), joints(kind, real_delay, real_lag, q), memory(robot.start(measure(0))) {}
+      : robot(M{}, c), joints(kind, real_delay, real_lag, q), memory(robot.start(measure(0ns))) {}
 
   State<6, T> measure(Nanoseconds now) {
     State<6, T> s;
