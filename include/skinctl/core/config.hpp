@@ -30,8 +30,15 @@
   }                           \
   }
 
-/// On operators, lambdas and recursion of the loop: GCC's own judgement costs a factor of four there.
+/// On operators, lambdas and recursion of the loop: GCC's own judgement costs a factor of four there. Define
+/// SKINCTL_NO_FORCED_INLINE where compile time and readable stack traces matter more: debug and sanitizer builds.
+#if defined(SKINCTL_NO_FORCED_INLINE)
+#define SKINCTL_INLINE inline
+#define SKINCTL_INLINE_LAMBDA
+#else
 #define SKINCTL_INLINE inline __attribute__((always_inline))
+#define SKINCTL_INLINE_LAMBDA __attribute__((always_inline))
+#endif
 // What runs rarely, or once a cycle: copies of it in the loop cost compile time and instruction cache.
 // GCC's own copies, with arguments taken apart, are slower: 7 % of a cycle.
 #if defined(__GNUC__) && !defined(__clang__)
@@ -41,7 +48,6 @@
 #endif
 // What runs before the loop: compiled for size.
 #define SKINCTL_COLD __attribute__((noinline, cold))
-#define SKINCTL_INLINE_LAMBDA __attribute__((always_inline))
 
 /// In the body of an operator: lets its multiplication or addition and that of another operator become one
 /// fused operation, as GCC does anyway; Clang would otherwise fuse only within one expression. Define
