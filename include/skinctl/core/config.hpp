@@ -1,6 +1,11 @@
 // Macros that every header needs: the namespace, inlining, and what skinctl refuses to be compiled with.
 #pragma once
 
+#if !defined(__cplusplus) || __cplusplus < 202002L
+#error "skinctl: needs C++20. Compile with -std=c++20, or ask CMake for cxx_std_20."
+#include "skinctl: stops here without -std=c++20"  // a file that is not there ends the page of errors
+#endif
+
 #if defined(__FAST_MATH__)
 #error "skinctl: -ffast-math breaks range reduction, NaN checks and compensated sums. Compile without it."
 #endif
