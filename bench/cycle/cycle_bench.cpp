@@ -246,11 +246,13 @@ void floor_row() {
 const bool registered = [] {
   skinctl_rows<double>();
   skinctl_rows<float>();
+#if SKINCTL_HAS_KDL
   kdl_row<0>("ur5", false);
   kdl_row<260>("ur5-260", false);
   kdl_row<1260>("ur5-1260", false);
   kdl_row<260>("ur5-260", true);
   kdl_row<1260>("ur5-1260", true);
+#endif
   floor_row<0>();
   floor_row<260>();
   floor_row<1260>();

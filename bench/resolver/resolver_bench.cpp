@@ -154,12 +154,14 @@ const bool registered = [] {
     bench_floor::ur5::floor_forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
     return ddq;
   });
+#if SKINCTL_HAS_KDL
   const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());
   bench::row<6>("resolver/step/ur5/kdl/double", [robot](const auto& s) {
     bench::Numbers<6> ddq;
     robot->forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
     return ddq;
   });
+#endif
   return true;
 }();
 

@@ -11,8 +11,8 @@
 
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/testing/closed_loop.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -27,8 +27,8 @@
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

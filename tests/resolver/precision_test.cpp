@@ -1,15 +1,11 @@
 #include <doctest/doctest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
-
 #include "skinctl/testing/closed_loop.hpp"
+#include "skinctl/testing/digits50.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-
 namespace {
 
 // A push, through a robot that does what is declared, in scalar T: where the virtual robot ends.
@@ -35,11 +31,11 @@ JointPosition<6, T> pushed() {
 
 template <Interface I, class T>
 double error() {
-  const auto exact = pushed<I, Exact>();
+  const auto exact = pushed<I, Digits50>();
   const auto q = pushed<I, T>();
   double worst = 0;
   for (std::size_t i = 0; i < 6; ++i)
-    worst = std::max(worst, std::abs(static_cast<double>(Exact(q[i]) - exact[i])));
+    worst = std::max(worst, std::abs(static_cast<double>(Digits50(q[i]) - exact[i])));
   return worst;
 }
 

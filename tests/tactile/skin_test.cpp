@@ -110,27 +110,28 @@ TEST_CASE_TEMPLATE("Skin: held samples are the per-cell Jacobian form", T, float
   for (int k = 0; k < 50; ++k) {
     auto memory = skin.start(0ns);
     const auto q = random_position<6, T>(rng);
-    const auto poses = link_poses(model, q.template cast<Wide>());
+    const auto poses = link_poses(model, q.template cast<Digits50>());
     std::vector<CellSample> samples;
-    JointTorque<6, Wide> exact;
-    LinkWrenches<ur5::Model, std::remove_cvref_t<decltype(skin)>::links, Wide> rounded;
-    Wide magnitude(0);
+    JointTorque<6, Digits50> exact;
+    LinkWrenches<ur5::Model, std::remove_cvref_t<decltype(skin)>::links, Digits50> rounded;
+    Digits50 magnitude(0);
     for_each_index<6>([&](auto n) {
       const auto& patch = std::get<n.value>(patches);
       constexpr std::size_t I = std::remove_cvref_t<decltype(patch)>::link;
       for (const auto& cell : patch.placed()) {
         samples.push_back(sample(cell.id, 1ms, float(rng() % 1025) / 1024, float(rng() % 65536) / 65536));
         const auto& s = samples.back();
-        const Wide newton = Wide(gains.force) * (Wide(s.force[0]) + Wide(s.force[1]) + Wide(s.force[2])) +
-                            Wide(gains.proximity) * Wide(s.proximity);
-        const auto tau = torque_of_cell<I>(poses, model, cell.X_LC.template cast<Wide>(), newton);
+        const Digits50 newton =
+            Digits50(gains.force) * (Digits50(s.force[0]) + Digits50(s.force[1]) + Digits50(s.force[2])) +
+            Digits50(gains.proximity) * Digits50(s.proximity);
+        const auto tau = torque_of_cell<I>(poses, model, cell.X_LC.template cast<Digits50>(), newton);
         exact += tau;
-        for (const Wide& t : tau) magnitude += abs(t);
+        for (const Digits50& t : tau) magnitude += abs(t);
         // The same with the unit wrench that the skin stores: multiples of 2^-24 (moments here below 0.5 m:
         // finer).
         const auto u = unit_wrench(cell.X_LC);
         auto sum = rounded.template wrench<I>();
-        const auto whole = [](double x, double steps) { return Wide(std::round(x * steps) / steps); };
+        const auto whole = [](double x, double steps) { return Digits50(std::round(x * steps) / steps); };
         const double f = std::ldexp(1.0, 24);
         double most = 0;
         for (const auto& other : patch.placed()) {
@@ -139,20 +140,20 @@ TEST_CASE_TEMPLATE("Skin: held samples are the per-cell Jacobian form", T, float
         }
         const double g = std::ldexp(1.0, 24 - static_cast<int>(std::ceil(std::log2(most))));
         sum.force =
-            sum.force + newton * Xyz<Wide>{whole(u.force.x, f), whole(u.force.y, f), whole(u.force.z, f)};
-        sum.moment =
-            sum.moment + newton * Xyz<Wide>{whole(u.moment.x, g), whole(u.moment.y, g), whole(u.moment.z, g)};
+            sum.force + newton * Xyz<Digits50>{whole(u.force.x, f), whole(u.force.y, f), whole(u.force.z, f)};
+        sum.moment = sum.moment +
+                     newton * Xyz<Digits50>{whole(u.moment.x, g), whole(u.moment.y, g), whole(u.moment.z, g)};
         rounded.template set<I>(sum);
       }
     });
     typename std::remove_cvref_t<decltype(skin)>::Wrenches mean;
     CHECK_FALSE(skin.receive(memory, samples, 0ns, 20ms, 1, &mean).any());
     const auto tau = skin_torque(model, q, skin.wrenches(memory));
-    const auto tau_rounded = skin_torque(model, q.template cast<Wide>(), rounded);
+    const auto tau_rounded = skin_torque(model, q.template cast<Digits50>(), rounded);
     for (std::size_t j = 0; j < 6; ++j) {
-      worst = std::max(worst, static_cast<double>(abs(Wide(tau[j]) - exact[j]) / magnitude));
+      worst = std::max(worst, static_cast<double>(abs(Digits50(tau[j]) - exact[j]) / magnitude));
       worst_of_rounded =
-          std::max(worst_of_rounded, static_cast<double>(abs(Wide(tau[j]) - tau_rounded[j]) / magnitude));
+          std::max(worst_of_rounded, static_cast<double>(abs(Digits50(tau[j]) - tau_rounded[j]) / magnitude));
     }
   }
   CAPTURE(worst);

@@ -5,12 +5,12 @@
 #include <Eigen/Core>
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;

@@ -5,8 +5,9 @@
 #include <limits>
 #include <type_traits>
 
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
-#include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -72,7 +73,7 @@ TEST_CASE("SplinePlan: goals that are not finite, or in the past, are refused") 
 }
 
 TEST_CASE("SplinePlan: stops and goes on smoothly, its derivatives being derivatives all the way") {
-  using E = Exact;
+  using E = Digits50;
   using ExactPlan = SplinePlan<JointSpace<2, E>>;
   const JointControlSettings<2, E> s{.dt = 2ms};
   const JointPosition<2, E> from{E(0), E(1)};

@@ -5,12 +5,13 @@
 #include <array>
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;
@@ -93,7 +94,7 @@ State<6, T> swinging(const T& t) {
 
 #if SKINCTL_MANY_DIGITS
 TEST_CASE("Tracking: ddq_r is the derivative of dq_r, in every phase") {
-  using T = Exact;
+  using T = Digits50;
   const SplineJoint<6, T> law({.dt = 4ms, .K_i1 = T(2), .K_i2 = T(0.4), .tb = 600ms});
   const T h("1e-9");
   auto memory = law.start(KnownAt<T>(model, swinging(T(0)), T(0.004), none));
@@ -438,7 +439,7 @@ TEST_CASE("Tracking: float, double and 50 digits give the same torque, as far as
       for (int i = 0; i < 64; ++i) memory = advanced(law, memory, known, T(0.0078125), Opposition::none);
       return torque_of(law, memory, known);
     };
-    const auto exact = compute(Exact(0));
+    const auto exact = compute(Digits50(0));
     const auto d = compute(0.0);
     const auto f = compute(0.0f);
     const double scale = static_cast<double>(std::max(magnitude(exact[0]), magnitude(exact[1])));

@@ -4,7 +4,8 @@
 
 #include <type_traits>
 
-#include "exact.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -22,24 +23,24 @@ TEST_CASE_TEMPLATE("PlanClock: runs with the time until it is stopped", T, float
 
 TEST_CASE("PlanClock: stops and starts smoothly, rate and bend being derivatives of own time") {
   constexpr Nanoseconds ramp = 100ms;
-  const Exact h("1e-12");
-  PlanClock<Exact> clock;
+  const Digits50 h("1e-12");
+  PlanClock<Digits50> clock;
   clock.own = 3s;
   for (const bool runs : {false, true}) {
     clock = clock.changed(runs, ramp);
     for (int i = 0; i < 30; ++i) {
-      for (const Exact& x : {Exact("0.001"), Exact("0.004")}) {
+      for (const Digits50& x : {Digits50("0.001"), Digits50("0.004")}) {
         const auto before = clock.at(x - h, ramp), now = clock.at(x, ramp), after = clock.at(x + h, ramp);
-        CHECK(magnitude((after.t - before.t) / (2 * h) - now.rate) < Exact("1e-18"));
-        CHECK(magnitude((after.rate - before.rate) / (2 * h) - now.bend) < Exact("1e-18"));
+        CHECK(magnitude((after.t - before.t) / (2 * h) - now.rate) < Digits50("1e-18"));
+        CHECK(magnitude((after.rate - before.rate) / (2 * h) - now.bend) < Digits50("1e-18"));
       }
-      const auto ahead = clock.at(Exact("0.008"), ramp);
+      const auto ahead = clock.at(Digits50("0.008"), ramp);
       clock = clock.advanced(8ms, ramp);
       // own time is whole nanoseconds; the rate goes on exactly
-      CHECK(magnitude(clock.at(Exact(0), ramp).t - ahead.t) <= Exact("0.6e-9"));
-      CHECK(magnitude(clock.at(Exact(0), ramp).rate - ahead.rate) < Exact("1e-40"));
+      CHECK(magnitude(clock.at(Digits50(0), ramp).t - ahead.t) <= Digits50("0.6e-9"));
+      CHECK(magnitude(clock.at(Digits50(0), ramp).rate - ahead.rate) < Digits50("1e-40"));
     }
-    CHECK(clock.at(Exact(0), ramp).rate == (runs ? 1 : 0));
+    CHECK(clock.at(Digits50(0), ramp).rate == (runs ? 1 : 0));
   }
 }
 

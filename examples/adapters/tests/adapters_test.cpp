@@ -7,7 +7,7 @@
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/socket.hpp"
 #include "examples/adapters/ur5/driver.hpp"
-#include "tests/support/robot_table.hpp"
+#include "skinctl/testing/robot_table.hpp"
 
 using namespace adapters;
 
