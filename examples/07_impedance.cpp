@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
     force.add(arm.time(), F);
-    way.add(arm.time(), 1e3 * detail::length(Xyz<double>(arm.tool().origin() - start.origin())));
+    way.add(arm.time(), 1e3 * norm(Xyz<double>(arm.tool().origin() - start.origin())));
     if (F > 0) held = way.y.back();
   }
   std::printf("stood off by %.1f mm (F / K = %.1f mm), came back to %.1f mm\n", held, 12e3 / K, way.y.back());

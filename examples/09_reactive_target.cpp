@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
     }
     arm.step();
     const auto now = arm.tool().origin();
-    const double v = detail::length(Xyz<double>(now - last)) / 0.008;
+    const double v = norm(Xyz<double>(now - last)) / 0.008;
     seen.add(arm.time(), p.y), tool.add(arm.time(), now.y), speed.add(arm.time(), v);
     if (k > 0) fastest = std::fmax(fastest, v);
     last = now;

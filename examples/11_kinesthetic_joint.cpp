@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
     force.add(arm.time(), F);
-    way.add(arm.time(), 1e3 * detail::length(Xyz<double>(arm.tool().origin() - tool_at(home).origin())));
+    way.add(arm.time(), 1e3 * norm(Xyz<double>(arm.tool().origin() - tool_at(home).origin())));
   }
   std::printf("led by %.0f mm\n", way.y.back());
   return draw(argc, argv, "11_kinesthetic_joint.svg",

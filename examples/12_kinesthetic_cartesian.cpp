@@ -18,8 +18,8 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
     force.add(arm.time(), F);
-    way.add(arm.time(), 1e3 * detail::length(Xyz<double>(arm.tool().origin() - start.origin())));
-    turn.add(arm.time(), detail::length(log_so3(arm.tool().axes() * start.axes().transpose())));
+    way.add(arm.time(), 1e3 * norm(Xyz<double>(arm.tool().origin() - start.origin())));
+    turn.add(arm.time(), norm(log_so3(arm.tool().axes() * start.axes().transpose())));
   }
   std::printf("moved by %.0f mm, turned by %.3f rad\n", way.y.back(), turn.y.back());
   return draw(argc, argv, "12_kinesthetic_cartesian.svg",

@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
     target.add(t, p.z), tool.add(t, arm.tool().origin().z), force.add(t, F);
-    const double d = detail::length(Xyz<double>(arm.tool().origin() - p));
+    const double d = norm(Xyz<double>(arm.tool().origin() - p));
     distance.add(t, 1e3 * d);
     aside = std::fmax(aside, d);
     if (t > 8) away = std::fmax(away, d);

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
     const double F = arm.time() > 1.2 && arm.time() < 2.2 ? 20 : 0;
     arm.push(cell.id, F);
     arm.step();
-    distance.add(arm.time(), 1e3 * detail::length(Xyz<double>(arm.tool().origin() - goal)));
+    distance.add(arm.time(), 1e3 * norm(Xyz<double>(arm.tool().origin() - goal)));
     force.add(arm.time(), F);
   }
   std::printf("reached to %.2f mm\n", distance.y.back());

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
     const double F = arm.time() > 1.2 && arm.time() < 2.2 ? 20 : 0;
     arm.push(cell.id, F);
     arm.step();
-    distance.add(arm.time(), 1e3 * detail::length(Xyz<double>(arm.tool().origin() - orange)));
+    distance.add(arm.time(), 1e3 * norm(Xyz<double>(arm.tool().origin() - orange)));
     force.add(arm.time(), F), phase.add(arm.time(), static_cast<double>(arm.memory().law.phase));
   }
   const bool open = set.commanded(arm.memory().law) == opened();

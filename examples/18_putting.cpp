@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
     last = tau;
     height.add(arm.time(), arm.tool().origin().z), steps.add(arm.time(), most);
   }
-  const double missed = detail::length(Xyz<double>(arm.tool().origin() - box));
+  const double missed = norm(Xyz<double>(arm.tool().origin() - box));
   std::printf("put to %.2f mm\n", 1e3 * missed);
   return draw(argc, argv, "18_putting.svg", "Reaching, then Putting: the torque goes on without a jump",
               {Panel{"height of the tool [m]", {height}, {{orange.z, "orange"}, {box.z, "box"}}}.close_up(),

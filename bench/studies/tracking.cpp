@@ -136,13 +136,7 @@ Errors with_law(const Plant& plant, double dt, int delay, const L& law) {
   auto memory = law.start(K(model, x0, dt, none));
   return follow(plant, dt, delay, [&](const State<6>& x, const JointReference<6>& target) {
     const K known(model, x, dt, none);
-    if constexpr (requires { memory.law.plan; }) {
-      memory.law.plan.target = target;
-      memory.law.plan.clock = {};
-    } else {
-      memory.plan.target = target;
-      memory.plan.clock = {};
-    }
+    memory = L::with_target(memory, target);
     const auto tau = law.torque(memory, known);
     memory = law.advance(memory, known, dt, Opposition::none);
     return tau;
@@ -208,8 +202,7 @@ void sign_row(const char* name) {
     int n = 0;
     const auto e = follow(plant, dt, 1, [&](const State<6>& x, const JointReference<6>& target) {
       const K known(model, x, dt, none);
-      memory.plan.target = target;
-      memory.plan.clock = {};
+      memory = law.with_target(memory, target);
       const auto tau = law.torque(memory, known);
       memory = law.advance(memory, known, dt, Opposition::none);
       if (++n > 4 * static_cast<int>(rate))

@@ -195,7 +195,6 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   Recording<Scene> recording(s.record.empty() ? 4096 : planned * 2048 + (std::size_t(64) << 20));
 
   const auto limit = limits(s);
-  const auto& tracked = std::get<0>(scene.law().laws()).settings();
   std::string reason;
   Nanoseconds first{}, braking_since{};
   std::size_t next_goal = 0;
@@ -240,8 +239,8 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   const auto after = [&](const typename Scene::Input& input, const typename Scene::Output& out,
                          const Stopwatch&) {
     const double t = seconds<double>(input.now - first);
-    const auto& plan = Scene::law_type::template memory<0>(memory->law).plan;
-    const auto target = plan.at(0.0, tracked).q_d;
+    const auto& reach = std::get<0>(scene.law().laws());
+    const auto target = reach.reference(Scene::law_type::template memory<0>(memory->law)).q_d;
     observer.cycle(t, input.samples, input.measured.q, target);
     all |= out.status;
     LogEntry entry;

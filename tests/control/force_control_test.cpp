@@ -48,8 +48,7 @@ struct Scene {
     const auto out = evaluate(law, memory, known, dt);
     memory = out.memory;
     auto tau = out.torque;
-    if (law.settings().carried > 0)
-      tau += SkinJointControl{}.torque({}, known);  // the wall pushes this robot
+    if (law.settings().carried > 0) tau += SkinJointControl{}.torque(known);  // the wall pushes this robot
     x = simulate(model, x, tau, dt, 1);
     return pressed;
   }

@@ -27,7 +27,7 @@ TEST_CASE_TEMPLATE("SkinJointControl: does the work of the wrenches on the links
     for (auto& wrench : touch.data)
       for (T& x : wrench) x = T(20 * rng());
     const KnownTo<T> known(model, state, T(0.002), touch);
-    const auto tau = SkinJointControl{}.torque({}, known);
+    const auto tau = SkinJointControl{}.torque(known);
     // Their power, by the velocities of the links, for a random velocity of the joints.
     const auto dq = rng.vector<JointVelocity<6, T>>(1);
     const Poses<ur5::Model, 0b111111, T> poses(model, known.angles());
@@ -50,6 +50,5 @@ TEST_CASE("SkinJointControl: a scene without skin feels nothing") {
   const ur5::Model model;
   const State<6> state{0ns, JointPosition<6>{0.1, -1.0, 1.0, 0.2, 0.3, 0.4}, {}};
   const NoTouch none;
-  CHECK(SkinJointControl{}.torque({}, KnownTo<double, NoTouch>(model, state, 0.002, none)) ==
-        JointTorque<6>{});
+  CHECK(SkinJointControl{}.torque(KnownTo<double, NoTouch>(model, state, 0.002, none)) == JointTorque<6>{});
 }

@@ -6,6 +6,7 @@
 
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/real_time.hpp"
+#include "skinctl/cycle/detail/check_scene.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/stage.hpp"
 #include "skinctl/cycle/no_skin.hpp"
@@ -157,10 +158,16 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
 ///
 /// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
 /// else of the model is computed.
-template <class Resolver, class L, class Skin = NoSkin,
+template <class Resolver, class GivenLaw, class GivenSkin = NoSkin,
           class Watchman = typename detail::GuardOf<Resolver>::type,
           class Overseer = detail::DefaultGovernor<Resolver>>
 class Cycle {
+  using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
+  static_assert(sizeof(detail::SaySkin<Scene::skin_fault, GivenSkin>) > 0);
+  static_assert(sizeof(detail::Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
+  using Skin = typename Scene::Skin;
+  using L = typename Scene::Law;
+
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
   static_assert(!governed || detail::has_one_interface<Resolver>,
@@ -169,7 +176,7 @@ class Cycle {
                 "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
   static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
                 "the governor is of a robot with other joints, or of another scalar");
-  static_assert(detail::feels<Overseer, Skin>,
+  static_assert(detail::feels<Overseer, GivenSkin>,
                 "contact limits need a skin on each link that they name: what is not felt cannot be limited");
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;

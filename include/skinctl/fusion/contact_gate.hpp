@@ -2,7 +2,7 @@
 #pragma once
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/core/law.hpp"
+#include "skinctl/core/detail/check_law.hpp"
 #include "skinctl/core/time.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -58,15 +58,17 @@ struct Gated : L {
 
 /// `law` while the robot is touched.
 template <class L>
-  requires(L::role != Role::gravity)
-[[nodiscard]] Gated<Gate::touched, L> when_touched(const L& law) {
-  return Gated<Gate::touched, L>(law);
+  requires(detail::complete_law<L>::role != Role::gravity)
+[[nodiscard]] auto when_touched(const L& law) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
+  return Gated<Gate::touched, detail::complete_law<L>>(law);
 }
 /// `law` while nothing touches the robot.
 template <class L>
-  requires(L::role != Role::gravity)
-[[nodiscard]] Gated<Gate::untouched, L> when_untouched(const L& law) {
-  return Gated<Gate::untouched, L>(law);
+  requires(detail::complete_law<L>::role != Role::gravity)
+[[nodiscard]] auto when_untouched(const L& law) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
+  return Gated<Gate::untouched, detail::complete_law<L>>(law);
 }
 // clang-format off
 template <class L>

@@ -5,7 +5,6 @@
 
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/skills/detail/rate_bound.hpp"
-#include "skinctl/skills/detail/settled.hpp"
 #include "skinctl/skills/skill_request.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -56,6 +55,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
  public:
   using Names = Behaviours<Behaviour...>;
   using Fusion = Fused<P, L...>;
+  using Laws = std::tuple<L...>;
   using Blend = Blended<Fusion>;
   using Goal = typename detail::GoalTypes<SkillRequest<>, L...>::type;
   static constexpr std::size_t controllers = Fusion::terms;
@@ -224,8 +224,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
                                                     const Goal& request) const noexcept;
   template <class K>
   SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept;
-  template <class K>
-  SKINCTL_COLD void restart(typename Blend::Memory& m, const K& known) const noexcept;
   template <class Torque, class Shares, class T>
   [[nodiscard]] SKINCTL_COLD Torque bounded(detail::RateBound<joints>& bound,
                                             const typename Blend::Memory& before,
@@ -275,14 +273,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       if constexpr (detail::answers_touch<law_at<i.value>>) sum += shares[i.value];
     });
     return sum;
-  }
-  /// Whether a change is under way that keeps no tracking controller.
-  [[nodiscard]] static bool swaps(const typename Blend::Memory& m) noexcept {
-    if (!Blend::moves(m)) return false;
-    for (std::size_t i = 0; i < controllers; ++i)
-      if (Fusion::roles[i] == Role::tracking && m.from[i].feed_forward > 0 && m.to[i].feed_forward > 0)
-        return false;
-    return true;
   }
 
   Blend blend_;
