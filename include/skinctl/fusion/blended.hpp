@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Times and thresholds of a blend.
 struct BlendSettings {
-  Nanoseconds ramp = 100ms;  ///< of the way to other weights
+  Nanoseconds ramp = 100ms;   ///< of the way to other weights
   ContactSettings contact{};  ///< what gates take for a touch
 };
 
@@ -71,9 +71,9 @@ class Blended<Fused<P, L...>> : public Composable {
     std::array<double, terms> asked;  ///< weights
     Factors from, to;                 ///< shares before and after the ramp
     Nanoseconds elapsed = clock_end;  ///< since the ramp began
-    Nanoseconds ramp{};             ///< its duration
-    Nanoseconds settle{};           ///< after it: the feedback of tracking laws that come
-    Nanoseconds next_ramp{};        ///< of the next
+    Nanoseconds ramp{};               ///< its duration
+    Nanoseconds settle{};             ///< after it: the feedback of tracking laws that come
+    Nanoseconds next_ramp{};          ///< of the next
     bool waiting = false;             ///< other weights are to be gone to
   };
 
