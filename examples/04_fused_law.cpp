@@ -20,7 +20,7 @@ int main() {
   JointControlSettings<6> settings;
   settings.lambda = 20;
   settings.K_c = 4;
-  settings.tb = 0;
+  settings.tb = 0s;
   const auto law = SplineJoint<6>(settings) + SkinJointControl{} + GravityControl{};
   using Law = std::remove_cvref_t<decltype(law)>;
   using Touch = Ur5Skin<260>::Wrenches;
@@ -31,7 +31,7 @@ int main() {
   const double h = 0.002;
   Touch touch;
   auto memory = law.start(Known(robot, state, h, touch));
-  auto goal = JointGoal<6>{state.q, 2_s};
+  auto goal = JointGoal<6>{state.q, 2s};
   goal.q_g[0] = 0.6;
   memory = law.receive(memory, Known(robot, state, h, touch), goal).memory;
 

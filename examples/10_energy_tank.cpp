@@ -12,7 +12,7 @@ template <class A>
 double moved_in(A& arm, Curve& joint, Curve& energy) {
   auto goal = home;
   goal[0] += 0.8;
-  arm.ask({goal, 3_s});
+  arm.ask({goal, 3s});
   while (arm.time() < 6) {
     arm.step();
     joint.add(arm.time(), arm.q()[0]);
@@ -23,8 +23,8 @@ double moved_in(A& arm, Curve& joint, Curve& energy) {
 
 int main(int argc, char** argv) {
   const auto law = SplineJoint<6>(gains()) + SkinJointControl{} + GravityControl{};
-  Arm rich(law, Passivity(EnergyTank<>({.start = 4, .most = 5})));
-  Arm poor(law, Passivity(EnergyTank<>({.start = 1, .most = 5})));
+  Arm rich(law, ur5_by_position(EnergyTank<>({.start = 4, .most = 5})));
+  Arm poor(law, ur5_by_position(EnergyTank<>({.start = 1, .most = 5})));
   Curve q_rich{"joint 0 with 4 J [rad]", {}, {}}, E_rich{"energy left [J]", {}, {}};
   Curve q_poor{"joint 0 with 1 J [rad]", {}, {}}, E_poor{"energy left [J]", {}, {}};
   const double far = moved_in(rich, q_rich, E_rich), near = moved_in(poor, q_poor, E_poor);

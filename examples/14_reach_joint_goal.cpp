@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   Arm arm(2.0 * SkinJointControl{} + SplineJoint<6>(gains()) + GravityControl{});
   Curve shoulder{"shoulder [rad]", {}, {}}, force{"force [N]", {}, {}};
   const auto cell = arm.cell<2>();
-  JointGoal<6> goal{home, 3_s};
+  JointGoal<6> goal{home, 3s};
   goal.q_g[0] = 0.6;
   arm.ask(goal);
   while (arm.time() < 8) {

@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   const auto cell = arm.cell<5>();
   const auto start = arm.tool();
   const Xyz<double> goal = start.origin() + Xyz<double>{-0.1, 0.15, 0.1};
-  arm.ask({{start.axes(), goal}, 3_s});
+  arm.ask({{start.axes(), goal}, 3s});
   while (arm.time() < 9) {
     const double F = arm.time() > 1.2 && arm.time() < 2.2 ? 20 : 0;
     arm.push(cell.id, F);

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   const auto cell = arm.cell<2>();
   const auto start = arm.tool();
   const Xyz<double> orange = start.origin() + Xyz<double>{-0.05, 0.2, -0.1};
-  arm.ask(set.start_skill<behaviour::Reaching>(PoseGoal<Tool>{{start.axes(), orange}, 3_s}));
+  arm.ask(set.start_skill<behaviour::Reaching>(PoseGoal<Tool>{{start.axes(), orange}, 3s}));
   while (arm.time() < 9) {
     const double F = arm.time() > 1.2 && arm.time() < 2.2 ? 20 : 0;
     arm.push(cell.id, F);

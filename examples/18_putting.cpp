@@ -13,12 +13,12 @@ int main(int argc, char** argv) {
   const auto start = arm.tool();
   const Xyz<double> orange = start.origin() + Xyz<double>{-0.05, 0.2, -0.1};
   const Xyz<double> box = start.origin() + Xyz<double>{0.05, -0.1, -0.05};
-  arm.ask(set.start_skill<behaviour::Reaching>(PoseGoal<Tool>{{start.axes(), orange}, 2_s}));
+  arm.ask(set.start_skill<behaviour::Reaching>(PoseGoal<Tool>{{start.axes(), orange}, 2s}));
   bool puts = false;
   JointTorque<6> last{};
   while (arm.time() < 14) {
     if (!puts && arm.memory().law.phase == Phase::finished) {
-      arm.ask(set.start_skill<behaviour::Putting>(PoseGoal<Tool>{{start.axes(), box}, 3_s}));
+      arm.ask(set.start_skill<behaviour::Putting>(PoseGoal<Tool>{{start.axes(), box}, 3s}));
       puts = true;
     }
     const auto tau = arm.step().command.torque;

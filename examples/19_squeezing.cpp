@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   const Xyz<double> n = start.axis_z();
   const double k = 1500, gap = 0.01, F_d = 8;
   Curve force{"force [N]", {}, {}}, depth{"depth [m]", {}, {}}, gripper{"gripper closed", {}, {}};
-  arm.ask(set.start_skill<behaviour::Squeezing>(JointGoal<6>{home, 0}, ForceGoal<>{n, F_d}));
+  arm.ask(set.start_skill<behaviour::Squeezing>(JointGoal<6>{home, {}}, ForceGoal<>{n, F_d}));
   while (arm.time() < 8) {
     const double d = dot(touching().origin() - start.origin(), n) - gap, F = d > 0 ? k * d : 0;
     force.add(arm.time(), F), depth.add(arm.time(), d);

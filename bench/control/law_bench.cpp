@@ -68,7 +68,7 @@ JointControlSettings<6, T> settings() {
   s.dt = T(dt);
   s.lambda = T(25);
   s.K_c = T(5);
-  s.tb = T(4);
+  s.tb = 4s;
   return s;
 }
 
@@ -112,7 +112,7 @@ void skinctl_rows() {
   const auto goal = [](const auto& law, const auto& known) {
     auto q = known.q();
     q[0] += T(0.5);
-    return law.receive(law.start(known), known, JointGoal<6, T>{q, 4_s}).memory;
+    return law.receive(law.start(known), known, JointGoal<6, T>{q, 4s}).memory;
   };
   const SplineJoint<6, T> spline(settings<T>());
   law_row<T>("joint_control", JointControl<6, T>(settings<T>()), target);
@@ -126,7 +126,7 @@ void skinctl_rows() {
   const auto lift = [](const auto& law, const auto& known) {
     auto X = known.template pose<5>() * Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.15));
     X = Transform<Base, Tool, T>::translation_xyz(T(0), T(0), T(0.1)).template renamed<Base, Base>() * X;
-    return law.receive(law.start(known), known, PoseGoal<Tool, T>{X, 4_s}).memory;
+    return law.receive(law.start(known), known, PoseGoal<Tool, T>{X, 4s}).memory;
   };
   using Pose = OperationalSpace<6, 5, Tool, T>;
   using Place = OperationalSpace<6, 5, Tool, T, Task::position>;

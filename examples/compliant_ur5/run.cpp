@@ -111,7 +111,7 @@ struct Largest {
 template <class C>
 void fill_times(const LoopReport<C>& report, RunLog& log) {
   const auto add = [&](const char* stage, const Histogram& h) {
-    const auto us = [&](Nanoseconds t) { return 1e-3 * static_cast<double>(t); };
+    const auto us = [&](Nanoseconds t) { return 1e3 * milliseconds(t); };
     log.times.push_back(
         {stage, us(h.percentile(0.5)), us(h.percentile(0.99)), us(h.percentile(0.999)), us(h.max())});
   };
@@ -180,18 +180,18 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
 
   const auto limit = limits(s);
   std::string reason;
-  Nanoseconds first = 0, braking_since = 0;
+  Nanoseconds first{}, braking_since{};
   std::size_t next_goal = 0;
   Largest largest;
   JointVelocity<6> last_velocity;
-  Nanoseconds last_time = 0;
+  Nanoseconds last_time{};
   Status all;
   bool recording_started = false;
 
   SkinOnRobotClock skin{receiver, driver};
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
-    if (first == 0) first = input.now;
-    const double t = 1e-9 * static_cast<double>(input.now - first);
+    if (first == 0ns) first = input.now;
+    const double t = seconds<double>(input.now - first);
     if (!recording_started && !s.record.empty()) {
       // The scene was started at the state before this one: that is what a replay starts from.
       recording.start(m.robot.measured);
@@ -202,14 +202,14 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
     if (reason.empty()) {
       if (heard.nonsense + heard.strangers > 0) {
         reason = "nonsense on the skin's port";
-      } else if (t > 1 && receiver.silent_for(input.now) > 300_ms) {
+      } else if (t > 1 && receiver.silent_for(input.now) > 300ms) {
         reason = receiver.heard() ? "the skin has fallen silent" : "the skin was never heard";
       }
       if (!reason.empty()) {
         input.request = Request::stop;
         braking_since = input.now;
       }
-    } else if (input.now - braking_since > 500_ms) {
+    } else if (input.now - braking_since > 500ms) {
       return false;
     }
     if (next_goal < s.task.size() && t >= s.task[next_goal].at) {
@@ -222,7 +222,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   };
   const auto after = [&](const typename Scene::Input& input, const typename Scene::Output& out,
                          const Stopwatch&) {
-    const double t = 1e-9 * static_cast<double>(input.now - first);
+    const double t = seconds<double>(input.now - first);
     const auto& reach = std::get<0>(scene.law().laws());
     const auto target = reach.reference(Scene::law_type::template memory<0>(memory->law)).q_d;
     observer.cycle(t, input.samples, input.measured.q, target);
@@ -230,7 +230,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
     LogEntry entry;
     entry.time = t;
     entry.force = observer.force();
-    const double dt = last_time == 0 ? 0 : 1e-9 * static_cast<double>(out.command.time - last_time);
+    const double dt = last_time == 0ns ? 0 : seconds<double>(out.command.time - last_time);
     for (std::size_t i = 0; i < 6; ++i) {
       entry.q[i] = static_cast<float>(input.measured.q[i]);
       entry.target[i] = static_cast<float>(target[i]);

@@ -26,7 +26,7 @@ struct Scene {
   Force law;
   double dt, stiffness, wall;  // the wall stands at n . p = wall
   Xyz<double> n{0, 0, -1};
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   Touch touch;
   Force::Memory memory;
   Xyz<double> start;
@@ -55,7 +55,7 @@ struct Scene {
 };
 ForceSettings<6> settings() {
   ForceSettings<6> s;
-  s.pose.tracking = {.dt = 0.002, .tb = 0};
+  s.pose.tracking = {.dt = 2ms, .tb = 0s};
   return s;
 }
 }  // namespace

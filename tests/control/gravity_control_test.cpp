@@ -22,7 +22,7 @@ TEST_CASE_TEMPLATE("GravityControl: carries a robot at rest, at either instant",
   const NoTouch none;
   Seeded rng(50);
   for (int i = 0; i < 20; ++i) {
-    const State<6, T> state{0, rng.vector<JointPosition<6, T>>(3), {}};
+    const State<6, T> state{0ns, rng.vector<JointPosition<6, T>>(3), {}};
     const auto expected = gravity_torque(model, state.q);
     const GravityControl law;
     CHECK(law.torque(KnownTo<GravityControl, T>(model, state, T(0.008), none)) == expected);
@@ -40,7 +40,7 @@ TEST_CASE("GravityControl: a moving robot keeps its energy to second order, and 
     Seeded rng(51);
     double worst = 0;
     for (int i = 0; i < 10; ++i) {
-      State<6> x{0, rng.vector<JointPosition<6>>(3), rng.vector<JointVelocity<6>>(1)};
+      State<6> x{0ns, rng.vector<JointPosition<6>>(3), rng.vector<JointVelocity<6>>(1)};
       const auto energy = [&] {
         const auto m = mass_matrix(model, x.q);
         double e = 0;

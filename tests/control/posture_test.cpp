@@ -25,7 +25,7 @@ const JointPosition<6> home{0.3, -1.2, 1.4, -1.8, -1.4, 0.3};
 TEST_CASE("NullSpacePosture: the tool notices nothing of it, and the joints go home as far as it lets them") {
   const JointPosition<6> posture{0.3, -1.2, 1.4, -1.3, -1.1, 1.3};
   const Posture law(X_LT, posture, 4.0);
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   const auto place = [&] { return (link_poses(model, x.q).get<5>() * X_LT).origin(); };
   const auto start = place();
   const double away = as_eigen(JointPosition<6>(x.q - posture)).norm();

@@ -34,7 +34,7 @@ static_assert(SkinCartesianControl<5>::role == Role::reactive);
 TEST_CASE_TEMPLATE("SkinCartesianControl: a push on the tool's link acts in the chosen directions alone", T,
                    float, double) {
   Seeded rng(20);
-  const State<6, T> x{0, home.cast<T>(), {}};
+  const State<6, T> x{0ns, home.cast<T>(), {}};
   for (int k = 0; k < 20; ++k) {
     Touch<T> touch;
     touch.template set<5>({{T(5 * rng()), T(5 * rng()), T(5 * rng())}, {T(rng()), T(rng()), T(rng())}});
@@ -67,7 +67,7 @@ TEST_CASE("SkinCartesianControl: a damped null space takes energy out, and nothi
   Seeded rng(21);
   const Touch<double> none;
   for (int k = 0; k < 50; ++k) {
-    State<6> x{0, home, rng.vector<JointVelocity<6>>(0.5)};
+    State<6> x{0ns, home, rng.vector<JointVelocity<6>>(0.5)};
     const KnownFor<Law_, double> known(model, x, 0.002, none);
     CHECK(power(law.torque(known), x.dq) <= 20.0);
     // Pure translation of the tool is not braked.
@@ -94,7 +94,7 @@ TEST_CASE(
   Touch<double> touch;
   touch.set<2>({{0, 20, 5}, {0, 1, 3}});
   for (const double elbow : {1.4, 0.1, 1e-3, 0.0}) {
-    State<6> x{0, home, {}};
+    State<6> x{0ns, home, {}};
     x.q[2] = elbow;
     const KnownFor<Law_, double> known(model, x, 0.002, touch);
     const auto tau = law.torque(known);

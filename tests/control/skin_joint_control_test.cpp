@@ -22,7 +22,7 @@ TEST_CASE_TEMPLATE("SkinJointControl: does the work of the wrenches on the links
   const ur5::Model model;
   Seeded rng(60);
   for (int k = 0; k < 20; ++k) {
-    const State<6, T> state{0, rng.vector<JointPosition<6, T>>(3), {}};
+    const State<6, T> state{0ns, rng.vector<JointPosition<6, T>>(3), {}};
     Touch<T> touch;
     for (auto& wrench : touch.data)
       for (T& x : wrench) x = T(20 * rng());
@@ -48,7 +48,7 @@ TEST_CASE_TEMPLATE("SkinJointControl: does the work of the wrenches on the links
 
 TEST_CASE("SkinJointControl: a scene without skin feels nothing") {
   const ur5::Model model;
-  const State<6> state{0, JointPosition<6>{0.1, -1.0, 1.0, 0.2, 0.3, 0.4}, {}};
+  const State<6> state{0ns, JointPosition<6>{0.1, -1.0, 1.0, 0.2, 0.3, 0.4}, {}};
   const NoTouch none;
   CHECK(SkinJointControl{}.torque(KnownTo<double, NoTouch>(model, state, 0.002, none)) == JointTorque<6>{});
 }

@@ -104,11 +104,11 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
   state.q = home_position<T>();
   scene.start(*memory, state);
   JointCommand<6, T> last = memory->robot.command;
-  Nanoseconds now = 0;
+  Nanoseconds now{};
   std::uint64_t allocated = 0;
   for (const auto& fields : cycles) {
     Tape tape(fields);
-    now += 8_ms;
+    now += 8ms;
     typename Scene::Input input;
     input.now = tape.time(now, 0);
     input.measured.time = tape.time(now, 0);
@@ -117,7 +117,7 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
     const auto count = static_cast<std::size_t>(tape.index(samples_a_cycle + 1) % (samples_a_cycle + 1));
     std::array<CellSample, samples_a_cycle> samples;
     for (auto& s : samples) {
-      s.time = tape.time(now, 8_ms);
+      s.time = tape.time(now, 8ms);
       s.cell = static_cast<std::uint32_t>(tape.index(262));
       for (float& f : s.force) f = tape.reading(1);
       s.proximity = tape.reading(1);
@@ -129,7 +129,7 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
     input.observed = Status::from_bits(tape.index(1));  // a stop waits for the request `resume`
     input.has_goal = tape.index(16) == 15;
     for (std::size_t i = 0; i < 6; ++i) input.goal.q_g[i] = tape.number(T(state.q[i] + T(0.3)));
-    input.goal.duration = tape.time(4_s, 4_s);
+    input.goal.duration = tape.time(4s, 4s);
 
     const AllocationGuard guard;
     const auto out = scene.step(*memory, input);
@@ -184,9 +184,9 @@ TEST_CASE_TEMPLATE(
     state.q = home_position<T>();
     scene.start(*memory, state);
     last = memory->robot.command;
-    Nanoseconds now = 0;
+    Nanoseconds now{};
     for (int k = 1; k <= 100; ++k) {
-      now += 8_ms;
+      now += 8ms;
       typename Scene::Input input;
       input.now = random.index(20) == 0 ? static_cast<Nanoseconds>(random.bits()) : now;
       input.measured = state;

@@ -26,7 +26,7 @@ using KnownTo = Quantities<Arm, L::needs, double, Touch>;
 const Arm model;
 const GravityControl gravity;
 const SkinJointControl skin;
-const State<6> pose{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.2}, {}};
+const State<6> pose{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.2}, {}};
 const Touch untouched;
 
 /// A law that gives known torques for its feedback and its feed-forward, counts, and holds gravity if it may.
@@ -109,7 +109,7 @@ struct Run {
 }  // namespace
 
 TEST_CASE("Blended: is a law that does what its sum does, until other weights are asked for") {
-  const SplineJoint<6> reach({.dt = 0.002});
+  const SplineJoint<6> reach({.dt = 2ms});
   const auto sum = 0.6 * skin + 0.4 * reach + gravity;
   const auto law = blended(sum);
   using L = std::remove_const_t<decltype(law)>;
@@ -126,7 +126,7 @@ TEST_CASE("Blended: is a law that does what its sum does, until other weights ar
     const KnownTo<S> known(model, x, 0.002, touch);
     const KnownTo<L> to_blend(model, x, 0.002, touch);
     if (k == 50) {
-      const JointGoal<6> goal{JointPosition<6>::constant(0.1), 2_s};
+      const JointGoal<6> goal{JointPosition<6>::constant(0.1), 2s};
       a = sum.receive(a, known, goal).memory;
       b = law.receive(b, to_blend, BlendGoal<JointGoal<6>, 3>{true, goal, false, {}}).memory;
     }
@@ -235,8 +235,8 @@ TEST_CASE("Blended: gates open and shut with contact, smoothly") {
 }
 
 TEST_CASE("Blended: nothing of it allocates") {
-  const SplineJoint<6> reach({.dt = 0.002});
-  const JointControl<6> follow({.dt = 0.002});
+  const SplineJoint<6> reach({.dt = 2ms});
+  const JointControl<6> follow({.dt = 2ms});
   const auto law = blended(0.6 * skin + 0.4 * reach + when_untouched(follow) + gravity);
   using L = std::remove_const_t<decltype(law)>;
   State<6> x = pose;

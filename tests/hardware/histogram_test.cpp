@@ -36,14 +36,14 @@ TEST_CASE("histogram: small durations are exact, extremes stay in range, nothing
   Histogram histogram;
   CHECK(histogram.percentile(0.5) == 0);
   const testing::AllocationGuard guard;
-  for (Nanoseconds d = 0; d < 32; ++d) histogram.record(d);
+  for (Nanoseconds d{}; d < 32; ++d) histogram.record(d);
   CHECK(histogram.percentile(0.5) == 15);
   histogram.record(-5);
   histogram.record(INT64_MAX);
   histogram.record(INT64_MIN);
   CHECK(guard.count() == 0);
   CHECK(histogram.max() == INT64_MAX);
-  CHECK(histogram.percentile(1) > 1'000_s);
+  CHECK(histogram.percentile(1) > 1'000s);
 }
 
 TEST_CASE("histogram: merged it counts what both did") {

@@ -11,10 +11,10 @@ namespace {
 
 // Numbers of the test, nobody's recommendation.
 BodyRegion region() {
-  return {.force = 100, .blow = 200, .first = 0.5, .stiffness = 5e4, .mass = 4, .power = 30};
+  return {.force = 100, .blow = 200, .first = 500ms, .stiffness = 5e4, .mass = 4, .power = 30};
 }
 Separation separation() {
-  return {.body_speed = 1.6, .reaction = 0.1, .deceleration = 3, .margin = 0.15};
+  return {.body_speed = 1.6, .reaction = 100ms, .deceleration = 3, .margin = 0.15};
 }
 template <class Limits, class Change>
 std::string refusal(Limits limits, Change&& change) {

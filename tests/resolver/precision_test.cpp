@@ -15,9 +15,9 @@ namespace {
 // A push, through a robot that does what is declared, in scalar T: where the virtual robot ends.
 template <Interface I, class T>
 JointPosition<6, T> pushed() {
-  ResolverConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(40)), .period = 8_ms, .delay = 8_ms, .lag = T(1) / T(64)};
-  for (auto& b : c.shape.viscous) b = T(8);
+  RobotConfiguration<6, T> c{
+      .limits = limits_of<ur5::Description, T>(T(40)), .period = 8ms, .delay = 8ms, .lag = 1s / T(64)};
+  for (auto& b : c.viscous_friction) b = T(8);
   const Resolver<I, ur5::Model, T> robot(ur5::Model{}, c);
   State<6, T> s;
   s.q = {T(0.125), T(-1.5), T(1.25), T(-1), T(-1.5), T(0.25)};
@@ -26,7 +26,7 @@ JointPosition<6, T> pushed() {
   std::array<Pushed<6, T>, max_substeps> pushes;
   pushes.fill({{T(5), T(-4), T(2), T(0.25), T(0.125), T(0.0625)}});
   for (int k = 1; k <= 60; ++k) {
-    s.time = k * 8_ms;
+    s.time = k * 8ms;
     s.q = m.under_way.reached;
     robot.step(m, Yield{}, law, s, robot.interval(m, s.time), std::span<const Pushed<6, T>>(pushes));
   }

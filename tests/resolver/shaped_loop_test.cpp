@@ -5,7 +5,7 @@
 #include <random>
 
 #include "skinctl/passivity/contact_stability.hpp"
-#include "skinctl/resolver/tool_shape.hpp"
+#include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/testing/closed_loop.hpp"
 
 using namespace skinctl;
@@ -21,8 +21,8 @@ Shape::Settings settings() {
           .mass = Shape::diagonal({6, 8, 5, 0.3, 0.4, 0.25}),
           .damping = Shape::diagonal({60, 20, 40, 2, 3, 1})};
 }
-ResolverConfiguration<6> configuration(Nanoseconds period) {
-  return {.limits = limits_of<ur5::Description>(200.0), .period = period, .delay = 8_ms, .lag = 0.008};
+RobotConfiguration<6> configuration(Nanoseconds period) {
+  return {.limits = limits_of<ur5::Description>(200.0), .period = period, .delay = 8ms, .lag = 8ms};
 }
 // Rows of the tool's Jacobian.
 struct Rows {
@@ -80,7 +80,7 @@ TEST_CASE(
   const Shape shape(settings());
   const JointPosition<6> q0{0.1, -1.2, 1.4, -1.0, 1.2, 0.3};
   const Rows J(q0);
-  for (const Nanoseconds period : {8_ms, 2_ms})
+  for (const Nanoseconds period : {8ms, 2ms})
     for (std::size_t way = 0; way < 6; ++way) {
       Loop loop(shape, period, q0);
       const double w = 0.05 / loop.robot.total_delay(), cycle = 2 * M_PI / w, dt = seconds<double>(period);
@@ -131,7 +131,7 @@ TEST_CASE(
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int k = 0; k < 8; ++k) {
     const JointPosition<6> q0{0.1, -1.2, 0.02 * unit(rng), 0.4, k % 2 == 0 ? 0.0 : -1.5, 0.2};
-    Loop loop(shape, 4_ms, q0);
+    Loop loop(shape, 4ms, q0);
     const Rows J(q0);
     std::array<double, 6> tau{};
     for (std::size_t way = 0; way < 3; ++way) {
@@ -146,7 +146,7 @@ TEST_CASE(
     JointVelocity<6> before{};
     double fastest = 0;
     bool finite = true, steady = true, regular = true;
-    while (loop.now < 6_s) {
+    while (loop.now < 6s) {
       const auto out = loop.step(push);
       for (std::size_t i = 0; i < 6; ++i) {
         finite = finite && std::isfinite(out.command.position[i]);
@@ -172,7 +172,7 @@ TEST_CASE("Resolver shaped at the tool: the stiffest contact is known for it too
   s.damping = Shape::diagonal({4000, 4000, 4000, 100, 100, 100});
   s.lightest = 0.01;
   const Shape shape(s);
-  const auto c = configuration(8_ms);
+  const auto c = configuration(8ms);
   const JointPosition<6> q{0.1, -1.2, 1.4, -1.0, 1.2, 0.3};
   const ContactStability<ur5::Model, double, Shape> stability(ur5::Model{}, c, {.stiffness = 1e4}, shape);
   const Rows J(q);

@@ -16,26 +16,26 @@ void accept(const S& s) {
 TEST_CASE("JointControlSettings: the defaults work at every usual rate") {
   for (const double rate : {100.0, 125.0, 250.0, 500.0, 1000.0, 4000.0}) {
     CAPTURE(rate);
-    CHECK_NOTHROW(accept({.dt = 1 / rate}));
-    CHECK(S{.dt = 1 / rate}.lambda == doctest::Approx(0.25 * rate));
+    CHECK_NOTHROW(accept({.dt = 1s / rate}));
+    CHECK(S{.dt = 1s / rate}.lambda == doctest::Approx(0.25 * rate));
   }
-  CHECK_NOTHROW(check(JointControlSettings<3, float>{.dt = 0.008f}, 31.25f));
+  CHECK_NOTHROW(check(JointControlSettings<3, float>{.dt = 8ms}, 31.25f));
 }
 
 TEST_CASE("JointControlSettings: gains beyond the bound of sampled time are refused, with number and range") {
   // (14.465 + 31.25 + 1 + 10 * 0.1) * 0.008 = 0.3817
-  CHECK_NOTHROW(accept({.dt = 0.008}));
+  CHECK_NOTHROW(accept({.dt = 8ms}));
   CHECK_THROWS_WITH_AS(
-      accept({.dt = 0.008, .lambda = 50}),
+      accept({.dt = 8ms, .lambda = 50}),
       "skinctl: (K_p + lambda + K_i1 + mu K_i2) dt = 0.531717162, allowed: <= 0.5: lower the gains, "
       "lengthen tb (K_p peaks at 14.5 / tb) or shorten dt",
       ConfigurationError);
-  CHECK_THROWS_AS(accept({.dt = 0.008, .tb = 0.3}), ConfigurationError);  // K_p peaks at 48
-  CHECK_THROWS_AS(accept({.dt = 0.008, .tb = 0, .K_c = 40}), ConfigurationError);
-  CHECK_THROWS_AS(accept({.dt = 0.008, .K_i1 = 20}), ConfigurationError);
-  CHECK_THROWS_AS(accept({.dt = 0.008, .K_i2 = 2}), ConfigurationError);
-  CHECK_THROWS_AS(accept({.dt = 0.008, .mu = 200}), ConfigurationError);
-  CHECK_THROWS_AS(accept({.dt = 0.008, .kappa = 38}), ConfigurationError);  // kappa dt > 0.3
+  CHECK_THROWS_AS(accept({.dt = 8ms, .tb = 300ms}), ConfigurationError);  // K_p peaks at 48
+  CHECK_THROWS_AS(accept({.dt = 8ms, .tb = 0s, .K_c = 40}), ConfigurationError);
+  CHECK_THROWS_AS(accept({.dt = 8ms, .K_i1 = 20}), ConfigurationError);
+  CHECK_THROWS_AS(accept({.dt = 8ms, .K_i2 = 2}), ConfigurationError);
+  CHECK_THROWS_AS(accept({.dt = 8ms, .mu = 200}), ConfigurationError);
+  CHECK_THROWS_AS(accept({.dt = 8ms, .kappa = 38}), ConfigurationError);  // kappa dt > 0.3
 }
 
 TEST_CASE("JointControlSettings: numbers that mean nothing are refused, NaN as well") {
@@ -58,5 +58,5 @@ TEST_CASE("JointControlSettings: numbers that mean nothing are refused, NaN as w
     s.max_velocity[4] = bad;
     CHECK_THROWS_AS(accept(s), ConfigurationError);
   }
-  CHECK_THROWS_WITH_AS(accept({.dt = 0.0}), "skinctl: dt = 0, allowed: > 0 and <= 1 s", ConfigurationError);
+  CHECK_THROWS_WITH_AS(accept({.dt = 0s}), "skinctl: dt = 0, allowed: > 0 and <= 1 s", ConfigurationError);
 }

@@ -65,7 +65,7 @@ TEST_CASE_TEMPLATE("SurfaceBias: begins with what is handed over and ends with n
     CHECK(begin.S_d[j] == b.decaying[j] + b.dv[j]);
     CHECK(begin.dS_d[j] == T(-10) * b.decaying[j] + b.da[j]);
   }
-  b.elapsed = 100_ms;
+  b.elapsed = 100ms;
   CHECK_FALSE(b.hands_over(T(0.1)));
   const auto end = b.at(T(0), T(10), T(0.1));
   for (std::size_t j = 0; j < 3; ++j) CHECK(end.S_d[j] == b.decaying[j]);
@@ -82,8 +82,8 @@ TEST_CASE("SurfaceBias: steps of any length lead along the same curve") {
   Seeded rng(22);
   const auto b = some_bias<double>(rng, 0);
   auto fine = b;
-  for (int i = 0; i < 120; ++i) fine = fine.advanced(0.001, 1_ms, 10);
-  const auto coarse = b.advanced(0.12, 120_ms, 10);
+  for (int i = 0; i < 120; ++i) fine = fine.advanced(0.001, 1ms, 10);
+  const auto coarse = b.advanced(0.12, 120ms, 10);
   const auto ahead = b.at(0.12, 10, 0.1), now = fine.at(0, 10, 0.1), then = coarse.at(0, 10, 0.1);
   for (std::size_t j = 0; j < 3; ++j) {
     CHECK(now.S_d[j] == doctest::Approx(ahead.S_d[j]).epsilon(1e-13));
@@ -95,7 +95,7 @@ TEST_CASE_TEMPLATE("SurfaceBias: what has decayed becomes zero, not a denormal n
   SurfaceBias<2, T> b;
   b.decaying = JointVelocity<2, T>{T(1), T(-1)};
   for (int i = 0; i < 20000; ++i) {
-    b = b.advanced(T(0.001), 1_ms, T(10));
+    b = b.advanced(T(0.001), 1ms, T(10));
     for (const T& x : b.decaying) CHECK((x == T(0) || magnitude(x) > std::numeric_limits<T>::min()));
   }
   CHECK(b.decaying == JointVelocity<2, T>{});

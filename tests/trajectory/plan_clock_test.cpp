@@ -13,8 +13,8 @@ static_assert(std::is_trivially_copyable_v<PlanClock<>>);
 
 TEST_CASE_TEMPLATE("PlanClock: runs with the time until it is stopped", T, float, double) {
   PlanClock<T> clock;
-  for (int i = 0; i < 1000; ++i) clock = clock.advanced(2_ms, T(0.1));
-  CHECK(clock.own == 2_s);
+  for (int i = 0; i < 1000; ++i) clock = clock.advanced(2ms, T(0.1));
+  CHECK(clock.own == 2s);
   CHECK(clock.at(T(0.5), T(0.1)).t == doctest::Approx(2.5));
   CHECK(clock.at(T(0.5), T(0.1)).rate == T(1));
   CHECK(clock.at(T(0.5), T(0.1)).bend == T(0));
@@ -23,7 +23,7 @@ TEST_CASE_TEMPLATE("PlanClock: runs with the time until it is stopped", T, float
 TEST_CASE("PlanClock: stops and starts smoothly, rate and bend being derivatives of own time") {
   const Exact ramp("0.1"), h("1e-12");
   PlanClock<Exact> clock;
-  clock.own = 3_s;
+  clock.own = 3s;
   for (const bool runs : {false, true}) {
     clock = clock.changed(runs, ramp);
     for (int i = 0; i < 30; ++i) {
@@ -33,7 +33,7 @@ TEST_CASE("PlanClock: stops and starts smoothly, rate and bend being derivatives
         CHECK(magnitude((after.rate - before.rate) / (2 * h) - now.bend) < Exact("1e-18"));
       }
       const auto ahead = clock.at(Exact("0.008"), ramp);
-      clock = clock.advanced(8_ms, ramp);
+      clock = clock.advanced(8ms, ramp);
       // own time is whole nanoseconds; the rate goes on exactly
       CHECK(magnitude(clock.at(Exact(0), ramp).t - ahead.t) <= Exact("0.6e-9"));
       CHECK(magnitude(clock.at(Exact(0), ramp).rate - ahead.rate) < Exact("1e-40"));
@@ -45,24 +45,24 @@ TEST_CASE("PlanClock: stops and starts smoothly, rate and bend being derivatives
 TEST_CASE("PlanClock: a stop takes half of the ramp, and a start gives it back") {
   PlanClock<double> clock;
   clock = clock.changed(false, 0.1);
-  for (int i = 0; i < 200; ++i) clock = clock.advanced(1_ms, 0.1);
+  for (int i = 0; i < 200; ++i) clock = clock.advanced(1ms, 0.1);
   CHECK(clock.own == doctest::Approx(50e6).epsilon(1e-6));
   const auto stood = clock.own;
-  for (int i = 0; i < 1000; ++i) clock = clock.advanced(1_ms, 0.1);
+  for (int i = 0; i < 1000; ++i) clock = clock.advanced(1ms, 0.1);
   CHECK(clock.own == stood);
   clock = clock.changed(true, 0.1);
-  for (int i = 0; i < 200; ++i) clock = clock.advanced(1_ms, 0.1);
+  for (int i = 0; i < 200; ++i) clock = clock.advanced(1ms, 0.1);
   CHECK(clock.own - stood == doctest::Approx(150e6).epsilon(1e-6));
 }
 
 TEST_CASE("PlanClock: a change within a change goes on from the rate it has reached") {
   PlanClock<double> clock;
   clock = clock.changed(false, 0.1);
-  for (int i = 0; i < 50; ++i) clock = clock.advanced(1_ms, 0.1);
+  for (int i = 0; i < 50; ++i) clock = clock.advanced(1ms, 0.1);
   const double rate = clock.at(0, 0.1).rate;
   CHECK(rate == doctest::Approx(0.5));
   clock = clock.changed(true, 0.1);
   CHECK(clock.at(0, 0.1).rate == rate);
-  for (int i = 0; i < 100; ++i) clock = clock.advanced(1_ms, 0.1);
+  for (int i = 0; i < 100; ++i) clock = clock.advanced(1ms, 0.1);
   CHECK(clock.at(0, 0.1).rate == 1.0);
 }

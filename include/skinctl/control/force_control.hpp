@@ -27,11 +27,18 @@ struct ForceSettings {
   T mu = T(0.5);       ///< steepness of tanh [1/N]
   T max_velocity = T(0.05);  ///< of the approach, where there is no contact [m/s]
   T max_travel = T(0.3);     ///< the tool goes no further along the direction than this, either way [m]
-  T lag = T(0.01);           ///< of the two lags that smooth the speed [s]
+  Nanoseconds lag = 10ms;    ///< of the two lags that smooth the speed
   /// How much of the contact's own torque the law works against: 1 on a torque interface, where the contact
   /// pushes the very robot that is controlled; 0 where a virtual robot is, which does not feel it.
   T carried = T(0);
 };
+
+/// Settings of force control for this robot.
+template <class Robot>
+[[nodiscard]] ForceSettings<Robot::joints, typename Robot::scalar> force_settings(const Robot& robot) {
+  using T = typename Robot::scalar;
+  return {.pose = operational_settings(robot), .carried = Robot::interface == Interface::torque ? T(1) : T(0)};
+}
 
 /// The paper's ForceCart, after Cartesian sliding PID force/position control (Garcia-Valdovinos et al.,
 /// 2005): with `dF = F_d - F` along the direction n, F from the skin (`touch_on_tool`), the target of an
@@ -80,9 +87,15 @@ class ForceControl : public Composable {
           "max_velocity of the approach", settings.max_velocity, "> 0 and below max_linear_velocity");
     check(settings.max_travel > T(0), "max_travel", settings.max_travel, "> 0 m");
     check(settings.carried >= T(0) && settings.carried <= T(1), "carried", settings.carried, "0 to 1");
-    check(settings.lag > T(0) && settings.lag <= T(10), "lag", settings.lag, "> 0 s");
+    require(settings.lag > 0ns && settings.lag <= 10s, "lag", milliseconds(settings.lag), "> 0 ms, <= 10 s");
   }
+  /// For a described robot: settings follow it.
+  template <DescribedRobot R>
+  ForceControl(const R& robot, const Transform<Link<I>, P, T>& X_LP)
+      : ForceControl(X_LP, force_settings(robot)) {}
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+  /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot.
+  void check_for(const LawTerms<N, T>& robot) const { tracker_.check_for(robot); }
 
   template <class K>
   [[nodiscard]] Memory start(const K& known) const noexcept {
@@ -164,7 +177,7 @@ class ForceControl : public Composable {
     }
     asked = asked / sqrt(T(1) + asked * asked / (s.max_velocity * s.max_velocity));
     if (held || (m.travel * asked > T(0) && detail::magnitude(m.travel) > s.max_travel)) asked = T(0);
-    const T w = T(1) / s.lag;
+    const T w = T(1) / seconds<T>(s.lag);
     m.a = (m.a + w * w * dt * (asked - m.v)) / (T(1) + w * dt * (T(2) + w * dt));
     m.v = m.v + dt * m.a;
     m.travel = m.travel + dt * m.v;
@@ -185,5 +198,8 @@ class ForceControl : public Composable {
   Transform<Link<I>, P, T> X_LP_;
   Settings settings_;
 };
+template <DescribedRobot R, std::size_t I, Frame P>
+ForceControl(const R&, const Transform<Link<I>, P, typename R::scalar>&)
+    -> ForceControl<R::joints, I, P, typename R::scalar>;
 
 SKINCTL_END_NAMESPACE

@@ -70,8 +70,8 @@ class Impedance : public Composable {
     for (const T& d : settings.damping) check(d, "damping");
     for (const T& d : settings.joint_damping) check(d, "joint_damping");
     const auto& s = Space::tracking(settings.space);
-    require(s.hand_over >= T(1e-9) && s.hand_over <= T(1e3), "hand_over", static_cast<double>(s.hand_over),
-            "> 0 s");
+    require(s.hand_over > 0ns && s.hand_over <= 1000s, "hand_over", milliseconds(s.hand_over),
+            "> 0 ms, <= 1000 s");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
   [[nodiscard]] const Space& space() const noexcept { return space_; }
@@ -119,7 +119,7 @@ class Impedance : public Composable {
     JointAcceleration<N, T> a;
     math::Ldlt<N, T>(A).solve(braked, a.data);
     tau -= known.mass() * a;
-    const T left = quintic(seconds<T>(memory.elapsed) / Space::tracking(settings_.space).hand_over).rest;
+    const T left = quintic(seconds<T>(memory.elapsed) / seconds<T>(Space::tracking(settings_.space).hand_over)).rest;
     for (std::size_t i = 0; i < N; ++i) tau[i] = share.feedback * (tau[i] + left * memory.difference[i]);
     if constexpr (G == GravityTerm::included) tau += share.feed_forward * known.gravity();
     return tau;
@@ -147,7 +147,7 @@ class Impedance : public Composable {
   }
   [[nodiscard]] Status status(const Memory& memory) const noexcept {
     Status s;
-    if (seconds<T>(memory.elapsed) < Space::tracking(settings_.space).hand_over) s |= Reason::hand_over;
+    if (memory.elapsed < Space::tracking(settings_.space).hand_over) s |= Reason::hand_over;
     if (memory.held) s |= Reason::opposed;
     return s;
   }
@@ -158,7 +158,7 @@ class Impedance : public Composable {
     const auto old = torque(before, known);
     next.elapsed = clock_end;
     next.difference = old - torque(next, known);
-    next.elapsed = 0;
+    next.elapsed = 0ns;
     for (T& x : next.difference)
       if (!(x - x == T(0))) x = T(0);
   }

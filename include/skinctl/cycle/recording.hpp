@@ -22,7 +22,7 @@ class ByteWriter {
   [[nodiscard]] bool fits(std::size_t n) const noexcept { return bytes_.capacity() - bytes_.size() >= n; }
   template <class V>
   void put(const V& value) noexcept {
-    static_assert(std::is_arithmetic_v<V>);
+    static_assert(std::is_arithmetic_v<V> || std::is_same_v<V, Nanoseconds>);
     const std::size_t at = bytes_.size();
     bytes_.resize(at + sizeof value);  // within the capacity, or this record is not written: see `fits`
     std::memcpy(bytes_.data() + at, &value, sizeof value);
@@ -40,7 +40,7 @@ class ByteReader {
   explicit ByteReader(const std::vector<unsigned char>& bytes) noexcept : bytes_(bytes) {}
   template <class V>
   V get() noexcept {
-    static_assert(std::is_arithmetic_v<V>);
+    static_assert(std::is_arithmetic_v<V> || std::is_same_v<V, Nanoseconds>);
     V value{};
     if (bytes_.size() - at_ < sizeof value) {
       short_ = true;

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Times and thresholds of a blend.
 struct BlendSettings {
-  Nanoseconds ramp = 100_ms;  ///< of the way to other weights
+  Nanoseconds ramp = 100ms;   ///< of the way to other weights
   ContactSettings contact{};  ///< what gates take for a touch
 };
 
@@ -43,6 +43,7 @@ class Blended<Fused<P, L...>> : public Composable {
   static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
   static constexpr bool gated = (false || ... || detail::is_gated<L>);
   /// Whether the sum itself holds what of G is left.
+  static constexpr bool compensates_friction = Fusion::compensates_friction;
   static constexpr bool holds_gravity = Fusion::gravity_laws == 0 && Fusion::tracking_laws > 0;
   static_assert(!holds_gravity || P != Sum::plain, "a plain sum that blends needs a gravity law");
   static constexpr Needs needs = Fusion::needs | Needs{.gravity = holds_gravity};
@@ -70,9 +71,9 @@ class Blended<Fused<P, L...>> : public Composable {
     std::array<double, terms> asked;  ///< weights
     Factors from, to;                 ///< shares before and after the ramp
     Nanoseconds elapsed = clock_end;  ///< since the ramp began
-    Nanoseconds ramp = 0;             ///< its duration
-    Nanoseconds settle = 0;           ///< after it: the feedback of tracking laws that come
-    Nanoseconds next_ramp = 0;        ///< of the next
+    Nanoseconds ramp{};               ///< its duration
+    Nanoseconds settle{};             ///< after it: the feedback of tracking laws that come
+    Nanoseconds next_ramp{};          ///< of the next
     bool waiting = false;             ///< other weights are to be gone to
   };
 
@@ -85,6 +86,10 @@ class Blended<Fused<P, L...>> : public Composable {
       require(usable(i, first[i]), "weight of a law", first[i], "0 to 1e6, and 1 for gravity");
   }
   [[nodiscard]] const Fusion& sum() const noexcept { return sum_; }
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    sum_.check_for(robot);
+  }
   /// The weights that it starts with.
   [[nodiscard]] const std::array<double, terms>& first() const noexcept { return first_; }
   [[nodiscard]] Nanoseconds ramp() const noexcept { return ramp_.duration(); }
@@ -110,12 +115,12 @@ class Blended<Fused<P, L...>> : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> change(const Memory& memory, const K& known,
                                                      const Weights<terms>& weights,
-                                                     Nanoseconds ramp = 0) const noexcept {
+                                                     Nanoseconds ramp = {}) const noexcept {
     for (std::size_t i = 0; i < terms; ++i)
       if (!usable(i, weights.of[i])) return {memory, Reason::goal_refused};
     Memory next = memory;
     next.asked = weights.of;
-    next.next_ramp = ramp > 0 ? ramp : ramp_.duration();
+    next.next_ramp = ramp > 0ns ? ramp : ramp_.duration();
     next.waiting = true;
     return {moves(memory) ? next : begun(next, known), {}};
   }
@@ -158,7 +163,7 @@ class Blended<Fused<P, L...>> : public Composable {
   [[nodiscard]] static Factors factors(const Memory& memory) noexcept {
     if (!moves(memory)) return memory.to;
     const auto part = [](Nanoseconds t, Nanoseconds of) {
-      return static_cast<double>(t) / static_cast<double>(of);
+      return static_cast<double>(t.count()) / static_cast<double>(of.count());
     };
     const auto way = quintic(part(memory.elapsed, memory.ramp));
     const double late =
@@ -193,7 +198,7 @@ class Blended<Fused<P, L...>> : public Composable {
     return memory;
   }
   /// Whether the feedback of tracking laws that come takes time of its own after the ramp.
-  [[nodiscard]] static bool settles(const Memory& memory) noexcept { return memory.settle > 0; }
+  [[nodiscard]] static bool settles(const Memory& memory) noexcept { return memory.settle > 0ns; }
   /// How long the change that has begun lasts.
   static void set_times(Memory& memory, Nanoseconds ramp, Nanoseconds settle) noexcept {
     memory.ramp = ramp;
@@ -205,7 +210,7 @@ class Blended<Fused<P, L...>> : public Composable {
   }
   /// The feedback of tracking laws that come begins once more, if it has.
   static void settle_again(Memory& memory) noexcept {
-    if (settles(memory) && memory.elapsed >= memory.ramp) memory.elapsed = memory.ramp - 1;
+    if (settles(memory) && memory.elapsed >= memory.ramp) memory.elapsed = memory.ramp - 1ns;
   }
   /// Whether the `i`-th law had no share before the change.
   [[nodiscard]] static bool is_new(const Memory& memory, std::size_t i) noexcept {
@@ -276,9 +281,9 @@ class Blended<Fused<P, L...>> : public Composable {
     Memory next = memory;
     next.from = memory.to;
     next.to = target(memory);
-    next.elapsed = 0;
+    next.elapsed = 0ns;
     next.ramp = memory.next_ramp;
-    next.settle = 0;
+    next.settle = 0ns;
     next.waiting = false;
     detail::each_index<terms>([&](auto i) {
       if (!has_share(next.to[i]) || has_share(next.from[i])) return;

@@ -41,6 +41,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   static constexpr bool answers_touch =
       (false || ... || detail::answers_touch<L>);  ///< the skin has a law in it
   static constexpr bool watches = tracking_laws > 0 && answers_touch;
+  static constexpr bool compensates_friction = (false || ... || detail::compensates_friction<L>);
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");
   static constexpr GravityTerm gravity_term =
       gravity_laws > 0 ? GravityTerm::left_out : GravityTerm::included;
@@ -90,6 +91,11 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     return Fused(laws_, weights_, OppositionDetector(settings));
   }
   [[nodiscard]] const std::tuple<L...>& laws() const noexcept { return laws_; }
+  /// Throws `ConfigurationError` where a law's settings are not those of the robot.
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    std::apply([&](const auto&... law) { (detail::check_law_for(law, robot), ...); }, laws_);
+  }
   [[nodiscard]] const std::array<double, terms>& weights() const noexcept { return weights_; }
   [[nodiscard]] const OppositionDetector& detector() const noexcept { return detector_; }
   /// The `I`-th law's part of a memory.

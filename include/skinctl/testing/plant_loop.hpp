@@ -53,7 +53,7 @@ class PlantLoop {
   using Robot = Resolver<Interface::position, ur5::Model, double, CrankNicolson, 128, Keeper>;
 
   struct Setting {
-    Nanoseconds period = 8_ms;
+    Nanoseconds period = 8ms;
     double delay = 0.008;  ///< of commands [s]; a measurement is fresh
     double damping = 0;    ///< contact damping, always [N s/m]
     double observed = 0;   ///< contact damping, by observation [N s/m]
@@ -82,18 +82,18 @@ class PlantLoop {
     for (std::size_t i = 0; i < 6; ++i) lean_.push[i] = s.lean * contact_.row[i];
     if (s.lean > 0) lean_.spring = {30, 30, 18, 3, 3, 1.5};
     lean_.pose = s.q;
-    State<6> measured = measure(0);
+    State<6> measured = measure(0ns);
     memory_ = robot_.start(measured);
   }
 
-  static ResolverConfiguration<6> configuration(const Setting& s) {
-    ResolverConfiguration<6> c{
+  static RobotConfiguration<6> configuration(const Setting& s) {
+    RobotConfiguration<6> c{
         .limits = limits_of<ur5::Description>(100.0), .period = s.period, .delay = nanoseconds(s.delay)};
-    c.lag = servo_lag;
-    c.shape.decay = s.decay;
-    c.shape.viscous = JointTorque<6>(s.viscous);
+    c.lag = nanoseconds(servo_lag);
+    c.virtual_damping = s.decay;
+    c.viscous_friction = JointTorque<6>(s.viscous);
     c.dead_band = JointPosition<6>::constant(0.02);
-    if (s.lead) c.lead = s.delay + servo_lag + 0.5 * seconds<double>(s.period);
+    if (s.lead) c.lead = nanoseconds(s.delay + servo_lag) + s.period / 2;
     return c;
   }
   /// The row of the contact at the start.
@@ -112,7 +112,7 @@ class PlantLoop {
         return setting_.quantised ? quantum * std::round(f / quantum) : f;
       };
       samples_.push_back({next_sample_, {rounded(felt_[0]), rounded(felt_[1]), rounded(felt_[2])}});
-      next_sample_ += 1_ms;
+      next_sample_ += 1ms;
     }
     if (now >= next_) cycle(next_);
     double x[3], v[3], R[9];
@@ -140,7 +140,7 @@ class PlantLoop {
   }
   void cycle(Nanoseconds now) {
     next_ = now + setting_.period;
-    if (!setting_.yields || now == 0) return;
+    if (!setting_.yields || now == 0ns) return;
     const auto interval = robot_.interval(memory_, now);
     Wrenches parts[max_substeps];
     for (unsigned j = 0; j < interval.substeps; ++j) {
@@ -176,7 +176,7 @@ class PlantLoop {
   Law::Memory law_memory_{};
   Contact<6> contact_;
   double start_[3], outward_[3], felt_[3] = {};
-  Nanoseconds next_ = 0, next_sample_ = 0;
+  Nanoseconds next_{}, next_sample_{};
   std::vector<std::pair<Nanoseconds, Xyz<double>>> samples_;
   std::deque<std::pair<double, std::array<double, 6>>> under_way_;
 };

@@ -34,11 +34,11 @@ inline constexpr double skilled_decay = 6;
 template <class T>
 JointControlSettings<6, T> skilled_settings(const T& dt) {
   JointControlSettings<6, T> s;
-  s.dt = dt;
+  s.dt = nanoseconds(dt);
   s.lambda = T(0.2) / dt > T(60) ? T(60) : T(T(0.2) / dt);
   s.K_c = T(8);
-  s.tb = T(4);
-  s.shape.decay = T(skilled_decay);
+  s.tb = 4s;
+  s.virtual_dynamics.damping = T(skilled_decay);
   return s;
 }
 

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Scalar T = double>
 struct JointGoal {
   JointPosition<N, T> q_g;
-  Nanoseconds duration = 0;  ///< from the moment of reception; 0: as long as `max_velocity` asks for
+  Nanoseconds duration{};  ///< from the moment of reception; 0: as long as `max_velocity` asks for
 };
 
 /// The joints as the coordinates of a tracking law: what `Tracking` asks of a space, at no cost.
@@ -39,6 +39,10 @@ class JointSpace {
   static constexpr Needs needs = {};
   using scalar = T;
   using Settings = JointControlSettings<N, T>;
+  template <class Robot>
+  [[nodiscard]] static Settings settings_of(const Robot& robot) {
+    return tracking_settings(robot);
+  }
   using Surface = SlidingSurface<N, T>;
   using Reference = JointReference<N, T>;
   using Inputs = SurfaceInputs<N, T>;

@@ -20,7 +20,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
   if (request.kind == static_cast<unsigned char>(Kind::goal)) {
     if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
     deliver(out.memory, known, request, out.status);
-    out.memory.held = 0;
+    out.memory.held = 0ns;
     if (memory.phase == Phase::finished) out.memory.phase = Phase::running;
     return out;
   }
@@ -96,7 +96,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
   m.commanded = m.commanded.then(next.switches);
   m.reported.which &= ~next.switches.which;  // an old report says nothing about what is only beginning
   m.phase = Phase::loading;
-  m.since = m.held = 0;
+  m.since = m.held = 0ns;
   return out;
 }
 
@@ -159,7 +159,7 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
   m.touch = std::sqrt(square);
   if (m.phase == Phase::failed || m.phase == Phase::finished) return;
   if (c.most_touch > 0 && m.touch > c.most_touch) return end(m, Phase::failed, 0);
-  if (c.timeout > 0 && m.since >= c.timeout) return end(m, Phase::failed, 0);
+  if (c.timeout > 0ns && m.since >= c.timeout) return end(m, Phase::failed, 0);
   if (m.phase == Phase::loading || c.finish == Finish::never) return;
   bool holds = true;
   if (c.finish == Finish::switched) {
@@ -175,7 +175,7 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
                   settled(std::get<i.value>(blend_.sum().laws()), Blend::template memory<i.value>(m.blend),
                           known, static_cast<typename K::scalar>(c.still));
     });
-  m.held = holds ? later(m.held, dt) : 0;
+  m.held = holds ? later(m.held, dt) : 0ns;
   if (holds && m.held >= c.hold) end(m, Phase::finished, s.next);
 }
 

@@ -1,4 +1,4 @@
-#include "skinctl/resolver/configuration.hpp"
+#include "skinctl/robot/robot_configuration.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,16 +14,16 @@ namespace {
 // What a resolver builds from its configuration, whatever its model.
 using Joints = detail::VirtualJoints<Interface::position, 6, double, 32>;
 
-ResolverConfiguration<6> configuration() {
-  ResolverConfiguration<6> c{
-      .limits = limits_of<ur5::Description>(40.0), .period = 8_ms, .delay = 8_ms, .lag = 0.008};
-  c.shape.viscous = {20, 20, 10, 2, 1, 0.5};
+RobotConfiguration<6> configuration() {
+  RobotConfiguration<6> c{
+      .limits = limits_of<ur5::Description>(40.0), .period = 8ms, .delay = 8ms, .lag = 8ms};
+  c.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   return c;
 }
 
 }  // namespace
 
-TEST_CASE("ResolverConfiguration: refuses that cannot work, with the number and the range") {
+TEST_CASE("RobotConfiguration: refuses that cannot work, with the number and the range") {
   const auto refusal = [](auto&& change) -> std::string {
     auto c = configuration();
     change(c);
@@ -38,7 +38,7 @@ TEST_CASE("ResolverConfiguration: refuses that cannot work, with the number and 
   CHECK(refusal([](auto&) {}).empty());
   CHECK(refusal([](auto& c) { c.period = 0; }).find("period [ns] = 0") != std::string::npos);
   CHECK(refusal([](auto& c) { c.delay = -1; }).find("delay") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.delay = 300_ms; }) ==
+  CHECK(refusal([](auto& c) { c.delay = 300ms; }) ==
         "skinctl: delay / period = 37.5, allowed: <= History - 2: commands under way");
   CHECK(refusal([&](auto& c) { c.lag = nan; }).find("lag = nan") != std::string::npos);
   CHECK(refusal([](auto& c) { c.observer = 13; }).find("observer w = 13") !=
@@ -46,26 +46,26 @@ TEST_CASE("ResolverConfiguration: refuses that cannot work, with the number and 
   CHECK(refusal([](auto& c) { c.observer = 12.5; }).empty());
   CHECK(refusal([](auto& c) { c.dead_band[3] = 0; }).find("dead band = 0") != std::string::npos);
   CHECK(refusal([](auto& c) { c.dead_band[3] = 0.2; }).find("leash") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.leash = 1; }).find("leash = 1") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.lead = 0.1; }).find("lead = 0.1") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.max_lead = 1; }).find("leash = 1") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.lead = 100ms; }).find("lead = 0.1") != std::string::npos);
   CHECK(refusal([](auto& c) { c.drift = -1; }).find("drift") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.substep = 50_ms; }).find("sub-step") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.longest_interval = 1_ms; }).find("longest interval") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.substep = 50ms; }).find("sub-step") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.longest_interval = 1ms; }).find("longest interval") != std::string::npos);
   CHECK(refusal([](auto& c) { c.stale_after = 0; }).find("stale after") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.retry = 0; }).find("retry") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.shape.viscous[2] = -3; }).find("viscous friction = -3") != std::string::npos);
-  CHECK(refusal([&](auto& c) { c.shape.coulomb[2] = nan; }).find("Coulomb friction") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.shape.inertia[2] = -1; }).find("added inertia") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.shape.decay = -1; }).find("decay") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.retry = 0s; }).find("retry") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.viscous_friction[2] = -3; }).find("viscous friction = -3") != std::string::npos);
+  CHECK(refusal([&](auto& c) { c.coulomb_friction[2] = nan; }).find("Coulomb friction") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.virtual_inertia[2] = -1; }).find("added inertia") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.virtual_damping = -1; }).find("decay") != std::string::npos);
 }
 
 TEST_CASE("Interval: equal parts that leave out and repeat nothing") {
   const Joints robot(configuration());
-  auto m = robot.start({5_s, {}, {}});
-  for (const Nanoseconds dt : {Nanoseconds(1), 999_us, 2_ms, 2000001_ns, 8_ms, 12345678_ns, 40_ms}) {
-    const auto interval = robot.interval(m, 5_s + dt);
-    CHECK(interval.from == 5_s);
-    CHECK(interval.to == 5_s + dt);
+  auto m = robot.start({5s, {}, {}});
+  for (const Nanoseconds dt : {Nanoseconds(1), 999us, 2ms, 2000001ns, 8ms, 12345678ns, 40ms}) {
+    const auto interval = robot.interval(m, 5s + dt);
+    CHECK(interval.from == 5s);
+    CHECK(interval.to == 5s + dt);
     CHECK(interval.at(0) == interval.from);
     CHECK(interval.at(interval.substeps) == interval.to);
     Nanoseconds least = INT64_MAX, most = 0;
@@ -75,15 +75,15 @@ TEST_CASE("Interval: equal parts that leave out and repeat nothing") {
       most = std::max(most, part);
     }
     CHECK(most - least <= 1);
-    CHECK((most <= 2_ms || interval.substeps == max_substeps));
+    CHECK((most <= 2ms || interval.substeps == max_substeps));
     CHECK_FALSE(interval.status.any());
   }
-  CHECK(robot.interval(m, 5_s).status == Reason::interval_empty);
-  CHECK(robot.interval(m, 5_s).substeps == 0);
-  CHECK(robot.interval(m, 5_s - 1).status == Reason::time_backwards);
+  CHECK(robot.interval(m, 5s).status == Reason::interval_empty);
+  CHECK(robot.interval(m, 5s).substeps == 0);
+  CHECK(robot.interval(m, 5s - 1).status == Reason::time_backwards);
   CHECK(robot.interval(m, INT64_MIN).status == Reason::time_backwards);
   CHECK(robot.interval(m, INT64_MAX).status == Reason::time_backwards);
-  const auto late = robot.interval(m, 7_s);
+  const auto late = robot.interval(m, 7s);
   CHECK(late.status == Reason::interval_too_long);
-  CHECK(late.from == 7_s - 40_ms);
+  CHECK(late.from == 7s - 40ms);
 }

@@ -8,6 +8,7 @@
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/math/ldlt.hpp"
+#include "skinctl/robot/robot_description.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -49,6 +50,7 @@ class ToolShape {
   static_assert(Rows == 3 || Rows == 6, "translation (3), or translation and rotation (6)");
 
  public:
+  using RobotPart = detail::ToolShapePart;
   static constexpr std::size_t link = L;
   static constexpr std::size_t rows = Rows;
   using Matrix = std::array<std::array<T, Rows>, Rows>;
@@ -159,4 +161,4 @@ class ToolShape {
 
 SKINCTL_END_NAMESPACE
 
-#include "skinctl/resolver/detail/tool_terms.hpp"
+#include "skinctl/robot/detail/tool_terms.hpp"

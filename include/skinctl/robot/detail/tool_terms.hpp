@@ -1,7 +1,7 @@
 // What a tool's shape makes of the virtual robot: what tool_shape.hpp declares.
 #pragma once
 
-#include "skinctl/resolver/tool_shape.hpp"
+#include "skinctl/robot/tool_shape.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

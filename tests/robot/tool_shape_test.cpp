@@ -1,4 +1,4 @@
-#include "skinctl/resolver/tool_shape.hpp"
+#include "skinctl/robot/tool_shape.hpp"
 
 #include <doctest/doctest.h>
 
@@ -213,9 +213,9 @@ TEST_CASE("ToolShape: a free tool of one mass flies straight on, without frictio
   const Xyz<double> from = place();
   const double h = 0.001;
   for (int k = 0; k < 500; ++k) {
-    const State<6> state{0, q, v};
+    const State<6> state{0ns, q, v};
     const Quantities<ur5::Model, CrankNicolson::needs | Needs{.gravity = true}> known(model, state, h, none);
-    const auto next = detail::step_velocity<CrankNicolson>(known, VirtualShape<6>{}, false, known.gravity(),
+    const auto next = detail::step_velocity<CrankNicolson>(known, VirtualDynamics<6>{}, false, known.gravity(),
                                                            JointAcceleration<6>{}, last, nullptr, shape);
     REQUIRE_FALSE(next.singular);
     for (std::size_t i = 0; i < 6; ++i) last[i] = (next.velocity[i] - v[i]) / h;

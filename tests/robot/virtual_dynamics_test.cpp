@@ -1,4 +1,4 @@
-#include "skinctl/robot/virtual_shape.hpp"
+#include "skinctl/robot/virtual_dynamics.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 using namespace skinctl;
 using namespace skinctl::testing;
 
-static_assert(std::is_trivially_copyable_v<VirtualShape<6>>);
+static_assert(std::is_trivially_copyable_v<VirtualDynamics<6>>);
 
 namespace {
 
@@ -20,7 +20,7 @@ std::pair<double, double> tracking_error(const SceneSettings& s, bool law_knows)
   settings.lambda = s.lambda;
   settings.K_c = s.K_c;
   settings.tb = s.tb;
-  if (law_knows) settings.shape = shape<double>(s);
+  if (law_knows) settings.virtual_dynamics = shape<double>(s);
   const auto scene =
       make_scene<Interface::position, 260, double>(SplineJoint<6>(settings) + GravityControl{}, s);
   using Scene = std::remove_cvref_t<decltype(scene)>;
@@ -31,14 +31,14 @@ std::pair<double, double> tracking_error(const SceneSettings& s, bool law_knows)
   double worst = 0, last = 0;
   for (int k = 1; k <= 300; ++k) {
     Scene::Input input;
-    input.now = k * 8_ms;
+    input.now = k * 8ms;
     input.measured = state;
     input.measured.time = input.now;
     if (k == 1) {
       input.has_goal = true;
       input.goal.q_g = home_position();
       input.goal.q_g[4] += 0.3;
-      input.goal.duration = 1_s;
+      input.goal.duration = 1s;
     }
     const auto out = scene.step(*memory, input);
     state.q = out.command.position;
@@ -55,7 +55,7 @@ std::pair<double, double> tracking_error(const SceneSettings& s, bool law_knows)
 
 TEST_CASE("shape: a law that knows the virtual robot's friction tracks as if there were none") {
   SceneSettings s;
-  s.decay = 6;
+  s.damping = 6;
   s.viscous = 20;
   const auto [worst, last] = tracking_error(s, true);
   CHECK(worst <= 0.02);
