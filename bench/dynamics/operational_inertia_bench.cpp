@@ -34,7 +34,7 @@ void twin_rows() {
   using Vector = Eigen::Matrix<double, 6, 1>;
   const ur5::Model model;
   bench::row<6>("dynamics/mobility/ur5/eigen/double", [model](const auto& s) {
-    const Matrix J = jacobian<5>(link_poses(model, s.q)).matrix();
+    const Matrix J = as_eigen(jacobian<5>(link_poses(model, s.q)));
     const auto M = mass_matrix(model, s.q);
     return Matrix(J * Eigen::Map<const Matrix>(M.data).ldlt().solve(J.transpose()));
   });

@@ -45,7 +45,7 @@ void twin_rows() {
   using Matrix = Eigen::Matrix<double, 6, 6>;
   using Vector = Eigen::Matrix<double, 6, 1>;
   bench::row<6>("kinematics/damped-inverse/ur5/eigen/double", [](const auto& s) {
-    const Matrix J = jacobian<5>(link_poses(ur5::Model{}, s.q)).matrix();
+    const Matrix J = as_eigen(jacobian<5>(link_poses(ur5::Model{}, s.q)));
     const Matrix A = J.transpose() * J + 0.0064 * Matrix::Identity();
     const Vector b = J.transpose() * Eigen::Map<const Vector>(s.dq.data);
     return Vector(A.ldlt().solve(b));

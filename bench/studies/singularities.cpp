@@ -66,7 +66,7 @@ bool over_the_shoulder(JointPosition<6>& q) {
 Vector6 reachable(const JointPosition<6>& at, const Vector6& asked) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   const auto J = [](const JointPosition<6>& q) {
-    return Matrix6(jacobian<5>(link_poses(model, q), X_LF).matrix());
+    return Matrix6(as_eigen(jacobian<5>(link_poses(model, q), X_LF)));
   };
   const Eigen::JacobiSVD<Matrix6> svd(J(at), Eigen::ComputeFullU | Eigen::ComputeFullV);
   const auto& sigma = svd.singularValues();

@@ -1,5 +1,5 @@
 # The report of a run: a library, its tests, and a look at the page in a real browser.
-add_library(compliant_ur5_report STATIC report.cpp)
+add_library(compliant_ur5_report STATIC arm_picture.cpp report.cpp)
 target_link_libraries(compliant_ur5_report PUBLIC skinctl_program examples_plot)
 
 if(SKINCTL_BUILD_TESTS)

@@ -94,3 +94,14 @@ TEST_CASE("Turn: a quarter by constants is exact and by the right hand") {
   static_assert(turn_back_x(quarter, v) == Xyz<double>{1, 3, -2});
   CHECK(turn_z(quarter, v) == Xyz<double>{-2, 1, 3});
 }
+
+TEST_CASE_TEMPLATE("norm: the length, also where its square underflows or overflows", T, float, double) {
+  CHECK(norm(Xyz<T>{T(3), T(-4), T(12)}) == T(13));
+  CHECK(norm(Xyz<T>{}) == T(0));
+  const T tiny = std::numeric_limits<T>::min(), huge = std::numeric_limits<T>::max() / T(16);
+  CHECK(norm(Xyz<T>{T(3) * tiny, T(4) * tiny, T(0)}) == T(5) * tiny);
+  CHECK(norm(Xyz<T>{T(0), T(3) * huge, T(4) * huge}) == T(5) * huge);
+  const T nan = std::numeric_limits<T>::quiet_NaN();
+  CHECK(std::isnan(norm(Xyz<T>{T(0), T(0), nan})));
+  CHECK(std::isnan(norm(Xyz<T>{nan, T(0), T(0)})));
+}

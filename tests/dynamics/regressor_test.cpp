@@ -92,12 +92,12 @@ TEST_CASE("Regressor: linear in the parameters, and its transpose without formin
     const auto direct = regressor_product(robot.model, at.q, at.dq, at.dq_r, at.ddq, theta);
     CHECK(relative_error(direct, tau, 9) <= 1e-13);
     const Eigen::Matrix<double, 9, 1> dense =
-        Y.matrix() * Eigen::Map<const Eigen::Matrix<double, 90, 1>>(theta.data);
+        as_eigen(Y) * Eigen::Map<const Eigen::Matrix<double, 90, 1>>(theta.data);
     CHECK(relative_error(dense.data(), tau, 9) <= 1e-13);
 
     const auto S_q = at.dq - at.dq_r;
     const auto gradient = regressor_transposed_product(robot.model, at.q, at.dq, at.dq_r, at.ddq, S_q);
-    const Eigen::Matrix<double, 90, 1> expected = Y.matrix().transpose() * as_eigen(S_q);
+    const Eigen::Matrix<double, 90, 1> expected = as_eigen(Y).transpose() * as_eigen(S_q);
     CHECK(relative_error(gradient.data, expected.data(), 90) <= 1e-13);
     CHECK(Y.block(2, 4) == nullptr);  // link 4 does not hang on joint 2
   }

@@ -256,3 +256,21 @@ TEST_CASE_TEMPLATE("Inertia: flat and thin bodies pass from every side, in spite
         ArmInertia<T>::from_parameters((X * ArmInertia<T>::box(T(1), T(0.01), T(0), T(0))).parameters())));
   }
 }
+
+TEST_CASE_TEMPLATE("Inertia: as a 6x6 matrix takes twists to momenta, and comes back", T, float, double) {
+  auto rng = seeded(9);
+  for (int i = 0; i < 50; ++i) {
+    const auto M = random_transform<Arm, Arm>(rng, T(1)) * ArmInertia<T>::box(T(2), T(0.3), T(0.2), T(0.5));
+    const Mat6<T> E = as_eigen(M);
+    CHECK(E == E.transpose());
+    const Twist<Arm, World, Arm, Arm, T> V{random_xyz(rng, T(1)), random_xyz(rng, T(1))};
+    CHECK((E * as_eigen(V) - as_eigen(M * V)).norm() <= tolerance<T>);
+    const auto back = ArmInertia<T>::from_eigen(E);
+    CHECK((as_eigen(back) - E).norm() <= tolerance<T>);
+    const ArmInertia<T> same(M.mass(), as_eigen(M.centre()), as_eigen(M.about_centre()));
+    CHECK(as_eigen(same) == E);
+  }
+  Mat6<T> hollow = Mat6<T>::Identity();
+  hollow(5, 5) = T(9);  // more than the other two moments together
+  CHECK_THROWS_AS(static_cast<void>(ArmInertia<T>::from_eigen(hollow)), ConfigurationError);
+}

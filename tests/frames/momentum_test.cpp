@@ -50,3 +50,19 @@ TEST_CASE_TEMPLATE("Momentum: v . p + omega . l is the same about every point an
     }
   }
 }
+
+TEST_CASE_TEMPLATE("Momentum: to Eigen and back is the same", T, float, double) {
+  using Q = Momentum<Tool, Base, Tool, Base, T>;
+  const Q x{{T(1), T(2), T(3)}, {T(-4), T(5), T(0.5)}};
+  Vec6<T> v;
+  v << T(1), T(2), T(3), T(-4), T(5), T(0.5);
+  CHECK(as_eigen(x) == v);
+  const Q back = Q::from_eigen(as_eigen(x));
+  CHECK(back.linear == x.linear);
+  CHECK(back.angular == x.angular);
+  CHECK(as_eigen(Q::from_eigen(T(2) * v)) == T(2) * v);
+  const Eigen::Matrix<T, Eigen::Dynamic, 1> any = v;
+  CHECK(as_eigen(Q::from_eigen(any)) == v);
+  static_assert(!std::is_assignable_v<Q&, Vec6<T>> && !std::is_convertible_v<Q, Vec6<T>>);
+  static_assert(std::is_trivially_copyable_v<Q> && std::is_aggregate_v<Q>);
+}

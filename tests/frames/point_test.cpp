@@ -66,7 +66,13 @@ TEST_CASE_TEMPLATE("FreeVector: has the products of a vector", T, float, double,
 
 TEST_CASE("Point: Eigen sees the three coordinates") {
   const Vec3<double> v(1, 2, 3);
-  CHECK(as_eigen(Point<World>{as_xyz(v)}) == v);
-  CHECK(as_eigen(FreeVector<World>{as_xyz(v)}) == v);
-  CHECK(as_eigen(Offset<World, Base, Cell>{as_xyz(v)}) == v);
+  CHECK(as_eigen(Point<World>::from_eigen(v)) == v);
+  CHECK(as_eigen(FreeVector<World>::from_eigen(v)) == v);
+  CHECK(as_eigen(Offset<World, Base, Cell>::from_eigen(v)) == v);
+}
+
+TEST_CASE_TEMPLATE("FreeVector: norm and dot", T, float, double) {
+  const FreeVector<World, T> v{{T(2), T(3), T(6)}};
+  CHECK(norm(v) == T(7));
+  CHECK(dot(v, v) == T(49));
 }

@@ -227,3 +227,14 @@ TEST_CASE("Rotation: what is none says so") {
   }
   CHECK(std::isnan(exp_so3(Xyz<double>{nan, 0.0, 0.0}).y.y));
 }
+
+TEST_CASE_TEMPLATE("Rotation: to Eigen and back is the same, columns are the axes", T, float, double) {
+  auto rng = seeded(71);
+  const Rotation<T> R = random_rotation<T>(rng);
+  const Mat3<T> M = as_eigen(R);
+  CHECK(as_xyz(M.col(0)) == R.x);
+  CHECK(as_xyz(M.col(1)) == R.y);
+  CHECK(as_xyz(M.col(2)) == R.z);
+  CHECK(Rotation<T>::from_eigen(M) == R);
+  CHECK(Rotation<T>::from_eigen(M.transpose()) == R.transpose());
+}

@@ -130,7 +130,7 @@ TEST_CASE_TEMPLATE("Transform: is Eigen's isometry, there and back", T, float, d
   for (int i = 0; i < 100; ++i) {
     const auto X_WB = random_transform<World, Base>(rng, T(1));
     const auto X_BC = random_transform<Base, Cell>(rng, T(1));
-    const Isometry E_WB = X_WB.template to<Isometry>(), E_BC = X_BC.template to<Isometry>();
+    const Isometry E_WB = as_eigen(X_WB), E_BC = as_eigen(X_BC);
     CHECK(Transform<World, Base, T>(E_WB) == X_WB);
     CHECK(Transform<World, Base, T>(X_WB.rotation(), X_WB.translation()) == X_WB);
     const Isometry E_WC = E_WB * E_BC;
@@ -263,7 +263,7 @@ TEST_CASE("Transform: nothing of it allocates") {
   const auto X_BC = random_transform<Base, Cell>(rng, 1.0);
   const AllocationGuard guard;
   const auto X_WC = X_WB * X_BC;
-  const auto E = X_WC.to<Eigen::Isometry3d>();
+  const auto E = as_eigen(X_WC);
   const auto back = Transform<World, Cell>(E).inverse().normalised();
   const auto phi = log_so3(exp_so3(log_so3(back.axes())));
   const auto count = guard.count();

@@ -146,3 +146,19 @@ TEST_CASE_TEMPLATE("Wrench: equal ones form a vector space, force first", T, flo
   CHECK(same.moment == F.moment);
   CHECK(difference(F.template cast<Exact>().template cast<T>(), F) == T(0));
 }
+
+TEST_CASE_TEMPLATE("Wrench: to Eigen and back is the same", T, float, double) {
+  using Q = Wrench<Tool, Tool, Base, T>;
+  const Q x{{T(1), T(2), T(3)}, {T(-4), T(5), T(0.5)}};
+  Vec6<T> v;
+  v << T(1), T(2), T(3), T(-4), T(5), T(0.5);
+  CHECK(as_eigen(x) == v);
+  const Q back = Q::from_eigen(as_eigen(x));
+  CHECK(back.force == x.force);
+  CHECK(back.moment == x.moment);
+  CHECK(as_eigen(Q::from_eigen(T(2) * v)) == T(2) * v);
+  const Eigen::Matrix<T, Eigen::Dynamic, 1> any = v;
+  CHECK(as_eigen(Q::from_eigen(any)) == v);
+  static_assert(!std::is_assignable_v<Q&, Vec6<T>> && !std::is_convertible_v<Q, Vec6<T>>);
+  static_assert(std::is_trivially_copyable_v<Q> && std::is_aggregate_v<Q>);
+}

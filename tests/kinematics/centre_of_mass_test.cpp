@@ -37,7 +37,7 @@ TEST_CASE(
       const double p[3] = {com.p.xyz.x, com.p.xyz.y, com.p.xyz.z};
       worst = std::max(worst, relative_error(p, moment, 3));
 
-      const auto J = com.matrix();
+      const auto J = as_eigen(com);
       const auto& g = robot.table.gravity;
       const Eigen::Matrix<double, int(N), 1> G =
           -com.mass * J.transpose() * Eigen::Vector3d(g[0], g[1], g[2]);
@@ -71,5 +71,5 @@ TEST_CASE("CentreOfMass: float errs by rounding, and a robot without mass has no
   }
   const auto nothing = centre_of_mass(ur5::Calibrated<>(links), at.q);
   CHECK(nothing.mass == 0);
-  CHECK(nothing.matrix().norm() == 0);
+  CHECK(as_eigen(nothing).norm() == 0);
 }

@@ -65,7 +65,7 @@ TEST_CASE_TEMPLATE("DampedInverse: away from singularities it is the inverse, un
     const auto J = ur5_jacobian(at.q);
     const auto inverse = damped_inverse(J, SingularityDamping<T>());
     using std::abs;
-    const double det = std::abs(J.matrix().template cast<double>().determinant());
+    const double det = std::abs(as_eigen(J).template cast<double>().determinant());
     CHECK(std::abs(static_cast<double>(inverse.manipulability()) - det) <= 0.02 * 0.01 + 1e-3 * det);
     CHECK((inverse.damping() == 0) == (inverse.manipulability() >= static_cast<T>(0.004)));
     if (inverse.damping() > 0) continue;
@@ -90,8 +90,8 @@ TEST_CASE_TEMPLATE("DampedInverse: at singularities bounded, and reachable direc
       for (int k = 0; k < 20; ++k) {
         const Motion<6, T> at(random);
         const Speed<T> asked{{at.dq[0], at.dq[1], at.dq[2]}, {at.dq[3], at.dq[4], at.dq[5]}};
-        const double gain =
-            as_eigen(inverse.solve(asked)).norm() / static_cast<double>(as_eigen(asked).norm());
+        const auto dq = inverse.solve(asked);
+        const double gain = as_eigen(dq).norm() / static_cast<double>(as_eigen(asked).norm());
         CHECK(gain <= 80);
         // What the joints can do, they do to more than a tenth: along J dq.
         const Speed<T> possible = J * at.dq;
@@ -156,7 +156,7 @@ TEST_CASE("DampedInverse: seven joints take the least speed, four the least erro
     const auto J = jacobian_at(at.q);
     const auto inverse = damped_inverse(J, damping);
     CHECK(inverse.damping() > 0);
-    const Eigen::Matrix<double, 6, int(N)> dense = J.matrix();
+    const Eigen::Matrix<double, 6, int(N)> dense = as_eigen(J);
     const Eigen::Matrix<double, int(N), int(N)> A_inverse =
         (dense.transpose() * dense +
          inverse.damping() * inverse.damping() * Eigen::Matrix<double, int(N), int(N)>::Identity())
@@ -184,7 +184,7 @@ TEST_CASE("DampedInverse: of a position it takes the linear rows, and finds a lo
     const Motion<6> at(random);
     const auto J = ur5_jacobian(at.q);
     const auto inverse = damped_inverse<Task::position>(J, SingularityDamping<double>(1e-4, 0.08));
-    const Eigen::Matrix<double, 3, 6> J_v = J.matrix().topRows<3>();
+    const Eigen::Matrix<double, 3, 6> J_v = as_eigen(J).topRows<3>();
     const Eigen::Matrix3d A = J_v * J_v.transpose();
     CHECK(inverse.manipulability() == doctest::Approx(std::sqrt(A.determinant())).epsilon(1e-9));
     if (inverse.damping() > 0) continue;
@@ -204,7 +204,7 @@ TEST_CASE("DampedInverse: of a position it takes the linear rows, and finds a lo
     const auto asked = [&](double t) {
       const auto moved = ur5_jacobian(integrate(at.q, at.dq, t));
       return damped_inverse<Task::position>(moved, SingularityDamping<double>(0.5, 0.1))
-          .solve({v.linear + t * a.linear, {}});
+          .solve(Speed<double>{v.linear + t * a.linear, {}});
     };
     const double h = 1e-5;
     const auto change = asked(h) - asked(-h);

@@ -36,7 +36,7 @@ TEST_CASE("Jacobian: of every link, KDL, MuJoCo and the definition agree") {
         const double c = std::cos(robot.turn[i.value]), s = std::sin(robot.turn[i.value]);
         const auto X_LC =
             Transform<Link<i.value>, Cell>::translation_xyz(c * p[0] + s * p[1], c * p[1] - s * p[0], p[2]);
-        const Eigen::Matrix<double, 6, int(N)> J = jacobian<i.value>(poses, X_LC).matrix();
+        const Eigen::Matrix<double, 6, int(N)> J = as_eigen(jacobian<i.value>(poses, X_LC));
         double expected[6 * N];
         const auto note = [&](const auto& row_major) {
           for (std::size_t r = 0; r < 6; ++r)
@@ -64,7 +64,7 @@ TEST_CASE("Jacobian: it is the slope of the pose, by difference quotients in 50 
   const Motion<6, Wide> at(random);
   const auto poses = link_poses(model, at.q);
   const auto X_LF = Transform<Link<5>, Flange, Wide>::translation_xyz(Wide(0.1), Wide(0.02), Wide(0.3));
-  const auto J = jacobian<5>(poses, X_LF).matrix();
+  const auto J = as_eigen(jacobian<5>(poses, X_LF));
   const Wide h("1e-16");
   for (std::size_t j = 0; j < 6; ++j) {
     auto q_plus = at.q, q_minus = at.q;
@@ -96,4 +96,16 @@ TEST_CASE("Jacobian: power in joints is power at the body, and zero columns are 
     CHECK(tau[2] == 0);
     CHECK(tau[5] == 0);
   }
+}
+
+TEST_CASE_TEMPLATE("jacobian: to Eigen and back is the same; J ddq is an acceleration", T, float, double) {
+  const JointPosition<6, T> q{T(0), T(-1), T(1), T(-2), T(-1), T(0)};
+  const auto J = jacobian<3>(link_poses(ur5::Model{}, q));
+  using J_BL = std::remove_cvref_t<decltype(J)>;
+  const auto E = as_eigen(J);
+  CHECK(E.rightCols(2).norm() == T(0));
+  CHECK(as_eigen(J_BL::from_eigen(E)) == E);
+  const JointAcceleration<6, T> ddq{T(1), T(2), T(3), T(4), T(5), T(6)};
+  const Acceleration<Link<3>, Base, Link<3>, Base, T> a = J * ddq;
+  CHECK((E * as_eigen(ddq) - as_eigen(a)).norm() <= tolerance<T> * as_eigen(a).norm());
 }

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <string>
+
 #include <boost/hana/at_key.hpp>
 #include <boost/hana/size.hpp>
 #include <boost/hana/union.hpp>

@@ -189,8 +189,8 @@ TEST_CASE("OperationalSpace: of a position, the null space rests, goes on, or fi
   const auto rest = run(damped, x, goal, 0.004, 3), on = run(make<Free>(settings), x, goal, 0.004, 3);
   CHECK(rest.position < 1e-5);
   CHECK(on.position < 1e-4);
-  CHECK(as_eigen(JointVelocity<6>(rest.state.dq)).norm() < 1e-3);
-  CHECK(as_eigen(JointVelocity<6>(on.state.dq)).norm() > 0.2);
+  CHECK(as_eigen(rest.state.dq).norm() < 1e-3);
+  CHECK(as_eigen(on.state.dq).norm() > 0.2);
 
   const JointPosition<6> posture{0.3, -1.2, 1.4, -1.0, -1.0, 0.8};
   const Posed posed(

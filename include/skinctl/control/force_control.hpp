@@ -106,7 +106,7 @@ class ForceControl : public Composable {
   /// The new direction and force; the target moves on from where it is. Refused if not finite or negative.
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K&, const Goal& goal) const noexcept {
-    const T size = detail::length(goal.direction);
+    const T size = norm(goal.direction);
     const T sum = size + goal.force;
     if (!(sum - sum == T(0)) || goal.force < T(0)) return {memory, Reason::goal_refused};
     Received<Memory> out{memory, {}};

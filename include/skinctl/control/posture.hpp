@@ -37,9 +37,8 @@ class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, I, P, T, What>>
       const T pull = w_ * w_ * (known.q()[i] - posture_[i]);
       a[i] = -limit_ * pull / (limit_ + detail::magnitude(pull)) - T(2) * w_ * known.dq()[i];
     }
-    const auto seen = inverse.solve(J * JointVelocity<N, T>::generate([&](std::size_t i) { return a[i]; }));
-    for (std::size_t i = 0; i < N; ++i) a[i] = a[i] - seen[i];
-    return known.mass() * a;
+    const auto seen = inverse.solve(J * a);
+    return known.mass() * (a - seen);
   }
 
  private:

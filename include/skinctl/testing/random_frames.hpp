@@ -52,11 +52,6 @@ Xyz<T> random_xyz(Random& rng, const T& reach) {
   return {reach * x, reach * y, reach * z};
 }
 template <class T>
-T norm(const Xyz<T>& v) {
-  using std::sqrt;
-  return sqrt(dot(v, v));
-}
-template <class T>
 Xyz<T> random_direction(Random& rng) {
   for (;;) {
     const Xyz<T> v = random_xyz(rng, T(1));

@@ -100,10 +100,10 @@ auto reaching_scene(const SceneSettings& s = {}) {
 template <class T = double>
 class StiffJoints {
  public:
-  StiffJoints(const JointPosition<6, T>& q, Nanoseconds delay, double lag, Nanoseconds step = 1ms)
+  StiffJoints(const JointPosition<6, T>& q, Nanoseconds delay, Nanoseconds lag, Nanoseconds step = 1ms)
       : step_(step),
         delay_(delay),
-        alpha_(lag > 0 ? T(1 - std::exp(-seconds<double>(step) / lag)) : T(1)) {
+        alpha_(lag > 0ns ? T(1 - std::exp(-seconds<double>(step) / seconds<double>(lag))) : T(1)) {
     state_.q = q;
     target_ = q;
   }

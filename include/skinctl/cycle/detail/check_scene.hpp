@@ -51,7 +51,7 @@ consteval SkinFault fault_in_skin() {
     using Other = typename Wrenches::model_type;
     if (!std::same_as<typename Wrenches::scalar, typename Robot::scalar>) return SkinFault::other_scalar;
     if (Other::joints != Robot::joints) return SkinFault::other_joints;
-    return std::same_as<Other, model_of<Robot>> ? SkinFault::none : SkinFault::other_model;
+    return std::is_base_of_v<Other, model_of<Robot>> ? SkinFault::none : SkinFault::other_model;
   } else {
     return SkinFault::none;
   }
