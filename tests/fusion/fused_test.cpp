@@ -100,6 +100,18 @@ TEST_CASE("Fused: a tracking law of two parts is weighed as one of one function,
   check_alike(0.7 * told_one + SkinJointControl(), 0.7 * one + SkinJointControl());
 }
 
+TEST_CASE("Fused: settled when all of its laws are") {
+  const SplineJoint<6> reach({.dt = 2ms});
+  const auto law = reach + GravityControl();
+  const KnownTo<decltype(law)> known(model, pose, 0.002, Skinned<double>{});
+  auto memory = law.start(known);
+  CHECK(settled(law, memory, known, 0.01));
+  memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>{}, 5s}).memory;
+  for (int k = 0; k < 100; ++k) memory = law.advance(memory, known, 0.002, Opposition::none);
+  CHECK_FALSE(settled(law, memory, known, 0.01));
+  CHECK_FALSE(settled(reach, law.memory<0>(memory), known, 0.01));
+}
+
 TEST_CASE("Fused: is a law, and its memory can be copied byte by byte") {
   const SplineJoint<6> reach({.dt = 2ms});
   const SkinJointControl skin;

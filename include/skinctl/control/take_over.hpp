@@ -91,7 +91,7 @@ class TakeOver : public detail::GoalOfLaw<L> {
   template <class K>
   [[nodiscard]] Memory from(const typename L::Memory& next, const K& known,
                             const JointTorque<N, T>& before) const noexcept {
-    Memory memory{next, before - torque_of(law_, next, known), 0};
+    Memory memory{next, before - torque_of(law_, next, known), Nanoseconds{}};
     for (T& x : memory.difference)
       if (!(x - x == T(0))) x = T(0);
     return memory;
