@@ -82,7 +82,8 @@ struct InParts : StatelessLaw<InParts> {
 };
 template <class A, class B>
 void check_alike(const A& told, const B& in_parts) {
-  const auto a = evaluated(told), b = evaluated(in_parts);
+  const auto a = evaluated(told);
+  const auto b = evaluated(in_parts);
   for (std::size_t i = 0; i < A::terms; ++i) CHECK(largest(a.shares[i] - b.shares[i]) < 1e-9);
   CHECK(largest(a.torque - b.torque) < 1e-9);
 }
