@@ -64,7 +64,7 @@ void time_base() {
     std::printf("%8g", tb);
     for (const double rate : {125.0, 500.0, 1000.0}) {
       const double dt = 1 / rate, x0 = std::min(2.0, 0.9 * tb / 1.886);
-      JointControlSettings<6> s{.dt = nanoseconds(dt), .K_i1 = 0, .K_i2 = 0, .tb = tb};
+      JointControlSettings<6> s{.dt = nanoseconds(dt), .K_i1 = 0, .K_i2 = 0, .tb = nanoseconds(tb)};
       const double peak = GainSchedule<double>(s.K_c, s.base, s.settle).largest(tb);
       s.lambda = 0.49 / dt - peak;
       if (s.lambda < 5) {

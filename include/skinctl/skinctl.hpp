@@ -33,6 +33,7 @@
 #include "skinctl/core/status.hpp"
 #include "skinctl/core/time.hpp"
 #include "skinctl/core/triple.hpp"
+#include "skinctl/core/version.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"

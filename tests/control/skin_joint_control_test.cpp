@@ -3,7 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/model/ur5.hpp"
-#include "tests/trajectory/exact.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -18,7 +19,8 @@ static_assert(Law<SkinJointControl, KnownTo<float, NoTouch>>);
 static_assert(SkinJointControl::role == Role::reactive && SkinJointControl::needs.touch);
 }  // namespace
 
-TEST_CASE_TEMPLATE("SkinJointControl: does the work of the wrenches on the links", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("SkinJointControl: does the work of the wrenches on the links", T, float, double,
+                   Digits50) {
   const ur5::Model model;
   Seeded rng(60);
   for (int k = 0; k < 20; ++k) {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -76,7 +76,8 @@ class Tape {
   Nanoseconds time(Nanoseconds now, Nanoseconds back) {
     constexpr Nanoseconds special[] = {Nanoseconds::min(), Nanoseconds::max(), 0ns, -1ns};
     const auto [content, bits] = next();
-    return content == Content::usual  ? now - Nanoseconds(static_cast<std::int64_t>(bits % std::uint64_t(back.count() + 1)))
+    return content == Content::usual
+               ? now - Nanoseconds(static_cast<std::int64_t>(bits % std::uint64_t(back.count() + 1)))
            : content == Content::bits ? Nanoseconds(static_cast<std::int64_t>(bits))
                                       : special[bits % 4];
   }

@@ -221,8 +221,7 @@ TEST_CASE_TEMPLATE("Guard: a clock that goes back brakes, one that stands repeat
   CHECK(out.status == Reason::interval_empty);
   CHECK_FALSE(out.altered);
   CHECK(out.command.position == last.position);
-  for (const Nanoseconds wrong :
-       {m.now - 1, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
+  for (const Nanoseconds wrong : {m.now - 1, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
     auto memory = m.memory;
     out = m.guard.pass(memory, command<T>(wrong, m.q, m.u), at<T>(wrong, m.q), wrong);
     CHECK(out.status.has(Reason::time_backwards));
@@ -450,8 +449,7 @@ TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consen
   // Consent does not help while the fault is still there.
   auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
   guard.acknowledge(memory);
-  CHECK(
-      guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms, {}, Reason::contact_force).altered);
+  CHECK(guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms, {}, Reason::contact_force).altered);
   CHECK(guard.waits(memory));
 }
 

@@ -84,9 +84,9 @@ Pressed press(const M& model, const JointPosition<M::joints>& q, const Patch<I, 
 
   const Skin<M, double, Patch<I, 1>> skin(patch);
   auto memory = skin.start(0);
-  const CellSample sample{.time = 2_ms, .cell = 1, .force = {0.3f, 0.3f, 0.3f}};
+  const CellSample sample{.time = 2ms, .cell = 1, .force = {0.3f, 0.3f, 0.3f}};
   typename Skin<M, double, Patch<I, 1>>::Wrenches wrenches;
-  skin.receive(memory, {&sample, 1}, 2_ms, 4_ms, 1, &wrenches);
+  skin.receive(memory, {&sample, 1}, 2ms, 4ms, 1, &wrenches);
   const auto ddq = forward_dynamics(model, q, JointVelocity<M::joints>{},
                                     skin_torque(model, q, wrenches) + gravity_torque(model, q))
                        .acceleration;

@@ -33,12 +33,14 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 TEST_CASE("BodyRegion: no number is shipped") {
   CHECK(refusal(region(), [](auto&) {}).empty());
   CHECK(refusal(separation(), [](auto&) {}).empty());
-  double BodyRegion::* const own[] = {&BodyRegion::force, &BodyRegion::blow, &BodyRegion::stiffness, &BodyRegion::mass};
+  double BodyRegion::* const own[] = {&BodyRegion::force, &BodyRegion::blow, &BodyRegion::stiffness,
+                                      &BodyRegion::mass};
   for (const auto field : own) {
     CHECK(!(BodyRegion{}.*field == BodyRegion{}.*field));
     CHECK_FALSE(refusal(region(), [&](auto& r) { r.*field = missing; }).empty());
   }
-  double Separation::* const distances[] = {&Separation::body_speed, &Separation::deceleration, &Separation::margin};
+  double Separation::* const distances[] = {&Separation::body_speed, &Separation::deceleration,
+                                            &Separation::margin};
   for (const auto field : distances) {
     CHECK(!(Separation{}.*field == Separation{}.*field));
     CHECK_FALSE(refusal(separation(), [&](auto& s) { s.*field = missing; }).empty());

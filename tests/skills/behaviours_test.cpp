@@ -2,11 +2,10 @@
 
 #include <doctest/doctest.h>
 
-#include <string>
-
 #include <boost/hana/at_key.hpp>
 #include <boost/hana/size.hpp>
 #include <boost/hana/union.hpp>
+#include <string>
 
 using namespace skinctl;
 namespace hana = boost::hana;

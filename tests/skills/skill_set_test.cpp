@@ -100,7 +100,8 @@ TEST_CASE(
   CHECK(clock > 0ns);
   run.ask(Set::start_skill<Careful>());  // the same controllers: the spline goes on
   run_for(run, 0.1);
-  CHECK(blend(run.memory().blend).plan.clock.own.count() == doctest::Approx(double(clock.count()) + 1e8).epsilon(0.03));
+  CHECK(blend(run.memory().blend).plan.clock.own.count() ==
+        doctest::Approx(double(clock.count()) + 1e8).epsilon(0.03));
   CHECK_FALSE(Set::Blend::loaded(run.memory().blend, 3));
   run_for(run, 0.1);
   run.ask(Set::start_skill<KinestheticJoint>());

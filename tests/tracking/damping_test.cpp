@@ -8,7 +8,7 @@
 #include "skinctl/core/eigen.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "tests/trajectory/exact.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

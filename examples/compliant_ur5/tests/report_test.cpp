@@ -1,6 +1,5 @@
 #include "examples/compliant_ur5/report.hpp"
 
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 #include <unistd.h>
 

@@ -37,7 +37,8 @@ struct ForceSettings {
 template <class Robot>
 [[nodiscard]] ForceSettings<Robot::joints, typename Robot::scalar> force_settings(const Robot& robot) {
   using T = typename Robot::scalar;
-  return {.pose = operational_settings(robot), .carried = Robot::interface == Interface::torque ? T(1) : T(0)};
+  return {.pose = operational_settings(robot),
+          .carried = Robot::interface == Interface::torque ? T(1) : T(0)};
 }
 
 /// The paper's ForceCart, after Cartesian sliding PID force/position control (Garcia-Valdovinos et al.,

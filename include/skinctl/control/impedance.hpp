@@ -119,7 +119,8 @@ class Impedance : public Composable {
     JointAcceleration<N, T> a;
     math::Ldlt<N, T>(A).solve(braked, a.data);
     tau -= known.mass() * a;
-    const T left = quintic(seconds<T>(memory.elapsed) / seconds<T>(Space::tracking(settings_.space).hand_over)).rest;
+    const T left =
+        quintic(seconds<T>(memory.elapsed) / seconds<T>(Space::tracking(settings_.space).hand_over)).rest;
     for (std::size_t i = 0; i < N; ++i) tau[i] = share.feedback * (tau[i] + left * memory.difference[i]);
     if constexpr (G == GravityTerm::included) tau += share.feed_forward * known.gravity();
     return tau;

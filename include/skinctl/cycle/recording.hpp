@@ -179,7 +179,7 @@ class Recording {
   void add(const Input& input, const Command& command) noexcept {
     full_ = full_ || !bytes_.fits(fixed_size + input.samples.size() * sample_size);
     if (full_) return;
-    bytes_.put(input.now);
+    bytes_.put(input.now.count());
     write(input.measured);
     bytes_.put(static_cast<std::uint8_t>(input.request));
     bytes_.put(input.observed.bits());

@@ -9,8 +9,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// When the robot counts as touched, in the norm of the skin's joint torque with its configured weight.
 struct ContactSettings {
-  double on = 1.0;                     ///< touched from above this [N m]
-  double off = 0.5;                    ///< until it has been below this [N m] ...
+  double on = 1.0;                    ///< touched from above this [N m]
+  double off = 0.5;                   ///< until it has been below this [N m] ...
   Nanoseconds release_after = 100ms;  ///< ... for so long
 };
 
@@ -25,8 +25,8 @@ class ContactDetector {
   explicit ContactDetector(const ContactSettings& settings = {}) : settings_(settings) {
     require(settings.off > 0 && settings.off <= 1e9, "contact: off", settings.off, "> 0 N m");
     require(settings.on >= settings.off && settings.on <= 1e9, "contact: on", settings.on, ">= off, in N m");
-    require(settings.release_after >= 0ns, "contact: release_after",
-            seconds<double>(settings.release_after), ">= 0 s");
+    require(settings.release_after >= 0ns, "contact: release_after", seconds<double>(settings.release_after),
+            ">= 0 s");
   }
   [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
 

@@ -12,6 +12,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 namespace skinctl::testing {
 
@@ -143,17 +144,5 @@ class StiffJoints {
   std::deque<Queued> queue_;
   bool blocked_ = false;
 };
-
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr int sanitized = 1;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-inline constexpr int sanitized = 1;
-#else
-inline constexpr int sanitized = 0;
-#endif
-#else
-inline constexpr int sanitized = 0;
-#endif
 
 }  // namespace skinctl::testing
