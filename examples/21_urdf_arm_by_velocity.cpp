@@ -35,12 +35,12 @@ auto make_skin(const Urdf& urdf) {
 }
 
 auto make_cycle(const Urdf& urdf) {
-  const auto limits = limits_of<7>(urdf, /*acceleration*/ 10.0);
-  ResolverConfiguration<7> robot{.limits = limits, .period = 4_ms, .delay = 8_ms};
-  robot.shape.decay = 4;  // [1/s] friction of the virtual arm, in proportion to its mass
-  return Cycle(Resolver<Interface::velocity, Arm>(calibrated_from<Chain<7>>(urdf), robot),
-               SkinJointControl{} + GravityControl{}, make_skin(urdf),
-               Guard<Interface::velocity, 7>({.limits = limits, .period = 4_ms}));
+  const auto arm =
+      by_velocity(calibrated_from<Chain<7>>(urdf), {.limits = limits_of<7>(urdf, /*acceleration*/ 10.0),
+                                                    .period = 4ms,
+                                                    .delay = 8ms,
+                                                    .virtual_damping = 4});
+  return Cycle(arm, make_skin(urdf), SkinJointControl{} + GravityControl{});
 }
 
 int main(int argc, char** argv) {
@@ -67,13 +67,13 @@ int main(int argc, char** argv) {
   for (const auto& [cell, force] : {std::pair{2u, 8.0}, {4u, 4.0}}) {
     const auto before = pose_of(cell, measured.q);
     for (int k = 1; k <= 750; ++k) {
-      measured.time += 4_ms;
+      measured.time += 4ms;
       measured.dq = under_way.front();
       measured.q = integrate(measured.q, measured.dq, 0.004);
       under_way.pop_front();
       const double newtons = k <= 250 ? force : 0;  // a finger for a second, then nobody
       const auto f = static_cast<float>(newtons / (3 * newtons_per_reading));
-      const CellSample sample{.time = measured.time - 1_ms, .cell = cell, .force = {f, f, f}};
+      const CellSample sample{.time = measured.time - 1ms, .cell = cell, .force = {f, f, f}};
       decltype(cycle)::Input input;
       input.now = measured.time;
       input.measured = measured;

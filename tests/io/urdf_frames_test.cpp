@@ -83,10 +83,10 @@ Pressed press(const M& model, const JointPosition<M::joints>& q, const Patch<I, 
   const Eigen::Isometry3d cell = links[I] * patch.placed()[0].X_LC.template to<Eigen::Isometry3d>();
 
   const Skin<M, double, Patch<I, 1>> skin(patch);
-  auto memory = skin.start(0);
-  const CellSample sample{.time = 2_ms, .cell = 1, .force = {0.3f, 0.3f, 0.3f}};
+  auto memory = skin.start(0ms);
+  const CellSample sample{.time = 2ms, .cell = 1, .force = {0.3f, 0.3f, 0.3f}};
   typename Skin<M, double, Patch<I, 1>>::Wrenches wrenches;
-  skin.receive(memory, {&sample, 1}, 2_ms, 4_ms, 1, &wrenches);
+  skin.receive(memory, {&sample, 1}, 2ms, 4ms, 1, &wrenches);
   const auto ddq = forward_dynamics(model, q, JointVelocity<M::joints>{},
                                     skin_torque(model, q, wrenches) + gravity_torque(model, q))
                        .acceleration;
