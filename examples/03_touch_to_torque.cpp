@@ -35,9 +35,7 @@ int main() {
   const JointAcceleration<6> ddq = MassFactors<ur5::Model>(mass_matrix(robot, angles)).solve(tau_skin);
   const auto poses = link_poses(robot, q);
   const auto J = jacobian<2>(poses, cell.X_LC);
-  JointVelocity<6> as_velocity;
-  for (std::size_t i = 0; i < 6; ++i) as_velocity[i] = ddq[i];
-  const double a = dot((J * as_velocity).linear, (poses.get<2>() * cell.X_LC).axis_z());
+  const double a = dot((J * ddq).linear, (poses.get<2>() * cell.X_LC).axis_z());
   std::printf("the cell accelerates at %.2f m/s^2 along its normal: %s the finger\n", a,
               a < 0 ? "away from" : "towards");
   return a < 0 ? 0 : 1;

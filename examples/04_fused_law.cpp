@@ -1,8 +1,7 @@
 // 04 A fused law: an arm that goes to a goal, is pushed on its way, and holds its own weight: one expression.
 //
-//   reach, skin, gravity   laws; their sum is a law, eq. (23): gravity enters once, tracking weights are
-//   normalised known                  the state and what follows from it     tau   torque of the sum, and
-//   each law's share
+//   reach, skin, gravity   laws; their sum is a law, eq. (23): gravity enters once, tracking weights are normalised
+//   known                  the state and what follows from it     tau   torque of the sum, and each law's share
 #include <cstdio>
 
 #include "skinctl/control/gravity_control.hpp"

@@ -28,8 +28,7 @@ int main(int argc, char** argv) {
   auto memory = reach.start(Known(robot, state, h, touch));
   memory = reach.receive(memory, Known(robot, state, h, touch), {X_BG, 2s}).memory;
 
-  examples::Curve way{"distance [mm]", {}, {}}, wrist{"q4 [rad]", {}, {}},
-      speed{"fastest joint [rad/s]", {}, {}};
+  examples::Curve way{"distance to the goal [mm]"}, wrist{"joint 4 [rad]"}, speed{"fastest joint [rad/s]"};
   int slowed = 0;
   for (int k = 0; k <= 2000; ++k) {
     const Known known(robot, state, h, touch);

@@ -65,7 +65,7 @@ class Scenes {
 template <class T>
 JointControlSettings<6, T> settings() {
   JointControlSettings<6, T> s;
-  s.dt = T(dt);
+  s.dt = nanoseconds(dt);
   s.lambda = T(25);
   s.K_c = T(5);
   s.tb = 4s;
@@ -208,6 +208,7 @@ void twin_rows() {
              for (std::size_t i = 0; i < 6; ++i) tau[i] += skin[i];
            });
 
+#if SKINCTL_HAS_KDL
   const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());
   const auto dynamics = [robot](const auto& s, double* tau) {
     robot->inverse_dynamics(s.state.q.data, s.state.dq.data, s.state.dq.data, tau);
@@ -229,6 +230,7 @@ void twin_rows() {
            [=](const auto& s, Joints&, Joints&, double* tau) { skin(s, tau); });
   twin_row("spline_joint+skin+gravity", "kdl_per_link/double",
            [=](const auto& s, Joints&, Joints&, double* tau) { dynamics(s, tau), skin(s, tau); });
+#endif
 }
 
 const bool registered = (skinctl_rows<double>(), skinctl_rows<float>(), twin_rows(), true);

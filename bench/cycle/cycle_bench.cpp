@@ -46,8 +46,7 @@ auto operational_law() {
 }
 template <class T>
 auto resolver() {
-  RobotConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(15)), .period = period, .delay = 8ms};
+  RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(15)), .period = period, .delay = 8ms};
   c.lag = 5ms;
   c.virtual_damping = T(6);
   return Resolver<Interface::position, ur5::Model, T>(ur5::Model{}, c);
@@ -133,9 +132,8 @@ void skinctl_rows() {
           run<T>(s, Cycle(resolver<T>(), ur5_skin<Cells, T>({}, skin), law<T>()), Cells);
         });
   };
-  benchmark::RegisterBenchmark(("cycle/evaluation/ur5" + end).c_str(), [](benchmark::State& s) {
-    run<T>(s, Cycle(resolver<T>(), law<T>()), 0);
-  });
+  benchmark::RegisterBenchmark(("cycle/evaluation/ur5" + end).c_str(),
+                               [](benchmark::State& s) { run<T>(s, Cycle(resolver<T>(), law<T>()), 0); });
   with(std::integral_constant<std::size_t, 260>{});
   with(std::integral_constant<std::size_t, 1260>{});
   using Policy = std::conditional_t<std::is_same_v<T, double>, DoubleSum, FloatSum>;
@@ -248,11 +246,13 @@ void floor_row() {
 const bool registered = [] {
   skinctl_rows<double>();
   skinctl_rows<float>();
+#if SKINCTL_HAS_KDL
   kdl_row<0>("ur5", false);
   kdl_row<260>("ur5-260", false);
   kdl_row<1260>("ur5-1260", false);
   kdl_row<260>("ur5-260", true);
   kdl_row<1260>("ur5-1260", true);
+#endif
   floor_row<0>();
   floor_row<260>();
   floor_row<1260>();

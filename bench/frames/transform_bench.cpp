@@ -82,7 +82,7 @@ struct Pool {
       const auto &x = X.axis_x(), &y = X.axis_y(), &z = X.axis_z(), &p = X.origin();
       plain.push_back({{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}, {p.x, p.y, p.z}});
       plain_wrench.push_back({{f.x, f.y, f.z}, {m.x, m.y, m.z}});
-      eigen.push_back(X.template to<Isometry<T>>());
+      eigen.push_back(as_eigen(X));
       eigen_wrench.push_back({as_eigen(f), as_eigen(m)});
     }
   }

@@ -45,11 +45,12 @@ void twin_rows() {
   using Matrix = Eigen::Matrix<double, 6, 6>;
   using Vector = Eigen::Matrix<double, 6, 1>;
   bench::row<6>("kinematics/damped-inverse/ur5/eigen/double", [](const auto& s) {
-    const Matrix J = jacobian<5>(link_poses(ur5::Model{}, s.q)).matrix();
+    const Matrix J = as_eigen(jacobian<5>(link_poses(ur5::Model{}, s.q)));
     const Matrix A = J.transpose() * J + 0.0064 * Matrix::Identity();
     const Vector b = J.transpose() * Eigen::Map<const Vector>(s.dq.data);
     return Vector(A.ldlt().solve(b));
   });
+#if SKINCTL_HAS_KDL
   const auto kdl = std::make_shared<oracle::KdlOracle>(oracle::ur5());
   bench::row<6>("kinematics/damped-inverse/ur5/kdl/double", [kdl](const auto& s) {
     bench::Numbers<6> dq;
@@ -61,6 +62,7 @@ void twin_rows() {
     kdl->jacobian_rate(s.q.data, s.dq.data, dJ.data);
     return dJ;
   });
+#endif
 }
 
 const bool registered = (rows<double>(), rows<float>(), twin_rows(), true);

@@ -97,7 +97,8 @@ const Scene scenes[] = {
        each(n, [](const State<6>& s) { return forward_dynamics(arm, s.q, s.dq, JointTorque<6>{}); });
      }},
     {"cycle: gravity", [](int n) { cycles(n, GravityControl{}, NoSkin{}); }},
-    {"cycle: spline joint + gravity", [](int n) { cycles(n, SplineJoint<6>() + GravityControl{}, NoSkin{}); }},
+    {"cycle: spline joint + gravity",
+     [](int n) { cycles(n, SplineJoint<6>() + GravityControl{}, NoSkin{}); }},
     {"cycle: skin joint + gravity, 260 cells at rest",
      [](int n) { cycles(n, SkinJointControl{} + GravityControl{}, ur5_skin<260>({.force = 20})); }},
     {"cycle: spline joint + skin joint + gravity, 260 cells at rest",

@@ -36,8 +36,7 @@ struct Constant {
 
 template <class T>
 RobotConfiguration<6, T> configuration(Interface interface, Nanoseconds period) {
-  RobotConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8ms};
+  RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8ms};
   c.lag = 10ms;
   c.viscous_friction = {T(30), T(30), T(20), T(3), T(2), T(1)};
   if (interface != Interface::torque) c.virtual_damping = T(1);
@@ -47,7 +46,7 @@ RobotConfiguration<6, T> configuration(Interface interface, Nanoseconds period) 
 // The robot does what is declared; the push changes its sign every second. With `Touch` a link is touched,
 // for what `keeper` watches.
 template <Interface I, class T, class Integrator, class Touch = NoTouch, class Keeper = Passivity<>>
-void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lead = T(0),
+void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanoseconds lead = {},
             const Keeper& keeper = Keeper()) {
   auto c = configuration<T>(I, period);
   c.lead = lead;
@@ -87,8 +86,7 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lea
 template <class T, class... Parts>
 void touched(benchmark::State& state, const Parts&... parts) {
   using Touch = LinkWrenches<ur5::Model, link_bit<2> | link_bit<4>, T>;
-  cycles<Interface::position, T, CrankNicolson, Touch>(state, 2ms, T(0), T(0),
-                                                       Passivity<Parts...>(parts...));
+  cycles<Interface::position, T, CrankNicolson, Touch>(state, 2ms, T(0), 0ns, Passivity<Parts...>(parts...));
 }
 
 // The virtual robot shaped at its tool.
@@ -132,7 +130,7 @@ void skinctl_rows() {
   add("ur5-implicit-friction", [](auto& s) { cycles<position, T, ImplicitFriction>(s, 2ms); });
   add("ur5-semi-implicit-euler", [](auto& s) { cycles<position, T, SemiImplicitEuler>(s, 2ms); });
   add("ur5-dry-friction", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0.5)); });
-  add("ur5-lead", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0), T(0.018)); });
+  add("ur5-lead", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0), 18ms); });
   add("ur5-four-substeps", [](auto& s) { cycles<position, T, CrankNicolson>(s, 8ms); });
   add("ur5-velocity", [](auto& s) { cycles<Interface::velocity, T, CrankNicolson>(s, 2ms); });
   static const EnergyTank<T> tank({.start = T(1000), .most = T(1000)}), empty({.start = T(0), .most = T(0)});
@@ -156,12 +154,14 @@ const bool registered = [] {
     bench_floor::ur5::floor_forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
     return ddq;
   });
+#if SKINCTL_HAS_KDL
   const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());
   bench::row<6>("resolver/step/ur5/kdl/double", [robot](const auto& s) {
     bench::Numbers<6> ddq;
     robot->forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
     return ddq;
   });
+#endif
   return true;
 }();
 

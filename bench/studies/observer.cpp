@@ -11,8 +11,8 @@
 
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/testing/closed_loop.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -58,11 +58,11 @@ struct Joints {
 };
 
 struct Disturbed {
-  double jump = 0;              ///< of joint 1 at 1 s [rad]; positions: held there until 3 s
-  double noise = 0;             ///< of the encoders, standard deviation [rad]
+  double jump = 0;            ///< of joint 1 at 1 s [rad]; positions: held there until 3 s
+  double noise = 0;           ///< of the encoders, standard deviation [rad]
   Nanoseconds late{};         ///< a cycle comes up to this much earlier or later
   Nanoseconds wrong_stamp{};  ///< a stamp is up to this much off
-  bool moves = false;           ///< to a goal, and is pushed on the way
+  bool moves = false;         ///< to a goal, and is pushed on the way
   double dead_band = 0.01;
 };
 struct Path {
@@ -100,7 +100,7 @@ Path run(const SceneSettings& s, const Disturbed& d, double duration) {
   bool jumped = false;
   for (int k = 1; k * s.period <= nanoseconds(duration); ++k) {
     const auto shift = [&](Nanoseconds most) {
-      return most == 0 ? 0 : static_cast<Nanoseconds>(random.uniform(-1, 1) * static_cast<double>(most));
+      return most == 0ns ? 0ns : nanoseconds(random.uniform(-1, 1) * seconds<double>(most));
     };
     const Nanoseconds now =
         k * s.period + std::clamp<Nanoseconds>(shift(d.late), -s.period / 2, s.period / 2);
@@ -146,8 +146,8 @@ plotting::Plot while_blocked =
     titled("Virtual joint, pushed with 300 N from 0.5 to 2.5 s while the real one is held fast");
 
 std::string label(const char* name, Nanoseconds period, Nanoseconds delay) {
-  return std::string(name) + ", " + std::to_string(period / 1'000'000) + " ms, delay " +
-         std::to_string(delay / 1'000'000) + " ms";
+  return std::string(name) + ", " + std::to_string(period / 1ms) + " ms, delay " +
+         std::to_string(delay / 1ms) + " ms";
 }
 
 template <Interface I>
@@ -176,7 +176,7 @@ void jumps(const char* name, const SceneSettings& s) {
       end = e;
     }
     std::printf("%-9s %5.0f ms %6.0f ms %9.2f %13.0f ms %13.4f %12.3f %12.2f %12.5f\n", name,
-                1e-6 * double(s.period), 1e-6 * double(s.delay), jump, 1e3 * near, swing, fastest, most, end);
+                milliseconds(s.period), milliseconds(s.delay), jump, 1e3 * near, swing, fastest, most, end);
   }
 }
 
@@ -202,8 +202,8 @@ void noises(const char* name, const SceneSettings& s) {
         continue;  // less than v_max times what is uncertain of the delay: refused by the rule
       const auto clean = run<I>(s, {.moves = moves, .dead_band = band}, 4);
       const auto noisy = run<I>(s, {.noise = 1e-4, .moves = moves, .dead_band = band}, 4);
-      std::printf("%-9s %5.0f ms %6.0f ms %-7s %10.4f %16.2e %16.2e\n", name, 1e-6 * double(s.period),
-                  1e-6 * double(s.delay), moves ? "moves" : "rests", band, difference(noisy, clean),
+      std::printf("%-9s %5.0f ms %6.0f ms %-7s %10.4f %16.2e %16.2e\n", name, milliseconds(s.period),
+                  milliseconds(s.delay), moves ? "moves" : "rests", band, difference(noisy, clean),
                   rms(noisy, clean));
     }
 }
@@ -219,8 +219,8 @@ void jitters(const char* name, const SceneSettings& s) {
   };
   const auto late = run<I>(s, {.late = 1ms, .moves = true}, 4);
   const auto wrong = run<I>(s, {.wrong_stamp = 1ms, .moves = true}, 4);
-  std::printf("%-9s %5.0f ms %6.0f ms %18.2e %18.2e %18.2e\n", name, 1e-6 * double(s.period),
-              1e-6 * double(s.delay), end(late), difference(wrong, clean), end(wrong));
+  std::printf("%-9s %5.0f ms %6.0f ms %18.2e %18.2e %18.2e\n", name, milliseconds(s.period),
+              milliseconds(s.delay), end(late), difference(wrong, clean), end(wrong));
 }
 
 /// 300 N at 0.4 m for 2 s on a joint that is held fast until a second later.
@@ -251,7 +251,7 @@ void blocked(const char* name, Nanoseconds period) {
   while_blocked.series.push_back(curve);
   const double T = loop.robot.total_delay();
   std::printf("%-9s %5.0f ms %13.4f %13.4f %11.0f ms %16.0f ms %14.1e %14.2f %14.1e\n", name,
-              1e-6 * double(period), 2 * c.limits.velocity()[0] * T, lead, 1e3 * said, 1e3 * free, late,
+              milliseconds(period), 2 * c.limits.velocity()[0] * T, lead, 1e3 * said, 1e3 * free, late,
               steepest, std::abs(loop.joints.q()[0] - 0.1));
 }
 

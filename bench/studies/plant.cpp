@@ -6,8 +6,8 @@
 #include <string>
 
 #include "examples/support/svg_plot.hpp"
-#include "skinctl/testing/plant_loop.hpp"
 #include "tests/support/mujoco_plant.hpp"
+#include "tests/support/plant_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -79,7 +79,7 @@ void cycles(Nanoseconds period, const Cycles& c, double time, F&& f) {
   for (Nanoseconds planned = period; planned < nanoseconds(time); planned += period) {
     const bool skips = unit(rng) < c.skipped;
     const double off = c.jitter * (unit(rng) - 0.5);
-    if (!skips) f(planned + static_cast<Nanoseconds>(off * static_cast<double>(period)));
+    if (!skips) f(planned + nanoseconds(off * seconds<double>(period)));
   }
 }
 
@@ -98,7 +98,7 @@ struct Path {
     if (after == time.end()) return command.back();
     if (after == time.begin()) return command.front();
     const auto k = static_cast<std::size_t>(after - time.begin());
-    const double part = static_cast<double>(t - time[k - 1]) / static_cast<double>(time[k] - time[k - 1]);
+    const double part = seconds<double>(t - time[k - 1]) / seconds<double>(time[k] - time[k - 1]);
     Joints q;
     for (std::size_t i = 0; i < 6; ++i) q[i] = command[k - 1][i] + part * (command[k][i] - command[k - 1][i]);
     return q;
@@ -113,8 +113,8 @@ template <class Integrator>
 Path skinctl_path(const Recording& push, Nanoseconds period, const Cycles& how, double ahead = 0) {
   RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(1000.0), .period = period, .delay = nanoseconds(delay)};
-  c.lag = lag;
-  c.lead = ahead * seconds<double>(period);
+  c.lag = nanoseconds(lag);
+  c.lead = nanoseconds(ahead * seconds<double>(period));
   c.virtual_damping = decay;
   c.longest_interval = 10 * period;
   ClosedLoop<Interface::position, double, Integrator> loop(c, pose, delay, lag);

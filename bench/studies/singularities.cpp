@@ -66,7 +66,7 @@ bool over_the_shoulder(JointPosition<6>& q) {
 Vector6 reachable(const JointPosition<6>& at, const Vector6& asked) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   const auto J = [](const JointPosition<6>& q) {
-    return Matrix6(jacobian<5>(link_poses(model, q), X_LF).matrix());
+    return Matrix6(as_eigen(jacobian<5>(link_poses(model, q), X_LF)));
   };
   const Eigen::JacobiSVD<Matrix6> svd(J(at), Eigen::ComputeFullU | Eigen::ComputeFullV);
   const auto& sigma = svd.singularValues();
@@ -122,7 +122,7 @@ void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate
   const L law(Space(X_LF, s), s);
   State<6> x{0ns, from, {}};
   auto memory = law.start(K(model, x, dt, none));
-  memory = law.receive(memory, K(model, x, dt, none), {goal, 0}).memory;
+  memory = law.receive(memory, K(model, x, dt, none), {goal, 0ns}).memory;
   const double tf = Space::shortest_time(pose(from), {goal, 0}, s);
   double deviation = 0, left = 0, turned = 0, below = 0, longest = 0;
   bool outward = false;

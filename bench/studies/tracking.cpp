@@ -64,7 +64,7 @@ void time_base() {
     std::printf("%8g", tb);
     for (const double rate : {125.0, 500.0, 1000.0}) {
       const double dt = 1 / rate, x0 = std::min(2.0, 0.9 * tb / 1.886);
-      JointControlSettings<6> s{.dt = nanoseconds(dt), .K_i1 = 0, .K_i2 = 0, .tb = tb};
+      JointControlSettings<6> s{.dt = nanoseconds(dt), .K_i1 = 0, .K_i2 = 0, .tb = nanoseconds(tb)};
       const double peak = GainSchedule<double>(s.K_c, s.base, s.settle).largest(tb);
       s.lambda = 0.49 / dt - peak;
       if (s.lambda < 5) {
@@ -136,13 +136,7 @@ Errors with_law(const Plant& plant, double dt, int delay, const L& law) {
   auto memory = law.start(K(model, x0, dt, none));
   return follow(plant, dt, delay, [&](const State<6>& x, const JointReference<6>& target) {
     const K known(model, x, dt, none);
-    if constexpr (requires { memory.law.plan; }) {
-      memory.law.plan.target = target;
-      memory.law.plan.clock = {};
-    } else {
-      memory.plan.target = target;
-      memory.plan.clock = {};
-    }
+    memory = L::with_target(memory, target);
     const auto tau = law.torque(memory, known);
     memory = law.advance(memory, known, dt, Opposition::none);
     return tau;
@@ -208,8 +202,7 @@ void sign_row(const char* name) {
     int n = 0;
     const auto e = follow(plant, dt, 1, [&](const State<6>& x, const JointReference<6>& target) {
       const K known(model, x, dt, none);
-      memory.plan.target = target;
-      memory.plan.clock = {};
+      memory = law.with_target(memory, target);
       const auto tau = law.torque(memory, known);
       memory = law.advance(memory, known, dt, Opposition::none);
       if (++n > 4 * static_cast<int>(rate))

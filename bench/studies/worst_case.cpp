@@ -27,8 +27,8 @@
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -92,20 +92,20 @@ Nanoseconds time_of(long turns) {
 long turns_for(Nanoseconds wanted) {
   double each = 1;
   for (int round = 0; round < 5; ++round) {
-    const long turns = std::max(1L, static_cast<long>(static_cast<double>(wanted) / each));
+    const long turns = std::max(1L, static_cast<long>(static_cast<double>(wanted.count()) / each));
     std::array<Nanoseconds, 2001> took;
     for (auto& t : took) t = time_of(turns);
     std::nth_element(took.begin(), took.begin() + 1000, took.end());
-    each = static_cast<double>(took[1000]) / static_cast<double>(turns);
+    each = static_cast<double>(took[1000].count()) / static_cast<double>(turns);
   }
-  return static_cast<long>(static_cast<double>(wanted) / each);
+  return static_cast<long>(static_cast<double>(wanted.count()) / each);
 }
 
 void row(const char* name, const Histogram& h) {
   std::printf("%-12s %8.0f", name, h.mean());
   for (const double p : {0.5, 0.99, 0.999, 0.9999, 0.99999})
-    std::printf(" %9lld", (long long)h.percentile(p));
-  std::printf(" %10lld\n", (long long)h.max());
+    std::printf(" %9lld", (long long)h.percentile(p).count());
+  std::printf(" %10lld\n", (long long)h.max().count());
 }
 
 #if defined(__linux__)
@@ -213,7 +213,7 @@ void undisturbed(const Scene& scene, long cycles) {
     }
     if (k < 0) continue;
     fastest.record(least);
-    counts.record(count);
+    counts.record(Nanoseconds(count));  // instructions, told apart by the same buckets
   }
   row("undisturbed", fastest);
   if (counter.there()) row("instructions", counts);
@@ -255,7 +255,7 @@ void study(const char* name, const Scene& scene, long cycles, long repeated) {
     lately[0].record(watch.total());
     lately[1].record(nothing);
     if (k % 10000 == 9999) {  // neighbours change how fast the core is
-      turns = turns * lately[0].percentile(0.5) / std::max(lately[1].percentile(0.5), 1ns);
+      turns = turns * lately[0].percentile(0.5).count() / std::max(lately[1].percentile(0.5), 1ns).count();
       lately[0] = lately[1] = {};
     }
     // Who takes all of a core at real-time priority is stopped for 50 ms in each second.

@@ -32,7 +32,7 @@ struct Scene {
   Xyz<double> start;
 
   Scene(const ForceSettings<6>& s, double k, double gap)
-      : law(X_LT, s), dt(s.pose.tracking.dt), stiffness(k) {
+      : law(X_LT, s), dt(seconds<double>(s.pose.tracking.dt)), stiffness(k) {
     memory = law.start(K(model, x, dt, touch));
     start = place();
     wall = dot(n, start) + gap;
@@ -48,8 +48,7 @@ struct Scene {
     const auto out = evaluate(law, memory, known, dt);
     memory = out.memory;
     auto tau = out.torque;
-    if (law.settings().carried > 0)
-      tau += SkinJointControl{}.torque({}, known);  // the wall pushes this robot
+    if (law.settings().carried > 0) tau += SkinJointControl{}.torque(known);  // the wall pushes this robot
     x = simulate(model, x, tau, dt, 1);
     return pressed;
   }

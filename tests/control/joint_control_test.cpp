@@ -18,7 +18,7 @@ const NoTouch none;
 /// Error at tb over the error at the start, less the closed form, relative to it, in the norm of all joints.
 template <class T>
 double error_at_tb(const JointControl<6, T>& law, Seeded& rng, double size) {
-  const T dt = law.settings().dt, tb = law.settings().tb;
+  const T dt = seconds<T>(law.settings().dt), tb = seconds<T>(law.settings().tb);
   State<6, T> x{0ns, rng.vector<JointPosition<6, T>>(3.1), {}};
   JointReference<6, T> goal{x.q, {}, {}};
   for (T& q : goal.q_d) q += T(size * rng());
@@ -69,7 +69,8 @@ TEST_CASE("JointControl: the UR5 in sampled time ends at the closed form of the 
     for (const double K_i1 : {0.0, 1.0}) {
       const double dt = 1 / p.rate;
       const double K_c = std::min(10.0, 8 / p.tb);
-      JointControlSettings<6> settings{.dt = nanoseconds(dt), .K_i1 = K_i1, .K_i2 = 0.1 * K_i1, .tb = p.tb, .K_c = K_c};
+      JointControlSettings<6> settings{
+          .dt = nanoseconds(dt), .K_i1 = K_i1, .K_i2 = 0.1 * K_i1, .tb = nanoseconds(p.tb), .K_c = K_c};
       settings.max_velocity = JointVelocity<6>::constant(ur5::Description::max_velocity);
       settings.reach = Reach::refuse;
       const JointControl<6> law(settings);
@@ -161,7 +162,7 @@ TEST_CASE("JointControl: follows a target that is sampled in every cycle") {
     // a sample far off is a new goal: no jump
     const KnownAt<double> known(model, x, dt, none);
     const auto leap = law.follow(memory, known, {JointPosition<6>::constant(1), {}, {}});
-    CHECK(leap.memory.since_reset == 0);
+    CHECK(leap.memory.since_reset == 0ns);
     double jump = 0;
     const auto step = law.torque(leap.memory, known) - law.torque(memory, known);
     for (const double tau : step) jump = std::max(jump, magnitude(tau));

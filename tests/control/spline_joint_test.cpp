@@ -26,7 +26,7 @@ Run go(double rate, unsigned seed) {
   const SplineJoint<6, T> law({.dt = nanoseconds(dt)});
   Seeded rng(seed);
   State<6, T> x{0ns, rng.vector<JointPosition<6, T>>(2), {}};
-  JointGoal<6, T> goal{x.q, 0};
+  JointGoal<6, T> goal{x.q, 0ns};
   for (T& q : goal.q_g) q += T(0.8 * rng());
   auto memory = law.start(KnownAt<T>(model, x, dt, none));
   memory = law.receive(memory, KnownAt<T>(model, x, dt, none), goal).memory;

@@ -8,8 +8,8 @@
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -119,7 +119,7 @@ TEST_CASE("cycle: led by hand it yields with the configured admittance, behind d
     s.lag = 10ms;
     s.force_gain = 20;
     const auto scene = kinesthetic_scene(s);
-    const double T = seconds<double>(s.delay + s.period) + s.lag;
+    const double T = seconds<double>(s.delay + s.period + s.lag);
     const double w = 0.05 / T, mean = 0.15, swing = 0.1;
     const double settle = 1, length = 3 * 2 * 3.141592653589793 / w;
     const std::uint32_t id = 60;

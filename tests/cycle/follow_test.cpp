@@ -17,11 +17,9 @@ namespace {
 /// Largest distance [rad] of the command from a sine that is streamed into every cycle, after 3 s.
 template <class L, class Wrap>
 double lag_behind_a_sine(const L& law, Wrap&& wrap) {
-  const auto limits = limits_of<ur5::Description>(15.0);
   const Nanoseconds period = 2ms;
-  const Cycle cycle(
-      Resolver<Interface::position, ur5::Model>(ur5::Model{}, {.limits = limits, .period = period}), law,
-      Guard<Interface::position, 6>({.limits = limits, .period = period}));
+  const auto arm = by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = period});
+  const Cycle cycle(arm, law);
   using Scene = std::remove_const_t<decltype(cycle)>;
   const JointPosition<6> home{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
   State<6> state{0ns, home, {}};

@@ -38,7 +38,7 @@ TEST_CASE("mass matrix: the definition in 50 digits; symmetric to the bit; branc
   for_each_robot([](const auto& robot) {
     constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
     using Model = typename std::remove_cvref_t<decltype(robot)>::Model;
-    const oracle::EulerLagrange<Wide> exact(robot.table);
+    const oracle::EulerLagrange<Digits50> exact(robot.table);
     oracle::Random random(2);
     for (int k = 0; k < 10; ++k) {
       const Motion<N> at(random);
@@ -67,3 +67,16 @@ TEST_CASE("mass matrix: times an acceleration it is the torque of that accelerat
     CHECK(relative_error(mass_matrix(robot.model, angles) * at.ddq, by_recursion, 6) <= 1e-13);
   }
 }
+
+TEST_CASE_TEMPLATE("mass matrix: is seen by Eigen in place, and comes back", T, float, double) {
+  const auto M = mass_matrix(ur5::Model{}, JointPosition<6, T>{T(0), T(-1), T(1), T(-2), T(-1), T(0)});
+  CHECK(as_eigen(M).data() == M.data);
+  const MassMatrix<6, T> back(as_eigen(M));
+  for (std::size_t i = 0; i < 36; ++i) CHECK(back.data[i] == M.data[i]);
+  const JointAcceleration<6, T> ddq{T(1), T(2), T(3), T(4), T(5), T(6)};
+  const auto tau = M * ddq;
+  CHECK((as_eigen(M) * as_eigen(ddq) - as_eigen(tau)).norm() <= tolerance<T> * as_eigen(tau).norm());
+}
+template <class Q>
+concept viewed = requires(Q&& x) { as_eigen(static_cast<Q&&>(x)); };
+static_assert(viewed<const MassMatrix<6>&> && viewed<MassMatrix<6>&> && !viewed<MassMatrix<6>>);

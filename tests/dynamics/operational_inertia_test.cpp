@@ -44,7 +44,7 @@ TEST_CASE_TEMPLATE("OperationalMobility: J M^-1 J', and the inertia undoes it", 
     // The oracle: Eigen, in long double, from the same J and M.
     using Matrix = Eigen::Matrix<long double, 6, 6>;
     const auto M = mass_matrix(ur5::Model{}, at.q);
-    const Matrix dense_J = J.matrix().template cast<long double>();
+    const Matrix dense_J = as_eigen(J).template cast<long double>();
     const Matrix dense_M = Eigen::Map<const Eigen::Matrix<T, 6, 6>>(M.data).template cast<long double>();
     const Matrix expected = dense_J * dense_M.partialPivLu().solve(dense_J.transpose());
     T rows[36];

@@ -20,3 +20,19 @@ TEST_CASE("Acceleration: a vector space, component by component") {
   CHECK(as_eigen(c) == 2 * as_eigen(a) + as_eigen(b));
   CHECK(as_eigen(A_BC{}).norm() == 0);
 }
+
+TEST_CASE_TEMPLATE("Acceleration: to Eigen and back is the same", T, float, double) {
+  using Q = Acceleration<Tool, Base, Tool, Base, T>;
+  const Q x{{T(1), T(2), T(3)}, {T(-4), T(5), T(0.5)}};
+  Vec6<T> v;
+  v << T(1), T(2), T(3), T(-4), T(5), T(0.5);
+  CHECK(as_eigen(x) == v);
+  const Q back = Q::from_eigen(as_eigen(x));
+  CHECK(back.linear == x.linear);
+  CHECK(back.angular == x.angular);
+  CHECK(as_eigen(Q::from_eigen(T(2) * v)) == T(2) * v);
+  const Eigen::Matrix<T, Eigen::Dynamic, 1> any = v;
+  CHECK(as_eigen(Q::from_eigen(any)) == v);
+  static_assert(!std::is_assignable_v<Q&, Vec6<T>> && !std::is_convertible_v<Q, Vec6<T>>);
+  static_assert(std::is_trivially_copyable_v<Q> && std::is_aggregate_v<Q>);
+}

@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random_frames.hpp"
 
 using namespace skinctl;
@@ -39,7 +40,7 @@ static_assert(std::is_same_v<decltype(-Offset<World, Base, Cell>{}), Offset<Base
 static_assert(std::is_trivially_copyable_v<Point<World>> && sizeof(Point<World, float>) == 3 * sizeof(float));
 static_assert(sizeof(Offset<World, Base, Cell>) == 3 * sizeof(double));
 
-TEST_CASE_TEMPLATE("Point: goes to another point by their difference", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("Point: goes to another point by their difference", T, float, double, Digits50) {
   auto rng = seeded(1);
   for (const T& reach : {T(0), T(1e-8), T(1), T(1e6)}) {
     const Point<World, T> a{random_xyz(rng, reach)}, b{random_xyz(rng, reach)};
@@ -48,14 +49,14 @@ TEST_CASE_TEMPLATE("Point: goes to another point by their difference", T, float,
   }
 }
 
-TEST_CASE_TEMPLATE("Offset: chains, and comes back by its negative", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("Offset: chains, and comes back by its negative", T, float, double, Digits50) {
   auto rng = seeded(2);
   const Offset<World, Base, Cell, T> p_WB_C{random_xyz(rng, T(1))};
   const Offset<Base, World, Cell, T> back = -p_WB_C;
   CHECK(largest((p_WB_C + back).xyz) == T(0));
 }
 
-TEST_CASE_TEMPLATE("FreeVector: has the products of a vector", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("FreeVector: has the products of a vector", T, float, double, Digits50) {
   auto rng = seeded(3);
   const FreeVector<World, T> u{random_xyz(rng, T(1))}, v{random_xyz(rng, T(1))};
   using std::abs;
@@ -66,7 +67,13 @@ TEST_CASE_TEMPLATE("FreeVector: has the products of a vector", T, float, double,
 
 TEST_CASE("Point: Eigen sees the three coordinates") {
   const Vec3<double> v(1, 2, 3);
-  CHECK(as_eigen(Point<World>{as_xyz(v)}) == v);
-  CHECK(as_eigen(FreeVector<World>{as_xyz(v)}) == v);
-  CHECK(as_eigen(Offset<World, Base, Cell>{as_xyz(v)}) == v);
+  CHECK(as_eigen(Point<World>::from_eigen(v)) == v);
+  CHECK(as_eigen(FreeVector<World>::from_eigen(v)) == v);
+  CHECK(as_eigen(Offset<World, Base, Cell>::from_eigen(v)) == v);
+}
+
+TEST_CASE_TEMPLATE("FreeVector: norm and dot", T, float, double) {
+  const FreeVector<World, T> v{{T(2), T(3), T(6)}};
+  CHECK(norm(v) == T(7));
+  CHECK(dot(v, v) == T(49));
 }

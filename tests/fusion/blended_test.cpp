@@ -201,7 +201,7 @@ TEST_CASE("Blended: refuses weights that mean nothing, and all tracking may fade
     CHECK(largest(alone.last - (G + JointTorque<6>::constant(32 * part))) < 1e-12 * 100);
   }
   CHECK(largest(alone.last - G) < 1e-12 * 100);
-  CHECK_THROWS_AS(static_cast<void>(blended(own.sum(), {.ramp = 0})), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(blended(own.sum(), {.ramp = 0ns})), ConfigurationError);
   CHECK_THROWS_AS(static_cast<void>(blended(own.sum(), {.contact = {.on = 1, .off = 2}})),
                   ConfigurationError);
   using Own = std::remove_const_t<decltype(own)>;
@@ -250,7 +250,7 @@ TEST_CASE("Blended: nothing of it allocates") {
       if (i % 400 == 0)
         memory = law.change(memory, known, Weights<4>{{0.6, i == 400 ? 0.0 : 0.4, 0.5, 1}}).memory;
       if (i % 170 == 0)
-        memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), 0}).memory;
+        memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), {}}).memory;
       const auto e = evaluate(law, memory, known, 0.002);
       memory = e.memory;
       x = simulate(model, x, e.torque, 0.002, 1);

@@ -42,5 +42,5 @@ TEST_CASE("ContactDetector: a torque that is not finite neither begins nor ends 
 TEST_CASE("ContactDetector: thresholds that cannot work are refused") {
   CHECK_THROWS_AS(ContactDetector({.on = 1, .off = 2}), ConfigurationError);
   CHECK_THROWS_AS(ContactDetector({.on = 1, .off = 0}), ConfigurationError);
-  CHECK_THROWS_AS(ContactDetector({.release_after = -1}), ConfigurationError);
+  CHECK_THROWS_AS(ContactDetector({.release_after = -1ns}), ConfigurationError);
 }

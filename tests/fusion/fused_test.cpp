@@ -201,7 +201,7 @@ TEST_CASE("Fused: a goal reaches the law that takes it") {
   CHECK(law.memory<1>(one.memory).plan.target.q_d == pose.q);
   const auto other = law.receive(memory, known, JointReference<6>{JointPosition<6>::constant(0.1), {}, {}});
   CHECK(law.memory<1>(other.memory).plan.target.q_d == JointPosition<6>::constant(0.1));
-  const auto first = law.receive<0>(memory, known, JointGoal<6>{JointPosition<6>::constant(1), 1});
+  const auto first = law.receive<0>(memory, known, JointGoal<6>{JointPosition<6>::constant(1), 1ns});
   CHECK(first.status.has(Reason::goal_stretched));
 }
 
@@ -209,7 +209,7 @@ TEST_CASE("Fused: after 60 random touches no joint swings beyond its target, and
   // With the small weight a touch next to an axis is too weak to stop the arm, and winds the integrals up.
   for (const auto& row : {std::array{125.0, 3.0, 8.0}, {500.0, 3.0, 8.0}, {125.0, 1.0, 4.0}}) {
     const double rate = row[0], weight = row[1], K_c = row[2];
-    const SplineJoint<6> reach({.dt = 1s / rate, .K_c = K_c});
+    const SplineJoint<6> reach({.dt = nanoseconds(1 / rate), .K_c = K_c});
     const auto law = weight * SkinJointControl{} + reach + GravityControl{};
     const auto result = touch_and_release(
         law, [&](const auto& m) { return law.memory<1>(m).plan.at(0, reach.settings()).q_d; }, rate, 60);
@@ -237,7 +237,7 @@ TEST_CASE("Fused: nothing of it allocates") {
     for (int i = 0; i < 2000; ++i) {
       const K known(model, x, 0.002, i % 500 > 300 ? touch : untouched);
       if (i % 400 == 0)
-        memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), 0}).memory;
+        memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), {}}).memory;
       const auto e = evaluate(law, memory, known, 0.002);
       memory = e.memory;
       x = simulate(model, x, e.torque, 0.002, 1);

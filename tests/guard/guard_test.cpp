@@ -27,7 +27,7 @@ struct Case {
       Case<Interface::velocity, float>
 
 template <class T>
-GuardConfiguration<1, T> configuration() {
+RobotConfiguration<1, T> configuration() {
   typename JointLimits<1, T>::Values v;
   v.lower[0] = T(-2);
   v.upper[0] = T(2);
@@ -93,20 +93,22 @@ void check_braked(const Guarded<1, T>& out, double u_before) {
 TEST_CASE("Guard: refuses configurations that cannot work, with the number and the range") {
   const auto refusal = [](auto&& change) -> std::string {
     auto c = configuration<double>();
-    change(c);
+    GuardSettings<1> settings;
+    change(c, settings);
     try {
-      const Guard<Interface::position, 1> guard(c);
+      const Guard<Interface::position, 1> guard(c, settings);
     } catch (const ConfigurationError& e) {
       return e.what();
     }
     return "";
   };
-  CHECK(refusal([](auto&) {}).empty());
-  CHECK(refusal([](auto& c) { c.period = 0; }).find("period [ns] = 0") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.longest_interval = 1ms; }).find("longest interval") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.stale_after = 1ms; }).find("stale after") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.lead[0] = 0; }).find("lead = 0") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.torque_rate = std::nan(""); }).find("torque rate = nan") !=
+  CHECK(refusal([](auto&, auto&) {}).empty());
+  CHECK(refusal([](auto& c, auto&) { c.period = 0ns; }) == "skinctl: period = 0, allowed: 0.1 to 1000 ms");
+  CHECK(refusal([](auto& c, auto&) { c.longest_interval = 1ms; }).find("longest interval = 1") !=
+        std::string::npos);
+  CHECK(refusal([](auto&, auto& s) { s.stale_after = 1ms; }).find("stale after = 1") != std::string::npos);
+  CHECK(refusal([](auto&, auto& s) { s.lead[0] = 0; }).find("lead = 0") != std::string::npos);
+  CHECK(refusal([](auto&, auto& s) { s.torque_rate = std::nan(""); }).find("torque rate = nan") !=
         std::string::npos);
 }
 
@@ -219,8 +221,7 @@ TEST_CASE_TEMPLATE("Guard: a clock that goes back brakes, one that stands repeat
   CHECK(out.status == Reason::interval_empty);
   CHECK_FALSE(out.altered);
   CHECK(out.command.position == last.position);
-  for (const Nanoseconds wrong :
-       {m.now - 1, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
+  for (const Nanoseconds wrong : {m.now - 1, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
     auto memory = m.memory;
     out = m.guard.pass(memory, command<T>(wrong, m.q, m.u), at<T>(wrong, m.q), wrong);
     CHECK(out.status.has(Reason::time_backwards));
@@ -270,9 +271,10 @@ TEST_CASE_TEMPLATE("Guard: beyond an end only inward motion passes", C, MOTIONS)
 }
 
 TEST_CASE_TEMPLATE("Guard: a position far from the robot does not go further", T, float, double) {
-  auto c = configuration<T>();
-  c.lead[0] = T(0.1);
-  Guard<Interface::position, 1, T> guard(c);
+  const auto c = configuration<T>();
+  GuardSettings<1, T> s;
+  s.lead[0] = T(0.1);
+  Guard<Interface::position, 1, T> guard(c, s);
   auto memory = guard.start(command<T>(0, 0, 0.5), at<T>(0, 0));
   Nanoseconds now{};
   double q = 0;
@@ -301,9 +303,8 @@ TEST_CASE_TEMPLATE("Guard: without a good first command nothing leaves", C, MOTI
 }
 
 TEST_CASE_TEMPLATE("Guard: torques are cut to the limit and to the rate", T, float, double) {
-  auto c = configuration<T>();
-  c.torque_rate = T(10);  // 2 N m a cycle
-  const Guard<Interface::torque, 1, T> guard(c);
+  const auto c = configuration<T>();
+  const Guard<Interface::torque, 1, T> guard(c, {.torque_rate = T(10)});  // 2 N m a cycle
   auto memory = guard.start(command<T>(0, 0, 0, 0), at<T>(0, 0));
   auto out = guard.pass(memory, command<T>(10ms, 0, 0, 1.5), at<T>(10ms, 0), 10ms);
   CHECK_FALSE(out.altered);
@@ -319,9 +320,8 @@ TEST_CASE_TEMPLATE("Guard: torques are cut to the limit and to the rate", T, flo
 }
 
 TEST_CASE_TEMPLATE("Guard: a torque that cannot be trusted ramps to the fallback", T, float, double) {
-  auto c = configuration<T>();
-  c.torque_rate = T(10);
-  const Guard<Interface::torque, 1, T> guard(c);
+  const auto c = configuration<T>();
+  const Guard<Interface::torque, 1, T> guard(c, {.torque_rate = T(10)});
   const T nan = std::numeric_limits<T>::quiet_NaN();
   const auto fallback = JointTorque<1, T>::constant(T(7));
   auto memory = guard.start(command<T>(0, 0, 0, 10), at<T>(0, 0));
@@ -420,10 +420,9 @@ TEST_CASE("Guard: a cycle allocates nothing") {
 TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consent where it should", C,
                    MOTIONS) {
   using T = typename C::scalar;
-  auto c = configuration<T>();
-  c.brakes_on = Reason::sample_stale;
-  c.consent = Reason::packets_lost;
-  const Guard<C::interface, 1, T> guard(c);
+  const auto c = configuration<T>();
+  const Guard<C::interface, 1, T> guard(c,
+                                        {.brakes_on = Reason::sample_stale, .consent = Reason::packets_lost});
   const auto after = [&](Status found, bool acknowledged) {
     auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
     Nanoseconds now{};
@@ -450,8 +449,7 @@ TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consen
   // Consent does not help while the fault is still there.
   auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
   guard.acknowledge(memory);
-  CHECK(
-      guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms, {}, Reason::contact_force).altered);
+  CHECK(guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms, {}, Reason::contact_force).altered);
   CHECK(guard.waits(memory));
 }
 
@@ -475,7 +473,7 @@ TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever i
   const auto c = configuration<T>();
   const double J = 80, A = 10, V = 1, dt = 0.01;
   const JerkLimits<1, T> smooth(c.limits, JointJerk<1, T>::constant(T(J)));
-  const Guard<I, 1, T, JerkLimits<1, T>> guard(c, smooth);
+  const Guard<I, 1, T, JerkLimits<1, T>> guard(c, {}, smooth);
   auto random = [state = std::uint64_t(7)]() mutable {
     state = state * 6364136223846793005u + 1442695040888963407u;
     return static_cast<double>(state >> 11) * 0x1p-53;
@@ -523,7 +521,7 @@ TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever i
 TEST_CASE("Guard: what cannot be braked within the jerk is braked harder, and said so") {
   const auto c = configuration<double>();
   const Guard<Interface::position, 1, double, JerkLimits<1>> guard(
-      c, JerkLimits<1>(c.limits, JointJerk<1>::constant(30)));
+      c, {}, JerkLimits<1>(c.limits, JointJerk<1>::constant(30)));
   // 0.9 rad/s at 0.05 rad before the end: 10 rad/s^2 stop it in 0.04 rad, 30 rad/s^3 do not.
   auto m = guard.start(command<double>(0, 1.95, 0.9), at<double>(0, 1.95));
   Status seen;

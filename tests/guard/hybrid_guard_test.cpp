@@ -49,8 +49,7 @@ auto scene(const Pull& law) {
   RobotConfiguration<2> arm{.limits = limits<2>(150), .period = 4ms, .delay = 4ms};
   arm.viscous_friction = {10, 10};
   const Robot robot(Model3{}, {.stiff = arm, .limits = limits<1>(0.7)});
-  return Cycle(robot, law,
-               HybridGuard(robot));
+  return Cycle(robot, law, HybridGuard(robot));
 }
 using Scene = decltype(scene(Pull{}));
 static_assert(std::is_trivially_copyable_v<Scene::Memory>);

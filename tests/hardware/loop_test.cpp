@@ -74,7 +74,7 @@ TEST_CASE(
   CHECK(done.robot.stops == 1);
   CHECK(done.report.whole.count() == 500);
   for (const auto& stage : done.report.stages) CHECK(stage.count() == 500);
-  CHECK(done.report.whole.max() > 0);
+  CHECK(done.report.whole.max() > 0ns);
   // The worst cycle can be run again from what was kept.
   const auto& worst = *done.report.worst;
   CHECK(worst.cycle > 0);

@@ -14,20 +14,20 @@ TEST_CASE(
     "CentreOfMass: total moments and total mass of the table, gravity torque, the slope of the position") {
   const auto check = [](const auto& robot) {
     constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
-    const oracle::EulerLagrange<Wide> exact(robot.table);
+    const oracle::EulerLagrange<Digits50> exact(robot.table);
     oracle::Random random(1);
     double worst = 0, worst_slope = 0;
     for (int k = 0; k < 20; ++k) {
       const Motion<N> at(random);
       const auto com = centre_of_mass(robot.model, at.q);
-      Wide mass(0);
-      std::array<Wide, 3> moment{};
+      Digits50 mass(0);
+      std::array<Digits50, 3> moment{};
       const auto X = exact.poses(wide(at.q));
       for (std::size_t i = 0; i < N; ++i) {
         const auto& body = exact.robot().bodies[i];
         mass += body.mass;
         for (std::size_t r = 0; r < 3; ++r) {
-          Wide x = X[i].p[r];
+          Digits50 x = X[i].p[r];
           for (std::size_t c = 0; c < 3; ++c) x += X[i].R[3 * r + c] * body.com[c];
           moment[r] += body.mass * x;
         }
@@ -37,7 +37,7 @@ TEST_CASE(
       const double p[3] = {com.p.xyz.x, com.p.xyz.y, com.p.xyz.z};
       worst = std::max(worst, relative_error(p, moment, 3));
 
-      const auto J = com.matrix();
+      const auto J = as_eigen(com);
       const auto& g = robot.table.gravity;
       const Eigen::Matrix<double, int(N), 1> G =
           -com.mass * J.transpose() * Eigen::Vector3d(g[0], g[1], g[2]);
@@ -71,5 +71,5 @@ TEST_CASE("CentreOfMass: float errs by rounding, and a robot without mass has no
   }
   const auto nothing = centre_of_mass(ur5::Calibrated<>(links), at.q);
   CHECK(nothing.mass == 0);
-  CHECK(nothing.matrix().norm() == 0);
+  CHECK(as_eigen(nothing).norm() == 0);
 }

@@ -65,7 +65,7 @@ TEST_CASE_TEMPLATE("DampedInverse: away from singularities it is the inverse, un
     const auto J = ur5_jacobian(at.q);
     const auto inverse = damped_inverse(J, SingularityDamping<T>());
     using std::abs;
-    const double det = std::abs(J.matrix().template cast<double>().determinant());
+    const double det = std::abs(as_eigen(J).template cast<double>().determinant());
     CHECK(std::abs(static_cast<double>(inverse.manipulability()) - det) <= 0.02 * 0.01 + 1e-3 * det);
     CHECK((inverse.damping() == 0) == (inverse.manipulability() >= static_cast<T>(0.004)));
     if (inverse.damping() > 0) continue;
@@ -90,8 +90,8 @@ TEST_CASE_TEMPLATE("DampedInverse: at singularities bounded, and reachable direc
       for (int k = 0; k < 20; ++k) {
         const Motion<6, T> at(random);
         const Speed<T> asked{{at.dq[0], at.dq[1], at.dq[2]}, {at.dq[3], at.dq[4], at.dq[5]}};
-        const double gain =
-            as_eigen(inverse.solve(asked)).norm() / static_cast<double>(as_eigen(asked).norm());
+        const auto dq = inverse.solve(asked);
+        const double gain = as_eigen(dq).norm() / static_cast<double>(as_eigen(asked).norm());
         CHECK(gain <= 80);
         // What the joints can do, they do to more than a tenth: along J dq.
         const Speed<T> possible = J * at.dq;
@@ -104,7 +104,7 @@ TEST_CASE_TEMPLATE("DampedInverse: at singularities bounded, and reachable direc
 TEST_CASE(
     "DampedInverse: its rate is the slope of what it asks, near singularities too, by quotients in 50 "
     "digits") {
-  const Wide h("1e-16");
+  const Digits50 h("1e-16");
   oracle::Random random(3);
   double worst = 0, worst_float = 0;
   for (double off : {0.0, 1e-6, 1e-3, 0.01, 0.03, 1.0})
@@ -115,14 +115,14 @@ TEST_CASE(
       const JointVelocity<6> dq = at.dq.cast<float>().cast<double>();
       const Speed<double> dx{{0.5, -0.25, 1}, {0.125, 0.75, -0.5}};
       const Rise<double> ddx{{1, 0.5, -0.25}, {-0.5, 2, 0.25}};
-      const auto asked = [&](const Wide& t) {
-        const auto J = ur5_jacobian(integrate(q.cast<Wide>(), dq.cast<Wide>(), t));
-        const Speed<Wide> v{cast<Wide>(dx.linear) + t * cast<Wide>(ddx.linear),
-                            cast<Wide>(dx.angular) + t * cast<Wide>(ddx.angular)};
-        return damped_inverse(J, SingularityDamping<Wide>(Wide(0.004), Wide(0.08))).solve(v);
+      const auto asked = [&](const Digits50& t) {
+        const auto J = ur5_jacobian(integrate(q.cast<Digits50>(), dq.cast<Digits50>(), t));
+        const Speed<Digits50> v{cast<Digits50>(dx.linear) + t * cast<Digits50>(ddx.linear),
+                                cast<Digits50>(dx.angular) + t * cast<Digits50>(ddx.angular)};
+        return damped_inverse(J, SingularityDamping<Digits50>(Digits50(0.004), Digits50(0.08))).solve(v);
       };
       const auto ahead = asked(h), behind = asked(-h);
-      Wide slope[6];
+      Digits50 slope[6];
       for (std::size_t i = 0; i < 6; ++i) slope[i] = (ahead[i] - behind[i]) / (2 * h);
       const auto J = ur5_jacobian(q);
       const auto rate =
@@ -156,7 +156,7 @@ TEST_CASE("DampedInverse: seven joints take the least speed, four the least erro
     const auto J = jacobian_at(at.q);
     const auto inverse = damped_inverse(J, damping);
     CHECK(inverse.damping() > 0);
-    const Eigen::Matrix<double, 6, int(N)> dense = J.matrix();
+    const Eigen::Matrix<double, 6, int(N)> dense = as_eigen(J);
     const Eigen::Matrix<double, int(N), int(N)> A_inverse =
         (dense.transpose() * dense +
          inverse.damping() * inverse.damping() * Eigen::Matrix<double, int(N), int(N)>::Identity())
@@ -184,7 +184,7 @@ TEST_CASE("DampedInverse: of a position it takes the linear rows, and finds a lo
     const Motion<6> at(random);
     const auto J = ur5_jacobian(at.q);
     const auto inverse = damped_inverse<Task::position>(J, SingularityDamping<double>(1e-4, 0.08));
-    const Eigen::Matrix<double, 3, 6> J_v = J.matrix().topRows<3>();
+    const Eigen::Matrix<double, 3, 6> J_v = as_eigen(J).topRows<3>();
     const Eigen::Matrix3d A = J_v * J_v.transpose();
     CHECK(inverse.manipulability() == doctest::Approx(std::sqrt(A.determinant())).epsilon(1e-9));
     if (inverse.damping() > 0) continue;
@@ -204,7 +204,7 @@ TEST_CASE("DampedInverse: of a position it takes the linear rows, and finds a lo
     const auto asked = [&](double t) {
       const auto moved = ur5_jacobian(integrate(at.q, at.dq, t));
       return damped_inverse<Task::position>(moved, SingularityDamping<double>(0.5, 0.1))
-          .solve({v.linear + t * a.linear, {}});
+          .solve(Speed<double>{v.linear + t * a.linear, {}});
     };
     const double h = 1e-5;
     const auto change = asked(h) - asked(-h);

@@ -18,7 +18,7 @@ namespace {
 template <std::size_t I, class T, class R>
 double worst_error(const R& robot, const auto& model) {
   constexpr std::size_t N = R::joints;
-  const oracle::EulerLagrange<Wide> exact(robot.table);
+  const oracle::EulerLagrange<Digits50> exact(robot.table);
   oracle::Random random(4);
   double worst = 0;
   for (int k = 0; k < 10; ++k) {
@@ -30,21 +30,21 @@ double worst_error(const R& robot, const auto& model) {
     const auto J = jacobian<I>(link_poses(model, at.q), X_LC);
     const auto dJ = jacobian_rate(J, at.dq);
     static_assert(decltype(dJ)::columns == ancestors<typename R::Model>(I) && sizeof dJ == sizeof J);
-    const auto expected =
-        exact.jacobian_rate(int(I), {Wide(p[0]), Wide(p[1]), Wide(p[2])}, wide(at.q), wide(at.dq));
+    const auto expected = exact.jacobian_rate(int(I), {Digits50(p[0]), Digits50(p[1]), Digits50(p[2])},
+                                              wide(at.q), wide(at.dq));
     std::array<T, 6 * N> rows;
-    const auto dense = dJ.matrix();
+    const auto dense = as_eigen(dJ);
     for (std::size_t r = 0; r < 6; ++r)
       for (std::size_t j = 0; j < N; ++j) rows[r * N + j] = dense(Eigen::Index(r), Eigen::Index(j));
     worst = std::max(worst, relative_error(rows, expected, 6 * N));
 
-    const auto product = oracle::EulerLagrange<Wide>::product(expected, wide(at.dq));
+    const auto product = oracle::EulerLagrange<Digits50>::product(expected, wide(at.dq));
     const Vec6<T> of_matrix = as_eigen(dJ * at.dq), direct = as_eigen(bias_acceleration(J, at.dq));
     worst = std::max(worst, relative_error(of_matrix.data(), product, 6));
     worst = std::max(worst, relative_error(direct.data(), product, 6));
     // With accelerations: J ddq on top.
     const Vec6<T> change = as_eigen(acceleration(J, at.dq, at.ddq)) - direct;
-    const Vec6<T> J_ddq = J.matrix() * as_eigen(at.ddq);
+    const Vec6<T> J_ddq = as_eigen(J) * as_eigen(at.ddq);
     CHECK((change - J_ddq).norm() <=
           T(64) * std::numeric_limits<T>::epsilon() * (direct.norm() + J_ddq.norm()));
   }
@@ -89,11 +89,26 @@ TEST_CASE("JacobianRate: a motion at rest has none, and lanes do what numbers do
   oracle::Random random(5);
   const Motion<6> at(random);
   const auto J = jacobian<5>(link_poses(model, at.q));
-  CHECK(jacobian_rate(J, JointVelocity<6>()).matrix().norm() == 0);
+  CHECK(as_eigen(jacobian_rate(J, JointVelocity<6>())).norm() == 0);
 
   const auto J_lanes = jacobian<5>(link_poses(model, at.q.cast<L>()));
   const auto a_lanes = bias_acceleration(J_lanes, at.dq.cast<L>());
   const auto a = bias_acceleration(J, at.dq);
   CHECK(a_lanes.linear.x[0] == doctest::Approx(a.linear.x).epsilon(1e-13));
   CHECK(a_lanes.angular.z[0] == doctest::Approx(a.angular.z).epsilon(1e-13));
+}
+
+TEST_CASE_TEMPLATE("jacobian: J ddq + dJ dq is the acceleration", T, float, double) {
+  oracle::Random random(17);
+  for (int k = 0; k < 50; ++k) {
+    const Motion<6, T> at(random);
+    const auto J = jacobian<5>(link_poses(ur5::Model{}, at.q));
+    const auto whole = acceleration(J, at.dq, at.ddq);
+    const auto sum = J * at.ddq + jacobian_rate(J, at.dq) * at.dq;
+    static_assert(std::is_same_v<decltype(sum), decltype(whole)>);
+    CHECK((as_eigen(sum) - as_eigen(whole)).norm() <= T(8) * tolerance<T> * (T(1) + as_eigen(whole).norm()));
+    const auto with_bias = J * at.ddq + bias_acceleration(J, at.dq);
+    CHECK((as_eigen(with_bias) - as_eigen(whole)).norm() <=
+          T(8) * tolerance<T> * (T(1) + as_eigen(whole).norm()));
+  }
 }

@@ -29,7 +29,7 @@ TEST_CASE("SingularDirections: the least singular vectors of J, near and at sing
     for (const auto& q : {JointPosition<6>{0.3, -1.1, 1.4, -0.7, off, 0.5},
                           JointPosition<6>{0.3, -1.1, off, -0.7, 1.2, 0.5}}) {
       const auto J = flange_jacobian(q);
-      const Eigen::JacobiSVD<Matrix6> svd(Matrix6(J.matrix()), Eigen::ComputeFullU | Eigen::ComputeFullV);
+      const Eigen::JacobiSVD<Matrix6> svd(Matrix6(as_eigen(J)), Eigen::ComputeFullU | Eigen::ComputeFullV);
       const auto d = singular_directions(J)[0];
       CAPTURE(off);
       CHECK(std::abs(d.sigma - svd.singularValues()[5]) <= 1e-9);
@@ -53,7 +53,7 @@ TEST_CASE("SingularDirections: where elbow and shoulder meet, a plane of directi
   for (const double off : {0.0, 1e-12, 1e-9, 1e-6, 1e-4}) {
     const auto q = straight_up(off);
     const auto J = flange_jacobian(q);
-    const Eigen::JacobiSVD<Matrix6> svd(Matrix6(J.matrix()), Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::JacobiSVD<Matrix6> svd(Matrix6(as_eigen(J)), Eigen::ComputeFullU | Eigen::ComputeFullV);
     const auto d = singular_directions(J);
     CAPTURE(off);
     REQUIRE(svd.singularValues()[4] < 1e-3);

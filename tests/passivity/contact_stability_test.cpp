@@ -12,7 +12,7 @@ namespace {
 RobotConfiguration<6> configuration(Nanoseconds period, double delay, double lag, double decay) {
   RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(1000.0), .period = period, .delay = nanoseconds(delay)};
-  c.lag = lag;
+  c.lag = nanoseconds(lag);
   c.virtual_damping = decay;
   c.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   return c;
@@ -91,8 +91,8 @@ TEST_CASE("ContactStability: refuses what is too stiff, with the numbers") {
 }
 
 TEST_CASE("ContactStability: a resolver on a spring becomes unstable where it says") {
-  const RobotConfiguration<6> loops[] = {configuration(8ms, 0.008, 0.008, 3),
-                                            configuration(2ms, 0.02, 0, 3), configuration(8ms, 0.04, 0, 3)};
+  const RobotConfiguration<6> loops[] = {configuration(8ms, 0.008, 0.008, 3), configuration(2ms, 0.02, 0, 3),
+                                         configuration(8ms, 0.04, 0, 3)};
   for (const auto& c : loops) {
     CAPTURE(c.period);
     CAPTURE(c.delay);

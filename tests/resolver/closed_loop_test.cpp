@@ -18,9 +18,9 @@ constexpr std::array<double, 6> still{};
 template <class T = double>
 RobotConfiguration<6, T> configuration(Nanoseconds period, double delay = 0.008, double lag = 0.008) {
   RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)),
-                                .period = period,
-                                .delay = nanoseconds(delay),
-                                .lag = T(lag)};
+                             .period = period,
+                             .delay = nanoseconds(delay),
+                             .lag = nanoseconds(lag)};
   c.viscous_friction = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
   return c;
 }
@@ -115,7 +115,7 @@ TEST_CASE("Resolver: the lead command makes up for the delay") {
       CAPTURE(period);
       auto c = configuration(period, delay);
       const double without = admittance_error<Interface::position>(c, 0.3, delay, 0.008);
-      c.lead = delay + 0.008 + 0.5 * seconds<double>(period);
+      c.lead = nanoseconds(delay) + 8ms + period / 2;
       CHECK(without > 0.15);
       CHECK(admittance_error<Interface::position>(c, 0.3, delay, 0.008) < 0.05);
       CHECK(admittance_error<Interface::velocity>(c, 0.3, delay, 0.008) < 0.05);
@@ -149,7 +149,7 @@ struct Path {
     if (next == time.begin()) return command.front();
     if (next == time.end()) return command.back();
     const auto k = std::size_t(next - time.begin());
-    const double part = double(t - time[k - 1]) / double(time[k] - time[k - 1]);
+    const double part = seconds<double>(t - time[k - 1]) / seconds<double>(time[k] - time[k - 1]);
     auto q = command[k - 1];
     for (std::size_t i = 0; i < 6; ++i) q[i] += part * (command[k][i] - q[i]);
     return q;
@@ -187,9 +187,9 @@ Path pushed_about(Nanoseconds period, double skipped, double jitter, double coul
   while (now < 4s) {
     Nanoseconds dt = period;
     while (unit(rng) < skipped) dt += period;
-    now += dt + Nanoseconds(jitter * (unit(rng) - 0.5) * double(period));
+    now += dt + nanoseconds(jitter * (unit(rng) - 0.5) * seconds<double>(period));
     for (; next <= now; next += 100ms) {
-      loop.joints.advance(1e-9 * double(next));
+      loop.joints.advance(seconds<double>(next));
       path.joints.push_back(loop.joints.q());
     }
     const auto out = loop.step(now, impulse);
@@ -197,7 +197,7 @@ Path pushed_about(Nanoseconds period, double skipped, double jitter, double coul
     path.command.emplace_back();
     for (std::size_t i = 0; i < 6; ++i) path.command.back()[i] = out.command.position[i];
   }
-  loop.joints.advance(1e-9 * double(now) + 0.3);
+  loop.joints.advance(seconds<double>(now) + 0.3);
   path.joints.push_back(loop.joints.q());
   return path;
 }
@@ -252,7 +252,7 @@ TEST_CASE_TEMPLATE("Resolver: a blocked arm does not run away, says so, and come
       bool blocked = false;
       double last_rate = 0, farthest = 0, blocked_since = 0, free_since = 0;
       for (Nanoseconds now = period; now < 6s; now += period) {
-        const double t = 1e-9 * double(now);
+        const double t = seconds<double>(now);
         loop.joints.hold_fast(0, t > 0.3 && t < 3.5);
         const auto out = loop.step(now, push);
         const double lead = std::abs(loop.memory.q.value[0] - loop.joints.q()[0]);
@@ -327,7 +327,7 @@ TEST_CASE_TEMPLATE("Resolver: encoder noise and jitter stay within the dead band
   Nanoseconds planned{};
   for (int k = 0; k < 1000; ++k) {
     planned += 8ms;
-    const Nanoseconds now = planned + Nanoseconds(1e6 * unit(rng));
+    const Nanoseconds now = planned + nanoseconds(1e-3 * unit(rng));
     const auto out = loop.step(now, push);
     quiet.step(now, push);
     CHECK_FALSE(out.status.has(Reason::blocked));
@@ -357,7 +357,7 @@ TEST_CASE_TEMPLATE("Resolver: an undeclared millisecond of delay stays within th
 TEST_CASE("Resolver: starts moving with a robot that moves") {
   auto c = configuration(8ms);
   ClosedLoop<Interface::position> loop(c, pose, 0.008, 0.008);
-  State<6> s = loop.measure(0);
+  State<6> s = loop.measure(0ns);
   s.dq = {1, -1, 0, 0, 0, 0};
   auto m = loop.robot.start(s);
   CHECK(m.v[0] == 1);

@@ -81,7 +81,7 @@ struct SmallScene {
   using Robot = SmallRobot<I, T>;
   static typename Robot::Configuration configuration() {
     RobotConfiguration<2, T> arm{.limits = limits<2, T>(T(150)), .period = 4ms, .delay = 8ms};
-    arm.lag = I == Interface::position ? T(0.004) : T(0);
+    arm.lag = I == Interface::position ? 4ms : 0ms;
     arm.viscous_friction = JointTorque<2, T>::constant(T(10));
     return {.stiff = arm, .limits = limits<1, T>(T(0.7)), .viscous = JointTorque<1, T>::constant(T(0.002))};
   }
@@ -104,7 +104,7 @@ struct SmallScene {
     const double h = 0.0002;
     const double drive = double(memory.command.torque[2]) + double(push[2]);
     for (int k = 1; k <= 20; ++k) {
-      arm.advance(1e-9 * double(now) - 0.004 + k * h);
+      arm.advance(seconds<double>(now) - 0.004 + k * h);
       const JointPosition<3> q{arm.q()[0], arm.q()[1], finger};
       const JointVelocity<3> v{arm.dq()[0], arm.dq()[1], finger_speed};
       const double bias = bias_torque(SmallModel{}, JointAngles<SmallModel, double>({}, q), v)[2];
@@ -124,7 +124,7 @@ struct SmallScene {
     const auto stiff = Robot::stiff(out.command);
     for (std::size_t i = 0; i < 2; ++i)
       row[i] = double(I == Interface::position ? stiff.position[i] : stiff.velocity[i]);
-    arm.command(1e-9 * double(now), row);
+    arm.command(seconds<double>(now), row);
     return out;
   }
 };
@@ -162,7 +162,7 @@ TEST_CASE(
   double travel = 0, off = 0, torque_off = 0;
   std::uint64_t allocated = 0;
   for (Nanoseconds now = 4ms; now < 1600ms; now += 4ms) {
-    const double t = 1e-9 * double(now), s = t < 0.8 ? std::sin(4 * t) : 0;
+    const double t = seconds<double>(now), s = t < 0.8 ? std::sin(4 * t) : 0;
     Pushes<3, double> touches[2];
     Pushes<2, double> arm_touches[2];
     for (std::size_t j = 0; j < 2; ++j) {

@@ -4,15 +4,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <random>
 
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/digits50.hpp"
 
 using namespace skinctl;
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-
+using skinctl::testing::Digits50;
 namespace {
 
 using Vector = Eigen::Matrix<double, 6, 1>;
@@ -303,16 +301,16 @@ TEST_CASE("Integrators: run in multiprecision, and double agrees with it") {
   VirtualDynamics<6> shape;
   shape.viscous = {10, 8, 5, 1, 0.5, 0.2};
   shape.damping = 1;
-  VirtualDynamics<6, Exact> exact_shape{shape.viscous.cast<Exact>(), {}, {}, Exact(1)};
+  VirtualDynamics<6, Digits50> exact_shape{shape.viscous.cast<Digits50>(), {}, {}, Digits50(1)};
   JointPosition<6> q{0.1, -1.2, 1.1, -0.7, 0.4, 0.2};
   JointVelocity<6> v{0.5, 1, -1, 2, -2, 1};
-  auto q_exact = q.cast<Exact>();
-  auto v_exact = v.cast<Exact>();
+  auto q_exact = q.cast<Digits50>();
+  auto v_exact = v.cast<Digits50>();
   const JointTorque<6> push{20, -15, 10, 0.2, 0.1, 0.03};
   run<CrankNicolson>(shape, push, q, v, 0.0625, 32);
-  run<CrankNicolson>(exact_shape, push.cast<Exact>(), q_exact, v_exact, 0.0625, 32);
+  run<CrankNicolson>(exact_shape, push.cast<Digits50>(), q_exact, v_exact, 0.0625, 32);
   for (std::size_t i = 0; i < 6; ++i) {
-    CHECK(std::abs(static_cast<double>(q_exact[i] - Exact(q[i]))) < 1e-13);
-    CHECK(std::abs(static_cast<double>(v_exact[i] - Exact(v[i]))) < 1e-11);
+    CHECK(std::abs(static_cast<double>(q_exact[i] - Digits50(q[i]))) < 1e-13);
+    CHECK(std::abs(static_cast<double>(v_exact[i] - Digits50(v[i]))) < 1e-11);
   }
 }

@@ -47,7 +47,7 @@ TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no comman
 TEST_CASE("ResolverMemory: a copy by its bytes goes on as the original does") {
   RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(40.0), .period = 8ms, .delay = 8ms};
   const detail::VirtualJoints<Interface::velocity, 6, double, 32> joints(c);
-  Memory a{joints.start({0, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, {}}), {}}, b;
+  Memory a{joints.start({0ns, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, {}}), {}}, b;
   const auto cycle = [&](Memory& m, Nanoseconds now) {
     const Interval interval{now - 8ms, now, 1, {}};
     const auto begun = joints.begin(m, {now, m.under_way.reached, {}}, interval);

@@ -1,8 +1,8 @@
 // A part of bench/studies/plant.cpp: an arm that we did not write, MuJoCo under stiff servos.
 #include <doctest/doctest.h>
 
-#include "skinctl/testing/plant_loop.hpp"
 #include "tests/support/mujoco_plant.hpp"
+#include "tests/support/plant_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

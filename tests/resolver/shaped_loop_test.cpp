@@ -41,12 +41,12 @@ struct Loop {
   Robot::Memory memory;
   Yield law{};
   Yield::Memory law_memory{};
-  Nanoseconds period, now = 0;
+  Nanoseconds period, now{};
 
   Loop(const Shape& shape, Nanoseconds p, const JointPosition<6>& q)
       : robot(ur5::Model{}, configuration(p), shape),
         joints(SimulatedJoints<6>::Kind::position, 0.008, 0.008, array(q)),
-        memory(robot.start({0, q, {}})),
+        memory(robot.start({0ns, q, {}})),
         period(p) {}
   static std::array<double, 6> array(const JointPosition<6>& q) {
     std::array<double, 6> a;
@@ -57,17 +57,17 @@ struct Loop {
 
   auto step(const Impulse& impulse) {
     now += period;
-    joints.advance(1e-9 * double(now));
+    joints.advance(seconds<double>(now));
     const auto interval = robot.interval(memory, now);
     Pushed<6, double> pushes[max_substeps];
     for (unsigned j = 0; j < interval.substeps; ++j) {
-      const double a = 1e-9 * double(interval.at(j)), b = 1e-9 * double(interval.at(j + 1));
+      const double a = seconds<double>(interval.at(j)), b = seconds<double>(interval.at(j + 1));
       const auto from = impulse(a), to = impulse(b);
       for (std::size_t i = 0; i < 6; ++i) pushes[j].torque[i] = (to[i] - from[i]) / (b - a);
     }
     const auto out = robot.step(memory, law, law_memory, {now, q(), JointVelocity<6>(joints.dq())}, interval,
                                 std::span<const Pushed<6, double>>(pushes, interval.substeps));
-    joints.command(1e-9 * double(now), array(out.command.position));
+    joints.command(seconds<double>(now), array(out.command.position));
     return out;
   }
 };

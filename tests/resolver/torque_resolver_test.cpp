@@ -47,7 +47,7 @@ TEST_CASE("Resolver for torques: refuses shapes that it cannot give a real robot
   CHECK(refused([](auto&) {}).empty());
   CHECK(refused([](auto& c) { c.viscous_friction[0] = 3; }).empty());
   CHECK(refused([](auto& c) { c.virtual_damping = 1; }) ==
-        "skinctl: decay = 1, allowed: 0 for a torque interface");
+        "skinctl: virtual damping = 1, allowed: 0 for a torque interface");
   CHECK(refused([](auto& c) { c.coulomb_friction[1] = 1; }).find("Coulomb") != std::string::npos);
   CHECK(refused([](auto& c) { c.virtual_inertia[1] = 1; }).find("inertia") != std::string::npos);
 }
@@ -58,11 +58,11 @@ TEST_CASE_TEMPLATE(
   auto c = configuration<T>();
   c.viscous_friction = {T(4), T(4), T(4), T(1), T(1), T(1)};
   const Robot<T> robot(ur5::Model{}, c);
-  auto m = robot.start(at<T>(0));
+  auto m = robot.start(at<T>(0ns));
   Yield::Memory law;
   const JointTorque<6, T> push{T(1), T(2), T(3), T(-1), T(0), T(0.5)};
   const auto out = step(robot, m, law, at<T>(2ms), 2ms, push);
-  const auto s = at<T>(0);
+  const auto s = at<T>(0ns);
   const auto gravity = gravity_torque(ur5::Model{}, s.q);
   CHECK_FALSE(out.status.any());
   CHECK(out.command.valid);
@@ -79,7 +79,7 @@ TEST_CASE_TEMPLATE(
 
 TEST_CASE_TEMPLATE("Resolver for torques: torques are cut to the limits", T, float, double) {
   const Robot<T> robot(ur5::Model{}, configuration<T>());
-  auto m = robot.start(at<T>(0));
+  auto m = robot.start(at<T>(0ns));
   Yield::Memory law;
   const auto out = step(robot, m, law, at<T>(2ms), 2ms, {T(1e9), T(-1e9), T(0), T(0), T(0), T(1e9)});
   CHECK(out.status == Reason::torque_limited);
@@ -96,14 +96,14 @@ TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, gravity is h
   const T nan = std::numeric_limits<T>::quiet_NaN();
   Yield::Memory law;
   const auto holds = [&](const auto& out, double friction = 2) {
-    const auto gravity = gravity_torque(ur5::Model{}, at<T>(0).q);
+    const auto gravity = gravity_torque(ur5::Model{}, at<T>(0ns).q);
     for (std::size_t i = 0; i < 6; ++i) {
-      const double own = double(mass_matrix(ur5::Model{}, at<T>(0).q)(i, i));
-      const double want = double(gravity[i]) - friction / (1 + 0.006 / own) * double(at<T>(0).dq[i]);
+      const double own = double(mass_matrix(ur5::Model{}, at<T>(0ns).q)(i, i));
+      const double want = double(gravity[i]) - friction / (1 + 0.006 / own) * double(at<T>(0ns).dq[i]);
       CHECK(double(out.command.torque[i]) == doctest::Approx(want).epsilon(1e-5));
     }
   };
-  auto m = robot.start(at<T>(0));
+  auto m = robot.start(at<T>(0ns));
   auto out = step(robot, m, law, at<T>(2ms), 2ms, JointTorque<6, T>::constant(nan));
   CHECK(out.status == Reason::torque_not_finite);
   CHECK(law.evaluations == 0);
@@ -120,7 +120,7 @@ TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, gravity is h
   bad.q[3] = nan;
   out = step(robot, m, law, bad, 8ms, {});
   CHECK(out.status == Reason::state_not_finite);
-  CHECK(m.measured.q == at<T>(0).q);
+  CHECK(m.measured.q == at<T>(0ns).q);
   out = step(robot, m, law, bad, 40ms, JointTorque<6, T>::constant(T(3)));
   CHECK(out.status.has(Reason::state_stale));
   holds(out, 0);  // nobody knows how it moves: friction by an old velocity would push
@@ -132,7 +132,7 @@ TEST_CASE_TEMPLATE("Resolver for torques: a push moves a robot that obeys, frict
   auto c = configuration<T>();
   c.viscous_friction = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
   const Robot<T> robot(ur5::Model{}, c);
-  State<6, T> s = at<T>(0);
+  State<6, T> s = at<T>(0ns);
   s.dq = {};
   auto m = robot.start(s);
   Yield::Memory law;
@@ -164,7 +164,7 @@ TEST_CASE("Resolver for torques: time that goes back or stands still repeats the
   CHECK(late.status == Reason::time_backwards);
   CHECK(late.fallback == gravity_torque(ur5::Model{}, elsewhere.q));  // held where it is, not where it was
   CHECK(law.evaluations == 0);
-  auto bad = at<double>(0);
+  auto bad = at<double>(0ns);
   bad.q[0] = std::nan("");
   m = robot.start(bad);
   CHECK_FALSE(step(robot, m, law, at<double>(8ms), 8ms, {}).command.valid);

@@ -55,7 +55,7 @@ std::pair<double, double> tracking_error(const SceneSettings& s, bool law_knows)
 
 TEST_CASE("shape: a law that knows the virtual robot's friction tracks as if there were none") {
   SceneSettings s;
-  s.damping = 6;
+  s.decay = 6;
   s.viscous = 20;
   const auto [worst, last] = tracking_error(s, true);
   CHECK(worst <= 0.02);

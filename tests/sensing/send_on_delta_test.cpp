@@ -49,5 +49,5 @@ TEST_CASE("SendOnDelta: deltas that say nothing are refused") {
   SendOnDelta::Deltas deltas;
   deltas.force = 0;
   CHECK_THROWS_AS(SendOnDelta{deltas}, ConfigurationError);
-  CHECK_THROWS_AS(SendOnDelta(SendOnDelta::Deltas{}, 0), ConfigurationError);
+  CHECK_THROWS_AS(SendOnDelta(SendOnDelta::Deltas{}, 0ns), ConfigurationError);
 }

@@ -93,7 +93,7 @@ TEST_CASE("ur5_skin: an array of gains gives each link its own") {
   const auto pushed = [&](const auto& skin) {
     auto memory = skin.start(0ns);
     typename std::remove_cvref_t<decltype(skin)>::Wrenches means[1];
-    skin.receive(memory, samples, 0, 8ms, 1, means);
+    skin.receive(memory, samples, 0ns, 8ms, 1, means);
     return skin.wrenches(memory);
   };
   const auto a = pushed(same), b = pushed(own);

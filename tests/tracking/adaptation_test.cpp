@@ -4,9 +4,9 @@
 
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -24,7 +24,8 @@ static_assert(std::is_trivially_copyable_v<Learning::Memory>);
 TEST_CASE(
     "Adaptive: with masses that the model does not know, the error falls and the estimate stays bounded") {
   const double dt = 0.004;
-  const JointControlSettings<6> s{.dt = nanoseconds(dt), .lambda = 30, .K_i1 = 0, .K_i2 = 0, .tb = 0s, .K_c = 5};
+  const JointControlSettings<6> s{
+      .dt = nanoseconds(dt), .lambda = 30, .K_i1 = 0, .K_i2 = 0, .tb = 0s, .K_c = 5};
   const auto bound = deviations(model, 0.5);
   // All masses and inertias are 30 % more than the model knows.
   const auto known_numbers = calibrated_from<ur5::Description, double>();

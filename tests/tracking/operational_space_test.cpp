@@ -5,12 +5,12 @@
 #include <Eigen/Core>
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;
@@ -154,7 +154,7 @@ void check_rate(const L& law, const JointPosition<6>& q, double tolerance) {
 TEST_CASE("OperationalSpace: the tool follows its spline, and arrives, at every rate") {
   for (const double rate : {125.0, 500.0}) {
     const auto law = make<SplineOperational<6, 5>>(settings_at(1 / rate));
-    const auto r = run(law, {0, home, {}}, goal_near(law, {0, home, {}}, 1.0), 1 / rate, 2.5);
+    const auto r = run(law, {0ns, home, {}}, goal_near(law, {0ns, home, {}}, 1.0), 1 / rate, 2.5);
     CAPTURE(rate);
     CHECK(r.worst < 5e-5);
     CHECK(r.position < 1e-6);
@@ -185,12 +185,12 @@ TEST_CASE("OperationalSpace: of a position, the null space rests, goes on, or fi
       SplineOperational<6, 5, Tool, double, Task::position, RotationVectorError, PostureNullSpace<6>>;
   const State<6> x{0ns, home, JointVelocity<6>{0, 0, 0, 0.3, 0.2, -0.5}};
   const auto damped = make<Damped>(settings);
-  const auto goal = goal_near(damped, {0, home, {}}, 1.0);
+  const auto goal = goal_near(damped, {0ns, home, {}}, 1.0);
   const auto rest = run(damped, x, goal, 0.004, 3), on = run(make<Free>(settings), x, goal, 0.004, 3);
   CHECK(rest.position < 1e-5);
   CHECK(on.position < 1e-4);
-  CHECK(as_eigen(JointVelocity<6>(rest.state.dq)).norm() < 1e-3);
-  CHECK(as_eigen(JointVelocity<6>(on.state.dq)).norm() > 0.2);
+  CHECK(as_eigen(rest.state.dq).norm() < 1e-3);
+  CHECK(as_eigen(on.state.dq).norm() > 0.2);
 
   const JointPosition<6> posture{0.3, -1.2, 1.4, -1.0, -1.0, 0.8};
   const Posed posed(
@@ -344,7 +344,7 @@ TEST_CASE("OperationalSpace: numbers that are not finite do not enter the memory
     const auto tau = law.torque(memory, K(model, good, 0.004, none));
     for (const double t : tau) CHECK(std::isfinite(t));
   }
-  PoseGoal<Tool> bad{Transform<Base, Tool>::translation_xyz(nan, 0, 0), 0};
+  PoseGoal<Tool> bad{Transform<Base, Tool>::translation_xyz(nan, 0, 0), 0ns};
   CHECK(law.receive(fresh, K(model, good, 0.004, none), bad).status.has(Reason::goal_refused));
 }
 

@@ -4,9 +4,9 @@
 
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,8 +5,9 @@
 #include <limits>
 #include <type_traits>
 
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
-#include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -30,11 +31,11 @@ TEST_CASE("SplinePlan: a goal gets the time it asks for, if the speed allows") {
   CHECK(asked.memory.at(3, s).q_d == goal);
   CHECK(asked.memory.advanced(1s, s).at(0.5, s).q_d[0] == doctest::Approx(0.6));
 
-  const auto free = standing.to({goal, 0}, here, s);
+  const auto free = standing.to({goal, 0ns}, here, s);
   CHECK_FALSE(free.status.any());
   CHECK(free.memory.spline.tf == doctest::Approx(1.875));
-  const auto short_way = standing.to({here, 0}, here, s);
-  CHECK(short_way.memory.spline.tf == doctest::Approx(10 * s.dt));
+  const auto short_way = standing.to({here, 0ns}, here, s);
+  CHECK(short_way.memory.spline.tf == doctest::Approx(10 * seconds<double>(s.dt)));
 }
 
 TEST_CASE("SplinePlan: a goal that is too fast is stretched, or refused") {
@@ -55,7 +56,7 @@ TEST_CASE("SplinePlan: a goal that is too fast is stretched, or refused") {
   CHECK(refused.status == Status(Reason::goal_refused));
   CHECK(refused.memory.at(5, s).q_d == here);
   CHECK_FALSE(standing.to({goal, 2s}, here, s).status.any());
-  CHECK_FALSE(standing.to({goal, 0}, here, s).status.any());
+  CHECK_FALSE(standing.to({goal, 0ns}, here, s).status.any());
 }
 
 TEST_CASE("SplinePlan: goals that are not finite, or in the past, are refused") {
@@ -65,14 +66,14 @@ TEST_CASE("SplinePlan: goals that are not finite, or in the past, are refused") 
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
     JointPosition<3> goal = here;
     goal[1] = bad;
-    CHECK(standing.to({goal, 0}, here, s).status == Status(Reason::goal_refused));
-    CHECK(standing.to({here, 0}, goal, s).status == Status(Reason::goal_refused));
+    CHECK(standing.to({goal, 0ns}, here, s).status == Status(Reason::goal_refused));
+    CHECK(standing.to({here, 0ns}, goal, s).status == Status(Reason::goal_refused));
   }
-  CHECK(standing.to({here, -1}, here, s).status == Status(Reason::goal_refused));
+  CHECK(standing.to({here, -1ns}, here, s).status == Status(Reason::goal_refused));
 }
 
 TEST_CASE("SplinePlan: stops and goes on smoothly, its derivatives being derivatives all the way") {
-  using E = Exact;
+  using E = Digits50;
   using ExactPlan = SplinePlan<JointSpace<2, E>>;
   const JointControlSettings<2, E> s{.dt = 2ms};
   const JointPosition<2, E> from{E(0), E(1)};

@@ -5,8 +5,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
-#include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,12 +5,13 @@
 #include <array>
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;
@@ -93,7 +94,7 @@ State<6, T> swinging(const T& t) {
 
 #if SKINCTL_MANY_DIGITS
 TEST_CASE("Tracking: ddq_r is the derivative of dq_r, in every phase") {
-  using T = Exact;
+  using T = Digits50;
   const SplineJoint<6, T> law({.dt = 4ms, .K_i1 = T(2), .K_i2 = T(0.4), .tb = 600ms});
   const T h("1e-9");
   auto memory = law.start(KnownAt<T>(model, swinging(T(0)), T(0.004), none));
@@ -215,7 +216,8 @@ TEST_CASE("Tracking: with a constant K_d it brings the UR5 to its goal") {
   const std::array<double, 6> diagonal = {0.03, 0.03, 0.03, 0.03, 0.03, 0.03};
   for (std::size_t i = 0; i < 6; ++i) K_d[7 * i] = diagonal[i];
   const double dt = 0.002;
-  const SplineJoint<6, double, ConstantDamping<6>> law({.dt = nanoseconds(dt)}, ConstantDamping<6>(model, K_d));
+  const SplineJoint<6, double, ConstantDamping<6>> law({.dt = nanoseconds(dt)},
+                                                       ConstantDamping<6>(model, K_d));
   State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
   using K = KnownAt<double, Needs{.mass = true}>;
   auto memory = law.start(K(model, x, dt, none));
@@ -320,7 +322,8 @@ TEST_CASE(
   CHECK(memory.I1.sum[0] == before.I1.sum[0]);
   CHECK(memory.I2.sum[0] == before.I2.sum[0]);
   const auto stood = memory.plan.clock.own;
-  CHECK(stood == doctest::Approx(static_cast<double>(before.plan.clock.own + 50ms)).epsilon(1e-3));
+  CHECK(seconds<double>(stood) ==
+        doctest::Approx(seconds<double>(before.plan.clock.own + 50ms)).epsilon(1e-3));
   run(1000, Opposition::lasting);
   CHECK(memory.plan.clock.own == stood);
   CHECK(memory.plan.at(0, law.settings()).dq_d == JointVelocity<6>{});
@@ -329,7 +332,8 @@ TEST_CASE(
   CHECK(memory.bias.decaying == JointVelocity<6>{});
   CHECK(memory.tb == 0);
   run(1000, Opposition::none);
-  CHECK(memory.plan.clock.own == doctest::Approx(static_cast<double>(stood + 2s - 50ms)).epsilon(2e-3));
+  CHECK(seconds<double>(memory.plan.clock.own) ==
+        doctest::Approx(seconds<double>(stood + 2s - 50ms)).epsilon(2e-3));
 }
 
 TEST_CASE_TEMPLATE("Tracking: under a lasting disturbance the integrals stay within their limit", T, float,
@@ -435,7 +439,7 @@ TEST_CASE("Tracking: float, double and 50 digits give the same torque, as far as
       for (int i = 0; i < 64; ++i) memory = advanced(law, memory, known, T(0.0078125), Opposition::none);
       return torque_of(law, memory, known);
     };
-    const auto exact = compute(Exact(0));
+    const auto exact = compute(Digits50(0));
     const auto d = compute(0.0);
     const auto f = compute(0.0f);
     const double scale = static_cast<double>(std::max(magnitude(exact[0]), magnitude(exact[1])));

@@ -2,7 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "exact.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -10,16 +11,12 @@ using namespace skinctl::testing;
 namespace {
 template <class T>
 T angle_between(const Rotation<T>& R, const Rotation<T>& S) {
-  return skinctl::detail::length(log_so3(S * R.transpose()));
+  return norm(log_so3(S * R.transpose()));
 }
 template <class T>
 Xyz<T> direction(Seeded& rng) {
   const Xyz<T> v{T(rng()), T(rng()), T(rng())};
-  return T(T(1) / skinctl::detail::length(v)) * v;
-}
-template <class T>
-T pi() {
-  return T(3.141592653589793238462643383279502884L);
+  return T(T(1) / norm(v)) * v;
 }
 }  // namespace
 
@@ -57,8 +54,8 @@ TEST_CASE("RotationSpline: takes the shortest way, at every instant a part of th
     const auto R_g = exp_so3(angle * axis) * R_i;
     const RotationSpline<double> s(R_i, R_g, 1.0);
     CAPTURE(angle);
-    CHECK(skinctl::detail::length(s.turn()) == doctest::Approx(angle).epsilon(1e-7));
-    CHECK(skinctl::detail::length(s.turn()) <= pi<double>() * (1 + 1e-15));
+    CHECK(norm(s.turn()) == doctest::Approx(angle).epsilon(1e-7));
+    CHECK(norm(s.turn()) <= pi<double>() * (1 + 1e-15));
     for (int k = 0; k <= 20; ++k) {
       const double a1 = quintic(k / 20.0).a1;
       const auto expected = exp_so3(a1 * s.turn()) * R_i;
@@ -69,18 +66,18 @@ TEST_CASE("RotationSpline: takes the shortest way, at every instant a part of th
 
 TEST_CASE("RotationSpline: omega and domega are the derivatives of R, in 50 digits") {
   Seeded rng(10);
-  const Exact h("1e-15");
+  const Digits50 h("1e-15");
   for (int i = 0; i < 30; ++i) {
-    const auto R_i = exp_so3(Exact(rng.between(0, 3)) * direction<Exact>(rng));
-    const auto R_g = exp_so3(Exact(rng.between(0, 3)) * direction<Exact>(rng));
-    const RotationSpline<Exact> s(R_i, R_g, Exact(1.5));
-    const Exact t(rng.between(0, 1.5));
+    const auto R_i = exp_so3(Digits50(rng.between(0, 3)) * direction<Digits50>(rng));
+    const auto R_g = exp_so3(Digits50(rng.between(0, 3)) * direction<Digits50>(rng));
+    const RotationSpline<Digits50> s(R_i, R_g, Digits50(1.5));
+    const Digits50 t(rng.between(0, 1.5));
     const auto before = s.at(t - h), now = s.at(t), after = s.at(t + h);
     const auto turned = log_so3(after.R * before.R.transpose());
-    const auto omega = (Exact(1) / (2 * h)) * turned;
-    const auto domega = (Exact(1) / (2 * h)) * (after.omega - before.omega);
-    CHECK(skinctl::detail::length(Xyz<Exact>(omega - now.omega)) < Exact("1e-25"));
-    CHECK(skinctl::detail::length(Xyz<Exact>(domega - now.domega)) < Exact("1e-25"));
+    const auto omega = (Digits50(1) / (2 * h)) * turned;
+    const auto domega = (Digits50(1) / (2 * h)) * (after.omega - before.omega);
+    CHECK(norm(Xyz<Digits50>(omega - now.omega)) < Digits50("1e-25"));
+    CHECK(norm(Xyz<Digits50>(domega - now.domega)) < Digits50("1e-25"));
   }
 }
 
@@ -95,8 +92,7 @@ TEST_CASE("RotationSpline: near half a turn it goes on the way round of the spli
     const RotationSpline<double> goes_on(R_i, beyond, 1.0, first.turn());
     CHECK(dot(first.turn(), turned_back.turn()) < 0);
     CHECK(dot(first.turn(), goes_on.turn()) > 0);
-    CHECK(skinctl::detail::length(Xyz<double>(goes_on.turn() - first.turn())) ==
-          doctest::Approx(2e-6).epsilon(1e-3));
+    CHECK(norm(Xyz<double>(goes_on.turn() - first.turn())) == doctest::Approx(2e-6).epsilon(1e-3));
     CHECK(goes_on.at(1.0).R == beyond);
   }
 }

@@ -1,9 +1,9 @@
 // Receives skin datagrams and puts their samples on the robot's clock.
 #pragma once
 
-#include <chrono>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -13,11 +13,13 @@
 namespace adapters::skin {
 
 struct ReceiverConfig {
-  std::string address = "127.0.0.1";          ///< of this computer
-  std::uint16_t port = 0;                     ///< 0: any
-  skinctl::Nanoseconds oldest = std::chrono::milliseconds(100);  ///< a sample so long before its sending is refused
-  skinctl::Nanoseconds forget = std::chrono::milliseconds(200);  ///< after so long without datagrams another sender may begin
-  std::size_t most_samples = 8192;            ///< of one poll; more stay in the socket until the next
+  std::string address = "127.0.0.1";  ///< of this computer
+  std::uint16_t port = 0;             ///< 0: any
+  skinctl::Nanoseconds oldest =
+      std::chrono::milliseconds(100);  ///< a sample so long before its sending is refused
+  skinctl::Nanoseconds forget =
+      std::chrono::milliseconds(200);  ///< after so long without datagrams another sender may begin
+  std::size_t most_samples = 8192;     ///< of one poll; more stay in the socket until the next
 };
 
 /// What arrived and what was refused, since the start.

@@ -7,7 +7,7 @@
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/socket.hpp"
 #include "examples/adapters/ur5/driver.hpp"
-#include "tests/support/robot_table.hpp"
+#include "skinctl/testing/robot_table.hpp"
 
 using namespace adapters;
 
@@ -176,8 +176,8 @@ TEST_CASE("skin receiver: one sender, in order, on the robot's clock") {
   const auto first = receiver.poll(now);
   REQUIRE(first.size() == 1);
   CHECK(first[0].time == now - 4ms);  // measured 4 ms before it was sent, sent just now
-  send(sender, 1);                          // repeated
-  send(sender, 5);                          // three lost
+  send(sender, 1);                    // repeated
+  send(sender, 5);                    // three lost
   send(stranger, 6);
   sender.send_to(boost::asio::buffer(std::string("nonsense")), to);
   CHECK(receiver.poll(now + 1ms).size() == 1);

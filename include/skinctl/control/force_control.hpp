@@ -37,7 +37,8 @@ struct ForceSettings {
 template <class Robot>
 [[nodiscard]] ForceSettings<Robot::joints, typename Robot::scalar> force_settings(const Robot& robot) {
   using T = typename Robot::scalar;
-  return {.pose = operational_settings(robot), .carried = Robot::interface == Interface::torque ? T(1) : T(0)};
+  return {.pose = operational_settings(robot),
+          .carried = Robot::interface == Interface::torque ? T(1) : T(0)};
 }
 
 /// The paper's ForceCart, after Cartesian sliding PID force/position control (Garcia-Valdovinos et al.,
@@ -55,6 +56,7 @@ class ForceControl : public Composable {
  public:
   using Tracker = OperationalControl<N, I, P, T>;
   using Goal = ForceGoal<T>;
+  using scalar = T;
   using Settings = ForceSettings<N, T>;
   using Surface = typename Tracker::Surface;
   static constexpr Needs needs = Tracker::needs | Needs{.angles = true, .touch = true};
@@ -105,7 +107,7 @@ class ForceControl : public Composable {
   /// The new direction and force; the target moves on from where it is. Refused if not finite or negative.
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K&, const Goal& goal) const noexcept {
-    const T size = detail::length(goal.direction);
+    const T size = norm(goal.direction);
     const T sum = size + goal.force;
     if (!(sum - sum == T(0)) || goal.force < T(0)) return {memory, Reason::goal_refused};
     Received<Memory> out{memory, {}};
@@ -136,7 +138,7 @@ class ForceControl : public Composable {
                                                         const Surface& at_t) const noexcept {
     auto tau = tracker_.template torque<G>(memory.tracker, known, share, at_t);
     if (settings_.carried > T(0))
-      tau -= T(share.feed_forward * settings_.carried) * SkinJointControl{}.torque({}, known);
+      tau -= T(share.feed_forward * settings_.carried) * SkinJointControl{}.torque(known);
     return tau;
   }
   template <GravityTerm G = GravityTerm::included, class K>
@@ -180,14 +182,12 @@ class ForceControl : public Composable {
     m.a = (m.a + w * w * dt * (asked - m.v)) / (T(1) + w * dt * (T(2) + w * dt));
     m.v = m.v + dt * m.a;
     m.travel = m.travel + dt * m.v;
-    auto& plan = m.tracker.plan;
     const Xyz<T> n = m.goal.direction;
-    plan.target = {
-        Transform<Base, P, T>::trusted(plan.target.X_BP.axes(), plan.target.X_BP.origin() + T(dt * m.v) * n),
-        {m.v * n, {T(0), T(0), T(0)}},
-        {m.a * n, {T(0), T(0), T(0)}}};
-    plan.clock = {};
-    plan.aged = false;
+    const auto& X_BP = tracker_.target(m.tracker).X_BP;
+    m.tracker = Tracker::with_target(
+        m.tracker, {Transform<Base, P, T>::trusted(X_BP.axes(), X_BP.origin() + T(dt * m.v) * n),
+                    {m.v * n, {T(0), T(0), T(0)}},
+                    {m.a * n, {T(0), T(0), T(0)}}});
   }
   /// An integral, as far as it alone would not saturate the speed.
   T bounded(const T& integral, const T& gain) const noexcept {

@@ -42,7 +42,9 @@ template <class Space, class Plan = SplinePlan<Space>>
 class Impedance : public Composable {
  public:
   static constexpr std::size_t N = Space::joints;
-  using T = typename Space::scalar;
+  static constexpr std::size_t joints = N;
+  using scalar = typename Space::scalar;
+  using T = scalar;
   using Goal = typename Plan::Goal;
   using Settings = ImpedanceSettings<Space>;
   static constexpr Needs needs = Needs{.gravity = true, .mass = true} | Space::needs;
@@ -117,7 +119,8 @@ class Impedance : public Composable {
     JointAcceleration<N, T> a;
     math::Ldlt<N, T>(A).solve(braked, a.data);
     tau -= known.mass() * a;
-    const T left = quintic(seconds<T>(memory.elapsed) / seconds<T>(Space::tracking(settings_.space).hand_over)).rest;
+    const T left =
+        quintic(seconds<T>(memory.elapsed) / seconds<T>(Space::tracking(settings_.space).hand_over)).rest;
     for (std::size_t i = 0; i < N; ++i) tau[i] = share.feedback * (tau[i] + left * memory.difference[i]);
     if constexpr (G == GravityTerm::included) tau += share.feed_forward * known.gravity();
     return tau;
@@ -136,6 +139,12 @@ class Impedance : public Composable {
     next.elapsed = later(next.elapsed, ns);
     Space::follow_branch(next.space, memory.plan.at(T(0), settings_.space), space_.site(known));
     return next;
+  }
+  /// The target stands, the skin does not hold the law up, and no joint is faster than `still` [rad/s].
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
+    return !memory.held && Space::stands(memory.plan.at(T(0), settings_.space)) &&
+           detail::slower(known.dq(), still);
   }
   [[nodiscard]] Status status(const Memory& memory) const noexcept {
     Status s;

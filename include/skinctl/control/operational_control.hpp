@@ -25,6 +25,7 @@ OperationalControl(const R&, const Transform<Link<I>, P, typename R::scalar>&)
     -> OperationalControl<R::joints, I, P, typename R::scalar>;
 /// With settings of one's own: `auto s = operational_settings(arm)`, then what differs.
 template <std::size_t I, Frame P, std::size_t N, Real T>
-OperationalControl(const Transform<Link<I>, P, T>&, const OperationalSettings<N, T>&) -> OperationalControl<N, I, P, T>;
+OperationalControl(const Transform<Link<I>, P, T>&, const OperationalSettings<N, T>&)
+    -> OperationalControl<N, I, P, T>;
 
 SKINCTL_END_NAMESPACE

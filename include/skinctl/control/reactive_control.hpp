@@ -25,7 +25,8 @@ class ReactiveOperational
                       ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign> {
  public:
   using Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                 ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>::Tracking;
+                 ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping,
+                 Sign>::Tracking;
 };
 template <DescribedRobot R, std::size_t I, Frame P>
 ReactiveOperational(const R&, const Transform<Link<I>, P, typename R::scalar>&)

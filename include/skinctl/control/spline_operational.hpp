@@ -25,6 +25,7 @@ SplineOperational(const R&, const Transform<Link<I>, P, typename R::scalar>&)
     -> SplineOperational<R::joints, I, P, typename R::scalar>;
 /// With settings of one's own: `auto s = operational_settings(arm)`, then what differs.
 template <std::size_t I, Frame P, std::size_t N, Real T>
-SplineOperational(const Transform<Link<I>, P, T>&, const OperationalSettings<N, T>&) -> SplineOperational<N, I, P, T>;
+SplineOperational(const Transform<Link<I>, P, T>&, const OperationalSettings<N, T>&)
+    -> SplineOperational<N, I, P, T>;
 
 SKINCTL_END_NAMESPACE

@@ -1,56 +1,54 @@
 // The boundary to Eigen: what users pass in and get out. Eigen itself is not included here: whoever converts
-// includes <Eigen/Core>, whoever does not is spared the largest part of a small file's compile time.
+// includes <Eigen/Core> (for poses <Eigen/Geometry>), whoever does not is spared the largest part of a small
+// file's compile time.
 #pragma once
 
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/triple.hpp"
 
-namespace Eigen {
-template <typename Scalar, int Rows, int Cols, int Options, int MaxRows, int MaxCols>
-class Matrix;
-template <typename Plain, int Options, typename Strides>
-class Map;
-template <int Outer, int Inner>
-class Stride;
-}  // namespace Eigen
-
 SKINCTL_BEGIN_NAMESPACE
 
-/// `Eigen::Matrix<T, Rows, Cols>`, column by column.
-template <Scalar T, int Rows, int Cols>
-using EigenMatrix = Eigen::Matrix<T, Rows, Cols, 0, Rows, Cols>;
-template <class Plain>
-using EigenMap = Eigen::Map<Plain, 0, Eigen::Stride<0, 0>>;
-template <Scalar T>
-using Vec3 = EigenMatrix<T, 3, 1>;
-template <Scalar T>
-using Mat3 = EigenMatrix<T, 3, 3>;
-template <Scalar T>
-using Vec6 = EigenMatrix<T, 6, 1>;
-template <Scalar T>
-using Mat6 = EigenMatrix<T, 6, 6>;
-
-/// A joint quantity as an Eigen vector, without a copy.
-template <class Kind, std::size_t N, class T>
-[[nodiscard]] SKINCTL_INLINE EigenMap<EigenMatrix<T, int(N), 1>> as_eigen(
-    JointVector<Kind, N, T>& v) noexcept {
-  return EigenMap<EigenMatrix<T, int(N), 1>>(v.data);
-}
-template <class Kind, std::size_t N, class T>
-[[nodiscard]] SKINCTL_INLINE EigenMap<const EigenMatrix<T, int(N), 1>> as_eigen(
-    const JointVector<Kind, N, T>& v) noexcept {
-  return EigenMap<const EigenMatrix<T, int(N), 1>>(v.data);
-}
+// Every quantity goes to Eigen by `as_eigen(x)` and comes from it by a constructor that names what the numbers
+// are (`JointTorque<6>(v)`, `Transform<Base, Tool>(X)`), or, where the type is an aggregate, by its
+// `from_eigen` (`Wrench<Forearm>::from_eigen(v)`). Arrays are seen in place, so that they have to have a name;
+// all else is copied.
 
 /// A triple as an Eigen vector.
 template <Scalar T>
 [[nodiscard]] SKINCTL_INLINE Vec3<T> as_eigen(const Xyz<T>& v) noexcept {
   return Vec3<T>(v.x, v.y, v.z);
 }
-/// An Eigen 3-vector as a triple.
+
+namespace detail {
+/// Elements `first` to `first + 2` of an evaluated vector.
+template <class V>
+[[nodiscard]] SKINCTL_INLINE Xyz<typename V::Scalar> three(const V& v, int first) noexcept {
+  return {v.coeff(first), v.coeff(first + 1), v.coeff(first + 2)};
+}
+/// A `Q` of two triples from six numbers.
+template <class Q, Scalar T, class V>
+[[nodiscard]] SKINCTL_INLINE Q from_six(const V& values) noexcept {
+  static_assert(std::is_same_v<typename V::Scalar, T>, "other scalar: v.cast<T>()");
+  static_assert(int(V::SizeAtCompileTime) == 6 || int(V::SizeAtCompileTime) == -1, "six numbers");
+  SKINCTL_EXPECTS(values.size() == 6, "six numbers");
+  const auto v = values.eval();
+  return {three(v, 0), three(v, 3)};
+}
+/// Six numbers, one triple after the other.
 template <Scalar T>
-[[nodiscard]] SKINCTL_INLINE Xyz<T> as_xyz(const Vec3<T>& v) noexcept {
-  return {v.x(), v.y(), v.z()};
+[[nodiscard]] SKINCTL_INLINE Vec6<T> six(const Xyz<T>& a, const Xyz<T>& b) noexcept {
+  Vec6<T> v;
+  v << a.x, a.y, a.z, b.x, b.y, b.z;
+  return v;
+}
+}  // namespace detail
+
+/// An Eigen vector of three elements as a triple; a dynamic one of another size is a broken promise.
+template <VectorExpression V>
+[[nodiscard]] SKINCTL_INLINE Xyz<typename V::Scalar> as_xyz(const V& values) noexcept {
+  static_assert(int(V::SizeAtCompileTime) == 3 || int(V::SizeAtCompileTime) == -1, "three numbers");
+  SKINCTL_EXPECTS(values.size() == 3, "three numbers");
+  return detail::three(values.eval(), 0);
 }
 
 SKINCTL_END_NAMESPACE

@@ -7,6 +7,7 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/detail/unrolled.hpp"
+#include "skinctl/core/eigen_expression.hpp"
 #include "skinctl/core/real.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -19,14 +20,6 @@ struct Torque {};        ///< generalised force [N m], [N]
 struct Jerk {};          ///< [rad/s^3], [m/s^3]
 struct Power {};         ///< [W]
 }  // namespace kind
-
-/// Anything with Eigen's vector interface, without including Eigen here.
-template <class V>
-concept VectorExpression = requires(const V& v) {
-  typename V::PlainObject;
-  v.eval();
-  v.size();
-};
 
 /// `N` numbers of one kind, in the order of the model's joints. Zero by default, trivially copyable, costs
 /// what a bare array costs. Addition needs equal kinds: `q + tau` does not compile.
@@ -49,9 +42,12 @@ struct JointVector {
     requires(sizeof...(U) == N && N > 1 && (std::is_convertible_v<U, T> && ...))
   SKINCTL_INLINE constexpr explicit(false) JointVector(const U&... values) noexcept : data{T(values)...} {}
 
-  /// From an Eigen vector of `N` elements; a dynamic one of another size is a broken promise.
+  /// From an Eigen vector of `N` elements of scalar `T`, whose kind the caller names: `JointPosition<6>(v)`. A
+  /// dynamic one of another size is a broken promise. Into one that exists: `as_eigen(q) = v`.
   template <VectorExpression V>
   SKINCTL_INLINE explicit JointVector(const V& values) noexcept : data{} {
+    static_assert(std::is_same_v<typename V::Scalar, T>, "other scalar: v.cast<T>()");
+    static_assert(bool(V::IsVectorAtCompileTime), "one number per joint");
     static_assert(int(V::SizeAtCompileTime) == int(N) || int(V::SizeAtCompileTime) == -1,
                   "one number per joint");
     SKINCTL_EXPECTS(std::size_t(values.size()) == N, "one number per joint");
@@ -73,6 +69,15 @@ struct JointVector {
   template <class... U>
     requires(sizeof...(U) != N && sizeof...(U) > 1 && (std::is_convertible_v<U, T> && ...))
   JointVector(const U&...) = delete;  // one number per joint
+  template <EigenExpression V>
+  JointVector(const V&) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
+  template <EigenExpression V>
+  void operator=(const V&) = delete;  // an Eigen vector has no kind: q = JointPosition<N>(v), or as_eigen(q) = v
+  template <EigenExpression V>
+  operator V() const = delete;  // an Eigen vector has no kind: v = as_eigen(tau) drops it
+  friend void operator*(const EigenExpression auto&, const JointVector&) = delete;  // with Eigen's: A * as_eigen(v)
+  friend void operator+(const EigenExpression auto&, const JointVector&) = delete;  // with Eigen's: v + as_eigen(tau)
+  friend void operator-(const EigenExpression auto&, const JointVector&) = delete;  // with Eigen's: v - as_eigen(tau)
   // clang-format on
 
   /// The numbers `f(0)` to `f(N - 1)`.
@@ -99,6 +104,16 @@ struct JointVector {
     return JointVector<Kind, N, U>::generate([&](std::size_t i)
                                                  SKINCTL_INLINE_LAMBDA { return static_cast<U>(data[i]); });
   }
+
+  /// As an Eigen vector, without a copy.
+  [[nodiscard]] friend SKINCTL_INLINE EigenMap<EigenMatrix<T, int(N), 1>> as_eigen(JointVector& v) noexcept {
+    return EigenMap<EigenMatrix<T, int(N), 1>>(v.data);
+  }
+  [[nodiscard]] friend SKINCTL_INLINE EigenMap<const EigenMatrix<T, int(N), 1>> as_eigen(
+      const JointVector& v) noexcept {
+    return EigenMap<const EigenMatrix<T, int(N), 1>>(v.data);
+  }
+  friend void as_eigen(const JointVector&&) = delete;  // a view of a temporary: give it a name first
 
   SKINCTL_INLINE constexpr T& operator[](std::size_t i) noexcept { return data[i]; }
   SKINCTL_INLINE constexpr const T& operator[](std::size_t i) const noexcept { return data[i]; }

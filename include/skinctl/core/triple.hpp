@@ -1,6 +1,10 @@
 // Three numbers along x, y and z, each a scalar or a compile-time constant: the vectors of the loop.
 #pragma once
 
+#include <cmath>
+#include <limits>
+
+#include "skinctl/core/eigen_expression.hpp"
 #include "skinctl/core/known.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -33,6 +37,10 @@ struct Triple {
   {
     return u.x == v.x && u.y == v.y && u.z == v.z;
   }
+  // clang-format off
+  template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: as_xyz(v)
+  template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(p)
+  // clang-format on
 };
 template <class X, class Y, class Z>
 Triple(X, Y, Z) -> Triple<X, Y, Z>;
@@ -77,6 +85,23 @@ SKINCTL_INLINE constexpr auto dot(const Triple<A, B, C>& u, const Triple<D, E, F
 template <class A, class B, class C, class D, class E, class F>
 SKINCTL_INLINE constexpr auto cross(const Triple<A, B, C>& u, const Triple<D, E, F>& v) noexcept {
   SKINCTL_CONTRACT return Triple{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+}
+
+/// `|v|`, also where the squares underflow or overflow: a vector of 1e-200 has a length. A NaN gives a NaN.
+template <Real T>
+[[nodiscard]] T norm(const Xyz<T>& v) noexcept {
+  using std::abs;
+  using std::sqrt;
+  const T square = dot(v, v);
+  if (square > std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon() &&
+      square < (std::numeric_limits<T>::max)())
+    return sqrt(square);
+  const T ax = abs(v.x), ay = abs(v.y), az = abs(v.z);
+  T largest = ax > ay ? ax : ay;
+  if (!(largest >= az)) largest = az;
+  if (!(largest > T(0))) return square;  // zero, or a NaN that has to stay visible
+  const Xyz<T> unit{v.x / largest, v.y / largest, v.z / largest};
+  return T(largest * sqrt(dot(unit, unit)));
 }
 
 /// A rotation about one axis by a known cosine and sine, either of which may be a typed constant.

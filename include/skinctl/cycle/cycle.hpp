@@ -6,10 +6,11 @@
 
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/real_time.hpp"
+#include "skinctl/cycle/detail/check_scene.hpp"
 #include "skinctl/cycle/input.hpp"
-#include "skinctl/cycle/stage.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
+#include "skinctl/cycle/stage.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -127,13 +128,15 @@ constexpr void check_holders() {
     static_assert(Robot::robot_holds_gravity || holds_gravity<L>,
                   "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     if constexpr (Robot::interface == Interface::torque) {
-      static_assert(!(Robot::robot_compensates_friction && law_compensates_friction<L>),
-                    "friction twice: the robot compensates it, and so does the law: leave FrictionControl out");
+      static_assert(
+          !(Robot::robot_compensates_friction && law_compensates_friction<L>),
+          "friction twice: the robot compensates it, and so does the law: leave FrictionControl out");
       static_assert(!(Robot::friction_uncompensated && law_compensates_friction<L>),
                     "friction: described as uncompensated, and a law compensates it: leave one of them out");
       static_assert(
           Robot::robot_compensates_friction || Robot::friction_uncompensated || law_compensates_friction<L>,
-          "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add FrictionControl");
+          "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add "
+          "FrictionControl");
     }
   } else {
     static_assert(holds_gravity<L>, "gravity nowhere: add GravityControl to the law");
@@ -157,10 +160,16 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
 ///
 /// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
 /// else of the model is computed.
-template <class Resolver, class L, class Skin = NoSkin,
+template <class Resolver, class GivenLaw, class GivenSkin = NoSkin,
           class Watchman = typename detail::GuardOf<Resolver>::type,
           class Overseer = detail::DefaultGovernor<Resolver>>
 class Cycle {
+  using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
+  static_assert(sizeof(detail::SaySkin<Scene::skin_fault, GivenSkin>) > 0);
+  static_assert(sizeof(detail::Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
+  using Skin = typename Scene::Skin;
+  using L = typename Scene::Law;
+
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
   static_assert(!governed || detail::has_one_interface<Resolver>,
@@ -169,7 +178,7 @@ class Cycle {
                 "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
   static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
                 "the governor is of a robot with other joints, or of another scalar");
-  static_assert(detail::feels<Overseer, Skin>,
+  static_assert(detail::feels<Overseer, GivenSkin>,
                 "contact limits need a skin on each link that they name: what is not felt cannot be limited");
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;
@@ -193,7 +202,8 @@ class Cycle {
   /// Throws `ConfigurationError` where law or guard state a fact otherwise than the robot's description.
   template <class Robot>
   Cycle(const Robot& robot, const Skin& skin, const L& law)
-      : Cycle(Whole{}, robot, skin, law, detail::default_guard<Resolver>, detail::default_governor<Resolver>) {}
+      : Cycle(Whole{}, robot, skin, law, detail::default_guard<Resolver>,
+              detail::default_governor<Resolver>) {}
   template <class Robot>
   Cycle(const Robot& robot, const Skin& skin, const L& law, const Watchman& guard)
       : Cycle(Whole{}, robot, skin, law, given(guard), detail::default_governor<Resolver>) {}
@@ -229,14 +239,14 @@ class Cycle {
     const auto settings = detail::guard_settings_in(guard_.settings(), parts...);
     if constexpr (detail::limits_jerk<Limits>) {
       using Smooth = std::remove_cvref_t<decltype(governor.jerk())>;
-      const typename detail::GuardOf<Resolver, Smooth>::type guard(detail::as_configuration(resolver_), settings,
-                                                                   governor.jerk());
-      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_, guard,
-                                                                                governor);
+      const typename detail::GuardOf<Resolver, Smooth>::type guard(detail::as_configuration(resolver_),
+                                                                   settings, governor.jerk());
+      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_,
+                                                                                 guard, governor);
     } else {
       const typename detail::GuardOf<Resolver>::type guard(detail::as_configuration(resolver_), settings);
-      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_, guard,
-                                                                                governor);
+      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_,
+                                                                                 guard, governor);
     }
   }
 

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "skinctl/core/status.hpp"
-#include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

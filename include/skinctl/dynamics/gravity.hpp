@@ -115,6 +115,8 @@ template <Model M, Scalar T>
 // clang-format off
 template <Model M, Scalar T> requires(!computes_in<M, T>)
 void gravity_torque(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+template <Model M, class... Q> requires(EigenExpression<Q> || ...)
+void gravity_torque(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 
 /// Potential energy `V(q) = -g . sum m_i r_i` [J], zero with all mass at the base's origin.

@@ -30,6 +30,8 @@ template <Model M, Scalar T>
 // clang-format off
 template <Model M, Scalar T> requires(!computes_in<M, T>)
 void inverse_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointAcceleration<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+template <Model M, class... Q> requires(EigenExpression<Q> || ...)
+void inverse_dynamics(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 
 /// `C(q, dq) dq + G(q)` [N m]: inverse dynamics at zero acceleration.

@@ -1,6 +1,7 @@
 // The mass matrix of a robot.
 #pragma once
 
+#include "skinctl/core/eigen.hpp"
 #include "skinctl/dynamics/detail/composite.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -15,6 +16,17 @@ struct MassMatrix {
   /// For one that is written completely at once: GCC would keep the zeros.
   struct Unset {};
   SKINCTL_INLINE constexpr explicit MassMatrix(Unset) noexcept {}
+  /// From an Eigen matrix, N x N of scalar `T`, which is symmetric to within `tolerance<T>` of its largest
+  /// element.
+  template <VectorExpression E>
+  explicit MassMatrix(const E& values) noexcept : data{} {
+    static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: M.cast<T>()");
+    const EigenMatrix<T, int(N), int(N)> m = values;
+    if constexpr (Real<T>)
+      SKINCTL_EXPECTS((m - m.transpose()).cwiseAbs().maxCoeff() <= tolerance<T> * m.cwiseAbs().maxCoeff(),
+                      "a mass matrix is symmetric");
+    for (std::size_t i = 0; i < N * N; ++i) data[i] = m.coeff(static_cast<std::ptrdiff_t>(i));
+  }
 
   SKINCTL_INLINE constexpr T& operator()(std::size_t i, std::size_t j) noexcept { return data[i * N + j]; }
   SKINCTL_INLINE constexpr const T& operator()(std::size_t i, std::size_t j) const noexcept {
@@ -40,8 +52,20 @@ struct MassMatrix {
     }
     return tau;
   }
+  /// As an Eigen matrix, without a copy; to be read only, for both triangles are stored.
+  [[nodiscard]] friend SKINCTL_INLINE EigenMap<const EigenMatrix<T, int(N), int(N)>> as_eigen(
+      const MassMatrix& M) noexcept {
+    return EigenMap<const EigenMatrix<T, int(N), int(N)>>(M.data);
+  }
   // clang-format off
+  friend void as_eigen(const MassMatrix&&) = delete;  // a view of a temporary: give it a name first
   template <class Q> void operator*(const Q&) const = delete;  // M takes joint accelerations: M * ddq
+  template <EigenExpression E>
+  MassMatrix(const E&) = delete;  // from Eigen: MassMatrix<N>(m)
+  template <EigenExpression E>
+  void operator=(const E&) = delete;  // from Eigen: M = MassMatrix<N>(m)
+  template <EigenExpression E>
+  operator E() const = delete;  // to Eigen: as_eigen(M)
   // clang-format on
 };
 
@@ -141,6 +165,8 @@ template <Model M, Scalar T>
 // clang-format off
 template <Model M, Scalar T> requires(!computes_in<M, T>)
 void mass_matrix(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+template <Model M, class... Q> requires(EigenExpression<Q> || ...)
+void mass_matrix(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 
 SKINCTL_END_NAMESPACE

@@ -67,6 +67,15 @@ class OperationalMobility<Jacobian<M, Columns, Body, Body, Base, T>> {
     return dot(a, n);
   }
 
+  /// A as a 6 x 6 matrix.
+  [[nodiscard]] friend Mat6<T> as_eigen(const OperationalMobility& A) noexcept {
+    Mat6<T> m;
+    for (std::size_t r = 0; r < 6; ++r)
+      for (std::size_t s = 0; s < 6; ++s)
+        m(static_cast<std::ptrdiff_t>(r), static_cast<std::ptrdiff_t>(s)) = A(r, s);
+    return m;
+  }
+
  private:
   T a_[36];
 };

@@ -144,14 +144,14 @@ class Regressor {
   // clang-format on
 
   /// All of it, N x 10 N, zero blocks included.
-  [[nodiscard]] EigenMatrix<T, int(joints), int(10 * joints)> matrix() const noexcept {
-    EigenMatrix<T, int(joints), int(10 * joints)> Y = EigenMatrix<T, int(joints), int(10 * joints)>::Zero();
+  [[nodiscard]] friend EigenMatrix<T, int(joints), int(10 * joints)> as_eigen(const Regressor& Y) noexcept {
+    EigenMatrix<T, int(joints), int(10 * joints)> m = EigenMatrix<T, int(joints), int(10 * joints)>::Zero();
     for (std::size_t link = 0; link < joints; ++link)
       for (std::size_t j = 0; j <= link; ++j)
-        if (const T* y = block(j, link))
+        if (const T* y = Y.block(j, link))
           for (std::size_t p = 0; p < 10; ++p)
-            Y(static_cast<std::ptrdiff_t>(j), static_cast<std::ptrdiff_t>(10 * link + p)) = y[p];
-    return Y;
+            m(static_cast<std::ptrdiff_t>(j), static_cast<std::ptrdiff_t>(10 * link + p)) = y[p];
+    return m;
   }
 
  private:

@@ -13,6 +13,15 @@ struct Acceleration {
   Xyz<T> linear{T(0), T(0), T(0)};   ///< [m/s^2]
   Xyz<T> angular{T(0), T(0), T(0)};  ///< [rad/s^2]
 
+  /// From an Eigen vector of six numbers, linear part first.
+  template <VectorExpression V>
+  [[nodiscard]] SKINCTL_INLINE static Acceleration from_eigen(const V& v) noexcept {
+    return detail::from_six<Acceleration, T>(v);
+  }
+  /// The six numbers as an Eigen vector, linear part first.
+  [[nodiscard]] friend Vec6<T> as_eigen(const Acceleration& a) noexcept {
+    return detail::six(a.linear, a.angular);
+  }
   SKINCTL_INLINE constexpr Acceleration operator+(const Acceleration& A) const noexcept {
     return {linear + A.linear, angular + A.angular};
   }
@@ -25,17 +34,11 @@ struct Acceleration {
   }
 
   // clang-format off
+  template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: Acceleration<...>::from_eigen(v)
+  template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(x)
   template <class Q> void operator+(const Q&) const = delete;  // other body, point or axes, or no acceleration
   template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes, or no acceleration
   // clang-format on
 };
-
-/// The six numbers as an Eigen vector, linear part first.
-template <class B, class A, class P, class E, class T>
-[[nodiscard]] Vec6<T> as_eigen(const Acceleration<B, A, P, E, T>& a) noexcept {
-  Vec6<T> v;
-  v << a.linear.x, a.linear.y, a.linear.z, a.angular.x, a.angular.y, a.angular.z;
-  return v;
-}
 
 SKINCTL_END_NAMESPACE

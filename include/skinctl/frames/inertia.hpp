@@ -30,6 +30,11 @@ class Inertia {
       : mass_(mass), centre_(centre), about_centre_(about_centre) {
     check();
   }
+  /// The same from Eigen, 3x1 and 3x3 of scalar `T`.
+  template <VectorExpression V, VectorExpression M>
+    requires(std::same_as<typename V::Scalar, T> && std::same_as<typename M::Scalar, T>)
+  Inertia(const T& mass, const V& centre, const M& about_centre)
+      : Inertia(mass, as_xyz(centre), as_symmetric(about_centre)) {}
   /// Without the check, for tables rounded so far that no density makes them (some makers print a wrist's
   /// largest moment only). Kinetic energy stays positive as long as mass and moments are.
   [[nodiscard]] static constexpr Inertia unchecked(const T& mass, const Xyz<T>& centre,
@@ -75,6 +80,16 @@ class Inertia {
     return Inertia(mass, {}, {across, across, mass * radius * radius / T(2)});
   }
 
+  /// From the 6x6 matrix of `as_eigen`: its mass, first moments and moments about the origin are read. Throws
+  /// as the others do.
+  template <VectorExpression E>
+  [[nodiscard]] static Inertia from_eigen(const E& values) {
+    static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: M.cast<T>()");
+    const Mat6<T> M = values;
+    return from_parameters(
+        {M(0, 0), M(2, 4), M(0, 5), M(1, 3), M(3, 3), M(3, 4), M(3, 5), M(4, 4), M(4, 5), M(5, 5)});
+  }
+
   [[nodiscard]] constexpr const T& mass() const noexcept { return mass_; }
   [[nodiscard]] constexpr const Xyz<T>& centre() const noexcept { return centre_; }
   [[nodiscard]] constexpr const Symmetric<T>& about_centre() const noexcept { return about_centre_; }
@@ -98,6 +113,22 @@ class Inertia {
   [[nodiscard]] constexpr Inertia<Body, At, U> cast() const noexcept {
     return Inertia<Body, At, U>::unchecked(static_cast<U>(mass_), skinctl::cast<U>(centre_),
                                            about_centre_.template cast<U>());
+  }
+
+  /// The 6x6 matrix that takes a twist of `Body` to its momentum, about the origin and along the axes of `At`,
+  /// linear rows first: `[m 1, -m [c]x; m [c]x, I_o]`.
+  [[nodiscard]] friend Mat6<T> as_eigen(const Inertia& M) noexcept {
+    const T m = M.mass(), o(0);
+    const Xyz<T> h = m * M.centre();
+    const Symmetric<T> I = M.about_origin();
+    Mat6<T> out;
+    out << m, o, o, o, h.z, -h.y,        //
+        o, m, o, -h.z, o, h.x,           //
+        o, o, m, h.y, -h.x, o,           //
+        o, -h.z, h.y, I.xx, I.xy, I.xz,  //
+        h.z, o, -h.x, I.xy, I.yy, I.yz,  //
+        -h.y, h.x, o, I.xz, I.yz, I.zz;
+    return out;
   }
 
   /// Two parts of one body together.
@@ -124,6 +155,8 @@ class Inertia {
   }
 
   // clang-format off
+  template <EigenExpression E> void operator=(const E&) = delete;  // from Eigen: Inertia<...>::from_eigen(M)
+  template <EigenExpression E> operator E() const = delete;  // to Eigen: as_eigen(x)
   template <class Q> void operator+(const Q&) const = delete;  // other body or frame: part_of, X_AB * M
   template <class Q> void operator*(const Q&) const = delete;  // inertia and twist differ in body, point or axes
   friend void kinetic_energy(const Inertia&, const AnyTwist auto&) = delete;  // they differ in body, point or axes

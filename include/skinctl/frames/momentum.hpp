@@ -12,6 +12,15 @@ struct Momentum {
   Xyz<T> linear{T(0), T(0), T(0)};   ///< [kg m/s]
   Xyz<T> angular{T(0), T(0), T(0)};  ///< [kg m^2/s]
 
+  /// From an Eigen vector of six numbers, linear part first.
+  template <VectorExpression V>
+  [[nodiscard]] SKINCTL_INLINE static Momentum from_eigen(const V& v) noexcept {
+    return detail::from_six<Momentum, T>(v);
+  }
+  /// The six numbers as an Eigen vector, linear part first.
+  [[nodiscard]] friend Vec6<T> as_eigen(const Momentum& h) noexcept {
+    return detail::six(h.linear, h.angular);
+  }
   SKINCTL_INLINE constexpr Momentum operator+(const Momentum& k) const noexcept {
     return {linear + k.linear, angular + k.angular};
   }
@@ -41,6 +50,8 @@ struct Momentum {
   }
 
   // clang-format off
+  template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: Momentum<...>::from_eigen(v)
+  template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(x)
   template <class Q> void operator+(const Q&) const = delete;  // other body, point or axes: shift, express
   template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes: shift, express
   friend void shift(const Momentum&, const AnyOffset auto&) = delete;  // a momentum at P along E needs p_PQ_E
@@ -56,5 +67,4 @@ template <class B, class A, class P, class Q, class T>
   const Xyz<T> linear = X_QP.axes() * h.linear;
   return {linear, X_QP.axes() * h.angular + cross(X_QP.origin(), linear)};
 }
-
 SKINCTL_END_NAMESPACE

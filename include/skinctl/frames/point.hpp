@@ -17,6 +17,14 @@ template <Frame A, Scalar T = double>
 struct FreeVector {
   Xyz<T> xyz{T(0), T(0), T(0)};
 
+  /// From an Eigen vector of three numbers.
+  template <VectorExpression V>
+  [[nodiscard]] SKINCTL_INLINE static FreeVector from_eigen(const V& v) noexcept {
+    return {as_xyz(v)};
+  }
+  /// The three coordinates as an Eigen vector.
+  [[nodiscard]] friend Vec3<T> as_eigen(const FreeVector& p) noexcept { return as_eigen(p.xyz); }
+
   SKINCTL_INLINE constexpr FreeVector operator+(const FreeVector& v) const noexcept { return {xyz + v.xyz}; }
   SKINCTL_INLINE constexpr FreeVector operator-(const FreeVector& v) const noexcept { return {xyz - v.xyz}; }
   SKINCTL_INLINE constexpr FreeVector operator-() const noexcept { return {-xyz}; }
@@ -26,11 +34,18 @@ struct FreeVector {
   friend SKINCTL_INLINE constexpr T dot(const FreeVector& u, const FreeVector& v) noexcept {
     return dot(u.xyz, v.xyz);
   }
+  friend SKINCTL_INLINE T norm(const FreeVector& u) noexcept
+    requires Real<T>
+  {
+    return norm(u.xyz);
+  }
   friend SKINCTL_INLINE constexpr FreeVector cross(const FreeVector& u, const FreeVector& v) noexcept {
     return {cross(u.xyz, v.xyz)};
   }
 
   // clang-format off
+  template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: FreeVector<...>::from_eigen(v)
+  template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(x)
   template <class Q> void operator+(const Q&) const = delete;  // vectors along other axes: X_AB * v first
   template <class Q> void operator-(const Q&) const = delete;  // vectors along other axes: X_AB * v first
   template <class B, class U> friend void dot(const FreeVector&, const FreeVector<B, U>&) = delete;  // X_AB * v first
@@ -44,11 +59,21 @@ template <Frame A, Scalar T = double>
 struct Point {
   Xyz<T> xyz{T(0), T(0), T(0)};
 
+  /// From an Eigen vector of three numbers.
+  template <VectorExpression V>
+  [[nodiscard]] SKINCTL_INLINE static Point from_eigen(const V& v) noexcept {
+    return {as_xyz(v)};
+  }
+  /// The three coordinates as an Eigen vector.
+  [[nodiscard]] friend Vec3<T> as_eigen(const Point& p) noexcept { return as_eigen(p.xyz); }
+
   /// From `b` to this point.
   SKINCTL_INLINE constexpr FreeVector<A, T> operator-(const Point& b) const noexcept { return {xyz - b.xyz}; }
   SKINCTL_INLINE constexpr Point operator+(const FreeVector<A, T>& v) const noexcept { return {xyz + v.xyz}; }
 
   // clang-format off
+  template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: Point<...>::from_eigen(v)
+  template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(x)
   template <class Q> void operator+(const Q&) const = delete;  // two points have no sum
   template <class Q> void operator-(const Q&) const = delete;  // points of two frames: X_AB * p first
   // clang-format on
@@ -60,6 +85,14 @@ template <Frame P, Frame Q, Frame E, Scalar T = double>
 struct Offset {
   Xyz<T> xyz{T(0), T(0), T(0)};
 
+  /// From an Eigen vector of three numbers.
+  template <VectorExpression V>
+  [[nodiscard]] SKINCTL_INLINE static Offset from_eigen(const V& v) noexcept {
+    return {as_xyz(v)};
+  }
+  /// The three coordinates as an Eigen vector.
+  [[nodiscard]] friend Vec3<T> as_eigen(const Offset& p) noexcept { return as_eigen(p.xyz); }
+
   template <Frame R>
   SKINCTL_INLINE constexpr Offset<P, R, E, T> operator+(const Offset<Q, R, E, T>& p_QR_E) const noexcept {
     return {xyz + p_QR_E.xyz};
@@ -67,6 +100,8 @@ struct Offset {
   SKINCTL_INLINE constexpr Offset<Q, P, E, T> operator-() const noexcept { return {-xyz}; }
 
   // clang-format off
+  template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: Offset<...>::from_eigen(v)
+  template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(x)
   template <class Z> void operator+(const Z&) const = delete;  // no chain p_PQ_E + p_QR_E
   // clang-format on
 };
@@ -77,19 +112,5 @@ template <class P, class Q, class E, class T>
 inline constexpr bool is_offset<Offset<P, Q, E, T>> = true;
 template <class X>
 concept AnyOffset = is_offset<X>;
-
-/// The three coordinates as an Eigen vector; back with `{as_xyz(v)}`.
-template <class A, class T>
-[[nodiscard]] Vec3<T> as_eigen(const Point<A, T>& p) noexcept {
-  return as_eigen(p.xyz);
-}
-template <class A, class T>
-[[nodiscard]] Vec3<T> as_eigen(const FreeVector<A, T>& v) noexcept {
-  return as_eigen(v.xyz);
-}
-template <class P, class Q, class E, class T>
-[[nodiscard]] Vec3<T> as_eigen(const Offset<P, Q, E, T>& p) noexcept {
-  return as_eigen(p.xyz);
-}
 
 SKINCTL_END_NAMESPACE

@@ -1,6 +1,7 @@
 // A rotation as three axes of plain numbers, and the rotation vector: exp, log and their derivatives.
 #pragma once
 
+#include "skinctl/core/eigen.hpp"
 #include "skinctl/core/triple.hpp"
 #include "skinctl/frames/detail/rotation_series.hpp"
 
@@ -14,6 +15,13 @@ struct Rotation {
   Xyz<T> y{T(0), T(1), T(0)};
   Xyz<T> z{T(0), T(0), T(1)};
 
+  /// From an Eigen matrix, 3x3. Nothing is checked: a `Transform` does.
+  template <VectorExpression E>
+  [[nodiscard]] static Rotation from_eigen(const E& R_AB) noexcept {
+    static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: R.cast<T>()");
+    const Mat3<T> R = R_AB;
+    return {{R(0, 0), R(1, 0), R(2, 0)}, {R(0, 1), R(1, 1), R(2, 1)}, {R(0, 2), R(1, 2), R(2, 2)}};
+  }
   /// `R_BA`, the inverse.
   [[nodiscard]] SKINCTL_INLINE constexpr Rotation transpose() const noexcept {
     return {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
@@ -31,6 +39,18 @@ struct Rotation {
   friend SKINCTL_INLINE constexpr bool operator==(const Rotation& R, const Rotation& S) noexcept {
     return R.x == S.x && R.y == S.y && R.z == S.z;
   }
+
+  /// The matrix `R_AB`.
+  [[nodiscard]] friend Mat3<T> as_eigen(const Rotation& R) noexcept {
+    Mat3<T> M;
+    M << R.x.x, R.y.x, R.z.x, R.x.y, R.y.y, R.z.y, R.x.z, R.y.z, R.z.z;
+    return M;
+  }
+
+  // clang-format off
+  template <EigenExpression E> void operator=(const E&) = delete;  // from Eigen: Rotation<T>::from_eigen(R)
+  template <EigenExpression E> operator E() const = delete;  // to Eigen: as_eigen(x)
+  // clang-format on
 };
 
 /// `R_AB^T v_A = v_B`.

@@ -31,6 +31,18 @@ struct Symmetric {
   friend SKINCTL_INLINE constexpr Symmetric operator*(const T& s, const Symmetric& S) noexcept {
     return {s * S.xx, s * S.yy, s * S.zz, s * S.xy, s * S.xz, s * S.yz};
   }
+
+  /// As an Eigen matrix.
+  [[nodiscard]] friend Mat3<T> as_eigen(const Symmetric& S) noexcept {
+    Mat3<T> M;
+    M << S.xx, S.xy, S.xz, S.xy, S.yy, S.yz, S.xz, S.yz, S.zz;
+    return M;
+  }
+
+  // clang-format off
+  template <EigenExpression E> void operator=(const E&) = delete;  // from Eigen: as_symmetric(M)
+  template <EigenExpression E> operator E() const = delete;  // to Eigen: as_eigen(x)
+  // clang-format on
 };
 
 /// `|v|^2 1 - v v^T`: the inertia of a unit mass at `v` about the origin.
@@ -52,16 +64,11 @@ template <Scalar T>
   return {dot(rows.x, x), dot(rows.y, y), dot(rows.z, z), dot(rows.x, y), dot(rows.x, z), dot(rows.y, z)};
 }
 
-/// As an Eigen matrix.
-template <Scalar T>
-[[nodiscard]] Mat3<T> as_eigen(const Symmetric<T>& S) noexcept {
-  Mat3<T> M;
-  M << S.xx, S.xy, S.xz, S.xy, S.yy, S.yz, S.xz, S.yz, S.zz;
-  return M;
-}
-/// From an Eigen matrix; of elements that differ across the diagonal by rounding the mean.
-template <Scalar T>
-[[nodiscard]] Symmetric<T> as_symmetric(const Mat3<T>& M) noexcept {
+/// From an Eigen matrix, 3x3; of elements that differ across the diagonal by rounding the mean.
+template <VectorExpression E>
+[[nodiscard]] Symmetric<typename E::Scalar> as_symmetric(const E& values) noexcept {
+  using T = typename E::Scalar;
+  const Mat3<T> M = values;
   const T half(0.5);
   return {M(0, 0),
           M(1, 1),

@@ -10,20 +10,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Anything with the interface of `Eigen::Isometry3`, without including Eigen/Geometry here.
+/// A transform of Eigen's, without including Eigen/Geometry here.
 template <class X>
-concept IsometryExpression = requires(const X& X_AB) {
-  X_AB.linear();
-  X_AB.translation();
-};
+concept EigenPose = requires { typename X::LinearMatrixType; };
+/// `Eigen::Isometry3<T>`, whose linear part is a rotation.
+template <class X>
+concept IsometryExpression = EigenPose<X> && int(X::Mode) == 1 && int(X::Dim) == 3;
 
 namespace detail {
-template <Scalar T, class M>
-Rotation<T> columns(const M& R_AB) noexcept {
-  Mat3<T> R = Mat3<T>::Zero();
-  R.noalias() = R_AB;
-  return {{R(0, 0), R(1, 0), R(2, 0)}, {R(0, 1), R(1, 1), R(2, 1)}, {R(0, 2), R(1, 2), R(2, 2)}};
-}
 /// `p + R v`, each component one expression.
 template <Scalar T>
 SKINCTL_INLINE constexpr Xyz<T> moved(const Xyz<T>& p, const Rotation<T>& R, const Xyz<T>& v) noexcept {
@@ -56,11 +50,18 @@ class Transform {
   /// The same from Eigen, 3x3 and 3x1 of scalar `T`.
   template <VectorExpression M, VectorExpression V>
     requires(std::same_as<typename M::Scalar, T> && std::same_as<typename V::Scalar, T>)
-  Transform(const M& R_AB, const V& p_AB) noexcept
-      : Transform(detail::columns<T>(R_AB), as_xyz<T>(Vec3<T>(p_AB))) {}
+  Transform(const M& R_AB, const V& p_AB) noexcept : Transform(Rotation<T>::from_eigen(R_AB), as_xyz(p_AB)) {}
   /// From an `Eigen::Isometry3<T>`.
   template <IsometryExpression X>
   explicit Transform(const X& X_AB) noexcept : Transform(X_AB.linear(), X_AB.translation()) {}
+  // clang-format off
+  template <EigenPose X>
+  Transform(const X&) = delete;  // an Eigen pose has no frames: name them, Transform<A, B>(isometry)
+  template <EigenPose X>
+  void operator=(const X&) = delete;  // an Eigen pose has no frames: name them, Transform<A, B>(isometry)
+  template <EigenPose X>
+  operator X() const = delete;  // to Eigen: as_eigen(X_AB)
+  // clang-format on
 
   /// From numbers that are a rotation only to within measurement or rounding (a file's six digits): the
   /// nearest one. Throws `ConfigurationError` where `rotation_error(R_AB)` exceeds 0.1 (that is no rotation),
@@ -110,20 +111,16 @@ class Transform {
   [[nodiscard]] SKINCTL_INLINE constexpr Offset<A, B, A, T> offset() const noexcept { return {p_}; }
 
   /// `R_AB` as an Eigen matrix.
-  [[nodiscard]] Mat3<T> rotation() const noexcept {
-    Mat3<T> R;
-    R << R_.x.x, R_.y.x, R_.z.x, R_.x.y, R_.y.y, R_.z.y, R_.x.z, R_.y.z, R_.z.z;
-    return R;
-  }
+  [[nodiscard]] Mat3<T> rotation() const noexcept { return as_eigen(R_); }
   /// `p_AB` as an Eigen vector [m].
   [[nodiscard]] Vec3<T> translation() const noexcept { return as_eigen(p_); }
-  /// As an `Eigen::Isometry3<T>`: `X_AB.to<Eigen::Isometry3d>()`.
-  template <IsometryExpression X>
-  [[nodiscard]] X to() const noexcept {
-    X X_AB = X::Identity();
-    X_AB.linear() = rotation();
-    X_AB.translation() = translation();
-    return X_AB;
+
+  /// As an `Eigen::Isometry3<T>`, for which <Eigen/Geometry> is included first.
+  [[nodiscard]] friend EigenIsometry<T> as_eigen(const Transform& X_AB) noexcept {
+    EigenIsometry<T> X = EigenIsometry<T>::Identity();
+    X.linear() = X_AB.rotation();
+    X.translation() = X_AB.translation();
+    return X;
   }
 
   /// `X_BA`.

@@ -16,6 +16,13 @@ struct Twist {
   Xyz<T> linear{T(0), T(0), T(0)};   ///< [m/s]
   Xyz<T> angular{T(0), T(0), T(0)};  ///< [rad/s]
 
+  /// From an Eigen vector of six numbers, linear part first.
+  template <VectorExpression V>
+  [[nodiscard]] SKINCTL_INLINE static Twist from_eigen(const V& v) noexcept {
+    return detail::from_six<Twist, T>(v);
+  }
+  /// The six numbers as an Eigen vector, linear part first.
+  [[nodiscard]] friend Vec6<T> as_eigen(const Twist& V) noexcept { return detail::six(V.linear, V.angular); }
   /// The velocity of `Relative` as seen from `Body`: `V_BA` of `V_AB`.
   [[nodiscard]] SKINCTL_INLINE constexpr Twist<Relative, Body, At, Axes, T> reversed() const noexcept {
     return {-linear, -angular};
@@ -56,6 +63,8 @@ struct Twist {
   }
 
   // clang-format off
+  template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: Twist<...>::from_eigen(v)
+  template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(x)
   template <class Q> void operator+(const Q&) const = delete;  // no chain V_AB + V_BC of one point along the same axes
   template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes: shift, express, reversed
   friend void shift(const Twist&, const AnyOffset auto&) = delete;  // a twist at P along E needs p_PQ_E
@@ -80,14 +89,6 @@ template <class B, class A, class P, class Q, class T>
     const Transform<Q, P, T>& X_QP, const Twist<B, A, P, P, T>& V) noexcept {
   const Xyz<T> angular = X_QP.axes() * V.angular;
   return {X_QP.axes() * V.linear + cross(X_QP.origin(), angular), angular};
-}
-
-/// The six numbers as an Eigen vector, linear part first.
-template <class B, class A, class P, class E, class T>
-[[nodiscard]] Vec6<T> as_eigen(const Twist<B, A, P, E, T>& V) noexcept {
-  Vec6<T> v;
-  v << V.linear.x, V.linear.y, V.linear.z, V.angular.x, V.angular.y, V.angular.z;
-  return v;
 }
 
 SKINCTL_END_NAMESPACE

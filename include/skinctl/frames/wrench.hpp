@@ -15,6 +15,13 @@ struct Wrench {
   Xyz<T> force{T(0), T(0), T(0)};   ///< [N]
   Xyz<T> moment{T(0), T(0), T(0)};  ///< [N m]
 
+  /// From an Eigen vector of six numbers, force first.
+  template <VectorExpression V>
+  [[nodiscard]] SKINCTL_INLINE static Wrench from_eigen(const V& v) noexcept {
+    return detail::from_six<Wrench, T>(v);
+  }
+  /// The six numbers as an Eigen vector, force first.
+  [[nodiscard]] friend Vec6<T> as_eigen(const Wrench& F) noexcept { return detail::six(F.force, F.moment); }
   template <Scalar U>
   [[nodiscard]] SKINCTL_INLINE constexpr Wrench<Body, At, Axes, U> cast() const noexcept {
     return {skinctl::cast<U>(force), skinctl::cast<U>(moment)};
@@ -56,6 +63,8 @@ struct Wrench {
   }
 
   // clang-format off
+  template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: Wrench<...>::from_eigen(v)
+  template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(x)
   template <class Q> void operator+(const Q&) const = delete;  // other body, point or axes: shift, express, X_LC * F
   template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes: shift, express, X_LC * F
   friend void shift(const Wrench&, const AnyOffset auto&) = delete;  // a wrench at P along E needs p_PQ_E
@@ -79,12 +88,4 @@ template <class B, class P, class Q, class T>
   const Xyz<T> force = X_QP.axes() * F.force;
   return {force, X_QP.axes() * F.moment + cross(X_QP.origin(), force)};
 }
-/// The six numbers as an Eigen vector, force first.
-template <class B, class P, class E, class T>
-[[nodiscard]] Vec6<T> as_eigen(const Wrench<B, P, E, T>& F) noexcept {
-  Vec6<T> v;
-  v << F.force.x, F.force.y, F.force.z, F.moment.x, F.moment.y, F.moment.z;
-  return v;
-}
-
 SKINCTL_END_NAMESPACE

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Times and thresholds of a blend.
 struct BlendSettings {
-  Nanoseconds ramp = 100ms;  ///< of the way to other weights
+  Nanoseconds ramp = 100ms;   ///< of the way to other weights
   ContactSettings contact{};  ///< what gates take for a touch
 };
 
@@ -35,6 +35,8 @@ template <Sum P, class... L>
 class Blended<Fused<P, L...>> : public Composable {
  public:
   using Fusion = Fused<P, L...>;
+  using Laws = std::tuple<L...>;
+  static constexpr std::size_t joints = Fusion::joints;
   static constexpr std::size_t terms = Fusion::terms;
   static constexpr Role role = Fusion::role;
   static constexpr bool complete_sum = true;  ///< cannot be part of another
@@ -61,16 +63,17 @@ class Blended<Fused<P, L...>> : public Composable {
  public:
   using Goal = typename GoalOf<Fusion>::type;
   using Factors = std::array<Share<double>, terms>;
-  struct Memory {
+  class Memory {
+    friend Blended;
     detail::Memories<typename L::Memory...> laws;
     OppositionDetector::Memory opposition;
     ContactDetector::Memory contact;
     std::array<double, terms> asked;  ///< weights
     Factors from, to;                 ///< shares before and after the ramp
     Nanoseconds elapsed = clock_end;  ///< since the ramp began
-    Nanoseconds ramp{};             ///< its duration
-    Nanoseconds settle{};           ///< after it: the feedback of tracking laws that come
-    Nanoseconds next_ramp{};        ///< of the next
+    Nanoseconds ramp{};               ///< its duration
+    Nanoseconds settle{};             ///< after it: the feedback of tracking laws that come
+    Nanoseconds next_ramp{};          ///< of the next
     bool waiting = false;             ///< other weights are to be gone to
   };
 
@@ -188,6 +191,50 @@ class Blended<Fused<P, L...>> : public Composable {
     return has_share(memory.to[i]) || (memory.elapsed < memory.ramp && has_share(memory.from[i]));
   }
 
+  // For whoever makes changes to other weights, such as a set of skills.
+  /// The change at its end.
+  [[nodiscard]] static Memory arrived(Memory memory) noexcept {
+    memory.elapsed = clock_end;
+    return memory;
+  }
+  /// Whether the feedback of tracking laws that come takes time of its own after the ramp.
+  [[nodiscard]] static bool settles(const Memory& memory) noexcept { return memory.settle > 0ns; }
+  /// How long the change that has begun lasts.
+  static void set_times(Memory& memory, Nanoseconds ramp, Nanoseconds settle) noexcept {
+    memory.ramp = ramp;
+    if (settles(memory)) memory.settle = settle;
+  }
+  /// Between `before` and `next` only this part of the change's time has passed, 0 to 1.
+  static void slow_down(const Memory& before, Memory& next, double part) noexcept {
+    next.elapsed = before.elapsed + nanoseconds(seconds<double>(next.elapsed - before.elapsed) * part);
+  }
+  /// The feedback of tracking laws that come begins once more, if it has.
+  static void settle_again(Memory& memory) noexcept {
+    if (settles(memory) && memory.elapsed >= memory.ramp) memory.elapsed = memory.ramp - 1ns;
+  }
+  /// Whether the `i`-th law had no share before the change.
+  [[nodiscard]] static bool is_new(const Memory& memory, std::size_t i) noexcept {
+    return memory.from[i].feed_forward == 0;
+  }
+  /// Whether a change is under way that keeps no tracking law.
+  [[nodiscard]] static bool swaps(const Memory& memory) noexcept {
+    if (!moves(memory)) return false;
+    for (std::size_t i = 0; i < terms; ++i)
+      if (Fusion::roles[i] == Role::tracking && memory.from[i].feed_forward > 0 &&
+          memory.to[i].feed_forward > 0)
+        return false;
+    return true;
+  }
+  /// The tracking laws that had a share stand at the state at hand.
+  template <class K>
+  SKINCTL_COLD void restart(Memory& memory, const K& known) const noexcept {
+    detail::each_index<terms>([&](auto i) {
+      if constexpr (law_at<i.value>::role == Role::tracking)
+        if (memory.from[i.value].feed_forward > 0)
+          detail::memory_of<i.value>(memory.laws) = law<i.value>().start(known);
+    });
+  }
+
   template <class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
       const Memory& memory, const K& known) const noexcept {
@@ -268,7 +315,7 @@ class Blended<Fused<P, L...>> : public Composable {
           law<I>(), part, known, Share<T>{static_cast<T>(share.feedback), static_cast<T>(share.feed_forward)},
           out.now);
     } else {
-      out.torque = law<I>().torque(part, known);
+      out.torque = torque_of(law<I>(), part, known);
     }
   }
   template <std::size_t I, class Now, class K>

@@ -2,15 +2,15 @@
 #pragma once
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/core/law.hpp"
+#include "skinctl/core/detail/check_law.hpp"
 #include "skinctl/core/time.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// When the robot counts as touched, in the norm of the skin's joint torque with its configured weight.
 struct ContactSettings {
-  double on = 1.0;                     ///< touched from above this [N m]
-  double off = 0.5;                    ///< until it has been below this [N m] ...
+  double on = 1.0;                    ///< touched from above this [N m]
+  double off = 0.5;                   ///< until it has been below this [N m] ...
   Nanoseconds release_after = 100ms;  ///< ... for so long
 };
 
@@ -25,8 +25,8 @@ class ContactDetector {
   explicit ContactDetector(const ContactSettings& settings = {}) : settings_(settings) {
     require(settings.off > 0 && settings.off <= 1e9, "contact: off", settings.off, "> 0 N m");
     require(settings.on >= settings.off && settings.on <= 1e9, "contact: on", settings.on, ">= off, in N m");
-    require(settings.release_after >= 0ns, "contact: release_after",
-            seconds<double>(settings.release_after), ">= 0 s");
+    require(settings.release_after >= 0ns, "contact: release_after", seconds<double>(settings.release_after),
+            ">= 0 s");
   }
   [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
 
@@ -58,15 +58,17 @@ struct Gated : L {
 
 /// `law` while the robot is touched.
 template <class L>
-  requires(L::role != Role::gravity)
-[[nodiscard]] Gated<Gate::touched, L> when_touched(const L& law) {
-  return Gated<Gate::touched, L>(law);
+  requires(detail::complete_law<L>::role != Role::gravity)
+[[nodiscard]] auto when_touched(const L& law) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
+  return Gated<Gate::touched, detail::complete_law<L>>(law);
 }
 /// `law` while nothing touches the robot.
 template <class L>
-  requires(L::role != Role::gravity)
-[[nodiscard]] Gated<Gate::untouched, L> when_untouched(const L& law) {
-  return Gated<Gate::untouched, L>(law);
+  requires(detail::complete_law<L>::role != Role::gravity)
+[[nodiscard]] auto when_untouched(const L& law) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
+  return Gated<Gate::untouched, detail::complete_law<L>>(law);
 }
 // clang-format off
 template <class L>

@@ -13,8 +13,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// When skin and tracking count as opposed, in the norm of the skin's joint torque as it enters the sum: what
 /// is too weak to count may wind the integrals up.
 struct OppositionSettings {
-  double on = 1.0;                    ///< opposed above this, if the torques oppose each other [N m]
-  double off = 0.5;                   ///< over when it has been below this [N m] ...
+  double on = 1.0;                   ///< opposed above this, if the torques oppose each other [N m]
+  double off = 0.5;                  ///< over when it has been below this [N m] ...
   Nanoseconds release_after = 50ms;  ///< ... for so long
 };
 
@@ -24,7 +24,7 @@ class OppositionDetector {
  public:
   struct Memory {
     Nanoseconds quiet{};  ///< for how long the skin has been below `off`
-    bool below = false;     ///< whether it was at the last evaluation
+    bool below = false;   ///< whether it was at the last evaluation
     bool opposed = false;
   };
   struct Result {

@@ -22,10 +22,9 @@ struct CentreOfMass {
     return v;
   }
   /// The Jacobian as a 3 x N matrix.
-  [[nodiscard]] EigenMatrix<T, 3, int(N)> matrix() const noexcept {
+  [[nodiscard]] friend EigenMatrix<T, 3, int(N)> as_eigen(const CentreOfMass& at) noexcept {
     EigenMatrix<T, 3, int(N)> J;
-    for (std::size_t i = 0; i < N; ++i)
-      J.col(static_cast<std::ptrdiff_t>(i)) << columns[i].x, columns[i].y, columns[i].z;
+    for (std::size_t i = 0; i < N; ++i) J.col(static_cast<std::ptrdiff_t>(i)) = as_eigen(at.columns[i]);
     return J;
   }
 };

@@ -152,6 +152,13 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     return dq;
   }
 
+  /// `J^+ a`: the joint accelerations that give the frame `a` in the same sense, without `dJ dq`.
+  [[nodiscard]] JointAcceleration<joints, T> solve(const BodyAcceleration& a) const noexcept {
+    JointAcceleration<joints, T> ddq;
+    apply(Velocity{a.linear, a.angular}, ddq.data);
+    return ddq;
+  }
+
   /// `J^+' tau`: the load on the frame that stands for these joint torques; exactly the load where all of
   /// them come from one, `tau = transpose(J) F`, and nothing is damped.
   [[nodiscard]] typename Of::Load solve_transposed(const JointTorque<joints, T>& tau) const noexcept {

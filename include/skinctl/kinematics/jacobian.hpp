@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/eigen.hpp"
+#include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/twist.hpp"
 #include "skinctl/frames/wrench.hpp"
 #include "skinctl/kinematics/poses.hpp"
@@ -52,20 +53,46 @@ class Jacobian {
     });
     return V;
   }
+  /// `J ddq`: what the joints' accelerations add to the body's, all of it while nothing moves; with `dJ dq`
+  /// (`jacobian_rate`, or `bias_acceleration`) the acceleration of the body.
+  [[nodiscard]] SKINCTL_INLINE Acceleration<Body, Base, At, Axes, T> operator*(
+      const JointAcceleration<joints, T>& ddq) const noexcept {
+    Acceleration<Body, Base, At, Axes, T> a;
+    for_each([&](auto i, const Column& column) SKINCTL_INLINE_LAMBDA {
+      a.linear = a.linear + ddq[i.value] * column.linear;
+      a.angular = a.angular + ddq[i.value] * column.angular;
+    });
+    return a;
+  }
   // clang-format off
-  template <class Q> void operator*(const Q&) const = delete;  // a Jacobian takes joint velocities, its transpose a wrench: J * dq, transpose(J) * F
+  template <class Q> void operator*(const Q&) const = delete;  // J takes joint velocities or accelerations, its transpose a wrench: J * dq, J * ddq, transpose(J) * F
+  template <EigenExpression E>
+  void operator=(const E&) = delete;  // from Eigen: a Jacobian of the same type's from_eigen(m)
+  template <EigenExpression E>
+  operator E() const = delete;  // to Eigen: as_eigen(J)
   // clang-format on
 
-  /// All of it, 6 x N, linear rows first, zero columns included.
-  [[nodiscard]] EigenMatrix<T, 6, int(joints)> matrix() const noexcept {
-    EigenMatrix<T, 6, int(joints)> J = EigenMatrix<T, 6, int(joints)>::Zero();
+  /// From an Eigen matrix, 6 x N, linear rows first; the columns that are zero by topology are not read.
+  template <VectorExpression E>
+  [[nodiscard]] static Jacobian from_eigen(const E& values) noexcept {
+    static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: J.cast<T>()");
+    const EigenMatrix<T, 6, int(joints)> m = values;
+    Jacobian J;
     for (std::size_t i = 0; i < joints; ++i) {
       if (!((Columns >> i) & 1u)) continue;
-      const Column& c = columns_[slot(i)];
-      J.col(static_cast<std::ptrdiff_t>(i)) << c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y,
-          c.angular.z;
+      const Vec6<T> c = m.col(static_cast<std::ptrdiff_t>(i));
+      J.columns_[slot(i)] = {detail::three(c, 0), detail::three(c, 3)};
     }
     return J;
+  }
+
+  /// All of it, 6 x N, linear rows first, zero columns included.
+  [[nodiscard]] friend EigenMatrix<T, 6, int(joints)> as_eigen(const Jacobian& J) noexcept {
+    EigenMatrix<T, 6, int(joints)> m = EigenMatrix<T, 6, int(joints)>::Zero();
+    J.for_each([&](auto i, const Column& c) {
+      m.col(static_cast<std::ptrdiff_t>(i.value)) = detail::six(c.linear, c.angular);
+    });
+    return m;
   }
 
   /// Calls `f(I, column)` for the joints that move the body, `I` an integral constant.

@@ -62,7 +62,9 @@ class JacobianRate<Jacobian<M, Columns, Body, Body, Base, T>> {
   // clang-format on
 
   /// All of it, 6 x N, linear rows first, zero columns included.
-  [[nodiscard]] EigenMatrix<T, 6, int(joints)> matrix() const noexcept { return dJ_.matrix(); }
+  [[nodiscard]] friend EigenMatrix<T, 6, int(joints)> as_eigen(const JacobianRate& dJ) noexcept {
+    return as_eigen(dJ.dJ_);
+  }
 
  private:
   Of dJ_;

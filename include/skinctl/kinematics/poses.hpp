@@ -138,6 +138,8 @@ template <LinkMask Mask = ~LinkMask(0), Model M, Scalar T>
 // clang-format off
 template <LinkMask Mask = ~LinkMask(0), Model M, Scalar T> requires(!computes_in<M, T>)
 void link_poses(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
+template <LinkMask Mask = ~LinkMask(0), Model M, class... Q> requires(EigenExpression<Q> || ...)
+void link_poses(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 
 SKINCTL_END_NAMESPACE

@@ -19,11 +19,11 @@ SKINCTL_BEGIN_NAMESPACE
 struct BodyRegion {
   static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
   static constexpr Nanoseconds unset_time = Nanoseconds::min();
-  double force = unset;      ///< F_q: most force while pressed [N]
-  double blow = unset;       ///< F_t: most force in the first moments [N], >= `force`
+  double force = unset;            ///< F_q: most force while pressed [N]
+  double blow = unset;             ///< F_t: most force in the first moments [N], >= `force`
   Nanoseconds first = unset_time;  ///< how long the first moments last
-  double stiffness = unset;  ///< k: of the region with what covers the robot [N/m]
-  double mass = unset;       ///< m_H: of the region [kg]; infinity if it cannot give way
+  double stiffness = unset;        ///< k: of the region with what covers the robot [N/m]
+  double mass = unset;             ///< m_H: of the region [kg]; infinity if it cannot give way
   double power = std::numeric_limits<double>::infinity();  ///< most that a contact takes [W]
 
   /// Throws `ConfigurationError` for a number that is out of its range, or was not given.
@@ -31,7 +31,8 @@ struct BodyRegion {
     constexpr double big = std::numeric_limits<double>::max();
     require(force > 0 && force <= big, "BodyRegion: force", force, "> 0 N, finite: your own number");
     require(blow >= force && blow <= big, "BodyRegion: blow", blow, ">= force N, finite: your own number");
-    require(first >= 0ns && first <= 60s, "BodyRegion: first", seconds<double>(first), "0 to 60 s: your own number");
+    require(first >= 0ns && first <= 60s, "BodyRegion: first", seconds<double>(first),
+            "0 to 60 s: your own number");
     require(stiffness > 0 && stiffness <= 1e9, "BodyRegion: stiffness", stiffness,
             "> 0, <= 1e9 N/m: your own number");
     require(mass > 0, "BodyRegion: mass", mass, "> 0 kg, infinity if it cannot give way: your own number");
@@ -55,14 +56,15 @@ template <Real T>
 
 /// Speed and separation: how somebody may come near, and how the robot stops.
 struct Separation {
-  double body_speed = BodyRegion::unset;    ///< v_H: of the person towards the robot [m/s]
+  double body_speed = BodyRegion::unset;          ///< v_H: of the person towards the robot [m/s]
   Nanoseconds reaction = BodyRegion::unset_time;  ///< T_R: until the robot begins to brake
-  double deceleration = BodyRegion::unset;  ///< of any point of the robot, at least [m/s^2]
-  double margin = BodyRegion::unset;        ///< C + Z: what is kept, with all uncertainties [m]
+  double deceleration = BodyRegion::unset;        ///< of any point of the robot, at least [m/s^2]
+  double margin = BodyRegion::unset;              ///< C + Z: what is kept, with all uncertainties [m]
 
   SKINCTL_COLD void check() const {
     require(body_speed >= 0 && body_speed <= 100, "Separation: body speed", body_speed, "0 to 100 m/s");
-    require(reaction >= 0ns && reaction <= 10s, "Separation: reaction", seconds<double>(reaction), "0 to 10 s");
+    require(reaction >= 0ns && reaction <= 10s, "Separation: reaction", seconds<double>(reaction),
+            "0 to 10 s");
     require(deceleration > 0 && deceleration <= 1e4, "Separation: deceleration", deceleration,
             "> 0, <= 1e4 m/s^2");
     require(margin >= 0 && margin <= 100, "Separation: margin", margin, "0 to 100 m");

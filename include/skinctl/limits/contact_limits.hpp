@@ -16,8 +16,8 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t I>
 struct LinkContact {
   static constexpr std::size_t link = I;
-  BodyRegion region;                    ///< the most delicate one that can be met
-  double reach = BodyRegion::unset;     ///< of the link's surface from the link's origin, at most [m]
+  BodyRegion region;                 ///< the most delicate one that can be met
+  double reach = BodyRegion::unset;  ///< of the link's surface from the link's origin, at most [m]
   Nanoseconds reaction = BodyRegion::unset_time;  ///< from a change of force until the robot's speed changes
   double newton = 1;  ///< newtons of the contact per newton of the skin's wrench: its calibration
   /// Lets the link be faster than a blow allows as long as its skin sees nobody.
@@ -152,7 +152,8 @@ class ContactLimits {
           separation(c.separation) {
       c.region.check();
       require(c.reach >= 0 && c.reach <= 100, "LinkContact: reach", c.reach, "0 to 100 m");
-      require(c.reaction > 0ns && c.reaction <= 10s, "LinkContact: reaction", seconds<double>(c.reaction), "> 0, <= 10 s");
+      require(c.reaction > 0ns && c.reaction <= 10s, "LinkContact: reaction", seconds<double>(c.reaction),
+              "> 0, <= 10 s");
       require(c.newton > 0 && c.newton <= 1e6, "LinkContact: newton", c.newton, "> 0, <= 1e6");
       require(c.range >= 0 && c.range <= 100, "LinkContact: range", c.range, "0 to 100 m");
       if (!c.separation) return;

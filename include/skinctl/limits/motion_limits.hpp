@@ -30,7 +30,8 @@ class MotionLimits {
   [[nodiscard]] SKINCTL_INLINE JointVelocity<joints, T> within(const JointLimits<joints, T>& limits,
                                                                const JointPosition<joints, T>& q,
                                                                const JointVelocity<joints, T>& u,
-                                                               const T& ahead, Status& status) const noexcept {
+                                                               const T& ahead,
+                                                               Status& status) const noexcept {
     const auto room = limits.room(q);
     JointVelocity<joints, T> kept;
     for (std::size_t i = 0; i < joints; ++i) {

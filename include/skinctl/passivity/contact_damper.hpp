@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "skinctl/core/joint.hpp"
-#include "skinctl/tactile/contact.hpp"
 #include "skinctl/robot/robot_description.hpp"
+#include "skinctl/tactile/contact.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

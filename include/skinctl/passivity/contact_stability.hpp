@@ -13,11 +13,11 @@ SKINCTL_BEGIN_NAMESPACE
 /// What the robot will be pressed against, and how the push comes back to the law.
 template <Real T = double>
 struct ContactEnvironment {
-  T stiffness = T(0);   ///< of the stiffest thing that it meets [N/m], > 0
-  T cover = T(0);       ///< of the skin's cover, in series [N/m]; 0: rigid
-  T force_gain = T(1);  ///< w_f: newtons that the law gets per newton at the cell, > 0
+  T stiffness = T(0);        ///< of the stiffest thing that it meets [N/m], > 0
+  T cover = T(0);            ///< of the skin's cover, in series [N/m]; 0: rigid
+  T force_gain = T(1);       ///< w_f: newtons that the law gets per newton at the cell, > 0
   Nanoseconds skin_delay{};  ///< t_skin: age of a push when a cycle uses it, >= 0
-  T margin = T(2);      ///< gain margin that is asked for, >= 1
+  T margin = T(2);           ///< gain margin that is asked for, >= 1
 
   /// `k_env k_skin / (k_env + k_skin)` [N/m].
   [[nodiscard]] T series() const noexcept {
@@ -51,10 +51,12 @@ class ContactStability {
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD ContactStability(const M& model, const Configuration& c, const ContactEnvironment<T>& e,
                                 const Tool& tool = Tool())
-      : model_(model), shape_(c.virtual_dynamics()),
+      : model_(model),
+        shape_(c.virtual_dynamics()),
         environment_(e),
         lag_(seconds<T>(c.lag)),
-        lead_(seconds<T>(c.lead)), tool_(tool) {
+        lead_(seconds<T>(c.lead)),
+        tool_(tool) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(e.stiffness > T(0) && e.stiffness <= T(1e12), "stiffness", number(e.stiffness),
             "> 0, <= 1e12 N/m");

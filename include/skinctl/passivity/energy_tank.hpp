@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/robot/virtual_dynamics.hpp"
 #include "skinctl/robot/robot_description.hpp"
+#include "skinctl/robot/virtual_dynamics.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -123,8 +123,8 @@ class EnergyTank {
   /// The virtual robot moved by `dq` in `h` seconds: books the work of the ports and of the friction. Where
   /// no law drove it, kinetic energy is counted anew.
   template <std::size_t N>
-  SKINCTL_INLINE void book(Memory<N>& memory, const JointPosition<N, T>& dq, const VirtualDynamics<N, T>& shape,
-                           const T& h) const noexcept {
+  SKINCTL_INLINE void book(Memory<N>& memory, const JointPosition<N, T>& dq,
+                           const VirtualDynamics<N, T>& shape, const T& h) const noexcept {
     memory.counts = memory.counts && memory.paid;
     if (!memory.paid) return;
     memory.paid = false;

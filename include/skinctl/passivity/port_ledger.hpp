@@ -2,8 +2,8 @@
 #pragma once
 
 #include "skinctl/core/joint.hpp"
-#include "skinctl/tactile/contact.hpp"
 #include "skinctl/robot/robot_description.hpp"
+#include "skinctl/tactile/contact.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

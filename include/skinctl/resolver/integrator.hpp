@@ -127,8 +127,8 @@ template <class Policy, class K, Real T>
 template <class Policy, std::size_t n, Real T, class More>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<n, T> solve_step(MassMatrix<n, T>& m, const JointTorque<n, T>& bias,
                                                            const JointVelocity<n, T>& v,
-                                                           const VirtualDynamics<n, T>& shape, bool has_coulomb,
-                                                           const JointTorque<n, T>& tau,
+                                                           const VirtualDynamics<n, T>& shape,
+                                                           bool has_coulomb, const JointTorque<n, T>& tau,
                                                            const JointAcceleration<n, T>& pull, const T& h,
                                                            const More& more) noexcept {
   // h times the acceleration that is given per mass

@@ -140,7 +140,7 @@ template <Interface I, Real T = double, Model M, class... Parts>
 /// What laws have in common with the robot that they are for, as `Cycle` compares it.
 template <std::size_t N, Real T>
 struct LawTerms {
-  Nanoseconds dt;                           ///< longest planned time between two evaluations
+  Nanoseconds dt;                          ///< longest planned time between two evaluations
   VirtualDynamics<N, T> virtual_dynamics;  ///< of the robot that carries the torque
 };
 

@@ -5,15 +5,14 @@
 
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/skills/detail/rate_bound.hpp"
-#include "skinctl/skills/detail/settled.hpp"
 #include "skinctl/skills/skill_request.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// How a set of skills hands over.
 struct SkillSettings {
-  Nanoseconds hand_over = 100ms;   ///< the torque moves to the next skill in this time, or longer ...
-  Nanoseconds longest = 2s;        ///< ... where it has far to go, but never in more than this
+  Nanoseconds hand_over = 100ms;    ///< the torque moves to the next skill in this time, or longer ...
+  Nanoseconds longest = 2s;         ///< ... where it has far to go, but never in more than this
   double most_rate = 1000;          ///< of every joint's torque while something hands over [N m/s]
   double touched = 1;               ///< skin's joint torque from which the robot counts as touched [N m]
   OppositionSettings opposition{};  ///< when skin and tracking count as opposed
@@ -56,6 +55,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
  public:
   using Names = Behaviours<Behaviour...>;
   using Fusion = Fused<P, L...>;
+  using Laws = std::tuple<L...>;
   using Blend = Blended<Fusion>;
   using Goal = typename detail::GoalTypes<SkillRequest<>, L...>::type;
   static constexpr std::size_t controllers = Fusion::terms;
@@ -80,8 +80,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     Switches commanded, reported;
     std::uint32_t reporting = 0;  ///< switches that have ever been reported
     double touch = 0;             ///< norm of what the skin's laws contributed last [N m]
-    Nanoseconds since{};        ///< the skill's start
-    Nanoseconds held{};         ///< for how long its finish condition has held
+    Nanoseconds since{};          ///< the skill's start
+    Nanoseconds held{};           ///< for how long its finish condition has held
     std::uint8_t skill = 0;
     Phase phase = Phase::loading;
     bool waits = false;  ///< for the end of a change
@@ -101,7 +101,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     for (const auto& s : rows) {
       const auto& c = s.conditions;
       require(s.next < skills, "next", s.next, "the index of a skill");
-      require(c.hold >= 0ns && c.timeout >= 0ns, "hold or timeout", seconds<double>(c.hold < c.timeout ? c.hold : c.timeout), ">= 0 s");
+      require(c.hold >= 0ns && c.timeout >= 0ns, "hold or timeout",
+              seconds<double>(c.hold < c.timeout ? c.hold : c.timeout), ">= 0 s");
       require(c.still > 0 && c.still <= 1e3, "still", c.still, "> 0 rad/s");
       require(c.most_touch >= 0 && c.most_touch <= 1e9, "most_touch", c.most_touch, ">= 0 N m");
       for (std::size_t i = 0; i < controllers; ++i)
@@ -224,8 +225,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
                                                     const Goal& request) const noexcept;
   template <class K>
   SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept;
-  template <class K>
-  SKINCTL_COLD void restart(typename Blend::Memory& m, const K& known) const noexcept;
   template <class Torque, class Shares, class T>
   [[nodiscard]] SKINCTL_COLD Torque bounded(detail::RateBound<joints>& bound,
                                             const typename Blend::Memory& before,
@@ -275,14 +274,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       if constexpr (detail::answers_touch<law_at<i.value>>) sum += shares[i.value];
     });
     return sum;
-  }
-  /// Whether a change is under way that keeps no tracking controller.
-  [[nodiscard]] static bool swaps(const typename Blend::Memory& m) noexcept {
-    if (!Blend::moves(m)) return false;
-    for (std::size_t i = 0; i < controllers; ++i)
-      if (Fusion::roles[i] == Role::tracking && m.from[i].feed_forward > 0 && m.to[i].feed_forward > 0)
-        return false;
-    return true;
   }
 
   Blend blend_;

@@ -50,7 +50,7 @@ class ClosedLoop {
 
   ClosedLoop(const typename Robot::Configuration& c, const std::array<double, 6>& q, double real_delay,
              double real_lag)
-      : robot(M{}, c), joints(kind, real_delay, real_lag, q), memory(robot.start(measure(0))) {}
+      : robot(M{}, c), joints(kind, real_delay, real_lag, q), memory(robot.start(measure(0ns))) {}
 
   State<6, T> measure(Nanoseconds now) {
     State<6, T> s;
@@ -68,8 +68,7 @@ class ClosedLoop {
     const auto interval = robot.interval(memory, now);
     Pushed<6, T> pushes[max_substeps];
     for (unsigned j = 0; j < interval.substeps; ++j) {
-      const double a = seconds<double>(interval.at(j)),
-                   b = seconds<double>(interval.at(j + 1));
+      const double a = seconds<double>(interval.at(j)), b = seconds<double>(interval.at(j + 1));
       const auto from = impulse(a), to = impulse(b);
       for (std::size_t i = 0; i < 6; ++i) pushes[j].torque[i] = static_cast<T>((to[i] - from[i]) / (b - a));
     }

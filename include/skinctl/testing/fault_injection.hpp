@@ -9,8 +9,8 @@
 
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/resolver/torque_resolver.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/skilled_arm.hpp"
-#include "tests/support/robot_table.hpp"
 
 namespace skinctl::testing {
 
@@ -69,7 +69,7 @@ struct SpoiltSkills : Skills {
 };
 
 template <Interface I>
-using Robot = Resolver<I, ur5::Model, double, SemiImplicitEuler>;  // the least to compile
+using SmallResolver = Resolver<I, ur5::Model, double, SemiImplicitEuler>;  // the least to compile
 
 /// All skills of an arm; under sanitizers, where laws take long to compile, being led by hand.
 inline auto faulty_skills(double dt) {
@@ -94,7 +94,7 @@ auto faulty_scene() {
   if (I == Interface::torque) c.set({});
   SkinSettings skin;
   skin.max_age = 10s;
-  const Spoilt robot{Robot<I>(ur5::Model{}, c)};
+  const Spoilt robot{SmallResolver<I>(ur5::Model{}, c)};
   const SpoiltSkills law{faulty_skills(seconds<double>(s.period))};
   const auto cells = ur5_skin<260>({.force = s.force_gain}, skin);
   LinkContact<2> contact{
@@ -155,7 +155,7 @@ class FaultInjection {
                       : random.index(2) == 0 ? from - random.index(12)
                                              : 1;
     const auto before = static_cast<std::uint8_t>(asked == 1 ? skill : random.index(int(skills)));
-    auto& how = Spoilt<Robot<I>>::how;
+    auto& how = Spoilt<SmallResolver<I>>::how;
     using How = typename std::remove_reference_t<decltype(how)>;
     auto q = home_position();
     for (auto& x : q) x += random.uniform(-0.2, 0.2);
@@ -352,7 +352,7 @@ class FaultInjection {
 
   void inject(Reason reason, typename Scene::Input& input, CellSample& sample, int k, Nanoseconds& now,
               oracle::Random& random, const JointTorque<6>& skin_torque) {
-    auto& how = Spoilt<Robot<I>>::how;
+    auto& how = Spoilt<SmallResolver<I>>::how;
     using How = typename std::remove_reference_t<decltype(how)>;
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     const auto joint = static_cast<std::size_t>(random.index(6));

@@ -12,6 +12,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 namespace skinctl::testing {
 
@@ -100,10 +101,10 @@ auto reaching_scene(const SceneSettings& s = {}) {
 template <class T = double>
 class StiffJoints {
  public:
-  StiffJoints(const JointPosition<6, T>& q, Nanoseconds delay, double lag, Nanoseconds step = 1ms)
+  StiffJoints(const JointPosition<6, T>& q, Nanoseconds delay, Nanoseconds lag, Nanoseconds step = 1ms)
       : step_(step),
         delay_(delay),
-        alpha_(lag > 0 ? T(1 - std::exp(-seconds<double>(step) / lag)) : T(1)) {
+        alpha_(lag > 0ns ? T(1 - std::exp(-seconds<double>(step) / seconds<double>(lag))) : T(1)) {
     state_.q = q;
     target_ = q;
   }
@@ -143,17 +144,5 @@ class StiffJoints {
   std::deque<Queued> queue_;
   bool blocked_ = false;
 };
-
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr int sanitized = 1;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-inline constexpr int sanitized = 1;
-#else
-inline constexpr int sanitized = 0;
-#endif
-#else
-inline constexpr int sanitized = 0;
-#endif
 
 }  // namespace skinctl::testing

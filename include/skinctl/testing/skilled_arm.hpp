@@ -234,13 +234,6 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
       if (Set::Fusion::roles[i] == Role::reactive) tau += e.shares[i];
     return tau;
   };
-  // A change that keeps a tracking law moves the skin's weights alone: what that law does is its own affair.
-  const auto keeps = [](const auto& blend) {
-    for (std::size_t i = 0; i < Set::controllers; ++i)
-      if (Set::Fusion::roles[i] == Role::tracking && blend.from[i].feedback > 0 && blend.to[i].feedback > 0)
-        return true;
-    return !Set::Blend::moves(blend);
-  };
   auto memory = run.memory();  // of the last cycle
   JointTorque<6, T> own;       // torque without the skin's, then
   double time = -cycles(0.1) * static_cast<double>(dt);
@@ -248,7 +241,8 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
   const auto follow = [&](double* fastest, bool all) {
     const auto before = last();
     const auto weighed = before - own;
-    const bool whole = all || !keeps(run.memory().blend);
+    // A change that keeps a tracking law moves the skin's weights alone: what that law does is its own affair.
+    const bool whole = all || Set::Blend::swaps(run.memory().blend);
     memory = run.memory();
     const auto e = run.step();
     const auto felt = skin(e);

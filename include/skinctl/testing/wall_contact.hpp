@@ -37,8 +37,8 @@ inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, cons
   const Keeper keeper(ContactDamper<>({.always = damping}));
   const Resolver<Interface::position, ur5::Model, double, CrankNicolson, 64, Keeper> robot(ur5::Model{}, c,
                                                                                            keeper);
-  SimulatedJoints<6> joints(SimulatedJoints<6>::Kind::position, seconds<double>(c.delay) - 1e-9, seconds<double>(c.lag),
-                            {q0[0], q0[1], q0[2], q0[3], q0[4], q0[5]});
+  SimulatedJoints<6> joints(SimulatedJoints<6>::Kind::position, seconds<double>(c.delay) - 1e-9,
+                            seconds<double>(c.lag), {q0[0], q0[1], q0[2], q0[3], q0[4], q0[5]});
   State<6> measured;
   measured.q = q0;
   auto memory = robot.start(measured);

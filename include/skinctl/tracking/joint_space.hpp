@@ -19,7 +19,7 @@ struct JointGoal {
 ///
 /// A space has `joints` and `coordinates`, `Settings` (from which `tracking` picks the gains), a `Memory` of
 /// its own, `needs`. Of plans it knows places (`Where`, `where`, `place`), goals and their `shortest_time`,
-/// a `spline`, references that go `ahead` and `slow` down, whether it `allows` one, the `distance` of two and
+/// a `spline`, references that go `ahead` and `slow` down, whether one `stands`, whether it `allows` one, the `distance` of two and
 /// its `slowness`: how long the largest of them takes at the largest speed. Of laws it knows
 /// - `site(known)`, `site(model, q, dq)`: all that it reads of a state;
 /// - `errors(target, site, memory)`: eqs. (13) or (20), (21);
@@ -75,6 +75,12 @@ class JointSpace {
   [[nodiscard]] static SKINCTL_INLINE constexpr Spline spline(const Where& from, const Where& to,
                                                               const T& tf) noexcept {
     return {from, to, tf};
+  }
+  /// Whether a reference does not move.
+  [[nodiscard]] static constexpr bool stands(const Reference& r) noexcept {
+    for (const T& v : r.dq_d)
+      if (v != T(0)) return false;
+    return true;
   }
   /// NaN or infinite if the goal is not finite.
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {

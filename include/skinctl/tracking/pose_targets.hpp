@@ -63,10 +63,12 @@ class PoseTargets {
   [[nodiscard]] static Spline spline(const Where& from, const Where& to, const T& tf) noexcept {
     return {from, to, tf};
   }
+  [[nodiscard]] static bool stands(const Reference& r) noexcept {
+    return dot(r.V.linear, r.V.linear) == T(0) && dot(r.V.angular, r.V.angular) == T(0);
+  }
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
-    const T way = detail::length(Xyz<T>(goal.X_BP.origin() - from.origin()));
-    const T turn =
-        What == Task::pose ? detail::length(log_so3(goal.X_BP.axes() * from.axes().transpose())) : T(0);
+    const T way = norm(Xyz<T>(goal.X_BP.origin() - from.origin()));
+    const T turn = What == Task::pose ? norm(log_so3(goal.X_BP.axes() * from.axes().transpose())) : T(0);
     const T a = shortest_spline_time(way, s.max_linear_velocity);
     const T b = shortest_spline_time(turn, s.max_angular_velocity);
     return a > b || !(a == a) ? a : b;
@@ -115,8 +117,7 @@ class PoseTargets {
     const T sum =
         dot(r.X_BP.origin(), r.X_BP.origin()) + dot(r.A.linear, r.A.linear) + dot(r.A.angular, r.A.angular);
     return sum - sum == T(0) && rotation_error(r.X_BP.axes()) <= tolerance<T> &&
-           detail::length(r.V.linear) < s.max_linear_velocity &&
-           detail::length(r.V.angular) < s.max_angular_velocity;
+           norm(r.V.linear) < s.max_linear_velocity && norm(r.V.angular) < s.max_angular_velocity;
   }
   [[nodiscard]] static Errors distance(const Reference& a, const Reference& b) noexcept {
     Errors error{};
@@ -126,8 +127,8 @@ class PoseTargets {
   }
   [[nodiscard]] static T slowness(const Errors& error, const Settings& s) noexcept {
     const auto time = [&](std::size_t first, const T& fastest) {
-      const T speed = fastest - detail::length(get(error.v_d + first));
-      return speed > T(0) ? T(detail::length(get(error.e + first)) / speed) : T(0);
+      const T speed = fastest - norm(get(error.v_d + first));
+      return speed > T(0) ? T(norm(get(error.e + first)) / speed) : T(0);
     };
     const T a = time(0, s.max_linear_velocity);
     if constexpr (What == Task::position) return a;

@@ -26,7 +26,7 @@ struct ReactivePlan {
   static constexpr bool reacts = true;
 
   Goal target;          ///< as it came
-  Nanoseconds age{};  ///< since then
+  Nanoseconds age{};    ///< since then
   bool stands = false;  ///< the skin pushes against the law: the reference comes to rest
   Goal reference;       ///< what the law follows
 

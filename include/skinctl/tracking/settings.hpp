@@ -19,19 +19,21 @@ enum class Reach : unsigned char {
 /// held; everything is checked by the law's constructor, which throws `ConfigurationError`.
 template <std::size_t N, Real T = double>
 struct JointControlSettings {
-  Nanoseconds dt = 2ms;       ///< longest interval between two evaluations
+  Nanoseconds dt = 2ms;                 ///< longest interval between two evaluations
   T lambda = T(0.25) / seconds<T>(dt);  ///< `K_d = lambda M(q)` [1/s]; 20-40 at 125 Hz, 50-150 at 500 Hz
-  T kappa = T(10);            ///< decay of S_d [1/s]
-  T K_i1 = T(1);              ///< gain of the integral of S_delta [1/s]
-  T K_i2 = T(0.1);            ///< gain of the integral of tanh(mu S_delta) [rad/s^2]
-  T mu = T(10);               ///< steepness of tanh [s/rad]
-  T integral_limit = T(0.5);  ///< most that each integral adds to dq_r [rad/s]
-  Nanoseconds tb = 1s;        ///< convergence time of the time base; 0: the constant gain from the start
-  T K_c = T(10);              ///< gain that holds the target [1/s]
-  TimeBase<T> base{};         ///< shape of the time base
-  T settle = T(0.5);          ///< duration of the way from the gain's peak to K_c, in multiples of tb
-  Nanoseconds hand_over = 100ms;  ///< bumpless transfer: the reference reaches its new course this long after a reset
-  Nanoseconds target_age = 100ms;  ///< a moving target goes on for so long after its last sample, then slows down
+  T kappa = T(10);                      ///< decay of S_d [1/s]
+  T K_i1 = T(1);                        ///< gain of the integral of S_delta [1/s]
+  T K_i2 = T(0.1);                      ///< gain of the integral of tanh(mu S_delta) [rad/s^2]
+  T mu = T(10);                         ///< steepness of tanh [s/rad]
+  T integral_limit = T(0.5);            ///< most that each integral adds to dq_r [rad/s]
+  Nanoseconds tb = 1s;  ///< convergence time of the time base; 0: the constant gain from the start
+  T K_c = T(10);        ///< gain that holds the target [1/s]
+  TimeBase<T> base{};   ///< shape of the time base
+  T settle = T(0.5);    ///< duration of the way from the gain's peak to K_c, in multiples of tb
+  Nanoseconds hand_over =
+      100ms;  ///< bumpless transfer: the reference reaches its new course this long after a reset
+  Nanoseconds target_age =
+      100ms;                  ///< a moving target goes on for so long after its last sample, then slows down
   T max_acceleration = T(4);  ///< of every joint after a reactive target [rad/s^2]
   T max_jerk = T(40);         ///< the same [rad/s^3]
   Reach reach = Reach::stretch;
@@ -64,14 +66,17 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda, co
   const T dt = seconds<T>(s.dt);
   require(s.kappa * dt <= T(0.3), "kappa dt", number(T(s.kappa * dt)), "<= 0.3");
   require(s.tb >= 0ns && s.tb <= 1000000s, "tb", seconds<double>(s.tb), ">= 0 s");
-  require(s.hand_over > 0ns && s.hand_over <= 1000s, "hand_over", milliseconds(s.hand_over), "> 0 ms, <= 1000 s");
-  require(s.target_age > 0ns && s.target_age <= 1000s, "target_age", milliseconds(s.target_age), "> 0 ms, <= 1000 s");
-  require(s.virtual_dynamics.damping >= T(0) && s.virtual_dynamics.damping <= T(1e4), "virtual damping", number(s.virtual_dynamics.damping), "0 to 1e4 1/s");
+  require(s.hand_over > 0ns && s.hand_over <= 1000s, "hand_over", milliseconds(s.hand_over),
+          "> 0 ms, <= 1000 s");
+  require(s.target_age > 0ns && s.target_age <= 1000s, "target_age", milliseconds(s.target_age),
+          "> 0 ms, <= 1000 s");
+  require(s.virtual_dynamics.damping >= T(0) && s.virtual_dynamics.damping <= T(1e4), "virtual damping",
+          number(s.virtual_dynamics.damping), "0 to 1e4 1/s");
   for (std::size_t i = 0; i < N; ++i) {
-    require(s.virtual_dynamics.viscous[i] >= T(0) && s.virtual_dynamics.viscous[i] <= T(1e6), "viscous friction",
-            number(s.virtual_dynamics.viscous[i]), "0 to 1e6 N m s/rad");
-    require(s.virtual_dynamics.inertia[i] >= T(0) && s.virtual_dynamics.inertia[i] <= T(1e6), "virtual inertia",
-            number(s.virtual_dynamics.inertia[i]), "0 to 1e6 kg m^2");
+    require(s.virtual_dynamics.viscous[i] >= T(0) && s.virtual_dynamics.viscous[i] <= T(1e6),
+            "viscous friction", number(s.virtual_dynamics.viscous[i]), "0 to 1e6 N m s/rad");
+    require(s.virtual_dynamics.inertia[i] >= T(0) && s.virtual_dynamics.inertia[i] <= T(1e6),
+            "virtual inertia", number(s.virtual_dynamics.inertia[i]), "0 to 1e6 kg m^2");
   }
   check(PursuitLimits<T>{T(1), s.max_acceleration, s.max_jerk});
   for (const T& v : s.max_velocity) require(v > T(0) && v <= T(1e6), "max_velocity", number(v), "> 0 rad/s");

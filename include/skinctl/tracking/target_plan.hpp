@@ -30,6 +30,10 @@ struct TargetPlan {
                                                                     const Settings&) noexcept {
     return {Goal{at, {}, {}}, {}, false};
   }
+  /// A target that has just come.
+  [[nodiscard]] static SKINCTL_INLINE constexpr TargetPlan moved(const Goal& goal) noexcept {
+    return {goal, {}, false};
+  }
   /// The target `x` seconds from now.
   [[nodiscard]] SKINCTL_INLINE Goal at(const T& x, const Settings& s) const noexcept {
     const auto own = clock.at(x, Space::tracking(s).target_age);
@@ -56,7 +60,7 @@ struct TargetPlan {
   /// The new target. One that is not finite, or itself faster than the settings allow, is refused.
   [[nodiscard]] Received<TargetPlan> to(const Goal& goal, const Where&, const Settings& s) const noexcept {
     if (!Space::allows(goal, s)) return {*this, Reason::goal_refused};
-    return {{goal, {}, false}, {}};
+    return {moved(goal), {}};
   }
 };
 

@@ -56,7 +56,9 @@ template <class Space, class Plan, class Damping = InertialDamping<typename Spac
 class Tracking : public Composable {
  public:
   static constexpr std::size_t N = Space::joints;
+  static constexpr std::size_t joints = N;
   static constexpr std::size_t coordinates = Space::coordinates;
+  using scalar = typename Space::scalar;
   using T = typename Space::scalar;
   using Memory = TrackingMemory<Space, Plan, Sign>;
   using Goal = typename Plan::Goal;
@@ -185,6 +187,31 @@ class Tracking : public Composable {
     const auto at_t = now(memory, known);
     const auto tau = torque(memory, known, Share<T>{}, at_t);
     return {tau, advance(memory, known, dt, Opposition::none, at_t), {tau}, status(memory)};
+  }
+  /// The target stands, the skin does not hold the law up, and neither robot nor reference is faster than
+  /// `still` [rad/s].
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
+    return !memory.held && Space::stands(reference(memory)) && detail::slower(known.dq(), still) &&
+           detail::slower(now(memory, known).dq_r, still);
+  }
+  /// What the law follows just now: a point of its spline, or the target, as it goes on since it came.
+  [[nodiscard]] auto reference(const Memory& memory) const noexcept {
+    return memory.plan.at(T(0), settings_);
+  }
+  /// The target as it came last.
+  [[nodiscard]] const Goal& target(const Memory& memory) const noexcept
+    requires(Plan::streams)
+  {
+    return memory.plan.target;
+  }
+  /// The memory with another target, of whoever moves it smoothly and within the settings by himself: nothing
+  /// is checked or handed over.
+  [[nodiscard]] static Memory with_target(Memory memory, const Goal& target) noexcept
+    requires requires { Plan::moved(target); }
+  {
+    memory.plan = Plan::moved(target);
+    return memory;
   }
   /// Whether a hand-over goes on, and whether the skin holds the law up.
   [[nodiscard]] SKINCTL_INLINE Status status(const Memory& memory) const noexcept {

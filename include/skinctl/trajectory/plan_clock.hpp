@@ -18,7 +18,7 @@ struct OwnTime {
 /// Own time that runs at rate 1 or stands, and goes from one to the other by a quintic. Trivially copyable.
 template <Real T = double>
 struct PlanClock {
-  Nanoseconds own{};                   ///< own time now
+  Nanoseconds own{};                     ///< own time now
   Nanoseconds since_change = clock_end;  ///< time since the last `run` or `stop`
   T from = T(1);                         ///< rate at that moment
   T to = T(1);                           ///< rate that it changes to

@@ -10,23 +10,6 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `|v|`, also where the squares underflow or overflow: a vector of 1e-200 has a length. A NaN gives a NaN.
-template <Real T>
-[[nodiscard]] T length(const Xyz<T>& v) noexcept {
-  using std::abs;
-  using std::sqrt;
-  const T square = dot(v, v);
-  if (square > std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon() &&
-      square < (std::numeric_limits<T>::max)())
-    return sqrt(square);
-  const T ax = abs(v.x), ay = abs(v.y), az = abs(v.z);
-  T largest = ax > ay ? ax : ay;
-  if (!(largest >= az)) largest = az;
-  if (!(largest > T(0))) return square;  // zero, or a NaN that has to stay visible
-  const Xyz<T> unit{v.x / largest, v.y / largest, v.z / largest};
-  return T(largest * sqrt(dot(unit, unit)));
-}
-
 template <Real T>
 struct ExpFactors {
   T sine;    ///< sin(a) / a
@@ -37,7 +20,7 @@ template <Real T>
 [[nodiscard]] ExpFactors<T> exp_factors(const Xyz<T>& phi) noexcept {
   using std::cos;
   using std::sin;
-  const T half = T(0.5) * length(phi);
+  const T half = T(0.5) * norm(phi);
   if (half == T(0)) return {T(1), T(0.5)};
   const T s = sin(half) / half;
   return {s * cos(half), T(0.5) * s * s};
@@ -57,7 +40,7 @@ template <Real T>
 template <Real T>
 [[nodiscard]] T cubic_factor(const Xyz<T>& phi) noexcept {
   using std::sin;
-  const T a = length(phi);
+  const T a = norm(phi);
   if (a > T(1)) return T((a - sin(a)) / (a * a * a));
   const T square = a * a;
   T sum(1);
@@ -71,7 +54,7 @@ template <Real T>
 [[nodiscard]] T inverse_factor(const Xyz<T>& phi) noexcept {
   using std::cos;
   using std::sin;
-  const T h = T(0.5) * length(phi);
+  const T h = T(0.5) * norm(phi);
   if (h == T(0)) return T(T(1) / T(12));
   const T sinc = sin(h) / h;
   const T square = h * h;
@@ -112,7 +95,7 @@ template <Real T>
 template <Real T>
 [[nodiscard]] Xyz<T> shortest_rotation_vector(const Quaternion<T>& q) noexcept {
   using std::atan2;
-  const T s = length(q.v);
+  const T s = norm(q.v);
   if (s == T(0)) return {T(0), T(0), T(0)};
   return T(T(2) * atan2(s, q.w) / s) * q.v;
 }
@@ -120,7 +103,7 @@ template <Real T>
 template <Real T>
 [[nodiscard]] Xyz<T> nearer_rotation_vector(const Xyz<T>& phi, const Xyz<T>& near) noexcept {
   using std::atan2;
-  const T a = length(phi);
+  const T a = norm(phi);
   if (a == T(0)) return phi;
   const T turn = T(8) * atan2(T(1), T(1));
   const Xyz<T> other = T((a - turn) / a) * phi;

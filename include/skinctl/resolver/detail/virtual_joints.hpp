@@ -41,11 +41,9 @@ class VirtualJoints {
     Status status;
   };
 
-  SKINCTL_COLD explicit VirtualJoints(const RobotConfiguration<N, T>& c)
-      : p_(c), servo_(p_.delay, p_.lag) {
+  SKINCTL_COLD explicit VirtualJoints(const RobotConfiguration<N, T>& c) : p_(c), servo_(p_.delay, p_.lag) {
     require(p_.delay / p_.period + 2 <= static_cast<std::int64_t>(History), "delay / period",
-            milliseconds(p_.delay) / milliseconds(p_.period),
-            "<= History - 2: commands under way");
+            milliseconds(p_.delay) / milliseconds(p_.period), "<= History - 2: commands under way");
   }
   [[nodiscard]] SKINCTL_INLINE const ResolverParameters<N, T>& parameters() const noexcept { return p_; }
   [[nodiscard]] SKINCTL_INLINE const Servo<N, T, History>& servo() const noexcept { return servo_; }

@@ -140,8 +140,7 @@ class Reception {
   SKINCTL_INLINE Ramp<T> ramp_between(Nanoseconds last, Nanoseconds time) const noexcept {
     const std::uint64_t gap = span(last, time);
     if (gap >= ramp_) [[likely]]
-      return {seconds_after<T>(parts_.from, time - nanoseconds_of(ramp_)), ramp_length_,
-              ramp_slope_};
+      return {seconds_after<T>(parts_.from, time - nanoseconds_of(ramp_)), ramp_length_, ramp_slope_};
     return {seconds_after<T>(parts_.from, last), seconds<T>(nanoseconds_of(gap))};
   }
   /// The share of a reading that is lost to the cell's silence since `stamp`.

@@ -211,11 +211,12 @@ inline double admittance_error(PlantLoop::Setting s, double frequency, double sp
   }
   // The push goes against the displacement: v / f = -Y.
   auto c = PlantLoop::configuration(s);
-  c.delay = 0;
+  c.delay = 0ns;
   double row[6];
   std::copy_n(loop.contact().row, 6, row);
   const ContactStability<ur5::Model> stability(ur5::Model{}, c, {.stiffness = 1});
-  const C delays = std::polar(1.0, -w * 0.5 * seconds<double>(c.period)) / C(1, c.lag * w) * C(1, c.lead * w);
+  const C delays = std::polar(1.0, -w * 0.5 * seconds<double>(c.period)) / C(1, seconds<double>(c.lag) * w) *
+                   C(1, seconds<double>(c.lead) * w);
   const C want = C(0, w) * stability.response(stability.felt(s.q), row, 0, w) / delays;
   return std::abs(-v / f - want) / std::abs(want);
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "skinctl/testing/random_robots.hpp"
-#include "tests/support/robot_table_types.hpp"
+#include "skinctl/testing/robot_table_types.hpp"
 
 namespace oracle {
 

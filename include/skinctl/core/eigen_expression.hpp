@@ -1,0 +1,47 @@
+// The names of Eigen's types, and what is Eigen's, told by its interface: nothing of Eigen is included.
+#pragma once
+
+#include "skinctl/core/real.hpp"
+
+namespace Eigen {
+template <typename Scalar, int Rows, int Cols, int Options, int MaxRows, int MaxCols>
+class Matrix;
+template <typename Plain, int Options, typename Strides>
+class Map;
+template <int Outer, int Inner>
+class Stride;
+template <typename Scalar, int Dim, int Mode, int Options>
+class Transform;
+}  // namespace Eigen
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// `Eigen::Matrix<T, Rows, Cols>`, column by column.
+template <Scalar T, int Rows, int Cols>
+using EigenMatrix = Eigen::Matrix<T, Rows, Cols, 0, Rows, Cols>;
+template <class Plain>
+using EigenMap = Eigen::Map<Plain, 0, Eigen::Stride<0, 0>>;
+/// `Eigen::Isometry3<T>`.
+template <Scalar T>
+using EigenIsometry = Eigen::Transform<T, 3, 1, 0>;
+template <Scalar T>
+using Vec3 = EigenMatrix<T, 3, 1>;
+template <Scalar T>
+using Mat3 = EigenMatrix<T, 3, 3>;
+template <Scalar T>
+using Vec6 = EigenMatrix<T, 6, 1>;
+template <Scalar T>
+using Mat6 = EigenMatrix<T, 6, 6>;
+
+/// A matrix, vector or expression of Eigen's.
+template <class V>
+concept EigenExpression = requires { typename V::PlainObject; };
+
+/// One that has elements to read.
+template <class V>
+concept VectorExpression = EigenExpression<V> && requires(const V& v) {
+  v.eval();
+  v.size();
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,12 @@
+// expect: p = v.*as_xyz
+#include <Eigen/Geometry>
+
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  Xyz<double> p;
+  const Vec3<double> v = Vec3<double>::Zero();
+  p = v;
+}

@@ -1,0 +1,11 @@
+#include <Eigen/Geometry>
+
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const ur5::Model model;
+  const Vec6<double> v = Vec6<double>::Zero();
+  static_cast<void>(gravity_torque(model, JointPosition<6>(v)));
+}

@@ -1,0 +1,12 @@
+// expect: G.*Vector3d|Vector3d.*G
+#include <Eigen/Geometry>
+
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Eigen::Vector3d f = Eigen::Vector3d::Zero();
+  const Wrench<Tool> G{f, {}};
+  static_cast<void>(G);
+}

@@ -1,0 +1,12 @@
+// expect: X = X_WT.*as_eigen
+#include <Eigen/Geometry>
+
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  const Transform<World, Tool> X_WT;
+  const Eigen::Isometry3d X = X_WT;
+  static_cast<void>(X);
+}

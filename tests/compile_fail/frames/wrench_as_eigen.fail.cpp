@@ -1,0 +1,12 @@
+// expect: v = F.*as_eigen
+#include <Eigen/Geometry>
+
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  Vec6<double> v;
+  const Wrench<Tool> F;
+  v = F;
+}
