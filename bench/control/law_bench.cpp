@@ -1,6 +1,6 @@
 // One evaluation of each law: torque and next memory. Beside it what its equations cost by hand (the surface
 // with Eigen and libm, the dynamics as the floor) and what KDL takes for the dynamics alone.
-#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <memory>

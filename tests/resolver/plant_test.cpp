@@ -1,6 +1,8 @@
 // A part of bench/studies/plant.cpp: an arm that we did not write, MuJoCo under stiff servos.
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
+
 #include "skinctl/testing/plant_loop.hpp"
 #include "tests/support/mujoco_plant.hpp"
 
