@@ -15,6 +15,8 @@ install(
   FILES "${PROJECT_BINARY_DIR}/package/skinctlConfig.cmake" "${PROJECT_BINARY_DIR}/package/skinctlConfigVersion.cmake"
   DESTINATION "${package_dir}")
 
+get_target_property(boost_include Boost::headers INTERFACE_INCLUDE_DIRECTORIES)
+list(GET boost_include 0 boost_include)
 configure_file("${PROJECT_SOURCE_DIR}/cmake/skinctl.pc.in" "${PROJECT_BINARY_DIR}/package/skinctl.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/package/skinctl.pc" DESTINATION "${CMAKE_INSTALL_DATADIR}/pkgconfig")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

@@ -21,11 +21,11 @@ int main() {
   // A finger presses on the middle of the forearm.
   const auto forearm = std::get<2>(ur5::skin_patches<260>()).placed();
   const auto& cell = forearm[forearm.size() / 2];
-  const CellSample press{.time = 2_ms, .cell = cell.id, .force = {0.2f, 0.2f, 0.2f}};
+  const CellSample press{.time = 2ms, .cell = cell.id, .force = {0.2f, 0.2f, 0.2f}};
 
-  auto memory = skin.start(0);
+  auto memory = skin.start(0ns);
   decltype(skin)::Wrenches touch;
-  skin.receive(memory, {&press, 1}, 2_ms, 4_ms, 1, &touch);  // the mean over the 2 ms after the press
+  skin.receive(memory, {&press, 1}, 2ms, 4ms, 1, &touch);  // the mean over the 2 ms after the press
   const JointAngles<ur5::Model, double> angles(robot, q);
   const JointTorque<6> tau_skin = skin_torque(robot, angles, touch);
   std::printf("cell %u feels 0.6 units; less the gate's 0.08 that is %.1f N\n", cell.id, 20 * (0.6 - 0.08));

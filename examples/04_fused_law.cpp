@@ -1,8 +1,7 @@
 // 04 A fused law: an arm that goes to a goal, is pushed on its way, and holds its own weight: one expression.
 //
-//   reach, skin, gravity   laws; their sum is a law, eq. (23): gravity enters once, tracking weights are
-//   normalised known                  the state and what follows from it     tau   torque of the sum, and
-//   each law's share
+//   reach, skin, gravity   laws; their sum is a law, eq. (23): gravity enters once, tracking weights are normalised
+//   known                  the state and what follows from it     tau   torque of the sum, and each law's share
 #include <cstdio>
 
 #include "skinctl/control/gravity_control.hpp"
@@ -20,7 +19,7 @@ int main() {
   JointControlSettings<6> settings;
   settings.lambda = 20;
   settings.K_c = 4;
-  settings.tb = 0;
+  settings.tb = 0s;
   const auto law = SplineJoint<6>(settings) + SkinJointControl{} + GravityControl{};
   using Law = std::remove_cvref_t<decltype(law)>;
   using Touch = Ur5Skin<260>::Wrenches;
@@ -31,7 +30,7 @@ int main() {
   const double h = 0.002;
   Touch touch;
   auto memory = law.start(Known(robot, state, h, touch));
-  auto goal = JointGoal<6>{state.q, 2_s};
+  auto goal = JointGoal<6>{state.q, 2s};
   goal.q_g[0] = 0.6;
   memory = law.receive(memory, Known(robot, state, h, touch), goal).memory;
 

@@ -16,12 +16,11 @@
 using namespace skinctl;
 
 auto make_cycle() {
-  const auto limits = limits_of<ur5::Description>(/*acceleration*/ 15.0);
-  ResolverConfiguration<6> robot{.limits = limits, .period = 8_ms, .delay = 8_ms};
-  robot.shape.decay = 4;  // [1/s] friction of the virtual arm, in proportion to its mass
-  return Cycle(Resolver<Interface::position, ur5::Model>(ur5::Model{}, robot),
-               SkinJointControl{} + GravityControl{}, ur5_skin<260>({.force = 20}),
-               Guard<Interface::position, 6>({.limits = limits, .period = 8_ms}));
+  const auto arm = by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(/*acceleration*/ 15.0),
+                                              .period = 8ms,
+                                              .delay = 8ms,
+                                              .virtual_damping = 4});  // [1/s] friction in proportion to mass
+  return Cycle(arm, ur5_skin<260>({.force = 20}), SkinJointControl{} + GravityControl{});
 }
 // [/readme:cycle]
 
@@ -35,11 +34,11 @@ int main() {
 
   double farthest = 0;
   for (int k = 1; k <= 375; ++k) {
-    measured.time = k * 8_ms;
+    measured.time = k * 8ms;
     measured.q = under_way.front();
     under_way.pop_front();
     const float f = k > 50 && k < 120 ? 0.15f : 0.0f;  // half a second of 7 N
-    const CellSample sample{.time = measured.time - 2_ms, .cell = cell, .force = {f, f, f}};
+    const CellSample sample{.time = measured.time - 2ms, .cell = cell, .force = {f, f, f}};
     decltype(cycle)::Input input;
     input.now = measured.time;
     input.measured = measured;

@@ -15,7 +15,7 @@ using namespace skinctl;
 int main(int argc, char** argv) {
   const ur5::Model robot;
   const double h = 0.002;
-  OperationalSettings<6> settings{.tracking = {.dt = h, .tb = 0}};
+  OperationalSettings<6> settings{.tracking = {.dt = nanoseconds(h), .tb = 0s}};
   settings.tracking.max_velocity = JointVelocity<6>::constant(2.5);
   const auto X_LT = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.15);
   const SplineOperational<6, 5> reach(OperationalSpace<6, 5>(X_LT, settings), settings);
@@ -23,13 +23,12 @@ int main(int argc, char** argv) {
   const NoTouch touch;
 
   // The goal is the pose of joints whose wrist is stretched: q4 = 0, and J has no inverse there.
-  State<6> state{0, {0.5, -1.4, 1.2, -1.7, 0.4, 0.1}, {}};
+  State<6> state{0ns, {0.5, -1.4, 1.2, -1.7, 0.4, 0.1}, {}};
   const auto X_BG = link_poses(robot, JointPosition<6>{0.3, -1.2, 1.4, -1.8, 0.0, 0.3}).get<5>() * X_LT;
   auto memory = reach.start(Known(robot, state, h, touch));
-  memory = reach.receive(memory, Known(robot, state, h, touch), {X_BG, 2_s}).memory;
+  memory = reach.receive(memory, Known(robot, state, h, touch), {X_BG, 2s}).memory;
 
-  examples::Curve way{"distance [mm]", {}, {}}, wrist{"q4 [rad]", {}, {}},
-      speed{"fastest joint [rad/s]", {}, {}};
+  examples::Curve way{"distance to the goal [mm]"}, wrist{"joint 4 [rad]"}, speed{"fastest joint [rad/s]"};
   int slowed = 0;
   for (int k = 0; k <= 2000; ++k) {
     const Known known(robot, state, h, touch);

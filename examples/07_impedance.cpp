@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   const CartesianImpedance<6, 5> spring(Space(tool_on_flange), settings);
   Arm arm(spring + SkinCartesianControl<5, Tool, double, Yields::translation>(tool_on_flange) +
           GravityControl{});
-  Curve force{"force [N]", {}, {}}, way{"tool moved by [m]", {}, {}};
+  Curve force{"force of the hand [N]"}, way{"tool moved by [mm]"};
   const auto cell = arm.cell<5>();
   const auto start = arm.tool();
   double held = 0;
@@ -26,9 +26,11 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
     force.add(arm.time(), F);
-    way.add(arm.time(), norm(Xyz<double>(arm.tool().origin() - start.origin())));
+    way.add(arm.time(), 1e3 * norm(Xyz<double>(arm.tool().origin() - start.origin())));
     if (F > 0) held = way.y.back();
   }
-  std::printf("stood off by %.4f m (F / K = %.4f m), came back to %.4f m\n", held, 12 / K, way.y.back());
-  return draw(argc, argv, "07_impedance.svg", "Cartesian Impedance", {force, way}) || way.y.back() > 0.003;
+  std::printf("stood off by %.1f mm (F / K = %.1f mm), came back to %.1f mm\n", held, 12e3 / K, way.y.back());
+  return draw(argc, argv, "07_impedance.svg", "A spring and a damper hold a tool that a hand leads away",
+              {force, {way, {12e3 / K, "F / K"}}}, while_above_zero(force, "hand pushes")) ||
+         way.y.back() > 3;
 }

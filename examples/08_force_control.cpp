@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   const auto start = touching();
   const Xyz<double> n = start.axis_z();
   const double k = 2000, gap = 0.02;
-  Curve wanted{"asked force [N]", {}, {}}, force{"force [N]", {}, {}}, depth{"depth [m]", {}, {}};
+  Curve wanted{.name = "asked", .dashed = true}, force{"measured"}, depth{"depth in the table [mm]"};
   double F_d = 6, F = 0;
   arm.ask({n, F_d});
   while (arm.time() < 10) {
@@ -29,9 +29,10 @@ int main(int argc, char** argv) {
     F = d > 0 ? k * d : 0;
     arm.push(cell.id, F);
     arm.step();
-    wanted.add(arm.time(), F_d), force.add(arm.time(), F), depth.add(arm.time(), d);
+    wanted.add(arm.time(), F_d), force.add(arm.time(), F), depth.add(arm.time(), 1e3 * d);
   }
   std::printf("presses with %.2f N\n", F);
-  return draw(argc, argv, "08_force_control.svg", "Force control", {wanted, force, depth}) ||
+  return draw(argc, argv, "08_force_control.svg", "The wrist finds a table and presses on it",
+              {{"force [N]", {wanted, force}}, depth}) ||
          std::abs(F - F_d) > 0.5;
 }

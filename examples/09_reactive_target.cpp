@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
   settings.max_linear_jerk = 10;         // [m/s^3]
   const ReactiveOperational<6, 5> follow(OperationalSpace<6, 5>(tool_on_flange, settings), settings);
   Arm arm(follow + SkinJointControl{} + GravityControl{});
-  Curve seen{"target as seen [m]", {}, {}}, tool{"tool [m]", {}, {}}, speed{"its speed [m/s]", {}, {}};
+  Curve seen{.name = "target as the camera sees it", .dashed = true}, tool{"tool"},
+      speed{"speed of the tool [m/s]"};
   const auto start = arm.tool();
   Xyz<double> p = start.origin(), last = p;
   double fastest = 0, noise = 0.5;
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
     last = now;
   }
   std::printf("fastest %.3f m/s\n", fastest);
-  return draw(argc, argv, "09_reactive_target.svg", "A reactive target", {seen, tool, speed}) ||
+  return draw(argc, argv, "09_reactive_target.svg", "The target jumps, the tool does not",
+              {{"y in the base's frame [m]", {seen, tool}}, {speed, {0.25, "limit"}}}) ||
          fastest > 0.3;
 }

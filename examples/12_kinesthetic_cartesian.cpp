@@ -10,7 +10,7 @@ using namespace examples;
 int main(int argc, char** argv) {
   const SkinCartesianControl<5, Tool, double, Yields::both, DampedNullSpace> skin(tool_on_flange);
   Arm arm(skin + GravityControl{});
-  Curve force{"force [N]", {}, {}}, way{"tool moved by [m]", {}, {}}, turn{"and turned by [rad]", {}, {}};
+  Curve force{"force of the hand [N]"}, way{"tool moved by [mm]"}, turn{"tool turned by [rad]"};
   const auto cell = arm.cell<5>();
   const auto start = arm.tool();
   while (arm.time() < 4) {
@@ -18,10 +18,12 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
     force.add(arm.time(), F);
-    way.add(arm.time(), norm(Xyz<double>(arm.tool().origin() - start.origin())));
+    way.add(arm.time(), 1e3 * norm(Xyz<double>(arm.tool().origin() - start.origin())));
     turn.add(arm.time(), norm(log_so3(arm.tool().axes() * start.axes().transpose())));
   }
-  std::printf("moved by %.3f m, turned by %.3f rad\n", way.y.back(), turn.y.back());
-  return draw(argc, argv, "12_kinesthetic_cartesian.svg", "Kinesthetic Cartesian", {force, way, turn}) ||
-         way.y.back() < 0.02;
+  std::printf("moved by %.0f mm, turned by %.3f rad\n", way.y.back(), turn.y.back());
+  return draw(argc, argv, "12_kinesthetic_cartesian.svg",
+              "Kinesthetic Cartesian: the tool is led by the hand", {force, way, turn},
+              while_above_zero(force, "hand pushes")) ||
+         way.y.back() < 20;
 }

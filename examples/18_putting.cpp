@@ -9,16 +9,16 @@ using namespace examples;
 int main(int argc, char** argv) {
   const auto set = packing_skills();
   Arm arm(set);
-  Curve height{"height of the tool [m]", {}, {}}, steps{"torque a cycle [N m]", {}, {}};
+  Curve height{"height of the tool [m]"}, steps{"largest step of a joint torque in a cycle [N m]"};
   const auto start = arm.tool();
   const Xyz<double> orange = start.origin() + Xyz<double>{-0.05, 0.2, -0.1};
   const Xyz<double> box = start.origin() + Xyz<double>{0.05, -0.1, -0.05};
-  arm.ask(set.start_skill<behaviour::Reaching>(PoseGoal<Tool>{{start.axes(), orange}, 2_s}));
+  arm.ask(set.start_skill<behaviour::Reaching>(PoseGoal<Tool>{{start.axes(), orange}, 2s}));
   bool puts = false;
   JointTorque<6> last{};
   while (arm.time() < 14) {
     if (!puts && arm.memory().law.phase == Phase::finished) {
-      arm.ask(set.start_skill<behaviour::Putting>(PoseGoal<Tool>{{start.axes(), box}, 3_s}));
+      arm.ask(set.start_skill<behaviour::Putting>(PoseGoal<Tool>{{start.axes(), box}, 3s}));
       puts = true;
     }
     const auto tau = arm.step().command.torque;
@@ -29,7 +29,9 @@ int main(int argc, char** argv) {
     height.add(arm.time(), arm.tool().origin().z), steps.add(arm.time(), most);
   }
   const double missed = norm(Xyz<double>(arm.tool().origin() - box));
-  std::printf("put to %.5f m\n", missed);
-  return draw(argc, argv, "18_putting.svg", "Reaching, then Putting", {height, steps}) || !puts ||
-         missed > 0.005;
+  std::printf("put to %.2f mm\n", 1e3 * missed);
+  return draw(argc, argv, "18_putting.svg", "Reaching, then Putting: the torque goes on without a jump",
+              {Panel{"height of the tool [m]", {height}, {{orange.z, "orange"}, {box.z, "box"}}}.close_up(),
+               steps}) ||
+         !puts || missed > 0.005;
 }

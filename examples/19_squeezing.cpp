@@ -18,16 +18,18 @@ int main(int argc, char** argv) {
   const auto start = touching();
   const Xyz<double> n = start.axis_z();
   const double k = 1500, gap = 0.01, F_d = 8;
-  Curve force{"force [N]", {}, {}}, depth{"depth [m]", {}, {}}, gripper{"gripper closed", {}, {}};
-  arm.ask(set.start_skill<behaviour::Squeezing>(JointGoal<6>{home, 0}, ForceGoal<>{n, F_d}));
+  Curve asked{.name = "asked", .dashed = true}, force{"measured"}, depth{"depth in the orange [mm]"},
+      gripper{"gripper: 0 open, 1 closed"};
+  arm.ask(set.start_skill<behaviour::Squeezing>(JointGoal<6>{home, {}}, ForceGoal<>{n, F_d}));
   while (arm.time() < 8) {
     const double d = dot(touching().origin() - start.origin(), n) - gap, F = d > 0 ? k * d : 0;
-    force.add(arm.time(), F), depth.add(arm.time(), d);
+    asked.add(arm.time(), F_d), force.add(arm.time(), F), depth.add(arm.time(), 1e3 * d);
     gripper.add(arm.time(), set.commanded(arm.memory().law) == closed() ? 1 : 0);
     arm.push(cell.id, F);
     arm.step();
   }
   std::printf("%s presses with %.2f N\n", set.now(arm.memory().law).name, force.y.back());
-  return draw(argc, argv, "19_squeezing.svg", "Squeezing", {force, depth, gripper}) ||
+  return draw(argc, argv, "19_squeezing.svg", "Squeezing: the gripper closes, then the wrist presses",
+              {{"force [N]", {asked, force}}, depth, gripper}) ||
          std::abs(force.y.back() - F_d) > 0.5;
 }

@@ -19,7 +19,8 @@
 using namespace skinctl;
 
 using ArmWithHand = ur5_allegro::Model<>;
-using Robot = HybridResolver<Interface::velocity, joints_between(6, 22), ArmWithHand>;
+constexpr LinkMask fingers = joints_between(6, 22);
+using Joints = HybridResolver<Interface::velocity, fingers, ArmWithHand>;
 
 // Springs that close the fingers.
 struct Grip : Composable {
@@ -55,23 +56,25 @@ auto cells() {
 }
 
 auto make_cycle() {
-  ResolverConfiguration<6> arm{.limits = limits_of<ur5::Description>(15.0), .period = 2_ms, .delay = 8_ms};
-  arm.shape.decay = 4;
   const JointLimits<16> hand({.lower = JointPosition<16>::constant(-1),
                               .upper = JointPosition<16>::constant(2),
                               .velocity = JointVelocity<16>::constant(7),
                               .acceleration = JointAcceleration<16>::constant(500),
                               .torque = JointTorque<16>::constant(0.7)});
-  const Robot robot(ur5_allegro::arm_with_hand(),
-                    {.stiff = arm, .limits = hand, .viscous = JointTorque<16>::constant(0.02)});
-  return Cycle(robot, SkinJointControl{} + Grip{{}, JointPosition<16>::constant(0.9)} + GravityControl{},
-               cells(),
-               HybridGuard(robot, {.limits = arm.limits, .period = 2_ms}, {.limits = hand, .period = 2_ms}));
+  const auto robot = by_velocity_and_torque<fingers>(ur5_allegro::arm_with_hand(),
+                                                     {.stiff = {.limits = limits_of<ur5::Description>(15.0),
+                                                                .period = 2ms,
+                                                                .delay = 8ms,
+                                                                .virtual_damping = 4},
+                                                      .limits = hand,
+                                                      .viscous = JointTorque<16>::constant(0.02)});
+  return Cycle(robot, cells(),
+               SkinJointControl{} + Grip{{}, JointPosition<16>::constant(0.9)} + GravityControl{});
 }
 
 // A hand that obeys torques on an arm that obeys velocities, for the length of a cycle.
 void move(const ArmWithHand& model, State<22>& s, const JointVelocity<6>& arm, const JointTorque<16>& hand) {
-  Robot::Stiff::put(arm, s.dq);
+  Joints::Stiff::put(arm, s.dq);
   for (int k = 0; k < 8; ++k) {
     const JointAngles<ArmWithHand, double> angles(model, s.q);
     const auto M = mass_matrix(model, angles);
@@ -92,7 +95,7 @@ int main() {
   const auto& model = cycle.resolver().model();
   State<22> real;
   real.q = JointPosition<22>::constant(0.2);
-  Robot::Stiff::put(JointPosition<6>{0.0, -1.2, 1.4, -1.8, -1.57, 0.0}, real.q);
+  Joints::Stiff::put(JointPosition<6>{0.0, -1.2, 1.4, -1.8, -1.57, 0.0}, real.q);
   const auto start = real.q;
   auto memory = cycle.start(real);
   std::deque<JointVelocity<6>> under_way(4);
@@ -101,19 +104,19 @@ int main() {
   double opened = 0, gave_way = 0;
   JointVelocity<6> last;
   for (int k = 1; k <= 2000; ++k) {
-    real.time = k * 2_ms;
+    real.time = k * 2ms;
     const bool wrist = k > 600 && k < 800, finger = k > 1100 && k < 1300;
     const float f = 0.2f;
     const CellSample samples[2] = {
-        {.time = real.time - 1_ms, .cell = 1, .force = {wrist ? f : 0, wrist ? f : 0, wrist ? f : 0}},
-        {.time = real.time - 1_ms, .cell = 2, .force = {finger ? f : 0, finger ? f : 0, finger ? f : 0}}};
+        {.time = real.time - 1ms, .cell = 1, .force = {wrist ? f : 0, wrist ? f : 0, wrist ? f : 0}},
+        {.time = real.time - 1ms, .cell = 2, .force = {finger ? f : 0, finger ? f : 0, finger ? f : 0}}};
     decltype(cycle)::Input input;
     input.now = real.time;
     input.measured = real;
     input.samples = samples;
     const auto out = cycle.step(memory, input);
-    under_way.push_back(Robot::stiff(out.command).velocity);  // the arm's share
-    const auto hand = Robot::torque(out.command);             // and the hand's
+    under_way.push_back(Joints::stiff(out.command).velocity);  // the arm's share
+    const auto hand = Joints::torque(out.command);             // and the hand's
     move(model, real, under_way.front(), hand);
     under_way.pop_front();
     if (k == 600 || k == 1100) opened = real.q[7], gave_way = 0;

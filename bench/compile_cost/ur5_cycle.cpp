@@ -10,11 +10,9 @@ using namespace skinctl;
 
 // A whole scene: a UR5 with 260 cells that gives way to touch and is commanded by position, as in the README.
 auto make_cycle() {
-  const auto limits = limits_of<ur5::Description>(15.0);
-  return Cycle(Resolver<Interface::position, ur5::Model>(
-                   ur5::Model{}, ResolverConfiguration<6>{.limits = limits, .period = 8_ms, .delay = 8_ms}),
-               SkinJointControl{} + GravityControl{}, ur5_skin<260>({.force = 20}),
-               Guard<Interface::position, 6>({.limits = limits, .period = 8_ms}));
+  const auto arm =
+      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
+  return Cycle(arm, ur5_skin<260>({.force = 20}), SkinJointControl{} + GravityControl{});
 }
 
 int main() {

@@ -11,12 +11,9 @@ using namespace skinctl;
 
 // A whole scene: a UR5 with 260 cells that follows goals, gives way to touch and is commanded by position.
 auto make_cycle() {
-  const auto limits = limits_of<ur5::Description>(15.0);
-  return Cycle(Resolver<Interface::position, ur5::Model>(
-                   ur5::Model{}, ResolverConfiguration<6>{.limits = limits, .period = 8_ms, .delay = 8_ms}),
-               SplineJoint<6>({.dt = 0.002}) + SkinJointControl{} + GravityControl{},
-               ur5_skin<260>({.force = 20}),
-               Guard<Interface::position, 6>({.limits = limits, .period = 8_ms}));
+  const auto arm =
+      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
+  return Cycle(arm, ur5_skin<260>({.force = 20}), SplineJoint(arm) + SkinJointControl{} + GravityControl{});
 }
 
 int main() {

@@ -16,23 +16,19 @@ using namespace skinctl;
 // The scene of ur5_cycle_spline.cpp with all ten skills of Fig. 7 and section 6: at most 0.5 s a skill. Most
 // of it are the eight controllers; a skill more of them costs some hundredths of a second.
 auto make_cycle() {
-  const auto limits = limits_of<ur5::Description>(15.0);
+  const auto arm =
+      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
   const auto tool = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.1);
-  const OperationalSettings<6> settings;
-  const OperationalSpace<6, 5> space(tool, settings);
   const auto skills = skill_set<behaviour::KinestheticJoint>(
       boost::hana::union_(figure_7, section_6), {}, as<controller::Gravity>(GravityControl{}),
       as<controller::SkinJoint>(SkinJointControl{}),
-      as<controller::SkinCartesian>(SkinCartesianControl<5>(tool)), as<controller::Joint>(JointControl<6>()),
-      as<controller::SplineJoint>(SplineJoint<6>()),
-      as<controller::Operational>(OperationalControl<6, 5>(space, settings)),
-      as<controller::SplineOperational>(SplineOperational<6, 5>(space, settings)),
-      as<controller::Force>(ForceControl<6, 5>(tool)));
+      as<controller::SkinCartesian>(SkinCartesianControl<5>(tool)), as<controller::Joint>(JointControl(arm)),
+      as<controller::SplineJoint>(SplineJoint(arm)),
+      as<controller::Operational>(OperationalControl(arm, tool)),
+      as<controller::SplineOperational>(SplineOperational(arm, tool)),
+      as<controller::Force>(ForceControl(arm, tool)));
   static_assert(decltype(skills)::skills == 10);
-  return Cycle(Resolver<Interface::position, ur5::Model>(
-                   ur5::Model{}, ResolverConfiguration<6>{.limits = limits, .period = 8_ms, .delay = 8_ms}),
-               skills, ur5_skin<260>({.force = 20}),
-               Guard<Interface::position, 6>({.limits = limits, .period = 8_ms}));
+  return Cycle(arm, ur5_skin<260>({.force = 20}), skills);
 }
 
 int main() {

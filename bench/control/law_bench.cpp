@@ -65,10 +65,10 @@ class Scenes {
 template <class T>
 JointControlSettings<6, T> settings() {
   JointControlSettings<6, T> s;
-  s.dt = T(dt);
+  s.dt = nanoseconds(dt);
   s.lambda = T(25);
   s.K_c = T(5);
-  s.tb = T(4);
+  s.tb = 4s;
   return s;
 }
 
@@ -112,7 +112,7 @@ void skinctl_rows() {
   const auto goal = [](const auto& law, const auto& known) {
     auto q = known.q();
     q[0] += T(0.5);
-    return law.receive(law.start(known), known, JointGoal<6, T>{q, 4_s}).memory;
+    return law.receive(law.start(known), known, JointGoal<6, T>{q, 4s}).memory;
   };
   const SplineJoint<6, T> spline(settings<T>());
   law_row<T>("joint_control", JointControl<6, T>(settings<T>()), target);
@@ -127,7 +127,7 @@ void skinctl_rows() {
     const auto X =
         known.template pose<5>() * Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.15));
     const Transform<Base, Tool, T> above(X.axes(), X.origin() + Xyz<T>{T(0), T(0), T(0.1)});
-    return law.receive(law.start(known), known, PoseGoal<Tool, T>{above, 4_s}).memory;
+    return law.receive(law.start(known), known, PoseGoal<Tool, T>{above, 4s}).memory;
   };
   using Pose = OperationalSpace<6, 5, Tool, T>;
   using Place = OperationalSpace<6, 5, Tool, T, Task::position>;
@@ -209,6 +209,7 @@ void twin_rows() {
              for (std::size_t i = 0; i < 6; ++i) tau[i] += skin[i];
            });
 
+#if SKINCTL_HAS_KDL
   const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());
   const auto dynamics = [robot](const auto& s, double* tau) {
     robot->inverse_dynamics(s.state.q.data, s.state.dq.data, s.state.dq.data, tau);
@@ -230,6 +231,7 @@ void twin_rows() {
            [=](const auto& s, Joints&, Joints&, double* tau) { skin(s, tau); });
   twin_row("spline_joint+skin+gravity", "kdl_per_link/double",
            [=](const auto& s, Joints&, Joints&, double* tau) { dynamics(s, tau), skin(s, tau); });
+#endif
 }
 
 const bool registered = (skinctl_rows<double>(), skinctl_rows<float>(), twin_rows(), true);

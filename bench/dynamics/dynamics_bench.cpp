@@ -186,6 +186,7 @@ const bool registered = [] {
   fused_row<double>();
   fused_row<float>();
   floor_rows();
+#if SKINCTL_HAS_KDL
   // KDL has no C dq_r: its inverse dynamics stand for Y_r Theta, for which it would need C and M besides.
   const auto kdl = std::make_shared<oracle::KdlOracle>(oracle::ur5());
   bench::row<6>("dynamics/fused/ur5/kdl/double", [kdl](const auto& s) {
@@ -197,12 +198,15 @@ const bool registered = [] {
     for (std::size_t i = 0; i < 6; ++i) tau[i] -= damping[i] * (s.dq[i] - s.dq_r[i]);
     return X;
   });
-  for (const char* scene : {"ur5", "ur5-calibrated"}) {
+  for (const char* scene : {"ur5", "ur5-calibrated"})
     peer_rows<6, oracle::KdlOracle>(scene, "kdl", oracle::ur5());
-    peer_rows<6, oracle::MujocoOracle>(scene, "mujoco", oracle::ur5());
-  }
   peer_rows<16, oracle::KdlOracle>("hand", "kdl", oracle::allegro_right());
+#endif
+#if SKINCTL_HAS_MUJOCO
+  for (const char* scene : {"ur5", "ur5-calibrated"})
+    peer_rows<6, oracle::MujocoOracle>(scene, "mujoco", oracle::ur5());
   peer_rows<16, oracle::MujocoOracle>("hand", "mujoco", oracle::allegro_right());
+#endif
   return true;
 }();
 

@@ -43,6 +43,7 @@ void twin_rows() {
     const Eigen::Map<const Vector> dq(s.dq.data);
     return 0.5 * dq.dot(Eigen::Map<const Matrix>(M.data) * dq);
   });
+#if SKINCTL_HAS_MUJOCO
   const auto mujoco = std::make_shared<oracle::MujocoOracle>(oracle::ur5());
   bench::row<6>("dynamics/mobility/ur5/mujoco/double", [mujoco](const auto& s) {
     bench::Numbers<36> A;
@@ -54,6 +55,7 @@ void twin_rows() {
     mujoco->energy(s.q.data, s.dq.data, energy.data[0], energy.data[1]);
     return energy;
   });
+#endif
 }
 
 const bool registered = (rows<double>(), rows<float>(), twin_rows(), true);

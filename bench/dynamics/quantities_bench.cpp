@@ -13,7 +13,7 @@ void scene_row(const char* scene) {
                    [](const auto& s) {
                      const ur5::Model model;
                      const NoTouch touch;
-                     const State<6, T> state{0, s.q, s.dq};
+                     const State<6, T> state{0ns, s.q, s.dq};
                      const Quantities<ur5::Model, Asked, T> known(model, state, T(0.002), touch);
                      benchmark::DoNotOptimize(&known);
                      return 0;

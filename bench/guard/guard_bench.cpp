@@ -11,14 +11,14 @@ namespace {
 
 template <class T, Interface I>
 void pass(benchmark::State& state) {
-  const Guard<I, 6, T> guard({.limits = limits_of<ur5::Description, T>(), .period = 2_ms});
+  const Guard<I, 6, T> guard({.limits = limits_of<ur5::Description, T>(), .period = 2ms});
   JointCommand<6, T> wish;
   wish.valid = true;
   State<6, T> measured;
   auto memory = guard.start(wish, measured);
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
-    wish.time = measured.time = wish.time + 2_ms;
+    wish.time = measured.time = wish.time + 2ms;
     const auto out = guard.pass(memory, wish, measured, wish.time);
     benchmark::DoNotOptimize(out);
   }
@@ -69,9 +69,9 @@ void tool_speed(benchmark::State& state) {
 template <class T>
 void contact(benchmark::State& state) {
   const LinkContact<2> touched{
-      .region = {.force = 100, .blow = 200, .first = 0.5, .stiffness = 5e4, .mass = 4, .power = 80},
+      .region = {.force = 100, .blow = 200, .first = 500ms, .stiffness = 5e4, .mass = 4, .power = 80},
       .reach = 0.5,
-      .reaction = 0.02};
+      .reaction = 20ms};
   const auto limits = contact_limits<T>(ur5::Model{}, touched);
   bench::States<6, T> states;
   ContactMemory<1, T> memory;

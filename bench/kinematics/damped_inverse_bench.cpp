@@ -50,6 +50,7 @@ void twin_rows() {
     const Vector b = J.transpose() * Eigen::Map<const Vector>(s.dq.data);
     return Vector(A.ldlt().solve(b));
   });
+#if SKINCTL_HAS_KDL
   const auto kdl = std::make_shared<oracle::KdlOracle>(oracle::ur5());
   bench::row<6>("kinematics/damped-inverse/ur5/kdl/double", [kdl](const auto& s) {
     bench::Numbers<6> dq;
@@ -61,6 +62,7 @@ void twin_rows() {
     kdl->jacobian_rate(s.q.data, s.dq.data, dJ.data);
     return dJ;
   });
+#endif
 }
 
 const bool registered = (rows<double>(), rows<float>(), twin_rows(), true);

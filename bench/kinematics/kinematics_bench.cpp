@@ -98,10 +98,14 @@ const bool registered = [] {
     bench_floor::ur5::floor_fk_jacobian(s.q.data, X.data, X.data + 72);
     return X;
   });
+#if SKINCTL_HAS_KDL
   peer_rows<6, oracle::KdlOracle>("ur5", "kdl", oracle::ur5());
-  peer_rows<6, oracle::MujocoOracle>("ur5", "mujoco", oracle::ur5());
   peer_rows<16, oracle::KdlOracle>("hand", "kdl", oracle::allegro_right());
+#endif
+#if SKINCTL_HAS_MUJOCO
+  peer_rows<6, oracle::MujocoOracle>("ur5", "mujoco", oracle::ur5());
   peer_rows<16, oracle::MujocoOracle>("hand", "mujoco", oracle::allegro_right());
+#endif
   return true;
 }();
 

@@ -111,7 +111,8 @@ template <class T>
 Ulps loop_ulps(const CalibratedModel<Chain<64>, T>& model, const Exact& exact,
                const skinctl::testing::Motion<64, T>& at) {
   using skinctl::testing::detail::in_ulps, skinctl::testing::detail::largest;
-  const auto q = wide(at.q), dq = wide(at.dq), ddq = wide(at.ddq), zero = std::vector<Wide>(64, Wide(0));
+  const auto q = wide(at.q), dq = wide(at.dq), ddq = wide(at.ddq),
+             zero = std::vector<Digits50>(64, Digits50(0));
   Ulps u;
   const auto X = loop_poses(model, at.q);
   std::vector<Placed<T>> placed;
@@ -123,12 +124,12 @@ Ulps loop_ulps(const CalibratedModel<Chain<64>, T>& model, const Exact& exact,
     for (const auto& c : J.linear) rows.push_back(c.*of);
   for (const auto of : {&Xyz<T>::x, &Xyz<T>::y, &Xyz<T>::z})
     for (const auto& c : J.angular) rows.push_back(c.*of);
-  const auto J_exact = exact.jacobian(63, {Wide(0), Wide(0), Wide(0)}, q);
+  const auto J_exact = exact.jacobian(63, {Digits50(0), Digits50(0), Digits50(0)}, q);
   u.jacobian = in_ulps<T>(rows, J_exact, largest(J_exact));
 
-  std::vector<Wide> magnitude;
+  std::vector<Digits50> magnitude;
   const auto tau = exact.dalembert(q, dq, ddq, &magnitude);
-  const Wide scale = largest(magnitude);
+  const Digits50 scale = largest(magnitude);
   u.inverse_dynamics = in_ulps<T>(loop_yr_theta(model, at.q, at.dq, at.dq, at.ddq), tau, scale);
   const auto G = exact.dalembert(q, zero, zero, &magnitude);
   u.gravity = in_ulps<T>(loop_gravity_torque(model, at.q), G, largest(magnitude));
@@ -138,12 +139,12 @@ Ulps loop_ulps(const CalibratedModel<Chain<64>, T>& model, const Exact& exact,
   JointTorque<64, T> applied;
   for (std::size_t i = 0; i < 64; ++i) applied[i] = static_cast<T>(tau[i]);
   auto free = exact.dalembert(q, dq, zero);
-  for (std::size_t i = 0; i < 64; ++i) free[i] = Wide(applied[i]) - free[i];
+  for (std::size_t i = 0; i < 64; ++i) free[i] = Digits50(applied[i]) - free[i];
   const auto ddq_exact = Exact::solved(M, free);
   const auto mine = loop_forward_dynamics(model, at.q, at.dq, applied).acceleration;
   u.acceleration = in_ulps<T>(mine, ddq_exact, largest(ddq_exact));
-  std::vector<Wide> off(64);
-  for (std::size_t i = 0; i < 64; ++i) off[i] = Wide(mine[i]) - ddq_exact[i];
+  std::vector<Digits50> off(64);
+  for (std::size_t i = 0; i < 64; ++i) off[i] = Digits50(mine[i]) - ddq_exact[i];
   u.explained = in_ulps<T>(zero, Exact::product(M, off), scale);
   return u;
 }

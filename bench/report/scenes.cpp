@@ -31,7 +31,7 @@ void keep(V& value) {
 /// What a law that asks for `Asked` costs, and nothing else.
 template <Needs Asked>
 void known(int times) {
-  State<6> state{1_ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {0.1, 0.2, -0.3, 0.1, 0.2, -0.1}};
+  State<6> state{1ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {0.1, 0.2, -0.3, 0.1, 0.2, -0.1}};
   const NoTouch touch;
   for (int i = 0; i < times; ++i) {
     keep(state);
@@ -41,7 +41,7 @@ void known(int times) {
 }
 template <class F>
 void each(int times, F&& f) {
-  State<6> state{1_ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {0.1, 0.2, -0.3, 0.1, 0.2, -0.1}};
+  State<6> state{1ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {0.1, 0.2, -0.3, 0.1, 0.2, -0.1}};
   for (int i = 0; i < times; ++i) {
     keep(state);
     const auto result = f(state);
@@ -52,17 +52,16 @@ void each(int times, F&& f) {
 /// Cycles at 500 Hz without a new sample: one evaluation of the laws, one sub-step, the guard.
 template <class L, class Skin>
 void cycles(int times, const L& law, const Skin& skin) {
-  const auto limits = limits_of<ur5::Description>(15.0);
-  const Cycle cycle(
-      Resolver<Interface::position, Arm>(arm, {.limits = limits, .period = 2_ms, .delay = 8_ms}), law, skin,
-      Guard<Interface::position, 6>({.limits = limits, .period = 2_ms}));
+  const auto robot =
+      by_position(arm, {.limits = limits_of<ur5::Description>(15.0), .period = 2ms, .delay = 8ms});
+  const Cycle cycle(robot, skin, law);
   using Scene = decltype(cycle);
   auto memory = std::make_unique<typename Scene::Memory>();
-  State<6> state{1_ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {}};
+  State<6> state{1ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {}};
   cycle.start(*memory, state);
   typename Scene::Input input{};
   for (int i = 0; i < times; ++i) {
-    state.time += 2_ms;
+    state.time += 2ms;
     input.now = state.time;
     input.measured = state;
     const auto out = cycle.step(*memory, input);
@@ -97,8 +96,9 @@ const Scene scenes[] = {
      [](int n) {
        each(n, [](const State<6>& s) { return forward_dynamics(arm, s.q, s.dq, JointTorque<6>{}); });
      }},
-    {"cycle: gravity", [](int n) { cycles(n, GravityControl{}, Bare{}); }},
-    {"cycle: spline joint + gravity", [](int n) { cycles(n, SplineJoint<6>() + GravityControl{}, Bare{}); }},
+    {"cycle: gravity", [](int n) { cycles(n, GravityControl{}, NoSkin{}); }},
+    {"cycle: spline joint + gravity",
+     [](int n) { cycles(n, SplineJoint<6>() + GravityControl{}, NoSkin{}); }},
     {"cycle: skin joint + gravity, 260 cells at rest",
      [](int n) { cycles(n, SkinJointControl{} + GravityControl{}, ur5_skin<260>({.force = 20})); }},
     {"cycle: spline joint + skin joint + gravity, 260 cells at rest",

@@ -35,23 +35,22 @@ struct Constant {
 };
 
 template <class T>
-ResolverConfiguration<6, T> configuration(Interface interface, Nanoseconds period) {
-  ResolverConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8_ms};
-  c.lag = T(0.01);
-  c.shape.viscous = {T(30), T(30), T(20), T(3), T(2), T(1)};
-  if (interface != Interface::torque) c.shape.decay = T(1);
+RobotConfiguration<6, T> configuration(Interface interface, Nanoseconds period) {
+  RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8ms};
+  c.lag = 10ms;
+  c.viscous_friction = {T(30), T(30), T(20), T(3), T(2), T(1)};
+  if (interface != Interface::torque) c.virtual_damping = T(1);
   return c;
 }
 
 // The robot does what is declared; the push changes its sign every second. With `Touch` a link is touched,
 // for what `keeper` watches.
 template <Interface I, class T, class Integrator, class Touch = NoTouch, class Keeper = Passivity<>>
-void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lead = T(0),
+void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanoseconds lead = {},
             const Keeper& keeper = Keeper()) {
   auto c = configuration<T>(I, period);
   c.lead = lead;
-  if (I != Interface::torque) c.shape.coulomb = JointTorque<6, T>::constant(coulomb);
+  if (I != Interface::torque) c.coulomb_friction = JointTorque<6, T>::constant(coulomb);
   const auto resolver = [&] {
     if constexpr (I == Interface::torque) {
       return Resolver<I, ur5::Model, T, Integrator>(ur5::Model{}, c);
@@ -70,7 +69,7 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lea
   Touch touches[max_substeps] = {};
   if constexpr (!std::is_same_v<Touch, NoTouch>)
     for (Touch& touch : touches) touch.template set<4>({{T(1), T(2), T(-8)}, {T(0.1), T(0.2), T(0)}});
-  Nanoseconds now = 0;
+  Nanoseconds now{};
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
     now += period;
@@ -87,8 +86,7 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), T lea
 template <class T, class... Parts>
 void touched(benchmark::State& state, const Parts&... parts) {
   using Touch = LinkWrenches<ur5::Model, link_bit<2> | link_bit<4>, T>;
-  cycles<Interface::position, T, CrankNicolson, Touch>(state, 2_ms, T(0), T(0),
-                                                       Passivity<Parts...>(parts...));
+  cycles<Interface::position, T, CrankNicolson, Touch>(state, 2ms, T(0), 0ns, Passivity<Parts...>(parts...));
 }
 
 // The virtual robot shaped at its tool.
@@ -101,17 +99,17 @@ void shaped(benchmark::State& state) {
     s.damping[i][i] = i < 3 ? T(40) : T(2);
   }
   const Resolver<Interface::position, ur5::Model, T, CrankNicolson, 32, Passivity<>, Shape> resolver(
-      ur5::Model{}, configuration<T>(Interface::position, 2_ms), Shape(s));
+      ur5::Model{}, configuration<T>(Interface::position, 2ms), Shape(s));
   State<6, T> measured;
   measured.q = {T(0.1), T(-1.2), T(1.4), T(-1.0), T(1.2), T(0.3)};
   auto memory = resolver.start(measured);
   Constant<T> law{};
   typename Constant<T>::Memory law_memory;
   NoTouch touches[max_substeps];
-  Nanoseconds now = 0;
+  Nanoseconds now{};
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
-    measured.time = now += 2_ms;
+    measured.time = now += 2ms;
     measured.q = memory.under_way.reached;
     law.push = gravity_torque(ur5::Model{}, memory.q.value);
     law.push[0] += (now / 1'000'000'000) % 2 == 0 ? T(1) : T(-1);
@@ -128,13 +126,13 @@ void skinctl_rows() {
     benchmark::RegisterBenchmark((std::string("resolver/step/") + scene + end).c_str(), run);
   };
   constexpr auto position = Interface::position;
-  add("ur5", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2_ms); });
-  add("ur5-implicit-friction", [](auto& s) { cycles<position, T, ImplicitFriction>(s, 2_ms); });
-  add("ur5-semi-implicit-euler", [](auto& s) { cycles<position, T, SemiImplicitEuler>(s, 2_ms); });
-  add("ur5-dry-friction", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2_ms, T(0.5)); });
-  add("ur5-lead", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2_ms, T(0), T(0.018)); });
-  add("ur5-four-substeps", [](auto& s) { cycles<position, T, CrankNicolson>(s, 8_ms); });
-  add("ur5-velocity", [](auto& s) { cycles<Interface::velocity, T, CrankNicolson>(s, 2_ms); });
+  add("ur5", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms); });
+  add("ur5-implicit-friction", [](auto& s) { cycles<position, T, ImplicitFriction>(s, 2ms); });
+  add("ur5-semi-implicit-euler", [](auto& s) { cycles<position, T, SemiImplicitEuler>(s, 2ms); });
+  add("ur5-dry-friction", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0.5)); });
+  add("ur5-lead", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0), 18ms); });
+  add("ur5-four-substeps", [](auto& s) { cycles<position, T, CrankNicolson>(s, 8ms); });
+  add("ur5-velocity", [](auto& s) { cycles<Interface::velocity, T, CrankNicolson>(s, 2ms); });
   static const EnergyTank<T> tank({.start = T(1000), .most = T(1000)}), empty({.start = T(0), .most = T(0)});
   static const PortLedger<T> ledger({.start = T(1000), .most = T(1000)});
   static const ContactDamper<T> damper({.most = T(100), .always = T(50)});
@@ -145,7 +143,7 @@ void skinctl_rows() {
   add("ur5-all-keepers", [](auto& s) { touched<T>(s, tank, ledger, damper); });
   add("ur5-tool-translation", [](auto& s) { shaped<T, 3>(s); });
   add("ur5-tool", [](auto& s) { shaped<T, 6>(s); });
-  add("ur5-torque", [](auto& s) { cycles<Interface::torque, T, CrankNicolson>(s, 2_ms); });
+  add("ur5-torque", [](auto& s) { cycles<Interface::torque, T, CrankNicolson>(s, 2ms); });
 }
 
 const bool registered = [] {
@@ -156,12 +154,14 @@ const bool registered = [] {
     bench_floor::ur5::floor_forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
     return ddq;
   });
+#if SKINCTL_HAS_KDL
   const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());
   bench::row<6>("resolver/step/ur5/kdl/double", [robot](const auto& s) {
     bench::Numbers<6> ddq;
     robot->forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
     return ddq;
   });
+#endif
   return true;
 }();
 

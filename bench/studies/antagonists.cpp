@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
   for (const double weight : {1.0, 3.0, 6.0})
     for (const double rate : {125.0, 500.0})
       for (const double K_c : {4.0, 8.0}) {
-        const SplineJoint<6> reach({.dt = 1 / rate, .K_c = K_c});
+        const SplineJoint<6> reach({.dt = nanoseconds(1 / rate), .K_c = K_c});
         const auto law = weight * SkinJointControl{} + reach + GravityControl{};
         const auto r = testing::touch_and_release(
             law, [&](const auto& m) { return law.template memory<1>(m).plan.at(0, reach.settings()).q_d; },

@@ -78,14 +78,14 @@ LinkInertia frozen(const Whole& model, const JointPosition<22>& q) {
 
 int main() {
   const auto model = ur5_allegro::arm_with_hand();
-  ResolverConfiguration<6> arm{.limits = limits_of<ur5::Description>(), .period = 4_ms, .delay = 8_ms};
-  arm.shape.viscous = {20, 20, 10, 2, 1, 0.5};
+  RobotConfiguration<6> arm{.limits = limits_of<ur5::Description>(), .period = 4ms, .delay = 8ms};
+  arm.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   const Robot robot(model, {.stiff = arm, .limits = wide<16>(0.7)});
   State<22> measured;
   for (std::size_t i = 0; i < 22; ++i) measured.q[i] = i < 6 ? pose[i] : 0.2 + 0.03 * double(i % 5);
   const Loaded<ur5::Model, 5> loaded(ur5::Model{}, frozen(model, measured.q));
   const Resolver<Interface::velocity, Loaded<ur5::Model, 5>> alone(loaded, arm);
-  const Resolver<Interface::torque, Whole> torques(model, {.limits = wide<22>(1e3), .period = 4_ms});
+  const Resolver<Interface::torque, Whole> torques(model, {.limits = wide<22>(1e3), .period = 4ms});
 
   const Springs<22> law{measured.q};
   const Springs<6> arm_law{Robot::Stiff::of(measured.q)};
@@ -95,7 +95,7 @@ int main() {
   auto alone_memory = alone.start(Robot::part_of<Robot::Stiff>(measured));
   double travel = 0, velocity_off = 0, torque_off = 0;
   std::vector<double> cost;
-  for (Nanoseconds now = 4_ms; now < 4_s; now += 4_ms) {
+  for (Nanoseconds now = 4ms; now < 4s; now += 4ms) {
     const double t = seconds<double>(now), s = t < 2 ? std::sin(4 * t) : 0;
     Pushes<22> touches[2];
     Pushes<6> arm_touches[2];
@@ -114,7 +114,7 @@ int main() {
     const auto want = alone.step(alone_memory, arm_law, arm_memory, {now, alone_memory.under_way.reached, {}},
                                  alone.interval(alone_memory, now), std::span<const Pushes<6>>(arm_touches));
     const auto state = robot.state(memory);
-    auto torque_memory = torques.start({now - 4_ms, state.q, state.dq});
+    auto torque_memory = torques.start({now - 4ms, state.q, state.dq});
     const auto torque =
         torques.step(torque_memory, law, torque_law_memory, state, torques.interval(torque_memory, now),
                      std::span<const Pushes<22>>(touches + 1, 1));

@@ -17,9 +17,9 @@ using namespace skinctl::testing;
 int main(int argc, char** argv) {
   const double hours = argc > 1 ? std::atof(argv[1]) : 24;
   const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  const auto scene = skilled_scene<float>(1_ms);
+  const auto scene = skilled_scene<float>(1ms);
   using Scene = std::remove_const_t<decltype(scene)>;
-  SkilledDay<Scene> day(scene, 1_ms, seed), holding(scene, 1_ms, seed);
+  SkilledDay<Scene> day(scene, 1ms, seed), holding(scene, 1ms, seed);
   const auto began = std::chrono::steady_clock::now();
   const auto far = [](const auto& a, const auto& b) {
     double most = 0;

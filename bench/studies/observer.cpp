@@ -11,8 +11,8 @@
 
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/testing/closed_loop.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -30,7 +30,7 @@ struct Joints {
 
   const State<6>& run_to(Nanoseconds now) {
     while (state.time < now) {
-      state.time += 250_us;
+      state.time += 250us;
       const auto before = state.q;
       while (!under_way.empty() && under_way.front().first <= state.time) {
         taken = under_way.front().second;
@@ -46,7 +46,7 @@ struct Joints {
         } else {  // between two commands it moves evenly
           const Nanoseconds next = under_way.empty() ? state.time : under_way.front().first;
           const auto& to = under_way.empty() ? taken : under_way.front().second;
-          const double steps = std::max(1.0, 1e-9 * static_cast<double>(next - state.time + 250_us) / 250e-6);
+          const double steps = std::max(1.0, seconds<double>(next - state.time + 250us) / 250e-6);
           state.q[i] += (to.position[i] - state.q[i]) / steps;
         }
         state.dq[i] = (state.q[i] - before[i]) / 250e-6;
@@ -58,11 +58,11 @@ struct Joints {
 };
 
 struct Disturbed {
-  double jump = 0;              ///< of joint 1 at 1 s [rad]; positions: held there until 3 s
-  double noise = 0;             ///< of the encoders, standard deviation [rad]
-  Nanoseconds late = 0;         ///< a cycle comes up to this much earlier or later
-  Nanoseconds wrong_stamp = 0;  ///< a stamp is up to this much off
-  bool moves = false;           ///< to a goal, and is pushed on the way
+  double jump = 0;            ///< of joint 1 at 1 s [rad]; positions: held there until 3 s
+  double noise = 0;           ///< of the encoders, standard deviation [rad]
+  Nanoseconds late{};         ///< a cycle comes up to this much earlier or later
+  Nanoseconds wrong_stamp{};  ///< a stamp is up to this much off
+  bool moves = false;         ///< to a goal, and is pushed on the way
   double dead_band = 0.01;
 };
 struct Path {
@@ -73,19 +73,18 @@ struct Path {
 
 template <Interface I>
 Path run(const SceneSettings& s, const Disturbed& d, double duration) {
-  auto c = resolver_configuration<I, double>(s);
+  auto c = configuration_of<I, double>(s);
   c.dead_band = JointPosition<6>::constant(d.dead_band);
   JointControlSettings<6> settings;
-  settings.dt = 0.002;
+  settings.dt = 2ms;
   settings.lambda = s.lambda;
   settings.K_c = s.K_c;
-  settings.tb = 2;
-  settings.shape = c.shape;
+  settings.tb = 2s;
+  settings.virtual_dynamics = c.virtual_dynamics();
   SkinSettings skin;
-  skin.max_age = 10_s;
+  skin.max_age = 10s;
   const auto law = SplineJoint<6>(settings) + SkinJointControl{} + GravityControl{};
-  const auto scene = Cycle(Resolver<I, ur5::Model>(ur5::Model{}, c), law, ur5_skin<260>({.force = 40}, skin),
-                           Guard<I, 6>({.limits = c.limits, .period = s.period}));
+  const auto scene = Cycle(robot_by<I>(ur5::Model{}, c), ur5_skin<260>({.force = 40}, skin), law);
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const auto memory = std::make_unique<typename Scene::Memory>();
   oracle::Random random(3);
@@ -101,16 +100,16 @@ Path run(const SceneSettings& s, const Disturbed& d, double duration) {
   bool jumped = false;
   for (int k = 1; k * s.period <= nanoseconds(duration); ++k) {
     const auto shift = [&](Nanoseconds most) {
-      return most == 0 ? 0 : static_cast<Nanoseconds>(random.uniform(-1, 1) * static_cast<double>(most));
+      return most == 0ns ? 0ns : nanoseconds(random.uniform(-1, 1) * seconds<double>(most));
     };
     const Nanoseconds now =
         k * s.period + std::clamp<Nanoseconds>(shift(d.late), -s.period / 2, s.period / 2);
-    if (now > 1_s && !jumped && d.jump != 0) {
+    if (now > 1s && !jumped && d.jump != 0) {
       robot.state.q[1] += d.jump, jumped = true;
       // Who takes positions goes back by itself unless it is held.
       if (I == Interface::position) robot.held = robot.state.q[1];
     }
-    if (now > 3_s) robot.held.reset();
+    if (now > 3s) robot.held.reset();
     typename Scene::Input input;
     input.now = now;
     input.measured = robot.run_to(now);
@@ -120,11 +119,11 @@ Path run(const SceneSettings& s, const Disturbed& d, double duration) {
       input.has_goal = true;
       input.goal.q_g = home_position();
       for (double& q : input.goal.q_g) q += 0.8;
-      input.goal.duration = 2_s;
+      input.goal.duration = 2s;
     }
-    const double t = 1e-9 * static_cast<double>(now);
+    const double t = seconds<double>(now);
     const auto f = static_cast<float>(d.moves && t > 1 && t < 1.5 ? 0.1 : 0);
-    const CellSample touch{.time = now - 1_ms, .cell = 60, .force = {f, f, f}};
+    const CellSample touch{.time = now - 1ms, .cell = 60, .force = {f, f, f}};
     input.samples = std::span(&touch, 1);
     const auto out = scene.step(*memory, input);
     robot.take(now, out.command);
@@ -147,8 +146,8 @@ plotting::Plot while_blocked =
     titled("Virtual joint, pushed with 300 N from 0.5 to 2.5 s while the real one is held fast");
 
 std::string label(const char* name, Nanoseconds period, Nanoseconds delay) {
-  return std::string(name) + ", " + std::to_string(period / 1'000'000) + " ms, delay " +
-         std::to_string(delay / 1'000'000) + " ms";
+  return std::string(name) + ", " + std::to_string(period / 1ms) + " ms, delay " +
+         std::to_string(delay / 1ms) + " ms";
 }
 
 template <Interface I>
@@ -177,7 +176,7 @@ void jumps(const char* name, const SceneSettings& s) {
       end = e;
     }
     std::printf("%-9s %5.0f ms %6.0f ms %9.2f %13.0f ms %13.4f %12.3f %12.2f %12.5f\n", name,
-                1e-6 * double(s.period), 1e-6 * double(s.delay), jump, 1e3 * near, swing, fastest, most, end);
+                milliseconds(s.period), milliseconds(s.delay), jump, 1e3 * near, swing, fastest, most, end);
   }
 }
 
@@ -203,8 +202,8 @@ void noises(const char* name, const SceneSettings& s) {
         continue;  // less than v_max times what is uncertain of the delay: refused by the rule
       const auto clean = run<I>(s, {.moves = moves, .dead_band = band}, 4);
       const auto noisy = run<I>(s, {.noise = 1e-4, .moves = moves, .dead_band = band}, 4);
-      std::printf("%-9s %5.0f ms %6.0f ms %-7s %10.4f %16.2e %16.2e\n", name, 1e-6 * double(s.period),
-                  1e-6 * double(s.delay), moves ? "moves" : "rests", band, difference(noisy, clean),
+      std::printf("%-9s %5.0f ms %6.0f ms %-7s %10.4f %16.2e %16.2e\n", name, milliseconds(s.period),
+                  milliseconds(s.delay), moves ? "moves" : "rests", band, difference(noisy, clean),
                   rms(noisy, clean));
     }
 }
@@ -218,23 +217,23 @@ void jitters(const char* name, const SceneSettings& s) {
       worst = std::max(worst, std::abs(p.command.back()[i] - clean.command.back()[i]));
     return worst;
   };
-  const auto late = run<I>(s, {.late = 1_ms, .moves = true}, 4);
-  const auto wrong = run<I>(s, {.wrong_stamp = 1_ms, .moves = true}, 4);
-  std::printf("%-9s %5.0f ms %6.0f ms %18.2e %18.2e %18.2e\n", name, 1e-6 * double(s.period),
-              1e-6 * double(s.delay), end(late), difference(wrong, clean), end(wrong));
+  const auto late = run<I>(s, {.late = 1ms, .moves = true}, 4);
+  const auto wrong = run<I>(s, {.wrong_stamp = 1ms, .moves = true}, 4);
+  std::printf("%-9s %5.0f ms %6.0f ms %18.2e %18.2e %18.2e\n", name, milliseconds(s.period),
+              milliseconds(s.delay), end(late), difference(wrong, clean), end(wrong));
 }
 
 /// 300 N at 0.4 m for 2 s on a joint that is held fast until a second later.
 template <Interface I>
 void blocked(const char* name, Nanoseconds period) {
-  ResolverConfiguration<6> c{
-      .limits = limits_of<ur5::Description>(40.0), .period = period, .delay = 20_ms, .lag = 0.008};
-  c.shape.viscous = {20, 20, 10, 2, 1, 0.5};
+  RobotConfiguration<6> c{
+      .limits = limits_of<ur5::Description>(40.0), .period = period, .delay = 20ms, .lag = 8ms};
+  c.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   ClosedLoop<I> loop(c, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, 0.02, 0.008);
   const Impulse push = [](double t) { return std::array<double, 6>{120 * (std::clamp(t, 0.5, 2.5) - 0.5)}; };
-  plotting::Series curve{.name = label(name, period, 20_ms), .x = {}, .y = {}};
+  plotting::Series curve{.name = label(name, period, 20ms), .x = {}, .y = {}};
   double lead = 0, late = 0, said = 0, free = 0, steepest = 0, last = 0;
-  for (Nanoseconds now = period; now < 6_s; now += period) {
+  for (Nanoseconds now = period; now < 6s; now += period) {
     const double t = seconds<double>(now);
     loop.joints.hold_fast(0, t > 0.3 && t < 3.5);
     const auto out = loop.step(now, push);
@@ -252,13 +251,13 @@ void blocked(const char* name, Nanoseconds period) {
   while_blocked.series.push_back(curve);
   const double T = loop.robot.total_delay();
   std::printf("%-9s %5.0f ms %13.4f %13.4f %11.0f ms %16.0f ms %14.1e %14.2f %14.1e\n", name,
-              1e-6 * double(period), 2 * c.limits.velocity()[0] * T, lead, 1e3 * said, 1e3 * free, late,
+              milliseconds(period), 2 * c.limits.velocity()[0] * T, lead, 1e3 * said, 1e3 * free, late,
               steepest, std::abs(loop.joints.q()[0] - 0.1));
 }
 
 template <class F>
 void each(F&& f) {
-  for (const auto& [period, delay] : {std::pair{8_ms, 8_ms}, {8_ms, 24_ms}, {2_ms, 8_ms}, {2_ms, 24_ms}}) {
+  for (const auto& [period, delay] : {std::pair{8ms, 8ms}, {8ms, 24ms}, {2ms, 8ms}, {2ms, 24ms}}) {
     SceneSettings s;
     s.period = period;
     s.delay = delay;
@@ -291,7 +290,7 @@ int main(int argc, char** argv) {
       "%13s %14s %19s %14s %14s %14s\n",
       "interface", "period", "2 v_max T/rad", "most lead/rad", "\"blocked\" after", "until, after push",
       "lead, 3 s/rad", "top rad/s^2", "moved in all");
-  for (const Nanoseconds period : {8_ms, 2_ms}) {
+  for (const Nanoseconds period : {8ms, 2ms}) {
     blocked<Interface::velocity>("velocity", period);
     blocked<Interface::position>("position", period);
   }

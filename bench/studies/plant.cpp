@@ -7,15 +7,15 @@
 #include <string>
 
 #include "examples/support/svg_plot.hpp"
-#include "skinctl/testing/plant_loop.hpp"
 #include "tests/support/mujoco_plant.hpp"
+#include "tests/support/plant_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
 
 namespace {
 
-constexpr Nanoseconds periods[] = {8_ms, 2_ms, 1_ms};
+constexpr Nanoseconds periods[] = {8ms, 2ms, 1ms};
 constexpr double delays[] = {0, 0.008, 0.02, 0.04};
 
 double rate(Nanoseconds period) {
@@ -150,7 +150,7 @@ void peaks() {
         };
         std::printf("| %.0e | %.2f | %.0f | %.0f |", k, speed, 1e3 * travel, peak({.yields = false}));
         for (const double delay : {0.0, 0.008, 0.04}) {
-          PlantLoop::Setting s{.period = 2_ms, .delay = delay};
+          PlantLoop::Setting s{.period = 2ms, .delay = delay};
           const ContactStability<ur5::Model> stability(ur5::Model{}, PlantLoop::configuration(s),
                                                        {.stiffness = k, .cover = 3e4});
           double row[6];

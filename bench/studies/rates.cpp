@@ -79,7 +79,7 @@ void cycles(Nanoseconds period, const Cycles& c, double time, F&& f) {
   for (Nanoseconds planned = period; planned < nanoseconds(time); planned += period) {
     const bool skips = unit(rng) < c.skipped;
     const double off = c.jitter * (unit(rng) - 0.5);
-    if (!skips) f(planned + static_cast<Nanoseconds>(off * static_cast<double>(period)));
+    if (!skips) f(planned + nanoseconds(off * seconds<double>(period)));
   }
 }
 
@@ -89,7 +89,7 @@ struct Path {
   std::vector<Joints> command, joints;
 
   void until(Nanoseconds now, SimulatedJoints<6>& robot) {
-    for (; next_ <= now; next_ += 2_ms) robot.advance(seconds<double>(next_)), joints.push_back(robot.q());
+    for (; next_ <= now; next_ += 2ms) robot.advance(seconds<double>(next_)), joints.push_back(robot.q());
   }
   void sent(Nanoseconds now, const Joints& q) { time.push_back(now), command.push_back(q); }
   /// The command in force between two instants, for a reference whose cycles lie close.
@@ -98,24 +98,24 @@ struct Path {
     if (after == time.end()) return command.back();
     if (after == time.begin()) return command.front();
     const auto k = static_cast<std::size_t>(after - time.begin());
-    const double part = static_cast<double>(t - time[k - 1]) / static_cast<double>(time[k] - time[k - 1]);
+    const double part = seconds<double>(t - time[k - 1]) / seconds<double>(time[k] - time[k - 1]);
     Joints q;
     for (std::size_t i = 0; i < 6; ++i) q[i] = command[k - 1][i] + part * (command[k][i] - command[k - 1][i]);
     return q;
   }
 
  private:
-  Nanoseconds next_ = 2_ms;
+  Nanoseconds next_ = 2ms;
 };
 
 /// @param ahead  of the command, in periods: what `lead` is given.
 template <class Integrator>
 Path skinctl_path(const Recording& push, Nanoseconds period, const Cycles& how, double ahead = 0) {
-  ResolverConfiguration<6> c{
+  RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(1000.0), .period = period, .delay = nanoseconds(delay)};
-  c.lag = lag;
-  c.lead = ahead * seconds<double>(period);
-  c.shape.decay = decay;
+  c.lag = nanoseconds(lag);
+  c.lead = nanoseconds(ahead * seconds<double>(period));
+  c.virtual_damping = decay;
   c.longest_interval = 10 * period;
   ClosedLoop<Interface::position, double, Integrator> loop(c, pose, delay, lag);
   Path path;
@@ -193,7 +193,7 @@ struct Errors {
 int main(int argc, char** argv) {
   const Recording push = read(argc > 1 ? argv[1] : "examples/compliant_ur5/profiles/push.csv");
   const Recording skin = push.sampled(250);
-  const Path reference = skinctl_path<CrankNicolson>(push, 100_us, {"none"});
+  const Path reference = skinctl_path<CrankNicolson>(push, 100us, {"none"});
   double travel = 0, fastest = 0;
   for (std::size_t k = 0; k < reference.command.size(); ++k) {
     travel = std::max(travel, distance(reference.command[k], pose));
@@ -221,7 +221,7 @@ int main(int argc, char** argv) {
     const Path ahead = skinctl_path<Integrator>(skin, period, how, 0.5);
     row(name, period, how, skinctl_path<Integrator>(skin, period, how), &ahead);
   };
-  for (const Nanoseconds period : {8_ms, 4_ms, 2_ms, 1_ms})
+  for (const Nanoseconds period : {8ms, 4ms, 2ms, 1ms})
     for (const Cycles& how : {Cycles{"as planned"}, Cycles{"10 % skipped", 0.1},
                               Cycles{"+-40 % jitter", 0, 0.8}, Cycles{"both", 0.1, 0.8}}) {
       rows(CrankNicolson{}, "Crank-Nicolson", period, how);

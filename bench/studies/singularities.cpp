@@ -115,14 +115,14 @@ void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate
   using L = SplineOperational<6, 5, Flange, double, Task::pose, Orientation>;
   using K = Quantities<ur5::Model, L::needs>;
   const double dt = 1 / rate;
-  OperationalSettings<6> s{.tracking = {.dt = dt, .tb = 0}};
+  OperationalSettings<6> s{.tracking = {.dt = nanoseconds(dt), .tb = 0s}};
   s.tracking.max_velocity = JointVelocity<6>::constant(3);
   s.max_linear_velocity = 0.25;
   s.max_angular_velocity = 1;
   const L law(Space(X_LF, s), s);
-  State<6> x{0, from, {}};
+  State<6> x{0ns, from, {}};
   auto memory = law.start(K(model, x, dt, none));
-  memory = law.receive(memory, K(model, x, dt, none), {goal, 0}).memory;
+  memory = law.receive(memory, K(model, x, dt, none), {goal, 0ns}).memory;
   const double tf = Space::shortest_time(pose(from), {goal, 0}, s);
   double deviation = 0, left = 0, turned = 0, below = 0, longest = 0;
   bool outward = false;

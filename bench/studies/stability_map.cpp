@@ -79,7 +79,7 @@ void poses() {
   std::printf(
       "\nStiffest contact of a UR5 at 40 poses: simulated over predicted\n\n"
       "| rate [Hz] | delay [ms] | least | median | greatest |\n|---|---|---|---|---|\n");
-  for (const Nanoseconds period : {8_ms, 2_ms, 1_ms})
+  for (const Nanoseconds period : {8ms, 2ms, 1ms})
     for (const double delay : {0.008, 0.02}) {
       std::mt19937_64 rng(7);
       std::uniform_real_distribution<double> u(-1, 1);
@@ -90,11 +90,11 @@ void poses() {
         double row[6];
         for (std::size_t i = 0; i < 6; ++i)
           row[i] = u(rng) * std::array<double, 6>{0.6, 0.6, 0.4, 0.15, 0.1, 0}[i];
-        ResolverConfiguration<6> c{
+        RobotConfiguration<6> c{
             .limits = limits_of<ur5::Description>(1000.0), .period = period, .delay = nanoseconds(delay)};
-        c.lag = 0.008;
-        c.shape.decay = 2 + 3 * (1 + u(rng));
-        c.shape.viscous = {10, 10, 6, 2, 1, 0.5};
+        c.lag = 8ms;
+        c.virtual_damping = 2 + 3 * (1 + u(rng));
+        c.viscous_friction = {10, 10, 6, 2, 1, 0.5};
         const ContactStability<ur5::Model> stability(ur5::Model{}, c, {.stiffness = 1e4});
         const double k = stability.stiffest(q, row);
         double low = 0.5 * k, high = 1.5 * k;

@@ -64,7 +64,7 @@ void time_base() {
     std::printf("%8g", tb);
     for (const double rate : {125.0, 500.0, 1000.0}) {
       const double dt = 1 / rate, x0 = std::min(2.0, 0.9 * tb / 1.886);
-      JointControlSettings<6> s{.dt = dt, .K_i1 = 0, .K_i2 = 0, .tb = tb};
+      JointControlSettings<6> s{.dt = nanoseconds(dt), .K_i1 = 0, .K_i2 = 0, .tb = nanoseconds(tb)};
       const double peak = GainSchedule<double>(s.K_c, s.base, s.settle).largest(tb);
       s.lambda = 0.49 / dt - peak;
       if (s.lambda < 5) {
@@ -73,7 +73,7 @@ void time_base() {
       }
       s.lambda = std::min(s.lambda, 0.25 / dt);
       const JointControl<6> law(s);
-      State<6> x{0, home, {}};
+      State<6> x{0ns, home, {}};
       auto memory = law.start(K(model, x, dt, none));
       auto goal = home;
       goal[0] += x0;
@@ -105,7 +105,7 @@ struct Errors {
 /// target)`.
 template <class Torque>
 Errors follow(const Plant& plant, double dt, int delay, Torque torque) {
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   std::vector<JointTorque<6>> pending(static_cast<std::size_t>(delay), gravity_torque(model, home));
   Errors e;
   int n = 0;
@@ -132,17 +132,11 @@ Errors follow(const Plant& plant, double dt, int delay, Torque torque) {
 }
 template <class L>
 Errors with_law(const Plant& plant, double dt, int delay, const L& law) {
-  State<6> x0{0, home, {}};
+  State<6> x0{0ns, home, {}};
   auto memory = law.start(K(model, x0, dt, none));
   return follow(plant, dt, delay, [&](const State<6>& x, const JointReference<6>& target) {
     const K known(model, x, dt, none);
-    if constexpr (requires { memory.law.plan; }) {
-      memory.law.plan.target = target;
-      memory.law.plan.clock = {};
-    } else {
-      memory.plan.target = target;
-      memory.plan.clock = {};
-    }
+    memory = L::with_target(memory, target);
     const auto tau = law.torque(memory, known);
     memory = law.advance(memory, known, dt, Opposition::none);
     return tau;
@@ -155,7 +149,7 @@ void parameters() {
       "PD: computed torque with the same poles\n%-10s %-6s %12s %12s %12s %12s\n",
       "wrong by", "delay", "PD", "no integral", "law", "adaptive");
   const double dt = 0.002;
-  JointControlSettings<6> s{.dt = dt, .lambda = 60, .tb = 0};
+  JointControlSettings<6> s{.dt = nanoseconds(dt), .lambda = 60, .tb = 0s};
   auto bare = s;
   bare.K_i1 = bare.K_i2 = 0;
   std::vector<plotting::Plot> plots{
@@ -199,17 +193,16 @@ void sign_row(const char* name) {
   for (const double rate : {125.0, 500.0, 1000.0}) {
     const double dt = 1 / rate;
     const JointControl<6, double, InertialDamping<double>, Sign> law(
-        {.dt = dt, .K_i1 = 1, .K_i2 = 0.2, .mu = 20, .tb = 0, .K_c = 8});
+        {.dt = nanoseconds(dt), .K_i1 = 1, .K_i2 = 0.2, .mu = 20, .tb = 0s, .K_c = 8});
     const auto plant = wrong(1.1);
     JointTorque<6> last, before;
     double rough = 0, size = 0;
-    State<6> x0{0, home, {}};
+    State<6> x0{0ns, home, {}};
     auto memory = law.start(K(model, x0, dt, none));
     int n = 0;
     const auto e = follow(plant, dt, 1, [&](const State<6>& x, const JointReference<6>& target) {
       const K known(model, x, dt, none);
-      memory.plan.target = target;
-      memory.plan.clock = {};
+      memory = law.with_target(memory, target);
       const auto tau = law.torque(memory, known);
       memory = law.advance(memory, known, dt, Opposition::none);
       if (++n > 4 * static_cast<int>(rate))
@@ -221,7 +214,7 @@ void sign_row(const char* name) {
       return tau;
     });
     // The cost: evaluations of the law on its own, the fastest of many batches.
-    const State<6> x{0, home, JointVelocity<6>::constant(0.1)};
+    const State<6> x{0ns, home, JointVelocity<6>::constant(0.1)};
     double sum = 0, ns = 1e9;
     for (int batch = 0; batch < 40; ++batch) {
       const auto start = std::chrono::steady_clock::now();

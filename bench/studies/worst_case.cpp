@@ -27,8 +27,8 @@
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -49,11 +49,11 @@ class Day {
 
   void next() {
     const bool goal = random_.index(2000) == 0;
-    input_.now += 8_ms;
+    input_.now += 8ms;
     input_.measured = state_;
     input_.measured.time = input_.now;
     for (auto& s : samples_)
-      s = {.time = input_.now - 1_us * random_.index(8000),
+      s = {.time = input_.now - 1us * random_.index(8000),
            .cell = static_cast<std::uint32_t>(1 + random_.index(260)),
            .force = {static_cast<float>(random_.index(3) == 0 ? random_.uniform(0, 0.3) : 0), 0, 0}};
     input_.samples = samples_;
@@ -92,20 +92,20 @@ Nanoseconds time_of(long turns) {
 long turns_for(Nanoseconds wanted) {
   double each = 1;
   for (int round = 0; round < 5; ++round) {
-    const long turns = std::max(1L, static_cast<long>(static_cast<double>(wanted) / each));
+    const long turns = std::max(1L, static_cast<long>(static_cast<double>(wanted.count()) / each));
     std::array<Nanoseconds, 2001> took;
     for (auto& t : took) t = time_of(turns);
     std::nth_element(took.begin(), took.begin() + 1000, took.end());
-    each = static_cast<double>(took[1000]) / static_cast<double>(turns);
+    each = static_cast<double>(took[1000].count()) / static_cast<double>(turns);
   }
-  return static_cast<long>(static_cast<double>(wanted) / each);
+  return static_cast<long>(static_cast<double>(wanted.count()) / each);
 }
 
 void row(const char* name, const Histogram& h) {
   std::printf("%-12s %8.0f", name, h.mean());
   for (const double p : {0.5, 0.99, 0.999, 0.9999, 0.99999})
-    std::printf(" %9lld", (long long)h.percentile(p));
-  std::printf(" %10lld\n", (long long)h.max());
+    std::printf(" %9lld", (long long)h.percentile(p).count());
+  std::printf(" %10lld\n", (long long)h.max().count());
 }
 
 #if defined(__linux__)
@@ -196,7 +196,7 @@ void undisturbed(const Scene& scene, long cycles) {
   for (long k = -1000; k < cycles; ++k) {
     day.next();
     std::memcpy(static_cast<void*>(before.get()), &day.memory(), sizeof *before);
-    Nanoseconds least = 1_s;
+    Nanoseconds least = 1s;
     // One that seems to be the worst is looked at again.
     for (int n = 0; n < 5 || (n < 50 && least > fastest.max()); ++n) {
       if (n > 0) std::memcpy(static_cast<void*>(&day.memory()), before.get(), sizeof *before);
@@ -213,7 +213,7 @@ void undisturbed(const Scene& scene, long cycles) {
     }
     if (k < 0) continue;
     fastest.record(least);
-    counts.record(count);
+    counts.record(Nanoseconds(count));  // instructions, told apart by the same buckets
   }
   row("undisturbed", fastest);
   if (counter.there()) row("instructions", counts);
@@ -255,7 +255,7 @@ void study(const char* name, const Scene& scene, long cycles, long repeated) {
     lately[0].record(watch.total());
     lately[1].record(nothing);
     if (k % 10000 == 9999) {  // neighbours change how fast the core is
-      turns = turns * lately[0].percentile(0.5) / std::max(lately[1].percentile(0.5), 1_ns);
+      turns = turns * lately[0].percentile(0.5).count() / std::max(lately[1].percentile(0.5), 1ns).count();
       lately[0] = lately[1] = {};
     }
     // Who takes all of a core at real-time priority is stopped for 50 ms in each second.
@@ -296,13 +296,13 @@ int main(int argc, char** argv) {
   study("without governor", plain, cycles, repeated);
   const auto limits = ur5_test_limits<double>();
   LinkContact<2> contact{
-      .region = {.force = 100, .blow = 200, .first = 0.5, .stiffness = 5e4, .mass = 4, .power = 80},
+      .region = {.force = 100, .blow = 200, .first = 500ms, .stiffness = 5e4, .mass = 4, .power = 80},
       .reach = 0.5,
-      .reaction = 0.02};
+      .reaction = 20ms};
   const auto governor =
       make_governor(limits, contact_limits(ur5::Model{}, contact),
                     ToolSpeed<ur5::Model, 5>(ur5::Model{}, limits, {.speed = 1, .reach = 1.3}),
                     JerkLimits<6>(limits, JointJerk<6>::constant(500)));
   study("with contact limits, tool speed and jerk",
-        Cycle(plain.resolver(), plain.law(), plain.skin(), plain.guard(), governor), cycles, repeated);
+        Cycle(plain.resolver(), plain.skin(), plain.law(), plain.guard(), governor), cycles, repeated);
 }

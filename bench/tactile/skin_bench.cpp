@@ -19,7 +19,7 @@ template <std::size_t Cells, class T>
 void receive(benchmark::State& state, std::size_t events, Readings readings, std::size_t substeps) {
   const auto skin = ur5_skin<Cells, T>({10, 3});
   using S = std::remove_cvref_t<decltype(skin)>;
-  const auto memory = std::make_unique<typename S::Memory>(skin.start(0));
+  const auto memory = std::make_unique<typename S::Memory>(skin.start(0ns));
   std::mt19937_64 random(1);
   std::uniform_real_distribution<float> reading(0.0f, 1.0f);
   constexpr std::size_t rounds = 64;
@@ -38,14 +38,14 @@ void receive(benchmark::State& state, std::size_t events, Readings readings, std
     }
   }
   typename S::Wrenches means[8];
-  Nanoseconds now = 0;
+  Nanoseconds now{};
   std::size_t round = 0;
   const bench::CountAllocations counted(state);
   const auto cycle = [&] {
     const auto batch = std::span(samples).subspan(events * (round++ % rounds), events);
     const Nanoseconds from = now;
-    now += 2_ms;
-    for (CellSample& s : batch) s.time = now - 1_ms;
+    now += 2ms;
+    for (CellSample& s : batch) s.time = now - 1ms;
     benchmark::DoNotOptimize(skin.receive(*memory, batch, from, now, substeps, means));
     benchmark::DoNotOptimize(means);
   };

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "examples/compliant_ur5/arm_picture.hpp"
 #include "examples/compliant_ur5/report_style.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/core/status.hpp"
@@ -33,7 +34,8 @@ constexpr double wide = 700, narrow = 320;
 
 std::string link_name(int link) {
   constexpr const char* names[] = {"shoulder", "upper arm", "forearm", "wrist 1", "wrist 2", "wrist 3"};
-  return link >= 0 && link < 6 ? names[link] : "link " + std::to_string(link);
+  const std::string number = "link " + std::to_string(link);
+  return link >= 0 && link < 6 ? std::string(names[link]) + " (" + number + ")" : number;
 }
 
 bool gave_way(const TouchSummary& t) {
@@ -90,7 +92,7 @@ template <class Value>
 void add_joints(Plot& plot, const RunLog& log, Value&& value) {
   for (std::size_t j = 0; j < 6; ++j)
     plot.series.push_back(
-        series(log, "joint " + std::to_string(j + 1), [&](const LogEntry& e) { return value(e, j); }));
+        series(log, "joint " + std::to_string(j), [&](const LogEntry& e) { return value(e, j); }));
 }
 
 /// Both signs of each joint's limit; joints with the same limit share a line.
@@ -102,7 +104,7 @@ void add_limits(Plot& plot, const std::array<double, 6>& limits, double scale, i
     const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& g) {
       return std::abs(g.first - limits[j]) < 1e-9 * limits[j];
     });
-    const std::string joint = std::to_string(j + 1);
+    const std::string joint = std::to_string(j);
     if (same == groups.end())
       groups.emplace_back(limits[j], joint);
     else
@@ -112,9 +114,9 @@ void add_limits(Plot& plot, const std::array<double, 6>& limits, double scale, i
   for (const auto& [limit, joints] : groups) {
     std::string name;
     if (groups.size() <= 2)
-      name = "limit" + (groups.size() == 2 ? " of " + joints : "") + ": ";
+      name = groups.size() == 2 ? "limit of joints " + joints + ": " : "limit of every joint: ";
     else if (&joints == &groups.back().second)
-      name = "limits: " + decimal(groups.front().first * scale, decimals) + " to ";
+      name = "limits of the joints: " + decimal(groups.front().first * scale, decimals) + " to ";
     if (!name.empty()) name += decimal(limit * scale, decimals) + ' ' + unit;
     plot.limits.push_back({limit * scale, name});
     plot.limits.push_back({-limit * scale, ""});
@@ -156,7 +158,7 @@ Plot farthest_plot(const RunLog& log) {
 Plot deflection_plot(const RunLog& log) {
   Plot plot;
   plot.title = "Joint deflection";
-  plot.y_name = "from the task [deg]";
+  plot.y_name = "joint angle, actual less target [deg]";
   add_joints(plot, log, [](const LogEntry& e, std::size_t j) {
     return degrees * (static_cast<double>(e.q[j]) - static_cast<double>(e.target[j]));
   });
@@ -167,7 +169,7 @@ Plot deflection_plot(const RunLog& log) {
 Plot velocity_plot(const RunLog& log) {
   Plot plot;
   plot.title = "Commanded velocity";
-  plot.y_name = "[deg/s]";
+  plot.y_name = "joint velocity [deg/s]";
   add_joints(plot, log,
              [](const LogEntry& e, std::size_t j) { return degrees * static_cast<double>(e.velocity[j]); });
   add_limits(plot, log.velocity_limit, degrees, 0, "deg/s");
@@ -178,7 +180,7 @@ Plot velocity_plot(const RunLog& log) {
 Plot acceleration_plot(const RunLog& log) {
   Plot plot;
   plot.title = "Commanded acceleration";
-  plot.y_name = "[rad/s\u00B2]";
+  plot.y_name = "joint acceleration [rad/s\u00B2]";
   add_joints(plot, log,
              [](const LogEntry& e, std::size_t j) { return static_cast<double>(e.acceleration[j]); });
   add_limits(plot, log.acceleration_limit, 1, 1, "rad/s\u00B2");
@@ -187,13 +189,13 @@ Plot acceleration_plot(const RunLog& log) {
 }
 
 std::string law_name(const RunLog& log, std::size_t law) {
-  return log.laws[law].empty() ? "law " + std::to_string(law + 1) : log.laws[law];
+  return log.laws[law].empty() ? "law " + std::to_string(law) : log.laws[law];
 }
 
 Plot shares_plot(const RunLog& log) {
   Plot plot;
   plot.title = "Share of each law";
-  plot.y_name = "torque, all joints [N m]";
+  plot.y_name = "length of the torque vector [N m]";
   for (std::size_t law = 0; law < log.laws.size(); ++law)
     plot.series.push_back(series(log, law_name(log, law), [law](const LogEntry& e) {
       double sum = 0;
@@ -206,8 +208,8 @@ Plot shares_plot(const RunLog& log) {
 
 Plot joint_shares_plot(const RunLog& log, std::size_t joint) {
   Plot plot;
-  plot.title = "Joint " + std::to_string(joint + 1) + ": torque of each law";
-  plot.y_name = "[N m]";
+  plot.title = "Joint " + std::to_string(joint) + ": torque of each law";
+  plot.y_name = "torque [N m]";
   plot.width = narrow;
   plot.height = 190;
   for (std::size_t law = 0; law < log.laws.size(); ++law)
@@ -311,8 +313,8 @@ std::string tiles(const RunLog& log) {
                        const std::array<double, 6>& limits) {
     const auto [share, joint] = largest_use(log, of, limits);
     if (share >= 0)
-      out += tile(name, decimal(100 * share, 0) + " %",
-                  "of the limit at most, joint " + std::to_string(joint + 1));
+      out +=
+          tile(name, decimal(100 * share, 0) + " %", "of the limit at most, joint " + std::to_string(joint));
   };
   use("Velocity used", &LogEntry::velocity, log.velocity_limit);
   use("Acceleration used", &LogEntry::acceleration, log.acceleration_limit);
@@ -327,12 +329,12 @@ std::string touch_table(const RunLog& log) {
   for (const TouchSummary& t : log.touches)
     if (std::isfinite(t.peak_force)) hardest = std::max(hardest, t.peak_force);
   std::string out =
-      "<section><h2>Every touch</h2><p>Numbered as in the plots.</p><div class=scroll "
+      "<section id=touches><h2>Every touch</h2><p>Numbered as in the pictures.</p><div class=scroll "
       "tabindex=0><table><thead><tr>"
-      "<th scope=col>#<th class=word scope=col>Link<th scope=col>Peak force<small>N</small>"
-      "<th scope=col>Deflection<small>mm</small><th scope=col>Time to give way<small>ms</small>"
-      "<th scope=col>Return error<small>mm</small>";
-  if (truth) out += "<th scope=col>Finger\u2019s own peak<small>N</small>";
+      "<th scope=col>#<th class=word scope=col>Link<th class=long scope=col>Peak force<small>N</small>"
+      "<th scope=col>Deflection<small>mm</small><th class=long scope=col>Time to give way<small>ms</small>"
+      "<th class=long scope=col>Return error<small>mm</small>";
+  if (truth) out += "<th class=long scope=col>Finger\u2019s own peak<small>N</small>";
   out +=
       "<th scope=col>Cell<th scope=col>From<small>s</small><th "
       "scope=col>Lasted<small>s</small></tr></thead><tbody>\n";
@@ -360,6 +362,156 @@ std::string touch_table(const RunLog& log) {
   return out + "</tbody></table></div></section>\n";
 }
 
+std::string arm_section(const RunLog& log) {
+  const std::string views = arm_picture(log);
+  if (views.empty()) return {};
+  std::string says = "The pose in which the run began.";
+  if (!log.touches.empty())
+    says += " Numbers: the touches of the table, each at the cell that felt most; dashed: on the far side.";
+  return "<section id=arm><h2>Where it was touched</h2><p>" + says + "</p><div class=views>" + views +
+         "</div></section>\n";
+}
+
+/// Why the times above are not those of the README.
+std::string why_slower(const RunLog& log) {
+  const CycleParts& c = log.cycle;
+  if (c.substeps == 0 || c.period <= 0 || log.times.empty()) return {};
+  const StageTimes& whole = log.times.back();
+  const auto us = [](double t) { return significant(t, 3) + "\u00A0\u00B5s"; };
+  const auto ms = [](double s) {
+    return decimal(1e3 * s, s < 0.01 && std::fmod(1e3 * s, 1) > 1e-9 ? 1 : 0) + "\u00A0ms";
+  };
+  std::string out =
+      "<p id=why>The README\u2019s microsecond is one evaluation of skin and laws and one sub-step of the "
+      "virtual robot, run again and again with everything in the caches. ";
+  out += c.substeps == 1 ? "A cycle here, of " + ms(c.period) + ", is one such sub-step. "
+                         : "A cycle here covers " + ms(c.period) + " in " + std::to_string(c.substeps) +
+                               " sub-steps of " + ms(c.period / c.substeps) +
+                               ", each with an evaluation of its own: the median of " + us(whole.median) +
+                               " is " + us(whole.median / c.substeps) + " a sub-step. ";
+  out +=
+      "Between two cycles the loop waits for the robot, while others use the processor and its caches; that "
+      "shows in the slowest cycles.";
+  if (c.repeated > 0)
+    out += " The slowest took " + us(whole.max) + " in the run; with the same memory and input, run " +
+           std::to_string(c.repeated) + " times with nothing in between, " + us(c.repeated_median) +
+           " (median), or " + us(c.repeated_median / c.substeps) + " a sub-step.";
+  return out + "</p>";
+}
+
+/// A field of a CSV file.
+std::string field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + '"';
+}
+/// The shortest number with so many decimals at most; empty when it is not finite.
+std::string plain(double v, int decimals) {
+  if (!std::isfinite(v)) return {};
+  char text[64];
+  if (std::abs(v) >= 1e15) {
+    std::snprintf(text, sizeof text, "%.6g", v);
+    return text;
+  }
+  std::snprintf(text, sizeof text, "%.*f", decimals, v);
+  std::string out = text;
+  out.erase(out.find_last_not_of('0') + 1);
+  if (out.back() == '.') out.pop_back();
+  return out == "-0" || out.empty() ? "0" : out;
+}
+
+std::string touches_csv(const RunLog& log) {
+  std::string out =
+      "touch,link,cell,from [s],to [s],peak force [N],finger's own peak [N],deflection [m],time to give way "
+      "[s],return error [m],x in the link's frame [m],y [m],z [m]\n";
+  for (std::size_t i = 0; i < log.touches.size(); ++i) {
+    const TouchSummary& t = log.touches[i];
+    out += std::to_string(i + 1) + ',' + std::to_string(t.link) + ',' + std::to_string(t.cell);
+    const auto add = [&](double v, int decimals, bool known = true) {
+      out += ',' + (known ? plain(v, decimals) : std::string());
+    };
+    add(t.start, 4), add(t.end, 4), add(t.peak_force, 4), add(t.true_peak_force, 4, t.true_peak_force >= 0);
+    add(t.deflection, 6), add(t.give_way, 4, gave_way(t)), add(t.return_error, 6);
+    for (const double p : t.place) add(p, 5);
+    out += '\n';
+  }
+  return out;
+}
+
+/// More rows would make links that browsers refuse to download (2 MB), and a page that is slow to load.
+constexpr std::size_t max_rows = 8000;
+std::size_t every_nth(const RunLog& log) {
+  return (log.entries.size() + max_rows - 1) / max_rows;
+}
+
+/// Quantities of each joint, with their decimals.
+struct Columns {
+  std::string name;
+  int decimals = 4;
+  const std::array<float, 6>& (*of)(const LogEntry&) = nullptr;
+};
+std::string cycles_csv(const RunLog& log, bool with_force, const std::vector<Columns>& columns) {
+  std::string out = "time [s]";
+  if (with_force) out += ",force [N],deflection [rad]";
+  for (const Columns& c : columns)
+    for (std::size_t j = 0; j < 6; ++j) out += ',' + field("joint " + std::to_string(j) + ' ' + c.name);
+  out += '\n';
+  for (std::size_t i = 0; i < log.entries.size(); i += every_nth(log)) {
+    const LogEntry& e = log.entries[i];
+    out += plain(e.time, 4);
+    if (with_force) out += ',' + plain(e.force, 2) + ',' + plain(e.deflection, 4);
+    for (const Columns& c : columns)
+      for (const float v : c.of(e)) out += ',' + plain(static_cast<double>(v), c.decimals);
+    out += '\n';
+  }
+  return out;
+}
+
+/// A link that is a file itself.
+std::string file_link(const std::string& name, const std::string& says, const std::string& text) {
+  constexpr char digits[] = "0123456789ABCDEF";
+  std::string out = "<li><a download=\"" + name + "\" href=\"data:text/csv;charset=utf-8,";
+  for (const char ch : text) {
+    const auto c = static_cast<unsigned char>(ch);
+    if (c > 0x20 && c < 0x7F && std::strchr("%#\"&<>'`", ch) == nullptr)
+      out += ch;
+    else
+      out += {'%', digits[c >> 4], digits[c & 15]};
+  }
+  const std::size_t kb = (text.size() + 999) / 1000;
+  return out + "\">" + name + "</a> <small>" + says + ", " + std::to_string(kb) + " kB</small>";
+}
+
+std::string data_section(const RunLog& log) {
+  if (log.entries.empty() && log.touches.empty()) return {};
+  std::string out = "<section id=data><h2>Data</h2><p>What is drawn above, as files that this page holds.";
+  if (const std::size_t n = every_nth(log); n > 1)
+    out += " Of " + std::to_string(log.entries.size()) + " cycles one in " + std::to_string(n) + '.';
+  out += "</p><ul class=files>";
+  if (!log.touches.empty()) out += file_link("touches.csv", "every touch", touches_csv(log));
+  if (!log.entries.empty()) {
+    out += file_link("motion.csv", "force, angle of each joint and its target",
+                     cycles_csv(log, true,
+                                {{"angle [rad]", 4, [](const LogEntry& e) -> auto& { return e.q; }},
+                                 {"target [rad]", 4, [](const LogEntry& e) -> auto& { return e.target; }}}));
+    out += file_link(
+        "commands.csv", "commanded velocity and acceleration",
+        cycles_csv(
+            log, false,
+            {{"velocity [rad/s]", 4, [](const LogEntry& e) -> auto& { return e.velocity; }},
+             {"acceleration [rad/s^2]", 2, [](const LogEntry& e) -> auto& { return e.acceleration; }}}));
+    out += file_link(
+        "torques.csv", "torque of each law",
+        cycles_csv(
+            log, false,
+            {{law_name(log, 0) + " [N m]", 2, [](const LogEntry& e) -> auto& { return e.shares[0]; }},
+             {law_name(log, 1) + " [N m]", 2, [](const LogEntry& e) -> auto& { return e.shares[1]; }},
+             {law_name(log, 2) + " [N m]", 2, [](const LogEntry& e) -> auto& { return e.shares[2]; }}}));
+  }
+  return out + "</ul></section>\n";
+}
+
 std::string time_table(const RunLog& log) {
   if (log.times.empty()) return {};
   std::string out =
@@ -371,7 +523,7 @@ std::string time_table(const RunLog& log) {
     for (const double v : {t.median, t.p99, t.p999, t.max}) out += "<td>" + significant(v, 3);
     out += "</tr>\n";
   }
-  return out + "</tbody></table></div></section>\n";
+  return out + "</tbody></table></div>" + why_slower(log) + "</section>\n";
 }
 
 std::string facts(const std::string& title, const std::vector<Fact>& list) {
@@ -445,18 +597,15 @@ std::string plots(const RunLog& log) {
   const std::string shaded = log.touches.empty() ? "" : " Shaded: touches, numbered as in the table.";
   std::string each = "<details><summary>Each joint on its own</summary><div class=grid>";
   for (std::size_t j = 0; j < 6; ++j)
-    each += "<div><p>Joint " + std::to_string(j + 1) + "</p>" +
-            plotting::inline_svg(joint_shares_plot(log, j)) + "</div>";
+    each += "<div><p>Joint " + std::to_string(j) + "</p>" + plotting::inline_svg(joint_shares_plot(log, j)) +
+            "</div>";
   each += "</div></details>";
   return figure(force_plot(log), "force", "Largest force that the skin reports." + shaded, 280) +
          figure(deflection_plot(log), "deflection",
                 "How far each joint is from where its task wants it: away during a touch, back to zero after "
                 "it.",
                 300) +
-         figure(velocity_plot(log), "velocity",
-                "What the robot was told, with the configured limits. An arrow: the limit lies outside the "
-                "plot.",
-                300) +
+         figure(velocity_plot(log), "velocity", "What the robot was told, with the configured limits.", 300) +
          figure(acceleration_plot(log), "acceleration",
                 "Never beyond the configured limits, also at the first contact.", 300) +
          figure(shares_plot(log), "shares",
@@ -513,9 +662,9 @@ std::string report(const RunLog& log) {
          (log.entries.empty() ? "" : " \u00B7 " + seconds(duration(log))) + "</p>\n<h1>" +
          unbroken(escaped(headline(log))) + "</h1>\n";
   out += bars(log) + tiles(log);
-  out += touch_table(log) + close_up(log) + plots(log) + time_table(log);
+  out += arm_section(log) + touch_table(log) + close_up(log) + plots(log) + time_table(log);
   out += "<div class=two>" + facts("Result", log.result) + facts("Scenario", log.scenario) + "</div>\n";
-  out += statuses(log) + glossary + "</main></body></html>\n";
+  out += statuses(log) + data_section(log) + glossary + "</main></body></html>\n";
   return out;
 }
 

@@ -5,12 +5,12 @@ namespace compliant_ur5 {
 
 inline constexpr char report_style[] = R"css(
 :root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--ink:#1f2328;--soft:#57606a;--line:#d8dee4;--good:#0969da;
---bad:#c0262d;--fill:#dbe9fb}
+--bad:#c0262d;--fill:#dbe9fb;--body:#e4e8ec;--skin:#f3dba4}
 @media(prefers-color-scheme:dark){:root{--page:#0d1117;--card:#151b23;--ink:#e6edf3;--soft:#9da7b3;--line:#2d3540;
---good:#58a6ff;--bad:#ff7b72;--fill:#1c3350}}
+--good:#58a6ff;--bad:#ff7b72;--fill:#1c3350;--body:#39424e;--skin:#75612a}}
 *{box-sizing:border-box}
 html{-webkit-text-size-adjust:100%}
-body{margin:0;overflow-wrap:anywhere;background:var(--page);color:var(--ink);
+body{margin:0;overflow-wrap:break-word;background:var(--page);color:var(--ink);
 font:16px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"DejaVu Sans",sans-serif}
 main{max-width:900px;margin:0 auto;padding:28px 20px 48px}
 .eyebrow{margin:0;color:var(--soft);font-size:14px}
@@ -39,12 +39,13 @@ tbody tr:last-child>*{border-bottom:0}
 thead th{color:var(--soft);font-weight:500;font-size:13px;line-height:1.25;vertical-align:bottom;white-space:normal}
 th small{display:block;font-weight:400;font-size:12px}
 td.word,th.word,tbody th{text-align:left;font-weight:500}
+thead .long{min-width:7em}tbody th{white-space:normal;min-width:9.5em}
 .meter{background:linear-gradient(var(--fill),var(--fill)) no-repeat 0 50%/var(--v) 72%}
 .bad{color:var(--bad);font-weight:600}
 figure>svg{display:block;width:100%;height:auto;margin-top:6px}
 figure>.narrow{display:none}
 figure input{position:absolute;opacity:0;width:1px;height:1px}
-figure label{max-width:100%;display:inline-flex;align-items:center;gap:7px;margin:0 14px 4px 0;font-size:14px;cursor:pointer;
+figure label{max-width:100%;overflow-wrap:anywhere;display:inline-flex;align-items:center;gap:7px;margin:0 14px 4px 0;font-size:14px;cursor:pointer;
 user-select:none;padding:2px 0}
 figure label svg{flex:none;width:20px;height:8px}
 figure input:not(:checked)+label{opacity:.4;text-decoration:line-through}
@@ -58,10 +59,21 @@ summary{cursor:pointer;color:var(--soft);font-size:14.5px;padding:4px 0}
 .grid svg{display:block;width:100%;height:auto}
 .grid p{margin:0;font-size:14px;font-weight:600}
 .facts{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(300px,100%),1fr));gap:0 32px;margin:6px 0 0}
-.facts div{display:flex;justify-content:space-between;gap:16px;padding:6px 0;border-bottom:1px solid var(--line);
-font-size:14.5px}
-.facts dt{color:var(--soft);min-width:0}
-.facts dd{margin:0;text-align:right;font-variant-numeric:tabular-nums;overflow-wrap:anywhere;min-width:0}
+.facts div{display:flex;flex-wrap:wrap;gap:0 16px;padding:6px 0;border-bottom:1px solid var(--line);font-size:14.5px;
+min-width:0}
+.facts dt{color:var(--soft);min-width:0;max-width:100%}
+.facts dd{margin:0 0 0 auto;font-variant-numeric:tabular-nums;min-width:0;max-width:100%}
+.two>*,.tiles>*,.bars>*{min-width:0}
+#why{margin:12px 0 0}
+.views{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(300px,100%),1fr));gap:14px}
+.views svg{display:block;width:100%;height:auto;max-width:440px;margin-inline:auto}
+.arm path{stroke-linecap:round}.arm .edge{stroke:var(--soft)}.arm .body{stroke:var(--body)}.arm .skin{stroke:var(--skin)}
+.arm .leader{stroke:var(--ink);stroke-width:1.2}.arm .leader.behind{stroke-dasharray:3 3}
+.arm .spot{fill:var(--ink);stroke:var(--card);stroke-width:1.2}
+.arm .spot.behind{fill:var(--card);stroke:var(--ink);stroke-dasharray:2 2}
+.arm .flag{fill:var(--card);stroke:var(--ink);stroke-width:1.5}.sp.arm .touch{fill:var(--ink);font-weight:600}
+.arm .ruler,.arm .ground{stroke:var(--soft);stroke-width:1.5;stroke-linecap:butt}
+.files{margin:0;padding-left:1.2em;font-size:14.5px}.files a{color:var(--good)}.files small{color:var(--soft);font-size:13px}
 .two{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(420px,100%),1fr));gap:0 18px}
 footer{margin-top:22px;color:var(--soft);font-size:14px;max-width:75ch}
 footer dl{margin:0}footer dt{font-weight:600;color:var(--ink);margin-top:8px}footer dd{margin:0}

@@ -111,12 +111,28 @@ struct Largest {
 template <class C>
 void fill_times(const LoopReport<C>& report, RunLog& log) {
   const auto add = [&](const char* stage, const Histogram& h) {
-    const auto us = [&](Nanoseconds t) { return 1e-3 * static_cast<double>(t); };
+    const auto us = [&](Nanoseconds t) { return 1e3 * milliseconds(t); };
     log.times.push_back(
         {stage, us(h.percentile(0.5)), us(h.percentile(0.99)), us(h.percentile(0.999)), us(h.max())});
   };
   for (std::size_t i = 0; i < stage_count; ++i) add(name(static_cast<Stage>(i)), report.stages[i]);
   add("whole cycle", report.whole);
+}
+
+/// The median time of the run's slowest cycle [us] when it is run again and again, with nothing in between.
+template <class C>
+double repeated_median(const C& cycle, const LoopReport<C>& report, unsigned times) {
+  const auto memory = std::make_unique<typename C::Memory>();
+  std::vector<double> us;
+  us.reserve(times);
+  for (unsigned k = 0; k < times; ++k) {
+    *memory = report.worst->memory;
+    Stopwatch watch;
+    static_cast<void>(cycle.step(*memory, report.worst->input, watch));
+    us.push_back(1e3 * milliseconds(watch.total()));
+  }
+  std::nth_element(us.begin(), us.begin() + times / 2, us.end());
+  return us[times / 2];
 }
 
 void print(const Settings& s, const RunLog& log) {
@@ -179,20 +195,19 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   Recording<Scene> recording(s.record.empty() ? 4096 : planned * 2048 + (std::size_t(64) << 20));
 
   const auto limit = limits(s);
-  const auto tracked = tracking(s);
   std::string reason;
-  Nanoseconds first = 0, braking_since = 0;
+  Nanoseconds first{}, braking_since{};
   std::size_t next_goal = 0;
   Largest largest;
   JointVelocity<6> last_velocity;
-  Nanoseconds last_time = 0;
+  Nanoseconds last_time{};
   Status all;
   bool recording_started = false;
 
   SkinOnRobotClock skin{receiver, driver};
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
-    if (first == 0) first = input.now;
-    const double t = 1e-9 * static_cast<double>(input.now - first);
+    if (first == 0ns) first = input.now;
+    const double t = seconds<double>(input.now - first);
     if (!recording_started && !s.record.empty()) {
       // The scene was started at the state before this one: that is what a replay starts from.
       recording.start(m.robot.measured);
@@ -203,14 +218,14 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
     if (reason.empty()) {
       if (heard.nonsense + heard.strangers > 0) {
         reason = "nonsense on the skin's port";
-      } else if (t > 1 && receiver.silent_for(input.now) > 300_ms) {
+      } else if (t > 1 && receiver.silent_for(input.now) > 300ms) {
         reason = receiver.heard() ? "the skin has fallen silent" : "the skin was never heard";
       }
       if (!reason.empty()) {
         input.request = Request::stop;
         braking_since = input.now;
       }
-    } else if (input.now - braking_since > 500_ms) {
+    } else if (input.now - braking_since > 500ms) {
       return false;
     }
     if (next_goal < s.task.size() && t >= s.task[next_goal].at) {
@@ -223,15 +238,15 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   };
   const auto after = [&](const typename Scene::Input& input, const typename Scene::Output& out,
                          const Stopwatch&) {
-    const double t = 1e-9 * static_cast<double>(input.now - first);
-    const auto& plan = Scene::law_type::template memory<0>(memory->law).plan;
-    const auto target = plan.at(0.0, tracked).q_d;
+    const double t = seconds<double>(input.now - first);
+    const auto& reach = std::get<0>(scene.law().laws());
+    const auto target = reach.reference(Scene::law_type::template memory<0>(memory->law)).q_d;
     observer.cycle(t, input.samples, input.measured.q, target);
     all |= out.status;
     LogEntry entry;
     entry.time = t;
     entry.force = observer.force();
-    const double dt = last_time == 0 ? 0 : 1e-9 * static_cast<double>(out.command.time - last_time);
+    const double dt = last_time == 0ns ? 0 : seconds<double>(out.command.time - last_time);
     for (std::size_t i = 0; i < 6; ++i) {
       entry.q[i] = static_cast<float>(input.measured.q[i]);
       entry.target[i] = static_cast<float>(target[i]);
@@ -282,6 +297,12 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   }
   fill_times(report, log);
   const auto allocations = testing::unexpected_real_time_allocations();
+  log.cycle.period = 1 / s.rate;
+  log.cycle.substeps = static_cast<unsigned>(std::lround(1 / (s.rate * scene.resolver().planned_step())));
+  if (report.cycles > 0) {
+    log.cycle.repeated = 1001;
+    log.cycle.repeated_median = repeated_median(scene, report, log.cycle.repeated);
+  }
   const bool real_time = s.robot || s.speed == 1;
   log.title = std::string(s.rigid ? "Rigid" : "Compliant") + " UR5, " + (s.robot ? *s.robot : "simulated") +
               ", " + text("%.0f Hz, ", s.rate) + (I == Interface::position ? "position" : "velocity") +

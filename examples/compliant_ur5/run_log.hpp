@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -32,6 +33,8 @@ struct TouchSummary {
   double return_error =
       0;  ///< distance of the touched point from its task before the next touch, or at the end [m]
   double true_peak_force = -1;  ///< of the simulated finger [N]; -1: a real one
+  /// Where that cell is, in its link's frame [m]; NaN: unknown.
+  std::array<double, 3> place{std::nan(""), std::nan(""), std::nan("")};
 };
 
 /// Times of one stage of the cycle [us].
@@ -45,6 +48,14 @@ struct Fact {
   std::string name, value;
 };
 
+/// What a cycle consists of, to compare its time with that of one evaluation.
+struct CycleParts {
+  double period = 0;      ///< [s]
+  unsigned substeps = 0;  ///< of the virtual robot in a cycle that comes as planned; 0: unknown
+  unsigned repeated = 0;  ///< how often the slowest cycle was run again after the run, nothing in between
+  double repeated_median = 0;  ///< of these [us]
+};
+
 struct RunLog {
   std::string title;                  ///< what ran: robot, interface, rate
   std::array<std::string, 3> laws{};  ///< names of the shares
@@ -53,6 +64,7 @@ struct RunLog {
   std::vector<LogEntry> entries;
   std::vector<TouchSummary> touches;
   std::vector<StageTimes> times;
+  CycleParts cycle;
   std::array<double, 6> velocity_limit{}, acceleration_limit{};
   double peak_force = 0;         ///< over all touches [N]
   double rigid_peak_force = -1;  ///< the same scenario without giving way [N]; -1: not run

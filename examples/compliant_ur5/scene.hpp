@@ -32,24 +32,16 @@ inline std::array<skinctl::Gains, 6> gains(const Settings& s) {
   return gains;
 }
 
-/// Friction of the virtual arm.
-inline skinctl::VirtualShape<6> shape(const Settings& s) {
-  skinctl::VirtualShape<6> shape;
-  shape.decay = s.control.decay;
-  shape.viscous = skinctl::JointTorque<6>(s.control.viscous);
-  return shape;
-}
-
-inline skinctl::JointControlSettings<6> tracking(const Settings& s) {
-  skinctl::JointControlSettings<6> t;
-  t.dt = std::min(0.002, 1 / s.rate);
+/// Gains of the way back to the task.
+template <class Arm>
+skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s) {
+  auto t = skinctl::tracking_settings(arm);
   t.lambda = s.control.lambda;
   t.K_c = s.control.K_c;
   t.K_i1 = s.control.K_i1;
   t.K_i2 = s.control.K_i2;
-  t.tb = 0;
+  t.tb = {};
   t.max_velocity = skinctl::JointVelocity<6>::constant(s.control.max_velocity);
-  t.shape = shape(s);
   return t;
 }
 
@@ -57,25 +49,19 @@ inline skinctl::JointControlSettings<6> tracking(const Settings& s) {
 template <skinctl::Interface I>
 auto make_scene(const Settings& s) {
   using namespace skinctl;
-  const Nanoseconds period = nanoseconds(1 / s.rate);
-
-  ResolverConfiguration<6> resolver{
-      .limits = limits(s), .period = period, .delay = nanoseconds(s.control.delay)};
-  resolver.lag = s.control.lag;
-  resolver.shape = shape(s);
-  resolver.dead_band = JointPosition<6>::constant(0.02);
-
-  GuardConfiguration<6> guard{.limits = limits(s), .period = period};
-  guard.longest_interval = 10 * period;
-
+  const auto arm = robot_by<I>(ur5::Model{},
+                               {.limits = limits(s),
+                                .period = nanoseconds(1 / s.rate),
+                                .delay = nanoseconds(s.control.delay),
+                                .lag = nanoseconds(s.control.lag),
+                                .virtual_damping = s.control.decay,
+                                .viscous_friction = JointTorque<6>(s.control.viscous),
+                                .dead_band = JointPosition<6>::constant(0.02)},
+                               ContactDamper<>({.most = s.control.contact_damping}));
   SkinSettings skin;
   skin.force = EventGate<>::dead_band(s.control.force_threshold);
-
-  const auto law = SplineJoint<6>(tracking(s)) + SkinJointControl{} + GravityControl{};
-  const Passivity keeper(ContactDamper<>({.most = s.control.contact_damping}));
-  using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32, Passivity<ContactDamper<>>>;
-  return Cycle(Robot(ur5::Model{}, resolver, keeper), law, ur5_skin<cells>(gains(s), skin),
-               Guard<I, 6>(guard));
+  return Cycle(arm, ur5_skin<cells>(gains(s), skin),
+               SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
 }
 
 }  // namespace compliant_ur5

@@ -35,6 +35,12 @@ Xyz<double> TouchObserver::place(const Poses& poses) const noexcept {
   return X.origin() + X.axes() * cell.position;
 }
 
+void TouchObserver::felt_by(TouchSummary& touch, const ObservedCell& cell) noexcept {
+  touch.link = cell.link;
+  touch.cell = cell.id;
+  touch.place = {cell.position.x, cell.position.y, cell.position.z};
+}
+
 void TouchObserver::cycle(double t, std::span<const skinctl::CellSample> samples,
                           const skinctl::JointPosition<6>& q, const skinctl::JointPosition<6>& task) {
   for (const auto& s : samples) {
@@ -61,14 +67,15 @@ void TouchObserver::cycle(double t, std::span<const skinctl::CellSample> samples
     touched_ = most[link];
     from_ = place(now);
     normal_ = now[link].axes() * cells_[touched_].normal;
-    touches_.push_back({.start = t, .end = t, .link = static_cast<int>(link), .cell = cells_[touched_].id});
+    touches_.push_back({.start = t, .end = t});
+    felt_by(touches_.back(), cells_[touched_]);
   }
   if (touches_.empty()) return;
   TouchSummary& touch = touches_.back();
   if (touching_) {
     if (force_ > touch.peak_force) {
       touch.peak_force = force_;
-      touch.cell = cells_[most[link]].id;
+      felt_by(touch, cells_[most[link]]);
     }
     const double away = -dot(place(now) - from_, normal_);
     touch.deflection = std::max(touch.deflection, away);

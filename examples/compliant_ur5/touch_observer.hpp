@@ -37,6 +37,7 @@ class TouchObserver {
   using Poses = std::array<skinctl::Transform<skinctl::Base, skinctl::FrameTag>, 6>;
   static Poses poses(const skinctl::JointPosition<6>& q) noexcept;
   [[nodiscard]] skinctl::Xyz<double> place(const Poses& poses) const noexcept;
+  static void felt_by(TouchSummary& touch, const ObservedCell& cell) noexcept;
 
   std::vector<ObservedCell> cells_;
   std::vector<std::size_t> index_;  ///< by id

@@ -127,7 +127,7 @@ class Arm {
   Joints driven_;                ///< output of the lag, before deflection
   std::vector<Joints> history_;  ///< ring of targets at cycle ends
   std::int64_t planned_ = 0;     ///< cycles planned; history_[planned_ % size] is the newest
-  Nanoseconds now_ = 0;
+  Nanoseconds now_{};
   Random random_;
 };
 

@@ -521,7 +521,7 @@ void Controller::step() {
 
   const double h = seconds(plant_step);
   double largest = 0;
-  for (Nanoseconds t = 0; t < cycle(); t += plant_step) {
+  for (Nanoseconds t{}; t < cycle(); t += plant_step) {
     arm_.advance(world_.load());
     now_ += plant_step;
     const Links links = forward_kinematics(arm_.q());

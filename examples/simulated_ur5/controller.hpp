@@ -155,12 +155,12 @@ class Controller {
   ContactWorld world_;
   RobotState state_;
   Counters counters_;
-  Nanoseconds now_ = 0;
+  Nanoseconds now_{};
 
   // Power and safety.
-  Nanoseconds mode_until_ = 0;
+  Nanoseconds mode_until_{};
   bool release_when_idle_ = false;
-  Nanoseconds protective_since_ = 0;
+  Nanoseconds protective_since_{};
   bool popup_ = false;
 
   // Program.
@@ -173,19 +173,19 @@ class Controller {
   bool connected_ = false, peer_gone_ = false, first_message_ = false, joining_ = false,
        ends_after_stop_ = false;
   std::int32_t mode_ = -1;
-  Nanoseconds deadline_ = 0;  ///< of the next message; 0: none
+  Nanoseconds deadline_{};  ///< of the next message; 0: none
   std::deque<ReverseMessage> pending_;
   ReverseMessage latest_;
   // Straight line.
   std::size_t next_statement_ = 0;
   bool waiting_ = false;
-  Nanoseconds wait_until_ = 0;
-  Nanoseconds watchdog_fed_at_ = 0;
+  Nanoseconds wait_until_{};
+  Nanoseconds watchdog_fed_at_{};
 
   // Scenario.
   bool scenario_runs_ = false;
-  Nanoseconds scenario_start_ = 0;
-  Nanoseconds next_skin_tick_ = 0;
+  Nanoseconds scenario_start_{};
+  Nanoseconds next_skin_tick_{};
   Vec3 tool_before_, tool_before_that_;
 };
 

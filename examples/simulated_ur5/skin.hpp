@@ -46,7 +46,7 @@ struct SkinConfig {
   double force_delta = 2.0 / 1024;   ///< a reading that changed by this much is new data
   double proximity_delta = 0.004;
   double acceleration_delta = 1;  ///< [m/s^2]
-  Nanoseconds clock_offset = 0;   ///< added to the controller's time: the skin has its own clock
+  Nanoseconds clock_offset{};     ///< added to the controller's time: the skin has its own clock
 };
 void check(const SkinConfig& config);
 
@@ -86,7 +86,7 @@ class Skin {
  private:
   struct Memory {
     SkinSample sent;
-    Nanoseconds sent_at = 0;
+    Nanoseconds sent_at{};
     bool ever_sent = false;
     bool dead = false;
     Vec3 before, before_that;  ///< positions at the two samples before

@@ -24,28 +24,42 @@ inline constexpr double newtons_per_reading = 20;
 
 /// Where a tool is when the joints are at `q`.
 inline Transform<Base, Tool> tool_at(const JointPosition<6>& q) {
-  const ur5::Model robot;
-  return Poses<ur5::Model, all_links(6)>(robot, JointAngles<ur5::Model, double>(robot, q)).get<5>() *
+  const ur5::Model model;
+  return Poses<ur5::Model, all_links(6)>(model, JointAngles<ur5::Model, double>(model, q)).get<5>() *
          tool_on_flange;
 }
-/// Gains for a law on this arm: its virtual robot has friction of 4 M [N m s/rad].
+/// The arm, commanded by position every 8 ms, which it follows one cycle late. `parts`: what else watches
+/// over energy and contacts.
+template <class... Parts>
+auto ur5_by_position(const Parts&... parts) {
+  return by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4},
+      parts...);
+}
+/// It without any, for laws that are built from its description.
+inline const auto robot = ur5_by_position();
+/// Gains for a law on this arm.
 inline JointControlSettings<6> gains() {
-  JointControlSettings<6> s;
-  s.shape.decay = 4;
-  return s;
+  return tracking_settings(robot);
 }
 
-/// The arm, commanded by position every 8 ms, which it follows one cycle late. `Keeper`: what else watches
-/// over energy and contacts.
-template <class Law, class Keeper = Passivity<>>
+/// Its skin: 260 cells without noise.
+inline auto skin() {
+  SkinSettings settings;
+  settings.force = EventGate<>::dead_band(0.002);
+  return ur5_skin<260>({.force = newtons_per_reading}, settings);
+}
+
+/// The arm at work in a simulated world.
+template <class Law, class Robot = decltype(ur5_by_position())>
 class Arm {
  public:
-  using Robot = Resolver<Interface::position, ur5::Model, double, CrankNicolson, 32, Keeper>;
-  using Scene = Cycle<Robot, Law, Ur5Skin<260>, Guard<Interface::position, 6>>;
+  using Scene = decltype(Cycle(std::declval<const Robot&>(), skin(), std::declval<const Law&>()));
   using Goal = typename Scene::Goal;
 
-  explicit Arm(const Law& law, const Keeper& keeper = Keeper())
-      : scene_(make(law, keeper)), memory_(std::make_unique<typename Scene::Memory>()) {
+  explicit Arm(const Law& law, const Robot& description = ur5_by_position())
+      : scene_(description, skin(), law), memory_(std::make_unique<typename Scene::Memory>()) {
     measured_.q = under_way_ = home;
     scene_.start(*memory_, measured_);
   }
@@ -64,7 +78,7 @@ class Arm {
   void ask(const Goal& goal) { input_.goal = goal, input_.has_goal = true; }
   /// A cycle.
   auto step() {
-    measured_.time += 8_ms;
+    measured_.time += 8ms;
     measured_.dq =
         JointVelocity<6>::generate([&](std::size_t i) { return (under_way_[i] - measured_.q[i]) / 0.008; });
     measured_.q = under_way_;
@@ -83,15 +97,6 @@ class Arm {
   [[nodiscard]] const Law& law() const { return scene_.law(); }
 
  private:
-  static Scene make(const Law& law, const Keeper& keeper) {
-    const auto limits = limits_of<ur5::Description>(15.0);
-    ResolverConfiguration<6> robot{.limits = limits, .period = 8_ms, .delay = 8_ms};
-    robot.shape.decay = 4;
-    SkinSettings skin;
-    skin.force = EventGate<>::dead_band(0.002);  // of readings without noise
-    return Scene(Robot(ur5::Model{}, robot, keeper), law, ur5_skin<260>({.force = newtons_per_reading}, skin),
-                 Guard<Interface::position, 6>({.limits = limits, .period = 8_ms}));
-  }
   Scene scene_;
   std::unique_ptr<typename Scene::Memory> memory_;
   State<6> measured_;

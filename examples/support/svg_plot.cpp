@@ -16,7 +16,8 @@ namespace {
 constexpr double largest = 1e15;
 constexpr double font = 13;
 constexpr double letter = 8.3;        // advance of a digit at that size in a wide typeface
-constexpr double tick_distance = 42;  // of the y axis
+constexpr double small_letter = 7.2;  // mean advance of a text of 12 units
+constexpr double tick_distance = 36;  // of the y axis
 
 bool shown(double v) {
   return std::abs(v) <= largest;  // false for NaN
@@ -185,8 +186,9 @@ std::string line(std::string_view cls, double x1, double y1, double x2, double y
          coordinate(x2) + ' ' + coordinate(y2) + "\"/>";
 }
 
-int color_of(const Series& s, std::size_t place) {
-  return s.color >= 0 ? s.color % 8 : static_cast<int>(place % 8);
+std::string class_of(const Series& s, std::size_t place) {
+  const int color = s.color >= 0 ? s.color % 8 : static_cast<int>(place % 8);
+  return 's' + std::to_string(color) + (s.dashed ? " dashed" : "");
 }
 
 Range x_range(const Plot& plot) {
@@ -200,20 +202,42 @@ Range x_range(const Plot& plot) {
   return r;
 }
 
-/// Zero and the data, limits that are not far beyond it, and a little air.
-Range y_range(const Plot& plot) {
-  Range r{0, 0};
+/// The data, and zero if the plot wants it.
+Range y_data(const Plot& plot) {
+  Range r;
+  if (plot.from_zero) r = {0, 0};
   for (const Series& s : plot.series)
     for (std::size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i)
       if (shown(s.x[i]) && shown(s.y[i])) r.take(s.y[i]);
-  const double reach = std::max(std::abs(r.low), std::abs(r.high));
-  if (reach < 1e-12) return {-1, 1};
-  for (const Limit& limit : plot.limits)
-    if (std::abs(limit.value) <= 3 * reach) r.take(limit.value);
-  const double air = 0.06 * r.span();
-  if (r.high > 0) r.high += air;
-  if (r.low < 0) r.low -= air;
   return r;
+}
+
+/// A limit so far beyond the data that the axis does not reach it.
+bool off_scale(const Limit& limit, const Range& data) {
+  const double reach = std::max({std::abs(data.low), std::abs(data.high), 1e-12});
+  return data.empty() || std::abs(limit.value) > 3 * reach;
+}
+
+double axis_height(const Plot& plot);
+
+/// The data and the limits on scale, from tick to tick.
+Range y_range(const Plot& plot) {
+  Range r = y_data(plot);
+  if (r.empty() || std::max(std::abs(r.low), std::abs(r.high)) < 1e-12) return {-1, 1};
+  const Range data = r;
+  for (const Limit& limit : plot.limits)
+    if (shown(limit.value) && !off_scale(limit, data)) r.take(limit.value);
+  if (r.span() < 1e-9 * std::abs(r.high)) r = {r.low - std::abs(r.low), r.high + std::abs(r.high)};
+  // What is beyond a tick by a pixel or so does not take another one.
+  constexpr double pixel = 0.03;
+  Range whole = r;
+  for (int k = 0; k < 3; ++k) {
+    const double step = ticks_of(whole, axis_height(plot) / tick_distance).step;
+    whole = {step * std::floor(r.low / step + pixel), step * std::ceil(r.high / step - pixel)};
+    if (whole.empty() || whole.span() < 0.5 * step)
+      whole = {step * std::floor(r.low / step), step * std::ceil(r.high / step)};
+  }
+  return whole;
 }
 
 std::string drawn_bands(const Plot& plot, const Frame& f) {
@@ -238,7 +262,8 @@ std::string drawn_limits(const Plot& plot, const Frame& f) {
   std::string out;
   const double right = f.left + f.width - 4;
   std::vector<Limit> limits = plot.limits;
-  std::erase_if(limits, [](const Limit& limit) { return !shown(limit.value); });
+  const Range data = y_data(plot);
+  std::erase_if(limits, [&](const Limit& limit) { return !shown(limit.value) || off_scale(limit, data); });
   std::stable_sort(limits.begin(), limits.end(),
                    [](const Limit& a, const Limit& b) { return a.value > b.value; });
   struct Place {
@@ -246,12 +271,10 @@ std::string drawn_limits(const Plot& plot, const Frame& f) {
   };
   std::vector<Place> taken;
   for (const Limit& limit : limits) {
-    const bool above = limit.value > f.y.high, below = limit.value < f.y.low;
     const double y = f.py(limit.value);
     out += line("limit", f.left, y, f.left + f.width, y);
     if (limit.name.empty()) continue;
-    const std::string words = (above ? "\u2191 " : below ? "\u2193 " : "") + limit.name;
-    const double width = text_width(words), lower = y + font + 1;
+    const double width = text_width(limit.name), lower = y + font + 1;
     Place place{y < f.top + font + 6 ? lower : y - 4, right};
     // Beside the texts that are at this height; where there is no room, below them.
     for (const Place& other : taken) {
@@ -261,7 +284,7 @@ std::string drawn_limits(const Plot& plot, const Frame& f) {
       else
         place = {std::max(other.base + font + 3, lower), right};
     }
-    out += text("warn", place.left, place.base, "end", words);
+    out += text("warn", place.left, place.base, "end", limit.name);
     taken.push_back({place.base, place.left - width});
   }
   return out;
@@ -270,9 +293,32 @@ std::string drawn_limits(const Plot& plot, const Frame& f) {
 bool has_marks(const Plot& plot) {
   return std::any_of(plot.bands.begin(), plot.bands.end(), [](const Band& b) { return !b.label.empty(); });
 }
+std::vector<std::string> wrapped(const std::string& text, double columns);
+
+/// What is said of limits that are not drawn.
+std::string off_scale_words(const Plot& plot) {
+  const Range data = y_data(plot);
+  std::string words;
+  for (const Limit& limit : plot.limits)
+    if (shown(limit.value) && off_scale(limit, data) && !limit.name.empty())
+      words += (words.empty() ? "off scale: " : "; ") + limit.name;
+  return words;
+}
+/// Whether these words have room beside the name of the axis.
+bool beside_name(const Plot& plot, const std::string& words) {
+  return text_width(plot.y_name) + 20 + text_width(words) < plot.width - 12;
+}
+/// Or else the rows that they take below it.
+std::vector<std::string> off_scale_rows(const Plot& plot) {
+  const std::string words = off_scale_words(plot);
+  if (words.empty() || beside_name(plot, words)) return {};
+  return wrapped(words, plot.width / small_letter);
+}
+
 /// Heights above and below the axes, for names, marks and numbers.
 double head_of(const Plot& plot) {
-  return (has_marks(plot) ? 2 : 1) * (font + 4) + 5;
+  return (1 + static_cast<double>(off_scale_rows(plot).size())) * (font + 4) +
+         (has_marks(plot) ? font + 9 : 14);
 }
 double foot_of(const Plot& plot) {
   return (plot.x_name.empty() ? 1 : 2) * font + 10;
@@ -300,10 +346,13 @@ std::string panel(const Plot& plot, double top, double margin) {
   const Ticks y_ticks = ticks_of(y, f.height / tick_distance);
   f.left = margin;
   f.width = std::max(plot.width - f.left - 12, 20.0);
-  // A run of 59.998 s ends at the tick of 60 s.
-  const double step = ticks_of(x, f.width / 80).step, next = step * std::ceil(x.high / step - 1e-9);
-  if (next - x.high < 0.005 * x.span()) f.x.high = x.high = next;
-  const Ticks x_ticks = ticks_of(x, f.width / 80);
+  // A run from 0.008 to 59.998 s begins at the tick of 0 s and ends at that of 60 s.
+  const double step = ticks_of(x, f.width / 64).step, next = step * std::ceil(x.high / step - 1e-9),
+               before = step * std::floor(x.low / step + 1e-9);
+  const double close = 0.01 * x.span();
+  if (next - x.high < close) f.x.high = x.high = next;
+  if (x.low - before < close) f.x.low = x.low = before;
+  const Ticks x_ticks = ticks_of(x, f.width / 64);
   const double right = f.left + f.width, bottom = f.top + f.height;
 
   std::string out = drawn_bands(plot, f);
@@ -323,6 +372,11 @@ std::string panel(const Plot& plot, double top, double margin) {
   }
   out += line("axis", f.left, bottom, right, bottom);
   out += text("name", 0, top + font, "start", plot.y_name);
+  if (const std::string words = off_scale_words(plot); !words.empty() && beside_name(plot, words))
+    out += text("warn", right, top + font, "end", words);
+  double row_at = top + font;
+  for (const std::string& row : off_scale_rows(plot))
+    out += text("warn", 0, row_at += font + 4, "start", row);
   out += text("name", right, bottom + 2 * font + 8, "end", plot.x_name);
   out += "<g class=\"curves\" transform=\"scale(.1)\">";
   bool any = false;
@@ -330,7 +384,7 @@ std::string panel(const Plot& plot, double top, double margin) {
     const std::string d = path_of(plot.series[i], f);
     if (d.empty()) continue;
     any = true;
-    out += "<path class=\"s" + std::to_string(color_of(plot.series[i], i)) + "\" d=\"" + d + "\"/>";
+    out += "<path class=\"" + class_of(plot.series[i], i) + "\" d=\"" + d + "\"/>";
   }
   out += "</g>" + drawn_limits(plot, f);
   if (!any) out += text("name", (f.left + right) / 2, (f.top + bottom) / 2 - 8, "middle", "nothing to show");
@@ -374,8 +428,7 @@ Block legend(const Plot& plot, double top) {
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     const double width = 24 + text_width(plot.series[i].name) + 14;
     if (x > 0 && x + width > plot.width) x = 0, y += font + 6;
-    block.text += "<g class=\"key\">" +
-                  line('s' + std::to_string(color_of(plot.series[i], i)), x, y - 4, x + 18, y - 4) + "</g>" +
+    block.text += "<g class=\"key\">" + line(class_of(plot.series[i], i), x, y - 4, x + 18, y - 4) + "</g>" +
                   text("", x + 24, y, "start", plot.series[i].name);
     x += width;
   }
@@ -383,10 +436,11 @@ Block legend(const Plot& plot, double top) {
   return block;
 }
 
-constexpr std::array<const char*, 8> light{"#0969da", "#d1580a", "#1a7f37", "#8250df",
-                                           "#bf3989", "#0e7c86", "#7d6608", "#57606a"};
-constexpr std::array<const char*, 8> dark{"#58a6ff", "#f0883e", "#3fb950", "#bc8cff",
-                                          "#f778ba", "#39c5cf", "#d4b72c", "#9da7b3"};
+// At least 3:1 on their page, and any two apart by 0.09 in OKLab with every kind of colour vision.
+constexpr std::array<const char*, 8> light{"#1662d2", "#d1580a", "#052a00", "#b07adc",
+                                           "#432873", "#7d4700", "#270d2b", "#af508e"};
+constexpr std::array<const char*, 8> dark{"#58a6ff", "#f0883e", "#b8f0c0", "#8250df",
+                                          "#ffdc53", "#d32e60", "#ffffff", "#6f8f9d"};
 
 }  // namespace
 
@@ -478,7 +532,8 @@ std::string plot_style() {
          ".head{font-size:16px;font-weight:600}"
          ".sp .limit{stroke-width:1.5;stroke-dasharray:6 4}.sp .warn{paint-order:stroke;stroke-width:4;"
          "stroke-linejoin:round;stroke-opacity:.8}.sp .key path{stroke-width:3}"
-         ".sp .curves path{stroke-width:16;stroke-linejoin:round;stroke-linecap:round}" +
+         ".sp .curves path{stroke-width:16;stroke-linejoin:round;stroke-linecap:round}"
+         ".sp .curves .dashed{stroke-dasharray:60 50}.sp .key .dashed{stroke-dasharray:5 4}" +
          colors(light, "#1f2328", "#57606a", "#e4e8ec", "#e3a008", "#c0262d", "#fff") +
          "@media(prefers-color-scheme:dark){" +
          colors(dark, "#e6edf3", "#9da7b3", "#262d36", "#d29922", "#ff7b72", "#151b23") + '}';

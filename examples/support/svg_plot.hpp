@@ -13,6 +13,7 @@ struct Series {
   std::vector<double> x;  ///< ascending
   std::vector<double> y;  ///< as long as `x`; what is longer is left out
   int color = -1;         ///< 0 to 7; -1: its place among the series
+  bool dashed = false;    ///< for what is asked, beside what is
 };
 
 /// A shaded stretch of the x axis.
@@ -22,15 +23,16 @@ struct Band {
   std::string tooltip;  ///< shown by browsers under the pointer
 };
 
-/// A level that the series should be compared with. One that is more than three times beyond the data is
-/// drawn at the edge with an arrow, so that the data stays visible.
+/// A level that the series should be compared with: a line. A level more than three times beyond the data
+/// would flatten it; it is said in words above the plot and not drawn.
 struct Limit {
   double value = 0;
   std::string name;  ///< empty: the line has no text
 };
 
 /// All that a plot shows. Series of any length: per pixel column the smallest and the largest value are kept,
-/// so that no peak vanishes.
+/// so that no peak vanishes. The y axis ends at ticks; the x axis does where the data comes close to one.
+/// Any two of the eight colours differ for the colour-blind as well.
 struct Plot {
   std::string title;
   std::string x_name = "time [s]";
@@ -39,6 +41,7 @@ struct Plot {
   std::vector<Band> bands;
   std::vector<Limit> limits;
   double width = 960, height = 300;  ///< of the view box; text is 13 units high
+  bool from_zero = true;             ///< the y axis holds 0; else the data only
 };
 
 /// A complete SVG file with title and legend, in the light or dark colours that its viewer prefers.

@@ -8,7 +8,8 @@
 namespace urdf_to_model {
 
 struct Settings {
-  std::string name_space{};           ///< of the header; empty: made from the robot's name
+  /// Of the header, `a` or `a::b`; empty: made from the robot's name, whatever characters that has.
+  std::string name_space{};
   double gravity[3] = {0, 0, -9.81};  ///< in the axes of the URDF's base link [m/s^2]
   /// Placements whose angle is a right one to within this [rad] become exact, so that the static model folds
   /// them: files print pi/2 with 10 digits. 0 keeps the file's numbers to the last bit.
@@ -16,8 +17,10 @@ struct Settings {
 };
 
 /// The text of a header with the robot as a static model: `<namespace>::Description` (shape, links, names,
-/// limits) and `<namespace>::Model`. Numbers are printed so that they are read back to the last bit. Throws
-/// `skinctl::ConfigurationError` as `skinctl::model_links` does, and for more than 64 joints.
+/// limits), `<namespace>::Model`, and `<namespace>::X_LN<"wrist_3_link">`, the pose of a link of the file in
+/// the model. Links and joints keep their names, as strings: any text will do. Numbers are printed so that
+/// they are read back to the last bit. Throws `skinctl::ConfigurationError` as `skinctl::model_links` does,
+/// for more than 64 joints, and for a namespace that is no name.
 std::string header(const skinctl::Urdf& urdf, const Settings& settings = {});
 
 }  // namespace urdf_to_model

@@ -15,13 +15,12 @@ using namespace skinctl;
 namespace {
 
 auto make_cycle() {
-  const auto limits = limits_of<ur5::Description, float>(15.0f);
-  ResolverConfiguration<6, float> robot{.limits = limits, .period = 8_ms, .delay = 8_ms};
-  robot.shape.decay = 4;
-  return Cycle(Resolver<Interface::position, ur5::Model, float>(ur5::Model{}, robot),
-               SplineJoint<6, float>({.dt = 0.002f}) + SkinJointControl{} + GravityControl{},
-               ur5_skin<260, float>({.force = 20}),
-               Guard<Interface::position, 6, float>({.limits = limits, .period = 8_ms}));
+  const auto arm = by_position<float>(ur5::Model{}, {.limits = limits_of<ur5::Description, float>(15.0f),
+                                                     .period = 8ms,
+                                                     .delay = 8ms,
+                                                     .virtual_damping = 4});
+  return Cycle(arm, ur5_skin<260, float>({.force = 20}),
+               SplineJoint(arm) + SkinJointControl{} + GravityControl{});
 }
 using Scene = decltype(make_cycle());
 Scene::Memory memory;  // too large for a small stack
@@ -37,9 +36,9 @@ int main() {
   float farthest = 0;
   int bad = 0;
   for (int k = 1; k <= 250; ++k) {
-    measured.time = k * 8_ms;
+    measured.time = k * 8ms;
     const float f = k > 50 && k < 120 ? 0.15f : 0.0f;
-    const CellSample sample{.time = measured.time - 2_ms, .cell = cell, .force = {f, f, f}};
+    const CellSample sample{.time = measured.time - 2ms, .cell = cell, .force = {f, f, f}};
     Scene::Input input;
     input.now = measured.time;
     input.measured = measured;

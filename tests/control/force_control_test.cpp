@@ -26,13 +26,13 @@ struct Scene {
   Force law;
   double dt, stiffness, wall;  // the wall stands at n . p = wall
   Xyz<double> n{0, 0, -1};
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   Touch touch;
   Force::Memory memory;
   Xyz<double> start;
 
   Scene(const ForceSettings<6>& s, double k, double gap)
-      : law(X_LT, s), dt(s.pose.tracking.dt), stiffness(k) {
+      : law(X_LT, s), dt(seconds<double>(s.pose.tracking.dt)), stiffness(k) {
     memory = law.start(K(model, x, dt, touch));
     start = place();
     wall = dot(n, start) + gap;
@@ -48,15 +48,14 @@ struct Scene {
     const auto out = evaluate(law, memory, known, dt);
     memory = out.memory;
     auto tau = out.torque;
-    if (law.settings().carried > 0)
-      tau += SkinJointControl{}.torque({}, known);  // the wall pushes this robot
+    if (law.settings().carried > 0) tau += SkinJointControl{}.torque(known);  // the wall pushes this robot
     x = simulate(model, x, tau, dt, 1);
     return pressed;
   }
 };
 ForceSettings<6> settings() {
   ForceSettings<6> s;
-  s.pose.tracking = {.dt = 0.002, .tb = 0};
+  s.pose.tracking = {.dt = 2ms, .tb = 0s};
   return s;
 }
 }  // namespace

@@ -41,7 +41,7 @@ double largest(const JointTorque<6>& tau) {
 TEST_CASE("Impedance: a force on the tool moves it by force over stiffness") {
   const auto law = cartesian();
   using K = KnownFor<Cartesian>;
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   auto memory = law.start(K(model, x, 0.002, none));
   const auto X0 = law.space().site(K(model, x, 0.002, none)).X_BP;
   const Xyz<double> force{6, -8, 4};
@@ -62,7 +62,7 @@ TEST_CASE("Impedance: joints are springs about their target, gravity once in eve
   JointImpedance<6>::Settings s;
   const JointImpedance<6> law(s);
   using K = Quantities<Arm, Needs{.gravity = true, .mass = true, .middle = true}>;
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   auto memory = law.start(K(model, x, 0.0, none));
   for (double& q : x.q) q += 0.05;
   const K known(model, x, 0.0, none);
@@ -79,7 +79,7 @@ TEST_CASE("Impedance: goals and contacts do not jump, and it arrives") {
   const auto law = cartesian();
   using K = KnownFor<Cartesian>;
   const double dt = 0.002;
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   auto memory = law.start(K(model, x, dt, none));
   const auto X = law.space().site(K(model, x, dt, none)).X_BP;
   const Transform<Base, Tool> goal(exp_so3(Xyz<double>{0.2, 0.3, -0.2}) * X.axes(),
@@ -88,9 +88,9 @@ TEST_CASE("Impedance: goals and contacts do not jump, and it arrives") {
   for (int i = 0; i < 3000; ++i) {
     const K known(model, x, dt, none);
     auto next = memory;
-    if (i == 10) next = law.receive(memory, known, {goal, 2_s}).memory;
-    if (i == 300) next = law.receive(memory, known, {X, 1_s}).memory;
-    if (i == 500) next = law.receive(memory, known, {goal, 2_s}).memory;
+    if (i == 10) next = law.receive(memory, known, {goal, 2s}).memory;
+    if (i == 300) next = law.receive(memory, known, {X, 1s}).memory;
+    if (i == 500) next = law.receive(memory, known, {goal, 2s}).memory;
     if (i == 800) next = law.advance(memory, known, 0.0, Opposition::lasting);
     if (i == 1000) next = law.advance(memory, known, 0.0, Opposition::none);
     worst = std::max(worst, largest(law.torque(next, known) - law.torque(memory, known)));

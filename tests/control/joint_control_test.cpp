@@ -18,8 +18,8 @@ const NoTouch none;
 /// Error at tb over the error at the start, less the closed form, relative to it, in the norm of all joints.
 template <class T>
 double error_at_tb(const JointControl<6, T>& law, Seeded& rng, double size) {
-  const T dt = law.settings().dt, tb = law.settings().tb;
-  State<6, T> x{0, rng.vector<JointPosition<6, T>>(3.1), {}};
+  const T dt = seconds<T>(law.settings().dt), tb = seconds<T>(law.settings().tb);
+  State<6, T> x{0ns, rng.vector<JointPosition<6, T>>(3.1), {}};
   JointReference<6, T> goal{x.q, {}, {}};
   for (T& q : goal.q_d) q += T(size * rng());
   const auto x0 = x.q - goal.q_d;
@@ -69,7 +69,8 @@ TEST_CASE("JointControl: the UR5 in sampled time ends at the closed form of the 
     for (const double K_i1 : {0.0, 1.0}) {
       const double dt = 1 / p.rate;
       const double K_c = std::min(10.0, 8 / p.tb);
-      JointControlSettings<6> settings{.dt = dt, .K_i1 = K_i1, .K_i2 = 0.1 * K_i1, .tb = p.tb, .K_c = K_c};
+      JointControlSettings<6> settings{
+          .dt = nanoseconds(dt), .K_i1 = K_i1, .K_i2 = 0.1 * K_i1, .tb = nanoseconds(p.tb), .K_c = K_c};
       settings.max_velocity = JointVelocity<6>::constant(ur5::Description::max_velocity);
       settings.reach = Reach::refuse;
       const JointControl<6> law(settings);
@@ -86,7 +87,7 @@ TEST_CASE("JointControl: the UR5 in sampled time ends at the closed form of the 
 }
 
 TEST_CASE("JointControl: so it does in float, as far as its positions resolve the end") {
-  JointControlSettings<6, float> settings{.dt = 0.002f, .tb = 1.0f};
+  JointControlSettings<6, float> settings{.dt = 2ms, .tb = 1s};
   settings.max_velocity = JointVelocity<6, float>::constant(3.14f);
   const JointControl<6, float> law(settings);
   Seeded rng(81);
@@ -94,7 +95,7 @@ TEST_CASE("JointControl: so it does in float, as far as its positions resolve th
 }
 
 TEST_CASE("JointControl: a goal too far for its time is stretched or refused") {
-  JointControlSettings<6> settings{.dt = 0.002, .tb = 1};
+  JointControlSettings<6> settings{.dt = 2ms, .tb = 1s};
   settings.max_velocity = JointVelocity<6>::constant(0.5);
   const State<6> x{};
   const KnownAt<double> known(model, x, 0.002, none);
@@ -130,7 +131,7 @@ TEST_CASE("JointControl: a goal too far for its time is stretched or refused") {
 TEST_CASE("JointControl: follows a target that is sampled in every cycle") {
   for (const double rate : {125.0, 500.0}) {
     const double dt = 1 / rate;
-    const JointControl<6> law({.dt = dt, .tb = 1});
+    const JointControl<6> law({.dt = nanoseconds(dt), .tb = 1s});
     const auto target = [](double t) {
       JointReference<6> r;
       for (std::size_t i = 0; i < 6; ++i) {
@@ -141,7 +142,7 @@ TEST_CASE("JointControl: follows a target that is sampled in every cycle") {
       }
       return r;
     };
-    State<6> x{0, target(0).q_d, target(0).dq_d};
+    State<6> x{0ns, target(0).q_d, target(0).dq_d};
     auto memory = law.start(KnownAt<double>(model, x, dt, none));
     double off = 0;
     for (int i = 0; i < static_cast<int>(6 * rate); ++i) {
@@ -161,7 +162,7 @@ TEST_CASE("JointControl: follows a target that is sampled in every cycle") {
     // a sample far off is a new goal: no jump
     const KnownAt<double> known(model, x, dt, none);
     const auto leap = law.follow(memory, known, {JointPosition<6>::constant(1), {}, {}});
-    CHECK(leap.memory.since_reset == 0);
+    CHECK(leap.memory.since_reset == 0ns);
     double jump = 0;
     const auto step = law.torque(leap.memory, known) - law.torque(memory, known);
     for (const double tau : step) jump = std::max(jump, magnitude(tau));
@@ -170,10 +171,10 @@ TEST_CASE("JointControl: follows a target that is sampled in every cycle") {
 }
 
 TEST_CASE("JointControl: with a constant gain a large step is slow enough from the start") {
-  JointControlSettings<6> settings{.dt = 0.002, .tb = 0, .K_c = 12};
+  JointControlSettings<6> settings{.dt = 2ms, .tb = 0s, .K_c = 12};
   settings.max_velocity = JointVelocity<6>::constant(0.6);
   const JointControl<6> law(settings);
-  State<6> x{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
+  State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
   const JointPosition<6> goal{1.0, -0.6, 0.3, -0.5, 1.1, 0.7};
   auto memory = law.start(KnownAt<double>(model, x, 0.002, none));
   memory = law.receive(memory, KnownAt<double>(model, x, 0.002, none), {goal, {}, {}}).memory;

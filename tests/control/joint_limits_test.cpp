@@ -21,8 +21,8 @@ JointLimitSettings<6> settings() {
   return s;
 }
 double torque_at(const JointLimitLaw<6>& law, double q, double dq) {
-  const State<6> x{0, JointPosition<6>::constant(q), JointVelocity<6>::constant(dq)};
-  return law.torque({}, KnownAt(model, x, 0.002, none))[3];
+  const State<6> x{0ns, JointPosition<6>::constant(q), JointVelocity<6>::constant(dq)};
+  return law.torque(KnownAt(model, x, 0.002, none))[3];
 }
 }  // namespace
 
@@ -45,11 +45,11 @@ TEST_CASE("JointLimitLaw: zero inside, inwards in the margins, continuous with i
 
 TEST_CASE("JointLimitLaw: stops an arm that swings into it, and gives no energy") {
   const JointLimitLaw<6> law(settings());
-  State<6> x{0, {}, {}};
+  State<6> x{0ns, {}, {}};
   x.q[5] = 1.5, x.dq[5] = 1.0;
   double furthest = 0, fastest_back = 0;
   for (int i = 0; i < 1500; ++i) {
-    const auto tau = law.torque({}, KnownAt(model, x, 0.002, none)) + gravity_torque(model, x.q);
+    const auto tau = law.torque(KnownAt(model, x, 0.002, none)) + gravity_torque(model, x.q);
     x = simulate(model, x, tau, 0.002, 1);
     furthest = std::max(furthest, x.q[5]);
     fastest_back = std::min(fastest_back, x.dq[5]);

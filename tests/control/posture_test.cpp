@@ -25,14 +25,14 @@ const JointPosition<6> home{0.3, -1.2, 1.4, -1.8, -1.4, 0.3};
 TEST_CASE("NullSpacePosture: the tool notices nothing of it, and the joints go home as far as it lets them") {
   const JointPosition<6> posture{0.3, -1.2, 1.4, -1.3, -1.1, 1.3};
   const Posture law(X_LT, posture, 4.0);
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   const auto place = [&] { return (link_poses(model, x.q).get<5>() * X_LT).origin(); };
   const auto start = place();
   const auto distance = [&] { return (as_eigen(x.q) - as_eigen(posture)).norm(); };
   const double away = distance();
   for (int i = 0; i < 1500; ++i) {
     const KnownAt known(model, x, 0.002, none);
-    const auto tau = law.torque({}, known);
+    const auto tau = law.torque(known);
     // J M^-1 tau = 0: no acceleration of the tool.
     JointAcceleration<6> ddq;
     math::Ldlt<6>(known.mass().data).solve(tau.data, ddq.data);

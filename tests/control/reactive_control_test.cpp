@@ -32,11 +32,11 @@ double largest(const JointTorque<6>& tau) {
 TEST_CASE("ReactivePlan: a joint target that jumps at any rate gives a smooth torque and bounded joints") {
   for (const int every : {1, 7, 60}) {  // samples at 500, 71 and 8 Hz
     const double dt = 0.002;
-    JointControlSettings<6> s{.dt = dt, .tb = 0, .target_age = 0.5};
+    JointControlSettings<6> s{.dt = nanoseconds(dt), .tb = 0s, .target_age = 500ms};
     const Joint law(s);
     using K = KnownFor<Joint>;
     Seeded rng(40);
-    State<6> x{0, home, {}};
+    State<6> x{0ns, home, {}};
     auto memory = law.start(K(model, x, dt, none));
     JointTorque<6> last = law.torque(memory, K(model, x, dt, none));
     double steepest = 0, fastest = 0;
@@ -69,12 +69,12 @@ TEST_CASE("ReactivePlan: a joint target that jumps at any rate gives a smooth to
 
 TEST_CASE("ReactivePlan: a pose that jumps moves the tool smoothly, and a silent source leaves it standing") {
   const double dt = 0.004;
-  OperationalSettings<6> s{.tracking = {.dt = dt, .tb = 0}};
+  OperationalSettings<6> s{.tracking = {.dt = nanoseconds(dt), .tb = 0s}};
   s.tracking.max_velocity = JointVelocity<6>::constant(3);
   const Operational law(OperationalSpace<6, 5>(Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.15), s), s);
   using K = KnownFor<Operational>;
   Seeded rng(41);
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   auto memory = law.start(K(model, x, dt, none));
   const auto X0 = law.space().site(K(model, x, dt, none)).X_BP;
   double fastest = 0, off = 0;

@@ -34,7 +34,7 @@ static_assert(SkinCartesianControl<5>::role == Role::reactive);
 TEST_CASE_TEMPLATE("SkinCartesianControl: a push on the tool's link acts in the chosen directions alone", T,
                    float, double) {
   Seeded rng(20);
-  const State<6, T> x{0, home.cast<T>(), {}};
+  const State<6, T> x{0ns, home.cast<T>(), {}};
   for (int k = 0; k < 20; ++k) {
     Touch<T> touch;
     touch.template set<5>({{T(5 * rng()), T(5 * rng()), T(5 * rng())}, {T(rng()), T(rng()), T(rng())}});
@@ -42,11 +42,11 @@ TEST_CASE_TEMPLATE("SkinCartesianControl: a push on the tool's link acts in the 
     using Translation = SkinCartesianControl<5, Tool, T, Yields::translation>;
     using Rotation_ = SkinCartesianControl<5, Tool, T, Yields::rotation>;
     const KnownFor<Both, T> known(model, x, T(0.002), touch);
-    const auto all = Both(tool<T>()).torque({}, known);
-    const auto skin = SkinJointControl{}.torque({}, known);
+    const auto all = Both(tool<T>()).torque(known);
+    const auto skin = SkinJointControl{}.torque(known);
     const T scale = T(100000) * epsilon<T>() * largest(skin);
     CHECK(largest(all - skin) < scale);
-    const auto a = Translation(tool<T>()).torque({}, known), b = Rotation_(tool<T>()).torque({}, known);
+    const auto a = Translation(tool<T>()).torque(known), b = Rotation_(tool<T>()).torque(known);
     CHECK(largest(a + b - all) < scale);
     // By hand: the force at the tool, and the moment about its origin.
     const auto F = touch.template wrench<5>();
@@ -67,21 +67,21 @@ TEST_CASE("SkinCartesianControl: a damped null space takes energy out, and nothi
   Seeded rng(21);
   const Touch<double> none;
   for (int k = 0; k < 50; ++k) {
-    State<6> x{0, home, rng.vector<JointVelocity<6>>(0.5)};
+    State<6> x{0ns, home, rng.vector<JointVelocity<6>>(0.5)};
     const KnownFor<Law_, double> known(model, x, 0.002, none);
-    CHECK(power(law.torque({}, known), x.dq) <= 20.0);
+    CHECK(power(law.torque(known), x.dq) <= 20.0);
     // Pure translation of the tool is not braked.
     const auto J = known.jacobian<5>(tool<double>());
     const auto inverse = damped_inverse(J, SingularityDamping<double>());
     x.dq = inverse.solve({{rng(), rng(), rng()}, {}});
     const KnownFor<Law_, double> moving(model, x, 0.002, none);
-    CHECK(largest(law.torque({}, moving)) < 1e-9);
+    CHECK(largest(law.torque(moving)) < 1e-9);
     // Pure rotation is, at the rate: M^-1 tau = -rate dq.
     x.dq = inverse.solve({{}, {rng(), rng(), rng()}});
     const KnownFor<Law_, double> turning(model, x, 0.002, none);
     JointAcceleration<6> a;
     for (std::size_t i = 0; i < 6; ++i) a[i] = -8 * x.dq[i];
-    CHECK(largest(law.torque({}, turning) - turning.mass() * a) < 1e-9);
+    CHECK(largest(law.torque(turning) - turning.mass() * a) < 1e-9);
   }
   CHECK_THROWS_AS(Law_(tool<double>(), 0.0), ConfigurationError);
 }
@@ -94,11 +94,11 @@ TEST_CASE(
   Touch<double> touch;
   touch.set<2>({{0, 20, 5}, {0, 1, 3}});
   for (const double elbow : {1.4, 0.1, 1e-3, 0.0}) {
-    State<6> x{0, home, {}};
+    State<6> x{0ns, home, {}};
     x.q[2] = elbow;
     const KnownFor<Law_, double> known(model, x, 0.002, touch);
-    const auto tau = law.torque({}, known);
-    const auto skin = SkinJointControl{}.torque({}, known);
+    const auto tau = law.torque(known);
+    const auto skin = SkinJointControl{}.torque(known);
     CAPTURE(elbow);
     CHECK(largest(tau) > 0.1);
     CHECK(largest(tau) < 12 * largest(skin));

@@ -3,7 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/model/ur5.hpp"
-#include "tests/trajectory/exact.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -18,16 +19,17 @@ static_assert(Law<SkinJointControl, KnownTo<float, NoTouch>>);
 static_assert(SkinJointControl::role == Role::reactive && SkinJointControl::needs.touch);
 }  // namespace
 
-TEST_CASE_TEMPLATE("SkinJointControl: does the work of the wrenches on the links", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("SkinJointControl: does the work of the wrenches on the links", T, float, double,
+                   Digits50) {
   const ur5::Model model;
   Seeded rng(60);
   for (int k = 0; k < 20; ++k) {
-    const State<6, T> state{0, rng.vector<JointPosition<6, T>>(3), {}};
+    const State<6, T> state{0ns, rng.vector<JointPosition<6, T>>(3), {}};
     Touch<T> touch;
     for (auto& wrench : touch.data)
       for (T& x : wrench) x = T(20 * rng());
     const KnownTo<T> known(model, state, T(0.002), touch);
-    const auto tau = SkinJointControl{}.torque({}, known);
+    const auto tau = SkinJointControl{}.torque(known);
     // Their power, by the velocities of the links, for a random velocity of the joints.
     const auto dq = rng.vector<JointVelocity<6, T>>(1);
     const Poses<ur5::Model, 0b111111, T> poses(model, known.angles());
@@ -48,8 +50,7 @@ TEST_CASE_TEMPLATE("SkinJointControl: does the work of the wrenches on the links
 
 TEST_CASE("SkinJointControl: a scene without skin feels nothing") {
   const ur5::Model model;
-  const State<6> state{0, JointPosition<6>{0.1, -1.0, 1.0, 0.2, 0.3, 0.4}, {}};
+  const State<6> state{0ns, JointPosition<6>{0.1, -1.0, 1.0, 0.2, 0.3, 0.4}, {}};
   const NoTouch none;
-  CHECK(SkinJointControl{}.torque({}, KnownTo<double, NoTouch>(model, state, 0.002, none)) ==
-        JointTorque<6>{});
+  CHECK(SkinJointControl{}.torque(KnownTo<double, NoTouch>(model, state, 0.002, none)) == JointTorque<6>{});
 }

@@ -23,10 +23,10 @@ struct Run {
 template <class T>
 Run go(double rate, unsigned seed) {
   const T dt = T(1 / rate);
-  const SplineJoint<6, T> law({.dt = dt});
+  const SplineJoint<6, T> law({.dt = nanoseconds(dt)});
   Seeded rng(seed);
-  State<6, T> x{0, rng.vector<JointPosition<6, T>>(2), {}};
-  JointGoal<6, T> goal{x.q, 0};
+  State<6, T> x{0ns, rng.vector<JointPosition<6, T>>(2), {}};
+  JointGoal<6, T> goal{x.q, 0ns};
   for (T& q : goal.q_g) q += T(0.8 * rng());
   auto memory = law.start(KnownAt<T>(model, x, dt, none));
   memory = law.receive(memory, KnownAt<T>(model, x, dt, none), goal).memory;
@@ -70,16 +70,16 @@ TEST_CASE("SplineJoint: so it does in float") {
 
 TEST_CASE("SplineJoint: a goal on the way turns it round without a jump and it arrives at the new one") {
   const double dt = 0.002;
-  const SplineJoint<6> law({.dt = dt});
-  State<6> x{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
+  const SplineJoint<6> law({.dt = nanoseconds(dt)});
+  State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
   auto memory = law.start(KnownAt<double>(model, x, dt, none));
   const JointPosition<6> first{1.5, -0.2, 0.3, -0.5, 1.1, 0.7}, second{-0.3, -1.5, 1.2, 0.5, 0.0, -0.7};
-  memory = law.receive(memory, KnownAt<double>(model, x, dt, none), {first, 2_s}).memory;
+  memory = law.receive(memory, KnownAt<double>(model, x, dt, none), {first, 2s}).memory;
   JointTorque<6> last = law.torque(memory, KnownAt<double>(model, x, dt, none));
   double steepest = 0;
   for (int i = 0; i < 4000; ++i) {
     const KnownAt<double> known(model, x, dt, none);
-    if (i == 500) memory = law.receive(memory, known, {second, 4_s}).memory;
+    if (i == 500) memory = law.receive(memory, known, {second, 4s}).memory;
     const auto e = law.evaluate(memory, known, dt);
     CHECK(e.status.has(Reason::hand_over) == (i < 50 || (i >= 500 && i < 550)));
     const auto change = e.torque - last;

@@ -24,8 +24,8 @@ const NoTouch none;
 }  // namespace
 
 TEST_CASE("TakeOver: begins with the torque that was there, and ends with the law's own") {
-  const auto law = take_over<6>(SplineJoint<6>({.dt = 0.002}));
-  const State<6> x{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
+  const auto law = take_over<6>(SplineJoint<6>({.dt = 2ms}));
+  const State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
   const KnownAt known(model, x, 0.002, none);
   const JointTorque<6> before{5.0, -60.0, 10.0, 1.0, -1.0, 0.5};
   auto memory = law.start(known, before);
@@ -50,7 +50,7 @@ TEST_CASE("TakeOver: begins with the torque that was there, and ends with the la
 
 TEST_CASE("TakeOver: carries out what a changed memory would make jump") {
   const auto law = take_over<6>(GravityControl{});
-  const State<6> x{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
+  const State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
   const KnownAt known(model, x, 0.002, none);
   auto memory = law.start(known, JointTorque<6>::constant(3));
   for (int k = 0; k < 20; ++k) memory = law.advance(memory, known, 0.002, Opposition::none);
@@ -71,10 +71,10 @@ TEST_CASE("TakeOver: a torque that is not finite counts as none") {
 }
 
 TEST_CASE("TakeOver: passes goals and opposition on") {
-  const auto law = take_over<6>(SplineJoint<6>({.dt = 0.002}));
+  const auto law = take_over<6>(SplineJoint<6>({.dt = 2ms}));
   const State<6> x{};
   const KnownAt known(model, x, 0.002, none);
-  auto memory = law.receive(law.start(known), known, JointGoal<6>{JointPosition<6>::constant(1), 3_s}).memory;
+  auto memory = law.receive(law.start(known), known, JointGoal<6>{JointPosition<6>::constant(1), 3s}).memory;
   CHECK(memory.law.plan.spline.tf == 3);
   memory = law.advance(memory, known, 0.002, Opposition::lasting);
   CHECK(memory.law.held);

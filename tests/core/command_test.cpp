@@ -13,7 +13,7 @@ namespace {
 template <std::size_t N, class T>
 JointCommand<N, T> numbered() {
   JointCommand<N, T> c;
-  c.time = 7;
+  c.time = 7ns;
   c.valid = true;
   T next(0);
   for (auto* row : {c.position.data, c.velocity.data, c.acceleration.data, c.torque.data})

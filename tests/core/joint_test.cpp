@@ -4,19 +4,18 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <numeric>
 #include <random>
 #include <type_traits>
 
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/digits50.hpp"
 
 using namespace skinctl;
+using skinctl::testing::Digits50;
 
 namespace {
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
 using q6 = JointPosition<6>;
 
 template <class A, class B>
@@ -59,7 +58,7 @@ static_assert(q6::size() == 6 && q6{}[5] == 0.0, "zero by default");
 static_assert((JointPosition<2>{1.0, 2.0} + JointPosition<2>{3.0, 4.0})[1] == 6.0,
               "usable in constant expressions");
 
-TEST_CASE_TEMPLATE("JointVector: equal kinds form a vector space", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("JointVector: equal kinds form a vector space", T, float, double, Digits50) {
   using V = JointVelocity<6, T>;
   std::mt19937_64 rng(1);
   for (double reach : {0.0, 1e-8, 1.0, 1e6}) {
@@ -92,7 +91,7 @@ TEST_CASE_TEMPLATE("JointVector: a step of constant velocity and its way back me
   }
 }
 
-TEST_CASE_TEMPLATE("JointVector: power is the scalar product", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("JointVector: power is the scalar product", T, float, double, Digits50) {
   std::mt19937_64 rng(3);
   const auto tau = random_joints<JointTorque<6, T>>(rng, 100.0);
   const auto dq = random_joints<JointVelocity<6, T>>(rng, 3.0);

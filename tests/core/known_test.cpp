@@ -2,18 +2,17 @@
 
 #include <doctest/doctest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
 #include "skinctl/core/lane.hpp"
+#include "skinctl/testing/digits50.hpp"
 
 using namespace skinctl;
+using skinctl::testing::Digits50;
 
 namespace {
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
 constexpr Known<0> zero;
 constexpr Known<1> one;
 constexpr Known<-1> minus_one;
@@ -40,7 +39,7 @@ static_assert(!std::is_convertible_v<Known<0>, double>, "a constant becomes a nu
 static_assert(double(three) == 3.0);
 static_assert(!adds<Known<1>, const char*>);
 
-TEST_CASE_TEMPLATE("Known: computes as the number it stands for", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("Known: computes as the number it stands for", T, float, double, Digits50) {
   for (const T& x : {T(0), T(1e-8), T(1), T(-7), T(1e6)}) {
     CHECK(one * x == x);
     CHECK(x * minus_one == -x);

@@ -2,16 +2,16 @@
 
 #include <doctest/doctest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <random>
 #include <type_traits>
 
+#include "skinctl/testing/digits50.hpp"
+
 using namespace skinctl;
+using skinctl::testing::Digits50;
 
 namespace {
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
 using X_axis = Triple<Known<1>, Known<0>, Known<0>>;
 using Y_axis = Triple<Known<0>, Known<1>, Known<0>>;
 
@@ -38,7 +38,8 @@ static_assert(std::is_same_v<decltype(cross(UnitZ{}, Xyz<double>{})), Triple<dou
               "two products and no sum are left of a cross product with z");
 static_assert(Xyz<double>{1, 2, 3} == dense<double>(Triple{Known<1>{}, 2.0, Known<3>{}}));
 
-TEST_CASE_TEMPLATE("Triple: is a vector space with the products of the textbook", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("Triple: is a vector space with the products of the textbook", T, float, double,
+                   Digits50) {
   using std::abs;
   std::mt19937_64 rng(1);
   const T eps = std::numeric_limits<T>::epsilon();
@@ -70,7 +71,7 @@ TEST_CASE_TEMPLATE("Triple: a constant component changes the cost of a product, 
   CHECK(skinctl::cast<double>(v).x == double(v.x));
 }
 
-TEST_CASE_TEMPLATE("Turn: there and back is where it was, and keeps lengths", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("Turn: there and back is where it was, and keeps lengths", T, float, double, Digits50) {
   using std::abs;
   using std::cos;
   using std::sin;

@@ -8,8 +8,8 @@
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -30,16 +30,16 @@ std::vector<JointPosition<6>> run(const Scene& scene, const SceneSettings& s, do
   scene.start(*memory, robot.state());
   std::vector<JointPosition<6>> path;
   std::vector<CellSample> samples;
-  Nanoseconds sampled = 0;
+  Nanoseconds sampled{};
   int k = 0;
   for (Nanoseconds now = s.period; now <= nanoseconds(duration); now += s.period) {
     ++k;
     const State<6> measured = robot.run_to(now);
     if (let_skip && (k * 7919) % 10 == 0) continue;  // one cycle in ten is missing
     samples.clear();
-    for (; sampled + 4_ms <= now; sampled += 4_ms) {
-      const auto f = static_cast<float>(touch(1e-9 * static_cast<double>(sampled + 4_ms)));
-      samples.push_back({.time = sampled + 4_ms, .cell = id, .force = {f, f, f}});
+    for (; sampled + 4ms <= now; sampled += 4ms) {
+      const auto f = static_cast<float>(touch(seconds<double>(sampled + 4ms)));
+      samples.push_back({.time = sampled + 4ms, .cell = id, .force = {f, f, f}});
     }
     typename Scene::Input input;
     input.now = now;
@@ -66,7 +66,7 @@ TEST_CASE("cycle: nobody touches it, nothing moves; it is a function of memory a
   auto memory = scene.start(state);
   for (int k = 1; k < 1000; ++k) {
     Reaching::Input input;
-    input.now = k * 8_ms;
+    input.now = k * 8ms;
     input.measured = state;
     input.measured.time = input.now;
     const auto [out, next] = scene(memory, input);
@@ -112,14 +112,14 @@ TEST_CASE("cycle: a touch moves the arm away from it, and after the release it r
 TEST_CASE("cycle: led by hand it yields with the configured admittance, behind delay and lag") {
   // At w << decay the arm is M ddq + B dq = tau: compare the motion of the real joints with that, at a
   // frequency of 0.05 / (2 pi T).
-  for (const Nanoseconds period : {8_ms, 2_ms}) {
+  for (const Nanoseconds period : {8ms, 2ms}) {
     SceneSettings s;
     s.period = period;
-    s.delay = 8_ms;
-    s.lag = 0.01;
+    s.delay = 8ms;
+    s.lag = 10ms;
     s.force_gain = 20;
     const auto scene = kinesthetic_scene(s);
-    const double T = 1e-9 * static_cast<double>(s.delay + s.period) + s.lag;
+    const double T = seconds<double>(s.delay + s.period + s.lag);
     const double w = 0.05 / T, mean = 0.15, swing = 0.1;
     const double settle = 1, length = 3 * 2 * 3.141592653589793 / w;
     const std::uint32_t id = 60;
@@ -128,15 +128,15 @@ TEST_CASE("cycle: led by hand it yields with the configured admittance, behind d
     });
     // Readings below zero are cut: the push is a train of half sines; integrate the same with M(q), B by fine
     // steps.
-    const auto skin = ur5_skin<260>({.force = s.force_gain}, {.max_age = 10_s});
+    const auto skin = ur5_skin<260>({.force = s.force_gain}, {.max_age = 10s});
     auto q = home_position();
     JointVelocity<6> dq;
-    auto wrenches = skin.wrenches(skin.start(0));
+    auto wrenches = skin.wrenches(skin.start(0ns));
     const auto patches = ur5::skin_patches<260>({.force = s.force_gain});
     const double h = 0.0005;
     std::vector<JointPosition<6>> expected;
     const ur5::Model model;
-    double next = 1e-9 * static_cast<double>(s.period);
+    double next = seconds<double>(s.period);
     for (double t = 0; expected.size() < path.size(); t += h) {
       const double f = 3 * std::max(0.0, t + h / 2 < settle ? 0 : swing * std::sin(w * (t + h / 2 - settle)));
       const double passed = f >= 0.08 ? f - 0.08 : 0;  // the dead band of the gate
@@ -159,16 +159,16 @@ TEST_CASE("cycle: led by hand it yields with the configured admittance, behind d
       q = integrate(q, dq, h);
       if (t + h >= next - 1e-9) {
         expected.push_back(q);
-        next += 1e-9 * static_cast<double>(s.period);
+        next += seconds<double>(s.period);
       }
     }
     // Joint 1 bears most; both motions correlated with the push at w, over whole periods.
     const auto response = [&](const std::vector<JointPosition<6>>& p, std::size_t joint) {
       std::complex<double> sum = 0;
       for (std::size_t k = 1; k < p.size(); ++k) {
-        const double t = 1e-9 * static_cast<double>(s.period) * static_cast<double>(k + 1);
+        const double t = seconds<double>(s.period) * static_cast<double>(k + 1);
         if (t < settle) continue;
-        const double rate = (p[k][joint] - p[k - 1][joint]) / (1e-9 * static_cast<double>(s.period));
+        const double rate = (p[k][joint] - p[k - 1][joint]) / (seconds<double>(s.period));
         sum += rate * std::exp(std::complex<double>(0, -w * (t - settle)));
       }
       return sum;
@@ -188,9 +188,9 @@ TEST_CASE("cycle: the same contact ends at the same place at 125 and 500 Hz, and
   const auto touch = [](double t) { return half_sine(t, 0.3, 0.8); };
   SceneSettings fast, slow;
   fast.force_gain = slow.force_gain = 15;  // no limit acts: those depend on T, and T on the period
-  fast.lag = slow.lag = 0.004;
+  fast.lag = slow.lag = 4ms;
   fast.decay = slow.decay = 10;
-  fast.period = 2_ms;
+  fast.period = 2ms;
   const auto at_500 = run(kinesthetic_scene(fast), fast, 3, 60, touch).back();
   const auto at_125 = run(kinesthetic_scene(slow), slow, 3, 60, touch).back();
   const auto skipped = run(kinesthetic_scene(slow), slow, 3, 60, touch, true).back();
@@ -214,7 +214,7 @@ TEST_CASE("cycle: a blocked arm does not run away, and comes back smoothly") {
     return at;
   }());
   StiffJoints<> robot(home_position(), s.delay, s.lag);
-  const double T = 1e-9 * static_cast<double>(s.delay + s.period);
+  const double T = seconds<double>(s.delay + s.period);
   bool blocked = false;
   JointPosition<6> last = home_position();
   double lead = 0, step = 0;
@@ -224,8 +224,8 @@ TEST_CASE("cycle: a blocked arm does not run away, and comes back smoothly") {
     typename decltype(scene)::Input input;
     input.measured = robot.run_to(now);
     input.now = now;
-    const CellSample push{.time = now - 1_ms, .cell = 60, .force = {1, 1, 1}};
-    const CellSample release{.time = now - 1_ms, .cell = 60};
+    const CellSample push{.time = now - 1ms, .cell = 60, .force = {1, 1, 1}};
+    const CellSample release{.time = now - 1ms, .cell = 60};
     input.samples = std::span(k < 400 ? &push : &release, 1);
     const auto out = scene.step(memory, input);
     robot.command(now, out.command.position);
@@ -268,7 +268,7 @@ TEST_CASE_TEMPLATE(
     input.measured = state;
     input.measured.time = input.now;
     for (auto& x : samples)
-      x = {.time = input.now - 1_us * random.index(8000),
+      x = {.time = input.now - 1us * random.index(8000),
            .cell = static_cast<std::uint32_t>(random.index(262)),
            .force = {static_cast<float>(random.uniform(0, random.index(3) == 0 ? 1 : 0.02)), 0, 0}};
     input.samples = std::span(samples).first(static_cast<std::size_t>(random.index(5)));
@@ -306,8 +306,8 @@ TEST_CASE("cycle: a start from a state that is not finite commands nothing") {
   state.q[3] = std::numeric_limits<double>::quiet_NaN();
   auto memory = scene.start(state);
   Reaching::Input input;
-  input.now = 8_ms;
+  input.now = 8ms;
   input.measured.q = home_position();
-  input.measured.time = 8_ms;
+  input.measured.time = 8ms;
   CHECK_FALSE(scene.step(memory, input).command.valid);
 }

@@ -17,14 +17,12 @@ namespace {
 /// Largest distance [rad] of the command from a sine that is streamed into every cycle, after 3 s.
 template <class L, class Wrap>
 double lag_behind_a_sine(const L& law, Wrap&& wrap) {
-  const auto limits = limits_of<ur5::Description>(15.0);
-  const Nanoseconds period = 2_ms;
-  const Cycle cycle(
-      Resolver<Interface::position, ur5::Model>(ur5::Model{}, {.limits = limits, .period = period}), law,
-      Guard<Interface::position, 6>({.limits = limits, .period = period}));
+  const Nanoseconds period = 2ms;
+  const auto arm = by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = period});
+  const Cycle cycle(arm, law);
   using Scene = std::remove_const_t<decltype(cycle)>;
   const JointPosition<6> home{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
-  State<6> state{0, home, {}};
+  State<6> state{0ns, home, {}};
   auto memory = cycle.start(state);
   double off = 0;
   for (int k = 1; k <= 3000; ++k) {
@@ -51,7 +49,7 @@ double lag_behind_a_sine(const L& law, Wrap&& wrap) {
 
 TEST_CASE(
     "cycle: a target that moves is followed, sample by sample, alone, in a sum and in one that blends") {
-  const JointControl<6> follow({.dt = 0.002});
+  const JointControl<6> follow({.dt = 2ms});
   const auto plain = [](const JointReference<6>& target) { return target; };
   CHECK(lag_behind_a_sine(follow, plain) < 2e-3);
   CHECK(lag_behind_a_sine(follow + GravityControl(), plain) < 2e-3);

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -74,10 +74,11 @@ class Tape {
     return number(usual);
   }
   Nanoseconds time(Nanoseconds now, Nanoseconds back) {
-    constexpr Nanoseconds special[] = {INT64_MIN, INT64_MAX, 0, -1};
+    constexpr Nanoseconds special[] = {Nanoseconds::min(), Nanoseconds::max(), 0ns, -1ns};
     const auto [content, bits] = next();
-    return content == Content::usual  ? now - static_cast<Nanoseconds>(bits % std::uint64_t(back + 1))
-           : content == Content::bits ? static_cast<Nanoseconds>(bits)
+    return content == Content::usual
+               ? now - Nanoseconds(static_cast<std::int64_t>(bits % std::uint64_t(back.count() + 1)))
+           : content == Content::bits ? Nanoseconds(static_cast<std::int64_t>(bits))
                                       : special[bits % 4];
   }
   /// Below `count`, or any.
@@ -99,25 +100,25 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
   using Scene = std::remove_cvref_t<decltype(scene)>;
   static const auto memory = std::make_unique<typename Scene::Memory>();
   const auto limits = ur5_test_limits<T>();
-  const T longest = T(0.08);  // what a cycle may integrate at most: ten periods
+  const T longest = T(0.04);  // what a cycle may integrate at most: five periods
   State<6, T> state;
   state.q = home_position<T>();
   scene.start(*memory, state);
   JointCommand<6, T> last = memory->robot.command;
-  Nanoseconds now = 0;
+  Nanoseconds now{};
   std::uint64_t allocated = 0;
   for (const auto& fields : cycles) {
     Tape tape(fields);
-    now += 8_ms;
+    now += 8ms;
     typename Scene::Input input;
-    input.now = tape.time(now, 0);
-    input.measured.time = tape.time(now, 0);
+    input.now = tape.time(now, 0ns);
+    input.measured.time = tape.time(now, 0ns);
     for (std::size_t i = 0; i < 6; ++i) input.measured.q[i] = tape.number(state.q[i]);
     for (std::size_t i = 0; i < 6; ++i) input.measured.dq[i] = tape.number(state.dq[i]);
     const auto count = static_cast<std::size_t>(tape.index(samples_a_cycle + 1) % (samples_a_cycle + 1));
     std::array<CellSample, samples_a_cycle> samples;
     for (auto& s : samples) {
-      s.time = tape.time(now, 8_ms);
+      s.time = tape.time(now, 8ms);
       s.cell = static_cast<std::uint32_t>(tape.index(262));
       for (float& f : s.force) f = tape.reading(1);
       s.proximity = tape.reading(1);
@@ -129,7 +130,7 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
     input.observed = Status::from_bits(tape.index(1));  // a stop waits for the request `resume`
     input.has_goal = tape.index(16) == 15;
     for (std::size_t i = 0; i < 6; ++i) input.goal.q_g[i] = tape.number(T(state.q[i] + T(0.3)));
-    input.goal.duration = tape.time(4_s, 4_s);
+    input.goal.duration = tape.time(4s, 4s);
 
     const AllocationGuard guard;
     const auto out = scene.step(*memory, input);
@@ -184,9 +185,9 @@ TEST_CASE_TEMPLATE(
     state.q = home_position<T>();
     scene.start(*memory, state);
     last = memory->robot.command;
-    Nanoseconds now = 0;
+    Nanoseconds now{};
     for (int k = 1; k <= 100; ++k) {
-      now += 8_ms;
+      now += 8ms;
       typename Scene::Input input;
       input.now = random.index(20) == 0 ? static_cast<Nanoseconds>(random.bits()) : now;
       input.measured = state;

@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -22,7 +22,7 @@ Recording<Scene> recorded_run(const Scene& scene, std::size_t bytes = std::size_
   Recording<Scene> recording(bytes);
   auto memory = std::make_unique<Scene::Memory>();
   oracle::Random random(5);
-  StiffJoints<> robot(home_position(), 8_ms, 0.004);
+  StiffJoints<> robot(home_position(), 8ms, 0.004);
   scene.start(*memory, robot.state());
   recording.start(robot.state());
   std::array<CellSample, 3> samples;
@@ -31,11 +31,11 @@ Recording<Scene> recorded_run(const Scene& scene, std::size_t bytes = std::size_
   for (int k = 1; k <= 2000; ++k) {
     if (k % 97 == 0) continue;
     Scene::Input input;
-    input.now = k * 8_ms;
+    input.now = k * 8ms;
     input.measured = robot.run_to(input.now);
     if (k % 300 == 0) input.measured.q[2] = std::numeric_limits<double>::quiet_NaN();
     for (auto& s : samples)
-      s = {.time = input.now - 1_ms * random.index(8),
+      s = {.time = input.now - 1ms * random.index(8),
            .cell = static_cast<std::uint32_t>(random.index(261)),
            .force = {static_cast<float>(random.uniform(0, 0.4)), 0, 0}};
     input.samples = std::span(samples).first(static_cast<std::size_t>(k % 4));

@@ -108,7 +108,7 @@ TEST_CASE("accuracy: 64 joints by the loop") {
     oracle::Random random(5);
     for (int k = 0; k < 5; ++k) {
       const testing::Motion<64, T> at(random);
-      std::vector<Wide> magnitude;
+      std::vector<Digits50> magnitude;
       const auto tau = exact.dalembert(wide(at.q), wide(at.dq), wide(at.ddq), &magnitude);
       CHECK(testing::detail::in_ulps<T>(loop_yr_theta(model, at.q, at.dq, at.dq, at.ddq), tau,
                                         testing::detail::largest(magnitude)) <= 64);

@@ -41,29 +41,29 @@ TEST_CASE("energy: MuJoCo's, and momentum is M dq") {
 
 #if SKINCTL_MANY_DIGITS
 TEST_CASE("energy: changes as the joints do work, and momentum as dp = tau + C' dq - G, in 50 digits") {
-  const auto model = calibrated_from<ur5::Description, Wide>();
+  const auto model = calibrated_from<ur5::Description, Digits50>();
   oracle::Random random(2);
-  const Wide h("1e-16");
+  const Digits50 h("1e-16");
   for (int k = 0; k < 3; ++k) {
-    const Motion<6, Wide> at(random);
-    const auto E = [&](const Wide& t) {
-      const auto q = JointPosition<6, Wide>::generate(
+    const Motion<6, Digits50> at(random);
+    const auto E = [&](const Digits50& t) {
+      const auto q = JointPosition<6, Digits50>::generate(
           [&](std::size_t i) { return at.q[i] + t * at.dq[i] + t * t / 2 * at.ddq[i]; });
       return energy(model, q, integrate(at.dq, at.ddq, t));
     };
     const auto tau = inverse_dynamics(model, at.q, at.dq, at.ddq);
-    const Wide rate = (E(h) - E(-h)) / (2 * h);
+    const Digits50 rate = (E(h) - E(-h)) / (2 * h);
     CHECK(static_cast<double>(abs(rate - power(tau, at.dq))) <= 1e-25);
     // C' dq is the gradient of the kinetic energy, and so C' dq - G that of the Lagrangian.
     const auto p_ahead = generalised_momentum(model, integrate(at.q, at.dq, h), integrate(at.dq, at.ddq, h));
-    const auto p_behind =
-        generalised_momentum(model, integrate(at.q, at.dq, Wide(-h)), integrate(at.dq, at.ddq, Wide(-h)));
+    const auto p_behind = generalised_momentum(model, integrate(at.q, at.dq, Digits50(-h)),
+                                               integrate(at.dq, at.ddq, Digits50(-h)));
     for (std::size_t i = 0; i < 6; ++i) {
       auto q_plus = at.q, q_minus = at.q;
       q_plus[i] += h, q_minus[i] -= h;
-      const Wide gradient = (kinetic_energy(model, q_plus, at.dq) - potential_energy(model, q_plus) -
-                             kinetic_energy(model, q_minus, at.dq) + potential_energy(model, q_minus)) /
-                            (2 * h);
+      const Digits50 gradient = (kinetic_energy(model, q_plus, at.dq) - potential_energy(model, q_plus) -
+                                 kinetic_energy(model, q_minus, at.dq) + potential_energy(model, q_minus)) /
+                                (2 * h);
       CHECK(static_cast<double>(abs((p_ahead[i] - p_behind[i]) / (2 * h) - tau[i] - gradient)) <= 1e-25);
     }
   }

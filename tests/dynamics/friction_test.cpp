@@ -38,16 +38,16 @@ TEST_CASE_TEMPLATE("JointFriction: odd, takes energy at every speed, and is what
 }
 
 TEST_CASE("JointFriction: the slope is that of the torque, in 50 digits, and lanes do as numbers do") {
-  const JointFriction<3, Wide> friction(settings<Wide>());
+  const JointFriction<3, Digits50> friction(settings<Digits50>());
   const JointFriction<3> in_double(settings<double>());
-  const Wide h("1e-16");
+  const Digits50 h("1e-16");
   for (const char* v : {"0", "0.003", "-0.02", "0.1", "-0.3", "2"}) {
-    const auto dq = JointVelocity<3, Wide>::constant(Wide(v));
-    const auto step = JointVelocity<3, Wide>::constant(h);
+    const auto dq = JointVelocity<3, Digits50>::constant(Digits50(v));
+    const auto step = JointVelocity<3, Digits50>::constant(h);
     const auto change = friction.torque(dq + step) - friction.torque(dq - step);
     const auto slope = in_double.slope(dq.cast<double>());
     for (std::size_t i = 0; i < 3; ++i)
-      CHECK(std::abs(static_cast<double>(change[i] / (2 * h) - Wide(slope[i]))) <= 1e-12);
+      CHECK(std::abs(static_cast<double>(change[i] / (2 * h) - Digits50(slope[i]))) <= 1e-12);
   }
   using L = Lane<double>;
   const JointFriction<3, L> lanes(settings<L>());

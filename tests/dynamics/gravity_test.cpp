@@ -34,13 +34,13 @@ TEST_CASE("gravity: KDL and MuJoCo agree at 1000 random states") {
 TEST_CASE("gravity: it is the slope of the potential energy") {
   for_each_robot([](const auto& robot) {
     constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
-    const oracle::EulerLagrange<Wide> exact(robot.table);
+    const oracle::EulerLagrange<Digits50> exact(robot.table);
     oracle::Random random(2);
     for (int k = 0; k < 10; ++k) {
       const Motion<N> at(random);
       CAPTURE(robot.name);
       CHECK(relative_error(gravity_torque(robot.model, at.q), exact.gravity(wide(at.q)), N) <= 1e-14);
-      const Wide V = exact.potential_energy(wide(at.q));
+      const Digits50 V = exact.potential_energy(wide(at.q));
       CHECK(potential_energy(robot.model, at.q) ==
             doctest::Approx(static_cast<double>(V)).epsilon(1e-12).scale(1));
     }
@@ -49,7 +49,7 @@ TEST_CASE("gravity: it is the slope of the potential energy") {
 
 TEST_CASE("gravity: float and double at the straight arm, next to it, and a million turns away") {
   const auto robot = ur5_robot();
-  const oracle::EulerLagrange<Wide> exact(robot.table);
+  const oracle::EulerLagrange<Digits50> exact(robot.table);
   for (double x : {0.0, 1e-8, 1.0, 3.141592653589793, 1e6}) {
     const auto q = JointPosition<6>::constant(x);
     CAPTURE(x);

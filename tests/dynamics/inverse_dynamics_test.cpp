@@ -39,7 +39,7 @@ TEST_CASE("inverse dynamics: KDL and MuJoCo agree at 1000 random states") {
 TEST_CASE("Y_r Theta: M ddq_r + C dq_r + G by definition, with Christoffel's C") {
   for_each_robot([](const auto& robot) {
     constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
-    const oracle::EulerLagrange<Wide> exact(robot.table);
+    const oracle::EulerLagrange<Digits50> exact(robot.table);
     oracle::Random random(2);
     double worst = 0;
     for (int k = 0; k < (N > 9 ? 2 : 10); ++k) {
@@ -69,7 +69,7 @@ TEST_CASE("Y_r Theta: gravity left out is the difference of exactly G") {
 TEST_CASE("C: dM/dt - 2C is skew-symmetric") {
   for_each_robot([](const auto& robot) {
     constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
-    const oracle::EulerLagrange<Wide> exact(robot.table);
+    const oracle::EulerLagrange<Digits50> exact(robot.table);
     oracle::Random random(4);
     const Motion<N> at(random);
     using M = typename std::remove_cvref_t<decltype(robot)>::Model;
@@ -119,7 +119,7 @@ TEST_CASE("bias torque: C dq + G, and C dq alone") {
 
 TEST_CASE("inverse dynamics: double and float are as close as their rounding allows") {
   const auto robot = ur5_robot();
-  const oracle::EulerLagrange<Wide> exact(robot.table);
+  const oracle::EulerLagrange<Digits50> exact(robot.table);
   oracle::Random random(6);
   double worst_float = 0, worst_double = 0;
   for (int k = 0; k < 20; ++k) {
@@ -156,13 +156,14 @@ TEST_CASE("inverse dynamics: in 50 digits it is the definition, to the rounding 
   }
   table.gravity = {0.5, -1, -9.75};
   const auto numbers = canonical_links<Chain<3>>(links).links;
-  CalibratedModel<Chain<3>, Wide>::Links wide_numbers;
-  for (std::size_t i = 0; i < 3; ++i) wide_numbers[i] = numbers[i].cast<Wide>();
-  const CalibratedModel<Chain<3>, Wide> model(wide_numbers, {Wide(0.5), Wide(-1), Wide(-9.75)});
-  const oracle::EulerLagrange<Wide> exact(table);
+  CalibratedModel<Chain<3>, Digits50>::Links wide_numbers;
+  for (std::size_t i = 0; i < 3; ++i) wide_numbers[i] = numbers[i].cast<Digits50>();
+  const CalibratedModel<Chain<3>, Digits50> model(wide_numbers,
+                                                  {Digits50(0.5), Digits50(-1), Digits50(-9.75)});
+  const oracle::EulerLagrange<Digits50> exact(table);
   oracle::Random random(12);
   for (int k = 0; k < 10; ++k) {
-    const Motion<3, Wide> at(random);
+    const Motion<3, Digits50> at(random);
     const auto tau = inverse_dynamics(model, at.q, at.dq, at.ddq);
     const auto G = gravity_torque(model, at.q);
     const auto M = mass_matrix(model, at.q);

@@ -38,7 +38,7 @@ TEST_CASE("loop dynamics: what straight-line code gives, on a tree with sliding 
 
 TEST_CASE("loop dynamics: a chain of 64 joints against the definition in 50 digits") {
   const auto robot = random_robot<Chain<64>>("chain of 64", 64);
-  const oracle::EulerLagrange<Wide> exact(robot.table);
+  const oracle::EulerLagrange<Digits50> exact(robot.table);
   oracle::Random random(2);
   const Motion<64> at(random);
   const auto X = loop_poses(robot.model, at.q);

@@ -15,13 +15,13 @@ template <class T>
 void check_chain() {
   const auto robot = random_robot<Chain<64>>("chain of 64", 64);
   const auto model = random_robot<Chain<64>, T>("chain of 64", 64).model;
-  const oracle::EulerLagrange<Wide> exact(robot.table);
+  const oracle::EulerLagrange<Digits50> exact(robot.table);
   oracle::Random random(2);
   const Motion<64, T> at(random);
   const double eps = static_cast<double>(std::numeric_limits<T>::epsilon());
   const auto M = loop_mass_matrix(model, at.q);
   CHECK(relative_error(M.data, exact.mass_matrix(wide(at.q)), 64 * 64) <= 256 * eps);
-  const auto rest = std::vector<Wide>(64, Wide(0));
+  const auto rest = std::vector<Digits50>(64, Digits50(0));
   CHECK(relative_error(loop_gravity_torque(model, at.q), exact.dalembert(wide(at.q), rest, rest), 64) <=
         256 * eps);
   // M times the answer is what was left of the torque.

@@ -38,7 +38,7 @@ TEST_CASE("mass matrix: the definition in 50 digits; symmetric to the bit; branc
   for_each_robot([](const auto& robot) {
     constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
     using Model = typename std::remove_cvref_t<decltype(robot)>::Model;
-    const oracle::EulerLagrange<Wide> exact(robot.table);
+    const oracle::EulerLagrange<Digits50> exact(robot.table);
     oracle::Random random(2);
     for (int k = 0; k < 10; ++k) {
       const Motion<N> at(random);

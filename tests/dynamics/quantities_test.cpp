@@ -45,7 +45,7 @@ TEST_CASE("quantities: each is what its own function gives") {
   oracle::Random random(1);
   for (int k = 0; k < 100; ++k) {
     const Motion<6> at(random);
-    const State<6> state{0, at.q, at.dq};
+    const State<6> state{0ns, at.q, at.dq};
     const NoTouch touch;
     const Quantities<M, everything> known(model, state, 0.008, touch);
     CHECK(known.q() == at.q);

@@ -17,14 +17,14 @@ namespace {
 
 /// The table with other inertias: what the parameters `theta`, in the model's link frames, are to the oracle.
 template <class R>
-oracle::BasicRobot<Wide> with_parameters(const R& robot, const auto& theta) {
-  auto table = oracle::exact<Wide>(robot.table);
+oracle::BasicRobot<Digits50> with_parameters(const R& robot, const auto& theta) {
+  auto table = oracle::exact<Digits50>(robot.table);
   for (std::size_t i = 0; i < R::joints; ++i) {
     auto& body = table.bodies[i];
-    const auto t = [&](Inertial p) { return Wide(theta(i, p)); };
+    const auto t = [&](Inertial p) { return Digits50(theta(i, p)); };
     using P = Inertial;
-    const Wide m = t(P::mass), x = t(P::h_x) / m, y = t(P::h_y) / m, z = t(P::h_z) / m;
-    const Wide xy = t(P::xy) + m * x * y, xz = t(P::xz) + m * x * z, yz = t(P::yz) + m * y * z;
+    const Digits50 m = t(P::mass), x = t(P::h_x) / m, y = t(P::h_y) / m, z = t(P::h_z) / m;
+    const Digits50 xy = t(P::xy) + m * x * y, xz = t(P::xz) + m * x * z, yz = t(P::yz) + m * y * z;
     body.mass = m;
     body.com = {x, y, z};
     body.inertia = {t(P::xx) - m * (y * y + z * z), xy, xz, xy, t(P::yy) - m * (x * x + z * z), yz, xz, yz,
@@ -65,7 +65,7 @@ TEST_CASE(
     const Motion<6> at(random);
     InertialParameters<6> theta;
     for (double& x : theta.data) x = random.uniform(-2, 2);  // negative masses and moments among them
-    const oracle::EulerLagrange<Wide> exact(with_parameters(robot, theta));
+    const oracle::EulerLagrange<Digits50> exact(with_parameters(robot, theta));
     const auto expected = exact.yr_theta(wide(at.q), wide(at.dq), wide(at.dq_r), wide(at.ddq));
     const auto tau = regressor(robot.model, at.q, at.dq, at.dq_r, at.ddq) * theta;
     worst = std::max(worst, relative_error(tau, expected, 6));

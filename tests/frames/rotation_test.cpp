@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random_frames.hpp"
 
 using namespace skinctl;
@@ -34,19 +35,20 @@ std::vector<Xyz<T>> telling_axes(Random& rng) {
 }
 /// `d/ds exp(phi + s dphi)` at s = 0, as the angular velocity in the outer axes, by a central difference
 /// quotient.
-Xyz<Exact> omega_by_definition(const Xyz<Exact>& phi, const Xyz<Exact>& dphi) {
-  const Exact h("1e-16");
-  const auto rotation = [](const Xyz<Exact>& v) {
-    const Exact angle = norm(v);
-    return angle == 0 ? Rotation<Exact>{} : rotation_about((Exact(1) / angle) * v, angle);
+Xyz<Digits50> omega_by_definition(const Xyz<Digits50>& phi, const Xyz<Digits50>& dphi) {
+  const Digits50 h("1e-16");
+  const auto rotation = [](const Xyz<Digits50>& v) {
+    const Digits50 angle = norm(v);
+    return angle == 0 ? Rotation<Digits50>{} : rotation_about((Digits50(1) / angle) * v, angle);
   };
-  const Rotation<Exact> D = rotation(phi + h * dphi) * rotation(phi - h * dphi).transpose();
-  const Exact scale = 1 / (4 * h);
+  const Rotation<Digits50> D = rotation(phi + h * dphi) * rotation(phi - h * dphi).transpose();
+  const Digits50 scale = 1 / (4 * h);
   return {scale * (D.y.z - D.z.y), scale * (D.z.x - D.x.z), scale * (D.x.y - D.y.x)};
 }
 }  // namespace
 
-TEST_CASE_TEMPLATE("Rotation: a product turns as its factors one after the other", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("Rotation: a product turns as its factors one after the other", T, float, double,
+                   Digits50) {
   auto rng = seeded(1);
   for (int i = 0; i < 200; ++i) {
     const auto R = random_rotation<T>(rng), S = random_rotation<T>(rng);
@@ -78,13 +80,14 @@ TEST_CASE_TEMPLATE("Rotation: exp is the turn by |phi| about phi, at every lengt
   for (const T& angle : angles) {
     for (const auto& axis : telling_axes<T>(rng)) {
       const Xyz<T> phi = angle * axis;
-      const Xyz<Exact> exact_phi = skinctl::cast<Exact>(phi);
-      const Exact exact_angle = norm(exact_phi);
-      const Rotation<Exact> expected =
-          exact_angle == 0 ? Rotation<Exact>{} : rotation_about((1 / exact_angle) * exact_phi, exact_angle);
+      const Xyz<Digits50> exact_phi = skinctl::cast<Digits50>(phi);
+      const Digits50 exact_angle = norm(exact_phi);
+      const Rotation<Digits50> expected = exact_angle == 0
+                                              ? Rotation<Digits50>{}
+                                              : rotation_about((1 / exact_angle) * exact_phi, exact_angle);
       const Rotation<T> R = exp_so3(phi);
       CAPTURE(as_code(phi));
-      CHECK(largest(testing::cast<Exact>(R), expected) <= Exact(T(4) + T(2) * angle) * epsilon<T>());
+      CHECK(largest(testing::cast<Digits50>(R), expected) <= Digits50(T(4) + T(2) * angle) * epsilon<T>());
       CHECK(rotation_error(R) <= T(16) * epsilon<T>());
     }
   }
@@ -107,16 +110,16 @@ TEST_CASE_TEMPLATE("Rotation: log finds the vector that exp was given, to relati
   auto rng = seeded(4);
   for (const T& angle : telling_angles<T>()) {
     for (const auto& axis : telling_axes<T>(rng)) {
-      const Xyz<Exact> unit = (1 / norm(skinctl::cast<Exact>(axis))) * skinctl::cast<Exact>(axis);
-      const Xyz<Exact> expected = Exact(angle) * unit;
-      const Rotation<T> R = testing::cast<T>(rotation_about(unit, Exact(angle)));
-      const Xyz<Exact> phi = skinctl::cast<Exact>(log_so3(R));
+      const Xyz<Digits50> unit = (1 / norm(skinctl::cast<Digits50>(axis))) * skinctl::cast<Digits50>(axis);
+      const Xyz<Digits50> expected = Digits50(angle) * unit;
+      const Rotation<T> R = testing::cast<T>(rotation_about(unit, Digits50(angle)));
+      const Xyz<Digits50> phi = skinctl::cast<Digits50>(log_so3(R));
       CAPTURE(as_code(R));
       // Next to half a turn the rounding of R may put it on the other side.
       const bool may_flip = angle > pi<T>() - T(16) * epsilon<T>();
       const bool flipped = may_flip && dot(phi, expected) < 0;
-      CHECK(largest(flipped ? phi + expected : phi - expected) <= Exact(T(8) * epsilon<T>() * angle));
-      CHECK(norm(phi) <= Exact(pi<T>()) * (1 + Exact(epsilon<T>())));
+      CHECK(largest(flipped ? phi + expected : phi - expected) <= Digits50(T(8) * epsilon<T>() * angle));
+      CHECK(norm(phi) <= Digits50(pi<T>()) * (1 + Digits50(epsilon<T>())));
     }
   }
 }
@@ -124,13 +127,13 @@ TEST_CASE_TEMPLATE("Rotation: log finds the vector that exp was given, to relati
 TEST_CASE("Rotation: log and exp are inverse to 50 digits") {
   auto rng = seeded(5);
   for (int i = 0; i < 200; ++i) {
-    const Xyz<Exact> phi = (pi<Exact>() * uniform<Exact>(rng)) * random_direction<Exact>(rng);
-    CHECK(largest(log_so3(exp_so3(phi)) - phi) <= 64 * epsilon<Exact>());
+    const Xyz<Digits50> phi = (pi<Digits50>() * uniform<Digits50>(rng)) * random_direction<Digits50>(rng);
+    CHECK(largest(log_so3(exp_so3(phi)) - phi) <= 64 * epsilon<Digits50>());
   }
 }
 
 TEST_CASE_TEMPLATE("Rotation: exactly half a turn has the vector whose largest component is positive", T,
-                   float, double, Exact) {
+                   float, double, Digits50) {
   const T o(0), l(1);
   CHECK(largest(log_so3(Rotation<T>{{l, o, o}, {o, -l, o}, {o, o, -l}}) - Xyz<T>{pi<T>(), o, o}) <=
         epsilon<T>());
@@ -169,32 +172,34 @@ TEST_CASE_TEMPLATE("Rotation: the left Jacobian is the derivative of exp", T, fl
     for (const auto& axis : telling_axes<T>(rng)) {
       const Xyz<T> phi = angle * axis;
       const Xyz<T> dphi = random_xyz(rng, T(1));
-      const Xyz<Exact> exact_phi = skinctl::cast<Exact>(phi), exact_dphi = skinctl::cast<Exact>(dphi);
-      const Xyz<Exact> omega = omega_by_definition(exact_phi, exact_dphi);
+      const Xyz<Digits50> exact_phi = skinctl::cast<Digits50>(phi),
+                          exact_dphi = skinctl::cast<Digits50>(dphi);
+      const Xyz<Digits50> omega = omega_by_definition(exact_phi, exact_dphi);
       CAPTURE(as_code(phi));
       CAPTURE(as_code(dphi));
-      const Exact few_ulp = Exact(T(16) * epsilon<T>());
-      CHECK(largest(skinctl::cast<Exact>(left_jacobian_so3(phi, dphi)) - omega) <= few_ulp);
+      const Digits50 few_ulp = Digits50(T(16) * epsilon<T>());
+      CHECK(largest(skinctl::cast<Digits50>(left_jacobian_so3(phi, dphi)) - omega) <= few_ulp);
       // The inverse, of the same omega rounded; it stretches by (|phi|/2) / sin(|phi|/2).
-      const Exact stretch = 1 + Exact(angle) / (2 * sin(Exact(angle) / 2) + Exact(1e-40));
+      const Digits50 stretch = 1 + Digits50(angle) / (2 * sin(Digits50(angle) / 2) + Digits50(1e-40));
       const Xyz<T> back = left_jacobian_inverse_so3(phi, skinctl::cast<T>(omega));
-      CHECK(largest(skinctl::cast<Exact>(back) - exact_dphi) <= few_ulp * stretch * stretch);
+      CHECK(largest(skinctl::cast<Digits50>(back) - exact_dphi) <= few_ulp * stretch * stretch);
     }
   }
 }
 
 TEST_CASE("Rotation: the Jacobian's series and closed forms agree to 50 digits where they meet") {
   auto rng = seeded(8);
-  for (const Exact& angle : {Exact("0.999999"), Exact("1.000001"), Exact("1.999999"), Exact("2.000001")}) {
-    const Xyz<Exact> phi = angle * random_direction<Exact>(rng);
-    const Xyz<Exact> v = random_xyz(rng, Exact(1));
-    CHECK(largest(left_jacobian_inverse_so3(phi, left_jacobian_so3(phi, v)) - v) <= 32 * epsilon<Exact>());
-    CHECK(largest(left_jacobian_so3(phi, v) - omega_by_definition(phi, v)) <= Exact("1e-30"));
+  for (const Digits50& angle :
+       {Digits50("0.999999"), Digits50("1.000001"), Digits50("1.999999"), Digits50("2.000001")}) {
+    const Xyz<Digits50> phi = angle * random_direction<Digits50>(rng);
+    const Xyz<Digits50> v = random_xyz(rng, Digits50(1));
+    CHECK(largest(left_jacobian_inverse_so3(phi, left_jacobian_so3(phi, v)) - v) <= 32 * epsilon<Digits50>());
+    CHECK(largest(left_jacobian_so3(phi, v) - omega_by_definition(phi, v)) <= Digits50("1e-30"));
   }
 }
 
 TEST_CASE_TEMPLATE("Rotation: normalised is the nearest rotation, whatever was measured", T, float, double,
-                   Exact) {
+                   Digits50) {
   auto rng = seeded(9);
   for (const T& noise : {T(0), T(1e-30), T(1e-8), T(1e-4), T(3e-3)}) {
     for (int i = 0; i < 100; ++i) {

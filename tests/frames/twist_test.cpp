@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random_frames.hpp"
 
 using namespace skinctl;
@@ -40,28 +41,28 @@ auto difference(const V& a, const V& b) {
 /// A body that turns and moves: `X_AB(t) = X_0 exp(t w) + t v + t^2 a`, with its exact velocity from
 /// difference quotients.
 struct Motion {
-  Rotation<Exact> R;
-  Xyz<Exact> w, p, v, a;
+  Rotation<Digits50> R;
+  Xyz<Digits50> w, p, v, a;
   explicit Motion(Random& rng)
-      : R(random_rotation<Exact>(rng)),
-        w(random_xyz(rng, Exact(2))),
-        p(random_xyz(rng, Exact(1))),
-        v(random_xyz(rng, Exact(1))),
-        a(random_xyz(rng, Exact(1))) {}
+      : R(random_rotation<Digits50>(rng)),
+        w(random_xyz(rng, Digits50(2))),
+        p(random_xyz(rng, Digits50(1))),
+        v(random_xyz(rng, Digits50(1))),
+        a(random_xyz(rng, Digits50(1))) {}
   template <class A, class B>
-  Transform<A, B, Exact> at(const Exact& t) const {
-    const Exact speed = norm(w);
-    return Transform<A, B, Exact>::trusted(rotation_about((1 / speed) * w, Exact(speed * t)) * R,
-                                           p + t * v + (t * t) * a);
+  Transform<A, B, Digits50> at(const Digits50& t) const {
+    const Digits50 speed = norm(w);
+    return Transform<A, B, Digits50>::trusted(rotation_about((1 / speed) * w, Digits50(speed * t)) * R,
+                                              p + t * v + (t * t) * a);
   }
 };
-const Exact h("1e-16");
+const Digits50 h("1e-16");
 /// Velocity of B relative to A at B's origin along A's axes, from the poses a moment before and after.
 template <class A, class B>
-SpatialVelocity<A, B, A, Exact> velocity(const Transform<A, B, Exact>& before,
-                                         const Transform<A, B, Exact>& after) {
-  const Rotation<Exact> D = after.axes() * before.axes().transpose();
-  const Exact s = 1 / (4 * h);
+SpatialVelocity<A, B, A, Digits50> velocity(const Transform<A, B, Digits50>& before,
+                                            const Transform<A, B, Digits50>& after) {
+  const Rotation<Digits50> D = after.axes() * before.axes().transpose();
+  const Digits50 s = 1 / (4 * h);
   return {(1 / (2 * h)) * (after.origin() - before.origin()),
           {s * (D.y.z - D.z.y), s * (D.z.x - D.x.z), s * (D.x.y - D.y.x)}};
 }
@@ -86,7 +87,7 @@ static_assert(!shifts<V_WH, Offset<Hand, Fingertip, Hand>>, "along other axes");
 static_assert(!shifts<V_WH, Offset<Base, Fingertip, World>>, "from another point");
 
 TEST_CASE_TEMPLATE("Twist: shifting and expressing commute, and together are the transform", T, float, double,
-                   Exact) {
+                   Digits50) {
   auto rng = seeded(1);
   for (const T& reach : {T(0), T(1e-8), T(1), T(1e6)}) {
     for (int i = 0; i < 50; ++i) {
@@ -108,14 +109,14 @@ TEST_CASE("Twist: is what the poses of a moving body say, at every point of it")
   auto rng = seeded(2);
   for (int i = 0; i < 20; ++i) {
     const Motion motion(rng);
-    const Exact t = uniform<Exact>(rng);
+    const Digits50 t = uniform<Digits50>(rng);
     const auto V_WH_W = velocity(motion.at<World, Hand>(t - h), motion.at<World, Hand>(t + h));
     const auto X_WH = motion.at<World, Hand>(t);
-    const auto X_HF = random_transform<Hand, Fingertip>(rng, Exact(1));
+    const auto X_HF = random_transform<Hand, Fingertip>(rng, Digits50(1));
     const auto V_WF_W = velocity(motion.at<World, Hand>(t - h) * X_HF, motion.at<World, Hand>(t + h) * X_HF);
     const auto shifted = shift(V_WH_W, X_WH * X_HF.offset());
-    CHECK(largest(shifted.linear - V_WF_W.linear) <= Exact("1e-29"));
-    CHECK(largest(shifted.angular - V_WF_W.angular) <= Exact("1e-29"));
+    CHECK(largest(shifted.linear - V_WF_W.linear) <= Digits50("1e-29"));
+    CHECK(largest(shifted.angular - V_WF_W.angular) <= Digits50("1e-29"));
   }
 }
 
@@ -123,7 +124,7 @@ TEST_CASE("Twist: velocities add up along a chain of moving bodies, at one point
   auto rng = seeded(3);
   for (int i = 0; i < 20; ++i) {
     const Motion base(rng), hand(rng);
-    const Exact t = uniform<Exact>(rng);
+    const Digits50 t = uniform<Digits50>(rng);
     const auto X_WB = base.at<World, Base>(t);
     const auto X_BH = hand.at<Base, Hand>(t);
     const auto V_WB_W = velocity(base.at<World, Base>(t - h), base.at<World, Base>(t + h));
@@ -131,11 +132,11 @@ TEST_CASE("Twist: velocities add up along a chain of moving bodies, at one point
     const auto V_WH_W = velocity(base.at<World, Base>(t - h) * hand.at<Base, Hand>(t - h),
                                  base.at<World, Base>(t + h) * hand.at<Base, Hand>(t + h));
     const auto sum = shift(V_WB_W, X_WB * X_BH.offset()) + express(X_WB, V_BH_B);
-    CHECK(difference(sum, V_WH_W) <= Exact("1e-29"));
+    CHECK(difference(sum, V_WH_W) <= Digits50("1e-29"));
     // And backwards: what the base sees of the world.
     const auto V_BW = velocity(base.at<World, Base>(t - h).inverse(), base.at<World, Base>(t + h).inverse());
     const auto reversed = shift(express(X_WB.inverse(), V_WB_W.reversed()), X_WB.inverse().offset());
-    CHECK(difference(reversed, V_BW) <= Exact("1e-29"));
+    CHECK(difference(reversed, V_BW) <= Digits50("1e-29"));
   }
 }
 
@@ -147,7 +148,7 @@ TEST_CASE_TEMPLATE("Twist: equal ones form a vector space, linear part first", T
   const Vec6<T> v = as_eigen(V);
   CHECK(v(2) == V.linear.z);
   CHECK(v(3) == V.angular.x);
-  CHECK(difference(V.template cast<Exact>().template cast<T>(), V) == T(0));
+  CHECK(difference(V.template cast<Digits50>().template cast<T>(), V) == T(0));
 }
 
 TEST_CASE_TEMPLATE("Twist: to Eigen and back is the same", T, float, double) {

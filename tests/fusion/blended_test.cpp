@@ -26,7 +26,7 @@ using KnownTo = Quantities<Arm, L::needs, double, Touch>;
 const Arm model;
 const GravityControl gravity;
 const SkinJointControl skin;
-const State<6> pose{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.2}, {}};
+const State<6> pose{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.2}, {}};
 const Touch untouched;
 
 /// A law that gives known torques for its feedback and its feed-forward, counts, and holds gravity if it may.
@@ -109,7 +109,7 @@ struct Run {
 }  // namespace
 
 TEST_CASE("Blended: is a law that does what its sum does, until other weights are asked for") {
-  const SplineJoint<6> reach({.dt = 0.002});
+  const SplineJoint<6> reach({.dt = 2ms});
   const auto sum = 0.6 * skin + 0.4 * reach + gravity;
   const auto law = blended(sum);
   using L = std::remove_const_t<decltype(law)>;
@@ -126,7 +126,7 @@ TEST_CASE("Blended: is a law that does what its sum does, until other weights ar
     const KnownTo<S> known(model, x, 0.002, touch);
     const KnownTo<L> to_blend(model, x, 0.002, touch);
     if (k == 50) {
-      const JointGoal<6> goal{JointPosition<6>::constant(0.1), 2_s};
+      const JointGoal<6> goal{JointPosition<6>::constant(0.1), 2s};
       a = sum.receive(a, known, goal).memory;
       b = law.receive(b, to_blend, BlendGoal<JointGoal<6>, 3>{true, goal, false, {}}).memory;
     }
@@ -201,7 +201,7 @@ TEST_CASE("Blended: refuses weights that mean nothing, and all tracking may fade
     CHECK(largest(alone.last - (G + JointTorque<6>::constant(32 * part))) < 1e-12 * 100);
   }
   CHECK(largest(alone.last - G) < 1e-12 * 100);
-  CHECK_THROWS_AS(static_cast<void>(blended(own.sum(), {.ramp = 0})), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(blended(own.sum(), {.ramp = 0ns})), ConfigurationError);
   CHECK_THROWS_AS(static_cast<void>(blended(own.sum(), {.contact = {.on = 1, .off = 2}})),
                   ConfigurationError);
   using Own = std::remove_const_t<decltype(own)>;
@@ -235,8 +235,8 @@ TEST_CASE("Blended: gates open and shut with contact, smoothly") {
 }
 
 TEST_CASE("Blended: nothing of it allocates") {
-  const SplineJoint<6> reach({.dt = 0.002});
-  const JointControl<6> follow({.dt = 0.002});
+  const SplineJoint<6> reach({.dt = 2ms});
+  const JointControl<6> follow({.dt = 2ms});
   const auto law = blended(0.6 * skin + 0.4 * reach + when_untouched(follow) + gravity);
   using L = std::remove_const_t<decltype(law)>;
   State<6> x = pose;
@@ -250,7 +250,7 @@ TEST_CASE("Blended: nothing of it allocates") {
       if (i % 400 == 0)
         memory = law.change(memory, known, Weights<4>{{0.6, i == 400 ? 0.0 : 0.4, 0.5, 1}}).memory;
       if (i % 170 == 0)
-        memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), 0}).memory;
+        memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), {}}).memory;
       const auto e = evaluate(law, memory, known, 0.002);
       memory = e.memory;
       x = simulate(model, x, e.torque, 0.002, 1);

@@ -7,7 +7,7 @@
 using namespace skinctl;
 
 namespace {
-constexpr Nanoseconds dt = 10_ms;
+constexpr Nanoseconds dt = 10ms;
 const JointTorque<3> hard{0.9, 0.0, -0.9}, between{0.7, 0.0, 0.0}, weak{0.3, 0.3, 0.0};
 
 ContactDetector::Memory repeated(const ContactDetector& detector, ContactDetector::Memory memory,
@@ -19,7 +19,7 @@ ContactDetector::Memory repeated(const ContactDetector& detector, ContactDetecto
 
 TEST_CASE(
     "ContactDetector: begins above `on`, lasts between the thresholds, ends when it was quiet for long") {
-  const ContactDetector detector({.on = 1, .off = 0.5, .release_after = 100_ms});
+  const ContactDetector detector({.on = 1, .off = 0.5, .release_after = 100ms});
   CHECK_FALSE(repeated(detector, {}, between, 1000).touched);  // the norm counts, and it must reach `on`
   const auto touched = repeated(detector, {}, hard, 1);
   CHECK(touched.touched);
@@ -42,5 +42,5 @@ TEST_CASE("ContactDetector: a torque that is not finite neither begins nor ends 
 TEST_CASE("ContactDetector: thresholds that cannot work are refused") {
   CHECK_THROWS_AS(ContactDetector({.on = 1, .off = 2}), ConfigurationError);
   CHECK_THROWS_AS(ContactDetector({.on = 1, .off = 0}), ConfigurationError);
-  CHECK_THROWS_AS(ContactDetector({.release_after = -1}), ConfigurationError);
+  CHECK_THROWS_AS(ContactDetector({.release_after = -1ns}), ConfigurationError);
 }

@@ -13,8 +13,8 @@
 using namespace skinctl;
 
 TEST_CASE("describe: an expression reads as it was written") {
-  const SplineJoint<6> reach({.dt = 0.002});
-  const JointControl<6> follow({.dt = 0.002});
+  const SplineJoint<6> reach({.dt = 2ms});
+  const JointControl<6> follow({.dt = 2ms});
   const SkinJointControl skin;
   const GravityControl gravity;
   CHECK(describe(0.6 * skin + 0.4 * reach + gravity) == "0.6 skin_joint + 0.4 spline_joint + gravity");

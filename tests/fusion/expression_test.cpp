@@ -23,8 +23,8 @@ static_assert(!LawMembers<Eigen::Vector3d> && !LawMembers<JointTorque<6>> && !La
 }  // namespace
 
 TEST_CASE("Expression: keeps laws and weights in their order") {
-  const Spline reach({.dt = 0.002});
-  const Follow follow({.dt = 0.002});
+  const Spline reach({.dt = 2ms});
+  const Follow follow({.dt = 2ms});
   const SkinJointControl skin;
   const GravityControl gravity;
   const auto law = 0.6 * skin + reach * 0.3 + 2 * follow + gravity;
@@ -43,7 +43,7 @@ TEST_CASE("Expression: keeps laws and weights in their order") {
 }
 
 TEST_CASE("Expression: weights that are not positive and finite are refused, with the number") {
-  const Spline reach({.dt = 0.002});
+  const Spline reach({.dt = 2ms});
   for (const double bad :
        {0.0, -0.5, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
     CHECK_THROWS_AS(static_cast<void>(bad * reach), ConfigurationError);

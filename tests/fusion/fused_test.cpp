@@ -57,7 +57,7 @@ struct Told : Composable {
   }
 };
 
-const State<6> pose{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.2}, {}};
+const State<6> pose{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.2}, {}};
 
 template <class L>
 auto evaluated(const L& law, const Skinned<double>& touch = {}) {
@@ -72,7 +72,7 @@ static_assert(!decltype(SplineJoint<6>() + JointLimitLaw<6>() + GravityControl()
 static_assert(decltype(SplineJoint<6>() + JointLimitLaw<6>() + SkinJointControl())::watches);
 
 TEST_CASE("Fused: is a law, and its memory can be copied byte by byte") {
-  const SplineJoint<6> reach({.dt = 0.002});
+  const SplineJoint<6> reach({.dt = 2ms});
   const SkinJointControl skin;
   const GravityControl gravity;
   const auto law = 0.6 * skin + 0.4 * reach + gravity;
@@ -123,14 +123,14 @@ TEST_CASE("Fused: the skin keeps its own weight, whatever the tracking laws are"
 }
 
 TEST_CASE_TEMPLATE("Fused: gravity is held exactly once, with and without a gravity law", T, float, double) {
-  const SplineJoint<6, T> reach({.dt = T(0.002)});
-  const JointControl<6, T> follow({.dt = T(0.002)});
+  const SplineJoint<6, T> reach({.dt = 2ms});
+  const JointControl<6, T> follow({.dt = 2ms});
   const GravityControl gravity;
   const SkinJointControl skin;
   Seeded rng(100);
   const Skinned<T> untouched;
   for (int k = 0; k < 20; ++k) {
-    const State<6, T> x{0, rng.vector<JointPosition<6, T>>(3), {}};
+    const State<6, T> x{0ns, rng.vector<JointPosition<6, T>>(3), {}};
     const auto G = gravity_torque(model, x.q);
     const auto check = [&](const auto& law) {
       const KnownTo<std::remove_cvref_t<decltype(law)>, T> known(model, x, T(0.002), untouched);
@@ -188,20 +188,20 @@ TEST_CASE("Fused: freezes and releases its tracking laws, and says so") {
 }
 
 TEST_CASE("Fused: a goal reaches the law that takes it") {
-  const SplineJoint<6> reach({.dt = 0.002});
-  const JointControl<6> follow({.dt = 0.002});
+  const SplineJoint<6> reach({.dt = 2ms});
+  const JointControl<6> follow({.dt = 2ms});
   const GravityControl gravity;
   const auto law = reach + 0.5 * follow + gravity;
   using L = std::remove_const_t<decltype(law)>;
   const Skinned<double> untouched;
   const KnownTo<L> known(model, pose, 0.002, untouched);
   const auto memory = law.start(known);
-  const auto one = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(1), 5_s});
+  const auto one = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(1), 5s});
   CHECK(law.memory<0>(one.memory).plan.spline.tf == 5);
   CHECK(law.memory<1>(one.memory).plan.target.q_d == pose.q);
   const auto other = law.receive(memory, known, JointReference<6>{JointPosition<6>::constant(0.1), {}, {}});
   CHECK(law.memory<1>(other.memory).plan.target.q_d == JointPosition<6>::constant(0.1));
-  const auto first = law.receive<0>(memory, known, JointGoal<6>{JointPosition<6>::constant(1), 1});
+  const auto first = law.receive<0>(memory, known, JointGoal<6>{JointPosition<6>::constant(1), 1ns});
   CHECK(first.status.has(Reason::goal_stretched));
 }
 
@@ -209,7 +209,7 @@ TEST_CASE("Fused: after 60 random touches no joint swings beyond its target, and
   // With the small weight a touch next to an axis is too weak to stop the arm, and winds the integrals up.
   for (const auto& row : {std::array{125.0, 3.0, 8.0}, {500.0, 3.0, 8.0}, {125.0, 1.0, 4.0}}) {
     const double rate = row[0], weight = row[1], K_c = row[2];
-    const SplineJoint<6> reach({.dt = 1 / rate, .K_c = K_c});
+    const SplineJoint<6> reach({.dt = nanoseconds(1 / rate), .K_c = K_c});
     const auto law = weight * SkinJointControl{} + reach + GravityControl{};
     const auto result = touch_and_release(
         law, [&](const auto& m) { return law.memory<1>(m).plan.at(0, reach.settings()).q_d; }, rate, 60);
@@ -222,7 +222,7 @@ TEST_CASE("Fused: after 60 random touches no joint swings beyond its target, and
 }
 
 TEST_CASE("Fused: nothing of it allocates") {
-  const SplineJoint<6> reach({.dt = 0.002});
+  const SplineJoint<6> reach({.dt = 2ms});
   const SkinJointControl skin;
   const GravityControl gravity;
   const auto law = 0.6 * skin + 0.4 * reach + gravity;
@@ -237,7 +237,7 @@ TEST_CASE("Fused: nothing of it allocates") {
     for (int i = 0; i < 2000; ++i) {
       const K known(model, x, 0.002, i % 500 > 300 ? touch : untouched);
       if (i % 400 == 0)
-        memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), 0}).memory;
+        memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), {}}).memory;
       const auto e = evaluate(law, memory, known, 0.002);
       memory = e.memory;
       x = simulate(model, x, e.torque, 0.002, 1);

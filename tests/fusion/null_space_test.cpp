@@ -76,7 +76,7 @@ TEST_CASE("NullSpace: the second law does not move the first one's link, and mov
     JointPosition<6> q;
     for (double& x : q) x = uniform(random, -2.5, 2.5);
     if (std::abs(std::sin(q[2])) < 0.3 || std::abs(std::sin(q[4])) < 0.3) continue;
-    const State<6> rest{0, q, {}};
+    const State<6> rest{0ns, q, {}};
     const Pair law(First(zero), Second(random_torque(random)),
                    {.keeps = Keeps::point, .heaviest = 1e4, .zone = 1});
     const KnownHere known(model, rest, 0.0, none);
@@ -103,7 +103,7 @@ TEST_CASE(
   const JointTorque<6> zero;
   const Pair law(First(zero), Second(random_torque(random)));
   const auto left = [&](const JointPosition<6>& q) {
-    const State<6> rest{0, q, {}};
+    const State<6> rest{0ns, q, {}};
     const KnownHere known(model, rest, 0.0, none);
     return law.projected<double>(known, law.second().tau);
   };
@@ -126,7 +126,7 @@ TEST_CASE(
       const auto left = [&](double angle) {
         JointPosition<6> q{0.3, -1.2, 1.4, 0.1, 1.2, 0.2};
         q[joint] = angle;
-        const State<6> rest{0, q, {}};
+        const State<6> rest{0ns, q, {}};
         const KnownHere known(model, rest, 0.0, none);
         const auto out = law.projected<double>(known, tau);
         CHECK(energy(q, out) <= energy(q, tau) * (1 + 1e-9));
@@ -150,10 +150,10 @@ TEST_CASE(
 }
 
 TEST_CASE("NullSpace: holds gravity once, takes goals for either law, and is part of a sum") {
-  const SplineJoint<6> reach({.dt = 0.002});
-  const JointControl<6> follow({.dt = 0.002});
+  const SplineJoint<6> reach({.dt = 2ms});
+  const JointControl<6> follow({.dt = 2ms});
   const SkinJointControl skin;
-  const State<6> pose{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.2}, {}};
+  const State<6> pose{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.2}, {}};
   const auto G = gravity_torque(model, pose.q);
   const auto check = [&](const auto& law) {
     using L = std::remove_cvref_t<decltype(law)>;
@@ -168,7 +168,7 @@ TEST_CASE("NullSpace: holds gravity once, takes goals for either law, and is par
   const auto law = over<5>(reach, follow);
   const Quantities<Arm, decltype(law)::needs, double> known(model, pose, 0.002, none);
   const auto memory = law.start(known);
-  CHECK(law.receive(memory, known, JointGoal<6>{pose.q, 5_s}).memory.first.plan.spline.tf == 5);
+  CHECK(law.receive(memory, known, JointGoal<6>{pose.q, 5s}).memory.first.plan.spline.tf == 5);
   const auto target = JointPosition<6>::constant(0.1);
   CHECK(law.receive(memory, known, JointReference<6>{target, {}, {}}).memory.second.plan.target.q_d ==
         target);

@@ -83,5 +83,5 @@ TEST_CASE("OppositionDetector: refuses thresholds that contradict each other") {
   CHECK_THROWS_AS(OppositionDetector({.on = 1, .off = 0}), ConfigurationError);
   CHECK_THROWS_AS(OppositionDetector({.on = std::numeric_limits<double>::quiet_NaN(), .off = 1}),
                   ConfigurationError);
-  CHECK_THROWS_AS(OppositionDetector({.on = 2, .off = 1, .release_after = -1}), ConfigurationError);
+  CHECK_THROWS_AS(OppositionDetector({.on = 2, .off = 1, .release_after = -1ns}), ConfigurationError);
 }

@@ -7,18 +7,18 @@ using namespace skinctl;
 static_assert(std::is_trivially_copyable_v<BudgetMemory>);
 
 TEST_CASE("Budget: refuses what cannot work") {
-  CHECK_THROWS_AS(Budget({.cycle = 0}), ConfigurationError);
-  CHECK_THROWS_AS(Budget({.cycle = 1_ms, .skip_after = 0}), ConfigurationError);
-  CHECK_THROWS_AS(Budget({.cycle = 1_ms, .skip_after = 4, .stop_after = 3}), ConfigurationError);
-  CHECK_THROWS_AS(Budget({.cycle = 1_ms, .calm_after = 0}), ConfigurationError);
+  CHECK_THROWS_AS(Budget({.cycle = 0ns}), ConfigurationError);
+  CHECK_THROWS_AS(Budget({.cycle = 1ms, .skip_after = 0}), ConfigurationError);
+  CHECK_THROWS_AS(Budget({.cycle = 1ms, .skip_after = 4, .stop_after = 3}), ConfigurationError);
+  CHECK_THROWS_AS(Budget({.cycle = 1ms, .calm_after = 0}), ConfigurationError);
 }
 
 TEST_CASE("Budget: skips optional work, stops, and lets work come back after calm") {
-  const Budget budget({.cycle = 1_ms, .skip_after = 2, .stop_after = 4, .calm_after = 3});
+  const Budget budget({.cycle = 1ms, .skip_after = 2, .stop_after = 4, .calm_after = 3});
   BudgetMemory m;
   const Status none, skip = Reason::work_skipped, stop = skip | Reason::budget_overrun;
-  const auto late = [&] { return budget.after(m, 1_ms + 1); };
-  const auto fine = [&] { return budget.after(m, 1_ms); };
+  const auto late = [&] { return budget.after(m, 1ms + 1ns); };
+  const auto fine = [&] { return budget.after(m, 1ms); };
   CHECK(fine() == none);
   CHECK(late() == none);  // one alone changes nothing
   CHECK(fine() == none);
@@ -37,9 +37,9 @@ TEST_CASE("Budget: skips optional work, stops, and lets work come back after cal
 }
 
 TEST_CASE("Budget: durations that cannot be are overruns or none, never worse") {
-  const Budget budget({.cycle = 1_ms, .stop_after = 2});
+  const Budget budget({.cycle = 1ms, .stop_after = 2});
   BudgetMemory m;
-  CHECK_FALSE(budget.after(m, INT64_MIN).any());
-  CHECK(budget.after(m, INT64_MAX) == Reason::work_skipped);
-  for (int k = 0; k < 1000; ++k) CHECK(budget.after(m, INT64_MAX).has(Reason::budget_overrun));
+  CHECK_FALSE(budget.after(m, Nanoseconds::min()).any());
+  CHECK(budget.after(m, Nanoseconds::max()) == Reason::work_skipped);
+  for (int k = 0; k < 1000; ++k) CHECK(budget.after(m, Nanoseconds::max()).has(Reason::budget_overrun));
 }

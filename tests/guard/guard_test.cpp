@@ -27,14 +27,14 @@ struct Case {
       Case<Interface::velocity, float>
 
 template <class T>
-GuardConfiguration<1, T> configuration() {
+RobotConfiguration<1, T> configuration() {
   typename JointLimits<1, T>::Values v;
   v.lower[0] = T(-2);
   v.upper[0] = T(2);
   v.velocity[0] = T(1);
   v.acceleration[0] = T(10);
   v.torque[0] = T(20);
-  return {.limits = JointLimits<1, T>(v), .period = 10_ms};
+  return {.limits = JointLimits<1, T>(v), .period = 10ms};
 }
 template <class T>
 JointCommand<1, T> command(Nanoseconds time, double q, double u, double tau = 0) {
@@ -60,13 +60,13 @@ template <Interface I, class T>
 struct Moving {
   Guard<I, 1, T> guard{configuration<T>()};
   GuardMemory<1, T> memory;
-  Nanoseconds now = 1_s;
+  Nanoseconds now = 1s;
   double q = 0, u = 0.5;
   Moving() { memory = guard.start(command<T>(now, q, u), at<T>(now, q, u)); }
   // The command that goes on steadily, changed by `change`, with the state changed by `state`.
   template <class Change, class Measure>
   auto step(Change change, Measure measure) {
-    now += 10_ms;
+    now += 10ms;
     q += 0.01 * u;
     auto wish = command<T>(now, q, u);
     auto s = at<T>(now, q, u);
@@ -93,20 +93,22 @@ void check_braked(const Guarded<1, T>& out, double u_before) {
 TEST_CASE("Guard: refuses configurations that cannot work, with the number and the range") {
   const auto refusal = [](auto&& change) -> std::string {
     auto c = configuration<double>();
-    change(c);
+    GuardSettings<1> settings;
+    change(c, settings);
     try {
-      const Guard<Interface::position, 1> guard(c);
+      const Guard<Interface::position, 1> guard(c, settings);
     } catch (const ConfigurationError& e) {
       return e.what();
     }
     return "";
   };
-  CHECK(refusal([](auto&) {}).empty());
-  CHECK(refusal([](auto& c) { c.period = 0; }).find("period [ns] = 0") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.longest_interval = 1_ms; }).find("longest interval") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.stale_after = 1_ms; }).find("stale after") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.lead[0] = 0; }).find("lead = 0") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.torque_rate = std::nan(""); }).find("torque rate = nan") !=
+  CHECK(refusal([](auto&, auto&) {}).empty());
+  CHECK(refusal([](auto& c, auto&) { c.period = 0ns; }) == "skinctl: period = 0, allowed: 0.1 to 1000 ms");
+  CHECK(refusal([](auto& c, auto&) { c.longest_interval = 1ms; }).find("longest interval = 1") !=
+        std::string::npos);
+  CHECK(refusal([](auto&, auto& s) { s.stale_after = 1ms; }).find("stale after = 1") != std::string::npos);
+  CHECK(refusal([](auto&, auto& s) { s.lead[0] = 0; }).find("lead = 0") != std::string::npos);
+  CHECK(refusal([](auto&, auto& s) { s.torque_rate = std::nan(""); }).find("torque rate = nan") !=
         std::string::npos);
 }
 
@@ -197,7 +199,7 @@ TEST_CASE_TEMPLATE("Guard: states that are not finite or from before count as si
     for (int k = 0; k < 30; ++k) {
       const auto out = m.step(as_it_is, [&](auto& s) {
         if (before)
-          s.time = 999_ms;
+          s.time = 999ms;
         else
           s.q[0] = std::numeric_limits<T>::quiet_NaN();
       });
@@ -219,8 +221,7 @@ TEST_CASE_TEMPLATE("Guard: a clock that goes back brakes, one that stands repeat
   CHECK(out.status == Reason::interval_empty);
   CHECK_FALSE(out.altered);
   CHECK(out.command.position == last.position);
-  for (const Nanoseconds wrong :
-       {m.now - 1, Nanoseconds(0), Nanoseconds(INT64_MIN), Nanoseconds(INT64_MAX)}) {
+  for (const Nanoseconds wrong : {m.now - 1, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
     auto memory = m.memory;
     out = m.guard.pass(memory, command<T>(wrong, m.q, m.u), at<T>(wrong, m.q), wrong);
     CHECK(out.status.has(Reason::time_backwards));
@@ -232,7 +233,7 @@ TEST_CASE_TEMPLATE("Guard: a clock that goes back brakes, one that stands repeat
 TEST_CASE_TEMPLATE("Guard: a long pause gives no credit for a long step", C, MOTIONS) {
   using T = typename C::scalar;
   Moving<C::interface, T> m;
-  m.now += 10_s;
+  m.now += 10s;
   const auto out = m.step(
       [](auto& c) {
         c.position[0] += T(0.5);
@@ -249,7 +250,7 @@ TEST_CASE_TEMPLATE("Guard: too fast to stop before the end brakes", T, float, do
   for (const double room : {0.02, 0.012}) {
     Guard<Interface::position, 1, T> guard(configuration<T>());
     auto memory = guard.start(command<T>(0, 1.995 - room, 0.5), at<T>(0, 1.995 - room));
-    const auto out = guard.pass(memory, command<T>(10_ms, 2 - room, 0.5), at<T>(10_ms, 1.99 - room), 10_ms);
+    const auto out = guard.pass(memory, command<T>(10ms, 2 - room, 0.5), at<T>(10ms, 1.99 - room), 10ms);
     CHECK(out.altered == (room < 0.0125));
     CHECK(out.status.has(Reason::outside_limits) == (room < 0.0125));
     CHECK(out.command.position[0] <= T(2));
@@ -263,23 +264,24 @@ TEST_CASE_TEMPLATE("Guard: beyond an end only inward motion passes", C, MOTIONS)
     Guard<I, 1, T> guard(configuration<T>());
     auto memory = guard.start(command<T>(0, 2.1, 0), at<T>(0, 2.1));
     const auto out =
-        guard.pass(memory, command<T>(10_ms, 2.1 + way * 0.0002, way * 0.04), at<T>(10_ms, 2.1), 10_ms);
+        guard.pass(memory, command<T>(10ms, 2.1 + way * 0.0002, way * 0.04), at<T>(10ms, 2.1), 10ms);
     CHECK(out.altered == (way > 0));
     CHECK(out.status.has(Reason::outside_limits) == (way > 0));
   }
 }
 
 TEST_CASE_TEMPLATE("Guard: a position far from the robot does not go further", T, float, double) {
-  auto c = configuration<T>();
-  c.lead[0] = T(0.1);
-  Guard<Interface::position, 1, T> guard(c);
+  const auto c = configuration<T>();
+  GuardSettings<1, T> s;
+  s.lead[0] = T(0.1);
+  Guard<Interface::position, 1, T> guard(c, s);
   auto memory = guard.start(command<T>(0, 0, 0.5), at<T>(0, 0));
-  Nanoseconds now = 0;
+  Nanoseconds now{};
   double q = 0;
   Guarded<1, T> out;
   for (int k = 0; k < 100; ++k) {  // the robot does not move
     q += 0.005;
-    now += 10_ms;
+    now += 10ms;
     out = guard.pass(memory, command<T>(now, q, 0.5), at<T>(now, 0), now);
     REQUIRE(out.command.position[0] <= T(0.1) * T(1.0001));
   }
@@ -295,48 +297,46 @@ TEST_CASE_TEMPLATE("Guard: without a good first command nothing leaves", C, MOTI
   invalid.valid = false;
   for (auto memory : {guard.start(invalid, at<T>(0, 0)), guard.start(command<T>(0, nan, 0), at<T>(0, 0)),
                       guard.start(command<T>(0, 0, 0), at<T>(0, nan)), GuardMemory<1, T>{}}) {
-    const auto out = guard.pass(memory, command<T>(10_ms, 0, 0), at<T>(10_ms, 0), 10_ms);
+    const auto out = guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms);
     CHECK_FALSE(out.command.valid);
   }
 }
 
 TEST_CASE_TEMPLATE("Guard: torques are cut to the limit and to the rate", T, float, double) {
-  auto c = configuration<T>();
-  c.torque_rate = T(10);  // 2 N m a cycle
-  const Guard<Interface::torque, 1, T> guard(c);
+  const auto c = configuration<T>();
+  const Guard<Interface::torque, 1, T> guard(c, {.torque_rate = T(10)});  // 2 N m a cycle
   auto memory = guard.start(command<T>(0, 0, 0, 0), at<T>(0, 0));
-  auto out = guard.pass(memory, command<T>(10_ms, 0, 0, 1.5), at<T>(10_ms, 0), 10_ms);
+  auto out = guard.pass(memory, command<T>(10ms, 0, 0, 1.5), at<T>(10ms, 0), 10ms);
   CHECK_FALSE(out.altered);
   CHECK(out.command.torque[0] == T(1.5));
-  out = guard.pass(memory, command<T>(20_ms, 0, 0, 100), at<T>(20_ms, 0), 20_ms);
+  out = guard.pass(memory, command<T>(20ms, 0, 0, 100), at<T>(20ms, 0), 20ms);
   CHECK(out.altered);
   CHECK(out.status.has(Reason::torque_limited));
   CHECK(out.status.has(Reason::step_limited));
   CHECK(double(out.command.torque[0]) == doctest::Approx(3.5));
-  for (Nanoseconds now = 30_ms; now < 200_ms; now += 10_ms)
+  for (Nanoseconds now = 30ms; now < 200ms; now += 10ms)
     out = guard.pass(memory, command<T>(now, 0, 0, 100), at<T>(now, 0), now);
   CHECK(out.command.torque[0] == T(20));
 }
 
 TEST_CASE_TEMPLATE("Guard: a torque that cannot be trusted ramps to the fallback", T, float, double) {
-  auto c = configuration<T>();
-  c.torque_rate = T(10);
-  const Guard<Interface::torque, 1, T> guard(c);
+  const auto c = configuration<T>();
+  const Guard<Interface::torque, 1, T> guard(c, {.torque_rate = T(10)});
   const T nan = std::numeric_limits<T>::quiet_NaN();
   const auto fallback = JointTorque<1, T>::constant(T(7));
   auto memory = guard.start(command<T>(0, 0, 0, 10), at<T>(0, 0));
-  auto out = guard.pass(memory, command<T>(10_ms, 0, 0, nan), at<T>(10_ms, 0), 10_ms, fallback);
+  auto out = guard.pass(memory, command<T>(10ms, 0, 0, nan), at<T>(10ms, 0), 10ms, fallback);
   CHECK(out.status.has(Reason::command_not_finite));
   CHECK(double(out.command.torque[0]) == doctest::Approx(8));
-  out = guard.pass(memory, command<T>(20_ms, 0, 0, nan), at<T>(20_ms, 0), 20_ms, fallback);
+  out = guard.pass(memory, command<T>(20ms, 0, 0, nan), at<T>(20ms, 0), 20ms, fallback);
   CHECK(double(out.command.torque[0]) == doctest::Approx(7));
   // a silent robot
-  for (Nanoseconds now = 30_ms; now < 1_s; now += 10_ms)
-    out = guard.pass(memory, command<T>(now, 0, 0, 12), at<T>(20_ms, 0), now, fallback);
+  for (Nanoseconds now = 30ms; now < 1s; now += 10ms)
+    out = guard.pass(memory, command<T>(now, 0, 0, 12), at<T>(20ms, 0), now, fallback);
   CHECK(out.status.has(Reason::state_stale));
   CHECK(out.command.torque[0] == T(7));
   // no fallback either
-  out = guard.pass(memory, command<T>(1_s, 0, 0, nan), at<T>(1_s, 0), 1_s, JointTorque<1, T>::constant(nan));
+  out = guard.pass(memory, command<T>(1s, 0, 0, nan), at<T>(1s, 0), 1s, JointTorque<1, T>::constant(nan));
   CHECK(double(out.command.torque[0]) == doctest::Approx(5));
 }
 
@@ -368,9 +368,9 @@ TEST_CASE_TEMPLATE("Guard: whatever comes in, what goes out is finite, within li
         return kind == 0 ? from_bits<T>(bits()) : T(kind == 1 ? part * 1e3 : good + part * 1e-3);
       };
       const auto before = memory.command;
-      const Nanoseconds last = memory.time, next = last + 10_ms;
+      const Nanoseconds last = memory.time, next = last + 10ms;
       const Nanoseconds now =
-          *rc::gen::inRange(0, 20) == 0 && last < 1000_s ? static_cast<Nanoseconds>(bits()) : next;
+          *rc::gen::inRange(0, 20) == 0 && last < 1000s ? static_cast<Nanoseconds>(bits()) : next;
       JointCommand<1, T> wish;
       wish.time = *rc::gen::inRange(0, 20) == 0 ? static_cast<Nanoseconds>(bits()) : now;
       wish.position[0] = number(double(before.position[0]) + 0.01 * double(before.velocity[0]));
@@ -389,7 +389,7 @@ TEST_CASE_TEMPLATE("Guard: whatever comes in, what goes out is finite, within li
                 std::isfinite(c.acceleration[0]) && std::isfinite(c.torque[0]));
       // at most five periods of credit
       const double dt =
-          now > last && now - last < 50_ms ? 1e-9 * double(now - last) : (now > last ? 0.05 : 0.01);
+          now > last && now - last < 50ms ? 1e-9 * double(now - last) : (now > last ? 0.05 : 0.01);
       if (I == Interface::torque) {
         RC_ASSERT(std::abs(double(c.torque[0])) <= 20);
         RC_ASSERT(std::abs(double(c.torque[0]) - double(before.torque[0])) <=
@@ -420,15 +420,14 @@ TEST_CASE("Guard: a cycle allocates nothing") {
 TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consent where it should", C,
                    MOTIONS) {
   using T = typename C::scalar;
-  auto c = configuration<T>();
-  c.brakes_on = Reason::sample_stale;
-  c.consent = Reason::packets_lost;
-  const Guard<C::interface, 1, T> guard(c);
+  const auto c = configuration<T>();
+  const Guard<C::interface, 1, T> guard(c,
+                                        {.brakes_on = Reason::sample_stale, .consent = Reason::packets_lost});
   const auto after = [&](Status found, bool acknowledged) {
     auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
-    Nanoseconds now = 0;
+    Nanoseconds now{};
     const auto pass = [&](Status what) {
-      now += 10_ms;
+      now += 10ms;
       return guard.pass(memory, command<T>(now, 0, 0), at<T>(now, 0), now, {}, what);
     };
     CHECK_FALSE(pass({}).altered);
@@ -450,8 +449,7 @@ TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consen
   // Consent does not help while the fault is still there.
   auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
   guard.acknowledge(memory);
-  CHECK(
-      guard.pass(memory, command<T>(10_ms, 0, 0), at<T>(10_ms, 0), 10_ms, {}, Reason::contact_force).altered);
+  CHECK(guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms, {}, Reason::contact_force).altered);
   CHECK(guard.waits(memory));
 }
 
@@ -462,7 +460,7 @@ TEST_CASE_TEMPLATE("Guard: a state that this robot cannot have is no news of it"
        {std::pair{3.1, 0.0}, {-3.1, 0.0}, {0.0, 10.1}, {0.0, -10.1}, {std::nan(""), 0.0}})
     CHECK_FALSE(guard.believes(at<T>(0, q, dq)));
   auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
-  const auto out = guard.pass(memory, command<T>(10_ms, 0, 0), at<T>(10_ms, 3.1), 10_ms);
+  const auto out = guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 3.1), 10ms);
   CHECK(out.status == Reason::state_out_of_range);
   CHECK_FALSE(out.altered);
   CHECK(memory.measured.time == 0);
@@ -475,7 +473,7 @@ TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever i
   const auto c = configuration<T>();
   const double J = 80, A = 10, V = 1, dt = 0.01;
   const JerkLimits<1, T> smooth(c.limits, JointJerk<1, T>::constant(T(J)));
-  const Guard<I, 1, T, JerkLimits<1, T>> guard(c, smooth);
+  const Guard<I, 1, T, JerkLimits<1, T>> guard(c, {}, smooth);
   auto random = [state = std::uint64_t(7)]() mutable {
     state = state * 6364136223846793005u + 1442695040888963407u;
     return static_cast<double>(state >> 11) * 0x1p-53;
@@ -493,7 +491,7 @@ TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever i
     if (I == Interface::velocity) room.above[0] -= T(0.1), room.below[0] -= T(0.1);
     const auto motion =
         smooth.move(room, last.velocity, last.acceleration, JointVelocity<1, T>::constant(T(target)), T(dt));
-    const Nanoseconds now = k * 10_ms;
+    const Nanoseconds now = k * 10ms;
     auto wish =
         command<T>(now, double(last.position[0] + motion.displacement[0]), double(motion.velocity[0]));
     wish.acceleration = motion.acceleration;
@@ -523,14 +521,14 @@ TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever i
 TEST_CASE("Guard: what cannot be braked within the jerk is braked harder, and said so") {
   const auto c = configuration<double>();
   const Guard<Interface::position, 1, double, JerkLimits<1>> guard(
-      c, JerkLimits<1>(c.limits, JointJerk<1>::constant(30)));
+      c, {}, JerkLimits<1>(c.limits, JointJerk<1>::constant(30)));
   // 0.9 rad/s at 0.05 rad before the end: 10 rad/s^2 stop it in 0.04 rad, 30 rad/s^3 do not.
   auto m = guard.start(command<double>(0, 1.95, 0.9), at<double>(0, 1.95));
   Status seen;
   double farthest = 0;
   for (int k = 1; k < 60; ++k) {
     const auto last = m.command;
-    const auto out = guard.pass(m, {}, at<double>(k * 10_ms, double(last.position[0])), k * 10_ms);
+    const auto out = guard.pass(m, {}, at<double>(k * 10ms, double(last.position[0])), k * 10ms);
     seen |= out.status;
     farthest = std::max(farthest, out.command.position[0]);
     CHECK(std::abs(out.command.velocity[0] - last.velocity[0]) <= 0.1 * (1 + 1e-9));

@@ -46,12 +46,10 @@ JointLimits<N> limits(double torque) {
                          .torque = JointTorque<N>::constant(torque)});
 }
 auto scene(const Pull& law) {
-  ResolverConfiguration<2> arm{.limits = limits<2>(150), .period = 4_ms, .delay = 4_ms};
-  arm.shape.viscous = {10, 10};
+  RobotConfiguration<2> arm{.limits = limits<2>(150), .period = 4ms, .delay = 4ms};
+  arm.viscous_friction = {10, 10};
   const Robot robot(Model3{}, {.stiff = arm, .limits = limits<1>(0.7)});
-  return Cycle(robot, law,
-               HybridGuard(robot, {.limits = limits<2>(150), .period = 4_ms},
-                           {.limits = limits<1>(0.7), .period = 4_ms}));
+  return Cycle(robot, law, HybridGuard(robot));
 }
 using Scene = decltype(scene(Pull{}));
 static_assert(std::is_trivially_copyable_v<Scene::Memory>);
@@ -59,12 +57,12 @@ static_assert(std::is_trivially_copyable_v<Scene::Memory>);
 // The arm does what it is told a cycle later, the finger stays where it is.
 struct Run {
   Scene scene;
-  State<3> measured{0, {0.2, 0.3, 0.5}, {}};
+  State<3> measured{0ns, {0.2, 0.3, 0.5}, {}};
   Scene::Memory memory = scene.start(measured);
   JointVelocity<3> sent{}, under_way{};
 
   Scene::Output cycle(Request request = Request::none, Status observed = {}) {
-    measured.time += 4_ms;
+    measured.time += 4ms;
     for (std::size_t i = 0; i < 2; ++i) {
       measured.q[i] += 0.004 * under_way[i];
       measured.dq[i] = under_way[i];

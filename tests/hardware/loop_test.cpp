@@ -14,14 +14,14 @@ using Scene = decltype(reaching_scene());
 
 /// A robot of stiff joints whose clock runs as fast as it is asked.
 struct FastRobot {
-  StiffJoints<> joints{home_position(), 8_ms, 0.004};
-  Nanoseconds now = 0;
+  StiffJoints<> joints{home_position(), 8ms, 0.004};
+  Nanoseconds now{};
   int lost_after = 1 << 30, silent_from = 1 << 30, silent_to = 1 << 30, refuses_after = 1 << 30;
   int waits = 0, sends = 0, stops = 0;
 
   Heard wait(State<6>& state) noexcept {
     if (++waits > lost_after) return Heard::lost;
-    now += 8_ms;
+    now += 8ms;
     if (waits >= silent_from && waits < silent_to) return Heard::silent;
     state = joints.run_to(now);
     return Heard::state;
@@ -37,9 +37,9 @@ struct OneTouch {
   CellSample sample;
   FastRobot* robot;
   std::span<const CellSample> poll() noexcept {
-    const double t = 1e-9 * static_cast<double>(robot->now);
+    const double t = seconds<double>(robot->now);
     const auto f = static_cast<float>(t > 0.5 && t < 1 ? 0.2 : 0);
-    sample = {.time = robot->now - 1_ms, .cell = 60, .force = {f, f, f}};
+    sample = {.time = robot->now - 1ms, .cell = 60, .force = {f, f, f}};
     return {&sample, 1};
   }
 };
@@ -74,7 +74,7 @@ TEST_CASE(
   CHECK(done.robot.stops == 1);
   CHECK(done.report.whole.count() == 500);
   for (const auto& stage : done.report.stages) CHECK(stage.count() == 500);
-  CHECK(done.report.whole.max() > 0);
+  CHECK(done.report.whole.max() > 0ns);
   // The worst cycle can be run again from what was kept.
   const auto& worst = *done.report.worst;
   CHECK(worst.cycle > 0);
@@ -134,7 +134,7 @@ TEST_CASE("loop: cycles over their budget skip optional work, then stop until th
   FastRobot robot;
   NoSkin skin;
   LoopOptions options{.cycles = 300};
-  options.budget = Budget({.cycle = 1_s, .skip_after = 2, .stop_after = 4, .calm_after = 10});
+  options.budget = Budget({.cycle = 1s, .skip_after = 2, .stop_after = 4, .calm_after = 10});
   int cycle = 0, skipped = 0, waiting = 0;
   bool stopped_at_once = false, went_on = false;
   // No test should wait: what a slow cycle would leave is handed to the next one.
@@ -144,7 +144,7 @@ TEST_CASE("loop: cycles over their budget skip optional work, then stop until th
         ++cycle;
         BudgetMemory slow;
         if (cycle == 54) {
-          for (int k = 0; k < 4; ++k) input.observed |= options.budget->after(slow, 2_s);
+          for (int k = 0; k < 4; ++k) input.observed |= options.budget->after(slow, 2s);
         }
         if (cycle == 200) input.request = Request::resume;
         return true;
@@ -170,7 +170,7 @@ TEST_CASE("loop: a real overrun is seen by the cycles after it") {
   FastRobot robot;
   NoSkin skin;
   LoopOptions options{.cycles = 20};
-  options.budget = Budget({.cycle = 1_ns, .skip_after = 1, .stop_after = 3});  // nobody keeps this one
+  options.budget = Budget({.cycle = 1ns, .skip_after = 1, .stop_after = 3});  // nobody keeps this one
   int cycle = 0, first_skipped = 0, first_stopped = 0;
   const auto report = run_loop(
       scene, *memory, robot, skin, options, [&](auto&, auto&) { return ++cycle > 0; },

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include "skinctl/cycle/no_skin.hpp"
+
 using namespace skinctl;
 
 namespace {

@@ -7,8 +7,8 @@
 
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/universal_robots.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "tests/support/digits.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 

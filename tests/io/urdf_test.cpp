@@ -8,10 +8,11 @@
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/testing/robots.hpp"
-#include "skinctl/testing/worst_torque.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/urdf_robots.hpp"
+#include "tests/support/worst_torque.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -144,7 +145,6 @@ TEST_CASE("URDF: frames of all links stand where KDL puts them") {
   const auto table = twig(9);
   const auto urdf = parse_urdf(written(table, 109));
   const auto model = calibrated_from<Twig>(urdf);
-  const auto turn = model_links(urdf).turn;
   oracle::KdlOracle kdl(table);
   oracle::Random random(1);
   const Motion<6> at(random);
@@ -154,9 +154,7 @@ TEST_CASE("URDF: frames of all links stand where KDL puts them") {
                                     [&](const UrdfFrame& f) { return f.name == name; });
     REQUIRE(frame != urdf.frames.end());
     CHECK(frame->joint == carrier);
-    const double a = -turn[std::size_t(carrier)];
-    const Rotation<double> back{{std::cos(a), std::sin(a), 0}, {-std::sin(a), std::cos(a), 0}, {0, 0, 1}};
-    const Xyz<double> p = back * frame->p;
+    const Xyz<double> p = frame->p;
     const auto o = X_BL.origin() + p.x * X_BL.axis_x() + p.y * X_BL.axis_y() + p.z * X_BL.axis_z();
     double R[9], expected[3];
     kdl.pose(body, at.q.data, R, expected);
@@ -275,6 +273,199 @@ TEST_CASE(
   CHECK(parse_urdf(head + links + shoulder + elbow + "</robot>", "arm.urdf").warnings.empty());
 }
 
+TEST_CASE("URDF: base, tip and locked joints choose a part of the robot; what is left hangs on it") {
+  const FileRobot file = panda_file();
+  const std::string text = file_text(file);
+  // The whole arm, the hand standing open: found from the tip, or locked by name.
+  const Urdf by_tip = parse_urdf(text, "panda.urdf", {.tip = "panda_hand"});
+  const Urdf by_lock = parse_urdf(text, "panda.urdf", {.locked = {{"panda_finger_joint1", 0.0}}});
+  REQUIRE(by_tip.joints.size() == 7);
+  REQUIRE(by_tip.locked.size() == 2);
+  CHECK(by_tip.locked[1].joint == "panda_finger_joint2");
+  CHECK(by_tip.frames.size() == by_lock.frames.size());
+  const auto a = calibrated_from<Chain<7>>(by_tip), b = calibrated_from<Chain<7>>(by_lock);
+  for (std::size_t i = 0; i < 7; ++i) CHECK(a.link(i).numbers == b.link(i).numbers);
+  CHECK(worst_torque(a, oracle::without_fixed(file_table(file, {{"panda_finger_joint1", 0.0}})), 10, 1) <=
+        1e-12);
+
+  // From the fourth link on; the base's own axes are the model's.
+  const Urdf forearm = parse_urdf(text, "panda.urdf", {.base = "panda_link4", .tip = "panda_link6"});
+  CHECK(forearm.base == "panda_link4");
+  REQUIRE(forearm.joints.size() == 2);
+  CHECK(forearm.joints[0].name == "panda_joint5");
+  CHECK(forearm.locked.size() == 3);  // the last joint and the fingers
+  const auto q = JointPosition<2>{0.4, -1.1};
+  const auto X = file_poses(file, {{"panda_joint5", 0.4}, {"panda_joint6", -1.1}});
+  const Eigen::Isometry3d expected = X.at("panda_link4").inverse() * X.at("panda_hand");
+  const auto found =
+      link_poses(calibrated_from<Chain<2>>(forearm), q).get<1>() * named_link_pose<1, "panda_hand">(forearm);
+  CHECK((found.to<Eigen::Isometry3d>().matrix() - expected.matrix()).cwiseAbs().maxCoeff() <= 1e-13);
+
+  // A joint locked away from zero: the others move about it.
+  const Urdf bent = parse_urdf(text, "panda.urdf", {.tip = "panda_link7", .locked = {{"panda_joint3", 0.7}}});
+  REQUIRE(bent.joints.size() == 6);
+  CHECK(bent.locked[0].position == 0.7);
+  const auto at = file_poses(file, {{"panda_joint1", 0.2}, {"panda_joint3", 0.7}, {"panda_joint7", -0.3}});
+  const auto hand =
+      link_poses(calibrated_from<Chain<6>>(bent), JointPosition<6>{0.2, 0, 0, 0, 0, -0.3}).get<5>() *
+      named_link_pose<5, "panda_hand">(bent);
+  CHECK((hand.to<Eigen::Isometry3d>().matrix() - at.at("panda_hand").matrix()).cwiseAbs().maxCoeff() <=
+        1e-13);
+}
+
+TEST_CASE("URDF: options that do not fit the file are refused by name") {
+  const std::string text =
+      head + links + shoulder + joint_text("elbow", "upper", "lower", R"(<limit lower="0.5" upper="2"/>)") +
+      "<link name=\"tool\"/>" + joint_text("tip", "lower", "tool", "", "fixed") + "</robot>";
+  const auto refused = [&](const UrdfOptions& options) -> std::string {
+    try {
+      static_cast<void>(parse_urdf(text, "arm.urdf", options));
+    } catch (const ConfigurationError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  CHECK(refused({.base = "base", .tip = "tool"}) == "accepted");
+  CHECK(names(refused({.base = "floor"}), {"arm.urdf", "\"floor\"", "base", "\"upper\""}));
+  CHECK(names(refused({.tip = "hand"}), {"arm.urdf", "\"hand\"", "tip", "\"tool\""}));
+  CHECK(names(refused({.base = "lower", .tip = "upper"}), {"\"upper\"", "does not hang on", "\"lower\""}));
+  CHECK(names(refused({.base = "lower"}), {"no joint that moves between"}));
+  CHECK(names(refused({.tip = "base"}), {"\"elbow\"", "off the way", "0.5 to 2"}));
+  CHECK(names(refused({.tip = "upper"}), {"arm.urdf:6", "\"elbow\"", "stands at 0", "0.5 to 2", "lock"}));
+  CHECK(refused({.tip = "upper", .locked = {{"elbow", 1.0}}}) == "accepted");
+  CHECK(names(refused({.locked = {{"elbow", 3.0}}}), {"\"elbow\"", "locked at 3", "0.5 to 2"}));
+  CHECK(names(refused({.locked = {{"elbow", std::nan("")}}}), {"\"elbow\"", "nan", "finite"}));
+  CHECK(names(refused({.locked = {{"wrist", 0.0}}}), {"\"wrist\"", "\"shoulder\"", "\"elbow\""}));
+  CHECK(names(refused({.locked = {{"tip", 0.0}}}), {"\"tip\"", "fixed already"}));
+}
+
+TEST_CASE("URDF: a mimicking joint stands with the joint it follows, or the file is refused") {
+  const auto text = [](const std::string& mimic) {
+    return head + links + shoulder +
+           joint_text("elbow", "upper", "lower", mimic + R"(<limit lower="-1" upper="1"/>)") + "</robot>";
+  };
+  const auto refused = [&](const std::string& mimic, const UrdfOptions& options) -> std::string {
+    try {
+      static_cast<void>(parse_urdf(text(mimic), "arm.urdf", options));
+    } catch (const ConfigurationError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  const std::string half = R"(<mimic joint="shoulder" multiplier="-0.5" offset="0.1"/>)";
+  CHECK(names(refused(half, {}), {"arm.urdf:6", "\"elbow\"", "<mimic>", "\"shoulder\"", "Lock"}));
+  CHECK(names(refused(half, {.locked = {{"shoulder", 0.4}}}), {"no joint that moves"}));
+  CHECK(names(refused(half, {.locked = {{"shoulder", 4.0}}}),
+              {"\"elbow\"", "\"shoulder\"", "-1.9", "-1 to 1"}));
+  CHECK(names(refused(half, {.locked = {{"shoulder", 0.4}, {"elbow", 0.3}}}),
+              {"\"elbow\"", "locked at 0.3", "puts it at -0.1"}));
+  CHECK(refused(half, {.locked = {{"elbow", 0.3}}}) == "accepted");
+  CHECK(names(refused(R"(<mimic joint="elbow"/>)", {}), {"\"elbow\"", "mimics itself"}));
+  CHECK(names(refused(R"(<mimic joint="knee"/>)", {}), {"\"elbow\"", "\"knee\"", "unknown"}));
+  CHECK(names(refused(R"(<mimic/>)", {}), {"\"elbow\"", "<mimic>", "unknown"}));
+  CHECK(names(refused(R"(<mimic joint="shoulder" multiplier="two"/>)", {.locked = {{"shoulder", 0.0}}}),
+              {"\"elbow\"", "two", "number"}));
+  const Urdf half_way = parse_urdf(
+      head + links + link_text("hand") + shoulder + joint_text("elbow", "upper", "lower") +
+          joint_text("wrist", "lower", "hand", R"(<mimic joint="elbow" multiplier="-0.5" offset="0.1"/>)") +
+          "</robot>",
+      "arm.urdf", {.locked = {{"elbow", 0.4}}});
+  REQUIRE(half_way.locked.size() == 2);
+  CHECK(half_way.locked[1].joint == "wrist");
+  CHECK(half_way.locked[1].position == doctest::Approx(-0.1));
+}
+
+TEST_CASE("URDF: a bad inertia that cannot matter is a warning, a moving link without mass is refused") {
+  const auto bad = [](const std::string& name, const char* mass, const char* size) {
+    return "<link name=\"" + name + "\"><inertial><mass value=\"" + mass + "\"/><inertia ixx=\"" + size +
+           "\" iyy=\"" + size + "\" izz=\"-" + size + "\"/></inertial></link>\n";
+  };
+  const auto warnings = [&](const std::string& text) { return parse_urdf(text, "arm.urdf").warnings; };
+  // What the base and what is fixed to it weigh does not matter, whatever they say.
+  const std::string fixed = joint_text("bolt", "base", "plate", "", "fixed") + shoulder + elbow + "</robot>";
+  for (const std::string& plate : {bad("plate", "1", "1"), bad("plate", "-1", "1"), bad("plate", "much", "1"),
+                                   std::string("<link name=\"plate\"><inertial/></link>")}) {
+    const auto found = warnings(head + links + plate + fixed);
+    REQUIRE(found.size() == 1);
+    CHECK(names(found[0], {"arm.urdf:5", "\"plate\"", "nothing moves"}));
+  }
+  // A weightless mount on a moving link; a heavy one matters.
+  const std::string mounted =
+      joint_text("glue", "lower", "mount", "", "fixed") + shoulder + elbow + "</robot>";
+  const auto found = warnings(head + links + bad("mount", "0", "1e-4") + mounted);
+  REQUIRE(found.size() == 1);
+  CHECK(names(found[0], {"arm.urdf:5", "\"mount\"", "moments of inertia", "do not matter"}));
+  CHECK(names(complaint(head + links + bad("mount", "0", "1e-1") + mounted), {"arm.urdf:5", "\"mount\""}));
+  CHECK(names(complaint(head + links + bad("mount", "-1e-9", "0") + mounted), {"\"mount\"", "negative"}));
+  // The order of the parts does not matter: the bad one may be the link that the joint carries.
+  const std::string swapped = head + link_text("upper") + bad("lower", "1e-6", "1e-4") + link_text("tool") +
+                              joint_text("glue", "lower", "tool", "", "fixed") + shoulder + elbow +
+                              "</robot>";
+  CHECK(warnings(swapped).size() == 1);
+
+  const std::string weightless =
+      "<link name=\"upper\"><inertial><mass value=\"0\"/><inertia ixx=\"1\" "
+      "iyy=\"1\" izz=\"1\"/></inertial></link>\n";
+  CHECK(names(complaint(head + weightless + link_text("lower") + shoulder + elbow + "</robot>"),
+              {"arm.urdf:3", "\"upper\"", "\"shoulder\"", "no mass"}));
+  const std::string point =
+      "<link name=\"lower\"><inertial><mass value=\"1\"/><inertia ixx=\"0\" iyy=\"0\" "
+      "izz=\"0\"/></inertial></link>\n";
+  CHECK(names(complaint(head + link_text("upper") + point + shoulder + elbow + "</robot>"),
+              {"arm.urdf:4", "\"lower\"", "\"elbow\"", "no moment of inertia"}));
+}
+
+TEST_CASE("URDF: limits come from the file, with a question where they look like degrees") {
+  const auto with = [](const std::string& limit, const char* type = "revolute") {
+    return head + links + joint_text("shoulder", "base", "upper", "<limit " + limit + "/>", type) +
+           joint_text("elbow", "upper", "lower",
+                      R"(<limit lower="-1" upper="2" velocity="3" effort="40"/>)") +
+           "</robot>";
+  };
+  const auto refused = [&](const std::string& limit, const char* type = "revolute") -> std::string {
+    try {
+      static_cast<void>(limits_of<2>(parse_urdf(with(limit, type), "arm.urdf"), 15.0));
+    } catch (const ConfigurationError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  const std::string good = R"(lower="-2" upper="2" velocity="1" effort="50")";
+  const auto limits = limits_of<2>(parse_urdf(with(good)), 15.0);
+  CHECK(limits.lower()[0] == -2);
+  CHECK(limits.upper()[1] == 2);
+  CHECK(limits.velocity()[1] == 3);
+  CHECK(limits.torque()[0] == 50);
+  CHECK(limits.acceleration()[1] == 15);
+  const auto endless =
+      limits_of<2, float>(parse_urdf(with(R"(velocity="1" effort="50")", "continuous")), 9.0f);
+  CHECK(std::isinf(endless.upper()[0]));
+  CHECK(endless.hold({1000.0f, 0.0f}));
+
+  CHECK(names(refused(R"(lower="-170" upper="170" velocity="1" effort="50")"),
+              {"arm.urdf:5", "\"shoulder\"", "-170", "degrees", "large_limits"}));
+  CHECK(names(refused(R"(lower="-2" upper="170" velocity="1" effort="50")"),
+              {"\"shoulder\"", "170", "degrees"}));
+  CHECK(names(refused(R"(velocity="180" effort="50")", "continuous"), {"\"shoulder\"", "180", "degrees"}));
+  const Urdf questioned =
+      parse_urdf(with(R"(lower="-170" upper="170" velocity="1" effort="50")"), "arm.urdf");
+  REQUIRE(questioned.warnings.size() == 1);
+  CHECK(names(questioned.warnings[0], {"arm.urdf:5", "\"shoulder\"", "-170", "degrees"}));
+  const Urdf meant = parse_urdf(with(R"(lower="-170" upper="170" velocity="1" effort="50")"), "arm.urdf",
+                                {.large_limits = true});
+  CHECK(meant.warnings.empty());
+  CHECK(limits_of<2>(meant).upper()[0] == 170);
+
+  CHECK(names(refused(R"(lower="1" upper="1" velocity="1" effort="50")"),
+              {"\"shoulder\"", "lower=\"1\"", "lock"}));
+  CHECK(
+      names(refused(R"(lower="-1" upper="1" velocity="0" effort="50")"), {"\"shoulder\"", "velocity=\"0\""}));
+  CHECK(names(refused(R"(lower="-1" upper="1" velocity="1" effort="0")"), {"\"shoulder\"", "effort=\"0\""}));
+  CHECK(names(refused(R"(lower="-1" upper="1" effort="50")"), {"\"shoulder\"", "no velocity"}));
+  CHECK(names(refused(R"(lower="-1" upper="1" velocity="1")"), {"\"shoulder\"", "no effort"}));
+  CHECK_THROWS_AS(static_cast<void>(limits_of<3>(parse_urdf(with(good)))), ConfigurationError);
+}
+
 TEST_CASE("URDF: whatever the bytes, a model of finite numbers or a complaint with the source") {
   const std::string good = written(twig(7), 8);
   oracle::Random random(9);
@@ -302,7 +493,13 @@ TEST_CASE("URDF: whatever the bytes, a model of finite numbers or a complaint wi
       if (text.empty()) text = " ";
     }
     try {
-      const auto numbers = model_links(parse_urdf(text, "arm.urdf")).links;
+      UrdfOptions options;
+      if (k % 3 == 1) options.tip = "link" + std::to_string(k % 9);
+      if (k % 5 == 1) options.base = "link" + std::to_string(k % 4);
+      if (k % 7 == 1) options.locked["joint" + std::to_string(k % 9)] = 0.5;
+      const auto urdf = parse_urdf(text, "arm.urdf", options);
+      const auto numbers = model_links(urdf).links;
+      for (const UrdfFrame& f : urdf.frames) CHECK(rotation_error(f.R) < 1e-9);
       ++read;
       for (const auto& l : numbers)
         for (double x : l.numbers) CHECK(x - x == 0);

@@ -14,20 +14,20 @@ TEST_CASE(
     "CentreOfMass: total moments and total mass of the table, gravity torque, the slope of the position") {
   const auto check = [](const auto& robot) {
     constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
-    const oracle::EulerLagrange<Wide> exact(robot.table);
+    const oracle::EulerLagrange<Digits50> exact(robot.table);
     oracle::Random random(1);
     double worst = 0, worst_slope = 0;
     for (int k = 0; k < 20; ++k) {
       const Motion<N> at(random);
       const auto com = centre_of_mass(robot.model, at.q);
-      Wide mass(0);
-      std::array<Wide, 3> moment{};
+      Digits50 mass(0);
+      std::array<Digits50, 3> moment{};
       const auto X = exact.poses(wide(at.q));
       for (std::size_t i = 0; i < N; ++i) {
         const auto& body = exact.robot().bodies[i];
         mass += body.mass;
         for (std::size_t r = 0; r < 3; ++r) {
-          Wide x = X[i].p[r];
+          Digits50 x = X[i].p[r];
           for (std::size_t c = 0; c < 3; ++c) x += X[i].R[3 * r + c] * body.com[c];
           moment[r] += body.mass * x;
         }

@@ -104,7 +104,7 @@ TEST_CASE_TEMPLATE("DampedInverse: at singularities bounded, and reachable direc
 TEST_CASE(
     "DampedInverse: its rate is the slope of what it asks, near singularities too, by quotients in 50 "
     "digits") {
-  const Wide h("1e-16");
+  const Digits50 h("1e-16");
   oracle::Random random(3);
   double worst = 0, worst_float = 0;
   for (double off : {0.0, 1e-6, 1e-3, 0.01, 0.03, 1.0})
@@ -115,14 +115,14 @@ TEST_CASE(
       const JointVelocity<6> dq = at.dq.cast<float>().cast<double>();
       const Speed<double> dx{{0.5, -0.25, 1}, {0.125, 0.75, -0.5}};
       const Rise<double> ddx{{1, 0.5, -0.25}, {-0.5, 2, 0.25}};
-      const auto asked = [&](const Wide& t) {
-        const auto J = ur5_jacobian(integrate(q.cast<Wide>(), dq.cast<Wide>(), t));
-        const Speed<Wide> v{cast<Wide>(dx.linear) + t * cast<Wide>(ddx.linear),
-                            cast<Wide>(dx.angular) + t * cast<Wide>(ddx.angular)};
-        return damped_inverse(J, SingularityDamping<Wide>(Wide(0.004), Wide(0.08))).solve(v);
+      const auto asked = [&](const Digits50& t) {
+        const auto J = ur5_jacobian(integrate(q.cast<Digits50>(), dq.cast<Digits50>(), t));
+        const Speed<Digits50> v{cast<Digits50>(dx.linear) + t * cast<Digits50>(ddx.linear),
+                                cast<Digits50>(dx.angular) + t * cast<Digits50>(ddx.angular)};
+        return damped_inverse(J, SingularityDamping<Digits50>(Digits50(0.004), Digits50(0.08))).solve(v);
       };
       const auto ahead = asked(h), behind = asked(-h);
-      Wide slope[6];
+      Digits50 slope[6];
       for (std::size_t i = 0; i < 6; ++i) slope[i] = (ahead[i] - behind[i]) / (2 * h);
       const auto J = ur5_jacobian(q);
       const auto rate =

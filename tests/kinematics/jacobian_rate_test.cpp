@@ -18,7 +18,7 @@ namespace {
 template <std::size_t I, class T, class R>
 double worst_error(const R& robot, const auto& model) {
   constexpr std::size_t N = R::joints;
-  const oracle::EulerLagrange<Wide> exact(robot.table);
+  const oracle::EulerLagrange<Digits50> exact(robot.table);
   oracle::Random random(4);
   double worst = 0;
   for (int k = 0; k < 10; ++k) {
@@ -30,15 +30,15 @@ double worst_error(const R& robot, const auto& model) {
     const auto J = jacobian<I>(link_poses(model, at.q), X_LC);
     const auto dJ = jacobian_rate(J, at.dq);
     static_assert(decltype(dJ)::columns == ancestors<typename R::Model>(I) && sizeof dJ == sizeof J);
-    const auto expected =
-        exact.jacobian_rate(int(I), {Wide(p[0]), Wide(p[1]), Wide(p[2])}, wide(at.q), wide(at.dq));
+    const auto expected = exact.jacobian_rate(int(I), {Digits50(p[0]), Digits50(p[1]), Digits50(p[2])},
+                                              wide(at.q), wide(at.dq));
     std::array<T, 6 * N> rows;
     const auto dense = as_eigen(dJ);
     for (std::size_t r = 0; r < 6; ++r)
       for (std::size_t j = 0; j < N; ++j) rows[r * N + j] = dense(Eigen::Index(r), Eigen::Index(j));
     worst = std::max(worst, relative_error(rows, expected, 6 * N));
 
-    const auto product = oracle::EulerLagrange<Wide>::product(expected, wide(at.dq));
+    const auto product = oracle::EulerLagrange<Digits50>::product(expected, wide(at.dq));
     const Vec6<T> of_matrix = as_eigen(dJ * at.dq), direct = as_eigen(bias_acceleration(J, at.dq));
     worst = std::max(worst, relative_error(of_matrix.data(), product, 6));
     worst = std::max(worst, relative_error(direct.data(), product, 6));

@@ -24,7 +24,7 @@ TEST_CASE("Jacobian: of every link, KDL, MuJoCo and the definition agree") {
     constexpr std::size_t N = std::remove_cvref_t<decltype(robot)>::joints;
     oracle::KdlOracle kdl(robot.table);
     oracle::MujocoOracle mujoco(robot.table);
-    const oracle::EulerLagrange<Wide> exact(robot.table);
+    const oracle::EulerLagrange<Digits50> exact(robot.table);
     oracle::Random random(1);
     double worst = 0;
     for (int k = 0; k < 100; ++k) {
@@ -50,7 +50,8 @@ TEST_CASE("Jacobian: of every link, KDL, MuJoCo and the definition agree") {
         note(expected);
         mujoco.jacobian(int(i.value), p, at.q.data, expected);
         note(expected);
-        if (k == 0) note(exact.jacobian(int(i.value), {Wide(p[0]), Wide(p[1]), Wide(p[2])}, wide(at.q)));
+        if (k == 0)
+          note(exact.jacobian(int(i.value), {Digits50(p[0]), Digits50(p[1]), Digits50(p[2])}, wide(at.q)));
       });
     }
     CAPTURE(robot.name);
@@ -59,13 +60,13 @@ TEST_CASE("Jacobian: of every link, KDL, MuJoCo and the definition agree") {
 }
 
 TEST_CASE("Jacobian: it is the slope of the pose, by difference quotients in 50 digits") {
-  const auto model = calibrated_from<ur5::Description, Wide>();
+  const auto model = calibrated_from<ur5::Description, Digits50>();
   oracle::Random random(2);
-  const Motion<6, Wide> at(random);
+  const Motion<6, Digits50> at(random);
   const auto poses = link_poses(model, at.q);
-  const auto X_LF = Transform<Link<5>, Flange, Wide>::translation_xyz(Wide(0.1), Wide(0.02), Wide(0.3));
+  const auto X_LF = Transform<Link<5>, Flange, Digits50>::translation_xyz(Digits50(0.1), Digits50(0.02), Digits50(0.3));
   const auto J = as_eigen(jacobian<5>(poses, X_LF));
-  const Wide h("1e-16");
+  const Digits50 h("1e-16");
   for (std::size_t j = 0; j < 6; ++j) {
     auto q_plus = at.q, q_minus = at.q;
     q_plus[j] += h;
@@ -74,7 +75,7 @@ TEST_CASE("Jacobian: it is the slope of the pose, by difference quotients in 50 
                X_minus = link_poses(model, q_minus).get<5>() * X_LF;
     const auto v = (X_plus.origin() - X_minus.origin());
     const auto w = log_so3(X_plus.axes() * X_minus.axes().transpose());
-    const Wide slope[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
+    const Digits50 slope[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
     for (int r = 0; r < 6; ++r)
       CHECK(static_cast<double>(abs(slope[r] / (2 * h) - J(r, Eigen::Index(j)))) <= 1e-14);
   }

@@ -57,23 +57,23 @@ TEST_CASE("Zyz: a path through theta = 0 is continuous near the last angles; dif
 }
 
 TEST_CASE("ZyzMap: it is the slope of the rotation, and its inverse undoes it outside the zone") {
-  const Wide h("1e-20");
+  const Digits50 h("1e-20");
   oracle::Random random(2);
   for (int k = 0; k < 20; ++k) {
-    const auto number = [&] { return Wide(random.uniform(-2, 2)); };
-    const Zyz<Wide> a{number(), Wide(random.uniform(0.1, 3.0)), number()},
+    const auto number = [&] { return Digits50(random.uniform(-2, 2)); };
+    const Zyz<Digits50> a{number(), Digits50(random.uniform(0.1, 3.0)), number()},
         rates{number(), number(), number()};
-    const Zyz<Wide> dd{number(), number(), number()};
-    const auto at = [&](const Wide& t) { return a + t * rates + (t * t / 2) * dd; };
-    const ZyzMap<Wide> B(a);
+    const Zyz<Digits50> dd{number(), number(), number()};
+    const auto at = [&](const Digits50& t) { return a + t * rates + (t * t / 2) * dd; };
+    const ZyzMap<Digits50> B(a);
     const auto w = log_so3(rotation_zyz(at(h)) * rotation_zyz(at(-h)).transpose());
     const auto omega = B * rates;
     CHECK(static_cast<double>(abs(w.x / (2 * h) - omega.x) + abs(w.y / (2 * h) - omega.y)) <= 1e-15);
     CHECK(static_cast<double>(abs(w.z / (2 * h) - omega.z)) <= 1e-15);
-    CHECK(abs(abs(B.determinant()) - abs(sin(a.theta))) <= Wide("1e-45"));
+    CHECK(abs(abs(B.determinant()) - abs(sin(a.theta))) <= Digits50("1e-45"));
 
-    const auto rates_at = [&](const Wide& t) { return rates + t * dd; };
-    const auto w1 = ZyzMap<Wide>(at(h)) * rates_at(h), w0 = ZyzMap<Wide>(at(-h)) * rates_at(-h);
+    const auto rates_at = [&](const Digits50& t) { return rates + t * dd; };
+    const auto w1 = ZyzMap<Digits50>(at(h)) * rates_at(h), w0 = ZyzMap<Digits50>(at(-h)) * rates_at(-h);
     const auto domega = B * dd + B.rate_times(rates);
     CHECK(static_cast<double>(abs((w1.x - w0.x) / (2 * h) - domega.x)) <= 1e-15);
     CHECK(static_cast<double>(abs((w1.y - w0.y) / (2 * h) - domega.y)) <= 1e-15);
@@ -99,37 +99,40 @@ TEST_CASE_TEMPLATE("ZyzMap: in the zone the inverse is bounded, smooth, and its 
   CHECK(straight.psi == 0);
   CHECK(straight.phi == 2);
   for (const char* theta : {"0", "0.003", "0.02", "0.0499", "0.06", "3.13"}) {
-    const Wide h("1e-20");
-    const Zyz<Wide> a{Wide(0.5), Wide(theta), Wide(1)}, da{Wide(0.25), Wide(-0.5), Wide(2)};
-    const Xyz<Wide> w{Wide(0.5), Wide(-1), Wide(0.25)}, dw{Wide(2), Wide(0.125), Wide(-1)};
-    const auto at = [&](const Wide& t) { return ZyzMap<Wide>(a + t * da).solve(w + t * dw); };
+    const Digits50 h("1e-20");
+    const Zyz<Digits50> a{Digits50(0.5), Digits50(theta), Digits50(1)},
+        da{Digits50(0.25), Digits50(-0.5), Digits50(2)};
+    const Xyz<Digits50> w{Digits50(0.5), Digits50(-1), Digits50(0.25)},
+        dw{Digits50(2), Digits50(0.125), Digits50(-1)};
+    const auto at = [&](const Digits50& t) { return ZyzMap<Digits50>(a + t * da).solve(w + t * dw); };
     const auto ahead = at(h), behind = at(-h);
     const ZyzMap<T> map({T(a.phi), T(a.theta), T(a.psi)});
     const auto rate = map.solve_rate(cast<T>(w), cast<T>(dw), {T(da.phi), T(da.theta), T(da.psi)});
     const double scale = 4e3 * static_cast<double>(std::numeric_limits<T>::epsilon()) *
                          (1 + std::abs(static_cast<double>(rate.psi)));
     CAPTURE(theta);
-    CHECK(std::abs(static_cast<double>((ahead.psi - behind.psi) / (2 * h) - Wide(rate.psi))) <= scale);
-    CHECK(std::abs(static_cast<double>((ahead.phi - behind.phi) / (2 * h) - Wide(rate.phi))) <= scale);
-    CHECK(std::abs(static_cast<double>((ahead.theta - behind.theta) / (2 * h) - Wide(rate.theta))) <= scale);
+    CHECK(std::abs(static_cast<double>((ahead.psi - behind.psi) / (2 * h) - Digits50(rate.psi))) <= scale);
+    CHECK(std::abs(static_cast<double>((ahead.phi - behind.phi) / (2 * h) - Digits50(rate.phi))) <= scale);
+    CHECK(std::abs(static_cast<double>((ahead.theta - behind.theta) / (2 * h) - Digits50(rate.theta))) <=
+          scale);
   }
 }
 
 TEST_CASE(
     "AnalyticJacobian: rates of a UR5's position and angles, first and second, by quotients in 50 digits") {
-  const auto model = calibrated_from<ur5::Description, Wide>();
+  const auto model = calibrated_from<ur5::Description, Digits50>();
   oracle::Random random(3);
-  const Motion<6, Wide> at(random);
-  const auto q_at = [&](const Wide& t) {
-    return JointPosition<6, Wide>::generate(
+  const Motion<6, Digits50> at(random);
+  const auto q_at = [&](const Digits50& t) {
+    return JointPosition<6, Digits50>::generate(
         [&](std::size_t i) { return at.q[i] + t * at.dq[i] + t * t / 2 * at.ddq[i]; });
   };
-  const auto pose = [&](const Wide& t) { return link_poses<link_bit<5>>(model, q_at(t)).get<5>(); };
+  const auto pose = [&](const Digits50& t) { return link_poses<link_bit<5>>(model, q_at(t)).get<5>(); };
   const auto J = jacobian<5>(link_poses(model, at.q));
-  const Zyz<Wide> angles = zyz_angles(pose(Wide(0)).axes());
+  const Zyz<Digits50> angles = zyz_angles(pose(Digits50(0)).axes());
   const AnalyticJacobian<std::remove_cv_t<decltype(J)>> J_a(J, angles);
-  const ZyzVelocity<Wide> v = J_a * at.dq, a = J_a.acceleration(at.dq, at.ddq);
-  const Wide h("1e-12");
+  const ZyzVelocity<Digits50> v = J_a * at.dq, a = J_a.acceleration(at.dq, at.ddq);
+  const Digits50 h("1e-12");
   const auto ahead = zyz_angles(pose(h).axes(), angles), behind = zyz_angles(pose(-h).axes(), angles);
   const auto d1 = difference(ahead, angles), d0 = difference(angles, behind);
   CHECK(static_cast<double>(abs((d1.phi + d0.phi) / (2 * h) - v.angles.phi)) <= 1e-18);
@@ -140,7 +143,7 @@ TEST_CASE(
   CHECK(static_cast<double>(abs((d1.psi - d0.psi) / (h * h) - a.angles.psi)) <= 1e-18);
   // Column by column the same.
   const auto dJ = jacobian_rate(J, at.dq);
-  Wide psi(0), linear(0);
+  Digits50 psi(0), linear(0);
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     ((psi += J_a.column<I>().angles.psi * at.ddq[I] + J_a.column_rate<I>(dJ, at.dq).angles.psi * at.dq[I],
       linear += J_a.column<I>().linear.x * at.ddq[I] + J_a.column_rate<I>(dJ, at.dq).linear.x * at.dq[I]),

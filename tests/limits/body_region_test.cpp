@@ -11,10 +11,10 @@ namespace {
 
 // Numbers of the test, nobody's recommendation.
 BodyRegion region() {
-  return {.force = 100, .blow = 200, .first = 0.5, .stiffness = 5e4, .mass = 4, .power = 30};
+  return {.force = 100, .blow = 200, .first = 500ms, .stiffness = 5e4, .mass = 4, .power = 30};
 }
 Separation separation() {
-  return {.body_speed = 1.6, .reaction = 0.1, .deceleration = 3, .margin = 0.15};
+  return {.body_speed = 1.6, .reaction = 100ms, .deceleration = 3, .margin = 0.15};
 }
 template <class Limits, class Change>
 std::string refusal(Limits limits, Change&& change) {
@@ -33,25 +33,27 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 TEST_CASE("BodyRegion: no number is shipped") {
   CHECK(refusal(region(), [](auto&) {}).empty());
   CHECK(refusal(separation(), [](auto&) {}).empty());
-  double BodyRegion::* const own[] = {&BodyRegion::force, &BodyRegion::blow, &BodyRegion::first,
-                                      &BodyRegion::stiffness, &BodyRegion::mass};
+  double BodyRegion::* const own[] = {&BodyRegion::force, &BodyRegion::blow, &BodyRegion::stiffness,
+                                      &BodyRegion::mass};
   for (const auto field : own) {
     CHECK(!(BodyRegion{}.*field == BodyRegion{}.*field));
     CHECK_FALSE(refusal(region(), [&](auto& r) { r.*field = missing; }).empty());
   }
-  double Separation::* const distances[] = {&Separation::body_speed, &Separation::reaction,
-                                            &Separation::deceleration, &Separation::margin};
+  double Separation::* const distances[] = {&Separation::body_speed, &Separation::deceleration,
+                                            &Separation::margin};
   for (const auto field : distances) {
     CHECK(!(Separation{}.*field == Separation{}.*field));
     CHECK_FALSE(refusal(separation(), [&](auto& s) { s.*field = missing; }).empty());
   }
+  CHECK_FALSE(refusal(region(), [](auto& r) { r.first = BodyRegion{}.first; }).empty());
+  CHECK_FALSE(refusal(separation(), [](auto& s) { s.reaction = Separation{}.reaction; }).empty());
 }
 
 TEST_CASE("BodyRegion: what cannot be is refused, with the number and the range") {
   CHECK(refusal(region(), [](auto& r) { r.blow = 99; }) ==
         "skinctl: BodyRegion: blow = 99, allowed: >= force N, finite: your own number");
   CHECK(refusal(region(), [](auto& r) { r.force = 0; }).find("force = 0") != std::string::npos);
-  CHECK(refusal(region(), [](auto& r) { r.first = -1; }).find("first = -1") != std::string::npos);
+  CHECK(refusal(region(), [](auto& r) { r.first = -1s; }).find("first = -1") != std::string::npos);
   CHECK(refusal(region(), [](auto& r) { r.stiffness = 2e9; }).find("stiffness") != std::string::npos);
   CHECK(refusal(region(), [](auto& r) { r.mass = 0; }).find("mass = 0") != std::string::npos);
   CHECK(refusal(region(), [](auto& r) { r.power = 0; }).find("power = 0") != std::string::npos);
@@ -88,11 +90,11 @@ TEST_CASE_TEMPLATE("speed_of_separation: who comes near meets a robot at rest", 
   for (const double S : {0.0, 0.2, 0.32, 0.5, 1.0, 3.0}) {
     const auto s = separation();
     const double v = double(speed_of_separation(s, T(S)));
-    if (S <= s.margin + s.body_speed * s.reaction) CHECK(v == 0);
+    if (S <= s.margin + s.body_speed * seconds<double>(s.reaction)) CHECK(v == 0);
     double apart = S, u = v;
     for (double t = 0; u > 0; t += 1e-5) {
       apart -= 1e-5 * (s.body_speed + u);
-      if (t >= s.reaction) u -= 1e-5 * s.deceleration;
+      if (t >= seconds<double>(s.reaction)) u -= 1e-5 * s.deceleration;
     }
     if (v > 0) CHECK(apart == doctest::Approx(s.margin).epsilon(1e-2));
   }

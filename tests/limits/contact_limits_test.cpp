@@ -18,14 +18,14 @@ using Touched = LinkWrenches<ur5::Model, link_bit<2> | link_bit<4>>;
 
 // Numbers of the test, nobody's recommendation.
 BodyRegion region() {
-  return {.force = 100, .blow = 200, .first = 0.5, .stiffness = 5e4, .mass = 4, .power = 30};
+  return {.force = 100, .blow = 200, .first = 500ms, .stiffness = 5e4, .mass = 4, .power = 30};
 }
 Separation separation() {
-  return {.body_speed = 1.6, .reaction = 0.1, .deceleration = 3, .margin = 0.15};
+  return {.body_speed = 1.6, .reaction = 100ms, .deceleration = 3, .margin = 0.15};
 }
 template <std::size_t I>
 LinkContact<I> contact() {
-  return {.region = region(), .reach = 0.45, .reaction = 0.02};
+  return {.region = region(), .reach = 0.45, .reaction = 20ms};
 }
 
 struct Scene {
@@ -64,7 +64,7 @@ TEST_CASE("LinkContact: what cannot be is refused, with the number") {
   CHECK(changed([](auto& c) { c.region.mass = -1; }).find("mass") != std::string::npos);
   CHECK(changed([](auto& c) { c.region.power = 0; }).find("power") != std::string::npos);
   CHECK(changed([](auto& c) { c.reach = std::nan(""); }).find("reach") != std::string::npos);
-  CHECK(changed([](auto& c) { c.reaction = 0; }).find("reaction") != std::string::npos);
+  CHECK(changed([](auto& c) { c.reaction = 0s; }).find("reaction") != std::string::npos);
   CHECK(changed([](auto& c) { c.separation = Separation{}; }).find("Separation") != std::string::npos);
   CHECK(changed([](auto& c) { c.separation = separation(); }).find("range") != std::string::npos);
 }

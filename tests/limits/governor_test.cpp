@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -23,9 +23,9 @@ constexpr std::size_t forearm = 2;
 // Numbers of the test, nobody's recommendation.
 LinkContact<forearm> contact(double force, double blow) {
   LinkContact<forearm> c{
-      .region = {.force = force, .blow = blow, .first = 0.1, .stiffness = 3e4, .mass = 4, .power = 50},
+      .region = {.force = force, .blow = blow, .first = 100ms, .stiffness = 3e4, .mass = 4, .power = 50},
       .reach = 0.5,
-      .reaction = 0.02};
+      .reaction = 20ms};
   c.newton = 0.2;  // the scene's skin is felt five times as strong as it is
   return c;
 }
@@ -40,14 +40,11 @@ auto governor(const Limited& l = {}) {
 }
 auto governed(const Limited& l = {}) {
   const SceneSettings s;
-  const auto c = resolver_configuration<Interface::position, double>(s);
+  const auto c = configuration_of<Interface::position, double>(s);
   SkinSettings skin;
-  skin.max_age = 10_s;
-  return Cycle(
-      Resolver<Interface::position, ur5::Model>(ur5::Model{}, c), SkinJointControl{} + GravityControl{},
-      ur5_skin<260>({.force = s.force_gain}, skin),
-      Guard<Interface::position, 6>({.limits = c.limits, .period = s.period, .longest_interval = 80_ms}),
-      governor(l));
+  skin.max_age = 10s;
+  return Cycle(by_position(ur5::Model{}, c), ur5_skin<260>({.force = s.force_gain}, skin),
+               SkinJointControl{} + GravityControl{}, governor(l));
 }
 
 static_assert(std::is_trivially_copyable_v<decltype(governed())::Memory>);
@@ -60,14 +57,14 @@ void run(const Scene& scene, double duration, Push&& push, Each&& each) {
   State<6> state;
   state.q = home_position();
   scene.start(*memory, state);
-  for (Nanoseconds now = 8_ms; now <= nanoseconds(duration); now += 8_ms) {
+  for (Nanoseconds now = 8ms; now <= nanoseconds(duration); now += 8ms) {
     typename Scene::Input input;
     input.now = now;
     input.measured = state;
     input.measured.time = now;
-    const double t = 1e-9 * static_cast<double>(now);
+    const double t = seconds<double>(now);
     const auto f = static_cast<float>(push(t));
-    const CellSample touch{.time = now - 1_ms, .cell = 150, .force = {f, f, f}};
+    const CellSample touch{.time = now - 1ms, .cell = 150, .force = {f, f, f}};
     input.samples = std::span(&touch, 1);
     each(t, input, *memory);
     const auto out = scene.step(*memory, input);
@@ -102,7 +99,7 @@ TEST_CASE(
     last.valid = wish.valid = true;
     last.position = home_position();
     wish.position = last.position;
-    wish.time = 8_ms;
+    wish.time = 8ms;
     for (std::size_t i = 0; i < 6; ++i) {
       last.velocity[i] = random.uniform(-0.3, 0.3);
       wish.velocity[i] = last.velocity[i] + random.uniform(-0.12, 0.12);
@@ -225,9 +222,9 @@ TEST_CASE("governor: whatever bits come in, commands stay finite, within limits 
     state.q = home_position();
     scene.start(*memory, state);
     auto last = memory->robot.command;
-    Nanoseconds now = 0;
+    Nanoseconds now{};
     for (int k = 0; k < 100; ++k) {
-      now += 8_ms;
+      now += 8ms;
       typename decltype(scene)::Input input;
       input.now = random.index(20) == 0 ? static_cast<Nanoseconds>(random.bits()) : now;
       input.measured = state;
@@ -285,18 +282,18 @@ TEST_CASE(
     "governor: how near somebody is tells the nearest cell of the link, and a silent one tells nothing") {
   const auto scene = governed();
   const auto& skin = scene.skin();
-  auto memory = skin.start(0);
+  auto memory = skin.start(0ns);
   CHECK(skin.nearest<1>(memory) == 1);
   const auto hear = [&](std::uint32_t id, float proximity, Nanoseconds now) {
     const CellSample sample{.time = now, .cell = id, .proximity = proximity};
     decltype(scene)::Wrenches mean;
-    skin.receive(memory, std::span(&sample, 1), now - 1_ms, now, 1, &mean);
+    skin.receive(memory, std::span(&sample, 1), now - 1ms, now, 1, &mean);
   };
   std::uint32_t id = 1;  // ids run through the links
   for (std::size_t link = 0; link < 6; ++link)
     for (std::size_t k = 0; k < ur5::skin_cells<260>[link]; ++k, ++id) {
       if (link == 1 && k + 1 == ur5::skin_cells<260>[1]) CHECK(skin.nearest<1>(memory) == 1);
-      hear(id, link == 2 && k == 3 ? 0.625f : 0, 2_ms);
+      hear(id, link == 2 && k == 3 ? 0.625f : 0, 2ms);
       if (link == 1 && k + 1 == ur5::skin_cells<260>[1])
         CHECK(skin.nearest<1>(memory) == doctest::Approx(0.05).epsilon(1e-3));
     }

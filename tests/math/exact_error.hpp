@@ -2,18 +2,16 @@
 #pragma once
 
 #include <algorithm>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <limits>
 
-namespace skinctl::testing {
+#include "skinctl/testing/digits50.hpp"
 
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+namespace skinctl::testing {
 
 /// The distance of the numbers of type `T` around `exact`.
 template <class T>
-[[nodiscard]] T unit_in_last_place(const Exact& exact) {
+[[nodiscard]] T unit_in_last_place(const Digits50& exact) {
   int exponent = 0;
   std::frexp(static_cast<T>(exact), &exponent);
   const int lowest = std::numeric_limits<T>::min_exponent - std::numeric_limits<T>::digits;
@@ -22,17 +20,17 @@ template <class T>
 
 /// |got - exact| in units in the last place, after `free` was subtracted; infinite if `got` is not a number.
 template <class T>
-[[nodiscard]] double error_in_ulp(T got, const Exact& exact, double free = 0) {
+[[nodiscard]] double error_in_ulp(T got, const Digits50& exact, double free = 0) {
   if (!(got - got == T(0))) return std::numeric_limits<double>::infinity();
-  const Exact error = std::max(Exact(0), Exact(abs(Exact(got) - exact) - Exact(free)));
-  return static_cast<double>(error / Exact(unit_in_last_place<T>(exact)));
+  const Digits50 error = std::max(Digits50(0), Digits50(abs(Digits50(got) - exact) - Digits50(free)));
+  return static_cast<double>(error / Digits50(unit_in_last_place<T>(exact)));
 }
 
 /// |got - exact|; infinite if `got` is not a number.
 template <class T>
-[[nodiscard]] double absolute_error(T got, const Exact& exact) {
+[[nodiscard]] double absolute_error(T got, const Digits50& exact) {
   if (!(got - got == T(0))) return std::numeric_limits<double>::infinity();
-  return static_cast<double>(abs(Exact(got) - exact));
+  return static_cast<double>(abs(Digits50(got) - exact));
 }
 
 }  // namespace skinctl::testing

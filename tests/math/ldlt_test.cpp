@@ -67,12 +67,12 @@ TEST_CASE_TEMPLATE("Ldlt: the error of the solution is that of the matrix times 
   const auto error = []<std::size_t N>(std::integral_constant<std::size_t, N>) {
     T a[N * N], b[N], x[N];
     fill_hilbert<N>(a);
-    Eigen::Matrix<Exact, int(N), 1> right, exact;
-    Eigen::Matrix<Exact, int(N), int(N)> m;
+    Eigen::Matrix<Digits50, int(N), 1> right, exact;
+    Eigen::Matrix<Digits50, int(N), int(N)> m;
     for (std::size_t i = 0; i < N; ++i) {
       b[i] = T(1);
-      right(int(i)) = Exact(1);
-      for (std::size_t j = 0; j < N; ++j) m(int(i), int(j)) = Exact(a[i * N + j]);
+      right(int(i)) = Digits50(1);
+      for (std::size_t j = 0; j < N; ++j) m(int(i), int(j)) = Digits50(a[i * N + j]);
     }
     // The oracle solves the same rounded matrix in 50 digits, by Eigen.
     exact = m.llt().solve(right);
@@ -81,7 +81,7 @@ TEST_CASE_TEMPLATE("Ldlt: the error of the solution is that of the matrix times 
     factors.solve(b, x);
     double worst = 0, size = 0;
     for (std::size_t i = 0; i < N; ++i) {
-      worst = std::max(worst, size_of(Exact(Exact(x[i]) - exact(int(i)))));
+      worst = std::max(worst, size_of(Digits50(Digits50(x[i]) - exact(int(i)))));
       size = std::max(size, size_of(exact(int(i))));
     }
     CHECK(backward_error<N>(a, x, b) <= 4.0 * N);
@@ -201,10 +201,10 @@ TEST_CASE("Ldlt: in 50 digits, and without allocation") {
   Random random = seeded(5);
   double d[36];
   fill_definite<6>(random, 1, 1, d);
-  Exact a[36], b[6], x[6];
-  for (std::size_t i = 0; i < 36; ++i) a[i] = Exact(d[i]);
-  for (Exact& v : b) v = Exact(1) / 3;
-  const math::Ldlt<6, Exact> factors(a);
+  Digits50 a[36], b[6], x[6];
+  for (std::size_t i = 0; i < 36; ++i) a[i] = Digits50(d[i]);
+  for (Digits50& v : b) v = Digits50(1) / 3;
+  const math::Ldlt<6, Digits50> factors(a);
   CHECK(factors.positive_definite());
   factors.solve(b, x);
   CHECK(backward_error<6>(a, x, b) <= 24);

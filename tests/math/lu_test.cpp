@@ -78,17 +78,17 @@ TEST_CASE_TEMPLATE("Lu: agrees with Eigen in 50 digits as far as the condition a
       fill_hilbert<6>(a);
     else
       fill_random<6>(random, a);
-    Eigen::Matrix<Exact, 6, 6> m;
-    Eigen::Matrix<Exact, 6, 1> right;
+    Eigen::Matrix<Digits50, 6, 6> m;
+    Eigen::Matrix<Digits50, 6, 1> right;
     for (std::size_t i = 0; i < 6; ++i) {
       b[i] = static_cast<T>(uniform(random, -1.0, 1.0));
-      right(int(i)) = Exact(b[i]);
-      for (std::size_t j = 0; j < 6; ++j) m(int(i), int(j)) = Exact(a[6 * i + j]);
+      right(int(i)) = Digits50(b[i]);
+      for (std::size_t j = 0; j < 6; ++j) m(int(i), int(j)) = Digits50(a[6 * i + j]);
     }
-    const Eigen::Matrix<Exact, 6, 6> inverse = m.fullPivLu().inverse();
-    const Eigen::Matrix<Exact, 6, 1> exact = inverse * right;
+    const Eigen::Matrix<Digits50, 6, 6> inverse = m.fullPivLu().inverse();
+    const Eigen::Matrix<Digits50, 6, 1> exact = inverse * right;
     const double condition = static_cast<double>(
-        Exact(inverse.cwiseAbs().rowwise().sum().maxCoeff() * m.cwiseAbs().rowwise().sum().maxCoeff()));
+        Digits50(inverse.cwiseAbs().rowwise().sum().maxCoeff() * m.cwiseAbs().rowwise().sum().maxCoeff()));
     const double epsilon = static_cast<double>(std::numeric_limits<T>::epsilon());
     const math::Lu<6, T> factors(a);
     if (condition * epsilon > 0.01) continue;  // Hilbert in float
@@ -97,7 +97,7 @@ TEST_CASE_TEMPLATE("Lu: agrees with Eigen in 50 digits as far as the condition a
     factors.solve(b, x);
     double worst = 0, size = 0;
     for (std::size_t i = 0; i < 6; ++i) {
-      worst = std::max(worst, size_of(Exact(Exact(x[i]) - exact(int(i)))));
+      worst = std::max(worst, size_of(Digits50(Digits50(x[i]) - exact(int(i)))));
       size = std::max(size, size_of(exact(int(i))));
     }
     CHECK(worst <= 6 * condition * epsilon * size);
@@ -167,10 +167,10 @@ TEST_CASE("Lu: in 50 digits, and without allocation") {
   Random random = seeded(5);
   double d[36];
   fill_random<6>(random, d);
-  Exact a[36], b[6], x[6];
-  for (std::size_t i = 0; i < 36; ++i) a[i] = Exact(d[i]);
-  for (Exact& v : b) v = Exact(1) / 3;
-  const math::Lu<6, Exact> factors(a);
+  Digits50 a[36], b[6], x[6];
+  for (std::size_t i = 0; i < 36; ++i) a[i] = Digits50(d[i]);
+  for (Digits50& v : b) v = Digits50(1) / 3;
+  const math::Lu<6, Digits50> factors(a);
   CHECK(factors.regular());
   factors.solve(b, x);
   CHECK(backward_error_by_norm<6>(a, x, b) <= 24);

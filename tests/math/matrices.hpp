@@ -49,14 +49,14 @@ template <std::size_t N, class T>
 [[nodiscard]] double backward_error(const T (&a)[N * N], const T (&x)[N], const T (&b)[N]) {
   double worst = 0;
   for (std::size_t i = 0; i < N; ++i) {
-    Exact rest = -Exact(b[i]), size = abs(Exact(b[i]));
+    Digits50 rest = -Digits50(b[i]), size = abs(Digits50(b[i]));
     for (std::size_t j = 0; j < N; ++j) {
-      const Exact term = Exact(a[i * N + j]) * Exact(x[j]);
+      const Digits50 term = Digits50(a[i * N + j]) * Digits50(x[j]);
       rest += term;
       size += abs(term);
     }
     if (!(size == size) || !(rest == rest)) return std::numeric_limits<double>::infinity();
-    if (size > 0) worst = std::max(worst, static_cast<double>(Exact(abs(rest) / size)));
+    if (size > 0) worst = std::max(worst, static_cast<double>(Digits50(abs(rest) / size)));
   }
   return worst / static_cast<double>(std::numeric_limits<T>::epsilon());
 }
@@ -65,20 +65,20 @@ template <std::size_t N, class T>
 /// pivoting by size promises, also where the rows differ by orders of magnitude.
 template <std::size_t N, class T>
 [[nodiscard]] double backward_error_by_norm(const T (&a)[N * N], const T (&x)[N], const T (&b)[N]) {
-  Exact worst = 0, size = 0, reach = 0;
+  Digits50 worst = 0, size = 0, reach = 0;
   for (std::size_t i = 0; i < N; ++i) {
-    Exact rest = -Exact(b[i]), row = 0;
+    Digits50 rest = -Digits50(b[i]), row = 0;
     for (std::size_t j = 0; j < N; ++j) {
-      rest += Exact(a[i * N + j]) * Exact(x[j]);
-      row += abs(Exact(a[i * N + j]));
+      rest += Digits50(a[i * N + j]) * Digits50(x[j]);
+      row += abs(Digits50(a[i * N + j]));
     }
     if (!(rest == rest)) return std::numeric_limits<double>::infinity();
-    worst = std::max(worst, Exact(abs(rest)));
+    worst = std::max(worst, Digits50(abs(rest)));
     size = std::max(size, row);
-    reach = std::max(reach, Exact(abs(Exact(x[i]))));
+    reach = std::max(reach, Digits50(abs(Digits50(x[i]))));
   }
   if (worst == 0) return 0;
-  return static_cast<double>(Exact(worst / (size * reach))) /
+  return static_cast<double>(Digits50(worst / (size * reach))) /
          static_cast<double>(std::numeric_limits<T>::epsilon());
 }
 

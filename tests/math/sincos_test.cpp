@@ -34,7 +34,7 @@ template <class T>
 void check_promise(T x, const math::SinCos<T>& y) {
   using P = Promise<T>;
   INFO("x = ", as_code(x));
-  const Exact s = sin(Exact(x)), c = cos(Exact(x));
+  const Digits50 s = sin(Digits50(x)), c = cos(Digits50(x));
   CHECK(error_in_ulp(y.sin, s, P::near_zero) <= P::ulp);
   CHECK(error_in_ulp(y.cos, c, P::near_zero) <= P::ulp);
   CHECK(absolute_error(y.sin, s) <= P::absolute);
@@ -44,7 +44,7 @@ void check_promise(T x, const math::SinCos<T>& y) {
 /// The number of type T next to k quarter turns, and its neighbours: where sine or cosine nearly vanish.
 template <class T>
 std::array<T, 3> around_quarter_turn(double k) {
-  const T x = static_cast<T>(Exact(k) * boost::math::constants::half_pi<Exact>());
+  const T x = static_cast<T>(Digits50(k) * boost::math::constants::half_pi<Digits50>());
   return {std::nextafter(x, T(-1e9)), x, std::nextafter(x, T(1e9))};
 }
 
@@ -193,11 +193,11 @@ TEST_CASE_TEMPLATE("sincos: Libm is the standard library, number by number", T, 
 }
 
 TEST_CASE("sincos: 50 digits stay 50 digits") {
-  const Exact x = Exact(1) / 3;
+  const Digits50 x = Digits50(1) / 3;
   const auto y = math::sincos(x);
-  CHECK(abs(y.sin * y.sin + y.cos * y.cos - 1) < Exact(1e-49));
-  Exact s[2], c[2];
-  const Exact angles[2] = {x, -x};
+  CHECK(abs(y.sin * y.sin + y.cos * y.cos - 1) < Digits50(1e-49));
+  Digits50 s[2], c[2];
+  const Digits50 angles[2] = {x, -x};
   math::sincos<2>(angles, s, c);
   CHECK(s[1] == -y.sin);
   CHECK(c[0] == y.cos);

@@ -36,11 +36,11 @@ double half_unit() {
 /// What the bounds in the header are made of.
 template <class T>
 struct Track {
-  Exact total = 0;
+  Digits50 total = 0;
   double sizes = 0, largest = 0;
   double terms = 0;
   void add(T x) {
-    total += Exact(x);
+    total += Digits50(x);
     sizes += std::abs(static_cast<double>(x));
     largest = std::max(largest, std::abs(static_cast<double>(total)));
     ++terms;
@@ -53,7 +53,8 @@ double excess(const Track<T>& exact, const Sum<T, Policy>& sum) {
   const double bound = std::is_same_v<Policy, Compensated>
                            ? u * exact.sizes + exact.terms * u * u * exact.largest
                            : 2 * exact.terms * u * u * exact.largest;
-  const double error = static_cast<double>(abs(Exact(Exact(sum.value()) + Exact(sum.rest()) - exact.total)));
+  const double error =
+      static_cast<double>(abs(Digits50(Digits50(sum.value()) + Digits50(sum.rest()) - exact.total)));
   return error - bound * (1 + 1e-6);
 }
 
@@ -67,7 +68,7 @@ TEST_CASE_TEMPLATE("two_sum: value and error are the exact sum, at any sizes", T
     const T b = std::ldexp(static_cast<T>(uniform(random, -1.0, 1.0)), k * 13 % reach - reach / 2);
     const auto sum = math::two_sum(a, b);
     CHECK(sum.value == a + b);
-    CHECK(Exact(sum.value) + Exact(sum.error) == Exact(a) + Exact(b));
+    CHECK(Digits50(sum.value) + Digits50(sum.error) == Digits50(a) + Digits50(b));
     const auto ordered = std::abs(a) >= std::abs(b) ? math::fast_two_sum(a, b) : math::fast_two_sum(b, a);
     CHECK(ordered.value == sum.value);
     CHECK(ordered.error == sum.error);
@@ -120,11 +121,11 @@ TEST_CASE_TEMPLATE("Sum: a state that swings keeps its place where DoubleWord is
   Random random = seeded(3);
   Sum<T> compensated(T(0.7));
   Sum<T, DoubleWord> twice(T(0.7));
-  Exact exact(T(0.7));
+  Digits50 exact(T(0.7));
   std::vector<T> steps(1000);
   for (T& x : steps) {
     x = static_cast<T>(uniform(random, -0.01, 0.01));
-    exact += Exact(x);
+    exact += Digits50(x);
   }
   for (int k = 0; k < 1000; ++k) {
     for (const T x : steps) compensated += x, twice += x;
@@ -174,8 +175,8 @@ TEST_CASE_TEMPLATE("Sum: lanes add up as their numbers do", T, float, double) {
 }
 
 TEST_CASE("Sum: in 50 digits") {
-  Sum<Exact> sum(Exact(1));
-  for (int i = 0; i < 100; ++i) sum += Exact(1) / 3;
-  CHECK(abs(sum.value() + sum.rest() - 1 - Exact(100) / 3) <=
-        100 * std::numeric_limits<Exact>::epsilon() * 34);
+  Sum<Digits50> sum(Digits50(1));
+  for (int i = 0; i < 100; ++i) sum += Digits50(1) / 3;
+  CHECK(abs(sum.value() + sum.rest() - 1 - Digits50(100) / 3) <=
+        100 * std::numeric_limits<Digits50>::epsilon() * 34);
 }

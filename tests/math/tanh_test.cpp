@@ -2,16 +2,14 @@
 
 #include <doctest/doctest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <limits>
 
-#include "tests/support/robot_table.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/robot_table.hpp"
 
 using namespace skinctl;
-using Wide =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-
+using skinctl::testing::Digits50;
 TEST_CASE_TEMPLATE("tanh: within 3 units in the last place of 50 digits, odd, and never beyond 1", T, float,
                    double) {
   oracle::Random random(1);
@@ -22,11 +20,11 @@ TEST_CASE_TEMPLATE("tanh: within 3 units in the last place of 50 digits, odd, an
     const T y = math::tanh(x);
     CHECK(math::tanh(T(-x)) == -y);
     CHECK(std::abs(y) <= T(1));
-    const Wide exact = tanh(Wide(x));
+    const Digits50 exact = tanh(Digits50(x));
     if (exact == 0) continue;
     const T size = std::abs(static_cast<T>(exact));
     const T unit = std::nextafter(size, std::numeric_limits<T>::infinity()) - size;
-    worst = std::max(worst, static_cast<double>(abs(Wide(y) - exact) / Wide(unit)));
+    worst = std::max(worst, static_cast<double>(abs(Digits50(y) - exact) / Digits50(unit)));
   }
   CHECK(worst <= 3);
 }

@@ -6,11 +6,12 @@
 #include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
-using testing::Wide;
+using skinctl::testing::Digits50;
+using testing::Digits50;
 
 namespace {
 
-using Pose = std::array<Wide, 12>;  // rows of R, then p
+using Pose = std::array<Digits50, 12>;  // rows of R, then p
 
 Pose product(const Pose& A, const Pose& B) {
   Pose C;
@@ -21,13 +22,13 @@ Pose product(const Pose& A, const Pose& B) {
   }
   return C;
 }
-Pose along(const Wide& x, const Wide& y, const Wide& z) {
+Pose along(const Digits50& x, const Digits50& y, const Digits50& z) {
   return {1, 0, 0, 0, 1, 0, 0, 0, 1, x, y, z};
 }
-Pose about_z(const Wide& a) {
+Pose about_z(const Digits50& a) {
   return {cos(a), -sin(a), 0, sin(a), cos(a), 0, 0, 0, 1, 0, 0, 0};
 }
-Pose about_x(const Wide& a) {
+Pose about_x(const Digits50& a) {
   return {1, 0, 0, 0, cos(a), -sin(a), 0, sin(a), cos(a), 0, 0, 0};
 }
 
@@ -37,7 +38,7 @@ double difference(const X& X_BL, const Pose& at) {
   const double mine[12] = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z, o.x, o.y, o.z};
   double worst = 0;
   for (std::size_t k = 0; k < 12; ++k)
-    worst = std::max(worst, std::abs(static_cast<double>(Wide(mine[k]) - at[k])));
+    worst = std::max(worst, std::abs(static_cast<double>(Digits50(mine[k]) - at[k])));
   return worst;
 }
 
@@ -86,11 +87,11 @@ TEST_CASE("DH: standard and modified rows are the products of their matrices, sl
     Pose S = along(0, 0, 0), M = S, at_joint = S;
     for (std::size_t i = 0; i < 3; ++i) {
       const bool turns = Slider::kinds[i] == JointKind::revolute;
-      const Pose motion = product(about_z(Wide(rows[i].theta) + (turns ? Wide(q[i]) : Wide(0))),
-                                  along(0, 0, Wide(rows[i].d) + (turns ? Wide(0) : Wide(q[i]))));
-      const Wide alpha = atan2(Wide(rows[i].alpha.sin), Wide(rows[i].alpha.cos));
-      const Pose a = along(Wide(rows[i].a), 0, 0);
-      at_joint = product(S, turns ? about_z(Wide(rows[i].theta) + Wide(q[i])) : motion);
+      const Pose motion = product(about_z(Digits50(rows[i].theta) + (turns ? Digits50(q[i]) : Digits50(0))),
+                                  along(0, 0, Digits50(rows[i].d) + (turns ? Digits50(0) : Digits50(q[i]))));
+      const Digits50 alpha = atan2(Digits50(rows[i].alpha.sin), Digits50(rows[i].alpha.cos));
+      const Pose a = along(Digits50(rows[i].a), 0, 0);
+      at_joint = product(S, turns ? about_z(Digits50(rows[i].theta) + Digits50(q[i])) : motion);
       S = product(product(product(S, motion), a), about_x(alpha));
       M = product(product(product(M, about_x(alpha)), a), motion);
     }
@@ -151,11 +152,12 @@ TEST_CASE("DH: a factory calibration moves the flange as its table says, through
     for (double& x : q) x = random.uniform(-3, 3);
     Pose by_table = along(0, 0, 0);
     for (std::size_t i = 0; i < 6; ++i) {
-      const Wide quarter = atan(Wide(1)) * 2;
-      by_table = product(by_table, about_z(Wide(q[i]) + Wide(ur10[i].theta) + Wide(found.theta[i])));
+      const Digits50 quarter = atan(Digits50(1)) * 2;
       by_table =
-          product(by_table, along(Wide(ur10[i].a) + Wide(found.a[i]), 0, Wide(ur10[i].d) + Wide(found.d[i])));
-      by_table = product(by_table, about_x(Wide(ur10_alpha[i]) * quarter + Wide(found.alpha[i])));
+          product(by_table, about_z(Digits50(q[i]) + Digits50(ur10[i].theta) + Digits50(found.theta[i])));
+      by_table = product(by_table, along(Digits50(ur10[i].a) + Digits50(found.a[i]), 0,
+                                         Digits50(ur10[i].d) + Digits50(found.d[i])));
+      by_table = product(by_table, about_x(Digits50(ur10_alpha[i]) * quarter + Digits50(found.alpha[i])));
     }
     const auto X_BF = link_poses<link_bit<5>>(arm, q).get<5>() *
                       Transform<Link<5>, Flange>::translation_xyz(end.p[0], end.p[1], end.p[2]);
@@ -211,10 +213,10 @@ TEST_CASE("DH: a calibration whose last axis is parallel to the one before ends 
   const JointPosition<2> q{0.6, -1.2};
   Pose by_table = along(0, 0, 0);
   for (std::size_t i = 0; i < 2; ++i) {
-    by_table = product(by_table, about_z(Wide(q[i]) + Wide(arm[i].theta) + Wide(delta.theta[i])));
-    by_table =
-        product(by_table, along(Wide(arm[i].a) + Wide(delta.a[i]), 0, Wide(arm[i].d) + Wide(delta.d[i])));
-    by_table = product(by_table, about_x(Wide(delta.alpha[i])));
+    by_table = product(by_table, about_z(Digits50(q[i]) + Digits50(arm[i].theta) + Digits50(delta.theta[i])));
+    by_table = product(by_table, along(Digits50(arm[i].a) + Digits50(delta.a[i]), 0,
+                                       Digits50(arm[i].d) + Digits50(delta.d[i])));
+    by_table = product(by_table, about_x(Digits50(delta.alpha[i])));
   }
   const auto X = link_poses(CalibratedModel<Chain<2>>(calibrated.links), q).get<1>();
   const auto& end = calibrated.end;

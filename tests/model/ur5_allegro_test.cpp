@@ -4,9 +4,9 @@
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/testing/robots.hpp"
-#include "skinctl/testing/worst_torque.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/worst_torque.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -2,18 +2,17 @@
 #pragma once
 
 #include <algorithm>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "tests/support/euler_lagrange.hpp"
-#include "tests/support/robot_table.hpp"
 
 namespace oracle {
 
-using Digits50 =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+using skinctl::testing::Digits50;
 using Definition = EulerLagrange<Digits50>;
 
 inline std::vector<Digits50> widened(const std::vector<double>& x) {

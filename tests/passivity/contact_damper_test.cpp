@@ -88,7 +88,7 @@ TEST_CASE("ContactDamper: a robot that bounces is damped, however long it flies;
 }
 
 TEST_CASE("ContactDamper: it fades when it is calm, quickly after the contact and slowly in it") {
-  const ContactDamper<> damper({.most = 100, .calm = 0.5});
+  const ContactDamper<> damper({.most = 100, .calm = 500ms});
   const auto then = [&](double push, double after) {
     return watch(damper, 3 + after, [&](double t) { return t < 3 ? swinging(t, 6, 20, 15) : push; }).last;
   };
@@ -110,6 +110,6 @@ TEST_CASE("ContactDamper: refuses nonsense") {
   CHECK_THROWS_AS(ContactDamper<>({.most = -1}), ConfigurationError);
   CHECK_THROWS_AS(ContactDamper<>({.always = std::nan("")}), ConfigurationError);
   CHECK_THROWS_AS(ContactDamper<>({.swing = 0}), ConfigurationError);
-  CHECK_THROWS_AS(ContactDamper<>({.slowest = 0}), ConfigurationError);
-  CHECK_THROWS_AS(ContactDamper<>({.calm = 0}), ConfigurationError);
+  CHECK_THROWS_AS(ContactDamper<>({.slowest = 0s}), ConfigurationError);
+  CHECK_THROWS_AS(ContactDamper<>({.calm = 0s}), ConfigurationError);
 }

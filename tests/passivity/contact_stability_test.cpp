@@ -11,12 +11,12 @@ using namespace skinctl::testing;
 
 namespace {
 
-ResolverConfiguration<6> configuration(Nanoseconds period, double delay, double lag, double decay) {
-  ResolverConfiguration<6> c{
+RobotConfiguration<6> configuration(Nanoseconds period, double delay, double lag, double decay) {
+  RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(1000.0), .period = period, .delay = nanoseconds(delay)};
-  c.lag = lag;
-  c.shape.decay = decay;
-  c.shape.viscous = {20, 20, 10, 2, 1, 0.5};
+  c.lag = nanoseconds(lag);
+  c.virtual_damping = decay;
+  c.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   return c;
 }
 constexpr double tool[6] = {0.3, 0.5, 0.4, 0.15, 0.1, 0};
@@ -26,8 +26,8 @@ const JointPosition<6> pose{0.1, -1.5, 1.2, -1, -1.5, 0.3};
 
 TEST_CASE("ContactStability: pure friction and pure delay have the textbook's margin") {
   // With friction that outweighs every mass the loop is w_f k / (B s) exp(-s T): k_max = pi B / (2 T w_f).
-  auto c = configuration(8_ms, 0.02, 0, 0);
-  c.shape.viscous = JointTorque<6>::constant(1e6);
+  auto c = configuration(8ms, 0.02, 0, 0);
+  c.viscous_friction = JointTorque<6>::constant(1e6);
   const double row[6] = {1, 0, 0, 0, 0, 0};
   for (const double gain : {1.0, 2.5}) {
     const ContactStability<ur5::Model> s(ur5::Model{}, c, {.stiffness = 1e4, .force_gain = gain});
@@ -36,8 +36,8 @@ TEST_CASE("ContactStability: pure friction and pure delay have the textbook's ma
 }
 
 TEST_CASE("ContactStability: a frictionless robot rests in nothing, a row of zeros feels nothing") {
-  auto c = configuration(8_ms, 0.02, 0, 0);
-  c.shape.viscous = {};
+  auto c = configuration(8ms, 0.02, 0, 0);
+  c.viscous_friction = {};
   const ContactStability<ur5::Model> s(ur5::Model{}, c, {.stiffness = 1e4});
   const double none[6] = {};
   CHECK(s.stiffest(pose, tool) == 0);
@@ -49,7 +49,7 @@ TEST_CASE(
     "one") {
   for (const double decay : {0.0, 1.0, 10.0})
     for (const double delay : {0.002, 0.04}) {
-      const auto c = configuration(2_ms, delay, 0.005, decay);
+      const auto c = configuration(2ms, delay, 0.005, decay);
       for (const double k : {1e2, 1e4, 1e6}) {
         const ContactStability<ur5::Model> s(ur5::Model{}, c, {.stiffness = k});
         CHECK(s.margin(pose, tool, contact_damping(k, s.total_delay())) >= 1.5 * M_PI / 2 * 0.99);
@@ -61,17 +61,17 @@ TEST_CASE(
 }
 
 TEST_CASE("ContactStability: with friction of 1.5 k T a heavy virtual robot has a margin of 1.5") {
-  auto c = configuration(2_ms, 0.04, 0, 0);
-  c.shape.inertia = JointTorque<6>::constant(1e5);
+  auto c = configuration(2ms, 0.04, 0, 0);
+  c.virtual_inertia = JointTorque<6>::constant(1e5);
   const double row[6] = {0.5, 0, 0, 0, 0, 0}, T = 0.041;
-  c.shape.viscous = JointTorque<6>::constant(0.25 * contact_damping(100.0, T));
+  c.viscous_friction = JointTorque<6>::constant(0.25 * contact_damping(100.0, T));
   const ContactStability<ur5::Model> s(ur5::Model{}, c, {.stiffness = 100});
   CHECK(s.total_delay() == doctest::Approx(T));
   CHECK(s.margin(pose, row) == doctest::Approx(1.5).epsilon(0.02));
 }
 
 TEST_CASE("ContactStability: refuses what is too stiff, with the numbers") {
-  const auto c = configuration(8_ms, 0.02, 0.008, 4);
+  const auto c = configuration(8ms, 0.02, 0.008, 4);
   const ContactStability<ur5::Model> soft(ur5::Model{}, c, {.stiffness = 100}),
       hard(ur5::Model{}, c, {.stiffness = 1e5, .cover = 3e4});
   soft.check(pose, tool);
@@ -93,8 +93,8 @@ TEST_CASE("ContactStability: refuses what is too stiff, with the numbers") {
 }
 
 TEST_CASE("ContactStability: a resolver on a spring becomes unstable where it says") {
-  const ResolverConfiguration<6> loops[] = {configuration(8_ms, 0.008, 0.008, 3),
-                                            configuration(2_ms, 0.02, 0, 3), configuration(8_ms, 0.04, 0, 3)};
+  const RobotConfiguration<6> loops[] = {configuration(8ms, 0.008, 0.008, 3), configuration(2ms, 0.02, 0, 3),
+                                         configuration(8ms, 0.04, 0, 3)};
   for (const auto& c : loops) {
     CAPTURE(c.period);
     CAPTURE(c.delay);

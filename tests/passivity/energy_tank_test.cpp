@@ -67,7 +67,7 @@ struct Mass {
     const double share = tank.pay(memory, JointTorque<1>::constant(port), JointTorque<1>::constant(active),
                                   now, v1, h, [&] { return after(port); });
     const double dx = 0.5 * h * (v + v1[0]);
-    VirtualShape<1> shape;
+    VirtualDynamics<1> shape;
     shape.viscous[0] = viscous;
     tank.book(memory, JointPosition<1>::constant(dx), shape, h);
     v = v1[0];

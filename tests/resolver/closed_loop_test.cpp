@@ -16,12 +16,12 @@ constexpr std::array<double, 6> pose{0.1, -1.5, 1.2, -1, -1.5, 0.3};
 constexpr std::array<double, 6> still{};
 
 template <class T = double>
-ResolverConfiguration<6, T> configuration(Nanoseconds period, double delay = 0.008, double lag = 0.008) {
-  ResolverConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)),
-                                .period = period,
-                                .delay = nanoseconds(delay),
-                                .lag = T(lag)};
-  c.shape.viscous = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
+RobotConfiguration<6, T> configuration(Nanoseconds period, double delay = 0.008, double lag = 0.008) {
+  RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)),
+                             .period = period,
+                             .delay = nanoseconds(delay),
+                             .lag = nanoseconds(lag)};
+  c.viscous_friction = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
   return c;
 }
 const Impulse nothing = [](double) { return still; };
@@ -47,7 +47,7 @@ double distance(const std::array<double, 6>& a, const std::array<double, 6>& b) 
 
 // How far the admittance of the real joints is from the configured one, relative.
 template <Interface I>
-double admittance_error(ResolverConfiguration<6> c, double frequency_times_T, double real_delay,
+double admittance_error(RobotConfiguration<6> c, double frequency_times_T, double real_delay,
                         double real_lag) {
   ClosedLoop<I> loop(c, pose, real_delay, real_lag);
   const double w = frequency_times_T / loop.robot.total_delay(), cycle = 2 * M_PI / w, k = w / 8;
@@ -85,7 +85,7 @@ double admittance_error(ResolverConfiguration<6> c, double frequency_times_T, do
   for (Eigen::Index i = 0; i < 6; ++i) {
     for (Eigen::Index j = 0; j < 6; ++j)
       Z(i, j) = std::complex<double>(0, w) * m(std::size_t(i), std::size_t(j));
-    Z(i, i) += c.shape.viscous[std::size_t(i)];
+    Z(i, i) += c.viscous_friction[std::size_t(i)];
     tau(i) = amplitude[i];
     v(i) = 2.0 * sum[std::size_t(i)] / over;
   }
@@ -97,7 +97,7 @@ double admittance_error(ResolverConfiguration<6> c, double frequency_times_T, do
 
 TEST_CASE("Resolver: real joints feel like the configured robot, whatever their delay and rate") {
   for (const double delay : {0.0, 0.008, 0.02, 0.04})
-    for (const Nanoseconds period : {8_ms, 2_ms}) {
+    for (const Nanoseconds period : {8ms, 2ms}) {
       CAPTURE(delay);
       CAPTURE(period);
       const auto c = configuration(period, delay);
@@ -110,12 +110,12 @@ TEST_CASE("Resolver: real joints feel like the configured robot, whatever their 
 
 TEST_CASE("Resolver: the lead command makes up for the delay") {
   for (const double delay : {0.008, 0.04})
-    for (const Nanoseconds period : {8_ms, 2_ms}) {
+    for (const Nanoseconds period : {8ms, 2ms}) {
       CAPTURE(delay);
       CAPTURE(period);
       auto c = configuration(period, delay);
       const double without = admittance_error<Interface::position>(c, 0.3, delay, 0.008);
-      c.lead = delay + 0.008 + 0.5 * seconds<double>(period);
+      c.lead = nanoseconds(delay) + 8ms + period / 2;
       CHECK(without > 0.15);
       CHECK(admittance_error<Interface::position>(c, 0.3, delay, 0.008) < 0.05);
       CHECK(admittance_error<Interface::velocity>(c, 0.3, delay, 0.008) < 0.05);
@@ -125,13 +125,13 @@ TEST_CASE("Resolver: the lead command makes up for the delay") {
 TEST_CASE_TEMPLATE("Resolver: released, it comes to rest and stays", I,
                    std::integral_constant<Interface, Interface::position>,
                    std::integral_constant<Interface, Interface::velocity>) {
-  ClosedLoop<I::value> loop(configuration(8_ms), pose, 0.008, 0.008);
+  ClosedLoop<I::value> loop(configuration(8ms), pose, 0.008, 0.008);
   const auto push = constant({10, -8, 5, 1, 0.5, 0.1}, 0.1, 0.6);
-  Nanoseconds now = 0;
-  for (; now < 3_s;) loop.step(now += 8_ms, push);
+  Nanoseconds now{};
+  for (; now < 3s;) loop.step(now += 8ms, push);
   const auto rest = loop.joints.q();
   CHECK(distance(rest, pose) > 0.1);
-  for (; now < 10_s;) loop.step(now += 8_ms, push);
+  for (; now < 10s;) loop.step(now += 8ms, push);
   CHECK(distance(rest, loop.joints.q()) < 1e-4);
   for (const double v : loop.joints.dq()) CHECK(std::abs(v) < 1e-6);
 }
@@ -149,7 +149,7 @@ struct Path {
     if (next == time.begin()) return command.front();
     if (next == time.end()) return command.back();
     const auto k = std::size_t(next - time.begin());
-    const double part = double(t - time[k - 1]) / double(time[k] - time[k - 1]);
+    const double part = seconds<double>(t - time[k - 1]) / seconds<double>(time[k] - time[k - 1]);
     auto q = command[k - 1];
     for (std::size_t i = 0; i < 6; ++i) q[i] += part * (command[k][i] - q[i]);
     return q;
@@ -168,8 +168,8 @@ template <Interface I, class Integrator = CrankNicolson>
 Path pushed_about(Nanoseconds period, double skipped, double jitter, double coulomb = 0) {
   auto c = configuration(period);
   c.limits = limits_of<ur5::Description>(200.0);
-  c.shape.decay = 1;
-  c.shape.coulomb = JointTorque<6>::constant(coulomb);
+  c.virtual_damping = 1;
+  c.coulomb_friction = JointTorque<6>::constant(coulomb);
   ClosedLoop<I, double, Integrator> loop(c, pose, 0.008, 0.008);
   const Impulse impulse = [](double t) {
     constexpr double size[6] = {25, -20, 12, 2, 1, 0.3};
@@ -182,14 +182,14 @@ Path pushed_about(Nanoseconds period, double skipped, double jitter, double coul
   };
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<double> unit(0, 1);
-  Nanoseconds now = 0, next = 100_ms;
+  Nanoseconds now{}, next = 100ms;
   Path path;
-  while (now < 4_s) {
+  while (now < 4s) {
     Nanoseconds dt = period;
     while (unit(rng) < skipped) dt += period;
-    now += dt + Nanoseconds(jitter * (unit(rng) - 0.5) * double(period));
-    for (; next <= now; next += 100_ms) {
-      loop.joints.advance(1e-9 * double(next));
+    now += dt + nanoseconds(jitter * (unit(rng) - 0.5) * seconds<double>(period));
+    for (; next <= now; next += 100ms) {
+      loop.joints.advance(seconds<double>(next));
       path.joints.push_back(loop.joints.q());
     }
     const auto out = loop.step(now, impulse);
@@ -197,7 +197,7 @@ Path pushed_about(Nanoseconds period, double skipped, double jitter, double coul
     path.command.emplace_back();
     for (std::size_t i = 0; i < 6; ++i) path.command.back()[i] = out.command.position[i];
   }
-  loop.joints.advance(1e-9 * double(now) + 0.3);
+  loop.joints.advance(seconds<double>(now) + 0.3);
   path.joints.push_back(loop.joints.q());
   return path;
 }
@@ -206,13 +206,13 @@ Path pushed_about(Nanoseconds period, double skipped, double jitter, double coul
 
 TEST_CASE("Resolver: the same touch gives the same motion at any rate, with skipped cycles and jitter") {
   for (const double coulomb : {0.0, 0.5}) {
-    const auto reference = pushed_about<Interface::position>(200_us, 0, 0, coulomb);
+    const auto reference = pushed_about<Interface::position>(200us, 0, 0, coulomb);
     const double travel = distance(reference.joints.back(), pose);
     CHECK(travel > 0.3);
     const auto end = [&](const Path& path) {
       return distance(path.joints.back(), reference.joints.back()) / travel;
     };
-    for (const Nanoseconds period : {8_ms, 4_ms, 2_ms, 1_ms})
+    for (const Nanoseconds period : {8ms, 4ms, 2ms, 1ms})
       for (const double skipped : {0.0, 0.1}) {
         CAPTURE(period);
         CAPTURE(skipped);
@@ -240,7 +240,7 @@ TEST_CASE("Resolver: the same touch gives the same motion at any rate, with skip
 TEST_CASE_TEMPLATE("Resolver: a blocked arm does not run away, says so, and comes back smoothly", I,
                    std::integral_constant<Interface, Interface::position>,
                    std::integral_constant<Interface, Interface::velocity>) {
-  for (const Nanoseconds period : {8_ms, 2_ms})
+  for (const Nanoseconds period : {8ms, 2ms})
     for (const double delay : {0.008, 0.02}) {
       CAPTURE(period);
       CAPTURE(delay);
@@ -251,8 +251,8 @@ TEST_CASE_TEMPLATE("Resolver: a blocked arm does not run away, says so, and come
       const auto push = constant({120, 0, 0, 0, 0, 0}, 0.5, 2.5);
       bool blocked = false;
       double last_rate = 0, farthest = 0, blocked_since = 0, free_since = 0;
-      for (Nanoseconds now = period; now < 6_s; now += period) {
-        const double t = 1e-9 * double(now);
+      for (Nanoseconds now = period; now < 6s; now += period) {
+        const double t = seconds<double>(now);
         loop.joints.hold_fast(0, t > 0.3 && t < 3.5);
         const auto out = loop.step(now, push);
         const double lead = std::abs(loop.memory.q.value[0] - loop.joints.q()[0]);
@@ -280,12 +280,12 @@ TEST_CASE_TEMPLATE("Resolver: a blocked arm does not run away, says so, and come
 
 TEST_CASE("Resolver: a slow push on a stuck joint is noticed too") {
   for (const double torque : {0.2, 1.0, 5.0}) {
-    ClosedLoop<Interface::position> loop(configuration(8_ms), pose, 0.008, 0.008);
-    ClosedLoop<Interface::velocity> other(configuration(8_ms), pose, 0.008, 0.008);
+    ClosedLoop<Interface::position> loop(configuration(8ms), pose, 0.008, 0.008);
+    ClosedLoop<Interface::velocity> other(configuration(8ms), pose, 0.008, 0.008);
     loop.joints.hold_fast(1, true);
     other.joints.hold_fast(1, true);
     bool noticed = false, other_noticed = false;
-    for (Nanoseconds now = 8_ms; now < 20_s; now += 8_ms) {
+    for (Nanoseconds now = 8ms; now < 20s; now += 8ms) {
       noticed |= loop.step(now, constant({0, torque, 0, 0, 0, 0})).status.has(Reason::blocked);
       other_noticed |= other.step(now, constant({0, torque, 0, 0, 0, 0})).status.has(Reason::blocked);
     }
@@ -298,14 +298,14 @@ TEST_CASE("Resolver: a slow push on a stuck joint is noticed too") {
 TEST_CASE_TEMPLATE("Resolver: follows a robot that was moved", I,
                    std::integral_constant<Interface, Interface::position>,
                    std::integral_constant<Interface, Interface::velocity>) {
-  ClosedLoop<I::value> loop(configuration(8_ms), pose, 0.008, 0.008);
-  Nanoseconds now = 0;
-  for (; now < 1_s;) loop.step(now += 8_ms, nothing);
+  ClosedLoop<I::value> loop(configuration(8ms), pose, 0.008, 0.008);
+  Nanoseconds now{};
+  for (; now < 1s;) loop.step(now += 8ms, nothing);
   loop.joints.displace(0, 0.3);
   loop.joints.displace(2, -0.2);
   double speed = 0;
-  for (; now < 4_s;) {
-    const auto out = loop.step(now += 8_ms, nothing);
+  for (; now < 4s;) {
+    const auto out = loop.step(now += 8ms, nothing);
     for (const double v : out.command.velocity) speed = std::max(speed, std::abs(v));
   }
   CHECK(speed < 3.2);
@@ -318,16 +318,16 @@ TEST_CASE_TEMPLATE("Resolver: follows a robot that was moved", I,
 TEST_CASE_TEMPLATE("Resolver: encoder noise and jitter stay within the dead band", I,
                    std::integral_constant<Interface, Interface::position>,
                    std::integral_constant<Interface, Interface::velocity>) {
-  auto c = configuration(8_ms);
+  auto c = configuration(8ms);
   ClosedLoop<I::value> loop(c, pose, 0.008, 0.008), quiet(c, pose, 0.008, 0.008);
   loop.noise = 1e-4;
   std::mt19937_64 rng(9);
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto push = constant({10, -8, 5, 1, 0.5, 0.1}, 0.1, 2.1);
-  Nanoseconds planned = 0;
+  Nanoseconds planned{};
   for (int k = 0; k < 1000; ++k) {
-    planned += 8_ms;
-    const Nanoseconds now = planned + Nanoseconds(1e6 * unit(rng));
+    planned += 8ms;
+    const Nanoseconds now = planned + nanoseconds(1e-3 * unit(rng));
     const auto out = loop.step(now, push);
     quiet.step(now, push);
     CHECK_FALSE(out.status.has(Reason::blocked));
@@ -347,17 +347,17 @@ TEST_CASE_TEMPLATE("Resolver: an undeclared millisecond of delay stays within th
                    std::integral_constant<Interface, Interface::position>,
                    std::integral_constant<Interface, Interface::velocity>) {
   for (const double wrong : {-0.001, 0.001}) {
-    ClosedLoop<I::value> loop(configuration(8_ms), pose, 0.008 + wrong, 0.008);
+    ClosedLoop<I::value> loop(configuration(8ms), pose, 0.008 + wrong, 0.008);
     const auto push = constant({40, -30, 15, 2, 0.5, 0.1}, 0.1, 0.8);
-    for (Nanoseconds now = 8_ms; now < 2_s; now += 8_ms)
+    for (Nanoseconds now = 8ms; now < 2s; now += 8ms)
       CHECK_FALSE(loop.step(now, push).status.has(Reason::blocked));
   }
 }
 
 TEST_CASE("Resolver: starts moving with a robot that moves") {
-  auto c = configuration(8_ms);
+  auto c = configuration(8ms);
   ClosedLoop<Interface::position> loop(c, pose, 0.008, 0.008);
-  State<6> s = loop.measure(0);
+  State<6> s = loop.measure(0ns);
   s.dq = {1, -1, 0, 0, 0, 0};
   auto m = loop.robot.start(s);
   CHECK(m.v[0] == 1);
@@ -371,10 +371,10 @@ TEST_CASE("Resolver: starts moving with a robot that moves") {
 }
 
 TEST_CASE("Resolver: a cycle allocates nothing") {
-  ClosedLoop<Interface::position> loop(configuration(8_ms), pose, 0.008, 0.008);
+  ClosedLoop<Interface::position> loop(configuration(8ms), pose, 0.008, 0.008);
   const Pushed<6, double> pushes[max_substeps] = {};
   AllocationGuard guard;
-  for (Nanoseconds now = 8_ms; now < 1_s; now += 8_ms)
+  for (Nanoseconds now = 8ms; now < 1s; now += 8ms)
     loop.robot.step(loop.memory, loop.law, loop.law_memory, loop.measure(now),
                     loop.robot.interval(loop.memory, now), std::span<const Pushed<6, double>>(pushes));
   const auto count = guard.count();

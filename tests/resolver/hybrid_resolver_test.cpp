@@ -80,9 +80,9 @@ template <Interface I, class T>
 struct SmallScene {
   using Robot = SmallRobot<I, T>;
   static typename Robot::Configuration configuration() {
-    ResolverConfiguration<2, T> arm{.limits = limits<2, T>(T(150)), .period = 4_ms, .delay = 8_ms};
-    arm.lag = I == Interface::position ? T(0.004) : T(0);
-    arm.shape.viscous = JointTorque<2, T>::constant(T(10));
+    RobotConfiguration<2, T> arm{.limits = limits<2, T>(T(150)), .period = 4ms, .delay = 8ms};
+    arm.lag = I == Interface::position ? 4ms : 0ms;
+    arm.viscous_friction = JointTorque<2, T>::constant(T(10));
     return {.stiff = arm, .limits = limits<1, T>(T(0.7)), .viscous = JointTorque<1, T>::constant(T(0.002))};
   }
   Robot robot = Robot(SmallModel{}, configuration());
@@ -94,17 +94,17 @@ struct SmallScene {
       0.008,
       I == Interface::position ? 0.004 : 0.0,
       {0.2, 0.3}};
-  State<3, T> measured{0, {T(0.2), T(0.3), T(0.5)}, {}};
+  State<3, T> measured{0ns, {T(0.2), T(0.3), T(0.5)}, {}};
   typename Robot::Memory memory = robot.start(measured);
-  Nanoseconds now = 0;
+  Nanoseconds now{};
   double finger = 0.5, finger_speed = 0;
 
   auto cycle(const JointTorque<3, T>& push) {
-    now += 4_ms;
+    now += 4ms;
     const double h = 0.0002;
     const double drive = double(memory.command.torque[2]) + double(push[2]);
     for (int k = 1; k <= 20; ++k) {
-      arm.advance(1e-9 * double(now) - 0.004 + k * h);
+      arm.advance(seconds<double>(now) - 0.004 + k * h);
       const JointPosition<3> q{arm.q()[0], arm.q()[1], finger};
       const JointVelocity<3> v{arm.dq()[0], arm.dq()[1], finger_speed};
       const double bias = bias_torque(SmallModel{}, JointAngles<SmallModel, double>({}, q), v)[2];
@@ -124,7 +124,7 @@ struct SmallScene {
     const auto stiff = Robot::stiff(out.command);
     for (std::size_t i = 0; i < 2; ++i)
       row[i] = double(I == Interface::position ? stiff.position[i] : stiff.velocity[i]);
-    arm.command(1e-9 * double(now), row);
+    arm.command(seconds<double>(now), row);
     return out;
   }
 };
@@ -142,15 +142,15 @@ TEST_CASE(
   using Robot = SmallRobot<Interface::velocity>;
   const auto c = SmallScene<Interface::velocity, double>::configuration();
   const Robot robot(SmallModel{}, c);
-  State<3> measured{0, {0.2, 0.3, 0.5}, {}};
+  State<3> measured{0ns, {0.2, 0.3, 0.5}, {}};
   // The oracle: an arm that carries the finger as a part of itself, in the same pose.
   const auto X = Poses<SmallModel, all_links(3), double>(SmallModel{}, measured.q);
   const auto X_AF = X.get<1>().inverse() * X.get<2>();
   const Loaded<ArmModel, 1> loaded(
       ArmModel{}, seen_from(X_AF.axes(), X_AF.origin(), inertia_of(ArmWithFinger::links[2])));
   const Resolver<Interface::velocity, Loaded<ArmModel, 1>> alone(loaded, c.stiff);
-  ResolverConfiguration<3> direct{.limits = limits<3, double>(1e3), .period = 4_ms};
-  direct.shape.viscous[2] = c.viscous[0];
+  RobotConfiguration<3> direct{.limits = limits<3, double>(1e3), .period = 4ms};
+  direct.viscous_friction[2] = c.viscous[0];
   const Resolver<Interface::torque, SmallModel> torques(SmallModel{}, direct);
 
   const Grasp<3> law{.goal = measured.q, .stiffness = {0.2, 0.2, 0.2}, .damping = {}};
@@ -161,8 +161,8 @@ TEST_CASE(
   auto alone_memory = alone.start(Robot::part_of<Robot::Stiff>(measured));
   double travel = 0, off = 0, torque_off = 0;
   std::uint64_t allocated = 0;
-  for (Nanoseconds now = 4_ms; now < 1600_ms; now += 4_ms) {
-    const double t = 1e-9 * double(now), s = t < 0.8 ? std::sin(4 * t) : 0;
+  for (Nanoseconds now = 4ms; now < 1600ms; now += 4ms) {
+    const double t = seconds<double>(now), s = t < 0.8 ? std::sin(4 * t) : 0;
     Pushes<3, double> touches[2];
     Pushes<2, double> arm_touches[2];
     for (std::size_t j = 0; j < 2; ++j) {
@@ -170,7 +170,7 @@ TEST_CASE(
       arm_touches[j].torque = {8 * s, -6 * s};
     }
     // The arm does what is declared; the hand is held as it is, but in the last cycle.
-    const bool last = now + 4_ms >= 1600_ms;
+    const bool last = now + 4ms >= 1600ms;
     measured.time = now;
     measured.dq[2] = last ? 0.3 : 0;
     Robot::Stiff::put(memory.stiff.under_way.reached, measured.q);
@@ -188,7 +188,7 @@ TEST_CASE(
     }
     CHECK(out.status == want.status);
     // The torque interface at the state that the law was asked at.
-    auto torque_memory = torques.start({now - 4_ms, robot.state(memory).q, robot.state(memory).dq});
+    auto torque_memory = torques.start({now - 4ms, robot.state(memory).q, robot.state(memory).dq});
     const auto torque = torques.step(torque_memory, law, torque_law_memory, robot.state(memory),
                                      torques.interval(torque_memory, now),
                                      std::span<const Pushes<3, double>>(touches + 1, 1));
@@ -267,7 +267,7 @@ TEST_CASE("HybridResolver: bad news of a finger are no news of the arm either, a
   const State<3> good = s.measured;
   Status status;
   for (int k = 0; k < 100; ++k) {
-    s.now += 4_ms;
+    s.now += 4ms;
     s.measured = good;
     s.measured.time = s.now;
     s.measured.q[2] = std::numeric_limits<double>::quiet_NaN();
@@ -326,7 +326,7 @@ TEST_CASE("HybridResolver: what a guard made of one part does not disturb the ot
 
 TEST_CASE("HybridResolver: refuses friction out of range") {
   using Robot = SmallRobot<Interface::velocity>;
-  Robot::Configuration c{.stiff = {.limits = limits<2, double>(150), .period = 4_ms},
+  Robot::Configuration c{.stiff = {.limits = limits<2, double>(150), .period = 4ms},
                          .limits = limits<1, double>(1)};
   CHECK_NOTHROW(Robot(SmallModel{}, c));
   c.viscous[0] = -1;

@@ -4,15 +4,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <random>
 
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/digits50.hpp"
 
 using namespace skinctl;
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-
+using skinctl::testing::Digits50;
 namespace {
 
 using Vector = Eigen::Matrix<double, 6, 1>;
@@ -25,7 +23,7 @@ Matrix mass(const Vector& q) {
 
 // The definition, by a fourth-order method and a general solver.
 struct Reference {
-  VirtualShape<6> shape;
+  VirtualDynamics<6> shape;
   Vector torque;  // besides what holds gravity
 
   Vector acceleration(const Vector& q, const Vector& v) const {
@@ -34,7 +32,7 @@ struct Reference {
     const auto c = coriolis_torque(ur5::Model{}, JointAngles<ur5::Model, double>({}, JointPosition<6>(q)),
                                    JointVelocity<6>(v));
     const Vector friction =
-        Eigen::Map<const Vector>(shape.viscous.data).cwiseProduct(v) + shape.decay * (m * v);
+        Eigen::Map<const Vector>(shape.viscous.data).cwiseProduct(v) + shape.damping * (m * v);
     return m.partialPivLu().solve(torque - Eigen::Map<const Vector>(c.data) - friction);
   }
   void run(Vector& q, Vector& v, double time, int steps) const {
@@ -51,13 +49,13 @@ struct Reference {
 };
 
 template <class Policy, class T>
-void run(const VirtualShape<6, T>& shape, const JointTorque<6, T>& push, JointPosition<6, T>& q,
+void run(const VirtualDynamics<6, T>& shape, const JointTorque<6, T>& push, JointPosition<6, T>& q,
          JointVelocity<6, T>& v, double time, int steps) {
   const T h = T(time / steps);
   JointAcceleration<6, T> last;
   const NoTouch none;
   for (int k = 0; k < steps; ++k) {
-    const State<6, T> state{0, q, v};
+    const State<6, T> state{0ns, q, v};
     const Quantities<ur5::Model, Policy::needs | Needs{.gravity = true}, T> known(ur5::Model{}, state, h,
                                                                                   none);
     // Gravity that a law holds is held where the integrator takes it: at the start of the sub-step.
@@ -73,10 +71,10 @@ void run(const VirtualShape<6, T>& shape, const JointTorque<6, T>& push, JointPo
 
 template <class Policy>
 double error(int steps) {
-  VirtualShape<6> shape;
+  VirtualDynamics<6> shape;
   shape.viscous = {10, 8, 5, 1, 0.5, 0.2};
   shape.inertia = {0.1, 0.1, 0.1, 0.05, 0.05, 0.02};
-  shape.decay = 1.5;
+  shape.damping = 1.5;
   const JointTorque<6> push{20, -15, 10, 2, 1, 0.3};
   Reference reference{shape, Vector(Eigen::Map<const Vector>(push.data))};
   const Vector q0(0.1, -1.2, 1.1, -0.7, 0.4, 0.2), v0(0.5, 1, -1, 2, -2, 1);
@@ -100,9 +98,9 @@ struct Turntable {
 using Table = StaticModel<Turntable>;
 
 template <class Policy, class T>
-detail::VelocityStep<1, T> turn(const VirtualShape<1, T>& shape, bool coulomb, T tau, T v, T h,
+detail::VelocityStep<1, T> turn(const VirtualDynamics<1, T>& shape, bool coulomb, T tau, T v, T h,
                                 T pull = T(0)) {
-  const State<1, T> state{0, {}, JointVelocity<1, T>::constant(v)};
+  const State<1, T> state{0ns, {}, JointVelocity<1, T>::constant(v)};
   const NoTouch none;
   const Quantities<Table, Policy::needs, T> known(Table{}, state, h, none);
   return detail::step_velocity<Policy>(known, shape, coulomb, JointTorque<1, T>::constant(tau),
@@ -139,7 +137,7 @@ namespace {
 
 // A second of velocity alone, gravity and torque held over each step, poses exact.
 double velocity_error(int steps, double viscous) {
-  VirtualShape<6> shape;
+  VirtualDynamics<6> shape;
   shape.viscous = JointTorque<6>::constant(viscous);
   shape.inertia = JointTorque<6>::constant(0.1);
   const JointTorque<6> push{20, -15, 10, 2, 1, 0.3};
@@ -149,7 +147,7 @@ double velocity_error(int steps, double viscous) {
   const double h = 0.2 / steps;
   const NoTouch none;
   for (int k = 0; k < steps; ++k) {
-    const State<6> state{0, JointPosition<6>(q), JointVelocity<6>(v)};
+    const State<6> state{0ns, JointPosition<6>(q), JointVelocity<6>(v)};
     const Quantities<ur5::Model, RungeKutta4::needs | Needs{.gravity = true}> known(ur5::Model{}, state, h,
                                                                                     none);
     const auto next = detail::step_velocity<RungeKutta4>(known, shape, false, push + known.gravity(),
@@ -170,7 +168,7 @@ TEST_CASE("RungeKutta4: a step of the velocity errs by the fifth power of its le
 
 TEST_CASE("RungeKutta4: friction of any strength is stable") {
   for (const double viscous : {0.0, 1.0, 100.0, 1e4, 1e7}) {
-    VirtualShape<1> shape;
+    VirtualDynamics<1> shape;
     shape.viscous[0] = viscous;
     const double after = turn<RungeKutta4, double>(shape, false, 0, 1, 0.002).velocity[0];
     CAPTURE(viscous);
@@ -179,13 +177,13 @@ TEST_CASE("RungeKutta4: friction of any strength is stable") {
     if (viscous * 0.002 / 0.5 <= 2)
       CHECK(after == doctest::Approx(std::exp(-viscous * 0.002 / 0.5)).epsilon(0.02));
   }
-  VirtualShape<1> dry;
+  VirtualDynamics<1> dry;
   dry.coulomb[0] = 1e3;
   CHECK(turn<RungeKutta4, double>(dry, true, 0, 1, 0.002).velocity[0] == 0);
 }
 
 TEST_CASE("CrankNicolson: without friction and pushes the kinetic energy stays") {
-  const VirtualShape<6> none;
+  const VirtualDynamics<6> none;
   JointPosition<6> q{0.1, -1.2, 1.1, -0.7, 0.4, 0.2};
   JointVelocity<6> v{0.5, 1, -1, 2, -2, 1};
   const auto energy = [&] {
@@ -202,9 +200,9 @@ TEST_CASE_TEMPLATE("Integrators: constant torque against viscous friction is the
   const double m = 0.5, tau = 3, h = 0.002;
   for (const double b : {0.0, 0.3, 2.0}) {
     for (const double decay : {0.0, 3.0}) {
-      VirtualShape<1> shape;
+      VirtualDynamics<1> shape;
       shape.viscous[0] = b;
-      shape.decay = decay;
+      shape.damping = decay;
       const double rate = b / m + decay;
       double v = 0;
       for (int k = 0; k < 500; ++k) v = turn<P>(shape, false, tau, v, h).velocity[0];
@@ -217,7 +215,7 @@ TEST_CASE_TEMPLATE("Integrators: constant torque against viscous friction is the
 TEST_CASE_TEMPLATE("Integrators: stiff friction never rings", P, CrankNicolson, ImplicitFriction,
                    SemiImplicitEuler) {
   for (const double z : {0.1, 0.9, 1.0, 1.5, 2.0, 3.0, 10.0, 1e3, 1e6}) {
-    VirtualShape<1> shape;
+    VirtualDynamics<1> shape;
     shape.viscous[0] = z * 0.5 / 0.002;
     double v = 1;
     for (int k = 0; k < 20; ++k) {
@@ -238,13 +236,13 @@ TEST_CASE_TEMPLATE("Integrators: stiff friction never rings", P, CrankNicolson, 
 
 TEST_CASE_TEMPLATE("Integrators: a pull accelerates every mass alike", P, CrankNicolson, ImplicitFriction,
                    SemiImplicitEuler) {
-  VirtualShape<1> shape;
+  VirtualDynamics<1> shape;
   shape.inertia[0] = 7;
   CHECK(turn<P>(shape, false, 0.0, 1.0, 0.002, 50.0).velocity[0] == doctest::Approx(1.1));
 }
 
 TEST_CASE_TEMPLATE("Coulomb friction: sticks below, slides above, stops for good", T, float, double) {
-  VirtualShape<1, T> shape;
+  VirtualDynamics<1, T> shape;
   shape.coulomb[0] = T(2);
   const T h = T(0.002);
   for (const T tau : {T(0), T(1.9), T(-1.9)})
@@ -300,19 +298,19 @@ TEST_CASE_TEMPLATE("Coulomb friction: coupled joints satisfy the inclusion", T, 
 }
 
 TEST_CASE("Integrators: run in multiprecision, and double agrees with it") {
-  VirtualShape<6> shape;
+  VirtualDynamics<6> shape;
   shape.viscous = {10, 8, 5, 1, 0.5, 0.2};
-  shape.decay = 1;
-  VirtualShape<6, Exact> exact_shape{shape.viscous.cast<Exact>(), {}, {}, Exact(1)};
+  shape.damping = 1;
+  VirtualDynamics<6, Digits50> exact_shape{shape.viscous.cast<Digits50>(), {}, {}, Digits50(1)};
   JointPosition<6> q{0.1, -1.2, 1.1, -0.7, 0.4, 0.2};
   JointVelocity<6> v{0.5, 1, -1, 2, -2, 1};
-  auto q_exact = q.cast<Exact>();
-  auto v_exact = v.cast<Exact>();
+  auto q_exact = q.cast<Digits50>();
+  auto v_exact = v.cast<Digits50>();
   const JointTorque<6> push{20, -15, 10, 0.2, 0.1, 0.03};
   run<CrankNicolson>(shape, push, q, v, 0.0625, 32);
-  run<CrankNicolson>(exact_shape, push.cast<Exact>(), q_exact, v_exact, 0.0625, 32);
+  run<CrankNicolson>(exact_shape, push.cast<Digits50>(), q_exact, v_exact, 0.0625, 32);
   for (std::size_t i = 0; i < 6; ++i) {
-    CHECK(std::abs(static_cast<double>(q_exact[i] - Exact(q[i]))) < 1e-13);
-    CHECK(std::abs(static_cast<double>(v_exact[i] - Exact(v[i]))) < 1e-11);
+    CHECK(std::abs(static_cast<double>(q_exact[i] - Digits50(q[i]))) < 1e-13);
+    CHECK(std::abs(static_cast<double>(v_exact[i] - Digits50(v[i]))) < 1e-11);
   }
 }

@@ -21,14 +21,14 @@ static_assert(std::is_base_of_v<VirtualJointsMemory<6, double, 32>, Memory>);
 static_assert(sizeof(Memory) == sizeof(VirtualJointsMemory<6, double, 32>), "no keeper, no bytes");
 
 TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no command that may be sent") {
-  const Robot robot(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 8_ms});
+  const Robot robot(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 8ms});
   Robot::Memory fresh{};
   CHECK_FALSE(fresh.started);
   CHECK(fresh.mode == Mode::following);
   GravityControl::Memory law{};
   State<6> state;
   const NoTouch nobody[1]{};
-  for (Nanoseconds now = 8_ms; now < 100_ms; now += 8_ms) {
+  for (Nanoseconds now = 8ms; now < 100ms; now += 8ms) {
     state.time = now;
     const auto out = robot.step(fresh, GravityControl{}, law, state, robot.interval(fresh, now),
                                 std::span<const NoTouch>(nobody));
@@ -45,20 +45,20 @@ TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no comman
 }
 
 TEST_CASE("ResolverMemory: a copy by its bytes goes on as the original does") {
-  ResolverConfiguration<6> c{.limits = limits_of<ur5::Description>(40.0), .period = 8_ms, .delay = 8_ms};
+  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(40.0), .period = 8ms, .delay = 8ms};
   const detail::VirtualJoints<Interface::velocity, 6, double, 32> joints(c);
-  Memory a{joints.start({0, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, {}}), {}}, b;
+  Memory a{joints.start({0ns, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, {}}), {}}, b;
   const auto cycle = [&](Memory& m, Nanoseconds now) {
-    const Interval interval{now - 8_ms, now, 1, {}};
+    const Interval interval{now - 8ms, now, 1, {}};
     const auto begun = joints.begin(m, {now, m.under_way.reached, {}}, interval);
     static_cast<void>(joints.move(m, begun.correction, JointVelocity<6>::constant(0.2), 0.008));
     m.time = now;
     static_cast<void>(joints.end(m, begun, {}));
     return m.command.velocity;
   };
-  for (Nanoseconds now = 8_ms; now < 400_ms; now += 8_ms) cycle(a, now);
+  for (Nanoseconds now = 8ms; now < 400ms; now += 8ms) cycle(a, now);
   std::memcpy(static_cast<void*>(&b), &a, sizeof a);
-  for (Nanoseconds now = 400_ms; now < 800_ms; now += 8_ms) {
+  for (Nanoseconds now = 400ms; now < 800ms; now += 8ms) {
     const auto one = cycle(a, now), other = cycle(b, now);
     CHECK(one == other);
   }

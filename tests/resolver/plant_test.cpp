@@ -3,14 +3,14 @@
 
 #include <Eigen/LU>
 
-#include "skinctl/testing/plant_loop.hpp"
 #include "tests/support/mujoco_plant.hpp"
+#include "tests/support/plant_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
 
 TEST_CASE("Plant: a hand feels the configured mass and friction") {
-  PlantLoop::Setting s{.period = 8_ms, .delay = 0.008};
+  PlantLoop::Setting s{.period = 8ms, .delay = 0.008};
   const double f = 1 / (2 * M_PI * PlantLoop(s).total_delay());
   CHECK(admittance_error(s, 0.05 * f) < 0.05);
   CHECK(admittance_error(s, 0.3 * f) > 0.1);
@@ -21,7 +21,7 @@ TEST_CASE("Plant: a hand feels the configured mass and friction") {
 TEST_CASE(
     "Plant: an arm that leans on a wall is calm with the damping that the check asks for, and rings "
     "without") {
-  PlantLoop::Setting s{.period = 8_ms, .delay = 0.008, .lean = 20};
+  PlantLoop::Setting s{.period = 8ms, .delay = 0.008, .lean = 20};
   const ContactStability<ur5::Model> stability(ur5::Model{}, PlantLoop::configuration(s),
                                                {.stiffness = 1e6, .cover = 3e4});
   double row[6];
@@ -42,7 +42,7 @@ TEST_CASE(
 }
 
 TEST_CASE("Plant: the stiffest contact is where it is predicted") {
-  const PlantLoop::Setting s{.period = 2_ms, .delay = 0.02};
+  const PlantLoop::Setting s{.period = 2ms, .delay = 0.02};
   const ContactStability<ur5::Model> stability(ur5::Model{}, PlantLoop::configuration(s), {.stiffness = 1e4});
   double row[6];
   std::copy_n(PlantLoop(s).contact().row, 6, row);

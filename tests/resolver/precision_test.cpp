@@ -1,23 +1,19 @@
 #include <doctest/doctest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
-
 #include "skinctl/testing/closed_loop.hpp"
+#include "skinctl/testing/digits50.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-
 namespace {
 
 // A push, through a robot that does what is declared, in scalar T: where the virtual robot ends.
 template <Interface I, class T>
 JointPosition<6, T> pushed() {
-  ResolverConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(40)), .period = 8_ms, .delay = 8_ms, .lag = T(1) / T(64)};
-  for (auto& b : c.shape.viscous) b = T(8);
+  RobotConfiguration<6, T> c{
+      .limits = limits_of<ur5::Description, T>(T(40)), .period = 8ms, .delay = 8ms, .lag = 15625us};
+  for (auto& b : c.viscous_friction) b = T(8);
   const Resolver<I, ur5::Model, T> robot(ur5::Model{}, c);
   State<6, T> s;
   s.q = {T(0.125), T(-1.5), T(1.25), T(-1), T(-1.5), T(0.25)};
@@ -26,7 +22,7 @@ JointPosition<6, T> pushed() {
   std::array<Pushed<6, T>, max_substeps> pushes;
   pushes.fill({{T(5), T(-4), T(2), T(0.25), T(0.125), T(0.0625)}});
   for (int k = 1; k <= 60; ++k) {
-    s.time = k * 8_ms;
+    s.time = k * 8ms;
     s.q = m.under_way.reached;
     robot.step(m, Yield{}, law, s, robot.interval(m, s.time), std::span<const Pushed<6, T>>(pushes));
   }
@@ -35,11 +31,11 @@ JointPosition<6, T> pushed() {
 
 template <Interface I, class T>
 double error() {
-  const auto exact = pushed<I, Exact>();
+  const auto exact = pushed<I, Digits50>();
   const auto q = pushed<I, T>();
   double worst = 0;
   for (std::size_t i = 0; i < 6; ++i)
-    worst = std::max(worst, std::abs(static_cast<double>(Exact(q[i]) - exact[i])));
+    worst = std::max(worst, std::abs(static_cast<double>(Digits50(q[i]) - exact[i])));
   return worst;
 }
 

@@ -32,15 +32,15 @@ struct Case {
 constexpr std::array<double, 6> pose{0.1, -1.5, 1.2, -1, -1.5, 0.3};
 
 template <class T>
-ResolverConfiguration<6, T> configuration(Nanoseconds period = 8_ms) {
-  ResolverConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8_ms, .lag = T(0.008)};
-  c.shape.viscous = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
+RobotConfiguration<6, T> configuration(Nanoseconds period = 8ms) {
+  RobotConfiguration<6, T> c{
+      .limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8ms, .lag = 8ms};
+  c.viscous_friction = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
   return c;
 }
 
 template <class T>
-State<6, T> at(const std::array<double, 6>& q, Nanoseconds time = 0) {
+State<6, T> at(const std::array<double, 6>& q, Nanoseconds time = {}) {
   State<6, T> s;
   s.time = time;
   for (std::size_t i = 0; i < 6; ++i) s.q[i] = T(q[i]);
@@ -110,29 +110,29 @@ TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothin
   int at_end = 0, at_speed = 0;
   long cycles = 0, altered = 0;
   for (int scene = 0; scene < 100; ++scene) {
-    auto c = configuration<T>(scene % 2 == 0 ? 8_ms : 2_ms);
+    auto c = configuration<T>(scene % 2 == 0 ? 8ms : 2ms);
     const T a = T(std::pow(10, 1.5 + 0.7 * unit(rng)));
     c.limits = limits_of<ur5::Description, T>(a);
-    if (scene % 3 == 0) c.lead = T(0.5) * (T(0.016) + seconds<T>(c.period));
-    if (scene % 5 == 0) c.shape.coulomb = JointTorque<6, T>::constant(T(1));
-    if (scene % 7 == 0) c.shape.viscous = {};
+    if (scene % 3 == 0) c.lead = (16ms + c.period) / 2;
+    if (scene % 5 == 0) c.coulomb_friction = JointTorque<6, T>::constant(T(1));
+    if (scene % 7 == 0) c.viscous_friction = {};
     ClosedLoop<I, T> loop(c, pose, 0.008 + 0.004 * unit(rng), 0.008);
     const Guard<I, 6, T> guard({.limits = c.limits, .period = c.period});
-    auto guarded = guard.start(loop.memory.command, loop.measure(0));
+    auto guarded = guard.start(loop.memory.command, loop.measure(0ns));
     loop.noise = 1e-4;
     std::array<double, 6> push{}, impulse{};
     double since = 0;
-    Nanoseconds now = 0;
+    Nanoseconds now{};
     auto before = loop.memory.command;
     for (int k = 0; k < 2500; ++k, ++cycles) {
       const Nanoseconds dt = std::max<Nanoseconds>(
-          1000, Nanoseconds(double(c.period) * (1 + 0.9 * unit(rng)) * (k % 50 == 0 ? 2.5 : 1)));
+          1us, nanoseconds(seconds<double>(c.period) * (1 + 0.9 * unit(rng)) * (k % 50 == 0 ? 2.5 : 1)));
       if (k % 100 == 0) {
         for (std::size_t i = 0; i < 6; ++i) {
-          impulse[i] += push[i] * (1e-9 * double(now) - since);
+          impulse[i] += push[i] * (seconds<double>(now) - since);
           push[i] = (i < 3 ? 100 : 15) * unit(rng) * (unit(rng) > 0 ? 1 : 0.1);
         }
-        since = 1e-9 * double(now);
+        since = seconds<double>(now);
       }
       now += dt;
       if (k % 400 == 399) loop.joints.displace(std::size_t(k) % 6, 0.2 * unit(rng));
@@ -142,7 +142,7 @@ TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothin
         for (std::size_t i = 0; i < 6; ++i) s[i] = impulse[i] + push[i] * (t - since);
         return s;
       });
-      const double credit = 1e-9 * double(std::min(dt, 5 * c.period));
+      const double credit = seconds<double>(std::min(dt, 5 * c.period));
       CAPTURE(scene);
       CAPTURE(k);
       check_limits<I, T>(c.limits, before, out.command, credit);
@@ -172,12 +172,12 @@ TEST_CASE_TEMPLATE("Resolver: a robot that takes velocities stays within its pos
   std::uniform_real_distribution<double> unit(-1, 1);
   double closest = 1e9;
   for (int scene = 0; scene < 30; ++scene) {
-    auto c = configuration<T>(8_ms);
+    auto c = configuration<T>(8ms);
     ClosedLoop<Interface::velocity, T> loop(c, pose, 0.008, 0.008);
-    Nanoseconds now = 0;
+    Nanoseconds now{};
     const double push = (scene % 2 == 0 ? 1 : -1) * 60;
     for (int k = 0; k < 1500; ++k) {
-      now += Nanoseconds(8e6 * (1 + 0.9 * unit(rng))) * (k % 20 == 0 ? 2 : 1);
+      now += nanoseconds(0.008 * (1 + 0.9 * unit(rng))) * (k % 20 == 0 ? 2 : 1);
       loop.step(now, [&](double t) { return std::array<double, 6>{push * t, 0, -push / 2 * t, 0, 0, 0}; });
       for (std::size_t i : {0u, 2u}) {
         const double room = std::min(double(c.limits.upper()[i]) - loop.joints.q()[i],
@@ -199,24 +199,24 @@ TEST_CASE_TEMPLATE("Resolver: NaN and infinity in the state are refused, the las
                       -std::numeric_limits<T>::infinity(), T(1e30)}) {
     auto m = robot.start(at<T>(pose));
     Yield::Memory law;
-    auto s = at<T>(pose, 8_ms);
+    auto s = at<T>(pose, 8ms);
     s.q[2] = bad;
     auto before = m.command;
-    auto out = step(robot, m, law, s, 8_ms, pushing<T>({}));
+    auto out = step(robot, m, law, s, 8ms, pushing<T>({}));
     CHECK(out.status == Reason::state_not_finite);
     check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
-    s = at<T>(pose, 16_ms);
+    s = at<T>(pose, 16ms);
     s.dq[2] = bad;
     before = m.command;
-    out = step(robot, m, law, s, 16_ms, pushing<T>({}));
+    out = step(robot, m, law, s, 16ms, pushing<T>({}));
     CHECK(out.status == Reason::state_not_finite);
     check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
-    out = step(robot, m, law, at<T>(pose, 24_ms), 24_ms, pushing<T>({}));
+    out = step(robot, m, law, at<T>(pose, 24ms), 24ms, pushing<T>({}));
     CHECK_FALSE(out.status.any());
     // started with it: nothing may be sent
     auto never = robot.start(s);
     CHECK_FALSE(never.started);
-    out = step(robot, never, law, at<T>(pose, 16_ms), 24_ms, pushing<T>({}));
+    out = step(robot, never, law, at<T>(pose, 16ms), 24ms, pushing<T>({}));
     CHECK_FALSE(out.command.valid);
   }
 }
@@ -227,15 +227,15 @@ TEST_CASE_TEMPLATE("Resolver: a torque that is not finite brakes, and the law's 
   const auto c = configuration<T>();
   for (const T bad : {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity()}) {
     ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
-    Nanoseconds now = 0;
-    while (now < 400_ms) loop.step(now += 8_ms, [](double t) { return std::array<double, 6>{3 * t}; });
+    Nanoseconds now{};
+    while (now < 400ms) loop.step(now += 8ms, [](double t) { return std::array<double, 6>{3 * t}; });
     auto& m = loop.memory;
     const T speed = m.v[0];
     const auto evaluations = loop.law_memory.evaluations;
     CHECK(speed > T(0.01));
     const auto before = m.command;
-    now += 8_ms;
-    loop.joints.advance(1e-9 * double(now));
+    now += 8ms;
+    loop.joints.advance(seconds<double>(now));
     const auto out = step(loop.robot, m, loop.law_memory, loop.measure(now), now,
                           pushing<T>({T(3), bad, T(0), T(0), T(0), T(0)}));
     CHECK(out.status.has(Reason::torque_not_finite));
@@ -251,8 +251,8 @@ TEST_CASE_TEMPLATE("Resolver: without news of the robot it brakes and holds, and
   auto c = configuration<T>();
   ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
   const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, 0, 0, 0, 0, 0}; };
-  Nanoseconds now = 0;
-  while (now < 500_ms) loop.step(now += 8_ms, impulse);
+  Nanoseconds now{};
+  while (now < 500ms) loop.step(now += 8ms, impulse);
   CHECK(loop.memory.v[0] > T(0.2));
   auto& m = loop.memory;
   const State<6, T> old = loop.measure(now);
@@ -261,8 +261,8 @@ TEST_CASE_TEMPLATE("Resolver: without news of the robot it brakes and holds, and
   bool stale = false;
   const auto advanced = [&] { return loop.law_memory.evaluations; };
   auto evaluations = advanced();
-  while (now < silent + 800_ms) {
-    now += 8_ms;
+  while (now < silent + 800ms) {
+    now += 8ms;
     const auto out =
         step(loop.robot, m, loop.law_memory, old, now, pushing<T>({T(8), T(0), T(0), T(0), T(0), T(0)}));
     check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
@@ -276,7 +276,7 @@ TEST_CASE_TEMPLATE("Resolver: without news of the robot it brakes and holds, and
   CHECK(advanced() == evaluations);
   for (const T v : m.command.velocity) CHECK(std::abs(v) < T(1e-5));
   auto s = old;
-  s.time = now += 8_ms;
+  s.time = now += 8ms;
   const auto out = step(loop.robot, m, loop.law_memory, s, now, pushing<T>({}));
   CHECK_FALSE(out.status.has(Reason::state_stale));
   check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
@@ -288,12 +288,12 @@ TEST_CASE_TEMPLATE("Resolver: a stop brakes and holds, a resume goes on without 
   auto c = configuration<T>();
   ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
   const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, -9 * t, 0, 0, 0, 0.1 * t}; };
-  Nanoseconds now = 0;
+  Nanoseconds now{};
   auto before = loop.memory.command;
   const auto run = [&](Nanoseconds until) {
     Status seen;
     while (now < until) {
-      now += 8_ms;
+      now += 8ms;
       const auto out = loop.step(now, impulse);
       check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
       before = out.command;
@@ -301,19 +301,19 @@ TEST_CASE_TEMPLATE("Resolver: a stop brakes and holds, a resume goes on without 
     }
     return seen;
   };
-  run(500_ms);
+  run(500ms);
   loop.robot.stop(loop.memory);
-  CHECK(run(1_s).has(Reason::stopping));
+  CHECK(run(1s).has(Reason::stopping));
   const auto evaluations = loop.law_memory.evaluations;
   const auto rest = loop.memory.command.position;
-  CHECK(run(2_s).has(Reason::stopping));
+  CHECK(run(2s).has(Reason::stopping));
   CHECK(loop.law_memory.evaluations == evaluations);
   for (std::size_t i = 0; i < 6; ++i) {
     CHECK(std::abs(loop.memory.command.velocity[i]) < T(1e-5));
     CHECK(std::abs(double(loop.memory.command.position[i] - rest[i])) < 1e-5);
   }
   loop.robot.resume(loop.memory);
-  CHECK_FALSE(run(2500_ms).has(Reason::stopping));
+  CHECK_FALSE(run(2500ms).has(Reason::stopping));
   CHECK(loop.memory.v[0] > T(0.2));
 }
 
@@ -323,11 +323,10 @@ TEST_CASE_TEMPLATE("Resolver: time that goes back or stands still changes nothin
   auto c = configuration<T>();
   ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
   const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, 0, 0, 0, 0, 0}; };
-  Nanoseconds now = 0;
-  while (now < 500_ms) loop.step(now += 8_ms, impulse);
+  Nanoseconds now{};
+  while (now < 500ms) loop.step(now += 8ms, impulse);
   const auto command = loop.memory.command;
-  for (const Nanoseconds wrong :
-       {now, now - 1, Nanoseconds(0), Nanoseconds(INT64_MIN), Nanoseconds(INT64_MAX)}) {
+  for (const Nanoseconds wrong : {now, now - 1ns, 0ns, Nanoseconds::min(), Nanoseconds::max()}) {
     auto m = loop.memory;
     Yield::Memory law;
     const auto out = step(loop.robot, m, law, at<T>(pose, wrong), wrong, pushing<T>({}));
@@ -339,13 +338,13 @@ TEST_CASE_TEMPLATE("Resolver: time that goes back or stands still changes nothin
   // A state from before the last one is refused, one from the future counts as of now.
   auto m = loop.memory;
   Yield::Memory law;
-  CHECK(step(loop.robot, m, law, at<T>(pose, 8_ms), now + 8_ms, pushing<T>({}))
+  CHECK(step(loop.robot, m, law, at<T>(pose, 8ms), now + 8ms, pushing<T>({}))
             .status.has(Reason::time_backwards));
   auto s = loop.measure(now);
-  s.time = now + 3600_s;
+  s.time = now + 3600s;
   m = loop.memory;
-  CHECK_FALSE(step(loop.robot, m, law, s, now + 8_ms, pushing<T>({})).status.has(Reason::time_backwards));
-  CHECK(m.measured.time == now + 8_ms);
+  CHECK_FALSE(step(loop.robot, m, law, s, now + 8ms, pushing<T>({})).status.has(Reason::time_backwards));
+  CHECK(m.measured.time == now + 8ms);
 }
 
 TEST_CASE_TEMPLATE("Resolver: a robot that starts beyond a limit is only moved inward", C,
@@ -359,7 +358,7 @@ TEST_CASE_TEMPLATE("Resolver: a robot that starts beyond a limit is only moved i
     const Impulse impulse = [push](double t) { return std::array<double, 6>{0, 0, push * t, 0, 0, 0}; };
     double last = beyond[2];
     Status seen;
-    for (Nanoseconds now = 8_ms; now < 2_s; now += 8_ms) {
+    for (Nanoseconds now = 8ms; now < 2s; now += 8ms) {
       seen |= loop.step(now, impulse).status;
       const double q =
           C::interface == Interface::position ? double(loop.memory.command.position[2]) : loop.joints.q()[2];
@@ -376,13 +375,13 @@ TEST_CASE_TEMPLATE("Resolver: goes on from what the guard let out", C, INTERFACE
   auto c = configuration<T>();
   ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
   const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, 0, 0, 0, 0, 0}; };
-  Nanoseconds now = 0;
-  while (now < 500_ms) loop.step(now += 8_ms, impulse);
+  Nanoseconds now{};
+  while (now < 500ms) loop.step(now += 8ms, impulse);
   auto instead = loop.memory.command;
   instead.velocity[0] = T(0.05);
   instead.position[0] -= T(0.001);
   loop.robot.sent(loop.memory, instead);
-  const auto out = loop.step(now += 8_ms, impulse);
+  const auto out = loop.step(now += 8ms, impulse);
   CHECK(double(out.command.velocity[0]) == doctest::Approx(0.05).epsilon(0.5));
   if (C::interface == Interface::position)
     CHECK(double(out.command.position[0] - instead.position[0]) == doctest::Approx(0.0005).epsilon(0.5));
@@ -390,13 +389,13 @@ TEST_CASE_TEMPLATE("Resolver: goes on from what the guard let out", C, INTERFACE
 
 TEST_CASE("Resolver: a blocked robot that is still pushed the same way waits, and tries again") {
   auto c = configuration<double>();
-  c.retry = 0.5;
+  c.retry = 500ms;
   ClosedLoop<Interface::position> loop(c, pose, 0.008, 0.008);
   loop.joints.hold_fast(0, true);
   const Impulse impulse = [](double t) { return std::array<double, 6>{50 * t, 0, 0, 0, 0, 0}; };
   int changes = 0;
   bool blocked = false;
-  for (Nanoseconds now = 8_ms; now < 5_s; now += 8_ms) {
+  for (Nanoseconds now = 8ms; now < 5s; now += 8ms) {
     const bool is = loop.step(now, impulse).status.has(Reason::blocked);
     changes += is != blocked ? 1 : 0;
     blocked = is;
@@ -408,13 +407,13 @@ TEST_CASE("Resolver: a blocked robot that is still pushed the same way waits, an
 TEST_CASE_TEMPLATE("Resolver: nothing creeps in a day of rest", C, Case<Interface::position, float>,
                    Case<Interface::velocity, float>, Case<Interface::position, double>) {
   using T = typename C::scalar;
-  auto c = configuration<T>(2_ms);
+  auto c = configuration<T>(2ms);
   const Resolver<C::interface, ur5::Model, T> robot(ur5::Model{}, c);
   auto m = robot.start(at<T>(pose));
   Yield::Memory law;
-  Nanoseconds now = 0;
+  Nanoseconds now{};
   for (int k = 0; k < 1'000'000; ++k) {
-    now += 2_ms;
+    now += 2ms;
     auto s = m.measured;
     s.time = now;
     step(robot, m, law, s, now, pushing<T>({}));
@@ -424,15 +423,15 @@ TEST_CASE_TEMPLATE("Resolver: nothing creeps in a day of rest", C, Case<Interfac
 
 TEST_CASE_TEMPLATE("Resolver: slow motion is not lost to rounding", T, float, double) {
   // 1e-6 rad/s at 500 Hz: a step is 1/60 of float's resolution at 1 rad.
-  auto c = configuration<T>(2_ms);
+  auto c = configuration<T>(2ms);
   const Resolver<Interface::position, ur5::Model, T> robot(ur5::Model{}, c);
   auto m = robot.start(at<T>({1, -1.5, 1.2, -1, -1.5, 0.3}));
   m.v[0] = m.rate[0] = T(1e-6);
   Yield::Memory law;
-  Nanoseconds now = 0;
-  const T hold = T(1e-6) * c.shape.viscous[0];
+  Nanoseconds now{};
+  const T hold = T(1e-6) * c.viscous_friction[0];
   for (int k = 0; k < 500'000; ++k) {
-    now += 2_ms;
+    now += 2ms;
     auto s = m.measured;
     s.time = now;
     s.q = m.q.value;
@@ -460,21 +459,21 @@ TEST_CASE_TEMPLATE("Resolver: whatever comes in, what goes out is finite and wit
   const bool ok = rc::check([&] {
     ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
     const Guard<C::interface, 6, T> guard({.limits = c.limits, .period = c.period});
-    auto guarded = guard.start(loop.memory.command, loop.measure(0));
+    auto guarded = guard.start(loop.memory.command, loop.measure(0ns));
     auto before = loop.memory.command;
-    Nanoseconds now = 0;
+    Nanoseconds now{};
     const int cycles = *rc::gen::inRange(1, 40);
     for (int k = 0; k < cycles; ++k) {
       State<6, T> s;
       Pushes<T> pushes;
       const auto kind = *rc::gen::inRange(0, 4);
       const auto word = [&] { return *rc::gen::arbitrary<std::uint64_t>(); };
-      const Nanoseconds good = now + 8_ms;
+      const Nanoseconds good = now + 8ms;
       Nanoseconds at_time = good;
       s = loop.measure(good);
-      if (kind == 1) at_time = static_cast<Nanoseconds>(word());
+      if (kind == 1) at_time = Nanoseconds(static_cast<std::int64_t>(word()));
       if (kind == 2) {
-        s.time = static_cast<Nanoseconds>(word());
+        s.time = Nanoseconds(static_cast<std::int64_t>(word()));
         for (auto& q : s.q) q = from_bits<T>(word());
         for (auto& dq : s.dq) dq = from_bits<T>(word());
       }
@@ -485,7 +484,7 @@ TEST_CASE_TEMPLATE("Resolver: whatever comes in, what goes out is finite and wit
       const auto out = loop.robot.step(loop.memory, loop.law, loop.law_memory, s, interval,
                                        std::span<const Pushed<6, T>>(pushes));
       if (interval.substeps > 0) {
-        const double credit = 1e-9 * double(interval.to - interval.from);
+        const double credit = seconds<double>(interval.to - interval.from);
         check_limits<C::interface, T>(c.limits, before, out.command, credit);
         now = interval.to;
       }
@@ -499,7 +498,8 @@ TEST_CASE_TEMPLATE("Resolver: whatever comes in, what goes out is finite and wit
         loop.robot.sent(loop.memory, let.command);
         before = let.command;
       }
-      if (std::abs(now) > (Nanoseconds(1) << 60)) break;  // a clock that jumped there does not come back
+      if (std::abs(now.count()) > (std::int64_t(1) << 60))
+        break;  // a clock that jumped there does not come back
     }
   });
   CHECK(ok);

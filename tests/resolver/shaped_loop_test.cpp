@@ -6,7 +6,7 @@
 #include <random>
 
 #include "skinctl/passivity/contact_stability.hpp"
-#include "skinctl/resolver/tool_shape.hpp"
+#include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/testing/closed_loop.hpp"
 
 using namespace skinctl;
@@ -22,8 +22,8 @@ Shape::Settings settings() {
           .mass = Shape::diagonal({6, 8, 5, 0.3, 0.4, 0.25}),
           .damping = Shape::diagonal({60, 20, 40, 2, 3, 1})};
 }
-ResolverConfiguration<6> configuration(Nanoseconds period) {
-  return {.limits = limits_of<ur5::Description>(200.0), .period = period, .delay = 8_ms, .lag = 0.008};
+RobotConfiguration<6> configuration(Nanoseconds period) {
+  return {.limits = limits_of<ur5::Description>(200.0), .period = period, .delay = 8ms, .lag = 8ms};
 }
 // Rows of the tool's Jacobian.
 struct Rows {
@@ -42,12 +42,12 @@ struct Loop {
   Robot::Memory memory;
   Yield law{};
   Yield::Memory law_memory{};
-  Nanoseconds period, now = 0;
+  Nanoseconds period, now{};
 
   Loop(const Shape& shape, Nanoseconds p, const JointPosition<6>& q)
       : robot(ur5::Model{}, configuration(p), shape),
         joints(SimulatedJoints<6>::Kind::position, 0.008, 0.008, array(q)),
-        memory(robot.start({0, q, {}})),
+        memory(robot.start({0ns, q, {}})),
         period(p) {}
   static std::array<double, 6> array(const JointPosition<6>& q) {
     std::array<double, 6> a;
@@ -58,17 +58,17 @@ struct Loop {
 
   auto step(const Impulse& impulse) {
     now += period;
-    joints.advance(1e-9 * double(now));
+    joints.advance(seconds<double>(now));
     const auto interval = robot.interval(memory, now);
     Pushed<6, double> pushes[max_substeps];
     for (unsigned j = 0; j < interval.substeps; ++j) {
-      const double a = 1e-9 * double(interval.at(j)), b = 1e-9 * double(interval.at(j + 1));
+      const double a = seconds<double>(interval.at(j)), b = seconds<double>(interval.at(j + 1));
       const auto from = impulse(a), to = impulse(b);
       for (std::size_t i = 0; i < 6; ++i) pushes[j].torque[i] = (to[i] - from[i]) / (b - a);
     }
     const auto out = robot.step(memory, law, law_memory, {now, q(), JointVelocity<6>(joints.dq())}, interval,
                                 std::span<const Pushed<6, double>>(pushes, interval.substeps));
-    joints.command(1e-9 * double(now), array(out.command.position));
+    joints.command(seconds<double>(now), array(out.command.position));
     return out;
   }
 };
@@ -81,7 +81,7 @@ TEST_CASE(
   const Shape shape(settings());
   const JointPosition<6> q0{0.1, -1.2, 1.4, -1.0, 1.2, 0.3};
   const Rows J(q0);
-  for (const Nanoseconds period : {8_ms, 2_ms})
+  for (const Nanoseconds period : {8ms, 2ms})
     for (std::size_t way = 0; way < 6; ++way) {
       Loop loop(shape, period, q0);
       const double w = 0.05 / loop.robot.total_delay(), cycle = 2 * M_PI / w, dt = seconds<double>(period);
@@ -132,7 +132,7 @@ TEST_CASE(
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int k = 0; k < 8; ++k) {
     const JointPosition<6> q0{0.1, -1.2, 0.02 * unit(rng), 0.4, k % 2 == 0 ? 0.0 : -1.5, 0.2};
-    Loop loop(shape, 4_ms, q0);
+    Loop loop(shape, 4ms, q0);
     const Rows J(q0);
     std::array<double, 6> tau{};
     for (std::size_t way = 0; way < 3; ++way) {
@@ -147,7 +147,7 @@ TEST_CASE(
     JointVelocity<6> before{};
     double fastest = 0;
     bool finite = true, steady = true, regular = true;
-    while (loop.now < 6_s) {
+    while (loop.now < 6s) {
       const auto out = loop.step(push);
       for (std::size_t i = 0; i < 6; ++i) {
         finite = finite && std::isfinite(out.command.position[i]);
@@ -173,7 +173,7 @@ TEST_CASE("Resolver shaped at the tool: the stiffest contact is known for it too
   s.damping = Shape::diagonal({4000, 4000, 4000, 100, 100, 100});
   s.lightest = 0.01;
   const Shape shape(s);
-  const auto c = configuration(8_ms);
+  const auto c = configuration(8ms);
   const JointPosition<6> q{0.1, -1.2, 1.4, -1.0, 1.2, 0.3};
   const ContactStability<ur5::Model, double, Shape> stability(ur5::Model{}, c, {.stiffness = 1e4}, shape);
   const Rows J(q);

@@ -17,8 +17,8 @@ using Robot = Resolver<Interface::torque, ur5::Model, T>;
 static_assert(std::is_trivially_copyable_v<Robot<double>::Memory>);
 
 template <class T>
-ResolverConfiguration<6, T> configuration() {
-  return {.limits = limits_of<ur5::Description, T>(), .period = 2_ms};
+RobotConfiguration<6, T> configuration() {
+  return {.limits = limits_of<ur5::Description, T>(), .period = 2ms};
 }
 template <class T>
 State<6, T> at(Nanoseconds time) {
@@ -45,32 +45,32 @@ TEST_CASE("Resolver for torques: refuses shapes that it cannot give a real robot
     return std::string();
   };
   CHECK(refused([](auto&) {}).empty());
-  CHECK(refused([](auto& c) { c.shape.viscous[0] = 3; }).empty());
-  CHECK(refused([](auto& c) { c.shape.decay = 1; }) ==
-        "skinctl: decay = 1, allowed: 0 for a torque interface");
-  CHECK(refused([](auto& c) { c.shape.coulomb[1] = 1; }).find("Coulomb") != std::string::npos);
-  CHECK(refused([](auto& c) { c.shape.inertia[1] = 1; }).find("inertia") != std::string::npos);
+  CHECK(refused([](auto& c) { c.viscous_friction[0] = 3; }).empty());
+  CHECK(refused([](auto& c) { c.virtual_damping = 1; }) ==
+        "skinctl: virtual damping = 1, allowed: 0 for a torque interface");
+  CHECK(refused([](auto& c) { c.coulomb_friction[1] = 1; }).find("Coulomb") != std::string::npos);
+  CHECK(refused([](auto& c) { c.virtual_inertia[1] = 1; }).find("inertia") != std::string::npos);
 }
 
 TEST_CASE_TEMPLATE(
     "Resolver for torques: the command is the law's torque at the measured state, less friction", T, float,
     double) {
   auto c = configuration<T>();
-  c.shape.viscous = {T(4), T(4), T(4), T(1), T(1), T(1)};
+  c.viscous_friction = {T(4), T(4), T(4), T(1), T(1), T(1)};
   const Robot<T> robot(ur5::Model{}, c);
-  auto m = robot.start(at<T>(0));
+  auto m = robot.start(at<T>(0ns));
   Yield::Memory law;
   const JointTorque<6, T> push{T(1), T(2), T(3), T(-1), T(0), T(0.5)};
-  const auto out = step(robot, m, law, at<T>(2_ms), 2_ms, push);
-  const auto s = at<T>(0);
+  const auto out = step(robot, m, law, at<T>(2ms), 2ms, push);
+  const auto s = at<T>(0ns);
   const auto gravity = gravity_torque(ur5::Model{}, s.q);
   CHECK_FALSE(out.status.any());
   CHECK(out.command.valid);
-  CHECK(out.command.time == 2_ms);
+  CHECK(out.command.time == 2ms);
   CHECK(out.command.position == s.q);
   CHECK(law.evaluations == 1);
   for (std::size_t i = 0; i < 6; ++i) {
-    const double b = double(c.shape.viscous[i]), own = double(mass_matrix(ur5::Model{}, s.q)(i, i));
+    const double b = double(c.viscous_friction[i]), own = double(mass_matrix(ur5::Model{}, s.q)(i, i));
     const double want = double(push[i]) + double(gravity[i]) - b / (1 + 0.003 * b / own) * double(s.dq[i]);
     CHECK(double(out.command.torque[i]) == doctest::Approx(want).epsilon(1e-6));
     CHECK(double(out.fallback[i]) == doctest::Approx(want - double(push[i])).epsilon(1e-5));
@@ -79,9 +79,9 @@ TEST_CASE_TEMPLATE(
 
 TEST_CASE_TEMPLATE("Resolver for torques: torques are cut to the limits", T, float, double) {
   const Robot<T> robot(ur5::Model{}, configuration<T>());
-  auto m = robot.start(at<T>(0));
+  auto m = robot.start(at<T>(0ns));
   Yield::Memory law;
-  const auto out = step(robot, m, law, at<T>(2_ms), 2_ms, {T(1e9), T(-1e9), T(0), T(0), T(0), T(1e9)});
+  const auto out = step(robot, m, law, at<T>(2ms), 2ms, {T(1e9), T(-1e9), T(0), T(0), T(0), T(1e9)});
   CHECK(out.status == Reason::torque_limited);
   CHECK(out.command.torque[0] == T(150));
   CHECK(out.command.torque[1] == T(-150));
@@ -91,37 +91,37 @@ TEST_CASE_TEMPLATE("Resolver for torques: torques are cut to the limits", T, flo
 TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, gravity is held with friction", T, float,
                    double) {
   auto c = configuration<T>();
-  c.shape.viscous = JointTorque<6, T>::constant(T(2));
+  c.viscous_friction = JointTorque<6, T>::constant(T(2));
   const Robot<T> robot(ur5::Model{}, c);
   const T nan = std::numeric_limits<T>::quiet_NaN();
   Yield::Memory law;
   const auto holds = [&](const auto& out, double friction = 2) {
-    const auto gravity = gravity_torque(ur5::Model{}, at<T>(0).q);
+    const auto gravity = gravity_torque(ur5::Model{}, at<T>(0ns).q);
     for (std::size_t i = 0; i < 6; ++i) {
-      const double own = double(mass_matrix(ur5::Model{}, at<T>(0).q)(i, i));
-      const double want = double(gravity[i]) - friction / (1 + 0.006 / own) * double(at<T>(0).dq[i]);
+      const double own = double(mass_matrix(ur5::Model{}, at<T>(0ns).q)(i, i));
+      const double want = double(gravity[i]) - friction / (1 + 0.006 / own) * double(at<T>(0ns).dq[i]);
       CHECK(double(out.command.torque[i]) == doctest::Approx(want).epsilon(1e-5));
     }
   };
-  auto m = robot.start(at<T>(0));
-  auto out = step(robot, m, law, at<T>(2_ms), 2_ms, JointTorque<6, T>::constant(nan));
+  auto m = robot.start(at<T>(0ns));
+  auto out = step(robot, m, law, at<T>(2ms), 2ms, JointTorque<6, T>::constant(nan));
   CHECK(out.status == Reason::torque_not_finite);
   CHECK(law.evaluations == 0);
   holds(out);
 
   robot.stop(m);
-  out = step(robot, m, law, at<T>(4_ms), 4_ms, JointTorque<6, T>::constant(T(3)));
+  out = step(robot, m, law, at<T>(4ms), 4ms, JointTorque<6, T>::constant(T(3)));
   CHECK(out.status == Reason::stopping);
   holds(out);
   robot.resume(m);
-  CHECK_FALSE(step(robot, m, law, at<T>(6_ms), 6_ms, {}).status.any());
+  CHECK_FALSE(step(robot, m, law, at<T>(6ms), 6ms, {}).status.any());
 
-  auto bad = at<T>(8_ms);
+  auto bad = at<T>(8ms);
   bad.q[3] = nan;
-  out = step(robot, m, law, bad, 8_ms, {});
+  out = step(robot, m, law, bad, 8ms, {});
   CHECK(out.status == Reason::state_not_finite);
-  CHECK(m.measured.q == at<T>(0).q);
-  out = step(robot, m, law, bad, 40_ms, JointTorque<6, T>::constant(T(3)));
+  CHECK(m.measured.q == at<T>(0ns).q);
+  out = step(robot, m, law, bad, 40ms, JointTorque<6, T>::constant(T(3)));
   CHECK(out.status.has(Reason::state_stale));
   holds(out, 0);  // nobody knows how it moves: friction by an old velocity would push
 }
@@ -130,18 +130,18 @@ TEST_CASE_TEMPLATE("Resolver for torques: a push moves a robot that obeys, frict
                    double) {
   // One turn of the real thing: M ddq = command + push - C dq - G, integrated finely by its definition.
   auto c = configuration<T>();
-  c.shape.viscous = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
+  c.viscous_friction = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
   const Robot<T> robot(ur5::Model{}, c);
-  State<6, T> s = at<T>(0);
+  State<6, T> s = at<T>(0ns);
   s.dq = {};
   auto m = robot.start(s);
   Yield::Memory law;
   const NoTouch none;
-  const VirtualShape<6, T> ideal;
+  const VirtualDynamics<6, T> ideal;
   const auto start = s.q;
-  for (Nanoseconds now = 2_ms; now < 4_s; now += 2_ms) {
+  for (Nanoseconds now = 2ms; now < 4s; now += 2ms) {
     s.time = now;
-    const T push = now < 500_ms ? T(5) : T(0);
+    const T push = now < 500ms ? T(5) : T(0);
     const auto out = step(robot, m, law, s, now, {push, T(0), T(0), T(0), T(0), T(0)});
     JointAcceleration<6, T> last;
     const Quantities<ur5::Model, CrankNicolson::needs, T> known(ur5::Model{}, s, T(0.002), none);
@@ -155,17 +155,17 @@ TEST_CASE_TEMPLATE("Resolver for torques: a push moves a robot that obeys, frict
 
 TEST_CASE("Resolver for torques: time that goes back or stands still repeats the command") {
   const Robot<double> robot(ur5::Model{}, configuration<double>());
-  auto m = robot.start(at<double>(10_ms));
+  auto m = robot.start(at<double>(10ms));
   Yield::Memory law;
-  CHECK(step(robot, m, law, at<double>(10_ms), 10_ms, {}).status == Reason::interval_empty);
-  auto elsewhere = at<double>(8_ms);
+  CHECK(step(robot, m, law, at<double>(10ms), 10ms, {}).status == Reason::interval_empty);
+  auto elsewhere = at<double>(8ms);
   elsewhere.q[1] += 0.4;
-  const auto late = step(robot, m, law, elsewhere, 8_ms, {});
+  const auto late = step(robot, m, law, elsewhere, 8ms, {});
   CHECK(late.status == Reason::time_backwards);
   CHECK(late.fallback == gravity_torque(ur5::Model{}, elsewhere.q));  // held where it is, not where it was
   CHECK(law.evaluations == 0);
-  auto bad = at<double>(0);
+  auto bad = at<double>(0ns);
   bad.q[0] = std::nan("");
   m = robot.start(bad);
-  CHECK_FALSE(step(robot, m, law, at<double>(8_ms), 8_ms, {}).command.valid);
+  CHECK_FALSE(step(robot, m, law, at<double>(8ms), 8ms, {}).command.valid);
 }

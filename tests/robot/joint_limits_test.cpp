@@ -2,18 +2,16 @@
 
 #include <doctest/doctest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <limits>
 #include <random>
 #include <string>
 
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/digits50.hpp"
 
 using namespace skinctl;
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-
+using skinctl::testing::Digits50;
 namespace {
 
 template <class T>
@@ -94,11 +92,11 @@ TEST_CASE_TEMPLATE("speed_to_stop: reacts and brakes within exactly the distance
     const T d = T(std::pow(10, exponent(rng))), t = k % 3 == 0 ? T(0) : T(std::pow(10, exponent(rng))),
             a = T(std::pow(10, exponent(rng)));
     const T u = speed_to_stop(d, t, a);
-    const Exact used = Exact(u) * Exact(u) / (2 * Exact(a)) + Exact(u) * Exact(t);
+    const Digits50 used = Digits50(u) * Digits50(u) / (2 * Digits50(a)) + Digits50(u) * Digits50(t);
     CAPTURE(d);
     CAPTURE(t);
     CAPTURE(a);
-    CHECK(static_cast<double>(abs(used - Exact(d)) / Exact(d)) <
+    CHECK(static_cast<double>(abs(used - Digits50(d)) / Digits50(d)) <
           8 * double(std::numeric_limits<T>::epsilon()));
   }
   CHECK(speed_to_stop(T(0), T(1), T(1)) == T(0));

@@ -10,7 +10,7 @@ using namespace skinctl;
 
 TEST_CASE("SendOnDelta: what a receiver holds is right to within a delta and not old") {
   const SendOnDelta::Deltas deltas;
-  const SendOnDelta rule(deltas, 100_ms);
+  const SendOnDelta rule(deltas, 100ms);
   std::mt19937_64 random(5);
   std::normal_distribution<float> step(0.0f, 0.002f);
   SendOnDelta::Memory memory;
@@ -19,7 +19,7 @@ TEST_CASE("SendOnDelta: what a receiver holds is right to within a delta and not
   int sent = 0;
   const int measured = 50000;
   for (int k = 0; k < measured; ++k) {
-    now.time += 4_ms;
+    now.time += 4ms;
     const bool quiet = (k / 500) % 2;
     for (float& f : now.force)
       if (!quiet) f = std::abs(f + step(random));
@@ -27,7 +27,7 @@ TEST_CASE("SendOnDelta: what a receiver holds is right to within a delta and not
     if (rule.send(memory, now)) held = now, ++sent;
     for (std::size_t i = 0; i < 3; ++i) REQUIRE(std::abs(held.force[i] - now.force[i]) < deltas.force);
     REQUIRE(std::abs(held.proximity - now.proximity) < deltas.proximity);
-    REQUIRE(now.time - held.time < 100_ms);
+    REQUIRE(now.time - held.time < 100ms);
   }
   CHECK(sent > measured / 25);
   CHECK(sent < measured / 2);
@@ -38,10 +38,10 @@ TEST_CASE("SendOnDelta: the first measurement and numbers that are none are sent
   SendOnDelta::Memory memory;
   CellSample s;
   CHECK(rule.send(memory, s));
-  s.time = 4_ms;
+  s.time = 4ms;
   CHECK_FALSE(rule.send(memory, s));
   s.acceleration[1] = std::numeric_limits<float>::quiet_NaN();
-  s.time = 8_ms;
+  s.time = 8ms;
   CHECK(rule.send(memory, s));
 }
 
@@ -49,5 +49,5 @@ TEST_CASE("SendOnDelta: deltas that say nothing are refused") {
   SendOnDelta::Deltas deltas;
   deltas.force = 0;
   CHECK_THROWS_AS(SendOnDelta{deltas}, ConfigurationError);
-  CHECK_THROWS_AS(SendOnDelta(SendOnDelta::Deltas{}, 0), ConfigurationError);
+  CHECK_THROWS_AS(SendOnDelta(SendOnDelta::Deltas{}, 0ns), ConfigurationError);
 }

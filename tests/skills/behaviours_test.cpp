@@ -5,6 +5,7 @@
 #include <boost/hana/at_key.hpp>
 #include <boost/hana/size.hpp>
 #include <boost/hana/union.hpp>
+#include <string>
 
 using namespace skinctl;
 namespace hana = boost::hana;
@@ -49,13 +50,13 @@ TEST_CASE("Library: own behaviours join it, with weights, conditions and followe
   const auto mine = hana::union_(
       figure_7,
       hana::make_map(skill<Wave>(recipe(load<controller::Gravity>(), load<controller::SplineJoint>(0.5))
-                                     .when({.timeout = 2_s})
+                                     .when({.timeout = 2s})
                                      .switching(opened(1))
                                      .then<behaviour::KinestheticJoint>())));
   const auto& wave = mine[hana::type_c<Wave>];
   CHECK(std::string(Wave::name) == "wave");
   CHECK(wave.weights == std::array<double, 2>{1.0, 0.5});
-  CHECK(wave.conditions.timeout == 2_s);
+  CHECK(wave.conditions.timeout == 2s);
   CHECK(wave.switches == opened(1));
   static_assert(
       std::is_same_v<std::remove_cvref_t<decltype(wave)>,

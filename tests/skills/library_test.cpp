@@ -14,8 +14,8 @@ using namespace skinctl;
 using namespace skinctl::behaviour;
 
 namespace {
-const SplineJoint<6> spline({.dt = 0.002});
-const JointControl<6> joint({.dt = 0.002});
+const SplineJoint<6> spline({.dt = 2ms});
+const JointControl<6> joint({.dt = 2ms});
 }  // namespace
 
 TEST_CASE("skill_set: takes the skills whose controllers are there, with those that follow them") {

@@ -19,7 +19,7 @@ TEST_CASE("SkillRequest: all its numbers are walked, so that a recording holds a
   request.skill = 7;
   request.reported = {3, 2};
   request.goals.of<JointGoal<6>>().has = true;
-  request.goals.of<JointGoal<6>>().goal = {JointPosition<6>{1, 2, 3, 4, 5, 6}, 7_s};
+  request.goals.of<JointGoal<6>>().goal = {JointPosition<6>{1, 2, 3, 4, 5, 6}, 7s};
   request.goals.of<JointReference<6>>().goal.dq_d[5] = 0.5;
   std::vector<double> numbers;
   each_number(request, [&](const auto& x) { numbers.push_back(static_cast<double>(x)); });
@@ -32,7 +32,7 @@ TEST_CASE("SkillRequest: all its numbers are walked, so that a recording holds a
   CHECK(copy.goals.of<JointGoal<6>>().has);
   CHECK_FALSE(copy.goals.of<JointReference<6>>().has);
   CHECK(copy.goals.of<JointGoal<6>>().goal.q_g == JointPosition<6>{1, 2, 3, 4, 5, 6});
-  CHECK(copy.goals.of<JointGoal<6>>().goal.duration == 7_s);
+  CHECK(copy.goals.of<JointGoal<6>>().goal.duration == 7s);
   CHECK(copy.goals.of<JointReference<6>>().goal.dq_d[5] == 0.5);
   CHECK(copy.goals.any());
   CHECK_FALSE(Asked{}.goals.any());

@@ -32,7 +32,7 @@ const auto library = boost::hana::union_(
         skill<Grasp>(
             recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Joint>())
                 .switching(closed())
-                .when({.finish = Finish::switched, .hold = 200_ms, .timeout = 1_s})
+                .when({.finish = Finish::switched, .hold = 200ms, .timeout = 1s})
                 .then<Carry>()),
         skill<Carry>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>(0.5),
                             load<controller::SplineJoint>())
@@ -57,7 +57,7 @@ Status run_for(Run& run, double seconds) {
   return seen;
 }
 JointGoal<6> near(const Run& run, double by) {
-  JointGoal<6> goal{run.state().q, 600_ms};
+  JointGoal<6> goal{run.state().q, 600ms};
   for (double& q : goal.q_g) q += by;
   return goal;
 }
@@ -97,10 +97,11 @@ TEST_CASE(
   run_for(run, 0.4);
   const auto& blend = Set::Blend::memory<2>;
   const auto clock = blend(run.memory().blend).plan.clock.own;
-  CHECK(clock > 0);
+  CHECK(clock > 0ns);
   run.ask(Set::start_skill<Careful>());  // the same controllers: the spline goes on
   run_for(run, 0.1);
-  CHECK(blend(run.memory().blend).plan.clock.own == doctest::Approx(double(clock) + 1e8).epsilon(0.03));
+  CHECK(blend(run.memory().blend).plan.clock.own.count() ==
+        doctest::Approx(double(clock.count()) + 1e8).epsilon(0.03));
   CHECK_FALSE(Set::Blend::loaded(run.memory().blend, 3));
   run_for(run, 0.1);
   run.ask(Set::start_skill<KinestheticJoint>());
@@ -196,12 +197,12 @@ TEST_CASE("SkillSet: refuses settings that cannot work") {
     CHECK_THROWS_AS(Set(set.sum(), wrong, settings), ConfigurationError);
   };
   refuses([](auto&, auto& s) { s.most_rate = 0; });
-  refuses([](auto&, auto& s) { s.hand_over = 0; });
-  refuses([](auto&, auto& s) { s.longest = 1_ms; });
+  refuses([](auto&, auto& s) { s.hand_over = 0s; });
+  refuses([](auto&, auto& s) { s.longest = 1ms; });
   refuses([](auto& r, auto&) { r[1].next = 6; });
   refuses([](auto& r, auto&) { r[1].weights[0] = 0; });
   refuses([](auto& r, auto&) { r[1].weights[1] = -1; });
-  refuses([](auto& r, auto&) { r[0].conditions.timeout = 1_s; });
+  refuses([](auto& r, auto&) { r[0].conditions.timeout = 1s; });
   refuses([](auto& r, auto&) { r[2].conditions.still = 0; });
 }
 
@@ -210,7 +211,7 @@ TEST_CASE(
     "share") {
   SkillSettings slow;
   slow.most_rate = 20;
-  slow.longest = 100_ms;  // no time to stretch the change to
+  slow.longest = 100ms;  // no time to stretch the change to
   const auto slowly = skill_set<KinestheticJoint>(
       library, slow, as<controller::Gravity>(GravityControl{}), as<controller::SkinJoint>(SkinJointControl{}),
       as<controller::SplineJoint>(SplineJoint<6>(skilled_settings(dt))),

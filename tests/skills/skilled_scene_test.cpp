@@ -15,10 +15,10 @@ using namespace skinctl::testing;
 TEST_CASE(
     "Skills in a cycle: minutes at 1 kHz in float, recorded, replayed bit for bit, and at rest without "
     "drift") {
-  static const auto scene = skilled_scene<float>(1_ms);
+  static const auto scene = skilled_scene<float>(1ms);
   using Scene = std::remove_const_t<decltype(scene)>;
   static_assert(std::is_trivially_copyable_v<Scene::Memory>);
-  SkilledDay<Scene> day(scene, 1_ms, 5);
+  SkilledDay<Scene> day(scene, 1ms, 5);
   Recording<Scene> recording(std::size_t(48) << 20);
   recording.start(day.measured());
   std::uint64_t allocated = 0;

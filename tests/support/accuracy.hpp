@@ -14,28 +14,28 @@
 
 namespace skinctl::testing {
 
-using Exact = oracle::EulerLagrange<Wide>;
+using Exact = oracle::EulerLagrange<Digits50>;
 
 /// A link of a model as a body of the definition, its numbers in double taken as exact; cosine and sine of a
 /// placement are scaled to length one.
-inline oracle::BasicBody<Wide> exact_body(int parent, JointKind kind, const LinkParameters<double>& l) {
+inline oracle::BasicBody<Digits50> exact_body(int parent, JointKind kind, const LinkParameters<double>& l) {
   using P = Parameter;
   using oracle::table_detail::product;
   const auto unit = [&](P c, P s) {
-    const Wide x(l[c]), y(l[s]), length = sqrt(x * x + y * y);
-    return std::array<Wide, 2>{x / length, y / length};
+    const Digits50 x(l[c]), y(l[s]), length = sqrt(x * x + y * y);
+    return std::array<Digits50, 2>{x / length, y / length};
   };
-  const auto about_z = [](const std::array<Wide, 2>& turn) {
-    return std::array<Wide, 9>{turn[0], -turn[1], Wide(0), turn[1], turn[0],
-                               Wide(0), Wide(0),  Wide(0), Wide(1)};
+  const auto about_z = [](const std::array<Digits50, 2>& turn) {
+    return std::array<Digits50, 9>{turn[0],     -turn[1],    Digits50(0), turn[1],    turn[0],
+                                   Digits50(0), Digits50(0), Digits50(0), Digits50(1)};
   };
   const auto [ca, sa] = unit(P::cos_alpha, P::sin_alpha);
-  const Wide offset(l[P::offset]);
-  oracle::BasicBody<Wide> b;
+  const Digits50 offset(l[P::offset]);
+  oracle::BasicBody<Digits50> b;
   b.parent = parent;
   b.R = product(about_z(unit(P::cos_gamma, P::sin_gamma)),
-                {Wide(1), Wide(0), Wide(0), Wide(0), ca, -sa, Wide(0), sa, ca});
-  b.p = {Wide(l[P::p_x]), Wide(l[P::p_y]), Wide(l[P::p_z])};
+                {Digits50(1), Digits50(0), Digits50(0), Digits50(0), ca, -sa, Digits50(0), sa, ca});
+  b.p = {Digits50(l[P::p_x]), Digits50(l[P::p_y]), Digits50(l[P::p_z])};
   if (kind == JointKind::revolute) {
     b.motion = oracle::Motion::revolute;
     b.R = product(b.R, about_z({cos(offset), sin(offset)}));
@@ -44,9 +44,9 @@ inline oracle::BasicBody<Wide> exact_body(int parent, JointKind kind, const Link
     for (std::size_t k = 0; k < 3; ++k) b.p[k] += b.R[3 * k + 2] * offset;
     b.R = product(b.R, about_z(unit(P::cos_beta, P::sin_beta)));
   }
-  b.mass = Wide(l[P::mass]);
-  b.com = {Wide(l[P::c_x]), Wide(l[P::c_y]), Wide(l[P::c_z])};
-  const Wide xx(l[P::s_xx]), yy(l[P::s_yy]), zz(l[P::s_zz]), xy(-l[P::s_xy]), xz(-l[P::s_xz]),
+  b.mass = Digits50(l[P::mass]);
+  b.com = {Digits50(l[P::c_x]), Digits50(l[P::c_y]), Digits50(l[P::c_z])};
+  const Digits50 xx(l[P::s_xx]), yy(l[P::s_yy]), zz(l[P::s_zz]), xy(-l[P::s_xy]), xz(-l[P::s_xz]),
       yz(-l[P::s_yz]);
   b.inertia = {yy + zz, xy, xz, xy, xx + zz, yz, xz, yz, xx + yy};
   return b;
@@ -58,11 +58,11 @@ template <Model M>
   const auto links = [&]<std::size_t... I>(std::index_sequence<I...>) {
     return std::array<LinkParameters<double>, M::joints>{numbers_of<I, double>(model)...};
   }(std::make_index_sequence<M::joints>{});
-  oracle::BasicRobot<Wide> robot;
+  oracle::BasicRobot<Digits50> robot;
   for (std::size_t i = 0; i < M::joints; ++i)
     robot.bodies.push_back(exact_body(M::parents[i], M::kinds[i], links[i]));
   const Xyz<double> g = dense<double>(model.template gravity<double>());
-  robot.gravity = {Wide(g.x), Wide(g.y), Wide(g.z)};
+  robot.gravity = {Digits50(g.x), Digits50(g.y), Digits50(g.z)};
   return Exact(robot);
 }
 
@@ -84,18 +84,18 @@ struct Ulps {
 };
 
 namespace detail {
-inline Wide largest(const std::vector<Wide>& x) {
-  Wide most(0);
-  for (const Wide& v : x)
+inline Digits50 largest(const std::vector<Digits50>& x) {
+  Digits50 most(0);
+  for (const Digits50& v : x)
     if (abs(v) > most) most = abs(v);
   return most;
 }
 /// In units of the last place of `T` at `scale`; NaN or infinity is worse than everything.
 template <class T, class V>
-double in_ulps(const V& mine, const std::vector<Wide>& exact, const Wide& scale) {
+double in_ulps(const V& mine, const std::vector<Digits50>& exact, const Digits50& scale) {
   double worst = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
-    const Wide error = abs(Wide(mine[i]) - exact[i]);
+    const Digits50 error = abs(Digits50(mine[i]) - exact[i]);
     const double u = scale == 0 ? (error == 0 ? 0.0 : 1e300)
                                 : static_cast<double>(error / scale) /
                                       static_cast<double>(std::numeric_limits<T>::epsilon());
@@ -113,16 +113,16 @@ struct Placed {
 
 /// Errors of poses at `q`.
 template <class T>
-double pose_ulps(const Exact& exact, const std::vector<Wide>& q, const std::vector<Placed<T>>& mine) {
+double pose_ulps(const Exact& exact, const std::vector<Digits50>& q, const std::vector<Placed<T>>& mine) {
   const auto X = exact.poses(q);
-  Wide reach(0);
+  Digits50 reach(0);
   for (const auto& pose : X) reach = std::max(reach, detail::largest({pose.p[0], pose.p[1], pose.p[2]}));
   double worst = 0;
   for (std::size_t i = 0; i < X.size(); ++i) {
     const auto& [x, y, z, p] = mine[i];
     const T axes[9] = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
     const T origin[3] = {p.x, p.y, p.z};
-    worst = std::max({worst, detail::in_ulps<T>(axes, {X[i].R.begin(), X[i].R.end()}, Wide(1)),
+    worst = std::max({worst, detail::in_ulps<T>(axes, {X[i].R.begin(), X[i].R.end()}, Digits50(1)),
                       detail::in_ulps<T>(origin, {X[i].p.begin(), X[i].p.end()}, reach)});
   }
   return worst;
@@ -151,7 +151,8 @@ template <class T, Model M>
         const T six[6] = {c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y, c.angular.z};
         for (std::size_t r = 0; r < 6; ++r) rows[r * N + j.value] = six[r];
       });
-      const auto expected = exact.jacobian(X, int(i.value), {Wide(0.125), Wide(-0.0625), Wide(0.25)});
+      const auto expected =
+          exact.jacobian(X, int(i.value), {Digits50(0.125), Digits50(-0.0625), Digits50(0.25)});
       u.jacobian = std::max(u.jacobian, detail::in_ulps<T>(rows, expected, largest(expected)));
     }
   };
@@ -160,10 +161,10 @@ template <class T, Model M>
   }(std::make_index_sequence<N>{});
   u.pose = pose_ulps(exact, wq, placed);
 
-  std::vector<Wide> magnitude;
-  const std::vector<Wide> zero(N, Wide(0));
+  std::vector<Digits50> magnitude;
+  const std::vector<Digits50> zero(N, Digits50(0));
   const auto tau = exact.dalembert(wq, wdq, wddq, &magnitude);
-  const Wide scale = detail::largest(magnitude);
+  const Digits50 scale = detail::largest(magnitude);
   u.inverse_dynamics = detail::in_ulps<T>(inverse_dynamics(model, q, dq, ddq), tau, scale);
   const auto G = exact.dalembert(wq, zero, zero, &magnitude);
   u.gravity = detail::in_ulps<T>(gravity_torque(model, q), G, detail::largest(magnitude));
@@ -174,13 +175,14 @@ template <class T, Model M>
   JointTorque<N, T> applied;
   for (std::size_t i = 0; i < N; ++i) applied[i] = static_cast<T>(tau[i]);
   auto free = exact.dalembert(wq, wdq, zero);
-  for (std::size_t i = 0; i < N; ++i) free[i] = Wide(applied[i]) - free[i];
+  for (std::size_t i = 0; i < N; ++i) free[i] = Digits50(applied[i]) - free[i];
   const auto ddq_exact = Exact::solved(exact_mass, free);
   const auto mine = forward_dynamics(model, q, dq, applied).acceleration;
   u.acceleration = detail::in_ulps<T>(mine, ddq_exact, detail::largest(ddq_exact));
-  std::vector<Wide> off(N);
-  for (std::size_t i = 0; i < N; ++i) off[i] = Wide(mine[i]) - ddq_exact[i];
-  u.explained = detail::in_ulps<T>(std::vector<Wide>(N, Wide(0)), Exact::product(exact_mass, off), scale);
+  std::vector<Digits50> off(N);
+  for (std::size_t i = 0; i < N; ++i) off[i] = Digits50(mine[i]) - ddq_exact[i];
+  u.explained =
+      detail::in_ulps<T>(std::vector<Digits50>(N, Digits50(0)), Exact::product(exact_mass, off), scale);
   return u;
 }
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "tests/support/robot_table.hpp"
+#include "skinctl/testing/robot_table.hpp"
 
 namespace oracle {
 

@@ -4,19 +4,16 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cstdlib>
 
 #include "skinctl/core/joint.hpp"
+#include "skinctl/testing/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
 
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-
 TEST_CASE_TEMPLATE("Random: the same seed gives the same numbers, in range and spread over it", T, float,
-                   double, Exact) {
+                   double, Digits50) {
   auto one = seeded(42);
   auto two = seeded(42);
   auto three = seeded(43);
@@ -42,9 +39,9 @@ TEST_CASE_TEMPLATE("Random: the same seed gives the same numbers, in range and s
 
 TEST_CASE("Random: the last digits of a wide number are random as well") {
   auto random = seeded(1);
-  const Exact value = uniform(random, Exact(0), Exact(1));
-  CHECK(value != Exact(static_cast<double>(value)));
-  CHECK(abs(Exact(sin(pi<Exact>()))) < Exact("1e-49"));
+  const Digits50 value = uniform(random, Digits50(0), Digits50(1));
+  CHECK(value != Digits50(static_cast<double>(value)));
+  CHECK(abs(Digits50(sin(pi<Digits50>()))) < Digits50("1e-49"));
 }
 
 TEST_CASE_TEMPLATE("Random: every extreme of either sign is drawn", T, float, double) {
@@ -76,10 +73,10 @@ TEST_CASE("as_code: what it prints reads back as the same number") {
     CHECK(std::strtod(as_code(value).c_str(), nullptr) == value);
     const float single = random_or_extreme(random, 1e3f);
     CHECK(std::strtof(as_code(single).c_str(), nullptr) == single);
-    const Exact wide = random_or_extreme(random, Exact(1000));
+    const Digits50 wide = random_or_extreme(random, Digits50(1000));
     const std::string text = as_code(wide);
     REQUIRE(text.size() > 9);
-    CHECK(Exact(text.substr(7, text.size() - 9)) == wide);
+    CHECK(Digits50(text.substr(7, text.size() - 9)) == wide);
   }
 }
 
@@ -87,7 +84,7 @@ TEST_CASE("as_code: numbers, arrays, joint vectors, triples and matrices as they
   CHECK(as_code(1.0) == "1.0");
   CHECK(as_code(-0.5f) == "-0.5f");
   CHECK(as_code(1e300) == "1.0000000000000001e+300");
-  CHECK(as_code(Exact(2)) == "Exact(\"2\")");
+  CHECK(as_code(Digits50(2)) == "Digits50(\"2\")");
   CHECK(as_code(std::numeric_limits<double>::infinity()) == "std::numeric_limits<double>::infinity()");
   CHECK(as_code(-std::numeric_limits<float>::infinity()) == "-std::numeric_limits<float>::infinity()");
   CHECK(as_code(std::numeric_limits<double>::quiet_NaN()) == "std::numeric_limits<double>::quiet_NaN()");

@@ -4,18 +4,15 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 
 #include "skinctl/core/joint.hpp"
+#include "skinctl/testing/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
 
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-
 TEST_CASE_TEMPLATE("allowed: scales with the type and the magnitude, never to nothing", T, float, double,
-                   Exact) {
+                   Digits50) {
   const T epsilon = std::numeric_limits<T>::epsilon();
   CHECK(allowed(T(1)) == T(64) * epsilon);
   CHECK(allowed(T(-8)) == T(512) * epsilon);
@@ -23,7 +20,8 @@ TEST_CASE_TEMPLATE("allowed: scales with the type and the magnitude, never to no
   CHECK(allowed(T(0)) == std::numeric_limits<T>::min());
 }
 
-TEST_CASE_TEMPLATE("difference: a rounding error passes, a wrong digit does not", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("difference: a rounding error passes, a wrong digit does not", T, float, double,
+                   Digits50) {
   const T third = T(1) / T(3);
   CHECK(difference(T(third + third + third), T(1)) <= allowed(T(1)));
   CHECK_FALSE(difference(T(1), T(T(1) + T(1000) * std::numeric_limits<T>::epsilon())) <= allowed(T(1)));

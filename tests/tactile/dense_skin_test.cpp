@@ -54,25 +54,25 @@ TEST_CASE_TEMPLATE("DenseSkin: the torque is the sum over the cells' own Jacobia
   double worst = 0;
   for (int k = 0; k < 200; ++k) {
     const auto q = random_position<6, T>(rng);
-    const auto poses = link_poses(model, q.template cast<Wide>());
+    const auto poses = link_poses(model, q.template cast<Digits50>());
     const auto frame = std::make_unique<typename D::Frame>();
-    JointTorque<6, Wide> expected;
-    Wide magnitude(0);
+    JointTorque<6, Digits50> expected;
+    Digits50 magnitude(0);
     for_each_patch(patches, [&](const auto& patch, auto number) {
       constexpr std::size_t I = std::remove_cvref_t<decltype(patch)>::link;
       for (std::size_t i = 0; i < patch.cells; ++i) {
         if (k % 2 == 1 && rng() % 4 != 0) continue;
         auto& newton = frame->template at<number.value>(i);
         newton = static_cast<typename D::Stored>(20 * std::abs(uniform<double>(rng)));
-        const auto X_LC = patch.placed()[i].X_LC.template cast<Wide>();
-        const auto tau = torque_of_cell<I>(poses, model, X_LC, Wide(newton));
+        const auto X_LC = patch.placed()[i].X_LC.template cast<Digits50>();
+        const auto tau = torque_of_cell<I>(poses, model, X_LC, Digits50(newton));
         expected += tau;
-        for (const Wide& t : tau) magnitude += abs(t);
+        for (const Digits50& t : tau) magnitude += abs(t);
       }
     });
     const auto tau = skin_torque(model, q, skin.wrenches(*frame));
     for (std::size_t j = 0; j < 6; ++j)
-      worst = std::max(worst, static_cast<double>(abs(Wide(tau[j]) - expected[j]) / magnitude));
+      worst = std::max(worst, static_cast<double>(abs(Digits50(tau[j]) - expected[j]) / magnitude));
   }
   CHECK(worst <= 4 * unit);
   CHECK(worst <= (std::same_as<Policy, DoubleSum> ? 1e-12 : 1.0));

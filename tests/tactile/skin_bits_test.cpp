@@ -26,12 +26,13 @@ CellSample some_sample(Nanoseconds from, Nanoseconds to) {
   CellSample s;
   s.cell = *rc::gen::element(1u, 2u, 3u, 4u, 0u, 16383u, 0xFFFFFFFFu);
   const int kind = *rc::gen::inRange(0, 10);
-  const Nanoseconds step = *rc::gen::inRange<Nanoseconds>(0, 10000000);
-  s.time = kind == 0   ? *rc::gen::element<Nanoseconds>(INT64_MIN, INT64_MAX, 0, -1, from, to)
-           : kind == 1 ? *rc::gen::arbitrary<Nanoseconds>()
+  const Nanoseconds step(*rc::gen::inRange<std::int64_t>(0, 10000000));
+  s.time = kind == 0
+               ? *rc::gen::element<Nanoseconds>(Nanoseconds::min(), Nanoseconds::max(), 0ns, -1ns, from, to)
+           : kind == 1 ? Nanoseconds(*rc::gen::arbitrary<std::int64_t>())
            : kind == 2 ? to + step
            : kind == 3 ? from - 30 * step
-                       : from + (to > from ? step % (to - from + 1) : 0);
+                       : from + (to > from ? step % (to - from + 1ns) : 0ns);
   for (float& f : s.force) f = some_number(0, 1);
   s.proximity = some_number(0, 1);
   for (float& a : s.acceleration) a = some_number(-20, 20);
@@ -56,13 +57,9 @@ class Rules {
     const auto last = last_.find(s.cell);
     const Nanoseconds time = std::min(s.time, to);
     if (last != last_.end() && time <= last->second) return Reason::time_backwards;
-    if (s.time == INT64_MIN) return Reason::time_backwards;
-    if (static_cast<long double>(s.time) - static_cast<long double>(to) >
-        static_cast<long double>(settings_.max_ahead))
-      return Reason::sample_out_of_range;
-    if (static_cast<long double>(to) - static_cast<long double>(time) >=
-        static_cast<long double>(settings_.max_age))
-      return Reason::sample_stale;
+    if (s.time == Nanoseconds::min()) return Reason::time_backwards;
+    if (count(s.time) - count(to) > count(settings_.max_ahead)) return Reason::sample_out_of_range;
+    if (count(to) - count(time) >= count(settings_.max_age)) return Reason::sample_stale;
     last_[s.cell] = time;
     return {};
   }
@@ -75,6 +72,7 @@ class Rules {
   }
 
  private:
+  static long double count(Nanoseconds t) { return static_cast<long double>(t.count()); }
   SkinSettings settings_;
   std::map<std::uint32_t, Nanoseconds> last_;
 };
@@ -86,13 +84,12 @@ void check_bits() {
   const Skin<ur5::Model, T, Patch<1, 3>, Patch<4, 1>> skin(random_patch<1, 3>(rng, 1),
                                                            random_patch<4, 1>(rng, 4), settings);
   using W = typename decltype(skin)::Wrenches;
-  const Nanoseconds start = *rc::gen::element<Nanoseconds>(0, 1, -1000000000, 1000000000000000000);
+  const Nanoseconds start = *rc::gen::element<Nanoseconds>(0ns, 1ns, -1s, 1000000000s);
   auto memory = skin.start(start), clean = skin.start(start);
   Rules rules(settings);
   Nanoseconds from = start;
   for (int cycle = 0; cycle < 40; ++cycle) {
-    const Nanoseconds to =
-        from + *rc::gen::element<Nanoseconds>(2000000, 8000000, 1000000, 1, 0, 60000000, 300000000);
+    const Nanoseconds to = from + *rc::gen::element<Nanoseconds>(2ms, 8ms, 1ms, 1ns, 0ns, 60ms, 300ms);
     const auto count = *rc::gen::inRange<std::size_t>(0, 12);
     std::vector<CellSample> samples, good;
     Status expected;

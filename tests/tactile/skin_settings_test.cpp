@@ -21,15 +21,15 @@ TEST_CASE("SkinSettings: the defaults pass, a time that is none is refused by it
   const auto names = [](const std::string& text, const char* name) {
     return text.find(name) != std::string::npos;
   };
-  CHECK(names(refused([](auto& s) { s.fade = 0; }), "fade"));
-  CHECK(names(refused([](auto& s) { s.fade = -1; }), "fade"));
-  CHECK(names(refused([](auto& s) { s.max_age = s.fade - 1; }), "max_age"));
-  CHECK(names(refused([](auto& s) { s.ramp = 0; }), "ramp"));
-  CHECK(names(refused([](auto& s) { s.catch_up = -1; }), "catch_up"));
-  CHECK(names(refused([](auto& s) { s.max_ahead = -1; }), "max_ahead"));
+  CHECK(names(refused([](auto& s) { s.fade = 0ns; }), "fade"));
+  CHECK(names(refused([](auto& s) { s.fade = -1ns; }), "fade"));
+  CHECK(names(refused([](auto& s) { s.max_age = s.fade - 1ns; }), "max_age"));
+  CHECK(names(refused([](auto& s) { s.ramp = 0ns; }), "ramp"));
+  CHECK(names(refused([](auto& s) { s.catch_up = -1ns; }), "catch_up"));
+  CHECK(names(refused([](auto& s) { s.max_ahead = -1ns; }), "max_ahead"));
   CHECK(refused([](auto& s) {
           s.max_age = s.fade;
-          s.catch_up = s.max_ahead = 0;
-          s.ramp = 1;
+          s.catch_up = s.max_ahead = 0ns;
+          s.ramp = 1ns;
         }).empty());
 }

@@ -45,7 +45,7 @@ struct OneCell {
 
   explicit OneCell(const SkinSettings& settings = open_gates(), const Gains& gains = {10, 4})
       : skin(Patch<2, 1>({{7, Transform<Link<2>, Cell>::translation_xyz(0.1, 0.05, 0.02)}}, gains), settings),
-        memory(skin.start(0)) {}
+        memory(skin.start(0ns)) {}
 
   /// The mean push [N] over the interval.
   T push(std::vector<CellSample> samples, Nanoseconds from, Nanoseconds to, Status* status = nullptr) {
@@ -65,15 +65,14 @@ Stream random_stream(Random& rng, const std::vector<std::uint32_t>& ids, Nanosec
                      Nanoseconds latency) {
   std::vector<std::pair<Nanoseconds, CellSample>> all;
   for (const std::uint32_t id : ids) {
-    Nanoseconds t = begin + static_cast<Nanoseconds>(rng() % 4000000u);
+    Nanoseconds t = begin + Nanoseconds(rng() % 4000000u);
     while (t < end) {
       CellSample s = sample(id, t, 0.0f);
       for (float& f : s.force) f = float(rng() % 1025) / 1024.0f;
       s.proximity = float(rng() % 65536) / 65536.0f;
       all.push_back({t + latency, s});
       const bool silent = rng() % 12 == 0;
-      t += 3500000 + static_cast<Nanoseconds>(rng() % 1000000u) +
-           (silent ? static_cast<Nanoseconds>(rng() % 400000000u) : 0);
+      t += 3500us + Nanoseconds(rng() % 1000000u) + (silent ? Nanoseconds(rng() % 400000000u) : 0ns);
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -109,29 +108,30 @@ TEST_CASE_TEMPLATE("Skin: held samples are the per-cell Jacobian form", T, float
   const ur5::Model model;
   double worst = 0, worst_of_rounded = 0;
   for (int k = 0; k < 50; ++k) {
-    auto memory = skin.start(0);
+    auto memory = skin.start(0ns);
     const auto q = random_position<6, T>(rng);
-    const auto poses = link_poses(model, q.template cast<Wide>());
+    const auto poses = link_poses(model, q.template cast<Digits50>());
     std::vector<CellSample> samples;
-    JointTorque<6, Wide> exact;
-    LinkWrenches<ur5::Model, std::remove_cvref_t<decltype(skin)>::links, Wide> rounded;
-    Wide magnitude(0);
+    JointTorque<6, Digits50> exact;
+    LinkWrenches<ur5::Model, std::remove_cvref_t<decltype(skin)>::links, Digits50> rounded;
+    Digits50 magnitude(0);
     for_each_index<6>([&](auto n) {
       const auto& patch = std::get<n.value>(patches);
       constexpr std::size_t I = std::remove_cvref_t<decltype(patch)>::link;
       for (const auto& cell : patch.placed()) {
-        samples.push_back(sample(cell.id, 1_ms, float(rng() % 1025) / 1024, float(rng() % 65536) / 65536));
+        samples.push_back(sample(cell.id, 1ms, float(rng() % 1025) / 1024, float(rng() % 65536) / 65536));
         const auto& s = samples.back();
-        const Wide newton = Wide(gains.force) * (Wide(s.force[0]) + Wide(s.force[1]) + Wide(s.force[2])) +
-                            Wide(gains.proximity) * Wide(s.proximity);
-        const auto tau = torque_of_cell<I>(poses, model, cell.X_LC.template cast<Wide>(), newton);
+        const Digits50 newton =
+            Digits50(gains.force) * (Digits50(s.force[0]) + Digits50(s.force[1]) + Digits50(s.force[2])) +
+            Digits50(gains.proximity) * Digits50(s.proximity);
+        const auto tau = torque_of_cell<I>(poses, model, cell.X_LC.template cast<Digits50>(), newton);
         exact += tau;
-        for (const Wide& t : tau) magnitude += abs(t);
+        for (const Digits50& t : tau) magnitude += abs(t);
         // The same with the unit wrench that the skin stores: multiples of 2^-24 (moments here below 0.5 m:
         // finer).
         const auto u = unit_wrench(cell.X_LC);
         auto sum = rounded.template wrench<I>();
-        const auto whole = [](double x, double steps) { return Wide(std::round(x * steps) / steps); };
+        const auto whole = [](double x, double steps) { return Digits50(std::round(x * steps) / steps); };
         const double f = std::ldexp(1.0, 24);
         double most = 0;
         for (const auto& other : patch.placed()) {
@@ -140,20 +140,20 @@ TEST_CASE_TEMPLATE("Skin: held samples are the per-cell Jacobian form", T, float
         }
         const double g = std::ldexp(1.0, 24 - static_cast<int>(std::ceil(std::log2(most))));
         sum.force =
-            sum.force + newton * Xyz<Wide>{whole(u.force.x, f), whole(u.force.y, f), whole(u.force.z, f)};
-        sum.moment =
-            sum.moment + newton * Xyz<Wide>{whole(u.moment.x, g), whole(u.moment.y, g), whole(u.moment.z, g)};
+            sum.force + newton * Xyz<Digits50>{whole(u.force.x, f), whole(u.force.y, f), whole(u.force.z, f)};
+        sum.moment = sum.moment +
+                     newton * Xyz<Digits50>{whole(u.moment.x, g), whole(u.moment.y, g), whole(u.moment.z, g)};
         rounded.template set<I>(sum);
       }
     });
     typename std::remove_cvref_t<decltype(skin)>::Wrenches mean;
-    CHECK_FALSE(skin.receive(memory, samples, 0, 20_ms, 1, &mean).any());
+    CHECK_FALSE(skin.receive(memory, samples, 0ns, 20ms, 1, &mean).any());
     const auto tau = skin_torque(model, q, skin.wrenches(memory));
-    const auto tau_rounded = skin_torque(model, q.template cast<Wide>(), rounded);
+    const auto tau_rounded = skin_torque(model, q.template cast<Digits50>(), rounded);
     for (std::size_t j = 0; j < 6; ++j) {
-      worst = std::max(worst, static_cast<double>(abs(Wide(tau[j]) - exact[j]) / magnitude));
+      worst = std::max(worst, static_cast<double>(abs(Digits50(tau[j]) - exact[j]) / magnitude));
       worst_of_rounded =
-          std::max(worst_of_rounded, static_cast<double>(abs(Wide(tau[j]) - tau_rounded[j]) / magnitude));
+          std::max(worst_of_rounded, static_cast<double>(abs(Digits50(tau[j]) - tau_rounded[j]) / magnitude));
     }
   }
   CAPTURE(worst);
@@ -164,28 +164,28 @@ TEST_CASE_TEMPLATE("Skin: held samples are the per-cell Jacobian form", T, float
 
 TEST_CASE("Skin: the force on a cell is held, ramps, fades and is over, as stated") {
   OneCell one;  // 10 N per unit of the sum of three, 4 N per unit of proximity
-  CHECK(one.push({}, 0, 20_ms) == 0);
+  CHECK(one.push({}, 0ns, 20ms) == 0);
   // The ramp of 6 ms before the sample at 30 ms, then held: 20 to 30 ms hold a mean of 15 N * 3/10.
-  CHECK(one.push({sample(7, 30_ms, 0.5f)}, 20_ms, 30_ms) == doctest::Approx(15 * 0.3).epsilon(1e-12));
-  CHECK(one.push({}, 30_ms, 40_ms) == doctest::Approx(15).epsilon(1e-12));
+  CHECK(one.push({sample(7, 30ms, 0.5f)}, 20ms, 30ms) == doctest::Approx(15 * 0.3).epsilon(1e-12));
+  CHECK(one.push({}, 30ms, 40ms) == doctest::Approx(15).epsilon(1e-12));
   // Told at 42 ms, seen by the interval that ends at 50 ms: 40 to 42 is made up for; from 36 on it was
   // rising.
   const double missed = 5 * 6e-3 / 2 - 0.0;
-  CHECK(one.push({sample(7, 42_ms, 2.0f / 3)}, 40_ms, 50_ms) ==
+  CHECK(one.push({sample(7, 42ms, 2.0f / 3)}, 40ms, 50ms) ==
         doctest::Approx(15 + (missed + 5 * 8e-3) / 10e-3).epsilon(1e-7));
-  CHECK(one.push({}, 50_ms, 242_ms) == doctest::Approx(20).epsilon(1e-6));
+  CHECK(one.push({}, 50ms, 242ms) == doctest::Approx(20).epsilon(1e-6));
   // 200 ms after the sample it begins to fade, 250 ms after it is over.
-  CHECK(one.push({}, 242_ms, 252_ms) == doctest::Approx(20 * 0.9).epsilon(1e-6));
-  CHECK(one.push({}, 252_ms, 282_ms) == doctest::Approx(20 * 0.5).epsilon(1e-6));
+  CHECK(one.push({}, 242ms, 252ms) == doctest::Approx(20 * 0.9).epsilon(1e-6));
+  CHECK(one.push({}, 252ms, 282ms) == doctest::Approx(20 * 0.5).epsilon(1e-6));
   Status status;
-  CHECK(one.push({}, 282_ms, 300_ms, &status) == doctest::Approx(20 * 0.1 * 10 / 18).epsilon(1e-6));
+  CHECK(one.push({}, 282ms, 300ms, &status) == doctest::Approx(20 * 0.1 * 10 / 18).epsilon(1e-6));
   CHECK(status == Status(Reason::sample_stale));
   CHECK(one.skin.silent(one.memory) == 1);
-  CHECK(one.push({}, 300_ms, 301_ms, &status) == 0);
-  CHECK(one.push({}, 301_ms, 100_s, &status) == 0);
+  CHECK(one.push({}, 300ms, 301ms, &status) == 0);
+  CHECK(one.push({}, 301ms, 100s, &status) == 0);
   CHECK(status == Status(Reason::sample_stale));
   // Proximity pushes too; the sign is the same.
-  CHECK(one.push({sample(7, 100_s + 6_ms, 0.0f, 0.5f)}, 100_s, 100_s + 6_ms, &status) ==
+  CHECK(one.push({sample(7, 100s + 6ms, 0.0f, 0.5f)}, 100s, 100s + 6ms, &status) ==
         doctest::Approx(1).epsilon(1e-6));
   CHECK_FALSE(status.any());
 }
@@ -194,22 +194,22 @@ TEST_CASE("Skin: a gate with hysteresis is closed again after a silence") {
   SkinSettings settings = open_gates();
   settings.force = EventGate<>::hysteresis(0.9, 0.3);
   OneCell one(settings);
-  CHECK(one.push({sample(7, 10_ms, 0.2f)}, 0, 20_ms) == 0);
-  one.push({sample(7, 30_ms, 0.4f)}, 20_ms, 40_ms);
-  one.push({sample(7, 50_ms, 0.2f)}, 40_ms, 60_ms);
-  CHECK(one.push({}, 60_ms, 70_ms) == doctest::Approx(6).epsilon(1e-4));
-  one.push({}, 70_ms, 400_ms);
-  CHECK(one.push({sample(7, 405_ms, 0.2f)}, 400_ms, 410_ms) == 0);
-  CHECK(one.push({}, 410_ms, 420_ms) == 0);
+  CHECK(one.push({sample(7, 10ms, 0.2f)}, 0ns, 20ms) == 0);
+  one.push({sample(7, 30ms, 0.4f)}, 20ms, 40ms);
+  one.push({sample(7, 50ms, 0.2f)}, 40ms, 60ms);
+  CHECK(one.push({}, 60ms, 70ms) == doctest::Approx(6).epsilon(1e-4));
+  one.push({}, 70ms, 400ms);
+  CHECK(one.push({sample(7, 405ms, 0.2f)}, 400ms, 410ms) == 0);
+  CHECK(one.push({}, 410ms, 420ms) == 0);
 }
 
 TEST_CASE_TEMPLATE("Skin: a contact held for a day does not fade", T, float, double) {
   OneCell<T> one;
-  one.push({sample(7, 0, 0.3f)}, 0, 100_ms);
-  const T first = one.push({sample(7, 200_ms, 0.3f)}, 100_ms, 200_ms);
+  one.push({sample(7, 0ns, 0.3f)}, 0ns, 100ms);
+  const T first = one.push({sample(7, 200ms, 0.3f)}, 100ms, 200ms);
   bool same = first > T(8.9);
-  for (Nanoseconds t = 200_ms; t < 86400_s; t += 100_ms)
-    same = same && one.push({sample(7, t + 100_ms, 0.3f)}, t, t + 100_ms) == first;
+  for (Nanoseconds t = 200ms; t < 86400s; t += 100ms)
+    same = same && one.push({sample(7, t + 100ms, 0.3f)}, t, t + 100ms) == first;
   CHECK(same);
 }
 
@@ -224,9 +224,9 @@ TEST_CASE_TEMPLATE("Skin: the impulse is that of the force, whatever the rate of
   const Skin<ur5::Model, T, Patch<1, 3>, Patch<4, 2>> skin(patch_a, patch_b, settings);
   using W = typename decltype(skin)::Wrenches;
   const std::vector<std::uint32_t> ids = {1, 2, 3, 11, 12};
-  const Nanoseconds end = 4_s;
-  for (const Nanoseconds latency : {0_ms, 3_ms, 12_ms}) {
-    const Stream stream = random_stream(rng, ids, 60_ms, end - 100_ms, latency);
+  const Nanoseconds end = 4s;
+  for (const Nanoseconds latency : {0ms, 3ms, 12ms}) {
+    const Stream stream = random_stream(rng, ids, 60ms, end - 100ms, latency);
     long double expected[5];
     for (std::size_t c = 0; c < 5; ++c) {
       std::vector<Knot> knots;
@@ -236,24 +236,24 @@ TEST_CASE_TEMPLATE("Skin: the impulse is that of the force, whatever the rate of
           knots.push_back({s.time, gains.force * n.force * CellCounts::force_unit +
                                        gains.proximity * n.proximity * CellCounts::proximity_unit});
         }
-      expected[c] = CellSignal(knots, settings.max_age, settings.fade, settings.ramp).impulse(0, end);
+      expected[c] = CellSignal(knots, settings.max_age, settings.fade, settings.ramp).impulse(0ns, end);
     }
     for (const int rate : {125, 250, 500, 1000, 0, -1}) {
       for (const std::size_t substeps : {std::size_t(1), std::size_t(3)}) {
         // Rates; 0: jittered with skipped cycles; -1: the same with intervals of no length in between, which
         // take what came in the last millisecond.
         Random jitter = seeded(7);
-        auto memory = skin.start(0);
+        auto memory = skin.start(0ns);
         long double impulse[2][6] = {};
         std::size_t next = 0;
-        for (Nanoseconds from = 0; from < end;) {
+        for (Nanoseconds from{}; from < end;) {
           Nanoseconds to =
-              from + (rate > 0 ? 1000000000 / rate : 200000 + static_cast<Nanoseconds>(jitter() % 9000000u));
-          if (rate <= 0 && jitter() % 20 == 0) to += 17_ms;
+              from + (rate > 0 ? Nanoseconds(1s) / rate : 200us + Nanoseconds(jitter() % 9000000u));
+          if (rate <= 0 && jitter() % 20 == 0) to += 17ms;
           if (rate < 0 && jitter() % 3 == 0) to = from;
           to = std::min(to, end);
           const std::size_t first = next;
-          const Nanoseconds until = rate < 0 && from < to ? to - 1_ms : to;
+          const Nanoseconds until = rate < 0 && from < to ? to - 1ms : to;
           while (next < stream.samples.size() && stream.arrivals[next] <= until) ++next;
           W means[3];
           const Status status = skin.receive(memory, std::span(stream.samples).subspan(first, next - first),
@@ -261,7 +261,7 @@ TEST_CASE_TEMPLATE("Skin: the impulse is that of the force, whatever the rate of
           REQUIRE_FALSE((status.has(Reason::time_backwards) || status.has(Reason::sample_not_finite)));
           REQUIRE(status.has(Reason::interval_empty) == (from == to));
           const long double h =
-              static_cast<long double>(to - from) * 1e-9L / static_cast<long double>(substeps);
+              static_cast<long double>((to - from).count()) * 1e-9L / static_cast<long double>(substeps);
           for (std::size_t j = 0; j < substeps; ++j)
             for (std::size_t l = 0; l < 2; ++l)
               for (std::size_t r = 0; r < 6; ++r)
@@ -297,20 +297,19 @@ TEST_CASE("Skin: rates agree with each other to rounding") {
   Random rng = seeded(3);
   const auto patch = random_patch<3, 4>(rng, 1, {9, 5});
   const Skin<ur5::Model, double, Patch<3, 4>> skin(patch, SkinSettings{});
-  const Stream stream = random_stream(rng, {1, 2, 3, 4}, 60_ms, 2_s, 2_ms);
+  const Stream stream = random_stream(rng, {1, 2, 3, 4}, 60ms, 2s, 2ms);
   double reference[6] = {};
   for (const int rate : {125, 250, 500, 1000, 333}) {
-    auto memory = skin.start(0);
+    auto memory = skin.start(0ns);
     double impulse[6] = {};
     std::size_t next = 0;
-    for (Nanoseconds from = 0; from < 3_s;) {
-      const Nanoseconds to = std::min(from + 1000000000 / rate, Nanoseconds(3_s));
+    for (Nanoseconds from{}; from < 3s;) {
+      const Nanoseconds to = std::min(from + Nanoseconds(1s) / rate, Nanoseconds(3s));
       const std::size_t first = next;
       while (next < stream.samples.size() && stream.arrivals[next] <= to) ++next;
       decltype(skin)::Wrenches mean;
       skin.receive(memory, std::span(stream.samples).subspan(first, next - first), from, to, 1, &mean);
-      for (std::size_t r = 0; r < 6; ++r)
-        impulse[r] += static_cast<double>(to - from) * 1e-9 * mean.data[0][r];
+      for (std::size_t r = 0; r < 6; ++r) impulse[r] += seconds<double>(to - from) * mean.data[0][r];
       from = to;
     }
     for (std::size_t r = 0; r < 6; ++r) {
@@ -323,22 +322,22 @@ TEST_CASE("Skin: rates agree with each other to rounding") {
 
 TEST_CASE("Skin: events leave bit for bit what the sum over all cells gives, after 1e7 of them") {
   const auto skin = ur5_skin<260>({10, 3});
-  auto memory = skin.start(0);
+  auto memory = skin.start(0ns);
   Random rng = seeded(4);
   decltype(skin)::Wrenches mean;
   std::vector<CellSample> samples(1000);
-  Nanoseconds t = 0;
+  Nanoseconds t{};
   long events = 0;
   bool same = true;
   for (int round = 0; round < 10000; ++round) {
     for (CellSample& s : samples) {
-      s = sample(1 + static_cast<std::uint32_t>(rng() % 260), t += 1000, 0.0f);
+      s = sample(1 + static_cast<std::uint32_t>(rng() % 260), t += 1us, 0.0f);
       const std::uint64_t bits = rng();
       s.force = {float(bits % 1025) / 1024, float((bits >> 16) % 1025) / 1024,
                  float((bits >> 32) % 1025) / 1024};
       s.proximity = float((bits >> 44) % 65536) / 65536;
     }
-    skin.receive(memory, samples, t - 1000000, t, 1, &mean);
+    skin.receive(memory, samples, t - 1ms, t, 1, &mean);
     events += 1000;
     if (round % 100 == 0) same = same && skin.wrenches(memory) == skin.recomputed(memory);
   }
@@ -346,10 +345,10 @@ TEST_CASE("Skin: events leave bit for bit what the sum over all cells gives, aft
   CHECK(events == 10000000);
   CHECK(skin.wrenches(memory) == skin.recomputed(memory));
   // All released: exactly nothing is left.
-  for (std::uint32_t id = 1; id <= 260; ++id) samples[id] = sample(id, t + 1000, 0.0f);
-  skin.receive(memory, std::span(samples).subspan(1, 260), t, t + 1000, 1, &mean);
+  for (std::uint32_t id = 1; id <= 260; ++id) samples[id] = sample(id, t + 1us, 0.0f);
+  skin.receive(memory, std::span(samples).subspan(1, 260), t, t + 1us, 1, &mean);
   CHECK(skin.wrenches(memory) == decltype(skin)::Wrenches{});
-  skin.receive(memory, {}, t + 1000, t + 2000, 1, &mean);
+  skin.receive(memory, {}, t + 1us, t + 2us, 1, &mean);
   CHECK(mean == decltype(skin)::Wrenches{});
 }
 
@@ -358,12 +357,12 @@ TEST_CASE("Skin: the order of cells within an interval does not matter, to the b
   Random rng = seeded(5);
   std::vector<CellSample> samples;
   for (std::uint32_t id = 1; id <= 260; ++id)
-    samples.push_back(sample(id, 5_ms, float(rng() % 1025) / 1024, float(rng() % 1025) / 1024));
-  auto a = skin.start(0), b = skin.start(0);
+    samples.push_back(sample(id, 5ms, float(rng() % 1025) / 1024, float(rng() % 1025) / 1024));
+  auto a = skin.start(0ns), b = skin.start(0ns);
   decltype(skin)::Wrenches mean_a, mean_b;
-  skin.receive(a, samples, 0, 8_ms, 1, &mean_a);
+  skin.receive(a, samples, 0ns, 8ms, 1, &mean_a);
   std::shuffle(samples.begin(), samples.end(), rng);
-  skin.receive(b, samples, 0, 8_ms, 1, &mean_b);
+  skin.receive(b, samples, 0ns, 8ms, 1, &mean_b);
   CHECK(a == b);
   for (std::size_t l = 0; l < 6; ++l)
     for (std::size_t r = 0; r < 6; ++r)
@@ -374,64 +373,63 @@ TEST_CASE("Skin: stale, duplicate, late, early and unknown samples never push an
   const float nan = std::numeric_limits<float>::quiet_NaN();
   OneCell one;
   Status status;
-  const double held = one.push({sample(7, 5_ms, 0.5f)}, 0, 10_ms),
-               steady = one.push({}, 10_ms, 20_ms, &status);
+  const double held = one.push({sample(7, 5ms, 0.5f)}, 0ns, 10ms), steady = one.push({}, 10ms, 20ms, &status);
   CHECK(held > 0);
   CHECK_FALSE(status.any());
   const auto before = one.memory;
   const auto refused = [&](CellSample s, Reason why) {
-    CHECK(one.push({s}, 20_ms, 30_ms, &status) == steady);
+    CHECK(one.push({s}, 20ms, 30ms, &status) == steady);
     CHECK(status == Status(why));
     CHECK(one.memory == before);
   };
-  refused(sample(7, 5_ms, 1.0f), Reason::time_backwards);  // a duplicate stamp
-  refused(sample(7, 4_ms, 1.0f), Reason::time_backwards);
-  refused(sample(7, INT64_MIN, 1.0f), Reason::time_backwards);
-  refused(sample(7, 32_ms + 1, 1.0f), Reason::sample_out_of_range);
-  refused(sample(7, INT64_MAX, 1.0f), Reason::sample_out_of_range);
-  refused(sample(8, 25_ms, 1.0f), Reason::sample_unknown);
-  refused(sample(0xFFFFFFFFu, 25_ms, 1.0f), Reason::sample_unknown);
-  refused(sample(7, 25_ms, nan), Reason::sample_not_finite);
-  refused(sample(7, 25_ms, 0.5f, nan), Reason::sample_not_finite);
-  refused(sample(7, 25_ms, -0.1f), Reason::sample_out_of_range);
-  refused(sample(7, 25_ms, 1.1f), Reason::sample_out_of_range);
-  CellSample hot = sample(7, 25_ms, 1.0f);
+  refused(sample(7, 5ms, 1.0f), Reason::time_backwards);  // a duplicate stamp
+  refused(sample(7, 4ms, 1.0f), Reason::time_backwards);
+  refused(sample(7, Nanoseconds::min(), 1.0f), Reason::time_backwards);
+  refused(sample(7, 32ms + 1ns, 1.0f), Reason::sample_out_of_range);
+  refused(sample(7, Nanoseconds::max(), 1.0f), Reason::sample_out_of_range);
+  refused(sample(8, 25ms, 1.0f), Reason::sample_unknown);
+  refused(sample(0xFFFFFFFFu, 25ms, 1.0f), Reason::sample_unknown);
+  refused(sample(7, 25ms, nan), Reason::sample_not_finite);
+  refused(sample(7, 25ms, 0.5f, nan), Reason::sample_not_finite);
+  refused(sample(7, 25ms, -0.1f), Reason::sample_out_of_range);
+  refused(sample(7, 25ms, 1.1f), Reason::sample_out_of_range);
+  CellSample hot = sample(7, 25ms, 1.0f);
   hot.temperature = nan;
   refused(hot, Reason::sample_not_finite);
   // A little ahead counts as the interval's end; then its twin is not later.
-  CHECK(one.push({sample(7, 31_ms, 0.5f)}, 20_ms, 30_ms, &status) == steady);
+  CHECK(one.push({sample(7, 31ms, 0.5f)}, 20ms, 30ms, &status) == steady);
   CHECK_FALSE(status.any());
-  one.push({sample(7, 30_ms, 1.0f)}, 20_ms, 30_ms, &status);
+  one.push({sample(7, 30ms, 1.0f)}, 20ms, 30ms, &status);
   CHECK(status == Status(Reason::time_backwards));
   // A cell that was never heard, and whose sample took longer than max_age.
   OneCell late;
-  CHECK(late.push({sample(7, 10_ms, 1.0f)}, 255_ms, 260_ms, &status) == 0);
+  CHECK(late.push({sample(7, 10ms, 1.0f)}, 255ms, 260ms, &status) == 0);
   CHECK(status == Status(Reason::sample_stale));
 }
 
 TEST_CASE("Skin: an interval that goes backwards is one without length") {
   OneCell one;
   Status status;
-  one.push({sample(7, 5_ms, 0.5f)}, 0, 10_ms);
-  CHECK(one.push({}, 20_ms, 10_ms, &status) == doctest::Approx(15));
+  one.push({sample(7, 5ms, 0.5f)}, 0ns, 10ms);
+  CHECK(one.push({}, 20ms, 10ms, &status) == doctest::Approx(15));
   CHECK(status == Status(Reason::interval_empty));
-  CHECK(std::abs(one.push({}, INT64_MIN, INT64_MAX, &status)) <= 1e-12);
+  CHECK(std::abs(one.push({}, Nanoseconds::min(), Nanoseconds::max(), &status)) <= 1e-12);
   CHECK(status.has(Reason::sample_stale));
-  CHECK(one.push({}, INT64_MAX - 5, INT64_MAX, &status) == 0);
+  CHECK(one.push({}, Nanoseconds::max() - 5ns, Nanoseconds::max(), &status) == 0);
 }
 
 TEST_CASE("Skin: receives without an allocation") {
   const auto skin = ur5_skin<260>({10, 3});
-  auto memory = std::make_unique<decltype(skin)::Memory>(skin.start(0));
+  auto memory = std::make_unique<decltype(skin)::Memory>(skin.start(0ns));
   Random rng = seeded(6);
   std::vector<CellSample> samples(82);
   decltype(skin)::Wrenches means[4];
   std::uint64_t allocations = 0;
-  for (Nanoseconds t = 0; t < 2_s; t += 2_ms) {
+  for (Nanoseconds t{}; t < 2s; t += 2ms) {
     for (CellSample& s : samples)
-      s = sample(static_cast<std::uint32_t>(rng() % 300), t + 1_ms, float(rng() % 1100) / 1024);
+      s = sample(static_cast<std::uint32_t>(rng() % 300), t + 1ms, float(rng() % 1100) / 1024);
     const AllocationGuard guard;
-    skin.receive(*memory, samples, t, t + 2_ms, 4, means);
+    skin.receive(*memory, samples, t, t + 2ms, 4, means);
     allocations += guard.count();
   }
   CHECK(allocations == 0);
@@ -451,10 +449,10 @@ TEST_CASE("Skin: wrong configurations are refused") {
     change(settings);
     return settings;
   };
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.fade = 0; })), ConfigurationError);
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.max_age = s.fade - 1; })), ConfigurationError);
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.ramp = 0; })), ConfigurationError);
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.catch_up = -1; })), ConfigurationError);
-  CHECK_THROWS_AS(S(two, with([](auto& s) { s.max_ahead = -1; })), ConfigurationError);
-  CHECK_NOTHROW(S(two, with([](auto& s) { s.max_age = INT64_MAX, s.ramp = 1; })));
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.fade = 0ns; })), ConfigurationError);
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.max_age = s.fade - 1ns; })), ConfigurationError);
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.ramp = 0ns; })), ConfigurationError);
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.catch_up = -1ns; })), ConfigurationError);
+  CHECK_THROWS_AS(S(two, with([](auto& s) { s.max_ahead = -1ns; })), ConfigurationError);
+  CHECK_NOTHROW(S(two, with([](auto& s) { s.max_age = Nanoseconds::max(), s.ramp = 1ns; })));
 }

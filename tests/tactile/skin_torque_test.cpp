@@ -33,7 +33,8 @@ auto random_load(Random& rng, const M&, const Poses& poses, LinkWrenches<M, Skin
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("skin_torque: one pass back is the sum of the links' Jacobians", T, float, double, Wide) {
+TEST_CASE_TEMPLATE("skin_torque: one pass back is the sum of the links' Jacobians", T, float, double,
+                   Digits50) {
   Random rng = seeded(1);
   const ur5::Model model;
   double worst = 0;

@@ -73,14 +73,14 @@ TEST_CASE("ur5_skin: cells stand on the tubes and look away from their axes") {
 
 TEST_CASE("ur5_skin: builds for every scalar and every model of the topology, with the user's settings") {
   SkinSettings settings;
-  settings.max_age = 90_ms;
+  settings.max_age = 90ms;
   const auto skin = ur5_skin<1260, float, ur5::Calibrated<float>>({5, 1}, settings);
-  CHECK(skin.settings().max_age == 90_ms);
+  CHECK(skin.settings().max_age == 90ms);
   CHECK(skin.index(1) == 0);
   CHECK(skin.index(1260) == 1259);
   CHECK(skin.index(0) == 1260);
   CHECK(skin.index(1261) == 1260);
-  CHECK(skin.silent(skin.start(0)) == 1260);
+  CHECK(skin.silent(skin.start(0ns)) == 1260);
 }
 
 TEST_CASE("ur5_skin: an array of gains gives each link its own") {
@@ -89,11 +89,11 @@ TEST_CASE("ur5_skin: an array of gains gives each link its own") {
   const double factor[6] = {1, 2, 3, 0, 0.5, 1.5};
   std::vector<CellSample> samples;
   for (std::uint32_t id = 1; id <= 260; ++id)
-    samples.push_back({.time = 1_ms, .cell = id, .force = {0.1f, 0.1f, 0.1f}});
+    samples.push_back({.time = 1ms, .cell = id, .force = {0.1f, 0.1f, 0.1f}});
   const auto pushed = [&](const auto& skin) {
-    auto memory = skin.start(0);
+    auto memory = skin.start(0ns);
     typename std::remove_cvref_t<decltype(skin)>::Wrenches means[1];
-    skin.receive(memory, samples, 0, 8_ms, 1, means);
+    skin.receive(memory, samples, 0ns, 8ms, 1, means);
     return skin.wrenches(memory);
   };
   const auto a = pushed(same), b = pushed(own);

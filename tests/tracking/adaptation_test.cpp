@@ -4,9 +4,9 @@
 
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -24,7 +24,8 @@ static_assert(std::is_trivially_copyable_v<Learning::Memory>);
 TEST_CASE(
     "Adaptive: with masses that the model does not know, the error falls and the estimate stays bounded") {
   const double dt = 0.004;
-  const JointControlSettings<6> s{.dt = dt, .lambda = 30, .K_i1 = 0, .K_i2 = 0, .tb = 0, .K_c = 5};
+  const JointControlSettings<6> s{
+      .dt = nanoseconds(dt), .lambda = 30, .K_i1 = 0, .K_i2 = 0, .tb = 0s, .K_c = 5};
   const auto bound = deviations(model, 0.5);
   // All masses and inertias are 30 % more than the model knows.
   const auto known_numbers = calibrated_from<ur5::Description, double>();
@@ -38,7 +39,7 @@ TEST_CASE(
   const CalibratedModel<ur5::Description> heavier(links);
   const auto error_of = [&](double gamma) {
     const Learning law(SplineJoint<6>(s), {gamma, bound});
-    State<6> x{0, {0.3, -1.2, 1.4, -1.8, -1.4, 0.3}, {}};
+    State<6> x{0ns, {0.3, -1.2, 1.4, -1.8, -1.4, 0.3}, {}};
     auto memory = law.start(K(model, x, dt, none));
     double late = 0;
     for (int i = 0; i < 5000; ++i) {
@@ -46,7 +47,7 @@ TEST_CASE(
       if (i % 500 == 0) {
         const double way = i % 1000 == 0 ? 0.5 : -0.5;
         JointPosition<6> goal{0.3 + way, -1.2 + 0.6 * way, 1.4 - way, -1.8 + way, -1.4 + way, 0.3};
-        memory = law.receive(memory, known, {goal, 1500_ms}).memory;
+        memory = law.receive(memory, known, {goal, 1500ms}).memory;
       }
       const auto now = law.now(memory, known);
       if (i > 4000)
@@ -64,10 +65,10 @@ TEST_CASE(
 }
 
 TEST_CASE("Adaptive: stands still against the skin and before numbers that are none") {
-  const Learning law(SplineJoint<6>({.dt = 0.004}), {2.0, deviations(model, 0.5)});
-  State<6> x{0, JointPosition<6>::constant(0.5), {}};
+  const Learning law(SplineJoint<6>({.dt = 4ms}), {2.0, deviations(model, 0.5)});
+  State<6> x{0ns, JointPosition<6>::constant(0.5), {}};
   auto memory = law.start(K(model, x, 0.004, none));
-  memory = law.receive(memory, K(model, x, 0.004, none), {JointPosition<6>{}, 1_s}).memory;
+  memory = law.receive(memory, K(model, x, 0.004, none), {JointPosition<6>{}, 1s}).memory;
   x.dq = JointVelocity<6>::constant(0.3);
   const K known(model, x, 0.004, none);
   const auto held = law.advance(memory, known, 0.004, Opposition::lasting);
@@ -79,5 +80,5 @@ TEST_CASE("Adaptive: stands still against the skin and before numbers that are n
   for (const double d : odd.deviation.data) CHECK(std::isfinite(d));
   auto bad = deviations(model, 0.5);
   bad.data[3] = -1;
-  CHECK_THROWS_AS(Learning(SplineJoint<6>({.dt = 0.004}), {1.0, bad}), ConfigurationError);
+  CHECK_THROWS_AS(Learning(SplineJoint<6>({.dt = 4ms}), {1.0, bad}), ConfigurationError);
 }

@@ -8,7 +8,7 @@
 #include "skinctl/core/eigen.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "tests/trajectory/exact.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -35,7 +35,7 @@ TEST_CASE("ConstantDamping: computes K_d S_q and M^-1 K_d S_q, against Eigen") {
   for (int k = 0; k < 100; ++k) {
     const Matrix K_d = random_spd(rng, 0.01);
     const ConstantDamping<6> damping(model, rows(K_d));
-    const State<6> state{0, rng.vector<JointPosition<6>>(3), rng.vector<JointVelocity<6>>(1)};
+    const State<6> state{0ns, rng.vector<JointPosition<6>>(3), rng.vector<JointVelocity<6>>(1)};
     const NoTouch none;
     const Quantities<ur5::Model, ConstantDamping<6>::needs> known(model, state, 0.002, none);
     const Matrix M = Eigen::Map<const Matrix>(known.mass().data);

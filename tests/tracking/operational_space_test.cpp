@@ -5,12 +5,12 @@
 #include <Eigen/Core>
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;
@@ -34,7 +34,7 @@ L make(const typename L::Settings& settings) {
   return L(Space(tool<typename L::T>(), settings), settings);
 }
 OperationalSettings<6> settings_at(double dt) {
-  OperationalSettings<6> s{.tracking = {.dt = dt, .tb = 0}};
+  OperationalSettings<6> s{.tracking = {.dt = nanoseconds(dt), .tb = 0s}};
   s.tracking.max_velocity = JointVelocity<6>::constant(3);
   return s;
 }
@@ -94,7 +94,7 @@ PoseGoal<Tool> goal_near(const L& law, const State<6>& x, double turn) {
   const auto X = law.space().site(known).X_BP;
   return {Transform<Base, Tool>(exp_so3(Xyz<double>{0.3 * turn, -0.5 * turn, 0.4 * turn}) * X.axes(),
                                 X.origin() + Xyz<double>{-0.1, 0.15, 0.1}),
-          2_s};
+          2s};
 }
 
 /// A smooth motion that has nothing to do with the law, near `q`.
@@ -154,7 +154,7 @@ void check_rate(const L& law, const JointPosition<6>& q, double tolerance) {
 TEST_CASE("OperationalSpace: the tool follows its spline, and arrives, at every rate") {
   for (const double rate : {125.0, 500.0}) {
     const auto law = make<SplineOperational<6, 5>>(settings_at(1 / rate));
-    const auto r = run(law, {0, home, {}}, goal_near(law, {0, home, {}}, 1.0), 1 / rate, 2.5);
+    const auto r = run(law, {0ns, home, {}}, goal_near(law, {0ns, home, {}}, 1.0), 1 / rate, 2.5);
     CAPTURE(rate);
     CHECK(r.worst < 5e-5);
     CHECK(r.position < 1e-6);
@@ -168,7 +168,7 @@ TEST_CASE("OperationalSpace: quaternion and ZYZ errors lead to the same pose") {
   const auto by_quaternion =
       make<SplineOperational<6, 5, Tool, double, Task::pose, QuaternionError>>(settings);
   const auto by_angles = make<SplineOperational<6, 5, Tool, double, Task::pose, ZyzError>>(settings);
-  const State<6> x{0, home, {}};
+  const State<6> x{0ns, home, {}};
   const auto goal = goal_near(by_angles, x, 1.0);
   const auto a = run(by_quaternion, x, goal, 0.004, 2.5), b = run(by_angles, x, goal, 0.004, 2.5);
   CHECK(a.position < 1e-5);
@@ -183,9 +183,9 @@ TEST_CASE("OperationalSpace: of a position, the null space rests, goes on, or fi
   using Free = SplineOperational<6, 5, Tool, double, Task::position, RotationVectorError, FreeNullSpace>;
   using Posed =
       SplineOperational<6, 5, Tool, double, Task::position, RotationVectorError, PostureNullSpace<6>>;
-  const State<6> x{0, home, JointVelocity<6>{0, 0, 0, 0.3, 0.2, -0.5}};
+  const State<6> x{0ns, home, JointVelocity<6>{0, 0, 0, 0.3, 0.2, -0.5}};
   const auto damped = make<Damped>(settings);
-  const auto goal = goal_near(damped, {0, home, {}}, 1.0);
+  const auto goal = goal_near(damped, {0ns, home, {}}, 1.0);
   const auto rest = run(damped, x, goal, 0.004, 3), on = run(make<Free>(settings), x, goal, 0.004, 3);
   CHECK(rest.position < 1e-5);
   CHECK(on.position < 1e-4);
@@ -231,19 +231,19 @@ TEST_CASE("OperationalSpace: ddq_r is the derivative of dq_r, in every form, nex
 TEST_CASE_TEMPLATE("OperationalSpace: J S_q is S_xdelta + K_i1 I1 + K_i2 I2, computed either way", T, float,
                    double) {
   using L = OperationalControl<6, 5, Tool, T>;
-  OperationalSettings<6, T> s{.tracking = {.dt = T(0.004), .K_i1 = T(2), .K_i2 = T(0.4)}};
+  OperationalSettings<6, T> s{.tracking = {.dt = 4ms, .K_i1 = T(2), .K_i2 = T(0.4)}};
   s.tracking.max_velocity = JointVelocity<6, T>::constant(T(100));
   const auto law = make<L>(s);
   Seeded rng(11);
   int checked = 0;
   double most = 0;
   for (int k = 0; k < 500; ++k) {
-    State<6, T> x{0, rng.vector<JointPosition<6, T>>(3), rng.vector<JointVelocity<6, T>>(0.5)};
+    State<6, T> x{0ns, rng.vector<JointPosition<6, T>>(3), rng.vector<JointVelocity<6, T>>(0.5)};
     const KnownFor<L, T> known(model, x, T(0.004), none);
     const auto J = known.template jacobian<5>(tool<T>());
     if (damped_inverse(J, s.singularities).nearness() > T(0)) continue;
     auto memory = law.start(known);
-    const State<6> near{0, x.q.template cast<double>(), {}};
+    const State<6> near{0ns, x.q.template cast<double>(), {}};
     const auto X = goal_near(make<SplineOperational<6, 5>>(settings_at(0.004)), near, 1.0).X_BP;
     memory = law.receive(memory, known, {X.template cast<T>(), {}, {}}).memory;
     for (int i = 0; i < 20; ++i) memory = law.advance(memory, known, T(0.004), Opposition::none);
@@ -298,7 +298,7 @@ TEST_CASE("OperationalSpace: goals and contacts at any moment do not jump") {
   const auto law = make<SplineOperational<6, 5>>(settings_at(dt));
   using K = KnownFor<SplineOperational<6, 5>>;
   Seeded rng(12);
-  State<6> x{0, home, {}};
+  State<6> x{0ns, home, {}};
   auto memory = law.start(K(model, x, dt, none));
   double worst = 0, from_rest = 0;
   const auto largest = [](const auto& joints) {
@@ -313,7 +313,7 @@ TEST_CASE("OperationalSpace: goals and contacts at any moment do not jump") {
     if (i % 137 == 0) {
       auto q = home;
       for (double& a : q) a += 0.3 * rng();
-      const auto X = law.space().site(K(model, State<6>{0, q, {}}, dt, none)).X_BP;
+      const auto X = law.space().site(K(model, State<6>{0ns, q, {}}, dt, none)).X_BP;
       next = law.receive(memory, known, {X, 0}).memory;
     } else if (i % 211 == 0) {
       next = law.advance(memory, known, 0.0, i % 422 == 0 ? Opposition::lasting : Opposition::none);
@@ -331,7 +331,7 @@ TEST_CASE("OperationalSpace: goals and contacts at any moment do not jump") {
 TEST_CASE("OperationalSpace: numbers that are not finite do not enter the memory, nor refuse for ever") {
   const auto law = make<SplineOperational<6, 5>>(settings_at(0.004));
   using K = KnownFor<SplineOperational<6, 5>>;
-  const State<6> good{0, home, {}};
+  const State<6> good{0ns, home, {}};
   const auto fresh = law.start(K(model, good, 0.004, none));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t place = 0; place < 12; ++place) {
@@ -344,7 +344,7 @@ TEST_CASE("OperationalSpace: numbers that are not finite do not enter the memory
     const auto tau = law.torque(memory, K(model, good, 0.004, none));
     for (const double t : tau) CHECK(std::isfinite(t));
   }
-  PoseGoal<Tool> bad{Transform<Base, Tool>::translation_xyz(nan, 0, 0), 0};
+  PoseGoal<Tool> bad{Transform<Base, Tool>::translation_xyz(nan, 0, 0), 0ns};
   CHECK(law.receive(fresh, K(model, good, 0.004, none), bad).status.has(Reason::goal_refused));
 }
 
@@ -359,13 +359,13 @@ TEST_CASE(
   const JointPosition<6> wrist_from{0.5, -1.4, 1.2, -1.7, 0.3, 0.1},
       elbow_from{0.3, -1.4, 0.9, -1.6, 1.0, 0.1};
   const auto pose = [&](const JointPosition<6>& q) {
-    return law.space().site(K(model, State<6>{0, q, {}}, dt, none)).X_BP;
+    return law.space().site(K(model, State<6>{0ns, q, {}}, dt, none)).X_BP;
   };
   double fastest = 0;
   const auto travel = [&](const JointPosition<6>& from, const JointPosition<6>& to) {
-    State<6> x{0, from, {}};
+    State<6> x{0ns, from, {}};
     auto memory = law.start(K(model, x, dt, none));
-    memory = law.receive(memory, K(model, x, dt, none), {pose(to), 2_s}).memory;
+    memory = law.receive(memory, K(model, x, dt, none), {pose(to), 2s}).memory;
     for (int i = 0; i < 1000; ++i) {
       const auto out = evaluate(law, memory, K(model, x, dt, none), dt);
       memory = out.memory;
@@ -387,7 +387,7 @@ TEST_CASE(
 TEST_CASE("OperationalSpace: nothing of it allocates, next to a singularity either") {
   const auto law = make<SplineOperational<6, 5>>(settings_at(0.002));
   using K = KnownFor<SplineOperational<6, 5>>;
-  State<6> x{0, {0.3, -1.2, 1.4, -1.8, 0.05, 0.3}, {}};
+  State<6> x{0ns, {0.3, -1.2, 1.4, -1.8, 0.05, 0.3}, {}};
   auto memory = law.start(K(model, x, 0.002, none));
   const auto goal = goal_near(law, x, 0.3);
   const AllocationGuard guard;

@@ -4,9 +4,9 @@
 
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -44,9 +44,9 @@ TEST_CASE_TEMPLATE("Sign: odd, within -1 and 1, growing, and no steeper than it 
 TEST_CASE_TEMPLATE("Sign: with each of them a wrong payload is worked against, without chattering", Sign,
                    TanhSign, SaturationSign, ImplicitSign, SuperTwistingSign) {
   const double dt = 0.002;
-  JointControlSettings<6> s{.dt = dt, .K_i1 = 5, .K_i2 = 0.5, .tb = 0};
+  JointControlSettings<6> s{.dt = nanoseconds(dt), .K_i1 = 5, .K_i2 = 0.5, .tb = 0s};
   const Control<Sign> law(s);
-  State<6> x{0, {0.3, -1.2, 1.4, -1.8, -1.4, 0.3}, {}};
+  State<6> x{0ns, {0.3, -1.2, 1.4, -1.8, -1.4, 0.3}, {}};
   auto memory = law.start(K(model, x, dt, none));
   const auto home = x.q;
   double rough = 0;
@@ -68,7 +68,7 @@ TEST_CASE_TEMPLATE("Sign: with each of them a wrong payload is worked against, w
 }
 
 TEST_CASE("Sign: the bound of the gains counts the slope of each") {
-  JointControlSettings<6> s{.dt = 0.008, .lambda = 45, .K_i2 = 1, .mu = 5, .tb = 0};
+  JointControlSettings<6> s{.dt = 8ms, .lambda = 45, .K_i2 = 1, .mu = 5, .tb = 0s};
   CHECK_NOTHROW(Control<TanhSign>{s});
   CHECK_THROWS_AS(Control<ImplicitSign>{s}, ConfigurationError);
 }

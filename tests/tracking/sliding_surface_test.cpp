@@ -4,8 +4,9 @@
 
 #include <type_traits>
 
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
-#include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -62,7 +63,7 @@ TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, flo
     const auto c = random_case<T>(rng, 2.0);
     const auto s = JointSpace<n, T>().surface(gains, c.in, {c.q, c.dq}, {});
     for (std::size_t i = 0; i < n; ++i) {
-      using E = Exact;
+      using E = Digits50;
       const E e = E(c.q[i]) - E(c.in.target.q_d[i]), de = E(c.dq[i]) - E(c.in.target.dq_d[i]);
       const E K(c.in.K_p.K), dK(c.in.K_p.dK), S_d(c.in.bias.S_d[i]);
       const E S_delta = de + K * e - S_d;
@@ -136,9 +137,9 @@ TEST_CASE_TEMPLATE("Integrals: lose nothing in ten million small steps, and take
   const auto add = [&](T rate) { sum = sum.advanced(JointVelocity<1, T>::constant(rate), dt); };
   add(T(1e6));  // a large sum that plain additions of 1e-9 would not change in float
   for (int i = 0; i < 10'000'000; ++i) add(step);
-  const Exact exact = Exact(T(1e6) * dt) + Exact(1e7) * Exact(T(step * dt));
-  CHECK(magnitude(Exact(sum.sum[0]) - Exact(sum.carry[0]) - exact) <=
-        Exact(2 * static_cast<double>(epsilon<T>())) * exact);
+  const Digits50 exact = Digits50(T(1e6) * dt) + Digits50(1e7) * Digits50(T(step * dt));
+  CHECK(magnitude(Digits50(sum.sum[0]) - Digits50(sum.carry[0]) - exact) <=
+        Digits50(2 * static_cast<double>(epsilon<T>())) * exact);
   const auto before = sum;
   add(std::numeric_limits<T>::quiet_NaN());
   add(std::numeric_limits<T>::infinity());

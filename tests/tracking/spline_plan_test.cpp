@@ -5,8 +5,9 @@
 #include <limits>
 #include <type_traits>
 
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
-#include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -23,25 +24,25 @@ TEST_CASE("SplinePlan: a goal gets the time it asks for, if the speed allows") {
   const auto standing = Plan::standing(here, s);
   CHECK(standing.at(0, s).q_d == here);
   const JointPosition<3> goal{1.1, -0.2, 0.0};
-  const auto asked = standing.to({goal, 3_s}, here, s);
+  const auto asked = standing.to({goal, 3s}, here, s);
   CHECK_FALSE(asked.status.any());
   CHECK(asked.memory.spline.tf == 3);
   CHECK(asked.memory.at(0, s).q_d == here);
   CHECK(asked.memory.at(3, s).q_d == goal);
-  CHECK(asked.memory.advanced(1_s, s).at(0.5, s).q_d[0] == doctest::Approx(0.6));
+  CHECK(asked.memory.advanced(1s, s).at(0.5, s).q_d[0] == doctest::Approx(0.6));
 
-  const auto free = standing.to({goal, 0}, here, s);
+  const auto free = standing.to({goal, 0ns}, here, s);
   CHECK_FALSE(free.status.any());
   CHECK(free.memory.spline.tf == doctest::Approx(1.875));
-  const auto short_way = standing.to({here, 0}, here, s);
-  CHECK(short_way.memory.spline.tf == doctest::Approx(10 * s.dt));
+  const auto short_way = standing.to({here, 0ns}, here, s);
+  CHECK(short_way.memory.spline.tf == doctest::Approx(10 * seconds<double>(s.dt)));
 }
 
 TEST_CASE("SplinePlan: a goal that is too fast is stretched, or refused") {
   Settings s;
   const auto standing = Plan::standing(here, s);
   const JointPosition<3> goal{1.1, -0.2, 0.0};
-  const auto stretched = standing.to({goal, 1_s}, here, s);
+  const auto stretched = standing.to({goal, 1s}, here, s);
   CHECK(stretched.status == Status(Reason::goal_stretched));
   CHECK(stretched.memory.spline.tf == doctest::Approx(1.875));
   double fastest = 0;
@@ -51,11 +52,11 @@ TEST_CASE("SplinePlan: a goal that is too fast is stretched, or refused") {
   CHECK(fastest <= 1.0 + 1e-12);
 
   s.reach = Reach::refuse;
-  const auto refused = standing.to({goal, 1_s}, here, s);
+  const auto refused = standing.to({goal, 1s}, here, s);
   CHECK(refused.status == Status(Reason::goal_refused));
   CHECK(refused.memory.at(5, s).q_d == here);
-  CHECK_FALSE(standing.to({goal, 2_s}, here, s).status.any());
-  CHECK_FALSE(standing.to({goal, 0}, here, s).status.any());
+  CHECK_FALSE(standing.to({goal, 2s}, here, s).status.any());
+  CHECK_FALSE(standing.to({goal, 0ns}, here, s).status.any());
 }
 
 TEST_CASE("SplinePlan: goals that are not finite, or in the past, are refused") {
@@ -65,19 +66,19 @@ TEST_CASE("SplinePlan: goals that are not finite, or in the past, are refused") 
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
     JointPosition<3> goal = here;
     goal[1] = bad;
-    CHECK(standing.to({goal, 0}, here, s).status == Status(Reason::goal_refused));
-    CHECK(standing.to({here, 0}, goal, s).status == Status(Reason::goal_refused));
+    CHECK(standing.to({goal, 0ns}, here, s).status == Status(Reason::goal_refused));
+    CHECK(standing.to({here, 0ns}, goal, s).status == Status(Reason::goal_refused));
   }
-  CHECK(standing.to({here, -1}, here, s).status == Status(Reason::goal_refused));
+  CHECK(standing.to({here, -1ns}, here, s).status == Status(Reason::goal_refused));
 }
 
 TEST_CASE("SplinePlan: stops and goes on smoothly, its derivatives being derivatives all the way") {
-  using E = Exact;
+  using E = Digits50;
   using ExactPlan = SplinePlan<JointSpace<2, E>>;
-  const JointControlSettings<2, E> s{.dt = E(0.002)};
+  const JointControlSettings<2, E> s{.dt = 2ms};
   const JointPosition<2, E> from{E(0), E(1)};
-  auto plan = ExactPlan::standing(from, s).to({JointPosition<2, E>{E(1), E(0.5)}, 2_s}, from, s).memory;
-  plan = plan.advanced(700_ms, s);
+  auto plan = ExactPlan::standing(from, s).to({JointPosition<2, E>{E(1), E(0.5)}, 2s}, from, s).memory;
+  plan = plan.advanced(700ms, s);
   const E h("1e-15");
   for (const bool holds : {true, false}) {
     plan = plan.held(holds, s);
@@ -89,7 +90,7 @@ TEST_CASE("SplinePlan: stops and goes on smoothly, its derivatives being derivat
           CHECK(magnitude((after.dq_d[j] - before.dq_d[j]) / (2 * h) - now.ddq_d[j]) < E("1e-20"));
         }
       }
-      plan = plan.advanced(4_ms, s);
+      plan = plan.advanced(4ms, s);
     }
     CHECK((plan.at(E(0), s).dq_d[0] == 0) == holds);
   }
@@ -98,10 +99,10 @@ TEST_CASE("SplinePlan: stops and goes on smoothly, its derivatives being derivat
 TEST_CASE("SplinePlan: a goal that comes while it is held waits for the release") {
   const Settings s;
   auto plan = Plan::standing(here, s).held(true, s);
-  plan = plan.advanced(1_s, s);
-  plan = plan.to({JointPosition<3>{0.5, 0.0, 0.0}, 2_s}, here, s).memory;
-  plan = plan.advanced(5_s, s);
+  plan = plan.advanced(1s, s);
+  plan = plan.to({JointPosition<3>{0.5, 0.0, 0.0}, 2s}, here, s).memory;
+  plan = plan.advanced(5s, s);
   CHECK(plan.at(0, s).q_d == here);
-  plan = plan.held(false, s).advanced(3_s, s);
+  plan = plan.held(false, s).advanced(3s, s);
   CHECK(plan.at(0, s).q_d == JointPosition<3>{0.5, 0.0, 0.0});
 }

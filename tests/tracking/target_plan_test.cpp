@@ -5,8 +5,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
-#include "tests/trajectory/exact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -38,7 +38,7 @@ TEST_CASE("TargetPlan: a source that falls silent leaves its target at rest, hal
   auto plan = Plan::standing({}, s).to(sample, {}, s).memory;
   auto last = plan.at(0, s);
   for (int i = 0; i < 1000; ++i) {
-    plan = plan.advanced(1_ms, s);
+    plan = plan.advanced(1ms, s);
     const auto now = plan.at(0, s);
     CHECK(magnitude(now.dq_d[0] - last.dq_d[0]) <= 0.5 * 1.9e-2);
     CHECK(magnitude(now.q_d[0] - last.q_d[0]) <= 0.5e-3 * 1.001);

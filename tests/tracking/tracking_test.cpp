@@ -6,12 +6,13 @@
 #include <array>
 #include <type_traits>
 
-#include "plant.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;
@@ -94,8 +95,8 @@ State<6, T> swinging(const T& t) {
 
 #if SKINCTL_MANY_DIGITS
 TEST_CASE("Tracking: ddq_r is the derivative of dq_r, in every phase") {
-  using T = Exact;
-  const SplineJoint<6, T> law({.dt = T(0.004), .K_i1 = T(2), .K_i2 = T(0.4), .tb = T(0.6)});
+  using T = Digits50;
+  const SplineJoint<6, T> law({.dt = 4ms, .K_i1 = T(2), .K_i2 = T(0.4), .tb = 600ms});
   const T h("1e-9");
   auto memory = law.start(KnownAt<T>(model, swinging(T(0)), T(0.004), none));
   int checked = 0;
@@ -104,7 +105,7 @@ TEST_CASE("Tracking: ddq_r is the derivative of dq_r, in every phase") {
     const T t = T(4 * k) / 1000;
     const auto state = swinging(t);
     const KnownAt<T> known(model, state, T(0.004), none);
-    if (k == 20) memory = received(law, memory, known, {JointPosition<6, T>::constant(T(0.5)), 900_ms});
+    if (k == 20) memory = received(law, memory, known, {JointPosition<6, T>::constant(T(0.5)), 900ms});
     if (k == 260) memory = received(law, memory, known, {JointPosition<6, T>::constant(T(-0.5)), 0});
     const auto opposition = k >= 120 && k < 200 ? Opposition::lasting : Opposition::none;
     if (k % 4 == 0 && (k < 119 || k > 148) &&
@@ -138,7 +139,7 @@ TEST_CASE_TEMPLATE("Tracking: with nothing to hold it is -K_d S_q + Y_r Theta at
   const JointControl<6, T> law({.lambda = lambda});
   Seeded rng(70);
   for (int k = 0; k < 50; ++k) {
-    State<6, T> state{0, rng.vector<JointPosition<6, T>>(3), rng.vector<JointVelocity<6, T>>(1)};
+    State<6, T> state{0ns, rng.vector<JointPosition<6, T>>(3), rng.vector<JointVelocity<6, T>>(1)};
     const KnownAt<T> known(model, state, T(0), none);
     auto memory = law.receive(law.start(known), known, {rng.vector<JointPosition<6, T>>(1), {}, {}}).memory;
     for (int i = 0; i < 100; ++i) memory = law.advance(memory, known, T(0.004), Opposition::none);
@@ -159,11 +160,11 @@ TEST_CASE_TEMPLATE("Tracking: with nothing to hold it is -K_d S_q + Y_r Theta at
 }
 
 TEST_CASE("Tracking: is linear in its shares, over an interval too") {
-  const SplineJoint<6> law({.dt = 0.008});
+  const SplineJoint<6> law({.dt = 8ms});
   Seeded rng(71);
-  const State<6> state{0, rng.vector<JointPosition<6>>(3), rng.vector<JointVelocity<6>>(1)};
+  const State<6> state{0ns, rng.vector<JointPosition<6>>(3), rng.vector<JointVelocity<6>>(1)};
   const KnownAt<double> known(model, state, 0.008, none);
-  auto memory = law.receive(law.start(known), known, {rng.vector<JointPosition<6>>(1), 2_s}).memory;
+  auto memory = law.receive(law.start(known), known, {rng.vector<JointPosition<6>>(1), 2s}).memory;
   for (int i = 0; i < 100; ++i) memory = law.advance(memory, known, 0.008, Opposition::none);
   const auto feedback = law.torque(memory, known, Share<double>{1, 0});
   const auto feed_forward = law.torque(memory, known, Share<double>{0, 1});
@@ -176,15 +177,15 @@ TEST_CASE("Tracking: is linear in its shares, over an interval too") {
 TEST_CASE("Tracking: a constant K_d of lambda M(q) is the default law") {
   Seeded rng(72);
   const double lambda = 60;
-  const State<6> state{0, rng.vector<JointPosition<6>>(1), rng.vector<JointVelocity<6>>(0.3)};
+  const State<6> state{0ns, rng.vector<JointPosition<6>>(1), rng.vector<JointVelocity<6>>(0.3)};
   const auto m = mass_matrix(model, state.q);
   std::array<double, 36> K_d;
   for (std::size_t i = 0; i < 36; ++i) K_d[i] = lambda * m.data[i];
   // M differs elsewhere, and there K_d would be too much: only this pose counts here.
   const ConstantDamping<6> damping(model, K_d);
   const double dt = 0.05 / damping.fastest();
-  const JointControl<6> shaped({.dt = dt, .lambda = lambda});
-  const JointControl<6, double, ConstantDamping<6>> constant({.dt = dt}, damping);
+  const JointControl<6> shaped({.dt = nanoseconds(dt), .lambda = lambda});
+  const JointControl<6, double, ConstantDamping<6>> constant({.dt = nanoseconds(dt)}, damping);
   const Quantities<Arm, Needs{.mass = true}> known(model, state, 0.0, none);
   const JointReference<6> goal{rng.vector<JointPosition<6>>(1), {}, {}};
   auto a = shaped.receive(shaped.start(known), known, goal).memory;
@@ -205,10 +206,10 @@ TEST_CASE("Tracking: a constant K_d beyond the bound of sampled time is refused 
   for (std::size_t i = 0; i < 6; ++i) K_d[7 * i] = 5;
   const ConstantDamping<6> damping(model, K_d);
   using Control = JointControl<6, double, ConstantDamping<6>>;
-  CHECK_THROWS_AS(Control({.dt = 0.002}, damping), ConfigurationError);
+  CHECK_THROWS_AS(Control({.dt = 2ms}, damping), ConfigurationError);
   for (std::size_t i = 0; i < 6; ++i) K_d[7 * i] = 0.01;
-  CHECK_NOTHROW(Control({.dt = 0.002}, ConstantDamping<6>(model, K_d)));
-  CHECK_THROWS_AS(SplineJoint<6>({.dt = 0.008, .lambda = 60}), ConfigurationError);
+  CHECK_NOTHROW(Control({.dt = 2ms}, ConstantDamping<6>(model, K_d)));
+  CHECK_THROWS_AS(SplineJoint<6>({.dt = 8ms, .lambda = 60}), ConfigurationError);
 }
 
 TEST_CASE("Tracking: with a constant K_d it brings the UR5 to its goal") {
@@ -216,12 +217,13 @@ TEST_CASE("Tracking: with a constant K_d it brings the UR5 to its goal") {
   const std::array<double, 6> diagonal = {0.03, 0.03, 0.03, 0.03, 0.03, 0.03};
   for (std::size_t i = 0; i < 6; ++i) K_d[7 * i] = diagonal[i];
   const double dt = 0.002;
-  const SplineJoint<6, double, ConstantDamping<6>> law({.dt = dt}, ConstantDamping<6>(model, K_d));
-  State<6> x{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
+  const SplineJoint<6, double, ConstantDamping<6>> law({.dt = nanoseconds(dt)},
+                                                       ConstantDamping<6>(model, K_d));
+  State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
   using K = KnownAt<double, Needs{.mass = true}>;
   auto memory = law.start(K(model, x, dt, none));
   const JointPosition<6> goal{1.0, -0.8, 0.6, 0.5, -0.3, 1.0};
-  memory = law.receive(memory, K(model, x, dt, none), {goal, 2_s}).memory;
+  memory = law.receive(memory, K(model, x, dt, none), {goal, 2s}).memory;
   for (int i = 0; i < 1500; ++i) {
     const auto e = law.evaluate(memory, K(model, x, dt, none), dt);
     memory = e.memory;
@@ -232,9 +234,9 @@ TEST_CASE("Tracking: with a constant K_d it brings the UR5 to its goal") {
 
 TEST_CASE_TEMPLATE("Tracking: a robot at rest is held where it is, from the first torque on", T, float,
                    double) {
-  const SplineJoint<6, T> law({.dt = T(0.008)});
+  const SplineJoint<6, T> law({.dt = 8ms});
   Seeded rng(73);
-  const State<6, T> state{0, rng.vector<JointPosition<6, T>>(3), {}};
+  const State<6, T> state{0ns, rng.vector<JointPosition<6, T>>(3), {}};
   const KnownAt<T> known(model, state, T(0.008), none);
   const auto tau = law.torque(law.start(known), known);
   const auto G = gravity_torque(model, state.q);
@@ -245,8 +247,8 @@ TEST_CASE("Tracking: a goal does not jump, a reset without hand-over does") {
   for (const double rate : {125.0, 500.0, 1000.0}) {
     const double dt = 1 / rate;
     // The arm has been pushed 0.2 rad from where the constant gain holds it, and gets a new goal.
-    const JointControl<6> law({.dt = dt, .max_velocity = fast()});
-    State<6> x{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
+    const JointControl<6> law({.dt = nanoseconds(dt), .max_velocity = fast()});
+    State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
     auto memory = law.start(KnownAt<double>(model, x, dt, none));
     for (int i = 0; i < 2 * static_cast<int>(rate); ++i)
       memory = law.advance(memory, KnownAt<double>(model, x, dt, none), dt, Opposition::none);
@@ -265,9 +267,9 @@ TEST_CASE("Tracking: a goal does not jump, a reset without hand-over does") {
 
 TEST_CASE("Tracking: goals at any moment of any motion do not jump") {
   const double dt = 0.002;
-  const SplineJoint<6> law({.dt = dt});
+  const SplineJoint<6> law({.dt = nanoseconds(dt)});
   Seeded rng(74);
-  State<6> x{0, rng.vector<JointPosition<6>>(1), {}};
+  State<6> x{0ns, rng.vector<JointPosition<6>>(1), {}};
   auto memory = law.start(KnownAt<double>(model, x, dt, none));
   double worst = 0, naive = 0, steepest = 0;
   JointTorque<6> last = law.torque(memory, KnownAt<double>(model, x, dt, none));
@@ -305,10 +307,10 @@ TEST_CASE(
     "Tracking: while the skin pushes against it, integrals and spline stand still, and both go on "
     "after") {
   const double dt = 0.002;
-  const SplineJoint<6> law({.dt = dt});
-  State<6> x{0, JointPosition<6>{}, {}};
+  const SplineJoint<6> law({.dt = nanoseconds(dt)});
+  State<6> x{0ns, JointPosition<6>{}, {}};
   const KnownAt<double> known(model, x, dt, none);
-  auto memory = law.receive(law.start(known), known, {JointPosition<6>::constant(1), 4_s}).memory;
+  auto memory = law.receive(law.start(known), known, {JointPosition<6>::constant(1), 4s}).memory;
   const auto run = [&](int cycles, Opposition o) {
     for (int i = 0; i < cycles; ++i) memory = law.advance(memory, known, dt, o);
   };
@@ -321,7 +323,8 @@ TEST_CASE(
   CHECK(memory.I1.sum[0] == before.I1.sum[0]);
   CHECK(memory.I2.sum[0] == before.I2.sum[0]);
   const auto stood = memory.plan.clock.own;
-  CHECK(stood == doctest::Approx(static_cast<double>(before.plan.clock.own + 50_ms)).epsilon(1e-3));
+  CHECK(seconds<double>(stood) ==
+        doctest::Approx(seconds<double>(before.plan.clock.own + 50ms)).epsilon(1e-3));
   run(1000, Opposition::lasting);
   CHECK(memory.plan.clock.own == stood);
   CHECK(memory.plan.at(0, law.settings()).dq_d == JointVelocity<6>{});
@@ -330,13 +333,14 @@ TEST_CASE(
   CHECK(memory.bias.decaying == JointVelocity<6>{});
   CHECK(memory.tb == 0);
   run(1000, Opposition::none);
-  CHECK(memory.plan.clock.own == doctest::Approx(static_cast<double>(stood + 2_s - 50_ms)).epsilon(2e-3));
+  CHECK(seconds<double>(memory.plan.clock.own) ==
+        doctest::Approx(seconds<double>(stood + 2s - 50ms)).epsilon(2e-3));
 }
 
 TEST_CASE_TEMPLATE("Tracking: under a lasting disturbance the integrals stay within their limit", T, float,
                    double) {
-  const JointControl<6, T> law({.dt = T(0.008), .K_i1 = T(2), .K_i2 = T(0.5)});
-  State<6, T> x{0, JointPosition<6, T>{}, {}};
+  const JointControl<6, T> law({.dt = 8ms, .K_i1 = T(2), .K_i2 = T(0.5)});
+  State<6, T> x{0ns, JointPosition<6, T>{}, {}};
   auto memory = law.start(KnownAt<T>(model, x, T(0.008), none));
   for (T& q : x.q) q = T(0.5);  // held away from the target for 13 minutes
   const KnownAt<T> known(model, x, T(0.008), none);
@@ -350,8 +354,8 @@ TEST_CASE_TEMPLATE("Tracking: under a lasting disturbance the integrals stay wit
 
 TEST_CASE_TEMPLATE("Tracking: numbers that are not finite do not enter the memory", T, float, double) {
   const T nan = std::numeric_limits<T>::quiet_NaN(), inf = std::numeric_limits<T>::infinity();
-  const JointControl<6, T> law({.dt = T(0.008)});
-  const State<6, T> good{0, JointPosition<6, T>::constant(T(0.1)), {}};
+  const JointControl<6, T> law({.dt = 8ms});
+  const State<6, T> good{0ns, JointPosition<6, T>::constant(T(0.1)), {}};
   const auto fresh = law.start(KnownAt<T>(model, good, T(0.008), none));
   for (const T& bad : {nan, inf, T(-inf)}) {
     for (int place = 0; place < 12; ++place) {
@@ -370,11 +374,11 @@ TEST_CASE_TEMPLATE("Tracking: numbers that are not finite do not enter the memor
 
 TEST_CASE("Tracking: the Lyapunov function S_q' M S_q / 2 falls as exp(-2 lambda t), from any disturbance") {
   const double dt = 0.002, lambda = 60;
-  const JointControl<6> law({.dt = dt, .lambda = lambda});
+  const JointControl<6> law({.dt = nanoseconds(dt), .lambda = lambda});
   Seeded rng(77);
   double worst = 0;
   for (int k = 0; k < 10; ++k) {
-    State<6> x{0, rng.vector<JointPosition<6>>(2), rng.vector<JointVelocity<6>>(0.5)};
+    State<6> x{0ns, rng.vector<JointPosition<6>>(2), rng.vector<JointVelocity<6>>(0.5)};
     auto memory = law.start(KnownAt<double>(model, x, dt, none));
     memory = law.receive(memory, KnownAt<double>(model, x, dt, none), {x.q, {}, {}}).memory;
     x.dq += rng.vector<JointVelocity<6>>(0.3);  // a blow
@@ -402,8 +406,8 @@ TEST_CASE("Tracking: the Lyapunov function S_q' M S_q / 2 falls as exp(-2 lambda
 }
 
 TEST_CASE("Tracking: nothing of it allocates") {
-  const SplineJoint<6> law({.dt = 0.002});
-  State<6> x{0, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
+  const SplineJoint<6> law({.dt = 2ms});
+  State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
   auto memory = law.start(KnownAt<double>(model, x, 0.002, none));
   const AllocationGuard guard;
   {
@@ -429,14 +433,14 @@ TEST_CASE("Tracking: float, double and 50 digits give the same torque, as far as
     const auto dq = rng.vector<JointVelocity<2>>(1);
     const auto goal = rng.vector<JointPosition<2>>(1);
     const auto compute = [&]<class T>(T) {
-      const SplineJoint<2, T> law({.dt = T(0.0078125), .lambda = T(32)});
-      const State<2, T> x{0, q.template cast<T>(), dq.template cast<T>()};
+      const SplineJoint<2, T> law({.dt = nanoseconds(0.0078125), .lambda = T(32)});
+      const State<2, T> x{0ns, q.template cast<T>(), dq.template cast<T>()};
       const Quantities<Elbow, Needs{}, T> known(elbow, x, T(0.0078125), none);
-      auto memory = received(law, law.start(known), known, {goal.template cast<T>(), 2_s});
+      auto memory = received(law, law.start(known), known, {goal.template cast<T>(), 2s});
       for (int i = 0; i < 64; ++i) memory = advanced(law, memory, known, T(0.0078125), Opposition::none);
       return torque_of(law, memory, known);
     };
-    const auto exact = compute(Exact(0));
+    const auto exact = compute(Digits50(0));
     const auto d = compute(0.0);
     const auto f = compute(0.0f);
     const double scale = static_cast<double>(std::max(magnitude(exact[0]), magnitude(exact[1])));

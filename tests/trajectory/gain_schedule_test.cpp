@@ -2,7 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "exact.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -39,26 +40,28 @@ TEST_CASE("GainSchedule: brings an error to the closed form at tb, 0.448 of the 
 }
 
 TEST_CASE("GainSchedule: K and dK are continuous, and dK is the derivative of K") {
-  const GainSchedule<Exact> schedule(Exact(10), TimeBase<Exact>(Exact(0.05), Exact(0.01)), Exact(0.5));
-  const Exact tb(2), h("1e-12");
-  for (const Exact& join : {Exact(0), Exact(tb * schedule.base().peak_time()), tb, Exact(tb * Exact(1.5))}) {
+  const GainSchedule<Digits50> schedule(Digits50(10), TimeBase<Digits50>(Digits50(0.05), Digits50(0.01)),
+                                        Digits50(0.5));
+  const Digits50 tb(2), h("1e-12");
+  for (const Digits50& join :
+       {Digits50(0), Digits50(tb * schedule.base().peak_time()), tb, Digits50(tb * Digits50(1.5))}) {
     const auto before = schedule.at(join - h, tb), after = schedule.at(join + h, tb);
-    CHECK(magnitude(before.K - after.K) < Exact("1e-10"));
-    CHECK(magnitude(before.dK - after.dK) < Exact("1e-8"));
+    CHECK(magnitude(before.K - after.K) < Digits50("1e-10"));
+    CHECK(magnitude(before.dK - after.dK) < Digits50("1e-8"));
   }
   Seeded rng(5);
   for (int i = 0; i < 200; ++i) {
-    const Exact t(rng.between(0.001, 4));
-    const Exact slope = (schedule.at(t + h, tb).K - schedule.at(t - h, tb).K) / (2 * h);
+    const Digits50 t(rng.between(0.001, 4));
+    const Digits50 slope = (schedule.at(t + h, tb).K - schedule.at(t - h, tb).K) / (2 * h);
     CAPTURE(t);
-    CHECK(magnitude(schedule.at(t, tb).dK - slope) < Exact("1e-9"));
+    CHECK(magnitude(schedule.at(t, tb).dK - slope) < Digits50("1e-9"));
   }
   for (int i = 0; i < 200; ++i) {
-    const Exact t(rng.between(0.001, 12));
-    const Exact slope =
-        (schedule.rising(t + h, Exact(0.9)).K - schedule.rising(t - h, Exact(0.9)).K) / (2 * h);
+    const Digits50 t(rng.between(0.001, 12));
+    const Digits50 slope =
+        (schedule.rising(t + h, Digits50(0.9)).K - schedule.rising(t - h, Digits50(0.9)).K) / (2 * h);
     CAPTURE(t);
-    CHECK(magnitude(schedule.rising(t, Exact(0.9)).dK - slope) < Exact("1e-9"));
+    CHECK(magnitude(schedule.rising(t, Digits50(0.9)).dK - slope) < Digits50("1e-9"));
   }
 }
 

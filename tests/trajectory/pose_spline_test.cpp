@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include "exact.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "exact.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -2,7 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "exact.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -16,10 +17,6 @@ template <class T>
 Xyz<T> direction(Seeded& rng) {
   const Xyz<T> v{T(rng()), T(rng()), T(rng())};
   return T(T(1) / norm(v)) * v;
-}
-template <class T>
-T pi() {
-  return T(3.141592653589793238462643383279502884L);
 }
 }  // namespace
 
@@ -69,18 +66,18 @@ TEST_CASE("RotationSpline: takes the shortest way, at every instant a part of th
 
 TEST_CASE("RotationSpline: omega and domega are the derivatives of R, in 50 digits") {
   Seeded rng(10);
-  const Exact h("1e-15");
+  const Digits50 h("1e-15");
   for (int i = 0; i < 30; ++i) {
-    const auto R_i = exp_so3(Exact(rng.between(0, 3)) * direction<Exact>(rng));
-    const auto R_g = exp_so3(Exact(rng.between(0, 3)) * direction<Exact>(rng));
-    const RotationSpline<Exact> s(R_i, R_g, Exact(1.5));
-    const Exact t(rng.between(0, 1.5));
+    const auto R_i = exp_so3(Digits50(rng.between(0, 3)) * direction<Digits50>(rng));
+    const auto R_g = exp_so3(Digits50(rng.between(0, 3)) * direction<Digits50>(rng));
+    const RotationSpline<Digits50> s(R_i, R_g, Digits50(1.5));
+    const Digits50 t(rng.between(0, 1.5));
     const auto before = s.at(t - h), now = s.at(t), after = s.at(t + h);
     const auto turned = log_so3(after.R * before.R.transpose());
-    const auto omega = (Exact(1) / (2 * h)) * turned;
-    const auto domega = (Exact(1) / (2 * h)) * (after.omega - before.omega);
-    CHECK(norm(Xyz<Exact>(omega - now.omega)) < Exact("1e-25"));
-    CHECK(norm(Xyz<Exact>(domega - now.domega)) < Exact("1e-25"));
+    const auto omega = (Digits50(1) / (2 * h)) * turned;
+    const auto domega = (Digits50(1) / (2 * h)) * (after.omega - before.omega);
+    CHECK(norm(Xyz<Digits50>(omega - now.omega)) < Digits50("1e-25"));
+    CHECK(norm(Xyz<Digits50>(domega - now.domega)) < Digits50("1e-25"));
   }
 }
 

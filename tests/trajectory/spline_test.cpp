@@ -4,7 +4,8 @@
 
 #include <type_traits>
 
-#include "exact.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -12,7 +13,7 @@ using namespace skinctl::testing;
 static_assert(std::is_trivially_copyable_v<JointSpline<6>>);
 
 TEST_CASE_TEMPLATE("JointSpline: leaves and arrives at rest, at exactly the given positions", T, float,
-                   double, Exact) {
+                   double, Digits50) {
   Seeded rng(6);
   for (int i = 0; i < 200; ++i) {
     const JointSpline<6, T> s{rng.vector<JointPosition<6, T>>(6), rng.vector<JointPosition<6, T>>(6), T(1.7)};
@@ -35,16 +36,16 @@ TEST_CASE_TEMPLATE("JointSpline: leaves and arrives at rest, at exactly the give
 }
 
 TEST_CASE("JointSpline: velocity and acceleration are the derivatives of the position") {
-  const JointSpline<2, Exact> s{JointPosition<2, Exact>{Exact(0.3), Exact(-2)},
-                                JointPosition<2, Exact>{Exact(1), Exact(3)}, Exact(2.5)};
-  const Exact h("1e-15");
+  const JointSpline<2, Digits50> s{JointPosition<2, Digits50>{Digits50(0.3), Digits50(-2)},
+                                   JointPosition<2, Digits50>{Digits50(1), Digits50(3)}, Digits50(2.5)};
+  const Digits50 h("1e-15");
   Seeded rng(7);
   for (int i = 0; i < 100; ++i) {
-    const Exact t(rng.between(0, 2.5));
+    const Digits50 t(rng.between(0, 2.5));
     const auto r = s.at(t), before = s.at(t - h), after = s.at(t + h);
     for (std::size_t j = 0; j < 2; ++j) {
-      CHECK(magnitude((after.q_d[j] - before.q_d[j]) / (2 * h) - r.dq_d[j]) < Exact("1e-25"));
-      CHECK(magnitude((after.dq_d[j] - before.dq_d[j]) / (2 * h) - r.ddq_d[j]) < Exact("1e-25"));
+      CHECK(magnitude((after.q_d[j] - before.q_d[j]) / (2 * h) - r.dq_d[j]) < Digits50("1e-25"));
+      CHECK(magnitude((after.dq_d[j] - before.dq_d[j]) / (2 * h) - r.ddq_d[j]) < Digits50("1e-25"));
     }
   }
 }

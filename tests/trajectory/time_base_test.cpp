@@ -2,7 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "exact.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -52,28 +53,29 @@ TEST_CASE("TimeBase: brings an error to x0 (delta / (1 + delta))^(1 + eps), what
 }
 
 TEST_CASE("TimeBase: dK is the derivative of K, against differences in 50 digits") {
-  const TimeBase<Exact> exact(Exact(0.05), Exact(0.01));
+  const TimeBase<Digits50> exact(Digits50(0.05), Digits50(0.01));
   const TimeBase<double> base(0.05, 0.01);
   const TimeBase<float> coarse(0.05f, 0.01f);
   Seeded rng(3);
-  const Exact h("1e-15");
+  const Digits50 h("1e-15");
   for (int i = 0; i < 300; ++i) {
     const double r = i < 10 ? std::pow(0.1, i + 1) : i < 20 ? 1 - std::pow(0.1, i - 9) : rng.between(0, 1);
     CAPTURE(r);
-    const Exact x(r);
-    const Exact slope = (exact.gain(x + h).K - exact.gain(x - h).K) / (2 * h);
-    const Exact scale = magnitude(slope) + 1e-3;
-    CHECK(magnitude(exact.gain(x).dK - slope) <= Exact("1e-25") * (scale + 1000));
-    CHECK(magnitude(Exact(base.gain(r).dK) - slope) <= Exact(1e-12) * (scale + 100));
-    CHECK(magnitude(Exact(base.gain(r).K) - exact.gain(x).K) <= Exact(4e-15) * exact.gain(x).K);
+    const Digits50 x(r);
+    const Digits50 slope = (exact.gain(x + h).K - exact.gain(x - h).K) / (2 * h);
+    const Digits50 scale = magnitude(slope) + 1e-3;
+    CHECK(magnitude(exact.gain(x).dK - slope) <= Digits50("1e-25") * (scale + 1000));
+    CHECK(magnitude(Digits50(base.gain(r).dK) - slope) <= Digits50(1e-12) * (scale + 100));
+    CHECK(magnitude(Digits50(base.gain(r).K) - exact.gain(x).K) <= Digits50(4e-15) * exact.gain(x).K);
     const float rf = static_cast<float>(r);
     if (rf > 0.0f && rf < 1.0f)
-      CHECK(magnitude(Exact(coarse.gain(rf).K) - exact.gain(Exact(rf)).K) <=
-            Exact(4e-6) * exact.gain(Exact(rf)).K);
+      CHECK(magnitude(Digits50(coarse.gain(rf).K) - exact.gain(Digits50(rf)).K) <=
+            Digits50(4e-6) * exact.gain(Digits50(rf)).K);
   }
 }
 
-TEST_CASE_TEMPLATE("TimeBase: starts and ends with K = dK = 0, and is 0 outside", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("TimeBase: starts and ends with K = dK = 0, and is 0 outside", T, float, double,
+                   Digits50) {
   const TimeBase<T> base;
   for (const T& r : {T(-1), T(0), T(1), T(2)}) {
     CHECK(base.gain(r).K == T(0));
@@ -105,12 +107,12 @@ TEST_CASE("TimeBase: finds its peaks for every shape") {
 TEST_CASE("TimeBase: peaks in float and 50 digits are those in double") {
   const TimeBase<float> f;
   const TimeBase<double> d;
-  const TimeBase<Exact> e(Exact(0.05), Exact(0.01));
+  const TimeBase<Digits50> e(Digits50(0.05), Digits50(0.01));
   CHECK(static_cast<double>(f.peak_gain()) == doctest::Approx(d.peak_gain()).epsilon(1e-5));
   CHECK(static_cast<double>(f.peak_time()) == doctest::Approx(d.peak_time()).epsilon(1e-5));
   CHECK(static_cast<double>(e.peak_gain()) == doctest::Approx(d.peak_gain()).epsilon(1e-14));
   CHECK(static_cast<double>(e.peak_speed()) == doctest::Approx(d.peak_speed()).epsilon(1e-14));
-  CHECK(magnitude(e.gain(e.peak_time()).dK) < Exact("1e-40"));
+  CHECK(magnitude(e.gain(e.peak_time()).dK) < Digits50("1e-40"));
 }
 
 TEST_CASE("TimeBase: refuses shapes that cannot work, with the number") {

@@ -24,7 +24,7 @@ bool parse(std::span<const std::uint8_t> bytes, Datagram& out) noexcept {
   const std::size_t count = little<std::uint16_t>(bytes, 6);
   if (count > most_samples || bytes.size() != header_size + count * sample_size) return false;
   out.sequence = little<std::uint32_t>(bytes, 8);
-  out.sent = static_cast<skinctl::Nanoseconds>(little<std::uint64_t>(bytes, 12));
+  out.sent = skinctl::Nanoseconds(static_cast<std::int64_t>(little<std::uint64_t>(bytes, 12)));
   out.samples = bytes.subspan(header_size);
   return true;
 }
@@ -33,7 +33,7 @@ skinctl::CellSample Datagram::sample(std::size_t i) const noexcept {
   const auto bytes = samples.subspan(i * sample_size, sample_size);
   skinctl::CellSample s;
   s.cell = little<std::uint32_t>(bytes, 0);
-  s.time = static_cast<skinctl::Nanoseconds>(little<std::uint64_t>(bytes, 4));
+  s.time = skinctl::Nanoseconds(static_cast<std::int64_t>(little<std::uint64_t>(bytes, 4)));
   for (std::size_t k = 0; k < 3; ++k) s.force[k] = real(bytes, 12 + 4 * k);
   s.proximity = real(bytes, 24);
   for (std::size_t k = 0; k < 3; ++k) s.acceleration[k] = real(bytes, 28 + 4 * k);
@@ -48,7 +48,7 @@ bool plausible(const skinctl::CellSample& s, const Datagram& datagram, skinctl::
   if (!(s.temperature >= -100 && s.temperature <= 200)) return false;
   // Without overflow for any two stamps.
   return s.time <= datagram.sent &&
-         (datagram.sent < skinctl::Nanoseconds(INT64_MIN) + oldest || s.time >= datagram.sent - oldest);
+         (datagram.sent < skinctl::Nanoseconds::min() + oldest || s.time >= datagram.sent - oldest);
 }
 
 }  // namespace adapters::skin

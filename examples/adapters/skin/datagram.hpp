@@ -14,7 +14,7 @@ inline constexpr std::size_t largest = header_size + most_samples * sample_size;
 /// A datagram whose frame is right; its samples are still to be checked one by one.
 struct Datagram {
   std::uint32_t sequence = 0;
-  skinctl::Nanoseconds sent = 0;  ///< the sender's clock
+  skinctl::Nanoseconds sent{};  ///< the sender's clock
   std::span<const std::uint8_t> samples;
 
   [[nodiscard]] std::size_t count() const noexcept { return samples.size() / sample_size; }

@@ -66,7 +66,8 @@ std::span<const skinctl::CellSample> Receiver::poll(Nanoseconds now) noexcept {
 }
 
 void Receiver::take(const Datagram& datagram, Nanoseconds now) noexcept {
-  if (datagram.sent < -(Nanoseconds(1) << 62) || datagram.sent > (Nanoseconds(1) << 62)) {
+  constexpr Nanoseconds far(std::int64_t(1) << 62);
+  if (datagram.sent < -far || datagram.sent > far) {
     ++statistics_.nonsense;
     return;
   }

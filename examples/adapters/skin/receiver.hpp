@@ -3,6 +3,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,11 +13,13 @@
 namespace adapters::skin {
 
 struct ReceiverConfig {
-  std::string address = "127.0.0.1";          ///< of this computer
-  std::uint16_t port = 0;                     ///< 0: any
-  skinctl::Nanoseconds oldest = 100'000'000;  ///< a sample so long before its sending is refused
-  skinctl::Nanoseconds forget = 200'000'000;  ///< after so long without datagrams another sender may begin
-  std::size_t most_samples = 8192;            ///< of one poll; more stay in the socket until the next
+  std::string address = "127.0.0.1";  ///< of this computer
+  std::uint16_t port = 0;             ///< 0: any
+  skinctl::Nanoseconds oldest =
+      std::chrono::milliseconds(100);  ///< a sample so long before its sending is refused
+  skinctl::Nanoseconds forget =
+      std::chrono::milliseconds(200);  ///< after so long without datagrams another sender may begin
+  std::size_t most_samples = 8192;     ///< of one poll; more stay in the socket until the next
 };
 
 /// What arrived and what was refused, since the start.
@@ -59,7 +62,7 @@ class Receiver {
   Statistics statistics_;
   bool has_sender_ = false;
   std::uint32_t newest_ = 0;
-  skinctl::Nanoseconds offset_ = 0, offset_at_ = 0, heard_at_ = 0;
+  skinctl::Nanoseconds offset_{}, offset_at_{}, heard_at_{};
 };
 
 }  // namespace adapters::skin

@@ -7,11 +7,13 @@
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/socket.hpp"
 #include "examples/adapters/ur5/driver.hpp"
-#include "tests/support/robot_table.hpp"
+#include "skinctl/testing/robot_table.hpp"
 
 using namespace adapters;
 
 namespace {
+
+using namespace std::chrono_literals;
 
 /// Hands bytes to a framer in pieces and gives the packages.
 std::vector<std::pair<int, std::vector<std::uint8_t>>> cut(ur5::Framer& framer,
@@ -115,21 +117,21 @@ TEST_CASE("skin datagram: the documented example is read as documented") {
   skin::Datagram d;
   REQUIRE(skin::parse(example, d));
   CHECK(d.sequence == 42);
-  CHECK(d.sent == 1'000'000'000);
+  CHECK(d.sent == 1s);
   REQUIRE(d.count() == 1);
   const auto s = d.sample(0);
   CHECK(s.cell == 7);
-  CHECK(s.time == 996'000'000);
+  CHECK(s.time == 996ms);
   CHECK(s.force == std::array<float, 3>{0.125f, 0.25f, 0.125f});
   CHECK(s.proximity == 0.5f);
   CHECK(s.acceleration[2] == 9.8125f);
   CHECK(s.temperature == 30.5f);
-  CHECK(skin::plausible(s, d, 100'000'000));
+  CHECK(skin::plausible(s, d, 100ms));
   auto late = s;
-  late.time = d.sent + 1;
-  CHECK_FALSE(skin::plausible(late, d, 100'000'000));
-  late.time = d.sent - 100'000'001;
-  CHECK_FALSE(skin::plausible(late, d, 100'000'000));
+  late.time = d.sent + 1ns;
+  CHECK_FALSE(skin::plausible(late, d, 100ms));
+  late.time = d.sent - 100ms - 1ns;
+  CHECK_FALSE(skin::plausible(late, d, 100ms));
 }
 
 TEST_CASE("skin datagram: any other length, magic, version or count is refused; random bytes are harmless") {
@@ -149,7 +151,7 @@ TEST_CASE("skin datagram: any other length, magic, version or count is refused; 
           static_cast<std::uint8_t>(random.bits());
     if (!skin::parse(bytes, d)) continue;
     const auto s = d.sample(0);
-    if (skin::plausible(s, d, 100'000'000)) {
+    if (skin::plausible(s, d, 100ms)) {
       CHECK(s.force[0] >= 0);
       CHECK(s.force[0] <= 1);
       CHECK(s.time <= d.sent);
@@ -169,22 +171,22 @@ TEST_CASE("skin receiver: one sender, in order, on the robot's clock") {
     from.send_to(boost::asio::buffer(bytes), to);
   };
   using skinctl::Nanoseconds;
-  const Nanoseconds now = 5'000'000'000;
+  const Nanoseconds now = 5s;
   send(sender, 1);
   const auto first = receiver.poll(now);
   REQUIRE(first.size() == 1);
-  CHECK(first[0].time == now - 4'000'000);  // measured 4 ms before it was sent, sent just now
-  send(sender, 1);                          // repeated
-  send(sender, 5);                          // three lost
+  CHECK(first[0].time == now - 4ms);  // measured 4 ms before it was sent, sent just now
+  send(sender, 1);                    // repeated
+  send(sender, 5);                    // three lost
   send(stranger, 6);
   sender.send_to(boost::asio::buffer(std::string("nonsense")), to);
-  CHECK(receiver.poll(now + 1'000'000).size() == 1);
+  CHECK(receiver.poll(now + 1ms).size() == 1);
   const auto& s = receiver.statistics();
   CHECK(s.late == 1);
   CHECK(s.lost == 3);
   CHECK(s.strangers == 1);
   CHECK(s.nonsense == 1);
-  CHECK(receiver.silent_for(now + 11'000'000) == 10'000'000);
+  CHECK(receiver.silent_for(now + 11ms) == 10ms);
 }
 
 TEST_CASE("stream: nobody there is an error that says who; a peer that hangs up is noticed") {

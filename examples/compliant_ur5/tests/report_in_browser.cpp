@@ -153,10 +153,11 @@ function look(frame, width) {
   const d = frame.contentDocument, root = d.documentElement, w = frame.contentWindow;
   const seen = e => e.getClientRects().length > 0;
   const plots = [...d.querySelectorAll('figure > svg, .grid svg')].filter(seen);
+  const views = [...d.querySelectorAll('.views svg')].filter(seen);
   let curves = 0, empty = 0, smallest = 1e9, cut = 0, overlaps = 0, unstyled = 0;
-  for (const svg of plots) {
+  for (const svg of [...plots, ...views]) {
     const paths = [...svg.querySelectorAll('.curves path')];
-    if (paths.length == 0) empty++;
+    if (paths.length == 0 && !views.includes(svg)) empty++;
     for (const p of paths) {
       if (p.getTotalLength() > 0) curves++; else empty++;
       if (w.getComputedStyle(p).stroke == 'none') unstyled++;
@@ -181,6 +182,40 @@ function look(frame, width) {
       }
     });
   }
+  let marks = 0, hidden = 0, broken = 0, links = 0;
+  for (const svg of views) {
+    marks += svg.querySelectorAll('.touch').length;
+    for (const p of svg.querySelectorAll('.skin, .body, .edge, .spot, .flag')) {
+      const c = w.getComputedStyle(p), paint = p.tagName == 'path' ? c.stroke : c.fill;
+      if (paint == 'none' || paint == w.getComputedStyle(svg.closest('section')).backgroundColor && !/flag|behind/.test(p.getAttribute('class'))) hidden++;
+    }
+  }
+  for (const a of d.querySelectorAll('a[download]')) {
+    links++;
+    const text = decodeURIComponent(a.href.slice(a.href.indexOf(',') + 1)), rows = text.trim().split('\n');
+    if (a.href.length > 2e6 || rows.length < 2 || !/^(touch|time \[s\]),/.test(text)) {
+      broken++;
+      notes.textContent += `${width}: file "${a.download}"\n`;
+    }
+  }
+  // Words are not broken into letters where a line has room for them.
+  let split = 0;
+  const range = d.createRange();
+  const letters = d.createTreeWalker(d.body, NodeFilter.SHOW_TEXT);
+  while (letters.nextNode()) {
+    const node = letters.currentNode;
+    if (node.parentElement.closest('svg') || !seen(node.parentElement)) continue;
+    for (const word of node.data.matchAll(/[^\s\u00a0\u2013/-]+/g)) {
+      if (word[0].length > 20) continue;
+      range.setStart(node, word.index);
+      range.setEnd(node, word.index + word[0].length);
+      const tops = new Set([...range.getClientRects()].filter(r => r.width > 0).map(r => Math.round(r.top)));
+      if (tops.size > 1) {
+        split++;
+        notes.textContent += `${width}: split "${word[0]}"\n`;
+      }
+    }
+  }
   let words = 1e9, outside = 0;
   const walker = d.createTreeWalker(d.body, NodeFilter.SHOW_TEXT);
   while (walker.nextNode()) {
@@ -197,7 +232,8 @@ function look(frame, width) {
   const fetched = w.performance.getEntriesByType('resource').length;
   const v = {client: root.clientWidth, scroll: root.scrollWidth, plots: plots.length, curves, empty, unstyled, smallest,
     cut, overlaps, words, outside, tables, fetched, headings: d.querySelectorAll('h1').length,
-    bands: d.querySelectorAll('.band').length, height: root.scrollHeight};
+    bands: d.querySelectorAll('.band').length, height: root.scrollHeight, views: views.length, marks, hidden, broken,
+    links, split};
   result.textContent += `width ${width}` + Object.entries(v).map(([k, n]) => ` ${k} ${n}`).join('') + '\n';
 }
 window.onerror = (m) => { notes.textContent += 'error: ' + m + '\n'; };
@@ -298,6 +334,12 @@ void check_page(const Folder& folder, const RunLog& log, const std::string& name
       CHECK(m.at("curves") == 1 + 6 + 6 + 6 + 3 + 6 * 3 + (close ? 2 : 0));
       CHECK(m.at("empty") == 0);
     }
+    CHECK(m.at("split") == 0);
+    CHECK(m.at("hidden") == 0);
+    CHECK(m.at("broken") == 0);
+    CHECK(m.at("links") == (log.entries.empty() ? 0 : close ? 4 : 3));
+    CHECK(m.at("views") == (log.entries.empty() ? 0 : 2));
+    CHECK(m.at("marks") == 2 * std::min<std::size_t>(log.touches.size(), 24));
     CHECK(m.at("bands") == (close ? 16 * log.touches.size() + 2 : 0));
   }
 }
@@ -317,7 +359,7 @@ TEST_CASE("Browser: the report as a file is drawn, without a word on the console
   CHECK(outcome.out.find("<path class=\"s5\" d=\"M") != std::string::npos);
   if (!keep.empty()) {
     fs::copy_file(path, keep / "report.html", fs::copy_options::overwrite_existing);
-    for (const auto& [name, width] : {std::pair{"desktop", 1280}, std::pair{"phone", 360}}) {
+    for (const auto& [name, width] : {std::pair{"desktop", 1280}, std::pair{"phone", 390}}) {
       const std::string frame = folder.file(
           "frame.html",
           "<body style=\"margin:0\"><iframe src=report.html style=\"border:0;height:6000px;width:" +
@@ -340,6 +382,11 @@ TEST_CASE("Browser: readable from 320 to 1920 px, whatever the run was") {
   worded.title = std::string(300, 'W') + " a very long title";
   worded.laws = {"a law with a long name that says what it does", "another one", std::string(60, 'M')};
   worded.scenario.push_back({std::string(80, 'n'), std::string(200, 'v')});
+  // A short name beside a long text keeps its letters on one line.
+  worded.result.push_back(
+      {"noted",
+       "sample stale: the cell does not push; opposed: skin and tracking push against each "
+       "other; hand-over: a torque difference is being ramped out"});
   worded.times.push_back({"a stage with a long name", 1e9, 1e9, 1e9, 1e9});
   worded.velocity_limit = {1, 1.1, 1.2, 1.3, 1.4, 1.5};
   check_page(folder, worded, "long words");
@@ -373,10 +420,13 @@ TEST_CASE("Browser: the probe sees what would be wrong") {
       folder,
       "<!doctype html><style>body{margin:0}</style><h1 style=\"font-size:9px\">small</h1><div "
       "style=\"width:700px\">wide</div>"
-      "<table><tr><td>1</table><img src=\"file:///nowhere.png\"><figure style=\"margin:0\"><svg viewBox=\"0 "
+      "<table><tr><td>1</table><p style=\"width:8px;overflow-wrap:anywhere\">noted</p><a download=x.csv "
+      "href=\"data:text/csv,time\">x</a><section class=views><svg class=arm><path class=skin d=\"M1 "
+      "1h9\"/></svg></section><img src=\"file:///nowhere.png\"><figure style=\"margin:0\"><svg viewBox=\"0 "
       "0 100 40\" "
       "width=100><text x=60 y=20 font-size=13>beyond the edge</text><text x=60 y=20 font-size=13>upon</text>"
-      "<g class=curves><path d=\"M1 1\"/></g></svg></figure>");
+      "<g "
+      "class=curves><path d=\"M1 1\"/></g></svg></figure>");
   const Measures& m = looked.at.at(360);
   CHECK(m.at("scroll") > 360);
   CHECK(m.at("outside") > 0);
@@ -386,6 +436,9 @@ TEST_CASE("Browser: the probe sees what would be wrong") {
   CHECK(m.at("tables") == 1);
   CHECK(m.at("empty") == 1);
   CHECK(m.at("unstyled") == 1);
+  CHECK(m.at("split") == 1);
+  CHECK(m.at("broken") == 1);
+  CHECK(m.at("hidden") == 1);
   const std::string wrong = folder.file("wrong.html", "<script>undefined_function()</script>");
   CHECK(browse(folder, {"--dump-dom", "--enable-logging=stderr", wrong}).err.find("CONSOLE") !=
         std::string::npos);

@@ -32,6 +32,7 @@ inline RunLog synthetic_log(double duration = 60, double rate = 500) {
   log.times = {{"sensing", 0.41, 0.72, 1.3, 18.2}, {"model", 0.63, 0.81, 1.1, 22.9},
                {"laws", 0.22, 0.31, 0.55, 9.1},    {"resolver", 1.31, 1.92, 3.4, 31.0},
                {"guard", 0.12, 0.17, 0.29, 4.4},   {"whole cycle", 2.71, 3.94, 6.8, 61.3}};
+  log.cycle = {.period = 1 / rate, .substeps = 4, .repeated = 1001, .repeated_median = 2.4};
   const double pi = std::numbers::pi;
   for (double start = 3; start + 1.5 < duration; start += 6) {
     TouchSummary t;
@@ -44,6 +45,13 @@ inline RunLog synthetic_log(double duration = 60, double rate = 500) {
     t.deflection = 0.024 + 0.001 * static_cast<double>(i);
     t.give_way = i == 2 ? -1 : 0.034 + 0.002 * static_cast<double>(i);
     t.return_error = 0.0004;
+    // Round the tubes of upper arm, forearm and first wrist.
+    const double turn = 2.4 * static_cast<double>(i), along = 0.03 * static_cast<double>(i % 8);
+    if (t.link < 3)
+      t.place = {-0.08 - along, 0.05 * std::cos(turn),
+                 (t.link == 1 ? 0.136 : 0.0165) + 0.05 * std::sin(turn)};
+    else
+      t.place = {0.045 * std::cos(turn), 0.045 * std::sin(turn), 0.06 + along / 4};
     log.touches.push_back(t);
     log.peak_force = std::max(log.peak_force, t.peak_force);
   }
@@ -65,7 +73,8 @@ inline RunLog synthetic_log(double duration = 60, double rate = 500) {
     for (std::size_t j = 0; j < 6; ++j) {
       const double a = 1 / (1.0 + static_cast<double>(j)), w = 0.2 * pi * (1 + 0.3 * static_cast<double>(j));
       const double dither = 0.02 * std::sin(91.0 * e.time * (1 + static_cast<double>(j)));
-      e.target[j] = static_cast<float>(0.6 * a * std::sin(w * e.time));
+      constexpr double home[] = {0, -1.2, 1.4, -1.8, -1.57, 0.3};
+      e.target[j] = static_cast<float>(home[j] + 0.6 * a * std::sin(w * e.time));
       e.q[j] = static_cast<float>(static_cast<double>(e.target[j]) - 0.09 * a * away);
       e.velocity[j] = static_cast<float>(0.6 * a * w * std::cos(w * e.time) - 0.09 * a * away_rate);
       e.acceleration[j] = static_cast<float>(-0.6 * a * w * w * std::sin(w * e.time) +

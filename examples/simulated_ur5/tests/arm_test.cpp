@@ -22,7 +22,7 @@ ArmConfig exact() {
 /// Plans and moves one cycle; returns the violation.
 Violation cycle(Arm& arm, Nanoseconds period, const Joints& load = {}, double fraction = 1) {
   const Violation v = arm.plan(fraction);
-  for (Nanoseconds t = 0; t < period; t += plant_step) arm.advance(load);
+  for (Nanoseconds t{}; t < period; t += plant_step) arm.advance(load);
   arm.measure();
   return v;
 }

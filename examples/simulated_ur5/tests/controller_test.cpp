@@ -319,7 +319,7 @@ TEST_CASE("Controller: from the first command on everything is a function of see
     Streaming s(config);
     s.steps(idle_steps);
     std::vector<double> out;
-    Nanoseconds begin = 0;
+    Nanoseconds begin{};
     s.c.on_skin = [&](Nanoseconds now, const std::vector<SkinSample>& samples) {
       if (begin == 0) return;
       out.push_back(static_cast<double>(now - begin));

@@ -110,7 +110,7 @@ TEST_CASE("Skin: only news are sent, and every cell before its keep-alive ends")
   s.proximity.assign(n, 0);
   std::vector<Nanoseconds> last(n, 0);
   std::size_t sent = 0;
-  Nanoseconds t = 0;
+  Nanoseconds t{};
   CHECK(skin.sample(t += 4'000'000, links, s).size() == n);
   for (int k = 0; k < 500; ++k) {
     const auto& samples = skin.sample(t += 4'000'000, links, s);

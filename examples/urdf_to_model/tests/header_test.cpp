@@ -1,4 +1,3 @@
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include "write_model.hpp"
@@ -28,13 +27,34 @@ bool has(const std::string& text, const char* part) {
 TEST_CASE("header: its namespace is the robot's name made an identifier, or the one asked for") {
   CHECK(has(header(skinctl::parse_urdf(robot("My arm-2", 1))), "namespace my_arm_2 {"));
   CHECK(has(header(skinctl::parse_urdf(robot("7th", 1))), "namespace robot_7th {"));
-  CHECK(has(header(skinctl::parse_urdf(robot("", 1))), "namespace robot_ {"));
+  CHECK(has(header(skinctl::parse_urdf(robot("", 1))), "namespace robot {"));
   CHECK(has(header(skinctl::parse_urdf(robot("a", 1)), {.name_space = "mine"}), "namespace mine {"));
 }
 
 TEST_CASE("header: a name cannot end the comment or the string that it stands in") {
   const auto text = header(skinctl::parse_urdf(robot("a&quot;&#10;int x;", 1)));
   CHECK(has(text, "// Robot \"a??int x;\""));
+}
+
+TEST_CASE("header: no robot's name makes a namespace that C++ does not allow") {
+  const auto space = [](const std::string& name) {
+    const auto text = header(skinctl::parse_urdf(robot(name, 1)));
+    const auto at = text.find("\nnamespace ") + 11;
+    return text.substr(at, text.find(" {", at) - at);
+  };
+  CHECK(space("class") == "robot_class");
+  CHECK(space("Class") == "robot_class");
+  CHECK(space("std") == "robot_std");
+  CHECK(space("skinctl") == "robot_skinctl");
+  CHECK(space("_Arm__2_") == "arm_2");
+  CHECK(space("Gr\303\266\303\237e") == "gr_e");
+  CHECK(space("\345\217\263\346\211\213") == "robot");
+  for (const char* bad : {"class", "a::std", "1st", "a b", "_a", "a__b", "a::", "::a", "a:b", "gr\303\266"}) {
+    CAPTURE(bad);
+    CHECK_THROWS_AS(static_cast<void>(header(skinctl::parse_urdf(robot("a", 1)), {.name_space = bad})),
+                    skinctl::ConfigurationError);
+  }
+  CHECK(has(header(skinctl::parse_urdf(robot("a", 1)), {.name_space = "lab::arm"}), "namespace lab::arm {"));
 }
 
 TEST_CASE("header: right angles become exact when asked for") {

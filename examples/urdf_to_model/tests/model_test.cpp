@@ -23,6 +23,11 @@ int main() {
     wrong += robot::Description::names[i] != urdf.joints[i].name;
     wrong += robot::Description::upper[i] != urdf.joints[i].upper;
   }
+  wrong += robot::Description::named_links.size() != urdf.frames.size();
+  for (const NamedLink& link : robot::Description::named_links) {
+    const UrdfFrame& frame = urdf.frame(link.name);
+    wrong += link.link != frame.joint || !(link.R == frame.R) || !(link.p == frame.p);
+  }
   std::mt19937_64 bits(1);
   std::uniform_real_distribution<double> any(-3, 3);
   double worst = 0;

@@ -27,11 +27,19 @@ struct ForceSettings {
   T mu = T(0.5);       ///< steepness of tanh [1/N]
   T max_velocity = T(0.05);  ///< of the approach, where there is no contact [m/s]
   T max_travel = T(0.3);     ///< the tool goes no further along the direction than this, either way [m]
-  T lag = T(0.01);           ///< of the two lags that smooth the speed [s]
+  Nanoseconds lag = 10ms;    ///< of the two lags that smooth the speed
   /// How much of the contact's own torque the law works against: 1 on a torque interface, where the contact
   /// pushes the very robot that is controlled; 0 where a virtual robot is, which does not feel it.
   T carried = T(0);
 };
+
+/// Settings of force control for this robot.
+template <class Robot>
+[[nodiscard]] ForceSettings<Robot::joints, typename Robot::scalar> force_settings(const Robot& robot) {
+  using T = typename Robot::scalar;
+  return {.pose = operational_settings(robot),
+          .carried = Robot::interface == Interface::torque ? T(1) : T(0)};
+}
 
 /// The paper's ForceCart, after Cartesian sliding PID force/position control (Garcia-Valdovinos et al.,
 /// 2005): with `dF = F_d - F` along the direction n, F from the skin (`touch_on_tool`), the target of an
@@ -48,6 +56,7 @@ class ForceControl : public Composable {
  public:
   using Tracker = OperationalControl<N, I, P, T>;
   using Goal = ForceGoal<T>;
+  using scalar = T;
   using Settings = ForceSettings<N, T>;
   using Surface = typename Tracker::Surface;
   static constexpr Needs needs = Tracker::needs | Needs{.angles = true, .touch = true};
@@ -79,9 +88,15 @@ class ForceControl : public Composable {
           "max_velocity of the approach", settings.max_velocity, "> 0 and below max_linear_velocity");
     check(settings.max_travel > T(0), "max_travel", settings.max_travel, "> 0 m");
     check(settings.carried >= T(0) && settings.carried <= T(1), "carried", settings.carried, "0 to 1");
-    check(settings.lag > T(0) && settings.lag <= T(10), "lag", settings.lag, "> 0 s");
+    require(settings.lag > 0ns && settings.lag <= 10s, "lag", milliseconds(settings.lag), "> 0 ms, <= 10 s");
   }
+  /// For a described robot: settings follow it.
+  template <DescribedRobot R>
+  ForceControl(const R& robot, const Transform<Link<I>, P, T>& X_LP)
+      : ForceControl(X_LP, force_settings(robot)) {}
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+  /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot.
+  void check_for(const LawTerms<N, T>& robot) const { tracker_.check_for(robot); }
 
   template <class K>
   [[nodiscard]] Memory start(const K& known) const noexcept {
@@ -123,7 +138,7 @@ class ForceControl : public Composable {
                                                         const Surface& at_t) const noexcept {
     auto tau = tracker_.template torque<G>(memory.tracker, known, share, at_t);
     if (settings_.carried > T(0))
-      tau -= T(share.feed_forward * settings_.carried) * SkinJointControl{}.torque({}, known);
+      tau -= T(share.feed_forward * settings_.carried) * SkinJointControl{}.torque(known);
     return tau;
   }
   template <GravityTerm G = GravityTerm::included, class K>
@@ -163,18 +178,16 @@ class ForceControl : public Composable {
     }
     asked = asked / sqrt(T(1) + asked * asked / (s.max_velocity * s.max_velocity));
     if (held || (m.travel * asked > T(0) && detail::magnitude(m.travel) > s.max_travel)) asked = T(0);
-    const T w = T(1) / s.lag;
+    const T w = T(1) / seconds<T>(s.lag);
     m.a = (m.a + w * w * dt * (asked - m.v)) / (T(1) + w * dt * (T(2) + w * dt));
     m.v = m.v + dt * m.a;
     m.travel = m.travel + dt * m.v;
-    auto& plan = m.tracker.plan;
     const Xyz<T> n = m.goal.direction;
-    plan.target = {
-        Transform<Base, P, T>::trusted(plan.target.X_BP.axes(), plan.target.X_BP.origin() + T(dt * m.v) * n),
-        {m.v * n, {T(0), T(0), T(0)}},
-        {m.a * n, {T(0), T(0), T(0)}}};
-    plan.clock = {};
-    plan.aged = false;
+    const auto& X_BP = tracker_.target(m.tracker).X_BP;
+    m.tracker = Tracker::with_target(
+        m.tracker, {Transform<Base, P, T>::trusted(X_BP.axes(), X_BP.origin() + T(dt * m.v) * n),
+                    {m.v * n, {T(0), T(0), T(0)}},
+                    {m.a * n, {T(0), T(0), T(0)}}});
   }
   /// An integral, as far as it alone would not saturate the speed.
   T bounded(const T& integral, const T& gain) const noexcept {
@@ -186,5 +199,8 @@ class ForceControl : public Composable {
   Transform<Link<I>, P, T> X_LP_;
   Settings settings_;
 };
+template <DescribedRobot R, std::size_t I, Frame P>
+ForceControl(const R&, const Transform<Link<I>, P, typename R::scalar>&)
+    -> ForceControl<R::joints, I, P, typename R::scalar>;
 
 SKINCTL_END_NAMESPACE

@@ -14,29 +14,19 @@ enum class Instant : unsigned char { start, middle };
 /// At the middle, `G(q + dq dt/2)`, a moving robot is carried to second order; at the start, what is held
 /// lags by half an interval, but other laws share it.
 template <Instant At = Instant::middle>
-struct GravityCompensation : Composable {
-  struct Memory {};
+struct GravityCompensation : StatelessLaw<GravityCompensation<At>> {
   static constexpr Needs needs = {.gravity = At == Instant::start, .middle = At == Instant::middle};
   static constexpr Role role = Role::gravity;
   static constexpr const char* name = "gravity";
 
   template <class K>
-  [[nodiscard]] SKINCTL_INLINE constexpr Memory start(const K&) const noexcept {
-    return {};
-  }
-  template <class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
-      const Memory&, const K& known) const noexcept {
+      const K& known) const noexcept {
     if constexpr (At == Instant::start) {
       return known.gravity();
     } else {
       return gravity_torque(known.model(), known.middle());
     }
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE constexpr Memory advance(const Memory& memory, const K&, typename K::scalar,
-                                                        Opposition) const noexcept {
-    return memory;
   }
 };
 

@@ -42,7 +42,9 @@ template <class Space, class Plan = SplinePlan<Space>>
 class Impedance : public Composable {
  public:
   static constexpr std::size_t N = Space::joints;
-  using T = typename Space::scalar;
+  static constexpr std::size_t joints = N;
+  using scalar = typename Space::scalar;
+  using T = scalar;
   using Goal = typename Plan::Goal;
   using Settings = ImpedanceSettings<Space>;
   static constexpr Needs needs = Needs{.gravity = true, .mass = true} | Space::needs;
@@ -68,8 +70,8 @@ class Impedance : public Composable {
     for (const T& d : settings.damping) check(d, "damping");
     for (const T& d : settings.joint_damping) check(d, "joint_damping");
     const auto& s = Space::tracking(settings.space);
-    require(s.hand_over >= T(1e-9) && s.hand_over <= T(1e3), "hand_over", static_cast<double>(s.hand_over),
-            "> 0 s");
+    require(s.hand_over > 0ns && s.hand_over <= 1000s, "hand_over", milliseconds(s.hand_over),
+            "> 0 ms, <= 1000 s");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
   [[nodiscard]] const Space& space() const noexcept { return space_; }
@@ -117,7 +119,8 @@ class Impedance : public Composable {
     JointAcceleration<N, T> a;
     math::Ldlt<N, T>(A).solve(braked, a.data);
     tau -= known.mass() * a;
-    const T left = quintic(seconds<T>(memory.elapsed) / Space::tracking(settings_.space).hand_over).rest;
+    const T left =
+        quintic(seconds<T>(memory.elapsed) / seconds<T>(Space::tracking(settings_.space).hand_over)).rest;
     for (std::size_t i = 0; i < N; ++i) tau[i] = share.feedback * (tau[i] + left * memory.difference[i]);
     if constexpr (G == GravityTerm::included) tau += share.feed_forward * known.gravity();
     return tau;
@@ -137,9 +140,15 @@ class Impedance : public Composable {
     Space::follow_branch(next.space, memory.plan.at(T(0), settings_.space), space_.site(known));
     return next;
   }
+  /// The target stands, the skin does not hold the law up, and no joint is faster than `still` [rad/s].
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
+    return !memory.held && Space::stands(memory.plan.at(T(0), settings_.space)) &&
+           detail::slower(known.dq(), still);
+  }
   [[nodiscard]] Status status(const Memory& memory) const noexcept {
     Status s;
-    if (seconds<T>(memory.elapsed) < Space::tracking(settings_.space).hand_over) s |= Reason::hand_over;
+    if (memory.elapsed < Space::tracking(settings_.space).hand_over) s |= Reason::hand_over;
     if (memory.held) s |= Reason::opposed;
     return s;
   }
@@ -150,7 +159,7 @@ class Impedance : public Composable {
     const auto old = torque(before, known);
     next.elapsed = clock_end;
     next.difference = old - torque(next, known);
-    next.elapsed = 0;
+    next.elapsed = 0ns;
     for (T& x : next.difference)
       if (!(x - x == T(0))) x = T(0);
   }

@@ -21,11 +21,10 @@ struct JointLimitSettings {
 /// and it takes energy out only: the spring's potential is `strength margin x^3 / 3`. Beyond three margins it
 /// grows no further. Its weight in a sum is its own.
 template <std::size_t N, Real T = double>
-class JointLimitLaw : public Composable {
+class JointLimitLaw : public StatelessLaw<JointLimitLaw<N, T>> {
  public:
-  struct Memory {};
-  static constexpr Needs needs = {};
-  static constexpr Role role = Role::reactive;
+  static constexpr std::size_t joints = N;
+  using scalar = T;
   static constexpr const char* name = "joint_limits";
 
   /// Throws `ConfigurationError` for a range that holds no more than its margins, and for negative numbers.
@@ -44,11 +43,7 @@ class JointLimitLaw : public Composable {
     }
   }
   template <class K>
-  [[nodiscard]] Memory start(const K&) const noexcept {
-    return {};
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory&, const K& known) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const K& known) const noexcept {
     JointTorque<N, T> tau;
     for (std::size_t i = 0; i < N; ++i) {
       const T above = (known.q()[i] - settings_.upper[i]) / settings_.margin + T(1);
@@ -62,11 +57,6 @@ class JointLimitLaw : public Composable {
                T(2) * settings_.damping[i] * square / (T(1) + square) * known.dq()[i];
     }
     return tau;
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K&, const T&,
-                                              Opposition) const noexcept {
-    return memory;
   }
 
  private:

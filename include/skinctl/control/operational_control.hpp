@@ -12,8 +12,20 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>, class Sign = TanhSign>
-using OperationalControl =
-    Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-             TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>;
+class OperationalControl
+    : public Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
+                      TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign> {
+ public:
+  using Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
+                 TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>::Tracking;
+};
+/// `OperationalControl(arm, X_LT)`: of the tool at `X_LT` on its link, for a described robot.
+template <DescribedRobot R, std::size_t I, Frame P>
+OperationalControl(const R&, const Transform<Link<I>, P, typename R::scalar>&)
+    -> OperationalControl<R::joints, I, P, typename R::scalar>;
+/// With settings of one's own: `auto s = operational_settings(arm)`, then what differs.
+template <std::size_t I, Frame P, std::size_t N, Real T>
+OperationalControl(const Transform<Link<I>, P, T>&, const OperationalSettings<N, T>&)
+    -> OperationalControl<N, I, P, T>;
 
 SKINCTL_END_NAMESPACE

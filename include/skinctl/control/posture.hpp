@@ -12,11 +12,11 @@ SKINCTL_BEGIN_NAMESPACE
 /// For robots with more joints than the tool's task has coordinates; beside laws that leave the null space
 /// free. Each joint's pull is limited: `w^2 (q - q_p)` goes no further than `limit`.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::position>
-class NullSpacePosture : public Composable {
+class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, I, P, T, What>> {
  public:
-  struct Memory {};
+  static constexpr std::size_t joints = N;
+  using scalar = T;
   static constexpr Needs needs = {.jacobians = link_bit<I>, .mass = true};
-  static constexpr Role role = Role::reactive;
   static constexpr const char* name = "posture";
 
   /// @param w      [1/s], > 0; `w dt <= 0.25`.
@@ -29,11 +29,7 @@ class NullSpacePosture : public Composable {
     require(limit > T(0) && limit <= T(1e6), "limit of a posture", static_cast<double>(limit), "> 0 rad/s^2");
   }
   template <class K>
-  [[nodiscard]] Memory start(const K&) const noexcept {
-    return {};
-  }
-  template <class K>
-  [[nodiscard]] JointTorque<N, T> torque(const Memory&, const K& known) const noexcept {
+  [[nodiscard]] JointTorque<N, T> torque(const K& known) const noexcept {
     const auto J = known.template jacobian<I>(X_LP_);
     const auto inverse = damped_inverse<What>(J, singularities_);
     JointAcceleration<N, T> a;
@@ -43,11 +39,6 @@ class NullSpacePosture : public Composable {
     }
     const auto seen = inverse.solve(J * a);
     return known.mass() * (a - seen);
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K&, const T&,
-                                              Opposition) const noexcept {
-    return memory;
   }
 
  private:

@@ -9,14 +9,27 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) after a `JointReference` from a sensor: see `ReactivePlan`.
 template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
-using ReactiveJoint = Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<N, T>>, Damping, Sign>;
+class ReactiveJoint : public Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<N, T>>, Damping, Sign> {
+ public:
+  using Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<N, T>>, Damping, Sign>::Tracking;
+};
+template <DescribedRobot R>
+ReactiveJoint(const R&) -> ReactiveJoint<R::joints, typename R::scalar>;
 
 /// Eqs. (15)-(21) after a `PoseReference` of the tool `P` on link `I` from a sensor.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>, class Sign = TanhSign>
-using ReactiveOperational =
-    Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-             ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>;
+class ReactiveOperational
+    : public Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
+                      ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign> {
+ public:
+  using Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
+                 ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping,
+                 Sign>::Tracking;
+};
+template <DescribedRobot R, std::size_t I, Frame P>
+ReactiveOperational(const R&, const Transform<Link<I>, P, typename R::scalar>&)
+    -> ReactiveOperational<R::joints, I, P, typename R::scalar>;
 
 SKINCTL_END_NAMESPACE

@@ -24,7 +24,7 @@ template <Yields What, class V>
 /// singularities.
 template <class Inverse, class K>
 [[nodiscard]] SKINCTL_INLINE auto touch_on_tool(const Inverse& inverse, const K& known) noexcept {
-  return inverse.solve_transposed(SkinJointControl{}.torque({}, known));
+  return inverse.solve_transposed(SkinJointControl{}.torque(known));
 }
 
 /// `tau = J'S J^+' tau_skin - rate M (1 - J^+ S J) dq`: the skin's load on the frame `P` of link `I`, S of
@@ -34,14 +34,13 @@ template <class Inverse, class K>
 /// singularities; next to them motion that the tool cannot make is left out.
 template <std::size_t I, Frame P = Tool, Real T = double, Yields What = Yields::both,
           class Null = FreeNullSpace>
-class SkinCartesianControl : public Composable {
+class SkinCartesianControl : public StatelessLaw<SkinCartesianControl<I, P, T, What, Null>> {
   static constexpr bool damped = std::same_as<Null, DampedNullSpace>;
   static_assert(damped || std::same_as<Null, FreeNullSpace>, "the null space is free or damped");
 
  public:
-  struct Memory {};
+  using scalar = T;
   static constexpr Needs needs = {.jacobians = link_bit<I>, .angles = true, .mass = damped, .touch = true};
-  static constexpr Role role = Role::reactive;
   static constexpr const char* name = "skin_cartesian";
 
   /// @param X_LP  the tool's frame in its link.
@@ -52,11 +51,7 @@ class SkinCartesianControl : public Composable {
     require(rate > T(0) && rate <= T(1e4), "rate of the null space", static_cast<double>(rate), "> 0 1/s");
   }
   template <class K>
-  [[nodiscard]] Memory start(const K&) const noexcept {
-    return {};
-  }
-  template <class K>
-  [[nodiscard]] JointTorque<K::joints, T> torque(const Memory&, const K& known) const noexcept {
+  [[nodiscard]] JointTorque<K::joints, T> torque(const K& known) const noexcept {
     const auto J = known.template jacobian<I>(X_LP_);
     const auto inverse = damped_inverse(J, singularities_);
     JointTorque<K::joints, T> tau = transpose(J) * chosen<What>(touch_on_tool(inverse, known));
@@ -67,11 +62,6 @@ class SkinCartesianControl : public Composable {
       tau -= known.mass() * braking;
     }
     return tau;
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K&, const T&,
-                                              Opposition) const noexcept {
-    return memory;
   }
 
  private:

@@ -8,29 +8,18 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// `tau = tau_skin`, eq. (7): the wrenches that the skin puts on the links, as joint torques. Zero in a scene
 /// without skin. Its weight in a sum scales the felt mass at the contact and is not normalised.
-struct SkinJointControl : Composable {
-  struct Memory {};
+struct SkinJointControl : StatelessLaw<SkinJointControl> {
   static constexpr Needs needs = {.angles = true, .touch = true};
-  static constexpr Role role = Role::reactive;
   static constexpr const char* name = "skin_joint";
 
   template <class K>
-  [[nodiscard]] SKINCTL_INLINE constexpr Memory start(const K&) const noexcept {
-    return {};
-  }
-  template <class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
-      const Memory&, const K& known) const noexcept {
+      const K& known) const noexcept {
     if constexpr (std::is_same_v<typename K::touch_type, NoTouch>) {
       return {};
     } else {
       return skin_torque(known.model(), known.angles(), known.touch());
     }
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE constexpr Memory advance(const Memory& memory, const K&, typename K::scalar,
-                                                        Opposition) const noexcept {
-    return memory;
   }
 };
 

@@ -7,7 +7,13 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) along the spline (22). A goal is a `JointGoal`: a position, and a duration or none.
+/// `SplineJoint(arm)` for a described robot.
 template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
-using SplineJoint = Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping, Sign>;
+class SplineJoint : public Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping, Sign> {
+ public:
+  using Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping, Sign>::Tracking;
+};
+template <DescribedRobot R>
+SplineJoint(const R&) -> SplineJoint<R::joints, typename R::scalar>;
 
 SKINCTL_END_NAMESPACE

@@ -13,8 +13,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// For hand-overs between laws that know nothing of each other. (Resets within a tracking law need no such
 /// difference: their reference goes on, see `SurfaceBias`.) The last share is the difference.
 template <std::size_t N, class L, Real T = double>
-class TakeOver {
+class TakeOver : public detail::GoalOfLaw<L> {
  public:
+  static constexpr std::size_t joints = N;
+  using scalar = T;
   struct Memory {
     typename L::Memory law;
     JointTorque<N, T> difference;
@@ -55,7 +57,11 @@ class TakeOver {
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known) const noexcept {
-    return law_.torque(memory.law, known) + rest(memory);
+    return torque_of(law_, memory.law, known) + rest(memory);
+  }
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
+    return !ramp_.lasts(memory.elapsed) && skinctl::settled(law_, memory.law, known, still);
   }
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known, const T& dt,
@@ -79,7 +85,7 @@ class TakeOver {
   template <class K>
   [[nodiscard]] Memory from(const typename L::Memory& next, const K& known,
                             const JointTorque<N, T>& before) const noexcept {
-    Memory memory{next, before - law_.torque(next, known), 0};
+    Memory memory{next, before - torque_of(law_, next, known), 0ns};
     for (T& x : memory.difference)
       if (!(x - x == T(0))) x = T(0);
     return memory;

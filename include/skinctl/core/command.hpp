@@ -19,7 +19,7 @@ enum class Interface : unsigned char {
 /// While `valid` is false there is nothing that may be sent: no good state of the robot was ever seen.
 template <std::size_t N, Real T = double>
 struct JointCommand {
-  Nanoseconds time = 0;
+  Nanoseconds time{};
   bool valid = false;  // not last: of a struct that ends with padding GCC copies byte by byte
   JointPosition<N, T> position;
   JointVelocity<N, T> velocity;

@@ -1,6 +1,11 @@
 // Macros that every header needs: the namespace, inlining, and what skinctl refuses to be compiled with.
 #pragma once
 
+#if !defined(__cplusplus) || __cplusplus < 202002L
+#error "skinctl: needs C++20. Compile with -std=c++20, or ask CMake for cxx_std_20."
+#include "skinctl: stops here without -std=c++20"  // a file that is not there ends the page of errors
+#endif
+
 #if defined(__FAST_MATH__)
 #error "skinctl: -ffast-math breaks range reduction, NaN checks and compensated sums. Compile without it."
 #endif
@@ -30,8 +35,15 @@
   }                           \
   }
 
-/// On operators, lambdas and recursion of the loop: GCC's own judgement costs a factor of four there.
+/// On operators, lambdas and recursion of the loop: GCC's own judgement costs a factor of four there. Define
+/// SKINCTL_NO_FORCED_INLINE where compile time and readable stack traces matter more: debug and sanitizer builds.
+#if defined(SKINCTL_NO_FORCED_INLINE)
+#define SKINCTL_INLINE inline
+#define SKINCTL_INLINE_LAMBDA
+#else
 #define SKINCTL_INLINE inline __attribute__((always_inline))
+#define SKINCTL_INLINE_LAMBDA __attribute__((always_inline))
+#endif
 // What runs rarely, or once a cycle: copies of it in the loop cost compile time and instruction cache.
 // GCC's own copies, with arguments taken apart, are slower: 7 % of a cycle.
 #if defined(__GNUC__) && !defined(__clang__)
@@ -41,7 +53,6 @@
 #endif
 // What runs before the loop: compiled for size.
 #define SKINCTL_COLD __attribute__((noinline, cold))
-#define SKINCTL_INLINE_LAMBDA __attribute__((always_inline))
 
 /// In the body of an operator: lets its multiplication or addition and that of another operator become one
 /// fused operation, as GCC does anyway; Clang would otherwise fuse only within one expression. Define

@@ -1,10 +1,10 @@
-// One evaluation of a law: its torque, its memory after the interval, each part's share, and what happened.
+// How the library calls a law: by its members where it has them, else by what follows from the others.
 #pragma once
 
 #include <array>
 
+#include "skinctl/core/detail/check_law.hpp"
 #include "skinctl/core/law.hpp"
-#include "skinctl/core/status.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -18,13 +18,6 @@ struct Evaluation {
   Status status;
 };
 
-/// A memory after something was asked for (a new goal), and what came of it.
-template <class M>
-struct Received {
-  M memory;
-  Status status;
-};
-
 namespace detail {
 template <class L>
 struct TermsOf {
@@ -35,15 +28,83 @@ template <class L>
 struct TermsOf<L> {
   static constexpr std::size_t value = L::terms;
 };
-// A trait, not a requires-expression in a generic lambda: Clang 14 takes those for false.
 template <class L, class K, class G>
 inline constexpr bool follows_targets =
     requires(const L& law, const typename L::Memory& m, const K& k, const G& g) { law.follow(m, k, g); };
+template <class L>
+inline constexpr bool reports = requires(const L& law, const typename L::Memory& m) { law.status(m); };
+template <class L, class K>
+inline constexpr bool says_settled = requires(const L& law, const typename L::Memory& m, const K& k,
+                                              const typename K::scalar& still) { law.settled(m, k, still); };
+
+/// Whether no joint is faster than `most`. NaN is faster than everything.
+template <class V, class T>
+[[nodiscard]] constexpr bool slower(const V& velocity, const T& most) noexcept {
+  for (const T& v : velocity)
+    if (!(v <= most && -v <= most)) return false;
+  return true;
+}
+
+/// `feedback * parts.feedback + feed_forward * parts.feed_forward`, with G(q) as `G` says.
+template <GravityTerm G, class L, class K>
+[[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> weighted_torque(
+    const L& law, const typename L::Memory& memory, const K& known,
+    const Share<typename K::scalar>& share) noexcept {
+  if constexpr (has_weighted_torque<L, K>) {
+    return law.template torque<G>(memory, known, share);
+  } else {
+    const auto parts = [&] {
+      if constexpr (has_stateless_parts<L, K>) {
+        return law.parts(known);
+      } else {
+        return law.parts(memory, known);
+      }
+    }();
+    auto tau = share.feedback * parts.feedback + share.feed_forward * parts.feed_forward;
+    if constexpr (G == GravityTerm::included) tau += share.feed_forward * known.gravity();
+    return tau;
+  }
+}
 }  // namespace detail
 
 /// Number of parts whose shares a law reports: its `terms`, or 1.
 template <class L>
 inline constexpr std::size_t terms_of = detail::TermsOf<L>::value;
+
+/// The torque of `law` [N m] for the interval that begins now, gravity included where it tracks.
+template <class L, class K>
+[[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque_of(
+    const L& law, const typename L::Memory& memory, const K& known) noexcept {
+  if constexpr (detail::has_torque<L, K>) {
+    return law.torque(memory, known);
+  } else if constexpr (detail::has_stateless_torque<L, K>) {
+    return law.torque(known);
+  } else {
+    return detail::weighted_torque<GravityTerm::included>(law, memory, known, {});
+  }
+}
+
+/// What `law` limits, holds or hands over just now: its `status`, or nothing.
+template <class L>
+[[nodiscard]] SKINCTL_INLINE Status status_of(const L& law, const typename L::Memory& memory) noexcept {
+  if constexpr (detail::reports<L>) {
+    return law.status(memory);
+  } else {
+    return {};
+  }
+}
+
+/// Whether `law` has come to rest where it was sent: what it says itself, or that no joint is faster than
+/// `still` [rad/s].
+template <class L, class K>
+[[nodiscard]] SKINCTL_NOINLINE bool settled(const L& law, const typename L::Memory& memory, const K& known,
+                                            const typename K::scalar& still) noexcept {
+  if constexpr (detail::says_settled<L, K>) {
+    return law.settled(memory, known, still);
+  } else {
+    return detail::slower(known.dq(), still);
+  }
+}
 
 /// The torque of `law` for the interval that begins now, and its memory after `dt` seconds. Uses the law's
 /// own `evaluate` where it has one, so that what torque and memory share is computed once.
@@ -58,8 +119,8 @@ template <class L, class K>
   } else {
     static_assert(Law<L, K>, "a law has Memory, needs, role, start, torque and advance: see core/law.hpp");
     static_assert(terms_of<L> == 1, "a law of several terms reports their shares by its own evaluate");
-    const auto torque = law.torque(memory, known);
-    return Result{torque, law.advance(memory, known, dt, Opposition::none), {torque}, Status{}};
+    const auto torque = torque_of(law, memory, known);
+    return Result{torque, law.advance(memory, known, dt, Opposition::none), {torque}, status_of(law, memory)};
   }
 }
 

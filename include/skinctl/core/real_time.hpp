@@ -9,8 +9,8 @@ namespace skinctl::real_time {
 #if defined(__unix__) || defined(__APPLE__) || defined(_WIN32)
 #define SKINCTL_PER_THREAD thread_local
 #else
-#define SKINCTL_PER_THREAD  // bare metal: one thread, and thread-local storage would need a start-up of its
-                            // own
+// Bare metal: one thread, and thread-local storage would need a start-up of its own.
+#define SKINCTL_PER_THREAD
 #endif
 
 /// How many marks the calling thread is inside of. Written by the scopes below only. Volatile, because

@@ -8,7 +8,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 template <std::size_t N, Scalar T = double>
 struct State {
-  Nanoseconds time = 0;
+  Nanoseconds time{};
   JointPosition<N, T> q;
   JointVelocity<N, T> dq;
 };

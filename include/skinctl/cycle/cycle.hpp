@@ -6,29 +6,14 @@
 
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/real_time.hpp"
+#include "skinctl/cycle/detail/check_scene.hpp"
 #include "skinctl/cycle/input.hpp"
+#include "skinctl/cycle/no_skin.hpp"
+#include "skinctl/cycle/scene_parts.hpp"
 #include "skinctl/cycle/stage.hpp"
 #include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/guard/guard.hpp"
-#include "skinctl/limits/governor.hpp"
-#include "skinctl/resolver/resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// The place of a skin in a scene that has none.
-struct Bare {
-  using Wrenches = NoTouch;
-  struct Memory {
-    friend bool operator==(const Memory&, const Memory&) noexcept = default;
-  };
-  [[nodiscard]] Memory start(Nanoseconds) const noexcept { return {}; }
-  /// Samples of a robot without skin are of unknown cells.
-  Status receive(Memory&, std::span<const CellSample> samples, Nanoseconds, Nanoseconds, std::size_t,
-                 Wrenches*) const noexcept {
-    return samples.empty() ? Status{} : Status{Reason::sample_unknown};
-  }
-  [[nodiscard]] Wrenches wrenches(const Memory&) const noexcept { return {}; }
-};
 
 /// What one cycle gives.
 template <std::size_t N, Scalar T, std::size_t Terms>
@@ -55,14 +40,14 @@ inline constexpr bool limits_jerk = requires { requires Overseer::has_jerk; };
 /// Whether a governor suits a robot's joints and scalar.
 template <class Overseer, std::size_t N, class T>
 inline constexpr bool governs = true;
-template <std::size_t M, Real U, class J, class S, class C, std::size_t N, class T>
-inline constexpr bool governs<Governor<M, U, J, S, C>, N, T> = M == N && std::is_same_v<U, T>;
+template <std::size_t M, Real U, class... Parts, std::size_t N, class T>
+inline constexpr bool governs<Governor<M, U, Parts...>, N, T> = M == N && std::is_same_v<U, T>;
 /// Whether a skin feels all that a governor's contact limits name.
 template <class Overseer, class Skin>
 inline constexpr bool feels = true;
-template <std::size_t N, Real T, class J, class S, class C, class Skin>
+template <std::size_t N, Real T, class J, class S, class C, class V, class Skin>
   requires requires { C::links; }
-inline constexpr bool feels<Governor<N, T, J, S, C>, Skin> = [] {
+inline constexpr bool feels<Governor<N, T, J, S, C, V>, Skin> = [] {
   if constexpr (requires { Skin::Wrenches::links; }) {
     return (Skin::Wrenches::links & C::links) == C::links;
   } else {
@@ -83,14 +68,6 @@ template <class Resolver>
 inline constexpr bool has_one_interface = requires { Resolver::interface; };
 template <class Resolver>
 inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
-/// The guard of a resolver whose joints are all of one kind.
-template <class Resolver>
-struct GuardOf {};
-template <class Resolver>
-  requires requires { Resolver::interface; }
-struct GuardOf<Resolver> {
-  using type = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar>;
-};
 template <class L>
 struct GoalType {
   using type = NoGoal;
@@ -100,18 +77,99 @@ template <class L>
 struct GoalType<L> {
   using type = typename L::Goal;
 };
+/// The resolver of a robot's description; one built by hand is taken as it is.
+template <class R>
+[[nodiscard]] auto as_resolver(const R& robot) {
+  if constexpr (Described<R>) {
+    return resolver_of(robot);
+  } else {
+    return robot;
+  }
+}
+template <class R>
+using ResolverFor = decltype(as_resolver(std::declval<const R&>()));
+
+template <class S>
+concept SkinLike = requires { typename S::Wrenches; };
+template <class G>
+concept GuardLike = requires(const G& g, typename G::Memory& m) { g.acknowledge(m); };
+template <class G>
+concept GovernorLike = is_governor<G> || std::is_same_v<G, NoGovernor>;
+
+/// Whether a law holds gravity: by a gravity law, or within `Y_r Theta`.
+template <class L>
+inline constexpr bool holds_gravity = [] {
+  if constexpr (requires { L::gravity_laws; }) {
+    return L::gravity_laws > 0 || L::role == Role::tracking;
+  } else {
+    return L::role != Role::reactive;
+  }
+}();
+/// Whether a gravity law is loaded that cannot be told to leave gravity to the robot.
+template <class L>
+inline constexpr bool has_gravity_law = [] {
+  if constexpr (requires { L::complete_sum; }) {
+    return false;  // skills: their rows name the controller; without weight it gives zero
+  } else if constexpr (requires { L::gravity_laws; }) {
+    return L::gravity_laws > 0;
+  } else {
+    return L::role == Role::gravity;
+  }
+}();
+template <class L>
+inline constexpr bool law_compensates_friction = requires { requires L::compensates_friction; };
+
+/// What the description of a robot says about who does what, compared with the law; at compile time.
+template <class Robot, class L>
+constexpr void check_holders() {
+  if constexpr (requires { Robot::robot_holds_gravity; }) {
+    static_assert(!Robot::robot_holds_gravity || !has_gravity_law<L>,
+                  "gravity twice: the robot holds it, and so does the law: leave GravityControl out");
+    static_assert(Robot::robot_holds_gravity || holds_gravity<L>,
+                  "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
+    if constexpr (Robot::interface == Interface::torque) {
+      static_assert(
+          !(Robot::robot_compensates_friction && law_compensates_friction<L>),
+          "friction twice: the robot compensates it, and so does the law: leave FrictionControl out");
+      static_assert(!(Robot::friction_uncompensated && law_compensates_friction<L>),
+                    "friction: described as uncompensated, and a law compensates it: leave one of them out");
+      static_assert(
+          Robot::robot_compensates_friction || Robot::friction_uncompensated || law_compensates_friction<L>,
+          "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add "
+          "FrictionControl");
+    }
+  } else {
+    static_assert(holds_gravity<L>, "gravity nowhere: add GravityControl to the law");
+  }
+}
+/// The law's settings compared with the robot's description; throws `ConfigurationError` with both numbers.
+template <class Robot, class L>
+SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
+  if constexpr (requires { robot.virtual_dynamics(); }) {
+    const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.dt(), robot.virtual_dynamics()};
+    if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
+  }
+}
 }  // namespace detail
 
-/// A scene: which robot and interface (the resolver), which law, which skin, which guard, and for limits of
-/// jerk, tool speed and contact a governor (`make_governor`). All of it is configuration; what changes is a
-/// `Memory`. A cycle is a function of memory and input alone, so it can be recorded, replayed bit for bit,
-/// started at any state and run as fast as the machine can.
+/// A scene: a robot, its skin, its law. `Cycle(arm, skin, law)` derives resolver and guard from the
+/// description `arm`; `.with(...)` adds limits of jerk, tool speed and contact, and settings of the guard. A
+/// guard or a governor that is given by hand stands behind the law. All of it is configuration; what changes
+/// is a `Memory`. A cycle is a function of memory and input alone, so it can be recorded, replayed bit for
+/// bit, started at any state and run as fast as the machine can.
 ///
 /// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
 /// else of the model is computed.
-template <class Resolver, class L, class Skin = Bare,
-          class Watchman = typename detail::GuardOf<Resolver>::type, class Overseer = NoGovernor>
+template <class Resolver, class GivenLaw, class GivenSkin = NoSkin,
+          class Watchman = typename detail::GuardOf<Resolver>::type,
+          class Overseer = detail::DefaultGovernor<Resolver>>
 class Cycle {
+  using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
+  static_assert(sizeof(detail::SaySkin<Scene::skin_fault, GivenSkin>) > 0);
+  static_assert(sizeof(detail::Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
+  using Skin = typename Scene::Skin;
+  using L = typename Scene::Law;
+
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
   static_assert(!governed || detail::has_one_interface<Resolver>,
@@ -120,7 +178,7 @@ class Cycle {
                 "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
   static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
                 "the governor is of a robot with other joints, or of another scalar");
-  static_assert(detail::feels<Overseer, Skin>,
+  static_assert(detail::feels<Overseer, GivenSkin>,
                 "contact limits need a skin on each link that they name: what is not felt cannot be limited");
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;
@@ -140,15 +198,57 @@ class Cycle {
     [[no_unique_address]] typename Overseer::Memory governor;
   };
 
-  Cycle(const Resolver& resolver, const L& law, const Skin& skin, const Watchman& guard,
-        const Overseer& governor = {})
-      : resolver_(resolver), law_(law), guard_(guard), skin_(skin), governor_(governor) {}
-  Cycle(const Resolver& resolver, const L& law, const Watchman& guard)
-    requires std::is_same_v<Skin, Bare>
-      : Cycle(resolver, law, Bare{}, guard) {}
-  Cycle(const Resolver& resolver, const L& law, const Watchman& guard, const Overseer& governor)
-    requires(std::is_same_v<Skin, Bare> && detail::is_governor<Overseer>)
-      : Cycle(resolver, law, Bare{}, guard, governor) {}
+  /// @param robot  a description (`by_position(...)`), or a resolver built by hand.
+  /// Throws `ConfigurationError` where law or guard state a fact otherwise than the robot's description.
+  template <class Robot>
+  Cycle(const Robot& robot, const Skin& skin, const L& law)
+      : Cycle(Whole{}, robot, skin, law, detail::default_guard<Resolver>,
+              detail::default_governor<Resolver>) {}
+  template <class Robot>
+  Cycle(const Robot& robot, const Skin& skin, const L& law, const Watchman& guard)
+      : Cycle(Whole{}, robot, skin, law, given(guard), detail::default_governor<Resolver>) {}
+  template <class Robot>
+  Cycle(const Robot& robot, const Skin& skin, const L& law, const Overseer& governor)
+      : Cycle(Whole{}, robot, skin, law, detail::default_guard<Resolver>, given(governor)) {}
+  template <class Robot>
+  Cycle(const Robot& robot, const Skin& skin, const L& law, const Watchman& guard, const Overseer& governor)
+      : Cycle(Whole{}, robot, skin, law, given(guard), given(governor)) {}
+  /// Without skin.
+  template <class Robot, class... ByHand>
+    requires std::is_same_v<Skin, NoSkin>
+  Cycle(const Robot& robot, const L& law, const ByHand&... guard_and_governor)
+      : Cycle(robot, NoSkin{}, law, guard_and_governor...) {}
+
+  /// The same scene with limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`, ...)
+  /// and settings of its guard (`GuardSettings`), in any order. What was given before is replaced.
+  template <class... Parts>
+  [[nodiscard]] auto with(const Parts&... parts) const {
+    const auto made = std::tuple_cat(limit_of(parts)...);
+    const auto contacts = std::tuple_cat(contact_of(parts)...);
+    const auto all = std::apply(
+        [&](const auto&... c) {
+          if constexpr (sizeof...(c) > 0) {
+            return std::tuple_cat(made, std::make_tuple(contact_limits<scalar>(resolver_.model(), c...)));
+          } else {
+            return made;
+          }
+        },
+        contacts);
+    const auto governor = detail::governor_of(resolver_, all);
+    using Limits = std::remove_cvref_t<decltype(governor)>;
+    const auto settings = detail::guard_settings_in(guard_.settings(), parts...);
+    if constexpr (detail::limits_jerk<Limits>) {
+      using Smooth = std::remove_cvref_t<decltype(governor.jerk())>;
+      const typename detail::GuardOf<Resolver, Smooth>::type guard(detail::as_configuration(resolver_),
+                                                                   settings, governor.jerk());
+      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_,
+                                                                                 guard, governor);
+    } else {
+      const typename detail::GuardOf<Resolver>::type guard(detail::as_configuration(resolver_), settings);
+      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_,
+                                                                                 guard, governor);
+    }
+  }
 
   [[nodiscard]] const Resolver& resolver() const noexcept { return resolver_; }
   [[nodiscard]] const L& law() const noexcept { return law_; }
@@ -239,6 +339,42 @@ class Cycle {
   }
 
  private:
+  struct Whole {};
+  template <class V>
+  [[nodiscard]] static auto given(const V& value) {
+    return [&value](const Resolver&) -> const V& { return value; };
+  }
+  template <class Robot, class MakeGuard, class MakeGovernor>
+  Cycle(Whole, const Robot& robot, const Skin& skin, const L& law, const MakeGuard& guard,
+        const MakeGovernor& governor)
+      : resolver_(detail::as_resolver(robot)),
+        law_(law),
+        guard_(guard(resolver_)),
+        skin_(skin),
+        governor_(governor(resolver_)) {
+    if constexpr (detail::Described<Robot>) {
+      detail::check_holders<Robot, L>();
+      detail::check_settings(robot, law);
+    }
+    detail::compare(guard_, resolver_);
+  }
+  // What `with` makes of a part: a limit of the governor, a contact, or neither.
+  template <class Part>
+  [[nodiscard]] auto limit_of(const Part& part) const {
+    if constexpr (detail::is_guard_settings<Part> || detail::is_link_contact<Part>) {
+      return std::tuple<>();
+    } else {
+      return std::make_tuple(detail::made_for(resolver_, part));
+    }
+  }
+  template <class Part>
+  [[nodiscard]] auto contact_of(const Part& part) const {
+    if constexpr (detail::is_link_contact<Part>) {
+      return std::make_tuple(part);
+    } else {
+      return std::tuple<>();
+    }
+  }
   /// The planned interval [s], for the laws that start or take goals between two evaluations.
   [[nodiscard]] scalar period() const noexcept { return resolver_.planned_step(); }
 
@@ -279,15 +415,27 @@ class Cycle {
   [[no_unique_address]] Overseer governor_;
 };
 
-template <class Resolver, class L, class Skin, class Watchman>
-Cycle(const Resolver&, const L&, const Skin&, const Watchman&) -> Cycle<Resolver, L, Skin, Watchman>;
-template <class Resolver, class L, class Watchman>
-Cycle(const Resolver&, const L&, const Watchman&) -> Cycle<Resolver, L, Bare, Watchman>;
-template <class Resolver, class L, class Skin, class Watchman, class Overseer>
-Cycle(const Resolver&, const L&, const Skin&, const Watchman&, const Overseer&)
-    -> Cycle<Resolver, L, Skin, Watchman, Overseer>;
-template <class Resolver, class L, class Watchman, std::size_t N, Real T, class... Parts>
-Cycle(const Resolver&, const L&, const Watchman&, const Governor<N, T, Parts...>&)
-    -> Cycle<Resolver, L, Bare, Watchman, Governor<N, T, Parts...>>;
+template <class R, detail::SkinLike S, class L>
+Cycle(const R&, const S&, const L&) -> Cycle<detail::ResolverFor<R>, L, S>;
+template <class R, detail::SkinLike S, class L, detail::GuardLike G>
+Cycle(const R&, const S&, const L&, const G&) -> Cycle<detail::ResolverFor<R>, L, S, G>;
+template <class R, detail::SkinLike S, class L, detail::GovernorLike O>
+Cycle(const R&, const S&, const L&, const O&)
+    -> Cycle<detail::ResolverFor<R>, L, S, typename detail::GuardOf<detail::ResolverFor<R>>::type, O>;
+template <class R, detail::SkinLike S, class L, class G, class O>
+Cycle(const R&, const S&, const L&, const G&, const O&) -> Cycle<detail::ResolverFor<R>, L, S, G, O>;
+template <class R, class L>
+  requires(!detail::SkinLike<L>)
+Cycle(const R&, const L&) -> Cycle<detail::ResolverFor<R>, L>;
+template <class R, class L, detail::GuardLike G>
+  requires(!detail::SkinLike<L>)
+Cycle(const R&, const L&, const G&) -> Cycle<detail::ResolverFor<R>, L, NoSkin, G>;
+template <class R, class L, detail::GovernorLike O>
+  requires(!detail::SkinLike<L>)
+Cycle(const R&, const L&, const O&)
+    -> Cycle<detail::ResolverFor<R>, L, NoSkin, typename detail::GuardOf<detail::ResolverFor<R>>::type, O>;
+template <class R, class L, class G, detail::GovernorLike O>
+  requires(!detail::SkinLike<L>)
+Cycle(const R&, const L&, const G&, const O&) -> Cycle<detail::ResolverFor<R>, L, NoSkin, G, O>;
 
 SKINCTL_END_NAMESPACE

@@ -22,7 +22,7 @@ struct NoGoal {};
 /// The input of one cycle. Any bit pattern is allowed in it: what cannot be used is refused with a reason.
 template <std::size_t N, Scalar T = double, class Goal = NoGoal>
 struct Input {
-  Nanoseconds now = 0;                  ///< the robot's clock: the end of the interval that is integrated
+  Nanoseconds now{};                    ///< the robot's clock: the end of the interval that is integrated
   State<N, T> measured;                 ///< the newest state, with its own stamp
   std::span<const CellSample> samples;  ///< that arrived since the last cycle
   Request request = Request::none;

@@ -68,19 +68,26 @@ class ByteReader {
 
 /// Walks over the plain numbers of a value: `f(number)` for each. Goals of own laws join in by an overload
 /// `each_number(goal, f)` found by argument-dependent look-up.
+/// A duration is a whole number of nanoseconds.
+template <class F>
+void each_number(Nanoseconds& t, F&& f) {
+  std::int64_t count = t.count();
+  f(count);
+  t = Nanoseconds(count);
+}
 template <class K, std::size_t N, class T, class F>
 void each_number(JointVector<K, N, T>& v, F&& f) {
   for (T& x : v) f(x);
 }
 template <std::size_t N, class T, class F>
 void each_number(State<N, T>& s, F&& f) {
-  f(s.time);
+  each_number(s.time, f);
   each_number(s.q, f);
   each_number(s.dq, f);
 }
 template <std::size_t N, class T, class F>
 void each_number(JointCommand<N, T>& c, F&& f) {
-  f(c.time);
+  each_number(c.time, f);
   each_number(c.position, f);
   each_number(c.velocity, f);
   each_number(c.acceleration, f);
@@ -89,7 +96,7 @@ void each_number(JointCommand<N, T>& c, F&& f) {
 }
 template <class F>
 void each_number(CellSample& s, F&& f) {
-  f(s.time);
+  each_number(s.time, f);
   f(s.cell);
   for (float& x : s.force) f(x);
   f(s.proximity);
@@ -105,7 +112,7 @@ template <class G, class F>
   }
 void each_number(G& goal, F&& f) {
   each_number(goal.q_g, f);
-  f(goal.duration);
+  each_number(goal.duration, f);
 }
 template <class G, class F>
   requires requires(G& g) {
@@ -172,7 +179,7 @@ class Recording {
   void add(const Input& input, const Command& command) noexcept {
     full_ = full_ || !bytes_.fits(fixed_size + input.samples.size() * sample_size);
     if (full_) return;
-    bytes_.put(input.now);
+    bytes_.put(input.now.count());
     write(input.measured);
     bytes_.put(static_cast<std::uint8_t>(input.request));
     bytes_.put(input.observed.bits());
@@ -249,7 +256,7 @@ class Recording {
   }
   static void read_cycle(detail::ByteReader& reader, Input& input, std::vector<CellSample>& samples,
                          Command& command) {
-    input.now = reader.get<Nanoseconds>();
+    read(reader, input.now);
     read(reader, input.measured);
     const auto request = reader.get<std::uint8_t>();
     input.request = request <= 2 ? static_cast<Request>(request) : Request::none;

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Times and thresholds of a blend.
 struct BlendSettings {
-  Nanoseconds ramp = 100_ms;  ///< of the way to other weights
+  Nanoseconds ramp = 100ms;   ///< of the way to other weights
   ContactSettings contact{};  ///< what gates take for a touch
 };
 
@@ -35,12 +35,15 @@ template <Sum P, class... L>
 class Blended<Fused<P, L...>> : public Composable {
  public:
   using Fusion = Fused<P, L...>;
+  using Laws = std::tuple<L...>;
+  static constexpr std::size_t joints = Fusion::joints;
   static constexpr std::size_t terms = Fusion::terms;
   static constexpr Role role = Fusion::role;
   static constexpr bool complete_sum = true;  ///< cannot be part of another
   static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
   static constexpr bool gated = (false || ... || detail::is_gated<L>);
   /// Whether the sum itself holds what of G is left.
+  static constexpr bool compensates_friction = Fusion::compensates_friction;
   static constexpr bool holds_gravity = Fusion::gravity_laws == 0 && Fusion::tracking_laws > 0;
   static_assert(!holds_gravity || P != Sum::plain, "a plain sum that blends needs a gravity law");
   static constexpr Needs needs = Fusion::needs | Needs{.gravity = holds_gravity};
@@ -60,16 +63,17 @@ class Blended<Fused<P, L...>> : public Composable {
  public:
   using Goal = typename GoalOf<Fusion>::type;
   using Factors = std::array<Share<double>, terms>;
-  struct Memory {
+  class Memory {
+    friend Blended;
     detail::Memories<typename L::Memory...> laws;
     OppositionDetector::Memory opposition;
     ContactDetector::Memory contact;
     std::array<double, terms> asked;  ///< weights
     Factors from, to;                 ///< shares before and after the ramp
     Nanoseconds elapsed = clock_end;  ///< since the ramp began
-    Nanoseconds ramp = 0;             ///< its duration
-    Nanoseconds settle = 0;           ///< after it: the feedback of tracking laws that come
-    Nanoseconds next_ramp = 0;        ///< of the next
+    Nanoseconds ramp{};               ///< its duration
+    Nanoseconds settle{};             ///< after it: the feedback of tracking laws that come
+    Nanoseconds next_ramp{};          ///< of the next
     bool waiting = false;             ///< other weights are to be gone to
   };
 
@@ -82,6 +86,10 @@ class Blended<Fused<P, L...>> : public Composable {
       require(usable(i, first[i]), "weight of a law", first[i], "0 to 1e6, and 1 for gravity");
   }
   [[nodiscard]] const Fusion& sum() const noexcept { return sum_; }
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    sum_.check_for(robot);
+  }
   /// The weights that it starts with.
   [[nodiscard]] const std::array<double, terms>& first() const noexcept { return first_; }
   [[nodiscard]] Nanoseconds ramp() const noexcept { return ramp_.duration(); }
@@ -107,12 +115,12 @@ class Blended<Fused<P, L...>> : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> change(const Memory& memory, const K& known,
                                                      const Weights<terms>& weights,
-                                                     Nanoseconds ramp = 0) const noexcept {
+                                                     Nanoseconds ramp = {}) const noexcept {
     for (std::size_t i = 0; i < terms; ++i)
       if (!usable(i, weights.of[i])) return {memory, Reason::goal_refused};
     Memory next = memory;
     next.asked = weights.of;
-    next.next_ramp = ramp > 0 ? ramp : ramp_.duration();
+    next.next_ramp = ramp > 0ns ? ramp : ramp_.duration();
     next.waiting = true;
     return {moves(memory) ? next : begun(next, known), {}};
   }
@@ -155,7 +163,7 @@ class Blended<Fused<P, L...>> : public Composable {
   [[nodiscard]] static Factors factors(const Memory& memory) noexcept {
     if (!moves(memory)) return memory.to;
     const auto part = [](Nanoseconds t, Nanoseconds of) {
-      return static_cast<double>(t) / static_cast<double>(of);
+      return static_cast<double>(t.count()) / static_cast<double>(of.count());
     };
     const auto way = quintic(part(memory.elapsed, memory.ramp));
     const double late =
@@ -181,6 +189,50 @@ class Blended<Fused<P, L...>> : public Composable {
   /// Whether the `i`-th law is computed.
   [[nodiscard]] static SKINCTL_INLINE bool loaded(const Memory& memory, std::size_t i) noexcept {
     return has_share(memory.to[i]) || (memory.elapsed < memory.ramp && has_share(memory.from[i]));
+  }
+
+  // For whoever makes changes to other weights, such as a set of skills.
+  /// The change at its end.
+  [[nodiscard]] static Memory arrived(Memory memory) noexcept {
+    memory.elapsed = clock_end;
+    return memory;
+  }
+  /// Whether the feedback of tracking laws that come takes time of its own after the ramp.
+  [[nodiscard]] static bool settles(const Memory& memory) noexcept { return memory.settle > 0ns; }
+  /// How long the change that has begun lasts.
+  static void set_times(Memory& memory, Nanoseconds ramp, Nanoseconds settle) noexcept {
+    memory.ramp = ramp;
+    if (settles(memory)) memory.settle = settle;
+  }
+  /// Between `before` and `next` only this part of the change's time has passed, 0 to 1.
+  static void slow_down(const Memory& before, Memory& next, double part) noexcept {
+    next.elapsed = before.elapsed + nanoseconds(seconds<double>(next.elapsed - before.elapsed) * part);
+  }
+  /// The feedback of tracking laws that come begins once more, if it has.
+  static void settle_again(Memory& memory) noexcept {
+    if (settles(memory) && memory.elapsed >= memory.ramp) memory.elapsed = memory.ramp - 1ns;
+  }
+  /// Whether the `i`-th law had no share before the change.
+  [[nodiscard]] static bool is_new(const Memory& memory, std::size_t i) noexcept {
+    return memory.from[i].feed_forward == 0;
+  }
+  /// Whether a change is under way that keeps no tracking law.
+  [[nodiscard]] static bool swaps(const Memory& memory) noexcept {
+    if (!moves(memory)) return false;
+    for (std::size_t i = 0; i < terms; ++i)
+      if (Fusion::roles[i] == Role::tracking && memory.from[i].feed_forward > 0 &&
+          memory.to[i].feed_forward > 0)
+        return false;
+    return true;
+  }
+  /// The tracking laws that had a share stand at the state at hand.
+  template <class K>
+  SKINCTL_COLD void restart(Memory& memory, const K& known) const noexcept {
+    detail::each_index<terms>([&](auto i) {
+      if constexpr (law_at<i.value>::role == Role::tracking)
+        if (memory.from[i.value].feed_forward > 0)
+          detail::memory_of<i.value>(memory.laws) = law<i.value>().start(known);
+    });
   }
 
   template <class K>
@@ -229,9 +281,9 @@ class Blended<Fused<P, L...>> : public Composable {
     Memory next = memory;
     next.from = memory.to;
     next.to = target(memory);
-    next.elapsed = 0;
+    next.elapsed = 0ns;
     next.ramp = memory.next_ramp;
-    next.settle = 0;
+    next.settle = 0ns;
     next.waiting = false;
     detail::each_index<terms>([&](auto i) {
       if (!has_share(next.to[i]) || has_share(next.from[i])) return;
@@ -263,7 +315,7 @@ class Blended<Fused<P, L...>> : public Composable {
           law<I>(), part, known, Share<T>{static_cast<T>(share.feedback), static_cast<T>(share.feed_forward)},
           out.now);
     } else {
-      out.torque = law<I>().torque(part, known);
+      out.torque = torque_of(law<I>(), part, known);
     }
   }
   template <std::size_t I, class Now, class K>

@@ -2,31 +2,31 @@
 #pragma once
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/core/law.hpp"
+#include "skinctl/core/detail/check_law.hpp"
 #include "skinctl/core/time.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// When the robot counts as touched, in the norm of the skin's joint torque with its configured weight.
 struct ContactSettings {
-  double on = 1.0;                     ///< touched from above this [N m]
-  double off = 0.5;                    ///< until it has been below this [N m] ...
-  Nanoseconds release_after = 100_ms;  ///< ... for so long
+  double on = 1.0;                    ///< touched from above this [N m]
+  double off = 0.5;                   ///< until it has been below this [N m] ...
+  Nanoseconds release_after = 100ms;  ///< ... for so long
 };
 
 /// Touched from `|tau_skin| > on` until `|tau_skin| < off` has held without a break for `release_after`.
 class ContactDetector {
  public:
   struct Memory {
-    Nanoseconds quiet = 0;  ///< for how long it has been below `off`
+    Nanoseconds quiet{};  ///< for how long it has been below `off`
     bool touched = false;
   };
   /// Throws `ConfigurationError` unless `on >= off > 0` and `release_after >= 0`.
   explicit ContactDetector(const ContactSettings& settings = {}) : settings_(settings) {
     require(settings.off > 0 && settings.off <= 1e9, "contact: off", settings.off, "> 0 N m");
     require(settings.on >= settings.off && settings.on <= 1e9, "contact: on", settings.on, ">= off, in N m");
-    require(settings.release_after >= 0, "contact: release_after",
-            static_cast<double>(settings.release_after) * 1e-9, ">= 0 s");
+    require(settings.release_after >= 0ns, "contact: release_after", seconds<double>(settings.release_after),
+            ">= 0 s");
   }
   [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
 
@@ -37,8 +37,8 @@ class ContactDetector {
     T square(0);
     for (std::size_t i = 0; i < N; ++i) square = square + skin[i] * skin[i];
     const T on = static_cast<T>(settings_.on), off = static_cast<T>(settings_.off);
-    if (!memory.touched) return {0, square > on * on};
-    const Nanoseconds quiet = square < off * off ? memory.quiet + dt : 0;
+    if (!memory.touched) return {0ns, square > on * on};
+    const Nanoseconds quiet = square < off * off ? memory.quiet + dt : 0ns;
     return quiet > settings_.release_after ? Memory{} : Memory{quiet, true};
   }
 
@@ -58,15 +58,17 @@ struct Gated : L {
 
 /// `law` while the robot is touched.
 template <class L>
-  requires(L::role != Role::gravity)
-[[nodiscard]] Gated<Gate::touched, L> when_touched(const L& law) {
-  return Gated<Gate::touched, L>(law);
+  requires(detail::complete_law<L>::role != Role::gravity)
+[[nodiscard]] auto when_touched(const L& law) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
+  return Gated<Gate::touched, detail::complete_law<L>>(law);
 }
 /// `law` while nothing touches the robot.
 template <class L>
-  requires(L::role != Role::gravity)
-[[nodiscard]] Gated<Gate::untouched, L> when_untouched(const L& law) {
-  return Gated<Gate::untouched, L>(law);
+  requires(detail::complete_law<L>::role != Role::gravity)
+[[nodiscard]] auto when_untouched(const L& law) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
+  return Gated<Gate::untouched, detail::complete_law<L>>(law);
 }
 // clang-format off
 template <class L>

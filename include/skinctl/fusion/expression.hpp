@@ -17,7 +17,7 @@ constexpr std::size_t gravity_count() noexcept {
   if constexpr (requires { L::gravity_laws; }) {
     return L::gravity_laws;
   } else {
-    return L::role == Role::gravity ? 1 : 0;
+    return complete_law<L>::role == Role::gravity ? 1 : 0;
   }
 }
 
@@ -27,7 +27,8 @@ auto as_sum(const L& law) {
   if constexpr (is_fused<L>) {
     return law;
   } else {
-    return Fused<Sum::normalised, L>(std::tuple<L>(law), {1.0});
+    using Law = complete_law<L>;
+    return Fused<Sum::normalised, Law>(std::tuple<Law>(law), {1.0});
   }
 }
 template <Sum To, Sum From, class... L>
@@ -46,7 +47,7 @@ template <class L>
 inline constexpr bool is_complete = requires { L::complete_sum; };
 template <class W, class L>
 constexpr bool weighs() noexcept {
-  if constexpr (std::is_arithmetic_v<W> && LawMembers<L>) {
+  if constexpr (std::is_arithmetic_v<W> && MeantAsLaw<L>) {
     return gravity_count<L>() == 0 && !is_complete<L>;
   } else {
     return false;
@@ -54,7 +55,7 @@ constexpr bool weighs() noexcept {
 }
 template <class A, class B>
 constexpr bool adds(std::size_t least, std::size_t most) noexcept {
-  if constexpr (LawMembers<A> && LawMembers<B>) {
+  if constexpr (MeantAsLaw<A> && MeantAsLaw<B>) {
     const auto count = gravity_count<A>() + gravity_count<B>();
     return count >= least && count <= most && !is_complete<A> && !is_complete<B>;
   } else {
@@ -70,6 +71,7 @@ template <class A, class B>
   requires(detail::weighs<A, B>() || detail::weighs<B, A>())
 [[nodiscard]] auto operator*(const A& a, const B& b) {
   if constexpr (std::is_arithmetic_v<A>) {
+    static_assert(sizeof(detail::Say<detail::fault_in_members<B>(), B>) > 0);
     auto sum = detail::as_sum(b);
     auto weights = sum.weights();
     for (double& w : weights) w *= static_cast<double>(a);
@@ -84,6 +86,10 @@ template <class A, class B>
 template <class A, class B>
   requires(detail::adds<A, B>(0, 1))
 [[nodiscard]] auto operator+(const A& a, const B& b) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<A>(), A>) > 0);
+  static_assert(sizeof(detail::Say<detail::fault_in_members<B>(), B>) > 0);
+  static_assert(!detail::are_for_two_robots<A, B>,
+                "the laws of a sum are for robots with different numbers of joints");
   return detail::join(detail::as_sum(a), detail::as_sum(b));
 }
 

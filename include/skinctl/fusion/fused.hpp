@@ -30,7 +30,9 @@ enum class Sum : unsigned char {
 template <Sum Policy, LawMembers... L>
 class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
  public:
+  using Laws = std::tuple<L...>;
   static constexpr std::size_t terms = sizeof...(L);
+  static constexpr std::size_t joints = detail::joints_of_laws<L...>();  ///< 0: of any robot
   static constexpr Sum policy = Policy;
   static constexpr std::array<Role, terms> roles = {L::role...};
   static constexpr std::size_t gravity_laws = detail::count_role<L...>(Role::gravity);
@@ -39,11 +41,14 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   static constexpr bool answers_touch =
       (false || ... || detail::answers_touch<L>);  ///< the skin has a law in it
   static constexpr bool watches = tracking_laws > 0 && answers_touch;
+  static constexpr bool compensates_friction = (false || ... || detail::compensates_friction<L>);
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");
   static constexpr GravityTerm gravity_term =
       gravity_laws > 0 ? GravityTerm::left_out : GravityTerm::included;
   /// Without a gravity law, telling whether tracking works against the skin needs G as well.
-  static constexpr Needs needs = (Needs{.gravity = watches && gravity_laws == 0} | ... | Needs(L::needs));
+  static constexpr Needs needs =
+      (Needs{.gravity = gravity_laws == 0 && (watches || ... || detail::is_in_parts<L>)} | ... |
+       Needs(L::needs));
   static constexpr Role role = tracking_laws > 0   ? Role::tracking
                                : reactive_laws > 0 ? Role::reactive
                                                    : Role::gravity;
@@ -86,6 +91,11 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     return Fused(laws_, weights_, OppositionDetector(settings));
   }
   [[nodiscard]] const std::tuple<L...>& laws() const noexcept { return laws_; }
+  /// Throws `ConfigurationError` where a law's settings are not those of the robot.
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    std::apply([&](const auto&... law) { (detail::check_law_for(law, robot), ...); }, laws_);
+  }
   [[nodiscard]] const std::array<double, terms>& weights() const noexcept { return weights_; }
   [[nodiscard]] const OppositionDetector& detector() const noexcept { return detector_; }
   /// The `I`-th law's part of a memory.
@@ -211,7 +221,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       }
       total += shares[I];
       const auto& part = detail::memory_of<I>(memory.laws);
-      if constexpr (detail::reports<law_at<I>>) status |= law.status(part);
+      status |= status_of(law, part);
     });
 
     Opposition opposition = given;
@@ -240,9 +250,9 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       const Share<T> weight{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
       return detail::torque_with<gravity_term>(law, part, known, weight, detail::memory_of<I>(now));
     } else if constexpr (law_at<I>::role == Role::reactive) {
-      return static_cast<T>(weights_[I]) * law.torque(part, known);
+      return static_cast<T>(weights_[I]) * torque_of(law, part, known);
     } else {
-      return law.torque(part, known);
+      return torque_of(law, part, known);
     }
   }
 

@@ -34,10 +34,13 @@ struct NullSpaceSettings {
 template <std::size_t Link_, LawMembers First, LawMembers Second>
 class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, Second> {
  public:
+  using Laws = std::tuple<First, Second>;
+  static constexpr std::size_t joints = detail::joints_of_laws<First, Second>();
   static_assert(First::role == Role::tracking && Second::role != Role::gravity);
   static constexpr Role role = Role::tracking;
   static constexpr Needs needs =
-      First::needs | Second::needs | Needs{.jacobians = link_bit<Link_>, .mass_factors = true};
+      First::needs | Second::needs |
+      Needs{.jacobians = link_bit<Link_>, .gravity = detail::is_in_parts<First>, .mass_factors = true};
   struct Memory {
     [[no_unique_address]] typename First::Memory first;
     [[no_unique_address]] typename Second::Memory second;
@@ -77,12 +80,12 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
     using T = typename K::scalar;
     const auto behind = [&]() SKINCTL_INLINE_LAMBDA {
       if constexpr (Second::role == Role::tracking) {
-        return second_.template torque<GravityTerm::left_out>(memory.second, known, share);
+        return detail::weighted_torque<GravityTerm::left_out>(second_, memory.second, known, share);
       } else {
-        return share.feedback * second_.torque(memory.second, known);
+        return share.feedback * torque_of(second_, memory.second, known);
       }
     }();
-    return first_.template torque<G>(memory.first, known, share) + projected<T>(known, behind);
+    return detail::weighted_torque<G>(first_, memory.first, known, share) + projected<T>(known, behind);
   }
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known,
@@ -91,11 +94,14 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
     return {first_.advance(memory.first, known, dt, opposition),
             second_.advance(memory.second, known, dt, opposition)};
   }
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known,
+                             const typename K::scalar& still) const noexcept {
+    return skinctl::settled(first_, memory.first, known, still) &&
+           skinctl::settled(second_, memory.second, known, still);
+  }
   [[nodiscard]] Status status(const Memory& memory) const noexcept {
-    Status s;
-    if constexpr (requires { first_.status(memory.first); }) s |= first_.status(memory.first);
-    if constexpr (requires { second_.status(memory.second); }) s |= second_.status(memory.second);
-    return s;
+    return status_of(first_, memory.first) | status_of(second_, memory.second);
   }
 
   /// `N' tau`.
@@ -127,11 +133,15 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
 };
 
 /// `second` in the null space of link `Link`, which `first` moves.
-template <std::size_t Link, LawMembers First, LawMembers Second>
-  requires(First::role == Role::tracking && Second::role != Role::gravity)
-[[nodiscard]] NullSpace<Link, First, Second> over(const First& first, const Second& second,
-                                                  const NullSpaceSettings& settings = {}) {
-  return NullSpace<Link, First, Second>(first, second, settings);
+template <std::size_t Link, detail::MeantAsLaw First, detail::MeantAsLaw Second>
+  requires(detail::complete_law<First>::role == Role::tracking &&
+           detail::complete_law<Second>::role != Role::gravity)
+[[nodiscard]] auto over(const First& first, const Second& second, const NullSpaceSettings& settings = {}) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<First>(), First>) > 0);
+  static_assert(sizeof(detail::Say<detail::fault_in_members<Second>(), Second>) > 0);
+  static_assert(!detail::are_for_two_robots<First, Second>,
+                "the laws of this are for robots with different numbers of joints");
+  return NullSpace<Link, detail::complete_law<First>, detail::complete_law<Second>>(first, second, settings);
 }
 // clang-format off
 template <std::size_t Link, class First, class Second>

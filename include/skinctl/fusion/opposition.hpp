@@ -13,9 +13,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// When skin and tracking count as opposed, in the norm of the skin's joint torque as it enters the sum: what
 /// is too weak to count may wind the integrals up.
 struct OppositionSettings {
-  double on = 1.0;                    ///< opposed above this, if the torques oppose each other [N m]
-  double off = 0.5;                   ///< over when it has been below this [N m] ...
-  Nanoseconds release_after = 50_ms;  ///< ... for so long
+  double on = 1.0;                   ///< opposed above this, if the torques oppose each other [N m]
+  double off = 0.5;                  ///< over when it has been below this [N m] ...
+  Nanoseconds release_after = 50ms;  ///< ... for so long
 };
 
 /// Opposed from the moment that `|tau_skin| > on` and `tau_skin . tau_track < 0`, until `|tau_skin| < off`
@@ -23,8 +23,8 @@ struct OppositionSettings {
 class OppositionDetector {
  public:
   struct Memory {
-    Nanoseconds quiet = 0;  ///< for how long the skin has been below `off`
-    bool below = false;     ///< whether it was at the last evaluation
+    Nanoseconds quiet{};  ///< for how long the skin has been below `off`
+    bool below = false;   ///< whether it was at the last evaluation
     bool opposed = false;
   };
   struct Result {
@@ -37,8 +37,8 @@ class OppositionDetector {
     require(settings.off > 0 && settings.off <= 1e9, "opposition: off", settings.off, "> 0 N m");
     require(settings.on >= settings.off && settings.on <= 1e9, "opposition: on", settings.on,
             ">= off, in N m");
-    require(settings.release_after >= 0, "opposition: release_after",
-            static_cast<double>(settings.release_after) * 1e-9, ">= 0 s");
+    require(settings.release_after >= 0ns, "opposition: release_after",
+            seconds<double>(settings.release_after), ">= 0 s");
   }
   [[nodiscard]] const OppositionSettings& settings() const noexcept { return settings_; }
 
@@ -57,12 +57,12 @@ class OppositionDetector {
     const T on = static_cast<T>(settings_.on), off = static_cast<T>(settings_.off);
     Memory next = memory;
     if (!memory.opposed) {
-      if (square > on * on && product < T(0)) return {{0, false, true}, Opposition::lasting};
+      if (square > on * on && product < T(0)) return {{0ns, false, true}, Opposition::lasting};
       return {next, Opposition::none};
     }
     next.below = square < off * off;
     if (!next.below) {
-      next.quiet = 0;
+      next.quiet = 0ns;
       return {next, Opposition::lasting};
     }
     if (memory.quiet >= settings_.release_after) return {{}, Opposition::released};

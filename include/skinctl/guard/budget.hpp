@@ -8,7 +8,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 struct BudgetSettings {
-  Nanoseconds cycle;          ///< from a state heard to its command sent and all else done [ns]
+  Nanoseconds cycle;          ///< from a state heard to its command sent and all else done
   unsigned skip_after = 1;    ///< so many overruns in a row: leave optional work out
   unsigned stop_after = 5;    ///< so many in a row: brake, hold, wait for consent
   unsigned calm_after = 100;  ///< so many cycles within the budget in a row: optional work may come back
@@ -36,8 +36,7 @@ class Budget {
 
   /// Throws `ConfigurationError` for a number out of its range.
   explicit Budget(const BudgetSettings& s) : settings_(s) {
-    require(s.cycle > 0 && s.cycle <= 10_s, "Budget: cycle [ns]", static_cast<double>(s.cycle),
-            "> 0, <= 1e10 ns");
+    require(s.cycle > 0ns && s.cycle <= 10s, "Budget: cycle", milliseconds(s.cycle), "> 0, <= 10 000 ms");
     require(s.skip_after >= 1, "Budget: skip after", s.skip_after, ">= 1 overrun");
     require(s.stop_after >= s.skip_after, "Budget: stop after", s.stop_after, ">= skip after");
     require(s.calm_after >= 1, "Budget: calm after", s.calm_after, ">= 1 cycle");

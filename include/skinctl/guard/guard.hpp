@@ -8,23 +8,19 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/limits/detail/parts.hpp"
-#include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/robot/robot_configuration.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// What a guard has to be told beyond the robot's description; every default stands for itself.
 template <std::size_t N, Real T = double>
-struct GuardConfiguration {
-  JointLimits<N, T> limits;
-  /// Time between two cycles as planned [ns].
-  Nanoseconds period;
-  /// Longest time that a motion may take credit for [ns]; default: five periods. As in the resolver.
-  std::optional<Nanoseconds> longest_interval = {};
-  /// Age of the robot's newest state from which on the command brakes [ns]; default: 25 periods.
+struct GuardSettings {
+  /// Age of the robot's newest state at which the command begins to brake; default: 25 periods.
   std::optional<Nanoseconds> stale_after = {};
   /// Position interface: how far a command may be from the measured position [rad].
   JointPosition<N, T> lead = JointPosition<N, T>::constant(std::numeric_limits<T>::infinity());
-  /// Torque interface: fastest change of a torque, in units of the torque limit per second; also how fast the
-  /// fallback takes over.
+  /// Torque interface: fastest change of a torque, in units of the torque limit per second; the fallback takes
+  /// over at this rate too.
   T torque_rate = T(50);
   /// How far beyond a position limit a joint may be and be believed [rad], [m].
   T beyond = T(1);
@@ -41,7 +37,7 @@ struct GuardConfiguration {
 /// What a guard remembers: the last command it let out. Trivially copyable.
 template <std::size_t N, Real T = double>
 struct GuardMemory {
-  Nanoseconds time = 0;
+  Nanoseconds time{};
   State<N, T> measured;  ///< the newest good state
   JointCommand<N, T> command;
   Status latched;  ///< faults that wait for the user's consent
@@ -77,17 +73,23 @@ class Guard {
                 "a guard brakes within JerkLimits or without");
   static_assert(!smooth || I != Interface::torque,
                 "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
-  using Configuration = GuardConfiguration<N, T>;
+  static constexpr Interface interface = I;
+  static constexpr std::size_t joints = N;
+  using scalar = T;
+  using Settings = GuardSettings<N, T>;
   using Memory = GuardMemory<N, T>;
 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
+  /// @param robot    limits, period and longest interval are read.
   /// @param braking  limits of jerk on top of the same limits of the joints, if the guard has some.
-  explicit Guard(const Configuration& c, const Smooth& braking = Smooth())
-      : limits_(c.limits),
-        period_(c.period),
-        longest_(c.longest_interval.value_or(5 * c.period)),
-        stale_after_(c.stale_after.value_or(25 * c.period)),
+  explicit Guard(const RobotConfiguration<N, T>& robot, const Settings& c = {},
+                 const Smooth& braking = Smooth())
+      : limits_(robot.limits),
+        period_(robot.period),
+        longest_(robot.longest()),
+        stale_after_(c.stale_after.value_or(25 * robot.period)),
+        settings_(c),
         lead_(c.lead),
         torque_rate_(c.torque_rate),
         beyond_(c.beyond),
@@ -99,17 +101,22 @@ class Guard {
         consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })),
         braking_(braking) {
     const auto number = [](const auto& x) { return static_cast<double>(x); };
-    require(period_ >= 100_us && period_ <= 1_s, "period [ns]", number(period_), "1e5 to 1e9 ns");
-    require(longest_ >= period_ && longest_ <= 10_s, "longest interval [ns]", number(longest_),
-            ">= period, <= 1e10 ns");
-    require(stale_after_ >= period_ && stale_after_ <= 10_s, "stale after [ns]", number(stale_after_),
-            ">= period, <= 1e10 ns");
+    require(period_ >= 100us && period_ <= 1s, "period", milliseconds(period_), "0.1 to 1000 ms");
+    require(longest_ >= period_ && longest_ <= 10s, "longest interval", milliseconds(longest_),
+            ">= period, <= 10 000 ms");
+    require(stale_after_ >= period_ && stale_after_ <= 10s, "stale after", milliseconds(stale_after_),
+            ">= period, <= 10 000 ms");
     require(torque_rate_ > T(0) && torque_rate_ <= T(1e6), "torque rate", number(torque_rate_),
             "> 0, <= 1e6 1/s");
     require(beyond_ >= T(0), "beyond", number(beyond_), ">= 0 rad");
     require(overspeed_ >= T(1), "overspeed", number(overspeed_), ">= 1");
     for (std::size_t i = 0; i < N; ++i) require(lead_[i] > T(0), "lead", number(lead_[i]), "> 0 rad");
   }
+
+  [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
+  [[nodiscard]] Nanoseconds period() const noexcept { return period_; }
+  [[nodiscard]] Nanoseconds longest_interval() const noexcept { return longest_; }
+  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
 
   /// Takes over at a robot that has `command` and is at `measured`. A command that is not valid, or not
   /// plausible: nothing is let out until a guard is started with a good one.
@@ -306,6 +313,7 @@ class Guard {
 
   JointLimits<N, T> limits_;
   Nanoseconds period_, longest_, stale_after_;
+  Settings settings_;
   JointPosition<N, T> lead_;
   T torque_rate_, beyond_, overspeed_;
   Status acts_on_;  ///< found by others, these brake

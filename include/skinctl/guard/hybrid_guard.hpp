@@ -17,7 +17,8 @@ struct HybridGuardMemory {
 /// take torques. Each reacts to what it sees of its own joints and to what other stages found; what waits for
 /// consent in one stops both, by the resolver, until `acknowledge`.
 ///
-/// `HybridGuard(resolver, stiff, driven)`: the two configurations. Throws `ConfigurationError` as `Guard`.
+/// `HybridGuard(resolver, stiff, driven)`: limits and periods are the resolver's, the settings one's own.
+/// Throws `ConfigurationError` as `Guard`.
 template <class Hybrid>
 class HybridGuard {
  public:
@@ -27,9 +28,16 @@ class HybridGuard {
   using T = typename Hybrid::scalar;
   using Memory = HybridGuardMemory<Stiff::count, Driven::count, T>;
 
-  HybridGuard(const Hybrid&, const GuardConfiguration<Stiff::count, T>& stiff,
-              const GuardConfiguration<Driven::count, T>& driven)
-      : stiff_(stiff), driven_(driven) {}
+  explicit HybridGuard(const Hybrid& resolver, const GuardSettings<Stiff::count, T>& stiff = {},
+                       const GuardSettings<Driven::count, T>& driven = {})
+      : stiff_({.limits = resolver.stiff_limits(),
+                .period = resolver.parameters().period,
+                .longest_interval = resolver.parameters().longest_interval},
+               stiff),
+        driven_({.limits = resolver.torque_limits(),
+                 .period = resolver.parameters().period,
+                 .longest_interval = resolver.parameters().longest_interval},
+                driven) {}
 
   /// As `Guard::start`, for both.
   [[nodiscard]] SKINCTL_COLD Memory start(const JointCommand<joints, T>& command,

@@ -17,7 +17,7 @@ class Histogram {
  public:
   /// Adds one duration; negative ones count as zero, longer ones as the longest.
   constexpr void record(Nanoseconds duration) noexcept {
-    const std::uint64_t d = duration < 0 ? 0u : static_cast<std::uint64_t>(duration);
+    const std::uint64_t d = duration < 0ns ? 0u : static_cast<std::uint64_t>(duration.count());
     ++counts_[bucket(d)];
     ++count_;
     sum_ += static_cast<double>(d);
@@ -33,13 +33,13 @@ class Histogram {
   /// The duration that the fraction `p` in [0, 1] of all does not exceed: the upper end of its bucket, at
   /// most `max()`. 0 if nothing was recorded.
   [[nodiscard]] constexpr Nanoseconds percentile(double p) const noexcept {
-    if (count_ == 0) return 0;
+    if (count_ == 0) return 0ns;
     const double wanted = p * static_cast<double>(count_);
     std::uint64_t seen = 0;
     for (std::size_t b = 0; b < buckets; ++b) {
       seen += counts_[b];
       if (counts_[b] != 0 && static_cast<double>(seen) >= wanted) {
-        const auto end = static_cast<Nanoseconds>(upper_end(b));
+        const Nanoseconds end = upper_end_of(b);
         return end < max_ ? end : max_;
       }
     }
@@ -52,11 +52,11 @@ class Histogram {
     sum_ += other.sum_;
     if (other.max_ > max_) max_ = other.max_;
   }
-  /// Calls `f(upper end of the bucket [ns], count)` for each bucket that holds something.
+  /// Calls `f(upper end of the bucket , count)` for each bucket that holds something.
   template <class F>
   constexpr void for_each(F&& f) const {
     for (std::size_t b = 0; b < buckets; ++b)
-      if (counts_[b] != 0) f(static_cast<Nanoseconds>(upper_end(b)), counts_[b]);
+      if (counts_[b] != 0) f(upper_end_of(b), counts_[b]);
   }
 
  private:
@@ -77,10 +77,14 @@ class Histogram {
     return ((b % fine + fine + 1) << (octave - 1)) - 1;
   }
 
+  static constexpr Nanoseconds upper_end_of(std::size_t b) noexcept {
+    return Nanoseconds(static_cast<std::int64_t>(upper_end(b)));
+  }
+
   std::array<std::uint32_t, buckets> counts_{};
   std::uint64_t count_ = 0;
   double sum_ = 0;
-  Nanoseconds max_ = 0;
+  Nanoseconds max_{};
 };
 
 SKINCTL_END_NAMESPACE

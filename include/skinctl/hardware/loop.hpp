@@ -52,7 +52,7 @@ struct LoopReport {
 /// How a loop runs.
 struct LoopOptions {
   std::uint64_t cycles = 0;                 ///< 0: until it is stopped
-  Nanoseconds period = 8_ms;                ///< planned, to tell missed ones
+  Nanoseconds period = 8ms;                 ///< planned, to tell missed ones
   std::size_t most_samples = 8192;          ///< of one cycle that the worst cycle's copy keeps
   std::optional<Budget> budget = {};        ///< of the load; see `Budget` for what an overrun does
   PacketWatch packets{};                    ///< for a robot that numbers its packets

@@ -45,9 +45,4 @@ concept GripperDriver = requires(G& gripper) {
   { gripper.busy() } noexcept -> std::same_as<bool>;
 };
 
-/// A robot without skin: nothing ever arrives.
-struct NoSkin {
-  std::span<const CellSample> poll() noexcept { return {}; }
-};
-
 SKINCTL_END_NAMESPACE

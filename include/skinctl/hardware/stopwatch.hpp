@@ -23,18 +23,16 @@ class Stopwatch {
   }
   /// All stages together.
   [[nodiscard]] Nanoseconds total() const noexcept {
-    Nanoseconds sum = 0;
+    Nanoseconds sum{};
     for (const Nanoseconds t : times_) sum += t;
     return sum;
   }
   [[nodiscard]] static Nanoseconds now() noexcept {
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(
-               std::chrono::steady_clock::now().time_since_epoch())
-        .count();
+    return std::chrono::steady_clock::now().time_since_epoch();
   }
 
  private:
-  Nanoseconds last_ = 0;
+  Nanoseconds last_{};
   std::array<Nanoseconds, stage_count> times_{};
 };
 

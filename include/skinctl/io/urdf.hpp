@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "skinctl/io/detail/urdf_reader.hpp"
+#include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/tactile/named_patch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -19,23 +21,29 @@ namespace detail {
 
 }  // namespace detail
 
-/// Reads a URDF from memory. `source` is what messages call it.
+/// Reads a URDF from memory. `source` is what messages call it; `options` choose a part of the robot.
 ///
 /// Throws `ConfigurationError`, with source, line and element, for: no XML or a file cut off; more than 16
 /// MiB; no `<robot>`; links or joints without a name, or two of one name; a joint whose parent or child link
 /// is unknown; a link on two joints; a loop; more than one base; a type other than revolute, continuous,
-/// prismatic, fixed; `<mimic>`; an axis without direction; a link that moves without inertia; a negative
-/// mass; moments of inertia that no body has by more than `makers_density` (by less: `Urdf::warnings`);
-/// anything that is no finite number.
+/// prismatic, fixed; an axis without direction; a link that moves without mass, or turns without inertia
+/// about its axis; a negative mass; moments of inertia that no body has by more than `makers_density` (by
+/// less, or where they do not matter: `Urdf::warnings`); anything that is no finite number; and for options
+/// that name a link or joint that is not there, a tip that does not hang on the base, a joint that is to
+/// stand outside of its limits.
+///
+/// A joint with `<mimic>` stands still where the joint that it follows does. If that one moves, the file is
+/// refused: the joints of a model move independently.
 ///
 /// Links without `<inertial>` may be fixed to others or be the base, whose own inertia does not matter. A
 /// joint without `<limit>` has none.
-[[nodiscard]] inline Urdf parse_urdf(std::string_view text, std::string source = "URDF") {
-  return detail::UrdfReader(text, std::move(source)).take();
+[[nodiscard]] inline Urdf parse_urdf(std::string_view text, std::string source = "URDF",
+                                     const UrdfOptions& options = {}) {
+  return detail::UrdfReader(text, std::move(source), options).take();
 }
 
 /// Reads a URDF file; see `parse_urdf`. Throws `ConfigurationError` for a file that cannot be read, too.
-[[nodiscard]] inline Urdf read_urdf(const std::string& path) {
+[[nodiscard]] inline Urdf read_urdf(const std::string& path, const UrdfOptions& options = {}) {
   std::ifstream file(path, std::ios::binary);
   std::string text;
   if (file) {
@@ -45,12 +53,12 @@ namespace detail {
   }
   if (file.bad() || (!file.eof() && text.size() <= detail::urdf_size_limit))
     refuse("skinctl: " + path + ": cannot be read");
-  return parse_urdf(text, path);
+  return parse_urdf(text, path, options);
 }
 
-/// The links of a model, in the order of `urdf.joints`, and by how much the frame of each is turned against
-/// that of `UrdfJoint::placed`, as in `CanonicalLinks`. Throws `ConfigurationError` for a link that cannot
-/// exist.
+/// The links of a model, in the order of `urdf.joints`. Their frames are those of `urdf.frames`' carriers:
+/// z on the joint's axis, turned about it by `turn` against `UrdfJoint::placed`, as in `CanonicalLinks`.
+/// Throws `ConfigurationError` for a link that cannot exist.
 struct UrdfLinks {
   std::vector<LinkParameters<double>> links;
   std::vector<double> turn;
@@ -74,15 +82,19 @@ struct UrdfLinks {
   return out;
 }
 
-/// The robot as a calibrated model whose shape is known when the program is compiled. Throws
-/// `ConfigurationError` naming the joint in which the file differs from `Tree`, and where `model_links` does.
+/// The robot as a calibrated model whose shape is known when the program is compiled. Its `Base` is the link
+/// `urdf.base`; the frame of its `Link<I>` is not that of the file's link (z is on the joint): what is placed
+/// in a link of the file goes through `named_link_pose` or `patch_on`. Throws `ConfigurationError` naming the
+/// joint in which the file differs from `Tree`, and where `model_links` does.
 /// @param gravity  in the axes of the URDF's base link [m/s^2].
 template <Topology Tree, Scalar T = double>
 [[nodiscard]] CalibratedModel<Tree, T> calibrated_from(const Urdf& urdf,
                                                        const Xyz<double>& gravity = {0, 0, -9.81}) {
   if (urdf.joints.size() != Tree::joints)
     refuse("skinctl: " + urdf.source + ": " + std::to_string(urdf.joints.size()) +
-           " joints move, the program is made for " + std::to_string(Tree::joints));
+           " joints move, the program is made for " + std::to_string(Tree::joints) + ": " +
+           detail::listed(urdf.joints, [](const UrdfJoint& j) { return j.name; }) +
+           "; UrdfOptions choose base, tip and locked joints");
   for (std::size_t i = 0; i < Tree::joints; ++i) {
     const UrdfJoint& joint = urdf.joints[i];
     const int parent = Tree::parents[i];
@@ -100,6 +112,74 @@ template <Topology Tree, Scalar T = double>
   typename CalibratedModel<Tree, T>::Links links;
   for (std::size_t i = 0; i < Tree::joints; ++i) links[i] = found.links[i].template cast<T>();
   return CalibratedModel<Tree, T>(links, {T(gravity.x), T(gravity.y), T(gravity.z)}, makers_density);
+}
+
+/// Pose of the link `Name` of the file in `Link<I>` of the model: `link_poses(model, q).get<I>()` times this
+/// is the pose that the file gives the link at `q`. Throws `ConfigurationError` for a name that the file does
+/// not have, and for a link that another joint carries, or none.
+template <std::size_t I, FrameName Name, Scalar T = double>
+[[nodiscard]] Transform<Link<I>, NamedFrame<Name>, T> named_link_pose(const Urdf& urdf) {
+  const UrdfFrame& frame = urdf.frame(Name.view());
+  const auto joint = [&](int i) {
+    return i < 0 ? std::string("no joint")
+                 : "joint " + std::to_string(i) + " (\"" + urdf.joints[std::size_t(i)].name + "\")";
+  };
+  if (frame.joint != static_cast<int>(I))
+    refuse("skinctl: " + urdf.source + ": link \"" + frame.name + "\" is carried by " + joint(frame.joint) +
+           ", the program expects it on joint " + std::to_string(I));
+  return Transform<Link<I>, NamedFrame<Name>>(frame.R, frame.p).template cast<T>();
+}
+/// The same for a link that no joint moves, in `Base`.
+template <FrameName Name, Scalar T = double>
+[[nodiscard]] Transform<Base, NamedFrame<Name>, T> named_link_pose(const Urdf& urdf) {
+  const UrdfFrame& frame = urdf.frame(Name.view());
+  if (frame.joint >= 0)
+    refuse("skinctl: " + urdf.source + ": link \"" + frame.name + "\" is carried by joint " +
+           std::to_string(frame.joint) + " (\"" + urdf.joints[std::size_t(frame.joint)].name +
+           "\"), the program expects it fixed to the base");
+  return Transform<Base, NamedFrame<Name>>(frame.R, frame.p).template cast<T>();
+}
+
+/// A patch on the link `Name` of the file, its cells placed in the frame that the file gives that link:
+/// `patch_on<2, "forearm_link">(urdf, {{1, X_NC}}, {.force = 20})`. Throws `ConfigurationError` where
+/// `named_link_pose` and `Patch` do.
+template <std::size_t I, FrameName Name, std::size_t N>
+[[nodiscard]] Patch<I, N> patch_on(const Urdf& urdf, const NamedCell<Name> (&cells)[N],
+                                   const Gains& gains = {}) {
+  return detail::place_patch<I, Name, N>(named_link_pose<I, Name>(urdf), cells, gains);
+}
+
+/// Limits of the `N` joints as `<limit lower upper velocity effort>` gives them; a continuous joint turns
+/// without end. Throws `ConfigurationError` with the joint and the number for: another count of joints, no
+/// `<limit>`, a lower limit that is not below the upper one, a velocity or effort that is missing or not
+/// above 0, and limits that look like degrees (`UrdfOptions::large_limits` takes them as they are).
+/// @param acceleration  [rad/s^2] of every joint; a URDF has none.
+template <std::size_t N, Real T = double>
+[[nodiscard]] JointLimits<N, T> limits_of(const Urdf& urdf, const T& acceleration = T(40)) {
+  if (urdf.joints.size() != N)
+    refuse("skinctl: " + urdf.source + ": " + std::to_string(urdf.joints.size()) +
+           " joints move, limits are asked for " + std::to_string(N));
+  typename JointLimits<N, T>::Values v;
+  for (std::size_t i = 0; i < N; ++i) {
+    const UrdfJoint& j = urdf.joints[i];
+    const auto check = [&](bool allowed, const std::string& what) {
+      if (!allowed) detail::fail_urdf(urdf, j, what);
+    };
+    const auto above_zero = [&](const char* name, double x, double most, const std::string& range) {
+      check(x > 0 && x <= most, std::isinf(x) ? std::string("its <limit> has no ") + name
+                                              : std::string("<limit ") + name + "=\"" +
+                                                    detail::urdf_number(x) + "\">, allowed: " + range);
+    };
+    check(j.question.empty(), j.question + "; UrdfOptions::large_limits takes it as it is");
+    above_zero("velocity", j.velocity, 1e3, "> 0, <= 1000 rad/s");
+    above_zero("effort", j.effort, static_cast<double>(std::numeric_limits<T>::max()), "> 0, finite N m");
+    check(j.lower < j.upper, "<limit lower=\"" + detail::urdf_number(j.lower) + "\" upper=\"" +
+                                 detail::urdf_number(j.upper) + "\">: it cannot move, lock it");
+    v.lower[i] = T(j.lower), v.upper[i] = T(j.upper);
+    v.velocity[i] = T(j.velocity), v.torque[i] = T(j.effort);
+    v.acceleration[i] = acceleration;
+  }
+  return JointLimits<N, T>(v);
 }
 
 SKINCTL_END_NAMESPACE

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "skinctl/core/contract.hpp"
+#include "skinctl/core/time.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -13,15 +14,16 @@ SKINCTL_BEGIN_NAMESPACE
 /// The limits of power and force for one region of the body, in the form of ISO/TS 15066.
 ///
 /// **Not a safety-rated function.** It slows a robot that is told what a person bears; it does not replace a
-/// risk assessment, nor the robot's own safety system. No number is shipped: each field starts as NaN, which
+/// risk assessment, nor the robot's own safety system. No number is shipped: each field starts as NaN or a negative time, which
 /// is refused, and what stands in it is the user's own.
 struct BodyRegion {
   static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
-  double force = unset;      ///< F_q: most force while pressed [N]
-  double blow = unset;       ///< F_t: most force in the first moments [N], >= `force`
-  double first = unset;      ///< how long these are [s]
-  double stiffness = unset;  ///< k: of the region with what covers the robot [N/m]
-  double mass = unset;       ///< m_H: of the region [kg]; infinity if it cannot give way
+  static constexpr Nanoseconds unset_time = Nanoseconds::min();
+  double force = unset;            ///< F_q: most force while pressed [N]
+  double blow = unset;             ///< F_t: most force in the first moments [N], >= `force`
+  Nanoseconds first = unset_time;  ///< how long the first moments last
+  double stiffness = unset;        ///< k: of the region with what covers the robot [N/m]
+  double mass = unset;             ///< m_H: of the region [kg]; infinity if it cannot give way
   double power = std::numeric_limits<double>::infinity();  ///< most that a contact takes [W]
 
   /// Throws `ConfigurationError` for a number that is out of its range, or was not given.
@@ -29,7 +31,8 @@ struct BodyRegion {
     constexpr double big = std::numeric_limits<double>::max();
     require(force > 0 && force <= big, "BodyRegion: force", force, "> 0 N, finite: your own number");
     require(blow >= force && blow <= big, "BodyRegion: blow", blow, ">= force N, finite: your own number");
-    require(first >= 0 && first <= 60, "BodyRegion: first", first, "0 to 60 s: your own number");
+    require(first >= 0ns && first <= 60s, "BodyRegion: first", seconds<double>(first),
+            "0 to 60 s: your own number");
     require(stiffness > 0 && stiffness <= 1e9, "BodyRegion: stiffness", stiffness,
             "> 0, <= 1e9 N/m: your own number");
     require(mass > 0, "BodyRegion: mass", mass, "> 0 kg, infinity if it cannot give way: your own number");
@@ -53,14 +56,15 @@ template <Real T>
 
 /// Speed and separation: how somebody may come near, and how the robot stops.
 struct Separation {
-  double body_speed = BodyRegion::unset;    ///< v_H: of the person towards the robot [m/s]
-  double reaction = BodyRegion::unset;      ///< T_R: until the robot begins to brake [s]
-  double deceleration = BodyRegion::unset;  ///< of any point of the robot, at least [m/s^2]
-  double margin = BodyRegion::unset;        ///< C + Z: what is kept, with all uncertainties [m]
+  double body_speed = BodyRegion::unset;          ///< v_H: of the person towards the robot [m/s]
+  Nanoseconds reaction = BodyRegion::unset_time;  ///< T_R: until the robot begins to brake
+  double deceleration = BodyRegion::unset;        ///< of any point of the robot, at least [m/s^2]
+  double margin = BodyRegion::unset;              ///< C + Z: what is kept, with all uncertainties [m]
 
   SKINCTL_COLD void check() const {
     require(body_speed >= 0 && body_speed <= 100, "Separation: body speed", body_speed, "0 to 100 m/s");
-    require(reaction >= 0 && reaction <= 10, "Separation: reaction", reaction, "0 to 10 s");
+    require(reaction >= 0ns && reaction <= 10s, "Separation: reaction", seconds<double>(reaction),
+            "0 to 10 s");
     require(deceleration > 0 && deceleration <= 1e4, "Separation: deceleration", deceleration,
             "> 0, <= 1e4 m/s^2");
     require(margin >= 0 && margin <= 100, "Separation: margin", margin, "0 to 100 m");
@@ -71,7 +75,7 @@ struct Separation {
 /// margin: `S = v_H (T_R + v/a) + v T_R + v^2/(2 a) + C`. 0 if there is none.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T speed_of_separation(const Separation& s, const T& distance) noexcept {
-  const T a = T(s.deceleration), v = T(s.body_speed), t = T(s.reaction);
+  const T a = T(s.deceleration), v = T(s.body_speed), t = seconds<T>(s.reaction);
   return speed_to_stop(T(distance - T(s.margin) - v * t), T(t + v / a), a);
 }
 

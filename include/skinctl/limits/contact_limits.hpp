@@ -16,9 +16,9 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t I>
 struct LinkContact {
   static constexpr std::size_t link = I;
-  BodyRegion region;                    ///< the most delicate one that can be met
-  double reach = BodyRegion::unset;     ///< of the link's surface from the link's origin, at most [m]
-  double reaction = BodyRegion::unset;  ///< from a change of force until the robot's speed changes [s]
+  BodyRegion region;                 ///< the most delicate one that can be met
+  double reach = BodyRegion::unset;  ///< of the link's surface from the link's origin, at most [m]
+  Nanoseconds reaction = BodyRegion::unset_time;  ///< from a change of force until the robot's speed changes
   double newton = 1;  ///< newtons of the contact per newton of the skin's wrench: its calibration
   /// Lets the link be faster than a blow allows as long as its skin sees nobody.
   std::optional<Separation> separation = {};
@@ -146,13 +146,14 @@ class ContactLimits {
     explicit Link(const LinkContact<L>& c)
         : region(c.region),
           reach(T(c.reach)),
-          reaction(T(c.reaction)),
+          reaction(seconds<T>(c.reaction)),
           newton(T(c.newton)),
           range(T(c.range)),
           separation(c.separation) {
       c.region.check();
       require(c.reach >= 0 && c.reach <= 100, "LinkContact: reach", c.reach, "0 to 100 m");
-      require(c.reaction > 0 && c.reaction <= 10, "LinkContact: reaction", c.reaction, "> 0, <= 10 s");
+      require(c.reaction > 0ns && c.reaction <= 10s, "LinkContact: reaction", seconds<double>(c.reaction),
+              "> 0, <= 10 s");
       require(c.newton > 0 && c.newton <= 1e6, "LinkContact: newton", c.newton, "> 0, <= 1e6");
       require(c.range >= 0 && c.range <= 100, "LinkContact: range", c.range, "0 to 100 m");
       if (!c.separation) return;
@@ -198,7 +199,7 @@ class ContactLimits {
     }
     if (F > out.force) out.force = F;
     above = F > T(r.force) ? T(above + dt) : T(0);
-    if (!(F <= T(r.blow)) || above > T(r.first)) out.status |= Reason::contact_force;
+    if (!(F <= T(r.blow)) || above > seconds<T>(r.first)) out.status |= Reason::contact_force;
     const T taken = -power(tau, dq);
     if (taken > out.power) out.power = taken;
     if (!(taken <= T(r.power))) out.status |= Reason::contact_power;

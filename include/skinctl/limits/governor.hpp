@@ -6,6 +6,7 @@
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/detail/parts.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/motion_limits.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/math/ldlt.hpp"
 
@@ -50,7 +51,7 @@ struct GovernedTorque : Governed<N, T> {
 /// than a region bears, is taken out, and a robot that is pushed too fast is damped. It sets in without a
 /// jump (s = 1 leaves the torque to the bit), and never exceeds the joints' torques. A robot that stops for a
 /// contact is held with damping `M / T`. There is no limit of jerk.
-template <std::size_t N, Real T, class Jerk, class Tool, class Contact>
+template <std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range = detail::NoPart>
 class Governor {
  public:
   static constexpr std::size_t joints = N;
@@ -59,6 +60,7 @@ class Governor {
   static constexpr bool has_jerk = !std::is_same_v<Jerk, detail::NoPart>;
   static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
   static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
+  static constexpr bool has_motion = !std::is_same_v<Range, detail::NoPart>;
   /// For torques: how many cycles ahead a limit is looked for, and in how many a robot is braked.
   static constexpr int braking_cycles = 4;
 
@@ -70,10 +72,14 @@ class Governor {
   };
 
   SKINCTL_COLD Governor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
-                        const Contact& contact)
-      : limits_(limits), jerk_(jerk), tool_(tool), contact_(contact) {}
+                        const Contact& contact, const Range& motion = Range())
+      : limits_(limits), jerk_(jerk), tool_(tool), contact_(contact), motion_(motion) {}
 
+  [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
+  [[nodiscard]] const Jerk& jerk() const noexcept { return jerk_; }
+  [[nodiscard]] const Tool& tool() const noexcept { return tool_; }
   [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
+  [[nodiscard]] const Range& motion() const noexcept { return motion_; }
 
   /// The command that takes the place of `wish`, `dt` > 0 seconds after `last` was sent.
   ///
@@ -161,8 +167,10 @@ class Governor {
       if (tool < T(1)) out.status |= Reason::tool_speed_limited;
       if (tool < share) share = tool;
     }
-    if (share < T(1)) {
-      const JointTorque<N, T> braked = asked - momentum(mass, u) * T((T(1) - share) / ahead);
+    JointVelocity<N, T> kept = share < T(1) ? share * u : u;
+    if constexpr (has_motion) kept = motion_.within(limits_, measured.q, kept, ahead, out.status);
+    if (!(kept == u)) {
+      const JointTorque<N, T> braked = asked - momentum(mass, u - kept) * T(T(1) / ahead);
       out.command.torque = limits_.within(braked, measured.dq);
       out.altered = true;
     }
@@ -180,8 +188,10 @@ class Governor {
   [[nodiscard]] SKINCTL_INLINE const auto& model() const noexcept {
     if constexpr (has_contact) {
       return contact_.model();
-    } else {
+    } else if constexpr (has_tool) {
       return tool_.model();
+    } else {
+      return motion_.model();
     }
   }
   static SKINCTL_INLINE JointTorque<N, T> momentum(const MassMatrix<N, T>& mass,
@@ -219,6 +229,7 @@ class Governor {
   [[no_unique_address]] Jerk jerk_;
   [[no_unique_address]] Tool tool_;
   [[no_unique_address]] Contact contact_;
+  [[no_unique_address]] Range motion_;
 };
 
 /// A governor from its parts, in any order; `limits` are those of resolver and guard.
@@ -226,16 +237,17 @@ template <std::size_t N, Real T, class... Parts>
 [[nodiscard]] auto make_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
   using namespace detail;
   static_assert(sizeof...(Parts) > 0, "a governor without parts: leave it out of the cycle");
-  static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts>) && ...),
-                "a governor takes JerkLimits, ToolSpeed and ContactLimits");
+  static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts> || MotionPart<Parts>) && ...),
+                "a governor takes JerkLimits, ToolSpeed, ContactLimits and MotionLimits");
   static_assert(((int(JerkPart<Parts>) + ... + 0) <= 1) && ((int(ToolPart<Parts>) + ... + 0) <= 1) &&
                     ((int(ContactPart<Parts>) + ... + 0) <= 1),
                 "a governor takes each part once; contact limits of all links belong into one");
-  return [&](const auto& jerk, const auto& tool, const auto& contact) {
+  return [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion) {
     using std::remove_cvref_t;
     return Governor<N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
-                    remove_cvref_t<decltype(contact)>>(limits, jerk, tool, contact);
-  }(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...));
+                    remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>>(limits, jerk, tool,
+                                                                                         contact, motion);
+  }(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...), pick<IsMotion>(parts...));
 }
 
 SKINCTL_END_NAMESPACE

@@ -104,6 +104,14 @@ inline LinkParameters<double> placed_at(const LinkParameters<double>& link, Join
 
 namespace detail {
 
+/// How far the model's frame of link `i` is turned about z against the given one: so far that its first child
+/// has no gamma.
+inline Angle own_turn(std::size_t i, std::size_t n, const int* parents, const PlacedLink* placed) noexcept {
+  for (std::size_t c = i + 1; c < n; ++c)
+    if (parents[c] == static_cast<int>(i)) return decompose_zxz(placed[c].R).gamma;
+  return {};
+}
+
 /// `canonical_links` of a tree whose shape is known at run time: `n` links, all arrays of that length.
 inline void canonicalise(std::size_t n, const int* parents, const JointKind* kinds, const PlacedLink* placed,
                          LinkParameters<double>* links, double* turns) {
@@ -128,13 +136,8 @@ inline void canonicalise(std::size_t n, const int* parents, const JointKind* kin
       placement.p[0] = turn.cos * x + turn.sin * y;
       placement.p[1] = turn.cos * y - turn.sin * x;
     }
-    Angle own;  // of link i's frame, so that its first child has no gamma
-    for (std::size_t c = i + 1; c < n; ++c) {
-      if (parents[c] != static_cast<int>(i)) continue;
-      own = decompose_zxz(placed[c].R).gamma;
-      turns[i] = std::atan2(own.sin, own.cos);
-      break;
-    }
+    const Angle own = own_turn(i, n, parents, placed);
+    turns[i] = std::atan2(own.sin, own.cos);
     placement.gamma = angles.gamma;
     placement.alpha = angles.alpha;
     const double beta = angles.beta + turns[i];

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "skinctl/core/joint.hpp"
+#include "skinctl/robot/robot_description.hpp"
 #include "skinctl/tactile/contact.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -31,12 +32,13 @@ struct ContactDamping {
 template <Real T = double>
 class ContactDamper {
  public:
+  using RobotPart = detail::KeeperPart;
   struct Settings {
     T most = T(0);    ///< added at most [N s/m], as the virtual robot's force, >= 0; see `contact_damping`
     T always = T(0);  ///< while a contact lasts [N s/m], >= 0: what a delay needs, see `contact_damping`
     T swing = T(2);   ///< least change of a push that counts [N], > 0: two quanta of the sensor at least
-    T slowest = T(0.25);  ///< longest time from peak to trough [s], > 0
-    T calm = T(0.5);      ///< [s], > 0
+    Nanoseconds slowest = 250ms;  ///< longest time from peak to trough, > 0
+    Nanoseconds calm = 500ms;     ///< > 0
   };
   /// One link's contact as it is watched.
   struct Watch {
@@ -58,13 +60,14 @@ class ContactDamper {
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
-  SKINCTL_COLD explicit ContactDamper(const Settings& s = {}) : s_(s) {
+  SKINCTL_COLD explicit ContactDamper(const Settings& s = {})
+      : s_(s), slowest_(seconds<T>(s.slowest)), calm_(seconds<T>(s.calm)) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(s.most >= T(0) && s.most <= T(1e6), "most contact damping", number(s.most), "0 to 1e6 N s/m");
     require(s.always >= T(0) && s.always <= T(1e6), "contact damping", number(s.always), "0 to 1e6 N s/m");
     require(s.swing > T(0) && s.swing <= T(1e6), "least swing", number(s.swing), "> 0, <= 1e6 N");
-    require(s.slowest > T(0) && s.slowest <= T(10), "slowest swing", number(s.slowest), "> 0, <= 10 s");
-    require(s.calm > T(0) && s.calm <= T(1e3), "calm", number(s.calm), "> 0, <= 1e3 s");
+    require(s.slowest > 0ns && s.slowest <= 10s, "slowest swing", seconds<double>(s.slowest), "> 0, <= 10 s");
+    require(s.calm > 0ns && s.calm <= 1000s, "calm", seconds<double>(s.calm), "> 0, <= 1000 s");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
@@ -116,7 +119,7 @@ class ContactDamper {
       w.extreme = force;
     } else if (back > bound) {
       const T swing = w.rising ? T(w.extreme - w.last) : T(w.last - w.extreme);
-      w.turns = w.since <= s_.slowest && w.swing > T(0) && swing >= T(0.4) * w.swing ? w.turns + 1 : 1;
+      w.turns = w.since <= slowest_ && w.swing > T(0) && swing >= T(0.4) * w.swing ? w.turns + 1 : 1;
       if (w.turns >= 3) {
         w.wish = w.wish + T(0.5) < T(1) ? T(w.wish + T(0.5)) : T(1);
         w.turns = 3;
@@ -127,16 +130,17 @@ class ContactDamper {
       w.rising = !w.rising;
       w.since = T(0);
     }
-    if (w.since > s_.slowest) w.turns = 0;
-    const T calm = force > T(0) ? T(T(10) * s_.calm) : s_.calm;
+    if (w.since > slowest_) w.turns = 0;
+    const T calm = force > T(0) ? T(T(10) * calm_) : calm_;
     w.wish = w.wish * exp(-dt / calm);
-    const T rise = T(1) - exp(-dt / (T(0.1) * s_.calm));
+    const T rise = T(1) - exp(-dt / (T(0.1) * calm_));
     w.level = w.level + rise * (w.wish - w.level);
     if (w.level < T(1e-3) && w.wish < T(1e-3)) w.level = w.wish = T(0);
-    if (w.level == T(0) && w.away > T(8) * s_.slowest) w = {};
+    if (w.level == T(0) && w.away > T(8) * slowest_) w = {};
   }
 
   Settings s_;
+  T slowest_, calm_;
 };
 
 SKINCTL_END_NAMESPACE

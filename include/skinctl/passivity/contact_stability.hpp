@@ -6,18 +6,19 @@
 
 #include "skinctl/core/eigen.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/resolver/configuration.hpp"
+#include "skinctl/robot/robot_configuration.hpp"
+#include "skinctl/robot/tool_shape.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// What the robot will be pressed against, and how the push comes back to the law.
 template <Real T = double>
 struct ContactEnvironment {
-  T stiffness = T(0);   ///< of the stiffest thing that it meets [N/m], > 0
-  T cover = T(0);       ///< of the skin's cover, in series [N/m]; 0: rigid
-  T force_gain = T(1);  ///< w_f: newtons that the law gets per newton at the cell, > 0
-  T skin_delay = T(0);  ///< t_skin: age of a push when a cycle uses it [s], >= 0
-  T margin = T(2);      ///< gain margin that is asked for, >= 1
+  T stiffness = T(0);        ///< of the stiffest thing that it meets [N/m], > 0
+  T cover = T(0);            ///< of the skin's cover, in series [N/m]; 0: rigid
+  T force_gain = T(1);       ///< w_f: newtons that the law gets per newton at the cell, > 0
+  Nanoseconds skin_delay{};  ///< t_skin: age of a push when a cycle uses it, >= 0
+  T margin = T(2);           ///< gain margin that is asked for, >= 1
 
   /// `k_env k_skin / (k_env + k_skin)` [N/m].
   [[nodiscard]] T series() const noexcept {
@@ -45,22 +46,27 @@ template <Model M, Real T = double, class Tool = NoToolShape>
 class ContactStability {
  public:
   static constexpr std::size_t joints = M::joints;
-  using Configuration = ResolverConfiguration<joints, T>;
+  using Configuration = RobotConfiguration<joints, T>;
   using Row = T[joints];
 
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD ContactStability(const M& model, const Configuration& c, const ContactEnvironment<T>& e,
                                 const Tool& tool = Tool())
-      : model_(model), shape_(c.shape), environment_(e), lag_(c.lag), lead_(c.lead), tool_(tool) {
+      : model_(model),
+        shape_(c.virtual_dynamics()),
+        environment_(e),
+        lag_(seconds<T>(c.lag)),
+        lead_(seconds<T>(c.lead)),
+        tool_(tool) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(e.stiffness > T(0) && e.stiffness <= T(1e12), "stiffness", number(e.stiffness),
             "> 0, <= 1e12 N/m");
     require(e.cover >= T(0) && e.cover <= T(1e12), "cover", number(e.cover), "0 to 1e12 N/m");
     require(e.force_gain > T(0) && e.force_gain <= T(1e6), "force gain", number(e.force_gain), "> 0, <= 1e6");
-    require(e.skin_delay >= T(0) && e.skin_delay <= T(1), "delay of the skin", number(e.skin_delay),
-            "0 to 1 s");
+    require(e.skin_delay >= 0ns && e.skin_delay <= 1s, "delay of the skin", milliseconds(e.skin_delay),
+            "0 to 1000 ms");
     require(e.margin >= T(1) && e.margin <= T(100), "gain margin", number(e.margin), "1 to 100");
-    dead_time_ = seconds<T>(c.delay) + e.skin_delay + T(0.5) * seconds<T>(c.period);
+    dead_time_ = seconds<T>(c.delay + e.skin_delay) + T(0.5) * seconds<T>(c.period);
     require(dead_time_ + lag_ > T(0), "delay and lag", number(dead_time_ + lag_), "> 0 s together");
   }
 
@@ -81,7 +87,7 @@ class ContactStability {
       out = {terms.mass, terms.friction};
     }
     for (std::size_t i = 0; i < joints; ++i) {
-      for (std::size_t j = 0; j < joints; ++j) out.friction(i, j) += shape_.decay * out.inertia(i, j);
+      for (std::size_t j = 0; j < joints; ++j) out.friction(i, j) += shape_.damping * out.inertia(i, j);
       out.friction(i, i) += shape_.viscous[i];
     }
     return out;
@@ -168,7 +174,7 @@ class ContactStability {
 
  private:
   [[no_unique_address]] M model_;
-  VirtualShape<joints, T> shape_;
+  VirtualDynamics<joints, T> shape_;
   ContactEnvironment<T> environment_;
   T lag_, lead_, dead_time_;
   [[no_unique_address]] Tool tool_;

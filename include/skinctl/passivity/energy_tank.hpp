@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/robot/virtual_shape.hpp"
+#include "skinctl/robot/robot_description.hpp"
+#include "skinctl/robot/virtual_dynamics.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -40,6 +41,7 @@ template <Real T>
 template <Real T = double>
 class EnergyTank {
  public:
+  using RobotPart = detail::KeeperPart;
   struct Settings {
     T start = T(1);      ///< energy at the start [J], >= 0
     T most = T(5);       ///< room [J], >= start
@@ -121,8 +123,8 @@ class EnergyTank {
   /// The virtual robot moved by `dq` in `h` seconds: books the work of the ports and of the friction. Where
   /// no law drove it, kinetic energy is counted anew.
   template <std::size_t N>
-  SKINCTL_INLINE void book(Memory<N>& memory, const JointPosition<N, T>& dq, const VirtualShape<N, T>& shape,
-                           const T& h) const noexcept {
+  SKINCTL_INLINE void book(Memory<N>& memory, const JointPosition<N, T>& dq,
+                           const VirtualDynamics<N, T>& shape, const T& h) const noexcept {
     memory.counts = memory.counts && memory.paid;
     if (!memory.paid) return;
     memory.paid = false;
@@ -131,9 +133,9 @@ class EnergyTank {
       input = input + memory.port[i] * dq[i];
       drawn = drawn + memory.active[i] * dq[i];
       friction = friction + shape.viscous[i] * dq[i] * dq[i];
-      if (shape.decay > T(0))
+      if (shape.damping > T(0))
         for (std::size_t j = 0; j < N; ++j)
-          friction = friction + shape.decay * dq[i] * memory.mass(i, j) * dq[j];
+          friction = friction + shape.damping * dq[i] * memory.mass(i, j) * dq[j];
     }
     memory.energy = memory.energy - drawn;
     if (memory.energy > s_.most) memory.energy = s_.most;

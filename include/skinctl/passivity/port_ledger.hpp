@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/joint.hpp"
+#include "skinctl/robot/robot_description.hpp"
 #include "skinctl/tactile/contact.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -19,6 +20,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <Real T = double>
 class PortLedger {
  public:
+  using RobotPart = detail::KeeperPart;
   struct Settings {
     T start = T(1);        ///< E_0 [J], >= 0
     T most = T(5);         ///< energy beyond this is forgotten [J], >= start

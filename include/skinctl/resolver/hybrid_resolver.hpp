@@ -4,19 +4,9 @@
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/resolver/detail/held_friction.hpp"
 #include "skinctl/resolver/resolver.hpp"
+#include "skinctl/robot/hybrid_description.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// What a hybrid resolver has to be told of its two parts.
-template <std::size_t Stiff, std::size_t Driven, Real T = double>
-struct HybridConfiguration {
-  /// The joints that take positions or velocities; also period, sub-step and stale age of the whole.
-  ResolverConfiguration<Stiff, T> stiff;
-  /// Of torque and power, of the joints that take torques.
-  JointLimits<Driven, T> limits;
-  /// Friction that these are given besides their own [N m s/rad], >= 0.
-  JointTorque<Driven, T> viscous = {};
-};
 
 /// Memory of a hybrid resolver. Trivially copyable.
 template <std::size_t N, std::size_t Stiff, Real T, std::size_t History>
@@ -76,6 +66,7 @@ class HybridResolver {
     return virtual_.parameters().limits;
   }
   [[nodiscard]] const JointLimits<Driven::count, T>& torque_limits() const noexcept { return limits_; }
+  [[nodiscard]] const auto& parameters() const noexcept { return virtual_.parameters(); }
   /// T = delay + lag + period of the stiff joints [s].
   [[nodiscard]] T total_delay() const noexcept { return virtual_.parameters().total_delay; }
   /// Length of a sub-step in a cycle that comes as planned [s].

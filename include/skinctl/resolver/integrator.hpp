@@ -6,8 +6,9 @@
 #include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/resolver/detail/runge_kutta.hpp"
 #include "skinctl/resolver/detail/stick_or_slip.hpp"
-#include "skinctl/resolver/tool_shape.hpp"
-#include "skinctl/robot/virtual_shape.hpp"
+#include "skinctl/robot/robot_description.hpp"
+#include "skinctl/robot/tool_shape.hpp"
+#include "skinctl/robot/virtual_dynamics.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -18,6 +19,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// goes to 0. M and C are its own: what laws computed at the start of the sub-step is of no use to it. G is
 /// taken at the start if a law asks for it there, so that held gravity cancels.
 struct CrankNicolson {
+  using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.middle = true};
   static constexpr bool midpoint = true;
   template <Real T>
@@ -29,6 +31,7 @@ struct CrankNicolson {
 /// M, C and G at the start of the sub-step, friction by the new velocity: first order, never rings. Shares
 /// what laws asked for. Meant for sub-steps up to 2 ms.
 struct ImplicitFriction {
+  using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.angles = true, .mass = true};
   static constexpr bool midpoint = false;
   template <Real T>
@@ -41,6 +44,7 @@ struct ImplicitFriction {
 /// semi-implicit Euler. First order. Where that would ring (`z = h B/M > 1`) friction stops the joint
 /// instead: weight `1 - 1/z`. Shares what laws asked for.
 struct SemiImplicitEuler {
+  using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.angles = true, .mass = true};
   static constexpr bool midpoint = false;
   template <Real T>
@@ -123,14 +127,14 @@ template <class Policy, class K, Real T>
 template <class Policy, std::size_t n, Real T, class More>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<n, T> solve_step(MassMatrix<n, T>& m, const JointTorque<n, T>& bias,
                                                            const JointVelocity<n, T>& v,
-                                                           const VirtualShape<n, T>& shape, bool has_coulomb,
-                                                           const JointTorque<n, T>& tau,
+                                                           const VirtualDynamics<n, T>& shape,
+                                                           bool has_coulomb, const JointTorque<n, T>& tau,
                                                            const JointAcceleration<n, T>& pull, const T& h,
                                                            const More& more) noexcept {
   // h times the acceleration that is given per mass
-  const JointAcceleration<n, T> free(h * (pull - shape.decay * Row<n, T>(v)));
+  const JointAcceleration<n, T> free(h * (pull - shape.damping * Row<n, T>(v)));
   JointTorque<n, T> impulse = m * free;
-  const T decayed = T(1) + Policy::weight(T(h * shape.decay)) * (h * shape.decay);
+  const T decayed = T(1) + Policy::weight(T(h * shape.damping)) * (h * shape.damping);
   for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     const T b = h * shape.viscous[i];
     impulse[i] = impulse[i] + h * (tau[i] - bias[i]) - b * v[i];
@@ -156,14 +160,14 @@ template <class Policy, std::size_t n, Real T, class More>
 
 /// `m += diag(inertia)`.
 template <std::size_t n, Real T>
-SKINCTL_INLINE void add_inertia(const VirtualShape<n, T>& shape, MassMatrix<n, T>& m) noexcept {
+SKINCTL_INLINE void add_inertia(const VirtualDynamics<n, T>& shape, MassMatrix<n, T>& m) noexcept {
   for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { m(i, i) = m(i, i) + shape.inertia[i]; });
 }
 
 /// `step_velocity` of a virtual robot that feels at its tool like `tool`; `m` is the joints' own inertia.
 template <class Policy, class K, Real T, class Tool>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_shaped(
-    const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
+    const K& known, const VirtualDynamics<K::joints, T>& shape, bool has_coulomb,
     const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
     const JointAcceleration<K::joints, T>& last, const ContactDamping<K::joints, T>* damping,
     const Tool& tool, const MassMatrix<K::joints, T>& m) noexcept {
@@ -204,7 +208,7 @@ template <class Policy, class K, Real T, class Tool>
 /// @param tool  what the tool is to feel like, or `NoToolShape`.
 template <class Policy, class K, Real T, class Tool = NoToolShape>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
-    const K& known, const VirtualShape<K::joints, T>& shape, bool has_coulomb,
+    const K& known, const VirtualDynamics<K::joints, T>& shape, bool has_coulomb,
     const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
     const JointAcceleration<K::joints, T>& last,
     const ContactDamping<K::joints, typename K::scalar>* damping = nullptr, const Tool& tool = {}) noexcept {
@@ -233,7 +237,7 @@ template <class Policy, class K, Real T, class Tool = NoToolShape>
 /// of the former is left out (see `HybridResolver`).
 template <class Policy, class Subset, class K, Real T>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<Subset::count, T> step_velocity_of(
-    const K& known, const VirtualShape<Subset::count, T>& shape, bool has_coulomb,
+    const K& known, const VirtualDynamics<Subset::count, T>& shape, bool has_coulomb,
     const JointTorque<Subset::count, T>& tau, const JointAcceleration<Subset::count, T>& pull,
     const JointAcceleration<Subset::count, T>& last) noexcept {
   constexpr std::size_t n = Subset::count;

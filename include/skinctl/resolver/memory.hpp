@@ -24,7 +24,7 @@ struct VirtualJointsMemory {
   bool started = false;
   bool stop = false;  ///< a stop was asked for
   Mode mode = Mode::following;
-  Nanoseconds time = 0;                  ///< of the virtual state
+  Nanoseconds time{};                    ///< of the virtual state
   detail::RunningPosition<N, T> q;       ///< q^
   JointVelocity<N, T> v;                 ///< the virtual robot's velocity, which laws read
   JointVelocity<N, T> rate;              ///< dq^/dt: v, with the correction where that is sent

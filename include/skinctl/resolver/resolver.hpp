@@ -5,6 +5,7 @@
 
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
+#include "skinctl/resolver/integrator.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -49,7 +50,7 @@ class Resolver {
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = I;
   using scalar = T;
-  using Configuration = ResolverConfiguration<joints, T>;
+  using Configuration = RobotConfiguration<joints, T>;
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
   static_assert(!has_tank || std::same_as<Tool, NoToolShape>,
                 "an energy tank counts with the inertia of joints so far: no tank beside a tool's shape");
@@ -77,7 +78,11 @@ class Resolver {
   [[nodiscard]] const M& model() const noexcept { return model_; }
   [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return parameters().limits; }
   [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
-  /// T = delay + lag + period [s]: until a command is seen in a measurement.
+  /// The robot's numbers as they are used.
+  [[nodiscard]] SKINCTL_INLINE const detail::ResolverParameters<joints, T>& parameters() const noexcept {
+    return virtual_.parameters();
+  }
+  /// T = delay + lag + period [s]: until a measurement shows a command.
   [[nodiscard]] T total_delay() const noexcept { return parameters().total_delay; }
   /// e_max: the most by which joint `i` of the virtual robot leads the real one [rad].
   [[nodiscard]] T leash(std::size_t i) const noexcept { return parameters().leash[i]; }
@@ -151,7 +156,6 @@ class Resolver {
   Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
                   const State<joints, T>& state, const JointAcceleration<joints, T>& pull, const T& h,
                   const Touch& touch) const noexcept;
-  [[nodiscard]] SKINCTL_INLINE const auto& parameters() const noexcept { return virtual_.parameters(); }
 
   [[no_unique_address]] M model_;
   detail::VirtualJoints<I, joints, T, History> virtual_;

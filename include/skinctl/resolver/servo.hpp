@@ -21,7 +21,7 @@ struct CommandsUnderWay {
   JointVelocity<N, T> slope[Capacity];
   std::uint32_t first = 0;
   std::uint32_t count = 0;
-  Nanoseconds now = 0;          ///< up to where `reached` has been computed
+  Nanoseconds now{};            ///< up to where `reached` has been computed
   JointPosition<N, T> reached;  ///< where the declared robot is at `now`
 };
 

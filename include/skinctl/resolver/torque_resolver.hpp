@@ -12,7 +12,7 @@ template <std::size_t N, Real T, class Tank>
 struct TorqueResolverMemory {
   bool started = false;
   bool stop = false;
-  Nanoseconds time = 0;
+  Nanoseconds time{};
   State<N, T> measured;        ///< the last good measurement
   JointCommand<N, T> command;  ///< the last one
   [[no_unique_address]] Tank tank;
@@ -41,7 +41,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = Interface::torque;
   using scalar = T;
-  using Configuration = ResolverConfiguration<joints, T>;
+  using Configuration = RobotConfiguration<joints, T>;
   using Memory = TorqueResolverMemory<
       joints, T, std::conditional_t<has_tank, typename EnergyTank<T>::template Held<joints>, NoTank>>;
   static constexpr Needs keeper_needs = {.angles = has_tank, .mass = has_tank};
@@ -51,19 +51,21 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   /// Throws `ConfigurationError` for a number out of its range.
   Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
       : model_(model), p_(configuration), keeper_(keeper) {
-    require(p_.shape.decay == T(0), "decay", static_cast<double>(p_.shape.decay), "0 for a torque interface");
+    require(p_.shape.damping == T(0), "virtual damping", static_cast<double>(p_.shape.damping),
+            "0 for a robot by torque");
     for (std::size_t i = 0; i < joints; ++i) {
       viscous_ = viscous_ || p_.shape.viscous[i] > T(0);
       require(p_.shape.coulomb[i] == T(0), "Coulomb friction", static_cast<double>(p_.shape.coulomb[i]),
-              "0 for a torque interface");
-      require(p_.shape.inertia[i] == T(0), "added inertia", static_cast<double>(p_.shape.inertia[i]),
-              "0 for a torque interface");
+              "0 for a robot by torque");
+      require(p_.shape.inertia[i] == T(0), "virtual inertia", static_cast<double>(p_.shape.inertia[i]),
+              "0 for a robot by torque");
     }
   }
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
   [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return p_.limits; }
   [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
+  [[nodiscard]] const detail::ResolverParameters<joints, T>& parameters() const noexcept { return p_; }
 
   /// The time for which a torque is held in a cycle that comes as planned [s].
   [[nodiscard]] T planned_step() const noexcept { return seconds<T>(p_.period); }

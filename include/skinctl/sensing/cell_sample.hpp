@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// 1 (its end); the rest is in SI units, along the cell's axes. Cells whose sensors are fewer leave the rest
 /// at 0.
 struct CellSample {
-  Nanoseconds time = 0;                 ///< when it was measured [ns]
+  Nanoseconds time{};                   ///< when it was measured [ns]
   std::uint32_t cell = 0;               ///< id of the cell
   std::array<float, 3> force{};         ///< three normal forces, each in [0, 1]
   float proximity = 0;                  ///< in [0, 1]

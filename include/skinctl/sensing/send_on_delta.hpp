@@ -27,13 +27,13 @@ class SendOnDelta {
   };
 
   /// Throws `ConfigurationError` unless every delta is > 0 and `keep_alive` > 0.
-  explicit SendOnDelta(const Deltas& deltas, Nanoseconds keep_alive = 100_ms)
+  explicit SendOnDelta(const Deltas& deltas, Nanoseconds keep_alive = 100ms)
       : deltas_(deltas), keep_alive_(keep_alive) {
     require(deltas.force > 0, "SendOnDelta: force", double(deltas.force), "> 0");
     require(deltas.proximity > 0, "SendOnDelta: proximity", double(deltas.proximity), "> 0");
     require(deltas.acceleration > 0, "SendOnDelta: acceleration", double(deltas.acceleration), "> 0 m/s^2");
     require(deltas.temperature > 0, "SendOnDelta: temperature", double(deltas.temperature), "> 0 C");
-    require(keep_alive > 0, "SendOnDelta: keep_alive", double(keep_alive), "> 0 ns");
+    require(keep_alive > 0ns, "SendOnDelta: keep_alive", milliseconds(keep_alive), "> 0 ms");
   }
 
   /// Whether this measurement is sent; if so, the memory takes it. A number that is not finite is sent: the

@@ -98,7 +98,7 @@ template <class Behaviour, class R>
 }
 
 namespace detail {
-inline constexpr SkillConditions until_settled{.finish = Finish::settled, .timeout = 60_s};
+inline constexpr SkillConditions until_settled{.finish = Finish::settled, .timeout = 60s};
 }
 
 /// Fig. 7. The paper lists controllers in the order in which they load: those that hold the robot come last
@@ -133,7 +133,7 @@ inline constexpr auto section_6 = boost::hana::make_map(
     skill<behaviour::Squeezing>(
         recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::SplineJoint>())
             .switching(closed())
-            .when({.finish = Finish::switched, .hold = 500_ms, .timeout = 5_s})
+            .when({.finish = Finish::switched, .hold = 500ms, .timeout = 5s})
             .then<behaviour::ForceCartesian>()),
     skill<behaviour::ForceCartesian>(
         recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Force>())

@@ -73,6 +73,7 @@ template <class First, class Library, class... Name, class... L>
 [[nodiscard]] auto skill_set(const Library& library, const SkillSettings& settings,
                              const Controller<Name, L>&... controllers) {
   namespace hana = boost::hana;
+  static_assert(((sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0) && ...));
   using Bank = detail::Bank<Name...>;
   const auto known = hana::filter(hana::to_tuple(library), [](const auto& entry) {
     return hana::bool_c<Bank::template can<Library>(
@@ -89,9 +90,9 @@ template <class First, class Library, class... Name, class... L>
       using Names = Behaviours<typename decltype(b)::type...>;
       static_assert(Names::count == sizeof...(entry),
                     "the first skill is not in the library, or lacks a controller");
-      const Fused<Sum::normalised, L...> sum(std::tuple<L...>(controllers.law...),
-                                             {((void)controllers, 1.0)...});
-      return SkillSet<Names, Fused<Sum::normalised, L...>>(
+      using Fusion = Fused<Sum::normalised, detail::complete_law<L>...>;
+      const Fusion sum(typename Fusion::Laws(controllers.law...), {((void)controllers, 1.0)...});
+      return SkillSet<Names, Fusion>(
           sum,
           {detail::row<Bank, Names>(decltype(b)::type::name,
                                     Names::template index<typename decltype(b)::type>,

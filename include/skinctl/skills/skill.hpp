@@ -47,10 +47,10 @@ struct SkillConditions {
   bool untouched = false;  ///< starts only while nothing touches the robot
   Switches needs{};        ///< starts only with these so, as reported or else as last commanded
   Finish finish = Finish::never;
-  Nanoseconds hold = 100_ms;  ///< for how long the finish condition holds before it counts
-  double still = 0.01;        ///< settled: no joint is faster, or asked to be [rad/s]
-  Nanoseconds timeout = 0;    ///< fails if it is not finished after this; 0: never
-  double most_touch = 0;      ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never
+  Nanoseconds hold = 100ms;  ///< for how long the finish condition holds before it counts
+  double still = 0.01;       ///< settled: no joint is faster, or asked to be [rad/s]
+  Nanoseconds timeout{};     ///< fails if it is not finished after this; 0: never
+  double most_touch = 0;     ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never
 };
 
 /// A skill as the loop reads it, for a sum of `Terms` controllers.

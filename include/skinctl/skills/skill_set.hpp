@@ -5,15 +5,14 @@
 
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/skills/detail/rate_bound.hpp"
-#include "skinctl/skills/detail/settled.hpp"
 #include "skinctl/skills/skill_request.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// How a set of skills hands over.
 struct SkillSettings {
-  Nanoseconds hand_over = 100_ms;   ///< the torque moves to the next skill in this time, or longer ...
-  Nanoseconds longest = 2_s;        ///< ... where it has far to go, but never in more than this
+  Nanoseconds hand_over = 100ms;    ///< the torque moves to the next skill in this time, or longer ...
+  Nanoseconds longest = 2s;         ///< ... where it has far to go, but never in more than this
   double most_rate = 1000;          ///< of every joint's torque while something hands over [N m/s]
   double touched = 1;               ///< skin's joint torque from which the robot counts as touched [N m]
   OppositionSettings opposition{};  ///< when skin and tracking count as opposed
@@ -56,6 +55,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
  public:
   using Names = Behaviours<Behaviour...>;
   using Fusion = Fused<P, L...>;
+  using Laws = std::tuple<L...>;
   using Blend = Blended<Fusion>;
   using Goal = typename detail::GoalTypes<SkillRequest<>, L...>::type;
   static constexpr std::size_t controllers = Fusion::terms;
@@ -65,6 +65,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   static constexpr Role role = Fusion::role;
   static constexpr const char* name = "skills";
   static constexpr bool complete_sum = true;
+  static constexpr bool compensates_friction = Fusion::compensates_friction;
   static_assert(Fusion::gravity_laws == 1, "a set of skills holds gravity: give it a gravity controller");
   static_assert(skills > 0 && skills < 256);
   static constexpr std::size_t joints = detail::joints_of_laws<L...>();
@@ -79,8 +80,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     Switches commanded, reported;
     std::uint32_t reporting = 0;  ///< switches that have ever been reported
     double touch = 0;             ///< norm of what the skin's laws contributed last [N m]
-    Nanoseconds since = 0;        ///< the skill's start
-    Nanoseconds held = 0;         ///< for how long its finish condition has held
+    Nanoseconds since{};          ///< the skill's start
+    Nanoseconds held{};           ///< for how long its finish condition has held
     std::uint8_t skill = 0;
     Phase phase = Phase::loading;
     bool waits = false;  ///< for the end of a change
@@ -95,12 +96,13 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
         settings_(settings) {
     require(settings.most_rate > 0 && settings.most_rate <= 1e9, "most_rate", settings.most_rate,
             "> 0 N m/s");
-    require(settings.longest >= settings.hand_over, "longest", static_cast<double>(settings.longest) * 1e-9,
+    require(settings.longest >= settings.hand_over, "longest", seconds<double>(settings.longest),
             ">= hand_over, in s");
     for (const auto& s : rows) {
       const auto& c = s.conditions;
       require(s.next < skills, "next", s.next, "the index of a skill");
-      require(c.hold >= 0 && c.timeout >= 0, "hold or timeout", static_cast<double>(c.hold) * 1e-9, ">= 0 s");
+      require(c.hold >= 0ns && c.timeout >= 0ns, "hold or timeout",
+              seconds<double>(c.hold < c.timeout ? c.hold : c.timeout), ">= 0 s");
       require(c.still > 0 && c.still <= 1e3, "still", c.still, "> 0 rad/s");
       require(c.most_touch >= 0 && c.most_touch <= 1e9, "most_touch", c.most_touch, ">= 0 N m");
       for (std::size_t i = 0; i < controllers; ++i)
@@ -108,10 +110,14 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
             Fusion::roles[i] == Role::gravity ? s.weights[i] == 1 : s.weights[i] >= 0 && s.weights[i] <= 1e6,
             "weight of a controller", s.weights[i], "0 to 1e6, and 1 for gravity");
     }
-    require(rows[0].conditions.timeout == 0 && rows[0].conditions.most_touch == 0,
+    require(rows[0].conditions.timeout == 0ns && rows[0].conditions.most_touch == 0,
             "failure of the first skill", 1, "none: others fall back to it");
   }
   [[nodiscard]] const Fusion& sum() const noexcept { return blend_.sum(); }
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    blend_.check_for(robot);
+  }
   [[nodiscard]] const Skill<controllers>& skill(std::size_t i) const noexcept { return skills_[i]; }
   template <class B>
   [[nodiscard]] const Skill<controllers>& skill() const noexcept {
@@ -219,8 +225,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
                                                     const Goal& request) const noexcept;
   template <class K>
   SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept;
-  template <class K>
-  SKINCTL_COLD void restart(typename Blend::Memory& m, const K& known) const noexcept;
   template <class Torque, class Shares, class T>
   [[nodiscard]] SKINCTL_COLD Torque bounded(detail::RateBound<joints>& bound,
                                             const typename Blend::Memory& before,
@@ -270,14 +274,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       if constexpr (detail::answers_touch<law_at<i.value>>) sum += shares[i.value];
     });
     return sum;
-  }
-  /// Whether a change is under way that keeps no tracking controller.
-  [[nodiscard]] static bool swaps(const typename Blend::Memory& m) noexcept {
-    if (!Blend::moves(m)) return false;
-    for (std::size_t i = 0; i < controllers; ++i)
-      if (Fusion::roles[i] == Role::tracking && m.from[i].feed_forward > 0 && m.to[i].feed_forward > 0)
-        return false;
-    return true;
   }
 
   Blend blend_;

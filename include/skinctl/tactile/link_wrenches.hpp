@@ -14,6 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <Topology M, LinkMask Skinned, Scalar T = double>
 struct LinkWrenches {
   static_assert((Skinned & ~all_links(M::joints)) == 0, "the mask names a link that the model does not have");
+  using model_type = M;
   using scalar = T;
   static constexpr LinkMask links = Skinned;
   static constexpr std::size_t count = static_cast<std::size_t>(std::popcount(Skinned));

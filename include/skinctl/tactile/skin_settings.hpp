@@ -12,20 +12,20 @@ SKINCTL_BEGIN_NAMESPACE
 struct SkinSettings {
   EventGate<> force = EventGate<>::dead_band(0.08);      ///< on the sum of the three force readings
   EventGate<> proximity = EventGate<>::dead_band(0.05);  ///< on the proximity reading
-  Nanoseconds max_age = 250_ms;  ///< a cell that has been silent for so long does not push
-  Nanoseconds fade = 50_ms;      ///< over the last part of `max_age` its force goes linearly to 0
-  Nanoseconds ramp = 6_ms;       ///< a reading changes at most so long before the sample that tells it
-  Nanoseconds catch_up = 20_ms;  ///< what a late sample tells about the past is made up for so far back
-  Nanoseconds max_ahead = 2_ms;  ///< a stamp up to so long after the interval counts as its end
+  Nanoseconds max_age = 250ms;  ///< a cell that has been silent for so long does not push
+  Nanoseconds fade = 50ms;      ///< over the last part of `max_age` its force goes linearly to 0
+  Nanoseconds ramp = 6ms;       ///< a reading changes at most so long before the sample that tells it
+  Nanoseconds catch_up = 20ms;  ///< what a late sample tells about the past is made up for so far back
+  Nanoseconds max_ahead = 2ms;  ///< a stamp up to so long after the interval counts as its end
 
   /// Throws `ConfigurationError` for times that are no times: `fade` and `ramp` > 0, `max_age >= fade`, the
   /// others >= 0.
   void check() const {
-    require(fade > 0, "SkinSettings: fade", double(fade), "> 0 ns");
-    require(max_age >= fade, "SkinSettings: max_age", double(max_age), ">= fade [ns]");
-    require(ramp > 0, "SkinSettings: ramp", double(ramp), "> 0 ns");
-    require(catch_up >= 0, "SkinSettings: catch_up", double(catch_up), ">= 0 ns");
-    require(max_ahead >= 0, "SkinSettings: max_ahead", double(max_ahead), ">= 0 ns");
+    require(fade > 0ns, "SkinSettings: fade", milliseconds(fade), "> 0 ms");
+    require(max_age >= fade, "SkinSettings: max_age", milliseconds(max_age), ">= fade [ms]");
+    require(ramp > 0ns, "SkinSettings: ramp", milliseconds(ramp), "> 0 ms");
+    require(catch_up >= 0ns, "SkinSettings: catch_up", milliseconds(catch_up), ">= 0 ms");
+    require(max_ahead >= 0ns, "SkinSettings: max_ahead", milliseconds(max_ahead), ">= 0 ms");
   }
 };
 

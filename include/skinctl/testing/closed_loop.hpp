@@ -50,7 +50,7 @@ class ClosedLoop {
 
   ClosedLoop(const typename Robot::Configuration& c, const std::array<double, 6>& q, double real_delay,
              double real_lag)
-      : robot(M{}, c), joints(kind, real_delay, real_lag, q), memory(robot.start(measure(0))) {}
+      : robot(M{}, c), joints(kind, real_delay, real_lag, q), memory(robot.start(measure(0ns))) {}
 
   State<6, T> measure(Nanoseconds now) {
     State<6, T> s;
@@ -64,12 +64,11 @@ class ClosedLoop {
 
   /// One cycle at `now`.
   auto step(Nanoseconds now, const Impulse& impulse) {
-    joints.advance(1e-9 * static_cast<double>(now));
+    joints.advance(seconds<double>(now));
     const auto interval = robot.interval(memory, now);
     Pushed<6, T> pushes[max_substeps];
     for (unsigned j = 0; j < interval.substeps; ++j) {
-      const double a = 1e-9 * static_cast<double>(interval.at(j)),
-                   b = 1e-9 * static_cast<double>(interval.at(j + 1));
+      const double a = seconds<double>(interval.at(j)), b = seconds<double>(interval.at(j + 1));
       const auto from = impulse(a), to = impulse(b);
       for (std::size_t i = 0; i < 6; ++i) pushes[j].torque[i] = static_cast<T>((to[i] - from[i]) / (b - a));
     }
@@ -80,7 +79,7 @@ class ClosedLoop {
     for (std::size_t i = 0; i < 6; ++i)
       row[i] =
           static_cast<double>(I == Interface::position ? out.command.position[i] : out.command.velocity[i]);
-    joints.command(1e-9 * static_cast<double>(now), row);
+    joints.command(seconds<double>(now), row);
     return out;
   }
 

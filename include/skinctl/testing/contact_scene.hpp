@@ -81,12 +81,12 @@ struct Obstacle {
 /// A scene from a seed: rate, delay of 0 to 5 cycles, skills, one or two obstacles.
 struct RandomScene {
   std::array<double, 6> pose{};
-  Nanoseconds period = 0;
+  Nanoseconds period{};
   int delay = 0;
   double lag = 0, energy = 1, tank = 1, stiffest = 0;
   RandomSkills law;
   std::vector<Obstacle> obstacles;
-  ResolverConfiguration<6> configuration{.limits = limits_of<ur5::Description>(20.0), .period = 8_ms};
+  RobotConfiguration<6> configuration{.limits = limits_of<ur5::Description>(20.0), .period = 8ms};
 
   /// What keeps it passive at the virtual and at the measured port.
   [[nodiscard]] auto keeper() const {
@@ -104,7 +104,7 @@ struct RandomScene {
     const auto pick = [&](int n) { return std::uniform_int_distribution<>(0, n - 1)(rng); };
     pose = {0.1, -1.5, 1.2, -1, -1.5, 0.3};
     for (double& q : pose) q += uniform(-0.5, 0.5);
-    period = std::array<Nanoseconds, 3>{8_ms, 4_ms, 2_ms}[std::size_t(pick(3))];
+    period = std::array<Nanoseconds, 3>{8ms, 4ms, 2ms}[std::size_t(pick(3))];
     delay = pick(6);
     lag = pick(2) * 0.006;
     const double speed = uniform(0.2, 1);
@@ -113,10 +113,10 @@ struct RandomScene {
     auto values = limits_of<ur5::Description>(brake).values();
     values.velocity = JointVelocity<6>::constant(speed);
     configuration = {.limits = JointLimits<6>(values), .period = period, .delay = delay * period};
-    configuration.lag = lag;
-    configuration.shape.decay = uniform(1, 8);
-    configuration.shape.viscous = JointTorque<6>::constant(uniform(0.5, 5));
-    configuration.leash = 5;
+    configuration.lag = nanoseconds(lag);
+    configuration.virtual_damping = uniform(1, 8);
+    configuration.viscous_friction = JointTorque<6>::constant(uniform(0.5, 5));
+    configuration.max_lead = 5;
     double reach = 0;
     for (int k = 0, n = 1 + pick(2); k < n; ++k) {
       Obstacle o;
@@ -179,7 +179,7 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
   out.least_tank = out.least_ledger = 1e9;
   double given = 0, given_virtual = 0, force[2] = {};
   auto last = joints.q();
-  for (Nanoseconds now = scene.period; now < 2_s; now += scene.period) {
+  for (Nanoseconds now = scene.period; now < 2s; now += scene.period) {
     const double t = seconds<double>(now);
     joints.advance(t);
     JointTouch next;

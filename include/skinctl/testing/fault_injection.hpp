@@ -9,8 +9,8 @@
 
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/resolver/torque_resolver.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/skilled_arm.hpp"
-#include "tests/support/robot_table.hpp"
 
 namespace skinctl::testing {
 
@@ -69,7 +69,7 @@ struct SpoiltSkills : Skills {
 };
 
 template <Interface I>
-using Robot = Resolver<I, ur5::Model, double, SemiImplicitEuler>;  // the least to compile
+using SmallResolver = Resolver<I, ur5::Model, double, SemiImplicitEuler>;  // the least to compile
 
 /// All skills of an arm; under sanitizers, where laws take long to compile, being led by hand.
 inline auto faulty_skills(double dt) {
@@ -88,22 +88,21 @@ auto faulty_scene() {
   SceneSettings s;
   s.decay = skilled_decay;
   const auto limits = ur5_test_limits<double>();
-  auto c = resolver_configuration<I, double>(s);
+  auto c = configuration_of<I, double>(s);
   c.dead_band =
       JointPosition<6>::constant(0.03);  // v_max times a period: the joints jump from sample to sample
-  if (I == Interface::torque) c.shape = {};
-  GuardConfiguration<6> g{.limits = limits, .period = s.period};
+  if (I == Interface::torque) c.set({});
   SkinSettings skin;
-  skin.max_age = 10_s;
-  const Spoilt robot{Robot<I>(ur5::Model{}, c)};
+  skin.max_age = 10s;
+  const Spoilt robot{SmallResolver<I>(ur5::Model{}, c)};
   const SpoiltSkills law{faulty_skills(seconds<double>(s.period))};
   const auto cells = ur5_skin<260>({.force = s.force_gain}, skin);
   LinkContact<2> contact{
-      .region = {.force = 280, .blow = 300, .first = 10, .stiffness = 1e5, .mass = 4, .power = 500},
+      .region = {.force = 280, .blow = 300, .first = 10s, .stiffness = 1e5, .mass = 4, .power = 500},
       .reach = 0.5,
-      .reaction = 0.02};
+      .reaction = 20ms};
   contact.newton = 10;
-  return Cycle(robot, law, cells, Guard<I, 6>(g),
+  return Cycle(robot, cells, law, Guard<I, 6>(c),
                make_governor(limits, contact_limits(ur5::Model{}, contact)));
 }
 
@@ -156,7 +155,7 @@ class FaultInjection {
                       : random.index(2) == 0 ? from - random.index(12)
                                              : 1;
     const auto before = static_cast<std::uint8_t>(asked == 1 ? skill : random.index(int(skills)));
-    auto& how = Spoilt<Robot<I>>::how;
+    auto& how = Spoilt<SmallResolver<I>>::how;
     using How = typename std::remove_reference_t<decltype(how)>;
     auto q = home_position();
     for (auto& x : q) x += random.uniform(-0.2, 0.2);
@@ -167,7 +166,7 @@ class FaultInjection {
     Fits fits;
     bool reported = false, awaited = false, calm = false;
     JointTorque<6> skin_torque{};
-    Nanoseconds now = 0;
+    Nanoseconds now{};
     const double pushes = random.uniform(0.02, 0.1);
     const int pause = 10 + random.index(20);
     constexpr auto& cells = ur5::skin_cells<260>;
@@ -183,7 +182,7 @@ class FaultInjection {
       input.measured.time = now;
       const bool pushed = (k / pause) % 2 == 0 && f.reason != Reason::contact_slowed;
       const auto f3 = static_cast<float>(pushed ? pushes : 0);
-      CellSample sample{.time = now - 1_ms, .cell = cell, .force = {f3, f3, f3}};
+      CellSample sample{.time = now - 1ms, .cell = cell, .force = {f3, f3, f3}};
       input.samples = std::span(&sample, 1);
       if (k == 0 || k + 1 == asked) ask(input, Skills::report(closed()));  // as force control wants it
       if (k == 1) ask(input, request(before, state.q, random));
@@ -278,7 +277,7 @@ class FaultInjection {
       sent_ = c;
       if (I == Interface::position) joints_.command(now, c.position);
       // Velocities are held for a period; then the robot's own watchdog stops it.
-      for (Nanoseconds t = 0; I == Interface::velocity && now > until_ && t < s_.period; t += 1_ms)
+      for (Nanoseconds t{}; I == Interface::velocity && now > until_ && t < s_.period; t += 1ms)
         joints_.command(now + t, goal_ = integrate(goal_, c.velocity, 0.001));
       until_ = now;
     }
@@ -289,7 +288,7 @@ class FaultInjection {
     JointPosition<6> goal_;
     State<6> state_;
     JointCommand<6> sent_;
-    Nanoseconds until_ = 0;
+    Nanoseconds until_{};
     JointLimits<6> limits_ = ur5_test_limits<double>();
   };
 
@@ -353,7 +352,7 @@ class FaultInjection {
 
   void inject(Reason reason, typename Scene::Input& input, CellSample& sample, int k, Nanoseconds& now,
               oracle::Random& random, const JointTorque<6>& skin_torque) {
-    auto& how = Spoilt<Robot<I>>::how;
+    auto& how = Spoilt<SmallResolver<I>>::how;
     using How = typename std::remove_reference_t<decltype(how)>;
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     const auto joint = static_cast<std::size_t>(random.index(6));
@@ -388,14 +387,14 @@ class FaultInjection {
         input.measured.time -= (k + 1) * s_.period;
         break;
       case Reason::time_backwards:
-        input.now -= 1_s * (1 + random.index(1000));
+        input.now -= 1s * (1 + random.index(1000));
         break;
       case Reason::interval_empty:
         now -= s_.period;
         input.now = input.measured.time = now;
         break;
       case Reason::interval_too_long:
-        now += 100_ms + 1_ms * random.index(5000);
+        now += 100ms + 1ms * random.index(5000);
         input.now = input.measured.time = sample.time = now;
         break;
       case Reason::packets_lost:
@@ -412,7 +411,7 @@ class FaultInjection {
         sample.cell = 100000;
         break;
       case Reason::sample_stale:
-        sample.time -= 11_s;
+        sample.time -= 11s;
         break;
       case Reason::contact_slowed:
         Skills::torque_added = 150;  // the arm gets fast
@@ -435,7 +434,7 @@ class FaultInjection {
 
   /// Limits, steps, numbers.
   void check_limits(const JointCommand<6>& last, const JointCommand<6>& c, Nanoseconds now, Injected& sum) {
-    const double dt = std::min(1e-9 * static_cast<double>(now - last.time), 5 * 0.008);
+    const double dt = std::min(seconds<double>(now - last.time), 5 * 0.008);
     bool good = c.valid;
     double step = 0;
     for (std::size_t i = 0; i < 6; ++i) {
@@ -462,7 +461,7 @@ class FaultInjection {
 
   /// Whether every joint brakes with the acceleration limit.
   [[nodiscard]] bool brakes(const JointCommand<6>& last, const JointCommand<6>& c, Nanoseconds now) const {
-    const double dt = now > last.time ? std::min(1e-9 * static_cast<double>(now - last.time), 0.04) : 0.008;
+    const double dt = now > last.time ? std::min(seconds<double>(now - last.time), 0.04) : 0.008;
     for (std::size_t i = 0; i < 6; ++i) {
       const double rest = std::max(0.0, std::abs(last.velocity[i]) - limits_.acceleration()[i] * dt);
       if (std::abs(c.velocity[i]) > rest * (1 + 1e-9) + 1e-12) return false;

@@ -4,7 +4,7 @@
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/quantities.hpp"
-#include "tests/trajectory/exact.hpp"
+#include "skinctl/testing/random.hpp"
 
 namespace skinctl::testing {
 

@@ -22,6 +22,25 @@ using Random = std::mt19937_64;
   return Random(seed);
 }
 
+/// Between -1 and 1, from 31 random bits: short to write where any number will do.
+class Seeded {
+ public:
+  explicit Seeded(unsigned seed) : bits_(seed) {}
+  double operator()() { return static_cast<double>(bits_()) / 2147483648.0 - 1.0; }
+  /// Between `low` and `high`.
+  double between(double low, double high) { return low + 0.5 * (1 + (*this)()) * (high - low); }
+  /// A joint vector with elements up to `size`.
+  template <class V>
+  V vector(double size) {
+    V v;
+    for (auto& x : v) x = static_cast<typename V::scalar>(size * (*this)());
+    return v;
+  }
+
+ private:
+  std::mt19937 bits_;
+};
+
 /// Between `low` and `high`, with every digit of `T` random; std's distributions differ between libraries.
 template <Real T>
 [[nodiscard]] T uniform(Random& random, const T& low, const T& high) {
@@ -34,6 +53,30 @@ template <Real T>
   return low + (high - low) * unit;
 }
 
+/// Between -1 and 1, with every digit of `T` random.
+template <Real T>
+[[nodiscard]] T uniform(Random& random) {
+  std::uniform_real_distribution<double> draw(-1.0, 1.0);
+  T value(0);
+  T weight(1);
+  for (int digits = 0; digits < std::numeric_limits<T>::digits; digits += 50) {
+    value = value + weight * T(draw(random));
+    weight = weight * T(0x1p-50);
+  }
+  return value;
+}
+
+template <Real T>
+[[nodiscard]] T epsilon() {
+  return std::numeric_limits<T>::epsilon();
+}
+
+template <Real T>
+[[nodiscard]] T magnitude(const T& x) {
+  return x < T(0) ? T(-x) : x;
+}
+
+/// pi to the digits of `T`.
 template <Real T>
 [[nodiscard]] T pi() {
   using std::acos;
@@ -65,7 +108,7 @@ template <std::size_t N, Real T>
 /// `value` as it stands in a program, to the last digit: paste it into a test.
 template <Real T>
 [[nodiscard]] std::string as_code(const T& value) {
-  const std::string type = std::same_as<T, float> ? "float" : std::same_as<T, double> ? "double" : "Exact";
+  const std::string type = std::same_as<T, float> ? "float" : std::same_as<T, double> ? "double" : "Digits50";
   if (!(value == value)) return "std::numeric_limits<" + type + ">::quiet_NaN()";
   if (value > std::numeric_limits<T>::max()) return "std::numeric_limits<" + type + ">::infinity()";
   if (value < std::numeric_limits<T>::lowest()) return "-std::numeric_limits<" + type + ">::infinity()";

@@ -1,51 +1,14 @@
-// Seeded rotations, poses and vectors for the laws of the frames, made independently of skinctl's own
-// formulas.
+// Seeded rotations, poses and vectors, made independently of skinctl's own formulas.
 #pragma once
 
-#include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
-#include <iomanip>
-#include <limits>
-#include <numbers>
-#include <random>
-#include <sstream>
 #include <string>
 
 #include "skinctl/frames/transform.hpp"
+#include "skinctl/testing/random.hpp"
 
 namespace skinctl::testing {
 
-/// The oracle's scalar: 50 decimal digits.
-using Exact =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-using Random = std::mt19937_64;
-
-inline Random seeded(std::uint64_t seed) {
-  return Random(seed);
-}
-
-template <class T>
-T epsilon() {
-  return std::numeric_limits<T>::epsilon();
-}
-/// pi to the digits of `T`.
-template <class T>
-T pi() {
-  using std::acos;
-  return acos(T(-1));
-}
-/// Between -1 and 1, with every digit of `T` random.
-template <class T>
-T uniform(Random& rng) {
-  std::uniform_real_distribution<double> draw(-1.0, 1.0);
-  T value(0), weight(1);
-  for (int digits = 0; digits < std::numeric_limits<T>::digits; digits += 50) {
-    value = value + weight * T(draw(rng));
-    weight = weight * T(std::ldexp(1.0, -50));
-  }
-  return value;
-}
 template <class T>
 Xyz<T> random_xyz(Random& rng, const T& reach) {
   const T x = uniform<T>(rng), y = uniform<T>(rng), z = uniform<T>(rng);
@@ -103,13 +66,6 @@ Rotation<U> cast(const Rotation<T>& R) {
 }
 
 /// A value as the code that makes it, so that a failing case can be pasted into a test of its own.
-template <class T>
-std::string as_code(const Xyz<T>& v) {
-  std::ostringstream out;
-  out << std::setprecision(std::numeric_limits<T>::max_digits10) << "{T(" << v.x << "), T(" << v.y << "), T("
-      << v.z << ")}";
-  return out.str();
-}
 template <class T>
 std::string as_code(const Rotation<T>& R) {
   return "Rotation<T>{" + as_code(R.x) + ", " + as_code(R.y) + ", " + as_code(R.z) + "}";

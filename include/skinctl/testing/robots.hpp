@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <vector>
 
@@ -11,16 +10,13 @@
 #include "skinctl/model/allegro.hpp"
 #include "skinctl/model/placement.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "tests/support/robot_table.hpp"
+#include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/robot_table.hpp"
 
 namespace skinctl::testing {
 
-/// Fifty decimal digits: the oracle's scalar.
-using Wide =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-
 template <class M>
-struct Robot {
+struct TabledRobot {
   using Model = M;
   static constexpr std::size_t joints = M::joints;
   const char* name;
@@ -56,7 +52,7 @@ inline PlacedLink placed(const oracle::Body& b) {
 
 /// A random robot of a given shape, the same numbers for the model and for the oracles.
 template <class Tree, class T = double>
-Robot<CalibratedModel<Tree, T>> random_robot(const char* name, std::uint64_t seed) {
+TabledRobot<CalibratedModel<Tree, T>> random_robot(const char* name, std::uint64_t seed) {
   oracle::Random random(seed);
   oracle::Robot table;
   std::array<PlacedLink, Tree::joints> links;
@@ -76,15 +72,16 @@ Robot<CalibratedModel<Tree, T>> random_robot(const char* name, std::uint64_t see
 }
 
 inline auto ur5_robot() {
-  return Robot<ur5::Model>{"ur5", {}, oracle::ur5(), {}};
+  return TabledRobot<ur5::Model>{"ur5", {}, oracle::ur5(), {}};
 }
 template <class T = double>
 auto ur5_calibrated_robot() {
-  return Robot<ur5::Calibrated<T>>{
+  return TabledRobot<ur5::Calibrated<T>>{
       "ur5 calibrated", calibrated_from<ur5::Description, T>(), oracle::ur5(), {}};
 }
 inline auto allegro_robot() {
-  Robot<CalibratedModel<allegro::Tree>> robot{"allegro", allegro::right_hand(), oracle::allegro_right(), {}};
+  TabledRobot<CalibratedModel<allegro::Tree>> robot{
+      "allegro", allegro::right_hand(), oracle::allegro_right(), {}};
   for (std::size_t f = 0; f < 4; ++f) {
     const auto canonical = canonical_links<Chain<4>>(allegro::finger_links(f));
     for (std::size_t i = 0; i < 4; ++i) robot.turn[4 * f + i] = canonical.turn[i];
@@ -120,20 +117,20 @@ struct Motion {
 };
 
 template <class V>
-std::vector<Wide> wide(const V& v) {
-  std::vector<Wide> out;
-  for (const auto& x : v) out.push_back(Wide(x));
+std::vector<Digits50> wide(const V& v) {
+  std::vector<Digits50> out;
+  for (const auto& x : v) out.push_back(Digits50(x));
   return out;
 }
 
 /// Largest difference of two rows of numbers, relative to the largest number in the second.
 template <class A, class B>
 double relative_error(const A& a, const B& b, std::size_t n) {
-  Wide error(0), scale(0);
+  Digits50 error(0), scale(0);
   for (std::size_t i = 0; i < n; ++i) {
-    const Wide difference = abs(Wide(a[i]) - Wide(b[i]));
+    const Digits50 difference = abs(Digits50(a[i]) - Digits50(b[i]));
     if (!(difference <= error)) error = difference;
-    if (const Wide size = abs(Wide(b[i])); size > scale) scale = size;
+    if (const Digits50 size = abs(Digits50(b[i])); size > scale) scale = size;
   }
   return scale == 0 ? static_cast<double>(error) : static_cast<double>(error / scale);
 }

@@ -12,6 +12,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 namespace skinctl::testing {
 
@@ -32,41 +33,49 @@ JointLimits<6, T> ur5_test_limits() {
 }
 
 struct SceneSettings {
-  Nanoseconds period = 8_ms;
-  Nanoseconds delay = 8_ms;
-  double lag = 0;
+  Nanoseconds period = 8ms;
+  Nanoseconds delay = 8ms;
+  Nanoseconds lag{};
   double decay = 6;        ///< friction of the virtual robot: B = decay M [1/s]
   double viscous = 0;      ///< and of each virtual joint [N m s/rad]
   double force_gain = 40;  ///< N per unit of reading
-  double lambda = 25, K_c = 5, tb = 4;
+  double lambda = 25, K_c = 5;
+  Nanoseconds tb = 4s;
 };
 
 template <class T>
-VirtualShape<6, T> shape(const SceneSettings& s) {
-  VirtualShape<6, T> out;
-  out.decay = T(s.decay);
+VirtualDynamics<6, T> shape(const SceneSettings& s) {
+  VirtualDynamics<6, T> out;
+  out.damping = T(s.decay);
   for (auto& b : out.viscous) b = T(s.viscous);
   return out;
 }
 
 template <Interface I, class T>
-ResolverConfiguration<6, T> resolver_configuration(const SceneSettings& s) {
-  ResolverConfiguration<6, T> c{.limits = ur5_test_limits<T>(), .period = s.period, .delay = s.delay};
-  c.lag = T(s.lag);
-  c.shape = shape<T>(s);
+RobotConfiguration<6, T> configuration_of(const SceneSettings& s) {
+  RobotConfiguration<6, T> c{.limits = ur5_test_limits<T>(), .period = s.period, .delay = s.delay};
+  c.lag = s.lag;
+  c.set(shape<T>(s));
   return c;
+}
+
+/// The robot of the scene.
+template <Interface I, class T>
+auto test_robot(const SceneSettings& s) {
+  const auto c = configuration_of<I, T>(s);
+  if constexpr (I == Interface::torque) {
+    return by_torque<T>(ur5::Model{}, c, FrictionUncompensated{});
+  } else {
+    return robot_by<I, T>(ur5::Model{}, c);
+  }
 }
 
 /// Everything but the law.
 template <Interface I, std::size_t Cells, class T, class L>
 auto make_scene(const L& law, const SceneSettings& s = {}) {
-  const auto c = resolver_configuration<I, T>(s);
-  GuardConfiguration<6, T> g{.limits = c.limits, .period = s.period};
-  g.longest_interval = 10 * s.period;
   SkinSettings skin;
-  skin.max_age = 10_s;  // tests send changes only
-  return Cycle(Resolver<I, ur5::Model, T>(ur5::Model{}, c), law,
-               ur5_skin<Cells, T>({.force = s.force_gain}, skin), Guard<I, 6, T>(g));
+  skin.max_age = 10s;  // tests send changes only
+  return Cycle(test_robot<I, T>(s), ur5_skin<Cells, T>({.force = s.force_gain}, skin), law);
 }
 
 /// Skin and gravity: the arm is led by hand.
@@ -79,11 +88,11 @@ auto kinesthetic_scene(const SceneSettings& s = {}) {
 template <Interface I = Interface::position, std::size_t Cells = 260, class T = double>
 auto reaching_scene(const SceneSettings& s = {}) {
   JointControlSettings<6, T> settings;
-  settings.dt = T(0.002);
+  settings.dt = 2ms;
   settings.lambda = T(s.lambda);
   settings.K_c = T(s.K_c);
-  settings.tb = T(s.tb);
-  settings.shape = shape<T>(s);
+  settings.tb = s.tb;
+  settings.virtual_dynamics = shape<T>(s);
   return make_scene<I, Cells, T>(SplineJoint<6, T>(settings) + SkinJointControl{} + GravityControl{}, s);
 }
 
@@ -92,10 +101,10 @@ auto reaching_scene(const SceneSettings& s = {}) {
 template <class T = double>
 class StiffJoints {
  public:
-  StiffJoints(const JointPosition<6, T>& q, Nanoseconds delay, double lag, Nanoseconds step = 1_ms)
+  StiffJoints(const JointPosition<6, T>& q, Nanoseconds delay, Nanoseconds lag, Nanoseconds step = 1ms)
       : step_(step),
         delay_(delay),
-        alpha_(lag > 0 ? T(1 - std::exp(-1e-9 * static_cast<double>(step) / lag)) : T(1)) {
+        alpha_(lag > 0ns ? T(1 - std::exp(-seconds<double>(step) / seconds<double>(lag))) : T(1)) {
     state_.q = q;
     target_ = q;
   }
@@ -135,17 +144,5 @@ class StiffJoints {
   std::deque<Queued> queue_;
   bool blocked_ = false;
 };
-
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr int sanitized = 1;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-inline constexpr int sanitized = 1;
-#else
-inline constexpr int sanitized = 0;
-#endif
-#else
-inline constexpr int sanitized = 0;
-#endif
 
 }  // namespace skinctl::testing

@@ -34,11 +34,11 @@ inline constexpr double skilled_decay = 6;
 template <class T>
 JointControlSettings<6, T> skilled_settings(const T& dt) {
   JointControlSettings<6, T> s;
-  s.dt = dt;
+  s.dt = nanoseconds(dt);
   s.lambda = T(0.2) / dt > T(60) ? T(60) : T(T(0.2) / dt);
   s.K_c = T(8);
-  s.tb = T(4);
-  s.shape.decay = T(skilled_decay);
+  s.tb = 4s;
+  s.virtual_dynamics.damping = T(skilled_decay);
   return s;
 }
 
@@ -233,13 +233,6 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
       if (Set::Fusion::roles[i] == Role::reactive) tau += e.shares[i];
     return tau;
   };
-  // A change that keeps a tracking law moves the skin's weights alone: what that law does is its own affair.
-  const auto keeps = [](const auto& blend) {
-    for (std::size_t i = 0; i < Set::controllers; ++i)
-      if (Set::Fusion::roles[i] == Role::tracking && blend.from[i].feedback > 0 && blend.to[i].feedback > 0)
-        return true;
-    return !Set::Blend::moves(blend);
-  };
   auto memory = run.memory();  // of the last cycle
   JointTorque<6, T> own;       // torque without the skin's, then
   double time = -cycles(0.1) * static_cast<double>(dt);
@@ -247,7 +240,8 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
   const auto follow = [&](double* fastest, bool all) {
     const auto before = last();
     const auto weighed = before - own;
-    const bool whole = all || !keeps(run.memory().blend);
+    // A change that keeps a tracking law moves the skin's weights alone: what that law does is its own affair.
+    const bool whole = all || Set::Blend::swaps(run.memory().blend);
     memory = run.memory();
     const auto e = run.step();
     const auto felt = skin(e);

@@ -62,13 +62,13 @@ class SkilledDay {
   }
   /// Home, by the joints.
   void go_home() {
-    ask(Set::template start_skill<behaviour::ReachJointGoal>(JointGoal<6, T>{home_position<T>(), 5_s}));
+    ask(Set::template start_skill<behaviour::ReachJointGoal>(JointGoal<6, T>{home_position<T>(), 5s}));
   }
 
   /// What happens now and then: another skill with goals around here, another goal, a touch, a release.
   void happen() {
     const auto once_in = [&](double s) {
-      return static_cast<double>(random_() >> 11) * 0x1p-53 * s < static_cast<double>(period_) * 1e-9;
+      return static_cast<double>(random_() >> 11) * 0x1p-53 * s < seconds<double>(period_);
     };
     if (once_in(3)) ask(any_goal(Set::start_skill(static_cast<std::uint8_t>(random_() % Set::skills))));
     if (once_in(6)) ask(any_goal(Goal{}));

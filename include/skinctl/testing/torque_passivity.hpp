@@ -19,12 +19,12 @@ struct TorqueEnergies {
 template <class Keeper>
 TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
   using Robot = Resolver<Interface::torque, ur5::Model, double, CrankNicolson, 32, Keeper>;
-  constexpr Nanoseconds period = 1_ms;
+  constexpr Nanoseconds period = 1ms;
   auto law = scene.law;
   for (Skill& s : law.skills) s.damping *= 0.1;  // what a wrist takes that is commanded once a millisecond
-  ResolverConfiguration<6> c{.limits = scene.configuration.limits, .period = period};
-  c.shape.viscous = scene.configuration.shape.viscous;
-  c.leash = 5;
+  RobotConfiguration<6> c{.limits = scene.configuration.limits, .period = period};
+  c.viscous_friction = scene.configuration.viscous_friction;
+  c.max_lead = 5;
   c.dead_band = JointPosition<6>::constant(1e-3);
   const Robot robot(ur5::Model{}, c, keeper);
   State<6> state;
@@ -35,10 +35,10 @@ TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
   TorqueEnergies out;
   double given = 0;
   const double h = 1e-4;
-  for (Nanoseconds now = period; now < 2_s; now += period) {
+  for (Nanoseconds now = period; now < 2s; now += period) {
     JointTouch touch;
     const double from = seconds<double>(now - period);
-    const auto steps = static_cast<int>(period / 100_us);
+    const auto steps = static_cast<int>(period / 100us);
     for (int j = 0; j <= steps; ++j) {
       touch.contacts.count = 0;
       std::array<double, 6> q{}, dq{};

@@ -9,6 +9,8 @@
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "skinctl/tracking/joint_space.hpp"
+#include "skinctl/trajectory/quintic.hpp"
 
 namespace skinctl::testing {
 
@@ -40,7 +42,7 @@ Swings touch_and_release(const L& law, Wanted&& wanted, double rate, int trials,
   Seeded rng(seed);
   Swings out;
   for (int trial = 0; trial < trials; ++trial) {
-    State<6> x{0, rng.vector<JointPosition<6>>(1.5), {}};
+    State<6> x{0ns, rng.vector<JointPosition<6>>(1.5), {}};
     JointGoal<6> goal{x.q, nanoseconds(rng.between(1.5, 3))};
     for (double& q : goal.q_g) q += 0.6 * rng();
     auto memory = law.start(K(model, x, dt, untouched));

@@ -30,15 +30,15 @@ struct Touched {
 /// The displacement [m] along `row`, cycle by cycle, of a robot at `q0` that is tied to a spring of
 /// `stiffness` which pushes and pulls, after it was set off by `kick` [m]; `damping` along it. The spring's
 /// force comes linearly between cycles.
-inline std::vector<double> tied_to_a_spring(const ResolverConfiguration<6>& c, const JointPosition<6>& q0,
+inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, const JointPosition<6>& q0,
                                             const double (&row)[6], double stiffness, double damping,
                                             double seconds_long, double kick = 1e-7) {
   using Keeper = Passivity<ContactDamper<>>;
   const Keeper keeper(ContactDamper<>({.always = damping}));
   const Resolver<Interface::position, ur5::Model, double, CrankNicolson, 64, Keeper> robot(ur5::Model{}, c,
                                                                                            keeper);
-  SimulatedJoints<6> joints(SimulatedJoints<6>::Kind::position, seconds<double>(c.delay) - 1e-9, c.lag,
-                            {q0[0], q0[1], q0[2], q0[3], q0[4], q0[5]});
+  SimulatedJoints<6> joints(SimulatedJoints<6>::Kind::position, seconds<double>(c.delay) - 1e-9,
+                            seconds<double>(c.lag), {q0[0], q0[1], q0[2], q0[3], q0[4], q0[5]});
   State<6> measured;
   measured.q = q0;
   auto memory = robot.start(measured);
@@ -78,7 +78,7 @@ inline std::vector<double> tied_to_a_spring(const ResolverConfiguration<6>& c, c
 }
 
 /// Whether the swinging dies out.
-inline bool swings_out(const ResolverConfiguration<6>& c, const JointPosition<6>& q0, const double (&row)[6],
+inline bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q0, const double (&row)[6],
                        double stiffness, double damping = 0) {
   const auto path = tied_to_a_spring(c, q0, row, stiffness, damping, 8);
   const auto largest = [&](std::size_t from, std::size_t to) {

@@ -42,6 +42,8 @@ template <class L>
 class Adaptive : public Composable {
  public:
   static constexpr std::size_t N = L::N;
+  static constexpr std::size_t joints = N;
+  using scalar = typename L::scalar;
   using T = typename L::T;
   using Goal = typename L::Goal;
   using Surface = typename L::Surface;
@@ -106,6 +108,16 @@ class Adaptive : public Composable {
   [[nodiscard]] Memory advance(const Memory& memory, const K& known, const T& dt,
                                Opposition opposition) const noexcept {
     return advance(memory, known, dt, opposition, now(memory, known));
+  }
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
+    return law_.settled(memory.law, known, still);
+  }
+  /// See `Tracking::with_target`.
+  template <class Target>
+  [[nodiscard]] static Memory with_target(Memory memory, const Target& target) noexcept {
+    memory.law = L::with_target(memory.law, target);
+    return memory;
   }
   [[nodiscard]] Status status(const Memory& memory) const noexcept { return law_.status(memory.law); }
 

@@ -12,14 +12,14 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Scalar T = double>
 struct JointGoal {
   JointPosition<N, T> q_g;
-  Nanoseconds duration = 0;  ///< from the moment of reception; 0: as long as `max_velocity` asks for
+  Nanoseconds duration{};  ///< from the moment of reception; 0: as long as `max_velocity` asks for
 };
 
 /// The joints as the coordinates of a tracking law: what `Tracking` asks of a space, at no cost.
 ///
 /// A space has `joints` and `coordinates`, `Settings` (from which `tracking` picks the gains), a `Memory` of
 /// its own, `needs`. Of plans it knows places (`Where`, `where`, `place`), goals and their `shortest_time`,
-/// a `spline`, references that go `ahead` and `slow` down, whether it `allows` one, the `distance` of two and
+/// a `spline`, references that go `ahead` and `slow` down, whether one `stands`, whether it `allows` one, the `distance` of two and
 /// its `slowness`: how long the largest of them takes at the largest speed. Of laws it knows
 /// - `site(known)`, `site(model, q, dq)`: all that it reads of a state;
 /// - `errors(target, site, memory)`: eqs. (13) or (20), (21);
@@ -39,6 +39,10 @@ class JointSpace {
   static constexpr Needs needs = {};
   using scalar = T;
   using Settings = JointControlSettings<N, T>;
+  template <class Robot>
+  [[nodiscard]] static Settings settings_of(const Robot& robot) {
+    return tracking_settings(robot);
+  }
   using Surface = SlidingSurface<N, T>;
   using Reference = JointReference<N, T>;
   using Inputs = SurfaceInputs<N, T>;
@@ -71,6 +75,12 @@ class JointSpace {
   [[nodiscard]] static SKINCTL_INLINE constexpr Spline spline(const Where& from, const Where& to,
                                                               const T& tf) noexcept {
     return {from, to, tf};
+  }
+  /// Whether a reference does not move.
+  [[nodiscard]] static constexpr bool stands(const Reference& r) noexcept {
+    for (const T& v : r.dq_d)
+      if (v != T(0)) return false;
+    return true;
   }
   /// NaN or infinite if the goal is not finite.
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {

@@ -33,6 +33,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   using Targets::coordinates;
   static constexpr Needs needs = {.jacobians = link_bit<I>};
   using scalar = T;
+  using Placement = Transform<Link<I>, P, T>;  ///< of the frame in its link
   using typename Targets::Errors;
   using typename Targets::Reference;
   using typename Targets::Settings;

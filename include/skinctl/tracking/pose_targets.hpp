@@ -27,11 +27,18 @@ struct OperationalSettings {
   T least_damping = T(0.02);  ///< l at a singularity where next to nothing is asked
 };
 
+/// Settings of an operational law for this robot: see `tracking_settings`.
+template <class Robot>
+[[nodiscard]] OperationalSettings<Robot::joints, typename Robot::scalar> operational_settings(
+    const Robot& robot) {
+  return {.tracking = tracking_settings(robot)};
+}
+
 /// Where a frame has to go, and in what time.
 template <Frame P, Scalar T = double>
 struct PoseGoal {
   Transform<Base, P, T> X_BP;
-  Nanoseconds duration = 0;  ///< from the moment of reception; 0: as long as the speeds ask for
+  Nanoseconds duration{};  ///< from the moment of reception; 0: as long as the speeds ask for
 };
 
 /// What plans (`SplinePlan`, `TargetPlan`, `ReactivePlan`) ask of operational space, beside the state: poses
@@ -41,6 +48,10 @@ class PoseTargets {
  public:
   static constexpr std::size_t coordinates = What == Task::pose ? 6 : 3;
   using Settings = OperationalSettings<N, T>;
+  template <class Robot>
+  [[nodiscard]] static Settings settings_of(const Robot& robot) {
+    return operational_settings(robot);
+  }
   using Reference = PoseReference<P, T>;
   using Errors = SurfaceErrors<coordinates, T>;
   using Where = Transform<Base, P, T>;
@@ -51,6 +62,9 @@ class PoseTargets {
   [[nodiscard]] static SKINCTL_INLINE const Where& place(const Goal& goal) noexcept { return goal.X_BP; }
   [[nodiscard]] static Spline spline(const Where& from, const Where& to, const T& tf) noexcept {
     return {from, to, tf};
+  }
+  [[nodiscard]] static bool stands(const Reference& r) noexcept {
+    return dot(r.V.linear, r.V.linear) == T(0) && dot(r.V.angular, r.V.angular) == T(0);
   }
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
     const T way = norm(Xyz<T>(goal.X_BP.origin() - from.origin()));

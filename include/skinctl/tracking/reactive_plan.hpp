@@ -26,12 +26,12 @@ struct ReactivePlan {
   static constexpr bool reacts = true;
 
   Goal target;          ///< as it came
-  Nanoseconds age = 0;  ///< since then
+  Nanoseconds age{};    ///< since then
   bool stands = false;  ///< the skin pushes against the law: the reference comes to rest
   Goal reference;       ///< what the law follows
 
   [[nodiscard]] static ReactivePlan standing(const Where& at, const Settings&) noexcept {
-    return {Goal{at, {}, {}}, 0, false, Goal{at, {}, {}}};
+    return {Goal{at, {}, {}}, 0ns, false, Goal{at, {}, {}}};
   }
   /// The reference `x` seconds from now, x up to an interval.
   [[nodiscard]] Goal at(const T& x, const Settings&) const noexcept { return Space::ahead(reference, x); }
@@ -41,10 +41,10 @@ struct ReactivePlan {
     const T step = seconds<T>(dt);
     if (!(step > T(0))) return next;
     // The target goes on as it came for its age, then stands.
-    const T old = seconds<T>(age), most = Space::tracking(s).target_age;
-    const T t = old < most ? old : most;
+    const Nanoseconds most = Space::tracking(s).target_age;
+    const T t = seconds<T>(age < most ? age : most);
     Goal now = Space::ahead(Space::drifting(target), t);
-    if (old >= most || stands) now = Space::resting(now);
+    if (age >= most || stands) now = Space::resting(now);
     if (stands) now = Space::resting(reference);
     Space::react(next.reference, now, s, step);
     return next;
@@ -59,7 +59,7 @@ struct ReactivePlan {
     if (!Space::finite(goal)) return {*this, Reason::goal_refused};
     ReactivePlan next = *this;
     next.target = goal;
-    next.age = 0;
+    next.age = 0ns;
     return {next, Space::allows(goal, s) ? Status{} : Status(Reason::goal_stretched)};
   }
 };

@@ -66,7 +66,7 @@ struct SurfaceGains {
       : K_i1(s.K_i1),
         K_i2(s.K_i2),
         mu(s.mu),
-        slope(Sign::slope(s.mu, s.K_i2, s.dt)),
+        slope(Sign::slope(s.mu, s.K_i2, seconds<T>(s.dt))),
         I1_limit(s.K_i1 > T(0) ? T(s.integral_limit / s.K_i1) : T(1)),
         I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {}
 

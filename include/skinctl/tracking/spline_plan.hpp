@@ -47,14 +47,14 @@ struct SplinePlan {
                                         const Settings& settings) const noexcept {
     const auto& s = Space::tracking(settings);
     const T shortest = Space::shortest_time(where, goal, settings);
-    const T least = shortest > T(10) * s.dt ? shortest : T(T(10) * s.dt);
-    if (!(shortest < T(1e9)) || goal.duration < 0) return {*this, Reason::goal_refused};
+    const T intervals = T(10) * seconds<T>(s.dt), least = shortest > intervals ? shortest : intervals;
+    if (!(shortest < T(1e9)) || goal.duration < 0ns) return {*this, Reason::goal_refused};
     const T asked = seconds<T>(goal.duration);
-    const PlanClock<T> begun{0, clock_end, clock.to, clock.to};  // a held plan stays so
+    const PlanClock<T> begun{0ns, clock_end, clock.to, clock.to};  // a held plan stays so
     if (asked >= least) return {{Space::spline(where, Space::place(goal), asked), begun}, {}};
-    if (goal.duration > 0 && s.reach == Reach::refuse) return {*this, Reason::goal_refused};
+    if (goal.duration > 0ns && s.reach == Reach::refuse) return {*this, Reason::goal_refused};
     return {{Space::spline(where, Space::place(goal), least), begun},
-            goal.duration > 0 ? Status(Reason::goal_stretched) : Status{}};
+            goal.duration > 0ns ? Status(Reason::goal_stretched) : Status{}};
   }
 };
 

@@ -70,9 +70,7 @@ struct SurfaceBias {
     return x * rest * rest * (T(1) - T(2.5) * r);
   }
   /// Whether the hand-over still goes on.
-  [[nodiscard]] SKINCTL_INLINE bool hands_over(const T& T_h) const noexcept {
-    return seconds<T>(elapsed) < T_h;
-  }
+  [[nodiscard]] SKINCTL_INLINE bool hands_over(Nanoseconds T_h) const noexcept { return elapsed < T_h; }
 };
 
 SKINCTL_END_NAMESPACE

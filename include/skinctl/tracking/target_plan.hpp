@@ -30,6 +30,10 @@ struct TargetPlan {
                                                                     const Settings&) noexcept {
     return {Goal{at, {}, {}}, {}, false};
   }
+  /// A target that has just come.
+  [[nodiscard]] static SKINCTL_INLINE constexpr TargetPlan moved(const Goal& goal) noexcept {
+    return {goal, {}, false};
+  }
   /// The target `x` seconds from now.
   [[nodiscard]] SKINCTL_INLINE Goal at(const T& x, const Settings& s) const noexcept {
     const auto own = clock.at(x, Space::tracking(s).target_age);
@@ -39,14 +43,14 @@ struct TargetPlan {
   }
   [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan advanced(Nanoseconds dt,
                                                              const Settings& s) const noexcept {
-    const T age = Space::tracking(s).target_age;
+    const Nanoseconds age = Space::tracking(s).target_age;
     const auto next = clock.advanced(dt, age);
-    if (aged || seconds<T>(next.own) < age) return {target, next, aged};
+    if (aged || next.own < age) return {target, next, aged};
     return {target, next.changed(false, age), true};
   }
   /// Whether `goal` is where this target leads, to within what the largest speed covers in an interval.
   [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
-    return Space::slowness(Space::distance(goal, at(T(0), s)), s) <= Space::tracking(s).dt;
+    return Space::slowness(Space::distance(goal, at(T(0), s)), s) <= seconds<T>(Space::tracking(s).dt);
   }
   /// The target comes from outside, where its time is not ours to hold.
   [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan held(bool, const Settings&) const noexcept {
@@ -56,7 +60,7 @@ struct TargetPlan {
   /// The new target. One that is not finite, or itself faster than the settings allow, is refused.
   [[nodiscard]] Received<TargetPlan> to(const Goal& goal, const Where&, const Settings& s) const noexcept {
     if (!Space::allows(goal, s)) return {*this, Reason::goal_refused};
-    return {{goal, {}, false}, {}};
+    return {moved(goal), {}};
   }
 };
 

@@ -8,11 +8,26 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+namespace detail {
+/// The placement that a space is built from; of joints there is none.
+template <class Space>
+struct PlacementIn {
+  struct type {};
+};
+template <class Space>
+  requires requires { typename Space::Placement; }
+struct PlacementIn<Space> {
+  using type = typename Space::Placement;
+};
+template <class Space>
+using PlacementOf = typename PlacementIn<Space>::type;
+}  // namespace detail
+
 /// What a tracking law remembers; trivially copyable.
 template <class Space, class Plan, class Sign = TanhSign>
 struct TrackingMemory {
   using T = typename Space::scalar;
-  Nanoseconds since_reset = 0;
+  Nanoseconds since_reset{};
   bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
   Plan plan;
   SurfaceBias<Space::coordinates, T> bias;
@@ -41,7 +56,9 @@ template <class Space, class Plan, class Damping = InertialDamping<typename Spac
 class Tracking : public Composable {
  public:
   static constexpr std::size_t N = Space::joints;
+  static constexpr std::size_t joints = N;
   static constexpr std::size_t coordinates = Space::coordinates;
+  using scalar = typename Space::scalar;
   using T = typename Space::scalar;
   using Memory = TrackingMemory<Space, Plan, Sign>;
   using Goal = typename Plan::Goal;
@@ -61,6 +78,18 @@ class Tracking : public Composable {
   Tracking(const Space& space, const Settings& settings)
     requires std::same_as<Damping, InertialDamping<T>>
       : Tracking(space, settings, InertialDamping<T>(Space::tracking(settings).lambda)) {}
+  /// For a described robot: `tracking_settings(robot)`.
+  template <DescribedRobot R>
+  explicit Tracking(const R& robot)
+    requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
+      : Tracking(Space::settings_of(robot)) {}
+  template <DescribedRobot R>
+  Tracking(const R& robot, const detail::PlacementOf<Space>& X_LP)
+    requires(std::same_as<Damping, InertialDamping<T>>)
+      : Tracking(X_LP, Space::settings_of(robot)) {}
+  Tracking(const detail::PlacementOf<Space>& X_LP, const Settings& settings)
+    requires(std::same_as<Damping, InertialDamping<T>> && !std::default_initializable<Space>)
+      : Tracking(Space(X_LP, settings), settings) {}
   Tracking(const Space& space, const Settings& settings, const Damping& damping)
       : space_(space),
         settings_(settings),
@@ -70,6 +99,8 @@ class Tracking : public Composable {
     check(gains(), damping.fastest(), gains_.slope);
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+  /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot.
+  void check_for(const LawTerms<N, T>& robot) const { skinctl::check_for(gains(), robot); }
   [[nodiscard]] const Space& space() const noexcept { return space_; }
 
   /// Takes over at the state that is known: the target stands where the robot is, `S_d` takes up its
@@ -78,7 +109,7 @@ class Tracking : public Composable {
   [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
     Memory memory;
     memory.plan = Plan::standing(space_.where(space_.site(known)), settings_);
-    memory.tb = gains().tb;
+    memory.tb = seconds<T>(gains().tb);
     memory.K_from = schedule_.K_c();
     begin_bias(memory, known);
     space_.take_up(memory.space, look(memory, known).S_q);
@@ -156,6 +187,31 @@ class Tracking : public Composable {
     const auto at_t = now(memory, known);
     const auto tau = torque(memory, known, Share<T>{}, at_t);
     return {tau, advance(memory, known, dt, Opposition::none, at_t), {tau}, status(memory)};
+  }
+  /// The target stands, the skin does not hold the law up, and neither robot nor reference is faster than
+  /// `still` [rad/s].
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
+    return !memory.held && Space::stands(reference(memory)) && detail::slower(known.dq(), still) &&
+           detail::slower(now(memory, known).dq_r, still);
+  }
+  /// What the law follows just now: a point of its spline, or the target, as it goes on since it came.
+  [[nodiscard]] auto reference(const Memory& memory) const noexcept {
+    return memory.plan.at(T(0), settings_);
+  }
+  /// The target as it came last.
+  [[nodiscard]] const Goal& target(const Memory& memory) const noexcept
+    requires(Plan::streams)
+  {
+    return memory.plan.target;
+  }
+  /// The memory with another target, of whoever moves it smoothly and within the settings by himself: nothing
+  /// is checked or handed over.
+  [[nodiscard]] static Memory with_target(Memory memory, const Goal& target) noexcept
+    requires requires { Plan::moved(target); }
+  {
+    memory.plan = Plan::moved(target);
+    return memory;
   }
   /// Whether a hand-over goes on, and whether the skin holds the law up.
   [[nodiscard]] SKINCTL_INLINE Status status(const Memory& memory) const noexcept {

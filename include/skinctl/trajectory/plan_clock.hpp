@@ -18,30 +18,30 @@ struct OwnTime {
 /// Own time that runs at rate 1 or stands, and goes from one to the other by a quintic. Trivially copyable.
 template <Real T = double>
 struct PlanClock {
-  Nanoseconds own = 0;                   ///< own time now
+  Nanoseconds own{};                     ///< own time now
   Nanoseconds since_change = clock_end;  ///< time since the last `run` or `stop`
   T from = T(1);                         ///< rate at that moment
   T to = T(1);                           ///< rate that it changes to
 
-  /// Own time `x` seconds from now, a change of rate taking `ramp` seconds.
-  [[nodiscard]] SKINCTL_INLINE constexpr OwnTime<T> at(const T& x, const T& ramp) const noexcept {
-    const T begin = seconds<T>(since_change);
-    if (!(begin < ramp)) [[likely]]
+  /// Own time `x` seconds from now; a change of rate takes `ramp`.
+  [[nodiscard]] SKINCTL_INLINE constexpr OwnTime<T> at(const T& x, Nanoseconds ramp) const noexcept {
+    if (!(since_change < ramp)) [[likely]]
       return {seconds<T>(own) + x * to, to, T(0)};
-    const auto way = quintic(T((begin + x) / ramp), T(T(1) / ramp));
-    const T gone = ramp * (covered(T((begin + x) / ramp)) - covered(T(begin / ramp)));
+    const T begin = seconds<T>(since_change), whole = seconds<T>(ramp);
+    const auto way = quintic(T((begin + x) / whole), T(T(1) / whole));
+    const T gone = whole * (covered(T((begin + x) / whole)) - covered(T(begin / whole)));
     return {seconds<T>(own) + from * x + (to - from) * gone, from + (to - from) * way.a1,
             (to - from) * way.a2};
   }
-  [[nodiscard]] SKINCTL_INLINE constexpr PlanClock advanced(Nanoseconds dt, const T& ramp) const noexcept {
-    if (seconds<T>(since_change) >= ramp) [[likely]]
-      return {later(own, to > T(0) ? dt : 0), later(since_change, dt), from, to};
+  [[nodiscard]] SKINCTL_INLINE constexpr PlanClock advanced(Nanoseconds dt, Nanoseconds ramp) const noexcept {
+    if (since_change >= ramp) [[likely]]
+      return {later(own, to > T(0) ? dt : 0ns), later(since_change, dt), from, to};
     const T gone = at(seconds<T>(dt), ramp).t - seconds<T>(own);
     return {later(own, nanoseconds(static_cast<double>(gone))), later(since_change, dt), from, to};
   }
   /// Runs or stands from now on, beginning with the present rate.
-  [[nodiscard]] SKINCTL_INLINE constexpr PlanClock changed(bool runs, const T& ramp) const noexcept {
-    return {own, 0, at(T(0), ramp).rate, runs ? T(1) : T(0)};
+  [[nodiscard]] SKINCTL_INLINE constexpr PlanClock changed(bool runs, Nanoseconds ramp) const noexcept {
+    return {own, 0ns, at(T(0), ramp).rate, runs ? T(1) : T(0)};
   }
 
  private:

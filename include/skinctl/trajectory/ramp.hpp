@@ -8,7 +8,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Clocks of trajectories stop here: beyond every end, and adding to them cannot overflow.
-inline constexpr Nanoseconds clock_end = INT64_MAX / 4;
+inline constexpr Nanoseconds clock_end = Nanoseconds::max() / 4;
 
 /// A clock `dt` later.
 [[nodiscard]] SKINCTL_INLINE constexpr Nanoseconds later(Nanoseconds clock, Nanoseconds dt) noexcept {
@@ -20,8 +20,8 @@ template <Real T = double>
 class Ramp {
  public:
   /// @param duration  > 0; throws `ConfigurationError` otherwise.
-  explicit Ramp(Nanoseconds duration = 100_ms) : duration_(duration) {
-    require(duration > 0, "duration of a ramp", static_cast<double>(duration) * 1e-9, "> 0 s");
+  explicit Ramp(Nanoseconds duration = 100ms) : duration_(duration) {
+    require(duration > 0ns, "duration of a ramp", seconds<double>(duration), "> 0 s");
   }
   [[nodiscard]] constexpr Nanoseconds duration() const noexcept { return duration_; }
 

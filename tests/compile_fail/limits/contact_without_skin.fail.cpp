@@ -6,6 +6,6 @@ using namespace skinctl;
 using Robot = Resolver<Interface::position, ur5::Model>;
 
 auto scene(const Robot& robot, const Guard<Interface::position, 6>& guard, const LinkContact<2>& contact) {
-  return Cycle(robot, GravityControl{}, Bare{}, guard,
+  return Cycle(robot, NoSkin{}, GravityControl{}, guard,
                make_governor(robot.limits(), contact_limits(robot.model(), contact)));
 }

@@ -1,4 +1,4 @@
-// expect: a governor takes JerkLimits, ToolSpeed and ContactLimits
+// expect: a governor takes JerkLimits, ToolSpeed, ContactLimits and MotionLimits
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

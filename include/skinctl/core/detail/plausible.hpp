@@ -32,7 +32,7 @@ template <std::size_t N, Real T>
 }
 /// Far enough from the ends of an int64 that differences of two fit.
 [[nodiscard]] SKINCTL_INLINE constexpr bool is_plausible(Nanoseconds t) noexcept {
-  constexpr Nanoseconds far = Nanoseconds(1) << 61;
+  constexpr Nanoseconds far(std::int64_t(1) << 61);
   return t > -far && t < far;
 }
 template <Real T>

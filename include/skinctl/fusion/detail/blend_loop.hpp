@@ -43,8 +43,7 @@ SKINCTL_INLINE auto Blended<Fused<P, L...>>::step(const Memory& memory, const K&
       }
       out.shares[J] = part.torque;
       out.torque += part.torque;
-      if constexpr (detail::reports<law_at<J>>)
-        if (on) out.status |= law<J>().status(detail::memory_of<J>(next.laws));
+      if (on) out.status |= status_of(law<J>(), detail::memory_of<J>(next.laws));
     });
     if constexpr (holds_gravity) {
       double left = 1;

@@ -17,6 +17,10 @@ concept LawMembers = requires {
 };
 
 namespace detail {
+/// What was meant as a law, whatever it lacks.
+template <class L>
+concept MeantAsLaw = LawMembers<L> || std::derived_from<L, Composable>;
+
 /// The one goal type of a sum, if it has exactly one law with goals.
 template <class... G>
 struct OneGoal {};
@@ -49,7 +53,7 @@ template <GravityTerm G, class Law, class K, class T, class Now>
 SKINCTL_INLINE auto torque_with(const Law& law, const typename Law::Memory& memory, const K& known,
                                 const Share<T>& share, const Now& now) noexcept {
   if constexpr (std::same_as<Now, Nothing>) {
-    return law.template torque<G>(memory, known, share);
+    return weighted_torque<G>(law, memory, known, share);
   } else {
     return law.template torque<G>(memory, known, share, now);
   }
@@ -80,8 +84,9 @@ inline constexpr bool answers_touch = L::role == Role::reactive && Needs(L::need
 // Traits, not requires-expressions in generic lambdas: Clang 14 takes those for false.
 template <class L>
 inline constexpr bool takes_goals = requires { typename L::Goal; };
+/// Whether adding up the parts of a tracking law takes G(q) where no gravity law is.
 template <class L>
-inline constexpr bool reports = requires(const L& law, const typename L::Memory& m) { law.status(m); };
+inline constexpr bool is_in_parts = L::role == Role::tracking && !LacksParts<L>;
 
 /// Calls `f(index)`, the index a type, for each law of a sum.
 template <std::size_t N, class F>
@@ -90,6 +95,14 @@ SKINCTL_INLINE constexpr void each_index(F&& f) noexcept {
     (f(std::integral_constant<std::size_t, I>{}), ...);
   }(std::make_index_sequence<N>{});
 }
+
+/// Compares a law's settings with the robot's, if it has some that can differ.
+template <class Law, class Terms>
+void check_law_for(const Law& law, const Terms& robot) {
+  if constexpr (requires { law.check_for(robot); }) law.check_for(robot);
+}
+template <class L>
+inline constexpr bool compensates_friction = requires { requires L::compensates_friction; };
 
 template <class... L>
 constexpr std::size_t count_role(Role role) noexcept {

@@ -17,6 +17,13 @@ concept ToolPart = requires { typename Part::At; };
 template <class Part>
 concept ContactPart = requires { typename Part::Verdict; };
 
+template <class Part>
+concept MotionPart = requires { typename Part::MotionPart; };
+
+struct IsMotion {
+  template <class P>
+  static constexpr bool of = MotionPart<P>;
+};
 struct IsJerk {
   template <class P>
   static constexpr bool of = JerkPart<P>;

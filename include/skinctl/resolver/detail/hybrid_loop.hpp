@@ -72,7 +72,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   if (m.stiff.mode != Mode::braking && !m.stiff.stop) {
     const auto now = state(m, m.stiff.time, blocked ? Velocity{} : m.stiff.v);
     const Knows<L, Touch> known(model_, now, seconds<T>(p.period), touches[interval.substeps - 1]);
-    const auto asked = law.torque(law_memory, known);
+    const auto asked = torque_of(law, law_memory, known);
     if (detail::is_finite(asked)) [[likely]] {
       driven = Driven::of(asked) - friction(now);
       if (blocked) {

@@ -3,7 +3,7 @@
 
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/math/ldlt.hpp"
-#include "skinctl/robot/virtual_shape.hpp"
+#include "skinctl/robot/virtual_dynamics.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -16,7 +16,7 @@ inline constexpr int most_runge_kutta_parts = 8;
 /// friction stops a joint [1/s], the trace of `M_v^-1 B`.
 template <class K, Real T>
 [[nodiscard]] SKINCTL_NOINLINE bool virtual_acceleration(
-    const K& known, const VirtualShape<K::joints, T>& shape, const JointPosition<K::joints, T>& q,
+    const K& known, const VirtualDynamics<K::joints, T>& shape, const JointPosition<K::joints, T>& q,
     const JointVelocity<K::joints, T>& v, const JointTorque<K::joints, T>& tau,
     const JointAcceleration<K::joints, T>& pull, JointAcceleration<K::joints, T>& a, T* friction) noexcept {
   constexpr std::size_t n = K::joints;
@@ -36,9 +36,9 @@ template <class K, Real T>
   const math::Ldlt<n, T> factors(m.data);
   if (!factors.positive_definite()) return false;
   factors.solve(net.data, a.data);
-  for (std::size_t i = 0; i < n; ++i) a[i] = a[i] + pull[i] - shape.decay * v[i];
+  for (std::size_t i = 0; i < n; ++i) a[i] = a[i] + pull[i] - shape.damping * v[i];
   if (friction != nullptr) {
-    *friction = shape.decay;
+    *friction = shape.damping;
     for (std::size_t i = 0; i < n; ++i) {
       JointTorque<n, T> unit;
       JointAcceleration<n, T> column;
@@ -53,7 +53,7 @@ template <class K, Real T>
 /// The velocity after `known.dt()` in as many equal parts as friction asks for (each at most 2 of its time
 /// constants: the method is stable up to 2.78). False, and `v` untouched, if that is too many parts.
 template <class K, Real T>
-[[nodiscard]] bool runge_kutta(const K& known, const VirtualShape<K::joints, T>& shape,
+[[nodiscard]] bool runge_kutta(const K& known, const VirtualDynamics<K::joints, T>& shape,
                                const JointTorque<K::joints, T>& tau,
                                const JointAcceleration<K::joints, T>& pull,
                                JointVelocity<K::joints, T>& v) noexcept {

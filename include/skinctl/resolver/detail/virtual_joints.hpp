@@ -1,7 +1,8 @@
 // The joints of a virtual robot: how they stay with the real ones, keep their limits and become commands.
 #pragma once
 
-#include "skinctl/resolver/configuration.hpp"
+#include "skinctl/resolver/detail/parameters.hpp"
+#include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/memory.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -40,11 +41,9 @@ class VirtualJoints {
     Status status;
   };
 
-  SKINCTL_COLD explicit VirtualJoints(const ResolverConfiguration<N, T>& c)
-      : p_(c), servo_(p_.delay, p_.lag) {
-    require(p_.delay / p_.period + 2 <= static_cast<Nanoseconds>(History), "delay / period",
-            static_cast<double>(p_.delay) / static_cast<double>(p_.period),
-            "<= History - 2: commands under way");
+  SKINCTL_COLD explicit VirtualJoints(const RobotConfiguration<N, T>& c) : p_(c), servo_(p_.delay, p_.lag) {
+    require(p_.delay / p_.period + 2 <= static_cast<std::int64_t>(History), "delay / period",
+            milliseconds(p_.delay) / milliseconds(p_.period), "<= History - 2: commands under way");
   }
   [[nodiscard]] SKINCTL_INLINE const ResolverParameters<N, T>& parameters() const noexcept { return p_; }
   [[nodiscard]] SKINCTL_INLINE const Servo<N, T, History>& servo() const noexcept { return servo_; }

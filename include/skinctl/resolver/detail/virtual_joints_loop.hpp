@@ -40,8 +40,8 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
 SKINCTL_VIRTUAL_JOINTS
 Interval SKINCTL_VIRTUAL_JOINTS_CLASS::interval(const Memory& m, Nanoseconds now) const noexcept {
   Interval out = interval_since(m.started, m.time, now, p_.longest_interval);
-  const Nanoseconds steps = (out.to - out.from + p_.substep - 1) / p_.substep;
-  out.substeps = steps < Nanoseconds(max_substeps) ? static_cast<unsigned>(steps) : max_substeps;
+  const std::int64_t steps = (out.to - out.from + p_.substep - 1ns) / p_.substep;
+  out.substeps = steps < std::int64_t(max_substeps) ? static_cast<unsigned>(steps) : max_substeps;
   return out;
 }
 

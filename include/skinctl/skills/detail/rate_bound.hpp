@@ -6,24 +6,6 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-template <class L>
-constexpr std::size_t joints_of_law() noexcept {
-  if constexpr (requires { L::joints; }) {
-    return L::joints;
-  } else if constexpr (requires { L::N; }) {
-    return L::N;
-  } else {
-    return 0;
-  }
-}
-/// The joints of the robot that laws are for, as the first says that does; 0 if none does.
-template <class... L>
-constexpr std::size_t joints_of_laws() noexcept {
-  std::size_t found = 0;
-  ((found = found > 0 ? found : joints_of_law<L>()), ...);
-  return found;
-}
-
 /// Per joint, with `stay` the torque at which the sum of all would stay where it was, did the touch:
 ///
 ///     out = clamp(own, stay - R dt, stay + R dt)

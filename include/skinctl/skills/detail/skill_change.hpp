@@ -20,7 +20,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
   if (request.kind == static_cast<unsigned char>(Kind::goal)) {
     if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
     deliver(out.memory, known, request, out.status);
-    out.memory.held = 0;
+    out.memory.held = 0ns;
     if (memory.phase == Phase::finished) out.memory.phase = Phase::running;
     return out;
   }
@@ -68,7 +68,7 @@ SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::deliver(Me
     if (Blend::comes(m.blend, i)) {
       m.request.goals.template of<std::remove_cvref_t<decltype(goal)>>() =
           request.goals.template of<std::remove_cvref_t<decltype(goal)>>();
-    } else if (!arrived || m.blend.from[i].feed_forward == 0) {
+    } else if (!arrived || Blend::is_new(m.blend, i)) {
       const auto answer = blend_.template receive<i.value>(m.blend, known, goal);
       m.blend = answer.memory;
       status |= answer.status;
@@ -96,7 +96,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
   m.commanded = m.commanded.then(next.switches);
   m.reported.which &= ~next.switches.which;  // an old report says nothing about what is only beginning
   m.phase = Phase::loading;
-  m.since = m.held = 0;
+  m.since = m.held = 0ns;
   return out;
 }
 
@@ -108,29 +108,15 @@ template <class... Behaviour, Sum P, class... L>
 template <class K>
 SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::stretch(typename Blend::Memory& m,
                                                                               const K& known) const noexcept {
-  auto there = m;
-  there.elapsed = clock_end;
+  const auto there = Blend::arrived(m);
   const auto from = run(m, known, known.dt(), Opposition::none);
   const auto to = run(there, known, known.dt(), Opposition::none);
   const auto seconds_for = [&](const auto& way) {
     return static_cast<double>(largest(way)) / settings_.most_rate;
   };
-  m.ramp = within(quintic_peak_speed<double> * seconds_for(to.torque - from.torque));
   const double push = 1.7 * seconds_for(skin(to.shares));
-  if (m.settle > 0) m.settle = within(100 * push * push);
-}
-
-/// While the torque lags far behind, what goes stands at the state at hand, as does what comes: what the
-/// torque lacks would wind it up.
-template <class... Behaviour, Sum P, class... L>
-template <class K>
-SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::restart(typename Blend::Memory& m,
-                                                                              const K& known) const noexcept {
-  detail::each_index<controllers>([&](auto i) {
-    if constexpr (law_at<i.value>::role == Role::tracking)
-      if (m.from[i.value].feed_forward > 0)
-        detail::memory_of<i.value>(m.laws) = std::get<i.value>(blend_.sum().laws()).start(known);
-  });
+  Blend::set_times(m, within(quintic_peak_speed<double> * seconds_for(to.torque - from.torque)),
+                   within(100 * push * push));
 }
 
 /// What is added to the torque `own` of all but the skin, so that none moves by more than `most`.
@@ -148,17 +134,15 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::bounded(
   auto moved = skin(shares);
   if (largest(moved) > most) {
     const T slower = most / largest(moved);
-    next.elapsed = before.elapsed +
-                   nanoseconds(seconds<double>(next.elapsed - before.elapsed) * static_cast<double>(slower));
+    Blend::slow_down(before, next, static_cast<double>(slower));
     moved = slower * moved;
   }
   Torque carried;
-  if (bound.lags || swaps(before)) carried = bound.missing(own, most);
+  if (bound.lags || Blend::swaps(before)) carried = bound.missing(own, most);
   bound.follow(own, carried, moved, settings_.most_rate);
-  if (bound.winds && next.settle > 0 && next.elapsed >= next.ramp)
-    next.elapsed = next.ramp - 1;  // feedback came faster than the torque may: once more
-  if (bound.lags && swaps(before) && !Blend::moves(next))
-    next.elapsed = before.elapsed;  // nothing has arrived before the torque has caught up
+  if (bound.winds) Blend::settle_again(next);  // feedback came faster than the torque may: once more
+  if (bound.lags && Blend::swaps(before) && !Blend::moves(next))
+    Blend::slow_down(before, next, 0);  // nothing has arrived before the torque has caught up
   return carried;
 }
 
@@ -175,7 +159,7 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
   m.touch = std::sqrt(square);
   if (m.phase == Phase::failed || m.phase == Phase::finished) return;
   if (c.most_touch > 0 && m.touch > c.most_touch) return end(m, Phase::failed, 0);
-  if (c.timeout > 0 && m.since >= c.timeout) return end(m, Phase::failed, 0);
+  if (c.timeout > 0ns && m.since >= c.timeout) return end(m, Phase::failed, 0);
   if (m.phase == Phase::loading || c.finish == Finish::never) return;
   bool holds = true;
   if (c.finish == Finish::switched) {
@@ -187,11 +171,11 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
       using Law = law_at<i.value>;
       if constexpr (Law::role == Role::tracking)
         if (s.weights[i.value] > 0)
-          holds = holds && detail::settled(std::get<i.value>(blend_.sum().laws()),
-                                           Blend::template memory<i.value>(m.blend), known,
-                                           static_cast<typename K::scalar>(c.still));
+          holds = holds &&
+                  settled(std::get<i.value>(blend_.sum().laws()), Blend::template memory<i.value>(m.blend),
+                          known, static_cast<typename K::scalar>(c.still));
     });
-  m.held = holds ? later(m.held, dt) : 0;
+  m.held = holds ? later(m.held, dt) : 0ns;
   if (holds && m.held >= c.hold) end(m, Phase::finished, s.next);
 }
 
@@ -228,8 +212,8 @@ SKINCTL_INLINE auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::step(con
     m = change.memory;
     out.status |= change.status;
   }
-  if (m.bound.winds && swaps(m.blend)) [[unlikely]]
-    restart(m.blend, known);
+  if (m.bound.winds && Blend::swaps(m.blend)) [[unlikely]]  // what the torque lacks would wind them up
+    blend_.restart(m.blend, known);
   auto e = run(m.blend, known, dt, given);
   const auto touched = skin(e.shares);
   out.torque = e.torque;

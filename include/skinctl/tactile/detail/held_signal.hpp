@@ -12,19 +12,23 @@ namespace detail {
 
 /// `later - earlier` for `later >= earlier`, which never overflows.
 SKINCTL_INLINE constexpr std::uint64_t span(Nanoseconds earlier, Nanoseconds later) noexcept {
-  return static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
+  return static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());
+}
+/// A count of nanoseconds as a duration.
+SKINCTL_INLINE constexpr Nanoseconds nanoseconds_of(std::uint64_t count) noexcept {
+  return Nanoseconds(static_cast<std::int64_t>(count));
 }
 /// `later - earlier`; 0 where that is negative, the longest time where it is longer.
 SKINCTL_INLINE constexpr Nanoseconds elapsed(Nanoseconds earlier, Nanoseconds later) noexcept {
-  if (later <= earlier) return 0;
+  if (later <= earlier) return 0ns;
   const std::uint64_t t = span(earlier, later);
-  return t > static_cast<std::uint64_t>(INT64_MAX) ? INT64_MAX : static_cast<Nanoseconds>(t);
+  return t > static_cast<std::uint64_t>(INT64_MAX) ? Nanoseconds::max() : nanoseconds_of(t);
 }
 /// `t - origin` in seconds, of either sign, for times less than 292 years apart; the difference is taken in
 /// whole nanoseconds.
 template <Real T>
 SKINCTL_INLINE constexpr T seconds_after(Nanoseconds origin, Nanoseconds t) noexcept {
-  return seconds<T>(static_cast<Nanoseconds>(span(origin, t)));
+  return seconds<T>(nanoseconds_of(span(origin, t)));
 }
 
 /// 0 until `start`, then linearly up to 1 within `length` > 0, then 1. All times in seconds from the start of

@@ -34,10 +34,10 @@ class Reception {
         memory_(memory),
         parts_(parts),
         means_(means),
-        max_age_(static_cast<std::uint64_t>(tables.settings.max_age)),
-        hold_(static_cast<std::uint64_t>(tables.settings.max_age - tables.settings.fade)),
-        max_ahead_(static_cast<std::uint64_t>(tables.settings.max_ahead)),
-        ramp_(static_cast<std::uint64_t>(tables.settings.ramp)),
+        max_age_(static_cast<std::uint64_t>((tables.settings.max_age).count())),
+        hold_(static_cast<std::uint64_t>((tables.settings.max_age - tables.settings.fade).count())),
+        max_ahead_(static_cast<std::uint64_t>((tables.settings.max_ahead).count())),
+        ramp_(static_cast<std::uint64_t>((tables.settings.ramp).count())),
         ramp_length_(seconds<T>(tables.settings.ramp)),
         ramp_slope_(T(1) / ramp_length_) {}
 
@@ -140,18 +140,17 @@ class Reception {
   SKINCTL_INLINE Ramp<T> ramp_between(Nanoseconds last, Nanoseconds time) const noexcept {
     const std::uint64_t gap = span(last, time);
     if (gap >= ramp_) [[likely]]
-      return {seconds_after<T>(parts_.from, time - static_cast<Nanoseconds>(ramp_)), ramp_length_,
-              ramp_slope_};
-    return {seconds_after<T>(parts_.from, last), seconds<T>(static_cast<Nanoseconds>(gap))};
+      return {seconds_after<T>(parts_.from, time - nanoseconds_of(ramp_)), ramp_length_, ramp_slope_};
+    return {seconds_after<T>(parts_.from, last), seconds<T>(nanoseconds_of(gap))};
   }
   /// The share of a reading that is lost to the cell's silence since `stamp`.
   SKINCTL_INLINE Ramp<T> loss_since(Nanoseconds stamp) const noexcept {
-    return {seconds_after<T>(parts_.from, stamp) + seconds<T>(static_cast<Nanoseconds>(hold_)),
+    return {seconds_after<T>(parts_.from, stamp) + seconds<T>(nanoseconds_of(hold_)),
             seconds<T>(tables_.settings.fade)};
   }
 
   __attribute__((noinline)) void age_block(std::size_t b) const noexcept {
-    Nanoseconds oldest = INT64_MAX;
+    Nanoseconds oldest = Nanoseconds::max();
     for (std::uint64_t rest = memory_.heard[b]; rest != 0; rest &= rest - 1) {
       const std::size_t i = 64 * b + static_cast<std::size_t>(std::countr_zero(rest));
       const Nanoseconds stamp = memory_.stamp[i];

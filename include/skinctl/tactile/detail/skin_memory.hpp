@@ -24,12 +24,12 @@ struct SkinMemory {
   static constexpr std::size_t blocks = (Cells + 63) / 64;
 
   std::array<ExactSums, Patches> sums{};      ///< over the cells that are heard
-  Nanoseconds begin = INT64_MIN;              ///< nothing before this time is made up for
+  Nanoseconds begin = Nanoseconds::min();     ///< nothing before this time is made up for
   std::array<Nanoseconds, blocks> oldest{};   ///< not later than the stamp of any heard cell of the block
   std::array<std::uint64_t, blocks> heard{};  ///< a bit a cell: not silent, its reading is in the sums
   Wrenches owed{};                            ///< impulse that the next interval makes up for [N s], [N m s]
-  std::array<Nanoseconds, Cells> stamp = all_at<Cells>(INT64_MIN);  ///< of the last sample
-  std::array<CellCounts, Cells> held{};                             ///< what of it passed the gates
+  std::array<Nanoseconds, Cells> stamp = all_at<Cells>(Nanoseconds::min());  ///< of the last sample
+  std::array<CellCounts, Cells> held{};                                      ///< what of it passed the gates
 
   [[nodiscard]] bool hears(std::size_t i) const noexcept { return (heard[i / 64] >> (i % 64)) & 1u; }
   /// Whether every cell of block `b` is heard.

@@ -13,7 +13,7 @@ SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::in
   // Built in place: a copy of what has just been written in other pieces waits for them.
   return {memory.plan.at(x, settings_),
           gain(memory, x),
-          memory.bias.at(x, gains().kappa, gains().hand_over),
+          memory.bias.at(x, gains().kappa, seconds<T>(gains().hand_over)),
           Rates(R(memory.I1.sum) + x * R(dI1)),
           Rates(R(memory.I2.sum) + x * R(dI2)),
           memory.held,
@@ -76,8 +76,8 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
   R a_r = share.feed_forward * (asked - K_p.K * dv - K_p.dK * dx);
   constexpr bool inertial = std::same_as<Damping, InertialDamping<T>>;
   if constexpr (inertial) a_r = a_r - share.feedback * damped;
-  const auto& shape = gains().shape;
-  const R decayed = a_r + shape.decay * v_r;
+  const auto& shape = gains().virtual_dynamics;
+  const R decayed = a_r + shape.damping * v_r;
   const R shaped = shape.viscous * v_r + shape.inertia * decayed;  // of rotors and friction
   const JointVelocity<N, T> dq_r(v_r);
   const JointAcceleration<N, T> ddq_r(decayed);

@@ -10,8 +10,8 @@ template <class Space, class Plan, class Damping, class Sign>
 template <class K>
 SKINCTL_COLD Status Tracking<Space, Plan, Damping, Sign>::begin_gain(Memory& memory,
                                                                      const K& known) const noexcept {
-  memory.since_reset = 0;
-  memory.tb = gains().tb;
+  memory.since_reset = 0ns;
+  memory.tb = seconds<T>(gains().tb);
   memory.K_from = schedule_.K_c();
   Status status;
   if (!(memory.tb > T(0))) {
@@ -62,7 +62,7 @@ SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Si
   next.held = opposition == Opposition::lasting;
   next.plan = memory.plan.held(next.held, settings_);
   if (!next.held) {
-    next.since_reset = 0;
+    next.since_reset = 0ns;
     next.space = Space::renewed(next.space);
     slow_gain(next, known);
     next.bias.decaying = {};
@@ -82,14 +82,14 @@ SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::hand_over(Memory& next, 
   const auto old = look(before, known);
   bias.elapsed = clock_end;
   const auto raw = look(next, known);
-  bias.elapsed = 0;
+  bias.elapsed = 0ns;
   bias.da = bias.dj = {};
   for (std::size_t i = 0; i < Space::coordinates; ++i)
     bias.dv[i] = finite(space_.course(old).v[i] - space_.course(raw).v[i]);
   const auto moved = look(next, known);  // dv is part of S_delta, which the integrals of ddq_r read
   for (std::size_t i = 0; i < Space::coordinates; ++i)
     bias.da[i] = finite(space_.course(old).a[i] - space_.course(moved).a[i]);
-  const T bend = bias.bend(T(T(0.5) * known.dt()), gains().hand_over);
+  const T bend = bias.bend(T(T(0.5) * known.dt()), seconds<T>(gains().hand_over));
   T fastest(0);  // [rad/s, m/s]
   for (std::size_t i = 0; i < Space::coordinates; ++i)
     if (detail::magnitude(space_.course(old).v[i]) > fastest)

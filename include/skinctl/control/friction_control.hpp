@@ -1,0 +1,48 @@
+// Friction compensation: the robot moves as if its joints had less friction.
+#pragma once
+
+#include "skinctl/dynamics/friction.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// `tau = share tau_f(dq)`, the torque that the friction model takes from the moving joints. For a robot by
+/// torque whose own controller does not do so (`RobotCompensatesFriction`).
+///
+/// Compensating more than the joints have drives them; so `share` below 1 leaves a margin for what the model
+/// does not know. The model's `sign_velocity` is where the compensation begins: a noisy velocity below it
+/// shakes nothing.
+template <std::size_t N, Real T = double>
+class FrictionControl : public Composable {
+ public:
+  struct Memory {};
+  static constexpr Needs needs{};
+  static constexpr Role role = Role::reactive;
+  static constexpr const char* name = "friction";
+  static constexpr bool compensates_friction = true;
+
+  /// @param share  0 to 1. Throws `ConfigurationError`.
+  explicit FrictionControl(const JointFriction<N, T>& friction, const T& share = T(0.8))
+      : friction_(friction), share_(share) {
+    require(share >= T(0) && share <= T(1), "share of friction", static_cast<double>(share), "0 to 1");
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE constexpr Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory&, const K& known) const noexcept {
+    return share_ * friction_.torque(known.dq());
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE constexpr Memory advance(const Memory& memory, const K&, const T&,
+                                                        Opposition) const noexcept {
+    return memory;
+  }
+
+ private:
+  JointFriction<N, T> friction_;
+  T share_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,86 @@
+// Whether a law and a skin are for the robot of a scene: said in one line where the scene is built.
+#pragma once
+
+#include "skinctl/core/detail/check_law.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// The model of the robot that `Robot`, a resolver, drives.
+template <class Robot>
+using model_of = std::remove_cvref_t<decltype(std::declval<const Robot&>().model())>;
+
+/// Stands for a skin that is wrong, after the error about it.
+struct WrongSkin {
+  using Wrenches = NoTouch;
+  struct Memory {};
+  template <class... X>
+  constexpr WrongSkin(const X&...) noexcept {}
+  [[nodiscard]] Memory start(Nanoseconds) const noexcept { return {}; }
+  template <class... X>
+  Status receive(Memory&, const X&...) const noexcept {
+    return {};
+  }
+  [[nodiscard]] Wrenches wrenches(const Memory&) const noexcept { return {}; }
+};
+
+template <class Skin>
+concept HasWrenches = requires(const Skin& skin, const typename Skin::Memory& memory) {
+  { skin.wrenches(memory) } -> std::same_as<typename Skin::Wrenches>;
+};
+
+/// What can be wrong with a skin.
+enum class SkinFault { none, no_wrenches, other_scalar, other_joints, other_model };
+template <SkinFault F, class Skin>
+struct SaySkin {
+  using enum SkinFault;
+  static_assert(F != no_wrenches, "a skin has Memory, Wrenches and wrenches(memory): is this one?");
+  static_assert(F != other_scalar, "this skin is for a robot in another scalar");
+  static_assert(F != other_joints, "this skin is for a robot with another number of joints");
+  static_assert(
+      F != other_model,
+      "this skin is for another robot: its type names the model, as in ur5_skin<260, double, Model>()");
+};
+template <class Robot, class Skin>
+consteval SkinFault fault_in_skin() {
+  if constexpr (!HasWrenches<Skin>) {
+    return SkinFault::no_wrenches;
+  } else if constexpr (requires { typename Skin::Wrenches::model_type; }) {
+    using Wrenches = typename Skin::Wrenches;
+    using Other = typename Wrenches::model_type;
+    if (!std::same_as<typename Wrenches::scalar, typename Robot::scalar>) return SkinFault::other_scalar;
+    if (Other::joints != Robot::joints) return SkinFault::other_joints;
+    return std::is_base_of_v<Other, model_of<Robot>> ? SkinFault::none : SkinFault::other_model;
+  } else {
+    return SkinFault::none;
+  }
+}
+
+/// The first thing that is wrong with a law in a scene.
+template <class Robot, class L, class Skin>
+constexpr auto find_in_scene() {
+  constexpr auto members = find_in_members<L>();
+  if constexpr (members.fault != LawFault::none) {
+    return members;
+  } else {
+    constexpr auto robot = find_for_robot<L, Robot::joints, typename Robot::scalar>();
+    if constexpr (robot.fault != LawFault::none) {
+      return robot;
+    } else {
+      return find_in_functions<L, typename Robot::template Knows<L, typename Skin::Wrenches>, false>();
+    }
+  }
+}
+/// What is right of a scene, or does nothing in place of what is wrong.
+template <class Robot, class GivenLaw, class GivenSkin>
+struct Scene {
+  static constexpr SkinFault skin_fault = fault_in_skin<Robot, GivenSkin>();
+  using Skin = std::conditional_t<skin_fault == SkinFault::none, GivenSkin, WrongSkin>;
+  using Finding = decltype(find_in_scene<Robot, GivenLaw, Skin>());
+  static constexpr LawFault law_fault = Finding::fault;
+  using Law = std::conditional_t<law_fault == LawFault::none, GivenLaw, WrongLaw<GivenLaw>>;
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,164 @@
+// What a scene derives from the description of its robot: guard and governor; and how parts given by hand
+// are compared with it.
+#pragma once
+
+#include "skinctl/guard/guard.hpp"
+#include "skinctl/guard/hybrid_guard.hpp"
+#include "skinctl/limits/governor.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// For `Cycle::with`: the greatest jerk of each joint [rad/s^3]. The joints then never jerk more, and the
+/// guard brakes within it too.
+template <std::size_t N, Real T = double>
+struct MaxJerk {
+  JointJerk<N, T> jerk;
+};
+template <std::size_t N, Real T>
+MaxJerk(const JointJerk<N, T>&) -> MaxJerk<N, T>;
+
+/// For `Cycle::with`: the greatest speed of a point of link `I`.
+template <std::size_t I, Real T = double>
+struct MaxToolSpeed {
+  T speed;                            ///< [m/s], > 0
+  Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `I`, from its origin [m]
+  T reach;                            ///< greatest distance of the point from any joint axis [m]
+};
+
+namespace detail {
+
+/// A robot's description, as `Cycle` takes it.
+template <class R>
+concept Described = requires { typename ResolverOf<R>::type; };
+
+/// The guard of a resolver whose joints are all of one kind; with `Smooth`, one that brakes within a jerk.
+template <class Resolver, class Smooth = NoPart>
+struct GuardOf {
+  using type = HybridGuard<Resolver>;
+};
+template <class Resolver, class Smooth>
+  requires requires { Resolver::interface; }
+struct GuardOf<Resolver, Smooth> {
+  using type = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar, Smooth>;
+};
+
+/// Limits, period and longest interval of a resolver as a guard reads them.
+template <class Resolver>
+[[nodiscard]] auto as_configuration(const Resolver& r) {
+  return RobotConfiguration<Resolver::joints, typename Resolver::scalar>{
+      .limits = r.parameters().limits,
+      .period = r.parameters().period,
+      .longest_interval = r.parameters().longest_interval};
+}
+/// The guard that a resolver's robot gets unless told otherwise.
+template <class Resolver>
+[[nodiscard]] auto default_guard(const Resolver& r) {
+  using G = typename GuardOf<Resolver>::type;
+  if constexpr (requires { Resolver::interface; }) {
+    return G(as_configuration(r));
+  } else {
+    return G(r);
+  }
+}
+
+/// The governor that a resolver's robot gets unless told otherwise: by torque, the limits of its motion.
+template <class Resolver>
+[[nodiscard]] auto default_governor(const Resolver& r) {
+  if constexpr (requires { requires Resolver::interface == Interface::torque; }) {
+    using M = std::remove_cvref_t<decltype(r.model())>;
+    return make_governor(r.parameters().limits, MotionLimits<M, typename Resolver::scalar>(r.model()));
+  } else {
+    return NoGovernor{};
+  }
+}
+template <class Resolver>
+using DefaultGovernor = decltype(default_governor(std::declval<const Resolver&>()));
+
+// A part of `with`, made for this robot. What is made already passes.
+template <class Resolver, class Part>
+[[nodiscard]] const Part& made_for(const Resolver&, const Part& part) {
+  return part;
+}
+template <class Resolver, std::size_t N, Real T>
+[[nodiscard]] auto made_for(const Resolver& r, const MaxJerk<N, T>& max) {
+  static_assert(N == Resolver::joints, "MaxJerk: of a robot with another number of joints");
+  return JerkLimits<N, T>(r.parameters().limits, max.jerk);
+}
+template <class Resolver, std::size_t I, Real T>
+[[nodiscard]] auto made_for(const Resolver& r, const MaxToolSpeed<I, T>& max) {
+  using M = std::remove_cvref_t<decltype(r.model())>;
+  return ToolSpeed<M, I, T>(r.model(), r.parameters().limits, {max.speed, max.point, max.reach});
+}
+template <class Part>
+inline constexpr bool is_link_contact = false;
+template <std::size_t I>
+inline constexpr bool is_link_contact<LinkContact<I>> = true;
+template <class Part>
+inline constexpr bool is_guard_settings = false;
+template <std::size_t N, Real T>
+inline constexpr bool is_guard_settings<GuardSettings<N, T>> = true;
+
+/// The settings of the guard among the parts, or the default ones.
+template <class Settings>
+[[nodiscard]] Settings guard_settings_in(const Settings& otherwise) {
+  return otherwise;
+}
+template <class Settings, class First, class... Rest>
+[[nodiscard]] Settings guard_settings_in(const Settings& otherwise, const First& first, const Rest&... rest) {
+  if constexpr (is_guard_settings<First>) {
+    static_assert(std::is_same_v<First, Settings>, "GuardSettings: of another robot or scalar");
+    return first;
+  } else {
+    return guard_settings_in(otherwise, rest...);
+  }
+}
+
+/// A governor of parts, a link's contacts joined into one; `NoGovernor` of none.
+template <class Resolver, class... Made>
+[[nodiscard]] auto governor_of(const Resolver& r, const std::tuple<Made...>& made) {
+  if constexpr (sizeof...(Made) == 0) {
+    return default_governor(r);
+  } else if constexpr (requires { requires Resolver::interface == Interface::torque; }) {
+    using M = std::remove_cvref_t<decltype(r.model())>;
+    return std::apply(
+        [&](const auto&... p) {
+          return make_governor(r.parameters().limits, p...,
+                               MotionLimits<M, typename Resolver::scalar>(r.model()));
+        },
+        made);
+  } else {
+    return std::apply([&](const auto&... p) { return make_governor(r.parameters().limits, p...); }, made);
+  }
+}
+
+/// Throws `ConfigurationError` with both values where two parts of a scene state a fact differently.
+SKINCTL_COLD inline void require_same(const char* what, double here, double there, const char* unit) {
+  if (here == there) return;
+  char text[192];
+  std::snprintf(text, sizeof text, "skinctl: %s: %.9g %s in the guard, %.9g %s in the robot's description",
+                what, here, unit, there, unit);
+  refuse(text);
+}
+template <class Guard, class Resolver>
+SKINCTL_COLD void compare(const Guard& guard, const Resolver& resolver) {
+  if constexpr (requires { guard.limits(); }) {
+    const auto& ours = guard.limits();
+    const auto& theirs = resolver.parameters().limits;
+    const auto number = [](const auto& x) { return static_cast<double>(x); };
+    for (std::size_t i = 0; i < Resolver::joints; ++i) {
+      require_same("lower position limit", number(ours.lower()[i]), number(theirs.lower()[i]), "rad");
+      require_same("upper position limit", number(ours.upper()[i]), number(theirs.upper()[i]), "rad");
+      require_same("velocity limit", number(ours.velocity()[i]), number(theirs.velocity()[i]), "rad/s");
+      require_same("acceleration limit", number(ours.acceleration()[i]), number(theirs.acceleration()[i]),
+                   "rad/s^2");
+      require_same("torque limit", number(ours.torque()[i]), number(theirs.torque()[i]), "N m");
+    }
+    require_same("period", milliseconds(guard.period()), milliseconds(resolver.parameters().period), "ms");
+    require_same("longest interval", milliseconds(guard.longest_interval()),
+                 milliseconds(resolver.parameters().longest_interval), "ms");
+  }
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

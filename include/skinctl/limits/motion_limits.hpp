@@ -1,0 +1,53 @@
+// Limits of position and speed for a robot that takes torques.
+#pragma once
+
+#include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/core/state.hpp"
+#include "skinctl/model/model.hpp"
+#include "skinctl/robot/joint_limits.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Position and velocity limits of the joints of a robot by torque, as a part of a governor; a scene by
+/// torque has them unless it is built without.
+///
+/// Nobody commands the motion of such a robot, so its velocity is looked at where the torque leads to in a
+/// few cycles, `u = dq + t M^-1 (tau - hold)`. Each joint's u is kept below its velocity limit and below the
+/// speed from which its acceleration limit stops it before its end; the torque gives way by as much as that
+/// takes, `-M (u - u_kept) / t`. Beyond an end, and above the limit, a joint is only braked. Whatever pushes
+/// from outside with more than the joints' torques wins.
+template <Model M, Real T = double>
+class MotionLimits {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  using MotionPart = void;
+
+  explicit MotionLimits(const M& model) : model_(model) {}
+  [[nodiscard]] const M& model() const noexcept { return model_; }
+
+  /// The velocity next to `u` that each joint at `q` may have `ahead` seconds from now, and which limits
+  /// acted.
+  [[nodiscard]] SKINCTL_INLINE JointVelocity<joints, T> within(const JointLimits<joints, T>& limits,
+                                                               const JointPosition<joints, T>& q,
+                                                               const JointVelocity<joints, T>& u,
+                                                               const T& ahead,
+                                                               Status& status) const noexcept {
+    const auto room = limits.room(q);
+    JointVelocity<joints, T> kept;
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T V = limits.velocity()[i], a = limits.acceleration()[i];
+      const T above = speed_to_stop(room.above[i], ahead, a), below = speed_to_stop(room.below[i], ahead, a);
+      const T up = above < V ? above : V, down = below < V ? below : V;
+      kept[i] = detail::clamp(u[i], T(-down), up);
+      if (kept[i] == u[i]) continue;
+      const bool by_position = u[i] > T(0) ? above < V : below < V;
+      status |= by_position ? Reason::position_limited : Reason::velocity_limited;
+    }
+    return kept;
+  }
+
+ private:
+  [[no_unique_address]] M model_;
+};
+
+SKINCTL_END_NAMESPACE

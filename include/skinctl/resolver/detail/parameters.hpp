@@ -1,0 +1,51 @@
+// The numbers of a robot's description as a resolver uses them: checked, completed, in seconds.
+#pragma once
+
+#include "skinctl/robot/robot_configuration.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+template <std::size_t N, Real T>
+struct ResolverParameters {
+  JointLimits<N, T> limits;
+  VirtualDynamics<N, T> shape;
+  JointPosition<N, T> dead_band;
+  JointPosition<N, T> leash;  ///< e_max
+  Nanoseconds period, delay, substep, longest_interval, stale_after;
+  Nanoseconds fresh_for;  ///< age up to which a measurement's difference is acted on
+  T lag, total_delay, per_delay, L1, L2, lead, drift, retry, catch_up;
+  bool has_coulomb = false;
+
+  [[nodiscard]] T planned_step() const noexcept { return seconds<T>(planned_substep(period, substep)); }
+
+  SKINCTL_COLD explicit ResolverParameters(const RobotConfiguration<N, T>& c)
+      : limits(c.limits),
+        shape(c.virtual_dynamics()),
+        dead_band(c.dead_band),
+        period(c.period),
+        delay(c.delay),
+        substep(c.substep),
+        longest_interval(c.longest()),
+        lag(seconds<T>(c.lag)),
+        lead(seconds<T>(c.lead)),
+        retry(seconds<T>(c.retry)) {
+    check(c);
+    total_delay = seconds<T>(c.total_delay());
+    per_delay = T(1) / total_delay;
+    fresh_for = c.total_delay() + period / 2;
+    stale_after = c.stale_after.value_or(5 * c.total_delay());
+    const T w = c.observer.value_or(T(0.3) / total_delay);
+    L1 = T(2) * w;
+    L2 = w * w;
+    catch_up = T(0.25) / seconds<T>(period);
+    drift = c.drift.value_or(w < T(1) ? w : T(1));
+    for (std::size_t i = 0; i < N; ++i) {
+      has_coulomb = has_coulomb || shape.coulomb[i] > T(0);
+      leash[i] = c.max_lead * limits.velocity()[i] * total_delay;
+    }
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

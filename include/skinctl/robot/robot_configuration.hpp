@@ -1,0 +1,122 @@
+// The numbers that describe a robot besides its model: each is stated here, once.
+#pragma once
+
+#include <optional>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/time.hpp"
+#include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/robot/virtual_dynamics.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Limits, timing and virtual dynamics of a robot's joints. Resolver, guard, limits and laws take from it
+/// what they need; `check` is called when a description is built from it.
+template <std::size_t N, Real T = double>
+struct RobotConfiguration {
+  JointLimits<N, T> limits;
+  /// Time between two cycles as planned, 0.1 ms to 1 s.
+  Nanoseconds period;
+  /// T_d: from sending a command until the robot begins to move, plus the age of a measurement when it is
+  /// stamped.
+  Nanoseconds delay{};
+  /// tau: time constant of the robot's own control loop.
+  Nanoseconds lag{};
+  /// Friction of the virtual robot in proportion to its mass, `B = virtual_damping M` [1/s].
+  T virtual_damping = T(0);
+  /// Viscous friction per joint [N m s/rad]: of the virtual robot, or what a robot by torque is given besides
+  /// its own.
+  JointTorque<N, T> viscous_friction = {};
+  JointTorque<N, T> coulomb_friction = {};  ///< of the virtual robot, per joint [N m]
+  JointTorque<N, T> virtual_inertia = {};   ///< added to each joint of the virtual robot [kg m^2]
+  /// r_tol: the difference [rad] between measured and expected position that is not acted on. At least three
+  /// times the encoder's standard deviation plus the top speed times the uncertainty of the delay.
+  JointPosition<N, T> dead_band = JointPosition<N, T>::constant(T(0.01));
+  /// w [1/s], at most 0.3/T with T = delay + lag + period: the default.
+  std::optional<T> observer = {};
+  /// The command is the virtual robot's state predicted this far ahead at its present velocity (velocities
+  /// alike). This makes up for the robot's delay, and passes on every change of torque at once. 0 to T;
+  /// `delay + lag + period / 2` makes up for all of it; `period / 2` for the hold of a position until the next
+  /// command.
+  Nanoseconds lead{};
+  /// Velocity interface only: rate at which the virtual robot's position drifts to the real one's without
+  /// moving it [1/s], at most w. Default: 1, or w if that is less.
+  std::optional<T> drift = {};
+  /// e_max in units of v_max T: the greatest lead of the virtual robot over the real one. Less than
+  /// `1 + v_max/(2 a T)` lowers the top speed, see `Resolver::top_speed`.
+  T max_lead = T(2);
+  /// Longest sub-step; up to `max_substeps` of equal length make an interval.
+  Nanoseconds substep = 2ms;
+  /// Longest interval that is integrated at once; the rest of a longer one is dropped. Default: five periods.
+  /// The velocity interface keeps room for this time at the present speed before every position limit.
+  std::optional<Nanoseconds> longest_interval = {};
+  /// Age of the last good measurement at which the virtual robot begins to brake. Default: 5 T.
+  std::optional<Nanoseconds> stale_after = {};
+  /// A blocked robot that is still pushed the same way tries again after this time.
+  Nanoseconds retry = 1s;
+
+  /// The virtual inertia, damping and friction together.
+  [[nodiscard]] VirtualDynamics<N, T> virtual_dynamics() const noexcept {
+    return {viscous_friction, coulomb_friction, virtual_inertia, virtual_damping};
+  }
+  void set(const VirtualDynamics<N, T>& d) noexcept {
+    viscous_friction = d.viscous;
+    coulomb_friction = d.coulomb;
+    virtual_inertia = d.inertia;
+    virtual_damping = d.damping;
+  }
+  /// T = delay + lag + period: until a measurement shows a command.
+  [[nodiscard]] constexpr Nanoseconds total_delay() const noexcept { return delay + lag + period; }
+  [[nodiscard]] constexpr Nanoseconds longest() const noexcept {
+    return longest_interval.value_or(5 * period);
+  }
+};
+
+/// Most sub-steps of one interval.
+inline constexpr unsigned max_substeps = 16;
+
+/// The length of a sub-step in a cycle that comes as planned.
+[[nodiscard]] constexpr Nanoseconds planned_substep(Nanoseconds period, Nanoseconds substep) noexcept {
+  const auto steps = (period + substep - 1ns) / substep;
+  return period / (steps < max_substeps ? steps : std::int64_t(max_substeps));
+}
+
+/// Throws `ConfigurationError` with the number and the range for a configuration that cannot work.
+template <std::size_t N, Real T>
+SKINCTL_COLD void check(const RobotConfiguration<N, T>& c) {
+  const auto number = [](const T& x) { return static_cast<double>(x); };
+  const auto ms = [](Nanoseconds t) { return milliseconds(t); };
+  require(c.period >= 100us && c.period <= 1s, "period", ms(c.period), "0.1 to 1000 ms");
+  require(c.delay >= 0ns && c.delay <= 1s, "delay", ms(c.delay), "0 to 1000 ms");
+  require(c.lag >= 0ns && c.lag <= 1s, "lag", ms(c.lag), "0 to 1000 ms");
+  require(c.substep >= 10us && c.substep <= 20ms, "sub-step", ms(c.substep), "0.01 to 20 ms");
+  const Nanoseconds total = c.total_delay();
+  const T most = T(0.3) / seconds<T>(total), w = c.observer.value_or(most);
+  require(w > T(0) && w <= most * (T(1) + tolerance<T>), "observer w", number(w),
+          "> 0, <= 0.3/(delay + lag + period) 1/s");
+  require(c.lead >= 0ns && c.lead <= total, "lead", ms(c.lead), ">= 0, <= delay + lag + period, in ms");
+  const T drift = c.drift.value_or(w < T(1) ? w : T(1));
+  require(drift >= T(0) && drift <= w, "drift", number(drift), ">= 0, <= w 1/s");
+  require(c.max_lead >= T(1.2) && c.max_lead <= T(100), "max_lead", number(c.max_lead), "1.2 to 100 v_max T");
+  require(c.retry > 0ns && c.retry <= 3600s, "retry", seconds<double>(c.retry), "> 0, <= 3600 s");
+  require(c.longest() >= c.period && c.longest() <= 1s + 10 * c.period, "longest interval", ms(c.longest()),
+          ">= period, <= 1 s + 10 periods, in ms");
+  const Nanoseconds stale = c.stale_after.value_or(5 * total);
+  require(stale >= c.period && stale <= 10s, "stale after", ms(stale), ">= period, <= 10 000 ms");
+  require(c.virtual_damping >= T(0) && c.virtual_damping <= T(1e4), "virtual damping",
+          number(c.virtual_damping), "0 to 1e4 1/s");
+  for (std::size_t i = 0; i < N; ++i) {
+    require(c.dead_band[i] > T(0) && c.dead_band[i] <= T(1), "dead band", number(c.dead_band[i]),
+            "> 0, <= 1 rad");
+    require(c.viscous_friction[i] >= T(0) && c.viscous_friction[i] <= T(1e6), "viscous friction",
+            number(c.viscous_friction[i]), "0 to 1e6 N m s/rad");
+    require(c.coulomb_friction[i] >= T(0) && c.coulomb_friction[i] <= T(1e6), "Coulomb friction",
+            number(c.coulomb_friction[i]), "0 to 1e6 N m");
+    require(c.virtual_inertia[i] >= T(0) && c.virtual_inertia[i] <= T(1e6), "virtual inertia",
+            number(c.virtual_inertia[i]), "0 to 1e6 kg m^2");
+    require(c.max_lead * c.limits.velocity()[i] * seconds<T>(total) > c.dead_band[i], "dead band",
+            number(c.dead_band[i]), "below max_lead v_max T: a blocked robot must be noticed");
+  }
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,147 @@
+// The description of a robot: one value from which resolver, guard, limits and laws take what they need.
+#pragma once
+
+#include <tuple>
+
+#include "skinctl/core/command.hpp"
+#include "skinctl/model/model.hpp"
+#include "skinctl/robot/robot_configuration.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A part of a description: the robot's own controller holds gravity, as a UR's does under direct torque. A
+/// law that holds it as well is refused.
+struct RobotHoldsGravity {
+  using RobotPart = RobotHoldsGravity;
+};
+/// A part of the description of a robot by torque: its own controller compensates the joints' friction. A law
+/// that does so as well is refused.
+struct RobotCompensatesFriction {
+  using RobotPart = RobotCompensatesFriction;
+};
+/// A part of the description of a robot by torque: nobody compensates the joints' friction, and that is
+/// meant. The robot then stands off its goals by friction over stiffness.
+struct FrictionUncompensated {
+  using RobotPart = FrictionUncompensated;
+};
+
+namespace detail {
+// What a part of a description is.
+struct KeeperPart {};      // watches over energy or contacts inside the resolver
+struct ToolShapePart {};   // inertia and friction at the tool
+struct IntegratorPart {};  // how the virtual robot is integrated
+struct HistoryPart {};     // room for commands under way
+
+/// Whether `P` may stand behind the configuration in `by_position` and the like.
+template <class P>
+concept RobotPart = requires { typename P::RobotPart; };
+template <class Part, class... Parts>
+inline constexpr bool is_one_of = (std::is_same_v<Part, Parts> || ...);
+}  // namespace detail
+
+/// A model, the interface of its joints, a configuration, and parts that are named: an energy tank, a
+/// passivity observer, a contact damper (`passivity/`), a tool shape, an integrator (`resolver/`), who holds
+/// gravity and friction. Made by `by_position`, `by_velocity` or `by_torque`; immutable.
+template <Interface I, Model M, Real T, class... Parts>
+class RobotDescription {
+ public:
+  static constexpr Interface interface = I;
+  static constexpr std::size_t joints = M::joints;
+  using scalar = T;
+  using model_type = M;
+  using Configuration = RobotConfiguration<joints, T>;
+  template <class Part>
+  static constexpr bool has = detail::is_one_of<Part, Parts...>;
+  static constexpr bool robot_holds_gravity = has<RobotHoldsGravity>;
+  static constexpr bool robot_compensates_friction = has<RobotCompensatesFriction>;
+  static constexpr bool friction_uncompensated = has<FrictionUncompensated>;
+  static_assert(I == Interface::torque || !robot_holds_gravity,
+                "RobotHoldsGravity: only by torque; a virtual robot has no controller of its own");
+  static_assert(I == Interface::torque || !(robot_compensates_friction || friction_uncompensated),
+                "friction: by position or velocity the robot's own control compensates it, say nothing");
+  static_assert(!(robot_compensates_friction && friction_uncompensated),
+                "friction: either the robot compensates it or nobody");
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  RobotDescription(const M& model, const Configuration& configuration, const Parts&... parts)
+      : model_(model), configuration_(configuration), parts_(parts...) {
+    check(configuration);
+  }
+
+  [[nodiscard]] const M& model() const noexcept { return model_; }
+  [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
+  [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return configuration_.limits; }
+  [[nodiscard]] Nanoseconds period() const noexcept { return configuration_.period; }
+  /// The longest time between two evaluations of a law in cycles that come as planned: a sub-step, or a
+  /// period of a robot by torque.
+  [[nodiscard]] Nanoseconds dt() const noexcept {
+    return I == Interface::torque ? period() : planned_substep(period(), configuration_.substep);
+  }
+  /// The same in cycles as late as the description allows.
+  [[nodiscard]] Nanoseconds longest_dt() const noexcept {
+    const Nanoseconds late = configuration_.longest() / max_substeps;
+    return I != Interface::torque && late > dt() ? late : dt();
+  }
+  [[nodiscard]] VirtualDynamics<joints, T> virtual_dynamics() const noexcept {
+    return configuration_.virtual_dynamics();
+  }
+  [[nodiscard]] const std::tuple<Parts...>& parts() const noexcept { return parts_; }
+
+ private:
+  [[no_unique_address]] M model_;
+  Configuration configuration_;
+  [[no_unique_address]] std::tuple<Parts...> parts_;
+};
+
+/// A robot's description whose joints are all of one kind.
+template <class R>
+concept DescribedRobot = requires(const R& robot) {
+  robot.virtual_dynamics();
+  robot.dt();
+  { R::interface } -> std::convertible_to<Interface>;
+};
+
+namespace detail {
+template <Interface I, class T, class M, class... Parts>
+auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, const Parts&... parts) {
+  static_assert((RobotPart<Parts> && ...),
+                "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
+                "ContactDamper, ToolShape, an integrator, RobotHoldsGravity, RobotCompensatesFriction");
+  return RobotDescription<I, M, T, Parts...>(model, c, parts...);
+}
+}  // namespace detail
+
+/// A robot that takes positions. `by_position<float>(...)` computes in float.
+template <Real T = double, Model M, class... Parts>
+[[nodiscard]] auto by_position(const M& model, const RobotConfiguration<M::joints, T>& configuration,
+                               const Parts&... parts) {
+  return detail::describe_robot<Interface::position, T>(model, configuration, parts...);
+}
+/// A robot that takes velocities.
+template <Real T = double, Model M, class... Parts>
+[[nodiscard]] auto by_velocity(const M& model, const RobotConfiguration<M::joints, T>& configuration,
+                               const Parts&... parts) {
+  return detail::describe_robot<Interface::velocity, T>(model, configuration, parts...);
+}
+/// A robot that takes torques. It has no virtual robot: of the virtual dynamics it takes the viscous
+/// friction, which it then shows besides its own.
+template <Real T = double, Model M, class... Parts>
+[[nodiscard]] auto by_torque(const M& model, const RobotConfiguration<M::joints, T>& configuration,
+                             const Parts&... parts) {
+  return detail::describe_robot<Interface::torque, T>(model, configuration, parts...);
+}
+/// The same with the interface as a parameter.
+template <Interface I, Real T = double, Model M, class... Parts>
+[[nodiscard]] auto robot_by(const M& model, const RobotConfiguration<M::joints, T>& configuration,
+                            const Parts&... parts) {
+  return detail::describe_robot<I, T>(model, configuration, parts...);
+}
+
+/// What laws have in common with the robot that they are for, as `Cycle` compares it.
+template <std::size_t N, Real T>
+struct LawTerms {
+  Nanoseconds dt;                          ///< longest planned time between two evaluations
+  VirtualDynamics<N, T> virtual_dynamics;  ///< of the robot that carries the torque
+};
+
+SKINCTL_END_NAMESPACE

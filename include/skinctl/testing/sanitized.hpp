@@ -1,0 +1,19 @@
+// Whether this is a build under the address sanitizer, where loops are shortened that prove nothing new there.
+#pragma once
+
+#if defined(__SANITIZE_ADDRESS__)
+#define SKINCTL_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SKINCTL_SANITIZED 1
+#endif
+#endif
+#if !defined(SKINCTL_SANITIZED)
+#define SKINCTL_SANITIZED 0
+#endif
+
+namespace skinctl::testing {
+
+inline constexpr bool sanitized = SKINCTL_SANITIZED != 0;
+
+}  // namespace skinctl::testing

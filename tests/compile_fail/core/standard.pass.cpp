@@ -1,0 +1,3 @@
+#include "skinctl/skinctl.hpp"
+
+int main() {}

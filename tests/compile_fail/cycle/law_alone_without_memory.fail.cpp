@@ -1,0 +1,18 @@
+// expect: this law lacks its Memory
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+struct Push : Composable {
+  static constexpr Needs needs = {};
+  static constexpr Role role = Role::reactive;
+  int start(const auto&) const noexcept { return 0; }
+  JointTorque<6> torque(int, const auto&) const noexcept { return {}; }
+  int advance(int, const auto&, double, Opposition) const noexcept { return 0; }
+};
+
+using Robot = Resolver<Interface::position, ur5::Model>;
+
+void build(const Robot& robot, const Guard<Interface::position, 6>& guard) {
+  static_cast<void>(Cycle(robot, Push{}, guard));
+}

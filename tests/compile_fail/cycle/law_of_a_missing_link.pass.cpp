@@ -1,0 +1,10 @@
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+using Robot = Resolver<Interface::position, ur5::Model>;
+
+void build(const Robot& robot, const Guard<Interface::position, 6>& guard) {
+  static_cast<void>(
+      Cycle(robot, SkinCartesianControl<5>(Transform<Link<5>, Tool>()) + GravityControl{}, guard));
+}

@@ -1,0 +1,9 @@
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+using Robot = Resolver<Interface::position, ur5::Model>;
+
+void build(const Robot& robot, const Guard<Interface::position, 6>& guard) {
+  static_cast<void>(Cycle(robot, SkinJointControl{} + GravityControl{}, ur5_skin<260>(), guard));
+}

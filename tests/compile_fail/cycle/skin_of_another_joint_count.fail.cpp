@@ -1,0 +1,12 @@
+// expect: this skin is for a robot with another number of joints
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+using Hand = Skin<ur5_allegro::Model<>, double, Patch<8, 1>>;
+
+using Robot = Resolver<Interface::position, ur5::Model>;
+
+void build(const Robot& robot, const Guard<Interface::position, 6>& guard, const Hand& skin) {
+  static_cast<void>(Cycle(robot, SkinJointControl{} + GravityControl{}, skin, guard));
+}

@@ -1,0 +1,11 @@
+// expect: this skin is for another robot
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+using Robot = Resolver<Interface::position, ur5::Model>;
+
+void build(const Robot& robot, const Guard<Interface::position, 6>& guard) {
+  static_cast<void>(
+      Cycle(robot, SkinJointControl{} + GravityControl{}, ur5_skin<260, double, ur3e::Model>(), guard));
+}

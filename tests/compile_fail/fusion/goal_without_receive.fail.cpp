@@ -1,0 +1,18 @@
+// expect: this law has a Goal, but lacks receive
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+struct Push : Composable {
+  struct Memory {};
+  static constexpr Needs needs = {};
+  static constexpr Role role = Role::reactive;
+  Memory start(const auto&) const noexcept { return {}; }
+  JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
+  Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
+  using Goal = double;
+};
+
+int main() {
+  static_cast<void>(Push{} + GravityControl{});
+}

@@ -1,0 +1,8 @@
+// expect: the laws of a sum are for robots with different numbers of joints
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+int main() {
+  static_cast<void>(JointLimitLaw<6>{} + SplineJoint<7>{{.dt = 0.002}} + GravityControl{});
+}

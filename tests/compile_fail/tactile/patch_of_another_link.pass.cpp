@@ -1,0 +1,13 @@
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+struct Description {
+  static constexpr std::array<NamedLink, 2> named_links = {
+      {{"wrist_3_link", 5, {}, {0, 0, 0.1}}, {"tool0", 5, {}, {0, 0, 0.2}}}};
+};
+
+int main() {
+  const Transform<NamedFrame<"tool0">, Cell> X_NC;
+  return static_cast<int>(patch_on<Description, "tool0">({{1, X_NC}}).placed().size());
+}
