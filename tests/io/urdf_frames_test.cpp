@@ -7,10 +7,10 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
-#include "skinctl/testing/worst_torque.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
 #include "tests/support/urdf_robots.hpp"
+#include "tests/support/worst_torque.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -28,12 +28,12 @@ std::vector<Eigen::Isometry3d> poses_of(const M& model, const JointPosition<M::j
   std::vector<Eigen::Isometry3d> X;
   const auto poses = link_poses(model, q);
   [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (X.push_back(poses.template get<I>().template to<Eigen::Isometry3d>()), ...);
+    (X.push_back(as_eigen(poses.template get<I>())), ...);
   }(std::make_index_sequence<M::joints>{});
   return X;
 }
 Eigen::Isometry3d pose_of(const UrdfFrame& frame) {
-  return Transform<Base, Base>(frame.R, frame.p).to<Eigen::Isometry3d>();
+  return as_eigen(Transform<Base, Base>(frame.R, frame.p));
 }
 std::map<std::string, double> positions(const Urdf& urdf, const double* q) {
   std::map<std::string, double> at;
@@ -80,7 +80,7 @@ Pressed press(const M& model, const JointPosition<M::joints>& q, const Patch<I, 
               const Eigen::Isometry3d& X_LinkFile, const Eigen::Isometry3d& X_FileCell) {
   const auto links = poses_of(model, q);
   const Eigen::Isometry3d X_BC = links[I] * X_LinkFile * X_FileCell;
-  const Eigen::Isometry3d cell = links[I] * patch.placed()[0].X_LC.template to<Eigen::Isometry3d>();
+  const Eigen::Isometry3d cell = links[I] * as_eigen(patch.placed()[0].X_LC);
 
   const Skin<M, double, Patch<I, 1>> skin(patch);
   auto memory = skin.start(0);
@@ -123,7 +123,7 @@ TEST_CASE("URDF frames: a cell placed in a link of the file is there, and the ar
     JointPosition<6> q;
     for (double& x : q) x = random.uniform(-3, 3);
     const auto X_LinkFile = pose_of(urdf.frame("wrist_3_link"));
-    const auto X_FileCell = X_NC.to<Eigen::Isometry3d>();
+    const auto X_FileCell = as_eigen(X_NC);
     const Pressed right_one = press(arm, q, by_name, X_LinkFile, X_FileCell);
     CAPTURE(k);
     CHECK(right_one.distance <= 1e-15);

@@ -299,7 +299,7 @@ TEST_CASE("URDF: base, tip and locked joints choose a part of the robot; what is
   const Eigen::Isometry3d expected = X.at("panda_link4").inverse() * X.at("panda_hand");
   const auto found =
       link_poses(calibrated_from<Chain<2>>(forearm), q).get<1>() * named_link_pose<1, "panda_hand">(forearm);
-  CHECK((found.to<Eigen::Isometry3d>().matrix() - expected.matrix()).cwiseAbs().maxCoeff() <= 1e-13);
+  CHECK((as_eigen(found).matrix() - expected.matrix()).cwiseAbs().maxCoeff() <= 1e-13);
 
   // A joint locked away from zero: the others move about it.
   const Urdf bent = parse_urdf(text, "panda.urdf", {.tip = "panda_link7", .locked = {{"panda_joint3", 0.7}}});
@@ -309,8 +309,7 @@ TEST_CASE("URDF: base, tip and locked joints choose a part of the robot; what is
   const auto hand =
       link_poses(calibrated_from<Chain<6>>(bent), JointPosition<6>{0.2, 0, 0, 0, 0, -0.3}).get<5>() *
       named_link_pose<5, "panda_hand">(bent);
-  CHECK((hand.to<Eigen::Isometry3d>().matrix() - at.at("panda_hand").matrix()).cwiseAbs().maxCoeff() <=
-        1e-13);
+  CHECK((as_eigen(hand).matrix() - at.at("panda_hand").matrix()).cwiseAbs().maxCoeff() <= 1e-13);
 }
 
 TEST_CASE("URDF: options that do not fit the file are refused by name") {

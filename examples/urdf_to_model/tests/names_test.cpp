@@ -23,7 +23,7 @@ static_assert(
 int main() {
   const double q0 = 0.4, q1 = -1.3;
   const auto poses = link_poses(robot_class::Model{}, JointPosition<2>{q0, q1});
-  const auto finger = (poses.get<1>() * robot_class::X_LN<"double">).to<Eigen::Isometry3d>();
+  const auto finger = as_eigen(poses.get<1>() * robot_class::X_LN<"double">);
   const Eigen::Isometry3d expected = Translation3d(0, 0, 0.5) * AngleAxisd(0.3, Vector3d::UnitZ()) *
                                      AngleAxisd(q0, Vector3d::UnitY()) * Translation3d(0.3, 0, 0) *
                                      AngleAxisd(0.5, Vector3d::UnitZ()) * Translation3d(0.2, 0, 0) *
