@@ -33,11 +33,7 @@ std::vector<Eigen::Isometry3d> poses_of(const M& model, const JointPosition<M::j
   return X;
 }
 Eigen::Isometry3d pose_of(const UrdfFrame& frame) {
-<<<<<<< HEAD
   return as_eigen(Transform<Base, NamedFrame<"any">>(frame.R, frame.p));
-=======
-  return as_eigen(Transform<Base, Base>(frame.R, frame.p));
->>>>>>> ci
 }
 std::map<std::string, double> positions(const Urdf& urdf, const double* q) {
   std::map<std::string, double> at;
@@ -81,16 +77,9 @@ struct Pressed {
 };
 template <class M, std::size_t I>
 Pressed press(const M& model, const JointPosition<M::joints>& q, const Patch<I, 1>& patch,
-<<<<<<< HEAD
               const FileRobot& file, const std::map<std::string, Eigen::Isometry3d>& at,
               const Eigen::Isometry3d& X_BC) {
   const Eigen::Isometry3d cell = poses_of(model, q)[I] * as_eigen(patch.placed()[0].X_LC);
-=======
-              const Eigen::Isometry3d& X_LinkFile, const Eigen::Isometry3d& X_FileCell) {
-  const auto links = poses_of(model, q);
-  const Eigen::Isometry3d X_BC = links[I] * X_LinkFile * X_FileCell;
-  const Eigen::Isometry3d cell = links[I] * as_eigen(patch.placed()[0].X_LC);
->>>>>>> ci
 
   const Skin<M, double, Patch<I, 1>> skin(patch);
   auto memory = skin.start(0ms);
@@ -137,15 +126,9 @@ TEST_CASE("URDF frames: a cell placed in a link of the file is there, and the ar
   for (int k = 0; k < 200; ++k) {
     JointPosition<6> q;
     for (double& x : q) x = random.uniform(-3, 3);
-<<<<<<< HEAD
     const auto at = file_poses(file, positions(urdf, q.data));
     const Eigen::Isometry3d X_BC = at.at("wrist_3_link") * as_eigen(X_NC);
     const Pressed right_one = press(arm, q, by_name, file, at, X_BC);
-=======
-    const auto X_LinkFile = pose_of(urdf.frame("wrist_3_link"));
-    const auto X_FileCell = as_eigen(X_NC);
-    const Pressed right_one = press(arm, q, by_name, X_LinkFile, X_FileCell);
->>>>>>> ci
     CAPTURE(k);
     CHECK(right_one.distance <= 1e-14);
     CHECK(right_one.acceleration < 0);
