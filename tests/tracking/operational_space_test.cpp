@@ -314,7 +314,7 @@ TEST_CASE("OperationalSpace: goals and contacts at any moment do not jump") {
       auto q = home;
       for (double& a : q) a += 0.3 * rng();
       const auto X = law.space().site(K(model, State<6>{0ns, q, {}}, dt, none)).X_BP;
-      next = law.receive(memory, known, {X, 0}).memory;
+      next = law.receive(memory, known, {X, {}}).memory;
     } else if (i % 211 == 0) {
       next = law.advance(memory, known, 0.0, i % 422 == 0 ? Opposition::lasting : Opposition::none);
     }
