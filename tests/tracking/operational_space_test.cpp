@@ -197,7 +197,7 @@ TEST_CASE("OperationalSpace: of a position, the null space rests, goes on, or fi
       OperationalSpace<6, 5, Tool, double, Task::position, RotationVectorError, PostureNullSpace<6>>(
           tool<double>(), settings, PostureNullSpace<6>(posture, 2.0)),
       settings);
-  const auto r = run(posed, {0, home, {}}, goal, 0.004, 6);
+  const auto r = run(posed, {0ns, home, {}}, goal, 0.004, 6);
   CHECK(r.position < 1e-5);
   CHECK(std::abs(r.state.q[5] - posture[5]) < 0.03);  // the last joint hardly moves the tool's origin
   CHECK(std::abs(rest.state.q[5] - posture[5]) > 0.3);
