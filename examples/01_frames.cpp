@@ -12,11 +12,10 @@ using Forearm = Link<2>;
 
 int main() {
   // A cell on top of the forearm, 20 cm from the elbow; its z axis is the outward normal.
-  const auto X_LC = Transform<Forearm, Cell>::translation_xyz(-0.2, 0.04, 0.0165) *
-                    Transform<Cell, Cell>::rotation_x(-1.5707963267948966);
+  const auto X_LC =
+      Transform<Forearm, Cell>::translation_xyz(-0.2, 0.04, 0.0165).rotated_x(-1.5707963267948966);
   // The forearm, lifted by 30 degrees.
-  const auto X_BL = Transform<Base, Forearm>::translation_xyz(-0.425, 0, 0.089) *
-                    Transform<Forearm, Forearm>::rotation_z(0.5235987755982988);
+  const auto X_BL = Transform<Base, Forearm>::translation_xyz(-0.425, 0, 0.089).rotated_z(0.5235987755982988);
 
   // A finger presses with 10 N. A cell carries no moment about its own origin.
   const Wrench<Forearm, Cell> F_C{{0, 0, -10}, {0, 0, 0}};

@@ -23,26 +23,14 @@ constexpr LinkMask fingers = joints_between(6, 22);
 using Joints = HybridResolver<Interface::velocity, fingers, ArmWithHand>;
 
 // Springs that close the fingers.
-struct Grip : Composable {
-  struct Memory {};
-  static constexpr Needs needs{};
-  static constexpr Role role = Role::reactive;
+struct Grip : StatelessLaw<Grip> {
   static constexpr const char* name = "grip";
   JointPosition<16> closed;
 
-  template <class K>
-  Memory start(const K&) const noexcept {
-    return {};
-  }
-  template <class K>
-  JointTorque<22> torque(const Memory&, const K& known) const noexcept {
+  JointTorque<22> torque(const auto& known) const noexcept {
     JointTorque<22> tau;
     for (std::size_t k = 0; k < 16; ++k) tau[6 + k] = 0.6 * (closed[k] - known.q()[6 + k]);
     return tau;
-  }
-  template <class K>
-  Memory advance(const Memory&, const K&, double, Opposition) const noexcept {
-    return {};
   }
 };
 

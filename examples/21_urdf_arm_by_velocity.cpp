@@ -35,12 +35,12 @@ auto make_skin(const Urdf& urdf) {
 }
 
 auto make_cycle(const Urdf& urdf) {
-  const auto limits = limits_of<7>(urdf, /*acceleration*/ 10.0);
-  ResolverConfiguration<7> robot{.limits = limits, .period = 4ms, .delay = 8ms};
-  robot.shape.decay = 4;  // [1/s] friction of the virtual arm, in proportion to its mass
-  return Cycle(Resolver<Interface::velocity, Arm>(calibrated_from<Chain<7>>(urdf), robot),
-               SkinJointControl{} + GravityControl{}, make_skin(urdf),
-               Guard<Interface::velocity, 7>({.limits = limits, .period = 4ms}));
+  const auto arm =
+      by_velocity(calibrated_from<Chain<7>>(urdf), {.limits = limits_of<7>(urdf, /*acceleration*/ 10.0),
+                                                    .period = 4ms,
+                                                    .delay = 8ms,
+                                                    .virtual_damping = 4});
+  return Cycle(arm, make_skin(urdf), SkinJointControl{} + GravityControl{});
 }
 
 int main(int argc, char** argv) {

@@ -14,7 +14,6 @@
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/resolver/torque_resolver.hpp"
 #include "skinctl/tactile/named_patch.hpp"
 #include "skinctl/tactile/skin.hpp"
 
@@ -35,13 +34,13 @@ auto make_skin() {
 }
 
 auto make_cycle() {
-  const auto limits = limits_of<arm7::Description>(/*acceleration*/ 10.0);
-  ResolverConfiguration<7> robot{.limits = limits, .period = 1ms};
-  robot.dead_band = JointPosition<7>::constant(0.001);
-  robot.shape.viscous = JointTorque<7>::constant(6);  // [N m s/rad] what brings the arm to rest
-  return Cycle(Resolver<Interface::torque, arm7::Model>(arm7::Model{}, robot),
-               SkinJointControl{} + GravityControl{}, make_skin(),
-               Guard<Interface::torque, 7>({.limits = limits, .period = 1ms}));
+  const auto arm = by_torque(arm7::Model{},
+                             {.limits = limits_of<arm7::Description>(/*acceleration*/ 10.0),
+                              .period = 1ms,
+                              .delay = 2ms,
+                              .viscous_friction = JointTorque<7>::constant(6)},  // brings the arm to rest
+                             RobotCompensatesFriction{});
+  return Cycle(arm, make_skin(), SkinJointControl{} + GravityControl{});
 }
 
 int main() {

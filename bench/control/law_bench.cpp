@@ -1,6 +1,6 @@
 // One evaluation of each law: torque and next memory. Beside it what its equations cost by hand (the surface
 // with Eigen and libm, the dynamics as the floor) and what KDL takes for the dynamics alone.
-#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -124,9 +124,10 @@ void skinctl_rows() {
   const auto X_LT = Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.15));
   OperationalSettings<6, T> pose{.tracking = settings<T>()};
   const auto lift = [](const auto& law, const auto& known) {
-    auto X = known.template pose<5>() * Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.15));
-    X = Transform<Base, Tool, T>::translation_xyz(T(0), T(0), T(0.1)).template renamed<Base, Base>() * X;
-    return law.receive(law.start(known), known, PoseGoal<Tool, T>{X, 4s}).memory;
+    const auto X =
+        known.template pose<5>() * Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.15));
+    const Transform<Base, Tool, T> above(X.axes(), X.origin() + Xyz<T>{T(0), T(0), T(0.1)});
+    return law.receive(law.start(known), known, PoseGoal<Tool, T>{above, 4s}).memory;
   };
   using Pose = OperationalSpace<6, 5, Tool, T>;
   using Place = OperationalSpace<6, 5, Tool, T, Task::position>;

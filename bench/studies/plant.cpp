@@ -1,6 +1,7 @@
 // skinctl around an arm that we did not write: MuJoCo, a UR5 under stiff position servos in steps of 0.2 ms.
 // `plant [folder for pictures]`: the felt admittance, contacts with walls, the stiffest contact predicted and
 // simulated, peak forces with and without skinctl.
+#include <Eigen/LU>
 #include <cstdio>
 #include <cstdlib>
 #include <string>

@@ -283,7 +283,7 @@ void study(const char* name, const Scene& scene, long cycles, long repeated) {
   std::printf(
       "the slowest cycle, from its memory and input, 1000 times again: median %lld, worst %lld (checksum "
       "%g)\n",
-      (long long)again.percentile(0.5), (long long)again.max(), sum);
+      (long long)again.percentile(0.5).count(), (long long)again.max().count(), sum);
 }
 
 }  // namespace

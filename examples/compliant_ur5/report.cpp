@@ -395,7 +395,8 @@ std::string why_slower(const RunLog& log) {
   if (c.repeated > 0)
     out += " The slowest took " + us(whole.max) + " in the run; with the same memory and input, run " +
            std::to_string(c.repeated) + " times with nothing in between, " + us(c.repeated_median) +
-           " (median), or " + us(c.repeated_median / c.substeps) + " a sub-step.";
+           " (median)" +
+           (c.substeps > 1 ? ", or " + us(c.repeated_median / c.substeps) + " a sub-step." : ".");
   return out + "</p>";
 }
 
@@ -696,7 +697,6 @@ std::string picture(const RunLog& log) {
   deflection.title.clear();
   deflection.height = 210;
   for (plotting::Band& band : deflection.bands) band.label.clear();
-  force.x_name.clear();
   force.width = deflection.width = 880;
   return plotting::svg_figure(headline(log), {force, deflection});
 }

@@ -140,6 +140,9 @@ void make_exact(skinctl::Rotation<double>& R, double snap) {
 std::string header(const skinctl::Urdf& urdf, const Settings& settings) {
   const std::size_t n = urdf.joints.size();
   skinctl::require(n <= 64, "joints of a static model", static_cast<double>(n), "1 to 64");
+  for (const auto& joint : urdf.joints)
+    if (!joint.question.empty())
+      skinctl::detail::fail_urdf(urdf, joint, joint.question + "; --large-limits takes it as it is");
   auto links = skinctl::model_links(urdf).links;
   using P = skinctl::Parameter;
   for (auto& l : links) {

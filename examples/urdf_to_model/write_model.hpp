@@ -20,7 +20,7 @@ struct Settings {
 /// limits), `<namespace>::Model`, and `<namespace>::X_LN<"wrist_3_link">`, the pose of a link of the file in
 /// the model. Links and joints keep their names, as strings: any text will do. Numbers are printed so that
 /// they are read back to the last bit. Throws `skinctl::ConfigurationError` as `skinctl::model_links` does,
-/// for more than 64 joints, and for a namespace that is no name.
+/// for more than 64 joints, for limits that look like degrees, and for a namespace that is no name.
 std::string header(const skinctl::Urdf& urdf, const Settings& settings = {});
 
 }  // namespace urdf_to_model

@@ -58,6 +58,23 @@ TEST_CASE("Impedance: a force on the tool moves it by force over stiffness") {
   CHECK(800 * moved.z == doctest::Approx(force.z).epsilon(1e-3));
 }
 
+TEST_CASE("Impedance: settled when its target and the robot stand") {
+  const JointImpedance<6> law{JointImpedance<6>::Settings{}};
+  State<6> x{0ns, home, {}};
+  using K = KnownFor<JointImpedance<6>>;
+  auto memory = law.start(K(model, x, 0.002, none));
+  CHECK(settled(law, memory, K(model, x, 0.002, none), 0.01));
+  memory = law.receive(memory, K(model, x, 0.002, none), {JointPosition<6>::constant(0.1), 1s}).memory;
+  for (int k = 0; k < 250; ++k)
+    memory = law.advance(memory, K(model, x, 0.002, none), 0.002, Opposition::none);
+  CHECK_FALSE(settled(law, memory, K(model, x, 0.002, none), 0.01));
+  for (int k = 0; k < 300; ++k)
+    memory = law.advance(memory, K(model, x, 0.002, none), 0.002, Opposition::none);
+  CHECK(settled(law, memory, K(model, x, 0.002, none), 0.01));
+  x.dq[3] = 0.02;
+  CHECK_FALSE(settled(law, memory, K(model, x, 0.002, none), 0.01));
+}
+
 TEST_CASE("Impedance: joints are springs about their target, gravity once in every sum") {
   JointImpedance<6>::Settings s;
   const JointImpedance<6> law(s);

@@ -75,7 +75,9 @@ TEST_CASE("TakeOver: passes goals and opposition on") {
   const State<6> x{};
   const KnownAt known(model, x, 0.002, none);
   auto memory = law.receive(law.start(known), known, JointGoal<6>{JointPosition<6>::constant(1), 3s}).memory;
+  static_assert(std::same_as<decltype(law)::Goal, JointGoal<6>>);
   CHECK(memory.law.plan.spline.tf == 3);
+  CHECK(settled(law, memory, known, 0.01) == settled(law.law(), memory.law, known, 0.01));
   memory = law.advance(memory, known, 0.002, Opposition::lasting);
   CHECK(memory.law.held);
 }

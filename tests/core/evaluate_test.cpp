@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <type_traits>
 
 using namespace skinctl;
@@ -58,4 +59,50 @@ TEST_CASE("evaluate: a law's own evaluation is preferred") {
   CHECK(e.memory.count == 14);
   CHECK(e.shares[0] + e.shares[1] == e.torque);
   CHECK(e.status.has(Reason::hand_over));
+}
+
+namespace {
+/// What a robot that stands or moves knows, gravity included.
+struct Weighty {
+  static constexpr std::size_t joints = 2;
+  using scalar = double;
+  JointTorque<2> weight{5.0, 7.0};
+  JointVelocity<2> velocity{0.1, -0.2};
+  const JointTorque<2>& gravity() const noexcept { return weight; }
+  const JointVelocity<2>& dq() const noexcept { return velocity; }
+};
+struct Constant : StatelessLaw<Constant> {
+  JointTorque<2> torque(const auto&) const noexcept { return {1.0, 2.0}; }
+};
+struct InParts : StatelessLaw<InParts> {
+  static constexpr Role role = Role::tracking;
+  TorqueParts<2> parts(const auto&) const noexcept { return {{1.0, 2.0}, {10.0, 20.0}}; }
+};
+struct Reports : Constant {
+  Status status(const Memory&) const noexcept { return Reason::slowed; }
+  bool settled(const Memory&, const Weighty&, double still) const noexcept { return still > 1; }
+};
+}  // namespace
+
+TEST_CASE("torque_of: a law without memory, and a tracking law by its parts with gravity once") {
+  CHECK(torque_of(Constant{}, {}, Weighty{}) == JointTorque<2>{1.0, 2.0});
+  CHECK(torque_of(InParts{}, {}, Weighty{}) == JointTorque<2>{16.0, 29.0});
+  const Share<double> share{0.5, 2.0};
+  using detail::weighted_torque;
+  CHECK(weighted_torque<GravityTerm::left_out>(InParts{}, {}, Weighty{}, share) ==
+        JointTorque<2>{20.5, 41.0});
+  CHECK(weighted_torque<GravityTerm::included>(InParts{}, {}, Weighty{}, share) ==
+        JointTorque<2>{30.5, 55.0});
+  CHECK(evaluate(InParts{}, {}, Weighty{}, 0.002).torque == JointTorque<2>{16.0, 29.0});
+}
+
+TEST_CASE("status_of, settled: what a law says, or nothing, and whether the robot stands") {
+  CHECK_FALSE(status_of(Constant{}, {}).any());
+  CHECK(status_of(Reports{}, {}).has(Reason::slowed));
+  CHECK(evaluate(Reports{}, {}, Weighty{}, 0.002).status.has(Reason::slowed));
+  CHECK(settled(Constant{}, {}, Weighty{}, 0.21));
+  CHECK_FALSE(settled(Constant{}, {}, Weighty{}, 0.19));
+  CHECK_FALSE(settled(Constant{}, {}, Weighty{{}, {0.0, std::nan("")}}, 0.21));
+  CHECK_FALSE(settled(Reports{}, {}, Weighty{}, 0.21));
+  CHECK(settled(Reports{}, {}, Weighty{}, 1.5));
 }

@@ -159,8 +159,8 @@ TEST_CASE_TEMPLATE("Inertia: a box is its eight octants", T, float, double, Digi
   for (const T& sx : {T(-1), T(1)})
     for (const T& sy : {T(-1), T(1)})
       for (const T& sz : {T(-1), T(1)})
-        sum = sum + Transform<Arm, Arm, T>::translation_xyz(sx * x / T(4), sy * y / T(4), sz * z / T(4)) *
-                        ArmInertia<T>::box(mass / T(8), x * half, y * half, z * half);
+        sum = sum + Transform<Arm, Tool, T>::translation_xyz(sx * x / T(4), sy * y / T(4), sz * z / T(4)) *
+                        Inertia<Arm, Tool, T>::box(mass / T(8), x * half, y * half, z * half);
   CHECK(difference(sum, ArmInertia<T>::box(mass, x, y, z)) <= tolerance<T>);
 }
 

@@ -271,3 +271,22 @@ TEST_CASE("Transform: nothing of it allocates") {
   CHECK(count == 0);
   CHECK(std::isfinite(phi.x));
 }
+
+TEST_CASE_TEMPLATE("Transform: moved and turned on is the product with the step", T, float, double, Exact) {
+  auto rng = seeded(51);
+  for (int i = 0; i < 50; ++i) {
+    const auto X = random_transform<World, Cell>(rng, T(1));
+    const T a = T(3) * uniform<T>(rng);
+    const Xyz<T> p = random_xyz(rng, T(1));
+    using Step = Transform<Cell, Tool, T>;
+    const auto same = [&](const Transform<World, Cell, T>& got, const Step& step) {
+      const auto wanted = X * step;
+      CHECK(largest(got.axes(), wanted.axes()) <= tolerance<T>);
+      CHECK(largest(got.origin() - wanted.origin()) <= tolerance<T>);
+    };
+    same(X.translated(p.x, p.y, p.z), Step::translation_xyz(p.x, p.y, p.z));
+    same(X.rotated_x(a), Step::rotation_x(a));
+    same(X.rotated_y(a), Step::rotation_y(a));
+    same(X.rotated_z(a), Step::rotation_z(a));
+  }
+}

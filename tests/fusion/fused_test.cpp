@@ -71,6 +71,48 @@ auto evaluated(const L& law, const Skinned<double>& touch = {}) {
 static_assert(!decltype(SplineJoint<6>() + JointLimitLaw<6>() + GravityControl())::watches);
 static_assert(decltype(SplineJoint<6>() + JointLimitLaw<6>() + SkinJointControl())::watches);
 
+namespace {
+/// The same as `Told`, as a user writes it: two parts, and no word about gravity.
+struct InParts : StatelessLaw<InParts> {
+  static constexpr Role role = Role::tracking;
+  double feedback = 0, feed_forward = 0;
+  TorqueParts<6> parts(const auto&) const noexcept {
+    return {JointTorque<6>::constant(feedback), JointTorque<6>::constant(feed_forward)};
+  }
+};
+template <class A, class B>
+void check_alike(const A& told, const B& in_parts) {
+  const auto a = evaluated(told);
+  const auto b = evaluated(in_parts);
+  for (std::size_t i = 0; i < A::terms; ++i) CHECK(largest(a.shares[i] - b.shares[i]) < 1e-9);
+  CHECK(largest(a.torque - b.torque) < 1e-9);
+}
+}  // namespace
+
+TEST_CASE("Fused: a tracking law of two parts is weighed as one of one function, gravity once") {
+  const InParts one{{}, 3, 5}, other{{}, -2, 4};
+  const Told told_one(3, 5), told_other(-2, 4);
+  check_alike(0.7 * told_one + 0.2 * told_other, 0.7 * one + 0.2 * other);
+  check_alike(0.7 * told_one + 0.2 * told_other + GravityControl(),
+              0.7 * one + 0.2 * other + GravityControl());
+  check_alike(weighted(0.7 * told_one + 0.2 * told_other), weighted(0.7 * one + 0.2 * other));
+  check_alike(plain(0.7 * told_one + 0.2 * told_other + GravityControl()),
+              plain(0.7 * one + 0.2 * other + GravityControl()));
+  check_alike(0.7 * told_one + SkinJointControl(), 0.7 * one + SkinJointControl());
+}
+
+TEST_CASE("Fused: settled when all of its laws are") {
+  const SplineJoint<6> reach({.dt = 2ms});
+  const auto law = reach + GravityControl();
+  const KnownTo<decltype(law)> known(model, pose, 0.002, Skinned<double>{});
+  auto memory = law.start(known);
+  CHECK(settled(law, memory, known, 0.01));
+  memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>{}, 5s}).memory;
+  for (int k = 0; k < 100; ++k) memory = law.advance(memory, known, 0.002, Opposition::none);
+  CHECK_FALSE(settled(law, memory, known, 0.01));
+  CHECK_FALSE(settled(reach, law.memory<0>(memory), known, 0.01));
+}
+
 TEST_CASE("Fused: is a law, and its memory can be copied byte by byte") {
   const SplineJoint<6> reach({.dt = 2ms});
   const SkinJointControl skin;

@@ -57,12 +57,12 @@ TEST_CASE("UR calibration: the lists come out as they stand there, and load into
   const auto arm = calibrated_universal_robot<ur5e::Description>(delta);
   const auto end = calibrated_dh<6>(ur5e::Description::rows, delta, ur5e::Description::inertias).end;
   JointPosition<6> q{0.3, -1.2, 0.8, -0.4, 1.1, 2.0};
-  auto X = Transform<Base, Base>();
+  Transform<Base, Flange> X;
   for (std::size_t i = 0; i < 6; ++i) {
     const auto& row = ur5e::Description::rows[i];
-    X = X * Transform<Base, Base>::rotation_z(q[i] + row.theta + delta.theta[i]) *
-        Transform<Base, Base>::translation_xyz(row.a + delta.a[i], 0, row.d + delta.d[i]) *
-        Transform<Base, Base>::rotation_x(std::atan2(row.alpha.sin, row.alpha.cos) + delta.alpha[i]);
+    X = X.rotated_z(q[i] + row.theta + delta.theta[i])
+            .translated(row.a + delta.a[i], 0, row.d + delta.d[i])
+            .rotated_x(std::atan2(row.alpha.sin, row.alpha.cos) + delta.alpha[i]);
   }
   const auto tip = link_poses(arm, q).get<5>();
   const auto flange = tip.origin() + tip.axes() * Xyz<double>{end.p[0], end.p[1], end.p[2]};

@@ -33,7 +33,7 @@ std::vector<Eigen::Isometry3d> poses_of(const M& model, const JointPosition<M::j
   return X;
 }
 Eigen::Isometry3d pose_of(const UrdfFrame& frame) {
-  return as_eigen(Transform<Base, Base>(frame.R, frame.p));
+  return as_eigen(Transform<Base, NamedFrame<"any">>(frame.R, frame.p));
 }
 std::map<std::string, double> positions(const Urdf& urdf, const double* q) {
   std::map<std::string, double> at;
@@ -77,22 +77,26 @@ struct Pressed {
 };
 template <class M, std::size_t I>
 Pressed press(const M& model, const JointPosition<M::joints>& q, const Patch<I, 1>& patch,
-              const Eigen::Isometry3d& X_LinkFile, const Eigen::Isometry3d& X_FileCell) {
-  const auto links = poses_of(model, q);
-  const Eigen::Isometry3d X_BC = links[I] * X_LinkFile * X_FileCell;
-  const Eigen::Isometry3d cell = links[I] * as_eigen(patch.placed()[0].X_LC);
+              const FileRobot& file, const std::map<std::string, Eigen::Isometry3d>& at,
+              const Eigen::Isometry3d& X_BC) {
+  const Eigen::Isometry3d cell = poses_of(model, q)[I] * as_eigen(patch.placed()[0].X_LC);
 
   const Skin<M, double, Patch<I, 1>> skin(patch);
-  auto memory = skin.start(0);
+  auto memory = skin.start(0ms);
   const CellSample sample{.time = 2ms, .cell = 1, .force = {0.3f, 0.3f, 0.3f}};
   typename Skin<M, double, Patch<I, 1>>::Wrenches wrenches;
   skin.receive(memory, {&sample, 1}, 2ms, 4ms, 1, &wrenches);
   const auto ddq = forward_dynamics(model, q, JointVelocity<M::joints>{},
                                     skin_torque(model, q, wrenches) + gravity_torque(model, q))
                        .acceleration;
+  // By definition, from the file: the joints are revolute, and all of them carry the link.
   Eigen::Vector3d a = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i <= I; ++i)  // all joints of the chain turn about their z
-    a += links[i].linear().col(2).cross(X_BC.translation() - links[i].translation()) * ddq[i];
+  std::size_t i = 0;
+  for (const FileJoint& j : file.joints) {
+    if (j.type == "fixed") continue;
+    const Eigen::Isometry3d& X = at.at(j.child);
+    a += (X.linear() * Eigen::Vector3d(j.axis.data())).cross(X_BC.translation() - X.translation()) * ddq[i++];
+  }
   return {(cell.translation() - X_BC.translation()).norm(), a.dot(X_BC.linear().col(2))};
 }
 
@@ -122,13 +126,13 @@ TEST_CASE("URDF frames: a cell placed in a link of the file is there, and the ar
   for (int k = 0; k < 200; ++k) {
     JointPosition<6> q;
     for (double& x : q) x = random.uniform(-3, 3);
-    const auto X_LinkFile = pose_of(urdf.frame("wrist_3_link"));
-    const auto X_FileCell = as_eigen(X_NC);
-    const Pressed right_one = press(arm, q, by_name, X_LinkFile, X_FileCell);
+    const auto at = file_poses(file, positions(urdf, q.data));
+    const Eigen::Isometry3d X_BC = at.at("wrist_3_link") * as_eigen(X_NC);
+    const Pressed right_one = press(arm, q, by_name, file, at, X_BC);
     CAPTURE(k);
-    CHECK(right_one.distance <= 1e-15);
+    CHECK(right_one.distance <= 1e-14);
     CHECK(right_one.acceleration < 0);
-    const Pressed wrong_one = press(arm, q, by_number, X_LinkFile, X_FileCell);
+    const Pressed wrong_one = press(arm, q, by_number, file, at, X_BC);
     CHECK(wrong_one.distance == doctest::Approx(0.1 * std::sqrt(2.0)));
     into_the_finger += wrong_one.acceleration > 0;
   }

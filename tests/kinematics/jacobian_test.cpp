@@ -64,7 +64,8 @@ TEST_CASE("Jacobian: it is the slope of the pose, by difference quotients in 50 
   oracle::Random random(2);
   const Motion<6, Digits50> at(random);
   const auto poses = link_poses(model, at.q);
-  const auto X_LF = Transform<Link<5>, Flange, Digits50>::translation_xyz(Digits50(0.1), Digits50(0.02), Digits50(0.3));
+  const auto X_LF =
+      Transform<Link<5>, Flange, Digits50>::translation_xyz(Digits50(0.1), Digits50(0.02), Digits50(0.3));
   const auto J = as_eigen(jacobian<5>(poses, X_LF));
   const Digits50 h("1e-16");
   for (std::size_t j = 0; j < 6; ++j) {

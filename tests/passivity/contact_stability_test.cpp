@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
+
 #include "skinctl/testing/wall_contact.hpp"
 
 using namespace skinctl;

@@ -1,6 +1,8 @@
 // A part of bench/studies/plant.cpp: an arm that we did not write, MuJoCo under stiff servos.
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
+
 #include "tests/support/mujoco_plant.hpp"
 #include "tests/support/plant_loop.hpp"
 

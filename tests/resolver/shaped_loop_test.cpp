@@ -1,6 +1,7 @@
 // A resolver whose virtual robot is shaped at the tool, against simulated joints.
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
 #include <complex>
 #include <random>
 

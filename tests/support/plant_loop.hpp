@@ -1,6 +1,7 @@
 // skinctl around an arm that we did not write: delays, samples, a skin's cover, walls and hands.
 #pragma once
 
+#include <Eigen/LU>
 #include <cmath>
 #include <complex>
 #include <deque>

@@ -75,7 +75,7 @@ TEST_CASE("ConstantDamping: refuses what is not symmetric, not positive definite
   Matrix indefinite = 0.01 * Matrix::Identity();
   indefinite(2, 2) = -0.5;
   CHECK_THROWS_WITH_AS(make(indefinite),
-                       "skinctl: smallest pivot of K_d = -0.5, allowed: > 0: positive definite",
+                       "skinctl: smallest eigenvalue of K_d = -0.5, allowed: > 0: positive definite",
                        ConfigurationError);
   CHECK_THROWS_AS(make(Matrix::Zero()), ConfigurationError);
   Matrix broken = Matrix::Identity();

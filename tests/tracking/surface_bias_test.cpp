@@ -53,7 +53,8 @@ TEST_CASE("SurfaceBias: the rate of dS_d begins with dj and ends with nothing, i
     one.elapsed = 0ns;
     one.dj = JointAcceleration<3, Digits50>::constant(1);
     for (const Digits50& x : {Digits50("0.001"), Digits50("0.05"), Digits50("0.09")})
-      CHECK(magnitude(one.at(x, kappa, T_h).dS_d[0] - SurfaceBias<3, Digits50>::bend(x, T_h)) < Digits50("1e-40"));
+      CHECK(magnitude(one.at(x, kappa, T_h).dS_d[0] - SurfaceBias<3, Digits50>::bend(x, T_h)) <
+            Digits50("1e-40"));
   }
 }
 

@@ -63,6 +63,16 @@ TEST_CASE("header: right angles become exact when asked for") {
   CHECK(has(header(urdf, {.snap = 1e-9}), "{{1, 0, 0, 1, "));
 }
 
+TEST_CASE("header: limits that look like degrees are refused by joint, and taken if they are meant") {
+  std::string text = robot("a", 2);
+  text.insert(text.rfind("</joint>"), "<limit lower='-170' upper='170' velocity='2' effort='3'/>");
+  CHECK_THROWS_WITH_AS(static_cast<void>(header(skinctl::parse_urdf(text, "arm.urdf"))),
+                       "skinctl: arm.urdf:1: <joint name=\"j2\">: lower=\"-170\" rad looks like degrees; "
+                       "--large-limits takes it as it is",
+                       skinctl::ConfigurationError);
+  CHECK(has(header(skinctl::parse_urdf(text, "arm.urdf", {.large_limits = true})), "-170"));
+}
+
 TEST_CASE("header: more than 64 joints are refused") {
   CHECK_NOTHROW(static_cast<void>(header(skinctl::parse_urdf(robot("a", 64)))));
   CHECK_THROWS_AS(static_cast<void>(header(skinctl::parse_urdf(robot("a", 65)))),

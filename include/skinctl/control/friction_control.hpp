@@ -13,11 +13,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// does not know. The model's `sign_velocity` is where the compensation begins: a noisy velocity below it
 /// shakes nothing.
 template <std::size_t N, Real T = double>
-class FrictionControl : public Composable {
+class FrictionControl : public StatelessLaw<FrictionControl<N, T>> {
  public:
-  struct Memory {};
-  static constexpr Needs needs{};
-  static constexpr Role role = Role::reactive;
+  static constexpr std::size_t joints = N;
+  using scalar = T;
   static constexpr const char* name = "friction";
   static constexpr bool compensates_friction = true;
 
@@ -27,17 +26,8 @@ class FrictionControl : public Composable {
     require(share >= T(0) && share <= T(1), "share of friction", static_cast<double>(share), "0 to 1");
   }
   template <class K>
-  [[nodiscard]] SKINCTL_INLINE constexpr Memory start(const K&) const noexcept {
-    return {};
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory&, const K& known) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const K& known) const noexcept {
     return share_ * friction_.torque(known.dq());
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE constexpr Memory advance(const Memory& memory, const K&, const T&,
-                                                        Opposition) const noexcept {
-    return memory;
   }
 
  private:

@@ -24,12 +24,18 @@ class TakeOver : public detail::GoalOfLaw<L> {
   };
   static constexpr Needs needs = L::needs;
   static constexpr Role role = L::role;
+  static constexpr bool compensates_friction = detail::compensates_friction<L>;
   static constexpr std::size_t terms = terms_of<L> + 1;
 
   /// @param law   what takes over.
   /// @param ramp  T_h, 0.1 s by default.
   explicit TakeOver(const L& law, const Ramp<T>& ramp = Ramp<T>()) : law_(law), ramp_(ramp) {}
   [[nodiscard]] const L& law() const noexcept { return law_; }
+  /// Throws `ConfigurationError` where the law's settings are not those of the robot.
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    detail::check_law_for(law_, robot);
+  }
 
   /// Begins with the law's own torque.
   template <class K>
@@ -85,7 +91,7 @@ class TakeOver : public detail::GoalOfLaw<L> {
   template <class K>
   [[nodiscard]] Memory from(const typename L::Memory& next, const K& known,
                             const JointTorque<N, T>& before) const noexcept {
-    Memory memory{next, before - torque_of(law_, next, known), 0ns};
+    Memory memory{next, before - torque_of(law_, next, known), Nanoseconds{}};
     for (T& x : memory.difference)
       if (!(x - x == T(0))) x = T(0);
     return memory;

@@ -12,6 +12,10 @@ template <int Outer, int Inner>
 class Stride;
 template <typename Scalar, int Dim, int Mode, int Options>
 class Transform;
+template <typename Matrix>
+class SelfAdjointEigenSolver;
+template <typename Matrix>
+class GeneralizedSelfAdjointEigenSolver;
 }  // namespace Eigen
 
 SKINCTL_BEGIN_NAMESPACE

@@ -37,6 +37,14 @@ template <class L, class K>
 inline constexpr bool says_settled = requires(const L& law, const typename L::Memory& m, const K& k,
                                               const typename K::scalar& still) { law.settled(m, k, still); };
 
+/// Compares a law's settings with the robot's, if it has some that can differ.
+template <class Law, class Terms>
+void check_law_for(const Law& law, const Terms& robot) {
+  if constexpr (requires { law.check_for(robot); }) law.check_for(robot);
+}
+template <class L>
+inline constexpr bool compensates_friction = requires { requires L::compensates_friction; };
+
 /// Whether no joint is faster than `most`. NaN is faster than everything.
 template <class V, class T>
 [[nodiscard]] constexpr bool slower(const V& velocity, const T& most) noexcept {

@@ -125,6 +125,8 @@ inline constexpr bool has_weighted_torque = requires(const L& law, const typenam
 /// | `settled(memory, known, still)` | whether it has come to rest where it was sent | no joint is faster than `still` |
 /// | `presses` | a tracking law that presses against what it touches: the skin does not oppose it | false |
 /// | `joints`, `scalar` | for which robots it is: compared where a scene is built | any |
+/// | `compensates_friction` | its torque holds the joints' friction, so the robot must not | false |
+/// | `check_for(terms)` | throws where its settings are not those of the robot (`LawTerms`) | any |
 /// | `name` | for `describe` | "law" |
 /// | `terms` | number of shares in its own `evaluate` | 1 |
 /// | `Laws` | a law made of others: a `std::tuple` of their types, each checked on its own | - |

@@ -24,7 +24,8 @@ struct Root : FrameTag {};    ///< the root cell of a skin patch, in which the p
 struct Cell : FrameTag {};    ///< a skin cell: z is its outward normal
 
 /// Link `I` of the robot: the body that joint `I` moves, counted from 0 (the paper's Link_{I+1}); its z axis
-/// is the joint's axis. What stands before joint 0 is `Base`.
+/// is the joint's axis. What stands before joint 0 is `Base`. A link of a URDF has other axes: it is a
+/// `NamedFrame` (frames/named_frame.hpp), fixed to a `Link<I>`.
 template <std::size_t I>
 struct Link : FrameTag {
   static constexpr std::size_t index = I;

@@ -87,7 +87,7 @@ class Inertia {
     static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: M.cast<T>()");
     const Mat6<T> M = values;
     return from_parameters(
-        {M(0, 0), M(2, 4), M(0, 5), M(1, 3), M(3, 3), M(3, 4), M(3, 5), M(4, 4), M(4, 5), M(5, 5)});
+        {M(0, 0), M(1, 5), M(2, 3), M(0, 4), M(3, 3), M(3, 4), M(3, 5), M(4, 4), M(4, 5), M(5, 5)});
   }
 
   [[nodiscard]] constexpr const T& mass() const noexcept { return mass_; }

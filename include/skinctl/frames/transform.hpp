@@ -30,6 +30,10 @@ SKINCTL_INLINE constexpr Xyz<T> moved(const Xyz<T>& p, const Rotation<T>& R, con
 ///
 /// The frames are in the type: `X_AB * X_BC` is a `Transform<A, C>`, `X_AB * X_CB` an error. It is twelve
 /// numbers, trivially copyable: the axes of B in A, then B's origin. Identity by default.
+///
+/// A frame has no pose in itself, so that a `Transform<A, A>` is not built: it is what a loop of poses comes
+/// to. A pose of several steps stays between its two frames: `Transform<A, B>::translation_xyz(1, 0,
+/// 0).rotated_z(0.5)`.
 template <Frame A, Frame B, Scalar T = double>
 class Transform {
  public:
@@ -42,6 +46,9 @@ class Transform {
   /// @param p_AB  origin of B in A [m].
   SKINCTL_INLINE constexpr Transform(const Rotation<T>& R_AB, const Xyz<T>& p_AB) noexcept
       : R_(R_AB), p_(p_AB) {
+    static_assert(!std::is_same_v<A, B>,
+                  "a frame has no pose in itself: name two, or go on from X_AB by X_AB.translated(...), "
+                  ".rotated_z(...)");
     if constexpr (Real<T>) {
       SKINCTL_EXPECTS(rotation_error(R_AB) <= T(64) * std::numeric_limits<T>::epsilon(),
                       "R_AB is a rotation; else Transform::nearest");
@@ -99,6 +106,33 @@ class Transform {
     return {{{c, s, o}, {-s, c, o}, {o, o, l}}, {o, o, o}};
   }
 
+  /// B moved on by (x, y, z) [m] along its own axes.
+  [[nodiscard]] SKINCTL_INLINE constexpr Transform translated(const T& x, const T& y,
+                                                              const T& z) const noexcept {
+    return trusted(R_, detail::moved(p_, R_, Xyz<T>{x, y, z}));
+  }
+  /// B turned on by `angle` [rad] about its own x axis.
+  [[nodiscard]] Transform rotated_x(const T& angle) const noexcept {
+    using std::cos;
+    using std::sin;
+    const T c = cos(angle), s = sin(angle);
+    return trusted({R_.x, c * R_.y + s * R_.z, c * R_.z - s * R_.y}, p_);
+  }
+  /// B turned on by `angle` [rad] about its own y axis.
+  [[nodiscard]] Transform rotated_y(const T& angle) const noexcept {
+    using std::cos;
+    using std::sin;
+    const T c = cos(angle), s = sin(angle);
+    return trusted({c * R_.x - s * R_.z, R_.y, c * R_.z + s * R_.x}, p_);
+  }
+  /// B turned on by `angle` [rad] about its own z axis.
+  [[nodiscard]] Transform rotated_z(const T& angle) const noexcept {
+    using std::cos;
+    using std::sin;
+    const T c = cos(angle), s = sin(angle);
+    return trusted({c * R_.x + s * R_.y, c * R_.y - s * R_.x, R_.z}, p_);
+  }
+
   /// Axes of B in A, unit vectors.
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_x() const noexcept { return R_.x; }
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_y() const noexcept { return R_.y; }
@@ -140,6 +174,7 @@ class Transform {
   /// The same numbers as the pose of `D` in `C`: the caller vouches for it (a run-time index, a file).
   template <Frame C, Frame D>
   [[nodiscard]] SKINCTL_INLINE constexpr Transform<C, D, T> renamed() const noexcept {
+    static_assert(!std::is_same_v<C, D>, "a frame has no pose in itself");
     return Transform<C, D, T>::trusted(R_, p_);
   }
   /// Without the check of the axes: for algorithms whose axes are right by construction up to accumulated

@@ -191,6 +191,17 @@ class Blended<Fused<P, L...>> : public Composable {
     return has_share(memory.to[i]) || (memory.elapsed < memory.ramp && has_share(memory.from[i]));
   }
 
+  /// The weights stand, and all laws that have a share are settled.
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known,
+                             const typename K::scalar& still) const noexcept {
+    return !moves(memory) && [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return ((!loaded(memory, I) ||
+               skinctl::settled(law<I>(), detail::memory_of<I>(memory.laws), known, still)) &&
+              ...);
+    }(std::index_sequence_for<L...>{});
+  }
+
   // For whoever makes changes to other weights, such as a set of skills.
   /// The change at its end.
   [[nodiscard]] static Memory arrived(Memory memory) noexcept {

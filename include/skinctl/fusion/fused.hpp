@@ -149,6 +149,14 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       const Memory& memory, const K& known) const noexcept {
     return evaluate(memory, known, known.dt()).torque;
   }
+  /// All of its laws are settled.
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known,
+                             const typename K::scalar& still) const noexcept {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return (skinctl::settled(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known, still) && ...);
+    }(std::index_sequence_for<L...>{});
+  }
   /// @param opposition  `none`: this sum finds out by itself.
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known,

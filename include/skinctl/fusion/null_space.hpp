@@ -38,6 +38,8 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   static constexpr std::size_t joints = detail::joints_of_laws<First, Second>();
   static_assert(First::role == Role::tracking && Second::role != Role::gravity);
   static constexpr Role role = Role::tracking;
+  static constexpr bool compensates_friction =
+      detail::compensates_friction<First> || detail::compensates_friction<Second>;
   static constexpr Needs needs =
       First::needs | Second::needs |
       Needs{.jacobians = link_bit<Link_>, .gravity = detail::is_in_parts<First>, .mass_factors = true};
@@ -54,6 +56,12 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   }
   [[nodiscard]] const First& first() const noexcept { return first_; }
   [[nodiscard]] const Second& second() const noexcept { return second_; }
+  /// Throws `ConfigurationError` where a law's settings are not those of the robot.
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    detail::check_law_for(first_, robot);
+    detail::check_law_for(second_, robot);
+  }
 
   template <class K>
   [[nodiscard]] Memory start(const K& known) const noexcept {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 
+#include "skinctl/core/eigen.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/tool_shape.hpp"
@@ -40,7 +41,7 @@ template <Real T>
 /// with M and B the configured inertia and friction, of joints and of the tool (`Tool`, as the resolver has
 /// it), and along the contact the contact damping. The loop is stable up to the stiffness at which g passes
 /// -1. A contact is given by its row `n'J` (see `Contact::row`). For the time of configuration: some hundred
-/// small complex solutions a pose.
+/// small complex solutions a pose, by Eigen: who uses it includes <Eigen/LU> first.
 template <Model M, Real T = double, class Tool = NoToolShape>
 class ContactStability {
  public:
@@ -96,17 +97,18 @@ class ContactStability {
   [[nodiscard]] std::complex<T> response(const Felt& robot, const Row& row, const T& damping,
                                          const T& w) const {
     using C = std::complex<T>;
-    C a[joints][joints], x[joints];
+    constexpr int N = int(joints);
+    Eigen::Matrix<C, N, N, 0, N, N> a;
+    Eigen::Matrix<C, N, 1, 0, N, 1> n;
     for (std::size_t i = 0; i < joints; ++i) {
       for (std::size_t j = 0; j < joints; ++j) {
         const T b = robot.friction(i, j) + damping * row[i] * row[j];
-        a[i][j] = C(-w * w * robot.inertia(i, j), w * b);
+        a(static_cast<std::ptrdiff_t>(i), static_cast<std::ptrdiff_t>(j)) =
+            C(-w * w * robot.inertia(i, j), w * b);
       }
-      x[i] = C(row[i]);
+      n(static_cast<std::ptrdiff_t>(i)) = C(row[i]);
     }
-    solve(a, x);
-    C g(0);
-    for (std::size_t i = 0; i < joints; ++i) g += row[i] * x[i];
+    const C g = n.transpose() * a.partialPivLu().solve(n);
     return environment_.force_gain * g * C(T(1), lead_ * w) * std::polar(T(1), -w * dead_time_) /
            C(T(1), lag_ * w);
   }
@@ -171,26 +173,6 @@ class ContactStability {
   }
 
  private:
-  /// Gaussian elimination with pivots; `x` is the right side and then the solution.
-  static void solve(std::complex<T> (&a)[joints][joints], std::complex<T> (&x)[joints]) {
-    for (std::size_t k = 0; k < joints; ++k) {
-      std::size_t best = k;
-      for (std::size_t i = k + 1; i < joints; ++i)
-        if (std::norm(a[i][k]) > std::norm(a[best][k])) best = i;
-      for (std::size_t j = 0; j < joints; ++j) std::swap(a[k][j], a[best][j]);
-      std::swap(x[k], x[best]);
-      for (std::size_t i = k + 1; i < joints; ++i) {
-        const auto f = a[i][k] / a[k][k];
-        for (std::size_t j = k; j < joints; ++j) a[i][j] -= f * a[k][j];
-        x[i] -= f * x[k];
-      }
-    }
-    for (std::size_t n = joints; n-- > 0;) {
-      for (std::size_t j = n + 1; j < joints; ++j) x[n] -= a[n][j] * x[j];
-      x[n] /= a[n][n];
-    }
-  }
-
   [[no_unique_address]] M model_;
   VirtualDynamics<joints, T> shape_;
   ContactEnvironment<T> environment_;

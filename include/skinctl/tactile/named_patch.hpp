@@ -1,4 +1,6 @@
 // Patches whose cells are placed by hand on links that a file names.
+//
+// A whole surface is covered likewise: `cover(named_link_pose<D, "forearm_link">() * X_NS, surface, count, id)`.
 #pragma once
 
 #include "skinctl/model/named_links.hpp"

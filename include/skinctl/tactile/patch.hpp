@@ -17,7 +17,8 @@ struct Gains {
   double proximity = 0;  ///< w_p [N] per unit of proximity
 };
 
-/// A cell on link `I`: its id in the samples, and where it is.
+/// A cell on link `I`: its id in the samples, and where it is. A pose measured in a link of a URDF is that of
+/// a `NamedCell`, see `patch_on`.
 template <std::size_t I>
 struct PlacedCell {
   std::uint32_t id = 0;

@@ -35,18 +35,12 @@ struct Skill {
 };
 
 /// Skills one after the other, with jumps between them: what a tank is for.
-struct RandomSkills {
-  struct Memory {};
+struct RandomSkills : StatelessLaw<RandomSkills> {
   static constexpr Needs needs{.angles = true, .gravity = true, .touch = true};
-  static constexpr Role role = Role::reactive;
   std::vector<Skill> skills;
 
   template <class K>
-  Memory start(const K&) const noexcept {
-    return {};
-  }
-  template <class K>
-  JointTorque<6> torque(const Memory&, const K& known) const noexcept {
+  JointTorque<6> torque(const K& known) const noexcept {
     const double t = seconds<double>(known.time());
     std::size_t k = 0;
     while (k + 1 < skills.size() && skills[k].until <= t) ++k;
@@ -56,10 +50,6 @@ struct RandomSkills {
     for (std::size_t i = 0; i < 6; ++i)
       tau[i] += s.pull * scale[i] * (s.stiffness * (s.goal[i] - known.q()[i]) - s.damping * known.dq()[i]);
     return tau;
-  }
-  template <class K>
-  Memory advance(const Memory&, const K&, double, Opposition) const noexcept {
-    return {};
   }
 };
 

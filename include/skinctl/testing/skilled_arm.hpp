@@ -100,10 +100,9 @@ class SkilledRun {
     for (T& q : goal.q_g) q += static_cast<T>(uniform(random_, -0.5, 0.5));
     JointReference<6, T> target{goal.q_g, {}, {}};
     for (T& v : target.dq_d) v = static_cast<T>(uniform(random_, -0.3, 0.3));
-    const auto X_BP = tool();
     const auto away = [&](double by) { return static_cast<T>(uniform(random_, -by, by)); };
-    const auto X = X_BP * Transform<Tool, Tool, T>(Transform<Tool, Tool, T>::rotation_x(away(0.5)).axes(),
-                                                   {away(0.1), away(0.1), away(0.1)});
+    const T turn = away(0.5), x = away(0.1), y = away(0.1), z = away(0.1);
+    const auto X = tool().translated(x, y, z).rotated_x(turn);
     const PoseGoal<Tool, T> pose{X, goal.duration};
     PoseReference<Tool, T> moving{X, {}, {}};
     moving.V.linear = {away(0.1), away(0.1), away(0.1)};

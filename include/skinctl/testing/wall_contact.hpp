@@ -9,21 +9,11 @@
 namespace skinctl::testing {
 
 /// Only the touch and gravity.
-struct Touched {
-  struct Memory {};
+struct Touched : StatelessLaw<Touched> {
   static constexpr Needs needs{.angles = true, .gravity = true, .touch = true};
-  static constexpr Role role = Role::reactive;
   template <class K>
-  Memory start(const K&) const noexcept {
-    return {};
-  }
-  template <class K>
-  auto torque(const Memory&, const K& known) const noexcept {
+  auto torque(const K& known) const noexcept {
     return skin_torque(known.model(), known.angles(), known.touch()) + known.gravity();
-  }
-  template <class K>
-  Memory advance(const Memory&, const K&, double, Opposition) const noexcept {
-    return {};
   }
 };
 

@@ -63,6 +63,11 @@ class Adaptive : public Composable {
       require(b >= T(0) && b <= T(1e6), "bound of a parameter", static_cast<double>(b), "0 to 1e6");
   }
   [[nodiscard]] const L& law() const noexcept { return law_; }
+  /// Throws `ConfigurationError` where the law's settings are not those of the robot.
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    detail::check_law_for(law_, robot);
+  }
 
   template <class K>
   [[nodiscard]] Memory start(const K& known) const noexcept {

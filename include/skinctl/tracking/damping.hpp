@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "skinctl/core/detail/row.hpp"
+#include "skinctl/core/eigen.hpp"
 #include "skinctl/core/needs.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/math/ldlt.hpp"
@@ -35,7 +36,8 @@ class InertialDamping {
 };
 
 /// A constant symmetric positive definite K_d. All of it is bounded by the joint with the least inertia: on a
-/// UR5 `K_d = k 1` has to be so small for the wrist that the shoulder hardly tracks.
+/// UR5 `K_d = k 1` has to be so small for the wrist that the shoulder hardly tracks. Who uses it includes
+/// <Eigen/Eigenvalues>.
 template <std::size_t N, Real T = double>
 class ConstantDamping {
  public:
@@ -61,9 +63,9 @@ class ConstantDamping {
         require((gap < T(0) ? T(-gap) : gap) <= tolerance<T> * largest, "K_d(i,j) - K_d(j,i)",
                 static_cast<double>(gap), "0: symmetric");
       }
-    const math::Ldlt<N, T> factors(K_d_);
-    require(factors.positive_definite(), "smallest pivot of K_d", static_cast<double>(factors.least_pivot()),
-            "> 0: positive definite");
+    const Square gain = as_square(K_d_);
+    const T least = Eigen::SelfAdjointEigenSolver<Square>(gain, values_only).eigenvalues()(0);
+    require(least > T(0), "smallest eigenvalue of K_d", static_cast<double>(least), "> 0: positive definite");
     std::uint64_t bits = 1;
     for (int pose = 0; pose < 256; ++pose) {
       JointPosition<N, T> q;
@@ -71,7 +73,7 @@ class ConstantDamping {
         bits = bits * 6364136223846793005u + 1442695040888963407u;
         angle = T((static_cast<double>(bits >> 32) / 4294967296.0 - 0.5) * 6.2832);
       }
-      const T rate = largest_rate(mass_matrix(model, q));
+      const T rate = largest_rate(gain, mass_matrix(model, q));
       if (rate > fastest_) fastest_ = rate;
     }
   }
@@ -100,31 +102,23 @@ class ConstantDamping {
   }
 
  private:
-  /// Largest eigenvalue of M^-1 K_d: by powers, whose Rayleigh quotient grows towards it.
-  T largest_rate(const MassMatrix<N, T>& m) const {
-    const math::Ldlt<N, T> factors(m.data);
-    require(factors.positive_definite(), "smallest pivot of M(q)", static_cast<double>(factors.least_pivot()),
+  using Square = EigenMatrix<T, int(N), int(N)>;
+  static constexpr int values_only = 0x40;  // Eigen::EigenvaluesOnly
+
+  static Square as_square(const T (&rows)[N * N]) {
+    Square m;
+    for (std::size_t i = 0; i < N * N; ++i) m(static_cast<std::ptrdiff_t>(i)) = rows[i];  // symmetric
+    return m;
+  }
+  /// Largest eigenvalue of M^-1 K_d.
+  static T largest_rate(const Square& gain, const MassMatrix<N, T>& mass) {
+    const Square m = as_square(mass.data);
+    const T least = Eigen::SelfAdjointEigenSolver<Square>(m, values_only).eigenvalues()(0);
+    require(least > T(0), "smallest eigenvalue of M(q)", static_cast<double>(least),
             "> 0: every joint needs inertia");
-    JointVelocity<N, T> x;
-    for (std::size_t i = 0; i < N; ++i) x[i] = T(1) + T(static_cast<double>(i)) * T(0.37);
-    T rate(0);
-    for (int step = 0; step < 100; ++step) {
-      const auto tau = torque(x);
-      JointVelocity<N, T> y;
-      factors.solve(tau.data, y.data);
-      T size(0);
-      for (const T& v : y) size = (v < T(0) ? T(-v) : v) > size ? (v < T(0) ? T(-v) : v) : size;
-      T xx(0), xy(0);  // in the norm of M: x'K_d x / x'M x
-      for (std::size_t i = 0; i < N; ++i) {
-        T row(0);
-        for (std::size_t j = 0; j < N; ++j) row = row + m(i, j) * x[j];
-        xx = xx + row * x[i];
-        xy = xy + tau[i] * x[i];
-      }
-      rate = xy / xx;
-      for (std::size_t i = 0; i < N; ++i) x[i] = y[i] / size;
-    }
-    return rate;
+    // 0x100: Eigen::Ax_lBx
+    return Eigen::GeneralizedSelfAdjointEigenSolver<Square>(gain, m, values_only | 0x100)
+        .eigenvalues()(static_cast<std::ptrdiff_t>(N) - 1);
   }
 
   T K_d_[N * N];

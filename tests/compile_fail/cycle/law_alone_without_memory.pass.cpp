@@ -5,14 +5,15 @@ using namespace skinctl;
 struct Push : Composable {
   struct Memory {};
   static constexpr Needs needs = {};
-  static constexpr Role role = Role::reactive;
+  static constexpr Role role = Role::gravity;
   Memory start(const auto&) const noexcept { return {}; }
   JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
 };
 
-using Robot = Resolver<Interface::position, ur5::Model>;
-
-void build(const Robot& robot, const Guard<Interface::position, 6>& guard) {
-  static_cast<void>(Cycle(robot, Push{}, guard));
+auto build() {
+  const auto arm = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
+  return Cycle(arm, Push{});
 }

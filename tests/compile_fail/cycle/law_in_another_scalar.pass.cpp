@@ -2,8 +2,9 @@
 
 using namespace skinctl;
 
-using Robot = Resolver<Interface::position, ur5::Model>;
-
-void build(const Robot& robot, const Guard<Interface::position, 6>& guard) {
-  static_cast<void>(Cycle(robot, SplineJoint<6>({.dt = 0.008}) + GravityControl{}, guard));
+auto build() {
+  const auto arm = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
+  return Cycle(arm, SplineJoint<6>({.dt = 8ms}) + GravityControl{});
 }

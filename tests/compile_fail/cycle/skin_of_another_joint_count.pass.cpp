@@ -2,10 +2,10 @@
 
 using namespace skinctl;
 
-using Hand = Skin<ur5::Model, double, Patch<5, 1>>;
-
-using Robot = Resolver<Interface::position, ur5::Model>;
-
-void build(const Robot& robot, const Guard<Interface::position, 6>& guard, const Hand& skin) {
-  static_cast<void>(Cycle(robot, SkinJointControl{} + GravityControl{}, skin, guard));
+auto build() {
+  const auto arm = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
+  return Cycle(arm, Skin<ur5::Model, double, Patch<0, 1>>(Patch<0, 1>(std::vector<PlacedCell<0>>{{1, {}}})),
+               SkinJointControl{} + GravityControl{});
 }

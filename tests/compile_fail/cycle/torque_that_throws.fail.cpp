@@ -12,8 +12,9 @@ struct Push : Composable {
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
 };
 
-using Robot = Resolver<Interface::position, ur5::Model>;
-
-void build(const Robot& robot, const Guard<Interface::position, 6>& guard) {
-  static_cast<void>(Cycle(robot, Push{} + GravityControl{}, guard));
+auto build() {
+  const auto arm = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
+  return Cycle(arm, Push{} + GravityControl{});
 }

@@ -4,5 +4,5 @@
 using namespace skinctl;
 
 int main() {
-  static_cast<void>(JointLimitLaw<6>{} + SplineJoint<7>{{.dt = 0.002}} + GravityControl{});
+  static_cast<void>(JointLimitLaw<6>{} + SplineJoint<7>{{.dt = 2ms}} + GravityControl{});
 }

@@ -3,5 +3,5 @@
 using namespace skinctl;
 
 int main() {
-  static_cast<void>(JointLimitLaw<6>{} + SplineJoint<6>{{.dt = 0.002}} + GravityControl{});
+  static_cast<void>(JointLimitLaw<6>{} + SplineJoint<6>{{.dt = 2ms}} + GravityControl{});
 }

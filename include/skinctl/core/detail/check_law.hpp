@@ -119,7 +119,15 @@ struct GoalOfLaw<L> {
 };
 /// Stands for a law that is wrong, after the error about it: does nothing, and takes whatever it is made of.
 template <class L>
-struct WrongLaw : Composable, GoalOfLaw<L> {
+struct HeldByLaw {};
+template <class L>
+  requires requires { L::gravity_laws; }
+struct HeldByLaw<L> {
+  static constexpr std::size_t gravity_laws = L::gravity_laws;
+  static constexpr bool compensates_friction = requires { requires L::compensates_friction; };
+};
+template <class L>
+struct WrongLaw : Composable, GoalOfLaw<L>, HeldByLaw<L> {
   struct Memory {};
   static constexpr Needs needs = {};
   static constexpr Role role = [] {

@@ -96,14 +96,6 @@ SKINCTL_INLINE constexpr void each_index(F&& f) noexcept {
   }(std::make_index_sequence<N>{});
 }
 
-/// Compares a law's settings with the robot's, if it has some that can differ.
-template <class Law, class Terms>
-void check_law_for(const Law& law, const Terms& robot) {
-  if constexpr (requires { law.check_for(robot); }) law.check_for(robot);
-}
-template <class L>
-inline constexpr bool compensates_friction = requires { requires L::compensates_friction; };
-
 template <class... L>
 constexpr std::size_t count_role(Role role) noexcept {
   return (std::size_t(0) + ... + (L::role == role ? 1u : 0u));

@@ -1,0 +1,17 @@
+// expect: this law lacks its needs
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+struct Push : Composable {
+  struct Memory {};
+  static constexpr Role role = Role::reactive;
+  Memory start(const auto&) const noexcept { return {}; }
+  JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
+  Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
+};
+
+auto build() {
+  return skill_set<behaviour::KinestheticJoint>(figure_7, {}, as<controller::Gravity>(GravityControl{}),
+                                                as<controller::SkinJoint>(Push{}));
+}
