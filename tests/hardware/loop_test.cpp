@@ -14,7 +14,7 @@ using Scene = decltype(reaching_scene());
 
 /// A robot of stiff joints whose clock runs as fast as it is asked.
 struct FastRobot {
-  StiffJoints<> joints{home_position(), 8ms, 0.004};
+  StiffJoints<> joints{home_position(), 8ms, 4ms};
   Nanoseconds now{};
   int lost_after = 1 << 30, silent_from = 1 << 30, silent_to = 1 << 30, refuses_after = 1 << 30;
   int waits = 0, sends = 0, stops = 0;
