@@ -20,7 +20,7 @@ TEST_CASE("faults: each stands in the table once, with a reaction and a way back
   }
   CHECK(std::string(name(Reaction::brake)) == "brake");
   CHECK(std::string(name(WayBack::on_request)) == "on request");
-  CHECK(std::string(name(Finder::loop)) == "loop");
+  CHECK(std::string(name(FaultFinder::loop)) == "loop");
   CHECK(std::string(name(Reaction(200))) == "unknown");
 }
 

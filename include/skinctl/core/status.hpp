@@ -34,7 +34,7 @@ enum class Reason : std::uint8_t {
   opposed,               ///< skin and tracking push against each other: integrals and clock are frozen
   goal_refused,          ///< a goal was out of reach in the time given: the old one stands
   goal_stretched,        ///< a goal got more time than asked, to keep velocity limits
-  hand_over,             ///< a difference of torque is being ramped out
+  bumpless_transfer,     ///< a difference of torque is being ramped out
   singular,              ///< a matrix could not be factorised: zero acceleration for this sub-step
   slowed,                ///< next to a singularity, or at the largest joint speed: the tool moves slower
   jerk_limited,          ///< a joint's jerk was cut to its limit
@@ -121,7 +121,7 @@ constexpr const char* describe(Reason r) noexcept {
       "opposed: skin and tracking push against each other",
       "goal refused: the old one stands",
       "goal stretched in time",
-      "hand-over: a torque difference is being ramped out",
+      "bumpless transfer: a torque difference is being ramped out",
       "singular: zero acceleration",
       "slowed: next to a singularity, or at the largest speed of a joint",
       "jerk limited",

@@ -21,14 +21,14 @@ enum class Reaction : unsigned char {
 enum class WayBack : unsigned char {
   at_once,    ///< it lasts for the cycle, or the sample, that is wrong
   by_itself,  ///< once what was wrong is over; the motion goes on from where it is, within its limits
-  on_request  ///< once it is over and the user says `Request::resume`
+  on_request  ///< once it is over and the user says `CycleRequest::resume`
 };
 /// Who finds out.
-enum class Finder : unsigned char { guard, skin, resolver, governor, loop };
+enum class FaultFinder : unsigned char { guard, skin, resolver, governor, loop };
 
 struct Fault {
   Reason reason;
-  Finder finder;
+  FaultFinder finder;
   Reaction motion;  ///< position and velocity interfaces
   Reaction torque;  ///< torque interface
   WayBack way_back;
@@ -37,45 +37,45 @@ struct Fault {
 
 /// Every fault, its reaction and its way back. Guard, documentation and tests read this table.
 inline constexpr std::array<Fault, 20> faults{{
-    {Reason::command_not_finite, Finder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
+    {Reason::command_not_finite, FaultFinder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
      "a command that is NaN, infinite, absurd, or none"},
-    {Reason::step_limited, Finder::guard, Reaction::brake, Reaction::limit, WayBack::by_itself,
+    {Reason::step_limited, FaultFinder::guard, Reaction::brake, Reaction::limit, WayBack::by_itself,
      "a command that no motion within the limits reaches"},
-    {Reason::outside_limits, Finder::guard, Reaction::brake, Reaction::none, WayBack::by_itself,
+    {Reason::outside_limits, FaultFinder::guard, Reaction::brake, Reaction::none, WayBack::by_itself,
      "a command beyond an end, or too fast to stop before it"},
-    {Reason::torque_limited, Finder::resolver, Reaction::limit, Reaction::limit, WayBack::at_once,
+    {Reason::torque_limited, FaultFinder::resolver, Reaction::limit, Reaction::limit, WayBack::at_once,
      "a torque or power beyond its limit"},
-    {Reason::state_not_finite, Finder::guard, Reaction::refuse, Reaction::refuse, WayBack::at_once,
+    {Reason::state_not_finite, FaultFinder::guard, Reaction::refuse, Reaction::refuse, WayBack::at_once,
      "a joint state that is NaN or infinite"},
-    {Reason::state_out_of_range, Finder::guard, Reaction::refuse, Reaction::refuse, WayBack::at_once,
+    {Reason::state_out_of_range, FaultFinder::guard, Reaction::refuse, Reaction::refuse, WayBack::at_once,
      "a joint state that this robot cannot have"},
-    {Reason::state_stale, Finder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
+    {Reason::state_stale, FaultFinder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
      "no good joint state for too long"},
-    {Reason::time_backwards, Finder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
+    {Reason::time_backwards, FaultFinder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
      "the clock goes back or leaps absurdly"},
-    {Reason::interval_empty, Finder::guard, Reaction::hold, Reaction::hold, WayBack::at_once,
+    {Reason::interval_empty, FaultFinder::guard, Reaction::hold, Reaction::hold, WayBack::at_once,
      "the clock stands still"},
-    {Reason::interval_too_long, Finder::guard, Reaction::limit, Reaction::limit, WayBack::at_once,
+    {Reason::interval_too_long, FaultFinder::guard, Reaction::limit, Reaction::limit, WayBack::at_once,
      "a cycle comes too late: no step takes credit for the pause"},
-    {Reason::packets_lost, Finder::loop, Reaction::brake, Reaction::fade, WayBack::by_itself,
+    {Reason::packets_lost, FaultFinder::loop, Reaction::brake, Reaction::fade, WayBack::by_itself,
      "too many of the robot's packets never came"},
-    {Reason::budget_overrun, Finder::loop, Reaction::stop, Reaction::stop, WayBack::on_request,
+    {Reason::budget_overrun, FaultFinder::loop, Reaction::stop, Reaction::stop, WayBack::on_request,
      "cycle after cycle takes longer than its budget"},
-    {Reason::sample_not_finite, Finder::skin, Reaction::refuse, Reaction::refuse, WayBack::at_once,
+    {Reason::sample_not_finite, FaultFinder::skin, Reaction::refuse, Reaction::refuse, WayBack::at_once,
      "a cell sends NaN or infinity"},
-    {Reason::sample_out_of_range, Finder::skin, Reaction::refuse, Reaction::refuse, WayBack::at_once,
+    {Reason::sample_out_of_range, FaultFinder::skin, Reaction::refuse, Reaction::refuse, WayBack::at_once,
      "a cell sends what its sensor cannot give"},
-    {Reason::sample_unknown, Finder::skin, Reaction::refuse, Reaction::refuse, WayBack::at_once,
+    {Reason::sample_unknown, FaultFinder::skin, Reaction::refuse, Reaction::refuse, WayBack::at_once,
      "a sample of a cell that is not there"},
-    {Reason::sample_stale, Finder::skin, Reaction::fade, Reaction::fade, WayBack::by_itself,
+    {Reason::sample_stale, FaultFinder::skin, Reaction::fade, Reaction::fade, WayBack::by_itself,
      "a cell has been silent for too long: it stops to push"},
-    {Reason::torque_not_finite, Finder::resolver, Reaction::refuse, Reaction::fade, WayBack::at_once,
+    {Reason::torque_not_finite, FaultFinder::resolver, Reaction::refuse, Reaction::fade, WayBack::at_once,
      "a law gives NaN or infinity"},
-    {Reason::contact_slowed, Finder::governor, Reaction::limit, Reaction::limit, WayBack::by_itself,
+    {Reason::contact_slowed, FaultFinder::governor, Reaction::limit, Reaction::limit, WayBack::by_itself,
      "somebody is near or in touch"},
-    {Reason::contact_force, Finder::governor, Reaction::stop, Reaction::stop, WayBack::on_request,
+    {Reason::contact_force, FaultFinder::governor, Reaction::stop, Reaction::stop, WayBack::on_request,
      "a contact presses harder than its region bears"},
-    {Reason::contact_power, Finder::governor, Reaction::stop, Reaction::stop, WayBack::on_request,
+    {Reason::contact_power, FaultFinder::governor, Reaction::stop, Reaction::stop, WayBack::on_request,
      "a contact takes more power than its region bears"},
 }};
 
@@ -96,9 +96,9 @@ constexpr const char* name(WayBack w) noexcept {
   constexpr const char* text[] = {"at once", "by itself", "on request"};
   return w <= WayBack::on_request ? text[static_cast<unsigned>(w)] : "unknown";
 }
-constexpr const char* name(Finder f) noexcept {
+constexpr const char* name(FaultFinder f) noexcept {
   constexpr const char* text[] = {"guard", "skin", "resolver", "governor", "loop"};
-  return f <= Finder::loop ? text[static_cast<unsigned>(f)] : "unknown";
+  return f <= FaultFinder::loop ? text[static_cast<unsigned>(f)] : "unknown";
 }
 
 SKINCTL_END_NAMESPACE

@@ -96,7 +96,7 @@ class Guard {
         overspeed_(c.overspeed),
         acts_on_(c.brakes_on | reasons_of([](const Fault& f) {
                    return (f.motion == Reaction::stop || f.motion == Reaction::brake) &&
-                          f.finder != Finder::guard;
+                          f.finder != FaultFinder::guard;
                  })),
         consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })),
         braking_(braking) {
