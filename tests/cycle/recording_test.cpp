@@ -22,7 +22,7 @@ Recording<Scene> recorded_run(const Scene& scene, std::size_t bytes = std::size_
   Recording<Scene> recording(bytes);
   auto memory = std::make_unique<Scene::Memory>();
   oracle::Random random(5);
-  StiffJoints<> robot(home_position(), 8ms, 0.004);
+  StiffJoints<> robot(home_position(), 8ms, 4ms);
   scene.start(*memory, robot.state());
   recording.start(robot.state());
   std::array<CellSample, 3> samples;
