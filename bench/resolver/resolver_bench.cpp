@@ -76,7 +76,7 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanos
     measured.time = now;
     if constexpr (I != Interface::torque) measured.q = memory.under_way.reached;
     for (std::size_t i = 0; i < 6; ++i)
-      law.push[i] = gravity[i] + ((now / 1'000'000'000) % 2 == 0 ? T(1) : T(-1));
+      law.push[i] = gravity[i] + ((now / 1'000'000'000) % 2 == 0ns ? T(1) : T(-1));
     const auto out = resolver.step(memory, law, law_memory, measured, resolver.interval(memory, now),
                                    std::span<const Touch>(touches));
     benchmark::DoNotOptimize(out);
@@ -112,7 +112,7 @@ void shaped(benchmark::State& state) {
     measured.time = now += 2ms;
     measured.q = memory.under_way.reached;
     law.push = gravity_torque(ur5::Model{}, memory.q.value);
-    law.push[0] += (now / 1'000'000'000) % 2 == 0 ? T(1) : T(-1);
+    law.push[0] += (now / 1'000'000'000) % 2 == 0ns ? T(1) : T(-1);
     const auto out = resolver.step(memory, law, law_memory, measured, resolver.interval(memory, now),
                                    std::span<const NoTouch>(touches));
     benchmark::DoNotOptimize(out);

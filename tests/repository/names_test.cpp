@@ -51,7 +51,9 @@ template <int I, class X>
 static int over(const X&, const X&) {
   return I;
 }
-static int at(double) { return 3; }
+static int at(double) {
+  return 3;
+}
 
 TEST_CASE("using namespace skinctl: common names stay the user's") {
   const Task task{};
