@@ -94,11 +94,8 @@ class Guard {
         torque_rate_(c.torque_rate),
         beyond_(c.beyond),
         overspeed_(c.overspeed),
-        acts_on_(c.brakes_on | reasons_of([](const Fault& f) {
-                   return (f.motion == Reaction::stop || f.motion == Reaction::brake) &&
-                          f.finder != Finder::guard;
-                 })),
-        consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })),
+        acts_on_(c.brakes_on | detail::guard_brakes_on),
+        consent_(c.consent | detail::guard_waits_after),
         braking_(braking) {
     const auto number = [](const auto& x) { return static_cast<double>(x); };
     require(period_ >= 100us && period_ <= 1s, "period", milliseconds(period_), "0.1 to 1000 ms");
