@@ -197,7 +197,7 @@ TEST_CASE("OperationalSpace: of a position, the null space rests, goes on, or fi
       OperationalSpace<6, 5, Tool, double, Task::position, RotationVectorError, PostureNullSpace<6>>(
           tool<double>(), settings, PostureNullSpace<6>(posture, 2.0)),
       settings);
-  const auto r = run(posed, {0, home, {}}, goal, 0.004, 6);
+  const auto r = run(posed, {0ns, home, {}}, goal, 0.004, 6);
   CHECK(r.position < 1e-5);
   CHECK(std::abs(r.state.q[5] - posture[5]) < 0.03);  // the last joint hardly moves the tool's origin
   CHECK(std::abs(rest.state.q[5] - posture[5]) > 0.3);
@@ -314,7 +314,7 @@ TEST_CASE("OperationalSpace: goals and contacts at any moment do not jump") {
       auto q = home;
       for (double& a : q) a += 0.3 * rng();
       const auto X = law.space().site(K(model, State<6>{0ns, q, {}}, dt, none)).X_BP;
-      next = law.receive(memory, known, {X, 0}).memory;
+      next = law.receive(memory, known, {X, {}}).memory;
     } else if (i % 211 == 0) {
       next = law.advance(memory, known, 0.0, i % 422 == 0 ? Opposition::lasting : Opposition::none);
     }

@@ -69,7 +69,8 @@ __attribute__((noinline)) auto advanced(const L& law, const typename L::Memory& 
   return law.advance(memory, known, dt, opposition);
 }
 template <class L, class K>
-__attribute__((noinline)) auto torque_of(const L& law, const typename L::Memory& memory, const K& known) {
+__attribute__((noinline)) auto torque_compiled_apart(const L& law, const typename L::Memory& memory,
+                                                     const K& known) {
   return law.torque(memory, known);
 }
 template <class L, class K>
@@ -106,7 +107,7 @@ TEST_CASE("Tracking: ddq_r is the derivative of dq_r, in every phase") {
     const auto state = swinging(t);
     const KnownAt<T> known(model, state, T(0.004), none);
     if (k == 20) memory = received(law, memory, known, {JointPosition<6, T>::constant(T(0.5)), 900ms});
-    if (k == 260) memory = received(law, memory, known, {JointPosition<6, T>::constant(T(-0.5)), 0});
+    if (k == 260) memory = received(law, memory, known, {JointPosition<6, T>::constant(T(-0.5)), {}});
     const auto opposition = k >= 120 && k < 200 ? Opposition::lasting : Opposition::none;
     if (k % 4 == 0 && (k < 119 || k > 148) &&
         (k < 199 || k > 228)) {  // while its rate changes, a clock rounds such steps
@@ -277,7 +278,7 @@ TEST_CASE("Tracking: goals at any moment of any motion do not jump") {
     const KnownAt<double> known(model, x, dt, none);
     if (i % 137 == 0) {
       const auto before = law.torque(memory, known);
-      memory = law.receive(memory, known, {rng.vector<JointPosition<6>>(1), 0}).memory;
+      memory = law.receive(memory, known, {rng.vector<JointPosition<6>>(1), {}}).memory;
       worst = std::max(worst, largest(law.torque(memory, known) - before));
       auto raw = memory;
       raw.bias.elapsed = clock_end;
@@ -414,7 +415,8 @@ TEST_CASE("Tracking: nothing of it allocates") {
     const RealTimeScope loop;
     for (int i = 0; i < 1000; ++i) {
       const KnownAt<double> known(model, x, 0.002, none);
-      if (i % 100 == 0) memory = law.receive(memory, known, {JointPosition<6>::constant(i * 1e-3), 0}).memory;
+      if (i % 100 == 0)
+        memory = law.receive(memory, known, {JointPosition<6>::constant(i * 1e-3), {}}).memory;
       const auto e = law.evaluate(memory, known, 0.002);
       memory = law.advance(memory, known, 0.002, i % 200 < 50 ? Opposition::lasting : Opposition::none);
       x = simulate(model, x, e.torque, 0.002, 1);
@@ -438,7 +440,7 @@ TEST_CASE("Tracking: float, double and 50 digits give the same torque, as far as
       const Quantities<Elbow, Needs{}, T> known(elbow, x, T(0.0078125), none);
       auto memory = received(law, law.start(known), known, {goal.template cast<T>(), 2s});
       for (int i = 0; i < 64; ++i) memory = advanced(law, memory, known, T(0.0078125), Opposition::none);
-      return torque_of(law, memory, known);
+      return torque_compiled_apart(law, memory, known);
     };
     const auto exact = compute(Digits50(0));
     const auto d = compute(0.0);

@@ -77,6 +77,8 @@ template <class L>
 struct GoalType<L> {
   using type = typename L::Goal;
 };
+struct SkinBehindLaw {};
+
 /// The resolver of a robot's description; one built by hand is taken as it is.
 template <class R>
 [[nodiscard]] auto as_resolver(const R& robot) {
@@ -174,6 +176,13 @@ class Cycle {
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
   static_assert(!governed || detail::has_one_interface<Resolver>,
                 "a governor is for a robot whose joints all take the same: leave it out");
+  static constexpr detail::GuardFault guard_fault = detail::fault_in_guard<Watchman, Resolver>();
+  static_assert(guard_fault != detail::GuardFault::interface,
+                "this guard is for another interface than the robot's: leave it out, a cycle builds its own");
+  static_assert(guard_fault != detail::GuardFault::joints,
+                "this guard is for a robot with another number of joints: leave it out");
+  static_assert(guard_fault != detail::GuardFault::scalar,
+                "this guard is for a robot in another scalar: leave it out");
   static_assert(!detail::limits_jerk<Overseer> || detail::commands_motion<Resolver>,
                 "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
   static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
@@ -415,6 +424,17 @@ class Cycle {
   [[no_unique_address]] Overseer governor_;
 };
 
+/// The place of a robot whose skin was given behind the law.
+template <class L, class Skin, class Guard, class Governor>
+class Cycle<detail::SkinBehindLaw, L, Skin, Guard, Governor> {
+  static_assert(!std::is_same_v<L, L>, "order: robot, skin, law; the skin stands before the law");
+
+ public:
+  constexpr Cycle(const auto&...) noexcept {}
+};
+template <class R, class L, detail::SkinLike S>
+  requires(!detail::SkinLike<L>)
+Cycle(const R&, const L&, const S&) -> Cycle<detail::SkinBehindLaw, L, S, NoGovernor, NoGovernor>;
 template <class R, detail::SkinLike S, class L>
 Cycle(const R&, const S&, const L&) -> Cycle<detail::ResolverFor<R>, L, S>;
 template <class R, detail::SkinLike S, class L, detail::GuardLike G>

@@ -50,7 +50,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
 
   /// Throws `ConfigurationError` for a number out of its range.
   Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
-      : model_(model), p_(configuration), keeper_(keeper) {
+      : model_(model), p_(configuration, false), keeper_(keeper) {
     require(p_.shape.damping == T(0), "virtual damping", static_cast<double>(p_.shape.damping),
             "0 for a robot by torque");
     for (std::size_t i = 0; i < joints; ++i) {

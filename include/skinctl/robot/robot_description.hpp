@@ -65,7 +65,7 @@ class RobotDescription {
   /// Throws `ConfigurationError` for a number out of its range.
   RobotDescription(const M& model, const Configuration& configuration, const Parts&... parts)
       : model_(model), configuration_(configuration), parts_(parts...) {
-    check(configuration);
+    check(configuration, I != Interface::torque);
   }
 
   [[nodiscard]] const M& model() const noexcept { return model_; }

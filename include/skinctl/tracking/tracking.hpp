@@ -69,7 +69,11 @@ class Tracking : public Composable {
   static constexpr const char* name = Plan::name;
 
   /// Throws `ConfigurationError` for settings that cannot work: see `check`.
-  explicit Tracking(const Settings& settings = {})
+  Tracking()
+    requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
+      : Tracking(Space(), Settings{}) {}
+  template <std::same_as<typename Space::Settings> S = typename Space::Settings>
+  explicit Tracking(const S& settings)  // a template: `({})` is the default
     requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
       : Tracking(Space(), settings) {}
   Tracking(const Settings& settings, const Damping& damping)

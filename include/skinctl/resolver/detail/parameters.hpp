@@ -19,7 +19,7 @@ struct ResolverParameters {
 
   [[nodiscard]] T planned_step() const noexcept { return seconds<T>(planned_substep(period, substep)); }
 
-  SKINCTL_COLD explicit ResolverParameters(const RobotConfiguration<N, T>& c)
+  SKINCTL_COLD explicit ResolverParameters(const RobotConfiguration<N, T>& c, bool has_virtual_robot = true)
       : limits(c.limits),
         shape(c.virtual_dynamics()),
         dead_band(c.dead_band),
@@ -30,7 +30,7 @@ struct ResolverParameters {
         lag(seconds<T>(c.lag)),
         lead(seconds<T>(c.lead)),
         retry(seconds<T>(c.retry)) {
-    check(c);
+    check(c, has_virtual_robot);
     total_delay = seconds<T>(c.total_delay());
     per_delay = T(1) / total_delay;
     fresh_for = c.total_delay() + period / 2;
