@@ -14,7 +14,7 @@ using Scene = decltype(reaching_scene());
 
 /// A robot of stiff joints whose clock runs as fast as it is asked.
 struct FastRobot {
-  StiffJoints<> joints{home_position(), 8ms, 0.004};
+  StiffJoints<> joints{home_position(), 8ms, 4ms};
   Nanoseconds now{};
   int lost_after = 1 << 30, silent_from = 1 << 30, silent_to = 1 << 30, refuses_after = 1 << 30;
   int waits = 0, sends = 0, stops = 0;
@@ -144,7 +144,7 @@ TEST_CASE("loop: cycles over their budget skip optional work, then stop until th
         ++cycle;
         BudgetMemory slow;
         if (cycle == 54) {
-          for (int k = 0; k < 4; ++k) input.observed |= options.budget->after(slow, 2s);
+          for (int k = 0; k < 4; ++k) input.observed |= options.budget->step(slow, 2s);
         }
         if (cycle == 200) input.request = Request::resume;
         return true;

@@ -21,12 +21,12 @@ struct Spoilt : R {
   enum class How { not_at_all, nan, infinity, none, leap, end };
   static inline How how = How::not_at_all;
 
-  template <class L, class Touch>
+  template <class L, class Touch, class Check>
   auto step(typename R::Memory& m, const L& law, typename L::Memory& law_memory,
             const State<R::joints, typename R::scalar>& measured, const Interval& interval,
-            std::span<const Touch> touches) const noexcept {
+            std::span<const Touch> touches, const Check& check) const noexcept {
     using T = typename R::scalar;
-    auto out = R::step(m, law, law_memory, measured, interval, touches);
+    auto out = R::step(m, law, law_memory, measured, interval, touches, check);
     auto& c = out.command;
     switch (how) {
       case How::nan:
