@@ -121,7 +121,7 @@
 #include "skinctl/passivity/contact_stability.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity.hpp"
-#include "skinctl/passivity/port_ledger.hpp"
+#include "skinctl/passivity/passivity_observer.hpp"
 #include "skinctl/resolver/hybrid_resolver.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"

@@ -28,7 +28,7 @@ T largest(const JointTorque<6, T>& tau) {
   return most;
 }
 static_assert(Law<SkinCartesianControl<5>, KnownFor<SkinCartesianControl<5>, double>>);
-static_assert(SkinCartesianControl<5>::role == Role::reactive);
+static_assert(SkinCartesianControl<5>::role == LawRole::reactive);
 }  // namespace
 
 TEST_CASE_TEMPLATE("SkinCartesianControl: a push on the tool's link acts in the chosen directions alone", T,

@@ -34,7 +34,7 @@ TEST_CASE("faults: each reason has a reaction and a way back that fit, and a tex
   CHECK(name(static_cast<Reason>(255)) == std::string("unknown"));
   CHECK(std::string(name(Reaction::brake)) == "brake");
   CHECK(std::string(name(WayBack::on_request)) == "on request");
-  CHECK(std::string(name(Finder::loop)) == "loop");
+  CHECK(std::string(name(FaultFinder::loop)) == "loop");
   CHECK(std::string(name(Reaction(200))) == "unknown");
 }
 

@@ -33,7 +33,7 @@ enum class Reason : std::uint8_t {
   opposed,
   goal_refused,
   goal_stretched,
-  hand_over,
+  bumpless_transfer,
   singular,
   slowed,
   jerk_limited,

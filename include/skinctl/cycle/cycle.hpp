@@ -17,7 +17,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// What one cycle gives.
 template <std::size_t N, Scalar T, std::size_t Terms>
-struct Output {
+struct CycleOutput {
   JointCommand<N, T> command;                   ///< what may be sent, if it is valid
   Status status;                                ///< what was limited, held or refused
   std::array<JointTorque<N, T>, Terms> shares;  ///< what each law contributed in the last sub-step [N m]
@@ -102,9 +102,9 @@ concept GovernorLike = is_governor<G> || std::is_same_v<G, NoGovernor>;
 template <class L>
 inline constexpr bool holds_gravity = [] {
   if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0 || L::role == Role::tracking;
+    return L::gravity_laws > 0 || L::role == LawRole::tracking;
   } else {
-    return L::role != Role::reactive;
+    return L::role != LawRole::reactive;
   }
 }();
 /// Whether a gravity law is loaded that cannot be told to leave gravity to the robot.
@@ -115,7 +115,7 @@ inline constexpr bool has_gravity_law = [] {
   } else if constexpr (requires { L::gravity_laws; }) {
     return L::gravity_laws > 0;
   } else {
-    return L::role == Role::gravity;
+    return L::role == LawRole::gravity;
   }
 }();
 template <class L>
@@ -193,8 +193,8 @@ class Cycle {
   using scalar = typename Resolver::scalar;
   using law_type = L;
   using Goal = typename detail::GoalType<L>::type;
-  using Input = skinctl::Input<joints, scalar, Goal>;
-  using Output = skinctl::Output<joints, scalar, terms_of<L>>;
+  using Input = CycleInput<joints, scalar, Goal>;
+  using Output = CycleOutput<joints, scalar, terms_of<L>>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
 
@@ -297,8 +297,8 @@ class Cycle {
     const RealTimeScope real_time;
     watch.begin();
     Output out;
-    if (input.request == Request::stop) resolver_.stop(m.robot);
-    if (input.request == Request::resume) {
+    if (input.request == CycleRequest::stop) resolver_.stop(m.robot);
+    if (input.request == CycleRequest::resume) {
       resolver_.resume(m.robot);
       guard_.acknowledge(m.guard);
     }
@@ -309,13 +309,13 @@ class Cycle {
     const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
     out.status |= interval.status;
     out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
-    watch.end(Stage::sense);
+    watch.end(CycleStage::sense);
 
     auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
                                    std::span<const Wrenches>(touches.data, parts), guard_);
     out.status |= resolved.status;
     out.shares = resolved.shares;
-    watch.end(Stage::resolve);
+    watch.end(CycleStage::resolve);
 
     Status found = input.observed;
     bool slowed = false;
@@ -339,7 +339,7 @@ class Cycle {
         governor_.sent(m.governor, guarded.command);
     }
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
-    watch.end(Stage::guard);
+    watch.end(CycleStage::guard);
     return out;
   }
 

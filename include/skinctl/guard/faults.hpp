@@ -25,16 +25,16 @@ inline constexpr std::size_t reaction_count = static_cast<std::size_t>(Reaction:
 enum class WayBack : unsigned char {
   at_once,    ///< it lasts for the cycle, or the sample, that is wrong
   by_itself,  ///< once what was wrong is over; the motion goes on from where it is, within its limits
-  on_request  ///< once it is over and the user says `Request::resume`
+  on_request  ///< once it is over and the user says `CycleRequest::resume`
 };
 /// Who finds out, in the order of a cycle. Where several do, the one whose reaction the table names.
-enum class Finder : unsigned char { loop, skin, law, skills, resolver, governor, guard };
+enum class FaultFinder : unsigned char { loop, skin, law, skills, resolver, governor, guard };
 
 /// A row of the table.
 struct Fault {
   Reason reason;
   const char* name;  ///< as the enumerator
-  Finder finder;
+  FaultFinder finder;
   Reaction motion;  ///< position and velocity interfaces
   Reaction torque;  ///< torque interface
   WayBack way_back;
@@ -44,91 +44,92 @@ struct Fault {
 /// A row for each reason, in the order of `Reason`. `describe`, the guard, the documentation and the tests read
 /// this table.
 inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faults{{
-    {Reason::state_not_finite, "state_not_finite", Finder::guard, Reaction::refuse, Reaction::refuse,
+    {Reason::state_not_finite, "state_not_finite", FaultFinder::guard, Reaction::refuse, Reaction::refuse,
      WayBack::at_once, "the joint state is NaN or infinite: the last good one stands"},
-    {Reason::state_stale, "state_stale", Finder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
-     "no good joint state for too long: brakes and holds"},
-    {Reason::time_backwards, "time_backwards", Finder::guard, Reaction::brake, Reaction::fade,
+    {Reason::state_stale, "state_stale", FaultFinder::guard, Reaction::brake, Reaction::fade,
+     WayBack::by_itself, "no good joint state for too long: brakes and holds"},
+    {Reason::time_backwards, "time_backwards", FaultFinder::guard, Reaction::brake, Reaction::fade,
      WayBack::by_itself, "the clock went back or leapt absurdly: brakes and holds"},
-    {Reason::interval_too_long, "interval_too_long", Finder::guard, Reaction::limit, Reaction::limit,
+    {Reason::interval_too_long, "interval_too_long", FaultFinder::guard, Reaction::limit, Reaction::limit,
      WayBack::at_once, "the cycle came too late: the rest of the interval is dropped"},
-    {Reason::interval_empty, "interval_empty", Finder::guard, Reaction::hold, Reaction::hold,
+    {Reason::interval_empty, "interval_empty", FaultFinder::guard, Reaction::hold, Reaction::hold,
      WayBack::at_once, "no time has passed: the command repeats"},
-    {Reason::sample_not_finite, "sample_not_finite", Finder::skin, Reaction::refuse, Reaction::refuse,
+    {Reason::sample_not_finite, "sample_not_finite", FaultFinder::skin, Reaction::refuse, Reaction::refuse,
      WayBack::at_once, "a cell sent NaN or infinity: the sample is refused"},
-    {Reason::sample_out_of_range, "sample_out_of_range", Finder::skin, Reaction::refuse, Reaction::refuse,
-     WayBack::at_once, "a cell sent a reading that its sensor cannot give: the sample is refused"},
-    {Reason::sample_stale, "sample_stale", Finder::skin, Reaction::fade, Reaction::fade, WayBack::by_itself,
-     "a cell has been silent for too long: its force fades"},
-    {Reason::sample_unknown, "sample_unknown", Finder::skin, Reaction::refuse, Reaction::refuse,
+    {Reason::sample_out_of_range, "sample_out_of_range", FaultFinder::skin, Reaction::refuse,
+     Reaction::refuse, WayBack::at_once,
+     "a cell sent a reading that its sensor cannot give: the sample is refused"},
+    {Reason::sample_stale, "sample_stale", FaultFinder::skin, Reaction::fade, Reaction::fade,
+     WayBack::by_itself, "a cell has been silent for too long: its force fades"},
+    {Reason::sample_unknown, "sample_unknown", FaultFinder::skin, Reaction::refuse, Reaction::refuse,
      WayBack::at_once, "a sample of a cell that no patch holds: refused"},
-    {Reason::torque_not_finite, "torque_not_finite", Finder::resolver, Reaction::refuse, Reaction::fade,
+    {Reason::torque_not_finite, "torque_not_finite", FaultFinder::resolver, Reaction::refuse, Reaction::fade,
      WayBack::at_once, "a law gave NaN or infinity: its torque is not used"},
-    {Reason::torque_limited, "torque_limited", Finder::resolver, Reaction::limit, Reaction::limit,
+    {Reason::torque_limited, "torque_limited", FaultFinder::resolver, Reaction::limit, Reaction::limit,
      WayBack::at_once, "a torque or a power was cut to its limit"},
-    {Reason::position_limited, "position_limited", Finder::resolver, Reaction::limit, Reaction::limit,
+    {Reason::position_limited, "position_limited", FaultFinder::resolver, Reaction::limit, Reaction::limit,
      WayBack::at_once, "a joint was stopped before its position limit"},
-    {Reason::velocity_limited, "velocity_limited", Finder::resolver, Reaction::limit, Reaction::limit,
+    {Reason::velocity_limited, "velocity_limited", FaultFinder::resolver, Reaction::limit, Reaction::limit,
      WayBack::at_once, "the velocity of a joint was cut to its limit"},
-    {Reason::acceleration_limited, "acceleration_limited", Finder::resolver, Reaction::limit, Reaction::none,
-     WayBack::at_once, "the acceleration of a joint was cut to its limit"},
-    {Reason::step_limited, "step_limited", Finder::guard, Reaction::brake, Reaction::limit,
+    {Reason::acceleration_limited, "acceleration_limited", FaultFinder::resolver, Reaction::limit,
+     Reaction::none, WayBack::at_once, "the acceleration of a joint was cut to its limit"},
+    {Reason::step_limited, "step_limited", FaultFinder::guard, Reaction::brake, Reaction::limit,
      WayBack::by_itself, "no motion within the limits leads to the command"},
-    {Reason::command_not_finite, "command_not_finite", Finder::guard, Reaction::brake, Reaction::fade,
+    {Reason::command_not_finite, "command_not_finite", FaultFinder::guard, Reaction::brake, Reaction::fade,
      WayBack::by_itself, "the command is NaN, infinite, absurd or missing: brakes and holds"},
-    {Reason::outside_limits, "outside_limits", Finder::guard, Reaction::brake, Reaction::limit,
+    {Reason::outside_limits, "outside_limits", FaultFinder::guard, Reaction::brake, Reaction::limit,
      WayBack::by_itself, "beyond a position limit, or too fast to stop before it: only motion inward"},
-    {Reason::blocked, "blocked", Finder::resolver, Reaction::hold, Reaction::none, WayBack::by_itself,
+    {Reason::blocked, "blocked", FaultFinder::resolver, Reaction::hold, Reaction::none, WayBack::by_itself,
      "the robot does not follow: the virtual robot went back to it"},
-    {Reason::lead_limited, "lead_limited", Finder::resolver, Reaction::limit, Reaction::none,
+    {Reason::lead_limited, "lead_limited", FaultFinder::resolver, Reaction::limit, Reaction::none,
      WayBack::at_once, "the virtual robot was kept near the measured one"},
-    {Reason::opposed, "opposed", Finder::law, Reaction::wait, Reaction::wait, WayBack::by_itself,
+    {Reason::opposed, "opposed", FaultFinder::law, Reaction::wait, Reaction::wait, WayBack::by_itself,
      "skin and tracking push against each other: plan and integrals wait"},
-    {Reason::goal_refused, "goal_refused", Finder::law, Reaction::refuse, Reaction::refuse, WayBack::at_once,
-     "a goal was refused: the old one stands"},
-    {Reason::goal_stretched, "goal_stretched", Finder::law, Reaction::limit, Reaction::limit,
+    {Reason::goal_refused, "goal_refused", FaultFinder::law, Reaction::refuse, Reaction::refuse,
+     WayBack::at_once, "a goal was refused: the old one stands"},
+    {Reason::goal_stretched, "goal_stretched", FaultFinder::law, Reaction::limit, Reaction::limit,
      WayBack::at_once, "a goal got more time than asked, to keep velocity limits"},
-    {Reason::hand_over, "hand_over", Finder::law, Reaction::fade, Reaction::fade, WayBack::by_itself,
-     "bumpless transfer: a difference of torque ramps to zero"},
-    {Reason::singular, "singular", Finder::resolver, Reaction::refuse, Reaction::none, WayBack::at_once,
+    {Reason::bumpless_transfer, "bumpless_transfer", FaultFinder::law, Reaction::fade, Reaction::fade,
+     WayBack::by_itself, "bumpless transfer: a difference of torque ramps to zero"},
+    {Reason::singular, "singular", FaultFinder::resolver, Reaction::refuse, Reaction::none, WayBack::at_once,
      "a matrix could not be factorised: no acceleration in this sub-step"},
-    {Reason::slowed, "slowed", Finder::law, Reaction::limit, Reaction::limit, WayBack::by_itself,
+    {Reason::slowed, "slowed", FaultFinder::law, Reaction::limit, Reaction::limit, WayBack::by_itself,
      "near a singularity, or at the greatest joint speed: the tool moves slower"},
-    {Reason::jerk_limited, "jerk_limited", Finder::governor, Reaction::limit, Reaction::none,
+    {Reason::jerk_limited, "jerk_limited", FaultFinder::governor, Reaction::limit, Reaction::none,
      WayBack::at_once, "the jerk of a joint was cut to its limit"},
-    {Reason::jerk_exceeded, "jerk_exceeded", Finder::governor, Reaction::report, Reaction::none,
+    {Reason::jerk_exceeded, "jerk_exceeded", FaultFinder::governor, Reaction::report, Reaction::none,
      WayBack::at_once, "the jerk limit gave way: another limit could not be kept otherwise"},
-    {Reason::tool_speed_limited, "tool_speed_limited", Finder::governor, Reaction::limit, Reaction::limit,
-     WayBack::at_once, "all joints were slowed for the speed of the tool"},
-    {Reason::state_out_of_range, "state_out_of_range", Finder::guard, Reaction::refuse, Reaction::refuse,
+    {Reason::tool_speed_limited, "tool_speed_limited", FaultFinder::governor, Reaction::limit,
+     Reaction::limit, WayBack::at_once, "all joints were slowed for the speed of the tool"},
+    {Reason::state_out_of_range, "state_out_of_range", FaultFinder::guard, Reaction::refuse, Reaction::refuse,
      WayBack::at_once, "the joint state is one that this robot cannot have: the last good one stands"},
-    {Reason::packets_lost, "packets_lost", Finder::loop, Reaction::brake, Reaction::fade, WayBack::by_itself,
-     "too many of the robot's packets never came: brakes and holds"},
-    {Reason::contact_slowed, "contact_slowed", Finder::governor, Reaction::limit, Reaction::limit,
+    {Reason::packets_lost, "packets_lost", FaultFinder::loop, Reaction::brake, Reaction::fade,
+     WayBack::by_itself, "too many of the robot's packets never came: brakes and holds"},
+    {Reason::contact_slowed, "contact_slowed", FaultFinder::governor, Reaction::limit, Reaction::limit,
      WayBack::by_itself, "all joints were slowed for somebody near or in touch"},
-    {Reason::contact_force, "contact_force", Finder::governor, Reaction::stop, Reaction::stop,
+    {Reason::contact_force, "contact_force", FaultFinder::governor, Reaction::stop, Reaction::stop,
      WayBack::on_request, "a contact presses harder than its region bears: stops"},
-    {Reason::contact_power, "contact_power", Finder::governor, Reaction::stop, Reaction::stop,
+    {Reason::contact_power, "contact_power", FaultFinder::governor, Reaction::stop, Reaction::stop,
      WayBack::on_request, "a contact takes more power than its region bears: stops"},
-    {Reason::budget_overrun, "budget_overrun", Finder::loop, Reaction::stop, Reaction::stop,
+    {Reason::budget_overrun, "budget_overrun", FaultFinder::loop, Reaction::stop, Reaction::stop,
      WayBack::on_request, "cycle after cycle takes longer than its budget: stops"},
-    {Reason::work_skipped, "work_skipped", Finder::loop, Reaction::report, Reaction::report,
+    {Reason::work_skipped, "work_skipped", FaultFinder::loop, Reaction::report, Reaction::report,
      WayBack::by_itself, "a cycle took longer than its budget: optional work is to be left out"},
-    {Reason::consent_awaited, "consent_awaited", Finder::guard, Reaction::stop, Reaction::stop,
+    {Reason::consent_awaited, "consent_awaited", FaultFinder::guard, Reaction::stop, Reaction::stop,
      WayBack::on_request, "a fault that stops was seen: waits for the request to resume"},
-    {Reason::skill_refused, "skill_refused", Finder::skills, Reaction::refuse, Reaction::refuse,
+    {Reason::skill_refused, "skill_refused", FaultFinder::skills, Reaction::refuse, Reaction::refuse,
      WayBack::at_once, "a skill may not start now: the old one goes on"},
-    {Reason::skill_finished, "skill_finished", Finder::skills, Reaction::report, Reaction::report,
+    {Reason::skill_finished, "skill_finished", FaultFinder::skills, Reaction::report, Reaction::report,
      WayBack::by_itself, "the skill has done its work and holds"},
-    {Reason::skill_failed, "skill_failed", Finder::skills, Reaction::fade, Reaction::fade, WayBack::by_itself,
-     "the skill failed: the one to fall back to takes over"},
-    {Reason::tank_empty, "tank_empty", Finder::resolver, Reaction::limit, Reaction::limit, WayBack::by_itself,
-     "the energy tank cannot pay for the active torques: they are scaled down"},
-    {Reason::energy_held, "energy_held", Finder::resolver, Reaction::hold, Reaction::none, WayBack::by_itself,
-     "to move on into a contact would cost more energy than it gave: held"},
-    {Reason::contact_damped, "contact_damped", Finder::resolver, Reaction::limit, Reaction::none,
+    {Reason::skill_failed, "skill_failed", FaultFinder::skills, Reaction::fade, Reaction::fade,
+     WayBack::by_itself, "the skill failed: the one to fall back to takes over"},
+    {Reason::tank_empty, "tank_empty", FaultFinder::resolver, Reaction::limit, Reaction::limit,
+     WayBack::by_itself, "the energy tank cannot pay for the active torques: they are scaled down"},
+    {Reason::energy_held, "energy_held", FaultFinder::resolver, Reaction::hold, Reaction::none,
+     WayBack::by_itself, "to move on into a contact would cost more energy than it gave: held"},
+    {Reason::contact_damped, "contact_damped", FaultFinder::resolver, Reaction::limit, Reaction::none,
      WayBack::by_itself, "a contact oscillated: damping was added along it"},
-    {Reason::stopping, "stopping", Finder::resolver, Reaction::stop, Reaction::stop, WayBack::on_request,
+    {Reason::stopping, "stopping", FaultFinder::resolver, Reaction::stop, Reaction::stop, WayBack::on_request,
      "a stop was asked for: brakes and holds"},
 }};
 static_assert(
@@ -160,7 +161,7 @@ template <class Test>
 namespace detail {
 /// Whether the guard carries out the reaction. The other stages do so themselves, and say that they did.
 constexpr bool is_left_to_guard(const Fault& f) noexcept {
-  return f.finder == Finder::loop || f.finder == Finder::governor;
+  return f.finder == FaultFinder::loop || f.finder == FaultFinder::governor;
 }
 /// Found by others, the guard brakes on these.
 inline constexpr Status guard_brakes_on = reasons_of([](const Fault& f) {
@@ -180,9 +181,9 @@ constexpr const char* name(WayBack w) noexcept {
   constexpr const char* text[] = {"at once", "by itself", "on request"};
   return w <= WayBack::on_request ? text[static_cast<unsigned>(w)] : "unknown";
 }
-constexpr const char* name(Finder f) noexcept {
+constexpr const char* name(FaultFinder f) noexcept {
   constexpr const char* text[] = {"loop", "skin", "law", "skills", "resolver", "governor", "guard"};
-  return f <= Finder::guard ? text[static_cast<unsigned>(f)] : "unknown";
+  return f <= FaultFinder::guard ? text[static_cast<unsigned>(f)] : "unknown";
 }
 
 SKINCTL_END_NAMESPACE

@@ -36,7 +36,7 @@ struct HybridMemory {
 ///
 /// A command has both kinds: `stiff(command)` and `torque(command)` are the two devices' shares, and cannot
 /// be mixed up, as their numbers of joints differ. Keepers (`Passivity`) are for robots of one kind so far.
-template <Interface I, LinkMask ByTorque, Model M, Real T = double, class Integrator = CrankNicolson,
+template <Interface I, LinkMask ByTorque, RobotModel M, Real T = double, class Integrator = CrankNicolson,
           std::size_t History = 32>
 class HybridResolver {
  public:

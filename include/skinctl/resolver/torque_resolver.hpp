@@ -30,12 +30,12 @@ struct TorqueResolverMemory {
 ///
 /// Of `Passivity` it takes the `EnergyTank`, at the real port: the robot gives no more energy than it got,
 /// and than the tank held.
-template <Model M, Real T, class Integrator, std::size_t History, class Keeper>
+template <RobotModel M, Real T, class Integrator, std::size_t History, class Keeper>
 class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape> {
   struct NoTank {};
 
  public:
-  static_assert(!Keeper::template has<PortLedger<T>> && !Keeper::template has<ContactDamper<T>>,
+  static_assert(!Keeper::template has<PassivityObserver<T>> && !Keeper::template has<ContactDamper<T>>,
                 "a torque interface has no virtual robot that runs ahead: its Passivity is an EnergyTank");
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
   static constexpr std::size_t joints = M::joints;

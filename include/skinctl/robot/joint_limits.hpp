@@ -65,7 +65,8 @@ class JointLimits {
         require(allowed, name, static_cast<double>(x), range);
       };
       const auto turns = [&](const T& x) { return (x <= T(60) && x >= T(-60)) || x - x != T(0); };
-      check(values.lower[i] < values.upper[i], "lower position limit", values.lower[i], "below the upper one");
+      check(values.lower[i] < values.upper[i], "lower position limit", values.lower[i],
+            "below the upper one");
       check(turns(values.lower[i]), "lower position limit", values.lower[i],
             "-60 to 60 rad or m, or -infinity: are these degrees?");
       check(turns(values.upper[i]), "upper position limit", values.upper[i],

@@ -115,8 +115,8 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
             number(c.coulomb_friction[i]), "0 to 1e6 N m");
     require(c.virtual_inertia[i] >= T(0) && c.virtual_inertia[i] <= T(1e6), "virtual inertia",
             number(c.virtual_inertia[i]), "0 to 1e6 kg m^2");
-    require(!has_virtual_robot || c.max_lead * c.limits.velocity()[i] * seconds<T>(total) > c.dead_band[i], "dead band",
-            number(c.dead_band[i]), "below max_lead v_max T: a blocked robot must be noticed");
+    require(!has_virtual_robot || c.max_lead * c.limits.velocity()[i] * seconds<T>(total) > c.dead_band[i],
+            "dead band", number(c.dead_band[i]), "below max_lead v_max T: a blocked robot must be noticed");
   }
 }
 

@@ -5,7 +5,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 #define SKINCTL_HYBRID \
-  template <Interface I, LinkMask ByTorque, Model M, Real T, class Integrator, std::size_t History>
+  template <Interface I, LinkMask ByTorque, RobotModel M, Real T, class Integrator, std::size_t History>
 #define SKINCTL_HYBRID_CLASS HybridResolver<I, ByTorque, M, T, Integrator, History>
 
 SKINCTL_HYBRID
@@ -31,7 +31,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   for (unsigned j = 0; j < interval.substeps; ++j) {
     const T h = seconds<T>(interval.at(j + 1) - interval.at(j));
     Velocity v1;
-    if (m.stiff.mode == Mode::following) {
+    if (m.stiff.mode == ResolverMode::following) {
       const auto now = state(m, interval.at(j), m.stiff.v);
       const Knows<L, Touch> known(model_, now, h, touches[j]);
       const auto asked = evaluate(law, law_memory, known, h);
@@ -57,9 +57,9 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   // By an old velocity nothing can be braked.
   out.fallback = begun.status.has(Reason::state_stale) ? held(m.measured.q, {}) : held(m.measured);
   DrivenTorque driven = Driven::of(out.fallback);
-  const bool blocked = m.stiff.mode == Mode::blocked;
+  const bool blocked = m.stiff.mode == ResolverMode::blocked;
   if (blocked) out.status |= Reason::blocked;
-  if (m.stiff.mode != Mode::braking && !m.stiff.stop) {
+  if (m.stiff.mode != ResolverMode::braking && !m.stiff.stop) {
     const auto now = state(m, m.stiff.time, blocked ? Velocity{} : m.stiff.v);
     const Knows<L, Touch> known(model_, now, seconds<T>(p.period), touches[interval.substeps - 1]);
     const auto asked = torque_of(law, law_memory, known);

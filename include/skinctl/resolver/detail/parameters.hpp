@@ -11,7 +11,7 @@ struct ResolverParameters {
   JointLimits<N, T> limits;
   VirtualDynamics<N, T> shape;
   JointPosition<N, T> dead_band;
-  JointPosition<N, T> leash;  ///< e_max
+  JointPosition<N, T> max_lead;  ///< e_max
   Nanoseconds period, delay, substep, longest_interval, stale_after;
   Nanoseconds fresh_for;  ///< age up to which a measurement's difference is acted on
   T lag, total_delay, per_delay, L1, L2, lead, drift, retry, catch_up;
@@ -42,7 +42,7 @@ struct ResolverParameters {
     drift = c.drift.value_or(w < T(1) ? w : T(1));
     for (std::size_t i = 0; i < N; ++i) {
       has_coulomb = has_coulomb || shape.coulomb[i] > T(0);
-      leash[i] = c.max_lead * limits.velocity()[i] * total_delay;
+      max_lead[i] = c.max_lead * limits.velocity()[i] * total_delay;
     }
   }
 };

@@ -10,7 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// What a resolver does to joints that take positions or velocities, besides asking laws what moves them:
-/// the observer with the declared delay, limits and leash, the modes, the command. Knows of no model, so that
+/// the observer with the declared delay, limits and max lead, the modes, the command. Knows of no model, so that
 /// a part of a robot's joints can be such, and the others take torques.
 template <Interface I, std::size_t N, Real T, std::size_t History>
 class VirtualJoints {
@@ -47,7 +47,7 @@ class VirtualJoints {
             milliseconds(p_.delay) / milliseconds(p_.period), "<= History - 2: commands under way");
   }
   [[nodiscard]] SKINCTL_INLINE const ResolverParameters<N, T>& parameters() const noexcept { return p_; }
-  [[nodiscard]] SKINCTL_INLINE const Servo<N, T, History>& servo() const noexcept { return servo_; }
+  [[nodiscard]] SKINCTL_INLINE const JointServo<N, T, History>& servo() const noexcept { return servo_; }
 
   [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured) const noexcept;
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept;
@@ -79,7 +79,7 @@ class VirtualJoints {
                                 const T& dt) const noexcept;
 
   ResolverParameters<N, T> p_;
-  Servo<N, T, History> servo_;
+  JointServo<N, T, History> servo_;
 };
 
 }  // namespace detail
