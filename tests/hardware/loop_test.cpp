@@ -144,7 +144,7 @@ TEST_CASE("loop: cycles over their budget skip optional work, then stop until th
         ++cycle;
         BudgetMemory slow;
         if (cycle == 54) {
-          for (int k = 0; k < 4; ++k) input.observed |= options.budget->after(slow, 2s);
+          for (int k = 0; k < 4; ++k) input.observed |= options.budget->step(slow, 2s);
         }
         if (cycle == 200) input.request = CycleRequest::resume;
         return true;

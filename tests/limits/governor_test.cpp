@@ -106,7 +106,7 @@ TEST_CASE(
       wish.position[i] += 0.004 * (last.velocity[i] + wish.velocity[i]);
       if (k % 2 != 0) wish.velocity[i] = random.uniform(-3, 3);
     }
-    const auto out = g.pass(memory, last, wish, measured, untouched, std::array<double, 1>{1}, 0.008);
+    const auto out = g.step(memory, last, wish, measured, untouched, std::array<double, 1>{1}, 0.008);
     if (!out.altered) {
       CHECK(out.command.position == wish.position);
       CHECK(out.command.velocity == wish.velocity);

@@ -311,12 +311,8 @@ class Cycle {
     out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
     watch.end(CycleStage::sense);
 
-    // What the robot cannot have is no news of it; NaN is told from it by the resolver.
-    const auto& measured = guard_.believes(input.measured) || !detail::is_plausible(input.measured)
-                               ? input.measured
-                               : m.robot.measured;
-    auto resolved = resolver_.step(m.robot, law_, m.law, measured, interval,
-                                   std::span<const Wrenches>(touches.data, parts));
+    auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
+                                   std::span<const Wrenches>(touches.data, parts), guard_);
     out.status |= resolved.status;
     out.shares = resolved.shares;
     watch.end(CycleStage::resolve);
@@ -333,8 +329,8 @@ class Cycle {
         if constexpr (Resolver::interface == Interface::torque) resolved.fallback = given.hold;
       }
     }
-    const auto guarded = guard_.pass(m.guard, resolved.command, input.measured, input.now, resolved.fallback,
-                                     found | out.status);
+    const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured, input.now,
+                                     resolved.fallback, found | out.status);
     out.status |= guarded.status | input.observed;
     out.command.assign(guarded.command);
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
@@ -396,10 +392,10 @@ class Cycle {
       // By an old velocity nothing can be braked.
       if (resolved.status.has(Reason::state_stale))
         return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};
-      return governor_.pass_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
+      return governor_.step_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
                                    m.robot.measured, touch, nearest, dt);
     } else {
-      return governor_.pass(m.governor, m.guard.command, resolved.command, m.robot.measured, touch, nearest,
+      return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, touch, nearest,
                             dt);
     }
   }

@@ -43,7 +43,7 @@ class TimeBudget {
   }
 
   /// What the next cycle must know after one that took `duration`.
-  [[nodiscard]] Status after(Memory& m, Nanoseconds duration) const noexcept {
+  [[nodiscard]] Status step(Memory& m, Nanoseconds duration) const noexcept {
     Status out;
     if (duration > settings_.cycle) {
       ++m.overruns;

@@ -120,7 +120,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     if constexpr (requires {
                     { robot.packet() } noexcept -> std::convertible_to<std::uint32_t>;
                   })
-      input.observed |= options.packets.see(packets, robot.packet());
+      input.observed |= options.packets.step(packets, robot.packet());
     if (!before(input, memory)) break;
 
     std::memcpy(static_cast<void*>(previous.get()), &memory, sizeof memory);
@@ -142,7 +142,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     after(input, output, watch);
     const Nanoseconds load = Stopwatch::now() - now;
     report.load.record(load);
-    if (options.budget) overrun = options.budget->after(budget, load);
+    if (options.budget) overrun = options.budget->step(budget, load);
     report.overruns = budget.overruns;
     report.lost_packets = packets.lost;
     if (!sent) {

@@ -115,13 +115,12 @@ class Resolver {
   ///
   /// @param law, law_memory  the law and its memory, which is advanced.
   /// @param measured         the newest state of the robot, with its stamp; may be old, or bad.
+  /// @param check            says which state this robot can have, see `take_measurement`.
   /// @param touches          the skin's mean wrenches on the links over each sub-step, one per sub-step.
-  template <class L, class Touch>
-  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(Memory& m, const L& law,
-                                                       typename L::Memory& law_memory,
-                                                       const State<joints, T>& measured,
-                                                       const Interval& interval,
-                                                       std::span<const Touch> touches) const noexcept;
+  template <class L, class Touch, class Check = AnyState>
+  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
+      Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
+      const Interval& interval, std::span<const Touch> touches, const Check& check = {}) const noexcept;
 
   /// Tells that the guard let `command` out instead of the last one: the virtual robot goes on from there.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {

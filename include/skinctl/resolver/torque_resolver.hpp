@@ -94,30 +94,21 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
 
   /// One cycle, as the position interface's; `touches` holds one entry. The law's memory advances by the
   /// interval just passed; its torque is meant for one period from now.
-  template <class L, class Touch>
-  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(Memory& m, const L& law,
-                                                       typename L::Memory& law_memory,
-                                                       const State<joints, T>& measured,
-                                                       const Interval& interval,
-                                                       std::span<const Touch> touches) const noexcept {
+  template <class L, class Touch, class Check = AnyState>
+  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
+      Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
+      const Interval& interval, std::span<const Touch> touches, const Check& check = {}) const noexcept {
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
       // Whatever the clock says: gravity is to be held where the robot is.
-      out.fallback = detail::is_plausible(measured) ? held(measured) : held(m.measured);
+      out.fallback = held(detail::believed(measured, m.measured, check));
       return out;
     }
     SKINCTL_EXPECTS(!touches.empty(), "one touch");
     m.time = interval.to;
     const JointPosition<joints, T> before = m.measured.q;
-    if (!detail::is_plausible(measured)) {
-      out.status |= Reason::state_not_finite;
-    } else if (measured.time < m.measured.time) {
-      out.status |= Reason::time_backwards;
-    } else {
-      m.measured = measured;
-      if (measured.time > interval.to) m.measured.time = interval.to;
-    }
+    out.status |= take_measurement(m.measured, measured, interval.to, check);
     const bool stale = interval.to - m.measured.time > p_.stale_after;
     const JointTorque<joints, T> drag = stale ? JointTorque<joints, T>() : friction(m.measured);
     const JointTorque<joints, T> gravity = gravity_torque(model_, m.measured.q);

@@ -21,12 +21,12 @@ struct Spoilt : R {
   enum class How { not_at_all, nan, infinity, none, leap, end };
   static inline How how = How::not_at_all;
 
-  template <class L, class Touch>
+  template <class L, class Touch, class Check>
   auto step(typename R::Memory& m, const L& law, typename L::Memory& law_memory,
             const State<R::joints, typename R::scalar>& measured, const Interval& interval,
-            std::span<const Touch> touches) const noexcept {
+            std::span<const Touch> touches, const Check& check) const noexcept {
     using T = typename R::scalar;
-    auto out = R::step(m, law, law_memory, measured, interval, touches);
+    auto out = R::step(m, law, law_memory, measured, interval, touches, check);
     auto& c = out.command;
     switch (how) {
       case How::nan:
@@ -128,11 +128,23 @@ class FaultInjection {
   static constexpr bool torque = I == Interface::torque;
   static constexpr std::size_t skills = Skills::skills;
 
+  /// What comes from outside, or from a broken stage: the rest of the table are limits at work and news.
+  static constexpr Status injectable = [] {
+    Status all;
+    for (const Reason r : {Reason::command_not_finite, Reason::step_limited,      Reason::outside_limits,
+                           Reason::torque_limited,     Reason::torque_not_finite, Reason::state_not_finite,
+                           Reason::state_out_of_range, Reason::state_stale,       Reason::time_backwards,
+                           Reason::interval_empty,     Reason::interval_too_long, Reason::packets_lost,
+                           Reason::budget_overrun,     Reason::sample_not_finite, Reason::sample_out_of_range,
+                           Reason::sample_unknown,     Reason::sample_stale,      Reason::contact_slowed,
+                           Reason::contact_force,      Reason::contact_power})
+      all |= r;
+    return all;
+  }();
   /// Whether the fault can be put in at this interface.
   static bool possible(const Fault& f) {
-    if (torque && f.torque == Reaction::none) return false;
-    if (I == Interface::velocity && f.reason == Reason::outside_limits) return false;
-    return true;
+    if (I != Interface::position && f.reason == Reason::outside_limits) return false;
+    return injectable.has(f.reason);
   }
   [[nodiscard]] const char* name(std::size_t skill) const { return scene_.law().skill(skill).name; }
 

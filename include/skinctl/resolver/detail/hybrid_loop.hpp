@@ -9,31 +9,21 @@ SKINCTL_BEGIN_NAMESPACE
 #define SKINCTL_HYBRID_CLASS HybridResolver<I, ByTorque, M, T, Integrator, History>
 
 SKINCTL_HYBRID
-SKINCTL_INLINE Status SKINCTL_HYBRID_CLASS::accept(Memory& m, const State<joints, T>& measured,
-                                                   Nanoseconds now) const noexcept {
-  if (!detail::is_plausible(measured)) return Reason::state_not_finite;
-  if (measured.time < m.measured.time) return Reason::time_backwards;
-  m.measured = measured;
-  if (measured.time > now) m.measured.time = now;
-  return {};
-}
-
-SKINCTL_HYBRID
-template <class L, class Touch>
+template <class L, class Touch, class Check>
 auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law_memory,
                                 const State<joints, T>& measured, const Interval& interval,
-                                std::span<const Touch> touches) const noexcept
+                                std::span<const Touch> touches, const Check& check) const noexcept
     -> Resolved<joints, T, terms_of<L>> {
   Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
   if (!m.stiff.started) return out;
   if (interval.substeps == 0) {
     // Whatever the clock says: gravity is to be held where the robot is.
-    out.fallback = held(detail::is_plausible(measured) ? measured : m.measured);
+    out.fallback = held(detail::believed(measured, m.measured, check));
     return out;
   }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   const auto& p = virtual_.parameters();
-  out.status |= accept(m, measured, interval.to);
+  out.status |= take_measurement(m.measured, measured, interval.to, check);
   const auto begun = virtual_.begin(m.stiff, part_of<Stiff>(m.measured), interval);
   out.status |= begun.status;
   StiffTorque stiff_torque = m.stiff.command.torque;

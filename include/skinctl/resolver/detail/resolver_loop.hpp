@@ -110,16 +110,17 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
 }
 
 SKINCTL_RESOLVER
-template <class L, class Touch>
+template <class L, class Touch, class Check>
 SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typename L::Memory& law_memory,
                                                  const State<joints, T>& measured, const Interval& interval,
-                                                 std::span<const Touch> touches) const noexcept
+                                                 std::span<const Touch> touches,
+                                                 const Check& check) const noexcept
     -> Resolved<joints, T, terms_of<L>> {
   if (!m.started || interval.substeps == 0) [[unlikely]]
     return {m.command, interval.status, {}, {}};
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   std::array<Torque, terms_of<L>> shares{};
-  const auto begun = virtual_.begin(m, measured, interval);
+  const auto begun = virtual_.begin(m, measured, interval, check);
   Status status = begun.status | watch(m, touches[interval.substeps - 1], begun.dt);
 
   Torque torque = m.command.torque;

@@ -1,6 +1,7 @@
 // The joints of a virtual robot: how they stay with the real ones, keep their limits and become commands.
 #pragma once
 
+#include "skinctl/core/measurement.hpp"
 #include "skinctl/resolver/detail/parameters.hpp"
 #include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/memory.hpp"
@@ -52,7 +53,9 @@ class VirtualJoints {
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept;
 
   /// A cycle begins: takes the measurement in, and says what the sub-steps are to make of it.
-  SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval) const noexcept;
+  template <class Check = AnyState>
+  SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval,
+                             const Check& check = {}) const noexcept;
   /// One sub-step towards the velocity `v1` (ignored where the mode is another than `following`).
   SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept;
   /// Whether a blocked robot may follow again, given what its laws would ask of it at rest, less gravity.
@@ -64,7 +67,9 @@ class VirtualJoints {
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept;
 
  private:
-  SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now) const noexcept;
+  template <class Check>
+  SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now,
+                                const Check& check) const noexcept;
   SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
   SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
   SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,

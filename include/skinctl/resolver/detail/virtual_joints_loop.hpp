@@ -46,8 +46,10 @@ Interval SKINCTL_VIRTUAL_JOINTS_CLASS::interval(const Memory& m, Nanoseconds now
 }
 
 SKINCTL_VIRTUAL_JOINTS
+template <class Check>
 SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::begin(Memory& m, const State<N, T>& measured,
-                                                        const Interval& interval) const noexcept -> Begun {
+                                                        const Interval& interval,
+                                                        const Check& check) const noexcept -> Begun {
   const T dt = seconds<T>(interval.to - interval.from);
   const Velocity before = m.rate;
   if constexpr (I == Interface::velocity) {
@@ -55,7 +57,7 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::begin(Memory& m, const State<N
     for (std::size_t i = 0; i < N; ++i)
       m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
   }
-  const Status status = interval.status | measure(m, measured, interval.to);
+  const Status status = interval.status | measure(m, measured, interval.to, check);
   const Begun out{correct(m, interval.to, dt), before, dt, status};
   m.mode_for = m.mode_for + dt;
   choose_mode(m, out.correction, status.has(Reason::state_stale));
@@ -83,17 +85,11 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::end(Memory& m, const Begun& 
 }
 
 SKINCTL_VIRTUAL_JOINTS
+template <class Check>
 SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const State<N, T>& measured,
-                                                            Nanoseconds now) const noexcept {
-  Status status;
-  if (!is_plausible(measured)) {
-    status |= Reason::state_not_finite;
-  } else if (measured.time < m.measured.time) {
-    status |= Reason::time_backwards;
-  } else {
-    m.measured = measured;
-    if (measured.time > now) m.measured.time = now;
-  }
+                                                            Nanoseconds now,
+                                                            const Check& check) const noexcept {
+  Status status = take_measurement(m.measured, measured, now, check);
   const Position& expected = servo_.predict(m.under_way, m.measured.time);
   m.residual = m.measured.q - expected;
   if constexpr (I == Interface::velocity) m.residual -= m.offset.value;
