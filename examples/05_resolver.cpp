@@ -2,8 +2,10 @@
 //
 //   tau    torque of the laws (skin and gravity)     q^, v   the virtual robot, whose position is the command
 //   T_d    delay of the robot, declared              drawn: where the arm is while a finger pushes, and after
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <deque>
+#include <span>
 #include <string>
 
 // [readme:cycle]
@@ -24,34 +26,55 @@ auto make_cycle() {
 }
 // [/readme:cycle]
 
-int main() {
-  const auto cycle = make_cycle();
-  State<6> measured;
-  measured.q = {0.0, -1.2, 1.4, -1.8, -1.57, 0.0};
-  auto memory = cycle.start(measured);
-  std::deque<JointPosition<6>> under_way = {measured.q};  // the robot follows one cycle late
-  const std::uint32_t cell = std::get<2>(ur5::skin_patches<260>()).placed()[30].id;
+/// Stands where a driver would: an arm that follows its commands one cycle late, and a skin on which a finger
+/// presses with 7 N for half a second.
+struct Simulated {
+  JointPosition<6> under_way{0.0, -1.2, 1.4, -1.8, -1.57, 0.0};
+  State<6> state{{}, under_way, {}};
+  CellSample sample{.cell = std::get<2>(ur5::skin_patches<260>()).placed()[30].id};
+  int cycle = 0;
 
+  bool wait(State<6>& measured) {
+    state.time = ++cycle * 8ms;
+    state.q = under_way;
+    measured = state;
+    return cycle <= 375;
+  }
+  std::span<const CellSample> poll() {
+    const float f = presses() ? 0.15f : 0.0f;
+    sample.time = state.time - 2ms;
+    sample.force = {f, f, f};
+    return {&sample, 1};
+  }
+  void send(const JointCommand<6>& command) { under_way = command.position; }
+  [[nodiscard]] bool presses() const { return cycle > 50 && cycle < 120; }
+};
+
+int main() {
+  Simulated robot, &skin = robot;
   double farthest = 0;
-  for (int k = 1; k <= 375; ++k) {
-    measured.time = k * 8ms;
-    measured.q = under_way.front();
-    under_way.pop_front();
-    const float f = k > 50 && k < 120 ? 0.15f : 0.0f;  // half a second of 7 N
-    const CellSample sample{.time = measured.time - 2ms, .cell = cell, .force = {f, f, f}};
-    decltype(cycle)::Input input;
-    input.now = measured.time;
-    input.measured = measured;
-    input.samples = {&sample, 1};
-    const auto out = cycle.step(memory, input);
-    under_way.push_back(out.command.position);
-    const double moved = measured.q[0];
+  const auto show = [&] {
+    const double moved = robot.state.q[0];
     farthest = std::max(farthest, std::abs(moved));
-    if (k % 15 == 0)
-      std::printf("%5.2f s %s|%s*  %6.3f rad\n", 0.008 * k, f > 0 ? "push " : "     ",
+    if (robot.cycle % 15 == 0)
+      std::printf("%5.2f s %s|%s*  %6.3f rad\n", 0.008 * robot.cycle, robot.presses() ? "push " : "     ",
                   std::string(static_cast<std::size_t>(std::min(60.0, 200 * std::abs(moved))), ' ').c_str(),
                   moved);
+  };
+
+  // [readme:loop]
+  const auto cycle = make_cycle();
+  auto memory = cycle.start(robot.state);  // takes over where the robot stands
+  decltype(cycle)::Input input;
+  while (robot.wait(input.measured)) {
+    input.now = input.measured.time;
+    input.samples = skin.poll();  // what has arrived
+    const auto out = cycle.step(memory, input);
+    if (out.command.valid) robot.send(out.command);
+    show();
   }
+  // [/readme:loop]
+
   std::printf("joint 0 gave way by %.3f rad and came to rest\n", farthest);
   return farthest > 0.005 ? 0 : 1;
 }
