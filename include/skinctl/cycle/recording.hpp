@@ -140,7 +140,7 @@ template <class G, class F>
   requires requires(G& g) { g.X_BP; }
 void each_number(G& goal, F&& f) {
   each_number(goal.X_BP, f);
-  if constexpr (requires { goal.duration; }) f(goal.duration);
+  if constexpr (requires { goal.duration; }) each_number(goal.duration, f);
   if constexpr (requires { goal.V; }) {
     for (auto* v : {&goal.V.linear, &goal.V.angular, &goal.A.linear, &goal.A.angular}) each_number(*v, f);
   }
