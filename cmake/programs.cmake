@@ -30,6 +30,9 @@ if(SKINCTL_SANITIZERS MATCHES "address" AND CMAKE_CXX_COMPILER_ID STREQUAL "Clan
   target_compile_options(skinctl_program INTERFACE "SHELL:-mllvm -asan-instrumentation-with-call-threshold=300")
 endif()
 target_link_options(skinctl_program INTERFACE ${skinctl_sanitizer_flags})
+if(SKINCTL_SANITIZERS)  # every copy of an operator would be checked, and compiled, again
+  target_compile_definitions(skinctl_program INTERFACE SKINCTL_NO_FORCED_INLINE)
+endif()
 
 # For tests of the library, after skinctl_program. The address sanitizer sees null and what lies beyond an object as well, and
 # vectors out of alignment stop the processor; asking at every member access doubles the time of compilation

@@ -38,7 +38,7 @@ int main() {
   // The same arm with a calibration's numbers, known only at run time: same functions.
   auto links = ur5::Calibrated<>::Links{};
   for (std::size_t i = 0; i < 6; ++i) links[i] = ur5::Description::links[i];
-  links[2][Parameter::p_x] += 0.0013;  // the upper arm is 1.3 mm shorter
+  links[2][LinkParameter::p_x] += 0.0013;  // the upper arm is 1.3 mm shorter
   const ur5::Calibrated<> calibrated(links);
   const auto shifted = link_poses<link_bit<5>>(calibrated, q).get<5>() * X_LF;
   std::printf("calibrated flange is %.2f mm away\n",
@@ -48,7 +48,7 @@ int main() {
   std::vector<JointPosition<6>> along(1000);
   for (std::size_t k = 0; k < along.size(); ++k) along[k] = integrate(q, dq, 0.001 * static_cast<double>(k));
   std::vector<JointTorque<6>> held(along.size());
-  Batch(robot, along.size()).for_each_group([&](const auto& model, const auto& group) {
+  ModelBatch(robot, along.size()).for_each_group([&](const auto& model, const auto& group) {
     group.write(gravity_torque(model, group.read(along)), held);
   });
   std::printf("a second later the shoulder holds %.3f N m\n", held.back()[1]);

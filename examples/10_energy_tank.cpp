@@ -23,8 +23,8 @@ double moved_in(A& arm, Curve& joint, Curve& energy) {
 
 int main(int argc, char** argv) {
   const auto law = SplineJoint<6>(gains()) + SkinJointControl{} + GravityControl{};
-  Arm rich(law, ur5_by_position(EnergyTank<>({.start = 4, .most = 5})));
-  Arm poor(law, ur5_by_position(EnergyTank<>({.start = 1, .most = 5})));
+  Arm rich(law, ur5_by_position(EnergyTank<>({.start = 4, .max = 5})));
+  Arm poor(law, ur5_by_position(EnergyTank<>({.start = 1, .max = 5})));
   Curve q_rich{"begins with 4 J"}, E_rich = q_rich;
   Curve q_poor{.name = "begins with 1 J", .dashed = true}, E_poor = q_poor;
   const double far = moved_in(rich, q_rich, E_rich), near = moved_in(poor, q_poor, E_poor);

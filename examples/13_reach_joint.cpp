@@ -12,9 +12,10 @@ using namespace examples;
 int main(int argc, char** argv) {
   auto soft = gains();
   soft.lambda = 20, soft.K_c = 4;  // [1/s]
-  const auto set = skill_set<behaviour::ReachJoint>(figure_7, {}, as<controller::Gravity>(GravityControl{}),
-                                                    as<controller::SkinJoint>(SkinJointControl{}),
-                                                    as<controller::Joint>(JointControl<6>(soft)));
+  const auto set =
+      skill_set<behaviour::ReachJoint>(figure_7, {}, skill_controller<controller::Gravity>(GravityControl{}),
+                                       skill_controller<controller::SkinJoint>(SkinJointControl{}),
+                                       skill_controller<controller::Joint>(JointControl<6>(soft)));
   Arm arm(set);
   Curve target_0{.name = "target", .dashed = true}, target_4 = target_0, joint_0{"actual"}, joint_4{"actual"},
                                                     force{"force of the hand [N]"};

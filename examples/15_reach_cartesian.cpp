@@ -14,8 +14,9 @@ int main(int argc, char** argv) {
   settings.tracking.lambda = 20, settings.tracking.K_c = 4;  // [1/s]
   const OperationalControl<6, 5> follow(OperationalSpace<6, 5>(tool_on_flange, settings), settings);
   const auto set = skill_set<behaviour::ReachCartesian>(
-      figure_7, {}, as<controller::Gravity>(GravityControl{}), as<controller::SkinJoint>(SkinJointControl{}),
-      as<controller::Operational>(follow));
+      figure_7, {}, skill_controller<controller::Gravity>(GravityControl{}),
+      skill_controller<controller::SkinJoint>(SkinJointControl{}),
+      skill_controller<controller::Operational>(follow));
   Arm arm(set);
   Curve target{.name = "target", .dashed = true}, tool{"actual"}, distance{"tool from its target [mm]"},
       force{"force of the hand [N]"};

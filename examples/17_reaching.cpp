@@ -27,5 +27,5 @@ int main(int argc, char** argv) {
   std::printf("reached to %.2f mm, gripper %s\n", distance.y.back(), open ? "open" : "closed");
   return draw(argc, argv, "17_reaching.svg", "Reaching an orange: the arm waits while somebody pushes",
               {distance, force, phase}, while_above_zero(force, "hand pushes")) ||
-         distance.y.back() > 5 || !open || arm.memory().law.phase != Phase::finished;
+         distance.y.back() > 5 || !open || arm.memory().law.phase != SkillPhase::finished;
 }

@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   bool puts = false;
   JointTorque<6> last{};
   while (arm.time() < 14) {
-    if (!puts && arm.memory().law.phase == Phase::finished) {
+    if (!puts && arm.memory().law.phase == SkillPhase::finished) {
       arm.ask(set.start_skill<behaviour::Putting>(PoseGoal<Tool>{{start.axes(), box}, 3s}));
       puts = true;
     }

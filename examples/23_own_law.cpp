@@ -29,7 +29,7 @@ struct Putty : Composable {
     JointPosition<6> rest;
   };
   static constexpr Needs needs = {};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   static constexpr const char* name = "putty";
   double stiffness = 60, creep = 0.5;
 

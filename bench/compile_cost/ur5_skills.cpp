@@ -20,13 +20,14 @@ auto make_cycle() {
       by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
   const auto tool = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.1);
   const auto skills = skill_set<behaviour::KinestheticJoint>(
-      boost::hana::union_(figure_7, section_6), {}, as<controller::Gravity>(GravityControl{}),
-      as<controller::SkinJoint>(SkinJointControl{}),
-      as<controller::SkinCartesian>(SkinCartesianControl<5>(tool)), as<controller::Joint>(JointControl(arm)),
-      as<controller::SplineJoint>(SplineJoint(arm)),
-      as<controller::Operational>(OperationalControl(arm, tool)),
-      as<controller::SplineOperational>(SplineOperational(arm, tool)),
-      as<controller::Force>(ForceControl(arm, tool)));
+      boost::hana::union_(figure_7, section_6), {}, skill_controller<controller::Gravity>(GravityControl{}),
+      skill_controller<controller::SkinJoint>(SkinJointControl{}),
+      skill_controller<controller::SkinCartesian>(SkinCartesianControl<5>(tool)),
+      skill_controller<controller::Joint>(JointControl(arm)),
+      skill_controller<controller::SplineJoint>(SplineJoint(arm)),
+      skill_controller<controller::Operational>(OperationalControl(arm, tool)),
+      skill_controller<controller::SplineOperational>(SplineOperational(arm, tool)),
+      skill_controller<controller::Force>(ForceControl(arm, tool)));
   static_assert(decltype(skills)::skills == 10);
   return Cycle(arm, ur5_skin<260>({.force = 20}), skills);
 }

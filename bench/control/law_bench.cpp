@@ -130,11 +130,11 @@ void skinctl_rows() {
     return law.receive(law.start(known), known, PoseGoal<Tool, T>{above, 4s}).memory;
   };
   using Pose = OperationalSpace<6, 5, Tool, T>;
-  using Place = OperationalSpace<6, 5, Tool, T, Task::position>;
+  using Place = OperationalSpace<6, 5, Tool, T, TaskSpace::position>;
   const SplineOperational<6, 5, Tool, T> operational(Pose(X_LT, pose), pose);
   law_row<T>("spline_operational", operational, lift);
   law_row<T>("spline_operational-position",
-             SplineOperational<6, 5, Tool, T, Task::position>(Place(X_LT, pose), pose), lift);
+             SplineOperational<6, 5, Tool, T, TaskSpace::position>(Place(X_LT, pose), pose), lift);
   law_row<T>("reactive_joint", ReactiveJoint<6, T>(settings<T>()), target);
   law_row<T>("skin_cartesian_control", SkinCartesianControl<5, Tool, T>(X_LT), stand);
   law_row<T>("force_control", ForceControl<6, 5, Tool, T>(X_LT, {.pose = pose}), stand);

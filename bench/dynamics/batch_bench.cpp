@@ -38,7 +38,7 @@ void rows(const std::string& job, const std::string& scene, const M& model, F wo
   const std::string name = "dynamics/" + job + "/256-" + scene;
   benchmark::RegisterBenchmark((name + "/skinctl-lanes" + end).c_str(), [=](benchmark::State& state) {
     const Pool<N, T> pool;
-    const Batch<M, T> batch(model, robots);
+    const ModelBatch<M, T> batch(model, robots);
     std::vector<Result> out(robots);
     const bench::CountAllocations counted(state);
     for (auto _ : state) {

@@ -19,7 +19,7 @@ void pass(benchmark::State& state) {
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
     wish.time = measured.time = wish.time + 2ms;
-    const auto out = guard.pass(memory, wish, measured, wish.time);
+    const auto out = guard.step(memory, wish, measured, wish.time);
     benchmark::DoNotOptimize(out);
   }
 }

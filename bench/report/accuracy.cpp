@@ -35,7 +35,7 @@ void print(const std::string& what, const char* scalar, int states, const Ulps& 
   std::fflush(stdout);
 }
 
-template <class T, Model M>
+template <class T, RobotModel M>
 Ulps worst(const M& model, const Exact& exact, int states, const Choose& choose) {
   constexpr std::size_t N = M::joints;
   oracle::Random random(1);
@@ -64,14 +64,14 @@ Ulps worst(const M& model, const Exact& exact, int states, const Choose& choose)
 void as_it_comes(oracle::Random&, double*, double*, double*) {}
 
 /// One robot in both scalars.
-template <Model D, Model F>
+template <RobotModel D, RobotModel F>
 void row(const std::string& what, const D& in_double, const F& in_float, int states,
          const Choose& choose = as_it_comes) {
   const Exact exact = exact_tree(in_double);
   print(what, "double", states, worst<double>(in_double, exact, states, choose));
   print(what, "float", states, worst<float>(in_float, exact, states, choose));
 }
-template <Model M>
+template <RobotModel M>
 void row(const std::string& what, const M& model, int states, const Choose& choose = as_it_comes) {
   row(what, model, model, states, choose);
 }

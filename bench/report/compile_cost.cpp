@@ -76,11 +76,10 @@ Budget read_budget(const std::string& file) {
   std::getline(std::ifstream(file) >> std::ws, line);
   Budget budget;
   char over[64] = "";
-  if (std::sscanf(line.c_str(), "// budget: %lf s %lf MB", &budget.most.seconds, &budget.most.megabytes) ==
-      2) {
+  if (std::sscanf(line.c_str(), "// budget: %lf s %lf MB", &budget.max.seconds, &budget.max.megabytes) == 2) {
     budget.stated = true;
-  } else if (std::sscanf(line.c_str(), "// budget over %63[^:]: %lf s %lf MB", over, &budget.most.seconds,
-                         &budget.most.megabytes) == 3) {
+  } else if (std::sscanf(line.c_str(), "// budget over %63[^:]: %lf s %lf MB", over, &budget.max.seconds,
+                         &budget.max.megabytes) == 3) {
     budget.stated = true;
     budget.over = over;
   }
@@ -149,10 +148,10 @@ int main(int argc, char** argv) {
         counted.seconds -= costs[budget.over].seconds;
         counted.megabytes -= costs[budget.over].megabytes;
       }
-      const bool kept = counted.seconds <= budget.most.seconds && counted.megabytes <= budget.most.megabytes;
+      const bool kept = counted.seconds <= budget.max.seconds && counted.megabytes <= budget.max.megabytes;
       good = good && kept;
       std::printf("  %s%.3g s, %.3g MB: %s", budget.over.empty() ? "" : ("over " + budget.over + " ").c_str(),
-                  budget.most.seconds, budget.most.megabytes, kept ? "kept" : "MISSED");
+                  budget.max.seconds, budget.max.megabytes, kept ? "kept" : "MISSED");
     }
     std::printf("\n");
   }

@@ -18,7 +18,7 @@ template <class T>
 struct Constant {
   struct Memory {};
   static constexpr Needs needs{};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   JointTorque<6, T> push;
   template <class K>
   Memory start(const K&) const noexcept {
@@ -76,7 +76,7 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanos
     measured.time = now;
     if constexpr (I != Interface::torque) measured.q = memory.under_way.reached;
     for (std::size_t i = 0; i < 6; ++i)
-      law.push[i] = gravity[i] + ((now / 1'000'000'000) % 2 == 0 ? T(1) : T(-1));
+      law.push[i] = gravity[i] + ((now / 1'000'000'000) % 2 == 0ns ? T(1) : T(-1));
     const auto out = resolver.step(memory, law, law_memory, measured, resolver.interval(memory, now),
                                    std::span<const Touch>(touches));
     benchmark::DoNotOptimize(out);
@@ -112,7 +112,7 @@ void shaped(benchmark::State& state) {
     measured.time = now += 2ms;
     measured.q = memory.under_way.reached;
     law.push = gravity_torque(ur5::Model{}, memory.q.value);
-    law.push[0] += (now / 1'000'000'000) % 2 == 0 ? T(1) : T(-1);
+    law.push[0] += (now / 1'000'000'000) % 2 == 0ns ? T(1) : T(-1);
     const auto out = resolver.step(memory, law, law_memory, measured, resolver.interval(memory, now),
                                    std::span<const NoTouch>(touches));
     benchmark::DoNotOptimize(out);
@@ -133,14 +133,14 @@ void skinctl_rows() {
   add("ur5-lead", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0), 18ms); });
   add("ur5-four-substeps", [](auto& s) { cycles<position, T, CrankNicolson>(s, 8ms); });
   add("ur5-velocity", [](auto& s) { cycles<Interface::velocity, T, CrankNicolson>(s, 2ms); });
-  static const EnergyTank<T> tank({.start = T(1000), .most = T(1000)}), empty({.start = T(0), .most = T(0)});
-  static const PortLedger<T> ledger({.start = T(1000), .most = T(1000)});
-  static const ContactDamper<T> damper({.most = T(100), .always = T(50)});
+  static const EnergyTank<T> tank({.start = T(1000), .max = T(1000)}), empty({.start = T(0), .max = T(0)});
+  static const PassivityObserver<T> passivity_observer({.start = T(1000), .max = T(1000)});
+  static const ContactDamper<T> damper({.max = T(100), .always = T(50)});
   add("ur5-energy-tank", [](auto& s) { touched<T>(s, tank); });
   add("ur5-energy-tank-empty", [](auto& s) { touched<T>(s, empty); });
-  add("ur5-port-ledger", [](auto& s) { touched<T>(s, ledger); });
+  add("ur5-port-passivity_observer", [](auto& s) { touched<T>(s, passivity_observer); });
   add("ur5-contact-damper", [](auto& s) { touched<T>(s, damper); });
-  add("ur5-all-keepers", [](auto& s) { touched<T>(s, tank, ledger, damper); });
+  add("ur5-all-keepers", [](auto& s) { touched<T>(s, tank, passivity_observer, damper); });
   add("ur5-tool-translation", [](auto& s) { shaped<T, 3>(s); });
   add("ur5-tool", [](auto& s) { shaped<T, 6>(s); });
   add("ur5-torque", [](auto& s) { cycles<Interface::torque, T, CrankNicolson>(s, 2ms); });

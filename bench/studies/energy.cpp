@@ -1,4 +1,4 @@
-// How many of many random scenes give more energy than they have, bare and with tank and ledger: `energy
+// How many of many random scenes give more energy than they have, bare and with tank and passivity observer: `energy
 // [scenes]`.
 //
 // A scene: a UR5 by position or velocity at 125, 250 or 500 Hz, 0 to 5 cycles of delay, skills and weights
@@ -40,15 +40,15 @@ struct Row {
 
 template <Interface I>
 void study(const char* interface, std::uint64_t scenes) {
-  Row rows[4] = {{"nothing"}, {"tank"}, {"ledger"}, {"tank and ledger"}};
+  Row rows[4] = {{"nothing"}, {"tank"}, {"passivity_observer"}, {"tank and passivity_observer"}};
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     const RandomScene scene(seed);
     const auto keeper = scene.keeper();
     const auto tank = keeper.template get<EnergyTank<>>();
-    const auto ledger = keeper.template get<PortLedger<>>();
+    const auto passivity_observer = keeper.template get<PassivityObserver<>>();
     rows[0].add(scene, run<I>(scene, Passivity<>()));
     rows[1].add(scene, run<I>(scene, Passivity(tank)));
-    rows[2].add(scene, run<I>(scene, Passivity(ledger)));
+    rows[2].add(scene, run<I>(scene, Passivity(passivity_observer)));
     rows[3].add(scene, run<I>(scene, keeper));
   }
   for (const Row& r : rows)
@@ -62,7 +62,7 @@ void study_torque(std::uint64_t scenes) {
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     const RandomScene scene(seed);
     const auto tank = [&](double port_gain) {
-      return Passivity(EnergyTank<>({.start = scene.tank, .most = scene.tank, .port_gain = port_gain}));
+      return Passivity(EnergyTank<>({.start = scene.tank, .max = scene.tank, .port_gain = port_gain}));
     };
     rows[0].add(scene, run_torque(scene, Passivity<>()), 1);
     rows[1].add(scene, run_torque(scene, tank(0)), 1);

@@ -23,7 +23,7 @@ constexpr std::size_t count = faults.size();
 /// What was seen of one fault at one interface.
 struct Cell {
   long runs = 0, good = 0;
-  long seen[7] = {};
+  long seen[reaction_count] = {};
 };
 struct Sheet {
   Cell cells[count];
@@ -59,7 +59,7 @@ void study(const char* interface, std::vector<const char*>& names, Sheet& sheet,
         sheet.broken += run.broken;
         sheet.worst_step = std::max(sheet.worst_step, run.worst_step);
         if (!run.good() && sheet.listed++ < 20)
-          std::printf("wrong: %s %zu %zu %ld (%s, %s): %s\n", interface, k, s, n, faults[k].what, names[s],
+          std::printf("wrong: %s %zu %zu %ld (%s, %s): %s\n", interface, k, s, n, faults[k].text, names[s],
                       run.wrong.c_str());
       }
   }
@@ -67,7 +67,7 @@ void study(const char* interface, std::vector<const char*>& names, Sheet& sheet,
 
 void print(const Cell& c) {
   std::string text;
-  for (unsigned r = 0; r < 7; ++r) {
+  for (unsigned r = 0; r < reaction_count; ++r) {
     if (c.seen[r] == 0) continue;
     if (!text.empty()) text += ", ";
     text += std::string(name(static_cast<Reaction>(r))) + " " + std::to_string(c.seen[r]);
@@ -90,7 +90,7 @@ int replay(char** argv) {
     std::printf("\n");
   };
   const auto run = injection.run(faults[fault], skill, std::strtoull(argv[5], nullptr, 10));
-  std::printf("%s, %s: %s, largest step %.9f: %s\n", faults[fault].what, injection.name(skill),
+  std::printf("%s, %s: %s, largest step %.9f: %s\n", faults[fault].text, injection.name(skill),
               name(run.seen), run.worst_step, run.good() ? "as documented" : run.wrong.c_str());
   return run.good() ? 0 : 1;
 }
@@ -109,11 +109,12 @@ int main(int argc, char** argv) {
   study<Interface::position>("position", names, sheets[0], runs / 3);
   study<Interface::velocity>("velocity", names, sheets[1], runs / 3);
   study<Interface::torque>("torque", names, sheets[2], runs - 2 * (runs / 3));
-  std::printf("\n| %-46s | found by | documented: motion, torque | way back   | position             | %s",
+  std::printf("\n| %-20s | found by | documented: motion, torque | way back   | position             | %s",
               "fault", "velocity             | torque               |\n|---|---|---|---|---|---|---|\n");
   for (std::size_t k = 0; k < count; ++k) {
     const Fault& f = faults[k];
-    std::printf("| %-46.46s | %-8s | %-6s, %-18s | %-10s |", f.what, name(f.finder), name(f.motion),
+    if (sheets[0].cells[k].runs + sheets[1].cells[k].runs + sheets[2].cells[k].runs == 0) continue;
+    std::printf("| %-20s | %-8s | %-6s, %-18s | %-10s |", f.name, name(f.finder), name(f.motion),
                 name(f.torque), name(f.way_back));
     for (const Sheet& s : sheets) print(s.cells[k]);
     std::printf("\n");

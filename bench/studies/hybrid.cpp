@@ -27,7 +27,7 @@ template <std::size_t N>
 struct Springs {
   struct Memory {};
   static constexpr Needs needs{.gravity = true, .touch = true};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   JointPosition<N> goal;
 
   template <class K>

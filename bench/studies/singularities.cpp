@@ -111,8 +111,8 @@ struct Row {
 
 template <class Orientation>
 void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate) {
-  using Space = OperationalSpace<6, 5, Flange, double, Task::pose, Orientation>;
-  using L = SplineOperational<6, 5, Flange, double, Task::pose, Orientation>;
+  using Space = OperationalSpace<6, 5, Flange, double, TaskSpace::pose, Orientation>;
+  using L = SplineOperational<6, 5, Flange, double, TaskSpace::pose, Orientation>;
   using K = Quantities<ur5::Model, L::needs>;
   const double dt = 1 / rate;
   OperationalSettings<6> s{.tracking = {.dt = nanoseconds(dt), .tb = 0s}};

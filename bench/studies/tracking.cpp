@@ -33,8 +33,8 @@ Plant wrong(double factor) {
   Plant::Links links{};
   for (std::size_t i = 0; i < 6; ++i) {
     links[i] = right.link(i);
-    for (const auto p : {Parameter::mass, Parameter::s_xx, Parameter::s_yy, Parameter::s_zz, Parameter::s_xy,
-                         Parameter::s_xz, Parameter::s_yz})
+    for (const auto p : {LinkParameter::mass, LinkParameter::s_xx, LinkParameter::s_yy, LinkParameter::s_zz,
+                         LinkParameter::s_xy, LinkParameter::s_xz, LinkParameter::s_yz})
       links[i][p] *= factor;
   }
   return Plant(links);
@@ -78,7 +78,7 @@ void time_base() {
       auto goal = home;
       goal[0] += x0;
       memory = law.receive(memory, K(model, x, dt, none), {goal, {}, {}}).memory;
-      memory.bias.elapsed = clock_end;  // S(t0) = 0: no hand-over
+      memory.bias.elapsed = clock_end;  // S(t0) = 0: no bumpless transfer
       for (int i = 0; i < static_cast<int>(std::lround(tb * rate)); ++i) {
         const auto out = evaluate(law, memory, K(model, x, dt, none), dt);
         memory = out.memory;

@@ -3,7 +3,7 @@
 // Ten million cycles of a UR5 with 260 cells that reaches and is touched, without and with a governor, as
 // isolated as the machine allows: on one core, with real-time priority and locked memory where they are
 // granted. After each cycle runs an empty loop of the same median length: what is seen of it beyond that is
-// the machine's doing, and so is as much of the cycle's. Stage by stage, and the slowest one again.
+// the machine's doing, and so is as much of the cycle's. CycleStage by stage, and the slowest one again.
 //
 // Then a million cycles, each five times or more from its memory and input: the fastest is what the cycle
 // takes where nobody disturbs it, and the worst of those is the cycle's own. Where the processor lets its
@@ -243,7 +243,7 @@ void study(const char* name, const Scene& scene, long cycles, long repeated) {
     std::memcpy(static_cast<void*>(before.get()), &day.memory(), sizeof *before);
     Stopwatch watch;
     day.step(watch);
-    for (std::size_t s = 0; s < stage_count; ++s) stages[s].record(watch[static_cast<Stage>(s)]);
+    for (std::size_t s = 0; s < stage_count; ++s) stages[s].record(watch[static_cast<CycleStage>(s)]);
     if (watch.total() > whole.max()) {
       *worst_memory = *before;
       worst_input = day.input();
@@ -264,7 +264,7 @@ void study(const char* name, const Scene& scene, long cycles, long repeated) {
   const auto ended = Disturbance::now();
   std::printf("\n%s, %ld cycles, ns\n%-12s %8s %9s %9s %9s %9s %9s %10s\n", name, cycles, "stage", "mean",
               "p50", "p99", "p99.9", "p99.99", "p99.999", "worst");
-  for (std::size_t s = 0; s < stage_count; ++s) row(skinctl::name(static_cast<Stage>(s)), stages[s]);
+  for (std::size_t s = 0; s < stage_count; ++s) row(skinctl::name(static_cast<CycleStage>(s)), stages[s]);
   row("whole", whole);
   row("empty loop", empty);
   undisturbed(scene, repeated);

@@ -19,7 +19,7 @@
 #include "examples/compliant_ur5/arm_picture.hpp"
 #include "examples/compliant_ur5/report_style.hpp"
 #include "examples/support/svg_plot.hpp"
-#include "skinctl/core/status.hpp"
+#include "skinctl/guard/faults.hpp"
 
 namespace compliant_ur5 {
 namespace {

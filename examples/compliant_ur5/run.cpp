@@ -115,7 +115,7 @@ void fill_times(const LoopReport<C>& report, RunLog& log) {
     log.times.push_back(
         {stage, us(h.percentile(0.5)), us(h.percentile(0.99)), us(h.percentile(0.999)), us(h.max())});
   };
-  for (std::size_t i = 0; i < stage_count; ++i) add(name(static_cast<Stage>(i)), report.stages[i]);
+  for (std::size_t i = 0; i < stage_count; ++i) add(name(static_cast<CycleStage>(i)), report.stages[i]);
   add("whole cycle", report.whole);
 }
 
@@ -222,7 +222,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
         reason = receiver.heard() ? "the skin has fallen silent" : "the skin was never heard";
       }
       if (!reason.empty()) {
-        input.request = Request::stop;
+        input.request = CycleRequest::stop;
         braking_since = input.now;
       }
     } else if (input.now - braking_since > 500ms) {
@@ -329,12 +329,12 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   print(s, log);
   if (!s.record.empty()) recording.save(s.record);
 
-  if (report.ended == Ended::lost || report.ended == Ended::no_state) reason = driver.error();
+  if (report.ended == LoopEnd::lost || report.ended == LoopEnd::no_state) reason = driver.error();
   if (!reason.empty()) {
     std::fprintf(stderr, "\nstopped: %s; the robot was told to stop\n", reason.c_str());
     return Outcome::lost;
   }
-  if (report.ended == Ended::interrupted) return Outcome::interrupted;
+  if (report.ended == LoopEnd::interrupted) return Outcome::interrupted;
   const double slack = 1 + 1e-9;
   if (allocations != 0 || largest.step_velocity > slack || largest.step_acceleration > slack) {
     std::fprintf(stderr, "\na promise was broken: see the figures above\n");

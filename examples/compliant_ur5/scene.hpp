@@ -23,12 +23,12 @@ inline skinctl::JointLimits<6> limits(const Settings& s) {
                          .torque = JointTorque<6>(ur5::Description::max_torque)});
 }
 
-inline std::array<skinctl::Gains, 6> gains(const Settings& s) {
-  std::array<skinctl::Gains, 6> gains;
+inline std::array<skinctl::CellGains, 6> gains(const Settings& s) {
+  std::array<skinctl::CellGains, 6> gains;
   for (std::size_t i = 0; i < 6; ++i)
-    gains[i] = s.rigid
-                   ? skinctl::Gains{.force = 0, .proximity = 0}
-                   : skinctl::Gains{.force = s.control.force_gain[i], .proximity = s.control.proximity_gain};
+    gains[i] =
+        s.rigid ? skinctl::CellGains{.force = 0, .proximity = 0}
+                : skinctl::CellGains{.force = s.control.force_gain[i], .proximity = s.control.proximity_gain};
   return gains;
 }
 
@@ -57,7 +57,7 @@ auto make_scene(const Settings& s) {
                                 .virtual_damping = s.control.decay,
                                 .viscous_friction = JointTorque<6>(s.control.viscous),
                                 .dead_band = JointPosition<6>::constant(0.02)},
-                               ContactDamper<>({.most = s.control.contact_damping}));
+                               ContactDamper<>({.max = s.control.contact_damping}));
   SkinSettings skin;
   skin.force = EventGate<>::dead_band(s.control.force_threshold);
   return Cycle(arm, ur5_skin<cells>(gains(s), skin),

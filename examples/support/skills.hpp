@@ -15,10 +15,11 @@ inline auto packing_skills(const Transform<Link<5>, Tool>& tool = tool_on_flange
   const OperationalSettings<6> settings{.tracking = gains()};
   const OperationalSpace<6, 5> space(tool, settings);
   return skill_set<behaviour::KinestheticJoint>(
-      boost::hana::union_(figure_7, section_6), {}, as<controller::Gravity>(GravityControl{}),
-      as<controller::SkinJoint>(SkinJointControl{}), as<controller::SplineJoint>(SplineJoint<6>(gains())),
-      as<controller::SplineOperational>(SplineOperational<6, 5>(space, settings)),
-      as<controller::Force>(ForceControl<6, 5>(tool, {.pose = settings, .carried = 1})));
+      boost::hana::union_(figure_7, section_6), {}, skill_controller<controller::Gravity>(GravityControl{}),
+      skill_controller<controller::SkinJoint>(SkinJointControl{}),
+      skill_controller<controller::SplineJoint>(SplineJoint<6>(gains())),
+      skill_controller<controller::SplineOperational>(SplineOperational<6, 5>(space, settings)),
+      skill_controller<controller::Force>(ForceControl<6, 5>(tool, {.pose = settings, .carried = 1})));
 }
 
 }  // namespace examples

@@ -144,7 +144,7 @@ std::string header(const skinctl::Urdf& urdf, const Settings& settings) {
     if (!joint.question.empty())
       skinctl::detail::fail_urdf(urdf, joint, joint.question + "; --large-limits takes it as it is");
   auto links = skinctl::model_links(urdf).links;
-  using P = skinctl::Parameter;
+  using P = skinctl::LinkParameter;
   for (auto& l : links) {
     make_exact(l[P::cos_gamma], l[P::sin_gamma], settings.snap);
     make_exact(l[P::cos_alpha], l[P::sin_alpha], settings.snap);
@@ -179,7 +179,7 @@ std::string header(const skinctl::Urdf& urdf, const Settings& settings) {
          list(n, [&](std::size_t i) { return quoted(joints[i].name); }) + "};\n";
   out += "  static constexpr double gravity[3] = {" +
          list(3, [&](std::size_t i) { return number(settings.gravity[i]); }) + "};  // [m/s^2]\n";
-  out += "  // In the order of skinctl::Parameter.\n";
+  out += "  // In the order of skinctl::LinkParameter.\n";
   out += "  static constexpr std::array<skinctl::LinkParameters<double>, joints> links = {{\n";
   for (const auto& l : links)
     out += "      {{" + list(l.numbers.size(), [&](std::size_t k) { return number(l.numbers[k]); }) + "}},\n";

@@ -13,7 +13,8 @@ namespace {
 template <class L, class T>
 using KnownTo = Quantities<ur5::Model, L::needs, T>;
 static_assert(Law<GravityControl, KnownTo<GravityControl, double>>);
-static_assert(Law<GravityCompensation<Instant::start>, KnownTo<GravityCompensation<Instant::start>, float>>);
+static_assert(Law<GravityCompensation<GravityInstant::start>,
+                  KnownTo<GravityCompensation<GravityInstant::start>, float>>);
 static_assert(GravityControl::needs == Needs{.middle = true});
 static_assert(std::is_empty_v<GravityControl> && std::is_empty_v<GravityControl::Memory>);
 }  // namespace
@@ -27,9 +28,9 @@ TEST_CASE_TEMPLATE("GravityControl: carries a robot at rest, at either instant",
     const auto expected = gravity_torque(model, state.q);
     const GravityControl law;
     CHECK(law.torque(KnownTo<GravityControl, T>(model, state, T(0.008), none)) == expected);
-    const GravityCompensation<Instant::start> early;
-    CHECK(early.torque(KnownTo<GravityCompensation<Instant::start>, T>(model, state, T(0.008), none)) ==
-          expected);
+    const GravityCompensation<GravityInstant::start> early;
+    CHECK(early.torque(KnownTo<GravityCompensation<GravityInstant::start>, T>(model, state, T(0.008),
+                                                                              none)) == expected);
   }
 }
 
@@ -58,5 +59,5 @@ TEST_CASE("GravityControl: a moving robot keeps its energy to second order, and 
   const double coarse = gained(GravityControl{}, 0.008), fine = gained(GravityControl{}, 0.004);
   CHECK(coarse < 2e-3);
   CHECK(coarse / fine > 3);
-  CHECK(gained(GravityCompensation<Instant::start>{}, 0.008) > 10 * coarse);
+  CHECK(gained(GravityCompensation<GravityInstant::start>{}, 0.008) > 10 * coarse);
 }

@@ -86,7 +86,7 @@ TEST_CASE("Impedance: joints are springs about their target, gravity once in eve
   const auto G = gravity_torque(model, x.q);
   CHECK(largest(law.torque(memory, known) - (G - JointTorque<6>::constant(5))) < 1e-12);
   CHECK(largest(law.torque<GravityTerm::left_out>(memory, known) + JointTorque<6>::constant(5)) < 1e-12);
-  CHECK(largest(law.torque(memory, known, Share<double>{0.5, 1}) - (G - JointTorque<6>::constant(2.5))) <
+  CHECK(largest(law.torque(memory, known, LawShare<double>{0.5, 1}) - (G - JointTorque<6>::constant(2.5))) <
         1e-12);
   const auto sum = law + GravityControl{};
   CHECK(largest(sum.torque(sum.start(known), known) - G) < 1e-12);

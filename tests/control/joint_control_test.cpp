@@ -72,7 +72,7 @@ TEST_CASE("JointControl: the UR5 in sampled time ends at the closed form of the 
       JointControlSettings<6> settings{
           .dt = nanoseconds(dt), .K_i1 = K_i1, .K_i2 = 0.1 * K_i1, .tb = nanoseconds(p.tb), .K_c = K_c};
       settings.max_velocity = JointVelocity<6>::constant(ur5::Description::max_velocity);
-      settings.reach = Reach::refuse;
+      settings.reach = GoalPolicy::refuse;
       const JointControl<6> law(settings);
       Seeded rng(80);
       const double size = std::min(6.0, 0.999 * ur5::Description::max_velocity * p.tb / 1.886);
@@ -119,7 +119,7 @@ TEST_CASE("JointControl: a goal too far for its time is stretched or refused") {
     }
     CHECK(fastest == doctest::Approx(0.5).epsilon(5e-3));
   }
-  settings.reach = Reach::refuse;
+  settings.reach = GoalPolicy::refuse;
   const JointControl<6> strict(settings);
   const auto before = strict.start(known);
   const auto answer = strict.receive(before, known, far);

@@ -16,7 +16,7 @@ template <class T, class Skin = Touch<T>>
 using KnownTo = Quantities<ur5::Model, SkinJointControl::needs, T, Skin>;
 static_assert(Law<SkinJointControl, KnownTo<double>>);
 static_assert(Law<SkinJointControl, KnownTo<float, NoTouch>>);
-static_assert(SkinJointControl::role == Role::reactive && SkinJointControl::needs.touch);
+static_assert(SkinJointControl::role == LawRole::reactive && SkinJointControl::needs.touch);
 }  // namespace
 
 TEST_CASE_TEMPLATE("SkinJointControl: does the work of the wrenches on the links", T, float, double,

@@ -81,7 +81,7 @@ TEST_CASE("SplineJoint: a goal on the way turns it round without a jump and it a
     const KnownAt<double> known(model, x, dt, none);
     if (i == 500) memory = law.receive(memory, known, {second, 4s}).memory;
     const auto e = law.evaluate(memory, known, dt);
-    CHECK(e.status.has(Reason::hand_over) == (i < 50 || (i >= 500 && i < 550)));
+    CHECK(e.status.has(Reason::bumpless_transfer) == (i < 50 || (i >= 500 && i < 550)));
     const auto change = e.torque - last;
     for (const double tau : change) steepest = std::max(steepest, magnitude(tau));
     last = e.torque;

@@ -33,7 +33,7 @@ TEST_CASE("TakeOver: begins with the torque that was there, and ends with the la
   for (std::size_t i = 0; i < 6; ++i) CHECK(last[i] == doctest::Approx(before[i]).epsilon(1e-14));
   for (int k = 0; k < 60; ++k) {
     const auto e = evaluate(law, memory, known, 0.002);
-    CHECK(e.status.has(Reason::hand_over) == (k < 50));
+    CHECK(e.status.has(Reason::bumpless_transfer) == (k < 50));
     JointTorque<6> sum;
     for (const auto& share : e.shares) sum += share;
     for (std::size_t i = 0; i < 6; ++i) {

@@ -21,7 +21,7 @@ struct Counter {
     int count;
   };
   static constexpr Needs needs{};
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   Memory start(const Knowledge&) const noexcept { return {0}; }
   JointTorque<2> torque(const Memory& m, const Knowledge& k) const noexcept { return {double(m.count), k.x}; }
   Memory advance(const Memory& m, const Knowledge&, double dt, Opposition o) const noexcept {
@@ -37,7 +37,7 @@ struct Pair : Counter {
     return {torque(m, k),
             {m.count + 10},
             {JointTorque<2>{double(m.count), 0.0}, JointTorque<2>{0.0, k.x}},
-            Reason::hand_over};
+            Reason::bumpless_transfer};
   }
 };
 static_assert(terms_of<Pair> == 2);
@@ -58,7 +58,7 @@ TEST_CASE("evaluate: a law's own evaluation is preferred") {
   const auto e = evaluate(law, Counter::Memory{4}, Knowledge{1.5}, 0.002);
   CHECK(e.memory.count == 14);
   CHECK(e.shares[0] + e.shares[1] == e.torque);
-  CHECK(e.status.has(Reason::hand_over));
+  CHECK(e.status.has(Reason::bumpless_transfer));
 }
 
 namespace {
@@ -75,7 +75,7 @@ struct Constant : StatelessLaw<Constant> {
   JointTorque<2> torque(const auto&) const noexcept { return {1.0, 2.0}; }
 };
 struct InParts : StatelessLaw<InParts> {
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   TorqueParts<2> parts(const auto&) const noexcept { return {{1.0, 2.0}, {10.0, 20.0}}; }
 };
 struct Reports : Constant {
@@ -87,7 +87,7 @@ struct Reports : Constant {
 TEST_CASE("torque_of: a law without memory, and a tracking law by its parts with gravity once") {
   CHECK(torque_of(Constant{}, {}, Weighty{}) == JointTorque<2>{1.0, 2.0});
   CHECK(torque_of(InParts{}, {}, Weighty{}) == JointTorque<2>{16.0, 29.0});
-  const Share<double> share{0.5, 2.0};
+  const LawShare<double> share{0.5, 2.0};
   using detail::weighted_torque;
   CHECK(weighted_torque<GravityTerm::left_out>(InParts{}, {}, Weighty{}, share) ==
         JointTorque<2>{20.5, 41.0});

@@ -17,7 +17,7 @@ struct Knowledge {
 struct Good {
   struct Memory {};
   static constexpr Needs needs{};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   Memory start(const Knowledge&) const noexcept { return {}; }
   JointTorque<2> torque(const Memory&, const Knowledge&) const noexcept { return {}; }
   Memory advance(const Memory&, const Knowledge&, double, Opposition) const noexcept { return {}; }
@@ -41,7 +41,7 @@ struct GivesVelocity : Good {
 struct DoesNotAdvance {
   using Memory = Good::Memory;
   static constexpr Needs needs{};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   Memory start(const Knowledge&) const noexcept { return {}; }
   JointTorque<2> torque(const Memory&, const Knowledge&) const noexcept { return {}; }
 };
@@ -68,12 +68,12 @@ struct NoTorque : StatelessLaw<NoTorque> {};
 static_assert(!Law<NoTorque, Knowledge>);
 
 struct InParts : StatelessLaw<InParts> {
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   TorqueParts<2> parts(const auto&) const noexcept { return {}; }
 };
 static_assert(TrackingLaw<InParts, Knowledge>);
 struct TracksByTorqueAlone : Good {
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
 };
 static_assert(Law<TracksByTorqueAlone, Knowledge> && !TrackingLaw<TracksByTorqueAlone, Knowledge>);
 
@@ -103,7 +103,7 @@ static_assert(detail::fault_in_members<ReceivesNothing>() == LawFault::no_receiv
 static_assert(Law<detail::WrongLaw<NoTorque>, Knowledge>);  // it stands for a law after an error
 }  // namespace
 
-TEST_CASE("Share: all of feedback and feed-forward unless said otherwise") {
-  CHECK(Share<double>{}.feedback == 1);
-  CHECK(Share<float>{}.feed_forward == 1);
+TEST_CASE("LawShare: all of feedback and feed-forward unless said otherwise") {
+  CHECK(LawShare<double>{}.feedback == 1);
+  CHECK(LawShare<float>{}.feed_forward == 1);
 }

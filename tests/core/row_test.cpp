@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "skinctl/testing/random_robots.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;
 using detail::Row;
@@ -74,11 +75,13 @@ void agrees_with_plain_numbers() {
 TEST_CASE_TEMPLATE("Row: every number fares as it would alone, whatever the length", T, float, double,
                    long double) {
   agrees_with_plain_numbers<T, 1>();
-  agrees_with_plain_numbers<T, 2>();
-  agrees_with_plain_numbers<T, 3>();
-  agrees_with_plain_numbers<T, 6>();
   agrees_with_plain_numbers<T, 7>();
   agrees_with_plain_numbers<T, 16>();
+  if constexpr (!testing::sanitized) {
+    agrees_with_plain_numbers<T, 2>();
+    agrees_with_plain_numbers<T, 3>();
+    agrees_with_plain_numbers<T, 6>();
+  }
 }
 
 TEST_CASE_TEMPLATE("Row: touches no number beside its own", T, float, double) {

@@ -2,9 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include <set>
-#include <string>
 #include <type_traits>
+#include <vector>
 
 using namespace skinctl;
 
@@ -31,19 +30,10 @@ TEST_CASE("Status: reads every bit pattern as reasons that exist") {
   }
 }
 
-TEST_CASE("Status: every reason has a text of its own, and an unknown one is no crash") {
-  std::set<std::string> texts;
-  for (unsigned r = 0; r < static_cast<unsigned>(Reason::count); ++r)
-    texts.insert(describe(static_cast<Reason>(r)));
-  CHECK(texts.size() == static_cast<unsigned>(Reason::count));
-  CHECK(texts.count("unknown") == 0);
-  CHECK(describe(static_cast<Reason>(255)) == std::string("unknown"));
-}
-
 TEST_CASE("Status: for_each goes through the set in the order of the reasons, once each") {
-  std::string seen;
+  std::vector<Reason> seen;
   (Status(Reason::opposed) | Reason::state_stale | Reason::opposed).for_each([&](Reason r) {
-    seen += std::string(describe(r)) + ";";
+    seen.push_back(r);
   });
-  CHECK(seen == std::string(describe(Reason::state_stale)) + ";" + describe(Reason::opposed) + ";");
+  CHECK((seen == std::vector{Reason::state_stale, Reason::opposed}));
 }

@@ -12,8 +12,8 @@ using namespace skinctl;
 using skinctl::testing::Digits50;
 
 namespace {
-using X_axis = Triple<Known<1>, Known<0>, Known<0>>;
-using Y_axis = Triple<Known<0>, Known<1>, Known<0>>;
+using X_axis = Triple<TypedConstant<1>, TypedConstant<0>, TypedConstant<0>>;
+using Y_axis = Triple<TypedConstant<0>, TypedConstant<1>, TypedConstant<0>>;
 
 template <class T>
 Xyz<T> random_xyz(std::mt19937_64& rng, const T& reach) {
@@ -29,14 +29,16 @@ T size(const Xyz<T>& v) {
 }  // namespace
 
 static_assert(sizeof(Xyz<double>) == 3 * sizeof(double) && std::is_trivially_copyable_v<Xyz<double>>);
-static_assert(sizeof(Triple<double, Known<0>, Known<1>>) == sizeof(double), "constants are not stored");
+static_assert(sizeof(Triple<double, TypedConstant<0>, TypedConstant<1>>) == sizeof(double),
+              "constants are not stored");
 static_assert(std::is_same_v<decltype(cross(X_axis{}, Y_axis{})), UnitZ>, "x cross y is z, at compile time");
-static_assert(std::is_same_v<decltype(dot(X_axis{}, Y_axis{})), Known<0>>);
+static_assert(std::is_same_v<decltype(dot(X_axis{}, Y_axis{})), TypedConstant<0>>);
 static_assert(std::is_same_v<decltype(UnitZ{} - UnitZ{}), ZeroTriple>);
-static_assert(std::is_same_v<decltype(Known<0>{} * Xyz<double>{}), ZeroTriple>);
-static_assert(std::is_same_v<decltype(cross(UnitZ{}, Xyz<double>{})), Triple<double, double, Known<0>>>,
-              "two products and no sum are left of a cross product with z");
-static_assert(Xyz<double>{1, 2, 3} == dense<double>(Triple{Known<1>{}, 2.0, Known<3>{}}));
+static_assert(std::is_same_v<decltype(TypedConstant<0>{} * Xyz<double>{}), ZeroTriple>);
+static_assert(
+    std::is_same_v<decltype(cross(UnitZ{}, Xyz<double>{})), Triple<double, double, TypedConstant<0>>>,
+    "two products and no sum are left of a cross product with z");
+static_assert(Xyz<double>{1, 2, 3} == dense<double>(Triple{TypedConstant<1>{}, 2.0, TypedConstant<3>{}}));
 
 TEST_CASE_TEMPLATE("Triple: is a vector space with the products of the textbook", T, float, double,
                    Digits50) {
@@ -87,7 +89,7 @@ TEST_CASE_TEMPLATE("Turn: there and back is where it was, and keeps lengths", T,
 }
 
 TEST_CASE("Turn: a quarter by constants is exact and by the right hand") {
-  constexpr Turn quarter{Known<0>{}, Known<1>{}};
+  constexpr Turn quarter{TypedConstant<0>{}, TypedConstant<1>{}};
   constexpr Xyz<double> v{1, 2, 3};
   static_assert(turn_z(quarter, v) == Xyz<double>{-2, 1, 3});
   static_assert(turn_back_z(quarter, v) == Xyz<double>{2, -1, 3});

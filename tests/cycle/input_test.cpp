@@ -126,7 +126,7 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
       s.temperature = tape.reading(40);
     }
     input.samples = std::span(samples).first(count);
-    input.request = static_cast<Request>(tape.index(1));
+    input.request = static_cast<CycleRequest>(tape.index(1));
     input.observed = Status::from_bits(tape.index(1));  // a stop waits for the request `resume`
     input.has_goal = tape.index(16) == 15;
     for (std::size_t i = 0; i < 6; ++i) input.goal.q_g[i] = tape.number(T(state.q[i] + T(0.3)));
@@ -205,7 +205,7 @@ TEST_CASE_TEMPLATE(
         if (random.index(2) == 0) s.force = {0.5f, 0.5f, 0.5f}, s.proximity = 0;
       }
       input.samples = samples;
-      input.request = static_cast<Request>(random.index(30));
+      input.request = static_cast<CycleRequest>(random.index(30));
       if (random.index(50) == 0) input.observed = Status::from_bits(random.bits());
       input.has_goal = random.index(10) == 0;
       for (auto& x : input.goal.q_g) x = random.index(2) == 0 ? any_number<T>(random) : T(0.3);

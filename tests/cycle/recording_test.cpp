@@ -22,7 +22,7 @@ Recording<Scene> recorded_run(const Scene& scene, std::size_t bytes = std::size_
   Recording<Scene> recording(bytes);
   auto memory = std::make_unique<Scene::Memory>();
   oracle::Random random(5);
-  StiffJoints<> robot(home_position(), 8ms, 0.004);
+  StiffJoints<> robot(home_position(), 8ms, 4ms);
   scene.start(*memory, robot.state());
   recording.start(robot.state());
   std::array<CellSample, 3> samples;
@@ -44,7 +44,7 @@ Recording<Scene> recorded_run(const Scene& scene, std::size_t bytes = std::size_
       input.goal.q_g = home_position();
       input.goal.q_g[0] += 0.2;
     }
-    input.request = k == 1200 ? Request::stop : k == 1300 ? Request::resume : Request::none;
+    input.request = k == 1200 ? CycleRequest::stop : k == 1300 ? CycleRequest::resume : CycleRequest::none;
     const auto before = guard.count();
     const auto out = scene.step(*memory, input);
     recording.add(input, out.command);

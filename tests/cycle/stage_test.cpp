@@ -7,7 +7,7 @@
 using namespace skinctl;
 
 TEST_CASE("stages: each has a name") {
-  CHECK(std::strcmp(name(Stage::sense), "sense") == 0);
-  CHECK(std::strcmp(name(Stage::guard), "guard") == 0);
-  CHECK(std::strcmp(name(static_cast<Stage>(200)), "unknown") == 0);
+  CHECK(std::strcmp(name(CycleStage::sense), "sense") == 0);
+  CHECK(std::strcmp(name(CycleStage::guard), "guard") == 0);
+  CHECK(std::strcmp(name(static_cast<CycleStage>(200)), "unknown") == 0);
 }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int some = 100;
 
-template <class T, Model M, class F>
+template <class T, RobotModel M, class F>
 Ulps worst(const M& model, const Exact& exact, int states, F&& choose) {
   constexpr std::size_t N = M::joints;
   oracle::Random random(3);

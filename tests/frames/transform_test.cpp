@@ -272,7 +272,8 @@ TEST_CASE("Transform: nothing of it allocates") {
   CHECK(std::isfinite(phi.x));
 }
 
-TEST_CASE_TEMPLATE("Transform: moved and turned on is the product with the step", T, float, double, Exact) {
+TEST_CASE_TEMPLATE("Transform: moved and turned on is the product with the step", T, float, double,
+                   Digits50) {
   auto rng = seeded(51);
   for (int i = 0; i < 50; ++i) {
     const auto X = random_transform<World, Cell>(rng, T(1));

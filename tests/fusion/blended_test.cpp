@@ -38,7 +38,7 @@ struct Told : Composable {
   Told(double feedback_torque, double feed_forward_torque)
       : feedback(feedback_torque), feed_forward(feed_forward_torque) {}
   static constexpr Needs needs{};
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   double feedback, feed_forward;
   template <class K>
   Memory start(const K&) const noexcept {
@@ -49,7 +49,7 @@ struct Told : Composable {
     return {{m.steps, goal}, {}};
   }
   template <GravityTerm G = GravityTerm::included, class K>
-  JointTorque<6> torque(const Memory&, const K& known, const Share<double>& share = {}) const noexcept {
+  JointTorque<6> torque(const Memory&, const K& known, const LawShare<double>& share = {}) const noexcept {
     auto tau = JointTorque<6>::constant(share.feedback * feedback + share.feed_forward * feed_forward);
     if (G == GravityTerm::included) tau += share.feed_forward * gravity_torque(known.model(), known.q());
     return tau;
@@ -115,7 +115,7 @@ TEST_CASE("Blended: is a law that does what its sum does, until other weights ar
   using L = std::remove_const_t<decltype(law)>;
   using S = std::remove_const_t<decltype(sum)>;
   static_assert(Law<L, KnownTo<L>> && std::is_trivially_copyable_v<L::Memory>);
-  static_assert(terms_of<L> == 3 && L::role == Role::tracking && L::needs == S::needs);
+  static_assert(terms_of<L> == 3 && L::role == LawRole::tracking && L::needs == S::needs);
   static_assert(std::is_same_v<L::Goal, BlendGoal<JointGoal<6>, 3>>);
   State<6> x = pose;
   Touch touch;
@@ -147,11 +147,11 @@ TEST_CASE("Blended: weights change by request, smoothly, and what fades out is n
   Run<L> run{law};
   run.step();
   CHECK(largest(run.last - (JointTorque<6>::constant(43) + G)) < 1e-12);
-  CHECK(run.ask(Weights<3>{{1, 0, 1}}) == Status{});
+  CHECK(run.ask(BlendWeights<3>{{1, 0, 1}}) == Status{});
   const auto before = run.last;
   run.step();
   CHECK(run.last == before);  // at its begin the ramp has changed nothing
-  CHECK(run.status.has(Reason::hand_over));
+  CHECK(run.status.has(Reason::bumpless_transfer));
   for (int k = 0; k < 49; ++k) {
     run.step();
     const double x = run.last[0] - G[0];
@@ -159,7 +159,7 @@ TEST_CASE("Blended: weights change by request, smoothly, and what fades out is n
   }
   run.step();
   CHECK(largest(run.last - (JointTorque<6>::constant(32) + G)) < 1e-12);
-  CHECK_FALSE(run.status.has(Reason::hand_over));
+  CHECK_FALSE(run.status.has(Reason::bumpless_transfer));
   CHECK(run.jump < 11 * 5.78 / (50 * 50) * 1.01);  // the quintic's bend
   const int computed = law.memory<1>(run.memory).steps;
   for (int k = 0; k < 10; ++k) run.step();
@@ -169,10 +169,10 @@ TEST_CASE("Blended: weights change by request, smoothly, and what fades out is n
   CHECK(law.memory<0>(run.memory).goal == 7);
 
   // Back again, and of two requests meanwhile the last one counts.
-  CHECK(run.ask(Weights<3>{{0, 1, 1}}) == Status{});
+  CHECK(run.ask(BlendWeights<3>{{0, 1, 1}}) == Status{});
   for (int k = 0; k < 20; ++k) run.step();
-  run.ask(Weights<3>{{5, 1, 1}});
-  run.ask(Weights<3>{{3, 1, 1}});
+  run.ask(BlendWeights<3>{{5, 1, 1}});
+  run.ask(BlendWeights<3>{{3, 1, 1}});
   for (int k = 0; k < 250; ++k) run.step();
   CHECK(largest(run.last - (JointTorque<6>::constant(0.75 * 32 + 0.25 * 54) + G)) < 1e-12);
   CHECK(run.jump < 22 * 5.78 / (50 * 50) * 1.01);
@@ -183,18 +183,19 @@ TEST_CASE("Blended: refuses weights that mean nothing, and all tracking may fade
   const double inf = std::numeric_limits<double>::infinity();
   const auto held = blended(1.0 * Told{2, 30} + 0.5 * skin + gravity);
   Run<std::remove_const_t<decltype(held)>> run{held};
-  for (const Weights<3>& bad : {Weights<3>{{-1, 1, 1}}, Weights<3>{{1, std::nan(""), 1}},
-                                Weights<3>{{1, inf, 1}}, Weights<3>{{1, 1, 0}}, Weights<3>{{1, 1, 2}}})
+  for (const BlendWeights<3>& bad :
+       {BlendWeights<3>{{-1, 1, 1}}, BlendWeights<3>{{1, std::nan(""), 1}}, BlendWeights<3>{{1, inf, 1}},
+        BlendWeights<3>{{1, 1, 0}}, BlendWeights<3>{{1, 1, 2}}})
     CHECK(run.ask(bad) == Status{Reason::goal_refused});
   const auto G = gravity_torque(model, pose.q);
-  run.ask(Weights<3>{{0, 0.5, 1}});
+  run.ask(BlendWeights<3>{{0, 0.5, 1}});
   for (int k = 0; k < 60; ++k) run.step();
   CHECK(largest(run.last - G) < 1e-12);
 
   // Without a gravity law tracking holds G; what it leaves of it the sum holds.
   const auto own = blended(1.0 * Told{2, 30} + 0.5 * skin);
   Run<std::remove_const_t<decltype(own)>> alone{own};
-  alone.ask(Weights<2>{{0, 0.5}});
+  alone.ask(BlendWeights<2>{{0, 0.5}});
   for (int k = 0; k < 60; ++k) {
     alone.step();
     const double part = (alone.last - G)[3] / 32;
@@ -248,7 +249,7 @@ TEST_CASE("Blended: nothing of it allocates") {
     for (int i = 0; i < 1000; ++i) {
       const KnownTo<L> known(model, x, 0.002, i % 500 > 300 ? touch : untouched);
       if (i % 400 == 0)
-        memory = law.change(memory, known, Weights<4>{{0.6, i == 400 ? 0.0 : 0.4, 0.5, 1}}).memory;
+        memory = law.change(memory, known, BlendWeights<4>{{0.6, i == 400 ? 0.0 : 0.4, 0.5, 1}}).memory;
       if (i % 170 == 0)
         memory = law.receive(memory, known, JointGoal<6>{JointPosition<6>::constant(i * 1e-3), {}}).memory;
       const auto e = evaluate(law, memory, known, 0.002);

@@ -24,7 +24,8 @@ TEST_CASE("describe: an expression reads as it was written") {
   const auto sum = skin + when_untouched(reach) + when_touched(follow) + gravity;
   CHECK(describe(blended(sum)) == "blended(skin_joint + untouched: spline_joint + touched: joint + gravity)");
   CHECK(describe(blended(skin + reach).sum()) == "skin_joint + spline_joint");
-  CHECK(describe(skin + 0.5 * over<5>(reach, follow)) == "skin_joint + 0.5 (spline_joint over joint)");
+  CHECK(describe(skin + 0.5 * task_priority<5>(reach, follow)) ==
+        "skin_joint + 0.5 (spline_joint over joint)");
   std::ostringstream out;
   out << describe(0.1 * reach + gravity) << '!';
   CHECK(out.str() == "0.1 spline_joint + gravity!");

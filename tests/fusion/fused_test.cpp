@@ -39,14 +39,14 @@ struct Told : Composable {
   Told(double feedback_torque, double feed_forward_torque)
       : feedback(feedback_torque), feed_forward(feed_forward_torque) {}
   static constexpr Needs needs{};
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   double feedback, feed_forward;
   template <class K>
   Memory start(const K&) const noexcept {
     return {};
   }
   template <GravityTerm G = GravityTerm::included, class K>
-  JointTorque<6> torque(const Memory&, const K& known, const Share<double>& share = {}) const noexcept {
+  JointTorque<6> torque(const Memory&, const K& known, const LawShare<double>& share = {}) const noexcept {
     auto tau = JointTorque<6>::constant(share.feedback * feedback + share.feed_forward * feed_forward);
     if (G == GravityTerm::included) tau += share.feed_forward * gravity_torque(known.model(), known.q());
     return tau;
@@ -74,7 +74,7 @@ static_assert(decltype(SplineJoint<6>() + JointLimitLaw<6>() + SkinJointControl(
 namespace {
 /// The same as `Told`, as a user writes it: two parts, and no word about gravity.
 struct InParts : StatelessLaw<InParts> {
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   double feedback = 0, feed_forward = 0;
   TorqueParts<6> parts(const auto&) const noexcept {
     return {JointTorque<6>::constant(feedback), JointTorque<6>::constant(feed_forward)};
@@ -121,12 +121,12 @@ TEST_CASE("Fused: is a law, and its memory can be copied byte by byte") {
   using L = std::remove_const_t<decltype(law)>;
   static_assert(Law<L, KnownTo<L>>);
   static_assert(std::is_trivially_copyable_v<L::Memory>);
-  static_assert(terms_of<L> == 3 && L::role == Role::tracking);
+  static_assert(terms_of<L> == 3 && L::role == LawRole::tracking);
   static_assert(std::is_same_v<L::Goal, JointGoal<6>>);
   static_assert(L::needs == (Needs{.angles = true, .touch = true, .middle = true}));
   // Nothing is asked for that no law reads.
   static_assert(decltype(0.4 * reach + gravity)::needs == Needs{.middle = true});
-  static_assert(decltype(1.0 * skin + gravity)::role == Role::reactive);
+  static_assert(decltype(1.0 * skin + gravity)::role == LawRole::reactive);
   CHECK(sizeof(L::Memory) <= sizeof(SplineJoint<6>::Memory) + 2 * sizeof(Nanoseconds));
 }
 

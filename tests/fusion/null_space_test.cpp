@@ -26,7 +26,7 @@ template <int Name>
 struct Push : Composable {
   struct Memory {};
   static constexpr Needs needs{};
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   JointTorque<6> tau;
   explicit Push(const JointTorque<6>& t) : tau(t) {}
   template <class K>
@@ -34,7 +34,7 @@ struct Push : Composable {
     return {};
   }
   template <GravityTerm G = GravityTerm::included, class K>
-  JointTorque<6> torque(const Memory&, const K& known, const Share<double>& share = {}) const noexcept {
+  JointTorque<6> torque(const Memory&, const K& known, const LawShare<double>& share = {}) const noexcept {
     auto out = share.feedback * tau;
     if (G == GravityTerm::included) out += share.feed_forward * gravity_torque(known.model(), known.q());
     return out;
@@ -48,7 +48,7 @@ using First = Push<1>;
 using Second = Push<2>;
 using Pair = NullSpace<5, First, Second>;
 using KnownHere = Quantities<Arm, Pair::needs, double>;
-static_assert(Law<Pair, KnownHere> && Pair::role == Role::tracking);
+static_assert(Law<Pair, KnownHere> && Pair::role == LawRole::tracking);
 
 Transform<Base, Link<5>> tool(const JointPosition<6>& q) {
   return Poses<Arm, all_links(6), double>(model, JointAngles<Arm, double>(model, q)).get<5>();
@@ -161,11 +161,11 @@ TEST_CASE("NullSpace: holds gravity once, takes goals for either law, and is par
     const auto tau = law.torque(law.start(known), known);
     for (std::size_t i = 0; i < 6; ++i) CHECK(magnitude(tau[i] - G[i]) < 1e-11);
   };
-  check(over<5>(reach, follow));
-  check(over<5>(reach, skin));
-  check(0.5 * skin + over<5>(reach, follow) + GravityControl{});
-  check(0.5 * skin + over<5>(reach, follow));
-  const auto law = over<5>(reach, follow);
+  check(task_priority<5>(reach, follow));
+  check(task_priority<5>(reach, skin));
+  check(0.5 * skin + task_priority<5>(reach, follow) + GravityControl{});
+  check(0.5 * skin + task_priority<5>(reach, follow));
+  const auto law = task_priority<5>(reach, follow);
   const Quantities<Arm, decltype(law)::needs, double> known(model, pose, 0.002, none);
   const auto memory = law.start(known);
   CHECK(law.receive(memory, known, JointGoal<6>{pose.q, 5s}).memory.first.plan.spline.tf == 5);
@@ -173,6 +173,6 @@ TEST_CASE("NullSpace: holds gravity once, takes goals for either law, and is par
   CHECK(law.receive(memory, known, JointReference<6>{target, {}, {}}).memory.second.plan.target.q_d ==
         target);
   using Bad = NullSpaceSettings;
-  CHECK_THROWS_AS(static_cast<void>(over<5>(reach, follow, Bad{.heaviest = 0})), ConfigurationError);
-  CHECK_THROWS_AS(static_cast<void>(over<5>(reach, follow, Bad{.zone = -1})), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(task_priority<5>(reach, follow, Bad{.heaviest = 0})), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(task_priority<5>(reach, follow, Bad{.zone = -1})), ConfigurationError);
 }

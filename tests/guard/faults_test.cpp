@@ -10,17 +10,31 @@
 using namespace skinctl;
 using namespace skinctl::testing;
 
-TEST_CASE("faults: each stands in the table once, with a reaction and a way back that fit") {
-  std::set<Reason> seen;
+// Who says what the guard must do: a row that moves from one stage to another must not change it silently.
+static_assert(detail::guard_brakes_on == (Status(Reason::packets_lost) | Reason::budget_overrun |
+                                          Reason::contact_force | Reason::contact_power));
+static_assert(detail::guard_waits_after ==
+              (Status(Reason::budget_overrun) | Reason::contact_force | Reason::contact_power));
+
+TEST_CASE("faults: each reason has a reaction and a way back that fit, and a text of its own") {
+  std::set<std::string> texts, names;
   for (const Fault& f : faults) {
-    CHECK(seen.insert(f.reason).second);
+    CAPTURE(f.name);
     CHECK(f.motion != Reaction::none);
     CHECK((f.motion == Reaction::stop) == (f.way_back == WayBack::on_request));
-    CHECK(std::string(f.what).size() > 10);
+    CHECK((f.torque == Reaction::stop) == (f.motion == Reaction::stop));
+    CHECK(f.torque != Reaction::brake);  // by torque nothing brakes at once
+    CHECK(std::string(f.text).size() > 10);
+    CHECK(texts.insert(f.text).second);
+    CHECK(names.insert(f.name).second);
+    CHECK(describe(f.reason) == std::string(f.text));
+    CHECK(name(f.reason) == std::string(f.name));
   }
+  CHECK(describe(static_cast<Reason>(255)) == std::string("unknown"));
+  CHECK(name(static_cast<Reason>(255)) == std::string("unknown"));
   CHECK(std::string(name(Reaction::brake)) == "brake");
   CHECK(std::string(name(WayBack::on_request)) == "on request");
-  CHECK(std::string(name(Finder::loop)) == "loop");
+  CHECK(std::string(name(FaultFinder::loop)) == "loop");
   CHECK(std::string(name(Reaction(200))) == "unknown");
 }
 
@@ -33,7 +47,7 @@ void put_in() {
     for (std::uint8_t skill = 0; skill < injection.skills; ++skill)
       for (std::uint64_t seed = 1; seed <= (sanitized ? 1 : 2); ++seed) {
         const auto run = injection.run(f, skill, seed);
-        CAPTURE(f.what);
+        CAPTURE(f.text);
         CAPTURE(injection.name(skill));
         CAPTURE(seed);
         CAPTURE(run.wrong);

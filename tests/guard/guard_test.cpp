@@ -60,9 +60,10 @@ template <Interface I, class T>
 struct Moving {
   Guard<I, 1, T> guard{configuration<T>()};
   GuardMemory<1, T> memory;
+  State<1, T> good;  // as a resolver keeps it
   Nanoseconds now = 1s;
   double q = 0, u = 0.5;
-  Moving() { memory = guard.start(command<T>(now, q, u), at<T>(now, q, u)); }
+  Moving() { memory = guard.start(command<T>(now, q, u), good = at<T>(now, q, u)); }
   // The command that goes on steadily, changed by `change`, with the state changed by `state`.
   template <class Change, class Measure>
   auto step(Change change, Measure measure) {
@@ -72,7 +73,10 @@ struct Moving {
     auto s = at<T>(now, q, u);
     change(wish);
     measure(s);
-    return guard.pass(memory, wish, s, now);
+    const Status news = take_measurement(good, s, now, guard);
+    auto out = guard.step(memory, wish, good, now);
+    out.status |= news;
+    return out;
   }
   auto step() {
     return step([](auto&) {}, [](auto&) {});
@@ -116,7 +120,7 @@ TEST_CASE_TEMPLATE("Guard: what is good passes to the bit", C, MOTIONS) {
   using T = typename C::scalar;
   Moving<C::interface, T> m;
   for (int k = 0; k < 100; ++k) {
-    auto asked = command<T>(0, 0, 0);
+    auto asked = command<T>(0ns, 0, 0);
     const auto out = m.step([&](auto& wish) { asked = wish; }, as_it_is);
     CHECK_FALSE(out.altered);
     CHECK_FALSE(out.status.any());
@@ -217,13 +221,13 @@ TEST_CASE_TEMPLATE("Guard: a clock that goes back brakes, one that stands repeat
   Moving<C::interface, T> m;
   m.step();
   const auto last = m.memory.command;
-  auto out = m.guard.pass(m.memory, last, at<T>(m.now, m.q), m.now);
+  auto out = m.guard.step(m.memory, last, at<T>(m.now, m.q), m.now);
   CHECK(out.status == Reason::interval_empty);
   CHECK_FALSE(out.altered);
   CHECK(out.command.position == last.position);
-  for (const Nanoseconds wrong : {m.now - 1, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
+  for (const Nanoseconds wrong : {m.now - 1ns, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
     auto memory = m.memory;
-    out = m.guard.pass(memory, command<T>(wrong, m.q, m.u), at<T>(wrong, m.q), wrong);
+    out = m.guard.step(memory, command<T>(wrong, m.q, m.u), at<T>(wrong, m.q), wrong);
     CHECK(out.status.has(Reason::time_backwards));
     check_braked(out, 0.5);
     CHECK(memory.time == m.now);
@@ -249,8 +253,8 @@ TEST_CASE_TEMPLATE("Guard: too fast to stop before the end brakes", T, float, do
   // 0.5 rad/s needs 0.0125 rad at 10 rad/s^2.
   for (const double room : {0.02, 0.012}) {
     Guard<Interface::position, 1, T> guard(configuration<T>());
-    auto memory = guard.start(command<T>(0, 1.995 - room, 0.5), at<T>(0, 1.995 - room));
-    const auto out = guard.pass(memory, command<T>(10ms, 2 - room, 0.5), at<T>(10ms, 1.99 - room), 10ms);
+    auto memory = guard.start(command<T>(0ns, 1.995 - room, 0.5), at<T>(0ns, 1.995 - room));
+    const auto out = guard.step(memory, command<T>(10ms, 2 - room, 0.5), at<T>(10ms, 1.99 - room), 10ms);
     CHECK(out.altered == (room < 0.0125));
     CHECK(out.status.has(Reason::outside_limits) == (room < 0.0125));
     CHECK(out.command.position[0] <= T(2));
@@ -262,9 +266,9 @@ TEST_CASE_TEMPLATE("Guard: beyond an end only inward motion passes", C, MOTIONS)
   using T = typename C::scalar;
   for (const double way : {-1.0, 1.0}) {
     Guard<I, 1, T> guard(configuration<T>());
-    auto memory = guard.start(command<T>(0, 2.1, 0), at<T>(0, 2.1));
+    auto memory = guard.start(command<T>(0ns, 2.1, 0), at<T>(0ns, 2.1));
     const auto out =
-        guard.pass(memory, command<T>(10ms, 2.1 + way * 0.0002, way * 0.04), at<T>(10ms, 2.1), 10ms);
+        guard.step(memory, command<T>(10ms, 2.1 + way * 0.0002, way * 0.04), at<T>(10ms, 2.1), 10ms);
     CHECK(out.altered == (way > 0));
     CHECK(out.status.has(Reason::outside_limits) == (way > 0));
   }
@@ -275,14 +279,14 @@ TEST_CASE_TEMPLATE("Guard: a position far from the robot does not go further", T
   GuardSettings<1, T> s;
   s.lead[0] = T(0.1);
   Guard<Interface::position, 1, T> guard(c, s);
-  auto memory = guard.start(command<T>(0, 0, 0.5), at<T>(0, 0));
+  auto memory = guard.start(command<T>(0ns, 0, 0.5), at<T>(0ns, 0));
   Nanoseconds now{};
   double q = 0;
   Guarded<1, T> out;
   for (int k = 0; k < 100; ++k) {  // the robot does not move
     q += 0.005;
     now += 10ms;
-    out = guard.pass(memory, command<T>(now, q, 0.5), at<T>(now, 0), now);
+    out = guard.step(memory, command<T>(now, q, 0.5), at<T>(now, 0), now);
     REQUIRE(out.command.position[0] <= T(0.1) * T(1.0001));
   }
   CHECK(out.altered);
@@ -293,11 +297,12 @@ TEST_CASE_TEMPLATE("Guard: without a good first command nothing leaves", C, MOTI
   using T = typename C::scalar;
   const Guard<C::interface, 1, T> guard(configuration<T>());
   const T nan = std::numeric_limits<T>::quiet_NaN();
-  auto invalid = command<T>(0, 0, 0);
+  auto invalid = command<T>(0ns, 0, 0);
   invalid.valid = false;
-  for (auto memory : {guard.start(invalid, at<T>(0, 0)), guard.start(command<T>(0, nan, 0), at<T>(0, 0)),
-                      guard.start(command<T>(0, 0, 0), at<T>(0, nan)), GuardMemory<1, T>{}}) {
-    const auto out = guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms);
+  for (auto memory :
+       {guard.start(invalid, at<T>(0ns, 0)), guard.start(command<T>(0ns, nan, 0), at<T>(0ns, 0)),
+        guard.start(command<T>(0ns, 0, 0), at<T>(0ns, nan)), GuardMemory<1, T>{}}) {
+    const auto out = guard.step(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms);
     CHECK_FALSE(out.command.valid);
   }
 }
@@ -305,17 +310,17 @@ TEST_CASE_TEMPLATE("Guard: without a good first command nothing leaves", C, MOTI
 TEST_CASE_TEMPLATE("Guard: torques are cut to the limit and to the rate", T, float, double) {
   const auto c = configuration<T>();
   const Guard<Interface::torque, 1, T> guard(c, {.torque_rate = T(10)});  // 2 N m a cycle
-  auto memory = guard.start(command<T>(0, 0, 0, 0), at<T>(0, 0));
-  auto out = guard.pass(memory, command<T>(10ms, 0, 0, 1.5), at<T>(10ms, 0), 10ms);
+  auto memory = guard.start(command<T>(0ns, 0, 0, 0), at<T>(0ns, 0));
+  auto out = guard.step(memory, command<T>(10ms, 0, 0, 1.5), at<T>(10ms, 0), 10ms);
   CHECK_FALSE(out.altered);
   CHECK(out.command.torque[0] == T(1.5));
-  out = guard.pass(memory, command<T>(20ms, 0, 0, 100), at<T>(20ms, 0), 20ms);
+  out = guard.step(memory, command<T>(20ms, 0, 0, 100), at<T>(20ms, 0), 20ms);
   CHECK(out.altered);
   CHECK(out.status.has(Reason::torque_limited));
   CHECK(out.status.has(Reason::step_limited));
   CHECK(double(out.command.torque[0]) == doctest::Approx(3.5));
   for (Nanoseconds now = 30ms; now < 200ms; now += 10ms)
-    out = guard.pass(memory, command<T>(now, 0, 0, 100), at<T>(now, 0), now);
+    out = guard.step(memory, command<T>(now, 0, 0, 100), at<T>(now, 0), now);
   CHECK(out.command.torque[0] == T(20));
 }
 
@@ -324,19 +329,19 @@ TEST_CASE_TEMPLATE("Guard: a torque that cannot be trusted ramps to the fallback
   const Guard<Interface::torque, 1, T> guard(c, {.torque_rate = T(10)});
   const T nan = std::numeric_limits<T>::quiet_NaN();
   const auto fallback = JointTorque<1, T>::constant(T(7));
-  auto memory = guard.start(command<T>(0, 0, 0, 10), at<T>(0, 0));
-  auto out = guard.pass(memory, command<T>(10ms, 0, 0, nan), at<T>(10ms, 0), 10ms, fallback);
+  auto memory = guard.start(command<T>(0ns, 0, 0, 10), at<T>(0ns, 0));
+  auto out = guard.step(memory, command<T>(10ms, 0, 0, nan), at<T>(10ms, 0), 10ms, fallback);
   CHECK(out.status.has(Reason::command_not_finite));
   CHECK(double(out.command.torque[0]) == doctest::Approx(8));
-  out = guard.pass(memory, command<T>(20ms, 0, 0, nan), at<T>(20ms, 0), 20ms, fallback);
+  out = guard.step(memory, command<T>(20ms, 0, 0, nan), at<T>(20ms, 0), 20ms, fallback);
   CHECK(double(out.command.torque[0]) == doctest::Approx(7));
   // a silent robot
   for (Nanoseconds now = 30ms; now < 1s; now += 10ms)
-    out = guard.pass(memory, command<T>(now, 0, 0, 12), at<T>(20ms, 0), now, fallback);
+    out = guard.step(memory, command<T>(now, 0, 0, 12), at<T>(20ms, 0), now, fallback);
   CHECK(out.status.has(Reason::state_stale));
   CHECK(out.command.torque[0] == T(7));
   // no fallback either
-  out = guard.pass(memory, command<T>(1s, 0, 0, nan), at<T>(1s, 0), 1s, JointTorque<1, T>::constant(nan));
+  out = guard.step(memory, command<T>(1s, 0, 0, nan), at<T>(1s, 0), 1s, JointTorque<1, T>::constant(nan));
   CHECK(double(out.command.torque[0]) == doctest::Approx(5));
 }
 
@@ -358,7 +363,8 @@ TEST_CASE_TEMPLATE("Guard: whatever comes in, what goes out is finite, within li
   const double eps = std::numeric_limits<T>::epsilon();
   const Guard<I, 1, T> guard(configuration<T>());
   const bool ok = rc::check([&] {
-    auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+    State<1, T> known = at<T>(0ns, 0);
+    auto memory = guard.start(command<T>(0ns, 0, 0), known);
     const int cycles = *rc::gen::inRange(1, 100);
     for (int k = 0; k < cycles; ++k) {
       const auto bits = [] { return *rc::gen::arbitrary<std::uint64_t>(); };
@@ -382,14 +388,19 @@ TEST_CASE_TEMPLATE("Guard: whatever comes in, what goes out is finite, within li
       s.time = *rc::gen::inRange(0, 20) == 0 ? static_cast<Nanoseconds>(bits()) : now;
       s.q[0] = number(double(before.position[0]));
       s.dq[0] = number(0);
-      const auto out = guard.pass(memory, wish, s, now, JointTorque<1, T>::constant(number(0)));
+      if (now > memory.time && detail::is_plausible(now)) {
+        const Status news = take_measurement(known, s, now, guard);
+        RC_ASSERT(guard.believes(known) && known.time <= now);
+        RC_ASSERT(news.any() || known.q == s.q);
+      }
+      const auto out = guard.step(memory, wish, known, now, JointTorque<1, T>::constant(number(0)));
       const auto& c = out.command;
       RC_ASSERT(c.valid);
       RC_ASSERT(std::isfinite(c.position[0]) && std::isfinite(c.velocity[0]) &&
                 std::isfinite(c.acceleration[0]) && std::isfinite(c.torque[0]));
       // at most five periods of credit
       const double dt =
-          now > last && now - last < 50ms ? 1e-9 * double(now - last) : (now > last ? 0.05 : 0.01);
+          now > last && now - last < 50ms ? seconds<double>(now - last) : (now > last ? 0.05 : 0.01);
       if (I == Interface::torque) {
         RC_ASSERT(std::abs(double(c.torque[0])) <= 20);
         RC_ASSERT(std::abs(double(c.torque[0]) - double(before.torque[0])) <=
@@ -424,11 +435,11 @@ TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consen
   const Guard<C::interface, 1, T> guard(c,
                                         {.brakes_on = Reason::sample_stale, .consent = Reason::packets_lost});
   const auto after = [&](Status found, bool acknowledged) {
-    auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+    auto memory = guard.start(command<T>(0ns, 0, 0), at<T>(0ns, 0));
     Nanoseconds now{};
     const auto pass = [&](Status what) {
       now += 10ms;
-      return guard.pass(memory, command<T>(now, 0, 0), at<T>(now, 0), now, {}, what);
+      return guard.step(memory, command<T>(now, 0, 0), at<T>(now, 0), now, {}, what);
     };
     CHECK_FALSE(pass({}).altered);
     const auto during = pass(found);
@@ -447,23 +458,24 @@ TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consen
     CHECK_FALSE(goes_on.status.any());
   }
   // Consent does not help while the fault is still there.
-  auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+  auto memory = guard.start(command<T>(0ns, 0, 0), at<T>(0ns, 0));
   guard.acknowledge(memory);
-  CHECK(guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms, {}, Reason::contact_force).altered);
+  CHECK(guard.step(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms, {}, Reason::contact_force).altered);
   CHECK(guard.waits(memory));
 }
 
 TEST_CASE_TEMPLATE("Guard: a state that this robot cannot have is no news of it", T, float, double) {
   const Guard<Interface::position, 1, T> guard(configuration<T>());
-  CHECK(guard.believes(at<T>(0, 2.9, 9)));
+  CHECK(guard.believes(at<T>(0ns, 2.9, 9)));
   for (const auto& [q, dq] :
        {std::pair{3.1, 0.0}, {-3.1, 0.0}, {0.0, 10.1}, {0.0, -10.1}, {std::nan(""), 0.0}})
-    CHECK_FALSE(guard.believes(at<T>(0, q, dq)));
-  auto memory = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
-  const auto out = guard.pass(memory, command<T>(10ms, 0, 0), at<T>(10ms, 3.1), 10ms);
-  CHECK(out.status == Reason::state_out_of_range);
+    CHECK_FALSE(guard.believes(at<T>(0ns, q, dq)));
+  State<1, T> good = at<T>(0ns, 0);
+  auto memory = guard.start(command<T>(0ns, 0, 0), good);
+  CHECK(take_measurement(good, at<T>(10ms, 3.1), 10ms, guard) == Reason::state_out_of_range);
+  const auto out = guard.step(memory, command<T>(10ms, 0, 0), good, 10ms);
   CHECK_FALSE(out.altered);
-  CHECK(memory.measured.time == 0);
+  CHECK(good.q == at<T>(0ns, 0).q);
 }
 
 TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever it has to", C,
@@ -478,7 +490,7 @@ TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever i
     state = state * 6364136223846793005u + 1442695040888963407u;
     return static_cast<double>(state >> 11) * 0x1p-53;
   };
-  auto m = guard.start(command<T>(0, 0, 0), at<T>(0, 0));
+  auto m = guard.start(command<T>(0ns, 0, 0), at<T>(0ns, 0));
   // Somebody who keeps the limits asks for one speed and another; now and then its command is lost for a
   // while.
   double target = 0, hardest = 0;
@@ -496,7 +508,7 @@ TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever i
         command<T>(now, double(last.position[0] + motion.displacement[0]), double(motion.velocity[0]));
     wish.acceleration = motion.acceleration;
     if (lost > 0) --lost, wish.valid = false;
-    const auto out = guard.pass(m, wish, at<T>(now, double(last.position[0]), double(last.velocity[0])), now);
+    const auto out = guard.step(m, wish, at<T>(now, double(last.position[0]), double(last.velocity[0])), now);
     const double q = double(out.command.position[0]), u = double(out.command.velocity[0]),
                  a = double(out.command.acceleration[0]);
     if (wish.valid) CHECK_FALSE(out.altered);
@@ -523,12 +535,12 @@ TEST_CASE("Guard: what cannot be braked within the jerk is braked harder, and sa
   const Guard<Interface::position, 1, double, JerkLimits<1>> guard(
       c, {}, JerkLimits<1>(c.limits, JointJerk<1>::constant(30)));
   // 0.9 rad/s at 0.05 rad before the end: 10 rad/s^2 stop it in 0.04 rad, 30 rad/s^3 do not.
-  auto m = guard.start(command<double>(0, 1.95, 0.9), at<double>(0, 1.95));
+  auto m = guard.start(command<double>(0ns, 1.95, 0.9), at<double>(0ns, 1.95));
   Status seen;
   double farthest = 0;
   for (int k = 1; k < 60; ++k) {
     const auto last = m.command;
-    const auto out = guard.pass(m, {}, at<double>(k * 10ms, double(last.position[0])), k * 10ms);
+    const auto out = guard.step(m, {}, at<double>(k * 10ms, double(last.position[0])), k * 10ms);
     seen |= out.status;
     farthest = std::max(farthest, out.command.position[0]);
     CHECK(std::abs(out.command.velocity[0] - last.velocity[0]) <= 0.1 * (1 + 1e-9));

@@ -21,7 +21,7 @@ using Robot = HybridResolver<Interface::velocity, 0b100, Model3>;
 struct Pull {
   struct Memory {};
   static constexpr Needs needs{};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   JointTorque<3> tau;
   template <class K>
   Memory start(const K&) const noexcept {
@@ -61,7 +61,7 @@ struct Run {
   Scene::Memory memory = scene.start(measured);
   JointVelocity<3> sent{}, under_way{};
 
-  Scene::Output cycle(Request request = Request::none, Status observed = {}) {
+  Scene::Output cycle(CycleRequest request = CycleRequest::none, Status observed = {}) {
     measured.time += 4ms;
     for (std::size_t i = 0; i < 2; ++i) {
       measured.q[i] += 0.004 * under_way[i];
@@ -137,9 +137,9 @@ TEST_CASE("HybridGuard: bad news of a part, and a stop, hold both without a step
   CHECK(seen.has(Reason::state_stale));
   CHECK(std::abs(run.sent[0]) < 1e-9);
   run.measured.q[2] = finger;
-  for (int k = 0; k < 100; ++k) steady(run.cycle(Request::resume));
+  for (int k = 0; k < 100; ++k) steady(run.cycle(CycleRequest::resume));
   CHECK(run.sent[0] > 0.5);
-  for (int k = 0; k < 100; ++k) steady(run.cycle(Request::stop));
+  for (int k = 0; k < 100; ++k) steady(run.cycle(CycleRequest::stop));
   CHECK(std::abs(run.sent[0]) < 1e-9);
   CHECK(last.torque[2] == doctest::Approx(gravity_torque(Model3{}, run.measured.q)[2]).epsilon(0.01));
 }

@@ -23,7 +23,7 @@ TEST_CASE("PacketWatch: says so while more than the allowed number of the last 6
     std::deque<bool> missing(64, false);
     std::uint32_t number = 0xffffff00u;  // wraps on the way
     std::uint64_t lost = 0;
-    static_cast<void>(watch.see(m, number));
+    static_cast<void>(watch.step(m, number));
     int seen = 0;
     for (int k = 0; k < 20000; ++k) {
       const auto gap = static_cast<std::uint32_t>(rng() % 10 == 0 ? rng() % (rng() % 50 == 0 ? 200 : 4) : 0);
@@ -32,7 +32,7 @@ TEST_CASE("PacketWatch: says so while more than the allowed number of the last 6
       number += gap + 1;
       lost += gap;
       const auto count = static_cast<unsigned>(std::count(missing.begin(), missing.end(), true));
-      const bool says = watch.see(m, number).has(Reason::packets_lost);
+      const bool says = watch.step(m, number).has(Reason::packets_lost);
       REQUIRE(says == (count > most));
       seen += says;
     }
@@ -45,8 +45,8 @@ TEST_CASE("PacketWatch: copies and latecomers change nothing") {
   const PacketWatch watch(0);
   PacketMemory m;
   for (const std::uint32_t number : {10u, 11u, 11u, 9u, 12u, 0x80000000u + 13u})
-    CHECK_FALSE(watch.see(m, number).any());
+    CHECK_FALSE(watch.step(m, number).any());
   CHECK(m.lost == 0);
   CHECK(m.last == 12);
-  CHECK(watch.see(m, 14).has(Reason::packets_lost));
+  CHECK(watch.step(m, 14).has(Reason::packets_lost));
 }

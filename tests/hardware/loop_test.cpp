@@ -14,7 +14,7 @@ using Scene = decltype(reaching_scene());
 
 /// A robot of stiff joints whose clock runs as fast as it is asked.
 struct FastRobot {
-  StiffJoints<> joints{home_position(), 8ms, 0.004};
+  StiffJoints<> joints{home_position(), 8ms, 4ms};
   Nanoseconds now{};
   int lost_after = 1 << 30, silent_from = 1 << 30, silent_to = 1 << 30, refuses_after = 1 << 30;
   int waits = 0, sends = 0, stops = 0;
@@ -68,7 +68,7 @@ static_assert(SkinSource<OneTouch> && SkinSource<NoSkin>);
 TEST_CASE(
     "loop: runs as many cycles as asked, times each stage, stops the robot, and keeps the worst cycle") {
   const auto done = run({}, {.cycles = 500});
-  CHECK(done.report.ended == Ended::finished);
+  CHECK(done.report.ended == LoopEnd::finished);
   CHECK(done.report.cycles == 500);
   CHECK(done.report.samples == 500);
   CHECK(done.robot.stops == 1);
@@ -91,27 +91,27 @@ TEST_CASE("loop: a robot that falls silent brakes the scene, one that comes back
   const auto done = run(robot, {.cycles = 300});
   CHECK(done.report.silent == 60);
   CHECK(done.report.cycles == 300);
-  CHECK(done.report.ended == Ended::finished);
+  CHECK(done.report.ended == LoopEnd::finished);
 }
 
 TEST_CASE(
     "loop: a lost robot, a command that cannot be sent, an interruption: each ends it and stops the robot") {
   FastRobot lost;
   lost.lost_after = 50;
-  CHECK(run(lost, {}).report.ended == Ended::lost);
+  CHECK(run(lost, {}).report.ended == LoopEnd::lost);
   FastRobot never;
   never.lost_after = 0;
   const auto none = run(never, {});
-  CHECK(none.report.ended == Ended::no_state);
+  CHECK(none.report.ended == LoopEnd::no_state);
   CHECK(none.robot.stops == 1);
   FastRobot refuses;
   refuses.refuses_after = 20;
   const auto refused = run(refuses, {});
-  CHECK(refused.report.ended == Ended::lost);
+  CHECK(refused.report.ended == LoopEnd::lost);
   CHECK(refused.robot.stops == 1);
   const std::atomic<bool> stop = true;
   const auto interrupted = run({}, {.stop = &stop});
-  CHECK(interrupted.report.ended == Ended::interrupted);
+  CHECK(interrupted.report.ended == LoopEnd::interrupted);
   CHECK(interrupted.robot.stops == 1);
 }
 
@@ -134,7 +134,7 @@ TEST_CASE("loop: cycles over their budget skip optional work, then stop until th
   FastRobot robot;
   NoSkin skin;
   LoopOptions options{.cycles = 300};
-  options.budget = Budget({.cycle = 1s, .skip_after = 2, .stop_after = 4, .calm_after = 10});
+  options.budget = TimeBudget({.cycle = 1s, .skip_after = 2, .stop_after = 4, .calm_after = 10});
   int cycle = 0, skipped = 0, waiting = 0;
   bool stopped_at_once = false, went_on = false;
   // No test should wait: what a slow cycle would leave is handed to the next one.
@@ -144,9 +144,9 @@ TEST_CASE("loop: cycles over their budget skip optional work, then stop until th
         ++cycle;
         BudgetMemory slow;
         if (cycle == 54) {
-          for (int k = 0; k < 4; ++k) input.observed |= options.budget->after(slow, 2s);
+          for (int k = 0; k < 4; ++k) input.observed |= options.budget->step(slow, 2s);
         }
-        if (cycle == 200) input.request = Request::resume;
+        if (cycle == 200) input.request = CycleRequest::resume;
         return true;
       },
       [&](const auto& input, const auto& output, const auto&) {
@@ -170,7 +170,7 @@ TEST_CASE("loop: a real overrun is seen by the cycles after it") {
   FastRobot robot;
   NoSkin skin;
   LoopOptions options{.cycles = 20};
-  options.budget = Budget({.cycle = 1ns, .skip_after = 1, .stop_after = 3});  // nobody keeps this one
+  options.budget = TimeBudget({.cycle = 1ns, .skip_after = 1, .stop_after = 3});  // nobody keeps this one
   int cycle = 0, first_skipped = 0, first_stopped = 0;
   const auto report = run_loop(
       scene, *memory, robot, skin, options, [&](auto&, auto&) { return ++cycle > 0; },

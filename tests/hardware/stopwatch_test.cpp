@@ -10,9 +10,9 @@ TEST_CASE("stopwatch: tells the times of the stages apart") {
   const auto until = Stopwatch::now() + 2ms;
   while (Stopwatch::now() < until) {
   }
-  watch.end(Stage::sense);
-  watch.end(Stage::resolve);
-  CHECK(watch[Stage::sense] >= 2ms);
-  CHECK(watch[Stage::guard] == 0ns);
-  CHECK(watch.total() == watch[Stage::sense] + watch[Stage::resolve]);
+  watch.end(CycleStage::sense);
+  watch.end(CycleStage::resolve);
+  CHECK(watch[CycleStage::sense] >= 2ms);
+  CHECK(watch[CycleStage::guard] == 0ns);
+  CHECK(watch.total() == watch[CycleStage::sense] + watch[CycleStage::resolve]);
 }

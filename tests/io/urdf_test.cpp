@@ -177,8 +177,8 @@ TEST_CASE("URDF: axes along the frame's own stay exact, links without a body may
   CHECK(urdf.frames.size() == 4);
   CHECK(urdf.frames[3].name == "tool");
   const auto arm = calibrated_from<Chain<2>>(urdf);
-  CHECK(arm.link(0)[Parameter::cos_alpha] == 0);
-  CHECK(arm.link(1)[Parameter::cos_alpha] == 0);
+  CHECK(arm.link(0)[LinkParameter::cos_alpha] == 0);
+  CHECK(arm.link(1)[LinkParameter::cos_alpha] == 0);
 }
 
 TEST_CASE("URDF: a bad file gives one clear error that names the element") {
@@ -537,7 +537,7 @@ TEST_CASE("URDF: the makers' files of the Allegro hand and the UR5") {
       calibrated_from<allegro::Tree>(read_urdf(folder + "/allegro_model/allegro_right_hand.urdf"));
   const auto shipped = allegro::right_hand();
   for (std::size_t i = 0; i < 16; ++i)
-    for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p)
+    for (std::size_t p = 0; p < std::size_t(LinkParameter::count); ++p)
       CHECK(hand.link(i).numbers[p] ==
             doctest::Approx(shipped.link(i).numbers[p]).epsilon(1e-13).scale(1e-3));
   const auto warned = read_urdf(folder + "/allegro_model/allegro_right_hand.urdf").warnings;
@@ -550,7 +550,7 @@ TEST_CASE("URDF: the makers' files of the Allegro hand and the UR5") {
   const auto arm = calibrated_from<Chain<6>>(urdf);
   CHECK(urdf.joints[2].name == "elbow_joint");
   CHECK(urdf.base == "world");
-  CHECK(arm.link(1)[Parameter::mass] == 8.393);
+  CHECK(arm.link(1)[LinkParameter::mass] == 8.393);
   // Its frames lie elsewhere, its axes where the maker's table has them: at the joints' height and reach.
   const auto poses = link_poses(arm, JointPosition<6>{});
   CHECK(poses.get<1>().origin().z == doctest::Approx(0.089159));

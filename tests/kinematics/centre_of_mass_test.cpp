@@ -67,7 +67,7 @@ TEST_CASE("CentreOfMass: float errs by rounding, and a robot without mass has no
   auto links = std::array<LinkParameters<double>, 6>{};
   for (std::size_t i = 0; i < 6; ++i) {
     links[i] = ur5::Description::links[i];
-    links[i][Parameter::mass] = 0;
+    links[i][LinkParameter::mass] = 0;
   }
   const auto nothing = centre_of_mass(ur5::Calibrated<>(links), at.q);
   CHECK(nothing.mass == 0);

@@ -183,7 +183,7 @@ TEST_CASE("DampedInverse: of a position it takes the linear rows, and finds a lo
   for (int k = 0; k < 50; ++k) {
     const Motion<6> at(random);
     const auto J = ur5_jacobian(at.q);
-    const auto inverse = damped_inverse<Task::position>(J, SingularityDamping<double>(1e-4, 0.08));
+    const auto inverse = damped_inverse<TaskSpace::position>(J, SingularityDamping<double>(1e-4, 0.08));
     const Eigen::Matrix<double, 3, 6> J_v = as_eigen(J).topRows<3>();
     const Eigen::Matrix3d A = J_v * J_v.transpose();
     CHECK(inverse.manipulability() == doctest::Approx(std::sqrt(A.determinant())).epsilon(1e-9));
@@ -203,12 +203,12 @@ TEST_CASE("DampedInverse: of a position it takes the linear rows, and finds a lo
     const Rise<double> a{{1, 0.5, -0.25}, {}};
     const auto asked = [&](double t) {
       const auto moved = ur5_jacobian(integrate(at.q, at.dq, t));
-      return damped_inverse<Task::position>(moved, SingularityDamping<double>(0.5, 0.1))
+      return damped_inverse<TaskSpace::position>(moved, SingularityDamping<double>(0.5, 0.1))
           .solve(Speed<double>{v.linear + t * a.linear, {}});
     };
     const double h = 1e-5;
     const auto change = asked(h) - asked(-h);
-    const auto rate = damped_inverse<Task::position>(J, SingularityDamping<double>(0.5, 0.1))
+    const auto rate = damped_inverse<TaskSpace::position>(J, SingularityDamping<double>(0.5, 0.1))
                           .solve_rate(jacobian_rate(J, at.dq), v, a);
     for (std::size_t i = 0; i < 6; ++i)
       CHECK(std::abs(change[i] / (2 * h) - rate[i]) <= 1e-6 * (1 + as_eigen(rate).norm()));

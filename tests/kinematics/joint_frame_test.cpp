@@ -42,7 +42,7 @@ TEST_CASE("joint angles: only those on the way to the asked links, offsets inclu
   static_assert(JointAngles<M, double, 0>::count == 0);
   auto links = ur5::Calibrated<>::Links{};
   for (std::size_t i = 0; i < 6; ++i) links[i] = ur5::Description::links[i];
-  links[2][Parameter::offset] = 0.5;
+  links[2][LinkParameter::offset] = 0.5;
   const ur5::Calibrated<> turned(links);
   const JointPosition<6> q{0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
   const JointAngles<ur5::Calibrated<>, double> angles(turned, q);
@@ -55,6 +55,6 @@ TEST_CASE("typed constants: a UR5's zeros and ones leave no arithmetic") {
   const JointAngles<ur5::Model, double> angles(model, JointPosition<6>{});
   static_assert(is_zero<decltype(joint_frame<1>(model, angles).p.x)>);
   static_assert(is_zero<decltype(joint_frame<2>(model, angles).alpha.sin)>);
-  static_assert(std::is_same_v<decltype(joint_frame<4>(model, angles).alpha.sin), Known<1>>);
+  static_assert(std::is_same_v<decltype(joint_frame<4>(model, angles).alpha.sin), TypedConstant<1>>);
   CHECK(joint_frame<1>(model, angles).p.z == ur5::Description::d1);
 }

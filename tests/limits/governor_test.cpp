@@ -106,7 +106,7 @@ TEST_CASE(
       wish.position[i] += 0.004 * (last.velocity[i] + wish.velocity[i]);
       if (k % 2 != 0) wish.velocity[i] = random.uniform(-3, 3);
     }
-    const auto out = g.pass(memory, last, wish, measured, untouched, std::array<double, 1>{1}, 0.008);
+    const auto out = g.step(memory, last, wish, measured, untouched, std::array<double, 1>{1}, 0.008);
     if (!out.altered) {
       CHECK(out.command.position == wish.position);
       CHECK(out.command.velocity == wish.velocity);
@@ -182,7 +182,7 @@ TEST_CASE("governor: a contact above its limit stops the arm, and only consent l
   run(
       scene, 4, [](double t) { return t > 0.5 && t < 1 ? 0.2 : (t > 2.5 && t < 3 ? 0.1 : 0); },
       Overloaded{[](double t, auto& input, auto&) {
-                   if (t > 2 && t < 2.009) input.request = Request::resume;
+                   if (t > 2 && t < 2.009) input.request = CycleRequest::resume;
                  },
                  [&](double t, const auto& out) {
                    seen |= out.status;
@@ -239,7 +239,7 @@ TEST_CASE("governor: whatever bits come in, commands stay finite, within limits 
              .proximity = static_cast<float>(any_number(0.1))};
       input.samples = samples;
       if (random.index(40) == 0) input.observed = Status::from_bits(random.bits());
-      input.request = random.index(10) == 0 ? Request::resume : Request::none;
+      input.request = random.index(10) == 0 ? CycleRequest::resume : CycleRequest::none;
       const auto out = scene.step(*memory, input);
       seen |= out.status;
       bad += !out.command.valid;

@@ -45,9 +45,9 @@ TEST_CASE("Allegro: one finger alone is the same finger of the hand") {
 
 TEST_CASE("Allegro: the tip belongs to the last link") {
   const auto finger = allegro::right_fingers<1>(0);
-  CHECK(finger.link(3)[Parameter::mass] == doctest::Approx(0.0096 + 0.0168));
+  CHECK(finger.link(3)[LinkParameter::mass] == doctest::Approx(0.0096 + 0.0168));
   const auto thumb = allegro::right_fingers<1>(3);
-  CHECK(thumb.link(3)[Parameter::mass] == doctest::Approx(0.0388 + 0.0168));
+  CHECK(thumb.link(3)[LinkParameter::mass] == doctest::Approx(0.0388 + 0.0168));
 }
 
 TEST_CASE("Allegro: the left hand's tips are the right's mirrored, first joints of the fingers negated") {

@@ -36,9 +36,9 @@ TEST_CASE("attached: any tree on any link of another, static parts stay static, 
   const auto both =
       attach<2>(ur5::Model{}, twig.model, Stand{axes_of(stand), {stand.p[0], stand.p[1], stand.p[2]}});
   using Both = std::remove_cvref_t<decltype(both)>;
-  static_assert(Model<Both> && Both::joints == 9 && Both::parents[6] == 2 && Both::parents[7] == 6);
-  static_assert(is_zero<decltype(both.number<1, Parameter::cos_alpha, double>())>);
-  static_assert(is_zero<decltype(both.number<7, Parameter::sin_gamma, double>())>);
+  static_assert(RobotModel<Both> && Both::joints == 9 && Both::parents[6] == 2 && Both::parents[7] == 6);
+  static_assert(is_zero<decltype(both.number<1, LinkParameter::cos_alpha, double>())>);
+  static_assert(is_zero<decltype(both.number<7, LinkParameter::sin_gamma, double>())>);
   CHECK(worst_torque(both, oracle::joined(oracle::ur5(), 2, twig.table, stand.R, stand.p), 200, 4) <= 1e-12);
 
   const auto q = JointPosition<9>::constant(0.7);
@@ -66,7 +66,7 @@ TEST_CASE("mounted: gravity follows the base, on a wall, a ceiling and at any ti
   const auto r = random.rotation();
   const Rotation<double> tilted{{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}};
   Mounted<ur5::Model> arm(ur5::Model{}, ceiling);
-  static_assert(is_zero<decltype(arm.number<1, Parameter::cos_alpha, double>())>);
+  static_assert(is_zero<decltype(arm.number<1, LinkParameter::cos_alpha, double>())>);
   CHECK(arm.gravity<double>() == Xyz<double>{0, 0, 9.81});
   const double up[3] = {0.4, 0.5, std::sqrt(1 - 0.41)};
   for (const auto& R : {wall, ceiling, tilted}) {
@@ -93,9 +93,9 @@ TEST_CASE("loaded: a payload on the flange, exchanged at run time, costs only it
   const Rotation<double> R{{r[0], r[3], r[6]}, {r[1], r[4], r[7]}, {r[2], r[5], r[8]}};
   const Xyz<double> p{0.02, 0.03, 0.0823};
   Loaded<ur5::Model, 5> arm(ur5::Model{}, seen_from(R, p, gripper));
-  static_assert(is_zero<decltype(arm.number<4, Parameter::c_x, double>())>);
-  static_assert(is_zero<decltype(arm.number<5, Parameter::cos_alpha, double>())>);
-  static_assert(std::is_same_v<decltype(arm.number<5, Parameter::c_x, double>()), double>);
+  static_assert(is_zero<decltype(arm.number<4, LinkParameter::c_x, double>())>);
+  static_assert(is_zero<decltype(arm.number<5, LinkParameter::cos_alpha, double>())>);
+  static_assert(std::is_same_v<decltype(arm.number<5, LinkParameter::c_x, double>()), double>);
 
   oracle::Robot table = oracle::ur5();
   oracle::Body tool;

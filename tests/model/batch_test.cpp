@@ -85,13 +85,13 @@ double worst(const B& batch, F one) {
 
 }  // namespace
 
-static_assert(Model<SideBySide<ur5::Calibrated<>, double, native_lanes<double>>>);
+static_assert(RobotModel<SideBySide<ur5::Calibrated<>, double, native_lanes<double>>>);
 
 TEST_CASE("batch: robots that are alike, in lanes as one at a time, float and double") {
   const ur5::Model arm;
-  CHECK(worst<double>(Batch<ur5::Model>(arm, count), [&](std::size_t) { return arm; }) <= 16);
+  CHECK(worst<double>(ModelBatch<ur5::Model>(arm, count), [&](std::size_t) { return arm; }) <= 16);
 #if SKINCTL_MANY_DIGITS
-  CHECK(worst<float>(Batch<ur5::Model, float>(arm, count), [&](std::size_t) { return arm; }) <= 16);
+  CHECK(worst<float>(ModelBatch<ur5::Model, float>(arm, count), [&](std::size_t) { return arm; }) <= 16);
 #endif
 }
 
@@ -103,12 +103,12 @@ TEST_CASE("batch: every robot with its own calibration and its own mounting") {
     ur5::Calibrated<>::Links links;
     for (std::size_t i = 0; i < 6; ++i) {
       links[i] = ur5::Description::links[i];
-      links[i][Parameter::p_x] += random.uniform(-0.01, 0.01);
-      links[i][Parameter::mass] += random.uniform(0, 1);
+      links[i][LinkParameter::p_x] += random.uniform(-0.01, 0.01);
+      links[i][LinkParameter::mass] += random.uniform(0, 1);
     }
     arms.emplace_back(links, Xyz<double>{random.uniform(-5, 5), 1, -9});
   }
-  const Batch batch(std::span<const ur5::Calibrated<>>{arms});
+  const ModelBatch batch(std::span<const ur5::Calibrated<>>{arms});
   CHECK(batch.size() == count);
   CHECK(worst<double>(batch, [&](std::size_t k) { return arms[k]; }) <= 16);
 }
@@ -118,13 +118,14 @@ TEST_CASE("batch: what the type of a model knows stays a type") {
   const auto carrying = attach<5>(ur5::Model{}, allegro::right_fingers<1>(0));
   using Both = std::remove_cvref_t<decltype(carrying)>;
   if constexpr (native_lanes<double> > 1) {
-    using InLanes = Batch<Both>::GroupModel;
+    using InLanes = ModelBatch<Both>::GroupModel;
     static_assert(
         is_zero<decltype(std::declval<InLanes>()
-                             .number<1, Parameter::cos_alpha, Lane<double, native_lanes<double>>>())>);
-    static_assert(std::is_same_v<decltype(std::declval<InLanes>().gravity<InLanes::scalar>().x), Known<0>>);
+                             .number<1, LinkParameter::cos_alpha, Lane<double, native_lanes<double>>>())>);
+    static_assert(
+        std::is_same_v<decltype(std::declval<InLanes>().gravity<InLanes::scalar>().x), TypedConstant<0>>);
   }
-  const Batch batch(carrying, 3);
+  const ModelBatch batch(carrying, 3);
   std::vector<JointTorque<10>> G(3);
   std::vector<JointPosition<10>> q(3);
   q[1] = JointPosition<10>::constant(0.3);
@@ -136,7 +137,9 @@ TEST_CASE("batch: what the type of a model knows stays a type") {
 
 TEST_CASE("batch: none at all") {
   int calls = 0;
-  Batch<ur5::Model>(ur5::Model{}, 0).for_each_group([&](const auto&, const auto&) { ++calls; });
-  Batch<ur5::Model>(std::span<const ur5::Model>{}).for_each_group([&](const auto&, const auto&) { ++calls; });
+  ModelBatch<ur5::Model>(ur5::Model{}, 0).for_each_group([&](const auto&, const auto&) { ++calls; });
+  ModelBatch<ur5::Model>(std::span<const ur5::Model>{}).for_each_group([&](const auto&, const auto&) {
+    ++calls;
+  });
   CHECK(calls == 0);
 }

@@ -103,16 +103,16 @@ TEST_CASE("DH: standard and modified rows are the products of their matrices, sl
 TEST_CASE("DH: a standard row's inertia is that of the same body seen from the row's begin") {
   const auto link = links_from_standard_dh<1>({rows[0]}, {some})[0];
   const double c = rows[0].alpha.cos, s = rows[0].alpha.sin;
-  CHECK(link[Parameter::c_x] == doctest::Approx(0.5 + 0.1));
-  CHECK(link[Parameter::c_y] == doctest::Approx(c * -0.2 - s * 0.3));
-  CHECK(link[Parameter::c_z] == doctest::Approx(0.2 + s * -0.2 + c * 0.3));
+  CHECK(link[LinkParameter::c_x] == doctest::Approx(0.5 + 0.1));
+  CHECK(link[LinkParameter::c_y] == doctest::Approx(c * -0.2 - s * 0.3));
+  CHECK(link[LinkParameter::c_z] == doctest::Approx(0.2 + s * -0.2 + c * 0.3));
   // A vector in the link's axes, its moment of inertia by both tensors.
   const double w[3] = {0.3, -0.5, 0.8}, v[3] = {w[0], c * w[1] + s * w[2], c * w[2] - s * w[1]};
   const auto moment = [](const double* u, double xx, double yy, double zz, double xy, double xz, double yz) {
     return xx * u[0] * u[0] + yy * u[1] * u[1] + zz * u[2] * u[2] +
            2 * (xy * u[0] * u[1] + xz * u[0] * u[2] + yz * u[1] * u[2]);
   };
-  using P = Parameter;
+  using P = LinkParameter;
   CHECK(moment(w, link[P::s_yy] + link[P::s_zz], link[P::s_xx] + link[P::s_zz], link[P::s_xx] + link[P::s_yy],
                -link[P::s_xy], -link[P::s_xz], -link[P::s_yz]) ==
         doctest::Approx(moment(v, some.xx, some.yy, some.zz, some.xy, some.xz, some.yz)).epsilon(1e-14));
@@ -130,9 +130,9 @@ TEST_CASE("DH: the UR5 from the maker's rows is the shipped one, its right angle
        LinkInertia{1.219, {0, 0.0018, 0.01634}, 0.0018310395833333333, 0.0021942, 0.0018310395833333333},
        LinkInertia{
            0.1879, {0, 0, -0.001159}, 8.062475833333332e-05, 8.062475833333332e-05, 0.0001321171875}});
-  static_assert(links[1][Parameter::cos_alpha] == 0 && links[5][Parameter::sin_alpha] == -1);
+  static_assert(links[1][LinkParameter::cos_alpha] == 0 && links[5][LinkParameter::sin_alpha] == -1);
   for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p) {
+    for (std::size_t p = 0; p < std::size_t(LinkParameter::count); ++p) {
       CAPTURE(i);
       CAPTURE(p);
       const double expected = ur5::Description::links[i].numbers[p];
@@ -176,7 +176,7 @@ TEST_CASE("DH: a calibrated arm keeps its joints and its masses where the metal 
     for (double& x : q) x = random.uniform(-3, 3);
     const auto X = link_poses(arm, q), X0 = link_poses(nominal, q);
     const auto near = [](const auto& at, const auto& at0, const auto& link, const auto& link0) {
-      using P = Parameter;
+      using P = LinkParameter;
       const Xyz<double> r =
           at.origin() + link[P::c_x] * at.axis_x() + link[P::c_y] * at.axis_y() + link[P::c_z] * at.axis_z();
       const Xyz<double> r0 = at0.origin() + link0[P::c_x] * at0.axis_x() + link0[P::c_y] * at0.axis_y() +
@@ -196,7 +196,7 @@ TEST_CASE("DH: no calibration at all gives the nominal arm, a senseless one is r
   const auto nominal = links_from_standard_dh<6>(ur10, six());
   const auto same = calibrated_dh<6>(ur10, {}, six()).links;
   for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p)
+    for (std::size_t p = 0; p < std::size_t(LinkParameter::count); ++p)
       CHECK(same[i].numbers[p] == doctest::Approx(nominal[i].numbers[p]).epsilon(1e-15));
   DhDelta<6> bad;
   bad.alpha[2] = 0.2;

@@ -6,7 +6,7 @@
 #include <string>
 
 using namespace skinctl;
-using P = Parameter;
+using P = LinkParameter;
 
 namespace {
 LinkParameters<double> box() {

@@ -7,14 +7,14 @@
 #include "skinctl/testing/robots.hpp"
 
 using namespace skinctl;
-using P = Parameter;
+using P = LinkParameter;
 
-static_assert(Model<ur5::Model> && Model<ur5::Calibrated<>> && Model<ur5::Calibrated<float>>);
-static_assert(Model<CalibratedModel<allegro::Finger, Lane<double, native_lanes<double>>>>);
+static_assert(RobotModel<ur5::Model> && Model<ur5::Calibrated<>> && Model<ur5::Calibrated<float>>);
+static_assert(RobotModel<CalibratedModel<allegro::Finger, Lane<double, native_lanes<double>>>>);
 static_assert(std::is_empty_v<ur5::Model>, "a static model has no numbers at run time");
-static_assert(std::is_same_v<decltype(ur5::Model::number<1, P::cos_alpha, double>()), Known<0>>);
-static_assert(std::is_same_v<decltype(ur5::Model::number<1, P::sin_alpha, double>()), Known<1>>);
-static_assert(std::is_same_v<decltype(ur5::Model::number<5, P::sin_alpha, double>()), Known<-1>>);
+static_assert(std::is_same_v<decltype(ur5::Model::number<1, P::cos_alpha, double>()), TypedConstant<0>>);
+static_assert(std::is_same_v<decltype(ur5::Model::number<1, P::sin_alpha, double>()), TypedConstant<1>>);
+static_assert(std::is_same_v<decltype(ur5::Model::number<5, P::sin_alpha, double>()), TypedConstant<-1>>);
 static_assert(std::is_same_v<decltype(ur5::Model::number<2, P::p_x, float>()), float>);
 
 TEST_CASE("model: the calibrated twin holds the static numbers") {
@@ -22,7 +22,7 @@ TEST_CASE("model: the calibrated twin holds the static numbers") {
   CHECK(twin.number<2, P::p_x, double>() == ur5::Model::number<2, P::p_x, double>());
   CHECK(twin.number<3, P::mass, double>() == 1.219);
   CHECK(twin.gravity<double>().z == -9.81);
-  static_assert(std::is_same_v<decltype(twin.number<3, P::sin_gamma, double>()), Known<0>>);
+  static_assert(std::is_same_v<decltype(twin.number<3, P::sin_gamma, double>()), TypedConstant<0>>);
   static_assert(std::is_same_v<decltype(twin.number<0, P::sin_gamma, double>()), double>,
                 "the base is not turned");
 }

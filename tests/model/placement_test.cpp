@@ -55,8 +55,8 @@ TEST_CASE("placement: right angles stay exact, so that models can fold them") {
 TEST_CASE("placement: first children need no gamma, whatever the file says") {
   const auto robot = testing::random_robot<testing::MixedTree>("mixed tree", 5);
   for (std::size_t i : {std::size_t(1), std::size_t(2), std::size_t(4), std::size_t(6), std::size_t(8)})
-    CHECK(robot.model.link(i)[Parameter::sin_gamma] == 0);
-  CHECK(robot.model.link(3)[Parameter::sin_gamma] != 0);  // the second child of link 1
+    CHECK(robot.model.link(i)[LinkParameter::sin_gamma] == 0);
+  CHECK(robot.model.link(3)[LinkParameter::sin_gamma] != 0);  // the second child of link 1
 }
 
 TEST_CASE("placement: axes that are no rotation are refused") {

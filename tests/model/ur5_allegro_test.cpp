@@ -26,11 +26,11 @@ oracle::Robot arm_with_hand(bool left) {
 
 }  // namespace
 
-static_assert(Model<ur5_allegro::Model<>> && ur5_allegro::Model<>::joints == 22);
-static_assert(Model<ur5_allegro::TwoModel<>> && ur5_allegro::TwoModel<>::joints == 44);
+static_assert(RobotModel<ur5_allegro::Model<>> && ur5_allegro::Model<>::joints == 22);
+static_assert(RobotModel<ur5_allegro::TwoModel<>> && ur5_allegro::TwoModel<>::joints == 44);
 static_assert(ur5_allegro::TwoModel<>::parents[22] == -1 && ur5_allegro::TwoModel<>::parents[28] == 27);
 static_assert(
-    is_zero<decltype(std::declval<ur5_allegro::TwoModel<>>().number<23, Parameter::cos_alpha, double>())>,
+    is_zero<decltype(std::declval<ur5_allegro::TwoModel<>>().number<23, LinkParameter::cos_alpha, double>())>,
     "the second arm's zeros are still types");
 
 TEST_CASE("UR5 with an Allegro hand: KDL and MuJoCo agree") {

@@ -12,13 +12,13 @@ TEST_CASE("UR5: the model is the table that was entered from the maker's sources
     const auto& l = ur5::Description::links[i];
     const auto& b = robot.table.bodies[i];
     CAPTURE(i);
-    CHECK(l[Parameter::mass] == b.mass);
-    CHECK(l[Parameter::c_x] == doctest::Approx(b.com[0]).epsilon(1e-14));
-    CHECK(l[Parameter::c_y] == doctest::Approx(b.com[1]).epsilon(1e-14));
-    CHECK(l[Parameter::c_z] == doctest::Approx(b.com[2]).epsilon(1e-14));
-    CHECK(l[Parameter::s_yy] + l[Parameter::s_zz] == doctest::Approx(b.inertia[0]).epsilon(1e-12));
-    CHECK(l[Parameter::s_xx] + l[Parameter::s_zz] == doctest::Approx(b.inertia[4]).epsilon(1e-12));
-    CHECK(l[Parameter::s_xx] + l[Parameter::s_yy] == doctest::Approx(b.inertia[8]).epsilon(1e-12));
+    CHECK(l[LinkParameter::mass] == b.mass);
+    CHECK(l[LinkParameter::c_x] == doctest::Approx(b.com[0]).epsilon(1e-14));
+    CHECK(l[LinkParameter::c_y] == doctest::Approx(b.com[1]).epsilon(1e-14));
+    CHECK(l[LinkParameter::c_z] == doctest::Approx(b.com[2]).epsilon(1e-14));
+    CHECK(l[LinkParameter::s_yy] + l[LinkParameter::s_zz] == doctest::Approx(b.inertia[0]).epsilon(1e-12));
+    CHECK(l[LinkParameter::s_xx] + l[LinkParameter::s_zz] == doctest::Approx(b.inertia[4]).epsilon(1e-12));
+    CHECK(l[LinkParameter::s_xx] + l[LinkParameter::s_yy] == doctest::Approx(b.inertia[8]).epsilon(1e-12));
     CHECK_NOTHROW(check_link(l));
   }
 }

@@ -36,7 +36,7 @@ struct Worst {
   double pose = 0, jacobian = 0, torque = 0, gravity = 0, mass = 0, acceleration = 0;
 };
 
-template <Model M>
+template <RobotModel M>
 Worst worst(const M& model) {
   constexpr std::size_t N = M::joints, last = N - 1;
   const oracle::Robot table = table_of(model);
@@ -94,7 +94,7 @@ Worst worst(const M& model) {
   return w;
 }
 
-template <Model M>
+template <RobotModel M>
 void check(const std::string& name, const M& model) {
   CAPTURE(name);
   const Worst w = worst(model);

@@ -46,7 +46,7 @@ double swinging(double t, double hertz, double mean, double amplitude) {
 }  // namespace
 
 TEST_CASE("ContactDamper: a contact that rings is damped within two periods and a half, and bounded") {
-  const ContactDamper<> damper({.most = 100});
+  const ContactDamper<> damper({.max = 100});
   for (const double hertz : {2.5, 5.0, 12.0})
     for (const double mean : {5.0, 40.0, 0.0}) {
       if (mean == 0 && hertz < 4) continue;  // it bounces: half of the time it is not touched
@@ -62,7 +62,7 @@ TEST_CASE("ContactDamper: a contact that rings is damped within two periods and 
 }
 
 TEST_CASE("ContactDamper: slow pushes, single blows, what dies out, and noise are left alone") {
-  const ContactDamper<> damper({.most = 100});
+  const ContactDamper<> damper({.max = 100});
   const auto calm = [&](const std::function<double(double)>& push) {
     return watch(damper, 20, push).highest == 0;
   };
@@ -77,7 +77,7 @@ TEST_CASE("ContactDamper: slow pushes, single blows, what dies out, and noise ar
 }
 
 TEST_CASE("ContactDamper: a robot that bounces is damped, however long it flies; one that is tapped is not") {
-  const ContactDamper<> damper({.most = 100});
+  const ContactDamper<> damper({.max = 100});
   const auto bouncing = [](double t) {
     return 30 * std::sin(2 * M_PI * 5 * std::fmod(t, 0.8)) * (std::fmod(t, 0.8) < 0.1);
   };
@@ -88,7 +88,7 @@ TEST_CASE("ContactDamper: a robot that bounces is damped, however long it flies;
 }
 
 TEST_CASE("ContactDamper: it fades when it is calm, quickly after the contact and slowly in it") {
-  const ContactDamper<> damper({.most = 100, .calm = 500ms});
+  const ContactDamper<> damper({.max = 100, .calm = 500ms});
   const auto then = [&](double push, double after) {
     return watch(damper, 3 + after, [&](double t) { return t < 3 ? swinging(t, 6, 20, 15) : push; }).last;
   };
@@ -107,7 +107,7 @@ TEST_CASE("ContactDamper: the declared damping is there while the contact lasts"
 }
 
 TEST_CASE("ContactDamper: refuses nonsense") {
-  CHECK_THROWS_AS(ContactDamper<>({.most = -1}), ConfigurationError);
+  CHECK_THROWS_AS(ContactDamper<>({.max = -1}), ConfigurationError);
   CHECK_THROWS_AS(ContactDamper<>({.always = std::nan("")}), ConfigurationError);
   CHECK_THROWS_AS(ContactDamper<>({.swing = 0}), ConfigurationError);
   CHECK_THROWS_AS(ContactDamper<>({.slowest = 0s}), ConfigurationError);

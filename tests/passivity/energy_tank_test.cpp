@@ -42,7 +42,7 @@ TEST_CASE("EnergyTank: edges") {
   CHECK(affordable_share(std::nan(""), 1.0, 1.0) == 0);
   CHECK(affordable_share(1.0, 1.0, std::nan("")) == 0);
   CHECK_THROWS_AS(EnergyTank<>({.start = -1}), ConfigurationError);
-  CHECK_THROWS_AS(EnergyTank<>({.start = 2, .most = 1}), ConfigurationError);
+  CHECK_THROWS_AS(EnergyTank<>({.start = 2, .max = 1}), ConfigurationError);
   CHECK_THROWS_AS(EnergyTank<>({.port_gain = std::nan("")}), ConfigurationError);
 }
 
@@ -79,7 +79,7 @@ struct Mass {
 }  // namespace
 
 TEST_CASE("EnergyTank: an active force turns the tank into motion, and nothing more") {
-  Mass mass{.tank = EnergyTank<>({.start = 1, .most = 3})};
+  Mass mass{.tank = EnergyTank<>({.start = 1, .max = 3})};
   bool faded = false;
   for (int k = 0; k < 5000; ++k) faded |= mass.step(0, 10) < 1;
   CHECK(faded);
@@ -91,7 +91,7 @@ TEST_CASE("EnergyTank: an active force turns the tank into motion, and nothing m
 
 TEST_CASE(
     "EnergyTank: a touch moves the robot whatever is in the tank, friction takes, and the room is bounded") {
-  Mass free{.viscous = 5, .tank = EnergyTank<>({.start = 0, .most = 0.2})};
+  Mass free{.viscous = 5, .tank = EnergyTank<>({.start = 0, .max = 0.2})};
   for (int k = 0; k < 5000; ++k) CHECK(free.step(8, 0) == 1);
   CHECK(free.v == doctest::Approx(8 / 5.0).epsilon(1e-3));
   CHECK(free.memory.energy == doctest::Approx(0).epsilon(1e-9));
@@ -101,7 +101,7 @@ TEST_CASE(
 }
 
 TEST_CASE("EnergyTank: kinetic energy without a reason is charged") {
-  Mass mass{.tank = EnergyTank<>({.start = 1, .most = 3})};
+  Mass mass{.tank = EnergyTank<>({.start = 1, .max = 3})};
   mass.step(1, 0);
   mass.v += 0.4;
   mass.step(0, 0);
@@ -114,7 +114,7 @@ TEST_CASE("EnergyTank: kinetic energy without a reason is charged") {
 
 TEST_CASE(
     "EnergyTank: behind a torque interface the work of what was held is booked, port and gravity apart") {
-  const EnergyTank<> tank({.start = 2, .most = 3, .port_gain = 0.5});
+  const EnergyTank<> tank({.start = 2, .max = 3, .port_gain = 0.5});
   auto m = tank.hold<1>();
   const auto Q = [](double x) { return JointPosition<1>::constant(x); };
   const auto V = [](double x) { return JointVelocity<1>::constant(x); };

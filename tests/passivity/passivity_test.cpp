@@ -9,15 +9,15 @@ using namespace skinctl;
 using namespace skinctl::testing;
 
 static_assert(std::is_empty_v<Passivity<>>);
-using Full = Passivity<EnergyTank<>, PortLedger<>, ContactDamper<>>;
+using Full = Passivity<EnergyTank<>, PassivityObserver<>, ContactDamper<>>;
 static_assert(std::is_trivially_copyable_v<ResolverMemory<6, double, 32, Full>>);
 
 // Fewer where the sanitizers slow it down.
 constexpr std::uint64_t scenes = SKINCTL_MANY_DIGITS ? 300 : 60;
 
 // More than any scene takes.
-const EnergyTank<> plenty({.start = 1e5, .most = 1e5});
-const PortLedger<> endless({.start = 1e5, .most = 1e5});
+const EnergyTank<> plenty({.start = 1e5, .max = 1e5});
+const PassivityObserver<> endless({.start = 1e5, .max = 1e5});
 
 TEST_CASE("Passivity: a port never gives more than it got and had, whatever skills, weights and delays do") {
   int broken = 0, broken_virtual = 0, held = 0, empty = 0;
@@ -27,7 +27,7 @@ TEST_CASE("Passivity: a port never gives more than it got and had, whatever skil
     const auto bare = run<Interface::position>(scene, Passivity(plenty, endless));
     const auto keeper = scene.keeper();
     const auto kept = run<Interface::position>(scene, keeper);
-    const auto alone = run<Interface::position>(scene, Passivity(plenty, keeper.get<PortLedger<>>()));
+    const auto alone = run<Interface::position>(scene, Passivity(plenty, keeper.get<PassivityObserver<>>()));
     CHECK(alone.extracted <= scene.energy);
     broken += bare.extracted > scene.energy;
     broken_virtual += bare.virtual_extracted > scene.tank;
@@ -44,7 +44,7 @@ TEST_CASE("Passivity: a port never gives more than it got and had, whatever skil
   CHECK(empty > 0);
 }
 
-TEST_CASE("Passivity: a full tank and ledger change nothing") {
+TEST_CASE("Passivity: a full tank and passivity_observer change nothing") {
   for (const std::uint64_t seed : {5u, 6u, 7u}) {
     RandomScene scene(seed);
     scene.obstacles[0].stiffness = std::min(scene.obstacles[0].stiffness, 100.0);

@@ -11,7 +11,7 @@ namespace {
 // Fewer where the sanitizers slow it down.
 constexpr std::uint64_t scenes = SKINCTL_MANY_DIGITS ? 40 : 4;
 EnergyTank<> tank(double energy, double port_gain) {
-  return EnergyTank<>({.start = energy, .most = energy, .port_gain = port_gain});
+  return EnergyTank<>({.start = energy, .max = energy, .port_gain = port_gain});
 }
 }  // namespace
 

@@ -29,7 +29,7 @@ struct Grasp {
     T seconds = T(0);
   };
   static constexpr Needs needs{.gravity = true, .touch = true};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   JointPosition<N, T> goal;
   JointTorque<N, T> stiffness, damping;
   T broken = T(0);  // added to every torque

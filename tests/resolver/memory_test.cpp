@@ -24,7 +24,7 @@ TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no comman
   const Robot robot(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 8ms});
   Robot::Memory fresh{};
   CHECK_FALSE(fresh.started);
-  CHECK(fresh.mode == Mode::following);
+  CHECK(fresh.mode == ResolverMode::following);
   GravityControl::Memory law{};
   State<6> state;
   const NoTouch nobody[1]{};

@@ -147,7 +147,7 @@ TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothin
       CAPTURE(k);
       check_limits<I, T>(c.limits, before, out.command, credit);
       before = out.command;
-      const auto let = guard.pass(guarded, out.command, loop.measured, now);
+      const auto let = guard.step(guarded, out.command, loop.memory.measured, now);
       altered += let.altered ? 1 : 0;
       if (let.altered) {
         loop.robot.sent(loop.memory, let.command);
@@ -482,7 +482,7 @@ TEST_CASE_TEMPLATE("Resolver: whatever comes in, what goes out is finite and wit
           for (auto& tau : p.torque) tau = from_bits<T>(word());
       const auto interval = loop.robot.interval(loop.memory, at_time);
       const auto out = loop.robot.step(loop.memory, loop.law, loop.law_memory, s, interval,
-                                       std::span<const Pushed<6, T>>(pushes));
+                                       std::span<const Pushed<6, T>>(pushes), guard);
       if (interval.substeps > 0) {
         const double credit = seconds<double>(interval.to - interval.from);
         check_limits<C::interface, T>(c.limits, before, out.command, credit);
@@ -490,7 +490,7 @@ TEST_CASE_TEMPLATE("Resolver: whatever comes in, what goes out is finite and wit
       }
       RC_ASSERT(all_finite(out.command));
       before = out.command;
-      const auto let = guard.pass(guarded, out.command, s, at_time);
+      const auto let = guard.step(guarded, out.command, loop.memory.measured, at_time);
       RC_ASSERT(all_finite(let.command));
       for (std::size_t i = 0; i < 6; ++i)
         RC_ASSERT(std::abs(let.command.velocity[i]) <= c.limits.velocity()[i] * T(1.0001));

@@ -67,7 +67,7 @@ TEST_CASE("JointLimits: refuse what cannot be a limit, with the number and the r
   }
   auto v = good;
   v.velocity[0] = -7.5;
-  CHECK(refusal(v) == "skinctl: velocity limit = -7.5, allowed: > 0, <= 1e3 rad/s");
+  CHECK(refusal(v) == "skinctl: velocity limit of joint 0 = -7.5, allowed: > 0, <= 1e3 rad/s");
   v = good;
   v.lower = {-inf, -inf};
   v.upper = {inf, inf};

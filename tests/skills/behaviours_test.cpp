@@ -12,7 +12,7 @@ namespace hana = boost::hana;
 
 namespace {
 template <class C, class Next, class... L>
-constexpr bool loads(const Recipe<Next, L...>&) {
+constexpr bool loads(const SkillRecipe<Next, L...>&) {
   return (std::is_same_v<C, L> || ...);
 }
 struct Wave {
@@ -60,5 +60,5 @@ TEST_CASE("Library: own behaviours join it, with weights, conditions and followe
   CHECK(wave.switches == opened(1));
   static_assert(
       std::is_same_v<std::remove_cvref_t<decltype(wave)>,
-                     Recipe<behaviour::KinestheticJoint, controller::Gravity, controller::SplineJoint>>);
+                     SkillRecipe<behaviour::KinestheticJoint, controller::Gravity, controller::SplineJoint>>);
 }

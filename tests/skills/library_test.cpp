@@ -20,9 +20,10 @@ const JointControl<6> joint({.dt = 2ms});
 
 TEST_CASE("skill_set: takes the skills whose controllers are there, with those that follow them") {
   const auto all = boost::hana::union_(figure_7, section_6);
-  const auto set = skill_set<ReachJoint>(
-      all, {}, as<controller::SkinJoint>(SkinJointControl{}), as<controller::Joint>(joint),
-      as<controller::Gravity>(GravityControl{}), as<controller::SplineJoint>(spline));
+  const auto set = skill_set<ReachJoint>(all, {}, skill_controller<controller::SkinJoint>(SkinJointControl{}),
+                                         skill_controller<controller::Joint>(joint),
+                                         skill_controller<controller::Gravity>(GravityControl{}),
+                                         skill_controller<controller::SplineJoint>(spline));
   using Set = std::remove_const_t<decltype(set)>;
   // Squeezing's own controllers are there, but not the force control that follows it.
   static_assert(Set::skills == 3);
@@ -33,7 +34,7 @@ TEST_CASE("skill_set: takes the skills whose controllers are there, with those t
   CHECK(
       (reach.order[0] == 2 && reach.order[1] == 0 && reach.order[2] == 3));  // gravity, skin, then what moves
   CHECK(reach.next == Set::index<ReachJointGoal>());
-  CHECK(reach.conditions.finish == Finish::settled);
+  CHECK(reach.conditions.finish == SkillFinish::settled);
 
   const auto change = transition(set.skill<KinestheticJoint>(), reach);
   CHECK((change.loads == 1 && change.load[0] == 3 && change.keeps == 2 && change.unloads == 0));

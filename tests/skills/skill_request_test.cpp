@@ -28,7 +28,7 @@ TEST_CASE("SkillRequest: all its numbers are walked, so that a recording holds a
   std::size_t k = 0;
   each_number(copy, [&](auto& x) { x = static_cast<std::remove_cvref_t<decltype(x)>>(numbers[k++]); });
   CHECK(copy.skill == 7);
-  CHECK(copy.reported == Switches{3, 2});
+  CHECK(copy.reported == SkillSwitches{3, 2});
   CHECK(copy.goals.of<JointGoal<6>>().has);
   CHECK_FALSE(copy.goals.of<JointReference<6>>().has);
   CHECK(copy.goals.of<JointGoal<6>>().goal.q_g == JointPosition<6>{1, 2, 3, 4, 5, 6});

@@ -32,18 +32,19 @@ const auto library = boost::hana::union_(
         skill<Grasp>(
             recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Joint>())
                 .switching(closed())
-                .when({.finish = Finish::switched, .hold = 200ms, .timeout = 1s})
+                .when({.finish = SkillFinish::switched, .hold = 200ms, .timeout = 1s})
                 .then<Carry>()),
         skill<Carry>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>(0.5),
                             load<controller::SplineJoint>())
-                         .when({.needs = closed(), .finish = Finish::settled})),
+                         .when({.needs = closed(), .finish = SkillFinish::settled})),
         skill<Careful>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>(),
                               load<controller::SplineJoint>())
-                           .when({.untouched = true, .finish = Finish::settled, .most_touch = 3}))));
+                           .when({.untouched = true, .finish = SkillFinish::settled, .max_touch = 3}))));
 const auto set = skill_set<KinestheticJoint>(
-    library, {}, as<controller::Gravity>(GravityControl{}), as<controller::SkinJoint>(SkinJointControl{}),
-    as<controller::SplineJoint>(SplineJoint<6>(skilled_settings(dt))),
-    as<controller::Joint>(JointControl<6>(skilled_settings(dt))));
+    library, {}, skill_controller<controller::Gravity>(GravityControl{}),
+    skill_controller<controller::SkinJoint>(SkinJointControl{}),
+    skill_controller<controller::SplineJoint>(SplineJoint<6>(skilled_settings(dt))),
+    skill_controller<controller::Joint>(JointControl<6>(skilled_settings(dt))));
 using Set = std::remove_const_t<decltype(set)>;
 using Run = SkilledRun<Set, double>;
 static_assert(Law<Set, Run::KnownTo> && std::is_trivially_copyable_v<Set::Memory>);
@@ -72,19 +73,19 @@ TEST_CASE("SkillSet: begins with the first skill, holds gravity, and goes to a g
   run_for(run, 0.5);
   const auto goal = near(run, 0.1);
   CHECK(run.ask(Set::start_skill<ReachJointGoal>(goal)) == Status{});
-  CHECK(run.memory().phase == Phase::loading);
-  CHECK(run_for(run, 0.19).has(Reason::hand_over));
-  CHECK(run.memory().phase == Phase::loading);
+  CHECK(run.memory().phase == SkillPhase::loading);
+  CHECK(run_for(run, 0.19).has(Reason::bumpless_transfer));
+  CHECK(run.memory().phase == SkillPhase::loading);
   run_for(run, 0.03);
-  CHECK(run.memory().phase == Phase::running);
+  CHECK(run.memory().phase == SkillPhase::running);
   CHECK_FALSE(run_for(run, 0.4).has(Reason::skill_finished));
   CHECK(run_for(run, 4).has(Reason::skill_finished));
-  CHECK(run.memory().phase == Phase::finished);
+  CHECK(run.memory().phase == SkillPhase::finished);
   for (std::size_t i = 0; i < 6; ++i) CHECK(run.state().q[i] == doctest::Approx(goal.q_g[i]).epsilon(0.01));
   // Another goal for the same skill, and it runs again.
   const auto other = near(run, -0.1);
   CHECK(run.ask(Set::goal(other)) == Status{});
-  CHECK(run.memory().phase == Phase::running);
+  CHECK(run.memory().phase == SkillPhase::running);
   CHECK(run_for(run, 4).has(Reason::skill_finished));
   for (std::size_t i = 0; i < 6; ++i) CHECK(run.state().q[i] == doctest::Approx(other.q_g[i]).epsilon(0.01));
 }
@@ -124,7 +125,7 @@ TEST_CASE("SkillSet: a sequence switches a gripper, waits for it, and goes on wi
     run_for(run, 0.4);
     CHECK(std::string(now(run)) == "carry");
     run_for(run, 5);
-    CHECK(run.memory().phase == Phase::finished);
+    CHECK(run.memory().phase == SkillPhase::finished);
     for (std::size_t i = 0; i < 6; ++i) CHECK(run.state().q[i] == doctest::Approx(goal.q_g[i]).epsilon(0.01));
   }
   SUBCASE("with reports when it is so") {
@@ -196,8 +197,8 @@ TEST_CASE("SkillSet: refuses settings that cannot work") {
     change(wrong, settings);
     CHECK_THROWS_AS(Set(set.sum(), wrong, settings), ConfigurationError);
   };
-  refuses([](auto&, auto& s) { s.most_rate = 0; });
-  refuses([](auto&, auto& s) { s.hand_over = 0s; });
+  refuses([](auto&, auto& s) { s.max_rate = 0; });
+  refuses([](auto&, auto& s) { s.bumpless_transfer = 0s; });
   refuses([](auto&, auto& s) { s.longest = 1ms; });
   refuses([](auto& r, auto&) { r[1].next = 6; });
   refuses([](auto& r, auto&) { r[1].weights[0] = 0; });
@@ -210,12 +211,13 @@ TEST_CASE(
     "SkillSet: while a change lasts the torque moves no faster than configured, and what it lacks is a "
     "share") {
   SkillSettings slow;
-  slow.most_rate = 20;
+  slow.max_rate = 20;
   slow.longest = 100ms;  // no time to stretch the change to
   const auto slowly = skill_set<KinestheticJoint>(
-      library, slow, as<controller::Gravity>(GravityControl{}), as<controller::SkinJoint>(SkinJointControl{}),
-      as<controller::SplineJoint>(SplineJoint<6>(skilled_settings(dt))),
-      as<controller::Joint>(JointControl<6>(skilled_settings(dt))));
+      library, slow, skill_controller<controller::Gravity>(GravityControl{}),
+      skill_controller<controller::SkinJoint>(SkinJointControl{}),
+      skill_controller<controller::SplineJoint>(SplineJoint<6>(skilled_settings(dt))),
+      skill_controller<controller::Joint>(JointControl<6>(skilled_settings(dt))));
   SkilledRun<Set, double> run(slowly, dt, 8);
   run.touch(40);
   run_for(run, 0.3);
@@ -228,7 +230,7 @@ TEST_CASE(
     auto sum = e.shares[0];
     for (std::size_t i = 1; i < Set::terms; ++i) sum += e.shares[i];
     CHECK(largest<double>(sum - e.torque) < 1e-12);
-    if (run.changing()) CHECK(largest<double>(own(e) - last) < slow.most_rate * dt * (1 + 1e-9));
+    if (run.changing()) CHECK(largest<double>(own(e) - last) < slow.max_rate * dt * (1 + 1e-9));
     lacked = std::max(lacked, largest<double>(e.shares[Set::controllers]));
     last = own(e);
   }

@@ -19,7 +19,7 @@ using Exact = oracle::EulerLagrange<Digits50>;
 /// A link of a model as a body of the definition, its numbers in double taken as exact; cosine and sine of a
 /// placement are scaled to length one.
 inline oracle::BasicBody<Digits50> exact_body(int parent, JointKind kind, const LinkParameters<double>& l) {
-  using P = Parameter;
+  using P = LinkParameter;
   using oracle::table_detail::product;
   const auto unit = [&](P c, P s) {
     const Digits50 x(l[c]), y(l[s]), length = sqrt(x * x + y * y);
@@ -53,7 +53,7 @@ inline oracle::BasicBody<Digits50> exact_body(int parent, JointKind kind, const 
 }
 
 /// The tree of a model. Frames are the model's own.
-template <Model M>
+template <RobotModel M>
 [[nodiscard]] Exact exact_tree(const M& model) {
   const auto links = [&]<std::size_t... I>(std::index_sequence<I...>) {
     return std::array<LinkParameters<double>, M::joints>{numbers_of<I, double>(model)...};
@@ -129,7 +129,7 @@ double pose_ulps(const Exact& exact, const std::vector<Digits50>& q, const std::
 }
 
 /// All errors of `model` at a state, which must be a state of `T`.
-template <class T, Model M>
+template <class T, RobotModel M>
 [[nodiscard]] Ulps ulps_at(const M& model, const Exact& exact, const JointPosition<M::joints, T>& q,
                            const JointVelocity<M::joints, T>& dq,
                            const JointAcceleration<M::joints, T>& ddq) {

@@ -23,7 +23,7 @@ namespace skinctl::testing {
 struct Lean : Composable {
   struct Memory {};
   static constexpr Needs needs{};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   JointTorque<6> push;
   JointPosition<6> pose;
   JointTorque<6> spring;  ///< per joint [N m/rad]
@@ -72,7 +72,7 @@ class PlantLoop {
         plant_(oracle::ur5(), {s.q[0], s.q[1], s.q[2], s.q[3], s.q[4], s.q[5]},
                {.bandwidth = 2 / servo_lag, .rotor = {2, 2, 2, 0.5, 0.5, 0.5}}),
         robot_(ur5::Model{}, configuration(s),
-               Keeper(ContactDamper<>({.most = s.observed, .always = s.damping}))) {
+               Keeper(ContactDamper<>({.max = s.observed, .always = s.damping}))) {
     double v[3], R[9];
     plant_.point(int(link), at, start_, v, R);
     // Into the contact: along the axis of the link on which the point lies.

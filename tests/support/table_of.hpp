@@ -7,9 +7,9 @@
 namespace skinctl::testing {
 
 /// The frames are the model's own.
-template <Model M>
+template <RobotModel M>
 [[nodiscard]] oracle::Robot table_of(const M& model) {
-  using P = Parameter;
+  using P = LinkParameter;
   using oracle::table_detail::product;
   const auto links = [&]<std::size_t... I>(std::index_sequence<I...>) {
     return std::array<LinkParameters<double>, M::joints>{numbers_of<I, double>(model)...};

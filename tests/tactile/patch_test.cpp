@@ -34,13 +34,13 @@ TEST_CASE("Patch: what cannot be is refused with its number") {
   CHECK_THROWS_WITH_AS(Two(Cells{{1, at}}), "skinctl: Patch: number of cells = 1, allowed: 2",
                        ConfigurationError);
   CHECK_NOTHROW(Two(Cells{{1, at}, {2, at}}));
-  CHECK_NOTHROW(Two(Cells{{1, at}, {2, at}}, Gains{0, 0}));
-  CHECK_THROWS_WITH_AS(Two(Cells{{1, at}, {2, at}}, Gains{-1, 0}),
+  CHECK_NOTHROW(Two(Cells{{1, at}, {2, at}}, CellGains{0, 0}));
+  CHECK_THROWS_WITH_AS(Two(Cells{{1, at}, {2, at}}, CellGains{-1, 0}),
                        "skinctl: Patch: gain of force = -1, allowed: >= 0 N", ConfigurationError);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  CHECK_THROWS_AS(Two(Cells{{1, at}, {2, at}}, Gains{nan, 0}), ConfigurationError);
-  CHECK_THROWS_AS(Two(Cells{{1, at}, {2, at}}, Gains{1, inf}), ConfigurationError);
-  CHECK_THROWS_AS(Two(Cells{{1, at}, {2, at}}, Gains{1, -1}), ConfigurationError);
+  CHECK_THROWS_AS(Two(Cells{{1, at}, {2, at}}, CellGains{nan, 0}), ConfigurationError);
+  CHECK_THROWS_AS(Two(Cells{{1, at}, {2, at}}, CellGains{1, inf}), ConfigurationError);
+  CHECK_THROWS_AS(Two(Cells{{1, at}, {2, at}}, CellGains{1, -1}), ConfigurationError);
   using X = Transform<Link<1>, Cell>;
   CHECK_THROWS_AS(Two(Cells{{1, at}, {2, X::translation_xyz(nan, 0, 0)}}), ConfigurationError);
   CHECK_THROWS_AS(Two(Cells{{1, at}, {2, X::translation_xyz(0, inf, 0)}}), ConfigurationError);

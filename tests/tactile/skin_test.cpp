@@ -43,7 +43,7 @@ struct OneCell {
   S skin;
   typename S::Memory memory;
 
-  explicit OneCell(const SkinSettings& settings = open_gates(), const Gains& gains = {10, 4})
+  explicit OneCell(const SkinSettings& settings = open_gates(), const CellGains& gains = {10, 4})
       : skin(Patch<2, 1>({{7, Transform<Link<2>, Cell>::translation_xyz(0.1, 0.05, 0.02)}}, gains), settings),
         memory(skin.start(0ns)) {}
 
@@ -97,7 +97,7 @@ static_assert(sizeof(Ur5Skin<10000>::Memory) <= 10000 * 13);
 
 TEST_CASE_TEMPLATE("Skin: held samples are the per-cell Jacobian form", T, float, double) {
   Random rng = seeded(1);
-  const Gains gains{12, 3};
+  const CellGains gains{12, 3};
   const auto patches = random_patches(rng, gains, std::index_sequence<0, 1, 2, 2, 4, 5>{},
                                       std::index_sequence<1, 8, 33, 17, 16, 7>{});
   const auto skin = std::apply(
@@ -218,7 +218,7 @@ TEST_CASE_TEMPLATE("Skin: the impulse is that of the force, whatever the rate of
   // Cells with a lever each; forces and proximities; silences up to 400 ms; latencies up to 12 ms.
   Random rng = seeded(2);
   const SkinSettings settings = open_gates();
-  const Gains gains{9, 5};
+  const CellGains gains{9, 5};
   const auto patch_a = random_patch<1, 3>(rng, 1, gains);
   const auto patch_b = random_patch<4, 2>(rng, 11, gains);
   const Skin<ur5::Model, T, Patch<1, 3>, Patch<4, 2>> skin(patch_a, patch_b, settings);

@@ -85,7 +85,8 @@ TEST_CASE("ur5_skin: builds for every scalar and every model of the topology, wi
 
 TEST_CASE("ur5_skin: an array of gains gives each link its own") {
   const auto same = ur5_skin<260>({20, 0});
-  const auto own = ur5_skin<260>(std::array<Gains, 6>{{{20, 0}, {40, 0}, {60, 0}, {0, 0}, {10, 0}, {30, 0}}});
+  const auto own =
+      ur5_skin<260>(std::array<CellGains, 6>{{{20, 0}, {40, 0}, {60, 0}, {0, 0}, {10, 0}, {30, 0}}});
   const double factor[6] = {1, 2, 3, 0, 0.5, 1.5};
   std::vector<CellSample> samples;
   for (std::uint32_t id = 1; id <= 260; ++id)

@@ -32,8 +32,8 @@ TEST_CASE(
   auto links = CalibratedModel<ur5::Description>::Links{};
   for (std::size_t i = 0; i < 6; ++i) {
     links[i] = known_numbers.link(i);
-    for (const auto p : {Parameter::mass, Parameter::s_xx, Parameter::s_yy, Parameter::s_zz, Parameter::s_xy,
-                         Parameter::s_xz, Parameter::s_yz})
+    for (const auto p : {LinkParameter::mass, LinkParameter::s_xx, LinkParameter::s_yy, LinkParameter::s_zz,
+                         LinkParameter::s_xy, LinkParameter::s_xz, LinkParameter::s_yz})
       links[i][p] *= 1.3;
   }
   const CalibratedModel<ur5::Description> heavier(links);

@@ -51,7 +51,7 @@ double size_of(const T (&x)[N], std::size_t first, std::size_t count) {
 static_assert(Law<SplineOperational<6, 5>, KnownFor<SplineOperational<6, 5>>>);
 static_assert(Law<OperationalControl<6, 5, Tool, float>, KnownFor<SplineOperational<6, 5>, float>>);
 static_assert(std::is_trivially_copyable_v<SplineOperational<6, 5>::Memory>);
-static_assert(SplineOperational<6, 5>::role == Role::tracking);
+static_assert(SplineOperational<6, 5>::role == LawRole::tracking);
 
 /// Runs a law on a robot with exactly the model's parameters; returns where the tool's error ends and its
 /// largest value on the way.
@@ -166,8 +166,8 @@ TEST_CASE("OperationalSpace: the tool follows its spline, and arrives, at every 
 TEST_CASE("OperationalSpace: quaternion and ZYZ errors lead to the same pose") {
   const auto settings = settings_at(0.004);
   const auto by_quaternion =
-      make<SplineOperational<6, 5, Tool, double, Task::pose, QuaternionError>>(settings);
-  const auto by_angles = make<SplineOperational<6, 5, Tool, double, Task::pose, ZyzError>>(settings);
+      make<SplineOperational<6, 5, Tool, double, TaskSpace::pose, QuaternionError>>(settings);
+  const auto by_angles = make<SplineOperational<6, 5, Tool, double, TaskSpace::pose, ZyzError>>(settings);
   const State<6> x{0ns, home, {}};
   const auto goal = goal_near(by_angles, x, 1.0);
   const auto a = run(by_quaternion, x, goal, 0.004, 2.5), b = run(by_angles, x, goal, 0.004, 2.5);
@@ -179,10 +179,10 @@ TEST_CASE("OperationalSpace: quaternion and ZYZ errors lead to the same pose") {
 
 TEST_CASE("OperationalSpace: of a position, the null space rests, goes on, or finds its posture") {
   const auto settings = settings_at(0.004);
-  using Damped = SplineOperational<6, 5, Tool, double, Task::position>;
-  using Free = SplineOperational<6, 5, Tool, double, Task::position, RotationVectorError, FreeNullSpace>;
+  using Damped = SplineOperational<6, 5, Tool, double, TaskSpace::position>;
+  using Free = SplineOperational<6, 5, Tool, double, TaskSpace::position, RotationVectorError, FreeNullSpace>;
   using Posed =
-      SplineOperational<6, 5, Tool, double, Task::position, RotationVectorError, PostureNullSpace<6>>;
+      SplineOperational<6, 5, Tool, double, TaskSpace::position, RotationVectorError, PostureNullSpace<6>>;
   const State<6> x{0ns, home, JointVelocity<6>{0, 0, 0, 0.3, 0.2, -0.5}};
   const auto damped = make<Damped>(settings);
   const auto goal = goal_near(damped, {0ns, home, {}}, 1.0);
@@ -194,10 +194,10 @@ TEST_CASE("OperationalSpace: of a position, the null space rests, goes on, or fi
 
   const JointPosition<6> posture{0.3, -1.2, 1.4, -1.0, -1.0, 0.8};
   const Posed posed(
-      OperationalSpace<6, 5, Tool, double, Task::position, RotationVectorError, PostureNullSpace<6>>(
+      OperationalSpace<6, 5, Tool, double, TaskSpace::position, RotationVectorError, PostureNullSpace<6>>(
           tool<double>(), settings, PostureNullSpace<6>(posture, 2.0)),
       settings);
-  const auto r = run(posed, {0, home, {}}, goal, 0.004, 6);
+  const auto r = run(posed, {0ns, home, {}}, goal, 0.004, 6);
   CHECK(r.position < 1e-5);
   CHECK(std::abs(r.state.q[5] - posture[5]) < 0.03);  // the last joint hardly moves the tool's origin
   CHECK(std::abs(rest.state.q[5] - posture[5]) > 0.3);
@@ -211,14 +211,15 @@ TEST_CASE("OperationalSpace: ddq_r is the derivative of dq_r, in every form, nex
   for (const auto& q : {home, wrist, elbow}) {
     check_rate(make<SplineOperational<6, 5>>(settings), q, 2e-5);
 #if SKINCTL_MANY_DIGITS
-    check_rate(make<SplineOperational<6, 5, Tool, double, Task::pose, QuaternionError>>(settings), q, 2e-5);
+    check_rate(make<SplineOperational<6, 5, Tool, double, TaskSpace::pose, QuaternionError>>(settings), q,
+               2e-5);
 #endif
   }
 #if SKINCTL_MANY_DIGITS
-  check_rate(make<SplineOperational<6, 5, Tool, double, Task::pose, ZyzError>>(settings), home, 2e-5);
-  check_rate(make<SplineOperational<6, 5, Tool, double, Task::position>>(settings), home, 2e-5);
+  check_rate(make<SplineOperational<6, 5, Tool, double, TaskSpace::pose, ZyzError>>(settings), home, 2e-5);
+  check_rate(make<SplineOperational<6, 5, Tool, double, TaskSpace::position>>(settings), home, 2e-5);
   using Space =
-      OperationalSpace<6, 5, Tool, double, Task::position, RotationVectorError, PostureNullSpace<6>>;
+      OperationalSpace<6, 5, Tool, double, TaskSpace::position, RotationVectorError, PostureNullSpace<6>>;
   check_rate(Tracking<Space, SplinePlan<Space>>(Space(tool<double>(), settings, PostureNullSpace<6>(home)),
                                                 settings),
              home, 2e-5);
@@ -314,7 +315,7 @@ TEST_CASE("OperationalSpace: goals and contacts at any moment do not jump") {
       auto q = home;
       for (double& a : q) a += 0.3 * rng();
       const auto X = law.space().site(K(model, State<6>{0ns, q, {}}, dt, none)).X_BP;
-      next = law.receive(memory, known, {X, 0}).memory;
+      next = law.receive(memory, known, {X, {}}).memory;
     } else if (i % 211 == 0) {
       next = law.advance(memory, known, 0.0, i % 422 == 0 ? Opposition::lasting : Opposition::none);
     }

@@ -59,12 +59,12 @@ TEST_CASE("JointControlSettings: numbers that mean nothing are refused, NaN as w
     CAPTURE(bad.count());
     CHECK_THROWS_AS(accept({.dt = bad}), ConfigurationError);
     CHECK_THROWS_AS(accept({.tb = bad}), ConfigurationError);
-    CHECK_THROWS_AS(accept({.hand_over = bad}), ConfigurationError);
+    CHECK_THROWS_AS(accept({.bumpless_transfer = bad}), ConfigurationError);
     CHECK_THROWS_AS(accept({.target_age = bad}), ConfigurationError);
   }
   // Seconds that are no number are no duration.
   CHECK_THROWS_AS(accept({.dt = nanoseconds(nan)}), ConfigurationError);
-  CHECK_THROWS_AS(accept({.hand_over = nanoseconds(nan)}), ConfigurationError);
+  CHECK_THROWS_AS(accept({.bumpless_transfer = nanoseconds(nan)}), ConfigurationError);
   CHECK_THROWS_AS(accept({.target_age = nanoseconds(nan)}), ConfigurationError);
   CHECK_THROWS_WITH_AS(accept({.dt = 0s}), "skinctl: dt = 0, allowed: > 0 and <= 1000 ms",
                        ConfigurationError);

@@ -22,7 +22,7 @@ double fastest(const JointVelocity<6>& v) {
   return most;
 }
 JointVelocity<6> wish(const JointPosition<6>& q, const Velocity& asked) {
-  return Escape().wish<Task::pose>(flange_jacobian(q), asked, JointVelocity<6>::constant(3));
+  return Escape().wish<TaskSpace::pose>(flange_jacobian(q), asked, JointVelocity<6>::constant(3));
 }
 }  // namespace
 
@@ -74,11 +74,12 @@ TEST_CASE("SingularEscape: every joint has its own limit") {
   const auto J = flange_jacobian(wrist);
   const auto asked = 0.1 * singular_directions(J)[0].u;
   const auto equal = JointVelocity<6>::constant(3);
-  const auto turn = Escape().wish<Task::pose>(J, asked, equal);
+  const auto turn = Escape().wish<TaskSpace::pose>(J, asked, equal);
   auto idle = equal, busy = equal;  // the fifth does not turn with the others
   idle[4] = 1, busy[3] = 1;
-  CHECK(fastest(Escape().wish<Task::pose>(J, asked, idle)) == doctest::Approx(fastest(turn)).epsilon(0.05));
-  const auto slower = Escape().wish<Task::pose>(J, asked, busy);
+  CHECK(fastest(Escape().wish<TaskSpace::pose>(J, asked, idle)) ==
+        doctest::Approx(fastest(turn)).epsilon(0.05));
+  const auto slower = Escape().wish<TaskSpace::pose>(J, asked, busy);
   CHECK(std::abs(slower[3]) < 1);
   CHECK(fastest(slower) < 0.6 * fastest(turn));
 }
@@ -91,11 +92,11 @@ TEST_CASE("SingularEscape: on a way that is nearly straight it goes on, whatever
     const auto J = flange_jacobian(q);
     const auto asked = 0.1 * singular_directions(J)[0].u;
     const auto limit = JointVelocity<6>::constant(3);
-    const auto fresh = Escape().wish<Task::pose>(J, asked, limit);
+    const auto fresh = Escape().wish<TaskSpace::pose>(J, asked, limit);
     for (const double sense : {-1.0, 1.0}) {
       Escape turning;
       turning.v = sense * fresh;
-      CHECK(fastest(turning.wish<Task::pose>(J, asked, limit) - sense * fresh) < 1e-12);
+      CHECK(fastest(turning.wish<TaskSpace::pose>(J, asked, limit) - sense * fresh) < 1e-12);
     }
   }
   // Where sigma is clearly not zero, it goes where that leads.
@@ -103,7 +104,7 @@ TEST_CASE("SingularEscape: on a way that is nearly straight it goes on, whatever
   const auto asked = 0.1 * singular_directions(flange_jacobian(q))[0].u;
   Escape turning;
   turning.v = -wish(q, asked);
-  const auto again = turning.wish<Task::pose>(flange_jacobian(q), asked, JointVelocity<6>::constant(3));
+  const auto again = turning.wish<TaskSpace::pose>(flange_jacobian(q), asked, JointVelocity<6>::constant(3));
   CHECK(fastest(again - wish(q, asked)) < 1e-12);
 }
 

@@ -51,7 +51,7 @@ TEST_CASE("SplinePlan: a goal that is too fast is stretched, or refused") {
   CHECK(fastest == doctest::Approx(1.0).epsilon(1e-5));
   CHECK(fastest <= 1.0 + 1e-12);
 
-  s.reach = Reach::refuse;
+  s.reach = GoalPolicy::refuse;
   const auto refused = standing.to({goal, 1s}, here, s);
   CHECK(refused.status == Status(Reason::goal_refused));
   CHECK(refused.memory.at(5, s).q_d == here);

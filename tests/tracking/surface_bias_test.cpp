@@ -68,7 +68,7 @@ TEST_CASE_TEMPLATE("SurfaceBias: begins with what is handed over and ends with n
     CHECK(begin.dS_d[j] == T(-10) * b.decaying[j] + b.da[j]);
   }
   b.elapsed = 100ms;
-  CHECK_FALSE(b.hands_over(100ms));
+  CHECK_FALSE(b.is_transferring(100ms));
   const auto end = b.at(T(0), T(10), T(0.1));
   for (std::size_t j = 0; j < 3; ++j) CHECK(end.S_d[j] == b.decaying[j]);
   // continuous at the end

@@ -45,7 +45,7 @@ static_assert(Law<JointControl<6, float>, KnownAt<float>>);
 static_assert(Law<JointControl<6, double, ConstantDamping<6>>, KnownAt<double, Needs{.mass = true}>>);
 static_assert(std::is_trivially_copyable_v<SplineJoint<6>::Memory> &&
               std::is_trivially_copyable_v<JointControl<6>::Memory>);
-static_assert(SplineJoint<6>::role == Role::tracking);
+static_assert(SplineJoint<6>::role == LawRole::tracking);
 static_assert(SplineJoint<6>::needs == Needs{});  // what it needs lies half an interval ahead
 
 template <class T>
@@ -69,7 +69,8 @@ __attribute__((noinline)) auto advanced(const L& law, const typename L::Memory& 
   return law.advance(memory, known, dt, opposition);
 }
 template <class L, class K>
-__attribute__((noinline)) auto torque_of(const L& law, const typename L::Memory& memory, const K& known) {
+__attribute__((noinline)) auto torque_compiled_apart(const L& law, const typename L::Memory& memory,
+                                                     const K& known) {
   return law.torque(memory, known);
 }
 template <class L, class K>
@@ -106,7 +107,7 @@ TEST_CASE("Tracking: ddq_r is the derivative of dq_r, in every phase") {
     const auto state = swinging(t);
     const KnownAt<T> known(model, state, T(0.004), none);
     if (k == 20) memory = received(law, memory, known, {JointPosition<6, T>::constant(T(0.5)), 900ms});
-    if (k == 260) memory = received(law, memory, known, {JointPosition<6, T>::constant(T(-0.5)), 0});
+    if (k == 260) memory = received(law, memory, known, {JointPosition<6, T>::constant(T(-0.5)), {}});
     const auto opposition = k >= 120 && k < 200 ? Opposition::lasting : Opposition::none;
     if (k % 4 == 0 && (k < 119 || k > 148) &&
         (k < 199 || k > 228)) {  // while its rate changes, a clock rounds such steps
@@ -153,7 +154,7 @@ TEST_CASE_TEMPLATE("Tracking: with nothing to hold it is -K_d S_q + Y_r Theta at
     CHECK(largest(law.torque(memory, known) - (feedback + with)) <= T(100) * epsilon<T>() * scale);
     CHECK(largest(law.template torque<GravityTerm::left_out>(memory, known) - (feedback + without)) <=
           T(100) * epsilon<T>() * scale);
-    const Share<T> share{T(0.3), T(0.7)};
+    const LawShare<T> share{T(0.3), T(0.7)};
     CHECK(largest(law.torque(memory, known, share) - (T(0.3) * feedback + T(0.7) * with)) <=
           T(100) * epsilon<T>() * scale);
   }
@@ -166,11 +167,12 @@ TEST_CASE("Tracking: is linear in its shares, over an interval too") {
   const KnownAt<double> known(model, state, 0.008, none);
   auto memory = law.receive(law.start(known), known, {rng.vector<JointPosition<6>>(1), 2s}).memory;
   for (int i = 0; i < 100; ++i) memory = law.advance(memory, known, 0.008, Opposition::none);
-  const auto feedback = law.torque(memory, known, Share<double>{1, 0});
-  const auto feed_forward = law.torque(memory, known, Share<double>{0, 1});
-  CHECK(largest(law.torque(memory, known, Share<double>{0.25, 2}) - (0.25 * feedback + 2.0 * feed_forward)) <
-        1e-11);
-  const auto gravity = feed_forward - law.torque<GravityTerm::left_out>(memory, known, Share<double>{0, 1});
+  const auto feedback = law.torque(memory, known, LawShare<double>{1, 0});
+  const auto feed_forward = law.torque(memory, known, LawShare<double>{0, 1});
+  CHECK(largest(law.torque(memory, known, LawShare<double>{0.25, 2}) -
+                (0.25 * feedback + 2.0 * feed_forward)) < 1e-11);
+  const auto gravity =
+      feed_forward - law.torque<GravityTerm::left_out>(memory, known, LawShare<double>{0, 1});
   CHECK(largest(gravity - gravity_torque(model, state.q)) < 0.5);  // at the middle of the interval
 }
 
@@ -197,8 +199,8 @@ TEST_CASE("Tracking: a constant K_d of lambda M(q) is the default law") {
   const auto tau = shaped.torque(a, known);
   CHECK(largest(tau) > 10);
   CHECK(largest(tau - constant.torque(b, known)) < 1e-10 * largest(tau));
-  CHECK(largest(shaped.torque(a, known, Share<double>{0.5, 2}) -
-                constant.torque(b, known, Share<double>{0.5, 2})) < 1e-10 * largest(tau));
+  CHECK(largest(shaped.torque(a, known, LawShare<double>{0.5, 2}) -
+                constant.torque(b, known, LawShare<double>{0.5, 2})) < 1e-10 * largest(tau));
 }
 
 TEST_CASE("Tracking: a constant K_d beyond the bound of sampled time is refused with its rate") {
@@ -243,7 +245,7 @@ TEST_CASE_TEMPLATE("Tracking: a robot at rest is held where it is, from the firs
   CHECK(largest(tau - G) <= T(100) * epsilon<T>() * largest(G));
 }
 
-TEST_CASE("Tracking: a goal does not jump, a reset without hand-over does") {
+TEST_CASE("Tracking: a goal does not jump, a reset without bumpless transfer does") {
   for (const double rate : {125.0, 500.0, 1000.0}) {
     const double dt = 1 / rate;
     // The arm has been pushed 0.2 rad from where the constant gain holds it, and gets a new goal.
@@ -259,7 +261,7 @@ TEST_CASE("Tracking: a goal does not jump, a reset without hand-over does") {
     next.bias.elapsed = clock_end;
     const double naive = largest(law.torque(next, known) - law.torque(memory, known));
     CAPTURE(rate);
-    MESSAGE("jump at " << rate << " Hz: " << smooth << " N m, without hand-over " << naive << " N m");
+    MESSAGE("jump at " << rate << " Hz: " << smooth << " N m, without bumpless transfer " << naive << " N m");
     CHECK(naive > 47);
     CHECK(smooth < 0.002 * naive);
   }
@@ -277,7 +279,7 @@ TEST_CASE("Tracking: goals at any moment of any motion do not jump") {
     const KnownAt<double> known(model, x, dt, none);
     if (i % 137 == 0) {
       const auto before = law.torque(memory, known);
-      memory = law.receive(memory, known, {rng.vector<JointPosition<6>>(1), 0}).memory;
+      memory = law.receive(memory, known, {rng.vector<JointPosition<6>>(1), {}}).memory;
       worst = std::max(worst, largest(law.torque(memory, known) - before));
       auto raw = memory;
       raw.bias.elapsed = clock_end;
@@ -296,7 +298,7 @@ TEST_CASE("Tracking: goals at any moment of any motion do not jump") {
     memory = law.advance(memory, known, dt, memory.held ? Opposition::lasting : Opposition::none);
     x = simulate(model, x, tau, dt, 1);
   }
-  MESSAGE("largest jump " << worst << " N m, without hand-over " << naive
+  MESSAGE("largest jump " << worst << " N m, without bumpless transfer " << naive
                           << " N m, largest change in a cycle of 2 ms " << steepest << " N m");
   CHECK(worst < 0.005);
   CHECK(worst < 0.001 * naive);
@@ -414,7 +416,8 @@ TEST_CASE("Tracking: nothing of it allocates") {
     const RealTimeScope loop;
     for (int i = 0; i < 1000; ++i) {
       const KnownAt<double> known(model, x, 0.002, none);
-      if (i % 100 == 0) memory = law.receive(memory, known, {JointPosition<6>::constant(i * 1e-3), 0}).memory;
+      if (i % 100 == 0)
+        memory = law.receive(memory, known, {JointPosition<6>::constant(i * 1e-3), {}}).memory;
       const auto e = law.evaluate(memory, known, 0.002);
       memory = law.advance(memory, known, 0.002, i % 200 < 50 ? Opposition::lasting : Opposition::none);
       x = simulate(model, x, e.torque, 0.002, 1);
@@ -438,7 +441,7 @@ TEST_CASE("Tracking: float, double and 50 digits give the same torque, as far as
       const Quantities<Elbow, Needs{}, T> known(elbow, x, T(0.0078125), none);
       auto memory = received(law, law.start(known), known, {goal.template cast<T>(), 2s});
       for (int i = 0; i < 64; ++i) memory = advanced(law, memory, known, T(0.0078125), Opposition::none);
-      return torque_of(law, memory, known);
+      return torque_compiled_apart(law, memory, known);
     };
     const auto exact = compute(Digits50(0));
     const auto d = compute(0.0);

@@ -22,7 +22,7 @@ bool parse(std::span<const std::uint8_t> bytes, Datagram& out) noexcept {
   if (bytes[0] != 'S' || bytes[1] != 'K' || bytes[2] != 'I' || bytes[3] != 'N') return false;
   if (little<std::uint16_t>(bytes, 4) != 1) return false;
   const std::size_t count = little<std::uint16_t>(bytes, 6);
-  if (count > most_samples || bytes.size() != header_size + count * sample_size) return false;
+  if (count > max_samples || bytes.size() != header_size + count * sample_size) return false;
   out.sequence = little<std::uint32_t>(bytes, 8);
   out.sent = skinctl::Nanoseconds(static_cast<std::int64_t>(little<std::uint64_t>(bytes, 12)));
   out.samples = bytes.subspan(header_size);

@@ -8,8 +8,8 @@
 
 namespace adapters::skin {
 
-inline constexpr std::size_t header_size = 20, sample_size = 44, most_samples = 33;
-inline constexpr std::size_t largest = header_size + most_samples * sample_size;
+inline constexpr std::size_t header_size = 20, sample_size = 44, max_samples = 33;
+inline constexpr std::size_t largest = header_size + max_samples * sample_size;
 
 /// A datagram whose frame is right; its samples are still to be checked one by one.
 struct Datagram {

@@ -21,14 +21,14 @@ Receiver::Receiver(const ReceiverConfig& config) : config_(config), socket_(io_)
     throw ConnectionError("cannot receive skin at " + config.address + ":" + std::to_string(config.port) +
                           ": " + e.what());
   }
-  samples_.reserve(config.most_samples);
+  samples_.reserve(config.max_samples);
 }
 
 std::span<const skinctl::CellSample> Receiver::poll(Nanoseconds now) noexcept {
   samples_.clear();
   std::array<std::uint8_t, largest + 1> bytes;  // one more, to see that a datagram is too long
   // Bounded: a flood cannot keep the loop here.
-  for (std::size_t k = 0; k < 4096 && samples_.size() + most_samples <= config_.most_samples; ++k) {
+  for (std::size_t k = 0; k < 4096 && samples_.size() + max_samples <= config_.max_samples; ++k) {
     boost::system::error_code error;
     ip::udp::endpoint from;
     const std::size_t n = socket_.receive_from(boost::asio::buffer(bytes), from, 0, error);

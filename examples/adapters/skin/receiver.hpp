@@ -19,7 +19,7 @@ struct ReceiverConfig {
       std::chrono::milliseconds(100);  ///< a sample so long before its sending is refused
   skinctl::Nanoseconds forget =
       std::chrono::milliseconds(200);  ///< after so long without datagrams another sender may begin
-  std::size_t most_samples = 8192;     ///< of one poll; more stay in the socket until the next
+  std::size_t max_samples = 8192;      ///< of one poll; more stay in the socket until the next
 };
 
 /// What arrived and what was refused, since the start.

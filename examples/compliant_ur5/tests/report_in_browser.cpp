@@ -386,7 +386,7 @@ TEST_CASE("Browser: readable from 320 to 1920 px, whatever the run was") {
   worded.result.push_back(
       {"noted",
        "sample stale: the cell does not push; opposed: skin and tracking push against each "
-       "other; hand-over: a torque difference is being ramped out"});
+       "other; bumpless transfer: a torque difference is being ramped out"});
   worded.times.push_back({"a stage with a long name", 1e9, 1e9, 1e9, 1e9});
   worded.velocity_limit = {1, 1.1, 1.2, 1.3, 1.4, 1.5};
   check_page(folder, worded, "long words");

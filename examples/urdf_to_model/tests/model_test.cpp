@@ -16,7 +16,7 @@ int main() {
   const auto calibrated = calibrated_from<robot::Description>(urdf);
   int wrong = 0;
   for (std::size_t i = 0; i < N; ++i) {
-    for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p) {
+    for (std::size_t p = 0; p < std::size_t(LinkParameter::count); ++p) {
       const double a = robot::Description::links[i].numbers[p], b = calibrated.link(i).numbers[p];
       wrong += !(std::abs(a - b) <= 1e-15 * std::max(1.0, std::abs(b)));
     }

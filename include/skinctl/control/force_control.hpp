@@ -61,7 +61,7 @@ class ForceControl : public Composable {
   using Surface = typename Tracker::Surface;
   static constexpr Needs needs = Tracker::needs | Needs{.angles = true, .touch = true};
   static constexpr std::size_t joints = N;
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   static constexpr const char* name = "force";
   static constexpr bool presses = true;  ///< in a sum with the skin's laws this is no opposition
   struct Memory {
@@ -134,7 +134,7 @@ class ForceControl : public Composable {
   }
   template <GravityTerm G = GravityTerm::included, class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
-                                                        const Share<T>& share,
+                                                        const LawShare<T>& share,
                                                         const Surface& at_t) const noexcept {
     auto tau = tracker_.template torque<G>(memory.tracker, known, share, at_t);
     if (settings_.carried > T(0))
@@ -143,7 +143,7 @@ class ForceControl : public Composable {
   }
   template <GravityTerm G = GravityTerm::included, class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
-                                                        const Share<T>& share = {}) const noexcept {
+                                                        const LawShare<T>& share = {}) const noexcept {
     return torque<G>(memory, known, share, now(memory, known));
   }
   template <class K>

@@ -6,23 +6,24 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The instant of an interval at which a law that holds its torque through it evaluates the model.
-enum class Instant : unsigned char { start, middle };
+enum class GravityInstant : unsigned char { start, middle };
 
 /// `tau = G(q)`. In a sum it keeps weight 1, appears at most once, and tells the tracking laws to leave G out
 /// of `Y_r Theta`.
 ///
 /// At the middle, `G(q + dq dt/2)`, a moving robot is carried to second order; at the start, what is held
 /// lags by half an interval, but other laws share it.
-template <Instant At = Instant::middle>
+template <GravityInstant At = GravityInstant::middle>
 struct GravityCompensation : StatelessLaw<GravityCompensation<At>> {
-  static constexpr Needs needs = {.gravity = At == Instant::start, .middle = At == Instant::middle};
-  static constexpr Role role = Role::gravity;
+  static constexpr Needs needs = {.gravity = At == GravityInstant::start,
+                                  .middle = At == GravityInstant::middle};
+  static constexpr LawRole role = LawRole::gravity;
   static constexpr const char* name = "gravity";
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
       const K& known) const noexcept {
-    if constexpr (At == Instant::start) {
+    if constexpr (At == GravityInstant::start) {
       return known.gravity();
     } else {
       return gravity_torque(known.model(), known.middle());

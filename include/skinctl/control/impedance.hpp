@@ -37,7 +37,7 @@ struct ImpedanceSettings {
 /// dt^2 < m`.
 ///
 /// Goals move along the spline (22) from where the target is; what a goal or a contact changes in the torque
-/// is ramped out over `hand_over`.
+/// is ramped out over `bumpless_transfer`.
 template <class Space, class Plan = SplinePlan<Space>>
 class Impedance : public Composable {
  public:
@@ -48,7 +48,7 @@ class Impedance : public Composable {
   using Goal = typename Plan::Goal;
   using Settings = ImpedanceSettings<Space>;
   static constexpr Needs needs = Needs{.gravity = true, .mass = true} | Space::needs;
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   static constexpr const char* name = "impedance";
   struct Memory {
     Plan plan;
@@ -70,8 +70,8 @@ class Impedance : public Composable {
     for (const T& d : settings.damping) check(d, "damping");
     for (const T& d : settings.joint_damping) check(d, "joint_damping");
     const auto& s = Space::tracking(settings.space);
-    require(s.hand_over > 0ns && s.hand_over <= 1000s, "hand_over", milliseconds(s.hand_over),
-            "> 0 ms, <= 1000 s");
+    require(s.bumpless_transfer > 0ns && s.bumpless_transfer <= 1000s, "bumpless_transfer",
+            milliseconds(s.bumpless_transfer), "> 0 ms, <= 1000 s");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
   [[nodiscard]] const Space& space() const noexcept { return space_; }
@@ -90,12 +90,12 @@ class Impedance : public Composable {
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
     out.memory.plan = planned.memory;
-    hand_over(out.memory, memory, known);
+    bumpless_transfer(out.memory, memory, known);
     return out;
   }
   template <GravityTerm G = GravityTerm::included, class K>
   [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known,
-                                         const Share<T>& share = {}) const noexcept {
+                                         const LawShare<T>& share = {}) const noexcept {
     const auto site = space_.site(known);
     const auto error = space_.errors(memory.plan.at(T(0), settings_.space), site, memory.space);
     constexpr std::size_t m = Space::coordinates;
@@ -120,7 +120,8 @@ class Impedance : public Composable {
     math::Ldlt<N, T>(A).solve(braked, a.data);
     tau -= known.mass() * a;
     const T left =
-        quintic(seconds<T>(memory.elapsed) / seconds<T>(Space::tracking(settings_.space).hand_over)).rest;
+        quintic(seconds<T>(memory.elapsed) / seconds<T>(Space::tracking(settings_.space).bumpless_transfer))
+            .rest;
     for (std::size_t i = 0; i < N; ++i) tau[i] = share.feedback * (tau[i] + left * memory.difference[i]);
     if constexpr (G == GravityTerm::included) tau += share.feed_forward * known.gravity();
     return tau;
@@ -132,7 +133,7 @@ class Impedance : public Composable {
     if ((opposition == Opposition::lasting) != memory.held) {
       next.held = opposition == Opposition::lasting;
       next.plan = memory.plan.held(next.held, settings_.space);
-      hand_over(next, memory, known);
+      bumpless_transfer(next, memory, known);
     }
     const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
     next.plan = next.plan.advanced(ns, settings_.space);
@@ -148,14 +149,14 @@ class Impedance : public Composable {
   }
   [[nodiscard]] Status status(const Memory& memory) const noexcept {
     Status s;
-    if (memory.elapsed < Space::tracking(settings_.space).hand_over) s |= Reason::hand_over;
+    if (memory.elapsed < Space::tracking(settings_.space).bumpless_transfer) s |= Reason::bumpless_transfer;
     if (memory.held) s |= Reason::opposed;
     return s;
   }
 
  private:
   template <class K>
-  void hand_over(Memory& next, const Memory& before, const K& known) const noexcept {
+  void bumpless_transfer(Memory& next, const Memory& before, const K& known) const noexcept {
     const auto old = torque(before, known);
     next.elapsed = clock_end;
     next.difference = old - torque(next, known);
@@ -172,7 +173,7 @@ class Impedance : public Composable {
 template <std::size_t N, Real T = double>
 using JointImpedance = Impedance<JointSpace<N, T>>;
 /// Springs at a tool `P` on link `I`.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose>
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose>
 using CartesianImpedance = Impedance<OperationalSpace<N, I, P, T, What>>;
 
 SKINCTL_END_NAMESPACE

@@ -9,7 +9,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8), (15)-(21) of a tool `P` on link `I` of a robot with `N` joints. A goal is a `PoseReference`:
 /// `receive` starts the time base for it, `follow` takes the next sample of a target that moves.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>, class Sign = TanhSign>
 class OperationalControl

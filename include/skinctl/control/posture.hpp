@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// the tool notices nothing, neither at rest nor in acceleration (`J M^-1 tau = 0` where J^+ is not damped).
 /// For robots with more joints than the tool's task has coordinates; beside laws that leave the null space
 /// free. Each joint's pull is limited: `w^2 (q - q_p)` goes no further than `limit`.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::position>
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::position>
 class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, I, P, T, What>> {
  public:
   static constexpr std::size_t joints = N;

@@ -17,7 +17,7 @@ template <DescribedRobot R>
 ReactiveJoint(const R&) -> ReactiveJoint<R::joints, typename R::scalar>;
 
 /// Eqs. (15)-(21) after a `PoseReference` of the tool `P` on link `I` from a sensor.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>, class Sign = TanhSign>
 class ReactiveOperational

@@ -9,7 +9,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8), (15)-(21) along the spline (22), in a straight line and by the shortest turn. A goal is a
 /// `PoseGoal`: a pose of the tool `P` on link `I`, and a duration or none.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>, class Sign = TanhSign>
 class SplineOperational

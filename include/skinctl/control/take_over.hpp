@@ -10,7 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 ///     tau_out = tau + (1 - a1((t - t0) / T_h)) (tau_out(t0-) - tau(t0+)).
 ///
-/// For hand-overs between laws that know nothing of each other. (Resets within a tracking law need no such
+/// For bumpless transfers between laws that know nothing of each other. (Resets within a tracking law need no such
 /// difference: their reference goes on, see `SurfaceBias`.) The last share is the difference.
 template <std::size_t N, class L, Real T = double>
 class TakeOver : public detail::GoalOfLaw<L> {
@@ -23,7 +23,7 @@ class TakeOver : public detail::GoalOfLaw<L> {
     Nanoseconds elapsed;
   };
   static constexpr Needs needs = L::needs;
-  static constexpr Role role = L::role;
+  static constexpr LawRole role = L::role;
   static constexpr bool compensates_friction = detail::compensates_friction<L>;
   static constexpr std::size_t terms = terms_of<L> + 1;
 
@@ -83,7 +83,7 @@ class TakeOver : public detail::GoalOfLaw<L> {
         own.torque + carried, {own.memory, memory.difference, after(memory, dt)}, {}, own.status};
     for (std::size_t i = 0; i + 1 < terms; ++i) out.shares[i] = own.shares[i];
     out.shares[terms - 1] = carried;
-    if (ramp_.lasts(memory.elapsed)) out.status |= Reason::hand_over;
+    if (ramp_.lasts(memory.elapsed)) out.status |= Reason::bumpless_transfer;
     return out;
   }
 

@@ -57,7 +57,7 @@ template <class V, class T>
 template <GravityTerm G, class L, class K>
 [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> weighted_torque(
     const L& law, const typename L::Memory& memory, const K& known,
-    const Share<typename K::scalar>& share) noexcept {
+    const LawShare<typename K::scalar>& share) noexcept {
   if constexpr (has_weighted_torque<L, K>) {
     return law.template torque<G>(memory, known, share);
   } else {

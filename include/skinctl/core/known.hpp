@@ -8,10 +8,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// An integer known at compile time, whose `*`, `+` and `-` fold by overload.
 ///
 /// A compiler may not drop `0 * x` (x could be NaN or negative), so the zeros and ones of a robot's
-/// placements are types: `Known<0>{} * x` is `Known<0>`, `Known<1>{} * x` is `x`, `Known<0>{} + x` is `x`. A
+/// placements are types: `TypedConstant<0>{} * x` is `TypedConstant<0>`, `TypedConstant<1>{} * x` is `x`, `TypedConstant<0>{} + x` is `x`. A
 /// NaN in `x` is dropped with it: inputs are checked where they enter the cycle, not here.
 template <int V>
-struct Known {
+struct TypedConstant {
   static constexpr int value = V;
 
   /// The number as a scalar, for storage in dense arrays.
@@ -19,25 +19,25 @@ struct Known {
   SKINCTL_INLINE constexpr explicit operator T() const noexcept {
     return T(V);
   }
-  SKINCTL_INLINE constexpr Known<-V> operator-() const noexcept { return {}; }
+  SKINCTL_INLINE constexpr TypedConstant<-V> operator-() const noexcept { return {}; }
 
-  // Friends, so that only expressions with a Known consider them: errors of others stay short.
+  // Friends, so that only expressions with a TypedConstant consider them: errors of others stay short.
   template <int W>
-  friend SKINCTL_INLINE constexpr Known<V * W> operator*(Known, Known<W>) noexcept {
+  friend SKINCTL_INLINE constexpr TypedConstant<V * W> operator*(TypedConstant, TypedConstant<W>) noexcept {
     return {};
   }
   template <int W>
-  friend SKINCTL_INLINE constexpr Known<V + W> operator+(Known, Known<W>) noexcept {
+  friend SKINCTL_INLINE constexpr TypedConstant<V + W> operator+(TypedConstant, TypedConstant<W>) noexcept {
     return {};
   }
   template <int W>
-  friend SKINCTL_INLINE constexpr Known<V - W> operator-(Known, Known<W>) noexcept {
+  friend SKINCTL_INLINE constexpr TypedConstant<V - W> operator-(TypedConstant, TypedConstant<W>) noexcept {
     return {};
   }
   template <Scalar T>
-  friend SKINCTL_INLINE constexpr auto operator*(Known, const T& x) noexcept {
+  friend SKINCTL_INLINE constexpr auto operator*(TypedConstant, const T& x) noexcept {
     if constexpr (V == 0) {
-      return Known<0>{};
+      return TypedConstant<0>{};
     } else if constexpr (V == 1) {
       return T(x);
     } else if constexpr (V == -1) {
@@ -47,11 +47,11 @@ struct Known {
     }
   }
   template <Scalar T>
-  friend SKINCTL_INLINE constexpr auto operator*(const T& x, Known k) noexcept {
+  friend SKINCTL_INLINE constexpr auto operator*(const T& x, TypedConstant k) noexcept {
     return k * x;
   }
   template <Scalar T>
-  friend SKINCTL_INLINE constexpr T operator+(Known, const T& x) noexcept {
+  friend SKINCTL_INLINE constexpr T operator+(TypedConstant, const T& x) noexcept {
     if constexpr (V == 0) {
       return x;
     } else {
@@ -59,11 +59,11 @@ struct Known {
     }
   }
   template <Scalar T>
-  friend SKINCTL_INLINE constexpr T operator+(const T& x, Known k) noexcept {
+  friend SKINCTL_INLINE constexpr T operator+(const T& x, TypedConstant k) noexcept {
     return k + x;
   }
   template <Scalar T>
-  friend SKINCTL_INLINE constexpr T operator-(const T& x, Known) noexcept {
+  friend SKINCTL_INLINE constexpr T operator-(const T& x, TypedConstant) noexcept {
     if constexpr (V == 0) {
       return x;
     } else {
@@ -71,7 +71,7 @@ struct Known {
     }
   }
   template <Scalar T>
-  friend SKINCTL_INLINE constexpr T operator-(Known, const T& x) noexcept {
+  friend SKINCTL_INLINE constexpr T operator-(TypedConstant, const T& x) noexcept {
     if constexpr (V == 0) {
       return -x;
     } else {
@@ -83,16 +83,16 @@ struct Known {
 template <class X>
 inline constexpr bool is_known = false;
 template <int V>
-inline constexpr bool is_known<Known<V>> = true;
+inline constexpr bool is_known<TypedConstant<V>> = true;
 
 /// True for the type of a compile-time zero.
 template <class X>
 inline constexpr bool is_zero = false;
 template <>
-inline constexpr bool is_zero<Known<0>> = true;
+inline constexpr bool is_zero<TypedConstant<0>> = true;
 
 /// A scalar or a compile-time number.
 template <class X>
-concept Number = Scalar<X> || is_known<X>;
+concept ScalarOrConstant = Scalar<X> || is_known<X>;
 
 SKINCTL_END_NAMESPACE

@@ -19,7 +19,7 @@ struct Composable {};
 using expression::Composable;
 
 /// How a law enters a sum, eq. (23).
-enum class Role : unsigned char {
+enum class LawRole : unsigned char {
   tracking,  ///< follows a target: feedback is weighted, feed-forwards enter as one convex mean
   reactive,  ///< answers the skin: its weight is not normalised
   gravity    ///< compensates gravity: weight 1, at most once in an expression
@@ -30,7 +30,7 @@ enum class GravityTerm : bool { left_out, included };
 
 /// What a sum multiplies the two parts of a tracking law by.
 template <Scalar T>
-struct Share {
+struct LawShare {
   T feedback = T(1);
   T feed_forward = T(1);
 };
@@ -67,7 +67,7 @@ template <class Own>
 struct StatelessLaw : Composable {
   struct Memory {};
   static constexpr Needs needs = {};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
 
   template <class K>
   [[nodiscard]] static SKINCTL_INLINE constexpr Memory start(const K&) noexcept {
@@ -97,8 +97,8 @@ template <class L, class K>
 inline constexpr bool has_stateless_parts =
     std::is_empty_v<typename L::Memory> && requires(const L& law, const K& known) { law.parts(known); };
 template <class L, class K>
-inline constexpr bool has_weighted_torque = requires(const L& law, const typename L::Memory& m,
-                                                     const K& known, const Share<typename K::scalar>& share) {
+inline constexpr bool has_weighted_torque = requires(
+    const L& law, const typename L::Memory& m, const K& known, const LawShare<typename K::scalar>& share) {
   law.template torque<GravityTerm::left_out>(m, known, share);
 };
 }  // namespace detail
@@ -142,7 +142,7 @@ concept Law =
     requires(const L& law, const typename L::Memory& memory, const K& known, const typename K::scalar& dt) {
       requires std::is_trivially_copyable_v<typename L::Memory>;
       { L::needs } -> std::convertible_to<Needs>;
-      { L::role } -> std::convertible_to<Role>;
+      { L::role } -> std::convertible_to<LawRole>;
       { law.start(known) } -> std::same_as<typename L::Memory>;
       { law.advance(memory, known, dt, Opposition::none) } noexcept -> std::same_as<typename L::Memory>;
     } && (requires(const L& law, const typename L::Memory& memory, const K& known) {
@@ -161,7 +161,7 @@ concept Law =
 /// serves both parts and gravity.
 template <class L, class K>
 concept TrackingLaw =
-    Law<L, K> && L::role == Role::tracking &&
+    Law<L, K> && L::role == LawRole::tracking &&
     (detail::has_parts<L, K> || detail::has_stateless_parts<L, K> || detail::has_weighted_torque<L, K>);
 
 /// A law that takes goals:

@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// A 3-vector whose components may be typed constants. Algorithms use it instead of Eigen's, whose packet
 /// code for three elements costs GCC about a third; Eigen stands at the boundary (`core/eigen.hpp`).
-template <Number X, Number Y = X, Number Z = X>
+template <ScalarOrConstant X, ScalarOrConstant Y = X, ScalarOrConstant Z = X>
 struct Triple {
   [[no_unique_address]] X x;
   [[no_unique_address]] Y y;
@@ -28,7 +28,7 @@ struct Triple {
   friend SKINCTL_INLINE constexpr auto operator-(const Triple& u) noexcept {
     SKINCTL_CONTRACT return skinctl::Triple{-u.x, -u.y, -u.z};
   }
-  template <Number S>
+  template <ScalarOrConstant S>
   friend SKINCTL_INLINE constexpr auto operator*(const S& s, const Triple& v) noexcept {
     SKINCTL_CONTRACT return skinctl::Triple{s * v.x, s * v.y, s * v.z};
   }
@@ -49,8 +49,8 @@ Triple(X, Y, Z) -> Triple<X, Y, Z>;
 template <Scalar T>
 using Xyz = Triple<T, T, T>;
 
-using ZeroTriple = Triple<Known<0>, Known<0>, Known<0>>;
-using UnitZ = Triple<Known<0>, Known<0>, Known<1>>;
+using ZeroTriple = Triple<TypedConstant<0>, TypedConstant<0>, TypedConstant<0>>;
+using UnitZ = Triple<TypedConstant<0>, TypedConstant<0>, TypedConstant<1>>;
 
 /// The same vector with every component stored as `T`.
 template <Scalar T, class X, class Y, class Z>
@@ -105,7 +105,7 @@ template <Real T>
 }
 
 /// A rotation about one axis by a known cosine and sine, either of which may be a typed constant.
-template <Number C, Number S>
+template <ScalarOrConstant C, ScalarOrConstant S>
 struct Turn {
   [[no_unique_address]] C cos;
   [[no_unique_address]] S sin;

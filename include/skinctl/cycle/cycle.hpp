@@ -17,7 +17,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// What one cycle gives.
 template <std::size_t N, Scalar T, std::size_t Terms>
-struct Output {
+struct CycleOutput {
   JointCommand<N, T> command;                   ///< what may be sent, if it is valid
   Status status;                                ///< what was limited, held or refused
   std::array<JointTorque<N, T>, Terms> shares;  ///< what each law contributed in the last sub-step [N m]
@@ -77,6 +77,8 @@ template <class L>
 struct GoalType<L> {
   using type = typename L::Goal;
 };
+struct SkinBehindLaw {};
+
 /// The resolver of a robot's description; one built by hand is taken as it is.
 template <class R>
 [[nodiscard]] auto as_resolver(const R& robot) {
@@ -100,9 +102,9 @@ concept GovernorLike = is_governor<G> || std::is_same_v<G, NoGovernor>;
 template <class L>
 inline constexpr bool holds_gravity = [] {
   if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0 || L::role == Role::tracking;
+    return L::gravity_laws > 0 || L::role == LawRole::tracking;
   } else {
-    return L::role != Role::reactive;
+    return L::role != LawRole::reactive;
   }
 }();
 /// Whether a gravity law is loaded that cannot be told to leave gravity to the robot.
@@ -113,7 +115,7 @@ inline constexpr bool has_gravity_law = [] {
   } else if constexpr (requires { L::gravity_laws; }) {
     return L::gravity_laws > 0;
   } else {
-    return L::role == Role::gravity;
+    return L::role == LawRole::gravity;
   }
 }();
 template <class L>
@@ -174,6 +176,13 @@ class Cycle {
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
   static_assert(!governed || detail::has_one_interface<Resolver>,
                 "a governor is for a robot whose joints all take the same: leave it out");
+  static constexpr detail::GuardFault guard_fault = detail::fault_in_guard<Watchman, Resolver>();
+  static_assert(guard_fault != detail::GuardFault::interface,
+                "this guard is for another interface than the robot's: leave it out, a cycle builds its own");
+  static_assert(guard_fault != detail::GuardFault::joints,
+                "this guard is for a robot with another number of joints: leave it out");
+  static_assert(guard_fault != detail::GuardFault::scalar,
+                "this guard is for a robot in another scalar: leave it out");
   static_assert(!detail::limits_jerk<Overseer> || detail::commands_motion<Resolver>,
                 "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
   static_assert(detail::governs<Overseer, Resolver::joints, typename Resolver::scalar>,
@@ -184,8 +193,8 @@ class Cycle {
   using scalar = typename Resolver::scalar;
   using law_type = L;
   using Goal = typename detail::GoalType<L>::type;
-  using Input = skinctl::Input<joints, scalar, Goal>;
-  using Output = skinctl::Output<joints, scalar, terms_of<L>>;
+  using Input = CycleInput<joints, scalar, Goal>;
+  using Output = CycleOutput<joints, scalar, terms_of<L>>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
 
@@ -288,8 +297,8 @@ class Cycle {
     const RealTimeScope real_time;
     watch.begin();
     Output out;
-    if (input.request == Request::stop) resolver_.stop(m.robot);
-    if (input.request == Request::resume) {
+    if (input.request == CycleRequest::stop) resolver_.stop(m.robot);
+    if (input.request == CycleRequest::resume) {
       resolver_.resume(m.robot);
       guard_.acknowledge(m.guard);
     }
@@ -300,17 +309,13 @@ class Cycle {
     const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
     out.status |= interval.status;
     out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
-    watch.end(Stage::sense);
+    watch.end(CycleStage::sense);
 
-    // What the robot cannot have is no news of it; NaN is told from it by the resolver.
-    const auto& measured = guard_.believes(input.measured) || !detail::is_plausible(input.measured)
-                               ? input.measured
-                               : m.robot.measured;
-    auto resolved = resolver_.step(m.robot, law_, m.law, measured, interval,
-                                   std::span<const Wrenches>(touches.data, parts));
+    auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
+                                   std::span<const Wrenches>(touches.data, parts), guard_);
     out.status |= resolved.status;
     out.shares = resolved.shares;
-    watch.end(Stage::resolve);
+    watch.end(CycleStage::resolve);
 
     Status found = input.observed;
     bool slowed = false;
@@ -324,8 +329,8 @@ class Cycle {
         if constexpr (Resolver::interface == Interface::torque) resolved.fallback = given.hold;
       }
     }
-    const auto guarded = guard_.pass(m.guard, resolved.command, input.measured, input.now, resolved.fallback,
-                                     found | out.status);
+    const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured, input.now,
+                                     resolved.fallback, found | out.status);
     out.status |= guarded.status | input.observed;
     out.command.assign(guarded.command);
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
@@ -334,7 +339,7 @@ class Cycle {
         governor_.sent(m.governor, guarded.command);
     }
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
-    watch.end(Stage::guard);
+    watch.end(CycleStage::guard);
     return out;
   }
 
@@ -387,10 +392,10 @@ class Cycle {
       // By an old velocity nothing can be braked.
       if (resolved.status.has(Reason::state_stale))
         return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};
-      return governor_.pass_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
+      return governor_.step_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
                                    m.robot.measured, touch, nearest, dt);
     } else {
-      return governor_.pass(m.governor, m.guard.command, resolved.command, m.robot.measured, touch, nearest,
+      return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, touch, nearest,
                             dt);
     }
   }
@@ -415,6 +420,17 @@ class Cycle {
   [[no_unique_address]] Overseer governor_;
 };
 
+/// The place of a robot whose skin was given behind the law.
+template <class L, class Skin, class Guard, class Governor>
+class Cycle<detail::SkinBehindLaw, L, Skin, Guard, Governor> {
+  static_assert(!std::is_same_v<L, L>, "order: robot, skin, law; the skin stands before the law");
+
+ public:
+  constexpr Cycle(const auto&...) noexcept {}
+};
+template <class R, class L, detail::SkinLike S>
+  requires(!detail::SkinLike<L>)
+Cycle(const R&, const L&, const S&) -> Cycle<detail::SkinBehindLaw, L, S, NoGovernor, NoGovernor>;
 template <class R, detail::SkinLike S, class L>
 Cycle(const R&, const S&, const L&) -> Cycle<detail::ResolverFor<R>, L, S>;
 template <class R, detail::SkinLike S, class L, detail::GuardLike G>

@@ -10,7 +10,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What the user wants of a cycle besides the laws' goals.
-enum class Request : unsigned char {
+enum class CycleRequest : unsigned char {
   none,
   stop,   ///< brake and hold, until `resume`
   resume  ///< go on after a stop, also after one that the guard asked consent for
@@ -21,12 +21,12 @@ struct NoGoal {};
 
 /// The input of one cycle. Any bit pattern is allowed in it: what cannot be used is refused with a reason.
 template <std::size_t N, Scalar T = double, class Goal = NoGoal>
-struct Input {
+struct CycleInput {
   Nanoseconds now{};                    ///< the robot's clock: the end of the interval that is integrated
   State<N, T> measured;                 ///< the newest state, with its own stamp
   std::span<const CellSample> samples;  ///< that arrived since the last cycle
-  Request request = Request::none;
-  Status observed;  ///< what the loop saw go wrong before this cycle: see `Budget`, `PacketWatch`
+  CycleRequest request = CycleRequest::none;
+  Status observed;  ///< what the loop saw go wrong before this cycle: see `TimeBudget`, `PacketWatch`
   bool has_goal = false;
   Goal goal{};  ///< read if `has_goal`: a goal, or the next sample of a target that moves
 };

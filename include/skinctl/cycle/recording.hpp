@@ -259,7 +259,7 @@ class Recording {
     read(reader, input.now);
     read(reader, input.measured);
     const auto request = reader.get<std::uint8_t>();
-    input.request = request <= 2 ? static_cast<Request>(request) : Request::none;
+    input.request = request <= 2 ? static_cast<CycleRequest>(request) : CycleRequest::none;
     input.observed = Status::from_bits(reader.get<std::uint64_t>());
     input.has_goal = reader.get<bool>();
     read(reader, input.goal);

@@ -132,6 +132,21 @@ template <class Resolver, class... Made>
   }
 }
 
+/// What can be wrong with a guard that is given by hand.
+enum class GuardFault { none, interface, joints, scalar };
+template <class Guard, class Resolver>
+consteval GuardFault fault_in_guard() {
+  if constexpr (requires {
+                  { Guard::interface } -> std::convertible_to<Interface>;
+                  { Resolver::interface } -> std::convertible_to<Interface>;
+                }) {
+    if (Guard::interface != Resolver::interface) return GuardFault::interface;
+    if (Guard::joints != Resolver::joints) return GuardFault::joints;
+    if (!std::is_same_v<typename Guard::scalar, typename Resolver::scalar>) return GuardFault::scalar;
+  }
+  return GuardFault::none;
+}
+
 /// Throws `ConfigurationError` with both values where two parts of a scene state a fact differently.
 SKINCTL_COLD inline void require_same(const char* what, double here, double there, const char* unit) {
   if (here == there) return;
@@ -142,7 +157,7 @@ SKINCTL_COLD inline void require_same(const char* what, double here, double ther
 }
 template <class Guard, class Resolver>
 SKINCTL_COLD void compare(const Guard& guard, const Resolver& resolver) {
-  if constexpr (requires { guard.limits(); }) {
+  if constexpr (requires { guard.limits(); } && fault_in_guard<Guard, Resolver>() == GuardFault::none) {
     const auto& ours = guard.limits();
     const auto& theirs = resolver.parameters().limits;
     const auto number = [](const auto& x) { return static_cast<double>(x); };

@@ -8,23 +8,23 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What one cycle goes through, in this order.
-enum class Stage : unsigned char {
+enum class CycleStage : unsigned char {
   sense,    ///< samples to mean wrenches on the links
   resolve,  ///< laws, dynamics and the virtual robot
   guard,    ///< the last word
   count
 };
-inline constexpr std::size_t stage_count = static_cast<std::size_t>(Stage::count);
+inline constexpr std::size_t stage_count = static_cast<std::size_t>(CycleStage::count);
 
-constexpr const char* name(Stage stage) noexcept {
+constexpr const char* name(CycleStage stage) noexcept {
   constexpr const char* names[] = {"sense", "resolve", "guard"};
-  return stage < Stage::count ? names[static_cast<std::size_t>(stage)] : "unknown";
+  return stage < CycleStage::count ? names[static_cast<std::size_t>(stage)] : "unknown";
 }
 
 /// Takes no times and costs nothing.
 struct NoStopwatch {
   SKINCTL_INLINE void begin() noexcept {}
-  SKINCTL_INLINE void end(Stage) noexcept {}
+  SKINCTL_INLINE void end(CycleStage) noexcept {}
 };
 
 SKINCTL_END_NAMESPACE

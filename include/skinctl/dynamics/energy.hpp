@@ -16,11 +16,11 @@ using JointMomentum = JointVector<kind::Momentum, N, T>;
 namespace detail {
 
 /// Kinetic energy of the subtree of link `I`, whose parent moves at `v`, `w` (parent's axes and origin).
-template <std::size_t I, Scalar T, Model M, class Angles>
+template <std::size_t I, Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE T subtree_kinetic_energy(const M& model, const Angles& angles, const T* dq,
                                         const Xyz<T>& v_parent, const Xyz<T>& w_parent) noexcept {
-  using P = Parameter;
-  const auto number = [&]<Parameter K>(std::integral_constant<Parameter, K>)
+  using P = LinkParameter;
+  const auto number = [&]<LinkParameter K>(std::integral_constant<LinkParameter, K>)
                           SKINCTL_INLINE_LAMBDA { return model.template number<I, K, T>(); };
   const auto frame = joint_frame<I>(model, angles);
   Xyz<T> v = dense<T>(frame.to_link(v_parent + cross(w_parent, frame.p)));
@@ -29,16 +29,16 @@ SKINCTL_INLINE T subtree_kinetic_energy(const M& model, const Angles& angles, co
   moved = moved + dq[I];
   const Xyz<T> v_c = dense<T>(v + cross(w, centre_of_mass<I, T>(model)));
   // I = tr(S) 1 - S: w' I w = sum of S_ii times the square of the rest of w, less the products.
-  const auto s_xx = number(std::integral_constant<Parameter, P::s_xx>{});
-  const auto s_yy = number(std::integral_constant<Parameter, P::s_yy>{});
-  const auto s_zz = number(std::integral_constant<Parameter, P::s_zz>{});
-  const auto s_xy = number(std::integral_constant<Parameter, P::s_xy>{});
-  const auto s_xz = number(std::integral_constant<Parameter, P::s_xz>{});
-  const auto s_yz = number(std::integral_constant<Parameter, P::s_yz>{});
+  const auto s_xx = number(std::integral_constant<LinkParameter, P::s_xx>{});
+  const auto s_yy = number(std::integral_constant<LinkParameter, P::s_yy>{});
+  const auto s_zz = number(std::integral_constant<LinkParameter, P::s_zz>{});
+  const auto s_xy = number(std::integral_constant<LinkParameter, P::s_xy>{});
+  const auto s_xz = number(std::integral_constant<LinkParameter, P::s_xz>{});
+  const auto s_yz = number(std::integral_constant<LinkParameter, P::s_yz>{});
   const T xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
   const T turning(s_xx * T(yy + zz) + s_yy * T(xx + zz) + s_zz * T(xx + yy) -
                   (s_xy * T(T(2) * w.x * w.y) + s_xz * T(T(2) * w.x * w.z) + s_yz * T(T(2) * w.y * w.z)));
-  const T moving(number(std::integral_constant<Parameter, P::mass>{}) * dot(v_c, v_c));
+  const T moving(number(std::integral_constant<LinkParameter, P::mass>{}) * dot(v_c, v_c));
   T energy = T(0.5) * (moving + turning);
   for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
     energy = energy + subtree_kinetic_energy<child.value, T>(model, angles, dq, v, w);
@@ -50,7 +50,7 @@ SKINCTL_INLINE T subtree_kinetic_energy(const M& model, const Angles& angles, co
 
 /// Kinetic energy `1/2 dq' M dq` [J] as the sum over links of `1/2 m v_c^2 + 1/2 w . I w`: no negative terms
 /// for links that can exist. Rotors are not in it: see `RotorInertia`.
-template <Model M, Scalar T, LinkMask Mask>
+template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE T kinetic_energy(const M& model, const JointAngles<M, T, Mask>& angles,
                                               const JointVelocity<M::joints, T>& dq) noexcept {
   const Xyz<T> zero{T(0), T(0), T(0)};
@@ -60,7 +60,7 @@ template <Model M, Scalar T, LinkMask Mask>
   });
   return energy;
 }
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE T kinetic_energy(const M& model, const JointPosition<M::joints, T>& q,
                                               const JointVelocity<M::joints, T>& dq) noexcept {
   return kinetic_energy(model, JointAngles<M, T>(model, q), dq);
@@ -68,7 +68,7 @@ template <Model M, Scalar T>
 
 /// Kinetic and potential energy [J], the latter zero with all mass at the base's origin. Its rate is
 /// `power(tau, dq)` of the joint torques, and of nothing else.
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE T energy(const M& model, const JointPosition<M::joints, T>& q,
                                       const JointVelocity<M::joints, T>& dq) noexcept {
   return kinetic_energy(model, q, dq) + potential_energy(model, q);
@@ -76,7 +76,7 @@ template <Model M, Scalar T>
 
 /// Generalised momentum `p = M(q) dq` [N m s], without forming M: observers of collisions compare its rate
 /// with the torques, `dp = tau + C' dq - G`.
-template <Model M, Scalar T, LinkMask Mask>
+template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointMomentum<M::joints, T> generalised_momentum(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq) noexcept {
   JointMomentum<M::joints, T> p;
@@ -84,7 +84,7 @@ template <Model M, Scalar T, LinkMask Mask>
                            ZeroTriple{}, p.data);
   return p;
 }
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE JointMomentum<M::joints, T> generalised_momentum(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq) noexcept {
   return generalised_momentum(model, JointAngles<M, T>(model, q), dq);

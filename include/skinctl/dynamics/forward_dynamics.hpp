@@ -154,7 +154,7 @@ class MassFactors {
 /// place of the links' torques. The acceleration itself is off by that times the condition of M: some 500
 /// units for a UR5, 1200 for two arms with hands; where light links carry masses 1e12 times their own the
 /// accelerations keep 8 digits in double and none in float.
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE ForwardDynamics<M::joints, T> forward_dynamics(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,
     const JointTorque<M::joints, T>& tau) noexcept {
@@ -163,9 +163,9 @@ template <Model M, Scalar T>
   return MassFactors<M, T>::solved(mass_matrix(model, angles), free);
 }
 // clang-format off
-template <Model M, Scalar T> requires(!computes_in<M, T>)
+template <RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void forward_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointTorque<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
-template <Model M, class... Q> requires(EigenExpression<Q> || ...)
+template <RobotModel M, class... Q> requires(EigenExpression<Q> || ...)
 void forward_dynamics(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 

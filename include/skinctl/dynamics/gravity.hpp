@@ -20,25 +20,25 @@ template <class Mass, class H, class At, class N>
 Weight(Mass, H, At, N) -> Weight<Mass, H, At, N>;
 
 /// Whether the z axis of link `I` is known to be parallel to that of its parent.
-template <std::size_t I, Model M, Scalar T>
+template <std::size_t I, RobotModel M, Scalar T>
 constexpr bool parallel_to_parent() noexcept {
-  using Sin = decltype(std::declval<const M&>().template number<I, Parameter::sin_alpha, T>());
-  using Cos = decltype(std::declval<const M&>().template number<I, Parameter::cos_alpha, T>());
-  return is_zero<Sin> && std::is_same_v<Cos, Known<1>>;
+  using Sin = decltype(std::declval<const M&>().template number<I, LinkParameter::sin_alpha, T>());
+  using Cos = decltype(std::declval<const M&>().template number<I, LinkParameter::cos_alpha, T>());
+  return is_zero<Sin> && std::is_same_v<Cos, TypedConstant<1>>;
 }
 
 /// Writes `tau[I]` for the subtree of link `I` under the gravitational acceleration `g_parent` (parent's
 /// axes) and returns the subtree's weight in the parent's axes. About a parallel axis the moment of a weight
 /// is the same, so that a link adds to its child's only what lies between the axes; where nobody else asks
 /// for the first moment the compiler then drops it.
-template <std::size_t I, Scalar T, Model M, class Angles, class G>
+template <std::size_t I, Scalar T, RobotModel M, class Angles, class G>
 SKINCTL_INLINE constexpr auto subtree_gravity(const M& model, const Angles& angles, const G& g_parent,
                                               T* tau) noexcept {
   constexpr auto carried = children<M, int(I)>;
   const auto frame = joint_frame<I>(model, angles);
   const auto g = frame.to_link(g_parent);
   const auto moment_z = [&](const auto& h) SKINCTL_INLINE_LAMBDA { return h.x * g.y - h.y * g.x; };
-  const auto own_mass = model.template number<I, Parameter::mass, T>();
+  const auto own_mass = model.template number<I, LinkParameter::mass, T>();
   const auto own_h = own_mass * centre_of_mass<I, T>(model);
   const auto in_parent = [&](const auto& mass, const auto& h, const auto& n) SKINCTL_INLINE_LAMBDA {
     tau[I] = M::kinds[I] == JointKind::revolute ? T(-n) : T(-(mass * g.z));
@@ -69,9 +69,9 @@ SKINCTL_INLINE constexpr auto subtree_gravity(const M& model, const Angles& angl
 
 /// Joints whose angle G does not depend on, as their model's types tell: the first of a chain if it turns
 /// about the vertical, and the last of a branch if its link's centre of mass lies on the axis.
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 constexpr LinkMask weightless_angles() noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   using Gravity = decltype(std::declval<const M&>().template gravity<T>());
   LinkMask mask = 0;
   unrolled<M::joints>([&](auto i) {
@@ -87,7 +87,7 @@ constexpr LinkMask weightless_angles() noexcept {
 }
 
 /// Writes G from sines and cosines that may lack those of the angles above.
-template <Scalar T, Model M, class Angles>
+template <Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque_from(const M& model, const Angles& angles) noexcept {
   return JointTorque<M::joints, T>::written([&](T* tau) SKINCTL_INLINE_LAMBDA {
     const auto g = model.template gravity<T>();
@@ -100,12 +100,12 @@ SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque_from(const M& model, con
 }  // namespace detail
 
 /// `G(q)` [N m], the torques that hold the robot against gravity: `G = dV/dq` of the potential energy.
-template <Model M, Scalar T, LinkMask Mask>
+template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque(
     const M& model, const JointAngles<M, T, Mask>& angles) noexcept {
   return detail::gravity_torque_from<T>(model, angles);
 }
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque(
     const M& model, const JointPosition<M::joints, T>& q) noexcept {
   constexpr LinkMask all = all_links(M::joints);
@@ -113,14 +113,14 @@ template <Model M, Scalar T>
                                         JointAngles<M, T, all, detail::weightless_angles<M, T>()>(model, q));
 }
 // clang-format off
-template <Model M, Scalar T> requires(!computes_in<M, T>)
+template <RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void gravity_torque(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
-template <Model M, class... Q> requires(EigenExpression<Q> || ...)
+template <RobotModel M, class... Q> requires(EigenExpression<Q> || ...)
 void gravity_torque(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 
 /// Potential energy `V(q) = -g . sum m_i r_i` [J], zero with all mass at the base's origin.
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE T potential_energy(const M& model,
                                                 const JointPosition<M::joints, T>& q) noexcept {
   JointTorque<M::joints, T> unused;

@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// Works for every tree of the model's type. Relative error a few units in the last place times the number of
 /// joints, of the largest torque that occurs; no branch, so the cost does not depend on the state. A NaN in
 /// any input gives NaN torques and nothing worse.
-template <Model M, Scalar T, LinkMask Mask>
+template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> inverse_dynamics(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq,
     const JointAcceleration<M::joints, T>& ddq) noexcept {
@@ -21,21 +21,21 @@ template <Model M, Scalar T, LinkMask Mask>
                            tau.data);
   return tau;
 }
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> inverse_dynamics(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,
     const JointAcceleration<M::joints, T>& ddq) noexcept {
   return inverse_dynamics(model, JointAngles<M, T>(model, q), dq, ddq);
 }
 // clang-format off
-template <Model M, Scalar T> requires(!computes_in<M, T>)
+template <RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void inverse_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointAcceleration<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
-template <Model M, class... Q> requires(EigenExpression<Q> || ...)
+template <RobotModel M, class... Q> requires(EigenExpression<Q> || ...)
 void inverse_dynamics(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 
 /// `C(q, dq) dq + G(q)` [N m]: inverse dynamics at zero acceleration.
-template <Model M, Scalar T, LinkMask Mask>
+template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> bias_torque(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq) noexcept {
   JointTorque<M::joints, T> tau;
@@ -45,7 +45,7 @@ template <Model M, Scalar T, LinkMask Mask>
 }
 
 /// `C(q, dq) dq` [N m] without gravity.
-template <Model M, Scalar T, LinkMask Mask>
+template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> coriolis_torque(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq) noexcept {
   JointTorque<M::joints, T> tau;
@@ -57,7 +57,7 @@ template <Model M, Scalar T, LinkMask Mask>
 /// `Y_r Theta = M(q) ddq_r + C(q, dq) dq_r [+ G(q)]` of eq. (8) [N m], with Christoffel's C: `dM/dt - 2C` is
 /// skew-symmetric, which the passivity of the sliding-mode laws rests on. One recursion at the cost of
 /// inverse dynamics.
-template <GravityTerm Gravity = GravityTerm::included, Model M, Scalar T, LinkMask Mask>
+template <GravityTerm Gravity = GravityTerm::included, RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> yr_theta(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq,
     const JointVelocity<M::joints, T>& dq_r, const JointAcceleration<M::joints, T>& ddq_r) noexcept {
@@ -72,7 +72,7 @@ template <GravityTerm Gravity = GravityTerm::included, Model M, Scalar T, LinkMa
   }
   return tau;
 }
-template <GravityTerm Gravity = GravityTerm::included, Model M, Scalar T>
+template <GravityTerm Gravity = GravityTerm::included, RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> yr_theta(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,
     const JointVelocity<M::joints, T>& dq_r, const JointAcceleration<M::joints, T>& ddq_r) noexcept {

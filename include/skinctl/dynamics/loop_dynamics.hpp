@@ -17,7 +17,7 @@ using DenseJointFrame = JointFrame<Turn<T, T>, Turn<T, T>, Turn<T, T>, Xyz<T>>;
 template <class Tree, Real T>
 void loop_frames(const CalibratedModel<Tree, T>& model, const JointPosition<Tree::joints, T>& q,
                  std::array<DenseJointFrame<T>, Tree::joints>& frames) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   for (std::size_t i = 0; i < Tree::joints; ++i) {
     const auto& l = model.link(i);
     const Turn<T, T> gamma{l[P::cos_gamma], l[P::sin_gamma]}, alpha{l[P::cos_alpha], l[P::sin_alpha]};
@@ -100,7 +100,7 @@ template <class Tree, Real T>
     const CalibratedModel<Tree, T>& model, const JointPosition<Tree::joints, T>& q,
     const JointVelocity<Tree::joints, T>& dq, const JointVelocity<Tree::joints, T>& dq_r,
     const JointAcceleration<Tree::joints, T>& ddq_r) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   constexpr std::size_t N = Tree::joints;
   constexpr UnitZ along{};
   std::array<detail::DenseJointFrame<T>, N> frames;

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <class Tree, Real T>
 [[nodiscard]] MassMatrix<Tree::joints, T> loop_mass_matrix(const CalibratedModel<Tree, T>& model,
                                                            const JointPosition<Tree::joints, T>& q) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   constexpr std::size_t N = Tree::joints;
   std::array<detail::DenseJointFrame<T>, N> frames;
   detail::loop_frames(model, q, frames);

@@ -73,7 +73,7 @@ namespace detail {
 
 /// Carries the wrench that a unit acceleration of `joint` needs, given in the axes and about the origin of
 /// link `I`, down to the base, and writes what it asks of the joints on its way.
-template <std::size_t I, Scalar T, Model M, class Angles, class F, class N>
+template <std::size_t I, Scalar T, RobotModel M, class Angles, class F, class N>
 SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles, const F& f, const N& n,
                                            std::size_t joint, MassMatrix<M::joints, T>& m) noexcept {
   constexpr int parent = M::parents[I];
@@ -90,7 +90,7 @@ SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles,
 
 /// Fills the rows and columns of `M` that belong to the subtree of link `I`, and returns the subtree as one
 /// body in the frame of the link.
-template <std::size_t I, Scalar T, Model M, class Angles>
+template <std::size_t I, Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
                                            MassMatrix<M::joints, T>& m) noexcept {
   constexpr auto carried = children<M, int(I)>;
@@ -116,18 +116,18 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
   if constexpr (M::kinds[I] == JointKind::revolute) {
     const auto inertia = body.xx + body.yy;
     m(I, I) = T(inertia);
-    carry_wrench<I>(model, angles, Triple{-body.h.y, body.h.x, Known<0>{}},
+    carry_wrench<I>(model, angles, Triple{-body.h.y, body.h.x, TypedConstant<0>{}},
                     Triple{-body.xz, -body.yz, inertia}, I, m);
   } else {
     m(I, I) = T(body.mass);
-    carry_wrench<I>(model, angles, Triple{Known<0>{}, Known<0>{}, body.mass},
-                    Triple{body.h.y, -body.h.x, Known<0>{}}, I, m);
+    carry_wrench<I>(model, angles, Triple{TypedConstant<0>{}, TypedConstant<0>{}, body.mass},
+                    Triple{body.h.y, -body.h.x, TypedConstant<0>{}}, I, m);
   }
   return body;
 }
 
 /// A chain couples all its joints, so that each entry is written; elsewhere there are zeros.
-template <Scalar T, Model M>
+template <Scalar T, RobotModel M>
 SKINCTL_INLINE MassMatrix<M::joints, T> empty_mass() noexcept {
   using Matrix = MassMatrix<M::joints, T>;
   constexpr bool chain = [] {
@@ -148,7 +148,7 @@ SKINCTL_INLINE MassMatrix<M::joints, T> empty_mass() noexcept {
 /// link frames, where an entry is simply the z component of a moment. Joints in different branches do not
 /// couple: those entries are exact zeros. Relative error a few units in the last place times the depth, of
 /// the largest entry.
-template <Model M, Scalar T, LinkMask Mask>
+template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<M::joints, T> mass_matrix(
     const M& model, const JointAngles<M, T, Mask>& angles) noexcept {
   MassMatrix<M::joints, T> m = detail::empty_mass<T, M>();
@@ -157,15 +157,15 @@ template <Model M, Scalar T, LinkMask Mask>
   });
   return m;
 }
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<M::joints, T> mass_matrix(
     const M& model, const JointPosition<M::joints, T>& q) noexcept {
   return mass_matrix(model, JointAngles<M, T>(model, q));
 }
 // clang-format off
-template <Model M, Scalar T> requires(!computes_in<M, T>)
+template <RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void mass_matrix(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
-template <Model M, class... Q> requires(EigenExpression<Q> || ...)
+template <RobotModel M, class... Q> requires(EigenExpression<Q> || ...)
 void mass_matrix(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 

@@ -51,7 +51,7 @@ struct Computed<false, V> {
 /// covers them. What was not asked for is neither computed nor stored, and reading it does not compile.
 ///
 /// `Touch` is what the skin does to the links over the interval (see tactile/), or `NoTouch`.
-template <Model M, Needs Asked, Scalar T = double, class Touch = NoTouch>
+template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch>
 class Quantities {
  public:
   using model_type = M;

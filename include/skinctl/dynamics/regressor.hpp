@@ -114,7 +114,7 @@ class Regressor {
  public:
   static constexpr std::size_t joints = M::joints;
 
-  template <Model Robot, LinkMask Mask>
+  template <RobotModel Robot, LinkMask Mask>
     requires(Robot::joints == M::joints)
   SKINCTL_INLINE Regressor(const Robot& model, const JointAngles<Robot, T, Mask>& angles,
                            const JointVelocity<joints, T>& dq, const JointVelocity<joints, T>& dq_r,
@@ -186,7 +186,7 @@ class Regressor {
 };
 
 /// The regressor of the paper's `Y_r Theta`. Only the placements and gravity of `model` are read.
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] Regressor<M, T> regressor(const M& model, const JointPosition<M::joints, T>& q,
                                         const JointVelocity<M::joints, T>& dq,
                                         const JointVelocity<M::joints, T>& dq_r,
@@ -196,7 +196,7 @@ template <Model M, Scalar T>
 
 /// `Y Theta` [N m] without forming Y, at about the cost of inverse dynamics: for parameters that an
 /// adaptation changes in the loop. With `inertial_parameters(model)` it is `yr_theta`.
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] JointTorque<M::joints, T> regressor_product(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,
     const JointVelocity<M::joints, T>& dq_r, const JointAcceleration<M::joints, T>& ddq_r,
@@ -211,7 +211,7 @@ template <Model M, Scalar T>
 
 /// `Y' s` without forming Y, of any number per joint: what gradient adaptation `dTheta = -Gamma Y' S_q`
 /// needs. Ten numbers a link, in one pass out.
-template <Model M, class K, Scalar T>
+template <RobotModel M, class K, Scalar T>
 [[nodiscard]] InertialParameters<M::joints, T> regressor_transposed_product(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,
     const JointVelocity<M::joints, T>& dq_r, const JointAcceleration<M::joints, T>& ddq_r,
@@ -228,11 +228,11 @@ template <Model M, class K, Scalar T>
 }
 
 /// The parameters of a model's links.
-template <Scalar T = double, Model M>
+template <Scalar T = double, RobotModel M>
 [[nodiscard]] InertialParameters<M::joints, T> inertial_parameters(const M& model) noexcept {
   InertialParameters<M::joints, T> theta;
   detail::unrolled<M::joints>([&](auto i) {
-    using P = Parameter;
+    using P = LinkParameter;
     T* const t = theta.data + 10 * i;
     const T m(model.template number<i, P::mass, T>());
     const Xyz<T> c = dense<T>(detail::centre_of_mass<i, T>(model));

@@ -21,7 +21,7 @@ class Blended;
 
 /// A sum whose weights move, made by `blended(sum)`.
 ///
-/// - Weights are asked for (`change`, or a goal of type `Weights`), gates follow contact. What the policy
+/// - Weights are asked for (`change`, or a goal of type `BlendWeights`), gates follow contact. What the policy
 ///   makes of the new weights is reached from the present by a quintic: torque, its rate and its bend go on.
 ///   All shares on the way are means of both ends, so that `Y_r Theta` stays one convex mean.
 /// - A change that comes while the weights still move waits until they stand; of several, the last counts.
@@ -38,7 +38,7 @@ class Blended<Fused<P, L...>> : public Composable {
   using Laws = std::tuple<L...>;
   static constexpr std::size_t joints = Fusion::joints;
   static constexpr std::size_t terms = Fusion::terms;
-  static constexpr Role role = Fusion::role;
+  static constexpr LawRole role = Fusion::role;
   static constexpr bool complete_sum = true;  ///< cannot be part of another
   static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
   static constexpr bool gated = (false || ... || detail::is_gated<L>);
@@ -52,7 +52,7 @@ class Blended<Fused<P, L...>> : public Composable {
  private:
   template <class F>
   struct GoalOf {
-    using type = Weights<terms>;
+    using type = BlendWeights<terms>;
   };
   template <class F>
     requires requires { typename F::Goal; }
@@ -62,7 +62,7 @@ class Blended<Fused<P, L...>> : public Composable {
 
  public:
   using Goal = typename GoalOf<Fusion>::type;
-  using Factors = std::array<Share<double>, terms>;
+  using Factors = std::array<LawShare<double>, terms>;
   class Memory {
     friend Blended;
     detail::Memories<typename L::Memory...> laws;
@@ -114,7 +114,7 @@ class Blended<Fused<P, L...>> : public Composable {
   /// gravity.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> change(const Memory& memory, const K& known,
-                                                     const Weights<terms>& weights,
+                                                     const BlendWeights<terms>& weights,
                                                      Nanoseconds ramp = {}) const noexcept {
     for (std::size_t i = 0; i < terms; ++i)
       if (!usable(i, weights.of[i])) return {memory, Reason::goal_refused};
@@ -126,7 +126,7 @@ class Blended<Fused<P, L...>> : public Composable {
   }
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
-                                         const Weights<terms>& weights) const noexcept {
+                                         const BlendWeights<terms>& weights) const noexcept {
     return change(memory, known, weights);
   }
   /// A goal for the one law that takes goals of this type, or the next sample of a target that it follows;
@@ -172,7 +172,7 @@ class Blended<Fused<P, L...>> : public Composable {
     for (std::size_t i = 0; i < terms; ++i) {
       const auto &from = memory.from[i], &to = memory.to[i];
       const bool slowly =
-          Fusion::roles[i] == Role::tracking && !has_share(from);  // it comes, or is not there
+          Fusion::roles[i] == LawRole::tracking && !has_share(from);  // it comes, or is not there
       out[i] = {slowly ? late * to.feedback : way.rest * from.feedback + way.a1 * to.feedback,
                 way.rest * from.feed_forward + way.a1 * to.feed_forward};
     }
@@ -231,7 +231,7 @@ class Blended<Fused<P, L...>> : public Composable {
   [[nodiscard]] static bool swaps(const Memory& memory) noexcept {
     if (!moves(memory)) return false;
     for (std::size_t i = 0; i < terms; ++i)
-      if (Fusion::roles[i] == Role::tracking && memory.from[i].feed_forward > 0 &&
+      if (Fusion::roles[i] == LawRole::tracking && memory.from[i].feed_forward > 0 &&
           memory.to[i].feed_forward > 0)
         return false;
     return true;
@@ -240,7 +240,7 @@ class Blended<Fused<P, L...>> : public Composable {
   template <class K>
   SKINCTL_COLD void restart(Memory& memory, const K& known) const noexcept {
     detail::each_index<terms>([&](auto i) {
-      if constexpr (law_at<i.value>::role == Role::tracking)
+      if constexpr (law_at<i.value>::role == LawRole::tracking)
         if (memory.from[i.value].feed_forward > 0)
           detail::memory_of<i.value>(memory.laws) = law<i.value>().start(known);
     });
@@ -272,9 +272,9 @@ class Blended<Fused<P, L...>> : public Composable {
     return std::get<I>(sum_.laws());
   }
   [[nodiscard]] static bool usable(std::size_t i, double w) noexcept {
-    return Fusion::roles[i] == Role::gravity ? w == 1.0 : w >= 0 && w <= 1e6;
+    return Fusion::roles[i] == LawRole::gravity ? w == 1.0 : w >= 0 && w <= 1e6;
   }
-  [[nodiscard]] static SKINCTL_INLINE bool has_share(const Share<double>& share) noexcept {
+  [[nodiscard]] static SKINCTL_INLINE bool has_share(const LawShare<double>& share) noexcept {
     return share.feedback > 0 || share.feed_forward > 0;
   }
   /// Shares that the weights asked for and the gates lead to.
@@ -282,7 +282,7 @@ class Blended<Fused<P, L...>> : public Composable {
     std::array<double, terms> weights = memory.asked;
     detail::each_index<terms>([&](auto i) {
       if constexpr (detail::is_gated<law_at<i.value>>)
-        if ((law_at<i.value>::gate == Gate::touched) != memory.contact.touched) weights[i.value] = 0;
+        if ((law_at<i.value>::gate == TouchGate::touched) != memory.contact.touched) weights[i.value] = 0;
     });
     return Fusion::shares(weights);
   }
@@ -298,7 +298,7 @@ class Blended<Fused<P, L...>> : public Composable {
     next.waiting = false;
     detail::each_index<terms>([&](auto i) {
       if (!has_share(next.to[i]) || has_share(next.from[i])) return;
-      if (Fusion::roles[i] == Role::tracking) next.settle = next.ramp;
+      if (Fusion::roles[i] == LawRole::tracking) next.settle = next.ramp;
       detail::memory_of<i.value>(next.laws) = law<i.value>().start(known);
     });
     return next;
@@ -317,14 +317,14 @@ class Blended<Fused<P, L...>> : public Composable {
   // Each law's code stands alone: several in one function take the compiler far longer than one by one.
   template <std::size_t I, class Now, class K>
   SKINCTL_NOINLINE void compute(Part<Now, K::joints, typename K::scalar>& out, const Memory& memory,
-                                const K& known, const Share<double>& share) const noexcept {
+                                const K& known, const LawShare<double>& share) const noexcept {
     using T = typename K::scalar;
     const auto& part = detail::memory_of<I>(memory.laws);
-    if constexpr (law_at<I>::role == Role::tracking) {
+    if constexpr (law_at<I>::role == LawRole::tracking) {
       std::construct_at(&out.now, detail::now_of(law<I>(), part, known));
       out.torque = detail::torque_with<Fusion::gravity_term>(
-          law<I>(), part, known, Share<T>{static_cast<T>(share.feedback), static_cast<T>(share.feed_forward)},
-          out.now);
+          law<I>(), part, known,
+          LawShare<T>{static_cast<T>(share.feedback), static_cast<T>(share.feed_forward)}, out.now);
     } else {
       out.torque = torque_of(law<I>(), part, known);
     }
@@ -340,7 +340,7 @@ class Blended<Fused<P, L...>> : public Composable {
     using type = detail::Nothing;
   };
   template <class Law, class K>
-    requires(Law::role == Role::tracking)
+    requires(Law::role == LawRole::tracking)
   struct NowOf<Law, K> {
     using type = decltype(detail::now_of(
         std::declval<const Law&>(), std::declval<const typename Law::Memory&>(), std::declval<const K&>()));

@@ -47,28 +47,28 @@ class ContactDetector {
 };
 
 /// What opens a gate.
-enum class Gate : unsigned char { touched, untouched };
+enum class TouchGate : unsigned char { touched, untouched };
 
 /// A law that acts only while the robot is touched, or only while it is not. Needs a sum that blends.
-template <Gate G, class L>
+template <TouchGate G, class L>
 struct Gated : L {
-  static constexpr Gate gate = G;
+  static constexpr TouchGate gate = G;
   explicit Gated(const L& law) : L(law) {}
 };
 
 /// `law` while the robot is touched.
 template <class L>
-  requires(detail::complete_law<L>::role != Role::gravity)
+  requires(detail::complete_law<L>::role != LawRole::gravity)
 [[nodiscard]] auto when_touched(const L& law) {
   static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
-  return Gated<Gate::touched, detail::complete_law<L>>(law);
+  return Gated<TouchGate::touched, detail::complete_law<L>>(law);
 }
 /// `law` while nothing touches the robot.
 template <class L>
-  requires(detail::complete_law<L>::role != Role::gravity)
+  requires(detail::complete_law<L>::role != LawRole::gravity)
 [[nodiscard]] auto when_untouched(const L& law) {
   static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
-  return Gated<Gate::untouched, detail::complete_law<L>>(law);
+  return Gated<TouchGate::untouched, detail::complete_law<L>>(law);
 }
 // clang-format off
 template <class L>

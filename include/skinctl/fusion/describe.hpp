@@ -10,26 +10,26 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Up to 255 characters in place; what does not fit is cut off.
-class Text {
+class LawText {
  public:
   [[nodiscard]] std::string_view view() const noexcept { return {text_, size_}; }
   [[nodiscard]] const char* c_str() const noexcept { return text_; }
 
-  Text& operator<<(std::string_view s) noexcept {
+  LawText& operator<<(std::string_view s) noexcept {
     for (const char c : s)
       if (size_ + 1 < sizeof text_) text_[size_++] = c;
     return *this;
   }
   /// Six digits.
-  Text& operator<<(double x) noexcept {
+  LawText& operator<<(double x) noexcept {
     char number[32];
     std::snprintf(number, sizeof number, "%.6g", x);
     return *this << std::string_view(number);
   }
-  friend bool operator==(const Text& a, std::string_view b) noexcept { return a.view() == b; }
+  friend bool operator==(const LawText& a, std::string_view b) noexcept { return a.view() == b; }
   template <class Stream>
     requires requires(Stream& out, const char* s) { out.write(s, 1); }
-  friend Stream& operator<<(Stream& out, const Text& text) {
+  friend Stream& operator<<(Stream& out, const LawText& text) {
     out.write(text.text_, static_cast<std::ptrdiff_t>(text.size_));
     return out;
   }
@@ -41,8 +41,8 @@ class Text {
 
 namespace detail {
 template <class L>
-void describe_to(Text& out, const L&) noexcept {
-  if constexpr (is_gated<L>) out << (L::gate == Gate::touched ? "touched: " : "untouched: ");
+void describe_to(LawText& out, const L&) noexcept {
+  if constexpr (is_gated<L>) out << (L::gate == TouchGate::touched ? "touched: " : "untouched: ");
   if constexpr (requires { std::string_view(L::name); }) {
     out << L::name;
   } else {
@@ -50,7 +50,7 @@ void describe_to(Text& out, const L&) noexcept {
   }
 }
 template <std::size_t Link, class A, class B>
-void describe_to(Text& out, const NullSpace<Link, A, B>& law) noexcept {
+void describe_to(LawText& out, const NullSpace<Link, A, B>& law) noexcept {
   out << "(";
   describe_to(out, law.first());
   out << " over ";
@@ -58,7 +58,7 @@ void describe_to(Text& out, const NullSpace<Link, A, B>& law) noexcept {
   out << ")";
 }
 template <Sum P, class... L>
-void describe_to(Text& out, const Fused<P, L...>& sum,
+void describe_to(LawText& out, const Fused<P, L...>& sum,
                  const std::array<double, sizeof...(L)>& weights) noexcept {
   if constexpr (P == Sum::weighted) out << "weighted(";
   if constexpr (P == Sum::plain) out << "plain(";
@@ -76,11 +76,11 @@ void describe_to(Text& out, const Fused<P, L...>& sum,
   if constexpr (P != Sum::normalised) out << ")";
 }
 template <Sum P, class... L>
-void describe_to(Text& out, const Fused<P, L...>& sum) noexcept {
+void describe_to(LawText& out, const Fused<P, L...>& sum) noexcept {
   describe_to(out, sum, sum.weights());
 }
 template <class F>
-void describe_to(Text& out, const Blended<F>& blend) noexcept {
+void describe_to(LawText& out, const Blended<F>& blend) noexcept {
   out << "blended(";
   describe_to(out, blend.sum(), blend.first());
   out << ")";
@@ -90,16 +90,16 @@ void describe_to(Text& out, const Blended<F>& blend) noexcept {
 /// The expression of a law or sum, for logs: a law's `name`, weights other than 1 before it, nothing of what
 /// has weight 0.
 template <LawMembers L>
-[[nodiscard]] Text describe(const L& law) noexcept {
-  Text out;
+[[nodiscard]] LawText describe(const L& law) noexcept {
+  LawText out;
   detail::describe_to(out, law);
   return out;
 }
 /// A sum with other weights.
 template <Sum P, class... L>
-[[nodiscard]] Text describe(const Fused<P, L...>& sum,
-                            const std::array<double, sizeof...(L)>& weights) noexcept {
-  Text out;
+[[nodiscard]] LawText describe(const Fused<P, L...>& sum,
+                               const std::array<double, sizeof...(L)>& weights) noexcept {
+  LawText out;
   detail::describe_to(out, sum, weights);
   return out;
 }

@@ -17,7 +17,7 @@ constexpr std::size_t gravity_count() noexcept {
   if constexpr (requires { L::gravity_laws; }) {
     return L::gravity_laws;
   } else {
-    return complete_law<L>::role == Role::gravity ? 1 : 0;
+    return complete_law<L>::role == LawRole::gravity ? 1 : 0;
   }
 }
 

@@ -34,10 +34,10 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   static constexpr std::size_t terms = sizeof...(L);
   static constexpr std::size_t joints = detail::joints_of_laws<L...>();  ///< 0: of any robot
   static constexpr Sum policy = Policy;
-  static constexpr std::array<Role, terms> roles = {L::role...};
-  static constexpr std::size_t gravity_laws = detail::count_role<L...>(Role::gravity);
-  static constexpr std::size_t tracking_laws = detail::count_role<L...>(Role::tracking);
-  static constexpr std::size_t reactive_laws = detail::count_role<L...>(Role::reactive);
+  static constexpr std::array<LawRole, terms> roles = {L::role...};
+  static constexpr std::size_t gravity_laws = detail::count_role<L...>(LawRole::gravity);
+  static constexpr std::size_t tracking_laws = detail::count_role<L...>(LawRole::tracking);
+  static constexpr std::size_t reactive_laws = detail::count_role<L...>(LawRole::reactive);
   static constexpr bool answers_touch =
       (false || ... || detail::answers_touch<L>);  ///< the skin has a law in it
   static constexpr bool watches = tracking_laws > 0 && answers_touch;
@@ -49,9 +49,9 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   static constexpr Needs needs =
       (Needs{.gravity = gravity_laws == 0 && (watches || ... || detail::is_in_parts<L>)} | ... |
        Needs(L::needs));
-  static constexpr Role role = tracking_laws > 0   ? Role::tracking
-                               : reactive_laws > 0 ? Role::reactive
-                                                   : Role::gravity;
+  static constexpr LawRole role = tracking_laws > 0   ? LawRole::tracking
+                                  : reactive_laws > 0 ? LawRole::reactive
+                                                      : LawRole::gravity;
 
   struct Memory {
     detail::Memories<typename L::Memory...> laws;
@@ -65,22 +65,22 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     for (std::size_t i = 0; i < terms; ++i) {
       require(weights[i] > 0 && weights[i] <= 1e6, "weight of a law", weights[i],
               "> 0: leave out what has none");
-      require(roles[i] != Role::gravity || weights[i] == 1.0, "weight of gravity", weights[i], "1");
+      require(roles[i] != LawRole::gravity || weights[i] == 1.0, "weight of gravity", weights[i], "1");
     }
     shares_ = shares(weights);
   }
 
   /// What the policy makes of weights >= 0: what each law's two parts are multiplied by. Where no tracking
   /// law has a weight, none has a share.
-  [[nodiscard]] static constexpr std::array<Share<double>, terms> shares(
+  [[nodiscard]] static constexpr std::array<LawShare<double>, terms> shares(
       const std::array<double, terms>& weights) noexcept {
     double sum = 0;
     for (std::size_t i = 0; i < terms; ++i)
-      if (roles[i] == Role::tracking) sum += weights[i];
-    std::array<Share<double>, terms> out{};
+      if (roles[i] == LawRole::tracking) sum += weights[i];
+    std::array<LawShare<double>, terms> out{};
     for (std::size_t i = 0; i < terms; ++i) {
       const double w = weights[i];
-      const double part = roles[i] == Role::tracking && sum > 0 ? w / sum : w;
+      const double part = roles[i] == LawRole::tracking && sum > 0 ? w / sum : w;
       out[i] = {Policy == Sum::normalised ? part : w, Policy == Sum::plain ? w : part};
     }
     return out;
@@ -220,7 +220,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     Status status;
     each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
       constexpr std::size_t I = i.value;
-      if constexpr (law_at<I>::role == Role::tracking && !detail::presses<law_at<I>>) {
+      if constexpr (law_at<I>::role == LawRole::tracking && !detail::presses<law_at<I>>) {
         track += shares[I];
         if constexpr (watches && gravity_laws == 0)
           track -= static_cast<T>(shares_[I].feed_forward) * known.gravity();
@@ -254,10 +254,10 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     using T = typename K::scalar;
     const auto& law = std::get<I>(laws_);
     const auto& part = detail::memory_of<I>(memory.laws);
-    if constexpr (law_at<I>::role == Role::tracking) {
-      const Share<T> weight{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
+    if constexpr (law_at<I>::role == LawRole::tracking) {
+      const LawShare<T> weight{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
       return detail::torque_with<gravity_term>(law, part, known, weight, detail::memory_of<I>(now));
-    } else if constexpr (law_at<I>::role == Role::reactive) {
+    } else if constexpr (law_at<I>::role == LawRole::reactive) {
       return static_cast<T>(weights_[I]) * torque_of(law, part, known);
     } else {
       return torque_of(law, part, known);
@@ -281,7 +281,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
 
   std::tuple<L...> laws_;
   std::array<double, terms> weights_;
-  std::array<Share<double>, terms> shares_{};
+  std::array<LawShare<double>, terms> shares_{};
   OppositionDetector detector_;
 };
 

@@ -36,8 +36,8 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
  public:
   using Laws = std::tuple<First, Second>;
   static constexpr std::size_t joints = detail::joints_of_laws<First, Second>();
-  static_assert(First::role == Role::tracking && Second::role != Role::gravity);
-  static constexpr Role role = Role::tracking;
+  static_assert(First::role == LawRole::tracking && Second::role != LawRole::gravity);
+  static constexpr LawRole role = LawRole::tracking;
   static constexpr bool compensates_friction =
       detail::compensates_friction<First> || detail::compensates_friction<Second>;
   static constexpr Needs needs =
@@ -84,10 +84,10 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
 
   template <GravityTerm G = GravityTerm::included, class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
-      const Memory& memory, const K& known, const Share<typename K::scalar>& share = {}) const noexcept {
+      const Memory& memory, const K& known, const LawShare<typename K::scalar>& share = {}) const noexcept {
     using T = typename K::scalar;
     const auto behind = [&]() SKINCTL_INLINE_LAMBDA {
-      if constexpr (Second::role == Role::tracking) {
+      if constexpr (Second::role == LawRole::tracking) {
         return detail::weighted_torque<GravityTerm::left_out>(second_, memory.second, known, share);
       } else {
         return share.feedback * torque_of(second_, memory.second, known);
@@ -142,9 +142,10 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
 
 /// `second` in the null space of link `Link`, which `first` moves.
 template <std::size_t Link, detail::MeantAsLaw First, detail::MeantAsLaw Second>
-  requires(detail::complete_law<First>::role == Role::tracking &&
-           detail::complete_law<Second>::role != Role::gravity)
-[[nodiscard]] auto over(const First& first, const Second& second, const NullSpaceSettings& settings = {}) {
+  requires(detail::complete_law<First>::role == LawRole::tracking &&
+           detail::complete_law<Second>::role != LawRole::gravity)
+[[nodiscard]] auto task_priority(const First& first, const Second& second,
+                                 const NullSpaceSettings& settings = {}) {
   static_assert(sizeof(detail::Say<detail::fault_in_members<First>(), First>) > 0);
   static_assert(sizeof(detail::Say<detail::fault_in_members<Second>(), Second>) > 0);
   static_assert(!detail::are_for_two_robots<First, Second>,
@@ -153,7 +154,7 @@ template <std::size_t Link, detail::MeantAsLaw First, detail::MeantAsLaw Second>
 }
 // clang-format off
 template <std::size_t Link, class First, class Second>
-First over(const First&, const Second&, const NullSpaceSettings& = {}) = delete;  // the first law tracks, and gravity is held whole, not in a null space
+First task_priority(const First&, const Second&, const NullSpaceSettings& = {}) = delete;  // the first law tracks, and gravity is held whole, not in a null space
 // clang-format on
 
 template <std::size_t Link, LawMembers First, LawMembers Second>

@@ -30,20 +30,20 @@ struct BudgetMemory {
 ///   `input.observed` and leaves it out, until `calm_after` cycles in a row were within the budget.
 /// - `stop_after` in a row: `budget_overrun`, at each cycle that is still over. The guard stops and waits for
 ///   the user's consent.
-class Budget {
+class TimeBudget {
  public:
   using Memory = BudgetMemory;
 
   /// Throws `ConfigurationError` for a number out of its range.
-  explicit Budget(const BudgetSettings& s) : settings_(s) {
-    require(s.cycle > 0ns && s.cycle <= 10s, "Budget: cycle", milliseconds(s.cycle), "> 0, <= 10 000 ms");
-    require(s.skip_after >= 1, "Budget: skip after", s.skip_after, ">= 1 overrun");
-    require(s.stop_after >= s.skip_after, "Budget: stop after", s.stop_after, ">= skip after");
-    require(s.calm_after >= 1, "Budget: calm after", s.calm_after, ">= 1 cycle");
+  explicit TimeBudget(const BudgetSettings& s) : settings_(s) {
+    require(s.cycle > 0ns && s.cycle <= 10s, "TimeBudget: cycle", milliseconds(s.cycle), "> 0, <= 10 000 ms");
+    require(s.skip_after >= 1, "TimeBudget: skip after", s.skip_after, ">= 1 overrun");
+    require(s.stop_after >= s.skip_after, "TimeBudget: stop after", s.stop_after, ">= skip after");
+    require(s.calm_after >= 1, "TimeBudget: calm after", s.calm_after, ">= 1 cycle");
   }
 
   /// What the next cycle must know after one that took `duration`.
-  [[nodiscard]] Status after(Memory& m, Nanoseconds duration) const noexcept {
+  [[nodiscard]] Status step(Memory& m, Nanoseconds duration) const noexcept {
     Status out;
     if (duration > settings_.cycle) {
       ++m.overruns;

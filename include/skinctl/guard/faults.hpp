@@ -1,4 +1,4 @@
-// What can go wrong, what is done about it, and what it takes to go on: one table.
+// Every reason that a cycle can report: who finds it, what is done, when that ends, and its text. One table.
 #pragma once
 
 #include <array>
@@ -7,77 +7,147 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a fault makes of the command.
+/// What a reason makes of the command.
 enum class Reaction : unsigned char {
   none,    ///< cannot occur at this interface
+  report,  ///< nothing: it is only told
   refuse,  ///< what is wrong does not count; the cycle goes on with what it had
-  hold,    ///< the last command stands
+  wait,    ///< plans and integrals stand still; the laws go on
+  hold,    ///< the last command stands, or the motion that is refused
   limit,   ///< the command is cut to what is allowed and goes on
-  fade,    ///< torques ramp to the fallback (gravity held, friction); a cell's force ramps to zero
+  fade,    ///< torques ramp to the fallback (gravity held, friction); a force or a difference ramps to zero
   brake,   ///< the motion brakes with the acceleration limit, and holds
   stop     ///< brakes or fades, and stays so
 };
+inline constexpr std::size_t reaction_count = static_cast<std::size_t>(Reaction::stop) + 1;
+
 /// When the reaction ends.
 enum class WayBack : unsigned char {
   at_once,    ///< it lasts for the cycle, or the sample, that is wrong
   by_itself,  ///< once what was wrong is over; the motion goes on from where it is, within its limits
-  on_request  ///< once it is over and the user says `Request::resume`
+  on_request  ///< once it is over and the user says `CycleRequest::resume`
 };
-/// Who finds out.
-enum class Finder : unsigned char { guard, skin, resolver, governor, loop };
+/// Who finds out, in the order of a cycle. Where several do, the one whose reaction the table names.
+enum class FaultFinder : unsigned char { loop, skin, law, skills, resolver, governor, guard };
 
+/// A row of the table.
 struct Fault {
   Reason reason;
-  Finder finder;
+  const char* name;  ///< as the enumerator
+  FaultFinder finder;
   Reaction motion;  ///< position and velocity interfaces
   Reaction torque;  ///< torque interface
   WayBack way_back;
-  const char* what;
+  const char* text;  ///< for logs
 };
 
-/// Every fault, its reaction and its way back. Guard, documentation and tests read this table.
-inline constexpr std::array<Fault, 20> faults{{
-    {Reason::command_not_finite, Finder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
-     "a command that is NaN, infinite, absurd, or none"},
-    {Reason::step_limited, Finder::guard, Reaction::brake, Reaction::limit, WayBack::by_itself,
-     "a command that no motion within the limits reaches"},
-    {Reason::outside_limits, Finder::guard, Reaction::brake, Reaction::none, WayBack::by_itself,
-     "a command beyond an end, or too fast to stop before it"},
-    {Reason::torque_limited, Finder::resolver, Reaction::limit, Reaction::limit, WayBack::at_once,
-     "a torque or power beyond its limit"},
-    {Reason::state_not_finite, Finder::guard, Reaction::refuse, Reaction::refuse, WayBack::at_once,
-     "a joint state that is NaN or infinite"},
-    {Reason::state_out_of_range, Finder::guard, Reaction::refuse, Reaction::refuse, WayBack::at_once,
-     "a joint state that this robot cannot have"},
-    {Reason::state_stale, Finder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
-     "no good joint state for too long"},
-    {Reason::time_backwards, Finder::guard, Reaction::brake, Reaction::fade, WayBack::by_itself,
-     "the clock goes back or leaps absurdly"},
-    {Reason::interval_empty, Finder::guard, Reaction::hold, Reaction::hold, WayBack::at_once,
-     "the clock stands still"},
-    {Reason::interval_too_long, Finder::guard, Reaction::limit, Reaction::limit, WayBack::at_once,
-     "a cycle comes too late: no step takes credit for the pause"},
-    {Reason::packets_lost, Finder::loop, Reaction::brake, Reaction::fade, WayBack::by_itself,
-     "too many of the robot's packets never came"},
-    {Reason::budget_overrun, Finder::loop, Reaction::stop, Reaction::stop, WayBack::on_request,
-     "cycle after cycle takes longer than its budget"},
-    {Reason::sample_not_finite, Finder::skin, Reaction::refuse, Reaction::refuse, WayBack::at_once,
-     "a cell sends NaN or infinity"},
-    {Reason::sample_out_of_range, Finder::skin, Reaction::refuse, Reaction::refuse, WayBack::at_once,
-     "a cell sends what its sensor cannot give"},
-    {Reason::sample_unknown, Finder::skin, Reaction::refuse, Reaction::refuse, WayBack::at_once,
-     "a sample of a cell that is not there"},
-    {Reason::sample_stale, Finder::skin, Reaction::fade, Reaction::fade, WayBack::by_itself,
-     "a cell has been silent for too long: it stops to push"},
-    {Reason::torque_not_finite, Finder::resolver, Reaction::refuse, Reaction::fade, WayBack::at_once,
-     "a law gives NaN or infinity"},
-    {Reason::contact_slowed, Finder::governor, Reaction::limit, Reaction::limit, WayBack::by_itself,
-     "somebody is near or in touch"},
-    {Reason::contact_force, Finder::governor, Reaction::stop, Reaction::stop, WayBack::on_request,
-     "a contact presses harder than its region bears"},
-    {Reason::contact_power, Finder::governor, Reaction::stop, Reaction::stop, WayBack::on_request,
-     "a contact takes more power than its region bears"},
+/// A row for each reason, in the order of `Reason`. `describe`, the guard, the documentation and the tests read
+/// this table.
+inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faults{{
+    {Reason::state_not_finite, "state_not_finite", FaultFinder::guard, Reaction::refuse, Reaction::refuse,
+     WayBack::at_once, "the joint state is NaN or infinite: the last good one stands"},
+    {Reason::state_stale, "state_stale", FaultFinder::guard, Reaction::brake, Reaction::fade,
+     WayBack::by_itself, "no good joint state for too long: brakes and holds"},
+    {Reason::time_backwards, "time_backwards", FaultFinder::guard, Reaction::brake, Reaction::fade,
+     WayBack::by_itself, "the clock went back or leapt absurdly: brakes and holds"},
+    {Reason::interval_too_long, "interval_too_long", FaultFinder::guard, Reaction::limit, Reaction::limit,
+     WayBack::at_once, "the cycle came too late: the rest of the interval is dropped"},
+    {Reason::interval_empty, "interval_empty", FaultFinder::guard, Reaction::hold, Reaction::hold,
+     WayBack::at_once, "no time has passed: the command repeats"},
+    {Reason::sample_not_finite, "sample_not_finite", FaultFinder::skin, Reaction::refuse, Reaction::refuse,
+     WayBack::at_once, "a cell sent NaN or infinity: the sample is refused"},
+    {Reason::sample_out_of_range, "sample_out_of_range", FaultFinder::skin, Reaction::refuse,
+     Reaction::refuse, WayBack::at_once,
+     "a cell sent a reading that its sensor cannot give: the sample is refused"},
+    {Reason::sample_stale, "sample_stale", FaultFinder::skin, Reaction::fade, Reaction::fade,
+     WayBack::by_itself, "a cell has been silent for too long: its force fades"},
+    {Reason::sample_unknown, "sample_unknown", FaultFinder::skin, Reaction::refuse, Reaction::refuse,
+     WayBack::at_once, "a sample of a cell that no patch holds: refused"},
+    {Reason::torque_not_finite, "torque_not_finite", FaultFinder::resolver, Reaction::refuse, Reaction::fade,
+     WayBack::at_once, "a law gave NaN or infinity: its torque is not used"},
+    {Reason::torque_limited, "torque_limited", FaultFinder::resolver, Reaction::limit, Reaction::limit,
+     WayBack::at_once, "a torque or a power was cut to its limit"},
+    {Reason::position_limited, "position_limited", FaultFinder::resolver, Reaction::limit, Reaction::limit,
+     WayBack::at_once, "a joint was stopped before its position limit"},
+    {Reason::velocity_limited, "velocity_limited", FaultFinder::resolver, Reaction::limit, Reaction::limit,
+     WayBack::at_once, "the velocity of a joint was cut to its limit"},
+    {Reason::acceleration_limited, "acceleration_limited", FaultFinder::resolver, Reaction::limit,
+     Reaction::none, WayBack::at_once, "the acceleration of a joint was cut to its limit"},
+    {Reason::step_limited, "step_limited", FaultFinder::guard, Reaction::brake, Reaction::limit,
+     WayBack::by_itself, "no motion within the limits leads to the command"},
+    {Reason::command_not_finite, "command_not_finite", FaultFinder::guard, Reaction::brake, Reaction::fade,
+     WayBack::by_itself, "the command is NaN, infinite, absurd or missing: brakes and holds"},
+    {Reason::outside_limits, "outside_limits", FaultFinder::guard, Reaction::brake, Reaction::limit,
+     WayBack::by_itself, "beyond a position limit, or too fast to stop before it: only motion inward"},
+    {Reason::blocked, "blocked", FaultFinder::resolver, Reaction::hold, Reaction::none, WayBack::by_itself,
+     "the robot does not follow: the virtual robot went back to it"},
+    {Reason::lead_limited, "lead_limited", FaultFinder::resolver, Reaction::limit, Reaction::none,
+     WayBack::at_once, "the virtual robot was kept near the measured one"},
+    {Reason::opposed, "opposed", FaultFinder::law, Reaction::wait, Reaction::wait, WayBack::by_itself,
+     "skin and tracking push against each other: plan and integrals wait"},
+    {Reason::goal_refused, "goal_refused", FaultFinder::law, Reaction::refuse, Reaction::refuse,
+     WayBack::at_once, "a goal was refused: the old one stands"},
+    {Reason::goal_stretched, "goal_stretched", FaultFinder::law, Reaction::limit, Reaction::limit,
+     WayBack::at_once, "a goal got more time than asked, to keep velocity limits"},
+    {Reason::bumpless_transfer, "bumpless_transfer", FaultFinder::law, Reaction::fade, Reaction::fade,
+     WayBack::by_itself, "bumpless transfer: a difference of torque ramps to zero"},
+    {Reason::singular, "singular", FaultFinder::resolver, Reaction::refuse, Reaction::none, WayBack::at_once,
+     "a matrix could not be factorised: no acceleration in this sub-step"},
+    {Reason::slowed, "slowed", FaultFinder::law, Reaction::limit, Reaction::limit, WayBack::by_itself,
+     "near a singularity, or at the greatest joint speed: the tool moves slower"},
+    {Reason::jerk_limited, "jerk_limited", FaultFinder::governor, Reaction::limit, Reaction::none,
+     WayBack::at_once, "the jerk of a joint was cut to its limit"},
+    {Reason::jerk_exceeded, "jerk_exceeded", FaultFinder::governor, Reaction::report, Reaction::none,
+     WayBack::at_once, "the jerk limit gave way: another limit could not be kept otherwise"},
+    {Reason::tool_speed_limited, "tool_speed_limited", FaultFinder::governor, Reaction::limit,
+     Reaction::limit, WayBack::at_once, "all joints were slowed for the speed of the tool"},
+    {Reason::state_out_of_range, "state_out_of_range", FaultFinder::guard, Reaction::refuse, Reaction::refuse,
+     WayBack::at_once, "the joint state is one that this robot cannot have: the last good one stands"},
+    {Reason::packets_lost, "packets_lost", FaultFinder::loop, Reaction::brake, Reaction::fade,
+     WayBack::by_itself, "too many of the robot's packets never came: brakes and holds"},
+    {Reason::contact_slowed, "contact_slowed", FaultFinder::governor, Reaction::limit, Reaction::limit,
+     WayBack::by_itself, "all joints were slowed for somebody near or in touch"},
+    {Reason::contact_force, "contact_force", FaultFinder::governor, Reaction::stop, Reaction::stop,
+     WayBack::on_request, "a contact presses harder than its region bears: stops"},
+    {Reason::contact_power, "contact_power", FaultFinder::governor, Reaction::stop, Reaction::stop,
+     WayBack::on_request, "a contact takes more power than its region bears: stops"},
+    {Reason::budget_overrun, "budget_overrun", FaultFinder::loop, Reaction::stop, Reaction::stop,
+     WayBack::on_request, "cycle after cycle takes longer than its budget: stops"},
+    {Reason::work_skipped, "work_skipped", FaultFinder::loop, Reaction::report, Reaction::report,
+     WayBack::by_itself, "a cycle took longer than its budget: optional work is to be left out"},
+    {Reason::consent_awaited, "consent_awaited", FaultFinder::guard, Reaction::stop, Reaction::stop,
+     WayBack::on_request, "a fault that stops was seen: waits for the request to resume"},
+    {Reason::skill_refused, "skill_refused", FaultFinder::skills, Reaction::refuse, Reaction::refuse,
+     WayBack::at_once, "a skill may not start now: the old one goes on"},
+    {Reason::skill_finished, "skill_finished", FaultFinder::skills, Reaction::report, Reaction::report,
+     WayBack::by_itself, "the skill has done its work and holds"},
+    {Reason::skill_failed, "skill_failed", FaultFinder::skills, Reaction::fade, Reaction::fade,
+     WayBack::by_itself, "the skill failed: the one to fall back to takes over"},
+    {Reason::tank_empty, "tank_empty", FaultFinder::resolver, Reaction::limit, Reaction::limit,
+     WayBack::by_itself, "the energy tank cannot pay for the active torques: they are scaled down"},
+    {Reason::energy_held, "energy_held", FaultFinder::resolver, Reaction::hold, Reaction::none,
+     WayBack::by_itself, "to move on into a contact would cost more energy than it gave: held"},
+    {Reason::contact_damped, "contact_damped", FaultFinder::resolver, Reaction::limit, Reaction::none,
+     WayBack::by_itself, "a contact oscillated: damping was added along it"},
+    {Reason::stopping, "stopping", FaultFinder::resolver, Reaction::stop, Reaction::stop, WayBack::on_request,
+     "a stop was asked for: brakes and holds"},
 }};
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < faults.size(); ++i)
+        if (faults[i].reason != static_cast<Reason>(i) || faults[i].text == nullptr) return false;
+      return true;
+    }(),
+    "faults: one row for each reason, in the order of the enumeration");
+
+/// A reason in words, for logs.
+[[nodiscard]] constexpr const char* describe(Reason r) noexcept {
+  return r < Reason::count ? faults[static_cast<std::size_t>(r)].text : "unknown";
+}
+/// The name of the enumerator.
+[[nodiscard]] constexpr const char* name(Reason r) noexcept {
+  return r < Reason::count ? faults[static_cast<std::size_t>(r)].name : "unknown";
+}
 
 /// The reasons of the table for which `test(fault)` holds.
 template <class Test>
@@ -88,17 +158,32 @@ template <class Test>
   return out;
 }
 
+namespace detail {
+/// Whether the guard carries out the reaction. The other stages do so themselves, and say that they did.
+constexpr bool is_left_to_guard(const Fault& f) noexcept {
+  return f.finder == FaultFinder::loop || f.finder == FaultFinder::governor;
+}
+/// Found by others, the guard brakes on these.
+inline constexpr Status guard_brakes_on = reasons_of([](const Fault& f) {
+  return is_left_to_guard(f) && (f.motion == Reaction::brake || f.motion == Reaction::stop);
+});
+/// After these the guard waits for consent.
+inline constexpr Status guard_waits_after =
+    reasons_of([](const Fault& f) { return is_left_to_guard(f) && f.way_back == WayBack::on_request; });
+}  // namespace detail
+
 constexpr const char* name(Reaction r) noexcept {
-  constexpr const char* text[] = {"-", "refuse", "hold", "limit", "fade", "brake", "stop"};
+  constexpr const char* text[] = {"-", "report", "refuse", "wait", "hold", "limit", "fade", "brake", "stop"};
+  static_assert(sizeof text / sizeof *text == reaction_count);
   return r <= Reaction::stop ? text[static_cast<unsigned>(r)] : "unknown";
 }
 constexpr const char* name(WayBack w) noexcept {
   constexpr const char* text[] = {"at once", "by itself", "on request"};
   return w <= WayBack::on_request ? text[static_cast<unsigned>(w)] : "unknown";
 }
-constexpr const char* name(Finder f) noexcept {
-  constexpr const char* text[] = {"guard", "skin", "resolver", "governor", "loop"};
-  return f <= Finder::loop ? text[static_cast<unsigned>(f)] : "unknown";
+constexpr const char* name(FaultFinder f) noexcept {
+  constexpr const char* text[] = {"loop", "skin", "law", "skills", "resolver", "governor", "guard"};
+  return f <= FaultFinder::guard ? text[static_cast<unsigned>(f)] : "unknown";
 }
 
 SKINCTL_END_NAMESPACE

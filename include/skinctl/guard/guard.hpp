@@ -4,7 +4,8 @@
 #include <optional>
 
 #include "skinctl/core/command.hpp"
-#include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/measurement.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/limits/detail/parts.hpp"
@@ -38,7 +39,6 @@ struct GuardSettings {
 template <std::size_t N, Real T = double>
 struct GuardMemory {
   Nanoseconds time{};
-  State<N, T> measured;  ///< the newest good state
   JointCommand<N, T> command;
   Status latched;  ///< faults that wait for the user's consent
 };
@@ -94,11 +94,8 @@ class Guard {
         torque_rate_(c.torque_rate),
         beyond_(c.beyond),
         overspeed_(c.overspeed),
-        acts_on_(c.brakes_on | reasons_of([](const Fault& f) {
-                   return (f.motion == Reaction::stop || f.motion == Reaction::brake) &&
-                          f.finder != Finder::guard;
-                 })),
-        consent_(c.consent | reasons_of([](const Fault& f) { return f.way_back == WayBack::on_request; })),
+        acts_on_(c.brakes_on | detail::guard_brakes_on),
+        consent_(c.consent | detail::guard_waits_after),
         braking_(braking) {
     const auto number = [](const auto& x) { return static_cast<double>(x); };
     require(period_ >= 100us && period_ <= 1s, "period", milliseconds(period_), "0.1 to 1000 ms");
@@ -125,7 +122,6 @@ class Guard {
     Memory m;
     m.command = command;
     m.time = command.time;
-    m.measured = measured;
     m.command.valid = command.valid && detail::is_plausible(command) && detail::is_plausible(measured) &&
                       detail::is_plausible(command.time) && detail::is_plausible(measured.time);
     return m;
@@ -133,14 +129,16 @@ class Guard {
 
   /// The command that may leave at `now`.
   ///
+  /// @param measured  the last good state of the robot, as its resolver keeps it, or `take_measurement`.
   /// @param fallback  torque interface: what the robot is brought to when no torque can be trusted, such as
   ///                  gravity compensation with damping. Not finite: zero.
   /// @param found     what other stages found in this cycle, and the loop before it.
-  SKINCTL_INLINE Guarded<N, T> pass(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
+  SKINCTL_INLINE Guarded<N, T> step(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
                                     Nanoseconds now, const JointTorque<N, T>& fallback = {},
                                     Status found = {}) const noexcept {
     if (!m.command.valid) [[unlikely]]
       return {m.command, {}, true};
+    SKINCTL_EXPECTS(detail::is_plausible(measured), "the last good state: see take_measurement");
     m.latched |= found & consent_;
     Status status;
     if (now == m.time) [[unlikely]] {
@@ -157,7 +155,7 @@ class Guard {
         status |= Reason::interval_too_long;
       }
       m.time = now;
-      see(m, measured, now, status);
+      if (now - measured.time > stale_after_) status |= Reason::state_stale;
     }
     const bool good = !status.has(Reason::time_backwards) && !status.has(Reason::state_stale) &&
                       !(found & acts_on_).any() && !((status & consent_) | m.latched).any();
@@ -165,13 +163,13 @@ class Guard {
     if (!finite) status |= Reason::command_not_finite;
     const T dt = seconds<T>(elapsed);
     if constexpr (I == Interface::torque) {
-      return let_out(m, turn_torque(m, wish, good && finite, fallback, dt, status));
+      return let_out(m, turn_torque(m, wish, measured, good && finite, fallback, dt, status));
     } else {
-      if (good && finite && wish.time == now && can_reach(m, wish, dt, status)) [[likely]] {
+      if (good && finite && wish.time == now && can_reach(m, wish, measured, dt, status)) [[likely]] {
         m.command.assign(wish);
         return {wish.copy(), status, false};
       }
-      return let_out(m, brake(m, dt, status));
+      return let_out(m, brake(m, measured, dt, status));
     }
   }
 
@@ -194,31 +192,19 @@ class Guard {
   /// What rounding may add to a limit.
   static SKINCTL_INLINE T slack() noexcept { return T(1) + T(1024) * std::numeric_limits<T>::epsilon(); }
 
-  SKINCTL_INLINE void see(Memory& m, const State<N, T>& measured, Nanoseconds now,
-                          Status& status) const noexcept {
-    if (!detail::is_plausible(measured)) {
-      status |= Reason::state_not_finite;
-    } else if (!believes(measured)) {
-      status |= Reason::state_out_of_range;
-    } else if (measured.time >= m.measured.time) {
-      m.measured = measured;
-      if (measured.time > now) m.measured.time = now;
-    }
-    if (now - m.measured.time > stale_after_) status |= Reason::state_stale;
-  }
-
   /// Room of a command: of a position to the limits and to its lead over the measured one; of a velocity from
   /// where the robot is, counting in that it goes on the way it moves.
-  SKINCTL_INLINE JointRoom<N, T> room(const Memory& m, const JointPosition<N, T>& command) const noexcept {
+  SKINCTL_INLINE JointRoom<N, T> room(const State<N, T>& measured,
+                                      const JointPosition<N, T>& command) const noexcept {
     using R = detail::Row<N, T>;
-    const R q = m.measured.q;
-    auto room = limits_.room(I == Interface::position ? command : m.measured.q);
+    const R q = measured.q;
+    auto room = limits_.room(I == Interface::position ? command : measured.q);
     if constexpr (I == Interface::position) {
       const R ahead = R(command) - q, lead = lead_;
       smaller(room.above, lead - ahead).store(room.above);
       smaller(room.below, lead + ahead).store(room.below);
     } else {
-      const R on = R(m.measured.dq) * R(seconds<T>(longest_)), zero = T(0);
+      const R on = R(measured.dq) * R(seconds<T>(longest_)), zero = T(0);
       (R(room.above) - select(on < zero, on, zero)).store(room.above);
       (R(room.below) + select(on > zero, on, zero)).store(room.below);
     }
@@ -227,11 +213,11 @@ class Guard {
 
   /// Whether a motion within the limits leads from the last command to `wish` in `dt`, and leaves room to
   /// stop or brakes as hard as it may.
-  SKINCTL_INLINE bool can_reach(const Memory& m, const JointCommand<N, T>& wish, const T& dt,
-                                Status& status) const noexcept {
+  SKINCTL_INLINE bool can_reach(const Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
+                                const T& dt, Status& status) const noexcept {
     using R = detail::Row<N, T>;
     const auto& last = m.command;
-    const auto left = room(m, wish.position);
+    const auto left = room(measured, wish.position);
     const R eps = std::numeric_limits<T>::epsilon(), wide = slack(), zero = T(0);
     const R limit = limits_.velocity(), a = limits_.acceleration(), above = left.above, below = left.below;
     const R u0 = last.velocity, u = wish.velocity, du = u - u0, from = last.position, to = wish.position;
@@ -266,12 +252,13 @@ class Guard {
     return out;
   }
 
-  SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const T& dt, Status status) const noexcept {
+  SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const State<N, T>& measured, const T& dt,
+                                   Status status) const noexcept {
     Guarded<N, T> out{m.command, status, true};
     const auto& last = m.command;
     out.command.torque = {};
     if constexpr (smooth) {
-      const auto motion = braking_.brake(room(m, last.position), last.velocity, last.acceleration, dt);
+      const auto motion = braking_.brake(room(measured, last.position), last.velocity, last.acceleration, dt);
       out.status |= motion.status & Status(Reason::jerk_exceeded);
       for (Size i = 0; i < N; ++i) {
         const T q = last.position[i], to = q + motion.displacement[i];
@@ -284,7 +271,7 @@ class Guard {
       out.command.acceleration = motion.acceleration;
       return out;
     }
-    const auto motion = limits_.move(room(m, last.position), last.velocity, JointVelocity<N, T>{}, dt);
+    const auto motion = limits_.move(room(measured, last.position), last.velocity, JointVelocity<N, T>{}, dt);
     for (Size i = 0; i < N; ++i) {
       out.command.position[i] = last.position[i] + motion.displacement[i];
       out.command.velocity[i] = motion.velocity[i];
@@ -294,14 +281,15 @@ class Guard {
   }
 
   /// Towards the wished torque or the fallback, at most as fast as allowed.
-  SKINCTL_INLINE Guarded<N, T> turn_torque(const Memory& m, const JointCommand<N, T>& wish, bool good,
+  SKINCTL_INLINE Guarded<N, T> turn_torque(const Memory& m, const JointCommand<N, T>& wish,
+                                           const State<N, T>& measured, bool good,
                                            const JointTorque<N, T>& fallback, const T& dt,
                                            Status status) const noexcept {
     using R = detail::Row<N, T>;
     const R step = T(torque_rate_ * dt) * R(limits_.torque()), last = m.command.torque;
     const JointTorque<N, T> rest = detail::is_finite(fallback) ? fallback : JointTorque<N, T>();
     const JointTorque<N, T>& asked = good ? wish.torque : rest;
-    const R wanted = asked, within = limits_.within(asked, m.measured.dq);
+    const R wanted = asked, within = limits_.within(asked, measured.dq);
     const R given = clamp(within, last - step, last + step);
     const bool limited = good && any(within != wanted), slowed = any(given != within);
     if (limited) status |= Reason::torque_limited;

@@ -46,13 +46,13 @@ class HybridGuard {
             driven_.start(part<Driven>(command), part<Driven>(measured))};
   }
 
-  /// The command that may leave at `now`, as `Guard::pass`.
-  Guarded<joints, T> pass(Memory& m, const JointCommand<joints, T>& wish, const State<joints, T>& measured,
+  /// The command that may leave at `now`, as `Guard::step`.
+  Guarded<joints, T> step(Memory& m, const JointCommand<joints, T>& wish, const State<joints, T>& measured,
                           Nanoseconds now, const JointTorque<joints, T>& fallback = {},
                           Status found = {}) const noexcept {
-    const auto a = stiff_.pass(m.stiff, part<Stiff>(wish), part<Stiff>(measured), now, {}, found);
+    const auto a = stiff_.step(m.stiff, part<Stiff>(wish), part<Stiff>(measured), now, {}, found);
     const auto b =
-        driven_.pass(m.driven, part<Driven>(wish), part<Driven>(measured), now, Driven::of(fallback), found);
+        driven_.step(m.driven, part<Driven>(wish), part<Driven>(measured), now, Driven::of(fallback), found);
     Guarded<joints, T> out{wish, a.status | b.status, a.altered || b.altered};
     out.command.time = a.command.time;
     out.command.valid = a.command.valid && b.command.valid;

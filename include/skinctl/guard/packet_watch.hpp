@@ -29,7 +29,7 @@ class PacketWatch {
   }
 
   /// The newest packet has the number `number`.
-  [[nodiscard]] Status see(Memory& m, std::uint32_t number) const noexcept {
+  [[nodiscard]] Status step(Memory& m, std::uint32_t number) const noexcept {
     const std::uint32_t ahead = number - m.last;
     if (!m.started) {
       m.started = true;

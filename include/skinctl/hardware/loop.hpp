@@ -17,7 +17,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Why a loop ended.
-enum class Ended : unsigned char {
+enum class LoopEnd : unsigned char {
   finished,     ///< as many cycles as asked for, or the user's function said so
   interrupted,  ///< the stop flag was set
   lost,         ///< the robot's connection is gone, or a command could not be sent
@@ -27,7 +27,7 @@ enum class Ended : unsigned char {
 /// The times of a run. Stages are those of the cycle; `whole` is all of them.
 template <class C>
 struct LoopReport {
-  Ended ended = Ended::finished;
+  LoopEnd ended = LoopEnd::finished;
   std::uint64_t cycles = 0;
   std::uint64_t silent = 0;   ///< cycles without a new state
   std::uint64_t missed = 0;   ///< cycles whose state came later than 1.5 periods after the one before
@@ -53,8 +53,8 @@ struct LoopReport {
 struct LoopOptions {
   std::uint64_t cycles = 0;                 ///< 0: until it is stopped
   Nanoseconds period = 8ms;                 ///< planned, to tell missed ones
-  std::size_t most_samples = 8192;          ///< of one cycle that the worst cycle's copy keeps
-  std::optional<Budget> budget = {};        ///< of the load; see `Budget` for what an overrun does
+  std::size_t max_samples = 8192;           ///< of one cycle that the worst cycle's copy keeps
+  std::optional<TimeBudget> budget = {};    ///< of the load; see `TimeBudget` for what an overrun does
   PacketWatch packets{};                    ///< for a robot that numbers its packets
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };
@@ -73,7 +73,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
   static_assert(SkinSource<Source>, "a skin has poll: see SkinSource");
   LoopReport<C> report;
   report.worst = std::make_unique<typename LoopReport<C>::Worst>();
-  report.worst->samples.reserve(options.most_samples);
+  report.worst->samples.reserve(options.max_samples);
   const auto previous = std::make_unique<typename C::Memory>();
 
   BudgetMemory budget;
@@ -84,7 +84,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
   while (heard == Heard::silent && !(options.stop && options.stop->load()))
     heard = robot.wait(input.measured);
   if (heard != Heard::state) {
-    report.ended = heard == Heard::lost ? Ended::no_state : Ended::interrupted;
+    report.ended = heard == Heard::lost ? LoopEnd::no_state : LoopEnd::interrupted;
     robot.stop();
     return report;
   }
@@ -94,12 +94,12 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
 
   for (;;) {
     if (options.stop && options.stop->load()) {
-      report.ended = Ended::interrupted;
+      report.ended = LoopEnd::interrupted;
       break;
     }
     heard = robot.wait(input.measured);
     if (heard == Heard::lost) {
-      report.ended = Ended::lost;
+      report.ended = LoopEnd::lost;
       break;
     }
     const Nanoseconds now = Stopwatch::now();
@@ -114,13 +114,13 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     }
     input.samples = skin.poll();
     report.samples += input.samples.size();
-    input.request = Request::none;
+    input.request = CycleRequest::none;
     input.has_goal = false;
     input.observed = overrun;
     if constexpr (requires {
                     { robot.packet() } noexcept -> std::convertible_to<std::uint32_t>;
                   })
-      input.observed |= options.packets.see(packets, robot.packet());
+      input.observed |= options.packets.step(packets, robot.packet());
     if (!before(input, memory)) break;
 
     std::memcpy(static_cast<void*>(previous.get()), &memory, sizeof memory);
@@ -128,13 +128,13 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     const auto output = cycle.step(memory, input, watch);
     const bool sent = !output.command.valid || robot.send(output.command);
     ++report.cycles;
-    for (std::size_t s = 0; s < stage_count; ++s) report.stages[s].record(watch[static_cast<Stage>(s)]);
+    for (std::size_t s = 0; s < stage_count; ++s) report.stages[s].record(watch[static_cast<CycleStage>(s)]);
     if (watch.total() > report.whole.max()) {
       auto& worst = *report.worst;
       worst.cycle = report.cycles;
       worst.memory = *previous;
       worst.input = input;
-      const auto kept = std::min(input.samples.size(), options.most_samples);
+      const auto kept = std::min(input.samples.size(), options.max_samples);
       worst.samples.assign(input.samples.begin(), input.samples.begin() + static_cast<std::ptrdiff_t>(kept));
       worst.input.samples = worst.samples;
     }
@@ -142,11 +142,11 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     after(input, output, watch);
     const Nanoseconds load = Stopwatch::now() - now;
     report.load.record(load);
-    if (options.budget) overrun = options.budget->after(budget, load);
+    if (options.budget) overrun = options.budget->step(budget, load);
     report.overruns = budget.overruns;
     report.lost_packets = packets.lost;
     if (!sent) {
-      report.ended = Ended::lost;
+      report.ended = LoopEnd::lost;
       break;
     }
     if (options.cycles != 0 && report.cycles >= options.cycles) break;

@@ -13,12 +13,12 @@ SKINCTL_BEGIN_NAMESPACE
 class Stopwatch {
  public:
   SKINCTL_INLINE void begin() noexcept { last_ = now(); }
-  SKINCTL_INLINE void end(Stage stage) noexcept {
+  SKINCTL_INLINE void end(CycleStage stage) noexcept {
     const Nanoseconds t = now();
     times_[static_cast<std::size_t>(stage)] = t - last_;
     last_ = t;
   }
-  [[nodiscard]] Nanoseconds operator[](Stage stage) const noexcept {
+  [[nodiscard]] Nanoseconds operator[](CycleStage stage) const noexcept {
     return times_[static_cast<std::size_t>(stage)];
   }
   /// All stages together.

@@ -145,7 +145,7 @@ template <FrameName Name, Scalar T = double>
 /// `named_link_pose` and `Patch` do.
 template <std::size_t I, FrameName Name, std::size_t N>
 [[nodiscard]] Patch<I, N> patch_on(const Urdf& urdf, const NamedCell<Name> (&cells)[N],
-                                   const Gains& gains = {}) {
+                                   const CellGains& gains = {}) {
   return detail::place_patch<I, Name, N>(named_link_pose<I, Name>(urdf), cells, gains);
 }
 

@@ -31,7 +31,7 @@ struct CentreOfMass {
 
 /// The centre of mass from the poses of all links: one pass back over the tree, the mass and first moment of
 /// each subtree about its own joint. The torque that holds the robot against gravity is `-mass J' g`.
-template <Model M, LinkMask Mask, Scalar T>
+template <RobotModel M, LinkMask Mask, Scalar T>
 [[nodiscard]] CentreOfMass<M::joints, T> centre_of_mass(const M& model,
                                                         const Poses<M, Mask, T>& poses) noexcept {
   static_assert(Mask == all_links(M::joints), "the centre of mass needs the poses of all links");
@@ -40,7 +40,7 @@ template <Model M, LinkMask Mask, Scalar T>
   T mass[N];
   Xyz<T> h[N];  // first moments of subtrees about the base's origin
   detail::unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA {
-    using P = Parameter;
+    using P = LinkParameter;
     const auto X = poses.template get<i>();
     const Xyz<T> c =
         dense<T>(Triple{model.template number<i, P::c_x, T>(), model.template number<i, P::c_y, T>(),
@@ -72,7 +72,7 @@ template <Model M, LinkMask Mask, Scalar T>
   });
   return out;
 }
-template <Model M, Scalar T>
+template <RobotModel M, Scalar T>
 [[nodiscard]] CentreOfMass<M::joints, T> centre_of_mass(const M& model,
                                                         const JointPosition<M::joints, T>& q) noexcept {
   return centre_of_mass(model, link_poses(model, q));

@@ -50,7 +50,7 @@ template <std::size_t N, Real T>
 }  // namespace detail
 
 /// What of a frame's motion is asked for.
-enum class Task : unsigned char {
+enum class TaskSpace : unsigned char {
   pose,     ///< position and orientation: six numbers
   position  ///< of its origin alone: three, the angular parts of what goes in are not read
 };
@@ -110,13 +110,13 @@ class SingularityDamping {
 /// least joint speed; for fewer, of least error), near them bounded and smooth.
 ///
 /// `J` is a geometric `Jacobian` along the axes of the base, metres and radians weighted alike; it must
-/// outlive this object. With `Task::position` its linear rows alone are inverted. The smaller of the two
+/// outlive this object. With `TaskSpace::position` its linear rows alone are inverted. The smaller of the two
 /// products is formed and factorised: the error is a few units in the last place times the square of the
 /// condition of J (on a UR5 about 1e-12 and 1e-3 of the result at the edge of the default zone). Never
 /// divides by zero, does not allocate; a NaN gives NaNs or zeros.
-template <class J, Task What = Task::pose>
+template <class J, TaskSpace What = TaskSpace::pose>
 class DampedInverse;
-template <Topology M, LinkMask Columns, Frame Body, Real T, Task What>
+template <Topology M, LinkMask Columns, Frame Body, Real T, TaskSpace What>
 class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
  public:
   using Of = Jacobian<M, Columns, Body, Body, Base, T>;
@@ -230,7 +230,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
 
  private:
   static constexpr auto moving = static_cast<std::size_t>(std::popcount(Columns));
-  static constexpr std::size_t rows_count = What == Task::pose ? 6 : 3;
+  static constexpr std::size_t rows_count = What == TaskSpace::pose ? 6 : 3;
   static constexpr bool by_joints = moving <= rows_count, square = moving == rows_count;
   static constexpr std::size_t order = by_joints ? moving : rows_count;
   struct Matrix {
@@ -239,16 +239,16 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
 
   static void store(const Velocity& v, T* x) noexcept {
     x[0] = v.linear.x, x[1] = v.linear.y, x[2] = v.linear.z;
-    if constexpr (What == Task::pose) x[3] = v.angular.x, x[4] = v.angular.y, x[5] = v.angular.z;
+    if constexpr (What == TaskSpace::pose) x[3] = v.angular.x, x[4] = v.angular.y, x[5] = v.angular.z;
   }
   /// What of a velocity is asked for.
   static Velocity seen(const Velocity& v) noexcept {
-    if constexpr (What == Task::pose) return v;
+    if constexpr (What == TaskSpace::pose) return v;
     return {v.linear, {T(0), T(0), T(0)}};
   }
   template <class V>
   static T along(const typename Of::Column& c, const V& v) noexcept {
-    if constexpr (What == Task::pose) return dot(c.linear, v.linear) + dot(c.angular, v.angular);
+    if constexpr (What == TaskSpace::pose) return dot(c.linear, v.linear) + dot(c.angular, v.angular);
     return dot(c.linear, v.linear);
   }
   template <class Columns6>
@@ -337,7 +337,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
 };
 
 /// The damped inverse of a Jacobian.
-template <Task What = Task::pose, Topology M, LinkMask C, Frame Body, Real T>
+template <TaskSpace What = TaskSpace::pose, Topology M, LinkMask C, Frame Body, Real T>
 [[nodiscard]] auto damped_inverse(const Jacobian<M, C, Body, Body, Base, T>& J,
                                   const SingularityDamping<T>& damping) noexcept {
   return DampedInverse<Jacobian<M, C, Body, Body, Base, T>, What>(J, damping);

@@ -65,7 +65,7 @@ class Jacobian {
     return a;
   }
   // clang-format off
-  template <class Q> void operator*(const Q&) const = delete;  // J takes joint velocities or accelerations, its transpose a wrench: J * dq, J * ddq, transpose(J) * F
+  template <class Q> void operator*(const Q&) const = delete;  // a Jacobian takes joint velocities or accelerations, its transpose a wrench: J * dq, J * ddq, transpose(J) * F
   template <EigenExpression E>
   void operator=(const E&) = delete;  // from Eigen: a Jacobian of the same type's from_eigen(m)
   template <EigenExpression E>

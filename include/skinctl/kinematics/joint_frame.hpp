@@ -30,10 +30,11 @@ constexpr bool any_of_kind(JointKind kind) noexcept {
 }
 
 /// Whether the first `Count` joints turn by q itself, without offsets.
-template <Model M, Scalar T, std::size_t Count>
+template <RobotModel M, Scalar T, std::size_t Count>
 constexpr bool no_offsets() noexcept {
   return []<std::size_t... I>(std::index_sequence<I...>) {
-    return (is_zero<decltype(std::declval<const M&>().template number<I, Parameter::offset, T>())> && ...);
+    return (is_zero<decltype(std::declval<const M&>().template number<I, LinkParameter::offset, T>())> &&
+            ...);
   }(std::make_index_sequence<Count>{});
 }
 
@@ -42,7 +43,7 @@ constexpr bool no_offsets() noexcept {
 /// Sines and cosines of all joint angles, offsets included, computed at once on native lanes: the one
 /// transcendental step of a cycle. Joints behind the last link of `Mask` are left out, and so are those of
 /// `Unused` before and behind the others, whose angle the caller knows to drop out.
-template <Model M, Scalar T, LinkMask Mask = all_links(M::joints), LinkMask Unused = 0>
+template <RobotModel M, Scalar T, LinkMask Mask = all_links(M::joints), LinkMask Unused = 0>
 struct JointAngles {
   static constexpr LinkMask links = closure<M>(Mask);
   static constexpr std::size_t count = static_cast<std::size_t>(std::bit_width(links));
@@ -57,7 +58,7 @@ struct JointAngles {
     constexpr auto first = turning == 0 ? 0 : static_cast<std::size_t>(std::countr_zero(turning));
     constexpr std::size_t turns = static_cast<std::size_t>(std::bit_width(turning)) - first;
     const auto position = [&](auto i) SKINCTL_INLINE_LAMBDA {
-      return T(q[i] + model.template number<i, Parameter::offset, T>());
+      return T(q[i] + model.template number<i, LinkParameter::offset, T>());
     };
     if constexpr (detail::any_of_kind<M, links>(JointKind::prismatic))
       detail::unrolled<count>([&](auto i) SKINCTL_INLINE_LAMBDA { shift[i] = position(i); });
@@ -98,10 +99,10 @@ template <class G, class A, class Th, class P>
 JointFrame(G, A, Th, P) -> JointFrame<G, A, Th, P>;
 
 /// The frame of link `I` at the given joint angles.
-template <std::size_t I, Model M, Scalar T, LinkMask Mask, LinkMask Unused>
+template <std::size_t I, RobotModel M, Scalar T, LinkMask Mask, LinkMask Unused>
 SKINCTL_INLINE constexpr auto joint_frame(const M& model,
                                           const JointAngles<M, T, Mask, Unused>& angles) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   const Turn gamma{model.template number<I, P::cos_gamma, T>(), model.template number<I, P::sin_gamma, T>()};
   const Turn alpha{model.template number<I, P::cos_alpha, T>(), model.template number<I, P::sin_alpha, T>()};
   const Triple p{model.template number<I, P::p_x, T>(), model.template number<I, P::p_y, T>(),
@@ -109,7 +110,8 @@ SKINCTL_INLINE constexpr auto joint_frame(const M& model,
   if constexpr (M::kinds[I] == JointKind::revolute) {
     return JointFrame{gamma, alpha, Turn{angles.cos[I], angles.sin[I]}, p};
   } else {
-    const auto along = turn_z(gamma, turn_x(alpha, Triple{Known<0>{}, Known<0>{}, angles.shift[I]}));
+    const auto along =
+        turn_z(gamma, turn_x(alpha, Triple{TypedConstant<0>{}, TypedConstant<0>{}, angles.shift[I]}));
     const Turn beta{model.template number<I, P::cos_beta, T>(), model.template number<I, P::sin_beta, T>()};
     return JointFrame{gamma, alpha, beta, p + along};
   }

@@ -18,8 +18,8 @@ struct Place {
 template <class X, class Y, class Z, class P>
 Place(X, Y, Z, P) -> Place<X, Y, Z, P>;
 
-using BasePlace =
-    Place<Triple<Known<1>, Known<0>, Known<0>>, Triple<Known<0>, Known<1>, Known<0>>, UnitZ, ZeroTriple>;
+using BasePlace = Place<Triple<TypedConstant<1>, TypedConstant<0>, TypedConstant<0>>,
+                        Triple<TypedConstant<0>, TypedConstant<1>, TypedConstant<0>>, UnitZ, ZeroTriple>;
 
 /// The place of a link from that of its parent.
 template <class Frame, class Parent>
@@ -33,7 +33,7 @@ SKINCTL_INLINE constexpr auto placed(const Frame& frame, const Parent& in) noexc
 }
 
 /// Which numbers of a link's place the type of the model knows.
-template <std::size_t I, Model M, Scalar T>
+template <std::size_t I, RobotModel M, Scalar T>
 struct PlaceOf {
   static constexpr auto parent() noexcept {
     if constexpr (M::parents[I] < 0) {
@@ -48,7 +48,7 @@ struct PlaceOf {
 };
 
 /// `x`, unless its type in an algorithm is a constant.
-template <Number K, Scalar T>
+template <ScalarOrConstant K, Scalar T>
 SKINCTL_INLINE constexpr auto known_or(const T& x) noexcept {
   if constexpr (is_known<K>) {
     return K{};
@@ -68,7 +68,7 @@ SKINCTL_INLINE constexpr auto known_or(const Xyz<T>& v, std::type_identity<Tripl
 ///
 /// The axes are orthonormal to within the rounding of the sines and cosines times the depth of the tree. A
 /// NaN in q gives NaN poses of the links that the joint carries.
-template <Model M, LinkMask Mask, Scalar T = double>
+template <RobotModel M, LinkMask Mask, Scalar T = double>
 class Poses {
  public:
   static constexpr LinkMask mask = Mask;
@@ -131,14 +131,14 @@ class Poses {
 };
 
 /// The poses of the links in `Mask` (all by default) at `q`.
-template <LinkMask Mask = ~LinkMask(0), Model M, Scalar T>
+template <LinkMask Mask = ~LinkMask(0), RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE auto link_poses(const M& model, const JointPosition<M::joints, T>& q) noexcept {
   return Poses < M, Mask & all_links(M::joints), T > (model, q);
 }
 // clang-format off
-template <LinkMask Mask = ~LinkMask(0), Model M, Scalar T> requires(!computes_in<M, T>)
+template <LinkMask Mask = ~LinkMask(0), RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void link_poses(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
-template <LinkMask Mask = ~LinkMask(0), Model M, class... Q> requires(EigenExpression<Q> || ...)
+template <LinkMask Mask = ~LinkMask(0), RobotModel M, class... Q> requires(EigenExpression<Q> || ...)
 void link_poses(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 

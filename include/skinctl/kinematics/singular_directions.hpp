@@ -8,9 +8,9 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// A singular value of a Jacobian with its vectors: `J v = sigma u`, `J'u = sigma v`, |u| = |v| = 1.
-template <class J, Task What = Task::pose>
+template <class J, TaskSpace What = TaskSpace::pose>
 struct SingularDirection;
-template <Topology M, LinkMask Columns, Frame Body, Scalar T, Task What>
+template <Topology M, LinkMask Columns, Frame Body, Scalar T, TaskSpace What>
 struct SingularDirection<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   Twist<Body, Base, Body, Base, T> u{};  ///< metres and radians alike; its angular part is 0 for a position
   JointVelocity<M::joints, T> v{};       ///< where sigma is 0 of either sign
@@ -79,11 +79,11 @@ void singular_values(const T (&s)[2][2], T (&u)[2][2], T (&v)[2][2], T (&sigma)[
 /// they err by (sigma / the third singular value)^8. Where two singularities meet, both are needed: the axes
 /// in their plane are then a matter of rounding. Does not divide by zero; all is 0 where `J` is no number,
 /// and the second where one joint alone moves the frame.
-template <Task What = Task::pose, Topology M, LinkMask Columns, Frame Body, Real T>
+template <TaskSpace What = TaskSpace::pose, Topology M, LinkMask Columns, Frame Body, Real T>
 [[nodiscard]] SKINCTL_COLD auto singular_directions(
     const Jacobian<M, Columns, Body, Body, Base, T>& J) noexcept {
   using Of = Jacobian<M, Columns, Body, Body, Base, T>;
-  constexpr std::size_t R = What == Task::pose ? 6 : 3;
+  constexpr std::size_t R = What == TaskSpace::pose ? 6 : 3;
   constexpr auto C = static_cast<std::size_t>(std::popcount(Columns));
   constexpr std::size_t K = C < 2 ? C : 2;
   std::array<SingularDirection<Of, What>, 2> d;

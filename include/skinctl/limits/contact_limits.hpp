@@ -67,7 +67,7 @@ inline constexpr bool distinct_links =
 ///
 /// Opposite pushes on one link cancel in its resultant. Rotors are not in M: add their inertia to the model's
 /// links if they matter.
-template <Model M, Real T, std::size_t... I>
+template <RobotModel M, Real T, std::size_t... I>
 class ContactLimits {
  public:
   static_assert(sizeof...(I) > 0, "name at least one link");
@@ -221,11 +221,11 @@ class ContactLimits {
   [[no_unique_address]] M model_;
   Link at_[count];
 };
-template <Model M, std::size_t... I>
+template <RobotModel M, std::size_t... I>
 ContactLimits(const M&, const LinkContact<I>&...) -> ContactLimits<M, double, I...>;
 
 /// The same for a scalar that is named: `contact_limits<float>(model, ...)`.
-template <Real T = double, Model M, std::size_t... I>
+template <Real T = double, RobotModel M, std::size_t... I>
 [[nodiscard]] auto contact_limits(const M& model, const LinkContact<I>&... link) {
   static_assert(detail::distinct_links<I...>,
                 "two contact limits for one link: give it those of the more delicate region");

@@ -88,7 +88,7 @@ class Governor {
   ///                  contact limits. Both are read if there are any.
   /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.
   template <class Touch, class Nearest>
-  SKINCTL_INLINE Governed<N, T> pass(Memory& m, const JointCommand<N, T>& last,
+  SKINCTL_INLINE Governed<N, T> step(Memory& m, const JointCommand<N, T>& last,
                                      const JointCommand<N, T>& wish, const State<N, T>& measured,
                                      const Touch& touch, const Nearest& nearest, const T& dt) const noexcept {
     Governed<N, T> out{wish, {}, false};
@@ -137,9 +137,9 @@ class Governor {
   ///
   /// @param hold      what holds the robot: gravity compensation, with friction if it has some.
   /// @param stopping  whether the guard waits for consent: then hold with damping.
-  /// All else as `pass`.
+  /// All else as `step`.
   template <class Touch, class Nearest>
-  SKINCTL_NOINLINE GovernedTorque<N, T> pass_torque(Memory& m, const JointCommand<N, T>& wish,
+  SKINCTL_NOINLINE GovernedTorque<N, T> step_torque(Memory& m, const JointCommand<N, T>& wish,
                                                     const JointTorque<N, T>& hold, bool stopping,
                                                     const State<N, T>& measured, const Touch& touch,
                                                     const Nearest& nearest, const T& dt) const noexcept {

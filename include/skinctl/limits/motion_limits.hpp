@@ -16,7 +16,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// speed from which its acceleration limit stops it before its end; the torque gives way by as much as that
 /// takes, `-M (u - u_kept) / t`. Beyond an end, and above the limit, a joint is only braked. Whatever pushes
 /// from outside with more than the joints' torques wins.
-template <Model M, Real T = double>
+template <RobotModel M, Real T = double>
 class MotionLimits {
  public:
   static constexpr std::size_t joints = M::joints;

@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// the limit is the fastest that the point gets while all joints brake together from here, at the rate that
 /// the weakest allows: with `v = |J u|`, growth `K = R (sum |u_i|)^2` and rate `a = min A_i / |u_i|`, that is
 /// v if `K <= a v`, else at most `2/3 v + K/(3 a)`. From a motion that `scale` left it can always be kept.
-template <Model M, std::size_t I, Real T = double>
+template <RobotModel M, std::size_t I, Real T = double>
 class ToolSpeed {
  public:
   static_assert(I < M::joints, "the speed of a link that the model does not have");

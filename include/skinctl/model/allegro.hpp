@@ -25,21 +25,21 @@ struct Tree {
 /// One finger, with what all four have in common as typed constants: that is what lets them run side by side
 /// in lanes.
 struct Finger : Chain<4> {
-  template <std::size_t I, Parameter P>
+  template <std::size_t I, LinkParameter P>
   static constexpr auto known() noexcept {
-    using enum Parameter;
+    using enum LinkParameter;
     if constexpr (I == 1 && P == cos_alpha) {
-      return Known<0>{};
+      return TypedConstant<0>{};
     } else if constexpr (I == 1 && P == sin_alpha) {
-      return Known<-1>{};
+      return TypedConstant<-1>{};
     } else if constexpr (I == 3 && P == cos_alpha) {
-      return Known<1>{};
+      return TypedConstant<1>{};
     } else if constexpr (I == 3 && (P == sin_alpha || P == p_x || P == p_z || P == offset)) {
-      return Known<0>{};
+      return TypedConstant<0>{};
     } else if constexpr (I == 2 && (P == p_x || P == offset)) {
-      return Known<0>{};
+      return TypedConstant<0>{};
     } else if constexpr (P == c_x || P == c_z || (I < 3 && P == c_y)) {
-      return Known<0>{};
+      return TypedConstant<0>{};
     } else {
       return;
     }
@@ -212,7 +212,7 @@ template <std::size_t W, Real T = double>
     fingers[k] = canonical_links<Chain<4>>(finger_links((first + k) % 4, side));
   typename CalibratedModel<Finger, L>::Links links;
   for (std::size_t i = 0; i < 4; ++i) {
-    for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p) {
+    for (std::size_t p = 0; p < std::size_t(LinkParameter::count); ++p) {
       T numbers[W];
       for (std::size_t k = 0; k < W; ++k) numbers[k] = static_cast<T>(fingers[k].links[i].numbers[p]);
       if constexpr (W == 1) {

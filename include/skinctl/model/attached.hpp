@@ -12,7 +12,7 @@ struct BareBase {
   static constexpr std::array<JointKind, 1> kinds = {JointKind::revolute};
   template <Scalar T>
   static SKINCTL_INLINE constexpr auto gravity() noexcept {
-    return Triple{Known<0>{}, Known<0>{}, T(-9.81)};
+    return Triple{TypedConstant<0>{}, TypedConstant<0>{}, T(-9.81)};
   }
 };
 
@@ -48,7 +48,7 @@ struct AttachedTree {
 /// The model `B` attached to link `At` of the model `A`, itself a model: a static arm stays static, a
 /// calibrated hand calibrated, and both keep their frames, so that what is fixed to a link (a patch, a tool)
 /// stays valid. Only the placement of the first links of `B` is computed, once. Gravity is that of `A`.
-template <class A, int At, Model B, Scalar T = double>
+template <class A, int At, RobotModel B, Scalar T = double>
 class Attached : public AttachedTree<A, At, B> {
   using Tree = AttachedTree<A, At, B>;
 
@@ -64,11 +64,11 @@ class Attached : public AttachedTree<A, At, B> {
     }(std::make_index_sequence<roots>{});
   }
 
-  template <std::size_t I, Parameter P, Scalar U>
+  template <std::size_t I, LinkParameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
     if constexpr (I < Tree::trunk) {
       return a_.template number<I, P, U>();
-    } else if constexpr (B::parents[I - Tree::trunk] < 0 && P < Parameter::mass) {
+    } else if constexpr (B::parents[I - Tree::trunk] < 0 && P < LinkParameter::mass) {
       static_assert(std::same_as<U, T>, "an attached model computes in the scalar that it stores");
       return T(roots_[root(I - Tree::trunk)][std::size_t(P)]);
     } else {
@@ -82,7 +82,7 @@ class Attached : public AttachedTree<A, At, B> {
 
  private:
   static constexpr std::size_t roots = children<B, -1>.size();
-  using Placement = std::array<T, std::size_t(Parameter::mass)>;
+  using Placement = std::array<T, std::size_t(LinkParameter::mass)>;
 
   static constexpr std::size_t root(std::size_t i) noexcept {
     std::size_t k = 0;
@@ -102,7 +102,7 @@ class Attached : public AttachedTree<A, At, B> {
 };
 
 /// `B` on link `At` of `A`.
-template <int At, Scalar T = double, class A, Model B>
+template <int At, Scalar T = double, class A, RobotModel B>
 [[nodiscard]] Attached<A, At, B, T> attach(const A& a, const B& b, const Stand& stand = {}) {
   return Attached<A, At, B, T>(a, b, stand);
 }

@@ -13,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// `W` robots of the model `M` as one model that computes in lanes: lane k has the numbers of robot k. What
 /// the type of `M` knows stays a typed constant, so zeros cost nothing here either.
-template <Model M, Real T, std::size_t W>
+template <RobotModel M, Real T, std::size_t W>
 class SideBySide {
  public:
   using scalar = Lane<T, W>;
@@ -28,7 +28,7 @@ class SideBySide {
       return robots[lane < robots.size() ? lane : robots.size() - 1];
     };
     const auto store = [&]<std::size_t I>(std::integral_constant<std::size_t, I>) {
-      for (std::size_t p = 0; p < std::size_t(Parameter::count); ++p) {
+      for (std::size_t p = 0; p < std::size_t(LinkParameter::count); ++p) {
         T x[W];
         for (std::size_t k = 0; k < W; ++k) x[k] = static_cast<T>(numbers_of<I, T>(of(k)).numbers[p]);
         links_[I].numbers[p] = scalar::load(x);
@@ -45,7 +45,7 @@ class SideBySide {
     gravity_ = {scalar::load(x), scalar::load(y), scalar::load(z)};
   }
 
-  template <std::size_t I, Parameter P, Scalar U>
+  template <std::size_t I, LinkParameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
     static_assert(std::same_as<U, scalar>, "robots side by side compute in lanes");
     using One = decltype(std::declval<const M&>().template number<I, P, T>());
@@ -148,7 +148,7 @@ class LaneGroup {
 /// Robots of one model that move independently: every algorithm that is templated on its scalar runs on
 /// `native_lanes<T>` of them at once, through the same templates as a single robot.
 ///
-///     const Batch robots(ur5::Model{}, q.size());
+///     const ModelBatch robots(ur5::Model{}, q.size());
 ///     robots.for_each_group([&](const auto& model, const auto& group) {
 ///       group.write(inverse_dynamics(model, group.read(q), group.read(dq), group.read(ddq)), tau);
 ///     });
@@ -156,8 +156,8 @@ class LaneGroup {
 /// Results agree with one robot at a time to a few units in the last place (fused multiply-adds may differ);
 /// a NaN stays in its own lane. What an algorithm tells of all lanes at once, as `positive_definite`, holds
 /// for the group. Where the target has no vectors a group is one robot.
-template <Model M, Real T = double>
-class Batch {
+template <RobotModel M, Real T = double>
+class ModelBatch {
  public:
   static constexpr std::size_t lanes = native_lanes<T>;
   using Group = LaneGroup<T, lanes>;
@@ -165,9 +165,9 @@ class Batch {
   using GroupModel = std::conditional_t<std::is_empty_v<M> || lanes == 1, M, SideBySide<M, T, lanes>>;
 
   /// `count` robots that are all alike.
-  Batch(const M& model, std::size_t count) : size_(count) { models_.push_back(make({&model, 1})); }
+  ModelBatch(const M& model, std::size_t count) : size_(count) { models_.push_back(make({&model, 1})); }
   /// Robots with numbers of their own: calibrations, payloads, guesses. Allocates; copies the numbers.
-  explicit Batch(std::span<const M> robots) : size_(robots.size()), stride_(1) {
+  explicit ModelBatch(std::span<const M> robots) : size_(robots.size()), stride_(1) {
     models_.reserve((size_ + lanes - 1) / lanes);
     for (std::size_t k = 0; k < size_; k += lanes)
       models_.push_back(make(robots.subspan(k, lanes < size_ - k ? lanes : size_ - k)));
@@ -193,11 +193,11 @@ class Batch {
   std::vector<GroupModel> models_;
   std::size_t size_, stride_ = 0;
 };
-template <Model M>
-Batch(const M&, std::size_t) -> Batch<M, typename detail::ScalarOf<M>::type>;
-template <Model M>
-Batch(std::span<const M>) -> Batch<M, typename detail::ScalarOf<M>::type>;
-template <Model M>
-Batch(const std::vector<M>&) -> Batch<M, typename detail::ScalarOf<M>::type>;
+template <RobotModel M>
+ModelBatch(const M&, std::size_t) -> ModelBatch<M, typename detail::ScalarOf<M>::type>;
+template <RobotModel M>
+ModelBatch(std::span<const M>) -> ModelBatch<M, typename detail::ScalarOf<M>::type>;
+template <RobotModel M>
+ModelBatch(const std::vector<M>&) -> ModelBatch<M, typename detail::ScalarOf<M>::type>;
 
 SKINCTL_END_NAMESPACE

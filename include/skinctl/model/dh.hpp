@@ -62,12 +62,12 @@ template <std::size_t N>
     const JointPlacement end = row_end(rows[i], kinds[i]);
     links[i] = make_link(placement, moved_out(end, at_row_ends[i]));
     if (kinds[i] == JointKind::revolute) {
-      links[i][Parameter::offset] = rows[i].theta;
+      links[i][LinkParameter::offset] = rows[i].theta;
     } else {
       const Angle turn = rows[i].theta == 0 ? Angle{} : Angle::radians(rows[i].theta);
-      links[i][Parameter::offset] = rows[i].d;
-      links[i][Parameter::cos_beta] = turn.cos;
-      links[i][Parameter::sin_beta] = turn.sin;
+      links[i][LinkParameter::offset] = rows[i].d;
+      links[i][LinkParameter::cos_beta] = turn.cos;
+      links[i][LinkParameter::sin_beta] = turn.sin;
     }
     placement = end;
   }
@@ -127,7 +127,7 @@ template <std::size_t N>
     turn += delta.theta[i];
     out.links[i] = make_link(
         placement, turned_back_z(moved_out(row_end(rows[i]), at_row_ends[i]), Angle::radians(turn)));
-    out.links[i][Parameter::offset] = rows[i].theta + delta.theta[i];
+    out.links[i][LinkParameter::offset] = rows[i].theta + delta.theta[i];
     const double c = std::cos(delta.alpha[i]), s = std::sin(delta.alpha[i]);
     const Angle nominal = rows[i].alpha;
     const Angle alpha{nominal.cos * c - nominal.sin * s, nominal.sin * c + nominal.cos * s};

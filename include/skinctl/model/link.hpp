@@ -18,7 +18,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// joint axes, which takes care of the first child (gamma = 0), and each further child needs its gamma.
 /// Near-parallel axes are no special case, because `p` keeps three numbers (a four-number DH row loses them
 /// there).
-enum class Parameter : std::size_t {
+enum class LinkParameter : std::size_t {
   cos_gamma,
   sin_gamma,
   cos_alpha,
@@ -42,13 +42,13 @@ enum class Parameter : std::size_t {
   count
 };
 
-/// All numbers of one link. See `Parameter`.
+/// All numbers of one link. See `LinkParameter`.
 template <Scalar T = double>
 struct LinkParameters {
-  std::array<T, std::size_t(Parameter::count)> numbers{};
+  std::array<T, std::size_t(LinkParameter::count)> numbers{};
 
-  constexpr T& operator[](Parameter p) noexcept { return numbers[std::size_t(p)]; }
-  constexpr const T& operator[](Parameter p) const noexcept { return numbers[std::size_t(p)]; }
+  constexpr T& operator[](LinkParameter p) noexcept { return numbers[std::size_t(p)]; }
+  constexpr const T& operator[](LinkParameter p) const noexcept { return numbers[std::size_t(p)]; }
 
   /// The same numbers in another scalar.
   template <Scalar U>
@@ -71,7 +71,7 @@ struct Angle {
   static Angle radians(double a) noexcept { return {std::cos(a), std::sin(a)}; }
 };
 
-/// Where a joint sits in its parent link. See `Parameter`.
+/// Where a joint sits in its parent link. See `LinkParameter`.
 struct JointPlacement {
   double p[3] = {0, 0, 0};
   Angle alpha{};
@@ -123,7 +123,7 @@ constexpr LinkInertia turned_back_z(const LinkInertia& in, const Angle& t) noexc
 /// A link of a model from its placement and inertia.
 constexpr LinkParameters<double> make_link(const JointPlacement& placement,
                                            const LinkInertia& inertia) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   LinkParameters<double> l;
   l[P::cos_gamma] = placement.gamma.cos;
   l[P::sin_gamma] = placement.gamma.sin;
@@ -150,7 +150,7 @@ constexpr LinkParameters<double> make_link(const JointPlacement& placement,
 
 /// The inertia that a link was made with.
 constexpr LinkInertia inertia_of(const LinkParameters<double>& l) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   return {l[P::mass],
           {l[P::c_x], l[P::c_y], l[P::c_z]},
           l[P::s_yy] + l[P::s_zz],
@@ -167,7 +167,7 @@ constexpr LinkInertia inertia_of(const LinkParameters<double>& l) noexcept {
 /// the moments sum up to nothing or less.
 template <Real T>
 [[nodiscard]] double density_defect(const LinkParameters<T>& l) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   const auto number = [&](P p) { return static_cast<double>(l[p]); };
   const Symmetric<double> S{number(P::s_xx), number(P::s_yy), number(P::s_zz),
                             number(P::s_xy), number(P::s_xz), number(P::s_yz)};
@@ -186,7 +186,7 @@ inline constexpr double rounded_density = 1e-9, makers_density = 0.18;
 /// rounding of `T` makes).
 template <Real T>
 void check_link(const LinkParameters<T>& l, double allowed_defect = rounded_density) {
-  using P = Parameter;
+  using P = LinkParameter;
   for (std::size_t i = 0; i < l.numbers.size(); ++i) {
     const double x = static_cast<double>(l.numbers[i]);
     require(x - x == 0, "link parameter", x, "a finite number");

@@ -8,7 +8,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// `M` with a load fixed to link `L`, which may change at run time: a tool that is exchanged, a part that is
 /// gripped. Only the inertia of link `L` becomes numbers at run time; whatever the type of `M` knows of the
 /// others, it goes on knowing, so the load costs no more than its own link.
-template <Model M, std::size_t L, Scalar T = double>
+template <RobotModel M, std::size_t L, Scalar T = double>
 class Loaded : public M {
  public:
   static_assert(L < M::joints, "the model has no such link");
@@ -26,9 +26,9 @@ class Loaded : public M {
     link_ = sum.template cast<T>();
   }
 
-  template <std::size_t I, Parameter P, Scalar U>
+  template <std::size_t I, LinkParameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
-    if constexpr (I == L && P >= Parameter::mass) {
+    if constexpr (I == L && P >= LinkParameter::mass) {
       static_assert(std::same_as<U, T>, "a loaded model computes in the scalar that it stores");
       return T(link_[P]);
     } else {

@@ -23,11 +23,11 @@ struct ScalarOf<M> {
 }  // namespace detail
 
 /// A robot: a `Topology` whose `number<I, P, T>()` gives parameter `P` of link `I` as a typed constant
-/// (`Known<0>`) or as a `T`, and whose `gravity<T>()` is the gravitational acceleration in the axes of the
+/// (`TypedConstant<0>`) or as a `T`, and whose `gravity<T>()` is the gravitational acceleration in the axes of the
 /// base [m/s^2]. Algorithms are written once against this; what is a typed constant vanishes from the code.
 template <class M>
-concept Model = Topology<M> && requires(const M& m) {
-  m.template number<0, Parameter::mass, typename detail::ScalarOf<M>::type>();
+concept RobotModel = Topology<M> && requires(const M& m) {
+  m.template number<0, LinkParameter::mass, typename detail::ScalarOf<M>::type>();
   m.template gravity<typename detail::ScalarOf<M>::type>();
 };
 
@@ -39,12 +39,12 @@ template <class M, class T>
 inline constexpr bool computes_in<M, T> = std::is_same_v<typename M::scalar, T>;
 
 /// All numbers of link `I` of a model that computes in `T`, typed constants among them.
-template <std::size_t I, Scalar T, Model M>
+template <std::size_t I, Scalar T, RobotModel M>
 [[nodiscard]] constexpr LinkParameters<double> numbers_of(const M& model) noexcept {
   LinkParameters<double> l;
   [&]<std::size_t... K>(std::index_sequence<K...>) {
-    ((l.numbers[K] = static_cast<double>(T(model.template number<I, Parameter(K), T>()))), ...);
-  }(std::make_index_sequence<std::size_t(Parameter::count)>{});
+    ((l.numbers[K] = static_cast<double>(T(model.template number<I, LinkParameter(K), T>()))), ...);
+  }(std::make_index_sequence<std::size_t(LinkParameter::count)>{});
   return l;
 }
 
@@ -58,15 +58,15 @@ struct StaticModel {
   static constexpr auto parents = Description::parents;
   static constexpr auto kinds = Description::kinds;
 
-  template <std::size_t I, Parameter P, Scalar T>
+  template <std::size_t I, LinkParameter P, Scalar T>
   static SKINCTL_INLINE constexpr auto number() noexcept {
     constexpr double x = Description::links[I][P];
     if constexpr (x == 0.0) {
-      return Known<0>{};
+      return TypedConstant<0>{};
     } else if constexpr (x == 1.0) {
-      return Known<1>{};
+      return TypedConstant<1>{};
     } else if constexpr (x == -1.0) {
-      return Known<-1>{};
+      return TypedConstant<-1>{};
     } else {
       return T(x);
     }
@@ -81,7 +81,7 @@ struct StaticModel {
   static SKINCTL_INLINE constexpr auto gravity_along() noexcept {
     constexpr double g = Description::gravity[A];
     if constexpr (g == 0.0) {
-      return Known<0>{};
+      return TypedConstant<0>{};
     } else {
       return T(g);
     }
@@ -112,14 +112,14 @@ class CalibratedModel {
     if constexpr (Real<T>) {
       for (const auto& link : links_) check_link(link, allowed_defect);
       [&]<std::size_t... I>(std::index_sequence<I...>) {
-        (check_promises<I>(std::make_index_sequence<std::size_t(Parameter::count)>{}), ...);
+        (check_promises<I>(std::make_index_sequence<std::size_t(LinkParameter::count)>{}), ...);
       }(std::make_index_sequence<joints>{});
     } else {
       static_cast<void>(allowed_defect);
     }
   }
 
-  template <std::size_t I, Parameter P, Scalar U>
+  template <std::size_t I, LinkParameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
     static_assert(std::is_same_v<U, T>, "a calibrated model computes in the scalar that it stores");
     using Promise = decltype(promised<I, P>());
@@ -138,12 +138,12 @@ class CalibratedModel {
   const LinkParameters<T>& link(std::size_t i) const noexcept { return links_[i]; }
 
  private:
-  template <std::size_t I, Parameter P>
+  template <std::size_t I, LinkParameter P>
   static constexpr auto promised() noexcept {
-    if constexpr (P == Parameter::sin_gamma && is_first_child(I)) {
-      return Known<0>{};
-    } else if constexpr (P == Parameter::cos_gamma && is_first_child(I)) {
-      return Known<1>{};
+    if constexpr (P == LinkParameter::sin_gamma && is_first_child(I)) {
+      return TypedConstant<0>{};
+    } else if constexpr (P == LinkParameter::cos_gamma && is_first_child(I)) {
+      return TypedConstant<1>{};
     } else if constexpr (requires { Tree::template known<I, P>(); }) {
       return Tree::template known<I, P>();
     } else {
@@ -153,10 +153,10 @@ class CalibratedModel {
   template <std::size_t I, std::size_t... P>
   void check_promises(std::index_sequence<P...>) const {
     const auto check = [&]<std::size_t K>(std::integral_constant<std::size_t, K>) {
-      using Promise = decltype(promised<I, Parameter(K)>());
+      using Promise = decltype(promised<I, LinkParameter(K)>());
       if constexpr (is_known<Promise>)
-        require(links_[I][Parameter(K)] == T(Promise::value), "link parameter that the tree's type fixes",
-                static_cast<double>(links_[I][Parameter(K)]),
+        require(links_[I][LinkParameter(K)] == T(Promise::value), "link parameter that the tree's type fixes",
+                static_cast<double>(links_[I][LinkParameter(K)]),
                 "the promised constant (first children: gamma = 0)");
     };
     (check(std::integral_constant<std::size_t, P>{}), ...);

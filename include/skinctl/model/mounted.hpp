@@ -15,7 +15,7 @@ template <Real T>
 
 /// `M` on a wall, a ceiling or a tilted plinth: the model itself, with gravity where it points now. Poses
 /// stay those in the base. The mounting may change at run time, as on a vehicle.
-template <Model M, Scalar T = double>
+template <RobotModel M, Scalar T = double>
 class Mounted : public M {
  public:
   using scalar = T;

@@ -79,7 +79,7 @@ inline LinkInertia seen_from(const Rotation<double>& R, const Xyz<double>& p,
 /// inertia and its motion stay what they are.
 inline LinkParameters<double> placed_at(const LinkParameters<double>& link, JointKind kind,
                                         const Rotation<double>& R, const Xyz<double>& p) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   LinkParameters<double> out = link;
   const double g = link[P::sin_gamma], h = link[P::cos_gamma], s = link[P::sin_alpha], c = link[P::cos_alpha];
   const auto zxz =

@@ -8,7 +8,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// `M` without weight: masses and inertias are its own, gravity is a typed zero. What a robot's own controller
 /// holds does not reach the laws: `G(q)` is zero for them, and costs nothing.
-template <Model M>
+template <RobotModel M>
 class Weightless : public M {
  public:
   explicit constexpr Weightless(const M& model) : M(model) {}

@@ -34,7 +34,7 @@ class ContactDamper {
  public:
   using RobotPart = detail::KeeperPart;
   struct Settings {
-    T most = T(0);    ///< added at most [N s/m], as the virtual robot's force, >= 0; see `contact_damping`
+    T max = T(0);     ///< added at most [N s/m], as the virtual robot's force, >= 0; see `contact_damping`
     T always = T(0);  ///< while a contact lasts [N s/m], >= 0: what a delay needs, see `contact_damping`
     T swing = T(2);   ///< least change of a push that counts [N], > 0: two quanta of the sensor at least
     Nanoseconds slowest = 250ms;  ///< longest time from peak to trough, > 0
@@ -63,7 +63,7 @@ class ContactDamper {
   SKINCTL_COLD explicit ContactDamper(const Settings& s = {})
       : s_(s), slowest_(seconds<T>(s.slowest)), calm_(seconds<T>(s.calm)) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
-    require(s.most >= T(0) && s.most <= T(1e6), "most contact damping", number(s.most), "0 to 1e6 N s/m");
+    require(s.max >= T(0) && s.max <= T(1e6), "most contact damping", number(s.max), "0 to 1e6 N s/m");
     require(s.always >= T(0) && s.always <= T(1e6), "contact damping", number(s.always), "0 to 1e6 N s/m");
     require(s.swing > T(0) && s.swing <= T(1e6), "least swing", number(s.swing), "> 0, <= 1e6 N");
     require(s.slowest > 0ns && s.slowest <= 10s, "slowest swing", seconds<double>(s.slowest), "> 0, <= 10 s");
@@ -94,7 +94,7 @@ class ContactDamper {
       if (!(force[i] > T(0)) && !w.touched) continue;
       watch(w, force[i], speed[i], dt);
       T& b = memory.damping.coefficient[i];
-      b = w.level * s_.most + (force[i] > T(0) ? s_.always : T(0));
+      b = w.level * s_.max + (force[i] > T(0) ? s_.always : T(0));
       memory.damping.any = memory.damping.any || b > T(0);
       added = added || w.level > T(0);
     }

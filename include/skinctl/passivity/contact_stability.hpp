@@ -42,7 +42,7 @@ template <Real T>
 /// it), and along the contact the contact damping. The loop is stable up to the stiffness at which g passes
 /// -1. A contact is given by its row `n'J` (see `Contact::row`). For the time of configuration: some hundred
 /// small complex solutions a pose, by Eigen: who uses it includes <Eigen/LU> first.
-template <Model M, Real T = double, class Tool = NoToolShape>
+template <RobotModel M, Real T = double, class Tool = NoToolShape>
 class ContactStability {
  public:
   static constexpr std::size_t joints = M::joints;

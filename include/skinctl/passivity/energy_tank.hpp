@@ -25,7 +25,7 @@ template <Real T>
 }
 
 /// An energy tank around everything that is not the touch itself (`include/skinctl/README.md`): weighted laws, changes of
-/// skill and weight, hand-overs, the observer, errors of the integration. A part of a resolver's `Passivity`.
+/// skill and weight, bumpless transfers, the observer, errors of the integration. A part of a resolver's `Passivity`.
 ///
 /// The virtual robot is passive at its port: kinetic energy plus tank never grow by more than the work of the
 /// touch, `port_gain tau_skin . dq^`. The law's torque beyond `port_gain tau_skin + G` is active: it takes
@@ -44,7 +44,7 @@ class EnergyTank {
   using RobotPart = detail::KeeperPart;
   struct Settings {
     T start = T(1);      ///< energy at the start [J], >= 0
-    T most = T(5);       ///< room [J], >= start
+    T max = T(5);        ///< room [J], >= start
     T port_gain = T(1);  ///< weight with which the law takes the skin's torque; another one is active
   };
   template <std::size_t N>
@@ -74,7 +74,7 @@ class EnergyTank {
   SKINCTL_COLD explicit EnergyTank(const Settings& s = {}) : s_(s) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(s.start >= T(0) && s.start <= T(1e6), "energy at the start", number(s.start), "0 to 1e6 J");
-    require(s.most >= s.start && s.most <= T(1e6), "room of the tank", number(s.most), ">= start, <= 1e6 J");
+    require(s.max >= s.start && s.max <= T(1e6), "room of the tank", number(s.max), ">= start, <= 1e6 J");
     require(s.port_gain >= T(0) && s.port_gain <= T(1e6), "port gain", number(s.port_gain), "0 to 1e6");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
@@ -138,7 +138,7 @@ class EnergyTank {
           friction = friction + shape.damping * dq[i] * memory.mass(i, j) * dq[j];
     }
     memory.energy = memory.energy - drawn;
-    if (memory.energy > s_.most) memory.energy = s_.most;
+    if (memory.energy > s_.max) memory.energy = s_.max;
     memory.explained = input + drawn - friction / h;
   }
 
@@ -163,7 +163,7 @@ class EnergyTank {
       res = res + (memory.passive[i] - T(0.5) * fair) * dq[i];
     }
     memory.energy = memory.energy - drawn - (res > T(0) ? res : T(0));
-    if (memory.energy > s_.most) memory.energy = s_.most;
+    if (memory.energy > s_.max) memory.energy = s_.max;
   }
 
   /// The share of the active torque that may be held for `h` seconds from the velocity `v` on; `move(torque)`

@@ -5,11 +5,11 @@
 
 #include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
-#include "skinctl/passivity/port_ledger.hpp"
+#include "skinctl/passivity/passivity_observer.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The parts that keep a resolver passive, in any order: `Passivity(EnergyTank(...), PortLedger(...),
+/// The parts that keep a resolver passive, in any order: `Passivity(EnergyTank(...), PassivityObserver(...),
 /// ContactDamper(...))`. None by default; what is not named costs nothing, neither time nor memory.
 template <class... Parts>
 class Passivity {

@@ -36,7 +36,7 @@ struct HybridMemory {
 ///
 /// A command has both kinds: `stiff(command)` and `torque(command)` are the two devices' shares, and cannot
 /// be mixed up, as their numbers of joints differ. Keepers (`Passivity`) are for robots of one kind so far.
-template <Interface I, LinkMask ByTorque, Model M, Real T = double, class Integrator = CrankNicolson,
+template <Interface I, LinkMask ByTorque, RobotModel M, Real T = double, class Integrator = CrankNicolson,
           std::size_t History = 32>
 class HybridResolver {
  public:
@@ -102,10 +102,11 @@ class HybridResolver {
   }
 
   /// One cycle, as `Resolver::step`.
-  template <class L, class Touch>
+  template <class L, class Touch, class Check = AnyState>
   Resolved<joints, T, terms_of<L>> step(Memory& m, const L& law, typename L::Memory& law_memory,
                                         const State<joints, T>& measured, const Interval& interval,
-                                        std::span<const Touch> touches) const noexcept;
+                                        std::span<const Touch> touches,
+                                        const Check& check = {}) const noexcept;
 
   /// What holds the driven joints when no law can: `G(q) - B dq`; zero for the others.
   [[nodiscard]] JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
@@ -161,7 +162,6 @@ class HybridResolver {
     Driven::put(Driven::of(gravity_torque(model_, q)) - drag, out);
     return out;
   }
-  SKINCTL_INLINE Status accept(Memory& m, const State<joints, T>& measured, Nanoseconds now) const noexcept;
   [[nodiscard]] DrivenTorque friction(const State<joints, T>& s) const noexcept {
     DrivenTorque drag;
     if (!has_friction_) return drag;

@@ -11,7 +11,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What the virtual robot does in a cycle.
-enum class Mode : unsigned char {
+enum class ResolverMode : unsigned char {
   following,  ///< the laws move it
   blocked,    ///< it goes back to the real robot and waits there
   braking     ///< it brakes and holds: a stop, or no news of the real robot
@@ -23,7 +23,7 @@ template <std::size_t N, Real T, std::size_t History>
 struct VirtualJointsMemory {
   bool started = false;
   bool stop = false;  ///< a stop was asked for
-  Mode mode = Mode::following;
+  ResolverMode mode = ResolverMode::following;
   Nanoseconds time{};                    ///< of the virtual state
   detail::RunningPosition<N, T> q;       ///< q^
   JointVelocity<N, T> v;                 ///< the virtual robot's velocity, which laws read

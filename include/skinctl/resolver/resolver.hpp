@@ -31,8 +31,8 @@ struct Resolved {
 ///
 /// - Position interface: q^ is sent. Velocity interface: v is sent; `L1 rho` and a slow drift move q^ only.
 /// - Gravity acts on the virtual robot: a law has to hold it (`GravityControl`, or `Y_r Theta` with G).
-/// - Limits: see `JointLimits::move`; the correction obeys them too, and so does the leash,
-///   `|q^ - q| <= leash v_max T`.
+/// - Limits: see `JointLimits::move`; the correction obeys them too, and so does the max lead,
+///   `|q^ - q| <= max lead v_max T`.
 /// - A robot that stays beyond the dead band for 5 T is blocked: q^ goes to q, v is zero, the law's memory
 ///   stands still. It ends when the robot is back with q^ and is no longer pushed the way it could not go, or
 ///   after `retry`.
@@ -42,8 +42,8 @@ struct Resolved {
 /// - `Tool`: inertia and friction that the virtual robot is to have at its tool; see `ToolShape`.
 ///
 /// In the loop nothing throws or allocates; the cost is that of the law and the integrator, times sub-steps.
-template <Interface I, Model M, Real T = double, class Integrator = CrankNicolson, std::size_t History = 32,
-          class Keeper = Passivity<>, class Tool = NoToolShape>
+template <Interface I, RobotModel M, Real T = double, class Integrator = CrankNicolson,
+          std::size_t History = 32, class Keeper = Passivity<>, class Tool = NoToolShape>
 class Resolver {
  public:
   static_assert(I != Interface::torque, "for torques include skinctl/resolver/torque_resolver.hpp");
@@ -54,7 +54,7 @@ class Resolver {
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
   static_assert(!has_tank || std::same_as<Tool, NoToolShape>,
                 "an energy tank counts with the inertia of joints so far: no tank beside a tool's shape");
-  static constexpr bool has_ledger = Keeper::template has<PortLedger<T>>;
+  static constexpr bool has_passivity_observer = Keeper::template has<PassivityObserver<T>>;
   static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
   static constexpr Needs keeper_needs = {
       .angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank};
@@ -85,11 +85,11 @@ class Resolver {
   /// T = delay + lag + period [s]: until a measurement shows a command.
   [[nodiscard]] T total_delay() const noexcept { return parameters().total_delay; }
   /// e_max: the most by which joint `i` of the virtual robot leads the real one [rad].
-  [[nodiscard]] T leash(std::size_t i) const noexcept { return parameters().leash[i]; }
-  /// Speed that the leash leaves to joint `i` of a robot that follows: it can still stop should the robot be
+  [[nodiscard]] T max_lead(std::size_t i) const noexcept { return parameters().max_lead[i]; }
+  /// Speed that the max lead leaves to joint `i` of a robot that follows: it can still stop should the robot be
   /// held up just then.
   [[nodiscard]] T top_speed(std::size_t i) const noexcept {
-    const T u = speed_to_stop(leash(i), total_delay(), limits().acceleration()[i]);
+    const T u = speed_to_stop(max_lead(i), total_delay(), limits().acceleration()[i]);
     return u < limits().velocity()[i] ? u : limits().velocity()[i];
   }
 
@@ -115,13 +115,12 @@ class Resolver {
   ///
   /// @param law, law_memory  the law and its memory, which is advanced.
   /// @param measured         the newest state of the robot, with its stamp; may be old, or bad.
+  /// @param check            says which state this robot can have, see `take_measurement`.
   /// @param touches          the skin's mean wrenches on the links over each sub-step, one per sub-step.
-  template <class L, class Touch>
-  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(Memory& m, const L& law,
-                                                       typename L::Memory& law_memory,
-                                                       const State<joints, T>& measured,
-                                                       const Interval& interval,
-                                                       std::span<const Touch> touches) const noexcept;
+  template <class L, class Touch, class Check = AnyState>
+  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
+      Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
+      const Interval& interval, std::span<const Touch> touches, const Check& check = {}) const noexcept;
 
   /// Tells that the guard let `command` out instead of the last one: the virtual robot goes on from there.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {

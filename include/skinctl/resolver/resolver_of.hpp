@@ -41,7 +41,7 @@ struct OnlyPart<Default, std::tuple<Part>> {
 
 template <class Robot>
 struct ResolverOf;
-template <Interface I, Model M, Real T, class... Parts>
+template <Interface I, RobotModel M, Real T, class... Parts>
 struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
   template <class Kind>
   using Of = typename PartsOf<Kind, std::tuple<>, Parts...>::type;
@@ -78,7 +78,7 @@ struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
   }
 };
 
-template <Interface I, LinkMask ByTorque, Model M, Real T>
+template <Interface I, LinkMask ByTorque, RobotModel M, Real T>
 struct ResolverOf<HybridDescription<I, ByTorque, M, T>> {
   using type = HybridResolver<I, ByTorque, M, T>;
   static type make(const HybridDescription<I, ByTorque, M, T>& robot) {

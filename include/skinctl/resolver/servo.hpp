@@ -28,14 +28,14 @@ struct CommandsUnderWay {
 /// The operator H of the resolver: a pure delay and a lag of first order,
 /// `lag * dq/dt = command(t - delay) - q`. Exact for held commands and for held velocities.
 template <std::size_t N, Real T, std::size_t Capacity>
-class Servo {
+class JointServo {
  public:
   using Memory = CommandsUnderWay<N, T, Capacity>;
 
   /// @param delay  from sending a command until the robot begins to move, and from there until its measured
   ///               position is stamped [ns], >= 0.
   /// @param lag    time constant of the robot's own control loop [s], >= 0.
-  constexpr Servo(Nanoseconds delay, const T& lag) noexcept : delay_(delay), lag_(lag) {}
+  constexpr JointServo(Nanoseconds delay, const T& lag) noexcept : delay_(delay), lag_(lag) {}
 
   /// The robot has moved steadily at `dq` and is at `q` now, as if by commands.
   [[nodiscard]] SKINCTL_INLINE Memory start(Nanoseconds time, const JointPosition<N, T>& q,

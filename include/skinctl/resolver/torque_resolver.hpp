@@ -30,12 +30,12 @@ struct TorqueResolverMemory {
 ///
 /// Of `Passivity` it takes the `EnergyTank`, at the real port: the robot gives no more energy than it got,
 /// and than the tank held.
-template <Model M, Real T, class Integrator, std::size_t History, class Keeper>
+template <RobotModel M, Real T, class Integrator, std::size_t History, class Keeper>
 class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape> {
   struct NoTank {};
 
  public:
-  static_assert(!Keeper::template has<PortLedger<T>> && !Keeper::template has<ContactDamper<T>>,
+  static_assert(!Keeper::template has<PassivityObserver<T>> && !Keeper::template has<ContactDamper<T>>,
                 "a torque interface has no virtual robot that runs ahead: its Passivity is an EnergyTank");
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
   static constexpr std::size_t joints = M::joints;
@@ -50,7 +50,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
 
   /// Throws `ConfigurationError` for a number out of its range.
   Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
-      : model_(model), p_(configuration), keeper_(keeper) {
+      : model_(model), p_(configuration, false), keeper_(keeper) {
     require(p_.shape.damping == T(0), "virtual damping", static_cast<double>(p_.shape.damping),
             "0 for a robot by torque");
     for (std::size_t i = 0; i < joints; ++i) {
@@ -94,30 +94,21 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
 
   /// One cycle, as the position interface's; `touches` holds one entry. The law's memory advances by the
   /// interval just passed; its torque is meant for one period from now.
-  template <class L, class Touch>
-  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(Memory& m, const L& law,
-                                                       typename L::Memory& law_memory,
-                                                       const State<joints, T>& measured,
-                                                       const Interval& interval,
-                                                       std::span<const Touch> touches) const noexcept {
+  template <class L, class Touch, class Check = AnyState>
+  SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
+      Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
+      const Interval& interval, std::span<const Touch> touches, const Check& check = {}) const noexcept {
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
       // Whatever the clock says: gravity is to be held where the robot is.
-      out.fallback = detail::is_plausible(measured) ? held(measured) : held(m.measured);
+      out.fallback = held(detail::believed(measured, m.measured, check));
       return out;
     }
     SKINCTL_EXPECTS(!touches.empty(), "one touch");
     m.time = interval.to;
     const JointPosition<joints, T> before = m.measured.q;
-    if (!detail::is_plausible(measured)) {
-      out.status |= Reason::state_not_finite;
-    } else if (measured.time < m.measured.time) {
-      out.status |= Reason::time_backwards;
-    } else {
-      m.measured = measured;
-      if (measured.time > interval.to) m.measured.time = interval.to;
-    }
+    out.status |= take_measurement(m.measured, measured, interval.to, check);
     const bool stale = interval.to - m.measured.time > p_.stale_after;
     const JointTorque<joints, T> drag = stale ? JointTorque<joints, T>() : friction(m.measured);
     const JointTorque<joints, T> gravity = gravity_torque(model_, m.measured.q);

@@ -19,7 +19,7 @@ struct HybridConfiguration {
 
 /// A model, which of its joints take torques (`ByTorque`), the interface of the others, and the numbers of
 /// both. Made by `by_velocity_and_torque` or `by_position_and_torque`; immutable.
-template <Interface I, LinkMask ByTorque, Model M, Real T>
+template <Interface I, LinkMask ByTorque, RobotModel M, Real T>
 class HybridDescription {
  public:
   static constexpr Interface stiff_interface = I;
@@ -48,19 +48,19 @@ class HybridDescription {
 };
 
 namespace detail {
-template <Interface I, LinkMask ByTorque, Real T, Model M>
+template <Interface I, LinkMask ByTorque, Real T, RobotModel M>
 using HybridConfigurationOf = typename HybridDescription<I, ByTorque, M, T>::Configuration;
 }  // namespace detail
 
 /// A robot whose joints of the set `ByTorque` take torques, the others velocities:
 /// `by_velocity_and_torque<joints_between(6, 22)>(model, {.stiff = ..., .limits = ...})`.
-template <LinkMask ByTorque, Real T = double, Model M>
+template <LinkMask ByTorque, Real T = double, RobotModel M>
 [[nodiscard]] auto by_velocity_and_torque(
     const M& model, const detail::HybridConfigurationOf<Interface::velocity, ByTorque, T, M>& configuration) {
   return HybridDescription<Interface::velocity, ByTorque, M, T>(model, configuration);
 }
 /// The same with positions for the others.
-template <LinkMask ByTorque, Real T = double, Model M>
+template <LinkMask ByTorque, Real T = double, RobotModel M>
 [[nodiscard]] auto by_position_and_torque(
     const M& model, const detail::HybridConfigurationOf<Interface::position, ByTorque, T, M>& configuration) {
   return HybridDescription<Interface::position, ByTorque, M, T>(model, configuration);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
@@ -58,16 +59,25 @@ class JointLimits {
   SKINCTL_COLD explicit JointLimits(const Values& values) : values_(values) {
     const T big = std::numeric_limits<T>::max();
     for (std::size_t i = 0; i < N; ++i) {
-      const auto number = [](const T& x) { return static_cast<double>(x); };
-      require(values.lower[i] < values.upper[i], "lower position limit", number(values.lower[i]),
-              "below the upper one");
-      require(values.velocity[i] > T(0) && values.velocity[i] <= T(1e3), "velocity limit",
-              number(values.velocity[i]), "> 0, <= 1e3 rad/s");
-      require(values.acceleration[i] > T(0) && values.acceleration[i] <= T(1e5), "acceleration limit",
-              number(values.acceleration[i]), "> 0, <= 1e5 rad/s^2");
-      require(values.torque[i] > T(0) && values.torque[i] <= big, "torque limit", number(values.torque[i]),
-              "> 0 N m, finite");
-      require(values.power[i] > T(0), "power limit", number(values.power[i]), "> 0 W");
+      const auto check = [i](bool allowed, const char* what, const T& x, const char* range) {
+        char name[64];
+        std::snprintf(name, sizeof name, "%s of joint %zu", what, i);
+        require(allowed, name, static_cast<double>(x), range);
+      };
+      const auto turns = [&](const T& x) { return (x <= T(60) && x >= T(-60)) || x - x != T(0); };
+      check(values.lower[i] < values.upper[i], "lower position limit", values.lower[i],
+            "below the upper one");
+      check(turns(values.lower[i]), "lower position limit", values.lower[i],
+            "-60 to 60 rad or m, or -infinity: are these degrees?");
+      check(turns(values.upper[i]), "upper position limit", values.upper[i],
+            "-60 to 60 rad or m, or infinity: are these degrees?");
+      check(values.velocity[i] > T(0) && values.velocity[i] <= T(1e3), "velocity limit", values.velocity[i],
+            "> 0, <= 1e3 rad/s");
+      check(values.acceleration[i] > T(0) && values.acceleration[i] <= T(1e5), "acceleration limit",
+            values.acceleration[i], "> 0, <= 1e5 rad/s^2");
+      check(values.torque[i] > T(0) && values.torque[i] <= big, "torque limit", values.torque[i],
+            "> 0 N m, finite");
+      check(values.power[i] > T(0), "power limit", values.power[i], "> 0 W");
       has_power_ = has_power_ || values.power[i] <= big;
     }
   }

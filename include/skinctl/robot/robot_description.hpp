@@ -42,7 +42,7 @@ inline constexpr bool is_one_of = (std::is_same_v<Part, Parts> || ...);
 /// A model, the interface of its joints, a configuration, and parts that are named: an energy tank, a
 /// passivity observer, a contact damper (`passivity/`), a tool shape, an integrator (`resolver/`), who holds
 /// gravity and friction. Made by `by_position`, `by_velocity` or `by_torque`; immutable.
-template <Interface I, Model M, Real T, class... Parts>
+template <Interface I, RobotModel M, Real T, class... Parts>
 class RobotDescription {
  public:
   static constexpr Interface interface = I;
@@ -65,7 +65,7 @@ class RobotDescription {
   /// Throws `ConfigurationError` for a number out of its range.
   RobotDescription(const M& model, const Configuration& configuration, const Parts&... parts)
       : model_(model), configuration_(configuration), parts_(parts...) {
-    check(configuration);
+    check(configuration, I != Interface::torque);
   }
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
@@ -112,26 +112,26 @@ auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, c
 }  // namespace detail
 
 /// A robot that takes positions. `by_position<float>(...)` computes in float.
-template <Real T = double, Model M, class... Parts>
+template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_position(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                                const Parts&... parts) {
   return detail::describe_robot<Interface::position, T>(model, configuration, parts...);
 }
 /// A robot that takes velocities.
-template <Real T = double, Model M, class... Parts>
+template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_velocity(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                                const Parts&... parts) {
   return detail::describe_robot<Interface::velocity, T>(model, configuration, parts...);
 }
 /// A robot that takes torques. It has no virtual robot: of the virtual dynamics it takes the viscous
 /// friction, which it then shows besides its own.
-template <Real T = double, Model M, class... Parts>
+template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_torque(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                              const Parts&... parts) {
   return detail::describe_robot<Interface::torque, T>(model, configuration, parts...);
 }
 /// The same with the interface as a parameter.
-template <Interface I, Real T = double, Model M, class... Parts>
+template <Interface I, Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto robot_by(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                             const Parts&... parts) {
   return detail::describe_robot<I, T>(model, configuration, parts...);

@@ -69,25 +69,25 @@ template <class C>
 /// What a behaviour loads, in this order, and how it starts, finishes and fails; `Next` follows when it is
 /// finished, `void`: nothing does.
 template <class Next, class... C>
-struct Recipe {
+struct SkillRecipe {
   std::array<double, sizeof...(C)> weights;
-  Switches switches;
+  SkillSwitches switches;
   SkillConditions conditions;
 
-  [[nodiscard]] constexpr Recipe when(const SkillConditions& c) const noexcept {
+  [[nodiscard]] constexpr SkillRecipe when(const SkillConditions& c) const noexcept {
     return {weights, switches, c};
   }
-  [[nodiscard]] constexpr Recipe switching(const Switches& s) const noexcept {
+  [[nodiscard]] constexpr SkillRecipe switching(const SkillSwitches& s) const noexcept {
     return {weights, s, conditions};
   }
   /// `=> N`.
   template <class N>
-  [[nodiscard]] constexpr Recipe<N, C...> then() const noexcept {
+  [[nodiscard]] constexpr SkillRecipe<N, C...> then() const noexcept {
     return {weights, switches, conditions};
   }
 };
 template <class... C>
-[[nodiscard]] constexpr Recipe<void, C...> recipe(const Load<C>&... controllers) noexcept {
+[[nodiscard]] constexpr SkillRecipe<void, C...> recipe(const Load<C>&... controllers) noexcept {
   return {{controllers.weight...}, {}, {}};
 }
 
@@ -98,7 +98,7 @@ template <class Behaviour, class R>
 }
 
 namespace detail {
-inline constexpr SkillConditions until_settled{.finish = Finish::settled, .timeout = 60s};
+inline constexpr SkillConditions until_settled{.finish = SkillFinish::settled, .timeout = 60s};
 }
 
 /// Fig. 7. The paper lists controllers in the order in which they load: those that hold the robot come last
@@ -133,7 +133,7 @@ inline constexpr auto section_6 = boost::hana::make_map(
     skill<behaviour::Squeezing>(
         recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::SplineJoint>())
             .switching(closed())
-            .when({.finish = Finish::switched, .hold = 500ms, .timeout = 5s})
+            .when({.finish = SkillFinish::switched, .hold = 500ms, .timeout = 5s})
             .then<behaviour::ForceCartesian>()),
     skill<behaviour::ForceCartesian>(
         recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Force>())

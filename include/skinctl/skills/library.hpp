@@ -16,12 +16,12 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// A law under the name by which recipes load it.
 template <class Name, class L>
-struct Controller {
+struct SkillController {
   using name = Name;
   L law;
 };
 template <class Name, class L>
-[[nodiscard]] Controller<Name, L> as(const L& law) {
+[[nodiscard]] SkillController<Name, L> skill_controller(const L& law) {
   return {law};
 }
 
@@ -33,7 +33,7 @@ struct Bank {
   static constexpr std::size_t index = Behaviours<Name...>::template index<N>;
   /// Whether all controllers of a recipe are there, and of those that follow it.
   template <class Library, std::size_t Depth = 16, class Next, class... C>
-  static constexpr bool can(const Recipe<Next, C...>*) noexcept {
+  static constexpr bool can(const SkillRecipe<Next, C...>*) noexcept {
     constexpr bool all = ((index<C> < size) && ...);
     if constexpr (all && !std::is_void_v<Next> && Depth > 0) {
       using After = decltype(boost::hana::at_key(std::declval<const Library&>(), boost::hana::type_c<Next>));
@@ -45,7 +45,8 @@ struct Bank {
 };
 
 template <class Bank, class Names, class Next, class... C>
-constexpr Skill<Bank::size> row(const char* name, std::size_t own, const Recipe<Next, C...>& r) noexcept {
+constexpr Skill<Bank::size> row(const char* name, std::size_t own,
+                                const SkillRecipe<Next, C...>& r) noexcept {
   Skill<Bank::size> s;
   s.name = name;
   s.switches = r.switches;
@@ -67,11 +68,11 @@ constexpr Skill<Bank::size> row(const char* name, std::size_t own, const Recipe<
 }  // namespace detail
 
 /// The skills of `library` whose controllers are all there, as a law: `skill_set<First>(library, settings,
-/// as<controller::SplineJoint>(law), ...)`. `First` is the behaviour to start with and to fall back to.
+/// skill_controller<controller::SplineJoint>(law), ...)`. `First` is the behaviour to start with and to fall back to.
 /// Throws `ConfigurationError` for numbers out of their range.
 template <class First, class Library, class... Name, class... L>
 [[nodiscard]] auto skill_set(const Library& library, const SkillSettings& settings,
-                             const Controller<Name, L>&... controllers) {
+                             const SkillController<Name, L>&... controllers) {
   namespace hana = boost::hana;
   static_assert(((sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0) && ...));
   using Bank = detail::Bank<Name...>;

@@ -11,31 +11,31 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Discrete controls: binary outputs such as grippers, one bit each. `which` are meant, `on` says how they
 /// shall be.
-struct Switches {
+struct SkillSwitches {
   std::uint32_t which = 0;
   std::uint32_t on = 0;
 
   /// These, and where `next` means a bit, that.
-  [[nodiscard]] constexpr Switches then(const Switches& next) const noexcept {
+  [[nodiscard]] constexpr SkillSwitches then(const SkillSwitches& next) const noexcept {
     return {which | next.which, (on & ~next.which) | (next.on & next.which)};
   }
   /// Whether all that `wanted` means stand as it says.
-  [[nodiscard]] constexpr bool stand(const Switches& wanted) const noexcept {
+  [[nodiscard]] constexpr bool stand(const SkillSwitches& wanted) const noexcept {
     return (wanted.which & ~which) == 0 && ((on ^ wanted.on) & wanted.which) == 0;
   }
-  friend constexpr bool operator==(const Switches&, const Switches&) noexcept = default;
+  friend constexpr bool operator==(const SkillSwitches&, const SkillSwitches&) noexcept = default;
 };
 /// Gripper `i` closes.
-[[nodiscard]] constexpr Switches closed(unsigned i = 0) noexcept {
+[[nodiscard]] constexpr SkillSwitches closed(unsigned i = 0) noexcept {
   return {1u << (i % 32), 1u << (i % 32)};
 }
 /// Gripper `i` opens.
-[[nodiscard]] constexpr Switches opened(unsigned i = 0) noexcept {
+[[nodiscard]] constexpr SkillSwitches opened(unsigned i = 0) noexcept {
   return {1u << (i % 32), 0};
 }
 
 /// When a skill has done its work.
-enum class Finish : unsigned char {
+enum class SkillFinish : unsigned char {
   never,     ///< it goes on until another is asked for
   settled,   ///< the targets of its tracking laws stand, and the robot stands at them
   switched,  ///< what it switches is reported to stand so; without reports after `hold`
@@ -45,12 +45,12 @@ enum class Finish : unsigned char {
 /// When a skill may start, is finished, or has failed.
 struct SkillConditions {
   bool untouched = false;  ///< starts only while nothing touches the robot
-  Switches needs{};        ///< starts only with these so, as reported or else as last commanded
-  Finish finish = Finish::never;
+  SkillSwitches needs{};   ///< starts only with these so, as reported or else as last commanded
+  SkillFinish finish = SkillFinish::never;
   Nanoseconds hold = 100ms;  ///< for how long the finish condition holds before it counts
   double still = 0.01;       ///< settled: no joint is faster, or asked to be [rad/s]
   Nanoseconds timeout{};     ///< fails if it is not finished after this; 0: never
-  double most_touch = 0;     ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never
+  double max_touch = 0;      ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never
 };
 
 /// A skill as the loop reads it, for a sum of `Terms` controllers.
@@ -61,7 +61,7 @@ struct Skill {
   std::array<std::uint8_t, Terms> order{};  ///< indices of its controllers, in the order in which they load
   std::uint8_t controllers = 0;             ///< how many it loads
   std::uint8_t next = 0;                    ///< which skill follows when it is finished; itself: none
-  Switches switches{};                      ///< what it switches when it starts
+  SkillSwitches switches{};                 ///< what it switches when it starts
   SkillConditions conditions{};
 };
 
@@ -89,7 +89,7 @@ template <std::size_t Terms>
 }
 
 /// Where a skill stands.
-enum class Phase : unsigned char {
+enum class SkillPhase : unsigned char {
   loading,   ///< the torque moves over to it
   running,   ///< it works
   finished,  ///< it has done its work and holds

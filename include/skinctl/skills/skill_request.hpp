@@ -62,7 +62,7 @@ struct SkillRequest {
   enum class Kind : unsigned char { start, goal, report };
   unsigned char kind = static_cast<unsigned char>(Kind::goal);
   std::uint8_t skill = 0;
-  Switches reported;
+  SkillSwitches reported;
   detail::Goals<G...> goals;
 
   template <class F>

@@ -11,9 +11,9 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// How a set of skills hands over.
 struct SkillSettings {
-  Nanoseconds hand_over = 100ms;    ///< the torque moves to the next skill in this time, or longer ...
-  Nanoseconds longest = 2s;         ///< ... where it has far to go, but never in more than this
-  double most_rate = 1000;          ///< of every joint's torque while something hands over [N m/s]
+  Nanoseconds bumpless_transfer = 100ms;  ///< the torque moves to the next skill in this time, or longer ...
+  Nanoseconds longest = 2s;               ///< ... where it has far to go, but never in more than this
+  double max_rate = 1000;                 ///< of every joint's torque while something hands over [N m/s]
   double touched = 1;               ///< skin's joint torque from which the robot counts as touched [N m]
   OppositionSettings opposition{};  ///< when skin and tracking count as opposed
 };
@@ -25,10 +25,10 @@ struct SkillSettings {
 ///   controller is computed only while a skill loads it, and gravity is held once and whole throughout.
 /// - A change moves the shares by a quintic. Controllers that come start at the state at hand with share
 ///   zero, controllers that stay go on: torque and rate begin where they were. The time is as configured, and
-///   longer where the change would move the torque faster than `most_rate`.
+///   longer where the change would move the torque faster than `max_rate`.
 /// - While anything hands over (a change, a controller that has got another goal or is pushed by the skin),
 /// no
-///   joint's torque moves faster than `most_rate`, whatever the controllers ask for, beside what the skin
+///   joint's torque moves faster than `max_rate`, whatever the controllers ask for, beside what the skin
 ///   itself does: a touch is answered at once. What the torque then lacks is carried on until it has caught
 ///   up, and is the last share.
 /// - A request during a change waits for its end; of several the last counts.
@@ -62,7 +62,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   static constexpr std::size_t terms = controllers + 1;  ///< and what is carried over
   static constexpr std::size_t skills = Names::count;
   static constexpr Needs needs = Blend::needs;
-  static constexpr Role role = Fusion::role;
+  static constexpr LawRole role = Fusion::role;
   static constexpr const char* name = "skills";
   static constexpr bool complete_sum = true;
   static constexpr bool compensates_friction = Fusion::compensates_friction;
@@ -77,13 +77,13 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     detail::RateBound<joints> bound;
     Goal request;  ///< the accepted one: its goals are there for the skills of a sequence
     Goal waiting;  ///< the one that waits for the end of a change
-    Switches commanded, reported;
+    SkillSwitches commanded, reported;
     std::uint32_t reporting = 0;  ///< switches that have ever been reported
     double touch = 0;             ///< norm of what the skin's laws contributed last [N m]
     Nanoseconds since{};          ///< the skill's start
     Nanoseconds held{};           ///< for how long its finish condition has held
     std::uint8_t skill = 0;
-    Phase phase = Phase::loading;
+    SkillPhase phase = SkillPhase::loading;
     bool waits = false;  ///< for the end of a change
   };
 
@@ -91,26 +91,26 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   ///                numbers out of their range.
   SkillSet(const Fusion& sum, const std::array<Skill<controllers>, skills>& rows,
            const SkillSettings& settings = {})
-      : blend_(sum.opposed_by(settings.opposition), rows[0].weights, BlendSettings{settings.hand_over, {}}),
+      : blend_(sum.opposed_by(settings.opposition), rows[0].weights,
+               BlendSettings{settings.bumpless_transfer, {}}),
         skills_(rows),
         settings_(settings) {
-    require(settings.most_rate > 0 && settings.most_rate <= 1e9, "most_rate", settings.most_rate,
-            "> 0 N m/s");
-    require(settings.longest >= settings.hand_over, "longest", seconds<double>(settings.longest),
-            ">= hand_over, in s");
+    require(settings.max_rate > 0 && settings.max_rate <= 1e9, "max_rate", settings.max_rate, "> 0 N m/s");
+    require(settings.longest >= settings.bumpless_transfer, "longest", seconds<double>(settings.longest),
+            ">= bumpless_transfer, in s");
     for (const auto& s : rows) {
       const auto& c = s.conditions;
       require(s.next < skills, "next", s.next, "the index of a skill");
       require(c.hold >= 0ns && c.timeout >= 0ns, "hold or timeout",
               seconds<double>(c.hold < c.timeout ? c.hold : c.timeout), ">= 0 s");
       require(c.still > 0 && c.still <= 1e3, "still", c.still, "> 0 rad/s");
-      require(c.most_touch >= 0 && c.most_touch <= 1e9, "most_touch", c.most_touch, ">= 0 N m");
+      require(c.max_touch >= 0 && c.max_touch <= 1e9, "max_touch", c.max_touch, ">= 0 N m");
       for (std::size_t i = 0; i < controllers; ++i)
-        require(
-            Fusion::roles[i] == Role::gravity ? s.weights[i] == 1 : s.weights[i] >= 0 && s.weights[i] <= 1e6,
-            "weight of a controller", s.weights[i], "0 to 1e6, and 1 for gravity");
+        require(Fusion::roles[i] == LawRole::gravity ? s.weights[i] == 1
+                                                     : s.weights[i] >= 0 && s.weights[i] <= 1e6,
+                "weight of a controller", s.weights[i], "0 to 1e6, and 1 for gravity");
     }
-    require(rows[0].conditions.timeout == 0ns && rows[0].conditions.most_touch == 0,
+    require(rows[0].conditions.timeout == 0ns && rows[0].conditions.max_touch == 0,
             "failure of the first skill", 1, "none: others fall back to it");
   }
   [[nodiscard]] const Fusion& sum() const noexcept { return blend_.sum(); }
@@ -133,7 +133,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   /// The skill that acts, or that the torque moves to.
   [[nodiscard]] const Skill<controllers>& now(const Memory& m) const noexcept { return skills_[m.skill]; }
   /// How the discrete controls shall stand.
-  [[nodiscard]] static const Switches& commanded(const Memory& m) noexcept { return m.commanded; }
+  [[nodiscard]] static const SkillSwitches& commanded(const Memory& m) noexcept { return m.commanded; }
 
   // Requests, for `Input::goal` or `receive`.
   /// The skill of a behaviour, with goals for its controllers or none.
@@ -156,7 +156,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     return out;
   }
   /// What the switches report.
-  [[nodiscard]] static Goal report(const Switches& reported) noexcept {
+  [[nodiscard]] static Goal report(const SkillSwitches& reported) noexcept {
     Goal out;
     out.kind = static_cast<unsigned char>(Goal::Kind::report);
     out.reported = reported;
@@ -170,7 +170,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     m.blend = blend_.start(known);
     m.commanded = skills_[0].switches;
     const auto e = run(m.blend, known, known.dt(), Opposition::none);
-    if constexpr (joints > 0) m.bound.follow(e.torque - skin(e.shares), {}, {}, settings_.most_rate);
+    if constexpr (joints > 0) m.bound.follow(e.torque - skin(e.shares), {}, {}, settings_.max_rate);
     return m;
   }
 
@@ -233,12 +233,12 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   template <class K, class Torque>
   SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Torque& touched,
                                   Nanoseconds dt) const noexcept;
-  void end(Memory& m, Phase phase, std::uint8_t next) const noexcept;
+  void end(Memory& m, SkillPhase phase, std::uint8_t next) const noexcept;
   [[nodiscard]] Nanoseconds within(double time) const noexcept {
     const Nanoseconds asked = time < 1e6 ? nanoseconds(time) : settings_.longest;
-    return asked > settings_.longest     ? settings_.longest
-           : asked > settings_.hand_over ? asked
-                                         : settings_.hand_over;
+    return asked > settings_.longest             ? settings_.longest
+           : asked > settings_.bumpless_transfer ? asked
+                                                 : settings_.bumpless_transfer;
   }
   // One function for the loop and for what is asked of it aside: it is the largest part of the code.
   template <class K>
@@ -252,7 +252,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   template <class K>
   SKINCTL_COLD Status arrive(Memory& m, const K& known) const noexcept {
     Status status;
-    m.phase = Phase::running;
+    m.phase = SkillPhase::running;
     deliver(m, known, m.request, status, true);
     return status;
   }

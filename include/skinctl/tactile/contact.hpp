@@ -37,7 +37,7 @@ struct Contacts {
 
 /// What the skin's wrenches are as contacts of a robot at `q`: a link's force is one push along its
 /// direction. A link whose force is below `least` [N] has none, and so has one whose wrench is not finite.
-template <Model M, LinkMask Skinned, Real T>
+template <RobotModel M, LinkMask Skinned, Real T>
 [[nodiscard]] auto contacts_of(const M& model, const JointPosition<M::joints, T>& q,
                                const LinkWrenches<M, Skinned, T>& wrenches,
                                const T& least = T(1e-3)) noexcept {
@@ -61,7 +61,7 @@ template <Model M, LinkMask Skinned, Real T>
   return out;
 }
 /// A robot without skin is touched nowhere.
-template <Model M, Real T, class NoSkin>
+template <RobotModel M, Real T, class NoSkin>
   requires std::is_empty_v<NoSkin>
 [[nodiscard]] Contacts<M::joints, T, 1> contacts_of(const M&, const JointPosition<M::joints, T>&,
                                                     const NoSkin&) noexcept {

@@ -18,7 +18,8 @@ struct NamedCell {
 namespace detail {
 template <std::size_t I, FrameName Name, std::size_t N>
 [[nodiscard]] SKINCTL_COLD Patch<I, N> place_patch(const Transform<Link<I>, NamedFrame<Name>>& X_LN,
-                                                   const NamedCell<Name> (&cells)[N], const Gains& gains) {
+                                                   const NamedCell<Name> (&cells)[N],
+                                                   const CellGains& gains) {
   std::vector<PlacedCell<I>> placed;
   for (const NamedCell<Name>& cell : cells) placed.push_back({cell.id, X_LN * cell.X_NC});
   return Patch<I, N>(placed, gains);
@@ -30,7 +31,7 @@ template <std::size_t I, FrameName Name, std::size_t N>
 /// name that the file does not have, and a link that no joint moves, do not compile. Throws
 /// `ConfigurationError` where `Patch` does.
 template <NamesLinks D, FrameName Name, std::size_t N>
-[[nodiscard]] auto patch_on(const NamedCell<Name> (&cells)[N], const Gains& gains = {}) {
+[[nodiscard]] auto patch_on(const NamedCell<Name> (&cells)[N], const CellGains& gains = {}) {
   static_assert(MovesLink<D, Name>, "no link of this name, or it is fixed to the base: see named_links of D");
   if constexpr (MovesLink<D, Name>)
     return detail::place_patch<named_link_index<D, Name>(), Name, N>(named_link_pose<D, Name>(), cells,

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// How much a reading pushes, eq. (5). The force on a cell is `-(force * (f1 + f2 + f3) + proximity * p) z`:
 /// along the inward normal, whatever the readings, because both gains are positive or 0.
-struct Gains {
+struct CellGains {
   double force = 10;     ///< w_f [N] per unit of the sum of the three force readings
   double proximity = 0;  ///< w_p [N] per unit of proximity
 };
@@ -34,7 +34,7 @@ struct AnyCell {
 };
 
 SKINCTL_COLD inline void require_patch(const std::vector<AnyCell>& placed, std::size_t cells,
-                                       const Gains& gains) {
+                                       const CellGains& gains) {
   require(placed.size() == cells, "Patch: number of cells", double(placed.size()),
           std::to_string(cells).c_str());
   require(gains.force >= 0 && gains.force - gains.force == 0, "Patch: gain of force", gains.force, ">= 0 N");
@@ -82,14 +82,14 @@ class Patch {
 
   /// Throws `ConfigurationError` if there are not `Cells` of them, a pose is not finite, a normal is no unit
   /// vector, or a gain is negative or not finite.
-  explicit Patch(const std::vector<PlacedCell<I>>& placed, const Gains& gains = {}) : gains_(gains) {
+  explicit Patch(const std::vector<PlacedCell<I>>& placed, const CellGains& gains = {}) : gains_(gains) {
     placed_.reserve(placed.size());
     for (const auto& cell : placed)
       placed_.push_back({cell.id, cell.X_LC.template renamed<detail::AnyLink, Cell>()});
     detail::require_patch(placed_, Cells, gains);
   }
   /// The same from cells whose link the caller vouches for.
-  explicit Patch(std::vector<detail::AnyCell> placed, const Gains& gains)
+  explicit Patch(std::vector<detail::AnyCell> placed, const CellGains& gains)
       : placed_(std::move(placed)), gains_(gains) {
     detail::require_patch(placed_, Cells, gains);
   }
@@ -102,11 +102,11 @@ class Patch {
     return copies;
   }
   [[nodiscard]] const std::vector<detail::AnyCell>& any() const noexcept { return placed_; }
-  [[nodiscard]] const Gains& gains() const noexcept { return gains_; }
+  [[nodiscard]] const CellGains& gains() const noexcept { return gains_; }
 
  private:
   std::vector<detail::AnyCell> placed_;
-  Gains gains_;
+  CellGains gains_;
 };
 
 /// What one newton on the cell does to its link: `u = -[z ; p x z]`, eqs. (4) and (6). A cell carries no

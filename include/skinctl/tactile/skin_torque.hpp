@@ -35,7 +35,7 @@ SKINCTL_INLINE constexpr auto own_load(const LinkWrenches<M, Skinned, T>& wrench
 
 /// Writes `tau` for the subtree of link `I` and returns what the skin does to the subtree, about the
 /// parent's origin along the parent's axes. A subtree without skin is a typed zero: no code is left of it.
-template <std::size_t I, Model M, class T, LinkMask A, LinkMask Skinned>
+template <std::size_t I, RobotModel M, class T, LinkMask A, LinkMask Skinned>
 SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, T, A>& angles,
                                            const LinkWrenches<M, Skinned, T>& wrenches, T* tau) noexcept {
   if constexpr ((subtree<M>(I) & Skinned) == 0) {
@@ -64,7 +64,7 @@ SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, 
 /// Joints behind the last link with skin get 0 and cost nothing. Relative error a few units in the last place
 /// times the number of joints, of the largest torque that occurs. `angles` must hold every joint on the way
 /// to a link with skin. A NaN in a wrench gives NaN torques of the joints that carry it.
-template <Model M, class T, LinkMask A, LinkMask Skinned>
+template <RobotModel M, class T, LinkMask A, LinkMask Skinned>
 [[nodiscard]] SKINCTL_INLINE constexpr JointTorque<M::joints, T> skin_torque(
     const M& model, const JointAngles<M, T, A>& angles,
     const LinkWrenches<M, Skinned, T>& wrenches) noexcept {
@@ -76,14 +76,14 @@ template <Model M, class T, LinkMask A, LinkMask Skinned>
   });
   return tau;
 }
-template <Model M, class T, LinkMask Skinned>
+template <RobotModel M, class T, LinkMask Skinned>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> skin_torque(
     const M& model, const JointPosition<M::joints, T>& q,
     const LinkWrenches<M, Skinned, T>& wrenches) noexcept {
   return skin_torque(model, JointAngles<M, T, Skinned>(model, q), wrenches);
 }
 /// A robot without skin (an empty type in place of the wrenches) feels nothing.
-template <Model M, class T, LinkMask A, class NoSkin>
+template <RobotModel M, class T, LinkMask A, class NoSkin>
   requires std::is_empty_v<NoSkin>
 [[nodiscard]] SKINCTL_INLINE constexpr JointTorque<M::joints, T> skin_torque(const M&,
                                                                              const JointAngles<M, T, A>&,

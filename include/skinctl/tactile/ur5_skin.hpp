@@ -84,7 +84,7 @@ inline constexpr std::array<std::size_t, 6> skin_cells = detail::share_cells(Cel
 
 namespace detail {
 template <std::size_t Cells, std::size_t... I>
-SKINCTL_COLD auto make_patches(const std::array<Gains, 6>& gains, std::index_sequence<I...>) {
+SKINCTL_COLD auto make_patches(const std::array<CellGains, 6>& gains, std::index_sequence<I...>) {
   std::uint32_t id = 1;
   const auto one = [&](auto link) {
     constexpr std::size_t i = link.value, n = skin_cells<Cells>[i];
@@ -107,13 +107,13 @@ struct SkinType<M, T, Cells, std::index_sequence<I...>> {
 /// `largest_cell(surface<I>(), skin_cells<Cells>[I])` says it exactly.
 /// @param gains  of each link's cells: where the skin has a long lever, less keeps the contact calm.
 template <std::size_t Cells>
-[[nodiscard]] auto skin_patches(const std::same_as<std::array<Gains, 6>> auto& gains) {
+[[nodiscard]] auto skin_patches(const std::same_as<std::array<CellGains, 6>> auto& gains) {
   static_assert(Cells >= 6, "at least one cell a link");
   return detail::make_patches<Cells>(gains, std::make_index_sequence<6>{});
 }
 template <std::size_t Cells>
-[[nodiscard]] auto skin_patches(const Gains& gains = {}) {
-  return skin_patches<Cells>(std::array<Gains, 6>{gains, gains, gains, gains, gains, gains});
+[[nodiscard]] auto skin_patches(const CellGains& gains = {}) {
+  return skin_patches<Cells>(std::array<CellGains, 6>{gains, gains, gains, gains, gains, gains});
 }
 
 }  // namespace ur5
@@ -124,14 +124,14 @@ using Ur5Skin = typename ur5::detail::SkinType<M, T, Cells, std::make_index_sequ
 
 /// `ur5_skin<260>()`: see `ur5::skin_patches`; `gains` for all links, or an array of six.
 template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
-[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const std::same_as<std::array<Gains, 6>> auto& gains,
+[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const std::same_as<std::array<CellGains, 6>> auto& gains,
                                             const SkinSettings& settings = {}) {
   return std::apply([&](const auto&... patch) { return Ur5Skin<Cells, T, M>(patch..., settings); },
                     ur5::skin_patches<Cells>(gains));
 }
 template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
-[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const Gains& gains = {}, const SkinSettings& settings = {}) {
-  return ur5_skin<Cells, T, M>(std::array<Gains, 6>{gains, gains, gains, gains, gains, gains}, settings);
+[[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const CellGains& gains = {}, const SkinSettings& settings = {}) {
+  return ur5_skin<Cells, T, M>(std::array<CellGains, 6>{gains, gains, gains, gains, gains, gains}, settings);
 }
 
 SKINCTL_END_NAMESPACE

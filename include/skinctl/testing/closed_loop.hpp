@@ -23,7 +23,7 @@ struct Yield {
     std::uint64_t evaluations = 0;
   };
   static constexpr Needs needs{.gravity = true, .touch = true};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   template <class K>
   Memory start(const K&) const noexcept {
     return {};

@@ -81,9 +81,9 @@ struct RandomScene {
   /// What keeps it passive at the virtual and at the measured port.
   [[nodiscard]] auto keeper() const {
     return Passivity(
-        EnergyTank<>({.start = tank, .most = tank}),
-        PortLedger<>(
-            {.start = energy, .most = energy, .stiffness = stiffest, .reach = {0.6, 0.6, 0.4, 0.1, 0.1, 0}}));
+        EnergyTank<>({.start = tank, .max = tank}),
+        PassivityObserver<>(
+            {.start = energy, .max = energy, .stiffness = stiffest, .reach = {0.6, 0.6, 0.4, 0.1, 0.1, 0}}));
   }
 
   explicit RandomScene(std::uint64_t seed) {
@@ -218,8 +218,8 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
     out.virtual_extracted = std::max(out.virtual_extracted, given_virtual);
     if constexpr (Robot::has_tank)
       out.least_tank = std::min(out.least_tank, memory.keeper.template of<EnergyTank<>>().energy);
-    if constexpr (Robot::has_ledger)
-      out.least_ledger = std::min(out.least_ledger, memory.keeper.template of<PortLedger<>>().energy);
+    if constexpr (Robot::has_passivity_observer)
+      out.least_ledger = std::min(out.least_ledger, memory.keeper.template of<PassivityObserver<>>().energy);
     SimulatedJoints<6>::Row row;
     for (std::size_t i = 0; i < 6; ++i)
       row[i] = I == Interface::position ? result.command.position[i] : result.command.velocity[i];

@@ -21,12 +21,12 @@ struct Spoilt : R {
   enum class How { not_at_all, nan, infinity, none, leap, end };
   static inline How how = How::not_at_all;
 
-  template <class L, class Touch>
+  template <class L, class Touch, class Check>
   auto step(typename R::Memory& m, const L& law, typename L::Memory& law_memory,
             const State<R::joints, typename R::scalar>& measured, const Interval& interval,
-            std::span<const Touch> touches) const noexcept {
+            std::span<const Touch> touches, const Check& check) const noexcept {
     using T = typename R::scalar;
-    auto out = R::step(m, law, law_memory, measured, interval, touches);
+    auto out = R::step(m, law, law_memory, measured, interval, touches, check);
     auto& c = out.command;
     switch (how) {
       case How::nan:
@@ -74,8 +74,9 @@ using SmallResolver = Resolver<I, ur5::Model, double, SemiImplicitEuler>;  // th
 /// All skills of an arm; under sanitizers, where laws take long to compile, being led by hand.
 inline auto faulty_skills(double dt) {
   if constexpr (sanitized) {
-    return skill_set<behaviour::KinestheticJoint>(figure_7, {}, as<controller::Gravity>(GravityControl{}),
-                                                  as<controller::SkinJoint>(SkinJointControl{}));
+    return skill_set<behaviour::KinestheticJoint>(
+        figure_7, {}, skill_controller<controller::Gravity>(GravityControl{}),
+        skill_controller<controller::SkinJoint>(SkinJointControl{}));
   } else {
     return skilled_arm<double>(dt);
   }
@@ -127,11 +128,23 @@ class FaultInjection {
   static constexpr bool torque = I == Interface::torque;
   static constexpr std::size_t skills = Skills::skills;
 
+  /// What comes from outside, or from a broken stage: the rest of the table are limits at work and news.
+  static constexpr Status injectable = [] {
+    Status all;
+    for (const Reason r : {Reason::command_not_finite, Reason::step_limited,      Reason::outside_limits,
+                           Reason::torque_limited,     Reason::torque_not_finite, Reason::state_not_finite,
+                           Reason::state_out_of_range, Reason::state_stale,       Reason::time_backwards,
+                           Reason::interval_empty,     Reason::interval_too_long, Reason::packets_lost,
+                           Reason::budget_overrun,     Reason::sample_not_finite, Reason::sample_out_of_range,
+                           Reason::sample_unknown,     Reason::sample_stale,      Reason::contact_slowed,
+                           Reason::contact_force,      Reason::contact_power})
+      all |= r;
+    return all;
+  }();
   /// Whether the fault can be put in at this interface.
   static bool possible(const Fault& f) {
-    if (torque && f.torque == Reaction::none) return false;
-    if (I == Interface::velocity && f.reason == Reason::outside_limits) return false;
-    return true;
+    if (I != Interface::position && f.reason == Reason::outside_limits) return false;
+    return injectable.has(f.reason);
   }
   [[nodiscard]] const char* name(std::size_t skill) const { return scene_.law().skill(skill).name; }
 
@@ -144,7 +157,7 @@ class FaultInjection {
     oracle::Random random(seed);
     Injected sum;
     const Reaction documented = torque ? f.torque : f.motion;
-    const Reaction reaction = f.finder == Finder::skin ? Reaction::refuse : documented;
+    const Reaction reaction = f.finder == FaultFinder::skin ? Reaction::refuse : documented;
     const bool latches = f.way_back == WayBack::on_request;
     const int from = 20 + random.index(60), lasts = f.reason == Reason::state_stale ? 60
                                                     : f.reason == Reason::contact_slowed
@@ -191,11 +204,11 @@ class FaultInjection {
       Skills::torque_added = 0;
       auto twin_input = input;
       if (faulty) inject(f.reason, input, sample, k - from, now, random, skin_torque);
-      if (k == resumed) input.request = Request::resume;
+      if (k == resumed) input.request = CycleRequest::resume;
       const bool twin = faulty && is_left_out(f);
       if (twin) {
         *twin_ = *memory_;
-        if (f.finder == Finder::skin) {
+        if (f.finder == FaultFinder::skin) {
           twin_input.samples = {};
         } else {
           twin_input.measured = last_good;
@@ -209,12 +222,12 @@ class FaultInjection {
       if (!faulty) last_good = input.measured;
       skin_torque = {};
       for (std::size_t i = 0; i < Skills::Fusion::terms; ++i)
-        if (Skills::Fusion::roles[i] == Role::reactive) skin_torque += out.shares[i];
+        if (Skills::Fusion::roles[i] == LawRole::reactive) skin_torque += out.shares[i];
       if (input.now > last.time) check_limits(last, out.command, input.now, sum);
 
       const bool here = out.status.has(f.reason);
       // A blocked virtual robot does not listen to its laws, and whom contact limits slow down does not leap.
-      const bool deaf = (f.finder == Finder::resolver && out.status.has(Reason::blocked)) ||
+      const bool deaf = (f.finder == FaultFinder::resolver && out.status.has(Reason::blocked)) ||
                         (f.motion == Reaction::brake && out.status.has(Reason::contact_slowed));
       reported |= (here || deaf) && faulty;
       const bool waits = out.status.has(Reason::consent_awaited);
@@ -327,9 +340,9 @@ class FaultInjection {
 
   /// Whether the run with the fault must be the same to the bit as one without what is refused.
   static bool is_left_out(const Fault& f) {
-    if (f.finder == Finder::skin)
+    if (f.finder == FaultFinder::skin)
       return true;  // a sample that is too old, too: its cell fades in its own time
-    return f.finder == Finder::guard && (torque ? f.torque : f.motion) == Reaction::refuse;
+    return f.finder == FaultFinder::guard && (torque ? f.torque : f.motion) == Reaction::refuse;
   }
   static bool same(const JointCommand<6>& a, const JointCommand<6>& b) {
     return a.position == b.position && a.velocity == b.velocity && a.torque == b.torque;

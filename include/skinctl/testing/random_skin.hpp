@@ -25,7 +25,8 @@ void for_each_index(F&& f) {
 
 /// A patch of cells anywhere within `reach` of the link's origin, ids from `first_id` on.
 template <std::size_t I, std::size_t N>
-Patch<I, N> random_patch(Random& rng, std::uint32_t first_id, const Gains& gains = {}, double reach = 0.3) {
+Patch<I, N> random_patch(Random& rng, std::uint32_t first_id, const CellGains& gains = {},
+                         double reach = 0.3) {
   std::vector<PlacedCell<I>> cells;
   for (std::size_t i = 0; i < N; ++i)
     cells.push_back({first_id + static_cast<std::uint32_t>(i),
@@ -35,7 +36,8 @@ Patch<I, N> random_patch(Random& rng, std::uint32_t first_id, const Gains& gains
 
 /// One patch of each size on the given links.
 template <std::size_t... I, std::size_t... N>
-auto random_patches(Random& rng, const Gains& gains, std::index_sequence<I...>, std::index_sequence<N...>) {
+auto random_patches(Random& rng, const CellGains& gains, std::index_sequence<I...>,
+                    std::index_sequence<N...>) {
   std::uint32_t id = 100;
   const auto one = [&]<std::size_t L, std::size_t C>() {
     const std::uint32_t first = id;

@@ -51,10 +51,10 @@ template <class T = double>
 auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
   const auto s = skilled_settings(dt);
   const auto library = boost::hana::union_(figure_7, section_6);
-  const auto gravity = as<controller::Gravity>(GravityControl{});
-  const auto skin = as<controller::SkinJoint>(SkinJointControl{});
-  const auto spline = as<controller::SplineJoint>(SplineJoint<6, T>(s));
-  const auto joint = as<controller::Joint>(JointControl<6, T>(s));
+  const auto gravity = skill_controller<controller::Gravity>(GravityControl{});
+  const auto skin = skill_controller<controller::SkinJoint>(SkinJointControl{});
+  const auto spline = skill_controller<controller::SplineJoint>(SplineJoint<6, T>(s));
+  const auto joint = skill_controller<controller::Joint>(JointControl<6, T>(s));
   if constexpr (sanitized) {
     return skill_set<behaviour::KinestheticJoint>(library, settings, gravity, skin, spline);
   } else {
@@ -62,10 +62,10 @@ auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
     const OperationalSpace<6, 5, Tool, T> space(skilled_tool<T>(), o);
     return skill_set<behaviour::KinestheticJoint>(
         library, settings, gravity, skin, spline, joint,
-        as<controller::SkinCartesian>(SkinCartesianControl<5, Tool, T>(skilled_tool<T>())),
-        as<controller::Operational>(OperationalControl<6, 5, Tool, T>(space, o)),
-        as<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)),
-        as<controller::Force>(ForceControl<6, 5, Tool, T>(skilled_tool<T>(), {.pose = o})));
+        skill_controller<controller::SkinCartesian>(SkinCartesianControl<5, Tool, T>(skilled_tool<T>())),
+        skill_controller<controller::Operational>(OperationalControl<6, 5, Tool, T>(space, o)),
+        skill_controller<controller::SplineOperational>(SplineOperational<6, 5, Tool, T>(space, o)),
+        skill_controller<controller::Force>(ForceControl<6, 5, Tool, T>(skilled_tool<T>(), {.pose = o})));
   }
 }
 
@@ -84,7 +84,7 @@ class SkilledRun {
   [[nodiscard]] KnownTo known() const { return KnownTo(skilled_model, state_, dt_, touch_); }
   [[nodiscard]] const State<6, T>& state() const { return state_; }
   [[nodiscard]] const typename Set::Memory& memory() const { return memory_; }
-  [[nodiscard]] bool changing() const { return memory_.phase == Phase::loading; }
+  [[nodiscard]] bool changing() const { return memory_.phase == SkillPhase::loading; }
   [[nodiscard]] Random& random() { return random_; }
   Status ask(const Goal& goal) {
     const auto answer = set_.receive(memory_, known(), goal);
@@ -202,7 +202,7 @@ struct Bump {
 
 /// What is allowed of it. The rate is what the skills are configured with, to 3 %: what other weights of the
 /// skin will move is foreseen with the touch as it is, and touches grow by up to 2 N m in a cycle.
-inline const Bump bump_bounds{.jump = 0.25, .kink = 300, .rate = SkillSettings{}.most_rate * 1.03, .time = 4};
+inline const Bump bump_bounds{.jump = 0.25, .kink = 300, .rate = SkillSettings{}.max_rate * 1.03, .time = 4};
 
 template <class T>
 double largest(const JointTorque<6, T>& x) {
@@ -230,7 +230,7 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
   const auto skin = [](const auto& e) {
     JointTorque<6, T> tau;
     for (std::size_t i = 0; i < Set::controllers; ++i)
-      if (Set::Fusion::roles[i] == Role::reactive) tau += e.shares[i];
+      if (Set::Fusion::roles[i] == LawRole::reactive) tau += e.shares[i];
     return tau;
   };
   auto memory = run.memory();  // of the last cycle

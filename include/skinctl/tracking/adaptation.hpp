@@ -16,7 +16,7 @@ struct AdaptationSettings {
 };
 
 /// A share of each parameter's own scale: of the mass, of the mass at `lever` [m], of the mass at its square.
-template <Real T = double, Model M>
+template <Real T = double, RobotModel M>
 [[nodiscard]] InertialParameters<M::joints, T> deviations(const M& model, const T& part,
                                                           const T& lever = T(0.15)) {
   auto bound = inertial_parameters<T>(model);
@@ -49,7 +49,7 @@ class Adaptive : public Composable {
   using Surface = typename L::Surface;
   using Settings = AdaptationSettings<N, T>;
   static constexpr Needs needs = L::needs;
-  static constexpr Role role = L::role;
+  static constexpr LawRole role = L::role;
   struct Memory {
     typename L::Memory law;
     InertialParameters<N, T> deviation;  ///< D [kg, kg m, kg m^2]
@@ -84,7 +84,7 @@ class Adaptive : public Composable {
     return law_.now(memory.law, known);
   }
   template <GravityTerm G = GravityTerm::included, class K>
-  [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known, const Share<T>& share,
+  [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known, const LawShare<T>& share,
                                          const Surface& at_t) const noexcept {
     const auto learnt =
         regressor_product(known.model(), known.q(), known.dq(), at_t.dq_r, at_t.ddq_r, memory.deviation);
@@ -92,7 +92,7 @@ class Adaptive : public Composable {
   }
   template <GravityTerm G = GravityTerm::included, class K>
   [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known,
-                                         const Share<T>& share = {}) const noexcept {
+                                         const LawShare<T>& share = {}) const noexcept {
     return torque<G>(memory, known, share, now(memory, known));
   }
   template <class K>

@@ -47,7 +47,7 @@ class ConstantDamping {
   ///               poses within +-pi, which the law's constructor checks together with the other gains.
   /// @param K_d    row by row [N m s/rad]. Throws `ConfigurationError` if it is not symmetric (to
   ///               `tolerance<T>` of its largest element) or not positive definite.
-  template <Model M>
+  template <RobotModel M>
   ConstantDamping(const M& model, const std::array<T, N * N>& K_d) {
     static_assert(M::joints == N, "one row per joint");
     T largest(0);

@@ -15,11 +15,11 @@ SKINCTL_BEGIN_NAMESPACE
 /// = dq - dq_r`, so that `J S_q = S_xdelta + K_i1 I1 + K_i2 I2` where nothing is damped or limited. Next to a
 /// singularity the arm slows down (`Reason::slowed`).
 ///
-/// @tparam What         `Task::pose` or `Task::position`.
+/// @tparam What         `TaskSpace::pose` or `TaskSpace::position`.
 /// @tparam Orientation  `RotationVectorError`, `QuaternionError` or `ZyzError`.
 /// @tparam Null         `DampedNullSpace`, `FreeNullSpace` or `PostureNullSpace`: what joints do that the
 ///                      tool does not ask for.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, Task What = Task::pose,
+template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace>
 class OperationalSpace : public PoseTargets<N, P, T, What> {
   using Targets = PoseTargets<N, P, T, What>;
@@ -184,7 +184,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     put(error.slope, at.V.linear - target.V.linear);
     put(error.v_d, target.V.linear);
     put(error.a_d, target.A.linear);
-    if constexpr (What == Task::pose) {
+    if constexpr (What == TaskSpace::pose) {
       const auto turned = Orientation::errors(
           at.X_BP.axes(), at.V.angular,
           RotationReference<T>{target.X_BP.axes(), target.V.angular, target.A.angular}, memory.near);
@@ -209,7 +209,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
 };
 
 /// Eqs. (15)-(21).
-template <std::size_t N, std::size_t I, Frame P, Real T, Task What, class Orientation, class Null>
+template <std::size_t N, std::size_t I, Frame P, Real T, TaskSpace What, class Orientation, class Null>
 template <class Gains, class J>
 SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::surface(
     const Gains& gains, const Inputs& in, const Site<J>& at, const Memory& memory) const noexcept -> Surface {
@@ -222,7 +222,7 @@ SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::sur
 
   Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};
   Acceleration<P, Base, P, Base, T> a{get(x.ddq_r.data), {}};
-  if constexpr (What == Task::pose) {
+  if constexpr (What == TaskSpace::pose) {
     const auto map = Orientation::map(at.X_BP.axes(), at.V.angular, memory.near);
     v.angular = map.omega(get(x.dq_r.data + 3));
     a.angular = map.domega(get(x.dq_r.data + 3), get(x.ddq_r.data + 3));

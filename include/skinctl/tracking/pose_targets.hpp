@@ -43,10 +43,10 @@ struct PoseGoal {
 
 /// What plans (`SplinePlan`, `TargetPlan`, `ReactivePlan`) ask of operational space, beside the state: poses
 /// of `P` on their way to a goal or after a target, their limits and distances.
-template <std::size_t N, Frame P, Real T, Task What>
+template <std::size_t N, Frame P, Real T, TaskSpace What>
 class PoseTargets {
  public:
-  static constexpr std::size_t coordinates = What == Task::pose ? 6 : 3;
+  static constexpr std::size_t coordinates = What == TaskSpace::pose ? 6 : 3;
   using Settings = OperationalSettings<N, T>;
   template <class Robot>
   [[nodiscard]] static Settings settings_of(const Robot& robot) {
@@ -68,7 +68,7 @@ class PoseTargets {
   }
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
     const T way = norm(Xyz<T>(goal.X_BP.origin() - from.origin()));
-    const T turn = What == Task::pose ? norm(log_so3(goal.X_BP.axes() * from.axes().transpose())) : T(0);
+    const T turn = What == TaskSpace::pose ? norm(log_so3(goal.X_BP.axes() * from.axes().transpose())) : T(0);
     const T a = shortest_spline_time(way, s.max_linear_velocity);
     const T b = shortest_spline_time(turn, s.max_angular_velocity);
     return a > b || !(a == a) ? a : b;
@@ -122,7 +122,8 @@ class PoseTargets {
   [[nodiscard]] static Errors distance(const Reference& a, const Reference& b) noexcept {
     Errors error{};
     put(error.e, a.X_BP.origin() - b.X_BP.origin());
-    if constexpr (What == Task::pose) put(error.e + 3, log_so3(a.X_BP.axes() * b.X_BP.axes().transpose()));
+    if constexpr (What == TaskSpace::pose)
+      put(error.e + 3, log_so3(a.X_BP.axes() * b.X_BP.axes().transpose()));
     return error;
   }
   [[nodiscard]] static T slowness(const Errors& error, const Settings& s) noexcept {
@@ -131,7 +132,7 @@ class PoseTargets {
       return speed > T(0) ? T(norm(get(error.e + first)) / speed) : T(0);
     };
     const T a = time(0, s.max_linear_velocity);
-    if constexpr (What == Task::position) return a;
+    if constexpr (What == TaskSpace::position) return a;
     const T b = time(3 % coordinates, s.max_angular_velocity);
     return b > a ? b : a;
   }

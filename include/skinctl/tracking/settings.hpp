@@ -10,7 +10,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What happens to a goal that would need more speed than `max_velocity`.
-enum class Reach : unsigned char {
+enum class GoalPolicy : unsigned char {
   stretch,  ///< it gets more time (`Reason::goal_stretched`)
   refuse    ///< the old goal stands (`Reason::goal_refused`)
 };
@@ -30,13 +30,13 @@ struct JointControlSettings {
   T K_c = T(10);        ///< gain that holds the target [1/s]
   TimeBase<T> base{};   ///< shape of the time base
   T settle = T(0.5);    ///< duration of the way from the gain's peak to K_c, in multiples of tb
-  Nanoseconds hand_over =
+  Nanoseconds bumpless_transfer =
       100ms;  ///< bumpless transfer: the reference reaches its new course this long after a reset
   Nanoseconds target_age =
       100ms;                  ///< a moving target goes on for so long after its last sample, then slows down
   T max_acceleration = T(4);  ///< of every joint after a reactive target [rad/s^2]
   T max_jerk = T(40);         ///< the same [rad/s^3]
-  Reach reach = Reach::stretch;
+  GoalPolicy reach = GoalPolicy::stretch;
   /// Of the robot that carries the torque, as in its resolver: `Y_r Theta` holds against inertia and
   /// friction, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.
   VirtualDynamics<N, T> virtual_dynamics = {};
@@ -66,8 +66,8 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda, co
   const T dt = seconds<T>(s.dt);
   require(s.kappa * dt <= T(0.3), "kappa dt", number(T(s.kappa * dt)), "<= 0.3");
   require(s.tb >= 0ns && s.tb <= 1000000s, "tb", seconds<double>(s.tb), ">= 0 s");
-  require(s.hand_over > 0ns && s.hand_over <= 1000s, "hand_over", milliseconds(s.hand_over),
-          "> 0 ms, <= 1000 s");
+  require(s.bumpless_transfer > 0ns && s.bumpless_transfer <= 1000s, "bumpless_transfer",
+          milliseconds(s.bumpless_transfer), "> 0 ms, <= 1000 s");
   require(s.target_age > 0ns && s.target_age <= 1000s, "target_age", milliseconds(s.target_age),
           "> 0 ms, <= 1000 s");
   require(s.virtual_dynamics.damping >= T(0) && s.virtual_dynamics.damping <= T(1e4), "virtual damping",

@@ -36,7 +36,7 @@ struct SingularEscape {
   /// of it the frame can do as it stands. Zero where it is asked out of the workspace. On a way that is
   /// nearly straight the sign of sigma, and with it that of v, is left to rounding: there it goes on as it
   /// turns already, rather than to and fro.
-  template <Task What, class J, class Velocity>
+  template <TaskSpace What, class J, class Velocity>
   [[nodiscard]] SKINCTL_COLD JointVelocity<N, T> wish(const J& jacobian, const Velocity& asked,
                                                       const JointVelocity<N, T>& limit) const noexcept {
     using std::sqrt;

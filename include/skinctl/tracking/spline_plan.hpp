@@ -27,18 +27,18 @@ struct SplinePlan {
   }
   /// The reference `x` seconds from now.
   [[nodiscard]] SKINCTL_INLINE typename Space::Reference at(const T& x, const Settings& s) const noexcept {
-    const auto own = clock.at(x, Space::tracking(s).hand_over);
+    const auto own = clock.at(x, Space::tracking(s).bumpless_transfer);
     auto r = spline.at(own.t);
     Space::slow(r, own);
     return r;
   }
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan advanced(Nanoseconds dt,
                                                              const Settings& s) const noexcept {
-    return {spline, clock.advanced(dt, Space::tracking(s).hand_over)};
+    return {spline, clock.advanced(dt, Space::tracking(s).bumpless_transfer)};
   }
   /// The spline comes to a stop, or goes on.
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan held(bool holds, const Settings& s) const noexcept {
-    return {spline, clock.changed(!holds, Space::tracking(s).hand_over)};
+    return {spline, clock.changed(!holds, Space::tracking(s).bumpless_transfer)};
   }
 
   /// A spline from `where` to the goal. Its peak speed must keep below the largest that the settings allow,
@@ -52,7 +52,7 @@ struct SplinePlan {
     const T asked = seconds<T>(goal.duration);
     const PlanClock<T> begun{0ns, clock_end, clock.to, clock.to};  // a held plan stays so
     if (asked >= least) return {{Space::spline(where, Space::place(goal), asked), begun}, {}};
-    if (goal.duration > 0ns && s.reach == Reach::refuse) return {*this, Reason::goal_refused};
+    if (goal.duration > 0ns && s.reach == GoalPolicy::refuse) return {*this, Reason::goal_refused};
     return {{Space::spline(where, Space::place(goal), least), begun},
             goal.duration > 0ns ? Status(Reason::goal_stretched) : Status{}};
   }

@@ -34,7 +34,7 @@ struct SurfaceBias {
   JointAcceleration<N, T> da;
   JointAcceleration<N, T> dj;  ///< per second
 
-  /// The bias `x` seconds from now, with the hand-over taking `T_h` seconds.
+  /// The bias `x` seconds from now, with the bumpless transfer taking `T_h` seconds.
   [[nodiscard]] SKINCTL_INLINE BiasNow<N, T> at(const T& x, const T& kappa, const T& T_h) const noexcept {
     using std::exp;
     using R = detail::Row<N, T>;
@@ -69,8 +69,8 @@ struct SurfaceBias {
     const T r = x / T_h, rest = T(1) - r;
     return x * rest * rest * (T(1) - T(2.5) * r);
   }
-  /// Whether the hand-over still goes on.
-  [[nodiscard]] SKINCTL_INLINE bool hands_over(Nanoseconds T_h) const noexcept { return elapsed < T_h; }
+  /// Whether the bumpless transfer still goes on.
+  [[nodiscard]] SKINCTL_INLINE bool is_transferring(Nanoseconds T_h) const noexcept { return elapsed < T_h; }
 };
 
 SKINCTL_END_NAMESPACE

@@ -43,7 +43,7 @@ struct TrackingMemory {
 /// it will be held, at the state that the law itself predicts there.
 ///
 /// Every reset (a new goal, the skin that begins or ceases to push against the law) keeps the torque and its
-/// rate: the reference motion goes on from where it was and reaches its new course after `hand_over`
+/// rate: the reference motion goes on from where it was and reaches its new course after `bumpless_transfer`
 /// (`SurfaceBias`).
 /// In the loop nothing is refused but goals. A state that is not finite gives a torque that is not, for the
 /// cycle to drop, and leaves the memory finite.
@@ -65,11 +65,15 @@ class Tracking : public Composable {
   using Surface = typename Space::Surface;
   using Settings = typename Space::Settings;
   static constexpr Needs needs = Damping::needs | Space::needs;
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   static constexpr const char* name = Plan::name;
 
   /// Throws `ConfigurationError` for settings that cannot work: see `check`.
-  explicit Tracking(const Settings& settings = {})
+  Tracking()
+    requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
+      : Tracking(Space(), Settings{}) {}
+  template <std::same_as<typename Space::Settings> S = typename Space::Settings>
+  explicit Tracking(const S& settings)  // a template: `({})` is the default
     requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
       : Tracking(Space(), settings) {}
   Tracking(const Settings& settings, const Damping& damping)
@@ -117,7 +121,7 @@ class Tracking : public Composable {
   }
 
   /// A new goal: the plan, the time base, the surface and its integrals start again from the state that is
-  /// known. Refused or stretched goals: `Reach`.
+  /// known. Refused or stretched goals: `GoalPolicy`.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const Goal& goal) const noexcept {
@@ -132,7 +136,7 @@ class Tracking : public Composable {
     out.memory.I1 = out.memory.I2 = Integrals<Space::coordinates, T>();
     out.memory.sign = {};
     begin_bias(out.memory, known);
-    hand_over(out.memory, memory, known);
+    bumpless_transfer(out.memory, memory, known);
     return out;
   }
 
@@ -159,11 +163,11 @@ class Tracking : public Composable {
   /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
   template <GravityTerm G = GravityTerm::included, class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
-                                                        const Share<T>& share,
+                                                        const LawShare<T>& share,
                                                         const Surface& at_t) const noexcept;
   template <GravityTerm G = GravityTerm::included, class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
-                                                        const Share<T>& share = {}) const noexcept {
+                                                        const LawShare<T>& share = {}) const noexcept {
     return torque<G>(memory, known, share, now(memory, known));
   }
 
@@ -185,7 +189,7 @@ class Tracking : public Composable {
   [[nodiscard]] SKINCTL_INLINE Evaluation<N, T, Memory, 1> evaluate(const Memory& memory, const K& known,
                                                                     const T& dt) const noexcept {
     const auto at_t = now(memory, known);
-    const auto tau = torque(memory, known, Share<T>{}, at_t);
+    const auto tau = torque(memory, known, LawShare<T>{}, at_t);
     return {tau, advance(memory, known, dt, Opposition::none, at_t), {tau}, status(memory)};
   }
   /// The target stands, the skin does not hold the law up, and neither robot nor reference is faster than
@@ -213,10 +217,10 @@ class Tracking : public Composable {
     memory.plan = Plan::moved(target);
     return memory;
   }
-  /// Whether a hand-over goes on, and whether the skin holds the law up.
+  /// Whether a bumpless transfer goes on, and whether the skin holds the law up.
   [[nodiscard]] SKINCTL_INLINE Status status(const Memory& memory) const noexcept {
     Status s = space_.status(memory.space);
-    if (memory.bias.hands_over(gains().hand_over)) s |= Reason::hand_over;
+    if (memory.bias.is_transferring(gains().bumpless_transfer)) s |= Reason::bumpless_transfer;
     if (memory.held) s |= Reason::opposed;
     return s;
   }
@@ -268,7 +272,7 @@ class Tracking : public Composable {
   template <class K>
   SKINCTL_COLD void slow_gain(Memory& memory, const K& known) const noexcept;
   template <class K>
-  SKINCTL_COLD void hand_over(Memory& next, const Memory& before, const K& known) const noexcept;
+  SKINCTL_COLD void bumpless_transfer(Memory& next, const Memory& before, const K& known) const noexcept;
 
   [[no_unique_address]] Space space_;
   Settings settings_;

@@ -5,7 +5,7 @@ using namespace skinctl;
 
 struct Push : Composable {
   static constexpr Needs needs = {};
-  static constexpr Role role = Role::gravity;
+  static constexpr LawRole role = LawRole::gravity;
   int start(const auto&) const noexcept { return 0; }
   JointTorque<6> torque(int, const auto&) const noexcept { return {}; }
   int advance(int, const auto&, double, Opposition) const noexcept { return 0; }

@@ -6,7 +6,7 @@ using namespace skinctl;
 struct Push : Composable {
   struct Memory {};
   static constexpr Needs needs = {};
-  static constexpr Role role = Role::gravity;
+  static constexpr LawRole role = LawRole::gravity;
   Memory start(const auto&) const noexcept { return {}; }
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
 };

@@ -5,7 +5,7 @@ using namespace skinctl;
 struct Push : Composable {
   struct Memory {};
   static constexpr Needs needs = {};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   Memory start(const auto&) const noexcept { return {}; }
   JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }

@@ -6,7 +6,7 @@ using namespace skinctl;
 struct Push : Composable {
   struct Memory {};
   static constexpr Needs needs = {};
-  static constexpr Role role = Role::tracking;
+  static constexpr LawRole role = LawRole::tracking;
   Memory start(const auto&) const noexcept { return {}; }
   TorqueParts<6> parts(const Memory&, const auto&) const noexcept { return {}; }
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }

@@ -4,5 +4,5 @@ int main() {
   const skinctl::GravityControl gravity;
   const skinctl::SkinJointControl skin;
   const skinctl::SplineJoint<6> reach({.dt = 2ms});
-  static_cast<void>(skinctl::over<5>(reach, reach) + skin + gravity);
+  static_cast<void>(skinctl::task_priority<5>(reach, reach) + skin + gravity);
 }

@@ -1,4 +1,4 @@
-// expect: a Jacobian takes joint velocities
+// expect: a Jacobian takes joint velocities or accelerations
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

@@ -5,13 +5,14 @@ using namespace skinctl;
 
 struct Push : Composable {
   struct Memory {};
-  static constexpr Role role = Role::reactive;
+  static constexpr LawRole role = LawRole::reactive;
   Memory start(const auto&) const noexcept { return {}; }
   JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
 };
 
 auto build() {
-  return skill_set<behaviour::KinestheticJoint>(figure_7, {}, as<controller::Gravity>(GravityControl{}),
-                                                as<controller::SkinJoint>(Push{}));
+  return skill_set<behaviour::KinestheticJoint>(figure_7, {},
+                                                skill_controller<controller::Gravity>(GravityControl{}),
+                                                skill_controller<controller::SkinJoint>(Push{}));
 }

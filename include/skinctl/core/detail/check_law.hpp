@@ -40,7 +40,7 @@ concept HasNeeds = requires {
 };
 template <class L>
 concept HasRole = requires {
-  { L::role } -> std::convertible_to<Role>;
+  { L::role } -> std::convertible_to<LawRole>;
 };
 template <class L>
 concept IsMadeOfLaws = requires { typename L::Laws; };
@@ -130,11 +130,11 @@ template <class L>
 struct WrongLaw : Composable, GoalOfLaw<L>, HeldByLaw<L> {
   struct Memory {};
   static constexpr Needs needs = {};
-  static constexpr Role role = [] {
+  static constexpr LawRole role = [] {
     if constexpr (HasRole<L>) {
-      return Role(L::role);
+      return LawRole(L::role);
     } else {
-      return Role::reactive;
+      return LawRole::reactive;
     }
   }();
   static constexpr std::size_t joints = joints_of_law<L>();
@@ -146,7 +146,7 @@ struct WrongLaw : Composable, GoalOfLaw<L>, HeldByLaw<L> {
   }
   template <GravityTerm = GravityTerm::included, class K>
   [[nodiscard]] JointTorque<K::joints, typename K::scalar> torque(
-      const Memory&, const K&, const Share<typename K::scalar>& = {}) const noexcept {
+      const Memory&, const K&, const LawShare<typename K::scalar>& = {}) const noexcept {
     return {};
   }
   template <class K>
@@ -170,7 +170,8 @@ struct Say {
   static_assert(F != heavy_memory,
                 "the Memory of this law is not trivially copyable: a cycle copies and records it");
   static_assert(F != no_needs, "this law lacks its needs: `static constexpr Needs needs = {...};`");
-  static_assert(F != no_role, "this law lacks its role: `static constexpr Role role = Role::reactive;`");
+  static_assert(F != no_role,
+                "this law lacks its role: `static constexpr LawRole role = LawRole::reactive;`");
   static_assert(F != no_start, "this law lacks start(known), which returns a Memory");
   static_assert(F != no_torque, "this law lacks torque(memory, known), which returns a JointTorque");
   static_assert(F != no_advance, "this law lacks advance(memory, known, dt, opposition)");
@@ -296,7 +297,8 @@ consteval LawFault fault_in_functions(const L* law, const typename L::Memory* m,
     return LawFault::start_result;
   } else if constexpr (!Advances<L, K>) {
     return LawFault::advance_arguments;
-  } else if constexpr (L::role == Role::tracking && Part && !TakesParts<L, K> && !has_weighted_torque<L, K>) {
+  } else if constexpr (L::role == LawRole::tracking && Part && !TakesParts<L, K> &&
+                       !has_weighted_torque<L, K>) {
     return LawFault::no_parts;
   } else if constexpr (!TakesTorque<L, K> && !TakesParts<L, K>) {
     return LawFault::torque_arguments;

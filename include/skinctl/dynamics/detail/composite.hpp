@@ -31,9 +31,9 @@ SKINCTL_INLINE constexpr DenseComposite<T> dense_composite(const C& c) noexcept 
 }
 
 /// The link itself, about its frame's origin.
-template <std::size_t I, Scalar T, Model M>
+template <std::size_t I, Scalar T, RobotModel M>
 SKINCTL_INLINE constexpr auto link_composite(const M& model) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   const auto mass = model.template number<I, P::mass, T>();
   const auto c = centre_of_mass<I, T>(model);
   const auto h = mass * c;
@@ -87,7 +87,7 @@ SKINCTL_INLINE constexpr auto carrying(const Own& own, const Frame& frame, const
   const auto& p = frame.p;
   const auto hp = b.mass * p;
   const auto twice = [](const auto& x, const auto& y)
-                         SKINCTL_INLINE_LAMBDA { SKINCTL_CONTRACT return Known<2>{} * x + y; };
+                         SKINCTL_INLINE_LAMBDA { SKINCTL_CONTRACT return TypedConstant<2>{} * x + y; };
   const auto h = b.h + hp;
   return Composite{own.mass + b.mass,
                    (own.h + hp) + b.h,

@@ -57,7 +57,7 @@ SKINCTL_INLINE LinkMotion<T> motion_of(const Input& in, const Frame& frame,
 }
 
 /// The base at rest, which gravity lets seem to rise.
-template <Scalar T, Model M>
+template <Scalar T, RobotModel M>
 SKINCTL_INLINE LinkMotion<T> motion_of_base(const M& model) noexcept {
   const Xyz<T> zero{T(0), T(0), T(0)};
   return {zero, zero, zero, dense<T>(-model.template gravity<T>()), {zero, zero, zero}};

@@ -19,7 +19,7 @@ struct Values {
 };
 struct NoValues {
   template <std::size_t I>
-  SKINCTL_INLINE constexpr Known<0> get() const noexcept {
+  SKINCTL_INLINE constexpr TypedConstant<0> get() const noexcept {
     return {};
   }
 };
@@ -27,7 +27,7 @@ struct NoValues {
 template <std::size_t K>
 struct UnitValue {
   template <std::size_t I>
-  SKINCTL_INLINE constexpr Known<I == K ? 1 : 0> get() const noexcept {
+  SKINCTL_INLINE constexpr TypedConstant<I == K ? 1 : 0> get() const noexcept {
     return {};
   }
 };
@@ -67,9 +67,9 @@ struct ForceMoment {
 template <class F, class N>
 ForceMoment(F, N) -> ForceMoment<F, N>;
 
-template <std::size_t I, Scalar T, Model M>
+template <std::size_t I, Scalar T, RobotModel M>
 SKINCTL_INLINE constexpr auto centre_of_mass(const M& model) noexcept {
-  using P = Parameter;
+  using P = LinkParameter;
   return Triple{model.template number<I, P::c_x, T>(), model.template number<I, P::c_y, T>(),
                 model.template number<I, P::c_z, T>()};
 }
@@ -77,17 +77,17 @@ SKINCTL_INLINE constexpr auto centre_of_mass(const M& model) noexcept {
 /// `m (a + E c)` and the moment `integral r x (E r) dm + c x f`. With second moments S about the centre of
 /// mass the integral has the components `(E S)_zy - (E S)_yz` and so on: six products when S is diagonal, and
 /// exactly Christoffel's C, because every mass point contributes `J^T dJ`.
-template <std::size_t I, Scalar T, Model M, class E, class A>
+template <std::size_t I, Scalar T, RobotModel M, class E, class A>
 SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, const A& a) noexcept {
-  using P = Parameter;
-  const auto number = [&]<Parameter K>(std::integral_constant<Parameter, K>)
+  using P = LinkParameter;
+  const auto number = [&]<LinkParameter K>(std::integral_constant<LinkParameter, K>)
                           SKINCTL_INLINE_LAMBDA { return model.template number<I, K, T>(); };
-  const auto s_xx = number(std::integral_constant<Parameter, P::s_xx>{});
-  const auto s_yy = number(std::integral_constant<Parameter, P::s_yy>{});
-  const auto s_zz = number(std::integral_constant<Parameter, P::s_zz>{});
-  const auto s_xy = number(std::integral_constant<Parameter, P::s_xy>{});
-  const auto s_xz = number(std::integral_constant<Parameter, P::s_xz>{});
-  const auto s_yz = number(std::integral_constant<Parameter, P::s_yz>{});
+  const auto s_xx = number(std::integral_constant<LinkParameter, P::s_xx>{});
+  const auto s_yy = number(std::integral_constant<LinkParameter, P::s_yy>{});
+  const auto s_zz = number(std::integral_constant<LinkParameter, P::s_zz>{});
+  const auto s_xy = number(std::integral_constant<LinkParameter, P::s_xy>{});
+  const auto s_xz = number(std::integral_constant<LinkParameter, P::s_xz>{});
+  const auto s_yz = number(std::integral_constant<LinkParameter, P::s_yz>{});
   const auto c = centre_of_mass<I, T>(model);
   const auto f = model.template number<I, P::mass, T>() * (a + spin * c);
   const Triple s_x{s_xx, s_xy, s_xz};
@@ -99,7 +99,7 @@ SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, con
 }
 
 /// The bodies of the model itself: what the recursion asks for the wrench of a link.
-template <Model M>
+template <RobotModel M>
 struct ModelBodies {
   const M& model;
   template <std::size_t I, Scalar T, class E, class A>
@@ -175,7 +175,7 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
 
 /// Runs the recursion from the base over links with the given bodies; `a0` is the acceleration of the base
 /// (minus gravity, or typed zeros).
-template <Scalar T, Model M, class Bodies, class Angles, class V, class R, class A, class L>
+template <Scalar T, RobotModel M, class Bodies, class Angles, class V, class R, class A, class L>
 SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& bodies, const Angles& angles,
                                                  const V& dq, const R& dq_r, const A& ddq_r, const L& a0,
                                                  T* tau) noexcept {
@@ -187,7 +187,7 @@ SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& b
   });
 }
 /// The same over the model's own bodies.
-template <Scalar T, Model M, class Angles, class V, class R, class A, class L>
+template <Scalar T, RobotModel M, class Angles, class V, class R, class A, class L>
 SKINCTL_INLINE constexpr void run_recursion(const M& model, const Angles& angles, const V& dq, const R& dq_r,
                                             const A& ddq_r, const L& a0, T* tau) noexcept {
   run_recursion_over<T>(model, ModelBodies<M>{model}, angles, dq, dq_r, ddq_r, a0, tau);

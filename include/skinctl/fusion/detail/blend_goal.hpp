@@ -10,11 +10,11 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// A request for other weights, in the order of the sum; 0: the law fades out. Gravity keeps 1.
 template <std::size_t Terms>
-struct Weights {
+struct BlendWeights {
   std::array<double, Terms> of{};
 
   template <class F>
-  friend void each_number(Weights& w, F&& f) {
+  friend void each_number(BlendWeights& w, F&& f) {
     for (double& x : w.of) f(x);
   }
 };
@@ -25,7 +25,7 @@ struct BlendGoal {
   bool has_goal = false;
   G goal{};
   bool has_weights = false;
-  Weights<Terms> weights{};
+  BlendWeights<Terms> weights{};
 
   template <class F>
   friend void each_number(BlendGoal& g, F&& f) {

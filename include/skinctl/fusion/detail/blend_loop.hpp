@@ -23,19 +23,19 @@ SKINCTL_INLINE auto Blended<Fused<P, L...>>::step(const Memory& memory, const K&
     std::tuple<Part<typename NowOf<law_at<I>, K>::type, K::joints, T>...> parts;
     detail::each_index<terms>([&](auto i) SKINCTL_INLINE_LAMBDA {
       constexpr std::size_t J = i.value;
-      constexpr Role r = law_at<J>::role;
+      constexpr LawRole r = law_at<J>::role;
       const bool on = loaded(next, J);
       if (!on && !(gated && detail::answers_touch<law_at<J>>)) return;
-      if constexpr (r == Role::tracking)
+      if constexpr (r == LawRole::tracking)
         if (comes(next, J) && next.elapsed < next.ramp) [[unlikely]]
           detail::memory_of<J>(next.laws) = law<J>().start(known);
       auto& part = std::get<J>(parts);
       compute<J>(part, next, known, shares[J]);
-      if constexpr (r == Role::tracking && !detail::presses<law_at<J>>) {
+      if constexpr (r == LawRole::tracking && !detail::presses<law_at<J>>) {
         track += part.torque;
         if constexpr (Fusion::watches && holds_gravity)
           track -= static_cast<T>(shares[J].feed_forward) * known.gravity();
-      } else if constexpr (r == Role::reactive) {
+      } else if constexpr (r == LawRole::reactive) {
         if constexpr (gated && detail::answers_touch<law_at<J>>)
           contact += static_cast<T>(sum_.weights()[J]) * part.torque;
         part.torque = static_cast<T>(shares[J].feedback) * part.torque;
@@ -48,7 +48,7 @@ SKINCTL_INLINE auto Blended<Fused<P, L...>>::step(const Memory& memory, const K&
     if constexpr (holds_gravity) {
       double left = 1;
       for (std::size_t i = 0; i < terms; ++i)
-        if (Fusion::roles[i] == Role::tracking) left -= shares[i].feed_forward;
+        if (Fusion::roles[i] == LawRole::tracking) left -= shares[i].feed_forward;
       out.torque += static_cast<T>(left) * known.gravity();
     }
     Opposition opposition = given;
@@ -64,7 +64,7 @@ SKINCTL_INLINE auto Blended<Fused<P, L...>>::step(const Memory& memory, const K&
         if (loaded(next, J)) move_on<J>(next, std::get<J>(parts).now, known, dt, opposition);
     });
   }(std::index_sequence_for<L...>{});
-  if (moves(next)) out.status |= Reason::hand_over;
+  if (moves(next)) out.status |= Reason::bumpless_transfer;
   next.elapsed = later(next.elapsed, ns);
   if constexpr (gated) {
     next.contact = contact_.advanced(next.contact, contact, ns);

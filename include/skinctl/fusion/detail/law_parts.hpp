@@ -13,7 +13,7 @@ template <class L>
 concept LawMembers = requires {
   typename L::Memory;
   { L::needs } -> std::convertible_to<Needs>;
-  { L::role } -> std::convertible_to<Role>;
+  { L::role } -> std::convertible_to<LawRole>;
 };
 
 namespace detail {
@@ -51,7 +51,7 @@ SKINCTL_INLINE auto now_of(const Law& law, const typename Law::Memory& memory, c
 /// A tracking law's torque and next memory, with what they share.
 template <GravityTerm G, class Law, class K, class T, class Now>
 SKINCTL_INLINE auto torque_with(const Law& law, const typename Law::Memory& memory, const K& known,
-                                const Share<T>& share, const Now& now) noexcept {
+                                const LawShare<T>& share, const Now& now) noexcept {
   if constexpr (std::same_as<Now, Nothing>) {
     return weighted_torque<G>(law, memory, known, share);
   } else {
@@ -79,14 +79,14 @@ inline constexpr bool presses = requires { L::presses; };
 /// Whether a law is the skin's answer: others may oppose it, and it opens gates. A reactive law that does not
 /// ask for touch (a joint limit, a posture) is pushed by nobody.
 template <class L>
-inline constexpr bool answers_touch = L::role == Role::reactive && Needs(L::needs).touch;
+inline constexpr bool answers_touch = L::role == LawRole::reactive && Needs(L::needs).touch;
 
 // Traits, not requires-expressions in generic lambdas: Clang 14 takes those for false.
 template <class L>
 inline constexpr bool takes_goals = requires { typename L::Goal; };
 /// Whether adding up the parts of a tracking law takes G(q) where no gravity law is.
 template <class L>
-inline constexpr bool is_in_parts = L::role == Role::tracking && !LacksParts<L>;
+inline constexpr bool is_in_parts = L::role == LawRole::tracking && !LacksParts<L>;
 
 /// Calls `f(index)`, the index a type, for each law of a sum.
 template <std::size_t N, class F>
@@ -97,7 +97,7 @@ SKINCTL_INLINE constexpr void each_index(F&& f) noexcept {
 }
 
 template <class... L>
-constexpr std::size_t count_role(Role role) noexcept {
+constexpr std::size_t count_role(LawRole role) noexcept {
   return (std::size_t(0) + ... + (L::role == role ? 1u : 0u));
 }
 }  // namespace detail

@@ -5,35 +5,25 @@
 
 SKINCTL_BEGIN_NAMESPACE
 #define SKINCTL_HYBRID \
-  template <Interface I, LinkMask ByTorque, Model M, Real T, class Integrator, std::size_t History>
+  template <Interface I, LinkMask ByTorque, RobotModel M, Real T, class Integrator, std::size_t History>
 #define SKINCTL_HYBRID_CLASS HybridResolver<I, ByTorque, M, T, Integrator, History>
 
 SKINCTL_HYBRID
-SKINCTL_INLINE Status SKINCTL_HYBRID_CLASS::accept(Memory& m, const State<joints, T>& measured,
-                                                   Nanoseconds now) const noexcept {
-  if (!detail::is_plausible(measured)) return Reason::state_not_finite;
-  if (measured.time < m.measured.time) return Reason::time_backwards;
-  m.measured = measured;
-  if (measured.time > now) m.measured.time = now;
-  return {};
-}
-
-SKINCTL_HYBRID
-template <class L, class Touch>
+template <class L, class Touch, class Check>
 auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law_memory,
                                 const State<joints, T>& measured, const Interval& interval,
-                                std::span<const Touch> touches) const noexcept
+                                std::span<const Touch> touches, const Check& check) const noexcept
     -> Resolved<joints, T, terms_of<L>> {
   Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
   if (!m.stiff.started) return out;
   if (interval.substeps == 0) {
     // Whatever the clock says: gravity is to be held where the robot is.
-    out.fallback = held(detail::is_plausible(measured) ? measured : m.measured);
+    out.fallback = held(detail::believed(measured, m.measured, check));
     return out;
   }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   const auto& p = virtual_.parameters();
-  out.status |= accept(m, measured, interval.to);
+  out.status |= take_measurement(m.measured, measured, interval.to, check);
   const auto begun = virtual_.begin(m.stiff, part_of<Stiff>(m.measured), interval);
   out.status |= begun.status;
   StiffTorque stiff_torque = m.stiff.command.torque;
@@ -41,7 +31,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   for (unsigned j = 0; j < interval.substeps; ++j) {
     const T h = seconds<T>(interval.at(j + 1) - interval.at(j));
     Velocity v1;
-    if (m.stiff.mode == Mode::following) {
+    if (m.stiff.mode == ResolverMode::following) {
       const auto now = state(m, interval.at(j), m.stiff.v);
       const Knows<L, Touch> known(model_, now, h, touches[j]);
       const auto asked = evaluate(law, law_memory, known, h);
@@ -67,9 +57,9 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   // By an old velocity nothing can be braked.
   out.fallback = begun.status.has(Reason::state_stale) ? held(m.measured.q, {}) : held(m.measured);
   DrivenTorque driven = Driven::of(out.fallback);
-  const bool blocked = m.stiff.mode == Mode::blocked;
+  const bool blocked = m.stiff.mode == ResolverMode::blocked;
   if (blocked) out.status |= Reason::blocked;
-  if (m.stiff.mode != Mode::braking && !m.stiff.stop) {
+  if (m.stiff.mode != ResolverMode::braking && !m.stiff.stop) {
     const auto now = state(m, m.stiff.time, blocked ? Velocity{} : m.stiff.v);
     const Knows<L, Touch> known(model_, now, seconds<T>(p.period), touches[interval.substeps - 1]);
     const auto asked = torque_of(law, law_memory, known);

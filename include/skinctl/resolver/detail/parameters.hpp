@@ -11,7 +11,7 @@ struct ResolverParameters {
   JointLimits<N, T> limits;
   VirtualDynamics<N, T> shape;
   JointPosition<N, T> dead_band;
-  JointPosition<N, T> leash;  ///< e_max
+  JointPosition<N, T> max_lead;  ///< e_max
   Nanoseconds period, delay, substep, longest_interval, stale_after;
   Nanoseconds fresh_for;  ///< age up to which a measurement's difference is acted on
   T lag, total_delay, per_delay, L1, L2, lead, drift, retry, catch_up;
@@ -19,7 +19,7 @@ struct ResolverParameters {
 
   [[nodiscard]] T planned_step() const noexcept { return seconds<T>(planned_substep(period, substep)); }
 
-  SKINCTL_COLD explicit ResolverParameters(const RobotConfiguration<N, T>& c)
+  SKINCTL_COLD explicit ResolverParameters(const RobotConfiguration<N, T>& c, bool has_virtual_robot = true)
       : limits(c.limits),
         shape(c.virtual_dynamics()),
         dead_band(c.dead_band),
@@ -30,7 +30,7 @@ struct ResolverParameters {
         lag(seconds<T>(c.lag)),
         lead(seconds<T>(c.lead)),
         retry(seconds<T>(c.retry)) {
-    check(c);
+    check(c, has_virtual_robot);
     total_delay = seconds<T>(c.total_delay());
     per_delay = T(1) / total_delay;
     fresh_for = c.total_delay() + period / 2;
@@ -42,7 +42,7 @@ struct ResolverParameters {
     drift = c.drift.value_or(w < T(1) ? w : T(1));
     for (std::size_t i = 0; i < N; ++i) {
       has_coulomb = has_coulomb || shape.coulomb[i] > T(0);
-      leash[i] = c.max_lead * limits.velocity()[i] * total_delay;
+      max_lead[i] = c.max_lead * limits.velocity()[i] * total_delay;
     }
   }
 };

@@ -5,8 +5,9 @@
 #include "skinctl/resolver/resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-#define SKINCTL_RESOLVER \
-  template <Interface I, Model M, Real T, class Integrator, std::size_t History, class Keeper, class Tool>
+#define SKINCTL_RESOLVER                                                                            \
+  template <Interface I, RobotModel M, Real T, class Integrator, std::size_t History, class Keeper, \
+            class Tool>
 #define SKINCTL_RESOLVER_CLASS Resolver<I, M, T, Integrator, History, Keeper, Tool>
 
 /// What the keepers learn of a cycle: the contacts, the measured position, the commands under way.
@@ -15,15 +16,15 @@ template <class Touch>
 SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touch,
                                                     const T& dt) const noexcept {
   Status status;
-  if constexpr (has_ledger || has_damper) {
+  if constexpr (has_passivity_observer || has_damper) {
     const auto contacts = contacts_of(model_, m.measured.q, touch);
     if constexpr (has_damper)
       if (keeper_.template get<ContactDamper<T>>().observe(m.keeper.template of<ContactDamper<T>>(), contacts,
                                                            m.measured.dq, dt))
         status |= Reason::contact_damped;
-    if constexpr (has_ledger)
-      keeper_.template get<PortLedger<T>>().book(
-          m.keeper.template of<PortLedger<T>>(), contacts, m.measured.q, parameters().total_delay / dt,
+    if constexpr (has_passivity_observer)
+      keeper_.template get<PassivityObserver<T>>().book(
+          m.keeper.template of<PassivityObserver<T>>(), contacts, m.measured.q, parameters().total_delay / dt,
           [&](auto&& f) {
             virtual_.servo().each_under_way(m.under_way, [&](const Position& q) {
               f(I == Interface::position ? q - m.measured.q : q - m.under_way.reached);
@@ -33,12 +34,12 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touc
   return status;
 }
 
-/// Slows `v` down to what the ledger can pay for, braking included. False if it had to.
+/// Slows `v` down to what the passivity observer can pay for, braking included. False if it had to.
 SKINCTL_RESOLVER
 SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v) const noexcept {
-  if constexpr (has_ledger) {
-    const auto& ledger = keeper_.template get<PortLedger<T>>();
-    const auto& memory = m.keeper.template of<PortLedger<T>>();
+  if constexpr (has_passivity_observer) {
+    const auto& passivity_observer = keeper_.template get<PassivityObserver<T>>();
+    const auto& memory = m.keeper.template of<PassivityObserver<T>>();
     const Position& from = I == Interface::position ? m.measured.q : m.under_way.reached;
     const Position& sent = I == Interface::position ? m.q.value : m.sent.value;
     const T ahead = parameters().lead + seconds<T>(parameters().period);
@@ -48,7 +49,7 @@ SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v
         const T u = share * v[i], speed = u < T(0) ? T(-u) : u;
         dq[i] = sent[i] - from[i] + u * (ahead + T(0.5) * speed / parameters().limits.acceleration()[i]);
       }
-      return ledger.allows(memory, dq, v);
+      return passivity_observer.allows(memory, dq, v);
     };
     if (allows(T(1))) [[likely]]
       return true;
@@ -109,23 +110,24 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
 }
 
 SKINCTL_RESOLVER
-template <class L, class Touch>
+template <class L, class Touch, class Check>
 SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typename L::Memory& law_memory,
                                                  const State<joints, T>& measured, const Interval& interval,
-                                                 std::span<const Touch> touches) const noexcept
+                                                 std::span<const Touch> touches,
+                                                 const Check& check) const noexcept
     -> Resolved<joints, T, terms_of<L>> {
   if (!m.started || interval.substeps == 0) [[unlikely]]
     return {m.command, interval.status, {}, {}};
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   std::array<Torque, terms_of<L>> shares{};
-  const auto begun = virtual_.begin(m, measured, interval);
+  const auto begun = virtual_.begin(m, measured, interval, check);
   Status status = begun.status | watch(m, touches[interval.substeps - 1], begun.dt);
 
   Torque torque = m.command.torque;
   for (unsigned j = 0; j < interval.substeps; ++j) {
     const T h = seconds<T>(interval.at(j + 1) - interval.at(j));
     Velocity v1;
-    if (m.mode == Mode::following) {
+    if (m.mode == ResolverMode::following) {
       const auto driven =
           drive(m, law, law_memory, {interval.at(j), m.q.value, m.v}, begun.correction.pull, h, touches[j]);
       status |= driven.status;
@@ -145,7 +147,7 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
                                                  parameters().shape, h);
   }
   m.time = interval.to;
-  if (m.mode == Mode::blocked && !m.stop) {
+  if (m.mode == ResolverMode::blocked && !m.stop) {
     const auto driven = drive(m, law, law_memory, {m.time, m.q.value, Velocity{}}, {},
                               seconds<T>(parameters().period), touches[interval.substeps - 1]);
     status |= Reason::blocked;

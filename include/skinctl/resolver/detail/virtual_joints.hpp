@@ -1,6 +1,7 @@
 // The joints of a virtual robot: how they stay with the real ones, keep their limits and become commands.
 #pragma once
 
+#include "skinctl/core/measurement.hpp"
 #include "skinctl/resolver/detail/parameters.hpp"
 #include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/memory.hpp"
@@ -9,7 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// What a resolver does to joints that take positions or velocities, besides asking laws what moves them:
-/// the observer with the declared delay, limits and leash, the modes, the command. Knows of no model, so that
+/// the observer with the declared delay, limits and max lead, the modes, the command. Knows of no model, so that
 /// a part of a robot's joints can be such, and the others take torques.
 template <Interface I, std::size_t N, Real T, std::size_t History>
 class VirtualJoints {
@@ -46,13 +47,15 @@ class VirtualJoints {
             milliseconds(p_.delay) / milliseconds(p_.period), "<= History - 2: commands under way");
   }
   [[nodiscard]] SKINCTL_INLINE const ResolverParameters<N, T>& parameters() const noexcept { return p_; }
-  [[nodiscard]] SKINCTL_INLINE const Servo<N, T, History>& servo() const noexcept { return servo_; }
+  [[nodiscard]] SKINCTL_INLINE const JointServo<N, T, History>& servo() const noexcept { return servo_; }
 
   [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured) const noexcept;
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept;
 
   /// A cycle begins: takes the measurement in, and says what the sub-steps are to make of it.
-  SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval) const noexcept;
+  template <class Check = AnyState>
+  SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval,
+                             const Check& check = {}) const noexcept;
   /// One sub-step towards the velocity `v1` (ignored where the mode is another than `following`).
   SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept;
   /// Whether a blocked robot may follow again, given what its laws would ask of it at rest, less gravity.
@@ -64,7 +67,9 @@ class VirtualJoints {
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept;
 
  private:
-  SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now) const noexcept;
+  template <class Check>
+  SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now,
+                                const Check& check) const noexcept;
   SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
   SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
   SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,
@@ -74,7 +79,7 @@ class VirtualJoints {
                                 const T& dt) const noexcept;
 
   ResolverParameters<N, T> p_;
-  Servo<N, T, History> servo_;
+  JointServo<N, T, History> servo_;
 };
 
 }  // namespace detail

@@ -46,8 +46,10 @@ Interval SKINCTL_VIRTUAL_JOINTS_CLASS::interval(const Memory& m, Nanoseconds now
 }
 
 SKINCTL_VIRTUAL_JOINTS
+template <class Check>
 SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::begin(Memory& m, const State<N, T>& measured,
-                                                        const Interval& interval) const noexcept -> Begun {
+                                                        const Interval& interval,
+                                                        const Check& check) const noexcept -> Begun {
   const T dt = seconds<T>(interval.to - interval.from);
   const Velocity before = m.rate;
   if constexpr (I == Interface::velocity) {
@@ -55,7 +57,7 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::begin(Memory& m, const State<N
     for (std::size_t i = 0; i < N; ++i)
       m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
   }
-  const Status status = interval.status | measure(m, measured, interval.to);
+  const Status status = interval.status | measure(m, measured, interval.to, check);
   const Begun out{correct(m, interval.to, dt), before, dt, status};
   m.mode_for = m.mode_for + dt;
   choose_mode(m, out.correction, status.has(Reason::state_stale));
@@ -65,9 +67,9 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::begin(Memory& m, const State<N
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::move(Memory& m, const Correction& c, const Velocity& v1,
                                                          const T& h) const noexcept {
-  const bool follows = m.mode == Mode::following;
+  const bool follows = m.mode == ResolverMode::following;
   Velocity back;
-  if (m.mode == Mode::blocked) [[unlikely]]
+  if (m.mode == ResolverMode::blocked) [[unlikely]]
     back = way_back(m, h);
   return shift(m, c, follows ? c.rate : back, c.off || !follows, v1, h);
 }
@@ -76,24 +78,18 @@ SKINCTL_VIRTUAL_JOINTS
 SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::end(Memory& m, const Begun& begun,
                                                         const Torque& torque) const noexcept {
   Status status;
-  if (m.mode == Mode::blocked) status |= Reason::blocked;
+  if (m.mode == ResolverMode::blocked) status |= Reason::blocked;
   if (m.stop) status |= Reason::stopping;
   if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;
   return status | publish(m, begun.correction, begun.before, torque, begun.dt);
 }
 
 SKINCTL_VIRTUAL_JOINTS
+template <class Check>
 SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const State<N, T>& measured,
-                                                            Nanoseconds now) const noexcept {
-  Status status;
-  if (!is_plausible(measured)) {
-    status |= Reason::state_not_finite;
-  } else if (measured.time < m.measured.time) {
-    status |= Reason::time_backwards;
-  } else {
-    m.measured = measured;
-    if (measured.time > now) m.measured.time = now;
-  }
+                                                            Nanoseconds now,
+                                                            const Check& check) const noexcept {
+  Status status = take_measurement(m.measured, measured, now, check);
   const Position& expected = servo_.predict(m.under_way, m.measured.time);
   m.residual = m.measured.q - expected;
   if constexpr (I == Interface::velocity) m.residual -= m.offset.value;
@@ -133,14 +129,14 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
                                                           const T& h) const noexcept {
   Status status;
   JointRoom<N, T> room = p_.limits.room(m.q.value);
-  const Row zero = T(0), leash = p_.leash, e = Row(m.q.value) - m.measured.q;
-  const Row above = leash - e, below = leash + e;
+  const Row zero = T(0), max_lead = p_.max_lead, e = Row(m.q.value) - m.measured.q;
+  const Row above = max_lead - e, below = max_lead + e;
   const Row most = select(above > zero, above * p_.per_delay, zero);
   const Row least = select(below > zero, -below * p_.per_delay, zero);
   Row v = v1;
-  auto leashed = above < room.above;
+  auto by_lead = above < room.above;
   if constexpr (I == Interface::position) {
-    leashed = leashed | (below < room.below);
+    by_lead = by_lead | (below < room.below);
     smaller(room.above, above).store(room.above);
     smaller(room.below, below).store(room.below);
   } else {
@@ -169,7 +165,7 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
       const T corrected = h * rate[i];
       m.offset.add(i, corrected);
       m.q.add(i, motion.displacement[i] + corrected);
-      const T near = m.measured.q[i] - p_.leash[i], far = m.measured.q[i] + p_.leash[i];
+      const T near = m.measured.q[i] - p_.max_lead[i], far = m.measured.q[i] + p_.max_lead[i];
       const T kept = clamp(m.q.value[i], near, far);
       if (kept != m.q.value[i]) {
         m.offset.add(i, kept - m.q.value[i]);
@@ -181,10 +177,10 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
   m.v = own.velocity;
   m.rate = motion.velocity;
   const std::uint64_t braked = own.braked | motion.braked;
-  const std::uint64_t by_leash = I == Interface::position && braked != 0 ? leashed.bits() : 0;
+  const std::uint64_t lead_acts = I == Interface::position && braked != 0 ? by_lead.bits() : 0;
   status |= Status::from_bits((own.status | motion.status).bits() & ~Status(Reason::position_limited).bits());
-  if ((braked & by_leash) != 0) status |= Reason::lead_limited;
-  if ((braked & ~by_leash) != 0) status |= Reason::position_limited;
+  if ((braked & lead_acts) != 0) status |= Reason::lead_limited;
+  if ((braked & ~lead_acts) != 0) status |= Reason::position_limited;
   return status;
 }
 
@@ -207,20 +203,20 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::way_back(const Memory& m, const 
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_INLINE void SKINCTL_VIRTUAL_JOINTS_CLASS::choose_mode(Memory& m, const Correction& c,
                                                               bool stale) const noexcept {
-  const auto enter = [&](Mode mode) {
+  const auto enter = [&](ResolverMode mode) {
     if (m.mode == mode) return;
     m.mode = mode;
     m.mode_for = T(0);
   };
   const bool stuck = c.off && any(Row(m.off_for) >= Row(T(5) * p_.total_delay));
   if (stale) {
-    enter(Mode::braking);
-  } else if (m.mode != Mode::blocked && stuck) {
-    enter(Mode::blocked);
+    enter(ResolverMode::braking);
+  } else if (m.mode != ResolverMode::blocked && stuck) {
+    enter(ResolverMode::blocked);
     if constexpr (I == Interface::position) m.v = m.v * T(0);
     for (std::size_t i = 0; i < N; ++i) m.pushed[i] = c.pull[i] < T(0) ? 1 : (c.pull[i] > T(0) ? -1 : 0);
-  } else if (m.mode != Mode::blocked) {
-    enter(m.stop ? Mode::braking : Mode::following);
+  } else if (m.mode != ResolverMode::blocked) {
+    enter(m.stop ? ResolverMode::braking : ResolverMode::following);
   }
 }
 
@@ -237,7 +233,7 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::try_to_leave(Memory& m, const Co
   }
   const bool released = !(push > T(1e-4) * scale);
   if (here && !c.off && m.mode_for >= p_.total_delay && (released || m.mode_for >= p_.retry)) {
-    m.mode = Mode::following;
+    m.mode = ResolverMode::following;
     m.mode_for = T(0);
   }
 }
@@ -259,10 +255,10 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::publish(Memory& m, const Cor
     const Row rate = m.rate, sent = m.sent.value, steady = rate + p_.lead * (rate - before) * per_dt;
     Row target;
     if constexpr (I == Interface::position) {
-      const Row goal = m.q.value + p_.lead * rate, e = sent - m.measured.q, leash = p_.leash;
+      const Row goal = m.q.value + p_.lead * rate, e = sent - m.measured.q, max_lead = p_.max_lead;
       target = steady + (goal - sent) * per_dt - T(0.5) * (last + steady);
-      smaller(room.above, leash - e).store(room.above);
-      smaller(room.below, leash + e).store(room.below);
+      smaller(room.above, max_lead - e).store(room.above);
+      smaller(room.below, max_lead + e).store(room.below);
     } else {
       // A velocity is held for a period: half of it is still to come.
       const Row goal = m.q.value + T(p_.lead - T(0.5) * seconds<T>(p_.period)) * rate;

@@ -21,14 +21,14 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
     if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
     deliver(out.memory, known, request, out.status);
     out.memory.held = 0ns;
-    if (memory.phase == Phase::finished) out.memory.phase = Phase::running;
+    if (memory.phase == SkillPhase::finished) out.memory.phase = SkillPhase::running;
     return out;
   }
   if (request.kind != static_cast<unsigned char>(Kind::start) || request.skill >= skills)
     return {memory, Reason::goal_refused};
   if (!may_start(memory, skills_[request.skill])) return {memory, Reason::skill_refused};
   if (!Blend::moves(memory.blend)) {
-    if (memory.phase == Phase::loading) out.status |= arrive(out.memory, known);
+    if (memory.phase == SkillPhase::loading) out.status |= arrive(out.memory, known);
     auto change = begun(out.memory, known, request);
     change.status |= out.status;
     return change;
@@ -88,19 +88,19 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
   each_goal(request, request.skill, [&](auto, const auto&) { any = true; });
   if (any && !fits(m, known, request, request.skill, out.status)) return out;
   const auto& next = skills_[request.skill];
-  m.blend = blend_.change(m.blend, known, Weights<controllers>{next.weights}).memory;
+  m.blend = blend_.change(m.blend, known, BlendWeights<controllers>{next.weights}).memory;
   stretch(m.blend, known);
   m.skill = request.skill;
   m.request = request;
   deliver(m, known, request, out.status);
   m.commanded = m.commanded.then(next.switches);
   m.reported.which &= ~next.switches.which;  // an old report says nothing about what is only beginning
-  m.phase = Phase::loading;
+  m.phase = SkillPhase::loading;
   m.since = m.held = 0ns;
   return out;
 }
 
-/// Makes a change last long enough that by its quintics the torque moves no faster than `most_rate`: to
+/// Makes a change last long enough that by its quintics the torque moves no faster than `max_rate`: to
 /// what the other skill asks for at this state; and then, where the feedback of a tracking law comes, to
 /// what it holds against the skin. There the torque moves at up to `1.7 |tau_skin| sqrt(lambda / T)`, and
 /// 100 1/s stands for lambda.
@@ -112,7 +112,7 @@ SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::stretch(ty
   const auto from = run(m, known, known.dt(), Opposition::none);
   const auto to = run(there, known, known.dt(), Opposition::none);
   const auto seconds_for = [&](const auto& way) {
-    return static_cast<double>(largest(way)) / settings_.most_rate;
+    return static_cast<double>(largest(way)) / settings_.max_rate;
   };
   const double push = 1.7 * seconds_for(skin(to.shares));
   Blend::set_times(m, within(quintic_peak_speed<double> * seconds_for(to.torque - from.torque)),
@@ -139,7 +139,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::bounded(
   }
   Torque carried;
   if (bound.lags || Blend::swaps(before)) carried = bound.missing(own, most);
-  bound.follow(own, carried, moved, settings_.most_rate);
+  bound.follow(own, carried, moved, settings_.max_rate);
   if (bound.winds) Blend::settle_again(next);  // feedback came faster than the torque may: once more
   if (bound.lags && Blend::swaps(before) && !Blend::moves(next))
     Blend::slow_down(before, next, 0);  // nothing has arrived before the torque has caught up
@@ -157,41 +157,41 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
   double square = 0;
   for (const auto& x : touched) square += static_cast<double>(x) * static_cast<double>(x);
   m.touch = std::sqrt(square);
-  if (m.phase == Phase::failed || m.phase == Phase::finished) return;
-  if (c.most_touch > 0 && m.touch > c.most_touch) return end(m, Phase::failed, 0);
-  if (c.timeout > 0ns && m.since >= c.timeout) return end(m, Phase::failed, 0);
-  if (m.phase == Phase::loading || c.finish == Finish::never) return;
+  if (m.phase == SkillPhase::failed || m.phase == SkillPhase::finished) return;
+  if (c.max_touch > 0 && m.touch > c.max_touch) return end(m, SkillPhase::failed, 0);
+  if (c.timeout > 0ns && m.since >= c.timeout) return end(m, SkillPhase::failed, 0);
+  if (m.phase == SkillPhase::loading || c.finish == SkillFinish::never) return;
   bool holds = true;
-  if (c.finish == Finish::switched) {
+  if (c.finish == SkillFinish::switched) {
     const std::uint32_t reports = s.switches.which & m.reporting;
     holds = m.reported.stand({reports, s.switches.on & reports});
   }
-  if (c.finish == Finish::settled)
+  if (c.finish == SkillFinish::settled)
     detail::each_index<controllers>([&](auto i) {
       using Law = law_at<i.value>;
-      if constexpr (Law::role == Role::tracking)
+      if constexpr (Law::role == LawRole::tracking)
         if (s.weights[i.value] > 0)
           holds = holds &&
                   settled(std::get<i.value>(blend_.sum().laws()), Blend::template memory<i.value>(m.blend),
                           known, static_cast<typename K::scalar>(c.still));
     });
   m.held = holds ? later(m.held, dt) : 0ns;
-  if (holds && m.held >= c.hold) end(m, Phase::finished, s.next);
+  if (holds && m.held >= c.hold) end(m, SkillPhase::finished, s.next);
 }
 
 template <class... Behaviour, Sum P, class... L>
-void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::end(Memory& m, Phase phase,
+void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::end(Memory& m, SkillPhase phase,
                                                              std::uint8_t next) const noexcept {
   m.phase = phase;
-  if (next == m.skill && phase == Phase::finished) return;
-  if (phase == Phase::finished && !may_start(m, skills_[next])) {
-    m.phase = Phase::failed;
+  if (next == m.skill && phase == SkillPhase::finished) return;
+  if (phase == SkillPhase::finished && !may_start(m, skills_[next])) {
+    m.phase = SkillPhase::failed;
     next = 0;
   }
   m.waiting = m.request;
   m.waiting.kind = static_cast<unsigned char>(Goal::Kind::start);
   m.waiting.skill = next;
-  if (m.phase == Phase::failed) m.waiting.goals = {};
+  if (m.phase == SkillPhase::failed) m.waiting.goals = {};
   m.waits = true;
 }
 
@@ -205,7 +205,7 @@ SKINCTL_INLINE auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::step(con
     -> Evaluation<K::joints, typename K::scalar, Memory, terms> {
   Evaluation<K::joints, typename K::scalar, Memory, terms> out{{}, memory, {}, {}};
   Memory& m = out.memory;
-  if (m.phase == Phase::loading && !Blend::moves(m.blend)) [[unlikely]]
+  if (m.phase == SkillPhase::loading && !Blend::moves(m.blend)) [[unlikely]]
     out.status |= arrive(m, known);
   if (m.waits && !Blend::moves(m.blend)) [[unlikely]] {
     const auto change = begun(m, known, m.waiting);
@@ -222,18 +222,18 @@ SKINCTL_INLINE auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::step(con
   if constexpr (joints > 0) {
     const auto own = e.torque - touched;
     if (m.bound.lags || Blend::moves(m.blend)) [[unlikely]] {
-      const auto most = static_cast<typename K::scalar>(settings_.most_rate) * dt;
+      const auto most = static_cast<typename K::scalar>(settings_.max_rate) * dt;
       out.shares[controllers] = bounded(m.bound, m.blend, e.memory, own, e.shares, most);
       out.torque += out.shares[controllers];
-      if (m.bound.lags) out.status |= Reason::hand_over;
+      if (m.bound.lags) out.status |= Reason::bumpless_transfer;
     } else {
-      m.bound.follow(own, {}, {}, settings_.most_rate);
+      m.bound.follow(own, {}, {}, settings_.max_rate);
     }
   }
   m.blend = e.memory;
   supervise(m, known, touched, nanoseconds(static_cast<double>(dt)));
-  if (m.phase == Phase::finished) out.status |= Reason::skill_finished;
-  if (m.phase == Phase::failed) out.status |= Reason::skill_failed;
+  if (m.phase == SkillPhase::finished) out.status |= Reason::skill_finished;
+  if (m.phase == SkillPhase::failed) out.status |= Reason::skill_failed;
   return out;
 }
 

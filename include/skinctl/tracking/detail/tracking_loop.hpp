@@ -13,7 +13,7 @@ SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::in
   // Built in place: a copy of what has just been written in other pieces waits for them.
   return {memory.plan.at(x, settings_),
           gain(memory, x),
-          memory.bias.at(x, gains().kappa, seconds<T>(gains().hand_over)),
+          memory.bias.at(x, gains().kappa, seconds<T>(gains().bumpless_transfer)),
           Rates(R(memory.I1.sum) + x * R(dI1)),
           Rates(R(memory.I2.sum) + x * R(dI2)),
           memory.held,
@@ -59,7 +59,7 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::middle(const Memory& m
 template <class Space, class Plan, class Damping, class Sign>
 template <GravityTerm G, class K>
 SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& memory, const K& known,
-                                                                 const Share<T>& share,
+                                                                 const LawShare<T>& share,
                                                                  const Surface& at_t) const noexcept
     -> JointTorque<N, T> {
   using M = typename K::model_type;

@@ -21,7 +21,7 @@ SKINCTL_COLD Status Tracking<Space, Plan, Damping, Sign>::begin_gain(Memory& mem
   const auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
   const T least = schedule_.shortest_time(Space::slowness(error, settings_), T(1));
   if (least > memory.tb) {
-    status |= gains().reach == Reach::refuse ? Reason::goal_refused : Reason::goal_stretched;
+    status |= gains().reach == GoalPolicy::refuse ? Reason::goal_refused : Reason::goal_stretched;
     memory.tb = least;
   }
   return status;
@@ -52,7 +52,7 @@ SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::begin_bias(Memory& memor
     memory.bias.decaying[i] = finite(error.de[i] + K_p.K * error.e[i]);
 }
 
-/// The skin begins or ceases to push against this law. At the release S_d is zero but for the hand-over, and
+/// The skin begins or ceases to push against this law. At the release S_d is zero but for the bumpless transfer, and
 /// the gain constant: the error goes back on its own side.
 template <class Space, class Plan, class Damping, class Sign>
 template <class K>
@@ -67,7 +67,7 @@ SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Si
     slow_gain(next, known);
     next.bias.decaying = {};
   }
-  hand_over(next, memory, known);
+  bumpless_transfer(next, memory, known);
   return stepped(next, look(next, known), dt);
 }
 
@@ -76,8 +76,8 @@ SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Si
 /// left out where `before` stands still: a plan begins as smoothly as it was planned, and arrives in time.
 template <class Space, class Plan, class Damping, class Sign>
 template <class K>
-SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::hand_over(Memory& next, const Memory& before,
-                                                                  const K& known) const noexcept {
+SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::bumpless_transfer(Memory& next, const Memory& before,
+                                                                          const K& known) const noexcept {
   auto& bias = next.bias;
   const auto old = look(before, known);
   bias.elapsed = clock_end;
@@ -89,7 +89,7 @@ SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::hand_over(Memory& next, 
   const auto moved = look(next, known);  // dv is part of S_delta, which the integrals of ddq_r read
   for (std::size_t i = 0; i < Space::coordinates; ++i)
     bias.da[i] = finite(space_.course(old).a[i] - space_.course(moved).a[i]);
-  const T bend = bias.bend(T(T(0.5) * known.dt()), seconds<T>(gains().hand_over));
+  const T bend = bias.bend(T(T(0.5) * known.dt()), seconds<T>(gains().bumpless_transfer));
   T fastest(0);  // [rad/s, m/s]
   for (std::size_t i = 0; i < Space::coordinates; ++i)
     if (detail::magnitude(space_.course(old).v[i]) > fastest)

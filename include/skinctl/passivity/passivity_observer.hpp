@@ -18,12 +18,12 @@ SKINCTL_BEGIN_NAMESPACE
 /// `p = sum reach_i |dq_i|` of what is under way: where `reach` is given, that is kept below E_r too, which
 /// limits the speed in free space to one at which an impact can be paid for.
 template <Real T = double>
-class PortLedger {
+class PassivityObserver {
  public:
   using RobotPart = detail::KeeperPart;
   struct Settings {
     T start = T(1);        ///< E_0 [J], >= 0
-    T most = T(5);         ///< energy beyond this is forgotten [J], >= start
+    T max = T(5);          ///< energy beyond this is forgotten [J], >= start
     T stiffness = T(3e4);  ///< k_max: stiffest contact, the skin's cover in series [N/m], > 0
     /// Longest lever of each joint to a point that may be touched [m]; the last one holds for all further
     /// joints. Zero: impacts are not reckoned with.
@@ -45,10 +45,10 @@ class PortLedger {
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
-  SKINCTL_COLD explicit PortLedger(const Settings& s = {}) : s_(s) {
+  SKINCTL_COLD explicit PassivityObserver(const Settings& s = {}) : s_(s) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(s.start >= T(0) && s.start <= T(1e6), "energy at the start", number(s.start), "0 to 1e6 J");
-    require(s.most >= s.start && s.most <= T(1e6), "most energy", number(s.most), ">= start, <= 1e6 J");
+    require(s.max >= s.start && s.max <= T(1e6), "most energy", number(s.max), ">= start, <= 1e6 J");
     require(s.stiffness > T(0) && s.stiffness <= T(1e9), "stiffest contact", number(s.stiffness),
             "> 0, <= 1e9 N/m");
     require(s.reserve >= T(0) && s.reserve <= T(0.9), "reserve", number(s.reserve), "0 to 0.9");
@@ -81,7 +81,7 @@ class PortLedger {
       for (std::size_t j = 0; j < N; ++j) memory.row[c.link][j] = c.row[j];
     }
     if (memory.started) spend(memory, now, q);
-    if (memory.energy > s_.most) memory.energy = s_.most;
+    if (memory.energy > s_.max) memory.energy = s_.max;
     for (std::size_t i = 0; i < N; ++i) {
       const T growth = now[i] - before[i];
       memory.expected[i] = now[i] + (growth > T(0) && now[i] > T(0) ? T(cycles * growth) : T(0));

@@ -1,0 +1,9 @@
+// expect: period|Nanoseconds|conver
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+auto build() {
+  const auto arm = by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 4});
+  return Cycle(arm, GravityControl{});
+}

@@ -1,0 +1,106 @@
+#include "skinctl/robot/robot_description.hpp"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "skinctl/control/force_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/control/spline_operational.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/passivity/energy_tank.hpp"
+
+using namespace skinctl;
+
+namespace {
+auto arm() {
+  return by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0),
+                                    .period = 8ms,
+                                    .delay = 6ms,
+                                    .lag = 2ms,
+                                    .virtual_damping = 4});
+}
+template <class F>
+std::string refusal(F&& build) {
+  try {
+    build();
+  } catch (const ConfigurationError& e) {
+    return e.what();
+  }
+  return "";
+}
+}  // namespace
+
+TEST_CASE("RobotDescription: says how often laws are evaluated, as planned and when a cycle is late") {
+  CHECK(arm().dt() == 2ms);
+  CHECK(arm().longest_dt() == 2500us);  // five periods in sixteen sub-steps
+  CHECK(arm().configuration().total_delay() == 16ms);
+  const auto fast = by_velocity(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 1ms});
+  CHECK(fast.dt() == 1ms);
+  CHECK(fast.longest_dt() == 1ms);
+  const auto direct = by_torque(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 2ms});
+  CHECK(direct.dt() == 2ms);
+  CHECK(direct.longest_dt() == 2ms);
+}
+
+TEST_CASE("RobotDescription: knows its parts by their types") {
+  const auto kept = by_position(ur5::Model{}, arm().configuration(), EnergyTank<>({.start = 2}));
+  static_assert(decltype(kept)::has<EnergyTank<>> && !decltype(arm())::has<EnergyTank<>>);
+  CHECK(std::get<0>(kept.parts()).settings().start == 2);
+  const auto held =
+      by_torque(ur5::Model{}, arm().configuration(), RobotHoldsGravity{}, FrictionUncompensated{});
+  static_assert(decltype(held)::robot_holds_gravity && decltype(held)::friction_uncompensated);
+  static_assert(!decltype(held)::robot_compensates_friction);
+}
+
+TEST_CASE("RobotDescription: numbers that cannot be are refused where it is built") {
+  auto c = arm().configuration();
+  c.period = 2s;
+  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }) == "skinctl: period = 2000, allowed: 0.1 to 1000 ms");
+  c.period = 8ms;
+  c.virtual_damping = -1;
+  CHECK(refusal([&] { static_cast<void>(by_velocity(ur5::Model{}, c)); }) ==
+        "skinctl: virtual damping = -1, allowed: 0 to 1e4 1/s");
+}
+
+TEST_CASE("RobotDescription: a short delay suits a dead band only of a robot with a virtual one") {
+  const RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(), .period = 100us};
+  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).find("dead band") != std::string::npos);
+  CHECK(refusal([&] { static_cast<void>(by_torque(ur5::Model{}, c)); }).empty());
+}
+
+TEST_CASE("tracking_settings: times, virtual dynamics and speeds are the robot's") {
+  auto c = arm().configuration();
+  c.viscous_friction = JointTorque<6>::constant(3);
+  const auto s = tracking_settings(by_position(ur5::Model{}, c));
+  CHECK(s.dt == 2500us);
+  CHECK(s.lambda == doctest::Approx(0.25 / 0.0025));
+  CHECK(s.virtual_dynamics.damping == 4);
+  CHECK(s.virtual_dynamics.viscous[5] == 3);
+  auto slow = limits_of<ur5::Description>(15.0).values();
+  slow.velocity[2] = 0.3;
+  c.limits = JointLimits<6>(slow);
+  const auto t = tracking_settings(by_position(ur5::Model{}, c));
+  CHECK(t.max_velocity[2] == 0.3);
+  CHECK(t.max_velocity[1] == 1);
+  CHECK(tracking_settings(by_position<float>(ur5::Model{}, {.limits = limits_of<ur5::Description, float>(),
+                                                            .period = 8ms,
+                                                            .virtual_damping = 2}))
+            .virtual_dynamics.damping == 2.0f);
+}
+
+TEST_CASE("Laws of a described robot have its settings") {
+  const auto X_LT = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.1);
+  const SplineJoint joint(arm());
+  static_assert(std::is_same_v<decltype(joint), const SplineJoint<6>>);
+  CHECK(joint.settings().virtual_dynamics.damping == 4);
+  const SplineOperational tool(arm(), X_LT);
+  static_assert(std::is_same_v<decltype(tool), const SplineOperational<6, 5>>);
+  CHECK(tool.settings().tracking.dt == 2500us);
+  const ForceControl press(arm(), X_LT);
+  CHECK(press.settings().pose.tracking.virtual_dynamics.damping == 4);
+  CHECK(press.settings().carried == 0);
+  CHECK(ForceControl(by_torque(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 2ms}), X_LT)
+            .settings()
+            .carried == 1);
+}
