@@ -73,4 +73,5 @@ if [[ $started == yes || -n $language || $files -eq 0 || $commands -eq 0 || $com
   echo "tutorial: the page has no beginning, no end, no file, no command or no result" >&2
   exit 1
 fi
-echo "tutorial: $files blocks of files, $commands lines of commands, $compared results as the page shows them"
+echo "tutorial: $(cat my_*/* | wc -l) lines in $files blocks of files, $commands lines of commands, $compared results as the page shows them"
+times | tail -n 1 | sed 's/^/tutorial: processor time, user and system: /'
