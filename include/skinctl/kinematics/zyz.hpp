@@ -84,8 +84,8 @@ template <Real T>
   return detail::zyz_with(R, wrapped(T(phi + half_turn)), T(-atan2(s, R.z.z)));
 }
 
-/// The map B between rates of ZYZ angles and angular velocity along the axes of the outer frame: `omega = B
-/// [dphi dtheta dpsi]'`, eq. (17), columns `z`, `Rz(phi) y`, `Rz(phi) Ry(theta) z`; `|det B| = |sin theta|`.
+/// The map B between rates of ZYZ angles and angular velocity along the axes of the outer frame:
+/// `omega = B [dphi dtheta dpsi]'`, eq. (17), columns `z`, `Rz(phi) y`, `Rz(phi) Ry(theta) z`; `|det B| = |sin theta|`.
 ///
 /// With the tool straight up or down B has no inverse: no rates turn it about the axis square to z and to
 /// `Rz(phi) y`. Within `|sin theta| < zone` the inverse is therefore damped: `1 / s` becomes `s / (s^2 +

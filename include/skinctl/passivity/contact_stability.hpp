@@ -27,14 +27,14 @@ struct ContactEnvironment {
 };
 
 /// Damping along a contact of stiffness `k` [N/m] with which a loop of total delay `delay` [s] is stable
-/// whatever the virtual mass is: `B >= 1.5 k T` [N s/m] (`EQUATIONS.md`). The gain margin is then 1.5 for a
+/// whatever the virtual mass is: `B >= 1.5 k T` [N s/m] (`include/skinctl/README.md`). The gain margin is then 1.5 for a
 /// heavy mass and `1.5 pi/2 = 2.4` for a light one; `ContactStability::damping_for` knows the mass.
 template <Real T>
 [[nodiscard]] T contact_damping(const T& k, const T& delay) noexcept {
   return T(1.5) * k * delay;
 }
 
-/// The loop of `EQUATIONS.md`: push, virtual robot, delay, lag, displacement, push again.
+/// The loop of `include/skinctl/README.md`: push, virtual robot, delay, lag, displacement, push again.
 ///
 /// `g(s) = w_f k n'J (M s^2 + B s)^-1 J'n (1 + T_lead s) exp(-s (T_d + t_skin + dt/2)) / (tau s + 1)`
 ///

@@ -24,7 +24,7 @@ template <Real T>
   return share > T(0) ? (share < T(1) ? share : T(1)) : T(0);
 }
 
-/// An energy tank around everything that is not the touch itself (`EQUATIONS.md`): weighted laws, changes of
+/// An energy tank around everything that is not the touch itself (`include/skinctl/README.md`): weighted laws, changes of
 /// skill and weight, bumpless transfers, the observer, errors of the integration. A part of a resolver's `Passivity`.
 ///
 /// The virtual robot is passive at its port: kinetic energy plus tank never grow by more than the work of the

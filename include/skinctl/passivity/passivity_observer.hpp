@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Energy at the measured port (`EQUATIONS.md`): behind a delay the virtual robot's passivity does not make
+/// Energy at the measured port (`include/skinctl/README.md`): behind a delay the virtual robot's passivity does not make
 /// the real one passive. A part of a resolver's `Passivity`.
 ///
 /// `E_r = E_0 - sum 1/2 (F_k + F_{k-1}) dx`, F the push of a contact as measured and dx the real robot's

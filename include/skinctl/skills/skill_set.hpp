@@ -87,8 +87,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     bool waits = false;  ///< for the end of a change
   };
 
-  /// @param skills  the first is the one to start with and to fall back to. Throws `ConfigurationError` for
-  ///                numbers out of their range.
+  /// @param rows  the first is the one to start with and to fall back to. Throws `ConfigurationError` for
+  ///              numbers out of their range.
   SkillSet(const Fusion& sum, const std::array<Skill<controllers>, skills>& rows,
            const SkillSettings& settings = {})
       : blend_(sum.opposed_by(settings.opposition), rows[0].weights,
