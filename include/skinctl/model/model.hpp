@@ -103,7 +103,7 @@ class CalibratedModel {
   using Links = std::array<LinkParameters<T>, joints>;
 
   /// @param links    one per joint, in the order of the tree; checked by `check_link`. The first child of a
-  ///               link must have gamma = 0 (rotate the parent's frame instead). Throws `ConfigurationError`.
+  ///                 link must have gamma = 0 (else rotate the parent's frame). Throws `ConfigurationError`.
   /// @param gravity  gravitational acceleration in the axes of the base [m/s^2]; it differs for a base on a
   ///                 wall or ceiling.
   /// @param allowed_defect  limit of `check_link` for the inertias: `makers_density` for a maker's file.
