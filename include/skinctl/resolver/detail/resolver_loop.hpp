@@ -1,4 +1,4 @@
-// The loop of the resolver: what resolver.hpp declares.
+// The loop of the resolver, declared in resolver.hpp.
 #pragma once
 
 #include "skinctl/core/detail/plausible.hpp"
@@ -10,7 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
             class Tool>
 #define SKINCTL_RESOLVER_CLASS Resolver<I, M, T, Integrator, History, Keeper, Tool>
 
-/// What the keepers learn of a cycle: the contacts, the measured position, the commands under way.
+/// The inputs of the passivity parts in a cycle: the contacts, the measured position, the commands under way.
 SKINCTL_RESOLVER
 template <class Touch>
 SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touch,
@@ -34,7 +34,8 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touc
   return status;
 }
 
-/// Slows `v` down to what the passivity observer can pay for, braking included. False if it had to.
+/// Slows `v` down to the velocity that the passivity observer can pay for, braking included. False if it was
+/// slowed.
 SKINCTL_RESOLVER
 SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v) const noexcept {
   if constexpr (has_passivity_observer) {
