@@ -10,26 +10,26 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How hard to press, and whereto.
+/// Direction and magnitude of the force.
 template <Scalar T = double>
 struct ForceGoal {
-  Xyz<T> direction;  ///< along the axes of the base, of any length but 0; 0: hold the pose where it is
-  T force{0};        ///< along it, >= 0 [N]
+  Xyz<T> direction;  ///< along the axes of the base, of any length but 0; 0: hold the present pose
+  T force{0};        ///< along the direction, >= 0 [N]
 };
 
 /// Settings of `ForceControl`.
 template <std::size_t N, Real T = double>
 struct ForceSettings {
   OperationalSettings<N, T> pose = {};  ///< of the tracking in all other directions
-  T K_p = T(0.002);    ///< speed per missing force [m/(s N)]; K_p k < 1/(4 lag) for a surface of k [N/m]
-  T K_i1 = T(0.0005);  ///< its integral's gain [m/(s^2 N)]
+  T K_p = T(0.002);    ///< speed per error of force [m/(s N)]; K_p k < 1/(4 lag) for a surface of k [N/m]
+  T K_i1 = T(0.0005);  ///< gain of the integral of the error [m/(s^2 N)]
   T K_i2 = T(0.0005);  ///< gain of the integral of tanh(mu dF) [m/s^2]
   T mu = T(0.5);       ///< steepness of tanh [1/N]
-  T max_velocity = T(0.05);  ///< of the approach, where there is no contact [m/s]
-  T max_travel = T(0.3);     ///< the tool goes no further along the direction than this, either way [m]
+  T max_velocity = T(0.05);  ///< of the approach without contact [m/s]
+  T max_travel = T(0.3);     ///< largest travel of the tool along the direction, either way [m]
   Nanoseconds lag = 10ms;    ///< of the two lags that smooth the speed
-  /// How much of the contact's own torque the law works against: 1 on a torque interface, where the contact
-  /// pushes the very robot that is controlled; 0 where a virtual robot is, which does not feel it.
+  /// The part of the contact's own torque that the law compensates: 1 on a torque interface, where the
+  /// contact pushes the controlled robot itself; 0 for a virtual robot, which does not feel the contact.
   T carried = T(0);
 };
 
@@ -47,10 +47,10 @@ template <class Robot>
 ///
 ///     v = sat(K_p dF + K_i1 int dF + K_i2 int tanh(mu dF)),
 ///
-/// through two lags, so that velocity and acceleration of the target are true derivatives whatever the
-/// sensor does. Position across n, and the orientation, are tracked. A stiff surface answers with `dF' = -k
-/// v`, so the force arrives without error; without contact the tool approaches at `max_velocity`. Integrals
-/// stop where v is saturated (anti-windup), before the contact, and while the skin pushes against the law.
+/// through two lags, so that velocity and acceleration of the target are true derivatives whatever the sensor
+/// reports. Position across n and orientation are tracked. On a stiff surface `dF' = -k v`, so the force
+/// converges without error; without contact the tool approaches at `max_velocity`. Integrals stop where v is
+/// saturated (anti-windup), before the contact, and while the skin pushes against the law.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double>
 class ForceControl : public Composable {
  public:
@@ -63,7 +63,7 @@ class ForceControl : public Composable {
   static constexpr std::size_t joints = N;
   static constexpr LawRole role = LawRole::tracking;
   static constexpr const char* name = "force";
-  static constexpr bool presses = true;  ///< in a sum with the skin's laws this is no opposition
+  static constexpr bool presses = true;  ///< in a sum with the skin's laws it does not count as opposition
   struct Memory {
     typename Tracker::Memory tracker;
     ForceGoal<T> goal{{T(0), T(0), T(0)}, T(0)};  ///< its direction of length 1, or 0
@@ -90,7 +90,7 @@ class ForceControl : public Composable {
     check(settings.carried >= T(0) && settings.carried <= T(1), "carried", settings.carried, "0 to 1");
     require(settings.lag > 0ns && settings.lag <= 10s, "lag", milliseconds(settings.lag), "> 0 ms, <= 10 s");
   }
-  /// For a described robot: settings follow it.
+  /// For a described robot, from which the settings follow.
   template <DescribedRobot R>
   ForceControl(const R& robot, const Transform<Link<I>, P, T>& X_LP)
       : ForceControl(X_LP, force_settings(robot)) {}
@@ -104,7 +104,8 @@ class ForceControl : public Composable {
     memory.tracker = tracker_.start(known);
     return memory;
   }
-  /// The new direction and force; the target moves on from where it is. Refused if not finite or negative.
+  /// The new direction and force; the target moves on from its present place. Refused if not finite or
+  /// negative.
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K&, const Goal& goal) const noexcept {
     const T size = norm(goal.direction);
@@ -114,13 +115,14 @@ class ForceControl : public Composable {
     out.memory.goal = {size > T(0) ? Xyz<T>(T(T(1) / size) * goal.direction) : goal.direction, goal.force};
     out.memory.I1 = out.memory.I2 = out.memory.travel = T(0);
     const T along =
-        dot(memory.goal.direction, out.memory.goal.direction);  // the speed goes on as far as it may
+        // the speed goes on by its part along the new direction
+        dot(memory.goal.direction, out.memory.goal.direction);
     out.memory.v = along * memory.v;
     out.memory.a = along * memory.a;
     return out;
   }
 
-  /// The force with which the tool presses [N]: what the skin feels against the direction.
+  /// The force with which the tool presses [N]: that of the skin against the direction.
   template <class K>
   [[nodiscard]] T force(const Memory& memory, const K& known) const noexcept {
     const auto J = known.template jacobian<I>(X_LP_);
@@ -169,7 +171,7 @@ class ForceControl : public Composable {
     const auto& s = settings_;
     T asked = s.K_p * missing + s.K_i1 * m.I1 + s.K_i2 * m.I2;
     const bool saturated = detail::magnitude(asked) > s.max_velocity && asked * missing > T(0);
-    const bool touches = missing < T(0.9) * m.goal.force;  // before it there is nothing to integrate
+    const bool touches = missing < T(0.9) * m.goal.force;  // nothing is integrated before the contact
     if (!held && !saturated && touches) {
       m.I1 = bounded(m.I1 + dt * missing, s.K_i1);
       T steep[1] = {s.mu * missing}, sign[1];
@@ -189,7 +191,7 @@ class ForceControl : public Composable {
                     {m.v * n, {T(0), T(0), T(0)}},
                     {m.a * n, {T(0), T(0), T(0)}}});
   }
-  /// An integral, as far as it alone would not saturate the speed.
+  /// An integral, cut off where it alone would saturate the speed.
   T bounded(const T& integral, const T& gain) const noexcept {
     const T limit = gain > T(0) ? T(settings_.max_velocity / gain) : T(1);
     return integral > limit ? limit : (integral < -limit ? T(-limit) : integral);

@@ -9,8 +9,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// `tau = share tau_f(dq)`, the torque that the friction model takes from the moving joints. For a robot by
 /// torque whose own controller does not do so (`RobotCompensatesFriction`).
 ///
-/// Compensating more than the joints have drives them; so `share` below 1 leaves a margin for what the model
-/// does not know. The model's `sign_velocity` is where the compensation begins: a noisy velocity below it
+/// More compensation than friction would drive the joints, so `share` below 1 leaves a margin for the errors
+/// of the model. Below the model's `sign_velocity` the compensation is gradual, so that a noisy velocity
 /// shakes nothing.
 template <std::size_t N, Real T = double>
 class FrictionControl : public StatelessLaw<FrictionControl<N, T>> {

@@ -5,14 +5,15 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The instant of an interval at which a law that holds its torque through it evaluates the model.
+/// The instant of an interval at which a law evaluates the model for the torque that it holds through the
+/// interval.
 enum class GravityInstant : unsigned char { start, middle };
 
-/// `tau = G(q)`. In a sum it keeps weight 1, appears at most once, and tells the tracking laws to leave G out
-/// of `Y_r Theta`.
+/// `tau = G(q)`. In a sum it keeps weight 1 and appears at most once, and the tracking laws leave G out of
+/// `Y_r Theta`.
 ///
-/// At the middle, `G(q + dq dt/2)`, a moving robot is carried to second order; at the start, what is held
-/// lags by half an interval, but other laws share it.
+/// At the middle, `G(q + dq dt/2)`, gravity of a moving robot is compensated to second order; at the start
+/// the torque lags by half an interval, but shares the model's evaluation with other laws.
 template <GravityInstant At = GravityInstant::middle>
 struct GravityCompensation : StatelessLaw<GravityCompensation<At>> {
   static constexpr Needs needs = {.gravity = At == GravityInstant::start,

@@ -27,17 +27,17 @@ struct ImpedanceSettings {
   }
 };
 
-/// `tau = -J'(K e + D de)` in the coordinates of `Space` (in joint space J = 1), plus G: a contact feels
-/// spring and damper in front of the robot's own inertia. It inverts no Jacobian and knows no singularity. No
-/// integral: under a load it stands off by load over stiffness.
+/// `tau = -J'(K e + D de)` in the coordinates of `Space` (in joint space J = 1), plus G: at a contact spring
+/// and damper are felt in series with the robot's own inertia. It inverts no Jacobian and has no singularity.
+/// Without an integral, a load leaves an error of load over stiffness.
 ///
-/// A damper whose torque is held turns unstable from `D dt > 2 m` on, and a wrist has next to no inertia m.
-/// It is therefore the one at the end of the interval, `-M (M + dt D_q)^-1 (J'D de + joint_damping dq)` with
-/// `D_q = J'D J + joint_damping`: stable for every damping, and the plain one for dt -> 0. Springs need `K
-/// dt^2 < m`.
+/// A damper whose torque is held turns unstable for `D dt > 2 m`, and a wrist has a very small inertia m.
+/// Therefore the damper acts on the velocity at the end of the interval,
+/// `-M (M + dt D_q)^-1 (J'D de + joint_damping dq)` with `D_q = J'D J + joint_damping`: stable for every
+/// damping, and the plain one for dt -> 0. Springs need `K dt^2 < m`.
 ///
-/// Goals move along the spline (22) from where the target is; what a goal or a contact changes in the torque
-/// is ramped out over `bumpless_transfer`.
+/// Goals move along the spline (22) from the present target; the change of torque at a goal or a contact is
+/// ramped out over `bumpless_transfer`.
 template <class Space, class Plan = SplinePlan<Space>>
 class Impedance : public Composable {
  public:
@@ -52,7 +52,7 @@ class Impedance : public Composable {
   static constexpr const char* name = "impedance";
   struct Memory {
     Plan plan;
-    JointTorque<N, T> difference;  ///< what the last reset changed
+    JointTorque<N, T> difference;  ///< change of torque at the last reset
     Nanoseconds elapsed = clock_end;
     bool held = false;
     [[no_unique_address]] typename Space::Memory space = {};
@@ -141,7 +141,8 @@ class Impedance : public Composable {
     Space::follow_branch(next.space, memory.plan.at(T(0), settings_.space), space_.site(known));
     return next;
   }
-  /// The target stands, the skin does not hold the law up, and no joint is faster than `still` [rad/s].
+  /// The target is at rest, the skin does not push against the law, and no joint is faster than `still`
+  /// [rad/s].
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
     return !memory.held && Space::stands(memory.plan.at(T(0), settings_.space)) &&

@@ -7,7 +7,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) with a target from outside. A goal is a `JointReference`: `receive` starts the time base for
-/// it, `follow` takes the next sample of a target that moves. `JointControl(arm)` for a described robot.
+/// it, `follow` takes the next sample of a moving target. `JointControl(arm)` for a described robot.
 template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
 class JointControl : public Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping, Sign> {
  public:

@@ -6,20 +6,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `JointLimitLaw` is configured with.
+/// Settings of `JointLimitLaw`.
 template <std::size_t N, Real T = double>
 struct JointLimitSettings {
   JointPosition<N, T> lower = JointPosition<N, T>::constant(T(-6.2831853));  ///< [rad]
   JointPosition<N, T> upper = JointPosition<N, T>::constant(T(6.2831853));
-  T margin = T(0.2);  ///< where it begins, before the limit [rad]
+  T margin = T(0.2);  ///< width of the zone before the limit in which it acts [rad]
   JointTorque<N, T> strength = JointTorque<N, T>::constant(T(20));  ///< at the limit [N m]
-  JointTorque<N, T> damping = JointTorque<N, T>::constant(T(5));    ///< there [N m s/rad]
+  JointTorque<N, T> damping = JointTorque<N, T>::constant(T(5));    ///< at the limit [N m s/rad]
 };
 
-/// Repels from the limits: with x the way into the margin, in margins (1 at the limit, and growing beyond),
-/// `tau = -+ strength x^2 - damping x^2 / (1 + x^2) 2 dq`. Zero inside, continuous with its first derivative,
-/// and it takes energy out only: the spring's potential is `strength margin x^3 / 3`. Beyond three margins it
-/// grows no further. Its weight in a sum is its own.
+/// Repels from the limits: with x the depth in the margin, in margins (1 at the limit, and growing beyond),
+/// `tau = -+ strength x^2 - damping x^2 / (1 + x^2) 2 dq`. Zero outside of the margins, continuous with its
+/// first derivative, and passive: the spring's potential is `strength margin x^3 / 3`. Beyond three margins
+/// it is constant. Its weight in a sum is not normalised.
 template <std::size_t N, Real T = double>
 class JointLimitLaw : public StatelessLaw<JointLimitLaw<N, T>> {
  public:
@@ -27,7 +27,7 @@ class JointLimitLaw : public StatelessLaw<JointLimitLaw<N, T>> {
   using scalar = T;
   static constexpr const char* name = "joint_limits";
 
-  /// Throws `ConfigurationError` for a range that holds no more than its margins, and for negative numbers.
+  /// Throws `ConfigurationError` for a range no wider than its margins, and for negative numbers.
   explicit JointLimitLaw(const JointLimitSettings<N, T>& settings = {}) : settings_(settings) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(settings.margin > T(0) && settings.margin <= T(10), "margin of joint limits",

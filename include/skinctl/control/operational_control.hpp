@@ -8,7 +8,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8), (15)-(21) of a tool `P` on link `I` of a robot with `N` joints. A goal is a `PoseReference`:
-/// `receive` starts the time base for it, `follow` takes the next sample of a target that moves.
+/// `receive` starts the time base for it, `follow` takes the next sample of a moving target.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>, class Sign = TanhSign>
@@ -23,7 +23,7 @@ class OperationalControl
 template <DescribedRobot R, std::size_t I, Frame P>
 OperationalControl(const R&, const Transform<Link<I>, P, typename R::scalar>&)
     -> OperationalControl<R::joints, I, P, typename R::scalar>;
-/// With settings of one's own: `auto s = operational_settings(arm)`, then what differs.
+/// With settings of one's own: `auto s = operational_settings(arm)`, then the changes.
 template <std::size_t I, Frame P, std::size_t N, Real T>
 OperationalControl(const Transform<Link<I>, P, T>&, const OperationalSettings<N, T>&)
     -> OperationalControl<N, I, P, T>;

@@ -1,4 +1,4 @@
-// A posture for what the joints do beside the tool's motion, as a law of its own.
+// A posture for the null space of the tool, as a law of its own.
 #pragma once
 
 #include "skinctl/core/contract.hpp"
@@ -7,10 +7,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `tau = M (1 - J^+ J) (-w^2 (q - q_p) - 2 w dq)`: a critically damped pull to the posture `q_p`, of which
-/// the tool notices nothing, neither at rest nor in acceleration (`J M^-1 tau = 0` where J^+ is not damped).
-/// For robots with more joints than the tool's task has coordinates; beside laws that leave the null space
-/// free. Each joint's pull is limited: `w^2 (q - q_p)` goes no further than `limit`.
+/// `tau = M (1 - J^+ J) (-w^2 (q - q_p) - 2 w dq)`: a critically damped pull to the posture `q_p` in the null
+/// space of the tool: it accelerates the tool nowhere (`J M^-1 tau = 0` where J^+ is not damped). For robots
+/// with more joints than the tool's task has coordinates, in a sum with laws that leave the null space free.
+/// Each joint's pull `w^2 (q - q_p)` is cut off at `limit`.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::position>
 class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, I, P, T, What>> {
  public:

@@ -1,4 +1,4 @@
-// Joint and Operational Control with a target from a sensor that may jump.
+// Joint and Operational Control with a target from a sensor, which may jump.
 #pragma once
 
 #include "skinctl/tracking/operational_space.hpp"
@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Eqs. (8)-(14) after a `JointReference` from a sensor: see `ReactivePlan`.
+/// Eqs. (8)-(14) for a `JointReference` from a sensor: see `ReactivePlan`.
 template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
 class ReactiveJoint : public Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<N, T>>, Damping, Sign> {
  public:
@@ -16,7 +16,7 @@ class ReactiveJoint : public Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<
 template <DescribedRobot R>
 ReactiveJoint(const R&) -> ReactiveJoint<R::joints, typename R::scalar>;
 
-/// Eqs. (15)-(21) after a `PoseReference` of the tool `P` on link `I` from a sensor.
+/// Eqs. (15)-(21) for a `PoseReference` of the tool `P` on link `I` from a sensor.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>, class Sign = TanhSign>

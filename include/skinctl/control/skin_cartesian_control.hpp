@@ -1,4 +1,4 @@
-// Skin Cartesian Control: the tool gives way to touch, in the directions that are chosen, section 4.1.
+// Skin Cartesian Control: the tool gives way to touch in chosen directions, section 4.1.
 #pragma once
 
 #include "skinctl/control/skin_joint_control.hpp"
@@ -7,10 +7,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Which motions of a tool the skin may cause.
+/// The motions of a tool that the skin may cause.
 enum class Yields : unsigned char { translation, rotation, both };
 
-/// The part of a velocity or load that `What` lets through.
+/// The part of a velocity or load that `What` keeps.
 template <Yields What, class V>
 [[nodiscard]] SKINCTL_INLINE constexpr V chosen(const V& v) noexcept {
   auto [linear, angular] = v;
@@ -19,18 +19,17 @@ template <Yields What, class V>
   return {linear, angular};
 }
 
-/// The load on a tool that stands for all that the skin does, `J^+' tau_skin`: exactly the load of the cells
-/// that the tool's own link bears; what presses elsewhere as far as it moves the tool. Bounded next to
-/// singularities.
+/// The load on the tool that is equivalent to all touches, `J^+' tau_skin`: exactly the load of the cells on
+/// the tool's own link; touches elsewhere count as far as they move the tool. Bounded next to singularities.
 template <class Inverse, class K>
 [[nodiscard]] SKINCTL_INLINE auto touch_on_tool(const Inverse& inverse, const K& known) noexcept {
   return inverse.solve_transposed(SkinJointControl{}.torque(known));
 }
 
 /// `tau = J'S J^+' tau_skin - rate M (1 - J^+ S J) dq`: the skin's load on the frame `P` of link `I`, S of
-/// its six components, as joint torques. What the joints do beside the chosen motion of the tool (its other
-/// motion included) is free, or with `DampedNullSpace` comes to rest at `rate`. Zero, but for that, without
-/// skin. On a robot of six joints and with everything chosen it is `SkinJointControl`, away from
+/// its six components, as joint torques. All other motion of the joints, that of the tool in other directions
+/// included, is free, or with `DampedNullSpace` comes to rest at `rate`. Without skin only that damping
+/// remains. On a robot of six joints with both translation and rotation it is `SkinJointControl`, away from
 /// singularities; next to them motion that the tool cannot make is left out.
 template <std::size_t I, Frame P = Tool, Real T = double, Yields What = Yields::both,
           class Null = FreeNullSpace>

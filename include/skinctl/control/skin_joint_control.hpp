@@ -6,7 +6,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `tau = tau_skin`, eq. (7): the wrenches that the skin puts on the links, as joint torques. Zero in a scene
+/// `tau = tau_skin`, eq. (7): the wrenches of the skin on the links, as joint torques. Zero in a scene
 /// without skin. Its weight in a sum scales the felt mass at the contact and is not normalised.
 struct SkinJointControl : StatelessLaw<SkinJointControl> {
   static constexpr Needs needs = {.angles = true, .touch = true};

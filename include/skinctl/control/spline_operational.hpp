@@ -8,7 +8,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8), (15)-(21) along the spline (22), in a straight line and by the shortest turn. A goal is a
-/// `PoseGoal`: a pose of the tool `P` on link `I`, and a duration or none.
+/// `PoseGoal`: a pose of the tool `P` on link `I`, with or without a duration.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>, class Sign = TanhSign>
@@ -23,7 +23,7 @@ class SplineOperational
 template <DescribedRobot R, std::size_t I, Frame P>
 SplineOperational(const R&, const Transform<Link<I>, P, typename R::scalar>&)
     -> SplineOperational<R::joints, I, P, typename R::scalar>;
-/// With settings of one's own: `auto s = operational_settings(arm)`, then what differs.
+/// With settings of one's own: `auto s = operational_settings(arm)`, then the changes.
 template <std::size_t I, Frame P, std::size_t N, Real T>
 SplineOperational(const Transform<Link<I>, P, T>&, const OperationalSettings<N, T>&)
     -> SplineOperational<N, I, P, T>;

@@ -1,4 +1,4 @@
-// Taking over from another law, or from whatever held the robot before, without a jump of the torque.
+// Bumpless transfer from another law, or from any torque that was applied before.
 #pragma once
 
 #include "skinctl/core/evaluate.hpp"
@@ -6,12 +6,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A law that begins with the torque that was there before it:
+/// A law that begins with the torque that was applied before it:
 ///
 ///     tau_out = tau + (1 - a1((t - t0) / T_h)) (tau_out(t0-) - tau(t0+)).
 ///
-/// For bumpless transfers between laws that know nothing of each other. (Resets within a tracking law need no such
-/// difference: their reference goes on, see `SurfaceBias`.) The last share is the difference.
+/// For bumpless transfers between laws of any kind. (Resets within a tracking law need no such difference:
+/// their reference is continuous, see `SurfaceBias`.) The last share is the difference.
 template <std::size_t N, class L, Real T = double>
 class TakeOver : public detail::GoalOfLaw<L> {
  public:
@@ -27,7 +27,7 @@ class TakeOver : public detail::GoalOfLaw<L> {
   static constexpr bool compensates_friction = detail::compensates_friction<L>;
   static constexpr std::size_t terms = terms_of<L> + 1;
 
-  /// @param law   what takes over.
+  /// @param law   the law that takes over.
   /// @param ramp  T_h, 0.1 s by default.
   explicit TakeOver(const L& law, const Ramp<T>& ramp = Ramp<T>()) : law_(law), ramp_(ramp) {}
   [[nodiscard]] const L& law() const noexcept { return law_; }
@@ -47,8 +47,8 @@ class TakeOver : public detail::GoalOfLaw<L> {
   [[nodiscard]] Memory start(const K& known, const JointTorque<N, T>& before) const noexcept {
     return from(law_.start(known), known, before);
   }
-  /// Goes on with another memory of the law and carries the difference out: for resets that the law itself
-  /// does not smooth.
+  /// Goes on with another memory of the law and ramps the difference out: for resets that the law does not
+  /// smooth.
   template <class K>
   [[nodiscard]] Memory changed(const Memory& memory, const K& known,
                                const typename L::Memory& next) const noexcept {
@@ -109,7 +109,7 @@ class TakeOver : public detail::GoalOfLaw<L> {
   Ramp<T> ramp_;
 };
 
-/// `law` for a robot of `N` joints, beginning with a torque that is handed to its `start`.
+/// `law` for a robot of `N` joints, beginning with a torque that is given to its `start`.
 template <std::size_t N, Real T = double, class L>
 [[nodiscard]] TakeOver<N, L, T> take_over(const L& law, const Ramp<T>& ramp = Ramp<T>()) {
   return TakeOver<N, L, T>(law, ramp);

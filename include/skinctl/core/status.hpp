@@ -32,6 +32,7 @@ enum class Reason : std::uint8_t {
   lead_limited,
   opposed,
   goal_refused,
+  configuration_refused,
   goal_stretched,
   bumpless_transfer,
   singular,

@@ -20,8 +20,8 @@ struct World : FrameTag {};   ///< inertial; z points up where gravity matters
 struct Base : FrameTag {};    ///< fixed to the robot's foot, before the first joint
 struct Flange : FrameTag {};  ///< the robot's mounting face, fixed to its last link
 struct Tool : FrameTag {};    ///< the working point of the tool on the flange
-struct Root : FrameTag {};  ///< the root cell of a skin patch, the reference of its cells' poses
-struct Cell : FrameTag {};  ///< a skin cell: z is its outward normal
+struct Root : FrameTag {};    ///< the root cell of a skin patch, the reference of its cells' poses
+struct Cell : FrameTag {};    ///< a skin cell: z is its outward normal
 
 /// Link `I` of the robot: the body that joint `I` moves, counted from 0 (the paper's Link_{I+1}); its z axis
 /// is the joint's axis. The body before joint 0 is `Base`. A link of a URDF has other axes: it is a

@@ -12,25 +12,26 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Times and thresholds of a blend.
 struct BlendSettings {
-  Nanoseconds ramp = 100ms;   ///< of the way to other weights
-  ContactSettings contact{};  ///< what gates take for a touch
+  Nanoseconds ramp = 100ms;   ///< duration of a change of weights
+  ContactSettings contact{};  ///< the contact detector of the gates
 };
 
 template <class>
 class Blended;
 
-/// A sum whose weights move, made by `blended(sum)`.
+/// A sum with variable weights, made by `blended(sum)`.
 ///
-/// - Weights are asked for (`change`, or a goal of type `BlendWeights`), gates follow contact. What the policy
-///   makes of the new weights is reached from the present by a quintic: torque, its rate and its bend go on.
-///   All shares on the way are means of both ends, so that `Y_r Theta` stays one convex mean.
-/// - A change that comes while the weights still move waits until they stand; of several, the last counts.
-/// - A law without a share is not computed. While it comes, a tracking law stands at the state at hand, anew
-///   in every cycle: it brakes the robot and pulls it nowhere. When all shares are there, its feedback comes
-///   by a ramp of its own, as long again, so that it takes up what pushes against it little by little; then
-///   it takes goals.
-/// - Gravity is held once and whole throughout: where no gravity law is in the sum and tracking fades, the
-///   sum holds what of G is left.
+/// - Weights change by request (`change`, or a goal of type `BlendWeights`); gates follow contact. A quintic
+///   leads from the present shares to those that the policy computes from the new weights: torque, its rate
+///   and its second derivative are continuous. All shares on the way are means of both ends, so that
+///   `Y_r Theta` stays one convex mean.
+/// - A change requested during another waits for its end; of several, the last counts.
+/// - A law without a share is not computed. While its share grows, the target of a tracking law is the
+///   present state, anew in every cycle: it brakes the robot and pulls it nowhere. After the change its
+///   feedback fades in over a ramp of the same duration, so that an external push is taken up gradually; then
+///   it accepts goals.
+/// - Gravity is compensated once and whole throughout: where no gravity law is in the sum and tracking fades,
+///   the sum adds the missing part of G.
 template <Sum P, class... L>
 class Blended<Fused<P, L...>> : public Composable {
  public:
@@ -39,10 +40,10 @@ class Blended<Fused<P, L...>> : public Composable {
   static constexpr std::size_t joints = Fusion::joints;
   static constexpr std::size_t terms = Fusion::terms;
   static constexpr LawRole role = Fusion::role;
-  static constexpr bool complete_sum = true;  ///< cannot be part of another
+  static constexpr bool complete_sum = true;  ///< cannot be part of another sum
   static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
   static constexpr bool gated = (false || ... || detail::is_gated<L>);
-  /// Whether the sum itself holds what of G is left.
+  /// Whether the sum itself adds the missing part of G.
   static constexpr bool compensates_friction = Fusion::compensates_friction;
   static constexpr bool holds_gravity = Fusion::gravity_laws == 0 && Fusion::tracking_laws > 0;
   static_assert(!holds_gravity || P != Sum::plain, "a plain sum that blends needs a gravity law");
@@ -68,13 +69,14 @@ class Blended<Fused<P, L...>> : public Composable {
     detail::Memories<typename L::Memory...> laws;
     OppositionDetector::Memory opposition;
     ContactDetector::Memory contact;
-    std::array<double, terms> asked;  ///< weights
+    std::array<double, terms> asked;  ///< requested weights
     Factors from, to;                 ///< shares before and after the ramp
     Nanoseconds elapsed = clock_end;  ///< since the ramp began
     Nanoseconds ramp{};               ///< its duration
-    Nanoseconds settle{};             ///< after it: the feedback of tracking laws that come
-    Nanoseconds next_ramp{};          ///< of the next
-    bool waiting = false;             ///< other weights are to be gone to
+    /// after it: duration in which the feedback of new tracking laws fades in
+    Nanoseconds settle{};
+    Nanoseconds next_ramp{};  ///< of the next change
+    bool waiting = false;     ///< a change of weights is waiting
   };
 
   explicit Blended(const Fusion& sum, const BlendSettings& settings = {})
@@ -90,7 +92,7 @@ class Blended<Fused<P, L...>> : public Composable {
   void check_for(const Terms& robot) const {
     sum_.check_for(robot);
   }
-  /// The weights that it starts with.
+  /// The initial weights.
   [[nodiscard]] const std::array<double, terms>& first() const noexcept { return first_; }
   [[nodiscard]] Nanoseconds ramp() const noexcept { return ramp_.duration(); }
   template <std::size_t I>
@@ -98,7 +100,7 @@ class Blended<Fused<P, L...>> : public Composable {
     return detail::memory_of<I>(m.laws);
   }
 
-  /// Begins with the first weights, untouched.
+  /// Begins with the initial weights, without contact.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
     Memory memory{};
@@ -110,8 +112,8 @@ class Blended<Fused<P, L...>> : public Composable {
     return memory;
   }
 
-  /// Other weights, within `ramp` (0: as configured). Refused if one is negative, not finite, or not 1 for
-  /// gravity.
+  /// Requests other weights within `ramp` (0: as configured). Refused if one is negative, not finite, or not
+  /// 1 for gravity.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> change(const Memory& memory, const K& known,
                                                      const BlendWeights<terms>& weights,
@@ -130,7 +132,7 @@ class Blended<Fused<P, L...>> : public Composable {
     return change(memory, known, weights);
   }
   /// A goal for the one law that takes goals of this type, or the next sample of a target that it follows;
-  /// refused while that law has no share or comes.
+  /// refused while that law has no share or fades in.
   template <class K, class G>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known, const G& goal) const noexcept {
     constexpr std::size_t i = Fusion::template taker<G>();
@@ -159,7 +161,7 @@ class Blended<Fused<P, L...>> : public Composable {
     return out;
   }
 
-  /// What the laws' parts are multiplied by.
+  /// The factors of the laws' two parts.
   [[nodiscard]] static Factors factors(const Memory& memory) noexcept {
     if (!moves(memory)) return memory.to;
     const auto part = [](Nanoseconds t, Nanoseconds of) {
@@ -172,17 +174,17 @@ class Blended<Fused<P, L...>> : public Composable {
     for (std::size_t i = 0; i < terms; ++i) {
       const auto &from = memory.from[i], &to = memory.to[i];
       const bool slowly =
-          Fusion::roles[i] == LawRole::tracking && !has_share(from);  // it comes, or is not there
+          Fusion::roles[i] == LawRole::tracking && !has_share(from);  // it fades in, or has no share
       out[i] = {slowly ? late * to.feedback : way.rest * from.feedback + way.a1 * to.feedback,
                 way.rest * from.feed_forward + way.a1 * to.feed_forward};
     }
     return out;
   }
-  /// Whether the weights are on their way to others.
+  /// Whether the weights are changing.
   [[nodiscard]] static SKINCTL_INLINE bool moves(const Memory& memory) noexcept {
     return memory.elapsed < memory.ramp + memory.settle;
   }
-  /// Whether the `i`-th law is on its way from no share to some.
+  /// Whether the `i`-th law fades in from no share.
   [[nodiscard]] static SKINCTL_INLINE bool comes(const Memory& memory, std::size_t i) noexcept {
     return moves(memory) && !has_share(memory.from[i]) && has_share(memory.to[i]);
   }
@@ -191,7 +193,7 @@ class Blended<Fused<P, L...>> : public Composable {
     return has_share(memory.to[i]) || (memory.elapsed < memory.ramp && has_share(memory.from[i]));
   }
 
-  /// The weights stand, and all laws that have a share are settled.
+  /// The weights are constant, and all laws that have a share are settled.
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known,
                              const typename K::scalar& still) const noexcept {
@@ -202,24 +204,24 @@ class Blended<Fused<P, L...>> : public Composable {
     }(std::index_sequence_for<L...>{});
   }
 
-  // For whoever makes changes to other weights, such as a set of skills.
-  /// The change at its end.
+  // For callers that time changes of weights themselves, such as a set of skills.
+  /// The memory at the end of the change.
   [[nodiscard]] static Memory arrived(Memory memory) noexcept {
     memory.elapsed = clock_end;
     return memory;
   }
-  /// Whether the feedback of tracking laws that come takes time of its own after the ramp.
+  /// Whether the feedback of new tracking laws fades in over a time of its own after the ramp.
   [[nodiscard]] static bool settles(const Memory& memory) noexcept { return memory.settle > 0ns; }
-  /// How long the change that has begun lasts.
+  /// Sets the durations of the change under way.
   static void set_times(Memory& memory, Nanoseconds ramp, Nanoseconds settle) noexcept {
     memory.ramp = ramp;
     if (settles(memory)) memory.settle = settle;
   }
-  /// Between `before` and `next` only this part of the change's time has passed, 0 to 1.
+  /// Lets only this part of the time between `before` and `next` pass for the change, 0 to 1.
   static void slow_down(const Memory& before, Memory& next, double part) noexcept {
     next.elapsed = before.elapsed + nanoseconds(seconds<double>(next.elapsed - before.elapsed) * part);
   }
-  /// The feedback of tracking laws that come begins once more, if it has.
+  /// The feedback of new tracking laws fades in once more, if it has begun.
   static void settle_again(Memory& memory) noexcept {
     if (settles(memory) && memory.elapsed >= memory.ramp) memory.elapsed = memory.ramp - 1ns;
   }
@@ -236,7 +238,7 @@ class Blended<Fused<P, L...>> : public Composable {
         return false;
     return true;
   }
-  /// The tracking laws that had a share stand at the state at hand.
+  /// Sets the targets of the tracking laws that had a share to the present state.
   template <class K>
   SKINCTL_COLD void restart(Memory& memory, const K& known) const noexcept {
     detail::each_index<terms>([&](auto i) {
@@ -277,7 +279,7 @@ class Blended<Fused<P, L...>> : public Composable {
   [[nodiscard]] static SKINCTL_INLINE bool has_share(const LawShare<double>& share) noexcept {
     return share.feedback > 0 || share.feed_forward > 0;
   }
-  /// Shares that the weights asked for and the gates lead to.
+  /// The shares of the requested weights with the gates as they are.
   [[nodiscard]] static Factors target(const Memory& memory) noexcept {
     std::array<double, terms> weights = memory.asked;
     detail::each_index<terms>([&](auto i) {
@@ -286,7 +288,7 @@ class Blended<Fused<P, L...>> : public Composable {
     });
     return Fusion::shares(weights);
   }
-  /// The way to other shares begins; laws that had none start.
+  /// The change to other shares begins; laws that had none start.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory begun(const Memory& memory, const K& known) const noexcept {
     Memory next = memory;
@@ -304,7 +306,7 @@ class Blended<Fused<P, L...>> : public Composable {
     return next;
   }
 
-  /// What a law gave, and what its memory will be computed from.
+  /// The torque of a law, and the quantities from which its memory will be computed.
   template <class Now, std::size_t N, class T>
   struct Part {
     JointTorque<N, T> torque;
@@ -314,7 +316,7 @@ class Blended<Fused<P, L...>> : public Composable {
     Part() noexcept {}
     Part(const Part& other) noexcept : torque(other.torque) {}
   };
-  // Each law's code stands alone: several in one function take the compiler far longer than one by one.
+  // Each law's code is a function of its own: several in one function take the compiler far longer.
   template <std::size_t I, class Now, class K>
   SKINCTL_NOINLINE void compute(Part<Now, K::joints, typename K::scalar>& out, const Memory& memory,
                                 const K& known, const LawShare<double>& share) const noexcept {
@@ -356,7 +358,7 @@ class Blended<Fused<P, L...>> : public Composable {
   ContactDetector contact_;
 };
 
-/// The same sum with weights that can move, and gates.
+/// The same sum with variable weights, and gates.
 template <Sum P, class... L>
 [[nodiscard]] Blended<Fused<P, L...>> blended(const Fused<P, L...>& sum, const BlendSettings& settings = {}) {
   return Blended<Fused<P, L...>>(sum, settings);

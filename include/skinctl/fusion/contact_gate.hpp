@@ -7,18 +7,18 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// When the robot counts as touched, in the norm of the skin's joint torque with its configured weight.
+/// When the robot counts as touched, by the norm of the skin's joint torque with its configured weight.
 struct ContactSettings {
   double on = 1.0;                    ///< touched from above this [N m]
   double off = 0.5;                   ///< until it has been below this [N m] ...
-  Nanoseconds release_after = 100ms;  ///< ... for so long
+  Nanoseconds release_after = 100ms;  ///< ... for this duration
 };
 
 /// Touched from `|tau_skin| > on` until `|tau_skin| < off` has held without a break for `release_after`.
 class ContactDetector {
  public:
   struct Memory {
-    Nanoseconds quiet{};  ///< for how long it has been below `off`
+    Nanoseconds quiet{};  ///< how long it has been below `off`
     bool touched = false;
   };
   /// Throws `ConfigurationError` unless `on >= off > 0` and `release_after >= 0`.
@@ -30,7 +30,7 @@ class ContactDetector {
   }
   [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
 
-  /// `dt` later. A torque that is not finite counts as below `on` and not below `off`.
+  /// The memory `dt` later. A torque that is not finite counts as neither above `on` nor below `off`.
   template <std::size_t N, Scalar T>
   [[nodiscard]] SKINCTL_INLINE Memory advanced(const Memory& memory, const JointTorque<N, T>& skin,
                                                Nanoseconds dt) const noexcept {
@@ -46,10 +46,10 @@ class ContactDetector {
   ContactSettings settings_;
 };
 
-/// What opens a gate.
+/// The state of contact that opens a gate.
 enum class TouchGate : unsigned char { touched, untouched };
 
-/// A law that acts only while the robot is touched, or only while it is not. Needs a sum that blends.
+/// A law that acts only while the robot is touched, or only while it is not. Needs a blended sum.
 template <TouchGate G, class L>
 struct Gated : L {
   static constexpr TouchGate gate = G;

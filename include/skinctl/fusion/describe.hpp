@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Up to 255 characters in place; what does not fit is cut off.
+/// Text of up to 255 characters in place; the remainder is cut off.
 class LawText {
  public:
   [[nodiscard]] std::string_view view() const noexcept { return {text_, size_}; }
@@ -87,8 +87,8 @@ void describe_to(LawText& out, const Blended<F>& blend) noexcept {
 }
 }  // namespace detail
 
-/// The expression of a law or sum, for logs: a law's `name`, weights other than 1 before it, nothing of what
-/// has weight 0.
+/// The expression of a law or sum, for logs: a law's `name`, weights other than 1 before it; laws of weight 0
+/// are left out.
 template <LawMembers L>
 [[nodiscard]] LawText describe(const L& law) noexcept {
   LawText out;

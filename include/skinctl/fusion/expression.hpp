@@ -42,7 +42,7 @@ auto join(const Fused<P, A...>& a, const Fused<Q, B...>& b) {
   for (std::size_t i = 0; i < sizeof...(B); ++i) weights[sizeof...(A) + i] = b.weights()[i];
   return Fused<Sum::normalised, A..., B...>(std::tuple_cat(a.laws(), b.laws()), weights);
 }
-/// A sum that cannot be part of another, such as one that blends.
+/// A sum that cannot be part of another, such as a blended one.
 template <class L>
 inline constexpr bool is_complete = requires { L::complete_sum; };
 template <class W, class L>
@@ -81,8 +81,8 @@ template <class A, class B>
   }
 }
 
-/// The sum of two laws or sums, with the default policy and thresholds: `plain`, `weighted` and `opposed_by`
-/// come last.
+/// The sum of two laws or sums, with the default policy and thresholds; `plain`, `weighted` and `opposed_by`
+/// apply to the whole sum.
 template <class A, class B>
   requires(detail::adds<A, B>(0, 1))
 [[nodiscard]] auto operator+(const A& a, const B& b) {
@@ -93,7 +93,7 @@ template <class A, class B>
   return detail::join(detail::as_sum(a), detail::as_sum(b));
 }
 
-// What has no meaning.
+// Operations without meaning.
 // clang-format off
 template <class A, class B>
 void operator*(const A&, const B&) = delete;  // gravity keeps weight 1, and only numbers are weights
@@ -106,12 +106,13 @@ void operator+(const A&, const B&) = delete;  // a law adds to laws only: a torq
 
 }  // namespace expression
 
-/// The same sum with the weights as given: feedback with them, feed-forward with their normalised ones.
+/// The same sum with `Sum::weighted`: feedback with the weights as given, feed-forward with the normalised
+/// ones.
 template <Sum P, class... L>
 [[nodiscard]] Fused<Sum::weighted, L...> weighted(const Fused<P, L...>& sum) {
   return detail::with_policy<Sum::weighted>(sum);
 }
-/// The same sum as the paper writes it.
+/// The same sum with `Sum::plain`, as the paper writes it.
 template <Sum P, class... L>
 [[nodiscard]] Fused<Sum::plain, L...> plain(const Fused<P, L...>& sum) {
   return detail::with_policy<Sum::plain>(sum);

@@ -10,10 +10,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How the weights of tracking laws act. In every case gravity enters once with weight 1, and a reactive law
-/// with its own weight.
+/// The effect of the weights of tracking laws. In every case gravity enters once with weight 1, and a
+/// reactive law with its own weight.
 enum class Sum : unsigned char {
-  normalised,  ///< their weights are divided by their sum; feedback and feed-forward alike
+  normalised,  ///< divided by their sum, for feedback and feed-forward alike
   weighted,    ///< feedback with the weights as given, feed-forward with the normalised ones: no rest of
                ///< `Y_r Theta` remains as a disturbance
   plain        ///< the paper's sum: everything but gravity with the weights as given
@@ -21,12 +21,12 @@ enum class Sum : unsigned char {
 
 /// A sum of laws, written `0.6 * skin + 0.4 * reach + gravity` (fusion/expression.hpp).
 ///
-/// - Gravity enters exactly once: where a gravity law is in the sum, tracking laws leave G out of `Y_r
-///   Theta`; where none is, it is in there. (In a plain sum without a gravity law the weights of the tracking
-///   laws act on G as on the rest, so they should sum to one.)
+/// - Gravity enters exactly once: where a gravity law is in the sum, tracking laws leave G out of
+///   `Y_r Theta`; where none is, `Y_r Theta` contains it. (In a plain sum without a gravity law the weights
+///   of the tracking laws also multiply G, so they should sum to one.)
 /// - Each law is computed once for the torque, its share and the opposition of skin and tracking, which then
 ///   freezes and resets the tracking laws.
-/// - A law that needs more than torque and memory of its state (`now`) computes that once.
+/// - Quantities that torque and memory of a law share (`now`) are computed once.
 template <Sum Policy, LawMembers... L>
 class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
  public:
@@ -39,13 +39,13 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   static constexpr std::size_t tracking_laws = detail::count_role<L...>(LawRole::tracking);
   static constexpr std::size_t reactive_laws = detail::count_role<L...>(LawRole::reactive);
   static constexpr bool answers_touch =
-      (false || ... || detail::answers_touch<L>);  ///< the skin has a law in it
+      (false || ... || detail::answers_touch<L>);  ///< a law of the skin is in the sum
   static constexpr bool watches = tracking_laws > 0 && answers_touch;
   static constexpr bool compensates_friction = (false || ... || detail::compensates_friction<L>);
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");
   static constexpr GravityTerm gravity_term =
       gravity_laws > 0 ? GravityTerm::left_out : GravityTerm::included;
-  /// Without a gravity law, telling whether tracking works against the skin needs G as well.
+  /// Without a gravity law, the test for opposition needs G as well.
   static constexpr Needs needs =
       (Needs{.gravity = gravity_laws == 0 && (watches || ... || detail::is_in_parts<L>)} | ... |
        Needs(L::needs));
@@ -70,8 +70,8 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     shares_ = shares(weights);
   }
 
-  /// What the policy makes of weights >= 0: what each law's two parts are multiplied by. Where no tracking
-  /// law has a weight, none has a share.
+  /// The factors of each law's two parts that the policy computes from weights >= 0. Where no tracking law
+  /// has a weight, none has a share.
   [[nodiscard]] static constexpr std::array<LawShare<double>, terms> shares(
       const std::array<double, terms>& weights) noexcept {
     double sum = 0;
@@ -104,7 +104,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     return detail::memory_of<I>(m.laws);
   }
 
-  /// Which law takes goals of this type; `terms` if none or several do.
+  /// The index of the law that takes goals of this type; `terms` if none or several do.
   template <class Goal>
   static constexpr std::size_t taker() noexcept {
     std::size_t found = terms, count = 0, i = 0;
@@ -116,7 +116,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     return count == 1 ? found : terms;
   }
 
-  /// Every law takes over at the state that is known.
+  /// Every law starts at the known state.
   template <class K>
   [[nodiscard]] Memory start(const K& known) const noexcept {
     Memory memory{};
@@ -157,7 +157,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       return (skinctl::settled(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known, still) && ...);
     }(std::index_sequence_for<L...>{});
   }
-  /// @param opposition  `none`: this sum finds out by itself.
+  /// @param opposition  `none`: this sum detects it.
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known,
                                               const typename K::scalar& dt,
@@ -192,7 +192,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     First first;
     Rest rest;
   };
-  /// What torque and memory of the laws from the `I`-th on share, each built where it stays.
+  /// The quantities that torque and memory of the laws from the `I`-th on share, each built in place.
   template <std::size_t I, class K>
   [[nodiscard]] SKINCTL_INLINE auto now_from(const Memory& memory, const K& known) const noexcept {
     if constexpr (I == terms) {
@@ -240,14 +240,14 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       if (given == Opposition::none) opposition = found.opposition;
       if (opposition == Opposition::lasting) status |= Reason::opposed;
     }
-    // Each memory is written once, where it stays: a copy of what has just been written waits for it.
+    // Each memory is written once, in place: a copy right after the writes would stall on store forwarding.
     return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
       return Evaluation<K::joints, T, Memory, terms>{
           total, {advanced<0>(memory, known, dt, opposition, now), watched}, {shares[I]...}, status};
     }(std::index_sequence_for<L...>{});
   }
 
-  /// What the `I`-th law contributes.
+  /// The torque of the `I`-th law.
   template <std::size_t I, class K, class Now>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> share(
       const Memory& memory, const K& known, const Now& now) const noexcept {

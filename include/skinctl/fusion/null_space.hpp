@@ -1,4 +1,4 @@
-// One law behind another: it moves the robot only where the first one's link stays as it is.
+// Task priority: a second law moves the robot only in the null space of the first law's link.
 #pragma once
 
 #include "skinctl/core/contract.hpp"
@@ -8,29 +8,29 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What of a link's motion the first law keeps for itself.
+/// The part of a link's motion that belongs to the first law.
 enum class Keeps : unsigned char { point, pose };
 
-/// When and how much the null space is damped, by the nearness of a singularity.
+/// Damping of the null space near singularities.
 struct NullSpaceSettings {
   Keeps keeps = Keeps::pose;  ///< the origin of the link's frame, or its orientation as well
-  /// The most inertia that the task defends at a singularity [kg], [kg m^2].
+  /// The largest inertia that the task defends at a singularity [kg], [kg m^2].
   double heaviest = 1000;
   /// Damping sets in where the task's largest inertia, `trace((J M^-1 J')^-1)`, exceeds `heaviest / zone`.
   double zone = 10;
 };
 
 /// `tau = tau_1 + N' tau_2` with `N' = 1 - J' Lambda J M^-1`, `Lambda = (J M^-1 J' + l)^-1` (Khatib): the
-/// second law's torque without what would accelerate the link. J is the Jacobian of link `Link`, or of its
-/// origin.
+/// second law's torque without the part that would accelerate the link. J is the Jacobian of link `Link`, or
+/// of its origin.
 ///
 /// - Dynamically consistent: with l = 0 the second law does not accelerate the task at all.
 /// - Next to a singularity of J, where the task's inertia grows without bound, l grows smoothly; there the
-///   task gives way to the second law along the direction in which it can hardly move anyway.
-/// - Both laws get the same share; gravity is held by the first, whole, or by the sum's gravity law, never by
-///   the second.
-/// - A pose asks for a robot of six joints or more; with six of them the null space is empty but next to a
-///   singularity, and `Keeps::point` leaves three.
+///   task gives way to the second law along the direction in which it can hardly move.
+/// - Both laws get the same share; gravity is compensated by the first law, or by the sum's gravity law,
+///   never by the second.
+/// - `Keeps::pose` needs a robot of six joints or more; with six of them the null space is empty except next
+///   to a singularity, and `Keeps::point` leaves three dimensions.
 template <std::size_t Link_, LawMembers First, LawMembers Second>
 class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, Second> {
  public:

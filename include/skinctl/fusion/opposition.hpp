@@ -1,4 +1,4 @@
-// Antagonists: detects that the skin pushes against the tracking laws, end of section 4.2.1.
+// Opposition: detects that the skin pushes against the tracking laws, end of section 4.2.1.
 #pragma once
 
 #include <cmath>
@@ -10,12 +10,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// When skin and tracking count as opposed, in the norm of the skin's joint torque as it enters the sum: what
-/// is too weak to count may wind the integrals up.
+/// When skin and tracking count as opposed, by the norm of the skin's joint torque as it enters the sum. A
+/// push below the threshold may wind the integrals up.
 struct OppositionSettings {
   double on = 1.0;                   ///< opposed above this, if the torques oppose each other [N m]
-  double off = 0.5;                  ///< over when it has been below this [N m] ...
-  Nanoseconds release_after = 50ms;  ///< ... for so long
+  double off = 0.5;                  ///< ends when it has been below this [N m] ...
+  Nanoseconds release_after = 50ms;  ///< ... for this duration
 };
 
 /// Opposed from the moment that `|tau_skin| > on` and `tau_skin . tau_track < 0`, until `|tau_skin| < off`
@@ -23,7 +23,7 @@ struct OppositionSettings {
 class OppositionDetector {
  public:
   struct Memory {
-    Nanoseconds quiet{};  ///< for how long the skin has been below `off`
+    Nanoseconds quiet{};  ///< how long the skin has been below `off`
     bool below = false;   ///< whether it was at the last evaluation
     bool opposed = false;
   };

@@ -1,4 +1,4 @@
-// How long a cycle may take, and what is done when it takes longer.
+// A budget of time for a cycle, and the reaction to overruns.
 #pragma once
 
 #include "skinctl/core/contract.hpp"
@@ -8,28 +8,30 @@
 SKINCTL_BEGIN_NAMESPACE
 
 struct BudgetSettings {
-  Nanoseconds cycle;          ///< from a state heard to its command sent and all else done
-  unsigned skip_after = 1;    ///< so many overruns in a row: leave optional work out
-  unsigned stop_after = 5;    ///< so many in a row: brake, hold, wait for consent
-  unsigned calm_after = 100;  ///< so many cycles within the budget in a row: optional work may come back
+  /// From the receipt of a state until its command is sent and all other work done.
+  Nanoseconds cycle;
+  unsigned skip_after = 1;  ///< number of overruns in a row after which optional work is left out
+  unsigned stop_after = 5;  ///< number in a row after which the guard stops until the user's consent
+  /// Number of cycles in a row within the budget after which optional work comes back.
+  unsigned calm_after = 100;
 };
 
-/// What a budget remembers. Trivially copyable.
+/// The memory of a budget. Trivially copyable.
 struct BudgetMemory {
   unsigned over = 0;           ///< overruns in a row
   unsigned within = 0;         ///< cycles within the budget since the last overrun
   bool light = false;          ///< optional work is left out
-  std::uint64_t overruns = 0;  ///< all of them
+  std::uint64_t overruns = 0;  ///< number of all overruns
 };
 
-/// A budget of time for a cycle. It reads no clock: given how long a cycle took, it says what the next one
-/// must know (`Input::observed`), so that a recording replays its actions too.
+/// A budget of time for a cycle. It reads no clock: from the duration of a cycle it computes the status for
+/// the next one (`Input::observed`), so that a recording replays its actions too.
 ///
-/// - An overrun alone changes nothing: the next cycle integrates the longer interval.
-/// - `skip_after` in a row: `work_skipped`. Whoever does optional work (logs, pictures, plans) looks at
-///   `input.observed` and leaves it out, until `calm_after` cycles in a row were within the budget.
-/// - `stop_after` in a row: `budget_overrun`, at each cycle that is still over. The guard stops and waits for
-///   the user's consent.
+/// - A single overrun changes nothing: the next cycle integrates the longer interval.
+/// - `skip_after` in a row: `work_skipped`. Optional work (logs, pictures, plans) reads `input.observed` and
+///   is left out, until `calm_after` cycles in a row were within the budget.
+/// - `stop_after` in a row: `budget_overrun`, at each further overrun. The guard stops and waits for the
+///   user's consent.
 class TimeBudget {
  public:
   using Memory = BudgetMemory;
@@ -42,7 +44,7 @@ class TimeBudget {
     require(s.calm_after >= 1, "TimeBudget: calm after", s.calm_after, ">= 1 cycle");
   }
 
-  /// What the next cycle must know after one that took `duration`.
+  /// The status for the next cycle after one that took `duration`.
   [[nodiscard]] Status step(Memory& m, Nanoseconds duration) const noexcept {
     Status out;
     if (duration > settings_.cycle) {

@@ -1,4 +1,5 @@
-// Every reason that a cycle can report: who finds it, what is done, when that ends, and its text. One table.
+// The table of faults: every reason that a cycle can report, its finder, its reaction, its way back, its
+// text.
 #pragma once
 
 #include <array>
@@ -7,27 +8,29 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a reason makes of the command.
+/// The effect of a reason on the command.
 enum class Reaction : unsigned char {
   none,    ///< cannot occur at this interface
-  report,  ///< nothing: it is only told
-  refuse,  ///< what is wrong does not count; the cycle goes on with what it had
-  wait,    ///< plans and integrals stand still; the laws go on
-  hold,    ///< the last command stands, or the motion that is refused
-  limit,   ///< the command is cut to what is allowed and goes on
-  fade,    ///< torques ramp to the fallback (gravity held, friction); a force or a difference ramps to zero
-  brake,   ///< the motion brakes with the acceleration limit, and holds
-  stop     ///< brakes or fades, and stays so
+  report,  ///< none: it is only reported
+  refuse,  ///< the faulty input does not count; the cycle goes on with the last good one
+  wait,    ///< plans and integrals are stopped; the laws go on
+  hold,    ///< the last command is kept, or the refused motion is not begun
+  limit,   ///< the command is cut to the allowed range and goes on
+  /// Torques ramp to the fallback (gravity compensation, friction); a force or a difference ramps to zero.
+  fade,
+  brake,  ///< the motion brakes with the acceleration limit, and holds
+  stop    ///< brakes or fades, until the user's consent
 };
 inline constexpr std::size_t reaction_count = static_cast<std::size_t>(Reaction::stop) + 1;
 
-/// When the reaction ends.
+/// The end of a reaction.
 enum class WayBack : unsigned char {
-  at_once,    ///< it lasts for the cycle, or the sample, that is wrong
-  by_itself,  ///< once what was wrong is over; the motion goes on from where it is, within its limits
-  on_request  ///< once it is over and the user says `CycleRequest::resume`
+  at_once,    ///< with the faulty cycle or sample
+  by_itself,  ///< once the fault is over; the motion goes on from its present state, within its limits
+  on_request  ///< once the fault is over and the user sends `CycleRequest::resume`
 };
-/// Who finds out, in the order of a cycle. Where several do, the one whose reaction the table names.
+/// The stage that finds a fault, in the order of a cycle. Where several find it, the one whose reaction the
+/// table lists.
 enum class FaultFinder : unsigned char { loop, skin, law, skills, resolver, governor, guard };
 
 /// A row of the table.
@@ -87,6 +90,8 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
      "skin and tracking push against each other: plan and integrals wait"},
     {Reason::goal_refused, "goal_refused", FaultFinder::law, Reaction::refuse, Reaction::refuse,
      WayBack::at_once, "a goal was refused: the old one stands"},
+    {Reason::configuration_refused, "configuration_refused", FaultFinder::loop, Reaction::refuse,
+     Reaction::refuse, WayBack::at_once, "no such configuration, or not now: the old one goes on"},
     {Reason::goal_stretched, "goal_stretched", FaultFinder::law, Reaction::limit, Reaction::limit,
      WayBack::at_once, "a goal got more time than asked, to keep velocity limits"},
     {Reason::bumpless_transfer, "bumpless_transfer", FaultFinder::law, Reaction::fade, Reaction::fade,
@@ -159,11 +164,11 @@ template <class Test>
 }
 
 namespace detail {
-/// Whether the guard carries out the reaction. The other stages do so themselves, and say that they did.
+/// Whether the guard carries out the reaction. The other stages carry out theirs themselves, and report it.
 constexpr bool is_left_to_guard(const Fault& f) noexcept {
   return f.finder == FaultFinder::loop || f.finder == FaultFinder::governor;
 }
-/// Found by others, the guard brakes on these.
+/// Reasons of other stages on which the guard brakes.
 inline constexpr Status guard_brakes_on = reasons_of([](const Fault& f) {
   return is_left_to_guard(f) && (f.motion == Reaction::brake || f.motion == Reaction::stop);
 });

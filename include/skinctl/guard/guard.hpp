@@ -1,4 +1,4 @@
-// The guard: the last word before a command leaves.
+// The guard: the last stage before a command leaves.
 #pragma once
 
 #include <optional>
@@ -13,29 +13,29 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a guard has to be told beyond the robot's description; every default stands for itself.
+/// Settings of a guard beyond the robot's description; each has a usable default.
 template <std::size_t N, Real T = double>
 struct GuardSettings {
   /// Age of the robot's newest state at which the command begins to brake; default: 25 periods.
   std::optional<Nanoseconds> stale_after = {};
-  /// Position interface: how far a command may be from the measured position [rad].
+  /// Position interface: largest distance of a command from the measured position [rad].
   JointPosition<N, T> lead = JointPosition<N, T>::constant(std::numeric_limits<T>::infinity());
-  /// Torque interface: fastest change of a torque, in units of the torque limit per second; the fallback takes
-  /// over at this rate too.
+  /// Torque interface: fastest change of a torque, in units of the torque limit per second; also the rate of
+  /// the change to the fallback.
   T torque_rate = T(50);
-  /// How far beyond a position limit a joint may be and be believed [rad], [m].
+  /// Largest distance beyond a position limit at which a measured position is accepted [rad], [m].
   T beyond = T(1);
-  /// How many times its velocity limit a joint may be measured at and be believed.
+  /// Largest measured velocity that is accepted, in units of the velocity limit.
   T overspeed = T(10);
-  /// Reasons found by other stages on which the command brakes, besides those of the table: such as
-  /// `sample_stale`, for a robot that must not move unless all of its skin feels.
+  /// Reasons of other stages on which the command brakes, in addition to those of the table: for example
+  /// `sample_stale`, for a robot that must not move unless all of its skin reports.
   Status brakes_on = {};
-  /// Reasons after which the motion goes on only on request, besides those of the table: such as
+  /// Reasons after which the motion goes on only on request, in addition to those of the table: for example
   /// `state_stale`.
   Status consent = {};
 };
 
-/// What a guard remembers: the last command it let out. Trivially copyable.
+/// The memory of a guard: the last command that it passed. Trivially copyable.
 template <std::size_t N, Real T = double>
 struct GuardMemory {
   Nanoseconds time{};
@@ -43,8 +43,8 @@ struct GuardMemory {
   Status latched;  ///< faults that wait for the user's consent
 };
 
-/// What the guard lets out; `altered` says that it is not what was asked for (tell the resolver, see
-/// `Resolver::sent`).
+/// The command that the guard passes; `altered` means that it differs from the one given (the resolver must
+/// learn of it, see `Resolver::sent`).
 template <std::size_t N, Real T = double>
 struct Guarded {
   JointCommand<N, T> command;
@@ -52,19 +52,19 @@ struct Guarded {
   bool altered = false;
 };
 
-/// Lets a command pass unchanged if it is finite, if the robot's state is fresh, if no stage found a fault,
-/// and if there is a motion from the last command to it within the limits of acceleration and velocity, after
-/// which the joint can still stop before its end. Else it reacts in the same cycle, as the table `faults`
+/// Passes a command unchanged if it is finite, if the robot's state is fresh, if no stage found a fault, and
+/// if a motion from the last command to it exists within the limits of acceleration and velocity, after which
+/// the joint can still stop before its end. Otherwise it reacts in the same cycle, as the table `faults`
 /// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback.
 ///
-/// With `JerkLimits` as `Smooth` the guard brakes within them: where a motion is such that it can be stopped
-/// so (a governor with the same limits sends no other) jerk is kept too, else it gives way as that class
-/// documents (`jerk_exceeded`). Whether a command keeps a jerk is the governor's business: a guard lets pass
-/// what the joints can do.
+/// With `JerkLimits` as `Smooth` the guard brakes within them: a motion that can be stopped within its jerk
+/// keeps it (a governor with the same limits sends no other), and the limits give way as that class documents
+/// (`jerk_exceeded`) in others. Whether a command keeps its jerk is left to the governor: the guard checks
+/// acceleration, velocity and position.
 ///
-/// Most reactions end by themselves, once the asked command can be reached within the limits; the resolver,
-/// told what was sent, goes on from there. After a `stop` the guard waits for `acknowledge`
-/// (`consent_awaited`). Never steps, and never gives a number that is not finite, whatever comes in.
+/// Most reactions end by themselves, once the given command can be reached within the limits; the resolver
+/// goes on from the command that was sent. After a `stop` the guard waits for `acknowledge`
+/// (`consent_awaited`). It never steps and never gives a number that is not finite, whatever the input.
 template <Interface I, std::size_t N, Real T = double, class Smooth = detail::NoPart>
 class Guard {
  public:
@@ -82,7 +82,7 @@ class Guard {
   /// Throws `ConfigurationError` for a number out of its range.
   ///
   /// @param robot    limits, period and longest interval are read.
-  /// @param braking  limits of jerk on top of the same limits of the joints, if the guard has some.
+  /// @param braking  the same limits of the joints with limits of jerk, if the guard has them.
   explicit Guard(const RobotConfiguration<N, T>& robot, const Settings& c = {},
                  const Smooth& braking = Smooth())
       : limits_(robot.limits),
@@ -115,8 +115,8 @@ class Guard {
   [[nodiscard]] Nanoseconds longest_interval() const noexcept { return longest_; }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
 
-  /// Takes over at a robot that has `command` and is at `measured`. A command that is not valid, or not
-  /// plausible: nothing is let out until a guard is started with a good one.
+  /// Takes over a robot with the command `command` in the state `measured`. For a command that is not valid
+  /// or not plausible, nothing passes until a guard is started with a good one.
   [[nodiscard]] SKINCTL_COLD Memory start(const JointCommand<N, T>& command,
                                           const State<N, T>& measured) const noexcept {
     Memory m;
@@ -130,9 +130,9 @@ class Guard {
   /// The command that may leave at `now`.
   ///
   /// @param measured  the last good state of the robot, as its resolver keeps it, or `take_measurement`.
-  /// @param fallback  torque interface: what the robot is brought to when no torque can be trusted, such as
-  ///                  gravity compensation with damping. Not finite: zero.
-  /// @param found     what other stages found in this cycle, and the loop before it.
+  /// @param fallback  torque interface: the torque without a valid one, such as gravity compensation with
+  ///                  damping. Not finite: zero.
+  /// @param found     reasons of other stages in this cycle, and of the loop before it.
   SKINCTL_INLINE Guarded<N, T> step(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
                                     Nanoseconds now, const JointTorque<N, T>& fallback = {},
                                     Status found = {}) const noexcept {
@@ -173,12 +173,13 @@ class Guard {
     }
   }
 
-  /// The user's consent: what waits for it may go on, unless it is still there.
+  /// The user's consent: latched faults end, unless they are still present.
   void acknowledge(Memory& m) const noexcept { m.latched = {}; }
   /// Whether the command waits for consent.
   [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
 
-  /// Whether this robot can be at `s`: within `beyond` of its ends, below `overspeed`. False for NaN.
+  /// Whether this robot can be in the state `s`: within `beyond` of its ends, below `overspeed`. False for
+  /// NaN.
   [[nodiscard]] SKINCTL_INLINE bool believes(const State<N, T>& s) const noexcept {
     using R = detail::Row<N, T>;
     const R q = s.q, dq = s.dq, fast = overspeed_ * R(limits_.velocity());
@@ -189,11 +190,11 @@ class Guard {
 
  private:
   using Size = std::size_t;
-  /// What rounding may add to a limit.
+  /// Factor for rounding at a limit.
   static SKINCTL_INLINE T slack() noexcept { return T(1) + T(1024) * std::numeric_limits<T>::epsilon(); }
 
-  /// Room of a command: of a position to the limits and to its lead over the measured one; of a velocity from
-  /// where the robot is, counting in that it goes on the way it moves.
+  /// Room of a command: of a position to the limits and to its largest distance from the measured one; of a
+  /// velocity from the robot's position, its present motion included.
   SKINCTL_INLINE JointRoom<N, T> room(const State<N, T>& measured,
                                       const JointPosition<N, T>& command) const noexcept {
     using R = detail::Row<N, T>;
@@ -212,7 +213,7 @@ class Guard {
   }
 
   /// Whether a motion within the limits leads from the last command to `wish` in `dt`, and leaves room to
-  /// stop or brakes as hard as it may.
+  /// stop or brakes with the full acceleration limit.
   SKINCTL_INLINE bool can_reach(const Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
                                 const T& dt, Status& status) const noexcept {
     using R = detail::Row<N, T>;
@@ -229,7 +230,8 @@ class Guard {
     const auto rushes = !(magnitude(u) <= magnitude(u0) - (T(2) * a * R(dt) - most));
     auto outside = rushes & (((u > zero) & (stop > above)) | ((u < zero) & (stop > below)));
     if constexpr (I == Interface::position) {
-      // With its acceleration limited, a joint reaches this far to both sides of where the mean speed leads.
+      // Within its acceleration limit, a joint reaches this far to both sides of the position of the mean
+      // speed.
       const R moved = to - from, straight = R(T(T(0.5) * dt)) * (u0 + u);
       const R aside = T(0.25) * (a * R(T(dt * dt * slack())) - du * du / a);
       steps = steps | (magnitude(moved - straight) > select(aside > zero, aside, zero) + rounding);
@@ -280,7 +282,7 @@ class Guard {
     return out;
   }
 
-  /// Towards the wished torque or the fallback, at most as fast as allowed.
+  /// Towards the given torque or the fallback, at most at the allowed rate.
   SKINCTL_INLINE Guarded<N, T> turn_torque(const Memory& m, const JointCommand<N, T>& wish,
                                            const State<N, T>& measured, bool good,
                                            const JointTorque<N, T>& fallback, const T& dt,
@@ -304,8 +306,8 @@ class Guard {
   Settings settings_;
   JointPosition<N, T> lead_;
   T torque_rate_, beyond_, overspeed_;
-  Status acts_on_;  ///< found by others, these brake
-  Status consent_;  ///< these wait for `acknowledge`
+  Status acts_on_;  ///< reasons of other stages on which it brakes
+  Status consent_;  ///< reasons that wait for `acknowledge`
   [[no_unique_address]] Smooth braking_;
 };
 

@@ -6,7 +6,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a hybrid guard remembers. Trivially copyable.
+/// The memory of a hybrid guard. Trivially copyable.
 template <std::size_t Stiff, std::size_t Driven, Real T>
 struct HybridGuardMemory {
   GuardMemory<Stiff, T> stiff;
@@ -14,8 +14,8 @@ struct HybridGuardMemory {
 };
 
 /// A `Guard` for the joints of a hybrid resolver that take positions or velocities, and one for those that
-/// take torques. Each reacts to what it sees of its own joints and to what other stages found; what waits for
-/// consent in one stops both, by the resolver, until `acknowledge`.
+/// take torques. Each reacts to faults of its own joints and to those that other stages found; a fault of one
+/// that waits for consent stops both, by the resolver, until `acknowledge`.
 ///
 /// `HybridGuard(resolver, stiff, driven)`: limits and periods are the resolver's, the settings one's own.
 /// Throws `ConfigurationError` as `Guard`.
@@ -70,7 +70,7 @@ class HybridGuard {
     return Guard<Hybrid::stiff_interface, Stiff::count, T>::waits(m.stiff) ||
            Guard<Interface::torque, Driven::count, T>::waits(m.driven);
   }
-  /// Whether this robot can be at `s`.
+  /// Whether this robot can be in the state `s`.
   [[nodiscard]] bool believes(const State<joints, T>& s) const noexcept {
     return stiff_.believes(part<Stiff>(s)) && driven_.believes(part<Driven>(s));
   }

@@ -1,4 +1,4 @@
-// Whether too many of a robot's numbered packets never came.
+// Watches for lost packets of a robot that numbers them.
 #pragma once
 
 #include <bit>
@@ -8,22 +8,23 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a packet watch remembers. Trivially copyable.
+/// The memory of a packet watch. Trivially copyable.
 struct PacketMemory {
   bool started = false;
   std::uint32_t last = 0;     ///< the newest number
-  std::uint64_t missing = 0;  ///< of the last 64 packets, a bit for each that never came
-  std::uint64_t lost = 0;     ///< all of them
+  std::uint64_t missing = 0;  ///< of the last 64 packets, a bit for each that did not arrive
+  std::uint64_t lost = 0;     ///< number of all lost packets
 };
 
-/// Counts the gaps in the numbers of packets: `packets_lost` while more than `most` of the last 64 never
-/// came. The guard brakes then, and goes on by itself once enough came again. Numbers wrap at 2^32; one that
-/// is not newer than the last (a copy, a latecomer) changes nothing: its state is refused by its stamp.
+/// Counts the gaps in the numbers of packets: `packets_lost` while more than `most` of the last 64 are
+/// missing. The guard then brakes, and goes on by itself once enough have arrived again. Numbers wrap at
+/// 2^32; one that is not newer than the last (a copy, a late packet) changes nothing: its state is refused by
+/// its stamp.
 class PacketWatch {
  public:
   using Memory = PacketMemory;
 
-  /// Throws `ConfigurationError` for more than 63.
+  /// Throws `ConfigurationError` for a `most` above 63.
   explicit PacketWatch(unsigned most = 4) : most_(most) {
     require(most <= 63, "PacketWatch: most", most, "0 to 63 of 64 packets");
   }

@@ -1,4 +1,4 @@
-// How long things took: counts by duration, with percentiles and the worst.
+// Histogram of durations, with percentiles and the maximum.
 #pragma once
 
 #include <array>
@@ -10,12 +10,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Counts durations from 1 ns to 18 minutes in buckets that are at most 1/32 of their value wide, so that
+/// Counts durations from 1 ns to 18 minutes in buckets whose width is at most 1/32 of their value, so that
 /// every percentile is right to 3 %. Recording takes a few nanoseconds and allocates nothing. Trivially
 /// copyable.
 class Histogram {
  public:
-  /// Adds one duration; negative ones count as zero, longer ones as the longest.
+  /// Adds one duration; a negative one counts as zero, one that is too long as the longest.
   constexpr void record(Nanoseconds duration) noexcept {
     const std::uint64_t d = duration < 0ns ? 0u : static_cast<std::uint64_t>(duration.count());
     ++counts_[bucket(d)];
@@ -24,7 +24,7 @@ class Histogram {
     if (duration > max_) max_ = duration;
   }
   [[nodiscard]] constexpr std::uint64_t count() const noexcept { return count_; }
-  /// The longest, exactly.
+  /// The exact maximum.
   [[nodiscard]] constexpr Nanoseconds max() const noexcept { return max_; }
   [[nodiscard]] constexpr double mean() const noexcept {
     return count_ == 0 ? 0 : sum_ / static_cast<double>(count_);
@@ -45,14 +45,14 @@ class Histogram {
     }
     return max_;
   }
-  /// Adds what another histogram counted.
+  /// Adds the counts of another histogram.
   constexpr void merge(const Histogram& other) noexcept {
     for (std::size_t b = 0; b < buckets; ++b) counts_[b] += other.counts_[b];
     count_ += other.count_;
     sum_ += other.sum_;
     if (other.max_ > max_) max_ = other.max_;
   }
-  /// Calls `f(upper end of the bucket , count)` for each bucket that holds something.
+  /// Calls `f(upper end of the bucket, count)` for each bucket that is not empty.
   template <class F>
   constexpr void for_each(F&& f) const {
     for (std::size_t b = 0; b < buckets; ++b)

@@ -1,4 +1,4 @@
-// The loop that runs a cycle against a robot and a skin, and keeps its times.
+// The loop that runs a cycle with a robot and a skin, and measures its times.
 #pragma once
 
 #include <atomic>
@@ -18,13 +18,13 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Why a loop ended.
 enum class LoopEnd : unsigned char {
-  finished,     ///< as many cycles as asked for, or the user's function said so
+  finished,     ///< the number of cycles was reached, or the user's function ended it
   interrupted,  ///< the stop flag was set
   lost,         ///< the robot's connection is gone, or a command could not be sent
-  no_state      ///< no state came at the beginning
+  no_state      ///< no state arrived at the beginning
 };
 
-/// The times of a run. Stages are those of the cycle; `whole` is all of them.
+/// The times of a run, per stage of the cycle; `whole` is all stages.
 template <class C>
 struct LoopReport {
   LoopEnd ended = LoopEnd::finished;
@@ -34,12 +34,13 @@ struct LoopReport {
   std::uint64_t samples = 0;  ///< from the skin
   std::array<Histogram, stage_count> stages;
   Histogram whole;
-  Histogram period;                ///< between states, by this computer's clock
-  Histogram load;                  ///< from a state heard until its command was sent and `after` returned
+  Histogram period;  ///< between states, by this computer's clock
+  /// From the arrival of a state until its command was sent and `after` returned.
+  Histogram load;
   std::uint64_t overruns = 0;      ///< cycles whose load was above the budget
   std::uint64_t lost_packets = 0;  ///< of a robot that numbers them
 
-  /// The slowest cycle: its number, memory and input, so that `cycle(memory, input)` runs it again.
+  /// The slowest cycle: its number, memory and input; `cycle(memory, input)` runs it again.
   struct Worst {
     std::uint64_t cycle = 0;
     typename C::Memory memory;
@@ -49,22 +50,22 @@ struct LoopReport {
   std::unique_ptr<Worst> worst;
 };
 
-/// How a loop runs.
+/// Options of a loop.
 struct LoopOptions {
   std::uint64_t cycles = 0;                 ///< 0: until it is stopped
-  Nanoseconds period = 8ms;                 ///< planned, to tell missed ones
-  std::size_t max_samples = 8192;           ///< of one cycle that the worst cycle's copy keeps
-  std::optional<TimeBudget> budget = {};    ///< of the load; see `TimeBudget` for what an overrun does
+  Nanoseconds period = 8ms;                 ///< planned; a state later than 1.5 periods is a miss
+  std::size_t max_samples = 8192;           ///< of one cycle, kept in the copy of the worst cycle
+  std::optional<TimeBudget> budget = {};    ///< of the load; see `TimeBudget` for the reaction to overruns
   PacketWatch packets{};                    ///< for a robot that numbers its packets
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };
 
-/// Runs `cycle` against `robot` and `skin` until it ends. In every cycle: wait for a state, take the samples,
-/// let `before(input, memory)` set goals or requests and end the run by returning false, step, send, then
-/// `after(input, output, watch)`. Whatever ends it, the robot is stopped. Both functions find in
-/// `input.observed` whether optional work should be left out (`work_skipped`).
+/// Runs `cycle` with `robot` and `skin` until it ends. In every cycle: wait for a state, take the samples,
+/// call `before(input, memory)`, which may set goals or requests and ends the run by returning false, step,
+/// send, then `after(input, output, watch)`. However it ends, the robot is stopped. Both functions read in
+/// `input.observed` whether to leave optional work out (`work_skipped`).
 ///
-/// What allocates (the report, the copy of the worst cycle) does so before the first cycle.
+/// All allocations (the report, the copy of the worst cycle) happen before the first cycle.
 template <class C, class Robot, class Source, class Before, class After>
 LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot, Source& skin,
                        const LoopOptions& options, Before&& before, After&& after) {
@@ -89,7 +90,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     return report;
   }
   cycle.start(memory, input.measured);
-  static_cast<void>(skin.poll());  // what lies there from before the start is old
+  static_cast<void>(skin.poll());  // samples from before the start are old
   Nanoseconds heard_at = Stopwatch::now();
 
   for (;;) {
@@ -108,7 +109,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     heard_at = now;
     if (heard == Heard::silent) {
       ++report.silent;
-      input.now += options.period;  // the robot's clock goes on unheard
+      input.now += options.period;  // the robot's clock goes on without a state
     } else if (report.cycles == 0 || input.measured.time > input.now) {
       input.now = input.measured.time;
     }

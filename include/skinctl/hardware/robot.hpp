@@ -1,4 +1,4 @@
-// What a driver has to offer: a robot, a skin, a gripper.
+// Concepts of drivers: a robot, a skin, a gripper.
 #pragma once
 
 #include <concepts>
@@ -10,19 +10,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What waiting for a robot's next state ended with.
+/// The result of waiting for a robot's next state.
 enum class Heard : unsigned char {
   state,   ///< a new state: run a cycle
-  silent,  ///< nothing within the time allowed: run a cycle all the same, on the last state
+  silent,  ///< no state within the allowed time: run a cycle on the last state
   lost     ///< the connection is gone or the robot has stopped: leave the loop
 };
 
 /// A robot on the other end of a driver, for `N` joints.
-/// - `wait(state)` paces the loop: it returns when the next state is there, or nothing came in time. It may
-///   block and make system calls; the loop runs no cycle meanwhile.
-/// - `send(command)` passes a command on; false if it could not be sent.
-/// - `packet()`, which a driver need not have, is the number of the newest packet; `PacketWatch` counts gaps.
-/// - `stop()` asks the robot to come to rest by its own means; it must work at any time and not throw.
+///
+/// - `wait(state)` paces the loop: it returns when the next state has arrived, or after its time limit. It
+///   may block and make system calls; the loop runs no cycle meanwhile.
+/// - `send(command)` sends a command; false if that failed.
+/// - `packet()`, optional, is the number of the newest packet; `PacketWatch` counts gaps.
+/// - `stop()` brings the robot to rest by its own means; it must work at any time and not throw.
 template <class R, std::size_t N, class T>
 concept RobotDriver = requires(R& robot, State<N, T>& state, const JointCommand<N, T>& command) {
   { robot.wait(state) } noexcept -> std::same_as<Heard>;

@@ -1,4 +1,4 @@
-// Asks Linux for what a control loop needs: a real-time priority and memory that is never paged out.
+// Requests from Linux a real-time priority and memory that is never paged out.
 #pragma once
 
 #include <string>
@@ -15,16 +15,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What was granted, and in words what was not and how to get it.
+/// The granted requests, and a report of refusals with their remedy.
 struct Scheduling {
   bool real_time = false;      ///< SCHED_FIFO for the calling thread
   bool memory_locked = false;  ///< all pages, present and future, stay in memory
   std::string report;          ///< one line each, for the log
 };
 
-/// Asks for SCHED_FIFO at `priority` (1 to 99; others are cut to that range) for the calling thread and locks
-/// the process's memory. A refusal is not an error: the loop runs all the same, late now and then, and
-/// `report` says so. Call before the loop: it makes system calls and allocates.
+/// Requests SCHED_FIFO at `priority` (1 to 99; others are cut to that range) for the calling thread and locks
+/// the process's memory. A refusal is not an error: the loop runs, with occasional delays, and `report` says
+/// so. Call before the loop: it makes system calls and allocates.
 inline Scheduling request_real_time(int priority = 80) {
   Scheduling got;
 #if defined(__linux__)

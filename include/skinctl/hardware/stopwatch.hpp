@@ -1,4 +1,4 @@
-// The stopwatch that takes the times of a cycle's stages.
+// A stopwatch for the stages of a cycle.
 #pragma once
 
 #include <array>
@@ -8,8 +8,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Takes the time of each stage from the system's steady clock (some 20 ns a reading; no system call on
-/// Linux).
+/// Measures each stage with the system's steady clock (some 20 ns a reading; no system call on Linux).
 class Stopwatch {
  public:
   SKINCTL_INLINE void begin() noexcept { last_ = now(); }

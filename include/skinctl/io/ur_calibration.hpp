@@ -15,7 +15,7 @@ namespace detail {
 
 inline constexpr std::size_t ur_calibration_size_limit = std::size_t(1) << 20;
 
-/// Takes the lines of a calibration.conf one by one; every complaint names the source and the line.
+/// Parses the lines of a calibration.conf one by one; every error names the source and the line.
 class UrCalibrationReader {
  public:
   explicit UrCalibrationReader(std::string_view source) : source_(source) {}
@@ -49,7 +49,7 @@ class UrCalibrationReader {
     std::array<double, 6>* numbers;
     double largest;
     const char* range;
-    int line = 0;  ///< where it was given
+    int line = 0;  ///< line of the list
   };
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -102,20 +102,22 @@ class UrCalibrationReader {
 
 }  // namespace detail
 
-/// Reads the text of a calibration.conf, as it lies on the controller: in its section `[mounting]` the lists
+/// Reads the text of a calibration.conf, as stored on the controller: in its section `[mounting]` the lists
 /// `delta_theta`, `delta_a`, `delta_d`, `delta_alpha` of six numbers [rad, m]. Comments (`#`, `;`), other
-/// keys and sections are skipped. For `calibrated_universal_robot`. `source` is what messages call it.
+/// keys and sections are skipped. For `calibrated_universal_robot`. `source` is its name in error texts.
 ///
-/// Throws `ConfigurationError`, with source and line, for: a list that is missing, given twice or has not six
-/// finite numbers; a number that no calibration has (|theta| > 6.3 rad, |a| > 1 m, |d| > 10 km, |alpha| > 0.1
-/// rad); a `calibration_status` other than 2 (linearised); a line in that section that is no `key = value`;
-/// more than 1 MiB.
+/// Throws `ConfigurationError`, with source and line, for:
+/// - a list that is missing, given twice, or not of six finite numbers;
+/// - a number beyond any calibration (|theta| > 6.3 rad, |a| > 1 m, |d| > 10 km, |alpha| > 0.1 rad);
+/// - a `calibration_status` other than 2 (linearised);
+/// - a line in that section that is not `key = value`;
+/// - more than 1 MiB.
 [[nodiscard]] inline DhDelta<6> parse_ur_calibration(std::string_view text,
                                                      std::string_view source = "calibration.conf") {
   return detail::UrCalibrationReader(source).read(text);
 }
 
-/// Reads a file; see `parse_ur_calibration`. Throws `ConfigurationError` for one that cannot be read, too.
+/// Reads a file; see `parse_ur_calibration`. Also throws `ConfigurationError` for a file that cannot be read.
 [[nodiscard]] inline DhDelta<6> read_ur_calibration(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text;

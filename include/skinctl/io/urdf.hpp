@@ -21,19 +21,22 @@ namespace detail {
 
 }  // namespace detail
 
-/// Reads a URDF from memory. `source` is what messages call it; `options` choose a part of the robot.
+/// Reads a URDF from memory. `source` is its name in error texts; `options` select a part of the robot.
 ///
-/// Throws `ConfigurationError`, with source, line and element, for: no XML or a file cut off; more than 16
-/// MiB; no `<robot>`; links or joints without a name, or two of one name; a joint whose parent or child link
-/// is unknown; a link on two joints; a loop; more than one base; a type other than revolute, continuous,
-/// prismatic, fixed; an axis without direction; a link that moves without mass, or turns without inertia
-/// about its axis; a negative mass; moments of inertia that no body has by more than `makers_density` (by
-/// less, or where they do not matter: `Urdf::warnings`); anything that is no finite number; and for options
-/// that name a link or joint that is not there, a tip that does not hang on the base, a joint that is to
-/// stand outside of its limits.
+/// Throws `ConfigurationError`, with source, line and element, for:
+/// - text that is no XML, is cut off, or exceeds 16 MiB; no `<robot>`;
+/// - links or joints without a name, or two of one name;
+/// - a joint whose parent or child link is unknown; a link on two joints; a loop; more than one base;
+/// - a type other than revolute, continuous, prismatic, fixed; an axis without direction;
+/// - a link that moves without mass, or turns without inertia about its axis; a negative mass;
+/// - moments of inertia that no body has by more than `makers_density` (by less, or where they do not matter:
+///   `Urdf::warnings`);
+/// - a value that is not a finite number;
+/// - options that name a link or joint that does not exist, a tip that the base does not carry, a locked
+///   position outside of its joint's limits.
 ///
-/// A joint with `<mimic>` stands still where the joint that it follows does. If that one moves, the file is
-/// refused: the joints of a model move independently.
+/// A joint with `<mimic>` is fixed if the joint that it follows is. If that one moves, the file is refused:
+/// the joints of a model move independently.
 ///
 /// Links without `<inertial>` may be fixed to others or be the base, whose own inertia does not matter. A
 /// joint without `<limit>` has none.
@@ -42,7 +45,7 @@ namespace detail {
   return detail::UrdfReader(text, std::move(source), options).take();
 }
 
-/// Reads a URDF file; see `parse_urdf`. Throws `ConfigurationError` for a file that cannot be read, too.
+/// Reads a URDF file; see `parse_urdf`. Also throws `ConfigurationError` for a file that cannot be read.
 [[nodiscard]] inline Urdf read_urdf(const std::string& path, const UrdfOptions& options = {}) {
   std::ifstream file(path, std::ios::binary);
   std::string text;
@@ -56,9 +59,9 @@ namespace detail {
   return parse_urdf(text, path, options);
 }
 
-/// The links of a model, in the order of `urdf.joints`. Their frames are those of `urdf.frames`' carriers:
-/// z on the joint's axis, turned about it by `turn` against `UrdfJoint::placed`, as in `CanonicalLinks`.
-/// Throws `ConfigurationError` for a link that cannot exist.
+/// The links of a model, in the order of `urdf.joints`. Their frames are those of `urdf.frames`' carriers: z
+/// on the joint's axis, turned about it by `turn` against `UrdfJoint::placed`, as in `CanonicalLinks`. Throws
+/// `ConfigurationError` for a link that cannot exist.
 struct UrdfLinks {
   std::vector<LinkParameters<double>> links;
   std::vector<double> turn;
@@ -82,10 +85,11 @@ struct UrdfLinks {
   return out;
 }
 
-/// The robot as a calibrated model whose shape is known when the program is compiled. Its `Base` is the link
-/// `urdf.base`; the frame of its `Link<I>` is not that of the file's link (z is on the joint): what is placed
-/// in a link of the file goes through `named_link_pose` or `patch_on`. Throws `ConfigurationError` naming the
+/// The robot as a calibrated model of a topology known when the program is compiled. Its `Base` is the link
+/// `urdf.base`; the frame of its `Link<I>` is not that of the file's link (z is on the joint): poses in a
+/// link of the file are converted by `named_link_pose` or `patch_on`. Throws `ConfigurationError` naming the
 /// joint in which the file differs from `Tree`, and where `model_links` does.
+///
 /// @param gravity  in the axes of the URDF's base link [m/s^2].
 template <Topology Tree, Scalar T = double>
 [[nodiscard]] CalibratedModel<Tree, T> calibrated_from(const Urdf& urdf,
@@ -115,8 +119,8 @@ template <Topology Tree, Scalar T = double>
 }
 
 /// Pose of the link `Name` of the file in `Link<I>` of the model: `link_poses(model, q).get<I>()` times this
-/// is the pose that the file gives the link at `q`. Throws `ConfigurationError` for a name that the file does
-/// not have, and for a link that another joint carries, or none.
+/// is the pose that the file gives the link at `q`. Throws `ConfigurationError` for a name that is not in the
+/// file, and for a link that another joint carries, or none.
 template <std::size_t I, FrameName Name, Scalar T = double>
 [[nodiscard]] Transform<Link<I>, NamedFrame<Name>, T> named_link_pose(const Urdf& urdf) {
   const UrdfFrame& frame = urdf.frame(Name.view());
@@ -149,10 +153,11 @@ template <std::size_t I, FrameName Name, std::size_t N>
   return detail::place_patch<I, Name, N>(named_link_pose<I, Name>(urdf), cells, gains);
 }
 
-/// Limits of the `N` joints as `<limit lower upper velocity effort>` gives them; a continuous joint turns
-/// without end. Throws `ConfigurationError` with the joint and the number for: another count of joints, no
-/// `<limit>`, a lower limit that is not below the upper one, a velocity or effort that is missing or not
-/// above 0, and limits that look like degrees (`UrdfOptions::large_limits` takes them as they are).
+/// Limits of the `N` joints from `<limit lower upper velocity effort>`; a continuous joint turns without end.
+/// Throws `ConfigurationError` with the joint and the number for: another number of joints, no `<limit>`, a
+/// lower limit that is not below the upper one, a velocity or effort that is missing or not above 0, and
+/// limits that look like degrees (`UrdfOptions::large_limits` accepts them).
+///
 /// @param acceleration  [rad/s^2] of every joint; a URDF has none.
 template <std::size_t N, Real T = double>
 [[nodiscard]] JointLimits<N, T> limits_of(const Urdf& urdf, const T& acceleration = T(40)) {

@@ -1,4 +1,4 @@
-// What a URDF says of a robot. Needs no parser: `io/urdf.hpp` has that.
+// The contents of a URDF. Needs no parser: that is in `io/urdf.hpp`.
 #pragma once
 
 #include <limits>
@@ -11,21 +11,21 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Which part of a URDF becomes the model, and where its other joints stand.
+/// The part of a URDF that becomes the model, and the positions of its locked joints.
 struct UrdfOptions {
-  /// The link that is the base of the model; empty: the root. What is not carried by it is left out.
+  /// The link that is the base of the model; empty: the root. Links that it does not carry are left out.
   std::string base{};
-  /// The last link of a chain; empty: all joints move. Joints off the way from `base` to `tip` stand still at
-  /// 0, or where `locked` says. The links on them keep their mass: they hang on the chain.
+  /// The last link of a chain; empty: all joints move. Joints beside the chain from `base` to `tip` are
+  /// locked at 0, or at the position in `locked`. Their links keep their mass: the chain carries them.
   std::string tip{};
-  /// Joints that stand still, by name, and where [rad] or [m]. A joint that mimics one of them stands still
-  /// too, at the position that its `<mimic>` gives.
+  /// Locked joints, by name, and their positions [rad] or [m]. A joint that mimics one of them is locked too,
+  /// at the position that its `<mimic>` gives.
   std::map<std::string, double, std::less<>> locked{};
-  /// Limits beyond two turns and speeds beyond 60 rad/s are meant, and no degrees.
+  /// Accepts limits beyond two turns and speeds beyond 60 rad/s, which otherwise count as degrees.
   bool large_limits = false;
 };
 
-/// A joint of a URDF that moves, and the link it carries with everything that is fixed to it.
+/// A joint of a URDF that moves, and the link that it carries with all links fixed to it.
 struct UrdfJoint {
   std::string name;
   std::string link;  ///< the link that it carries
@@ -36,13 +36,13 @@ struct UrdfJoint {
   double upper = std::numeric_limits<double>::infinity();
   double velocity = std::numeric_limits<double>::infinity();  ///< [rad/s] or [m/s]
   double effort = std::numeric_limits<double>::infinity();    ///< [N m] or [N]
-  std::string question{};  ///< a limit that looks like degrees, in words; empty: none does
+  std::string question{};  ///< the limit that looks like degrees, in words; empty: none
   PlacedLink placed;       ///< in the parent joint's frame, with z turned onto the joint's axis
-  int line = 0;            ///< where the file describes it
+  int line = 0;            ///< line of the file
 };
 
-/// Where a link of a URDF, moving or fixed, stands in the model: `X_LU`, the pose of the frame that the file
-/// gives it in `Link<joint>` of `calibrated_from`'s model, or in `Base`.
+/// The place of a link of a URDF, moving or fixed, in the model: `X_LU`, the pose of its frame in the file in
+/// `Link<joint>` of `calibrated_from`'s model, or in `Base`.
 struct UrdfFrame {
   std::string name;
   int joint = -1;  ///< the joint of `Urdf::joints` that carries it; -1: nothing moves it
@@ -50,33 +50,33 @@ struct UrdfFrame {
   Xyz<double> p{0, 0, 0};
 };
 
-/// A joint that does not move because the options or another joint that it mimics say so.
+/// A joint that is locked by the options, or by a locked joint that it mimics.
 struct UrdfLock {
   std::string joint;
   double position = 0;  ///< [rad] or [m]
 };
 
-/// What a URDF says of a robot, its fixed joints melted into what carries them. Joints stand in the order of
+/// The contents of a URDF, the bodies of fixed joints merged into their carriers. Joints are in the order of
 /// a walk down the tree that takes children as the file lists their joints, so parents come first.
 struct Urdf {
   std::string source;  ///< the file's name, for messages
   std::string name;
-  std::string base;  ///< the link in whose axes the model stands: `Base`
+  std::string base;  ///< the link whose frame is `Base` of the model
   std::vector<UrdfJoint> joints;
   std::vector<UrdfFrame> frames;  ///< every link of the model's part of the file
-  std::vector<UrdfLock> locked;   ///< joints that stand still though the file lets them move
-  /// What is odd but does not matter much: bodies that no density makes (within `makers_density`), bad
-  /// inertias of what does not move or weighs next to nothing, limits that look like degrees. One line each,
-  /// with the link or joint.
+  std::vector<UrdfLock> locked;   ///< joints that are locked though the file lets them move
+  /// Oddities that hardly matter: bodies that no density makes (within `makers_density`), bad inertias of
+  /// links that do not move or have very little weight, limits that look like degrees. One line each, with
+  /// the link or joint.
   std::vector<std::string> warnings;
 
-  /// Where the link `name` stands. Throws `ConfigurationError` for an unknown one, with those there are.
+  /// The place of the link `name`. Throws `ConfigurationError` for an unknown one, with the known names.
   [[nodiscard]] const UrdfFrame& frame(std::string_view link) const;
 };
 
 namespace detail {
 
-/// `"a", "b", "c" and 4 more`: names for a message.
+/// Names in an error text: `"a", "b", "c" and 4 more`.
 template <class Range, class Name>
 [[nodiscard]] std::string listed(const Range& range, const Name& name) {
   std::string text;

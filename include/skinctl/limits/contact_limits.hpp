@@ -1,4 +1,4 @@
-// How fast a robot may be for the people who touch it or come near: force, power, distance.
+// Limits of speed for contact with people: force, power, separation.
 #pragma once
 
 #include <array>
@@ -12,35 +12,35 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What link `I` may meet, and how it is known.
+/// The body region that link `I` may touch, and how a contact is measured.
 template <std::size_t I>
 struct LinkContact {
   static constexpr std::size_t link = I;
-  BodyRegion region;                 ///< the most delicate one that can be met
-  double reach = BodyRegion::unset;  ///< of the link's surface from the link's origin, at most [m]
+  BodyRegion region;                 ///< the most sensitive region that can be touched
+  double reach = BodyRegion::unset;  ///< largest distance of the link's surface from the link's origin [m]
   Nanoseconds reaction = BodyRegion::unset_time;  ///< from a change of force until the robot's speed changes
-  double newton = 1;  ///< newtons of the contact per newton of the skin's wrench: its calibration
-  /// Lets the link be faster than a blow allows as long as its skin sees nobody.
+  double newton = 1;  ///< calibration: newtons of the contact per newton of the skin's wrench
+  /// While the skin detects nobody, the link may exceed the speed of the transient force limit by this rule.
   std::optional<Separation> separation = {};
-  /// Distance at which a cell begins to see [m]; it says `range (1 - proximity)`. Choose it so that this lies
-  /// below the sensor's own curve. Needed with `separation`.
+  /// Distance at which a cell begins to detect [m]; the measured distance is `range (1 - proximity)`. Choose
+  /// it so that this lies below the sensor's own curve. Needed with `separation`.
   double range = 0;
 };
 
-/// What contact limits remember: for how long each contact has been above its lasting limit [s].
+/// Memory of contact limits: the time for which each contact has been above its quasi-static limit [s].
 template <std::size_t Links, Real T>
 struct ContactMemory {
   T above[Links == 0 ? 1 : Links] = {};
 };
 
-/// The factor in [0, 1] that all joint speeds have to be multiplied by, and what was found.
+/// The factor in [0, 1] for all joint speeds, and the contacts found.
 template <Real T>
 struct ContactVerdict {
   T scale = T(1);
   Status status;   ///< `contact_slowed`; `contact_force`, `contact_power`: stop
   T force = T(0);  ///< the strongest contact [N]
-  T power = T(0);  ///< the most that one of them takes [W]
-  T blow = T(0);   ///< the force with which the commanded motion could hit [N], at most
+  T power = T(0);  ///< the largest power of a contact [W]
+  T blow = T(0);   ///< upper bound of the transient force of the commanded motion [N]
 };
 
 namespace detail {
@@ -52,18 +52,18 @@ inline constexpr bool distinct_links =
 /// Limits of contact for some links of a robot: power and force, and separation, in the form of ISO/TS 15066
 /// with the user's own numbers. **Not a safety-rated function**: see `BodyRegion`.
 ///
-/// For each link that has them, with the commanded joint velocities u:
-/// - **Somebody might be met.** No point of the link is faster than `v = |v_o| + |w| reach`, and none, in any
-///   direction, hits with more than the robot's energy `e = u'Mu` (m_n v_n^2 <= e, Cauchy-Schwarz). So no
-///   blow exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin sees nobody,
-///   the speed of separation is allowed if that is more.
-/// - **Somebody is touched**, with the skin's resultant F on the link: the effective mass along F is
+/// For each of these links, with the commanded joint velocities u:
+/// - **Before a contact.** No point of the link is faster than `v = |v_o| + |w| reach`, and no impact, in any
+///   direction, has more than the robot's energy `e = u'Mu` (m_n v_n^2 <= e, Cauchy-Schwarz). So no transient
+///   force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin detects
+///   nobody, the speed of separation is allowed if it is higher.
+/// - **During a contact**, with the skin's resultant F on the link: the effective mass along F is
 ///   `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the contact. It is kept below
-///   `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region still takes), `(F_q - F) / (k reaction)`
-///   (pressed no harder than F_q before the robot reacts) and `P / F`. Motion out of the contact is not
-///   slowed by these.
-/// - **Too much**: F above F_t, or above F_q for longer than the first moments, is `contact_force`; more
-///   power than allowed at the measured velocities is `contact_power`. The guard stops.
+///   `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region can still take), `(F_q - F) / (k reaction)`
+///   (no more than F_q before the robot reacts) and `P / F`. Motion out of the contact is not slowed by
+///   these.
+/// - **Excess**: F above F_t, or above F_q for longer than `first`, is `contact_force`; more power than
+///   allowed at the measured velocities is `contact_power`. The guard stops.
 ///
 /// Opposite pushes on one link cancel in its resultant. Rotors are not in M: add their inertia to the model's
 /// links if they matter.
@@ -79,7 +79,7 @@ class ContactLimits {
   static constexpr std::size_t joints = M::joints;
   using Memory = ContactMemory<count, T>;
   using Verdict = ContactVerdict<T>;
-  /// How near the nearest body may be to each link, in the order of the links given [m].
+  /// Measured distance of the nearest body from each link, in the order of the links given [m].
   using Distances = std::array<T, count>;
 
   /// Throws `ConfigurationError` for a number that is out of its range, or was not given.
@@ -88,26 +88,26 @@ class ContactLimits {
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
-  /// The distances that the strongest proximity reading in [0, 1] of each link tells.
+  /// The distances that follow from the strongest proximity reading in [0, 1] of each link.
   [[nodiscard]] SKINCTL_INLINE Distances distances(const std::array<T, count>& nearest) const noexcept {
     Distances d;
     for (std::size_t k = 0; k < count; ++k) d[k] = at_[k].range * (T(1) - nearest[k]);
     return d;
   }
 
-  /// The strongest proximity readings that a skin holds, in the order of the links given.
+  /// The strongest proximity readings of a skin, in the order of the links given.
   template <class Skin>
   [[nodiscard]] static SKINCTL_INLINE std::array<T, count> nearest(
       const Skin& skin, const typename Skin::Memory& memory) noexcept {
     return {skin.template nearest<I>(memory)...};
   }
 
-  /// How much of the joint velocities `u` is allowed.
+  /// The allowed share of the joint velocities `u`.
   ///
-  /// @param measured  the robot: where contacts are and what power they take.
-  /// @param touch     what the skin does to the links; a link without skin does not compile.
+  /// @param measured  the robot's state, for the contacts and their power.
+  /// @param touch     the skin's wrenches on the links; a link without skin does not compile.
   /// @param dt        seconds since the last call.
-  /// NaN in a wrench, or a distance that is NaN: the link counts as pressed too hard, or as near.
+  /// A NaN in a wrench counts as too much force, a NaN distance as zero.
   template <class Wrenches>
   [[nodiscard]] SKINCTL_NOINLINE Verdict look(Memory& memory, const State<joints, T>& measured,
                                               const JointVelocity<joints, T>& u, const Wrenches& touch,
@@ -168,13 +168,13 @@ class ContactLimits {
   }
   static SKINCTL_INLINE T least(const T& x, const T& y) noexcept { return y < x ? y : x; }
 
-  /// Somebody might be met at up to `v`.
+  /// Before a contact at up to `v`.
   static SKINCTL_INLINE void before(const Link& link, const T& v, const T& energy, const T& distance,
                                     Verdict& out) noexcept {
     using std::sqrt;
     const auto& r = link.region;
     const T body = T(r.mass) * v * v, k = T(r.stiffness);
-    // Of two energies the smaller counts most: e b / (e + b); a region that cannot give way takes e.
+    // Energies in series: e b / (e + b); a region that cannot give way takes e.
     const T hit = v == T(0) || energy == T(0) ? T(0) : T(T(1) / (T(1) / energy + T(1) / body));
     const T blow = sqrt(k * hit);
     if (blow > out.blow) out.blow = blow;
@@ -187,7 +187,7 @@ class ContactLimits {
     out.scale = least(out.scale, scale);
   }
 
-  /// Somebody is touched with `F`, which gives `tau` at the joints.
+  /// During a contact with `F`, which gives `tau` at the joints.
   static SKINCTL_INLINE void during(const Link& link, T& above, const T& F, const JointTorque<joints, T>& tau,
                                     const MassFactors<M, T>& mass, const JointVelocity<joints, T>& u,
                                     const JointVelocity<joints, T>& dq, const T& dt, Verdict& out) noexcept {

@@ -12,7 +12,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A command that a governor let through or slowed; `altered` says which.
+/// A command that a governor passed or slowed; `altered` is true if it was slowed.
 template <std::size_t N, Real T>
 struct Governed {
   JointCommand<N, T> command;
@@ -20,37 +20,37 @@ struct Governed {
   bool altered = false;
 };
 
-/// The place of a governor in a scene that has none: no code, nothing remembered.
+/// In place of a governor in a scene without one: no code, no memory.
 struct NoGovernor {
   struct Memory {
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 };
 
-/// The same of a torque; `hold` is what holds the robot should the guard not let the command pass.
+/// The same of a torque; `hold` is the torque that holds the robot if the guard refuses the command.
 template <std::size_t N, Real T>
 struct GovernedTorque : Governed<N, T> {
   JointTorque<N, T> hold;
 };
 
-/// Stands between resolver and guard of a scene. `make_governor` builds it from those of `JerkLimits`,
+/// The stage between resolver and guard of a scene. `make_governor` builds it from those of `JerkLimits`,
 /// `ToolSpeed` and `ContactLimits` that the scene has; the others cost nothing.
 ///
-/// **Positions and velocities.** A command that keeps them passes to the bit. Else all joints are slowed
-/// alike (contact, tool), a motion from the last command to that is made within the limits of the joints (and
-/// of jerk), and the resolver is told what was sent: its virtual robot goes on from there, so nothing is
-/// caught up later. With a limit of jerk every command is made anew.
+/// **Positions and velocities.** A command within the limits passes to the bit. Otherwise all joints are
+/// slowed alike (contact, tool), a motion from the last command to the slowed one is computed within the
+/// limits of the joints (and of jerk), and the resolver learns what was sent: its virtual robot goes on from
+/// there, so nothing is caught up later. With a limit of jerk every command is computed anew.
 ///
-/// Where not all can be kept the last of this list gives way first: acceleration, position, velocity of the
-/// joints; the tool's speed; jerk; contact (somebody who steps in is braked for as hard as the others allow,
-/// and the guard stops for what is too much).
+/// Where the limits conflict, the last in this order gives way first: acceleration, position, velocity of the
+/// joints; the tool's speed; jerk; contact (for a person who steps in the robot brakes as hard as the other
+/// limits allow, and the guard stops at excess force or power).
 ///
-/// **Torques.** Nobody knows how a robot will move that is pushed, so its speed is braked: `braking_cycles`
-/// cycles ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which a share s keeps all
-/// limits. `tau - (1 - s) M u / T` leads to s u: drive that would make the robot too fast, or press harder
-/// than a region bears, is taken out, and a robot that is pushed too fast is damped. It sets in without a
-/// jump (s = 1 leaves the torque to the bit), and never exceeds the joints' torques. A robot that stops for a
-/// contact is held with damping `M / T`. There is no limit of jerk.
+/// **Torques.** The motion under external forces is unknown, so the speed is braked: `braking_cycles` cycles
+/// ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which a share s keeps all limits.
+/// `tau - (1 - s) M u / T` leads to s u: drive that would make the robot too fast, or press harder than a
+/// region allows, is removed, and a robot that is pushed too fast is damped. It sets in without a jump (s = 1
+/// leaves the torque to the bit), and never exceeds the joints' torques. A robot stopped for a contact is
+/// held with damping `M / T`. There is no limit of jerk.
 template <std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range = detail::NoPart>
 class Governor {
  public:
@@ -61,13 +61,13 @@ class Governor {
   static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
   static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
   static constexpr bool has_motion = !std::is_same_v<Range, detail::NoPart>;
-  /// For torques: how many cycles ahead a limit is looked for, and in how many a robot is braked.
+  /// For torques: the number of cycles of the prediction, and of braking.
   static constexpr int braking_cycles = 4;
 
   /// Trivially copyable.
   struct Memory {
     JointAcceleration<N, T> acceleration;  ///< at the end of the last command
-    JointPosition<N, T> position, carry;   ///< the last one made, and what its rounding left out
+    JointPosition<N, T> position, carry;   ///< the last command's position, and its rounding error
     [[no_unique_address]] typename Contact::Memory contact;
   };
 
@@ -81,11 +81,12 @@ class Governor {
   [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
   [[nodiscard]] const Range& motion() const noexcept { return motion_; }
 
-  /// The command that takes the place of `wish`, `dt` > 0 seconds after `last` was sent.
+  /// The command in place of `wish`, `dt` > 0 seconds after `last` was sent.
   ///
   /// @param measured  the last good state of the robot.
-  /// @param touch     wrenches on the links; @param nearest  strongest proximity reading for each link of the
-  ///                  contact limits. Both are read if there are any.
+  /// @param touch     wrenches on the links.
+  /// @param nearest   strongest proximity reading for each link of the contact limits; both are read only
+  ///                  with contact limits.
   /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.
   template <class Touch, class Nearest>
   SKINCTL_INLINE Governed<N, T> step(Memory& m, const JointCommand<N, T>& last,
@@ -113,7 +114,7 @@ class Governor {
     if constexpr (has_jerk) {
       const auto motion = jerk_.move(room, last.velocity, m.acceleration, u, dt);
       if constexpr (has_tool) {
-        // A jerk limit that would let the tool get too fast gives way.
+        // A jerk limit that would make the tool too fast gives way.
         if (!(tool_.within(last.position, last.velocity, motion.velocity, dt) == motion.velocity)) {
           out.status |= Reason::tool_speed_limited | Status(Reason::jerk_exceeded);
           const auto hard = limits_.move(room, last.velocity, u, dt);
@@ -133,11 +134,11 @@ class Governor {
     return out;
   }
 
-  /// The torque that takes the place of `wish.torque`, `dt` > 0 seconds after the last one was sent.
+  /// The torque in place of `wish.torque`, `dt` > 0 seconds after the last one was sent.
   ///
-  /// @param hold      what holds the robot: gravity compensation, with friction if it has some.
+  /// @param hold      the torque that holds the robot: gravity compensation, with friction if it has some.
   /// @param stopping  whether the guard waits for consent: then hold with damping.
-  /// All else as `step`.
+  /// The other parameters are those of `step`.
   template <class Touch, class Nearest>
   SKINCTL_NOINLINE GovernedTorque<N, T> step_torque(Memory& m, const JointCommand<N, T>& wish,
                                                     const JointTorque<N, T>& hold, bool stopping,
@@ -179,7 +180,7 @@ class Governor {
     return out;
   }
 
-  /// Tells what the guard let out instead.
+  /// The guard sent `command` instead.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept {
     if constexpr (has_jerk) m.acceleration = command.acceleration;
   }
@@ -196,7 +197,7 @@ class Governor {
   }
   static SKINCTL_INLINE JointTorque<N, T> momentum(const MassMatrix<N, T>& mass,
                                                    const JointVelocity<N, T>& u) noexcept {
-    JointTorque<N, T> p;  // M u, in N m s
+    JointTorque<N, T> p;  // M u [N m s]
     for (std::size_t i = 0; i < N; ++i)
       for (std::size_t j = 0; j < N; ++j) p[i] = p[i] + mass(i, j) * u[j];
     return p;
@@ -216,8 +217,7 @@ class Governor {
       out.command.position[i] = m.position[i] = next;
       out.command.velocity[i] = motion.velocity[i];
       if constexpr (requires { motion.acceleration; }) {
-        out.command.acceleration[i] =
-            motion.acceleration[i];  // that at its end: the guard may brake from there
+        out.command.acceleration[i] = motion.acceleration[i];  // at its end: the guard may brake from there
       } else {
         out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
       }

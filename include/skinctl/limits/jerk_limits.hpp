@@ -1,4 +1,4 @@
-// Limits of jerk on top of those of the joints: braking is begun early enough to be smooth.
+// Limits of jerk beside those of the joints: braking begins early enough to be smooth.
 #pragma once
 
 #include "skinctl/limits/detail/stopping.hpp"
@@ -6,35 +6,36 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How joints move over one step when their jerk is limited: `acceleration` is the one they end with, to be
-/// handed to the next step.
+/// The motion of joints over one step within limits of jerk: `acceleration` is that at its end, for the next
+/// step.
 template <std::size_t N, Real T = double>
 struct SmoothMotion {
   JointPosition<N, T> displacement;
   JointVelocity<N, T> velocity;
   JointAcceleration<N, T> acceleration;
   Status status;
-  std::uint64_t braked = 0;  ///< bit i: joint i was slowed for want of room
+  std::uint64_t braked = 0;  ///< bit i: joint i was slowed because its room was too small
 };
 
 /// Limits of `N` joints with a limit of jerk; immutable, checked when built.
 ///
-/// From a state that `move` left no limit of position, velocity, acceleration or jerk is ever crossed,
-/// whatever is asked for and however long the following steps are. What keeps them is one invariant: the
-/// quickest way to rest from the new state stays between the ends and below the velocity limit. A step
-/// towards the target that would break it is mixed with that quickest way.
+/// From a state that `move` produced no limit of position, velocity, acceleration or jerk is ever crossed,
+/// whatever the target and the length of the following steps. One invariant ensures this: the quickest stop
+/// from the new state stays between the ends and below the velocity limit. A step towards the target that
+/// would break it is mixed with that quickest stop.
 ///
-/// A robot may *start* where not all can be kept. Then, from the last that gives way to the first:
-/// 1. acceleration: never exceeded, a drive can do no more; then
-/// 2. position: an end is passed only by a joint that its whole deceleration cannot stop; then
-/// 3. velocity: a joint that is too fast brakes; then
-/// 4. jerk: exceeded as little as keeps the others (`jerk_exceeded`); then
+/// A robot may *start* in a state from which not all can be kept. In the order of their priority:
+/// 1. acceleration: never exceeded, as a drive cannot exceed it;
+/// 2. position: an end is passed only by a joint that its full deceleration cannot stop;
+/// 3. velocity: a joint that is too fast brakes;
+/// 4. jerk: exceeded as little as the others need (`jerk_exceeded`);
 /// 5. the target.
-/// Beyond an end only inward motion is given. `JointLimits::move` alone is the same without jerk.
+///
+/// Beyond an end only inward motion is allowed. `JointLimits::move` alone is the same without jerk.
 template <std::size_t N, Real T = double>
 class JerkLimits {
  public:
-  /// Throws `ConfigurationError` for a jerk out of its range: > 0, <= 1e9 rad/s^3, and such that the greatest
+  /// Throws `ConfigurationError` for a jerk out of its range: > 0, <= 1e9 rad/s^3, and such that the largest
   /// acceleration is reached within 1000 s.
   SKINCTL_COLD JerkLimits(const JointLimits<N, T>& limits, const JointJerk<N, T>& jerk)
       : limits_(limits), jerk_(jerk) {
@@ -43,7 +44,7 @@ class JerkLimits {
               "> 0, <= 1e9 rad/s^3");
       require(jerk[i] * T(1000) >= limits.acceleration()[i], "jerk limit", static_cast<double>(jerk[i]),
               ">= acceleration limit / 1000 s");
-      // No state below the velocity limit gets further than this before it rests.
+      // No state below the velocity limit travels further than this before it is at rest.
       const T V = limits.velocity()[i], A = limits.acceleration()[i];
       far_[i] = T(1.01) * (V * A / jerk[i] + detail::Stopping<T>(V, T(0), A, jerk[i]).reach().above);
     }
@@ -55,8 +56,8 @@ class JerkLimits {
   /// The motion over `h` > 0 seconds from velocity `u0` and acceleration `a0` towards the velocity `target`
   /// at its end. Within `room`, see `JointLimits::room`.
   ///
-  /// A target that moves is followed without lag; one that steps is overshot, by up to A^2/(2 J), because
-  /// nobody knows whether it goes on. NaN in a target or in `a0` counts as zero.
+  /// A moving target is followed without lag; one that steps is overshot, by up to A^2/(2 J), because its
+  /// future is unknown. NaN in a target or in `a0` counts as zero.
   [[nodiscard]] SKINCTL_NOINLINE SmoothMotion<N, T> move(const JointRoom<N, T>& room,
                                                          const JointVelocity<N, T>& u0,
                                                          const JointAcceleration<N, T>& a0,
@@ -67,7 +68,7 @@ class JerkLimits {
     });
   }
 
-  /// The same towards rest, the quickest way and without overshooting it.
+  /// The same towards rest, by the quickest stop and without overshoot.
   [[nodiscard]] SKINCTL_COLD SmoothMotion<N, T> brake(const JointRoom<N, T>& room,
                                                       const JointVelocity<N, T>& u0,
                                                       const JointAcceleration<N, T>& a0,
@@ -100,13 +101,13 @@ class JerkLimits {
     }
     static T eps() noexcept { return std::numeric_limits<T>::epsilon(); }
 
-    /// Whether the quickest way to rest stays between the ends, to within rounding.
+    /// Whether the quickest stop stays between the ends, to within rounding.
     [[nodiscard]] bool can_rest(const T& u, const T& a) const noexcept {
       const auto reach = detail::Stopping<T>(u, a, A, J).reach();
       const T more = slack + T(256) * eps() * (reach.above + reach.below);
       return reach.above <= above + more && reach.below <= below + more;
     }
-    /// Whether a step may end like this: the same with something to spare, and below the velocity limit.
+    /// Whether a step may end in this state: the same with a margin, and below the velocity limit.
     [[nodiscard]] bool may_end(const Moved& m) const noexcept {
       if (roomy) [[likely]]
         return slow_enough(m);
@@ -118,10 +119,10 @@ class JerkLimits {
       const T own = m.a * m.a / (T(2) * J * braking_share<T>);
       return (m.a > T(0) ? m.u : -m.u) + own <= V && m.u <= V && -m.u <= V;
     }
-    /// Whether a step of constant jerk stays between the ends on its way.
+    /// Whether a step of constant jerk stays between the ends.
     [[nodiscard]] bool stays_inside(const T& u, const T& a, const T& j, const T& h) const noexcept {
       using std::sqrt;
-      const T square = a * a - T(2) * j * u;  // it turns round where u + a t + j t^2/2 = 0
+      const T square = a * a - T(2) * j * u;  // it reverses where u + a t + j t^2/2 = 0
       if (!(square >= T(0))) return true;
       const T root = a < T(0) ? T(a - sqrt(square)) : T(a + sqrt(square));
       const T first = j != T(0) ? T(-root / j) : T(0), second = root != T(0) ? T(T(-2) * u / root) : T(0);
@@ -136,8 +137,8 @@ class JerkLimits {
       T a;
       bool rests;
     };
-    /// The acceleration nearest to `a` from which the joint can rest inside and below the velocity limit;
-    /// `a` itself nearly always.
+    /// The acceleration nearest to `a` from which the joint can stop inside and below the velocity limit; in
+    /// nearly all cases `a` itself.
     [[nodiscard]] Bearable bearable(const T& u, T a) const noexcept {
       using std::sqrt;
       if (roomy && slow_enough({T(0), u, a})) [[likely]]
@@ -182,7 +183,7 @@ class JerkLimits {
         const Moved brake = detail::Stopping<T>(u, a, A, J).after(h);
         Moved kept = brake;
         if (roomy ||
-            stays_inside(u, a, slope, h)) {  // as much of the step as may be: both parts keep all limits
+            stays_inside(u, a, slope, h)) {  // as much of the step as possible: both parts keep all limits
           T good = T(0), bad = T(1);
           for (int k = 0; k < 24; ++k) {
             const T part = T(0.5) * (good + bad);
@@ -232,7 +233,7 @@ class JerkLimits {
     return out;
   }
 
-  /// Joint `i` as if its jerk had no limit: it brakes as hard as it may.
+  /// Joint `i` as if its jerk had no limit: it brakes as hard as its acceleration limit allows.
   SKINCTL_COLD void without_jerk(std::size_t i, const JointRoom<N, T>& room, const JointVelocity<N, T>& u0,
                                  const T& h, SmoothMotion<N, T>& out) const noexcept {
     const auto hard = limits_.move(room, u0, JointVelocity<N, T>{}, h);

@@ -11,11 +11,11 @@ SKINCTL_BEGIN_NAMESPACE
 /// Position and velocity limits of the joints of a robot by torque, as a part of a governor; a scene by
 /// torque has them unless it is built without.
 ///
-/// Nobody commands the motion of such a robot, so its velocity is looked at where the torque leads to in a
-/// few cycles, `u = dq + t M^-1 (tau - hold)`. Each joint's u is kept below its velocity limit and below the
-/// speed from which its acceleration limit stops it before its end; the torque gives way by as much as that
-/// takes, `-M (u - u_kept) / t`. Beyond an end, and above the limit, a joint is only braked. Whatever pushes
-/// from outside with more than the joints' torques wins.
+/// The motion of such a robot is not commanded, so the limits act on the velocity to which the torque leads
+/// in a few cycles, `u = dq + t M^-1 (tau - hold)`. Each joint's u is kept below its velocity limit and below
+/// the speed from which its acceleration limit stops it before its end, by the torque `-M (u - u_kept) / t`.
+/// Beyond an end, and above the limit, a joint is only braked. External forces beyond the joints' torques
+/// prevail.
 template <RobotModel M, Real T = double>
 class MotionLimits {
  public:
@@ -25,8 +25,8 @@ class MotionLimits {
   explicit MotionLimits(const M& model) : model_(model) {}
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
-  /// The velocity next to `u` that each joint at `q` may have `ahead` seconds from now, and which limits
-  /// acted.
+  /// The velocity nearest to `u` that each joint at `q` may have `ahead` seconds from now, and the limits
+  /// that acted.
   [[nodiscard]] SKINCTL_INLINE JointVelocity<joints, T> within(const JointLimits<joints, T>& limits,
                                                                const JointPosition<joints, T>& q,
                                                                const JointVelocity<joints, T>& u,

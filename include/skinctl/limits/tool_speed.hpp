@@ -8,12 +8,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The greatest speed [m/s] of a point fixed to link `I`, kept by slowing all joints alike.
+/// The largest speed [m/s] of a point fixed to link `I`, kept by slowing all joints alike.
 ///
-/// A joint motion that goes on makes the point faster by itself as the arm stretches. So what is kept below
-/// the limit is the fastest that the point gets while all joints brake together from here, at the rate that
-/// the weakest allows: with `v = |J u|`, growth `K = R (sum |u_i|)^2` and rate `a = min A_i / |u_i|`, that is
-/// v if `K <= a v`, else at most `2/3 v + K/(3 a)`. From a motion that `scale` left it can always be kept.
+/// At constant joint velocities the point gets faster as the arm stretches. So the limited quantity is the
+/// largest speed of the point while all joints brake together from here, at the rate of the weakest: with
+/// `v = |J u|`, growth `K = R (sum |u_i|)^2` and rate `a = min A_i / |u_i|`, that is v if `K <= a v`, else at
+/// most `2/3 v + K/(3 a)`. After a motion by `scale` it can always be kept.
 template <RobotModel M, std::size_t I, Real T = double>
 class ToolSpeed {
  public:
@@ -24,7 +24,7 @@ class ToolSpeed {
   struct Values {
     T speed;                            ///< [m/s], > 0
     Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `I`, from its origin [m]
-    T reach;                            ///< R: of the point from any joint axis, at most [m]
+    T reach;                            ///< R: largest distance of the point from any joint axis [m]
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
@@ -42,7 +42,7 @@ class ToolSpeed {
   [[nodiscard]] T limit() const noexcept { return values_.speed; }
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
-  /// The point's velocity per joint velocity at `q`, to be asked several times.
+  /// The point's velocity per joint velocity at `q`, for several queries.
   class At {
    public:
     /// `|J u|` [m/s].
@@ -52,7 +52,7 @@ class ToolSpeed {
       for (std::size_t i = 0; i < joints; ++i) v = v + u[i] * column_[i];
       return sqrt(dot(v, v));
     }
-    /// Whether a motion that gets to `u` by moving `path` = sum of the joints' ways, and brakes from there,
+    /// Whether a motion that reaches `u` over `path`, the sum of the joints' paths, and brakes from there,
     /// keeps the limit. False for NaN.
     [[nodiscard]] SKINCTL_INLINE bool keeps(const JointVelocity<joints, T>& u, const T& path) const noexcept {
       T sum(0), rate = std::numeric_limits<T>::infinity();
@@ -83,7 +83,7 @@ class ToolSpeed {
     return At(*this, q);
   }
 
-  /// The share in [0, 1] of `u` with which the point keeps the limit for `time` seconds to come: the root of
+  /// The share in [0, 1] of `u` with which the point keeps the limit for the next `time` seconds: the root of
   /// `s v + s^2 K time = limit`. 0 for NaN.
   [[nodiscard]] SKINCTL_NOINLINE T share(const JointPosition<joints, T>& q, const JointVelocity<joints, T>& u,
                                          const T& time) const noexcept {
@@ -97,8 +97,8 @@ class ToolSpeed {
     return s > T(0) ? s : T(0);
   }
 
-  /// As much of the step from `u0` to `u1` over `h` seconds as keeps the limit: `u1` if it does, else its mix
-  /// with the motion that brakes from u0 with all joints alike, which is what remains when nothing does.
+  /// The step from `u0` to `u1` over `h` seconds as far as it keeps the limit: `u1` if it does, else its mix
+  /// with the motion that brakes all joints alike from u0; that motion alone if no mix does.
   [[nodiscard]] SKINCTL_NOINLINE JointVelocity<joints, T> within(const JointPosition<joints, T>& q,
                                                                  const JointVelocity<joints, T>& u0,
                                                                  const JointVelocity<joints, T>& u1,

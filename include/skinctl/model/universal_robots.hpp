@@ -15,7 +15,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// - a, d, alpha, masses and centres of mass: universal-robots.com, "DH Parameters for calculations of
 ///   kinematics and dynamics".
 /// - Inertia tensors and joint limits: Universal_Robots_ROS2_Description (BSD-3),
-///   config/<robot>/physical_parameters.yaml (whose centres of mass agree with the maker's page) and
+///   config/ROBOT/physical_parameters.yaml (whose centres of mass agree with the maker's page) and
 ///   joint_limits.yaml (user manuals; "Max. joint torques"). There the elbow is limited to half its range to
 ///   avoid self-collision.
 template <class Table>

@@ -1,4 +1,4 @@
-// A contact that begins to ring is damped, and nothing else is touched.
+// Damping of contacts that ring.
 #pragma once
 
 #include <cmath>
@@ -9,8 +9,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Friction along contacts: a joint torque `-coefficient[k] row[k] (row[k] . dq)` each, `N m s` or `N s/m`.
-/// Symmetric and not negative: it can only take energy.
+/// Friction along contacts: a joint torque `-coefficient[k] row[k] (row[k] . dq)` each, coefficients in
+/// [N m s] or [N s/m]. Symmetric and not negative: it only dissipates.
 template <std::size_t N, Real T = double>
 struct ContactDamping {
   T coefficient[N] = {};
@@ -18,40 +18,40 @@ struct ContactDamping {
   bool any = false;
 };
 
-/// Contact damping, fixed and by observation. A part of a resolver's `Passivity`.
+/// Contact damping, constant and by observation. A part of a resolver's `Passivity`.
 ///
 /// Each link's push is watched for turns: it rose and then fell by more than `swing` and by more than a tenth
-/// of the push, or the reverse. Turns that come within `slowest` of each other and do not die out quickly
-/// (each swing at least 0.4 of the last one) are a contact that rings; so is one that bounces, however long
-/// the robot flies, if it comes back by itself. The third turn in a row raises the damping along the contact
-/// by half of `most`, and so does each further one (`contact_damped`). The damping is never below `always`
-/// while the contact lasts, never above `always + most`, rises and falls smoothly, and falls with the time
-/// constant `calm` once the contact has ended, ten times as slowly while it lasts. A robot that is not
-/// touched, a push that takes longer than `slowest` from peak to trough, and taps on a robot that rests or
-/// gives way are left alone.
+/// of the push, or the reverse. A contact rings if turns come within `slowest` of each other and do not die
+/// out quickly (each swing at least 0.4 of the last one); so does one that bounces, however long the robot
+/// flies, if it returns by itself. The third turn in a row, and each further one, raises the damping along
+/// the contact by half of `max` (`contact_damped`). The damping is at least `always` while the contact lasts,
+/// at most `always + max`, rises and falls smoothly, and falls with the time constant `calm` once the contact
+/// has ended, ten times as slowly while it lasts. No damping is added for a robot that is not touched, for a
+/// push that takes longer than `slowest` from peak to trough, and for taps on a robot that rests or gives
+/// way.
 template <Real T = double>
 class ContactDamper {
  public:
   using RobotPart = detail::KeeperPart;
   struct Settings {
-    T max = T(0);     ///< added at most [N s/m], as the virtual robot's force, >= 0; see `contact_damping`
-    T always = T(0);  ///< while a contact lasts [N s/m], >= 0: what a delay needs, see `contact_damping`
-    T swing = T(2);   ///< least change of a push that counts [N], > 0: two quanta of the sensor at least
+    T max = T(0);     ///< largest added damping of the virtual robot [N s/m], >= 0: see `contact_damping`
+    T always = T(0);  ///< during a contact [N s/m], >= 0, for a delay: see `contact_damping`
+    T swing = T(2);   ///< smallest change of a push that counts [N], > 0: at least two quanta of the sensor
     Nanoseconds slowest = 250ms;  ///< longest time from peak to trough, > 0
     Nanoseconds calm = 500ms;     ///< > 0
   };
-  /// One link's contact as it is watched.
+  /// The observation of one link's contact.
   struct Watch {
-    T extreme = T(0);  ///< of the push since the last turn [N]
+    T extreme = T(0);  ///< extreme push since the last turn [N]
     T last = T(0);     ///< the push at that turn [N]
     T swing = T(0);    ///< of the last turn [N]
-    T since = T(0);    ///< the last turn [s]
-    T away = T(0);     ///< for how long it has not been touched [s]
+    T since = T(0);    ///< time since the last turn [s]
+    T away = T(0);     ///< time without contact [s]
     int turns = 0;     ///< in a row
     bool rising = false;
     bool touched = false;
-    T wish = T(0);   ///< damping that is wanted, in parts of `most`
-    T level = T(0);  ///< what is given
+    T wish = T(0);   ///< wanted damping, in parts of `max`
+    T level = T(0);  ///< present damping, in parts of `max`
   };
   template <std::size_t N>
   struct Memory {
@@ -77,7 +77,7 @@ class ContactDamper {
   }
 
   /// A cycle of `dt` seconds with these contacts of a robot that moves at `dq`, as measured. True if damping
-  /// is added to what there always is.
+  /// is added to `always`.
   template <std::size_t N, std::size_t K>
   bool observe(Memory<N>& memory, const Contacts<N, T, K>& contacts, const JointVelocity<N, T>& dq,
                const T& dt) const noexcept {
@@ -106,7 +106,7 @@ class ContactDamper {
     using std::exp;
     w.touched = true;
     if (force > T(0)) {
-      // A robot that comes back by itself has bounced: the flight does not count.
+      // A robot that returns by itself has bounced: the flight does not count.
       w.since = w.since + dt + (speed > T(0) ? T(0) : w.away);
       w.away = T(0);
     } else {

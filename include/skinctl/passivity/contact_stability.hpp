@@ -1,4 +1,5 @@
-// How stiff a contact a resolver's virtual robot can rest in: the gain margin of the loop through the world.
+// The stiffest contact in which a resolver's virtual robot is stable: the gain margin of the loop through the
+// contact.
 #pragma once
 
 #include <cmath>
@@ -11,14 +12,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What the robot will be pressed against, and how the push comes back to the law.
+/// The stiffness of a contact, and the path of its force to the law.
 template <Real T = double>
 struct ContactEnvironment {
-  T stiffness = T(0);        ///< of the stiffest thing that it meets [N/m], > 0
+  T stiffness = T(0);        ///< of the stiffest contact [N/m], > 0
   T cover = T(0);            ///< of the skin's cover, in series [N/m]; 0: rigid
-  T force_gain = T(1);       ///< w_f: newtons that the law gets per newton at the cell, > 0
+  T force_gain = T(1);       ///< w_f: newtons at the law per newton at the cell, > 0
   Nanoseconds skin_delay{};  ///< t_skin: age of a push when a cycle uses it, >= 0
-  T margin = T(2);           ///< gain margin that is asked for, >= 1
+  T margin = T(2);           ///< required gain margin, >= 1
 
   /// `k_env k_skin / (k_env + k_skin)` [N/m].
   [[nodiscard]] T series() const noexcept {
@@ -27,21 +28,21 @@ struct ContactEnvironment {
 };
 
 /// Damping along a contact of stiffness `k` [N/m] with which a loop of total delay `delay` [s] is stable
-/// whatever the virtual mass is: `B >= 1.5 k T` [N s/m] (`EQUATIONS.md`). The gain margin is then 1.5 for a
-/// heavy mass and `1.5 pi/2 = 2.4` for a light one; `ContactStability::damping_for` knows the mass.
+/// whatever the virtual mass: `B >= 1.5 k T` [N s/m]. The gain margin is then 1.5 for a heavy mass and
+/// `1.5 pi/2 = 2.4` for a light one; `ContactStability::damping_for` takes the mass into account.
 template <Real T>
 [[nodiscard]] T contact_damping(const T& k, const T& delay) noexcept {
   return T(1.5) * k * delay;
 }
 
-/// The loop of `EQUATIONS.md`: push, virtual robot, delay, lag, displacement, push again.
+/// The loop of contact force, virtual robot, delay, lag and displacement:
 ///
-/// `g(s) = w_f k n'J (M s^2 + B s)^-1 J'n (1 + T_lead s) exp(-s (T_d + t_skin + dt/2)) / (tau s + 1)`
+///     g(s) = w_f k n'J (M s^2 + B s)^-1 J'n (1 + T_lead s) exp(-s (T_d + t_skin + dt/2)) / (tau s + 1)
 ///
-/// with M and B the configured inertia and friction, of joints and of the tool (`Tool`, as the resolver has
-/// it), and along the contact the contact damping. The loop is stable up to the stiffness at which g passes
-/// -1. A contact is given by its row `n'J` (see `Contact::row`). For the time of configuration: some hundred
-/// small complex solutions a pose, by Eigen: who uses it includes <Eigen/LU> first.
+/// with M and B the configured inertia and friction, of joints and of the tool (`Tool`, as in the resolver),
+/// and along the contact the contact damping. The loop is stable up to the stiffness at which g passes -1. A
+/// contact is given by its row `n'J` (see `Contact::row`). For configuration time: some hundred small complex
+/// solutions a pose, by Eigen; include <Eigen/LU> first.
 template <RobotModel M, Real T = double, class Tool = NoToolShape>
 class ContactStability {
  public:
@@ -73,7 +74,7 @@ class ContactStability {
   /// T_d + t_skin + dt/2 + tau [s].
   [[nodiscard]] T total_delay() const noexcept { return dead_time_ + lag_; }
 
-  /// What the virtual robot is at a pose.
+  /// Inertia and friction of the virtual robot at a pose.
   struct Felt {
     MassMatrix<joints, T> inertia;   ///< M_v
     MassMatrix<joints, T> friction;  ///< B
@@ -93,7 +94,8 @@ class ContactStability {
     return out;
   }
 
-  /// `g(i w)` of a contact of 1 N/m, `row` in [m/rad], `damping` [N s/m] along it besides the shape's.
+  /// `g(i w)` of a contact of 1 N/m, `row` in [m/rad], `damping` [N s/m] along it in addition to that of the
+  /// virtual robot.
   [[nodiscard]] std::complex<T> response(const Felt& robot, const Row& row, const T& damping,
                                          const T& w) const {
     using C = std::complex<T>;
@@ -113,14 +115,14 @@ class ContactStability {
            C(T(1), lag_ * w);
   }
 
-  /// k_max [N/m]: the stiffest contact along `row` at the pose `q` that the loop is stable in. 0 for a
+  /// k_max [N/m]: the stiffest contact along `row` at the pose `q` in which the loop is stable. 0 for a
   /// virtual robot without friction, infinity for a row of zeros.
   [[nodiscard]] T stiffest(const JointPosition<joints, T>& q, const Row& row, const T& damping = T(0)) const {
     const Felt robot = felt(q);
     T size(0);
     for (const T& r : row) size += r * r;
     if (!(size > T(0))) return std::numeric_limits<T>::infinity();
-    // Every crossing of the negative real axis counts; beyond 20/T the gain has long gone.
+    // Every crossing of the negative real axis counts; beyond 20/T the gain is negligible.
     const T first = T(1e-5) / total_delay(), last = T(20) / total_delay(), step = T(1.05);
     T k = std::numeric_limits<T>::infinity(), from = first;
     auto before = response(robot, row, damping, from);
@@ -142,12 +144,12 @@ class ContactStability {
     return k;
   }
 
-  /// k_max over the stiffest contact: how many times stiffer it might be.
+  /// The gain margin: k_max over the stiffness of the stiffest contact.
   [[nodiscard]] T margin(const JointPosition<joints, T>& q, const Row& row, const T& damping = T(0)) const {
     return stiffest(q, row, damping) / environment_.series();
   }
 
-  /// Throws `ConfigurationError` with k_max and what is allowed unless the contact has the margin asked for.
+  /// Throws `ConfigurationError` with k_max and the allowed range unless the contact has the required margin.
   SKINCTL_COLD void check(const JointPosition<joints, T>& q, const Row& row, const T& damping = T(0)) const {
     const T k = stiffest(q, row, damping), allowed = k / environment_.margin;
     if (allowed >= environment_.series()) return;
@@ -158,9 +160,8 @@ class ContactStability {
     require(false, "stiffness of the stiffest contact", static_cast<double>(environment_.series()), text);
   }
 
-  /// The least damping along the contact with which it has the margin asked for [N s/m]: what a
-  /// `ContactDamper` is given as `always`. 0 if it needs none; never more than `margin / 1.5` times
-  /// `contact_damping`.
+  /// The smallest damping along the contact with which it has the required margin [N s/m], for `always` of a
+  /// `ContactDamper`. 0 if it needs none; never more than `margin / 1.5` times `contact_damping`.
   [[nodiscard]] SKINCTL_COLD T damping_for(const JointPosition<joints, T>& q, const Row& row) const {
     if (margin(q, row) >= environment_.margin) return T(0);
     T low(0), high = environment_.margin / T(1.5) *

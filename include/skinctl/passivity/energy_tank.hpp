@@ -1,4 +1,4 @@
-// Energy from nowhere: a tank that pays for every torque but the touch's own.
+// An energy tank: it pays for every torque but that of touch.
 #pragma once
 
 #include <cmath>
@@ -9,8 +9,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The share of an active torque that energy `E` pays for, if all of it costs `w1` + `w2` [J], a share alpha
-/// `alpha w1 + alpha^2 w2`, w2 >= 0: 1 if that is at most E, otherwise the root
+/// The share of an active torque that the energy `E` pays for. All of it costs `w1` + `w2` [J], a share alpha
+/// `alpha w1 + alpha^2 w2`, w2 >= 0: 1 if all costs at most E, otherwise the root
 /// `(-w1 + sqrt(w1^2 + 4 w2 E)) / (2 w2)` in [0, 1]. An E below 0 counts as 0. 0 for NaN.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T affordable_share(const T& w1, const T& w2, const T& E) noexcept {
@@ -18,56 +18,54 @@ template <Real T>
   const T left = E > T(0) ? E : T(0);
   if (w1 + w2 <= left) return T(1);
   const T root = sqrt(w1 * w1 + T(4) * w2 * left);
-  // The same root twice: each form is exact where the other one cancels.
+  // The same root in two forms: each is exact where the other one cancels.
   const T over = w1 > T(0) ? T(w1 + root) : T(2 * w2);
   const T share = over > T(0) ? T((w1 > T(0) ? T(2 * left) : T(root - w1)) / over) : T(0);
   return share > T(0) ? (share < T(1) ? share : T(1)) : T(0);
 }
 
-/// An energy tank around everything that is not the touch itself (`EQUATIONS.md`): weighted laws, changes of
-/// skill and weight, bumpless transfers, the observer, errors of the integration. A part of a resolver's `Passivity`.
+/// An energy tank for all active torque, that is, all but that of touch: weighted laws, changes of skill and
+/// weight, bumpless transfers, the observer, errors of the integration. A part of a resolver's `Passivity`.
 ///
-/// The virtual robot is passive at its port: kinetic energy plus tank never grow by more than the work of the
-/// touch, `port_gain tau_skin . dq^`. The law's torque beyond `port_gain tau_skin + G` is active: it takes
-/// `tau_a . dq^` out of the tank, or fills it up to `most`. Where a sub-step would cost more than is left,
-/// `alpha tau_a` remains (`tank_empty`): the robot yields and brakes as before, but no longer drives. Kinetic
-/// energy that no work explains (`res`: a changed mass matrix, discretisation, the observer's pull) is
-/// charged as soon as it is seen, at the next sub-step.
+/// The virtual robot is passive at its port: the sum of kinetic energy and tank never grows by more than the
+/// work of the touch, `port_gain tau_skin . dq^`. The law's torque beyond `port_gain tau_skin + G` is active:
+/// `tau_a . dq^` drains the tank, or fills it up to `max`. Where a sub-step would cost more than the tank
+/// holds, `alpha tau_a` remains (`tank_empty`): the robot yields and brakes as before, but no longer drives.
+/// Kinetic energy that no work explains (`res`: a changed mass matrix, discretisation, the observer's
+/// correction) is charged at the next sub-step.
 ///
-/// A torque interface has no virtual robot: the port is the real one, `Held` what is remembered, and the
-/// work is booked by how far the robot has moved under the torque that it held. A push from outside can make
-/// a cycle cost more than was foreseen: then the tank is in debt, and nothing active is given until braking
-/// has paid it back.
+/// A torque interface has no virtual robot: the port is the real one, `Held` its memory, and work is computed
+/// from the robot's displacement under the torque that was held. An external push can make a cycle cost more
+/// than predicted: then the tank is in debt, and there is no active torque until braking has paid it back.
 template <Real T = double>
 class EnergyTank {
  public:
   using RobotPart = detail::KeeperPart;
   struct Settings {
-    T start = T(1);      ///< energy at the start [J], >= 0
-    T max = T(5);        ///< room [J], >= start
+    T start = T(1);      ///< initial energy [J], >= 0
+    T max = T(5);        ///< capacity [J], >= start
     T port_gain = T(1);  ///< weight with which the law takes the skin's torque; another one is active
   };
   template <std::size_t N>
   struct Memory {
     T energy = T(0);
     T kinetic = T(0);          ///< at the last sub-step
-    T explained = T(0);        ///< what of its change since is work or friction
+    T explained = T(0);        ///< the part of its change since that is work or friction
     JointTorque<N, T> port;    ///< of the last sub-step
     JointTorque<N, T> active;  ///< the share of the active torque that was paid for
     MassMatrix<N, T> mass;     ///< of the last sub-step
-    bool counts = false;       ///< they hold
-    bool paid = false;         ///< a sub-step is to be booked
+    bool counts = false;       ///< the values above are valid
+    bool paid = false;         ///< a sub-step is to be charged
   };
-  /// Behind a torque interface: the torque that the real robot holds, and what its parts were when it was
-  /// sent.
+  /// For a torque interface: the torque that the real robot holds, and its parts when it was sent.
   template <std::size_t N>
   struct Held {
     T energy = T(0);
-    JointTorque<N, T> passive;  ///< what costs nothing: port, gravity, friction
-    JointTorque<N, T> port;     ///< of it, the touch's
+    JointTorque<N, T> passive;  ///< the part without cost: port, gravity, friction
+    JointTorque<N, T> port;     ///< the touch's part of it
     JointTorque<N, T> gravity;
-    JointTorque<N, T> active;  ///< all the rest
-    bool counts = false;       ///< they hold
+    JointTorque<N, T> active;  ///< the remainder
+    bool counts = false;       ///< the values above are valid
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
@@ -86,8 +84,8 @@ class EnergyTank {
     return m;
   }
 
-  /// A sub-step begins with mass matrix `m` (shape included) and velocity `v`: what kinetic energy has gained
-  /// without a reason is charged.
+  /// A sub-step begins with mass matrix `m` (virtual inertia included) and velocity `v`: an unexplained gain
+  /// of kinetic energy is charged.
   template <std::size_t N>
   SKINCTL_INLINE void charge(Memory<N>& memory, const MassMatrix<N, T>& m,
                              const JointVelocity<N, T>& v) const noexcept {
@@ -120,8 +118,8 @@ class EnergyTank {
     return share;
   }
 
-  /// The virtual robot moved by `dq` in `h` seconds: books the work of the ports and of the friction. Where
-  /// no law drove it, kinetic energy is counted anew.
+  /// The virtual robot moved by `dq` in `h` seconds: charges the work of the ports and of the friction. Where
+  /// no law drove it, the kinetic energy is computed anew.
   template <std::size_t N>
   SKINCTL_INLINE void book(Memory<N>& memory, const JointPosition<N, T>& dq,
                            const VirtualDynamics<N, T>& shape, const T& h) const noexcept {
@@ -149,9 +147,9 @@ class EnergyTank {
     return m;
   }
 
-  /// The real robot moved by `dq` under the torque that it held, to where gravity asks for `gravity` and the
-  /// touch gives `port`: books what the active part did. What the rest did that is no work of port, gravity
-  /// or friction (it was held while they changed) is charged.
+  /// The real robot moved by `dq` under the torque that it held, to a position with the torques `gravity` and
+  /// `port`: charges the work of the active part, and that work of the passive part which is none of port,
+  /// gravity or friction (it was held while they changed).
   template <std::size_t N>
   SKINCTL_INLINE void book(Held<N>& memory, const JointPosition<N, T>& dq, const JointTorque<N, T>& port,
                            const JointTorque<N, T>& gravity) const noexcept {
@@ -167,7 +165,7 @@ class EnergyTank {
   }
 
   /// The share of the active torque that may be held for `h` seconds from the velocity `v` on; `move(torque)`
-  /// gives the velocity that a torque leads to.
+  /// gives the velocity to which a torque leads.
   ///
   /// @param passive  `port_gain port + gravity` less friction.
   template <std::size_t N, class Move>
@@ -177,7 +175,7 @@ class EnergyTank {
     JointVelocity<N, T> v1 = move(passive + active);
     return share_of(memory.energy, active, v, v1, h, [&] { return move(passive); });
   }
-  /// This is sent: limits and guard have had the last word.
+  /// The torque that is sent, after limits and guard.
   template <std::size_t N>
   SKINCTL_INLINE void sent(Held<N>& memory, const JointTorque<N, T>& torque, const JointTorque<N, T>& passive,
                            const JointTorque<N, T>& port, const JointTorque<N, T>& gravity) const noexcept {
@@ -186,7 +184,7 @@ class EnergyTank {
     memory.gravity = gravity;
     sent(memory, torque);
   }
-  /// Something else was sent instead.
+  /// Another torque was sent instead.
   template <std::size_t N>
   SKINCTL_INLINE void sent(Held<N>& memory, const JointTorque<N, T>& torque) const noexcept {
     memory.active = torque - memory.passive;
@@ -194,7 +192,7 @@ class EnergyTank {
   }
 
  private:
-  /// The share that is paid for, and the velocity that it leads to in the place of `v1`.
+  /// The share that is paid for, and the velocity to which it leads in place of `v1`.
   template <std::size_t N, class Without>
   static SKINCTL_INLINE T share_of(const T& energy, const JointTorque<N, T>& active,
                                    const JointVelocity<N, T>& v, JointVelocity<N, T>& v1, const T& h,

@@ -1,4 +1,4 @@
-// What watches over energy and contacts inside a resolver: parts that a scene names, nothing by default.
+// Parts of a resolver that watch over energy and contacts: a scene names them; none by default.
 #pragma once
 
 #include <tuple>
@@ -9,15 +9,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The parts that keep a resolver passive, in any order: `Passivity(EnergyTank(...), PassivityObserver(...),
-/// ContactDamper(...))`. None by default; what is not named costs nothing, neither time nor memory.
+/// The parts that keep a resolver passive, in any order:
+/// `Passivity(EnergyTank(...), PassivityObserver(...), ContactDamper(...))`. None by default; a part that is
+/// not named costs neither time nor memory.
 template <class... Parts>
 class Passivity {
  public:
   template <class Part>
   static constexpr bool has = (std::is_same_v<Part, Parts> || ...);
 
-  /// What the parts change from cycle to cycle; trivially copyable.
+  /// The memory of the parts; trivially copyable.
   template <std::size_t N>
   struct Memory : Parts::template Memory<N>... {
     template <class Part>

@@ -1,4 +1,4 @@
-// Passive where it is touched: what the real robot may give a contact is what it got from it.
+// Passivity of the real robot at a contact: it returns no more energy than it received.
 #pragma once
 
 #include "skinctl/core/joint.hpp"
@@ -7,37 +7,36 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Energy at the measured port (`EQUATIONS.md`): behind a delay the virtual robot's passivity does not make
-/// the real one passive. A part of a resolver's `Passivity`.
+/// The account of energy at the measured port: behind a delay the virtual robot's passivity does not make the
+/// real one passive. A part of a resolver's `Passivity`.
 ///
-/// `E_r = E_0 - sum 1/2 (F_k + F_{k-1}) dx`, F the push of a contact as measured and dx the real robot's
-/// displacement into it. The virtual robot moves on into contacts only while
-/// `sum (F + k_max p/2) p <= E_r`, p the furthest command that is under way, its braking distance included,
-/// ahead of the measured position along the contact; otherwise it slows down and holds (`energy_held`). Away
-/// from a contact it may always move. A contact that is not felt yet costs up to `k_max p^2/2` with
-/// `p = sum reach_i |dq_i|` of what is under way: where `reach` is given, that is kept below E_r too, which
-/// limits the speed in free space to one at which an impact can be paid for.
+/// `E_r = E_0 - sum 1/2 (F_k + F_{k-1}) dx`, F the measured push of a contact and dx the real robot's
+/// displacement into it. The virtual robot moves into contacts only while `sum (F + k_max p/2) p <= E_r`, p
+/// the distance of the furthest command under way, its braking distance included, ahead of the measured
+/// position along the contact; otherwise it slows down and holds (`energy_held`). Motion out of a contact is
+/// always allowed. A contact that is not felt yet costs up to `k_max p^2/2` with `p = sum reach_i |dq_i|` of
+/// the commands under way: where `reach` is given, that is kept below E_r too. This limits the speed in free
+/// space to one whose impact E_r can pay for.
 template <Real T = double>
 class PassivityObserver {
  public:
   using RobotPart = detail::KeeperPart;
   struct Settings {
     T start = T(1);        ///< E_0 [J], >= 0
-    T max = T(5);          ///< energy beyond this is forgotten [J], >= start
+    T max = T(5);          ///< energy beyond this is discarded [J], >= start
     T stiffness = T(3e4);  ///< k_max: stiffest contact, the skin's cover in series [N/m], > 0
-    /// Longest lever of each joint to a point that may be touched [m]; the last one holds for all further
-    /// joints. Zero: impacts are not reckoned with.
+    /// Longest lever of each joint to a point that may be touched [m]; the last one applies to all further
+    /// joints. Zero: impacts are not considered.
     T reach[8] = {};
-    T reserve =
-        T(0.05);       ///< share of E_0 that commands never use: for what pushes change meanwhile, 0 to 0.9
-    T newtons = T(1);  ///< newtons at the cell per newton that the law gets (one over the scale of w_f)
+    T reserve = T(0.05);  ///< share of E_0 kept for changes of the push meanwhile, 0 to 0.9
+    T newtons = T(1);     ///< newtons at the cell per newton at the law (one over the scale of w_f)
   };
   template <std::size_t N>
   struct Memory {
     T energy = T(0);
     T force[N] = {};        ///< of each link's contact at the last cycle [N]
-    T expected[N] = {};     ///< and when what is sent now is carried out [N]
-    T row[N][N] = {};       ///< and its direction
+    T expected[N] = {};     ///< predicted for the time at which a present command is carried out [N]
+    T row[N][N] = {};       ///< their directions
     T under_way = T(0);     ///< furthest command under way for a contact not felt yet [m]
     T ahead[N] = {};        ///< furthest command under way [m]
     JointPosition<N, T> q;  ///< measured then
@@ -65,11 +64,10 @@ class PassivityObserver {
   }
 
   /// A cycle's contacts and measured position. `each_pending(f)` calls `f(dq)` for every command under way,
-  /// dq the displacement from the measured position to where it leads.
+  /// dq the displacement from the measured position to the commanded one.
   ///
-  /// @param cycles  for how many cycles a command is under way: a push that grows is reckoned with as it will
-  /// be
-  ///                by then.
+  /// @param cycles  number of cycles for which a command is under way: a growing push is extrapolated by
+  ///                them.
   template <std::size_t N, std::size_t K, class EachPending>
   void book(Memory<N>& memory, const Contacts<N, T, K>& contacts, const JointPosition<N, T>& q,
             const T& cycles, EachPending&& each_pending) const noexcept {

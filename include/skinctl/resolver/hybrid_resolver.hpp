@@ -16,26 +16,26 @@ struct HybridMemory {
   JointCommand<N, T> command;  ///< the last one
 };
 
-/// One robot, one law, one fused torque, and joints of two kinds: those of the set `ByTorque` take torques,
-/// the others positions or velocities (`I`).
+/// One robot, one law, one fused torque, and joints of two kinds: those of the set `ByTorque` (driven joints)
+/// take torques, the others (stiff joints) positions or velocities (`I`).
 ///
 /// - A law reads one state: the virtual one of the stiff joints, the measured one of the driven joints.
-/// - The stiff joints are what `Resolver<I>` makes of them: a virtual robot that carries the law's torque,
-///   sub-stepped over the interval just passed, with the driven joints as a load that stands as measured:
-///   `M_ss dv = tau_s - (C_s v)_s - G_s - B v`. What these ask of the arm by moving is left out: the reaction
-///   of a finger that starts and stops (0.2 kg at 50 rad/s^2: half a newton at its knuckle) is zero on
-///   average, and half of it, the velocities without the accelerations, would push an arm about whose fingers
-///   tremble.
-/// - The driven joints are what `Resolver<Interface::torque>` makes of them: the law's torque at the newest
-///   measurement, meant for one period from now, less the friction configured, cut to the limits. The law is
-///   asked for it once more, at the end of the cycle.
-/// - News are taken whole or not at all: a measurement with a number that is not finite is none of both
-///   parts. When news are stale, or a stop is asked for, the stiff joints brake and hold, the driven ones are
-///   held against gravity with friction (stale: without). While a stiff joint is blocked the driven ones go
+/// - The stiff joints are treated as by `Resolver<I>`: a virtual robot that carries the law's torque,
+///   sub-stepped over the interval just passed, with the driven joints as a load at their measured positions:
+///   `M_ss dv = tau_s - (C_s v)_s - G_s - B v`. The reaction of the driven joints' motion on the arm is left
+///   out: that of a finger that starts and stops (0.2 kg at 50 rad/s^2: half a newton at its knuckle) is zero
+///   on average, and half of it, by the velocities without the accelerations, would push an arm about whose
+///   fingers tremble.
+/// - The driven joints are treated as by `Resolver<Interface::torque>`: the law's torque at the newest
+///   measurement, for one period from now, less the configured friction, cut to the limits. For it the law is
+///   evaluated once more, at the end of the cycle.
+/// - A measurement is taken for all joints or for none: one number that is not finite refuses all of it.
+///   While the state is stale, or during a stop, the stiff joints brake and hold, and gravity of the driven
+///   ones is compensated, with friction (stale: without). While a stiff joint is blocked the driven ones go
 ///   on.
 ///
-/// A command has both kinds: `stiff(command)` and `torque(command)` are the two devices' shares, and cannot
-/// be mixed up, as their numbers of joints differ. Keepers (`Passivity`) are for robots of one kind so far.
+/// A command has both kinds: `stiff(command)` and `torque(command)` are the parts of the two devices, and
+/// cannot be mixed up, as their types differ. Parts of `Passivity` are for robots of one kind so far.
 template <Interface I, LinkMask ByTorque, RobotModel M, Real T = double, class Integrator = CrankNicolson,
           std::size_t History = 32>
 class HybridResolver {
@@ -69,20 +69,20 @@ class HybridResolver {
   [[nodiscard]] const auto& parameters() const noexcept { return virtual_.parameters(); }
   /// T = delay + lag + period of the stiff joints [s].
   [[nodiscard]] T total_delay() const noexcept { return virtual_.parameters().total_delay; }
-  /// Length of a sub-step in a cycle that comes as planned [s].
+  /// Length of a sub-step in a punctual cycle [s].
   [[nodiscard]] T planned_step() const noexcept { return virtual_.parameters().planned_step(); }
 
-  /// What the stiff joints are sent.
+  /// The command of the stiff joints.
   [[nodiscard]] static JointCommand<Stiff::count, T> stiff(const JointCommand<joints, T>& c) noexcept {
     return part_of<Stiff>(c);
   }
-  /// What the driven joints are sent [N m].
+  /// The command of the driven joints [N m].
   [[nodiscard]] static JointTorque<Driven::count, T> torque(const JointCommand<joints, T>& c) noexcept {
     return Driven::of(c.torque);
   }
 
-  /// The virtual joints take over where the real ones are, the driven ones are held against gravity. A state
-  /// that is not finite: a memory that has not been started.
+  /// The virtual joints take over at the positions of the real ones; gravity of the driven ones is
+  /// compensated. A state that is not finite gives a memory that has not been started.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
     Memory m;
     if (!detail::is_plausible(measured)) return m;
@@ -96,7 +96,7 @@ class HybridResolver {
   [[nodiscard]] SKINCTL_INLINE State<joints, T> state(const Memory& m) const noexcept {
     return state(m, m.stiff.time, m.stiff.v);
   }
-  /// The part of time that a cycle at `now` has to integrate. No later than the last one: empty.
+  /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
     return virtual_.interval(m.stiff, now);
   }
@@ -108,12 +108,12 @@ class HybridResolver {
                                         std::span<const Touch> touches,
                                         const Check& check = {}) const noexcept;
 
-  /// What holds the driven joints when no law can: `G(q) - B dq`; zero for the others.
+  /// The torque that holds the driven joints without a law: `G(q) - B dq`; zero for the others.
   [[nodiscard]] JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
     return held(robot.q, friction(robot));
   }
 
-  /// Tells that the guard let `command` out instead of the last one.
+  /// The guard sent `command` instead of the last one.
   void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
     if (!m.stiff.started || !command.valid) return;
     const auto given = stiff(command);
@@ -123,11 +123,11 @@ class HybridResolver {
     compose(m, torque(command));
   }
 
-  /// Asks for a stop, or ends it.
+  /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stiff.stop = true; }
   void resume(Memory& m) const noexcept { m.stiff.stop = false; }
 
-  /// `whole` as the joints of a subset have it.
+  /// The elements of `whole` that belong to the joints of a subset.
   template <class Subset>
   [[nodiscard]] static SKINCTL_INLINE State<Subset::count, T> part_of(
       const State<joints, T>& whole) noexcept {

@@ -1,4 +1,4 @@
-// How the virtual robot's velocity is integrated over a sub-step: policies.
+// Integrators of the virtual robot's velocity over a sub-step.
 #pragma once
 
 #include "skinctl/core/detail/row.hpp"
@@ -16,8 +16,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// and new velocity, C at the velocity half a sub-step ahead by the last acceleration. Second order. Where
 /// friction is stiff (`z = h B/M` large, a wrist) the mean is weighted towards the new velocity so that it
 /// decays as `1/(1 + z + z^2/2 + z^3/6)` instead of ringing: weight `(z^2 + 2z + 3)/(z^2 + 3z + 6)`, 1/2 as z
-/// goes to 0. M and C are its own: what laws computed at the start of the sub-step is of no use to it. G is
-/// taken at the start if a law asks for it there, so that held gravity cancels.
+/// goes to 0. It computes M and C itself: those of the laws, at the start of the sub-step, are of no use. G
+/// is taken at the start if a law reads it there, so that compensated gravity cancels.
 struct CrankNicolson {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.middle = true};
@@ -29,7 +29,7 @@ struct CrankNicolson {
 };
 
 /// M, C and G at the start of the sub-step, friction by the new velocity: first order, never rings. Shares
-/// what laws asked for. Meant for sub-steps up to 2 ms.
+/// the quantities that laws need. For sub-steps up to 2 ms.
 struct ImplicitFriction {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.angles = true, .mass = true};
@@ -40,9 +40,9 @@ struct ImplicitFriction {
   }
 };
 
-/// Everything at the start of the sub-step, friction by the old velocity: what is commonly called
-/// semi-implicit Euler. First order. Where that would ring (`z = h B/M > 1`) friction stops the joint
-/// instead: weight `1 - 1/z`. Shares what laws asked for.
+/// Everything at the start of the sub-step, friction by the old velocity: semi-implicit Euler as commonly
+/// understood. First order. Where that would ring (`z = h B/M > 1`) friction stops the joint instead: weight
+/// `1 - 1/z`. Shares the quantities that laws need.
 struct SemiImplicitEuler {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.angles = true, .mass = true};
@@ -54,9 +54,9 @@ struct SemiImplicitEuler {
 };
 
 /// Classical Runge-Kutta for the velocity, fourth order; the pose follows by the trapezoid, as with the
-/// others. Friction that is fast against the sub-step is integrated in up to eight parts. What it is not made
-/// for, faster friction, dry friction, damped contacts, falls back to `CrankNicolson`. Five times its cost
-/// and more: for studies, and for those who compare.
+/// others. Friction that is fast against the sub-step is integrated in up to eight parts. Faster friction,
+/// dry friction and damped contacts fall back to `CrankNicolson`. At least five times its cost: for studies
+/// and comparisons.
 struct RungeKutta4 : CrankNicolson {};
 
 namespace detail {
@@ -111,7 +111,7 @@ template <class Policy, class K, Real T>
     const K& known, const JointAcceleration<K::joints, T>& last) noexcept {
   if constexpr (Policy::midpoint) {
     const JointVelocity<K::joints, T> v_mid = integrate(known.dq(), last, T(T(0.5) * known.dt()));
-    // Where laws of the half step evaluate the model too, so that held gravity cancels.
+    // Where laws of the half step evaluate the model too, so that compensated gravity cancels.
     if constexpr (K::needs.gravity) {
       return coriolis_torque(known.model(), known.middle(), v_mid) + known.gravity();
     } else {
@@ -123,7 +123,7 @@ template <class Policy, class K, Real T>
 }
 
 /// The velocity after `h` seconds of `m dv = tau - bias - B v - tau_c(v) + m pull`; see `step_velocity`.
-/// `more(m, impulse)` adds what there is of friction besides.
+/// `more(m, impulse)` adds further friction.
 template <class Policy, std::size_t n, Real T, class More>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<n, T> solve_step(MassMatrix<n, T>& m, const JointTorque<n, T>& bias,
                                                            const JointVelocity<n, T>& v,
@@ -131,7 +131,7 @@ template <class Policy, std::size_t n, Real T, class More>
                                                            bool has_coulomb, const JointTorque<n, T>& tau,
                                                            const JointAcceleration<n, T>& pull, const T& h,
                                                            const More& more) noexcept {
-  // h times the acceleration that is given per mass
+  // h times the acceleration that does not depend on M
   const JointAcceleration<n, T> free(h * (pull - shape.damping * Row<n, T>(v)));
   JointTorque<n, T> impulse = m * free;
   const T decayed = T(1) + Policy::weight(T(h * shape.damping)) * (h * shape.damping);
@@ -164,7 +164,8 @@ SKINCTL_INLINE void add_inertia(const VirtualDynamics<n, T>& shape, MassMatrix<n
   for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { m(i, i) = m(i, i) + shape.inertia[i]; });
 }
 
-/// `step_velocity` of a virtual robot that feels at its tool like `tool`; `m` is the joints' own inertia.
+/// `step_velocity` of a virtual robot with the virtual dynamics of `tool` at its tool; `m` is the joints' own
+/// inertia.
 template <class Policy, class K, Real T, class Tool>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_shaped(
     const K& known, const VirtualDynamics<K::joints, T>& shape, bool has_coulomb,
@@ -203,9 +204,9 @@ template <class Policy, class K, Real T, class Tool>
 
 /// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`.
 ///
-/// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
-/// @param damping  friction along contacts besides, by the new velocity; null: none.
-/// @param tool  what the tool is to feel like, or `NoToolShape`.
+/// @param last     acceleration of the last sub-step, for the velocity at the midpoint.
+/// @param damping  friction along contacts, by the new velocity; null: none.
+/// @param tool     virtual dynamics at the tool, or `NoToolShape`.
 template <class Policy, class K, Real T, class Tool = NoToolShape>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
     const K& known, const VirtualDynamics<K::joints, T>& shape, bool has_coulomb,
@@ -233,8 +234,8 @@ template <class Policy, class K, Real T, class Tool = NoToolShape>
   }
 }
 
-/// The same for the joints of `Subset` alone, as if the others stood where they are: what these, moving, ask
-/// of the former is left out (see `HybridResolver`).
+/// The same for the joints of `Subset` alone, with the others fixed in their places: the reaction to their
+/// motion is left out (see `HybridResolver`).
 template <class Policy, class Subset, class K, Real T>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<Subset::count, T> step_velocity_of(
     const K& known, const VirtualDynamics<Subset::count, T>& shape, bool has_coulomb,

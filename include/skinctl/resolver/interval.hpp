@@ -1,4 +1,4 @@
-// The part of time that one cycle integrates.
+// The interval that one cycle integrates.
 #pragma once
 
 #include "skinctl/core/detail/plausible.hpp"
@@ -7,14 +7,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A part of time that a cycle integrates: `(from, to]` in equal sub-steps.
+/// The interval that a cycle integrates: `(from, to]` in equal sub-steps.
 struct Interval {
   Nanoseconds from{};
   Nanoseconds to{};
   unsigned substeps = 0;
   Status status;
 
-  /// Where sub-step `j` begins; `at(substeps)` is the end.
+  /// Begin of sub-step `j`; `at(substeps)` is the end.
   [[nodiscard]] constexpr Nanoseconds at(unsigned j) const noexcept {
     return substeps == 0 ? to : from + (to - from) / substeps * j + (to - from) % substeps * j / substeps;
   }
@@ -22,7 +22,7 @@ struct Interval {
 
 namespace detail {
 
-/// What has to be integrated at `now` after `last`; no sub-steps yet.
+/// The interval from `last` to `now`, sub-steps not yet chosen.
 [[nodiscard]] SKINCTL_INLINE Interval interval_since(bool started, Nanoseconds last, Nanoseconds now,
                                                      Nanoseconds longest) noexcept {
   if (!started) return {0ns, 0ns, 0, Reason::interval_empty};

@@ -10,37 +10,38 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What the virtual robot does in a cycle.
+/// The state of motion of the virtual robot.
 enum class ResolverMode : unsigned char {
   following,  ///< the laws move it
-  blocked,    ///< it goes back to the real robot and waits there
-  braking     ///< it brakes and holds: a stop, or no news of the real robot
+  blocked,    ///< it returns to the real robot and waits there
+  braking     ///< it brakes and holds: a stop, or no measurement of the real robot
 };
 
-/// The virtual robot's joints, the commands under way, the last good measurement. Trivially copyable; a fresh
-/// one has not been started and gives no valid command.
+/// The virtual robot's joints, the commands under way, the last good measurement. Trivially copyable; a
+/// default value has not been started and gives no valid command.
 template <std::size_t N, Real T, std::size_t History>
 struct VirtualJointsMemory {
   bool started = false;
-  bool stop = false;  ///< a stop was asked for
+  bool stop = false;  ///< a stop was requested
   ResolverMode mode = ResolverMode::following;
-  Nanoseconds time{};                    ///< of the virtual state
-  detail::RunningPosition<N, T> q;       ///< q^
-  JointVelocity<N, T> v;                 ///< the virtual robot's velocity, which laws read
-  JointVelocity<N, T> rate;              ///< dq^/dt: v, with the correction where that is sent
-  JointAcceleration<N, T> last;          ///< dv/dt of the last sub-step
-  State<N, T> measured;                  ///< the last good measurement
-  JointPosition<N, T> residual;          ///< r: the real robot minus where the commands bring it
-  T off_for[N] = {};                     ///< for how long r has been beyond the dead band [s]
-  T mode_for = T(0);                     ///< for how long the present mode has lasted [s]
-  signed char pushed[N] = {};            ///< the way in which a blocked robot did not follow
+  Nanoseconds time{};               ///< of the virtual state
+  detail::RunningPosition<N, T> q;  ///< q^
+  JointVelocity<N, T> v;            ///< the virtual robot's velocity, which laws read
+  JointVelocity<N, T> rate;         ///< dq^/dt: v, with the correction where that is sent
+  JointAcceleration<N, T> last;     ///< dv/dt of the last sub-step
+  State<N, T> measured;             ///< the last good measurement
+  /// R: measured position minus the position that the commands should have brought.
+  JointPosition<N, T> residual;
+  T off_for[N] = {};                     ///< how long r has been beyond the dead band [s]
+  T mode_for = T(0);                     ///< how long the present mode has lasted [s]
+  signed char pushed[N] = {};            ///< the direction in which a blocked robot did not follow
   detail::RunningPosition<N, T> sent;    ///< the sent position, or the integral of the sent velocities
-  detail::RunningPosition<N, T> offset;  ///< what r has been corrected by without moving (velocity interface)
+  detail::RunningPosition<N, T> offset;  ///< corrections of r without motion (velocity interface)
   CommandsUnderWay<N, T, History> under_way;
   JointCommand<N, T> command;  ///< the last one
 };
 
-/// A resolver's memory: the virtual robot, and what its keepers remember.
+/// A resolver's memory: the virtual robot, and the memory of its `Passivity` parts.
 template <std::size_t N, Real T, std::size_t History, class Keeper = Passivity<>>
 struct ResolverMemory : VirtualJointsMemory<N, T, History> {
   [[no_unique_address]] typename Keeper::template Memory<N> keeper;

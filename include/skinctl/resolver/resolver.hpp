@@ -4,14 +4,15 @@
 #include <span>
 
 #include "skinctl/core/evaluate.hpp"
+#include "skinctl/math/lu.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
 #include "skinctl/resolver/integrator.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What one cycle of a resolver gives: the command, what was limited or held, the torques that the parts of
-/// the law contributed in the last sub-step, and for a torque interface what holds the robot should the guard
-/// refuse the command.
+/// The result of one cycle of a resolver: the command, its status, the torque of each part of the law in the
+/// last sub-step, and for a torque interface the torque that holds the robot if the guard refuses the
+/// command.
 template <std::size_t N, Real T, std::size_t Terms>
 struct Resolved {
   JointCommand<N, T> command;
@@ -20,26 +21,36 @@ struct Resolved {
   JointTorque<N, T> fallback;
 };
 
+namespace detail {
+/// A configuration of a scene, as it is asked for its torque.
+template <class Robot, class L, class Touch>
+struct Asked {
+  const Robot& robot;
+  const L& law;
+  const typename L::Memory& memory;
+  const Touch& touch;
+};
+}  // namespace detail
+
 /// The torque resolver of the paper's section 4.5 for robots that take positions or velocities (for those
 /// that take torques see `torque_resolver.hpp`).
 ///
 /// A virtual robot with the model's M, C, G and the configured friction carries the fused torque:
 /// `M dv = tau - (C + B) v - G - tau_c(v) + M L2 rho`, `dq^ = u = v + L1 rho`. All laws read its state
-/// `(q^, v)`, which is sent. The real robot enters through `r`, how far it is from where the commands sent
-/// bring it by its declared delay and lag, and `rho`, what of r exceeds the dead band: a robot that follows
-/// is left alone, and feels like the configured one.
+/// `(q^, v)`, which is sent. The real robot enters through `r`, the measured position minus the position that
+/// the sent commands should have brought, by declared delay and lag, and `rho`, the part of r outside of the
+/// dead band: a robot that follows as declared is not disturbed, and feels as configured.
 ///
 /// - Position interface: q^ is sent. Velocity interface: v is sent; `L1 rho` and a slow drift move q^ only.
-/// - Gravity acts on the virtual robot: a law has to hold it (`GravityControl`, or `Y_r Theta` with G).
+/// - Gravity acts on the virtual robot: a law has to compensate it (`GravityControl`, or `Y_r Theta` with G).
 /// - Limits: see `JointLimits::move`; the correction obeys them too, and so does the max lead,
-///   `|q^ - q| <= max lead v_max T`.
+///   `|q^ - q| <= max_lead v_max T`.
 /// - A robot that stays beyond the dead band for 5 T is blocked: q^ goes to q, v is zero, the law's memory
-///   stands still. It ends when the robot is back with q^ and is no longer pushed the way it could not go, or
-///   after `retry`.
-/// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory stands still.
-///
-/// - `Keeper` names what else watches over energy and contacts: see `Passivity`.
-/// - `Tool`: inertia and friction that the virtual robot is to have at its tool; see `ToolShape`.
+///   does not change. It ends when the robot is back with q^ and is no longer pushed in the blocked
+///   direction, or after `retry`.
+/// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory does not change.
+/// - `Keeper` names further parts that watch over energy and contacts: see `Passivity`.
+/// - `Tool`: virtual inertia and friction at the tool; see `ToolShape`.
 ///
 /// In the loop nothing throws or allocates; the cost is that of the law and the integrator, times sub-steps.
 template <Interface I, RobotModel M, Real T = double, class Integrator = CrankNicolson,
@@ -59,17 +70,18 @@ class Resolver {
   static constexpr Needs keeper_needs = {
       .angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank};
   using Memory = ResolverMemory<joints, T, History, Keeper>;
-  /// What a law gets to know: the state of the virtual robot and what law and integrator need of it.
+  /// The input of a law: the state of the virtual robot and the quantities that law and integrator need of
+  /// it.
   template <class L, class Touch = NoTouch>
   using Knows = Quantities<M, L::needs | Integrator::needs | keeper_needs, T, Touch>;
 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
-  /// @param keeper  what watches over energy and contacts, see `Passivity`.
+  /// @param keeper  parts that watch over energy and contacts, see `Passivity`.
   Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
     requires std::same_as<Tool, NoToolShape>
       : model_(model), virtual_(configuration), keeper_(keeper) {}
-  /// @param tool  what the virtual robot is to feel like at its tool, see `ToolShape`.
+  /// @param tool  virtual inertia and friction at the tool, see `ToolShape`.
   Resolver(const M& model, const Configuration& configuration, const Tool& tool,
            const Keeper& keeper = Keeper())
     requires(!std::same_as<Tool, NoToolShape>)
@@ -78,27 +90,27 @@ class Resolver {
   [[nodiscard]] const M& model() const noexcept { return model_; }
   [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return parameters().limits; }
   [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
-  /// The robot's numbers as they are used.
+  /// The robot's numbers in the form in which the resolver uses them.
   [[nodiscard]] SKINCTL_INLINE const detail::ResolverParameters<joints, T>& parameters() const noexcept {
     return virtual_.parameters();
   }
-  /// T = delay + lag + period [s]: until a measurement shows a command.
+  /// T = delay + lag + period [s]: the time until a measurement shows a command.
   [[nodiscard]] T total_delay() const noexcept { return parameters().total_delay; }
-  /// e_max: the most by which joint `i` of the virtual robot leads the real one [rad].
+  /// e_max: the largest lead of joint `i` of the virtual robot over the real one [rad].
   [[nodiscard]] T max_lead(std::size_t i) const noexcept { return parameters().max_lead[i]; }
-  /// Speed that the max lead leaves to joint `i` of a robot that follows: it can still stop should the robot be
-  /// held up just then.
+  /// Speed that the max lead leaves to joint `i` of a robot that follows: the virtual joint can still stop if
+  /// the robot is blocked at that moment.
   [[nodiscard]] T top_speed(std::size_t i) const noexcept {
     const T u = speed_to_stop(max_lead(i), total_delay(), limits().acceleration()[i]);
     return u < limits().velocity()[i] ? u : limits().velocity()[i];
   }
 
-  /// Length of a sub-step in a cycle that comes as planned [s].
+  /// Length of a sub-step in a punctual cycle [s].
   [[nodiscard]] T planned_step() const noexcept { return parameters().planned_step(); }
 
-  /// The virtual robot takes over where the real one is; it moves on if that moves faster than the dead band
-  /// can tell from rest. The law's memory then starts at `state(memory)`. A state that is not finite: a
-  /// memory that has not been started.
+  /// The virtual robot takes over at the position of the real one, and with its velocity where that covers
+  /// more than the dead band in T. The law's memory then starts at `state(memory)`. A state that is not
+  /// finite gives a memory that has not been started.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
     return {virtual_.start(measured), keeper_.template start<joints>()};
   }
@@ -106,7 +118,7 @@ class Resolver {
   /// The state that laws read.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return {m.time, m.q.value, m.v}; }
 
-  /// The part of time that a cycle at `now` has to integrate. No later than the last one: empty.
+  /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
     return virtual_.interval(m, now);
   }
@@ -114,20 +126,29 @@ class Resolver {
   /// One cycle: integrates `interval` and gives the command for its end.
   ///
   /// @param law, law_memory  the law and its memory, which is advanced.
-  /// @param measured         the newest state of the robot, with its stamp; may be old, or bad.
-  /// @param check            says which state this robot can have, see `take_measurement`.
-  /// @param touches          the skin's mean wrenches on the links over each sub-step, one per sub-step.
+  /// @param measured         the newest state of the robot, with its stamp; may be old, or faulty.
+  /// @param check            whether this robot can be in a state, see `take_measurement`.
+  /// @param touches          the skin's mean wrenches on the links, one per sub-step.
   template <class L, class Touch, class Check = AnyState>
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
       const Interval& interval, std::span<const Touch> touches, const Check& check = {}) const noexcept;
+
+  /// The joint torque that `next` lacks to accelerate the virtual robot in the coming sub-step as `before`
+  /// does: another configuration of the same scene. Zero where the laws do not move it. Evaluates both laws
+  /// once and the integrator `joints` times; limits are left out.
+  template <class L, class Touch, class Check>
+  [[nodiscard]] SKINCTL_COLD JointTorque<joints, T> lacking(
+      const Memory& m, const State<joints, T>& measured, const Interval& interval, const Check&,
+      const detail::Asked<Resolver, L, Touch>& before,
+      const detail::Asked<Resolver, L, Touch>& next) const noexcept;
 
   /// Tells that the guard let `command` out instead of the last one: the virtual robot goes on from there.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
     virtual_.sent(m, command);
   }
 
-  /// Asks for a stop, or ends it.
+  /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stop = true; }
   void resume(Memory& m) const noexcept { m.stop = false; }
 
@@ -136,10 +157,10 @@ class Resolver {
   using Position = JointPosition<joints, T>;
   using Velocity = JointVelocity<joints, T>;
   using Row = detail::Row<joints, T>;
-  /// The law and the velocity after a sub-step: `torque` is what the law asked for within the limits.
+  /// The law's part and the velocity after a sub-step: `torque` is the law's, cut to the limits.
   template <class L>
   struct Driven {
-    /// Built in place. (Of an aggregate GCC would clear all first, and then write it.)
+    /// Built in place. (GCC would first zero an aggregate, then write it.)
     template <class F>
     SKINCTL_INLINE explicit Driven(F&& law_now) : law(law_now()), status(law.status) {}
 

@@ -1,4 +1,4 @@
-// The resolver that a robot's description asks for.
+// The resolver of a described robot.
 #pragma once
 
 #include "skinctl/model/weightless.hpp"
@@ -63,7 +63,7 @@ struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
     static type of(const std::tuple<Parts...>& parts) { return type(std::get<K>(parts)...); }
   };
   using Keeper = Keeping<Of<KeeperPart>>;
-  /// As laws see it: what the robot itself holds is no weight to them.
+  /// The model as laws see it: without weight where the robot itself compensates gravity.
   using SeenModel = std::conditional_t<(count<RobotHoldsGravity> > 0), Weightless<M>, M>;
   using type = Resolver<I, SeenModel, T, Integrator, History::commands, typename Keeper::type, Tool>;
 

@@ -1,4 +1,4 @@
-// What a robot is declared to do with commands: it follows them after a delay, with a lag.
+// The declared response of a robot to commands: a delay and a lag.
 #pragma once
 
 #include <cmath>
@@ -9,10 +9,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The commands that are still under way, and where they have brought the robot. Trivially copyable.
+/// The commands under way, and the position that they have brought. Trivially copyable.
 ///
-/// Between two commands the commanded position is `value + slope * (time since)`: slope zero for a robot that
-/// is sent positions, the velocity for one that is sent velocities.
+/// Between two commands the commanded position is `value + slope * (time since)`: slope zero for a robot by
+/// position, the velocity for one by velocity.
 template <std::size_t N, Real T, std::size_t Capacity>
 struct CommandsUnderWay {
   static_assert(Capacity >= 2 && Capacity <= 4096, "room for the present command and one under way");
@@ -21,8 +21,8 @@ struct CommandsUnderWay {
   JointVelocity<N, T> slope[Capacity];
   std::uint32_t first = 0;
   std::uint32_t count = 0;
-  Nanoseconds now{};            ///< up to where `reached` has been computed
-  JointPosition<N, T> reached;  ///< where the declared robot is at `now`
+  Nanoseconds now{};            ///< time for which `reached` has been computed
+  JointPosition<N, T> reached;  ///< position of the declared robot at `now`
 };
 
 /// The operator H of the resolver: a pure delay and a lag of first order,
@@ -37,7 +37,7 @@ class JointServo {
   /// @param lag    time constant of the robot's own control loop [s], >= 0.
   constexpr JointServo(Nanoseconds delay, const T& lag) noexcept : delay_(delay), lag_(lag) {}
 
-  /// The robot has moved steadily at `dq` and is at `q` now, as if by commands.
+  /// Begins with a robot at `q` that has moved steadily at `dq`, as if by commands.
   [[nodiscard]] SKINCTL_INLINE Memory start(Nanoseconds time, const JointPosition<N, T>& q,
                                             const JointVelocity<N, T>& dq) const noexcept {
     Memory m;
@@ -50,7 +50,7 @@ class JointServo {
     return m;
   }
 
-  /// A command was sent. If there is no room for it, the oldest under way counts as carried out.
+  /// A command was sent. If there is no room for it, the oldest one under way counts as carried out.
   SKINCTL_INLINE void send(Memory& m, Nanoseconds time, const JointPosition<N, T>& value,
                            const JointVelocity<N, T>& slope) const noexcept {
     if (m.count == Capacity) drop(m);
@@ -60,7 +60,7 @@ class JointServo {
     m.slope[k] = slope;
     ++m.count;
   }
-  /// The last command was not sent as told, but like this.
+  /// The last command was sent with other values than those given to `send`.
   SKINCTL_INLINE void correct(Memory& m, const JointPosition<N, T>& value,
                               const JointVelocity<N, T>& slope) const noexcept {
     const std::uint32_t k = last(m);
@@ -68,13 +68,13 @@ class JointServo {
     m.slope[k] = slope;
   }
 
-  /// Calls `f(position)` for every command that is carried out just now or under way, in their order.
+  /// Calls `f(position)` for the command that is being carried out and every one under way, in their order.
   template <class F>
   SKINCTL_INLINE void each_under_way(const Memory& m, F&& f) const noexcept {
     for (std::uint32_t k = 0; k < m.count; ++k) f(m.value[(m.first + k) % Capacity]);
   }
 
-  /// Where the declared robot is at `until`; times before the last call's leave it where it was.
+  /// Position of the declared robot at `until`; a time before that of the last call changes nothing.
   SKINCTL_INLINE const JointPosition<N, T>& predict(Memory& m, Nanoseconds until) const noexcept {
     while (m.now < until) {
       const std::uint32_t next = (m.first + 1) % Capacity;

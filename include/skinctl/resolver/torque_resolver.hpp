@@ -1,4 +1,4 @@
-// The torque interface: the law on the measured state, and its torque is the command.
+// The torque interface: the law reads the measured state, and its torque is the command.
 #pragma once
 
 #include "skinctl/math/ldlt.hpp"
@@ -20,16 +20,16 @@ struct TorqueResolverMemory {
 
 /// For robots that take torques: `tau = law(measured state) - B dq`, cut to the limits of torque and power.
 ///
-/// Of the configuration it uses the limits of torque, period, longest interval, stale age, and of the shape
-/// the viscous friction, which the robot then shows in addition to its own; other shapes are refused. A
-/// torque is held for a period, so friction that would stop a joint faster than that would shake it: the
-/// friction given is `B / (1 + 3/2 h B/M_ii)`. It has no virtual robot: positions and velocities are not
-/// limited here. While the state is stale, or a stop is asked for, or the law's torque is not finite, the
-/// command is `fallback`: gravity held, and friction; while it is stale without friction, as nobody knows how
-/// the robot moves.
+/// Of the configuration it uses the limits of torque, period, longest interval, stale age, and of the virtual
+/// dynamics the viscous friction, which the robot then shows in addition to its own; other virtual dynamics
+/// are refused. A torque is held for a period, so friction that would stop a joint in less time would shake
+/// it: the friction applied is `B / (1 + 3/2 h B/M_ii)`. There is no virtual robot: positions and velocities
+/// are not limited here. While the state is stale, during a stop, and if the law's torque is not finite, the
+/// command is `fallback`: gravity compensation with friction; without friction while the state is stale, as
+/// the velocity is unknown.
 ///
-/// Of `Passivity` it takes the `EnergyTank`, at the real port: the robot gives no more energy than it got,
-/// and than the tank held.
+/// Of `Passivity` it takes the `EnergyTank`, at the real port: the robot gives no more energy than it
+/// received and than the tank held.
 template <RobotModel M, Real T, class Integrator, std::size_t History, class Keeper>
 class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape> {
   struct NoTank {};
@@ -67,10 +67,10 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
   [[nodiscard]] const detail::ResolverParameters<joints, T>& parameters() const noexcept { return p_; }
 
-  /// The time for which a torque is held in a cycle that comes as planned [s].
+  /// The time for which a torque is held in a punctual cycle [s].
   [[nodiscard]] T planned_step() const noexcept { return seconds<T>(p_.period); }
 
-  /// As the position interface's; a state that is not finite: a memory that has not been started.
+  /// As for the position interface; a state that is not finite gives a memory that has not been started.
   [[nodiscard]] Memory start(const State<joints, T>& measured) const noexcept {
     Memory m;
     if (!detail::is_plausible(measured) || !detail::is_plausible(measured.time)) return m;
@@ -85,15 +85,15 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   /// The state that laws read: the last good measurement.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return m.measured; }
 
-  /// The part of time since the last cycle, in one sub-step: a torque is held, not integrated.
+  /// The time since the last cycle as one sub-step: a torque is held, not integrated.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
     Interval out = detail::interval_since(m.started, m.time, now, p_.longest_interval);
     out.substeps = out.to > out.from ? 1 : 0;
     return out;
   }
 
-  /// One cycle, as the position interface's; `touches` holds one entry. The law's memory advances by the
-  /// interval just passed; its torque is meant for one period from now.
+  /// One cycle, as for the position interface; `touches` holds one entry. The law's memory advances by the
+  /// last interval; its torque is for one period from now.
   template <class L, class Touch, class Check = AnyState>
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
@@ -101,7 +101,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
-      // Whatever the clock says: gravity is to be held where the robot is.
+      // Whatever the clock says: gravity is compensated at the measured position.
       out.fallback = held(detail::believed(measured, m.measured, check));
       return out;
     }
@@ -150,9 +150,34 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     return out;
   }
 
-  /// What holds the robot when no law can: `G(q) - B dq`.
+  /// The torque that holds the robot without a law: `G(q) - B dq`.
   [[nodiscard]] SKINCTL_INLINE JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
     return gravity_torque(model_, robot.q) - friction(robot);
+  }
+
+  /// The torque of `before` less that of `next` at the measured state, friction included: two configurations
+  /// of the same scene.
+  template <class L, class Touch, class Check>
+  [[nodiscard]] SKINCTL_COLD JointTorque<joints, T> lacking(
+      const Memory& m, const State<joints, T>& measured, const Interval& interval, const Check& check,
+      const detail::Asked<Resolver, L, Touch>& before,
+      const detail::Asked<Resolver, L, Touch>& next) const noexcept {
+    if (!m.started) return {};
+    State<joints, T> state = m.measured;
+    static_cast<void>(take_measurement(state, measured, interval.to, check));
+    const auto sent = [&](const auto& who) {
+      const Knows<L, Touch> known(who.robot.model_, state, planned_step(), who.touch);
+      return torque_of(who.law, who.memory, known) - who.robot.friction(state);
+    };
+    return sent(before) - sent(next);
+  }
+  /// Whether the coming cycle asks the law: no stop, no stale news.
+  template <class Check>
+  [[nodiscard]] bool asks_law(const Memory& m, const State<joints, T>& measured, Nanoseconds now,
+                              const Check& check) const noexcept {
+    State<joints, T> state = m.measured;
+    static_cast<void>(take_measurement(state, measured, now, check));
+    return m.started && !m.stop && now - state.time <= p_.stale_after;
   }
 
   /// Tells that the guard let `command` out instead of the last one.
@@ -165,7 +190,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   void resume(Memory& m) const noexcept { m.stop = false; }
 
  private:
-  /// Scales the active part of `torque` down to what the tank pays for.
+  /// Scales the active part of `torque` down to the share that the tank pays for.
   template <class K>
   SKINCTL_INLINE Status pay(Memory& m, const K& known, const JointTorque<joints, T>& passive,
                             const JointTorque<joints, T>& gravity,

@@ -1,4 +1,4 @@
-// The controllers and behaviours of the paper by name, and which behaviour loads which: Fig. 7, section 6.
+// The controllers and behaviours of the paper by name, and the recipes of the behaviours: Fig. 7, section 6.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Names of controllers, the columns of Fig. 7. A set of skills says which law each of them is.
+/// Names of controllers, the columns of Fig. 7. A set of skills assigns a law to each of them.
 namespace controller {
 struct Joint {};              ///< Joint Control
 struct SplineJoint {};        ///< Spline Joint Control
@@ -48,7 +48,7 @@ struct Reaching {
 struct Putting {
   static constexpr const char* name = "putting";
 };
-struct Squeezing {  ///< its first step: the gripper closes, the arm holds; then `ForceCartesian`
+struct Squeezing {  ///< first step: the gripper closes, the arm holds; then `ForceCartesian`
   static constexpr const char* name = "squeezing";
 };
 struct ForceCartesian {
@@ -66,8 +66,8 @@ template <class C>
   return {weight};
 }
 
-/// What a behaviour loads, in this order, and how it starts, finishes and fails; `Next` follows when it is
-/// finished, `void`: nothing does.
+/// The controllers of a behaviour, in the order in which they load, and its conditions; `Next` follows when
+/// it is finished, `void`: none.
 template <class Next, class... C>
 struct SkillRecipe {
   std::array<double, sizeof...(C)> weights;
@@ -80,7 +80,7 @@ struct SkillRecipe {
   [[nodiscard]] constexpr SkillRecipe switching(const SkillSwitches& s) const noexcept {
     return {weights, s, conditions};
   }
-  /// `=> N`.
+  /// The recipe followed by `N`.
   template <class N>
   [[nodiscard]] constexpr SkillRecipe<N, C...> then() const noexcept {
     return {weights, switches, conditions};
@@ -101,8 +101,8 @@ namespace detail {
 inline constexpr SkillConditions until_settled{.finish = SkillFinish::settled, .timeout = 60s};
 }
 
-/// Fig. 7. The paper lists controllers in the order in which they load: those that hold the robot come last
-/// there; here they come first, so that nothing acts before gravity is held and the skin gives way.
+/// Fig. 7. The paper lists controllers in the order in which they load, those that hold the robot last; here
+/// they come first, so that nothing acts before gravity is compensated and the skin gives way.
 inline constexpr auto figure_7 = boost::hana::make_map(
     skill<behaviour::KinestheticJoint>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>())),
     skill<behaviour::KinestheticCartesian>(

@@ -1,4 +1,4 @@
-// From a library, a map of behaviours to recipes, and a robot's controllers to the law that runs them.
+// A library (a map of behaviours to recipes) and a robot's controllers become one law.
 #pragma once
 
 #include <boost/hana/at_key.hpp>
@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A law under the name by which recipes load it.
+/// A law with its name in recipes.
 template <class Name, class L>
 struct SkillController {
   using name = Name;
@@ -31,7 +31,7 @@ struct Bank {
   static constexpr std::size_t size = sizeof...(Name);
   template <class N>
   static constexpr std::size_t index = Behaviours<Name...>::template index<N>;
-  /// Whether all controllers of a recipe are there, and of those that follow it.
+  /// Whether all controllers of a recipe, and of the recipes that follow it, are given.
   template <class Library, std::size_t Depth = 16, class Next, class... C>
   static constexpr bool can(const SkillRecipe<Next, C...>*) noexcept {
     constexpr bool all = ((index<C> < size) && ...);
@@ -67,8 +67,8 @@ constexpr Skill<Bank::size> row(const char* name, std::size_t own,
 }
 }  // namespace detail
 
-/// The skills of `library` whose controllers are all there, as a law: `skill_set<First>(library, settings,
-/// skill_controller<controller::SplineJoint>(law), ...)`. `First` is the behaviour to start with and to fall back to.
+/// The skills of `library` whose controllers are all given, as a law: `skill_set<First>(library, settings,
+/// skill_controller<controller::SplineJoint>(law), ...)`. `First` is the initial behaviour and the fallback.
 /// Throws `ConfigurationError` for numbers out of their range.
 template <class First, class Library, class... Name, class... L>
 [[nodiscard]] auto skill_set(const Library& library, const SkillSettings& settings,

@@ -1,4 +1,4 @@
-// A skill: which controllers it loads, what it switches, when it may start, is finished, or has failed.
+// A skill: the controllers that it loads, its switches, its conditions to start, finish and fail.
 #pragma once
 
 #include <array>
@@ -9,17 +9,17 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Discrete controls: binary outputs such as grippers, one bit each. `which` are meant, `on` says how they
-/// shall be.
+/// Discrete controls: binary outputs such as grippers, one bit each. `which` selects bits, `on` gives their
+/// values.
 struct SkillSwitches {
   std::uint32_t which = 0;
   std::uint32_t on = 0;
 
-  /// These, and where `next` means a bit, that.
+  /// These, overwritten by `next` in the bits that it selects.
   [[nodiscard]] constexpr SkillSwitches then(const SkillSwitches& next) const noexcept {
     return {which | next.which, (on & ~next.which) | (next.on & next.which)};
   }
-  /// Whether all that `wanted` means stand as it says.
+  /// Whether all bits that `wanted` selects have its values.
   [[nodiscard]] constexpr bool stand(const SkillSwitches& wanted) const noexcept {
     return (wanted.which & ~which) == 0 && ((on ^ wanted.on) & wanted.which) == 0;
   }
@@ -34,21 +34,21 @@ struct SkillSwitches {
   return {1u << (i % 32), 0};
 }
 
-/// When a skill has done its work.
+/// The condition under which a skill is finished.
 enum class SkillFinish : unsigned char {
-  never,     ///< it goes on until another is asked for
-  settled,   ///< the targets of its tracking laws stand, and the robot stands at them
-  switched,  ///< what it switches is reported to stand so; without reports after `hold`
+  never,     ///< it goes on until another one is requested
+  settled,   ///< the targets of its tracking laws are at rest, and so is the robot
+  switched,  ///< its switches are reported in their new positions; without reports after `hold`
   elapsed    ///< after `hold`
 };
 
-/// When a skill may start, is finished, or has failed.
+/// Conditions under which a skill may start, is finished, or has failed.
 struct SkillConditions {
   bool untouched = false;  ///< starts only while nothing touches the robot
-  SkillSwitches needs{};   ///< starts only with these so, as reported or else as last commanded
+  SkillSwitches needs{};   ///< starts only with these values, as reported or else as last commanded
   SkillFinish finish = SkillFinish::never;
-  Nanoseconds hold = 100ms;  ///< for how long the finish condition holds before it counts
-  double still = 0.01;       ///< settled: no joint is faster, or asked to be [rad/s]
+  Nanoseconds hold = 100ms;  ///< the time for which the finish condition must hold
+  double still = 0.01;       ///< settled: largest speed of any joint and of its reference [rad/s]
   Nanoseconds timeout{};     ///< fails if it is not finished after this; 0: never
   double max_touch = 0;      ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never
 };
@@ -59,14 +59,14 @@ struct Skill {
   const char* name = "";
   std::array<double, Terms> weights{};      ///< 0: not loaded
   std::array<std::uint8_t, Terms> order{};  ///< indices of its controllers, in the order in which they load
-  std::uint8_t controllers = 0;             ///< how many it loads
-  std::uint8_t next = 0;                    ///< which skill follows when it is finished; itself: none
-  SkillSwitches switches{};                 ///< what it switches when it starts
+  std::uint8_t controllers = 0;             ///< number of controllers
+  std::uint8_t next = 0;                    ///< index of the next skill when it is finished; its own: none
+  SkillSwitches switches{};                 ///< switched when it starts
   SkillConditions conditions{};
 };
 
-/// What a change from one skill to another does to the controllers, in this order: those that come load as
-/// the new recipe lists them; when the torque has moved over, those that go unload, last come first gone.
+/// The effect of a change of skill on the controllers, in this order: new ones load as the new recipe lists
+/// them; after the change of torque, old ones unload, the last loaded first.
 template <std::size_t Terms>
 struct Transition {
   std::array<std::uint8_t, Terms> load{}, keep{}, unload{};
@@ -88,12 +88,12 @@ template <std::size_t Terms>
   return out;
 }
 
-/// Where a skill stands.
+/// The phase of a skill.
 enum class SkillPhase : unsigned char {
-  loading,   ///< the torque moves over to it
+  loading,   ///< the torque changes over to it
   running,   ///< it works
-  finished,  ///< it has done its work and holds
-  failed     ///< a failure condition has been met: the skill to fall back to comes next
+  finished,  ///< it has finished and holds
+  failed     ///< a failure condition has been met: the fallback skill follows
 };
 
 SKINCTL_END_NAMESPACE

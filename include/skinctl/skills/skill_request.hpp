@@ -1,4 +1,4 @@
-// What a set of skills can be asked for: another skill, another goal, or what the switches report.
+// Requests to a set of skills: another skill, another goal, or a report of the switches.
 #pragma once
 
 #include "skinctl/fusion/detail/memories.hpp"
@@ -7,7 +7,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// Goals of several types side by side, each there or not.
+/// Goals of several types side by side, each optional.
 template <class... G>
 struct Goals {
   template <class X>

@@ -1,4 +1,4 @@
-// All skills of a robot as one law: which of them acts is chosen while it runs, without a jump.
+// All skills of a robot as one law: the active one is chosen while it runs, with bumpless transfer.
 #pragma once
 
 #include <cmath>
@@ -9,28 +9,29 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How a set of skills hands over.
+/// Settings of the change between skills.
 struct SkillSettings {
-  Nanoseconds bumpless_transfer = 100ms;  ///< the torque moves to the next skill in this time, or longer ...
-  Nanoseconds longest = 2s;               ///< ... where it has far to go, but never in more than this
-  double max_rate = 1000;                 ///< of every joint's torque while something hands over [N m/s]
-  double touched = 1;               ///< skin's joint torque from which the robot counts as touched [N m]
+  Nanoseconds bumpless_transfer = 100ms;  ///< time in which the torque changes over to the next skill ...
+  Nanoseconds longest = 2s;               ///< ... or longer for large changes, up to this
+  double max_rate = 1000;                 ///< of every joint's torque during a transfer [N m/s]
+  /// Norm of the skin's joint torque from which the robot counts as touched [N m].
+  double touched = 1;
   OppositionSettings opposition{};  ///< when skin and tracking count as opposed
 };
 
 /// A set of skills, made by `skill_set(library, controllers...)`. It is a law like any other: a `Cycle` runs,
 /// records and replays it, and `Input::goal` brings its requests.
 ///
-/// - Its controllers are one sum that blends; a skill is a row of weights. So a skill more costs a row, every
-///   controller is computed only while a skill loads it, and gravity is held once and whole throughout.
-/// - A change moves the shares by a quintic. Controllers that come start at the state at hand with share
-///   zero, controllers that stay go on: torque and rate begin where they were. The time is as configured, and
-///   longer where the change would move the torque faster than `max_rate`.
-/// - While anything hands over (a change, a controller that has got another goal or is pushed by the skin),
-/// no
-///   joint's torque moves faster than `max_rate`, whatever the controllers ask for, beside what the skin
-///   itself does: a touch is answered at once. What the torque then lacks is carried on until it has caught
-///   up, and is the last share.
+/// - Its controllers are one blended sum; a skill is a row of weights. So another skill costs one row, a
+///   controller is computed only while a skill loads it, and gravity is compensated once and whole
+///   throughout.
+/// - A change moves the shares by a quintic. New controllers start at the present state with share zero, kept
+///   ones go on: torque and rate are continuous. The time is as configured, and longer where the change would
+///   move the torque faster than `max_rate`.
+/// - During a transfer (a change of skill, a controller with a new goal or pushed by the skin) no joint's
+///   torque changes faster than `max_rate`, whatever the controllers compute, apart from the skin's own
+///   torque: a touch is answered at once. The remaining difference is carried on until it is made up, and is
+///   the last share.
 /// - A request during a change waits for its end; of several the last counts.
 /// - A finished skill holds, or goes on to its `next`; a failed one falls back to the first of the set.
 ///
@@ -59,7 +60,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   using Blend = Blended<Fusion>;
   using Goal = typename detail::GoalTypes<SkillRequest<>, L...>::type;
   static constexpr std::size_t controllers = Fusion::terms;
-  static constexpr std::size_t terms = controllers + 1;  ///< and what is carried over
+  static constexpr std::size_t terms = controllers + 1;  ///< with the carried difference
   static constexpr std::size_t skills = Names::count;
   static constexpr Needs needs = Blend::needs;
   static constexpr LawRole role = Fusion::role;
@@ -75,20 +76,20 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   struct Memory {
     typename Blend::Memory blend;
     detail::RateBound<joints> bound;
-    Goal request;  ///< the accepted one: its goals are there for the skills of a sequence
-    Goal waiting;  ///< the one that waits for the end of a change
+    Goal request;  ///< the accepted one: its goals serve the skills of a sequence
+    Goal waiting;  ///< waits for the end of a change
     SkillSwitches commanded, reported;
     std::uint32_t reporting = 0;  ///< switches that have ever been reported
-    double touch = 0;             ///< norm of what the skin's laws contributed last [N m]
+    double touch = 0;             ///< norm of the last torque of the skin's laws [N m]
     Nanoseconds since{};          ///< the skill's start
-    Nanoseconds held{};           ///< for how long its finish condition has held
+    Nanoseconds held{};           ///< how long its finish condition has held
     std::uint8_t skill = 0;
     SkillPhase phase = SkillPhase::loading;
     bool waits = false;  ///< for the end of a change
   };
 
-  /// @param skills  the first is the one to start with and to fall back to. Throws `ConfigurationError` for
-  ///                numbers out of their range.
+  /// @param rows  the first is the initial skill and the fallback. Throws `ConfigurationError` for numbers
+  ///              out of their range.
   SkillSet(const Fusion& sum, const std::array<Skill<controllers>, skills>& rows,
            const SkillSettings& settings = {})
       : blend_(sum.opposed_by(settings.opposition), rows[0].weights,
@@ -130,13 +131,13 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     static_assert(i < skills, "no such skill in this set: its recipe or one of its controllers is missing");
     return static_cast<std::uint8_t>(i);
   }
-  /// The skill that acts, or that the torque moves to.
+  /// The active skill, or the one to which the torque changes over.
   [[nodiscard]] const Skill<controllers>& now(const Memory& m) const noexcept { return skills_[m.skill]; }
-  /// How the discrete controls shall stand.
+  /// The commanded values of the discrete controls.
   [[nodiscard]] static const SkillSwitches& commanded(const Memory& m) noexcept { return m.commanded; }
 
   // Requests, for `Input::goal` or `receive`.
-  /// The skill of a behaviour, with goals for its controllers or none.
+  /// The skill of a behaviour, with or without goals for its controllers.
   template <class B, class... G>
   [[nodiscard]] static Goal start_skill(const G&... goals) noexcept {
     return start_skill(index<B>(), goals...);
@@ -148,14 +149,14 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     out.skill = skill;
     return out;
   }
-  /// Other goals for the controllers of the skill that acts.
+  /// Other goals for the controllers of the active skill.
   template <class... G>
   [[nodiscard]] static Goal goal(const G&... goals) noexcept {
     Goal out;
     ((out.goals.template of<G>().has = true, out.goals.template of<G>().goal = goals), ...);
     return out;
   }
-  /// What the switches report.
+  /// A report of the switches.
   [[nodiscard]] static Goal report(const SkillSwitches& reported) noexcept {
     Goal out;
     out.kind = static_cast<unsigned char>(Goal::Kind::report);
@@ -163,7 +164,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     return out;
   }
 
-  /// The first skill, at the state that is known.
+  /// The first skill, at the known state.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
     Memory m{};
@@ -240,7 +241,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
            : asked > settings_.bumpless_transfer ? asked
                                                  : settings_.bumpless_transfer;
   }
-  // One function for the loop and for what is asked of it aside: it is the largest part of the code.
+  // One function for the loop and for requests: it is the largest part of the code.
   template <class K>
   [[nodiscard]] SKINCTL_NOINLINE auto run(const typename Blend::Memory& m, const K& known,
                                           const typename K::scalar& dt,
@@ -248,7 +249,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     return blend_.evaluate(m, known, dt, opposition);
   }
 
-  /// The controllers that have come get their goals.
+  /// Gives the newly loaded controllers their goals.
   template <class K>
   SKINCTL_COLD Status arrive(Memory& m, const K& known) const noexcept {
     Status status;
@@ -266,7 +267,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       if (detail::magnitude(x) > most) most = detail::magnitude(x);
     return most;
   }
-  /// What the skin's laws contribute.
+  /// The torque of the skin's laws.
   template <class Shares>
   [[nodiscard]] static SKINCTL_INLINE auto skin(const Shares& shares) noexcept {
     std::remove_cvref_t<decltype(shares[0])> sum;

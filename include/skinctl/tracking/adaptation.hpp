@@ -6,16 +6,17 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How fast and how far an estimate may go from the model.
+/// Rate and bounds of the learning.
 template <std::size_t N, Real T = double>
 struct AdaptationSettings {
-  /// `Gamma = gamma bound^2`, parameter by parameter, which makes all of them learn alike [1/(N m rad)]. Each
-  /// moment of `gamma sum (Y bound)^2 dt < lambda`, which a UR5 meets by far at the default.
+  /// `Gamma = gamma bound^2`, parameter by parameter, so that all of them learn alike [1/(N m rad)]. At each
+  /// moment `gamma sum (Y bound)^2 dt < lambda` must hold; a UR5 meets it by far at the default.
   T gamma = T(2);
-  InertialParameters<N, T> bound;  ///< of each deviation: see `deviations`
+  InertialParameters<N, T> bound;  ///< of the deviation from the model: see `deviations`
 };
 
-/// A share of each parameter's own scale: of the mass, of the mass at `lever` [m], of the mass at its square.
+/// Bounds as a share of each parameter's own scale: of the mass, of the mass times `lever` [m], of the mass
+/// times its square.
 template <Real T = double, RobotModel M>
 [[nodiscard]] InertialParameters<M::joints, T> deviations(const M& model, const T& part,
                                                           const T& lever = T(0.15)) {
@@ -30,14 +31,14 @@ template <Real T = double, RobotModel M>
   return bound;
 }
 
-/// A tracking law `L` with `Y_r (Theta + D)` in place of `Y_r Theta`, D the deviation from the model that is
-/// learnt by `dD = -Gamma Y_r' S_q` (Slotine and Li) and kept within `+-bound` (projection: what would leave
-/// is cut off, which never slows the decrease of the Lyapunov function). Y_r is that of the state at which
-/// S_q is taken. Learning stands still while the skin pushes against the law, and nothing that is not finite
-/// enters.
+/// A tracking law `L` with `Y_r (Theta + D)` in place of `Y_r Theta`. The deviation D from the model is
+/// learnt by `dD = -Gamma Y_r' S_q` (Slotine and Li) and kept within `+-bound` by projection: a step across
+/// the bound is cut off, which never slows the decrease of the Lyapunov function. Y_r is that of the state at
+/// which S_q is taken. D is constant while the skin pushes against the law, and numbers that are not finite
+/// do not enter.
 ///
-/// It needs motion: of parameters that no motion excites only what acts is learnt, which is all that tracking
-/// needs.
+/// Learning needs motion: D converges only in the parameters that the motion excites, which is enough for
+/// tracking.
 template <class L>
 class Adaptive : public Composable {
  public:

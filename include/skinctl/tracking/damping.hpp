@@ -35,9 +35,9 @@ class InertialDamping {
   T lambda_;
 };
 
-/// A constant symmetric positive definite K_d. All of it is bounded by the joint with the least inertia: on a
-/// UR5 `K_d = k 1` has to be so small for the wrist that the shoulder hardly tracks. Who uses it includes
-/// <Eigen/Eigenvalues>.
+/// A constant symmetric positive definite K_d. The joint with the smallest inertia bounds all of it: on a UR5
+/// `K_d = k 1` has to be so small for the wrist that the shoulder hardly tracks. Include <Eigen/Eigenvalues>
+/// to use it.
 template <std::size_t N, Real T = double>
 class ConstantDamping {
  public:

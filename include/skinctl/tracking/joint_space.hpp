@@ -8,27 +8,33 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where to go, and in what time.
+/// A goal position and the time to reach it.
 template <std::size_t N, Scalar T = double>
 struct JointGoal {
   JointPosition<N, T> q_g;
-  Nanoseconds duration{};  ///< from the moment of reception; 0: as long as `max_velocity` asks for
+  Nanoseconds duration{};  ///< from the moment of reception; 0: the shortest within `max_velocity`
 };
 
-/// The joints as the coordinates of a tracking law: what `Tracking` asks of a space, at no cost.
+/// The joints as the coordinates of a tracking law: the members that `Tracking` uses of a space, at no cost.
 ///
 /// A space has `joints` and `coordinates`, `Settings` (from which `tracking` picks the gains), a `Memory` of
-/// its own, `needs`. Of plans it knows places (`Where`, `where`, `place`), goals and their `shortest_time`,
-/// a `spline`, references that go `ahead` and `slow` down, whether one `stands`, whether it `allows` one, the `distance` of two and
-/// its `slowness`: how long the largest of them takes at the largest speed. Of laws it knows
+/// its own, `needs`. For plans:
+/// - `Where`, `where`, `place`: a place, that of a state, that of a goal;
+/// - goals and their `shortest_time`, a `spline`;
+/// - `ahead` and `slow`: a reference later, and with its time slowed down; `stands`: whether it is at rest;
+///   `allows`: whether the settings permit it;
+/// - `distance` of two references, and its `slowness`: the time that its largest coordinate takes at the
+///   largest speed.
+///
+/// For laws:
 /// - `site(known)`, `site(model, q, dq)`: all that it reads of a state;
 /// - `errors(target, site, memory)`: eqs. (13) or (20), (21);
 /// - `surface(gains, inputs, site, memory)`: the surface and the reference motion of the joints;
 /// - `course(surface)`: the reference motion of the coordinates;
-/// - `rows(site, J)`: how the coordinates change with the joints; `follow_branch`: the memory of a law that
-///   has no surface;
+/// - `rows(site, J)`: the derivatives of the coordinates by the joints; `follow_branch`: the memory of a law
+///   that has no surface;
 /// - `advanced(memory, surface, dt)`, `take_up(memory, S_q)` at the start, `renewed(memory)` after a reset,
-/// `status(memory)`.
+///   `status(memory)`.
 template <std::size_t N, Real T = double>
 class JointSpace {
  public:
@@ -76,7 +82,7 @@ class JointSpace {
                                                               const T& tf) noexcept {
     return {from, to, tf};
   }
-  /// Whether a reference does not move.
+  /// Whether a reference is at rest.
   [[nodiscard]] static constexpr bool stands(const Reference& r) noexcept {
     for (const T& v : r.dq_d)
       if (v != T(0)) return false;
@@ -109,7 +115,7 @@ class JointSpace {
   /// The same place at constant velocity, or at rest.
   [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.q_d, r.dq_d, {}}; }
   [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.q_d, {}, {}}; }
-  /// `r` moves on for `dt` towards a target, within the limits: each joint on its own.
+  /// Moves `r` on by `dt` towards a target, within the limits, each joint on its own.
   SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
                                  const T& dt) noexcept {
     for (std::size_t i = 0; i < N; ++i) {
@@ -174,7 +180,7 @@ class JointSpace {
                            [&](const Row& dq_r)
                                SKINCTL_INLINE_LAMBDA { return JointVelocity<N, T>(at.dq - dq_r); });
   }
-  /// How the coordinates change with the joints, row by row.
+  /// The derivatives of the coordinates by the joints, row by row.
   static void rows(const Site&, T (&J)[coordinates][N]) noexcept {
     for (std::size_t c = 0; c < N; ++c)
       for (std::size_t i = 0; i < N; ++i) J[c][i] = c == i ? T(1) : T(0);

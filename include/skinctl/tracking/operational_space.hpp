@@ -11,14 +11,14 @@ SKINCTL_BEGIN_NAMESPACE
 /// The pose of the frame `P`, fixed to link `I`, as the coordinates of a tracking law, eqs. (15)-(21): its
 /// origin [m], then its orientation, or the origin alone.
 ///
-/// `dq_r = J^+ dx_r`, with the damped inverse; `ddq_r` is its derivative, that of the damping included; `S_q
-/// = dq - dq_r`, so that `J S_q = S_xdelta + K_i1 I1 + K_i2 I2` where nothing is damped or limited. Next to a
-/// singularity the arm slows down (`Reason::slowed`).
+/// `dq_r = J^+ dx_r`, with the damped inverse; `ddq_r` is its derivative, that of the damping included;
+/// `S_q = dq - dq_r`, so that `J S_q = S_xdelta + K_i1 I1 + K_i2 I2` where nothing is damped or limited. Next
+/// to a singularity the arm slows down (`Reason::slowed`).
 ///
 /// @tparam What         `TaskSpace::pose` or `TaskSpace::position`.
 /// @tparam Orientation  `RotationVectorError`, `QuaternionError` or `ZyzError`.
-/// @tparam Null         `DampedNullSpace`, `FreeNullSpace` or `PostureNullSpace`: what joints do that the
-///                      tool does not ask for.
+/// @tparam Null         `DampedNullSpace`, `FreeNullSpace` or `PostureNullSpace`: the joints' motion in the
+///                      null space of the tool.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace>
 class OperationalSpace : public PoseTargets<N, P, T, What> {
@@ -43,8 +43,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   struct Memory {
     Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error
     SingularEscape<N, T> escape;    ///< motion out of a singularity that the damped inverse does not find
-    JointVelocity<N, T> drift;  ///< what the joints did at the start that the tool's course does not ask for
-    bool slowed = false;        ///< next to a singularity, or at the largest speed of a joint
+    JointVelocity<N, T> drift;      ///< the joints' motion at the start beyond what the tool's course takes
+    bool slowed = false;            ///< next to a singularity, or at the largest speed of a joint
   };
   struct Surface {
     JointVelocity<coordinates, T> S_delta;  ///< eq. (19)
@@ -54,7 +54,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     JointVelocity<N, T> dq_r;                 ///< eq. (15)
     JointAcceleration<N, T> ddq_r;
     JointVelocity<N, T> S_q;
-    JointVelocity<N, T> way_out;  ///< what `escape` goes to
+    JointVelocity<N, T> way_out;  ///< the goal of `escape`
     Xyz<T> near;                  ///< the branch of the orientation error
     bool slowed;
   };
@@ -62,7 +62,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     const JointVelocity<coordinates, T>& v;
     const JointAcceleration<coordinates, T>& a;
   };
-  /// What is read of a state: the tool's Jacobian, pose and velocity.
+  /// The part of a state that is read: the tool's Jacobian, pose and velocity.
   template <class J>
   struct Site {
     const JointPosition<N, T>& q;
@@ -155,12 +155,12 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     next.escape = memory.escape.advanced(s.way_out, dt);
     return next;
   }
-  /// Takes over from joints that are `faster` than the reference asks for: next to a singularity, or above
-  /// their limits, it does not follow them. The rest decays as S_d does.
+  /// Takes over joints whose velocity is `faster` than the reference: next to a singularity, or above their
+  /// limits, the reference does not follow them. The difference decays as S_d does.
   static SKINCTL_INLINE void take_up(Memory& memory, const JointVelocity<N, T>& faster) noexcept {
     for (std::size_t i = 0; i < N; ++i) memory.drift[i] = faster[i] - faster[i] == T(0) ? faster[i] : T(0);
   }
-  /// After a reset: the shortest way round.
+  /// After a reset: the shortest rotation.
   [[nodiscard]] static SKINCTL_INLINE Memory renewed(Memory memory) noexcept {
     memory.near = {T(0), T(0), T(0)};
     return memory;
@@ -202,7 +202,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   Transform<Link<I>, P, T> X_LP_;
   T least_damping_;
   SingularityDamping<T> singularities_;
-  JointVelocity<N, T> limit_;  ///< of the reference: a hundredth is left for what the joints overshoot
+  JointVelocity<N, T> limit_;  ///< of the reference: a hundredth is left for the overshoot of the joints
   T kappa_;                    ///< decay of the drift
   T slowest_;                  ///< of the limits
   [[no_unique_address]] Null null_;

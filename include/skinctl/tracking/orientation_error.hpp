@@ -1,4 +1,4 @@
-// Ways to say how far an orientation is from its target: on SO(3), as a quaternion, in ZYZ angles.
+// Measures of an orientation error: on SO(3), as a quaternion, in ZYZ angles.
 #pragma once
 
 #include "skinctl/kinematics/zyz.hpp"
@@ -10,7 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <Real T = double>
 struct OrientationErrors {
   Xyz<T> e, de, slope, v_d, a_d;
-  Xyz<T> near;  ///< on which branch: to be handed in the next time
+  Xyz<T> near;  ///< the branch: to be given to the next call
 };
 
 namespace detail {
@@ -25,8 +25,8 @@ constexpr Zyz<T> as_zyz(const Xyz<T>& a) noexcept {
 }  // namespace detail
 
 /// The default: the rotation vector `phi` of `R R_d^T`, along the axes of the base. `S` reads omega, and
-/// `dphi = J_l^-1(phi) (omega - R R_d^T omega_d)`. The shortest way round at a reset; the branch is then kept
-/// across half a turn. Regular up to one whole turn.
+/// `dphi = J_l^-1(phi) (omega - R R_d^T omega_d)`. A reset takes the shortest rotation; the branch is then
+/// kept across half a turn. Regular up to one whole turn.
 struct RotationVectorError {
   template <Real T>
   struct Map {
@@ -49,7 +49,8 @@ struct RotationVectorError {
 };
 
 /// Twice the vector part of the unit quaternion of `R R_d^T`: no trigonometric function, `2 sin(angle/2)`
-/// along the axis. It weakens beyond a right angle and is largest at half a turn, where the branch is kept.
+/// along the axis. Its slope falls beyond a right angle; it is largest at half a turn, where the branch is
+/// kept.
 struct QuaternionError {
   template <Real T>
   using Map = RotationVectorError::Map<T>;
@@ -71,7 +72,7 @@ struct QuaternionError {
 };
 
 /// The paper's: differences of ZYZ angles, wrapped, and their rates, eqs. (16), (17). At theta = 0 and pi one
-/// direction of rotation has no rate, and the tool does not turn that way by this law.
+/// direction of rotation has no rate; this law does not turn the tool in it.
 struct ZyzError {
   template <Real T>
   struct Map {

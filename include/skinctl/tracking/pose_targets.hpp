@@ -1,4 +1,4 @@
-// Goals and targets of laws in operational space: the poses of a tool, and the way from one to the next.
+// Goals and targets of laws in operational space: poses of a tool, and the paths between them.
 #pragma once
 
 #include "skinctl/kinematics/damped_inverse.hpp"
@@ -13,8 +13,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// Settings of a tracking law in operational space.
 template <std::size_t N, Real T = double>
 struct OperationalSettings {
-  /// Gains and times, as in joint space, of coordinates in metres and radians. `max_velocity` is the fastest
-  /// that any joint is asked to go, next to a singularity too.
+  /// Gains and times, as in joint space, of coordinates in metres and radians. `max_velocity` is the largest
+  /// reference speed of any joint, next to a singularity too.
   JointControlSettings<N, T> tracking = {};
   T max_linear_velocity = T(0.5);      ///< of any motion to a goal [m/s]
   T max_angular_velocity = T(1.5);     ///< [rad/s]
@@ -22,9 +22,9 @@ struct OperationalSettings {
   T max_linear_jerk = T(15);           ///< [m/s^3]
   T max_angular_acceleration = T(5);   ///< [rad/s^2]
   T max_angular_jerk = T(50);          ///< [rad/s^3]
-  /// When J^+ is damped, and how much at most; as much as the joints' speed asks for.
+  /// Where J^+ is damped, and the largest damping; the joints' speed determines how much of it is used.
   SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
-  T least_damping = T(0.02);  ///< l at a singularity where next to nothing is asked
+  T least_damping = T(0.02);  ///< l at a singularity when the reference is nearly at rest
 };
 
 /// Settings of an operational law for this robot: see `tracking_settings`.
@@ -34,15 +34,15 @@ template <class Robot>
   return {.tracking = tracking_settings(robot)};
 }
 
-/// Where a frame has to go, and in what time.
+/// A goal pose of a frame and the time to reach it.
 template <Frame P, Scalar T = double>
 struct PoseGoal {
   Transform<Base, P, T> X_BP;
-  Nanoseconds duration{};  ///< from the moment of reception; 0: as long as the speeds ask for
+  Nanoseconds duration{};  ///< from the moment of reception; 0: the shortest within the speeds
 };
 
-/// What plans (`SplinePlan`, `TargetPlan`, `ReactivePlan`) ask of operational space, beside the state: poses
-/// of `P` on their way to a goal or after a target, their limits and distances.
+/// The members of operational space that plans (`SplinePlan`, `TargetPlan`, `ReactivePlan`) use: poses of `P`
+/// on their way to a goal or after a target, their limits and distances.
 template <std::size_t N, Frame P, Real T, TaskSpace What>
 class PoseTargets {
  public:
@@ -93,7 +93,7 @@ class PoseTargets {
   /// The same pose at constant velocity, or at rest.
   [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.X_BP, r.V, {}}; }
   [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.X_BP, {}, {}}; }
-  /// `r` moves on for `dt` towards a target, within the limits: its origin, and by the shortest turn.
+  /// Moves `r` on by `dt` towards a target, within the limits: its origin, and its axes by the shortest turn.
   SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
                                  const T& dt) noexcept {
     const auto part = [&](const Xyz<T>& way, Xyz<T>& v, Xyz<T>& a, const Xyz<T>& v_t,

@@ -12,10 +12,10 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// Whatever the samples do, the reference keeps below the speed, acceleration and jerk of the settings (see
 /// `Pursuit`), so it needs no reset: `receive` takes a sample like `follow`, and the law's time base and
-/// integrals go on. A moving target is met with its velocity. One that is not finite is refused, the last one
-/// stands (`Reason::goal_refused`); one that moves too fast is followed as fast as allowed
-/// (`Reason::goal_stretched`). When the source falls silent for `target_age` the target stands still where it
-/// then leads.
+/// integrals go on. The reference meets a moving target with its velocity. A target that is not finite is
+/// refused and the last one kept (`Reason::goal_refused`); one that is too fast is followed at the limits
+/// (`Reason::goal_stretched`). When no sample comes for `target_age`, the target stops at its extrapolated
+/// place.
 template <class Space>
 struct ReactivePlan {
   using T = typename Space::scalar;
@@ -25,10 +25,10 @@ struct ReactivePlan {
   static constexpr bool streams = true;
   static constexpr bool reacts = true;
 
-  Goal target;          ///< as it came
-  Nanoseconds age{};    ///< since then
+  Goal target;          ///< as received
+  Nanoseconds age{};    ///< since it was received
   bool stands = false;  ///< the skin pushes against the law: the reference comes to rest
-  Goal reference;       ///< what the law follows
+  Goal reference;       ///< followed by the law
 
   [[nodiscard]] static ReactivePlan standing(const Where& at, const Settings&) noexcept {
     return {Goal{at, {}, {}}, 0ns, false, Goal{at, {}, {}}};
@@ -40,7 +40,7 @@ struct ReactivePlan {
     next.age = later(age, dt);
     const T step = seconds<T>(dt);
     if (!(step > T(0))) return next;
-    // The target goes on as it came for its age, then stands.
+    // The target is extrapolated for its age, then stops.
     const Nanoseconds most = Space::tracking(s).target_age;
     const T t = seconds<T>(age < most ? age : most);
     Goal now = Space::ahead(Space::drifting(target), t);

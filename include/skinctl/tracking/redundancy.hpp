@@ -1,4 +1,4 @@
-// What the joints do that the tool does not ask for: the null space of operational laws.
+// Motion of the joints in the null space of operational laws.
 #pragma once
 
 #include <cmath>
@@ -8,20 +8,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Joint motion of which a law takes what the tool does not notice.
+/// A joint motion; the law uses its part in the null space of the tool.
 template <std::size_t N, Scalar T = double>
 struct NullMotion {
   JointVelocity<N, T> v;
   JointAcceleration<N, T> a;
 };
 
-/// It comes to rest, as fast as K_d stops it.
+/// The null space comes to rest, as fast as K_d stops it.
 struct DampedNullSpace {
   static constexpr bool rests = true;
 };
 
-/// It goes on as it is: nothing of this law brakes or drives it, and the skin moves it freely. (What the tool
-/// does not notice has no acceleration in `ddq_r`.)
+/// The null space is free: this law neither brakes nor drives it, and the skin moves it. (Its motion has no
+/// acceleration in `ddq_r`.)
 struct FreeNullSpace {
   static constexpr bool rests = false;
   template <std::size_t N, Real T>
@@ -31,7 +31,7 @@ struct FreeNullSpace {
   }
 };
 
-/// It goes to a posture, `v = -rate (q - q_p)`, each joint at most at `fastest`:
+/// The null space goes to a posture, `v = -rate (q - q_p)`, each joint at most at `fastest`:
 /// `v_i = -fastest x / sqrt(1 + x^2)`, `x = rate (q_i - q_p,i) / fastest`.
 template <std::size_t N, Real T = double>
 class PostureNullSpace {

@@ -1,4 +1,4 @@
-// What a tracking law in joint space is configured with, and what it refuses.
+// Settings of a tracking law in joint space, and their ranges.
 #pragma once
 
 #include "skinctl/core/joint.hpp"
@@ -9,10 +9,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What happens to a goal that would need more speed than `max_velocity`.
+/// The treatment of a goal that would need more speed than `max_velocity`.
 enum class GoalPolicy : unsigned char {
   stretch,  ///< it gets more time (`Reason::goal_stretched`)
-  refuse    ///< the old goal stands (`Reason::goal_refused`)
+  refuse    ///< the old goal is kept (`Reason::goal_refused`)
 };
 
 /// Gains and times of eqs. (8)-(14). Defaults follow `dt`, the longest interval for which a torque will be
@@ -25,19 +25,20 @@ struct JointControlSettings {
   T K_i1 = T(1);                        ///< gain of the integral of S_delta [1/s]
   T K_i2 = T(0.1);                      ///< gain of the integral of tanh(mu S_delta) [rad/s^2]
   T mu = T(10);                         ///< steepness of tanh [s/rad]
-  T integral_limit = T(0.5);            ///< most that each integral adds to dq_r [rad/s]
+  T integral_limit = T(0.5);            ///< the largest contribution of each integral to dq_r [rad/s]
   Nanoseconds tb = 1s;  ///< convergence time of the time base; 0: the constant gain from the start
   T K_c = T(10);        ///< gain that holds the target [1/s]
   TimeBase<T> base{};   ///< shape of the time base
-  T settle = T(0.5);    ///< duration of the way from the gain's peak to K_c, in multiples of tb
+  T settle = T(0.5);    ///< duration of the change from the gain's peak to K_c, in multiples of tb
   Nanoseconds bumpless_transfer =
       100ms;  ///< bumpless transfer: the reference reaches its new course this long after a reset
   Nanoseconds target_age =
-      100ms;                  ///< a moving target goes on for so long after its last sample, then slows down
+      /// a moving target is extrapolated for this time after its last sample, then slows down
+      100ms;
   T max_acceleration = T(4);  ///< of every joint after a reactive target [rad/s^2]
   T max_jerk = T(40);         ///< the same [rad/s^3]
   GoalPolicy reach = GoalPolicy::stretch;
-  /// Of the robot that carries the torque, as in its resolver: `Y_r Theta` holds against inertia and
+  /// Of the robot that carries the torque, as in its resolver: `Y_r Theta` compensates its inertia and
   /// friction, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.
   VirtualDynamics<N, T> virtual_dynamics = {};
   JointVelocity<N, T> max_velocity = JointVelocity<N, T>::constant(T(1));  ///< of any motion to a goal
@@ -100,7 +101,7 @@ template <class Robot>
   return s;
 }
 
-/// Throws `ConfigurationError` with both numbers if a law's settings state otherwise than the robot that
+/// Throws `ConfigurationError` with both numbers if a law's settings differ from those of the robot that
 /// carries its torque.
 template <std::size_t N, Real T>
 SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const LawTerms<N, T>& robot) {

@@ -1,4 +1,4 @@
-// Ways to take a sign: what integrates the error of the sliding surface, eqs. (10), (14).
+// Forms of the sign in the second integral of the sliding surface, eqs. (10), (14).
 #pragma once
 
 #include <cmath>
@@ -8,8 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A sign turns S_delta into the rate of the second integral, in [-1, 1]. `slope` is the steepest of it,
-/// which the bound of the gains counts; `twists`: whether it integrates by itself.
+/// A sign turns S_delta into the rate of the second integral, in [-1, 1]. `slope` is its steepest slope,
+/// which the bound of the gains reads; `twists`: whether it has an integral of its own.
 
 /// The paper's `tanh(mu S)`: smooth everywhere, exponentially close to the sign.
 struct TanhSign {
@@ -39,10 +39,10 @@ struct SaturationSign {
   }
 };
 
-/// The set-valued sign itself, by backward Euler (Acary and Brogliato, 2010): the nu in `sign(S')` with which
-/// the surface is at `S' = S - h K_i2 nu` when the robot has followed, h = 10 intervals: `nu = S / (h K_i2)`,
-/// cut off at -1 and 1. No mu, and as steep as sampled time and a cycle of delay allow: over one interval it
-/// would be dead-beat, and any delay would make it oscillate.
+/// The set-valued sign itself, by backward Euler (Acary and Brogliato, 2010): `nu = sign(S')` where
+/// `S' = S - h K_i2 nu` is the surface after the robot has followed, h = 10 intervals; so
+/// `nu = S / (h K_i2)`, cut off at -1 and 1. It has no mu and is as steep as sampled time and a cycle of
+/// delay allow: with h of one interval it would be dead-beat, and any delay would make it oscillate.
 struct ImplicitSign {
   static constexpr bool twists = false;
   template <std::size_t N, Real T>
@@ -56,9 +56,9 @@ struct ImplicitSign {
   }
 };
 
-/// Super-twisting (Levant, 1993): `sqrt(mu |S|) sign(S) + z`, `dz = mu sign(S)`, cut off at -1 and 1: the
-/// jump of the sign is two integrals away from the torque. Where the root is steeper than sampled time allows
-/// it is a straight line.
+/// Super-twisting (Levant, 1993): `sqrt(mu |S|) sign(S) + z`, `dz = mu sign(S)`, cut off at -1 and 1: two
+/// integrals lie between the jump of the sign and the torque. Where the root is steeper than sampled time
+/// allows, a straight line takes its place.
 struct SuperTwistingSign {
   static constexpr bool twists = true;
   template <std::size_t N, Real T>
@@ -82,7 +82,7 @@ struct SuperTwistingSign {
   }
 };
 
-/// What a sign integrates by itself: nothing, or the z of super-twisting.
+/// The own integral of a sign: none, or the z of super-twisting.
 template <class Sign, std::size_t N, Real T>
 struct SignMemory {
   [[nodiscard]] const T* data() const noexcept { return nullptr; }

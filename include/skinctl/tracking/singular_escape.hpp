@@ -1,24 +1,26 @@
-// How an arm gets out of a singularity when it is asked to go where the damped inverse knows no way.
+// Motion out of a singularity towards a goal for which the damped inverse gives none.
 #pragma once
 
 #include "skinctl/kinematics/singular_directions.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A motion of the joints that the frame does not notice at first: the arm turns round (a wrist by up to a
-/// right angle) until what is asked is no longer singular. A state of tracking laws, two first-order lags
-/// behind `wish`, so that neither its velocity nor its acceleration has steps.
+/// A motion of the joints that does not move the frame at first: the arm turns round (a wrist by up to a
+/// right angle) until the commanded direction is no longer singular. A state of tracking laws, two
+/// first-order lags behind `wish`, so that neither its velocity nor its acceleration has steps.
 template <std::size_t N, Real T = double>
 struct SingularEscape {
   JointVelocity<N, T> v;
   JointAcceleration<N, T> a;  ///< its derivative
 
-  static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
-  static constexpr double lag = 0.03;     ///< of either filter [s]
-  static constexpr double share = 0.97;   ///< of its limit that an escape asks of the busiest joint at most
-  static constexpr double least = 0.004;  ///< asked [m/s, rad/s] for seven tenths of this pace
+  static constexpr double zone = 0.03;  ///< singular value below which a direction counts as singular
+  static constexpr double lag = 0.03;   ///< of either filter [s]
+  /// the largest share of its limit that an escape takes of any joint
+  static constexpr double share = 0.97;
+  /// commanded speed of the frame [m/s, rad/s] for seven tenths of this pace
+  static constexpr double least = 0.004;
 
-  /// `dt` seconds later, by backward Euler: stable for every dt. A wish that is no number changes nothing.
+  /// `dt` seconds later, by backward Euler: stable for every dt. A wish that is not finite changes nothing.
   [[nodiscard]] SingularEscape advanced(const JointVelocity<N, T>& wish, const T& dt) const noexcept {
     SingularEscape next = *this;
     const T w = T(1) / T(lag), scale = T(1) / (T(1) + w * dt * (T(2) + w * dt));
@@ -31,11 +33,11 @@ struct SingularEscape {
     return next;
   }
 
-  /// What the motion should go to where `asked` is the frame's velocity: along the v of the singular
-  /// directions in which it is asked, as fast as `share` of `limit` allows if nothing else is, less the more
-  /// of it the frame can do as it stands. Zero where it is asked out of the workspace. On a way that is
-  /// nearly straight the sign of sigma, and with it that of v, is left to rounding: there it goes on as it
-  /// turns already, rather than to and fro.
+  /// The wish of the motion where `asked` is the frame's commanded velocity: along the v of those singular
+  /// directions in which `asked` has a component, as fast as `share` of `limit` allows if nothing else moves;
+  /// slower by the part of `asked` that the frame can already follow. Zero where `asked` leads out of the
+  /// workspace. On a path that is nearly straight rounding decides the sign of sigma, and with it that of v:
+  /// there the present sense of rotation is kept, so that it does not alternate.
   template <TaskSpace What, class J, class Velocity>
   [[nodiscard]] SKINCTL_COLD JointVelocity<N, T> wish(const J& jacobian, const Velocity& asked,
                                                       const JointVelocity<N, T>& limit) const noexcept {
@@ -79,14 +81,14 @@ struct SingularEscape {
     const T left = T(1) - sigma * sigma / (edge * edge);
     return left > T(0) ? T(left * left) : T(0);
   }
-  /// A motion x of the joints bends the frame's way towards `q = u' dJ(x) x`: where that points away from
-  /// what is asked, c, the workspace ends, at `sigma / |q|` radians along x. The two such x are the
-  /// eigenvectors of `c' u' dJ(x) x`; what a closed one cannot do is taken out of c, and the rest left to the
-  /// other.
+  /// A motion x of the joints bends the frame's path towards `q = u' dJ(x) x`: where q points away from the
+  /// commanded velocity c, the workspace ends, at `sigma / |q|` radians along x. The two such x are the
+  /// eigenvectors of `c' u' dJ(x) x`; the part of c along a closed one is removed, and the remainder left to
+  /// the other.
   template <class J, class D>
   static void leave_closed_ways(const J& jacobian, const D& at, T (&c)[2]) noexcept {
     using std::sqrt;
-    const T meet = nearness(at[1].sigma, T(zone) / T(3));  // else the second is regular in comparison
+    const T meet = nearness(at[1].sigma, T(zone) / T(3));  // otherwise the second is regular in comparison
     const T part[2] = {T(1), meet};
     const auto bend = [&](const JointVelocity<N, T>& x, T(&q)[2]) {
       const auto acceleration = bias_acceleration(jacobian, x);
@@ -99,7 +101,7 @@ struct SingularEscape {
     for (std::size_t n = 0; n < 2; ++n) qxy[n] = T(0.5) * (qxy[n] - qx[n] - qy[n]);
     const T half = T(0.5) * (towards(qx) - towards(qy)), mixed = towards(qxy);
     const T whole = sqrt(half * half + mixed * mixed);
-    // The eigenvector of the lesser eigenvalue, and across it the other.
+    // The eigenvector of the smaller eigenvalue, and the other at right angles to it.
     T e[2] = {half < T(0) ? T(whole - half) : T(-mixed), half < T(0) ? T(-mixed) : T(whole + half)};
     const T size = sqrt(e[0] * e[0] + e[1] * e[1]);
     if (size > T(0))
@@ -123,8 +125,9 @@ struct SingularEscape {
     const bool back = rest[0] * at[0].sigma * f[0] + rest[1] * at[1].sigma * f[1] < T(0);
     for (std::size_t n = 0; n < 2; ++n) c[n] = c[n] + closed[0] * ((back ? -amount : amount) * f[n] - c[n]);
   }
-  static constexpr double bent = 0.0002;  ///< |q| [m/rad^2] below which a way is as good as straight
-  static constexpr double ahead = 0.2;    ///< a way is closed if sigma vanishes so near along it [rad]
+  static constexpr double bent = 0.0002;  ///< |q| [m/rad^2] below which a path counts as straight
+  /// a path is closed if sigma vanishes within this distance along it [rad]
+  static constexpr double ahead = 0.2;
 };
 
 SKINCTL_END_NAMESPACE

@@ -13,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Scalar T = double>
 struct Integrals {
   T sum[N] = {};
-  T carry[N] = {};  ///< what the sums lack
+  T carry[N] = {};  ///< rounding errors of the sums
 
   /// The integrals `dt` seconds later; a rate that is not finite adds nothing.
   [[nodiscard]] SKINCTL_INLINE Integrals advanced(const JointVelocity<N, T>& rate,
@@ -29,7 +29,7 @@ struct Integrals {
   }
 };
 
-/// Where the state is on the surface, and the reference motion that follows from it.
+/// The state on the surface, and the reference motion that follows from it.
 template <std::size_t N, Scalar T = double>
 struct SlidingSurface {
   JointVelocity<N, T> S_delta;    ///< `S - S_d`, eq. (12)
@@ -40,9 +40,8 @@ struct SlidingSurface {
   JointVelocity<N, T> S_q;        ///< `dq - dq_r`, eq. (9)
 };
 
-/// What the surface is computed from, beside the state: all at the same instant.
-///
-/// `N` coordinates, of the joints or of operational space; a bias and integrals in them.
+/// The inputs of the surface beside the state, all at the same instant: a bias and integrals in `N`
+/// coordinates, of the joints or of operational space.
 template <std::size_t N, Scalar T = double, class Target = JointReference<N, T>>
 struct SurfaceInputs {
   Target target;
@@ -50,16 +49,16 @@ struct SurfaceInputs {
   BiasNow<N, T> bias;
   JointVelocity<N, T> I1;  ///< the integrals themselves
   JointVelocity<N, T> I2;
-  bool held;                 ///< the integrals stand still
-  const T* twist = nullptr;  ///< what the sign integrates by itself
+  bool held;                 ///< the integrals are stopped
+  const T* twist = nullptr;  ///< the own integral of the sign
 };
 
 /// Gains of the surface, in the form in which the loop reads them.
 template <Real T = double, class Sign = TanhSign>
 struct SurfaceGains {
   T K_i1, K_i2, mu;
-  T slope;               ///< the steepest of the sign
-  T I1_limit, I2_limit;  ///< where the integrals stop
+  T slope;               ///< the largest slope of the sign
+  T I1_limit, I2_limit;  ///< bounds of the integrals
 
   template <std::size_t N>
   explicit SurfaceGains(const JointControlSettings<N, T>& s) noexcept
@@ -71,7 +70,7 @@ struct SurfaceGains {
         I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {}
 
   /// The part of its rate that an integral takes: all of it up to half the limit and on the way back, then
-  /// less, smoothly, and none at the limit.
+  /// smoothly less, and none at the limit.
   template <std::size_t N>
   [[nodiscard]] static SKINCTL_INLINE detail::Row<N, T> taken(const JointVelocity<N, T>& integral,
                                                               const detail::Row<N, T>& rate,
@@ -96,7 +95,7 @@ struct SurfaceGains {
   }
 };
 
-/// Errors of the coordinates, and what the target itself does in them.
+/// Errors of the coordinates, and the motion of the target in them.
 template <std::size_t N, Scalar T = double>
 struct SurfaceErrors {
   T e[N];      ///< of position, eqs. (13), (20)
@@ -106,8 +105,7 @@ struct SurfaceErrors {
   T a_d[N];    ///< its acceleration
 };
 
-/// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `S_q` is what `rest(dq_r)` gives. A NaN gives
-/// NaNs and nothing worse.
+/// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `rest(dq_r)` gives `S_q`. NaN in, NaN out.
 template <std::size_t N, Real T, class Sign, class Target, class Rest>
 [[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T, Sign>& gains,
                                                                   const SurfaceInputs<N, T, Target>& in,

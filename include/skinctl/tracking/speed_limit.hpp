@@ -7,10 +7,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Slows a motion down along its own direction, `v <- f v`, so that no joint exceeds its limit: `f =
-/// h(y)^(-1/8)`, `y = sum (v_i / limit_i)^8`, h = 1 up to y = 0.1, then a parabola into h = y. Below three
-/// quarters of the limits nothing changes, not even in the last place. The acceleration follows as the true
-/// derivative. A NaN gives NaNs. Returns whether something was changed.
+/// Slows a motion down along its own direction, `v <- f v`, so that no joint exceeds its limit:
+/// `f = h(y)^(-1/8)`, `y = sum (v_i / limit_i)^8`, h = 1 up to y = 0.1, then a parabola into h = y. Below
+/// three quarters of the limits v is unchanged to the bit. The acceleration follows as the true derivative. A
+/// NaN gives NaNs. Returns whether v was changed.
 template <std::size_t N, Real T = double>
 SKINCTL_INLINE bool limit_speed(const JointVelocity<N, T>& limit, JointVelocity<N, T>& v,
                                 JointAcceleration<N, T>& a) noexcept {

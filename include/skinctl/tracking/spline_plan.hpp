@@ -20,7 +20,7 @@ struct SplinePlan {
   typename Space::Spline spline;
   PlanClock<T> clock;
 
-  /// Standing at a place.
+  /// At rest in a place.
   [[nodiscard]] static SKINCTL_INLINE constexpr SplinePlan standing(const Where& at,
                                                                     const Settings&) noexcept {
     return {Space::spline(at, at, T(0)), {}};
@@ -41,8 +41,8 @@ struct SplinePlan {
     return {spline, clock.changed(!holds, Space::tracking(s).bumpless_transfer)};
   }
 
-  /// A spline from `where` to the goal. Its peak speed must keep below the largest that the settings allow,
-  /// and it lasts 10 intervals or longer: it is stretched, or refused. A goal that is not finite is refused.
+  /// A spline from `where` to the goal, of 10 intervals or longer. Where its peak speed would exceed the
+  /// settings' limit it is stretched, or refused. A goal that is not finite is refused.
   [[nodiscard]] Received<SplinePlan> to(const Goal& goal, const Where& where,
                                         const Settings& settings) const noexcept {
     const auto& s = Space::tracking(settings);
@@ -50,7 +50,7 @@ struct SplinePlan {
     const T intervals = T(10) * seconds<T>(s.dt), least = shortest > intervals ? shortest : intervals;
     if (!(shortest < T(1e9)) || goal.duration < 0ns) return {*this, Reason::goal_refused};
     const T asked = seconds<T>(goal.duration);
-    const PlanClock<T> begun{0ns, clock_end, clock.to, clock.to};  // a held plan stays so
+    const PlanClock<T> begun{0ns, clock_end, clock.to, clock.to};  // a stopped plan stays stopped
     if (asked >= least) return {{Space::spline(where, Space::place(goal), asked), begun}, {}};
     if (goal.duration > 0ns && s.reach == GoalPolicy::refuse) return {*this, Reason::goal_refused};
     return {{Space::spline(where, Space::place(goal), least), begun},

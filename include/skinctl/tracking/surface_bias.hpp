@@ -1,4 +1,4 @@
-// The bias S_d of the sliding surface: what a reset leaves over, and how it vanishes.
+// The bias S_d of the sliding surface: the difference that a reset leaves, and its decay.
 #pragma once
 
 #include <cmath>
@@ -21,11 +21,11 @@ struct BiasNow {
 ///     S_d = decaying exp(-kappa (t - t0)) + (1 - a1(r)) dv + T_h p(r) da + T_h^2 b(r) dj,
 ///     r = (t - t0) / T_h,   p = r - 6 r^3 + 8 r^4 - 3 r^5,   b = r^2 (1 - r)^3 / 2.
 ///
-/// The first part is eq. (12)'s. The others hand over: with `dv`, `da` and `dj` the changes of dq_r, ddq_r
-/// and its rate that the reset makes, all three go on from where they were and reach their new course after
-/// T_h (it is the quintic that does so), and with them the torque and its rate. As dS_d is the true
-/// derivative, the surface stays invariant meanwhile. A difference of torque, ramped out, would be a
-/// disturbance that K_d works against: the torque then changes by M da within 1/lambda, not T_h.
+/// The first part is that of eq. (12). The others are the bumpless transfer: with `dv`, `da` and `dj` the
+/// changes of dq_r, ddq_r and its rate at the reset, all three continue from their old values and reach their
+/// new course after T_h, and with them the torque and its rate. As dS_d is the true derivative, the surface
+/// stays invariant meanwhile. A difference of torque, ramped out, would be a disturbance that K_d works
+/// against: the torque would change by M da within 1/lambda, not T_h.
 template <std::size_t N, Real T = double>
 struct SurfaceBias {
   Nanoseconds elapsed = clock_end;  ///< since t0
@@ -34,7 +34,7 @@ struct SurfaceBias {
   JointAcceleration<N, T> da;
   JointAcceleration<N, T> dj;  ///< per second
 
-  /// The bias `x` seconds from now, with the bumpless transfer taking `T_h` seconds.
+  /// The bias `x` seconds from now, for a bumpless transfer of `T_h` seconds.
   [[nodiscard]] SKINCTL_INLINE BiasNow<N, T> at(const T& x, const T& kappa, const T& T_h) const noexcept {
     using std::exp;
     using R = detail::Row<N, T>;
@@ -64,7 +64,7 @@ struct SurfaceBias {
             JointVelocity<N, T>(select(magnitude(s) > tiny, s, T(0))),  // denormal numbers are slow
             dv, da, dj};
   }
-  /// What a `dj` of 1 adds to dS_d after `x` seconds: `x` but for the way out.
+  /// The contribution of a `dj` of 1 to dS_d after `x` seconds: `x`, faded out towards T_h.
   [[nodiscard]] static constexpr T bend(const T& x, const T& T_h) noexcept {
     const T r = x / T_h, rest = T(1) - r;
     return x * rest * rest * (T(1) - T(2.5) * r);

@@ -7,12 +7,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The last target that came, in the coordinates of `Space`, and for how long it has been the last; trivially
-/// copyable.
+/// The last target received, in the coordinates of `Space`, and its age; trivially copyable.
 ///
-/// A moving target goes on as it came, `q_d + x dq_d + x^2/2 ddq_d`, for `target_age`; then its time slows
-/// down over as long again and stops: a source that falls silent leaves the robot at rest, half of
-/// `target_age` further.
+/// A moving target is extrapolated, `q_d + x dq_d + x^2/2 ddq_d`, for `target_age`; then its time slows down
+/// over as long again and stops. So a source that falls silent leaves the robot at rest, half of `target_age`
+/// further.
 template <class Space>
 struct TargetPlan {
   using T = typename Space::scalar;
@@ -23,14 +22,14 @@ struct TargetPlan {
   static constexpr const char* name = Space::name;  ///< of the law
 
   Goal target;
-  PlanClock<T> clock;  ///< time since it came
-  bool aged = false;   ///< it has become too old, and slows down
+  PlanClock<T> clock;  ///< time since it was received
+  bool aged = false;   ///< it is older than `target_age`, and slows down
 
   [[nodiscard]] static SKINCTL_INLINE constexpr TargetPlan standing(const Where& at,
                                                                     const Settings&) noexcept {
     return {Goal{at, {}, {}}, {}, false};
   }
-  /// A target that has just come.
+  /// A target just received.
   [[nodiscard]] static SKINCTL_INLINE constexpr TargetPlan moved(const Goal& goal) noexcept {
     return {goal, {}, false};
   }
@@ -48,16 +47,16 @@ struct TargetPlan {
     if (aged || next.own < age) return {target, next, aged};
     return {target, next.changed(false, age), true};
   }
-  /// Whether `goal` is where this target leads, to within what the largest speed covers in an interval.
+  /// Whether `goal` is within the distance from this target that the largest speed covers in an interval.
   [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
     return Space::slowness(Space::distance(goal, at(T(0), s)), s) <= seconds<T>(Space::tracking(s).dt);
   }
-  /// The target comes from outside, where its time is not ours to hold.
+  /// The clock of a target from outside does not stop with the law.
   [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan held(bool, const Settings&) const noexcept {
     return *this;
   }
 
-  /// The new target. One that is not finite, or itself faster than the settings allow, is refused.
+  /// The new target. One that is not finite, or faster than the settings allow, is refused.
   [[nodiscard]] Received<TargetPlan> to(const Goal& goal, const Where&, const Settings& s) const noexcept {
     if (!Space::allows(goal, s)) return {*this, Reason::goal_refused};
     return {moved(goal), {}};

@@ -9,7 +9,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// The placement that a space is built from; of joints there is none.
+/// The placement from which a space is built; the joints have none.
 template <class Space>
 struct PlacementIn {
   struct type {};
@@ -23,12 +23,12 @@ template <class Space>
 using PlacementOf = typename PlacementIn<Space>::type;
 }  // namespace detail
 
-/// What a tracking law remembers; trivially copyable.
+/// The memory of a tracking law; trivially copyable.
 template <class Space, class Plan, class Sign = TanhSign>
 struct TrackingMemory {
   using T = typename Space::scalar;
   Nanoseconds since_reset{};
-  bool held = false;  ///< the skin pushes against this law: integrals and spline stand still
+  bool held = false;  ///< the skin pushes against this law: integrals and spline are stopped
   Plan plan;
   SurfaceBias<Space::coordinates, T> bias;
   Integrals<Space::coordinates, T> I1;  ///< of S_delta
@@ -36,21 +36,20 @@ struct TrackingMemory {
   T tb = T(0);                          ///< convergence time [s], stretched if need be; 0: no time base
   T K_from = T(0);                      ///< without one: the gain at the reset [1/s]
   [[no_unique_address]] SignMemory<Sign, Space::coordinates, T> sign = {};
-  [[no_unique_address]] typename Space::Memory space = {};  ///< what the space itself remembers
+  [[no_unique_address]] typename Space::Memory space = {};  ///< the space's own
 };
 
 /// Tracking, eqs. (8)-(14): `tau = -K_d S_q + Y_r Theta`, evaluated at the middle of the interval for which
-/// it will be held, at the state that the law itself predicts there.
+/// it will be held, at the state that the law predicts there.
 ///
 /// Every reset (a new goal, the skin that begins or ceases to push against the law) keeps the torque and its
-/// rate: the reference motion goes on from where it was and reaches its new course after `bumpless_transfer`
-/// (`SurfaceBias`).
-/// In the loop nothing is refused but goals. A state that is not finite gives a torque that is not, for the
-/// cycle to drop, and leaves the memory finite.
+/// rate: the reference motion continues from its old values and reaches its new course after
+/// `bumpless_transfer` (`SurfaceBias`). In the loop nothing is refused but goals. For a state that is not
+/// finite the torque is not finite either, so that the cycle drops it; the memory stays finite.
 ///
 /// @tparam Space  the coordinates: `JointSpace` or `OperationalSpace`.
-/// @tparam Plan   where targets come from: a spline to a goal, or the samples of a source.
-/// @tparam Sign   how the second integral takes the sign: control/sign.hpp.
+/// @tparam Plan   the source of targets: a spline to a goal, or samples from outside.
+/// @tparam Sign   the sign of the second integral: tracking/sign.hpp.
 template <class Space, class Plan, class Damping = InertialDamping<typename Space::scalar>,
           class Sign = TanhSign>
 class Tracking : public Composable {
@@ -107,8 +106,8 @@ class Tracking : public Composable {
   void check_for(const LawTerms<N, T>& robot) const { skinctl::check_for(gains(), robot); }
   [[nodiscard]] const Space& space() const noexcept { return space_; }
 
-  /// Takes over at the state that is known: the target stands where the robot is, `S_d` takes up its
-  /// velocity, S_q is zero.
+  /// Takes over at the known state: the target is the robot's position, `S_d` takes up its velocity, S_q is
+  /// zero.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
     Memory memory;
@@ -120,8 +119,8 @@ class Tracking : public Composable {
     return memory;
   }
 
-  /// A new goal: the plan, the time base, the surface and its integrals start again from the state that is
-  /// known. Refused or stretched goals: `GoalPolicy`.
+  /// A new goal: the plan, the time base, the surface and its integrals start again from the known state.
+  /// Refused or stretched goals: `GoalPolicy`.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const Goal& goal) const noexcept {
@@ -140,8 +139,9 @@ class Tracking : public Composable {
     return out;
   }
 
-  /// The next sample of a target that moves smoothly: time base, surface and integrals go on. A sample
-  /// further from where the last one leads than the largest speed covers in an interval is a new goal.
+  /// The next sample of a target that moves smoothly: time base, surface and integrals go on. A sample is a
+  /// new goal if it is further from the extrapolation of the last one than the largest speed covers in an
+  /// interval.
   template <class K>
   [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const Goal& goal) const noexcept
     requires(Plan::streams)
@@ -153,7 +153,7 @@ class Tracking : public Composable {
     return out;
   }
 
-  /// The surface at the state that is known: what `torque` and `advance` share.
+  /// The surface at the known state: shared by `torque` and `advance`.
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
     static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
@@ -192,32 +192,32 @@ class Tracking : public Composable {
     const auto tau = torque(memory, known, LawShare<T>{}, at_t);
     return {tau, advance(memory, known, dt, Opposition::none, at_t), {tau}, status(memory)};
   }
-  /// The target stands, the skin does not hold the law up, and neither robot nor reference is faster than
-  /// `still` [rad/s].
+  /// The target is at rest, the skin does not push against the law, and neither robot nor reference is faster
+  /// than `still` [rad/s].
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
     return !memory.held && Space::stands(reference(memory)) && detail::slower(known.dq(), still) &&
            detail::slower(now(memory, known).dq_r, still);
   }
-  /// What the law follows just now: a point of its spline, or the target, as it goes on since it came.
+  /// The present reference: a point of the spline, or the last target, extrapolated.
   [[nodiscard]] auto reference(const Memory& memory) const noexcept {
     return memory.plan.at(T(0), settings_);
   }
-  /// The target as it came last.
+  /// The last target, as received.
   [[nodiscard]] const Goal& target(const Memory& memory) const noexcept
     requires(Plan::streams)
   {
     return memory.plan.target;
   }
-  /// The memory with another target, of whoever moves it smoothly and within the settings by himself: nothing
-  /// is checked or handed over.
+  /// The memory with another target, for callers that move it smoothly and within the settings: nothing is
+  /// checked, and there is no bumpless transfer.
   [[nodiscard]] static Memory with_target(Memory memory, const Goal& target) noexcept
     requires requires { Plan::moved(target); }
   {
     memory.plan = Plan::moved(target);
     return memory;
   }
-  /// Whether a bumpless transfer goes on, and whether the skin holds the law up.
+  /// Whether a bumpless transfer is under way, and whether the skin pushes against the law.
   [[nodiscard]] SKINCTL_INLINE Status status(const Memory& memory) const noexcept {
     Status s = space_.status(memory.space);
     if (memory.bias.is_transferring(gains().bumpless_transfer)) s |= Reason::bumpless_transfer;
@@ -235,7 +235,7 @@ class Tracking : public Composable {
     return Space::tracking(settings_);
   }
   using Rates = JointVelocity<Space::coordinates, T>;
-  /// The middle of the interval, as the law itself predicts it.
+  /// The middle of the interval, as the law predicts it.
   struct Middle {
     detail::Row<N, T> damped;  ///< `M^-1 K_d S_q`
     detail::Row<N, T> a;       ///< `ddq_r - damped`, both at its beginning
@@ -255,7 +255,7 @@ class Tracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory switched(const Memory& memory, const K& known, const T& dt,
                                              Opposition opposition) const noexcept;
-  /// `now` and `middle` for what happens rarely: one copy of each.
+  /// `now` and `middle` for rare calls: one copy of each.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Surface look(const Memory& memory, const K& known) const noexcept {
     return now(memory, known);

@@ -5,18 +5,18 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `K_p(t)`: `K_tbg` until its peak at `t_p`, the peak until `tb`, then by a quintic to the constant `K_c`,
-/// where it stays. On its own the time base returns to zero at tb and would stop controlling. Continuous with
-/// its derivative.
+/// `K_p(t)`: `K_tbg` until its peak at `t_p`, constant at that peak until `tb`, then by a quintic to the
+/// constant `K_c`, where it stays. The time base alone returns to zero at tb and would stop controlling.
+/// Continuous with its derivative.
 ///
-/// An error with `dx = -K_p x` has `x(tb) = x0 ((1 - xi(t_p) + delta) / (1 + delta))^(1 + eps) exp(-K_peak
-/// (tb
-/// - t_p))`.
+/// An error with `dx = -K_p x` has
+///
+///     x(tb) = x0 ((1 - xi(t_p) + delta) / (1 + delta))^(1 + eps) exp(-K_peak (tb - t_p)).
 template <Real T = double>
 class GainSchedule {
  public:
   /// @param K_c     gain that holds the target [1/s], > 0.
-  /// @param settle  duration of the way from the peak to K_c, as a multiple of tb, > 0.
+  /// @param settle  duration of the change from the peak to K_c, as a multiple of tb, > 0.
   /// Throws `ConfigurationError` for others.
   explicit GainSchedule(const T& K_c = T(10), const TimeBase<T>& base = TimeBase<T>(),
                         const T& settle = T(0.5))
@@ -41,8 +41,8 @@ class GainSchedule {
     const auto way = quintic(T((r - T(1)) / settle_), T(rate / settle_));
     return {way.rest * K_peak + way.a1 * K_c_, way.a2 * (K_c_ - K_peak)};
   }
-  /// A gain that starts at `K_from` [1/s], such as a large error allows, and goes to `K_c` by a quintic over
-  /// `8 / K_from`, when next to nothing of the error is left. `K_c` at all times if it is not larger than
+  /// A gain that starts at `K_from` [1/s], small enough for a large error, and goes to `K_c` by a quintic
+  /// over `8 / K_from`; by then nearly all of the error is gone. `K_c` at all times if it is not larger than
   /// `K_from`.
   [[nodiscard]] SKINCTL_INLINE constexpr Gain<T> rising(const T& t, const T& K_from) const noexcept {
     if (!(K_from < K_c_)) return {K_c_, T(0)};
@@ -59,8 +59,8 @@ class GainSchedule {
   [[nodiscard]] constexpr const TimeBase<T>& base() const noexcept { return base_; }
   [[nodiscard]] constexpr const T& K_c() const noexcept { return K_c_; }
 
-  /// The shortest convergence time [s] that keeps the speed of an error that starts at `x0` below `dx_max`:
-  /// 1.886 |x0| / dx_max for the default time base.
+  /// The shortest convergence time [s] for which an error that starts at `x0` keeps its speed below `dx_max`:
+  /// `1.886 |x0| / dx_max` for the default time base.
   [[nodiscard]] constexpr T shortest_time(const T& x0, const T& dx_max) const noexcept {
     const T size = x0 < T(0) ? T(-x0) : x0;
     return base_.peak_speed() * size / dx_max;

@@ -1,5 +1,4 @@
-// The clock of a trajectory: it can be stopped and started again without a jump of the velocity that it
-// drives.
+// The clock of a trajectory: it stops and starts again without a jump of the velocity that it drives.
 #pragma once
 
 #include "skinctl/core/time.hpp"
@@ -7,7 +6,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A trajectory's own time, its rate and its bend: `d/dt f(t(x)) = rate f'`, `d2/dt2 = rate^2 f'' + bend f'`.
+/// A trajectory's own time and its derivatives: `d/dt f(t(x)) = rate f'`, `d2/dt2 = rate^2 f'' + bend f'`.
 template <Real T = double>
 struct OwnTime {
   T t;     ///< [s]
@@ -15,7 +14,7 @@ struct OwnTime {
   T bend;  ///< d2t/dx2 [1/s]
 };
 
-/// Own time that runs at rate 1 or stands, and goes from one to the other by a quintic. Trivially copyable.
+/// Own time that runs at rate 1 or is stopped; a quintic joins the two rates. Trivially copyable.
 template <Real T = double>
 struct PlanClock {
   Nanoseconds own{};                     ///< own time now
@@ -39,7 +38,7 @@ struct PlanClock {
     const T gone = at(seconds<T>(dt), ramp).t - seconds<T>(own);
     return {later(own, nanoseconds(static_cast<double>(gone))), later(since_change, dt), from, to};
   }
-  /// Runs or stands from now on, beginning with the present rate.
+  /// Runs or stops from now on, beginning with the present rate.
   [[nodiscard]] SKINCTL_INLINE constexpr PlanClock changed(bool runs, Nanoseconds ramp) const noexcept {
     return {own, 0ns, at(T(0), ramp).rate, runs ? T(1) : T(0)};
   }

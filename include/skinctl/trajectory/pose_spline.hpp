@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where a frame `P` should be in the base, and how that changes, along the axes of the base.
+/// Reference pose of a frame `P` in the base with velocity and acceleration, along the axes of the base.
 template <Frame P, Scalar T = double>
 struct PoseReference {
   Transform<Base, P, T> X_BP;
@@ -16,15 +16,15 @@ struct PoseReference {
 };
 
 /// From `X_i` to `X_g` in `tf` seconds: the origin in a straight line, the axes by the shortest turn about
-/// one axis, both with the time course of the quintic (22). At rest at both ends. Trivially copyable.
+/// one axis, both along the quintic (22). At rest at both ends. Trivially copyable.
 template <Frame P, Real T = double>
 class PoseSpline {
  public:
   using Pose = Transform<Base, P, T>;
 
-  /// At the base's own pose.
+  /// At rest in the base's own pose.
   PoseSpline() noexcept : PoseSpline(Pose(), Pose(), T(0)) {}
-  /// @param tf  duration [s]; the goal from the start on if not positive.
+  /// @param tf  duration [s]; if not positive, the reference is `X_g` from the start.
   PoseSpline(const Pose& X_i, const Pose& X_g, const T& tf) noexcept
       : p_i_(X_i.origin()), p_g_(X_g.origin()), turn_(X_i.axes(), X_g.axes(), tf), tf_(tf) {}
 

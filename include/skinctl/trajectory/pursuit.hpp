@@ -1,4 +1,4 @@
-// A motion that follows a target that may jump, within limits of velocity, acceleration and jerk.
+// A motion that follows a target with jumps, within limits of velocity, acceleration and jerk.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How fast a motion may react; each limit > 0, of the length of the vector.
+/// Limits of a motion; each > 0, of the length of the vector.
 template <Scalar T = double>
 struct PursuitLimits {
   T velocity, acceleration, jerk;
@@ -25,25 +25,27 @@ SKINCTL_COLD void check(const PursuitLimits<T>& l) {
   require(l.jerk > T(0) && l.jerk <= T(1e9), "pursuit: jerk", static_cast<double>(l.jerk), "> 0");
 }
 
-/// Where a motion of `D` coordinates goes: velocity and acceleration now.
+/// Velocity and acceleration of a motion of `D` coordinates.
 template <std::size_t D, Scalar T = double>
 struct Pursuit {
   T v[D] = {};
   T a[D] = {};
 
-  /// The distance it needs to stop from the speed `v`, [m] or [rad]: it brakes with half of the acceleration
+  /// The distance needed to stop from the speed `v`, [m] or [rad]: it brakes with half of the acceleration
   /// and builds that up with the jerk.
   [[nodiscard]] static constexpr T braking_distance(const PursuitLimits<T>& l, const T& v) noexcept {
     return v * v / l.acceleration + v * l.acceleration / l.jerk;
   }
 
-  /// `dt` later; returns in `moved` the way covered. Towards a target that is `e` ahead and moves at `v_t`:
+  /// `dt` later; returns the distance covered in `moved`. Towards a target at the distance `e` that moves at
+  /// `v_t`:
   ///
   ///     v* = v_t + V(|e|) e/|e|,  V(e) = (b/k) (sqrt(1 + 2 k^2 e / b) - 1)   (brakes at b, slope k at 0)
   ///     a* = dv*/dt + A(|v* - v|) (v* - v)/|v* - v|,  A the same with the jerk,
   ///
   /// each cut off at its limit: velocity, acceleration and jerk never exceed them, whatever e does. b is half
-  /// of the acceleration, and k leaves the jerk time to follow. A NaN in e or v_t: it brakes.
+  /// of the acceleration; k leaves time to build up acceleration within the jerk. For a NaN in e or v_t the
+  /// motion brakes.
   SKINCTL_COLD void advance(const T (&e)[D], const T (&v_t)[D], const PursuitLimits<T>& l, const T& dt,
                             T (&moved)[D]) noexcept {
     using std::sqrt;

@@ -1,4 +1,4 @@
-// The quintic from 0 to 1 that starts and ends at rest: the shape behind splines, time bases and ramps.
+// The quintic from 0 to 1, at rest at both ends: the shape of splines, time bases and ramps.
 #pragma once
 
 #include "skinctl/core/real.hpp"
@@ -15,8 +15,8 @@ inline const T quintic_peak_acceleration = T(5.773502691896257645L);
 /// The polynomial of eq. (22) and its derivatives at one instant.
 template <Real T = double>
 struct Quintic {
-  T a1;    ///< `10 r^3 - 15 r^4 + 6 r^5`, the way done, 0 to 1
-  T rest;  ///< `1 - a1`, the way left, without cancellation
+  T a1;    ///< `10 r^3 - 15 r^4 + 6 r^5`, the part of the path covered, 0 to 1
+  T rest;  ///< `1 - a1`, the part that remains, without cancellation
   T a2;    ///< `da1/dt` [1/s]
   T a3;    ///< `da2/dt` [1/s^2]
 };
@@ -26,8 +26,8 @@ struct Quintic {
 /// `r` is clamped to [0, 1]; a NaN counts as 1, the end. Velocity and acceleration are exact zeros at both
 /// ends. `a1` never decreases with `r`, in every type, and `a1(r) + a1(1 - r) = 1`: it is folded about r =
 /// 1/2 and, with `t = r (1 - r)`, summed as `r (10 t^2 + r^2 (5 t + r^2))`. There every factor and summand
-/// grows with r, and rounding keeps that order; the printed form is a difference, and does not. Relative
-/// error of all four: a few units in the last place.
+/// grows with r, and rounding keeps that order; the printed form is a difference and does not keep it.
+/// Relative error of all four: a few units in the last place.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE constexpr Quintic<T> quintic(T r, const T& rate = T(1)) noexcept {
   if (!(r < T(1))) return {T(1), T(0), T(0), T(0)};

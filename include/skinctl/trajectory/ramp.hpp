@@ -1,4 +1,5 @@
-// Ramps: weights that go from 0 to 1 or back within a given time, without a jump in value, rate or bend.
+// Ramps: weights between 0 and 1 that change within a given time, without a jump in value, rate or
+// acceleration.
 #pragma once
 
 #include "skinctl/core/contract.hpp"
@@ -7,7 +8,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Clocks of trajectories stop here: beyond every end, and adding to them cannot overflow.
+/// Clocks of trajectories stop here: later than every end, and small enough that additions cannot overflow.
 inline constexpr Nanoseconds clock_end = Nanoseconds::max() / 4;
 
 /// A clock `dt` later.
@@ -25,15 +26,15 @@ class Ramp {
   }
   [[nodiscard]] constexpr Nanoseconds duration() const noexcept { return duration_; }
 
-  /// Weight of what comes, `elapsed` after the start: 0 before the start, 1 after the end.
+  /// Weight of the value that fades in, `elapsed` after the start: 0 before the start, 1 after the end.
   [[nodiscard]] SKINCTL_INLINE constexpr T up(Nanoseconds elapsed) const noexcept {
     return quintic(seconds<T>(elapsed) / seconds<T>(duration_)).a1;
   }
-  /// Weight of what goes: `1 - up`.
+  /// Weight of the value that fades out: `1 - up`.
   [[nodiscard]] SKINCTL_INLINE constexpr T down(Nanoseconds elapsed) const noexcept {
     return quintic(seconds<T>(elapsed) / seconds<T>(duration_)).rest;
   }
-  /// Whether the ramp still changes: not so at its end and after it.
+  /// Whether the ramp still changes; false at its end and after it.
   [[nodiscard]] SKINCTL_INLINE constexpr bool lasts(Nanoseconds elapsed) const noexcept {
     return elapsed < duration_;
   }

@@ -1,4 +1,4 @@
-// Splines in joint space: from where the robot is to a goal, at rest at both ends, eq. (22).
+// Splines in joint space: from the robot's position to a goal, at rest at both ends, eq. (22).
 #pragma once
 
 #include "skinctl/core/detail/row.hpp"
@@ -8,7 +8,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where a robot should be, and how that changes.
+/// Reference position of a robot with velocity and acceleration.
 template <std::size_t N, Scalar T = double>
 struct JointReference {
   JointPosition<N, T> q_d;
@@ -21,14 +21,14 @@ template <std::size_t N, Real T = double>
 struct JointSpline {
   JointPosition<N, T> q_i;
   JointPosition<N, T> q_g;
-  T tf = T(0);  ///< [s]; at the goal from the start on if not positive
+  T tf = T(0);  ///< [s]; if not positive, the reference is the goal from the start
 
   /// The reference `t` seconds after the start: at rest in `q_i` before it, at rest in `q_g` (exactly) from
   /// the end on.
   [[nodiscard]] SKINCTL_INLINE JointReference<N, T> at(const T& t) const noexcept {
     const T rate = tf > T(0) ? T(T(1) / tf) : T(0);
     const auto way = quintic(tf > T(0) ? T(t / tf) : T(1), rate);
-    // from the nearer end: both are met exactly
+    // From the nearer end, so that both ends are met exactly.
     const bool early = way.a1 <= T(0.5);
     const detail::Row<N, T> start = q_i, goal = q_g, d = goal - start;
     return {JointPosition<N, T>((early ? start : goal) + (early ? way.a1 : T(-way.rest)) * d),
@@ -36,8 +36,8 @@ struct JointSpline {
   }
 };
 
-/// The shortest time [s] in which a spline of length `distance` keeps below `dq_max`: 1.875 |distance| /
-/// dq_max.
+/// The shortest time [s] for which a spline of length `distance` keeps below `dq_max`:
+/// `1.875 |distance| / dq_max`.
 template <Real T>
 [[nodiscard]] constexpr T shortest_spline_time(const T& distance, const T& dq_max) noexcept {
   const T size = distance < T(0) ? T(-distance) : distance;

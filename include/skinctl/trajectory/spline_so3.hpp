@@ -1,4 +1,4 @@
-// Splines of rotations: one turn about a fixed axis, with the time course of a quintic.
+// Splines of rotations: one turn about a fixed axis, along a quintic.
 #pragma once
 
 #include "skinctl/frames/rotation.hpp"
@@ -6,7 +6,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// An orientation and how it changes, in the axes of the frame that the rotations start from.
+/// An orientation with angular velocity and acceleration, in the axes of the frame in which the rotations are
+/// given.
 template <Real T = double>
 struct RotationReference {
   Rotation<T> R;
@@ -14,20 +15,20 @@ struct RotationReference {
   Xyz<T> domega;  ///< [rad/s^2]
 };
 
-/// From `R_i` to `R_g` by the shortest way: `R = exp(a1 phi) R_i` with the rotation vector `phi = log(R_g
-/// R_i^T)`, so that `omega = a2 phi` and `domega = a3 phi`. At rest at both ends.
+/// From `R_i` to `R_g` by the shortest turn: `R = exp(a1 phi) R_i` with the rotation vector
+/// `phi = log(R_g R_i^T)`, so that `omega = a2 phi` and `domega = a3 phi`. At rest at both ends.
 template <Real T = double>
 class RotationSpline {
  public:
-  /// At the identity.
+  /// At rest in the identity.
   RotationSpline() noexcept : phi_{T(0), T(0), T(0)}, tf_(T(0)) {}
   /// @param R_i, R_g  start and goal, rotations to within `tolerance<T>`, of one frame in another.
-  /// @param tf        duration [s]; the goal from the start on if not positive.
+  /// @param tf        duration [s]; if not positive, the reference is `R_g` from the start.
   RotationSpline(const Rotation<T>& R_i, const Rotation<T>& R_g, const T& tf) noexcept
       : R_i_(R_i), R_g_(R_g), phi_(log_so3(R_g * R_i.transpose())), tf_(tf) {}
 
-  /// The same on the branch of `near`: within rounding of half a turn both ways round are shortest, and a
-  /// goal that moves there would make the spline turn round. Pass the last spline's `turn()`.
+  /// The same on the branch of `near`: within rounding of half a turn both directions are shortest, and a
+  /// goal that moves there would make the spline reverse. Pass the last spline's `turn()`.
   RotationSpline(const Rotation<T>& R_i, const Rotation<T>& R_g, const T& tf, const Xyz<T>& near) noexcept
       : R_i_(R_i), R_g_(R_g), phi_(log_so3(R_g * R_i.transpose(), near)), tf_(tf) {}
 

@@ -1,4 +1,4 @@
-// The time base: a gain that brings an error to (nearly) zero at a chosen time, eq. (11).
+// The time base: a gain that brings an error nearly to zero at a chosen time, eq. (11).
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,8 @@ struct Gain {
 };
 
 namespace detail {
-/// Where `f` changes from negative (at `low`) to positive: halving until no number lies between.
+/// The zero of `f`, which is negative at `low` and positive behind it: bisection until no number lies
+/// between.
 template <Real T, class F>
 T sign_change(T low, T high, const F& f) {
   for (int i = 0; i < 4096; ++i) {
@@ -37,8 +38,8 @@ T sign_change(T low, T high, const F& f) {
 template <Real T = double>
 class TimeBase {
  public:
-  /// @param eps    > 0: how much faster than the time base itself the error goes.
-  /// @param delta  > 0: keeps the gain finite at the end, and is the size of what is left there.
+  /// @param eps    > 0: the error decays by the power 1 + eps of the time base.
+  /// @param delta  > 0: keeps the gain finite at the end; the remaining error grows with it.
   /// Throws `ConfigurationError` for others.
   SKINCTL_COLD explicit TimeBase(const T& eps = T(0.05), const T& delta = T(0.01))
       : eps_(eps), delta_(delta) {
@@ -62,7 +63,7 @@ class TimeBase {
     peak_speed_ = (T(1) + eps) * q.a2 * pow(T(q.a1 + delta), eps) / pow(T(T(1) + delta), T(T(1) + eps));
   }
 
-  /// `K_tbg` and its derivative at the time ratio `r`; zero outside [0, 1], K and dK at both ends.
+  /// `K_tbg` and its derivative at the time ratio `r`; both are zero outside of [0, 1] and at its ends.
   [[nodiscard]] SKINCTL_INLINE constexpr Gain<T> gain(const T& r) const noexcept {
     const auto xi = quintic(r);
     const T ratio = T(1) / (xi.rest + delta_);

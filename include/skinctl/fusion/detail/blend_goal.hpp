@@ -1,4 +1,4 @@
-// What a sum that blends can be asked for: other weights, a goal of one of its laws, or both.
+// Requests to a blended sum: other weights, a goal of one of its laws, or both.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct BlendWeights {
   }
 };
 
-/// What a sum that blends and whose laws take goals of type `G` may be asked for: a goal, weights, or both.
+/// A request to a blended sum whose laws take goals of type `G`: a goal, weights, or both.
 template <class G, std::size_t Terms>
 struct BlendGoal {
   bool has_goal = false;

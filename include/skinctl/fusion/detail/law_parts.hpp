@@ -1,4 +1,4 @@
-// What a sum asks of its laws: their members, their goals, and what their torque and memory share.
+// The members that a sum uses of its laws, their goals, and the quantities that torque and memory share.
 #pragma once
 
 #include <tuple>
@@ -7,8 +7,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Anything that has the members of a law, whatever the robot. Asks for members, not for a call: an Eigen
-/// vector is callable too.
+/// Any type with the members of a law, whatever the robot. It names members, not a call: an Eigen vector is
+/// callable too.
 template <class L>
 concept LawMembers = requires {
   typename L::Memory;
@@ -17,7 +17,7 @@ concept LawMembers = requires {
 };
 
 namespace detail {
-/// What was meant as a law, whatever it lacks.
+/// A type that was meant as a law, even if members are missing.
 template <class L>
 concept MeantAsLaw = LawMembers<L> || std::derived_from<L, Composable>;
 
@@ -38,7 +38,7 @@ template <class... G, class L, class... Rest>
   requires requires { typename L::Goal; }
 struct GoalOf<std::tuple<G...>, L, Rest...> : GoalOf<std::tuple<G..., typename L::Goal>, Rest...> {};
 
-/// What a law's torque and memory share, or nothing.
+/// The quantities that a law's torque and memory share, if it has none.
 struct Nothing {};
 template <class Law, class K>
 SKINCTL_INLINE auto now_of(const Law& law, const typename Law::Memory& memory, const K& known) noexcept {
@@ -48,7 +48,7 @@ SKINCTL_INLINE auto now_of(const Law& law, const typename Law::Memory& memory, c
     return Nothing{};
   }
 }
-/// A tracking law's torque and next memory, with what they share.
+/// A tracking law's torque and next memory, with the quantities that both share.
 template <GravityTerm G, class Law, class K, class T, class Now>
 SKINCTL_INLINE auto torque_with(const Law& law, const typename Law::Memory& memory, const K& known,
                                 const LawShare<T>& share, const Now& now) noexcept {
@@ -72,19 +72,19 @@ SKINCTL_INLINE typename Law::Memory advance_with(const Law& law, const typename 
 template <class L>
 inline constexpr bool is_gated = requires { L::gate; };
 
-/// Whether a tracking law presses against what it touches by its own purpose: the skin does not oppose it.
+/// Whether a tracking law presses against an obstacle on purpose: the skin does not oppose it.
 template <class L>
 inline constexpr bool presses = requires { L::presses; };
 
-/// Whether a law is the skin's answer: others may oppose it, and it opens gates. A reactive law that does not
-/// ask for touch (a joint limit, a posture) is pushed by nobody.
+/// Whether a law is the skin's response: others may oppose it, and it opens gates. A reactive law that does
+/// not read touch (a joint limit, a posture) opposes nothing.
 template <class L>
 inline constexpr bool answers_touch = L::role == LawRole::reactive && Needs(L::needs).touch;
 
 // Traits, not requires-expressions in generic lambdas: Clang 14 takes those for false.
 template <class L>
 inline constexpr bool takes_goals = requires { typename L::Goal; };
-/// Whether adding up the parts of a tracking law takes G(q) where no gravity law is.
+/// Whether the sum of a tracking law's parts contains G(q) where no gravity law is loaded.
 template <class L>
 inline constexpr bool is_in_parts = L::role == LawRole::tracking && !LacksParts<L>;
 

@@ -1,4 +1,4 @@
-// Which joints of a URDF move, and where the others stand: types, chains, locked joints, mimics.
+// Moving and fixed joints of a URDF: types, chains, locked joints, mimics.
 #pragma once
 
 #include <optional>
@@ -8,12 +8,12 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// A joint as the file has it.
+/// A joint as in the file.
 struct UrdfFileJoint {
   const tinyxml2::XMLElement* xml;
   std::string name, type;
   std::size_t parent, child;  ///< indices of links
-  bool inside = false;        ///< carried by the base
+  bool inside = false;        ///< the base carries it, directly or not
   bool on_chain = true;       ///< between base and tip, if there is a tip
 
   [[nodiscard]] bool fixed() const { return type == "fixed"; }
@@ -28,7 +28,7 @@ class UrdfMotion {
     for (const auto& [name, position] : options.locked) check_lock(name, position);
   }
 
-  /// Where joint `j` stands still; nothing if it moves.
+  /// The position of joint `j` if it is fixed; nothing if it moves.
   [[nodiscard]] std::optional<double> stands(std::size_t j) const { return stands(j, 0); }
 
  private:

@@ -25,14 +25,14 @@ class UrdfReader {
   struct Link {
     const Element* xml;
     std::string name;
-    int joint = -1;  ///< index into joints_ of the one that carries it
+    int joint = -1;  ///< index into joints_ of the joint that carries it
   };
-  /// What moves with a joint.
+  /// The links that move with a joint, as one body.
   struct Body {
     LinkInertia inertia{};
     bool given = false;    ///< a link has an `<inertial>`
-    std::size_t link = 0;  ///< the one that the joint carries
-    const Element* bad{};  ///< a link whose moments of inertia no body has: it counts as a point
+    std::size_t link = 0;  ///< the link that the joint carries
+    const Element* bad{};  ///< a link whose moments of inertia no body has: it counts as a point mass
     double bad_size = 0;   ///< the largest of those moments [kg m^2]
   };
 
@@ -88,7 +88,7 @@ class UrdfReader {
       text_.fail(joint, std::string("its ") + end + " link \"" + (link ? link : "") + "\" is unknown");
     return found->second;
   }
-  /// The one link that hangs on no joint; all others hang on it.
+  /// The only link that no joint carries; it carries all others.
   std::size_t root() const {
     std::size_t root = links_.size();
     for (std::size_t i = 0; i < links_.size(); ++i) {
@@ -107,7 +107,8 @@ class UrdfReader {
                    "a loop: its child link \"" + links_[i].name + "\" carries itself");
     return root;
   }
-  /// The links below one, itself included; with a stack of its own: a file may nest deeper than the program's.
+  /// The links below one, itself included; by a stack of its own, because a file may nest deeper than the
+  /// program's stack.
   std::vector<bool> carried_by(std::size_t link) const {
     std::vector<bool> reached(links_.size());
     std::vector<std::size_t> open = {link};
@@ -147,7 +148,7 @@ class UrdfReader {
     }
   }
 
-  /// The body of a link in its own frame, mass 0 where it has none. `bad`: what is wrong with its moments.
+  /// The body of a link in its own frame, mass 0 where it has none. `bad`: the fault of its moments.
   LinkInertia inertia(const Element& link, const Element& e, std::string& bad, double& size) {
     const Element* m = e.FirstChildElement("mass");
     const Element* t = e.FirstChildElement("inertia");
@@ -178,7 +179,7 @@ class UrdfReader {
   void warn(const At& at, const std::string& what) {
     urdf_.warnings.push_back(text_.message(at, what));
   }
-  /// Adds a link to the body that a joint carries; what nothing moves does not matter, whatever it says.
+  /// Adds a link to the body that a joint carries; the inertia of links that nothing moves does not matter.
   void add_body(const Element& link, int carrier, const Place& X) {
     const Element* e = link.FirstChildElement("inertial");
     if (e == nullptr) return;
@@ -276,7 +277,7 @@ class UrdfReader {
     if (!joint.question.empty()) warn(xml, joint.question);
   }
 
-  /// Refuses a joint whose motion would meet no mass.
+  /// Refuses a joint that moves no mass.
   void finish(std::size_t j) {
     UrdfJoint& joint = urdf_.joints[j];
     const Body& body = bodies_[j];
@@ -289,7 +290,7 @@ class UrdfReader {
       text_.fail(link, "joint \"" + joint.name +
                            "\" moves it, but its <inertial> and those fixed to it have no mass");
     if (body.bad != nullptr) {
-      // A sensor's mount may be drawn without care; a link that carries weight may not.
+      // Bad inertia of a sensor's mount is tolerated; that of a link with weight is not.
       const std::string what =
           "moments of inertia that no body has: each principal one is at most the sum of the others";
       if (body.bad_size > 1e-3 * (in.xx + in.yy + in.zz)) text_.fail(*body.bad, what);

@@ -1,4 +1,4 @@
-// Elements of a URDF as names, numbers and placements, with complaints that name the element.
+// Elements of a URDF as names, numbers and placements, with error texts that name the element.
 #pragma once
 
 #include <tinyxml2.h>
@@ -20,7 +20,7 @@ inline UrdfPlace product(const UrdfPlace& a, const UrdfPlace& b) {
   return {a.R * b.R, a.p + a.R * b.p};
 }
 
-/// A number for a message.
+/// A number in an error text.
 inline std::string urdf_number(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.9g", x);
@@ -51,7 +51,7 @@ class UrdfText {
     if (text == nullptr || *text == 0) fail(e, std::string("no attribute \"") + attribute + '"');
     return text;
   }
-  /// Numbers separated by blanks; `N` of them.
+  /// `N` numbers separated by blanks.
   template <std::size_t N>
   std::array<double, N> numbers(const Element& owner, const Element& e, const char* attribute,
                                 const char* otherwise) const {
@@ -110,7 +110,7 @@ class UrdfText {
     const Rotation<double> R{{1 - f * x * x, -f * x * y, -x}, {-f * x * y, 1 - f * y * y, -y}, {x, y, z}};
     return down ? R * Rotation<double>{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}} : R;
   }
-  /// Where a joint that stands at `position` has its child link, from where it has it at 0.
+  /// Pose of the child link of a joint at `position` in its frame at 0.
   UrdfPlace moved(const Element& joint, bool slides, double position) const {
     if (position == 0) return {};
     const Rotation<double> A = onto_axis(joint);

@@ -1,4 +1,4 @@
-// Which part of a governor is which.
+// Finds the parts of a governor by their kind.
 #pragma once
 
 #include "skinctl/core/config.hpp"
@@ -6,7 +6,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The place of a part that a governor does not have.
+/// In place of a part that a governor does not have.
 struct NoPart {
   struct Memory {};
 };

@@ -1,4 +1,4 @@
-// The quickest way of one joint to rest when its acceleration and its jerk are limited.
+// The quickest stop of one joint under limits of acceleration and jerk.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Where a joint is after some time: moved by `s`, at speed `u`, accelerating by `a`.
+/// The motion of a joint after some time: moved by `s`, at speed `u`, accelerating by `a`.
 template <Real T>
 struct Moved {
   T s, u, a;
@@ -20,17 +20,17 @@ struct Moved {
   }
 };
 
-/// How far a joint gets to both sides before it rests; >= 0.
+/// The distances that a joint covers to both sides before it is at rest; >= 0.
 template <Real T>
 struct Reach {
   T above, below;
 };
 
-/// The quickest way from speed `u` and acceleration `a` to rest under |jerk| <= `j` and |acceleration| <=
-/// `A`: a ramp to the deceleration p, p held, a ramp to zero. An `a` beyond A is brought back to it first.
+/// The quickest stop from speed `u` and acceleration `a` under |jerk| <= `j` and |acceleration| <= `A`: a
+/// ramp to the deceleration p, p held, a ramp to zero. An `a` beyond A is brought back to it first.
 ///
-/// `d = u + a |a| / (2 j)`, the speed that is left when only a is brought to zero, tells the way round: all
-/// below is of the mirrored motion, which has d >= 0.
+/// The sign of `d = u + a |a| / (2 j)`, the speed that remains when only a is brought to zero, gives the
+/// direction: the code below treats the mirrored motion, which has d >= 0.
 template <Real T>
 class Stopping {
  public:
@@ -52,7 +52,7 @@ class Stopping {
     t_[2] = p_ / j;
   }
 
-  /// Where the joint is after `h` seconds.
+  /// The motion after `h` seconds.
   [[nodiscard]] SKINCTL_INLINE Moved<T> after(const T& h) const noexcept {
     Moved<T> m = start_.after(h, first_);
     if (h > t_[0]) m = turned_.after(h - t_[0], T(0));
@@ -61,12 +61,12 @@ class Stopping {
     return {sign_ * m.s, sign_ * m.u, sign_ * m.a};
   }
 
-  /// How far it gets.
+  /// The distances covered before rest.
   [[nodiscard]] SKINCTL_INLINE Reach<T> reach() const noexcept {
     using std::sqrt;
     const T s = end();
     T back = T(0);
-    if (start_.u < T(0)) {  // it still goes the other way, until its acceleration has turned it round
+    if (start_.u < T(0)) {  // it moves the other way until its acceleration has reversed it
       const T square = start_.a * start_.a + T(2) * j_ * start_.u;
       const T t = T(-2) * start_.u / (start_.a + (square > T(0) ? T(sqrt(square)) : T(0)));
       back = -start_.after(t, first_).s;

@@ -1,4 +1,4 @@
-// Friction that a robot is given by a torque that is held for a while.
+// Friction by a torque that is held for a period.
 #pragma once
 
 #include "skinctl/dynamics/mass_matrix.hpp"
@@ -7,7 +7,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// `B dq` for a joint of friction `b` and inertia `own` whose torque is held for `period` seconds. Friction
-/// that would stop the joint faster than that would shake it: what is given is `B / (1 + 3/2 h B/M_ii)`.
+/// that would stop the joint in less time would shake it: the friction applied is `B / (1 + 3/2 h B/M_ii)`.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T held_friction(const T& b, const T& own, const T& period,
                                              const T& dq) noexcept {

@@ -17,7 +17,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
   if (!m.stiff.started) return out;
   if (interval.substeps == 0) {
-    // Whatever the clock says: gravity is to be held where the robot is.
+    // Whatever the clock says: gravity is compensated at the measured position.
     out.fallback = held(detail::believed(measured, m.measured, check));
     return out;
   }
@@ -54,7 +54,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   }
   m.stiff.time = interval.to;
 
-  // By an old velocity nothing can be braked.
+  // An old velocity is no basis for braking.
   out.fallback = begun.status.has(Reason::state_stale) ? held(m.measured.q, {}) : held(m.measured);
   DrivenTorque driven = Driven::of(out.fallback);
   const bool blocked = m.stiff.mode == ResolverMode::blocked;

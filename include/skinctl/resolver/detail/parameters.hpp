@@ -1,4 +1,5 @@
-// The numbers of a robot's description as a resolver uses them: checked, completed, in seconds.
+// The numbers of a robot's description in the form in which a resolver uses them: checked, completed, in
+// seconds.
 #pragma once
 
 #include "skinctl/robot/robot_configuration.hpp"
@@ -13,7 +14,7 @@ struct ResolverParameters {
   JointPosition<N, T> dead_band;
   JointPosition<N, T> max_lead;  ///< e_max
   Nanoseconds period, delay, substep, longest_interval, stale_after;
-  Nanoseconds fresh_for;  ///< age up to which a measurement's difference is acted on
+  Nanoseconds fresh_for;  ///< age up to which the residual of a measurement is used
   T lag, total_delay, per_delay, L1, L2, lead, drift, retry, catch_up;
   bool has_coulomb = false;
 

@@ -1,4 +1,4 @@
-// The loop of the resolver: what resolver.hpp declares.
+// The loop of the resolver, declared in resolver.hpp.
 #pragma once
 
 #include "skinctl/core/detail/plausible.hpp"
@@ -10,7 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
             class Tool>
 #define SKINCTL_RESOLVER_CLASS Resolver<I, M, T, Integrator, History, Keeper, Tool>
 
-/// What the keepers learn of a cycle: the contacts, the measured position, the commands under way.
+/// The inputs of the passivity parts in a cycle: the contacts, the measured position, the commands under way.
 SKINCTL_RESOLVER
 template <class Touch>
 SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touch,
@@ -34,7 +34,8 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touc
   return status;
 }
 
-/// Slows `v` down to what the passivity observer can pay for, braking included. False if it had to.
+/// Slows `v` down to the velocity that the passivity observer can pay for, braking included. False if it was
+/// slowed.
 SKINCTL_RESOLVER
 SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v) const noexcept {
   if constexpr (has_passivity_observer) {
@@ -158,6 +159,44 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
   }
   status |= virtual_.end(m, begun, torque);
   return {m.command, status, shares, {}};
+}
+
+SKINCTL_RESOLVER
+template <class L, class Touch, class Check>
+SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::lacking(
+    const Memory& m, const State<joints, T>&, const Interval& interval, const Check&,
+    const detail::Asked<Resolver, L, Touch>& before,
+    const detail::Asked<Resolver, L, Touch>& next) const noexcept -> JointTorque<joints, T> {
+  if (!m.started || m.stop || m.mode != ResolverMode::following) return {};
+  const T h = interval.substeps == 0 ? planned_step() : seconds<T>(interval.at(1) - interval.at(0));
+  const ContactDamping<joints, T>* damping = nullptr;
+  if constexpr (has_damper) damping = &m.keeper.template of<ContactDamper<T>>().damping;
+  const State<joints, T> here = state(m);
+  const auto asks = [&](const auto& who, auto&& use) {
+    const Knows<L, Touch> known(who.robot.model_, here, h, who.touch);
+    return use(torque_of(who.law, who.memory, known), [&](const Torque& tau) {
+      return detail::step_velocity<Integrator>(known, who.robot.parameters().shape, false, tau, {}, m.last,
+                                               damping, who.robot.tool_)
+          .velocity;
+    });
+  };
+  const Velocity wanted = asks(before, [&](const Torque& tau, const auto& moved) {
+    return moved(parameters().limits.within(tau, m.v));
+  });
+  return asks(next, [&](const Torque& tau, const auto& moved) {
+    const Velocity given = moved(tau);
+    T slope[joints * joints], difference[joints];
+    for (std::size_t j = 0; j < joints; ++j) {
+      Torque more = tau;
+      more[j] += T(1);
+      const Velocity there = moved(more);
+      for (std::size_t i = 0; i < joints; ++i) slope[i * joints + j] = there[i] - given[i];
+      difference[j] = wanted[j] - given[j];
+    }
+    Torque lacks;
+    math::Lu<joints, T>(slope).solve(difference, lacks.data);
+    return lacks;
+  });
 }
 
 #undef SKINCTL_RESOLVER

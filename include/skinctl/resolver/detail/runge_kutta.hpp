@@ -8,12 +8,12 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Most parts of a sub-step.
+/// Largest number of parts of a sub-step.
 inline constexpr int most_runge_kutta_parts = 8;
 
-/// `M_v dv/dt = tau - C v - G - B v + M_v pull`, with `G` as a law holds it if one does; false if a mass
-/// matrix could not be factorised. `friction`, if asked for, is an upper bound of the fastest rate at which
-/// friction stops a joint [1/s], the trace of `M_v^-1 B`.
+/// `M_v dv/dt = tau - C v - G - B v + M_v pull`, with the `G` of the gravity law if there is one; false if a
+/// mass matrix could not be factorised. `friction`, if not null, receives an upper bound of the fastest rate
+/// at which friction stops a joint [1/s], the trace of `M_v^-1 B`.
 template <class K, Real T>
 [[nodiscard]] SKINCTL_NOINLINE bool virtual_acceleration(
     const K& known, const VirtualDynamics<K::joints, T>& shape, const JointPosition<K::joints, T>& q,
@@ -50,8 +50,8 @@ template <class K, Real T>
   return true;
 }
 
-/// The velocity after `known.dt()` in as many equal parts as friction asks for (each at most 2 of its time
-/// constants: the method is stable up to 2.78). False, and `v` untouched, if that is too many parts.
+/// The velocity after `known.dt()` in as many equal parts as friction needs (each at most 2 of its time
+/// constants: the method is stable up to 2.78). False, with `v` unchanged, if that is too many parts.
 template <class K, Real T>
 [[nodiscard]] bool runge_kutta(const K& known, const VirtualDynamics<K::joints, T>& shape,
                                const JointTorque<K::joints, T>& tau,

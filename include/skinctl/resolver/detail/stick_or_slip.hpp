@@ -1,4 +1,4 @@
-// Friction that may stick.
+// Dry friction with sticking.
 #pragma once
 
 #include <limits>
@@ -13,9 +13,9 @@ namespace detail {
 /// [-1, 1], and S = sign(u) where u is not zero. `u` enters as the solution without friction.
 ///
 /// It is the minimum of `u'm u/2 - b'u + c'|u|` with `b = impulse + m v`. A few sweeps over the joints come
-/// near; from there the joints that move are solved together, one that would turn round on the way sticks,
-/// the one that is torn loose hardest moves, until no joint changes. Each round lowers the function, so it
-/// ends at the minimum; the bound on rounds is for rounding only.
+/// near; from there the moving joints are solved together, one that would reverse sticks, and the one that
+/// breaks loose hardest moves, until no joint changes. Each round lowers the function, so it ends at the
+/// minimum; the bound on rounds is for rounding only.
 template <std::size_t N, Real T>
 SKINCTL_NOINLINE void stick_or_slip(const MassMatrix<N, T>& m, const JointTorque<N, T>& c,
                                     const JointTorque<N, T>& impulse, const JointVelocity<N, T>& v,

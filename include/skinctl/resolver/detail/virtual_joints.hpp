@@ -1,4 +1,4 @@
-// The joints of a virtual robot: how they stay with the real ones, keep their limits and become commands.
+// The joints of a virtual robot: observer of the real ones, limits, commands.
 #pragma once
 
 #include "skinctl/core/measurement.hpp"
@@ -9,9 +9,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// What a resolver does to joints that take positions or velocities, besides asking laws what moves them:
-/// the observer with the declared delay, limits and max lead, the modes, the command. Knows of no model, so that
-/// a part of a robot's joints can be such, and the others take torques.
+/// The resolver's treatment of joints that take positions or velocities, without the laws: the observer with
+/// the declared delay and lag, limits and max lead, the modes, the command. It has no model, so that it
+/// serves a part of a robot's joints while the others take torques.
 template <Interface I, std::size_t N, Real T, std::size_t History>
 class VirtualJoints {
   static_assert(I != Interface::torque, "a joint that takes torques has no virtual state");
@@ -22,7 +22,7 @@ class VirtualJoints {
   using Velocity = JointVelocity<N, T>;
   using Torque = JointTorque<N, T>;
   using Row = detail::Row<N, T>;
-  /// What a cycle's measurement means for its sub-steps.
+  /// A cycle's measurement as correction for its sub-steps.
   struct Correction {
     Velocity rate;                 ///< L1 rho (+ drift r)
     JointAcceleration<N, T> pull;  ///< L2 rho
@@ -34,10 +34,10 @@ class VirtualJoints {
     [[no_unique_address]] std::conditional_t<I == Interface::velocity, Speed, Free>
         speed;  ///< of the command
   };
-  /// A cycle that has begun.
+  /// The begin of a cycle.
   struct Begun {
     Correction correction;
-    Velocity before;  ///< the rate at which it found the joints [rad/s]
+    Velocity before;  ///< the rate of the joints at its begin [rad/s]
     T dt;             ///< its interval [s]
     Status status;
   };
@@ -52,15 +52,15 @@ class VirtualJoints {
   [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured) const noexcept;
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept;
 
-  /// A cycle begins: takes the measurement in, and says what the sub-steps are to make of it.
+  /// Begins a cycle: takes the measurement and computes the correction for the sub-steps.
   template <class Check = AnyState>
   SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval,
                              const Check& check = {}) const noexcept;
   /// One sub-step towards the velocity `v1` (ignored where the mode is another than `following`).
   SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept;
-  /// Whether a blocked robot may follow again, given what its laws would ask of it at rest, less gravity.
+  /// Lets a blocked robot follow again if it may; `net` is the torque of its laws at rest, less gravity.
   SKINCTL_COLD void try_to_leave(Memory& m, const Correction& c, const Torque& net) const noexcept;
-  /// A cycle ends: `command` is what is sent.
+  /// Ends a cycle: computes `command`, which is sent.
   SKINCTL_INLINE Status end(Memory& m, const Begun& begun, const Torque& torque) const noexcept;
 
   /// `command` was sent instead of the last one.

@@ -1,4 +1,4 @@
-// The loop of a virtual robot's joints: what virtual_joints.hpp declares.
+// The loop of a virtual robot's joints, declared in virtual_joints.hpp.
 #pragma once
 
 #include "skinctl/core/detail/plausible.hpp"
@@ -101,7 +101,7 @@ SKINCTL_VIRTUAL_JOINTS
 SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds now,
                                                           const T& dt) const noexcept -> Correction {
   const bool fresh = now - m.measured.time <= p_.fresh_for;
-  // An old measurement says nothing about where the robot is now: its difference is not acted on again.
+  // An old measurement does not show the present position of the robot: its residual is not used again.
   const Row r = fresh ? Row(m.residual) : Row(T(0)), dead_band = p_.dead_band;
   const Row rho = r - clamp(r, -dead_band, dead_band);
   const auto off = rho != Row(T(0));
@@ -112,7 +112,7 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds
   } else {
     Correction c{Velocity(p_.L1 * rho + p_.drift * r), pull, any(off), {}};
     for (std::size_t i = 0; i < N; ++i) {
-      // Where the real robot will be when it has carried out all that was sent up to now.
+      // Position of the real robot when it has carried out all commands sent up to now.
       const T arrives = m.measured.q[i] + (m.sent.value[i] - m.under_way.reached[i]);
       const T brake = p_.limits.acceleration()[i] * braking_share<T>;
       const T reaction = seconds<T>(p_.longest_interval);
@@ -184,7 +184,7 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
   return status;
 }
 
-/// Velocity towards the real robot that ends there.
+/// Velocity towards the real robot that ends there at rest.
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::way_back(const Memory& m, const T& h) const noexcept
     -> Velocity {
@@ -249,7 +249,7 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::publish(Memory& m, const Cor
     m.sent = m.q;
     command.velocity = m.rate;
   } else {
-    // What is sent follows the virtual robot's position, `lead` seconds ahead, within the same limits.
+    // The command follows the virtual robot's position, `lead` seconds ahead, within the same limits.
     const T per_dt = T(1) / dt;
     auto room = p_.limits.room(m.sent.value);
     const Row rate = m.rate, sent = m.sent.value, steady = rate + p_.lead * (rate - before) * per_dt;
@@ -260,7 +260,7 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::publish(Memory& m, const Cor
       smaller(room.above, max_lead - e).store(room.above);
       smaller(room.below, max_lead + e).store(room.below);
     } else {
-      // A velocity is held for a period: half of it is still to come.
+      // A velocity is held for a period, half of which is still to come.
       const Row goal = m.q.value + T(p_.lead - T(0.5) * seconds<T>(p_.period)) * rate;
       target = clamp(steady + p_.catch_up * (goal - sent - m.offset.value), c.speed.least, c.speed.most);
       room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());

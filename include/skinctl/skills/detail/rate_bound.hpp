@@ -1,4 +1,4 @@
-// A torque that moves no faster than a bound, and catches up with what the laws ask for.
+// A bound on the rate of a torque; the difference from the laws' torque is carried until it is made up.
 #pragma once
 
 #include "skinctl/core/law.hpp"
@@ -6,18 +6,18 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Per joint, with `stay` the torque at which the sum of all would stay where it was, did the touch:
+/// Per joint, with `stay` the torque at which the sum would not change if the touch did not:
 ///
 ///     out = clamp(own, stay - R dt, stay + R dt)
 ///
-/// and what `own` then lacks or has too much is carried on until it has been caught up with.
+/// and the difference from `own` is carried on until it is made up.
 template <std::size_t N>
 struct RateBound {
   std::array<double, N> stay{};
-  bool lags = false;   ///< `own` has not been caught up with
-  bool winds = false;  ///< ... and is more than 10 ms away: laws in a closed loop would wind up
+  bool lags = false;   ///< a difference is carried
+  bool winds = false;  ///< ... of more than 10 ms at the bound: laws in a closed loop would wind up
 
-  /// What has to be added to `own` [N m] for an interval in which the torque may move by `most`.
+  /// The torque to add to `own` [N m] for an interval in which the torque may change by `most`.
   template <class T>
   [[nodiscard]] JointTorque<N, T> missing(const JointTorque<N, T>& own, const T& most) const noexcept {
     JointTorque<N, T> out;
@@ -27,8 +27,8 @@ struct RateBound {
     }
     return out;
   }
-  /// After an interval with the torque `own + added`. `moved`: by how much other weights will move the skin's
-  /// torque until the next, if the touch stays. What is not finite is forgotten.
+  /// After an interval with the torque `own + added`. `moved`: the change of the skin's torque until the next
+  /// interval by changing weights, under a constant touch. Numbers that are not finite are dropped.
   /// @param rate  R, whatever is added [N m/s].
   template <class T>
   void follow(const JointTorque<N, T>& own, const JointTorque<N, T>& added, const JointTorque<N, T>& moved,

@@ -1,11 +1,11 @@
-// The part of SkillSet that a reader need not see: how a skill begins, changes and ends.
+// Internals of SkillSet: how a skill begins, changes and ends.
 #pragma once
 
 #include "skinctl/skills/skill_set.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a request asks for begins, waits, or is refused.
+/// Carries a request out, lets it wait, or refuses it.
 template <class... Behaviour, Sum P, class... L>
 template <class K>
 SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
@@ -38,7 +38,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
   return out;
 }
 
-/// Whether controllers of a skill take the request's goals: at least one, and none refuses.
+/// Whether controllers of a skill accept the request's goals: at least one, and none refuses.
 template <class... Behaviour, Sum P, class... L>
 template <class K>
 SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::fits(const Memory& m, const K& known,
@@ -57,7 +57,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::fits(const
   return taken && !status.has(Reason::goal_refused);
 }
 
-/// The request's goals to the controllers that are there; the others get them when they have come.
+/// The request's goals to the controllers that are loaded; the others get them once they are.
 template <class... Behaviour, Sum P, class... L>
 template <class K>
 SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::deliver(Memory& m, const K& known,
@@ -94,16 +94,17 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
   m.request = request;
   deliver(m, known, request, out.status);
   m.commanded = m.commanded.then(next.switches);
-  m.reported.which &= ~next.switches.which;  // an old report says nothing about what is only beginning
+  // an old report does not count for switches that are only beginning
+  m.reported.which &= ~next.switches.which;
   m.phase = SkillPhase::loading;
   m.since = m.held = 0ns;
   return out;
 }
 
-/// Makes a change last long enough that by its quintics the torque moves no faster than `max_rate`: to
-/// what the other skill asks for at this state; and then, where the feedback of a tracking law comes, to
-/// what it holds against the skin. There the torque moves at up to `1.7 |tau_skin| sqrt(lambda / T)`, and
-/// 100 1/s stands for lambda.
+/// Makes a change last long enough that along its quintics the torque changes no faster than `max_rate`: to
+/// the torque of the other skill at this state, and then, where the feedback of a tracking law fades in, to
+/// its torque against the skin. The latter changes at up to `1.7 |tau_skin| sqrt(lambda / T)`, with 100 1/s
+/// for lambda.
 template <class... Behaviour, Sum P, class... L>
 template <class K>
 SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::stretch(typename Blend::Memory& m,
@@ -119,13 +120,14 @@ SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::stretch(ty
                    within(100 * push * push));
 }
 
-/// What is added to the torque `own` of all but the skin, so that none moves by more than `most`.
+/// The torque to add to the torque `own` of all laws but the skin's, so that none changes by more than
+/// `most`.
 template <class... Behaviour, Sum P, class... L>
 template <class Torque, class Shares, class T>
 SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::bounded(
     detail::RateBound<joints>& bound, const typename Blend::Memory& before, typename Blend::Memory& next,
     const Torque& own, Shares shares, const T& most) const noexcept -> Torque {
-  // By how much the skin's weights will move its torque until the next cycle, if the touch stays.
+  // The change of the skin's torque by its weights until the next cycle, under a constant touch.
   const auto now = Blend::factors(before), soon = Blend::factors(next);
   for (std::size_t i = 0; i < controllers; ++i) {
     const double had = now[i].feedback, gets = soon[i].feedback;
@@ -140,13 +142,13 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::bounded(
   Torque carried;
   if (bound.lags || Blend::swaps(before)) carried = bound.missing(own, most);
   bound.follow(own, carried, moved, settings_.max_rate);
-  if (bound.winds) Blend::settle_again(next);  // feedback came faster than the torque may: once more
+  if (bound.winds) Blend::settle_again(next);  // feedback came faster than the bound: fade it in once more
   if (bound.lags && Blend::swaps(before) && !Blend::moves(next))
     Blend::slow_down(before, next, 0);  // nothing has arrived before the torque has caught up
   return carried;
 }
 
-/// Where the skill stands after `dt`, and what follows from it.
+/// The phase of the skill after `dt`, and its consequences.
 template <class... Behaviour, Sum P, class... L>
 template <class K, class Torque>
 SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::supervise(
@@ -195,7 +197,7 @@ void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::end(Memory& m, SkillPha
   m.waits = true;
 }
 
-/// One evaluation of the sum, and what goes on beside it.
+/// One evaluation of the sum, and of the skill beside it.
 template <class... Behaviour, Sum P, class... L>
 template <class K>
 SKINCTL_INLINE auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::step(const Memory& memory,
@@ -212,7 +214,7 @@ SKINCTL_INLINE auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::step(con
     m = change.memory;
     out.status |= change.status;
   }
-  if (m.bound.winds && Blend::swaps(m.blend)) [[unlikely]]  // what the torque lacks would wind them up
+  if (m.bound.winds && Blend::swaps(m.blend)) [[unlikely]]  // the carried difference would wind them up
     blend_.restart(m.blend, known);
   auto e = run(m.blend, known, dt, given);
   const auto touched = skin(e.shares);

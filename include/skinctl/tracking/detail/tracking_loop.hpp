@@ -5,12 +5,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What the surface reads `x` seconds from now, the integrals going on at the given rates.
+/// The inputs of the surface `x` seconds from now, with the integrals going on at the given rates.
 template <class Space, class Plan, class Damping, class Sign>
 SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::inputs(
     const Memory& memory, const T& x, const Rates& dI1, const Rates& dI2) const noexcept {
   using R = detail::Row<Space::coordinates, T>;
-  // Built in place: a copy of what has just been written in other pieces waits for them.
+  // Built in place: a copy right after writes of another width would stall on store forwarding.
   return {memory.plan.at(x, settings_),
           gain(memory, x),
           memory.bias.at(x, gains().kappa, seconds<T>(gains().bumpless_transfer)),
@@ -68,7 +68,8 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
   const auto mid = middle(memory, known, at_t);
   const R damped = mid.damped, asked = mid.surface.ddq_r;
   const auto& K_p = mid.K_p;
-  // The acceleration that is held is the one asked for at the middle: the state there once more, with it.
+  // The held acceleration is the one that the surface gives at the middle: the state there is computed once
+  // more with it.
   const R dv = h * (asked - damped - mid.a), dx = T(T(0.5) * h) * dv;
   const JointPosition<N, T> q_h(mid.q + dx);
   const JointVelocity<N, T> dq_h(mid.dq + dv);

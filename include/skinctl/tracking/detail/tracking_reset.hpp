@@ -1,11 +1,11 @@
-// The part of Tracking that runs when something begins: a goal, a contact, a release.
+// The part of Tracking that runs at a reset: a goal, a contact, a release.
 #pragma once
 
 #include "skinctl/tracking/tracking.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The gain from now on, as slow as the largest error asks for.
+/// The gain from now on, as slow as the largest error needs.
 template <class Space, class Plan, class Damping, class Sign>
 template <class K>
 SKINCTL_COLD Status Tracking<Space, Plan, Damping, Sign>::begin_gain(Memory& memory,
@@ -27,7 +27,7 @@ SKINCTL_COLD Status Tracking<Space, Plan, Damping, Sign>::begin_gain(Memory& mem
   return status;
 }
 
-/// Without a time base: a gain with which the largest error goes back no faster than `max_velocity`.
+/// Without a time base: a gain at which the largest error decays no faster than `max_velocity`.
 template <class Space, class Plan, class Damping, class Sign>
 template <class K>
 SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::slow_gain(Memory& memory,
@@ -52,8 +52,8 @@ SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::begin_bias(Memory& memor
     memory.bias.decaying[i] = finite(error.de[i] + K_p.K * error.e[i]);
 }
 
-/// The skin begins or ceases to push against this law. At the release S_d is zero but for the bumpless transfer, and
-/// the gain constant: the error goes back on its own side.
+/// The skin begins or ceases to push against this law. At the release S_d is zero but for the bumpless
+/// transfer, and the gain is constant: the error decays without changing its sign.
 template <class Space, class Plan, class Damping, class Sign>
 template <class K>
 SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Sign>::switched(
@@ -71,9 +71,9 @@ SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Si
   return stepped(next, look(next, known), dt);
 }
 
-/// Makes the reference of `next` go on from that of `before` at this state: in velocity, in acceleration, and
-/// in how the acceleration changes until the middle of the interval, where the torque reads it. The last is
-/// left out where `before` stands still: a plan begins as smoothly as it was planned, and arrives in time.
+/// Makes the reference of `next` continue that of `before` at this state: in velocity, in acceleration, and
+/// in the change of acceleration until the middle of the interval, where the torque reads it. The last is
+/// left out where `before` is at rest: a plan begins as smoothly as it was planned, and arrives in time.
 template <class Space, class Plan, class Damping, class Sign>
 template <class K>
 SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::bumpless_transfer(Memory& next, const Memory& before,
