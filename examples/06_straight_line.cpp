@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   OperationalSettings<6> settings{.tracking = {.dt = nanoseconds(h), .tb = 0s}};
   settings.tracking.max_velocity = JointVelocity<6>::constant(2.5);
   const auto X_LT = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.15);
-  const SplineOperational<6, 5> reach(OperationalSpace<6, 5>(X_LT, settings), settings);
+  const SplineOperational<6, 5> reach(X_LT, settings);
   using Known = Quantities<ur5::Model, SplineOperational<6, 5>::needs>;
   const NoTouch touch;
 

@@ -8,13 +8,15 @@
 using namespace examples;
 
 int main(int argc, char** argv) {
-  const ur5::Model robot;
+  const ur5::Model model;
   const auto cell = Arm<SkinJointControl>::cell<5>();
   const auto X_LC = cell.X_LC.renamed<Link<5>, Tool>();  // the tool is a cell; z its normal
-  const ForceControl<6, 5> press(X_LC, {.pose = {.tracking = gains()}, .carried = 1});
+  auto settings = force_settings(robot);
+  settings.carried = 1;  // the table pushes the skin of the very arm that presses
+  const ForceControl<6, 5> press(X_LC, settings);
   Arm arm(press + SkinJointControl{} + GravityControl{});
   const auto touching = [&] {
-    return Poses<ur5::Model, all_links(6)>(robot, JointAngles<ur5::Model, double>(robot, arm.q())).get<5>() *
+    return Poses<ur5::Model, all_links(6)>(model, JointAngles<ur5::Model, double>(model, arm.q())).get<5>() *
            X_LC;
   };
   const auto start = touching();

@@ -9,11 +9,11 @@
 using namespace examples;
 
 int main(int argc, char** argv) {
-  OperationalSettings<6> settings{.tracking = gains()};
+  auto settings = operational_settings(robot);
   settings.max_linear_velocity = 0.25;   // [m/s]
   settings.max_linear_acceleration = 1;  // [m/s^2]
   settings.max_linear_jerk = 10;         // [m/s^3]
-  const ReactiveOperational<6, 5> follow(OperationalSpace<6, 5>(tool_on_flange, settings), settings);
+  const ReactiveOperational<6, 5> follow(tool_on_flange, settings);
   Arm arm(follow + SkinJointControl{} + GravityControl{});
   Curve seen{.name = "target as the camera sees it", .dashed = true}, tool{"tool"},
       speed{"speed of the tool [m/s]"};

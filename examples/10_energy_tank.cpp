@@ -22,7 +22,7 @@ double moved_in(A& arm, Curve& joint, Curve& energy) {
 }
 
 int main(int argc, char** argv) {
-  const auto law = SplineJoint<6>(gains()) + SkinJointControl{} + GravityControl{};
+  const auto law = SplineJoint(robot) + SkinJointControl{} + GravityControl{};
   Arm rich(law, ur5_by_position(EnergyTank<>({.start = 4, .max = 5})));
   Arm poor(law, ur5_by_position(EnergyTank<>({.start = 1, .max = 5})));
   Curve q_rich{"begins with 4 J"}, E_rich = q_rich;

@@ -10,7 +10,7 @@
 using namespace examples;
 
 int main(int argc, char** argv) {
-  auto soft = gains();
+  auto soft = tracking_settings(robot);
   soft.lambda = 20, soft.K_c = 4;  // [1/s]
   const auto set =
       skill_set<behaviour::ReachJoint>(figure_7, {}, skill_controller<controller::Gravity>(GravityControl{}),

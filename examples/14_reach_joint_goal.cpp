@@ -9,7 +9,7 @@
 using namespace examples;
 
 int main(int argc, char** argv) {
-  Arm arm(2.0 * SkinJointControl{} + SplineJoint<6>(gains()) + GravityControl{});
+  Arm arm(2.0 * SkinJointControl{} + SplineJoint(robot) + GravityControl{});
   Curve joint{"joint 0 [rad]"}, force{"force of the hand [N]"};
   const auto cell = arm.cell<2>();
   JointGoal<6> goal{home, 3s};

@@ -10,9 +10,9 @@
 using namespace examples;
 
 int main(int argc, char** argv) {
-  OperationalSettings<6> settings{.tracking = gains()};
+  auto settings = operational_settings(robot);
   settings.tracking.lambda = 20, settings.tracking.K_c = 4;  // [1/s]
-  const OperationalControl<6, 5> follow(OperationalSpace<6, 5>(tool_on_flange, settings), settings);
+  const OperationalControl<6, 5> follow(tool_on_flange, settings);
   const auto set = skill_set<behaviour::ReachCartesian>(
       figure_7, {}, skill_controller<controller::Gravity>(GravityControl{}),
       skill_controller<controller::SkinJoint>(SkinJointControl{}),

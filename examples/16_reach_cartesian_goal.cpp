@@ -9,8 +9,7 @@
 using namespace examples;
 
 int main(int argc, char** argv) {
-  const OperationalSettings<6> settings{.tracking = gains()};
-  const SplineOperational<6, 5> reach(OperationalSpace<6, 5>(tool_on_flange, settings), settings);
+  const SplineOperational reach(robot, tool_on_flange);
   Arm arm(SkinCartesianControl<5>(tool_on_flange) + reach + GravityControl{});
   Curve distance{"distance to the goal [mm]"}, force{"force of the hand [N]"};
   const auto cell = arm.cell<5>();

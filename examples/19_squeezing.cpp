@@ -10,9 +10,9 @@ int main(int argc, char** argv) {
   const auto cell = Arm<SkinJointControl>::cell<5>();
   const auto set = packing_skills(cell.X_LC.renamed<Link<5>, Tool>());  // the tool is the cell; z its normal
   Arm arm(set);
-  const ur5::Model robot;
+  const ur5::Model model;
   const auto touching = [&] {
-    return Poses<ur5::Model, all_links(6)>(robot, JointAngles<ur5::Model, double>(robot, arm.q())).get<5>() *
+    return Poses<ur5::Model, all_links(6)>(model, JointAngles<ur5::Model, double>(model, arm.q())).get<5>() *
            cell.X_LC;
   };
   const auto start = touching();

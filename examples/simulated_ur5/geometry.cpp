@@ -58,7 +58,7 @@ Joints torque_of_force(const Links& links, std::size_t link, Vec3 point, Vec3 fo
 Joints gravity_torque(const Links& links) {
   Joints torque{};
   for (std::size_t i = 0; i < joint_count; ++i) {
-    using P = skinctl::Parameter;
+    using P = skinctl::LinkParameter;
     const auto& maker = Maker::links[i];
     const Vec3 centre = links.link[i].point({maker[P::c_x], maker[P::c_y], maker[P::c_z]});
     const Joints held = torque_of_force(links, i, centre, {0, 0, 9.81 * maker[P::mass]});

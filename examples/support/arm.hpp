@@ -39,10 +39,6 @@ auto ur5_by_position(const Parts&... parts) {
 }
 /// It without any, for laws that are built from its description.
 inline const auto robot = ur5_by_position();
-/// Gains for a law on this arm.
-inline JointControlSettings<6> gains() {
-  return tracking_settings(robot);
-}
 
 /// Its skin: 260 cells without noise.
 inline auto skin() {

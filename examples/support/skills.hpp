@@ -12,14 +12,14 @@ namespace examples {
 /// Reaching, Putting, Squeezing => force control; `tool` is the frame that they move. It begins led by the
 /// hand.
 inline auto packing_skills(const Transform<Link<5>, Tool>& tool = tool_on_flange) {
-  const OperationalSettings<6> settings{.tracking = gains()};
-  const OperationalSpace<6, 5> space(tool, settings);
+  auto force = force_settings(robot);
+  force.carried = 1;  // the world pushes the skin of the very arm that presses
   return skill_set<behaviour::KinestheticJoint>(
       boost::hana::union_(figure_7, section_6), {}, skill_controller<controller::Gravity>(GravityControl{}),
       skill_controller<controller::SkinJoint>(SkinJointControl{}),
-      skill_controller<controller::SplineJoint>(SplineJoint<6>(gains())),
-      skill_controller<controller::SplineOperational>(SplineOperational<6, 5>(space, settings)),
-      skill_controller<controller::Force>(ForceControl<6, 5>(tool, {.pose = settings, .carried = 1})));
+      skill_controller<controller::SplineJoint>(SplineJoint(robot)),
+      skill_controller<controller::SplineOperational>(SplineOperational(robot, tool)),
+      skill_controller<controller::Force>(ForceControl<6, 5>(tool, force)));
 }
 
 }  // namespace examples

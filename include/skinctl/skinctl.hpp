@@ -35,6 +35,7 @@
 #include "skinctl/core/time.hpp"
 #include "skinctl/core/triple.hpp"
 #include "skinctl/core/version.hpp"
+#include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"

@@ -9,7 +9,7 @@
 using namespace skinctl;
 using P = LinkParameter;
 
-static_assert(RobotModel<ur5::Model> && Model<ur5::Calibrated<>> && Model<ur5::Calibrated<float>>);
+static_assert(RobotModel<ur5::Model> && RobotModel<ur5::Calibrated<>> && RobotModel<ur5::Calibrated<float>>);
 static_assert(RobotModel<CalibratedModel<allegro::Finger, Lane<double, native_lanes<double>>>>);
 static_assert(std::is_empty_v<ur5::Model>, "a static model has no numbers at run time");
 static_assert(std::is_same_v<decltype(ur5::Model::number<1, P::cos_alpha, double>()), TypedConstant<0>>);

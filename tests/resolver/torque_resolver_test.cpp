@@ -47,7 +47,7 @@ TEST_CASE("Resolver for torques: refuses shapes that it cannot give a real robot
   CHECK(refused([](auto&) {}).empty());
   CHECK(refused([](auto& c) { c.viscous_friction[0] = 3; }).empty());
   CHECK(refused([](auto& c) { c.virtual_damping = 1; }) ==
-        "skinctl: virtual damping = 1, allowed: 0 for a torque interface");
+        "skinctl: virtual damping = 1, allowed: 0 for a robot by torque");
   CHECK(refused([](auto& c) { c.coulomb_friction[1] = 1; }).find("Coulomb") != std::string::npos);
   CHECK(refused([](auto& c) { c.virtual_inertia[1] = 1; }).find("inertia") != std::string::npos);
 }

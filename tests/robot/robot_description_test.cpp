@@ -56,7 +56,8 @@ TEST_CASE("RobotDescription: knows its parts by their types") {
 TEST_CASE("RobotDescription: numbers that cannot be are refused where it is built") {
   auto c = arm().configuration();
   c.period = 2s;
-  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }) == "skinctl: period = 2000, allowed: 0.1 to 1000 ms");
+  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }) ==
+        "skinctl: period = 2000, allowed: 0.1 to 1000 ms");
   c.period = 8ms;
   c.virtual_damping = -1;
   CHECK(refusal([&] { static_cast<void>(by_velocity(ur5::Model{}, c)); }) ==
@@ -65,7 +66,8 @@ TEST_CASE("RobotDescription: numbers that cannot be are refused where it is buil
 
 TEST_CASE("RobotDescription: a short delay suits a dead band only of a robot with a virtual one") {
   const RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(), .period = 100us};
-  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).find("dead band") != std::string::npos);
+  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).find("dead band") !=
+        std::string::npos);
   CHECK(refusal([&] { static_cast<void>(by_torque(ur5::Model{}, c)); }).empty());
 }
 

@@ -65,7 +65,7 @@ const std::vector<Folder>& folders() {
       {"passivity", {"robot", "tactile"}},
       {"resolver", {"limits", "passivity"}},
       {"guard", {"resolver"}},
-      {"cycle", {"guard"}},
+      {"cycle", {"guard", "trajectory"}},
       {"skills", {"fusion"}},
       {"hardware", {"cycle"}},
       {"calibration", {"tactile", "trajectory"}},

@@ -1,9 +1,9 @@
-// Macros that every header needs: the namespace, inlining, and what skinctl refuses to be compiled with.
+// Macros that every header needs: the namespace, inlining, and the unsupported compiler settings.
 #pragma once
 
 #if !defined(__cplusplus) || __cplusplus < 202002L
 #error "skinctl: needs C++20. Compile with -std=c++20, or ask CMake for cxx_std_20."
-#include "skinctl: stops here without -std=c++20"  // a file that is not there ends the page of errors
+#include "skinctl: stops here without -std=c++20"  // a missing include ends the list of errors
 #endif
 
 #if defined(__FAST_MATH__)
@@ -11,7 +11,8 @@
 #endif
 
 /// Files compiled for different instruction sets hold different code under the same name, and a linker would
-/// keep either. The inline namespace is named after the set, so that such files do not merge.
+/// keep either of them. The inline namespace is named after the instruction set, so that such files do not
+/// merge.
 #if defined(__AVX512F__)
 #define SKINCTL_ABI avx512
 #elif defined(__AVX2__) && defined(__FMA__)
@@ -35,8 +36,9 @@
   }                           \
   }
 
-/// On operators, lambdas and recursion of the loop: GCC's own judgement costs a factor of four there. Define
-/// SKINCTL_NO_FORCED_INLINE where compile time and readable stack traces matter more: debug and sanitizer builds.
+/// For operators, lambdas and recursion in the loop: GCC's own choice of inlining is four times slower there.
+/// Define SKINCTL_NO_FORCED_INLINE where compile time and readable stack traces matter more: debug and
+/// sanitizer builds.
 #if defined(SKINCTL_NO_FORCED_INLINE)
 #define SKINCTL_INLINE inline
 #define SKINCTL_INLINE_LAMBDA
@@ -44,19 +46,19 @@
 #define SKINCTL_INLINE inline __attribute__((always_inline))
 #define SKINCTL_INLINE_LAMBDA __attribute__((always_inline))
 #endif
-// What runs rarely, or once a cycle: copies of it in the loop cost compile time and instruction cache.
-// GCC's own copies, with arguments taken apart, are slower: 7 % of a cycle.
+// For functions that run rarely, or once a cycle: inlined, they cost compile time and instruction cache.
+// `noclone`, because GCC's clones with split arguments cost 7 % of a cycle.
 #if defined(__GNUC__) && !defined(__clang__)
 #define SKINCTL_NOINLINE __attribute__((noinline, noclone))
 #else
 #define SKINCTL_NOINLINE __attribute__((noinline))
 #endif
-// What runs before the loop: compiled for size.
+// For functions that run before the loop: compiled for size.
 #define SKINCTL_COLD __attribute__((noinline, cold))
 
-/// In the body of an operator: lets its multiplication or addition and that of another operator become one
-/// fused operation, as GCC does anyway; Clang would otherwise fuse only within one expression. Define
-/// SKINCTL_NO_CONTRACT to forbid it there.
+/// In the body of an operator: lets the compiler fuse a multiplication with an addition of another operator,
+/// as GCC does by default; Clang would otherwise fuse only within one expression. Define SKINCTL_NO_CONTRACT
+/// to forbid this fusion.
 #if defined(__clang__) && !defined(SKINCTL_NO_CONTRACT)
 #define SKINCTL_CONTRACT _Pragma("clang fp contract(fast)")
 #else

@@ -1,5 +1,5 @@
-// What happens when a promise is broken: by a configuration (throws) or between our own functions (debug
-// builds stop).
+// Errors of configuration, which throw, and contracts between the library's own functions, which stop debug
+// builds.
 #pragma once
 
 #include <cstdio>
@@ -11,15 +11,15 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A configuration that cannot work: a gain, a rate, a file. Thrown while something is built, never in the
-/// loop. The text names the quantity, its value and the allowed range.
+/// An invalid configuration: a gain, a rate, a file. Thrown at construction, never in the loop. The text
+/// names the quantity, its value and the allowed range.
 class ConfigurationError : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// Called instead of `throw` in builds without exceptions; must not return. Defaults to printing the text and
-/// aborting. Set it before anything is built.
+/// Called instead of `throw` in builds without exceptions; must not return. The default prints the text and
+/// aborts. Set it before any configuration is built.
 using ErrorHandler = void (*)(const char* what) noexcept;
 
 namespace detail {
@@ -67,10 +67,10 @@ inline void require(bool allowed, const char* name, double value, const char* ra
 
 SKINCTL_END_NAMESPACE
 
-/// `SKINCTL_THROW("text")`: an exception, or the handler in builds without exceptions.
+/// `SKINCTL_THROW("text")`: throws, or calls the handler in builds without exceptions.
 #define SKINCTL_THROW(what) ::skinctl::refuse(what)
 
-/// A promise between our own functions: checked in debug builds, free in release builds.
+/// A contract between the library's own functions: checked in debug builds, free in release builds.
 #if defined(NDEBUG)
 #define SKINCTL_EXPECTS(condition, text) static_cast<void>(0)
 #else

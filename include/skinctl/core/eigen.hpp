@@ -1,6 +1,5 @@
-// The boundary to Eigen: what users pass in and get out. Eigen itself is not included here: whoever converts
-// includes <Eigen/Core> (for poses <Eigen/Geometry>), whoever does not is spared the largest part of a small
-// file's compile time.
+// Conversion between skinctl's types and Eigen's. Eigen is not included here: a file that converts includes
+// <Eigen/Core> (for poses <Eigen/Geometry>); any other file saves the largest part of its compile time.
 #pragma once
 
 #include "skinctl/core/joint.hpp"
@@ -8,10 +7,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-// Every quantity goes to Eigen by `as_eigen(x)` and comes from it by a constructor that names what the numbers
-// are (`JointTorque<6>(v)`, `Transform<Base, Tool>(X)`), or, where the type is an aggregate, by its
-// `from_eigen` (`Wrench<Forearm>::from_eigen(v)`). Arrays are seen in place, so that they have to have a name;
-// all else is copied.
+// Every quantity becomes an Eigen object by `as_eigen(x)`, and is built from one by a constructor that names
+// the quantity (`JointTorque<6>(v)`, `Transform<Base, Tool>(X)`), or, where the type is an aggregate, by its
+// `from_eigen` (`Wrench<Forearm>::from_eigen(v)`). `as_eigen` of joint vectors and matrices is a view, so a
+// temporary is refused; everything else is copied.
 
 /// A triple as an Eigen vector.
 template <Scalar T>
@@ -43,7 +42,7 @@ template <Scalar T>
 }
 }  // namespace detail
 
-/// An Eigen vector of three elements as a triple; a dynamic one of another size is a broken promise.
+/// An Eigen vector of three elements as a triple; a dynamic one of another size breaks the contract.
 template <VectorExpression V>
 [[nodiscard]] SKINCTL_INLINE Xyz<typename V::Scalar> as_xyz(const V& values) noexcept {
   static_assert(int(V::SizeAtCompileTime) == 3 || int(V::SizeAtCompileTime) == -1, "three numbers");

@@ -1,4 +1,5 @@
-// The names of Eigen's types, and what is Eigen's, told by its interface: nothing of Eigen is included.
+// Forward declarations of Eigen's types, and concepts that recognise Eigen by its interface, without
+// including it.
 #pragma once
 
 #include "skinctl/core/real.hpp"

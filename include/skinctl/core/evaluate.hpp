@@ -1,4 +1,4 @@
-// How the library calls a law: by its members where it has them, else by what follows from the others.
+// Evaluation of a law: calls its members where it has them, else derives the result from the required ones.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What one evaluation gives. `shares` are the torques that the parts of the law contribute, for the log;
-/// they add up to `torque`.
+/// The result of one evaluation. `shares` are the torques of the parts of the law, for the log; they add up
+/// to `torque`.
 template <std::size_t N, Scalar T, class M, std::size_t Terms>
 struct Evaluation {
   JointTorque<N, T> torque;
@@ -37,7 +37,7 @@ template <class L, class K>
 inline constexpr bool says_settled = requires(const L& law, const typename L::Memory& m, const K& k,
                                               const typename K::scalar& still) { law.settled(m, k, still); };
 
-/// Compares a law's settings with the robot's, if it has some that can differ.
+/// Compares a law's settings with the robot's, if the law has `check_for`.
 template <class Law, class Terms>
 void check_law_for(const Law& law, const Terms& robot) {
   if constexpr (requires { law.check_for(robot); }) law.check_for(robot);
@@ -45,7 +45,7 @@ void check_law_for(const Law& law, const Terms& robot) {
 template <class L>
 inline constexpr bool compensates_friction = requires { requires L::compensates_friction; };
 
-/// Whether no joint is faster than `most`. NaN is faster than everything.
+/// Whether no speed exceeds `most`; false if one is NaN.
 template <class V, class T>
 [[nodiscard]] constexpr bool slower(const V& velocity, const T& most) noexcept {
   for (const T& v : velocity)
@@ -53,7 +53,7 @@ template <class V, class T>
   return true;
 }
 
-/// `feedback * parts.feedback + feed_forward * parts.feed_forward`, with G(q) as `G` says.
+/// `feedback * parts.feedback + feed_forward * parts.feed_forward`, with or without G(q) according to `G`.
 template <GravityTerm G, class L, class K>
 [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> weighted_torque(
     const L& law, const typename L::Memory& memory, const K& known,
@@ -92,7 +92,7 @@ template <class L, class K>
   }
 }
 
-/// What `law` limits, holds or hands over just now: its `status`, or nothing.
+/// The reasons for what `law` limits, holds or ramps out in this cycle: its `status`, or none.
 template <class L>
 [[nodiscard]] SKINCTL_INLINE Status status_of(const L& law, const typename L::Memory& memory) noexcept {
   if constexpr (detail::reports<L>) {
@@ -102,7 +102,7 @@ template <class L>
   }
 }
 
-/// Whether `law` has come to rest where it was sent: what it says itself, or that no joint is faster than
+/// Whether `law` has come to rest at its goal: by its own `settled`, else whether no joint is faster than
 /// `still` [rad/s].
 template <class L, class K>
 [[nodiscard]] SKINCTL_NOINLINE bool settled(const L& law, const typename L::Memory& memory, const K& known,
@@ -115,7 +115,7 @@ template <class L, class K>
 }
 
 /// The torque of `law` for the interval that begins now, and its memory after `dt` seconds. Uses the law's
-/// own `evaluate` where it has one, so that what torque and memory share is computed once.
+/// own `evaluate` where it has one, which computes the common terms of torque and memory once.
 template <class L, class K>
 [[nodiscard]] SKINCTL_INLINE auto evaluate(const L& law, const typename L::Memory& memory, const K& known,
                                            typename K::scalar dt) noexcept {
@@ -132,8 +132,8 @@ template <class L, class K>
   }
 }
 
-/// What a law makes of a goal that may also be the next sample of a target that moves: `follow` where it has
-/// one, which tells the one from the other, else `receive`.
+/// The memory of a law after a goal, which may be the next sample of a moving target: by `follow` where the
+/// law has one, which distinguishes a sample from a new goal, else by `receive`.
 template <class L, class K, class G>
 [[nodiscard]] SKINCTL_COLD Received<typename L::Memory> follow_or_receive(const L& law,
                                                                           const typename L::Memory& memory,

@@ -1,4 +1,5 @@
-// One number per joint, of a kind: positions, velocities, accelerations and torques do not mix.
+// Joint vectors: one number per joint, of one kind. Positions, velocities, accelerations and torques do not
+// mix.
 #pragma once
 
 #include <array>
@@ -21,8 +22,8 @@ struct Jerk {};          ///< [rad/s^3], [m/s^3]
 struct Power {};         ///< [W]
 }  // namespace kind
 
-/// `N` numbers of one kind, in the order of the model's joints. Zero by default, trivially copyable, costs
-/// what a bare array costs. Addition needs equal kinds: `q + tau` does not compile.
+/// `N` numbers of one kind, in the order of the model's joints. Zero by default, trivially copyable, as cheap
+/// as a bare array. Addition needs equal kinds: `q + tau` does not compile.
 template <class Kind, std::size_t N, Scalar T = double>
 struct JointVector {
   using kind = Kind;
@@ -42,8 +43,8 @@ struct JointVector {
     requires(sizeof...(U) == N && N > 1 && (std::is_convertible_v<U, T> && ...))
   SKINCTL_INLINE constexpr explicit(false) JointVector(const U&... values) noexcept : data{T(values)...} {}
 
-  /// From an Eigen vector of `N` elements of scalar `T`, whose kind the caller names: `JointPosition<6>(v)`. A
-  /// dynamic one of another size is a broken promise. Into one that exists: `as_eigen(q) = v`.
+  /// From an Eigen vector of `N` elements of scalar `T`: `JointPosition<6>(v)`. A dynamic one of another size
+  /// breaks the contract. Assignment to an existing joint vector: `as_eigen(q) = v`.
   template <VectorExpression V>
   SKINCTL_INLINE explicit JointVector(const V& values) noexcept : data{} {
     static_assert(std::is_same_v<typename V::Scalar, T>, "other scalar: v.cast<T>()");
@@ -54,9 +55,9 @@ struct JointVector {
     const auto v = values.eval();
     for (std::size_t i = 0; i < N; ++i) data[i] = v.coeff(static_cast<std::ptrdiff_t>(i));
   }
-  // What has no meaning. The hint stands on the line that bears the operator's name, the only one that
-  // compilers print, and operators are members or friends: compilers list every other one that they
-  // considered.
+  // Deleted operations. Compilers print only the line that bears the operator's name, so the hint is a
+  // comment on that line. The operators are members or friends, because compilers list all other candidates
+  // in the error.
   // clang-format off
   template <class L, std::size_t M, class U>
   void operator+(const JointVector<L, M, U>&) const = delete;  // other kind, size or scalar: q + tau has no meaning
@@ -87,7 +88,7 @@ struct JointVector {
     each([&](std::size_t i) SKINCTL_INLINE_LAMBDA { v.data[i] = f(i); });
     return v;
   }
-  /// The numbers that `write(data)` puts there: all `N` of them.
+  /// The numbers that `write(data)` writes; it must write all `N`.
   template <class F>
   static SKINCTL_INLINE JointVector written(F&& write) noexcept {
     JointVector v(unset);
@@ -158,8 +159,8 @@ struct JointVector {
   }
 
  private:
-  /// For results that are written completely at once: GCC keeps a zero that it should have dropped, and the
-  /// sum of 16 joints then takes five times as long.
+  /// Leaves the numbers uninitialised, for results that are overwritten completely: GCC does not remove the
+  /// zeros, and the sum of 16 joints would take five times as long.
   struct Unset {};
   static constexpr Unset unset{};
   SKINCTL_INLINE constexpr explicit JointVector(Unset) noexcept {}

@@ -1,4 +1,4 @@
-// Some of a robot's joints, chosen at compile time: the others are left out, or left as they are.
+// A subset of a robot's joints, chosen at compile time.
 #pragma once
 
 #include <bit>
@@ -15,8 +15,8 @@ SKINCTL_BEGIN_NAMESPACE
   return set;
 }
 
-/// The joints of `Set` among `N`, in their order. What is of the subset has its own number of joints in its
-/// type: `JointTorque<16>` of a hand, `JointVelocity<6>` of its arm.
+/// The joints of `Set` among `N`, in their order. The number of joints of a subset is part of the types:
+/// `JointTorque<16>` for a hand, `JointVelocity<6>` for its arm.
 template <std::size_t N, LinkMask Set>
 struct JointSubset {
   static_assert(N <= 64 && (Set & ~joints_between(0, N)) == 0,
@@ -32,14 +32,14 @@ struct JointSubset {
   }();
   using Others = JointSubset<N, joints_between(0, N) & ~Set>;
 
-  /// What `whole` has for the joints of the subset.
+  /// The elements of `whole` for the joints of the subset.
   template <class Kind, Scalar T>
   [[nodiscard]] static SKINCTL_INLINE constexpr JointVector<Kind, count, T> of(
       const JointVector<Kind, N, T>& whole) noexcept {
     return JointVector<Kind, count, T>::generate([&](std::size_t k)
                                                      SKINCTL_INLINE_LAMBDA { return whole[index[k]]; });
   }
-  /// Writes `part` into the places of the subset.
+  /// Writes `part` to the joints of the subset; the other joints keep their values.
   template <class Kind, Scalar T>
   static SKINCTL_INLINE constexpr void put(const JointVector<Kind, count, T>& part,
                                            JointVector<Kind, N, T>& whole) noexcept {

@@ -8,8 +8,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// An integer known at compile time, whose `*`, `+` and `-` fold by overload.
 ///
 /// A compiler may not drop `0 * x` (x could be NaN or negative), so the zeros and ones of a robot's
-/// placements are types: `TypedConstant<0>{} * x` is `TypedConstant<0>`, `TypedConstant<1>{} * x` is `x`, `TypedConstant<0>{} + x` is `x`. A
-/// NaN in `x` is dropped with it: inputs are checked where they enter the cycle, not here.
+/// placements are types: `TypedConstant<0>{} * x` is `TypedConstant<0>`, `TypedConstant<1>{} * x` is `x`,
+/// `TypedConstant<0>{} + x` is `x`. A NaN in `x` is dropped with it: inputs are checked where they enter the
+/// cycle, not here.
 template <int V>
 struct TypedConstant {
   static constexpr int value = V;
@@ -21,7 +22,7 @@ struct TypedConstant {
   }
   SKINCTL_INLINE constexpr TypedConstant<-V> operator-() const noexcept { return {}; }
 
-  // Friends, so that only expressions with a TypedConstant consider them: errors of others stay short.
+  // Friends, so that only expressions with a TypedConstant consider them, and errors elsewhere stay short.
   template <int W>
   friend SKINCTL_INLINE constexpr TypedConstant<V * W> operator*(TypedConstant, TypedConstant<W>) noexcept {
     return {};

@@ -11,13 +11,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How many `T` the registers of this target hold: 32 bytes with AVX (also with AVX-512), 16 with SSE2 or
-/// NEON, else one number.
+/// Number of `T` in a register of the target: 32 bytes with AVX (also with AVX-512), 16 with SSE2 or NEON,
+/// else one number.
 template <class T>
 inline constexpr std::size_t native_lanes =
     detail::lane_bytes < sizeof(T) ? 1 : detail::lane_bytes / sizeof(T);
 
-/// Which lanes a comparison holds for. Combine with `&`, `|`, `!`; use with `select`, `any`, `all`.
+/// The result of a comparison, lane by lane. Combine with `&`, `|`, `!`; use with `select`, `any`, `all`.
 template <class T, std::size_t W>
 class LaneMask {
  public:
@@ -62,10 +62,10 @@ class LaneMask {
 
 /// `W` numbers of type `T` (float or double) on which every operation works lane by lane, as on a plain `T`.
 ///
-/// An algorithm templated on its scalar runs on four fingers at once with `Lane<double, 4>`. A number
-/// converts to a lane that holds it `W` times. Never wider than the target's registers: split a longer row
-/// into several lanes of `native_lanes<T>`. Trivially copyable; `Lane{}` is zero, `Lane x;` holds nothing
-/// yet. Comparisons give a `LaneMask`; there is no conversion to bool.
+/// An algorithm templated on its scalar computes four fingers at once with `Lane<double, 4>`. A number
+/// converts to a lane that holds it `W` times. A lane is never wider than the target's registers: split a
+/// longer row into several lanes of `native_lanes<T>`. Trivially copyable; `Lane{}` is zero, `Lane x;` is
+/// uninitialised. Comparisons give a `LaneMask`; there is no conversion to bool.
 template <class T, std::size_t W = native_lanes<T>>
 class Lane {
   static_assert(std::is_same_v<T, float> || std::is_same_v<T, double>, "Lane<T, W>: T is float or double");
@@ -80,7 +80,7 @@ class Lane {
   Lane() = default;
   /// The same number in every lane.
   SKINCTL_INLINE constexpr Lane(T x) noexcept : v_(detail::broadcast<T, W>(x)) {}
-  /// The same number in every lane, as `T(0.5)` and `T(2)` of generic code write it.
+  /// The same number in every lane, for `T(0.5)` and `T(2)` in generic code.
   template <class U>
     requires(std::is_arithmetic_v<U> && !std::is_same_v<U, T>)
   SKINCTL_INLINE constexpr explicit Lane(U x) noexcept : Lane(static_cast<T>(x)) {}
@@ -169,7 +169,8 @@ class Lane {
   Vector v_;
 };
 
-/// `a` if the condition holds, else `b`: the twin of the lanes' `select`, for code templated on its scalar.
+/// `a` if the condition holds, else `b`: the counterpart of the lanes' `select`, for code templated on its
+/// scalar.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE constexpr T select(bool condition, const std::type_identity_t<T>& a,
                                                 const T& b) noexcept {

@@ -1,4 +1,5 @@
-// The protocol of a law: a configuration that turns what is known into torque, with its changing part outside.
+// The protocol of a law: an immutable configuration that computes joint torque from the known state; its
+// memory is kept outside.
 #pragma once
 
 #include <concepts>
@@ -11,8 +12,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The operators of law expressions (`0.6 * skin + gravity`) live in this namespace, and a law finds them by
-/// deriving from `Composable`. Whoever mistypes an expression of other things does not meet them in the
-/// error.
+/// deriving from `Composable`. Errors in expressions of other types do not list them.
 namespace expression {
 struct Composable {};
 }  // namespace expression
@@ -25,35 +25,36 @@ enum class LawRole : unsigned char {
   gravity    ///< compensates gravity: weight 1, at most once in an expression
 };
 
-/// Whether a torque holds G(q). It must not where a gravity law is loaded beside it.
+/// Whether a torque includes G(q). It must not where a gravity law is loaded beside it.
 enum class GravityTerm : bool { left_out, included };
 
-/// What a sum multiplies the two parts of a tracking law by.
+/// The factors with which a sum multiplies the two parts of a tracking law.
 template <Scalar T>
 struct LawShare {
   T feedback = T(1);
   T feed_forward = T(1);
 };
 
-/// The two parts of a tracking law's torque [N m], both without G(q): the sum holds it.
+/// The two parts of a tracking law's torque [N m], both without G(q), which the sum adds.
 template <std::size_t N, Scalar T = double>
 struct TorqueParts {
-  JointTorque<N, T> feedback;      ///< what the error asks for, as `-K_d S_q`
-  JointTorque<N, T> feed_forward;  ///< what the motion itself asks for, as `Y_r Theta - G`
+  JointTorque<N, T> feedback;      ///< the reaction to the error, `-K_d S_q`
+  JointTorque<N, T> feed_forward;  ///< the torque of the planned motion, `Y_r Theta - G`
 };
 
-/// Whether the skin pushes against the tracking laws just now (end of the paper's section 4.2.1): on entry
-/// and while it lasts, integrals and clocks stand still; at the release they are reset without a jump.
+/// Whether the skin pushes against the tracking laws (end of the paper's section 4.2.1). While it lasts,
+/// integrals and clocks stand still; at the release they are reset without a jump.
 enum class Opposition : unsigned char { none, lasting, released };
 
-/// A memory after something was asked for (a new goal), and what came of it.
+/// A memory after a request (a new goal), and the status of that request.
 template <class M>
 struct Received {
   M memory;
   Status status;
 };
 
-/// The base of a law without memory: `Own` states `torque(known)`, and `needs` and `role` where they differ.
+/// Base of a law without memory: `Own` defines `torque(known)`, and `needs` and `role` where they differ from
+/// the defaults.
 ///
 ///     struct Damper : StatelessLaw<Damper> {
 ///       JointTorque<6> torque(const auto& known) const noexcept {
@@ -61,8 +62,8 @@ struct Received {
 ///       }
 ///     };
 ///
-/// @tparam Own  the law that derives from it: memories of different laws are different types, which take no
-///              room side by side.
+/// @tparam Own  the law that derives from this base. The memories of different laws are then different empty
+///              types, which take no space side by side.
 template <class Own>
 struct StatelessLaw : Composable {
   struct Memory {};
@@ -82,11 +83,11 @@ struct StatelessLaw : Composable {
 };
 
 namespace detail {
-// Traits, not requires-expressions in generic lambdas: Clang 14 takes those for false.
+// Traits, not requires-expressions in generic lambdas: Clang 14 evaluates the latter to false.
 template <class L, class K>
 inline constexpr bool has_torque =
     requires(const L& law, const typename L::Memory& m, const K& known) { law.torque(m, known); };
-/// A law without memory may leave it out of its signatures.
+/// The arguments of a law's functions; a law without memory may leave the memory out.
 template <class L, class K>
 inline constexpr bool has_stateless_torque =
     std::is_empty_v<typename L::Memory> && requires(const L& law, const K& known) { law.torque(known); };
@@ -103,40 +104,42 @@ inline constexpr bool has_weighted_torque = requires(
 };
 }  // namespace detail
 
-/// A law for a robot of `K`'s size: an immutable value. `known` is a `Quantities`: the state, what was
+/// A law for a robot of `K`'s size: an immutable value. `known` is a `Quantities`: the state, the quantities
 /// computed from it, and the interval for which the torque will be held. All functions are const, pure and
-/// `noexcept`. This is all that the library uses of a law.
+/// `noexcept`. The library uses no other members of a law.
 ///
 /// Every law has
-/// - `Memory`: what changes from cycle to cycle, trivially copyable. Nobody else reads or writes its members;
+/// - `Memory`: the data that change from cycle to cycle, trivially copyable. Only the law itself reads or
+///   writes its members;
 /// - `needs`, `role`: compile-time values;
-/// - `start(known)`: the memory with which it takes over at that state;
+/// - `start(known)`: the memory with which the law begins at that state;
 /// - `torque(memory, known)`: the joint torque [N m]; `torque(known)` if `Memory` is empty. A tracking law
-///   has its parts in place of it, see `TrackingLaw`;
+///   has `parts` instead, see `TrackingLaw`;
 /// - `advance(memory, known, dt, opposition)`: the memory after `dt` seconds.
 ///
 /// `StatelessLaw` derives all but the torque. A law that derives from `Composable` can be written in sums.
 ///
-/// Others may know of a law, and take the default where it says nothing:
+/// Optional members, with the default where a law has none:
 ///
-/// | member | says | default |
+/// | member | meaning | default |
 /// |---|---|---|
-/// | `status(memory)` | what it limits, holds or hands over just now | nothing |
-/// | `settled(memory, known, still)` | whether it has come to rest where it was sent | no joint is faster than `still` |
-/// | `presses` | a tracking law that presses against what it touches: the skin does not oppose it | false |
-/// | `joints`, `scalar` | for which robots it is: compared where a scene is built | any |
-/// | `compensates_friction` | its torque holds the joints' friction, so the robot must not | false |
-/// | `check_for(terms)` | throws where its settings are not those of the robot (`LawTerms`) | any |
+/// | `status(memory)` | the reasons for what it limits, holds or ramps out in this cycle | none |
+/// | `settled(memory, known, still)` | whether it is at rest at its goal | no joint is faster than `still` |
+/// | `presses` | a tracking law that presses against a contact: the skin does not oppose it | false |
+/// | `joints`, `scalar` | the robots for which it is made: compared where a scene is built | any |
+/// | `compensates_friction` | its torque includes friction, so the robot must not add it | false |
+/// | `check_for(terms)` | throws if its settings differ from the robot's (`LawTerms`) | any |
 /// | `name` | for `describe` | "law" |
 /// | `terms` | number of shares in its own `evaluate` | 1 |
 /// | `Laws` | a law made of others: a `std::tuple` of their types, each checked on its own | - |
-/// | `gravity_laws`, `complete_sum`, `gate` | of sums, blends and gates: fusion/ | - |
+/// | `gravity_laws`, `complete_sum`, `gate` | for sums, blends and gates: fusion/ | - |
 ///
-/// Optional, for speed alone; what they return is the same:
+/// Optional, for speed alone; the results are the same:
 /// - `evaluate(memory, known, dt)`: torque, next memory, shares and status at once (`Evaluation`). Used in
-///   place of `torque`, `advance` and `status` where the law stands alone in a scene.
-/// - `now(memory, known)`: what torque and next memory share, computed once in a sum. The law then takes it
-///   as the last argument of `torque<G>(memory, known, share, now)` and of `advance(..., opposition, now)`.
+///   place of `torque`, `advance` and `status` where the law is the only one of a scene.
+/// - `now(memory, known)`: the common terms of torque and next memory, computed once in a sum. The law then
+///   takes them as the last argument of `torque<G>(memory, known, share, now)` and of
+///   `advance(..., opposition, now)`.
 template <class L, class K>
 concept Law =
     requires(const L& law, const typename L::Memory& memory, const K& known, const typename K::scalar& dt) {
@@ -151,14 +154,16 @@ concept Law =
             { law.torque(known) } noexcept -> std::same_as<JointTorque<K::joints, typename K::scalar>>;
           }) || detail::has_parts<L, K> || detail::has_stateless_parts<L, K>);
 
-/// A law of role `tracking`. It tells a sum its parts, so that they are weighed rightly:
-/// - `parts(memory, known)`: a `TorqueParts`; `parts(known)` if `Memory` is empty. Whoever adds them up adds
-///   G(q), unless a gravity law is there. A law that stands alone in a scene needs `gravity` for that.
+/// A law of role `tracking`. It gives the parts of its torque separately, because a sum weights them
+/// differently:
+/// - `parts(memory, known)`: a `TorqueParts`; `parts(known)` if `Memory` is empty. The sum adds G(q) unless
+///   it holds a gravity law. Where the law is the only one of a scene, the scene adds G(q), so `needs` must
+///   include `gravity`.
 ///
 /// Optional, for speed: `torque<G>(memory, known, share)`, the weighted sum of both parts,
 /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)`, with `feed_forward * G(q)` if G is
-/// `GravityTerm::included`, its default; where a law has it, `parts` is not asked for. One recursion then
-/// serves both parts and gravity.
+/// `GravityTerm::included`, its default. A law that has it needs no `parts`. One recursion then computes both
+/// parts and gravity.
 template <class L, class K>
 concept TrackingLaw =
     Law<L, K> && L::role == LawRole::tracking &&
@@ -166,11 +171,11 @@ concept TrackingLaw =
 
 /// A law that takes goals:
 /// - `Goal`: their type;
-/// - `receive(memory, known, goal)`: a `Received<Memory>`. A goal that it refuses leaves the memory as it was
-///   and says `Reason::goal_refused`.
+/// - `receive(memory, known, goal)`: a `Received<Memory>`. A refused goal leaves the memory unchanged and
+///   gives `Reason::goal_refused`.
 ///
-/// A law of targets that move adds `follow(memory, known, goal)`, the next sample of one: where it has that,
-/// it is called in place of `receive`, and tells a sample from a new goal.
+/// A law for moving targets adds `follow(memory, known, goal)` for the next sample of a target. Where it
+/// exists it is called in place of `receive`, and distinguishes a sample from a new goal.
 template <class L, class K>
 concept GoalLaw = Law<L, K> && requires(const L& law, const typename L::Memory& memory, const K& known,
                                         const typename L::Goal& goal) {

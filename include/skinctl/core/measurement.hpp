@@ -1,4 +1,4 @@
-// Which measurement of a robot counts.
+// The last good measurement of a robot.
 #pragma once
 
 #include "skinctl/core/detail/plausible.hpp"
@@ -6,7 +6,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Believes every state that is finite. A `Guard` believes only what its robot can do.
+/// Accepts every finite state. A `Guard` accepts only states that its robot can reach.
 struct AnyState {
   template <std::size_t N, Real T>
   static constexpr bool believes(const State<N, T>&) noexcept {
@@ -15,10 +15,10 @@ struct AnyState {
 };
 
 /// Makes `measured` the last good state, `good`, unless it is NaN, infinite or absurdly large
-/// (`state_not_finite`), not to be believed (`state_out_of_range`), or older than `good` (`time_backwards`). A
-/// stamp in the future becomes `now`.
+/// (`state_not_finite`), implausible (`state_out_of_range`), or older than `good` (`time_backwards`). A stamp
+/// in the future becomes `now`.
 ///
-/// A resolver does this once a cycle, and keeps the last good state: `memory.measured`. Governor and guard
+/// A resolver calls this once a cycle and keeps the last good state: `memory.measured`. Governor and guard
 /// read it there; a guard without a resolver needs a `State` of its own and this function.
 ///
 /// @param check  has `believes(state)`: a guard, or `AnyState`.
@@ -34,7 +34,8 @@ template <std::size_t N, Real T, class Check = AnyState>
 }
 
 namespace detail {
-/// The state by which a robot is held in a cycle that integrates nothing: the newest if it can be one.
+/// The state for a cycle that integrates nothing: the newest measurement if it is plausible, else the last
+/// good one.
 template <std::size_t N, Real T, class Check>
 [[nodiscard]] SKINCTL_INLINE const State<N, T>& believed(const State<N, T>& measured, const State<N, T>& good,
                                                          const Check& check) noexcept {

@@ -1,4 +1,5 @@
-// What a law asks of the model, as a compile-time value: the cycle computes the union once and nothing else.
+// The model quantities that a law needs, as a compile-time value: the cycle computes their union once and
+// nothing else.
 #pragma once
 
 #include <cstddef>
@@ -15,13 +16,13 @@ using LinkMask = std::uint64_t;
 template <std::size_t I>
 inline constexpr LinkMask link_bit = LinkMask(1) << I;
 
-/// Quantities at the state at which a law is evaluated. Structural, so that it can be a template argument; `a
-/// | b` is the union. A law states its own as `static constexpr Needs needs`; dependencies are closed by
-/// `complete()`.
+/// Quantities at the state at which a law is evaluated. Structural, so that it can be a template argument;
+/// `a | b` is the union. A law declares its own as `static constexpr Needs needs`; `complete()` adds the
+/// dependencies.
 struct Needs {
   LinkMask poses = 0;           ///< `X_BaseLink` of these links
   LinkMask jacobians = 0;       ///< Jacobians of these links, and of frames fixed to them
-  LinkMask jacobian_rates = 0;  ///< time derivatives of the same
+  LinkMask jacobian_rates = 0;  ///< time derivatives of these Jacobians
   bool angles = false;          ///< sines and cosines of the joint angles
   bool gravity = false;         ///< G(q)
   bool mass = false;            ///< M(q)
@@ -50,11 +51,11 @@ struct Needs {
   }
   friend constexpr bool operator==(const Needs&, const Needs&) noexcept = default;
 
-  /// True if something is asked for that takes the masses of all links.
+  /// Whether any of the quantities needs the masses of all links.
   constexpr bool any_mass() const noexcept {
     return gravity || mass || mass_factors || coriolis || momentum || kinetic_energy || centre_of_mass;
   }
-  /// True if everything that `b` asks for is in here.
+  /// Whether this set includes all quantities of `b`.
   constexpr bool cover(const Needs& b) const noexcept { return (*this | b) == *this; }
 };
 

@@ -1,4 +1,5 @@
-// The real-time mark: says which scopes are the control loop, so that tests can forbid things inside them.
+// The real-time mark: scopes that belong to the control loop, so that tests can forbid system calls inside
+// them.
 #pragma once
 
 #include "skinctl/core/config.hpp"
@@ -13,8 +14,8 @@ namespace skinctl::real_time {
 #define SKINCTL_PER_THREAD
 #endif
 
-/// How many marks the calling thread is inside of. Written by the scopes below only. Volatile, because
-/// compilers know that `malloc` does not read it and would remove the mark around an allocation.
+/// Number of marks around the calling thread. Only the scopes below write it. Volatile, because compilers
+/// know that `malloc` does not read it and would remove the mark around an allocation.
 inline constinit SKINCTL_PER_THREAD volatile unsigned depth = 0;
 
 #undef SKINCTL_PER_THREAD
@@ -34,10 +35,9 @@ SKINCTL_BEGIN_NAMESPACE
 ///     command = cycle.step(memory, input, dt);
 ///
 /// From here to the end of the block nothing may allocate, lock, throw or call the system. The mark itself
-/// checks nothing and costs one increment and one decrement of a thread's counter. What checks is whoever
-/// reads `in_real_time()`: skinctl's tests interpose `malloc` and fail when it is called inside a mark; a
-/// program may do the same in its allocator, its logger or its locks. Scopes nest; other threads are not
-/// affected.
+/// checks nothing and costs one increment and one decrement of a thread's counter. A check reads
+/// `in_real_time()`: skinctl's tests interpose `malloc` and fail when it is called inside a mark; a program
+/// may do the same in its allocator, its logger or its locks. Scopes nest; other threads are not affected.
 class [[nodiscard]] RealTimeScope {
  public:
   SKINCTL_INLINE RealTimeScope() noexcept { real_time::depth = real_time::depth + 1; }
@@ -46,8 +46,8 @@ class [[nodiscard]] RealTimeScope {
   RealTimeScope& operator=(const RealTimeScope&) = delete;
 };
 
-/// Takes the calling thread out of its real-time scopes for the enclosing block, for what is known to be slow
-/// and done on purpose: reporting an error before the robot stops, opening a file between two runs.
+/// Suspends the calling thread's real-time scopes for the enclosing block, for slow operations done on
+/// purpose: reporting an error before the robot stops, opening a file between two runs.
 class [[nodiscard]] NonRealTimeScope {
  public:
   SKINCTL_INLINE NonRealTimeScope() noexcept : saved_(real_time::depth) { real_time::depth = 0; }

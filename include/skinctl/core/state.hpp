@@ -1,4 +1,4 @@
-// What a robot reports, or what a virtual one is at: joint positions and velocities at a time.
+// The state of a measured or virtual robot: joint positions and velocities at a time.
 #pragma once
 
 #include "skinctl/core/joint.hpp"

@@ -1,4 +1,4 @@
-// What a cycle limited, held or refused, and why.
+// The reasons for limits, holds and refusals of a cycle.
 #pragma once
 
 #include <bit>
@@ -8,8 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// One reason. The table `faults` of guard/faults.hpp has a row for each: who finds it, the reaction, when that
-/// ends, and a text.
+/// One reason. The table `faults` of guard/faults.hpp has a row for each: finder, reaction, way back and
+/// text.
 enum class Reason : std::uint8_t {
   state_not_finite,
   state_stale,
@@ -32,6 +32,7 @@ enum class Reason : std::uint8_t {
   lead_limited,
   opposed,
   goal_refused,
+  configuration_refused,
   goal_stretched,
   bumpless_transfer,
   singular,

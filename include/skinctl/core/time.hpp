@@ -1,4 +1,4 @@
-// Time: whole nanoseconds, so that a day of cycles loses nothing.
+// Time in whole nanoseconds, so that sums over a day of cycles are exact.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// A 3-vector whose components may be typed constants. Algorithms use it instead of Eigen's, whose packet
-/// code for three elements costs GCC about a third; Eigen stands at the boundary (`core/eigen.hpp`).
+/// code for three elements is about a third slower on GCC; Eigen is used at the interfaces
+/// (`core/eigen.hpp`).
 template <ScalarOrConstant X, ScalarOrConstant Y = X, ScalarOrConstant Z = X>
 struct Triple {
   [[no_unique_address]] X x;

@@ -78,6 +78,15 @@ struct GoalType<L> {
   using type = typename L::Goal;
 };
 struct SkinBehindLaw {};
+/// The configuration was the same in the last cycle.
+struct NoChange {
+  template <class C, class Memory, class Receive>
+  SKINCTL_INLINE Status receive(const C&, Memory&, const Receive& goal) const noexcept {
+    return goal();
+  }
+  template <class C, class Memory, class State>
+  SKINCTL_INLINE void carry(const C&, Memory&, const State&, const Interval&) const noexcept {}
+};
 
 /// The resolver of a robot's description; one built by hand is taken as it is.
 template <class R>
@@ -153,6 +162,13 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
   }
 }
 }  // namespace detail
+
+template <class C, std::size_t Count>
+class Configurations;
+namespace detail {
+template <class Scene, class LawMemory>
+struct ChangeFrom;
+}
 
 /// A scene: a robot, its skin, its law. `Cycle(arm, skin, law)` derives resolver and guard from the
 /// description `arm`; `.with(...)` adds limits of jerk, tool speed and contact, and settings of the guard. A
@@ -294,6 +310,19 @@ class Cycle {
   /// The same in place: what the loop calls. Nothing is allocated, locked or thrown; no system call.
   template <class Watch = NoStopwatch>
   Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
+    return run(m, input, watch, detail::NoChange{});
+  }
+
+ private:
+  template <class, std::size_t>
+  friend class Configurations;
+  template <class, class>
+  friend struct detail::ChangeFrom;
+
+  /// @param change  the configuration that acted until now, or `NoChange`.
+  template <class Watch, class Change>
+  SKINCTL_INLINE Output run(Memory& m, const Input& input, Watch& watch,
+                            const Change& change) const noexcept {
     const RealTimeScope real_time;
     watch.begin();
     Output out;
@@ -302,7 +331,7 @@ class Cycle {
       resolver_.resume(m.robot);
       guard_.acknowledge(m.guard);
     }
-    if (input.has_goal) out.status |= receive(m, input);
+    if (input.has_goal) out.status |= change.receive(*this, m, [&] { return receive(m, input); });
 
     const Interval interval = resolver_.interval(m.robot, input.now);
     detail::Unwritten<Wrenches, max_substeps> touches;
@@ -311,6 +340,7 @@ class Cycle {
     out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
     watch.end(CycleStage::sense);
 
+    change.carry(*this, m, input.measured, interval);
     auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
                                    std::span<const Wrenches>(touches.data, parts), guard_);
     out.status |= resolved.status;
@@ -343,7 +373,6 @@ class Cycle {
     return out;
   }
 
- private:
   struct Whole {};
   template <class V>
   [[nodiscard]] static auto given(const V& value) {
@@ -398,6 +427,34 @@ class Cycle {
       return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, touch, nearest,
                             dt);
     }
+  }
+
+  // Of `Configurations`: whether another may take over now; the law's start where the robot is; what the old
+  // configuration would ask for and this one does not.
+  [[nodiscard]] bool may_change(const Memory& m, const Input& input) const noexcept {
+    if constexpr (requires { resolver_.asks_law(m.robot, input.measured, input.now, guard_); }) {
+      auto robot = m.robot;
+      if (input.request == CycleRequest::stop) resolver_.stop(robot);
+      if (input.request == CycleRequest::resume) resolver_.resume(robot);
+      return resolver_.asks_law(robot, input.measured, input.now, guard_);
+    } else {
+      return true;
+    }
+  }
+  SKINCTL_COLD void restart(Memory& m) const noexcept {
+    if constexpr (!std::is_same_v<Goal, NoGoal>)
+      m.law =
+          law_.start(Known(resolver_.model(), resolver_.state(m.robot), period(), skin_.wrenches(m.skin)));
+  }
+  SKINCTL_COLD void carry_from(const Cycle& before, const typename L::Memory& law_before, Memory& m,
+                               const State<joints, scalar>& measured,
+                               const Interval& interval) const noexcept {
+    using Asked = detail::Asked<Resolver, L, Wrenches>;
+    const Wrenches touch_before = before.skin_.wrenches(m.skin), touch = skin_.wrenches(m.skin);
+    L::drop(m.law);
+    L::carry(m.law, resolver_.lacking(m.robot, measured, interval, guard_,
+                                      Asked{before.resolver_, before.law_, law_before, touch_before},
+                                      Asked{resolver_, law_, m.law, touch}));
   }
 
   SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept {

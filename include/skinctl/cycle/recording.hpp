@@ -140,7 +140,7 @@ template <class G, class F>
   requires requires(G& g) { g.X_BP; }
 void each_number(G& goal, F&& f) {
   each_number(goal.X_BP, f);
-  if constexpr (requires { goal.duration; }) f(goal.duration);
+  if constexpr (requires { goal.duration; }) each_number(goal.duration, f);
   if constexpr (requires { goal.V; }) {
     for (auto* v : {&goal.V.linear, &goal.V.angular, &goal.A.linear, &goal.A.angular}) each_number(*v, f);
   }
@@ -185,6 +185,7 @@ class Recording {
     bytes_.put(input.observed.bits());
     bytes_.put(input.has_goal);
     write(input.goal);
+    if constexpr (configured) bytes_.put(input.configuration);
     bytes_.put(static_cast<std::uint32_t>(input.samples.size()));
     for (const CellSample& s : input.samples) write(s);
     write(command);
@@ -243,6 +244,7 @@ class Recording {
   }
 
  private:
+  static constexpr bool configured = requires(const Input& input) { input.configuration; };
   static constexpr std::size_t sample_size = 8 + 4 + 8 * 4;
   static constexpr std::size_t fixed_size = sizeof(Input) + sizeof(Command) + 64;
 
@@ -263,6 +265,7 @@ class Recording {
     input.observed = Status::from_bits(reader.get<std::uint64_t>());
     input.has_goal = reader.get<bool>();
     read(reader, input.goal);
+    if constexpr (configured) input.configuration = reader.get<std::uint32_t>();
     const std::size_t count = reader.get<std::uint32_t>();
     samples.resize(count <= reader.left() / sample_size ? count : 0);
     for (CellSample& s : samples) read(reader, s);
@@ -283,10 +286,11 @@ class Recording {
     if (seen != cycles_ || reader.short_of_bytes() || reader.left() != 0)
       SKINCTL_THROW("skinctl: the recording " + path + " is damaged or cut short");
   }
-  /// Magic, byte order, sizes that must agree, number of cycles last.
+  /// Magic (its last letter: with or without configurations), byte order, sizes that must agree, number of
+  /// cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '2'}) w.put(c);
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', configured ? 'C' : '2'}) w.put(c);
     w.put(std::uint32_t(0x01020304));
     w.put(static_cast<std::uint32_t>(C::joints));
     w.put(static_cast<std::uint32_t>(sizeof(typename C::scalar)));

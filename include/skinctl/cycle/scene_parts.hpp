@@ -148,11 +148,13 @@ consteval GuardFault fault_in_guard() {
 }
 
 /// Throws `ConfigurationError` with both values where two parts of a scene state a fact differently.
-SKINCTL_COLD inline void require_same(const char* what, double here, double there, const char* unit) {
+SKINCTL_COLD inline void require_same(const char* what, double here, double there, const char* unit,
+                                      const char* where = "in the guard",
+                                      const char* elsewhere = "in the robot's description") {
   if (here == there) return;
   char text[192];
-  std::snprintf(text, sizeof text, "skinctl: %s: %.9g %s in the guard, %.9g %s in the robot's description",
-                what, here, unit, there, unit);
+  std::snprintf(text, sizeof text, "skinctl: %s: %.9g %s %s, %.9g %s %s", what, here, unit, where, there,
+                unit, elsewhere);
   refuse(text);
 }
 template <class Guard, class Resolver>

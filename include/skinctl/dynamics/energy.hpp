@@ -28,7 +28,8 @@ SKINCTL_INLINE T subtree_kinetic_energy(const M& model, const Angles& angles, co
   T& moved = M::kinds[I] == JointKind::revolute ? w.z : v.z;
   moved = moved + dq[I];
   const Xyz<T> v_c = dense<T>(v + cross(w, centre_of_mass<I, T>(model)));
-  // I = tr(S) 1 - S: w' I w = sum of S_ii times the square of the rest of w, less the products.
+  // I = tr(S) 1 - S: w' I w is the sum of S_ii times the squares of the other two components of w, minus the
+  // products.
   const auto s_xx = number(std::integral_constant<LinkParameter, P::s_xx>{});
   const auto s_yy = number(std::integral_constant<LinkParameter, P::s_yy>{});
   const auto s_zz = number(std::integral_constant<LinkParameter, P::s_zz>{});
@@ -49,7 +50,7 @@ SKINCTL_INLINE T subtree_kinetic_energy(const M& model, const Angles& angles, co
 }  // namespace detail
 
 /// Kinetic energy `1/2 dq' M dq` [J] as the sum over links of `1/2 m v_c^2 + 1/2 w . I w`: no negative terms
-/// for links that can exist. Rotors are not in it: see `RotorInertia`.
+/// for physically possible links. Rotors are not included: see `RotorInertia`.
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE T kinetic_energy(const M& model, const JointAngles<M, T, Mask>& angles,
                                               const JointVelocity<M::joints, T>& dq) noexcept {
@@ -67,15 +68,15 @@ template <RobotModel M, Scalar T>
 }
 
 /// Kinetic and potential energy [J], the latter zero with all mass at the base's origin. Its rate is
-/// `power(tau, dq)` of the joint torques, and of nothing else.
+/// `power(tau, dq)` of the joint torques only.
 template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE T energy(const M& model, const JointPosition<M::joints, T>& q,
                                       const JointVelocity<M::joints, T>& dq) noexcept {
   return kinetic_energy(model, q, dq) + potential_energy(model, q);
 }
 
-/// Generalised momentum `p = M(q) dq` [N m s], without forming M: observers of collisions compare its rate
-/// with the torques, `dp = tau + C' dq - G`.
+/// Generalised momentum `p = M(q) dq` [N m s], without forming M. Collision observers compare its rate with
+/// the torques: `dp = tau + C' dq - G`.
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointMomentum<M::joints, T> generalised_momentum(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq) noexcept {

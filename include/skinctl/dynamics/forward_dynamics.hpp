@@ -14,15 +14,15 @@ struct ForwardDynamics {
   bool positive_definite = true;         ///< false: see `MassFactors`
 };
 
-/// A mass matrix factorised as `L' D L`, where L has the zeros of the tree: row k of L is empty but for the
-/// joints that carry link k, so branches cost nothing (Featherstone, Rigid Body Dynamics Algorithms,
-/// section 6.5).
+/// A mass matrix factorised as `L' D L`, where L has the zeros of the tree: row k of L has entries only for
+/// the joints that carry link k, so separate branches cost nothing (Featherstone, Rigid Body Dynamics
+/// Algorithms, section 6.5).
 template <Topology M, Scalar T = double>
 class MassFactors {
  public:
   static constexpr std::size_t joints = M::joints;
 
-  /// A pivot that is not positive (no mass there, or NaN) is taken out: that joint does not accelerate, and
+  /// A pivot that is not positive (no mass there, or NaN) is removed: that joint does not accelerate, and
   /// `positive_definite()` is false.
   SKINCTL_INLINE explicit MassFactors(const MassMatrix<joints, T>& mass) noexcept {
     factorise<false>(mass);
@@ -45,7 +45,8 @@ class MassFactors {
     [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
       const auto one = [&](auto k) SKINCTL_INLINE_LAMBDA {
         T sum = x[k.value] * inverse_[k.value];
-        // The joint found last comes last: all others are subtracted while it is still being computed.
+        // Subtract the joint computed last at the end: the others are subtracted while it is still being
+        // computed.
         detail::unrolled<k.value>([&](auto j) SKINCTL_INLINE_LAMBDA {
           if constexpr ((carriers_of(k.value) >> j) & 1u) sum = sum - l_(k.value, j) * x[j];
         });
@@ -56,7 +57,7 @@ class MassFactors {
     return x;
   }
 
-  /// `MassFactors(mass).solve(tau)` for one torque: the factors need not be kept for the case of a bad pivot.
+  /// `MassFactors(mass).solve(tau)` for one torque, without keeping the factors for the case of a bad pivot.
   [[nodiscard]] static SKINCTL_INLINE ForwardDynamics<joints, T> solved(
       const MassMatrix<joints, T>& mass, const JointTorque<joints, T>& tau) noexcept {
     const MassFactors factors(mass, WithoutCare{});
@@ -66,7 +67,7 @@ class MassFactors {
     return out;
   }
 
-  /// False if a joint was taken out, in any lane.
+  /// False if a joint was removed, in any lane.
   [[nodiscard]] SKINCTL_INLINE bool positive_definite() const noexcept { return positive_definite_; }
 
  private:
@@ -98,8 +99,8 @@ class MassFactors {
     });
   }
 
-  /// Pivots are looked at while they are divided by, and only a matrix with a bad one is taken up again with
-  /// care: a check before each division would lengthen the chain of divisions that all else waits for.
+  /// Pivots are checked during the divisions, and only a matrix with a bad pivot is factorised again with
+  /// care: a check before each division would lengthen the critical path, which is the chain of divisions.
   template <bool Careful>
   SKINCTL_INLINE void factorise(const MassMatrix<joints, T>& mass) noexcept {
     for_each_entry([&](auto i, auto j) SKINCTL_INLINE_LAMBDA { l_(i, j) = mass(i, j); });
@@ -147,12 +148,12 @@ class MassFactors {
 };
 
 /// `M^-1 (tau - C dq - G)`: the acceleration of the robot under joint torques, by mass matrix and
-/// factorisation, which for the 3 to 16 joints of arms and hands costs less than the articulated-body
-/// recursion.
+/// factorisation, which is faster than the articulated-body recursion for the 3 to 16 joints of arms and
+/// hands.
 ///
 /// The result is the exact acceleration under a torque that differs from `tau` by some 20 units in the last
-/// place of the links' torques. The acceleration itself is off by that times the condition of M: some 500
-/// units for a UR5, 1200 for two arms with hands; where light links carry masses 1e12 times their own the
+/// place of the links' torques. The error of the acceleration is that times the condition number of M: some
+/// 500 units for a UR5, 1200 for two arms with hands; where light links carry masses 1e12 times their own the
 /// accelerations keep 8 digits in double and none in float.
 template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE ForwardDynamics<M::joints, T> forward_dynamics(

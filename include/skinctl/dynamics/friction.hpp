@@ -8,21 +8,24 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Viscous, Coulomb and Stribeck friction of joints, smooth at rest:
-/// `tau = b v + (tau_c + tau_s / (1 + (v / v_s)^2)) tanh(v / v_0)`, the torque that friction takes from a
-/// joint that moves at v (to be added to what a motion needs). The Stribeck hump is Hess and Soom's (1990),
-/// which has no exponential. It never drives: `tau . v >= 0`.
 ///
-/// `v_0` smooths the sign: below it a joint creeps instead of sticking, so a held robot needs a law that
-/// holds it. The slope at rest is `b + (tau_c + tau_s) / v_0`: explicit integration wants that times the time
-/// step below the joint's inertia.
+///     tau = b v + (tau_c + tau_s / (1 + (v / v_s)^2)) tanh(v / v_0)
+///
+/// is the torque that friction takes from a joint moving at v (to be added to the torque of a motion). The
+/// Stribeck term is that of Hess and Soom (1990), without an exponential. Friction never drives:
+/// `tau . v >= 0`.
+///
+/// `v_0` smooths the sign: below it a joint creeps instead of sticking, so a robot stays in place only under
+/// a law that holds it. The slope at rest is `b + (tau_c + tau_s) / v_0`: for explicit integration this times
+/// the time step must be less than the joint's inertia.
 template <std::size_t N, Scalar T = double>
 class JointFriction {
  public:
   struct Settings {
     JointTorque<N, T> viscous;                  ///< b [N m s/rad], >= 0
     JointTorque<N, T> coulomb;                  ///< tau_c [N m], >= 0
-    JointTorque<N, T> stiction;                 ///< tau_s [N m], >= 0: what breaking away takes beyond tau_c
-    T stribeck_velocity = static_cast<T>(0.1);  ///< v_s [rad/s], > 0: where half of tau_s is gone
+    JointTorque<N, T> stiction;                 ///< tau_s [N m], >= 0: breakaway torque minus tau_c
+    T stribeck_velocity = static_cast<T>(0.1);  ///< v_s [rad/s], > 0: speed at which tau_s is halved
     T sign_velocity = static_cast<T>(0.01);     ///< v_0 [rad/s], > 0
   };
 

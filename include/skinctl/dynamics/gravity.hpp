@@ -1,4 +1,4 @@
-// Gravity torques, and the potential energy that they come from.
+// Gravity torques, and the potential energy from which they derive.
 #pragma once
 
 #include "skinctl/dynamics/detail/recursion.hpp"
@@ -6,9 +6,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// A subtree as the link that carries it weighs it, in that link's axes: its mass, the first moment of mass
-/// about its own origin, the mass times where that origin is, and the moment of its weight about its own z
-/// axis.
+/// The weight of a subtree on the link that carries it, in that link's axes: its mass, the first moment of
+/// mass about its own origin, the mass times the position of that origin, and the moment of its weight about
+/// its own z axis.
 template <class Mass, class H, class At, class N>
 struct Weight {
   Mass mass;
@@ -28,9 +28,9 @@ constexpr bool parallel_to_parent() noexcept {
 }
 
 /// Writes `tau[I]` for the subtree of link `I` under the gravitational acceleration `g_parent` (parent's
-/// axes) and returns the subtree's weight in the parent's axes. About a parallel axis the moment of a weight
-/// is the same, so that a link adds to its child's only what lies between the axes; where nobody else asks
-/// for the first moment the compiler then drops it.
+/// axes) and returns the subtree's weight in the parent's axes. About parallel axes the moment of a weight
+/// differs only by the offset between them, so a link adds that difference to its child's moment; if the
+/// first moment is then unused, the compiler drops it.
 template <std::size_t I, Scalar T, RobotModel M, class Angles, class G>
 SKINCTL_INLINE constexpr auto subtree_gravity(const M& model, const Angles& angles, const G& g_parent,
                                               T* tau) noexcept {
@@ -67,8 +67,8 @@ SKINCTL_INLINE constexpr auto subtree_gravity(const M& model, const Angles& angl
   }
 }
 
-/// Joints whose angle G does not depend on, as their model's types tell: the first of a chain if it turns
-/// about the vertical, and the last of a branch if its link's centre of mass lies on the axis.
+/// Joints on whose angle G does not depend, according to the types of the model: the first of a chain if its
+/// axis is vertical, and the last of a branch if its link's centre of mass lies on the axis.
 template <RobotModel M, Scalar T>
 constexpr LinkMask weightless_angles() noexcept {
   using P = LinkParameter;
@@ -86,7 +86,7 @@ constexpr LinkMask weightless_angles() noexcept {
   return mask;
 }
 
-/// Writes G from sines and cosines that may lack those of the angles above.
+/// Writes G from sines and cosines that may omit those of the joints above.
 template <Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque_from(const M& model, const Angles& angles) noexcept {
   return JointTorque<M::joints, T>::written([&](T* tau) SKINCTL_INLINE_LAMBDA {

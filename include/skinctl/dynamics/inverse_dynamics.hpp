@@ -6,11 +6,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `M(q) ddq + C(q, dq) dq + G(q)` [N m], by one recursion out and back.
+/// `M(q) ddq + C(q, dq) dq + G(q)` [N m], by one recursion from the base to the tips and back.
 ///
-/// Works for every tree of the model's type. Relative error a few units in the last place times the number of
-/// joints, of the largest torque that occurs; no branch, so the cost does not depend on the state. A NaN in
-/// any input gives NaN torques and nothing worse.
+/// For any tree. Relative to the largest torque that occurs, the error is a few units in the last place times
+/// the number of joints; no branch, so the cost does not depend on the state. A NaN in any input gives NaN
+/// torques.
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> inverse_dynamics(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq,
@@ -55,7 +55,7 @@ template <RobotModel M, Scalar T, LinkMask Mask>
 }
 
 /// `Y_r Theta = M(q) ddq_r + C(q, dq) dq_r [+ G(q)]` of eq. (8) [N m], with Christoffel's C: `dM/dt - 2C` is
-/// skew-symmetric, which the passivity of the sliding-mode laws rests on. One recursion at the cost of
+/// skew-symmetric, on which the passivity of the sliding-mode laws depends. One recursion at the cost of
 /// inverse dynamics.
 template <GravityTerm Gravity = GravityTerm::included, RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> yr_theta(

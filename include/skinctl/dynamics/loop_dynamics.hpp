@@ -1,5 +1,5 @@
-// Poses, Jacobians and inverse dynamics by a loop at run time: for chains so long that straight-line code is
-// slow to compile.
+// Poses, Jacobians and inverse dynamics by a loop at run time, for chains whose straight-line code compiles
+// slowly.
 #pragma once
 
 #include <array>
@@ -42,8 +42,8 @@ struct LoopPoses {
   std::array<Xyz<T>, N> origin;
 };
 
-/// The poses of all links, as `link_poses`, by a loop over the topology: compiles in the same time for any
-/// number of joints, but knows no zeros of the model. For chains beyond some 20 joints.
+/// The poses of all links, as `link_poses`, by a loop over the topology: compile time does not depend on the
+/// number of joints, but zeros of the model are not used. For chains beyond some 20 joints.
 template <class Tree, Real T>
 [[nodiscard]] LoopPoses<Tree::joints, T> loop_poses(const CalibratedModel<Tree, T>& model,
                                                     const JointPosition<Tree::joints, T>& q) noexcept {
@@ -74,7 +74,7 @@ struct LoopJacobian {
   std::array<Xyz<T>, N> angular{};  ///< [rad/s] per joint unit
 };
 
-/// The Jacobian of a point of link `link` (< joints) that stands at `p` [m], in the base.
+/// The Jacobian, in the base, of the point `p` [m] (in the base) of link `link` (< joints).
 template <class Tree, Scalar T>
 [[nodiscard]] LoopJacobian<Tree::joints, T> loop_jacobian(const LoopPoses<Tree::joints, T>& X,
                                                           std::size_t link, const Xyz<T>& p) noexcept {

@@ -1,5 +1,5 @@
-// Mass matrix and forward dynamics by a loop at run time: for chains so long that straight-line code is slow
-// to compile.
+// Mass matrix and forward dynamics by a loop at run time, for chains whose straight-line code compiles
+// slowly.
 #pragma once
 
 #include "skinctl/dynamics/detail/composite.hpp"
@@ -32,7 +32,7 @@ template <class Tree, Real T>
   MassMatrix<N, T> m;
   for (std::size_t i = N; i-- > 0;) {
     const auto& b = bodies[i];
-    // The wrench of a unit acceleration of joint i alone, carried down to the base.
+    // The wrench of a unit acceleration of joint i alone, transformed down to the base.
     const bool turns = Tree::kinds[i] == JointKind::revolute;
     Xyz<T> f = turns ? Xyz<T>{-b.h.y, b.h.x, T(0)} : Xyz<T>{T(0), T(0), b.mass};
     Xyz<T> n = turns ? Xyz<T>{-b.xz, -b.yz, b.xx + b.yy} : Xyz<T>{b.h.y, -b.h.x, T(0)};
@@ -52,7 +52,7 @@ template <class Tree, Real T>
 }
 
 /// `M^-1 (tau - C dq - G)`, as `forward_dynamics`, by a loop over the topology; a joint whose pivot is not
-/// positive is taken out, see `MassFactors`.
+/// positive is removed, see `MassFactors`.
 template <class Tree, Real T>
 [[nodiscard]] ForwardDynamics<Tree::joints, T> loop_forward_dynamics(
     const CalibratedModel<Tree, T>& model, const JointPosition<Tree::joints, T>& q,
@@ -65,7 +65,7 @@ template <class Tree, Real T>
   ForwardDynamics<N, T> out;
   auto& x = out.acceleration;
   T inverse[N];
-  // M = L' D L from the tips inwards; only entries between a joint and its ancestors are not zero.
+  // M = L' D L from the tips to the base; only entries between a joint and its ancestors are not zero.
   for (std::size_t k = N; k-- > 0;) {
     const bool positive = l(k, k) > T(0);
     out.positive_definite = out.positive_definite && positive;

@@ -13,7 +13,7 @@ struct MassMatrix {
   T data[N * N];
 
   constexpr MassMatrix() noexcept : data{} {}
-  /// For one that is written completely at once: GCC would keep the zeros.
+  /// Leaves the entries uninitialised, for a matrix that is overwritten completely: GCC would keep the zeros.
   struct Unset {};
   SKINCTL_INLINE constexpr explicit MassMatrix(Unset) noexcept {}
   /// From an Eigen matrix, N x N of scalar `T`, which is symmetric to within `tolerance<T>` of its largest
@@ -52,7 +52,7 @@ struct MassMatrix {
     }
     return tau;
   }
-  /// As an Eigen matrix, without a copy; to be read only, for both triangles are stored.
+  /// As an Eigen matrix, without a copy; read-only, because both triangles are stored.
   [[nodiscard]] friend SKINCTL_INLINE EigenMap<const EigenMatrix<T, int(N), int(N)>> as_eigen(
       const MassMatrix& M) noexcept {
     return EigenMap<const EigenMatrix<T, int(N), int(N)>>(M.data);
@@ -71,8 +71,8 @@ struct MassMatrix {
 
 namespace detail {
 
-/// Carries the wrench that a unit acceleration of `joint` needs, given in the axes and about the origin of
-/// link `I`, down to the base, and writes what it asks of the joints on its way.
+/// Transforms the wrench of a unit acceleration of `joint`, given in the axes and about the origin of link
+/// `I`, down to the base, and writes its torque about each joint on the path.
 template <std::size_t I, Scalar T, RobotModel M, class Angles, class F, class N>
 SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles, const F& f, const N& n,
                                            std::size_t joint, MassMatrix<M::joints, T>& m) noexcept {
@@ -88,8 +88,8 @@ SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles,
   }
 }
 
-/// Fills the rows and columns of `M` that belong to the subtree of link `I`, and returns the subtree as one
-/// body in the frame of the link.
+/// Computes the rows and columns of `M` for the subtree of link `I`, and returns the subtree as one body in
+/// the frame of the link.
 template <std::size_t I, Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
                                            MassMatrix<M::joints, T>& m) noexcept {
@@ -126,7 +126,7 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
   return body;
 }
 
-/// A chain couples all its joints, so that each entry is written; elsewhere there are zeros.
+/// In a chain all joints are coupled and every entry is written; other trees have zeros.
 template <Scalar T, RobotModel M>
 SKINCTL_INLINE MassMatrix<M::joints, T> empty_mass() noexcept {
   using Matrix = MassMatrix<M::joints, T>;
@@ -145,9 +145,9 @@ SKINCTL_INLINE MassMatrix<M::joints, T> empty_mass() noexcept {
 }  // namespace detail
 
 /// `M(q)` [kg m^2], symmetric positive definite for links with mass: the composite-rigid-body recursion in
-/// link frames, where an entry is simply the z component of a moment. Joints in different branches do not
-/// couple: those entries are exact zeros. Relative error a few units in the last place times the depth, of
-/// the largest entry.
+/// link frames, where an entry is simply the z component of a moment. Joints in different branches are not
+/// coupled: those entries are exact zeros. Relative to the largest entry, the error is a few units in the
+/// last place times the depth of the tree.
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<M::joints, T> mass_matrix(
     const M& model, const JointAngles<M, T, Mask>& angles) noexcept {

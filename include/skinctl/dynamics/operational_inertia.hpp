@@ -1,4 +1,4 @@
-// The inertia that a robot shows at a frame: operational space, and the mass that a contact feels.
+// The inertia of a robot at a frame: operational-space inertia, and the effective mass at a contact.
 #pragma once
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
@@ -8,11 +8,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `A = J M^-1 J'`: how a frame of the robot gives way, 6 x 6, linear rows first; accelerations per force.
+/// The mobility of a frame of the robot, `A = J M^-1 J'`: accelerations per force, 6 x 6, linear rows first.
 /// With the factors of M it costs one solution per row.
 ///
-/// It is what contacts need. Its inverse is the operational-space inertia; where the frame cannot move in
-/// some direction A is singular, and the inertia there is infinite.
+/// Contacts need A itself. Its inverse is the operational-space inertia; where the frame cannot move in some
+/// direction A is singular, and the inertia there is infinite.
 template <class J>
 class OperationalMobility;
 template <Topology M, LinkMask Columns, Frame Body, Scalar T>
@@ -46,7 +46,7 @@ class OperationalMobility<Jacobian<M, Columns, Body, Body, Base, T>> {
   /// `A(r, s)`, linear rows first [1/kg, 1/(kg m), 1/(kg m^2)].
   [[nodiscard]] const T& operator()(std::size_t r, std::size_t s) const noexcept { return a_[r * 6 + s]; }
 
-  /// `A F`: the acceleration that a load on the frame adds [m/s^2, rad/s^2].
+  /// `A F`: the acceleration due to a load on the frame [m/s^2, rad/s^2].
   [[nodiscard]] BodyAcceleration operator*(const Load& F) const noexcept {
     const T f[6] = {F.force.x, F.force.y, F.force.z, F.moment.x, F.moment.y, F.moment.z};
     T x[6];
@@ -86,9 +86,9 @@ template <Topology M, LinkMask C, Frame Body, Scalar T, class Tree>
   return OperationalMobility<Jacobian<M, C, Body, Body, Base, T>>(J, mass);
 }
 
-/// The mass that a push along the unit vector `n` feels at the frame's origin, `1 / (n' J M^-1 J' n)` [kg];
-/// at a cell, n is its normal. It never exceeds `heaviest`, which a frame that gives no way has (next to a
-/// singularity, or pushed along its link): `1 / max(n' A n, 1 / heaviest)`.
+/// The effective mass at the frame's origin along the unit vector `n`, `1 / (n' J M^-1 J' n)` [kg]; at a
+/// cell, n is its normal. At most `heaviest`, which is the mass of an immobile frame (at a singularity, or
+/// pushed along its link): `1 / max(n' A n, 1 / heaviest)`.
 template <class J, Scalar T>
 [[nodiscard]] T effective_mass(const OperationalMobility<J>& A, const Xyz<T>& n, const T& heaviest) noexcept {
   const T give = A.along(n);
@@ -96,18 +96,18 @@ template <class J, Scalar T>
   return T(1) / select(give > least, give, least);
 }
 
-/// The operational-space inertia `Lambda = (J M^-1 J' + softness)^-1` (Khatib): the load that accelerates the
-/// frame as asked, `Lambda a`.
+/// The operational-space inertia `Lambda = (J M^-1 J' + softness)^-1` (Khatib): `Lambda a` is the load that
+/// gives the frame the acceleration `a`.
 template <class J, Scalar T>
 class OperationalInertia {
  public:
   using Mobility = OperationalMobility<J>;
 
-  /// @param softness  added to the diagonal of A [1/kg], [1/(kg m^2)], >= 0: no direction then has more than
-  ///                  `1 / softness`. 0 away from singularities; near them
-  ///                  `DampedInverse::nearness() / heaviest`, which grows smoothly. At 0 and a singularity
-  ///                  the load along what cannot move is 0, and `positive_definite()` false. A body with
-  ///                  fewer than six joints always needs some.
+  /// @param softness  added to the diagonal of A [1/kg], [1/(kg m^2)], >= 0: it limits the inertia to
+  ///                  `1 / softness` in every direction. 0 away from singularities; near them
+  ///                  `DampedInverse::nearness() / heaviest`, which grows smoothly. With 0 at a singularity
+  ///                  the load along an immobile direction is 0, and `positive_definite()` false. A body with
+  ///                  fewer than six joints always needs a softness above 0.
   OperationalInertia(const Mobility& A, const T& softness) noexcept : factors_(softened(A, softness).data) {}
 
   /// `Lambda a` [N, N m], on the frame along the axes of the base.
@@ -121,7 +121,7 @@ class OperationalInertia {
   template <class Q> void operator*(const Q&) const = delete;  // takes an acceleration of the Jacobian's body
   // clang-format on
 
-  /// False if a direction that cannot move was taken out, in any lane.
+  /// False if an immobile direction was removed, in any lane.
   [[nodiscard]] bool positive_definite() const noexcept { return factors_.positive_definite(); }
 
  private:

@@ -1,5 +1,5 @@
-// All that laws may know in a cycle: the state, and what follows from it, each thing once and only if asked
-// for.
+// The known state of a cycle, as laws read it: the state and the quantities that follow from it, each
+// computed once and only if needed.
 #pragma once
 
 #include "skinctl/core/law.hpp"
@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct NoTouch {};
 
 /// `needs` with its dependencies: the rate of a Jacobian needs the Jacobian, a Jacobian the poses of the
-/// links on the way, everything the angles.
+/// links on the path, everything the angles.
 template <Topology M>
 constexpr Needs complete(Needs needs) noexcept {
   needs.jacobians |= needs.jacobian_rates;
@@ -25,7 +25,7 @@ constexpr Needs complete(Needs needs) noexcept {
   return needs;
 }
 
-/// The links whose poses, masses or wrenches `needs` touches: joints behind the last of them stay unread.
+/// The links whose poses, masses or wrenches are in `needs`; joints behind the last of them are not read.
 template <Topology M>
 constexpr LinkMask links_for(const Needs& needs) noexcept {
   return needs.any_mass() || needs.angles ? all_links(M::joints)
@@ -33,7 +33,7 @@ constexpr LinkMask links_for(const Needs& needs) noexcept {
 }
 
 namespace detail {
-/// A value that exists only where it was asked for.
+/// A value that exists only if it is needed.
 template <bool Wanted, class V>
 struct Computed {
   V value;
@@ -47,10 +47,10 @@ struct Computed<false, V> {
 };
 }  // namespace detail
 
-/// The state of a robot and what follows from it at that state: angles, poses, G, M, C dq, as far as `Asked`
-/// covers them. What was not asked for is neither computed nor stored, and reading it does not compile.
+/// The state of a robot and quantities at that state: angles, poses, G, M, C dq, as far as `Asked` includes
+/// them. Quantities outside `Asked` are neither computed nor stored, and reading them does not compile.
 ///
-/// `Touch` is what the skin does to the links over the interval (see tactile/), or `NoTouch`.
+/// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`.
 template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch>
 class Quantities {
  public:
@@ -63,7 +63,7 @@ class Quantities {
   using Angles = JointAngles<M, T, links>;
   using Middle = JointAngles<M, T>;
 
-  /// @param model, state  what everything is computed from; both must outlive this object.
+  /// @param model, state  the model and its state; both must outlive this object.
   /// @param dt     interval [s] for which a torque computed from this will be held; >= 0.
   /// @param touch  mean wrenches of the skin on the links over that interval; must outlive this object.
   SKINCTL_INLINE Quantities(const M& model, const State<joints, T>& state, const T& dt,
@@ -75,7 +75,7 @@ class Quantities {
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
         middle_([&](auto) SKINCTL_INLINE_LAMBDA {
           const T half = T(0.5) * dt_;
-          JointPosition<joints, T> ahead;  // a loop: cut into vectors, as it is read again
+          JointPosition<joints, T> ahead;  // by a loop: vector stores, for the vector loads of its reader
           for (std::size_t i = 0; i < joints; ++i) ahead[i] = state_.q[i] + half * state_.dq[i];
           return Middle(model_, ahead);
         }),
@@ -104,12 +104,12 @@ class Quantities {
     static_assert(needs.angles, "not asked for: set needs.angles");
     return angles_.value;
   }
-  /// The angles half an interval ahead, should the velocity stay: `q + dq dt/2`.
+  /// The angles half an interval ahead at constant velocity: `q + dq dt/2`.
   [[nodiscard]] SKINCTL_INLINE const Middle& middle() const noexcept {
     static_assert(needs.middle, "not asked for: set needs.middle");
     return middle_.value;
   }
-  /// `X_BaseLink` of all links that were asked for.
+  /// `X_BaseLink` of the links in `needs.poses`.
   [[nodiscard]] SKINCTL_INLINE const Poses<M, needs.poses, T>& poses() const noexcept {
     static_assert(needs.poses != 0, "not asked for: set needs.poses");
     return poses_.value;
@@ -147,7 +147,7 @@ class Quantities {
     static_assert(needs.mass_factors, "not asked for: set needs.mass_factors");
     return factors_.value;
   }
-  /// How the frame at `X_LP` on link `I` gives way, `J M^-1 J'`; see `OperationalMobility`.
+  /// Mobility of the frame at `X_LP` on link `I`, `J M^-1 J'`; see `OperationalMobility`.
   template <std::size_t I, class... X>
   [[nodiscard]] SKINCTL_INLINE auto mobility(const X&... X_LP) const noexcept {
     return operational_mobility(jacobian<I>(X_LP...), mass_factors());
@@ -167,7 +167,7 @@ class Quantities {
     static_assert(needs.kinetic_energy, "not asked for: set needs.kinetic_energy");
     return energy_.value;
   }
-  /// Where the robot's mass is, and its Jacobian.
+  /// The centre of mass and its Jacobian.
   [[nodiscard]] SKINCTL_INLINE const CentreOfMass<joints, T>& centre_of_mass() const noexcept {
     static_assert(needs.centre_of_mass, "not asked for: set needs.centre_of_mass");
     return centre_.value;

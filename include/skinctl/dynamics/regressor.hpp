@@ -13,8 +13,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// negative integral of x y dm.
 enum class Inertial : std::size_t { mass, h_x, h_y, h_z, xx, yy, zz, xy, xz, yz, count };
 
-/// `Theta`: ten numbers a link [kg, kg m, kg m^2], links in the order of the model. Any numbers will do:
-/// estimators pass through bodies that cannot exist.
+/// `Theta`: ten numbers a link [kg, kg m, kg m^2], links in the order of the model. Not checked: estimators
+/// pass through physically impossible values.
 template <std::size_t N, Scalar T = double>
 struct InertialParameters {
   static constexpr std::size_t size = 10 * N;
@@ -30,7 +30,7 @@ struct InertialParameters {
 
 namespace detail {
 
-/// Pairs of a joint and a link that it carries, of the links before `link`.
+/// Number of pairs of a joint and a link that it carries, for the links before `link`.
 template <Topology M>
 constexpr std::size_t blocks_before(std::size_t link) noexcept {
   std::size_t n = 0;
@@ -38,8 +38,8 @@ constexpr std::size_t blocks_before(std::size_t link) noexcept {
   return n;
 }
 
-/// What link parameters ask of the joints that carry the link, by the motion: the dot products of a twist
-/// (v, w) with the ten wrenches of unit parameters.
+/// The torques of a link's unit parameters about a joint that carries the link: the dot products of the
+/// joint's unit twist (v, w) with the ten wrenches.
 template <Scalar T>
 SKINCTL_INLINE void parameter_powers(const LinkMotion<T>& m, const Xyz<T>& v, const Xyz<T>& w,
                                      T* powers) noexcept {
@@ -62,7 +62,7 @@ SKINCTL_INLINE void parameter_powers(const LinkMotion<T>& m, const Xyz<T>& v, co
   powers[9] = -(w.x * (ez.z - ey.y) + w.y * ex.y - w.z * ex.z);
 }
 
-/// Bodies with the parameters `theta`, for the recursion of inverse dynamics.
+/// Links with the parameters `theta`, for the recursion of inverse dynamics.
 template <Scalar Number>
 struct ParameterBodies {
   const Number* theta;
@@ -106,9 +106,9 @@ SKINCTL_INLINE void transposed_product(const Input& in, const LinkMotion<T>& par
 
 }  // namespace detail
 
-/// `Y(q, dq, dq_r, ddq_r)`, N x 10 N, with `Y Theta = M ddq_r + C(q, dq) dq_r + G` for every parameter
-/// vector (section 3.5; C is Christoffel's). A link's parameters ask nothing of the joints that do not carry
-/// it: those blocks of ten are zero by topology, and neither stored nor multiplied.
+/// `Y(q, dq, dq_r, ddq_r)`, N x 10 N, with `Y Theta = M ddq_r + C(q, dq) dq_r + G` for every parameter vector
+/// (section 3.5; C is Christoffel's). A link's parameters have no effect on joints that do not carry it:
+/// those blocks of ten are zero by topology, and neither stored nor multiplied.
 template <Topology M, Scalar T = double>
 class Regressor {
  public:
@@ -126,7 +126,7 @@ class Regressor {
     });
   }
 
-  /// What the parameters of link `link` ask of joint `joint`: ten numbers, null if zero by topology.
+  /// The torques of link `link`'s unit parameters at joint `joint`: ten numbers, null if zero by topology.
   [[nodiscard]] SKINCTL_INLINE const T* block(std::size_t joint, std::size_t link) const noexcept {
     return (ancestors<M>(link) >> joint) & 1u ? blocks_[slot(joint, link)] : nullptr;
   }
@@ -143,7 +143,7 @@ class Regressor {
   template <class Q> void operator*(const Q&) const = delete;  // Y takes inertial parameters of the same robot
   // clang-format on
 
-  /// All of it, N x 10 N, zero blocks included.
+  /// The full matrix, N x 10 N, zero blocks included.
   [[nodiscard]] friend EigenMatrix<T, int(joints), int(10 * joints)> as_eigen(const Regressor& Y) noexcept {
     EigenMatrix<T, int(joints), int(10 * joints)> m = EigenMatrix<T, int(joints), int(10 * joints)>::Zero();
     for (std::size_t link = 0; link < joints; ++link)
@@ -160,7 +160,8 @@ class Regressor {
            static_cast<std::size_t>(std::popcount(ancestors<M>(link) & ((LinkMask(1) << joint) - 1)));
   }
 
-  /// The joints that carry link `I`, each as the unit velocity that it gives the link; then the link's rows.
+  /// Collects the joints that carry link `I`, each as its unit velocity of the link; then writes the link's
+  /// rows.
   template <std::size_t I, class Input>
   SKINCTL_INLINE void fill(const Input& in, const detail::LinkMotion<T>& parent,
                            const detail::LinkVelocity<T>* carriers) noexcept {
@@ -194,8 +195,8 @@ template <RobotModel M, Scalar T>
   return Regressor<M, T>(model, JointAngles<M, T>(model, q), dq, dq_r, ddq_r);
 }
 
-/// `Y Theta` [N m] without forming Y, at about the cost of inverse dynamics: for parameters that an
-/// adaptation changes in the loop. With `inertial_parameters(model)` it is `yr_theta`.
+/// `Y Theta` [N m] without forming Y, at about the cost of inverse dynamics, for parameters that adaptation
+/// changes in the loop. With `inertial_parameters(model)` it is `yr_theta`.
 template <RobotModel M, Scalar T>
 [[nodiscard]] JointTorque<M::joints, T> regressor_product(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,
@@ -209,8 +210,8 @@ template <RobotModel M, Scalar T>
   return tau;
 }
 
-/// `Y' s` without forming Y, of any number per joint: what gradient adaptation `dTheta = -Gamma Y' S_q`
-/// needs. Ten numbers a link, in one pass out.
+/// `Y' s` without forming Y, for one number per joint, as in gradient adaptation `dTheta = -Gamma Y' S_q`.
+/// Ten numbers a link, in one pass from the base to the tips.
 template <RobotModel M, class K, Scalar T>
 [[nodiscard]] InertialParameters<M::joints, T> regressor_transposed_product(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,

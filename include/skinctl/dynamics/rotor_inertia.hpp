@@ -1,4 +1,4 @@
-// The inertia of the motors' rotors, as the joints feel it.
+// The inertia of the motors' rotors, reflected to the joints.
 #pragma once
 
 #include "skinctl/core/contract.hpp"
@@ -6,11 +6,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Rotor inertia per joint, on the joint's side of the gear [kg m^2]: it adds to the diagonal of M. Zero by
-/// default. A gear of 100 makes a rotor's 1e-5 kg m^2 0.1: on wrist joints more than the links themselves.
+/// Rotor inertia per joint, reflected through the gear [kg m^2]: it adds to the diagonal of M. Zero by
+/// default. A gear of 100 turns a rotor's 1e-5 kg m^2 into 0.1, more than the links themselves on wrist
+/// joints.
 ///
-/// Only the spin relative to the joint's own link counts; what the rotor's mass does otherwise belongs to the
-/// link that carries the motor, and gyroscopic terms are left out (small for gears of 50 and more).
+/// Only the spin relative to the joint's own link counts; the rotor's mass belongs to the link that carries
+/// the motor, and gyroscopic terms are left out (small for gears of 50 and more).
 template <std::size_t N, Scalar T = double>
 class RotorInertia {
  public:
@@ -25,16 +26,16 @@ class RotorInertia {
                 "RotorInertia: inertia at the joint", static_cast<double>(at_joint_[i]), ">= 0 kg m^2");
     }
   }
-  /// Of joint `i` [kg m^2].
+  /// Reflected inertia at joint `i` [kg m^2].
   [[nodiscard]] SKINCTL_INLINE const T& operator[](std::size_t i) const noexcept { return at_joint_[i]; }
 
-  /// M with the rotors.
+  /// M including the rotors.
   [[nodiscard]] friend SKINCTL_INLINE MassMatrix<N, T> operator+(MassMatrix<N, T> M,
                                                                  const RotorInertia& rotors) noexcept {
     for (std::size_t i = 0; i < N; ++i) M(i, i) = M(i, i) + rotors[i];
     return M;
   }
-  /// The torque that accelerates the rotors [N m]; it adds to inverse dynamics.
+  /// The torque that accelerates the rotors [N m], to be added to inverse dynamics.
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> operator*(
       const JointAcceleration<N, T>& ddq) const noexcept {
     return JointTorque<N, T>::generate([&](std::size_t i)

@@ -1,13 +1,13 @@
-// Acceleration of a rigid body: of what, relative to what, of which point, along which axes.
+// Acceleration of a rigid body. The type names the body, the reference frame, the point and the axes.
 #pragma once
 
 #include "skinctl/frames/twist.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Rate of change of a `Twist` of the same names: the acceleration of that point of the body which is at the
-/// origin of `At` now, as it moves with the body (the one an accelerometer there feels, but for gravity; not
-/// the "spatial" one of screw theory), and the angular acceleration. Zero by default.
+/// Rate of change of a `Twist` with the same template arguments: the acceleration of the body's point that is
+/// at the origin of `At` now and moves with the body, and the angular acceleration. An accelerometer at that
+/// point measures it, gravity apart; it is not the "spatial" acceleration of screw theory. Zero by default.
 template <Frame Body, Frame Relative, Frame At = Body, Frame Axes = Relative, Scalar T = double>
 struct Acceleration {
   Xyz<T> linear{T(0), T(0), T(0)};   ///< [m/s^2]

@@ -12,9 +12,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// Inertia of the body to which frame `Body` is fixed: its mass, its centre of mass as seen from frame `At`,
 /// and its moments of inertia about the centre of mass along the axes of `At`. Massless by default.
 ///
-/// What a density can make is enforced: a mass >= 0 and principal moments that satisfy the triangle
-/// inequality `I_1 + I_2 >= I_3`, to within the rounding of `T`. Anything else throws `ConfigurationError`
-/// when it is built.
+/// Physical consistency is enforced: a mass >= 0 and principal moments that satisfy the triangle inequality
+/// `I_1 + I_2 >= I_3`, to within the rounding of `T`. Anything else throws `ConfigurationError` at
+/// construction.
 template <Frame Body, Frame At = Body, Real T = double>
 class Inertia {
  public:
@@ -35,8 +35,8 @@ class Inertia {
     requires(std::same_as<typename V::Scalar, T> && std::same_as<typename M::Scalar, T>)
   Inertia(const T& mass, const V& centre, const M& about_centre)
       : Inertia(mass, as_xyz(centre), as_symmetric(about_centre)) {}
-  /// Without the check, for tables rounded so far that no density makes them (some makers print a wrist's
-  /// largest moment only). Kinetic energy stays positive as long as mass and moments are.
+  /// Without the check, for published tables whose rounding breaks the triangle inequality (some makers print
+  /// only the largest moment of a wrist). Kinetic energy stays positive as long as mass and moments are.
   [[nodiscard]] static constexpr Inertia unchecked(const T& mass, const Xyz<T>& centre,
                                                    const Symmetric<T>& about_centre) noexcept {
     Inertia M;
@@ -81,7 +81,7 @@ class Inertia {
   }
 
   /// From the 6x6 matrix of `as_eigen`: its mass, first moments and moments about the origin are read. Throws
-  /// as the others do.
+  /// as the constructor does.
   template <VectorExpression E>
   [[nodiscard]] static Inertia from_eigen(const E& values) {
     static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: M.cast<T>()");
@@ -103,8 +103,8 @@ class Inertia {
     const Symmetric<T> I = about_origin();
     return {mass_, first.x, first.y, first.z, I.xx, I.xy, I.xz, I.yy, I.yz, I.zz};
   }
-  /// The same matter as a part of `Other`, to which it is rigidly fixed: the caller vouches for it (a payload
-  /// on a link).
+  /// The same inertia as that of `Other`, to which the body is rigidly fixed (a payload on a link). This is
+  /// not checked.
   template <Frame Other>
   [[nodiscard]] constexpr Inertia<Other, At, T> part_of() const noexcept {
     return Inertia<Other, At, T>::unchecked(mass_, centre_, about_centre_);
@@ -115,8 +115,8 @@ class Inertia {
                                            about_centre_.template cast<U>());
   }
 
-  /// The 6x6 matrix that takes a twist of `Body` to its momentum, about the origin and along the axes of `At`,
-  /// linear rows first: `[m 1, -m [c]x; m [c]x, I_o]`.
+  /// The 6x6 matrix from a twist of `Body` to its momentum, about the origin and along the axes of `At`, linear
+  /// rows first: `[m 1, -m [c]x; m [c]x, I_o]`.
   [[nodiscard]] friend Mat6<T> as_eigen(const Inertia& M) noexcept {
     const T m = M.mass(), o(0);
     const Xyz<T> h = m * M.centre();
@@ -131,7 +131,7 @@ class Inertia {
     return out;
   }
 
-  /// Two parts of one body together.
+  /// The inertia of two parts of one body together.
   SKINCTL_INLINE constexpr Inertia operator+(const Inertia& M) const noexcept {
     const T mass = mass_ + M.mass_;
     const T share = mass > T(0) ? T(M.mass_ / mass) : T(0);
@@ -139,14 +139,14 @@ class Inertia {
     return unchecked(mass, centre_ + share * apart,
                      about_centre_ + M.about_centre_ + mass_ * share * unit_mass_at(apart));
   }
-  /// Momentum of the body that moves with `V`, of the point and along the axes in which its inertia is known.
+  /// Momentum of the body that moves with `V`, about the point and along the axes of this inertia.
   template <Frame A>
   SKINCTL_INLINE constexpr Momentum<Body, A, At, At, T> operator*(
       const Twist<Body, A, At, At, T>& V) const noexcept {
     const Xyz<T> linear = mass_ * (V.linear + cross(V.angular, centre_));
     return {linear, about_centre_ * V.angular + cross(centre_, linear)};
   }
-  /// `1/2 m v_c^2 + 1/2 omega . I_c omega` [J], in the frame relative to which `V` is; never negative.
+  /// `1/2 m v_c^2 + 1/2 omega . I_c omega` [J], as seen from the reference frame of `V`; never negative.
   template <Frame A>
   friend SKINCTL_INLINE constexpr T kinetic_energy(const Inertia& M,
                                                    const Twist<Body, A, At, At, T>& V) noexcept {

@@ -1,4 +1,4 @@
-// Momentum of a rigid body: of what, relative to what, about which point, along which axes.
+// Momentum of a rigid body. The type names the body, the reference frame, the point and the axes.
 #pragma once
 
 #include "skinctl/frames/twist.hpp"
@@ -31,7 +31,7 @@ struct Momentum {
   friend SKINCTL_INLINE constexpr Momentum operator*(const T& s, const Momentum& h) noexcept {
     return {s * h.linear, s * h.angular};
   }
-  /// About another point: `l_Q = l_P - p_PQ x p`, as a wrench's moment.
+  /// About another point: `l_Q = l_P - p_PQ x p`, like the moment of a wrench.
   template <Frame Q>
   friend SKINCTL_INLINE constexpr Momentum<Body, Relative, Q, Axes, T> shift(
       const Momentum& h, const Offset<At, Q, Axes, T>& p_PQ_E) noexcept {
@@ -60,7 +60,7 @@ struct Momentum {
   // clang-format on
 };
 
-/// Both at once: about the origin and along the axes of P, then of Q.
+/// Changes point and axes: from the origin and axes of P to those of Q.
 template <class B, class A, class P, class Q, class T>
 [[nodiscard]] SKINCTL_INLINE constexpr Momentum<B, A, Q, Q, T> transformed(
     const Transform<Q, P, T>& X_QP, const Momentum<B, A, P, P, T>& h) noexcept {

@@ -1,4 +1,4 @@
-// Frames that a file names: the links of a URDF.
+// Frames named in a file: the links of a URDF.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A name as a template argument. Two names are the same if their bytes are: any text will do, UTF-8 and
-/// keywords of C++ included.
+/// A name as a template argument. Names are equal if their bytes are; any text is allowed, also UTF-8 and C++
+/// keywords.
 template <std::size_t N>
 struct FrameName {
   char text[N] = {};
@@ -21,11 +21,11 @@ struct FrameName {
   [[nodiscard]] constexpr std::string_view view() const noexcept { return {text, N - 1}; }
 };
 
-/// The frame that a file calls `Name`, placed and turned as the file says: `NamedFrame<"wrist_3_link">`.
+/// The frame that a file calls `Name`, with the file's origin and axes: `NamedFrame<"wrist_3_link">`.
 ///
-/// The frame `Link<I>` of a model has its z axis on the joint and is turned about it as the algorithms need;
-/// a link of a URDF has the axes that its author chose. Both are fixed to the same body, but poses in one are
-/// wrong numbers in the other. The type keeps them apart, and `named_link_pose` leads from one to the other.
+/// The frame `Link<I>` of a model has its z axis on the joint, and x and y axes chosen by the algorithms; a
+/// link of a URDF has axes chosen by its author. Both are fixed to the same body, but poses in one are wrong
+/// in the other. The type distinguishes them, and `named_link_pose` converts.
 template <FrameName Name>
 struct NamedFrame : FrameTag {
   static constexpr std::string_view name = Name.view();

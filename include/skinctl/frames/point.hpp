@@ -1,4 +1,4 @@
-// Points and vectors with coordinates: of which frame is in the type.
+// Points and vectors whose coordinate frame is part of the type.
 #pragma once
 
 #include "skinctl/core/eigen.hpp"
@@ -7,12 +7,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-// Below, what has no meaning is deleted, with a hint on the line that bears the operator's name: compilers
-// print that line, and those of every other candidate. So operators are members and friends, and candidates
-// few.
+// Meaningless operations are deleted, with a hint on the line that bears the operator's name: compilers print
+// that line, and those of all other candidates. So operators are members and friends, which keeps the
+// candidates few.
 
-/// A vector that has a direction and a size but no place (a displacement, a velocity, a force), along the
-/// axes of `A`.
+/// A vector with direction and magnitude but no point of application (a displacement, a velocity, a force),
+/// along the axes of `A`.
 template <Frame A, Scalar T = double>
 struct FreeVector {
   Xyz<T> xyz{T(0), T(0), T(0)};
@@ -53,8 +53,8 @@ struct FreeVector {
   // clang-format on
 };
 
-/// Where a point is: its coordinates [m] from the origin of `A` along the axes of `A`. Points have a
-/// difference, no sum.
+/// A point: its coordinates [m] from the origin of `A` along the axes of `A`. Points have a difference, no
+/// sum.
 template <Frame A, Scalar T = double>
 struct Point {
   Xyz<T> xyz{T(0), T(0), T(0)};

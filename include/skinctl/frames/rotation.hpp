@@ -1,4 +1,4 @@
-// A rotation as three axes of plain numbers, and the rotation vector: exp, log and their derivatives.
+// A rotation matrix as three axes of plain numbers, and the rotation vector: exp, log and their derivatives.
 #pragma once
 
 #include "skinctl/core/eigen.hpp"
@@ -7,15 +7,15 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `R_AB` without the names: the axes of B in coordinates of A, the columns of the matrix. The typed noun is
-/// `Transform`; this one is for the algorithms below it. Identity by default.
+/// `R_AB` without the frames in the type: the axes of B in coordinates of A, the columns of the matrix.
+/// `Transform` is the typed form; this one is for the algorithms beneath it. Identity by default.
 template <Scalar T = double>
 struct Rotation {
   Xyz<T> x{T(1), T(0), T(0)};
   Xyz<T> y{T(0), T(1), T(0)};
   Xyz<T> z{T(0), T(0), T(1)};
 
-  /// From an Eigen matrix, 3x3. Nothing is checked: a `Transform` does.
+  /// From an Eigen matrix, 3x3. Not checked; `Transform` checks it.
   template <VectorExpression E>
   [[nodiscard]] static Rotation from_eigen(const E& R_AB) noexcept {
     static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: R.cast<T>()");
@@ -59,8 +59,8 @@ template <class T, class X, class Y, class Z>
                                                         const Triple<X, Y, Z>& v) noexcept {
   return {T(dot(R.x, v)), T(dot(R.y, v)), T(dot(R.z, v))};
 }
-/// The largest element of `|R^T R - 1|`, and 1 more where the axes are left-handed: 0 for a rotation. A NaN
-/// gives a NaN.
+/// The largest element of `|R^T R - 1|`, plus 1 if the axes are left-handed: 0 for a rotation. A NaN gives a
+/// NaN.
 template <Real T>
 [[nodiscard]] constexpr T rotation_error(const Rotation<T>& R) noexcept {
   T worst(0);
@@ -77,10 +77,10 @@ template <Real T>
   return dot(cross(R.x, R.y), R.z) < T(0) ? T(worst + T(1)) : worst;
 }
 
-/// The rotation nearest to `R` (its polar factor), by Newton-Schulz steps `R <- R (3 - R^T R) / 2`. An error
-/// `e = rotation_error(R)` becomes at most `e^(2^n)` plus rounding, with as many steps n as bring 0.01 down
-/// to the rounding error of `T` (3 for double). Above about 0.5 it need not converge: such numbers are no
-/// rotation.
+/// The rotation nearest to `R` (its polar factor), by Newton-Schulz steps `R <- R (3 - R^T R) / 2`. After n
+/// steps an error `e = rotation_error(R)` is at most `e^(2^n)` plus rounding; n is chosen such that 0.01
+/// reaches the rounding error of `T` (3 for double). Errors above about 0.5 may not converge: such a matrix
+/// is no rotation.
 template <Scalar T>
 [[nodiscard]] constexpr Rotation<T> normalised(Rotation<T> R) noexcept {
   for (int digits = 2; digits <= std::numeric_limits<RealOf<T>>::digits10; digits *= 2) {
@@ -109,18 +109,18 @@ template <Real T>
           {b.x * phi.z + a.y, b.y * phi.z - a.x, one - (b.x * phi.x + b.y * phi.y)}};
 }
 
-/// The rotation vector of `R`, the shortest: `|phi| <= pi`. Accurate near 0 and near pi, where it goes over
+/// The shortest rotation vector of `R`: `|phi| <= pi`. Accurate near 0 and near pi, where it is computed from
 /// the unit quaternion's largest component.
 ///
-/// Branch: at exactly half a turn both `phi` and `-phi` are right and the one whose largest component is
-/// positive is returned; rounding decides next to it. A controller that must not jump there passes its last
+/// Branch: at exactly half a turn both `phi` and `-phi` are valid, and the one whose largest component is
+/// positive is returned; next to it rounding decides. A controller that must not jump there passes its last
 /// value as `near`.
 template <Real T>
 [[nodiscard]] Xyz<T> log_so3(const Rotation<T>& R) noexcept {
   return detail::shortest_rotation_vector(detail::unit_quaternion(R.x, R.y, R.z));
 }
 
-/// The rotation vector of `R` on the branch of `near`: of `phi` and `phi` less one turn about the same axis,
+/// The rotation vector of `R` on the branch of `near`: of `phi` and `phi` minus one turn about the same axis,
 /// the one closer to `near`; `|phi| <= 2 pi`. Continuous along every path of rotations that stays between 0
 /// and one turn.
 template <Real T>
@@ -135,8 +135,8 @@ template <Real T>
   return dphi + detail::exp_factors(phi).cosine * once + detail::cubic_factor(phi) * cross(phi, once);
 }
 
-/// `dphi = J_l(phi)^-1 omega`, for `|phi| < 2 pi`, where it is singular (it grows as 1 / (2 pi - |phi|)); at
-/// pi its largest stretch is pi / 2.
+/// `dphi = J_l(phi)^-1 omega`, for `|phi| < 2 pi`. At 2 pi it is singular (it grows as `1 / (2 pi - |phi|)`);
+/// at pi its norm is pi / 2.
 template <Real T>
 [[nodiscard]] Xyz<T> left_jacobian_inverse_so3(const Xyz<T>& phi, const Xyz<T>& omega) noexcept {
   const Xyz<T> once = cross(phi, omega);

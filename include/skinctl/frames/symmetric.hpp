@@ -64,7 +64,7 @@ template <Scalar T>
   return {dot(rows.x, x), dot(rows.y, y), dot(rows.z, z), dot(rows.x, y), dot(rows.x, z), dot(rows.y, z)};
 }
 
-/// From an Eigen matrix, 3x3; of elements that differ across the diagonal by rounding the mean.
+/// From an Eigen matrix, 3x3. Elements that differ across the diagonal by rounding are averaged.
 template <VectorExpression E>
 [[nodiscard]] Symmetric<typename E::Scalar> as_symmetric(const E& values) noexcept {
   using T = typename E::Scalar;
@@ -79,7 +79,7 @@ template <VectorExpression E>
 }
 
 /// The three eigenvalues in ascending order, by cyclic Jacobi rotations; each to within a few units in the
-/// last place of the largest. A NaN gives NaNs. For construction time: about 15 square roots.
+/// last place of the largest. A NaN gives NaNs. For configuration time: about 15 square roots.
 template <Real T>
 [[nodiscard]] Xyz<T> eigenvalues(Symmetric<T> S) noexcept {
   const auto annihilate = [](T& pp, T& qq, T& pq, T& pr, T& qr) {

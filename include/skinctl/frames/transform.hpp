@@ -1,4 +1,4 @@
-// Pose of one frame in another, with both in the type.
+// Pose of one frame in another; the type names both frames.
 #pragma once
 
 #include <cmath>
@@ -28,12 +28,11 @@ SKINCTL_INLINE constexpr Xyz<T> moved(const Xyz<T>& p, const Rotation<T>& R, con
 
 /// Pose of frame `B` in frame `A`, written `X_AB`; the paper's ^B T_A, eqs. (1)-(3).
 ///
-/// The frames are in the type: `X_AB * X_BC` is a `Transform<A, C>`, `X_AB * X_CB` an error. It is twelve
-/// numbers, trivially copyable: the axes of B in A, then B's origin. Identity by default.
+/// The frames are in the type: `X_AB * X_BC` is a `Transform<A, C>`, `X_AB * X_CB` an error. Twelve numbers,
+/// trivially copyable: the axes of B in A, then B's origin. Identity by default.
 ///
-/// A frame has no pose in itself, so that a `Transform<A, A>` is not built: it is what a loop of poses comes
-/// to. A pose of several steps stays between its two frames: `Transform<A, B>::translation_xyz(1, 0,
-/// 0).rotated_z(0.5)`.
+/// A `Transform<A, A>` arises only as a product of poses around a loop; constructors refuse it. A pose of
+/// several steps stays between its two frames: `Transform<A, B>::translation_xyz(1, 0, 0).rotated_z(0.5)`.
 template <Frame A, Frame B, Scalar T = double>
 class Transform {
  public:
@@ -71,34 +70,34 @@ class Transform {
   // clang-format on
 
   /// From numbers that are a rotation only to within measurement or rounding (a file's six digits): the
-  /// nearest one. Throws `ConfigurationError` where `rotation_error(R_AB)` exceeds 0.1 (that is no rotation),
-  /// and where anything is not finite.
+  /// nearest rotation. Throws `ConfigurationError` if `rotation_error(R_AB)` exceeds 0.1 or a number is not
+  /// finite.
   [[nodiscard]] static Transform nearest(const Rotation<T>& R_AB, const Xyz<T>& p_AB) {
     require(rotation_error(R_AB) <= T(0.1), "Transform: |R'R - 1|", double(rotation_error(R_AB)), "<= 0.1");
     require(dot(p_AB, p_AB) <= (std::numeric_limits<T>::max)(), "Transform: |p|^2", double(dot(p_AB, p_AB)),
             "finite m^2");
     return Transform(skinctl::normalised(R_AB), p_AB);
   }
-  /// B is A moved by (x, y, z) [m].
+  /// B is A translated by (x, y, z) [m].
   [[nodiscard]] SKINCTL_INLINE static constexpr Transform translation_xyz(const T& x, const T& y,
                                                                           const T& z) noexcept {
     return {Rotation<T>{}, {x, y, z}};
   }
-  /// B is A turned by `angle` [rad] about their common x axis.
+  /// B is A rotated by `angle` [rad] about their common x axis.
   [[nodiscard]] static Transform rotation_x(const T& angle) noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
     return {{{l, o, o}, {o, c, s}, {o, -s, c}}, {o, o, o}};
   }
-  /// B is A turned by `angle` [rad] about their common y axis.
+  /// B is A rotated by `angle` [rad] about their common y axis.
   [[nodiscard]] static Transform rotation_y(const T& angle) noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
     return {{{c, o, -s}, {o, l, o}, {s, o, c}}, {o, o, o}};
   }
-  /// B is A turned by `angle` [rad] about their common z axis.
+  /// B is A rotated by `angle` [rad] about their common z axis.
   [[nodiscard]] static Transform rotation_z(const T& angle) noexcept {
     using std::cos;
     using std::sin;
@@ -106,26 +105,26 @@ class Transform {
     return {{{c, s, o}, {-s, c, o}, {o, o, l}}, {o, o, o}};
   }
 
-  /// B moved on by (x, y, z) [m] along its own axes.
+  /// B translated by (x, y, z) [m] along its own axes.
   [[nodiscard]] SKINCTL_INLINE constexpr Transform translated(const T& x, const T& y,
                                                               const T& z) const noexcept {
     return trusted(R_, detail::moved(p_, R_, Xyz<T>{x, y, z}));
   }
-  /// B turned on by `angle` [rad] about its own x axis.
+  /// B rotated by `angle` [rad] about its own x axis.
   [[nodiscard]] Transform rotated_x(const T& angle) const noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle);
     return trusted({R_.x, c * R_.y + s * R_.z, c * R_.z - s * R_.y}, p_);
   }
-  /// B turned on by `angle` [rad] about its own y axis.
+  /// B rotated by `angle` [rad] about its own y axis.
   [[nodiscard]] Transform rotated_y(const T& angle) const noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle);
     return trusted({c * R_.x - s * R_.z, R_.y, c * R_.z + s * R_.x}, p_);
   }
-  /// B turned on by `angle` [rad] about its own z axis.
+  /// B rotated by `angle` [rad] about its own z axis.
   [[nodiscard]] Transform rotated_z(const T& angle) const noexcept {
     using std::cos;
     using std::sin;
@@ -141,7 +140,7 @@ class Transform {
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& origin() const noexcept { return p_; }
   /// The three axes together.
   [[nodiscard]] SKINCTL_INLINE constexpr const Rotation<T>& axes() const noexcept { return R_; }
-  /// `p_AB_A`, the origin with its names.
+  /// `p_AB_A`, the origin with its frames in the type.
   [[nodiscard]] SKINCTL_INLINE constexpr Offset<A, B, A, T> offset() const noexcept { return {p_}; }
 
   /// `R_AB` as an Eigen matrix.
@@ -149,7 +148,7 @@ class Transform {
   /// `p_AB` as an Eigen vector [m].
   [[nodiscard]] Vec3<T> translation() const noexcept { return as_eigen(p_); }
 
-  /// As an `Eigen::Isometry3<T>`, for which <Eigen/Geometry> is included first.
+  /// As an `Eigen::Isometry3<T>`; include <Eigen/Geometry> first.
   [[nodiscard]] friend EigenIsometry<T> as_eigen(const Transform& X_AB) noexcept {
     EigenIsometry<T> X = EigenIsometry<T>::Identity();
     X.linear() = X_AB.rotation();
@@ -161,24 +160,25 @@ class Transform {
   [[nodiscard]] SKINCTL_INLINE constexpr Transform<B, A, T> inverse() const noexcept {
     return Transform<B, A, T>::trusted(R_.transpose(), -turn_back(R_, p_));
   }
-  /// The axes made orthonormal again after many products: see `skinctl::normalised`.
+  /// The pose with orthonormal axes, after many products: see `skinctl::normalised`.
   [[nodiscard]] constexpr Transform normalised() const noexcept {
     return trusted(skinctl::normalised(R_), p_);
   }
-  /// The same pose in another scalar; to a wider one the axes stay as orthonormal as they were.
+  /// The same pose in another scalar. A wider scalar does not make the axes more orthonormal.
   template <Scalar U>
   [[nodiscard]] SKINCTL_INLINE constexpr Transform<A, B, U> cast() const noexcept {
     return Transform<A, B, U>::trusted(
         {skinctl::cast<U>(R_.x), skinctl::cast<U>(R_.y), skinctl::cast<U>(R_.z)}, skinctl::cast<U>(p_));
   }
-  /// The same numbers as the pose of `D` in `C`: the caller vouches for it (a run-time index, a file).
+  /// The same numbers as the pose of `D` in `C` (after a run-time index, from a file). The names are not
+  /// checked.
   template <Frame C, Frame D>
   [[nodiscard]] SKINCTL_INLINE constexpr Transform<C, D, T> renamed() const noexcept {
     static_assert(!std::is_same_v<C, D>, "a frame has no pose in itself");
     return Transform<C, D, T>::trusted(R_, p_);
   }
-  /// Without the check of the axes: for algorithms whose axes are right by construction up to accumulated
-  /// rounding.
+  /// Without the check of the axes: for algorithms whose axes are orthonormal by construction up to
+  /// accumulated rounding.
   [[nodiscard]] SKINCTL_INLINE static constexpr Transform trusted(const Rotation<T>& R_AB,
                                                                   const Xyz<T>& p_AB) noexcept {
     Transform X;
@@ -188,7 +188,7 @@ class Transform {
   }
 
   /// `transformed(*this, q)`: `X_AB * X_BC` is `X_AC`, eq. (2); `X_AB` times a point, vector, twist, wrench
-  /// or inertia of B is the same thing as seen from A.
+  /// or inertia of B is the same quantity in A.
   template <class Q>
     requires requires(const Transform& X_AB, const Q& q) { transformed(X_AB, q); }
   [[nodiscard]] SKINCTL_INLINE constexpr auto operator*(const Q& q) const noexcept {

@@ -1,16 +1,16 @@
-// Velocity of a rigid body: of what, relative to what, of which point, along which axes.
+// Velocity of a rigid body. The type names the body, the reference frame, the point and the axes.
 #pragma once
 
 #include "skinctl/frames/transform.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Velocity of the body to which frame `Body` is fixed, as seen from frame `Relative`: the velocity of that
-/// point of the body which is at the origin of `At` now, and the angular velocity, both along the axes of
-/// `Axes`. Zero by default.
+/// Velocity of the body to which frame `Body` is fixed, as seen from frame `Relative`: the velocity of the
+/// body's point that is at the origin of `At` now, and the angular velocity, both along the axes of `Axes`.
+/// Zero by default.
 ///
-/// `SpatialVelocity<A, B, E>` names the commonest one as its monogram `V_AB_E`: of B relative to A at B's own
-/// origin.
+/// The most common one has the short name `SpatialVelocity<A, B, E>`, monogram `V_AB_E`: B relative to A, at
+/// B's own origin.
 template <Frame Body, Frame Relative, Frame At = Body, Frame Axes = Relative, Scalar T = double>
 struct Twist {
   Xyz<T> linear{T(0), T(0), T(0)};   ///< [m/s]
@@ -83,7 +83,8 @@ inline constexpr bool is_twist<Twist<B, A, P, E, T>> = true;
 template <class V>
 concept AnyTwist = is_twist<V>;
 
-/// Both at once: of the point and along the axes of P, then of Q. `X_QP` turns the axes and moves the point.
+/// Changes point and axes: from the origin and axes of P to those of Q. `X_QP` rotates the axes and moves the
+/// point.
 template <class B, class A, class P, class Q, class T>
 [[nodiscard]] SKINCTL_INLINE constexpr Twist<B, A, Q, Q, T> transformed(
     const Transform<Q, P, T>& X_QP, const Twist<B, A, P, P, T>& V) noexcept {

@@ -1,15 +1,14 @@
-// Force and moment on a rigid body: on what, about which point, along which axes.
+// Force and moment on a rigid body. The type names the body, the point and the axes.
 #pragma once
 
 #include "skinctl/frames/twist.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What acts on the body to which frame `Body` is fixed: a force, and a moment about the origin of `At`, both
+/// Load on the body to which frame `Body` is fixed: a force, and a moment about the origin of `At`, both
 /// along the axes of `Axes`; written `F_Body_At_Axes`. Zero by default.
 ///
-/// A force through the origin of `At` has no moment there; about any other point it does, and `shift` gives
-/// it.
+/// A force through the origin of `At` has no moment there; `shift` gives its moment about other points.
 template <Frame Body, Frame At = Body, Frame Axes = At, Scalar T = double>
 struct Wrench {
   Xyz<T> force{T(0), T(0), T(0)};   ///< [N]
@@ -26,7 +25,8 @@ struct Wrench {
   [[nodiscard]] SKINCTL_INLINE constexpr Wrench<Body, At, Axes, U> cast() const noexcept {
     return {skinctl::cast<U>(force), skinctl::cast<U>(moment)};
   }
-  /// The same on `Other`, which is rigidly fixed to `Body`: the caller vouches for it (a tool on its flange).
+  /// The same wrench on `Other`, which is rigidly fixed to `Body` (a tool on its flange). This is not
+  /// checked.
   template <Frame Other>
   [[nodiscard]] SKINCTL_INLINE constexpr Wrench<Other, At, Axes, T> on() const noexcept {
     return {force, moment};
@@ -54,8 +54,8 @@ struct Wrench {
                                                                  const Wrench& F) noexcept {
     return {X_GE.axes() * F.force, X_GE.axes() * F.moment};
   }
-  /// What the load does per second on the moving body [W]: `f . v + m . omega`. The same about every point
-  /// and along all axes, as long as both use the same.
+  /// Power of the load on the moving body [W]: `f . v + m . omega`. It does not depend on the common point
+  /// and axes of load and velocity.
   template <Frame A>
   friend SKINCTL_INLINE constexpr T power(const Wrench& F, const Twist<Body, A, At, Axes, T>& V) noexcept {
     return F.force.x * V.linear.x + F.force.y * V.linear.y + F.force.z * V.linear.z +
@@ -80,7 +80,7 @@ inline constexpr bool is_wrench<Wrench<B, P, E, T>> = true;
 template <class F>
 concept AnyWrench = is_wrench<F>;
 
-/// Both at once: about the origin and along the axes of P, then of Q. `X_LC * F` is a cell's load on its
+/// Changes point and axes: from the origin and axes of P to those of Q. `X_LC * F` is a cell's load on its
 /// link.
 template <class B, class P, class Q, class T>
 [[nodiscard]] SKINCTL_INLINE constexpr Wrench<B, Q, Q, T> transformed(const Transform<Q, P, T>& X_QP,

@@ -88,6 +88,8 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
      "skin and tracking push against each other: plan and integrals wait"},
     {Reason::goal_refused, "goal_refused", FaultFinder::law, Reaction::refuse, Reaction::refuse,
      WayBack::at_once, "a goal was refused: the old one stands"},
+    {Reason::configuration_refused, "configuration_refused", FaultFinder::loop, Reaction::refuse,
+     Reaction::refuse, WayBack::at_once, "no such configuration, or not now: the old one goes on"},
     {Reason::goal_stretched, "goal_stretched", FaultFinder::law, Reaction::limit, Reaction::limit,
      WayBack::at_once, "a goal got more time than asked, to keep velocity limits"},
     {Reason::bumpless_transfer, "bumpless_transfer", FaultFinder::law, Reaction::fade, Reaction::fade,

@@ -1,4 +1,4 @@
-// The centre of mass of a robot, and how it moves.
+// The centre of mass of a robot and its Jacobian.
 #pragma once
 
 #include "skinctl/core/eigen.hpp"
@@ -7,13 +7,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where a robot's mass is, and its Jacobian. `J` has a column for every joint that carries mass. Without any
-/// mass both are zero.
+/// Centre of mass and its Jacobian, with a column for every joint that carries mass. A robot without mass
+/// gives zeros.
 template <std::size_t N, Scalar T = double>
 struct CentreOfMass {
   T mass{0};            ///< of all links [kg]
   Point<Base, T> p;     ///< [m]
-  Xyz<T> columns[N]{};  ///< its velocity per joint unit [m/s], along the axes of the base
+  Xyz<T> columns[N]{};  ///< velocity of the centre of mass per joint unit [m/s], along the axes of the base
 
   /// Velocity of the centre of mass [m/s].
   [[nodiscard]] SKINCTL_INLINE FreeVector<Base, T> velocity(const JointVelocity<N, T>& dq) const noexcept {
@@ -29,8 +29,8 @@ struct CentreOfMass {
   }
 };
 
-/// The centre of mass from the poses of all links: one pass back over the tree, the mass and first moment of
-/// each subtree about its own joint. The torque that holds the robot against gravity is `-mass J' g`.
+/// The centre of mass from the poses of all links, in one pass from the tips to the base over the mass and
+/// first moment of each subtree. The torque that holds the robot against gravity is `-mass J' g`.
 template <RobotModel M, LinkMask Mask, Scalar T>
 [[nodiscard]] CentreOfMass<M::joints, T> centre_of_mass(const M& model,
                                                         const Poses<M, Mask, T>& poses) noexcept {

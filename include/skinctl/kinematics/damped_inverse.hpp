@@ -1,4 +1,4 @@
-// The inverse of a Jacobian that stays bounded at singularities, and how near one is.
+// The damped inverse of a Jacobian, bounded at singularities, and a measure of the distance to them.
 #pragma once
 
 #include <bit>
@@ -17,8 +17,8 @@ struct Determinant {
   T value;
   T rate;
 };
-/// Elimination with the largest diagonal element first, values and rates together: where the matrix is
-/// singular only the last pivot vanishes, and neither value nor rate is divided by it.
+/// Elimination with the largest diagonal element first, values and rates together: at a singular matrix only
+/// the last pivot vanishes, and neither value nor rate is divided by it.
 template <std::size_t N, Real T>
 [[nodiscard]] Determinant<T> determinant(T (&a)[N][N], T (&da)[N][N]) noexcept {
   Determinant<T> det{T(1), T(0)};
@@ -49,36 +49,37 @@ template <std::size_t N, Real T>
 
 }  // namespace detail
 
-/// What of a frame's motion is asked for.
+/// The components of a frame's motion that a task controls.
 enum class TaskSpace : unsigned char {
   pose,     ///< position and orientation: six numbers
-  position  ///< of its origin alone: three, the angular parts of what goes in are not read
+  position  ///< position of the origin: three numbers; angular parts of arguments are ignored
 };
 
-/// When a damped inverse is damped, and how much: `l^2 = most^2 (1 - (w / zone)^2)^2` while the
-/// manipulability w is below `zone`, else 0. Smooth: l^2 and its slope meet zero at the edge of the zone.
+/// Damping of the inverse near singularities: `l^2 = most^2 (1 - (w / zone)^2)^2` while the manipulability w
+/// is below `zone`, else 0. Smooth: l^2 and its slope are zero at the edge of the zone.
 template <Real T = double>
 class SingularityDamping {
  public:
   /// @param zone  manipulability below which damping sets in, > 0. In units of `manipulability()`; a UR5
   ///              reaches 0.11, and 0.004 is some 5 degrees from a wrist singularity at half of its reach.
-  /// @param most  l at the singularity, > 0: there no joint speed exceeds `1 / (2 most)` times what is asked.
-  ///              Throws `ConfigurationError`.
+  /// @param most  l at the singularity, > 0: no joint speed exceeds `1 / (2 most)` times the requested speed
+  ///              of the frame. Throws `ConfigurationError`.
   explicit SingularityDamping(const T& zone = static_cast<T>(0.004), const T& most = static_cast<T>(0.08))
       : zone_(zone), most_(most), most_squared_(most * most) {
     const auto allowed = [](const T& x) { return x > T(0) && x <= (std::numeric_limits<T>::max)(); };
     require(allowed(zone), "SingularityDamping: zone", static_cast<double>(zone), "> 0");
     require(allowed(most), "SingularityDamping: most", static_cast<double>(most), "> 0");
   }
-  /// From 0 (away from singularities) to 1 (at one), by the square of the manipulability.
+  /// From 0 (outside the zone) to 1 (at a singularity), from the square of the manipulability.
   [[nodiscard]] T nearness(const T& w_squared) const noexcept {
     const T r = T(1) - w_squared / (zone_ * zone_);
     return r > T(0) ? T(r * r) : T(r == r ? T(0) : r);
   }
-  /// The same with as much damping as the joints' speed needs for what is asked of the body: at the
-  /// singularity `l^2 = least^2 + x / (1 + x / most^2)`, `x = (speed / (2 fastest))^2`: up to `most` no joint
-  /// goes faster than `fastest`. Where little is asked little is damped, and an arm does not stick there.
-  /// @param speed_squared, rate  of what is asked, and its time derivative.
+  /// The same, with the damping that the requested speed of the frame needs: at the singularity
+  /// `l^2 = least^2 + x / (1 + x / most^2)`, `x = (speed / (2 fastest))^2`. Up to l = `most` no joint
+  /// exceeds the speed `fastest`. A small requested speed is damped little, so an arm does not stick at a
+  /// singularity.
+  /// @param speed_squared, rate  square of the requested speed, and its time derivative.
   [[nodiscard]] SingularityDamping scaled(const T& least, const T& speed_squared, const T& rate,
                                           const T& fastest) const noexcept {
     const T factor = T(0.25) / (fastest * fastest);
@@ -106,13 +107,13 @@ class SingularityDamping {
 };
 
 /// The damped inverse `J^+ = (J'J + l^2)^-1 J' = J' (J J' + l^2)^-1` of eq. (19), l from
-/// `SingularityDamping`: away from singularities the inverse (for more than six joints the pseudo-inverse, of
-/// least joint speed; for fewer, of least error), near them bounded and smooth.
+/// `SingularityDamping`. Away from singularities it is the inverse (for more than six joints the
+/// pseudo-inverse of minimal joint speed; for fewer, of minimal error), near them it is bounded and smooth.
 ///
 /// `J` is a geometric `Jacobian` along the axes of the base, metres and radians weighted alike; it must
-/// outlive this object. With `TaskSpace::position` its linear rows alone are inverted. The smaller of the two
+/// outlive this object. With `TaskSpace::position` only its linear rows are inverted. The smaller of the two
 /// products is formed and factorised: the error is a few units in the last place times the square of the
-/// condition of J (on a UR5 about 1e-12 and 1e-3 of the result at the edge of the default zone). Never
+/// condition number of J (on a UR5 about 1e-12 and 1e-3 of the result at the edge of the default zone). Never
 /// divides by zero, does not allocate; a NaN gives NaNs or zeros.
 template <class J, TaskSpace What = TaskSpace::pose>
 class DampedInverse;
@@ -137,7 +138,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     using std::sqrt;
     return sqrt(w_squared_);
   }
-  /// From 0 (away from singularities: no damping) to 1 (at one).
+  /// From 0 (outside the zone: no damping) to 1 (at a singularity).
   [[nodiscard]] T nearness() const noexcept { return damping_.nearness(w_squared_); }
   /// l.
   [[nodiscard]] T damping() const noexcept {
@@ -152,15 +153,15 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     return dq;
   }
 
-  /// `J^+ a`: the joint accelerations that give the frame `a` in the same sense, without `dJ dq`.
+  /// `J^+ a`: the joint accelerations that give the frame the acceleration `a`, without the term `dJ dq`.
   [[nodiscard]] JointAcceleration<joints, T> solve(const BodyAcceleration& a) const noexcept {
     JointAcceleration<joints, T> ddq;
     apply(Velocity{a.linear, a.angular}, ddq.data);
     return ddq;
   }
 
-  /// `J^+' tau`: the load on the frame that stands for these joint torques; exactly the load where all of
-  /// them come from one, `tau = transpose(J) F`, and nothing is damped.
+  /// `J^+' tau`: the load on the frame that is equivalent to these joint torques; exact for
+  /// `tau = transpose(J) F` without damping.
   [[nodiscard]] typename Of::Load solve_transposed(const JointTorque<joints, T>& tau) const noexcept {
     if constexpr (by_joints) {
       T b[order], x[order];
@@ -183,8 +184,10 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     }
   }
 
-  /// The time derivative of `solve(dx_r)` while the joints move at the dq of `dJ`, with that of the damping:
-  /// `ddq_r = J^+ (ddx_r - dJ dq_r) + (J'J + l^2)^-1 (dJ' (dx_r - J dq_r) - 2 l dl dq_r)`.
+  /// The time derivative of `solve(dx_r)` while the joints move at the dq of `dJ`, including that of the
+  /// damping:
+  ///
+  ///     ddq_r = J^+ (ddx_r - dJ dq_r) + (J'J + l^2)^-1 (dJ' (dx_r - J dq_r) - 2 l dl dq_r)
   [[nodiscard]] JointAcceleration<joints, T> solve_rate(const JacobianRate<Of>& dJ, const Velocity& dx_r,
                                                         const BodyAcceleration& ddx_r) const noexcept {
     return solve_rate(dJ, dx_r, ddx_r, solve(dx_r));
@@ -214,7 +217,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
       k = 0;
       J_.for_each([&](auto i, const auto&) { ddq[i.value] = x[k++]; });
     } else {
-      // The same with (J'J + l^2)^-1 = (1 - J^+ J) / l^2 worked in, which needs no l.
+      // The same with `(J'J + l^2)^-1 = (1 - J^+ J) / l^2` inserted, which avoids the division by l^2.
       const Velocity y = outer(dx_r);
       JointVelocity<joints, T> turned;
       J_.for_each([&](auto i, const auto&) {
@@ -241,7 +244,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     x[0] = v.linear.x, x[1] = v.linear.y, x[2] = v.linear.z;
     if constexpr (What == TaskSpace::pose) x[3] = v.angular.x, x[4] = v.angular.y, x[5] = v.angular.z;
   }
-  /// What of a velocity is asked for.
+  /// The controlled components of a velocity.
   static Velocity seen(const Velocity& v) noexcept {
     if constexpr (What == TaskSpace::pose) return v;
     return {v.linear, {T(0), T(0), T(0)}};
@@ -256,7 +259,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     std::size_t k = 0;
     J.for_each([&](auto, const auto& c) { store({c.linear, c.angular}, r[k++]); });
   }
-  /// `J'J` or `J J'` of the joints that move the body, or with `d` the rate of it.
+  /// `J'J` or `J J'` of the joints that move the body, or with `d` its rate.
   static void product(const T (&r)[moving][rows_count], const T (&s)[moving][rows_count],
                       T (&a)[order][order]) noexcept {
     for (std::size_t i = 0; i < order; ++i)

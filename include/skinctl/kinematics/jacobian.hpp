@@ -1,4 +1,4 @@
-// Jacobians: joint velocities to the velocity of a body, a wrench on it to joint torques.
+// Jacobians: from joint velocities to the velocity of a body, from a wrench on it to joint torques.
 #pragma once
 
 #include "skinctl/core/eigen.hpp"
@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <class J>
 class Transposed;
 
-/// The geometric Jacobian of frame `Body` (a link, or something fixed to one) relative to `Base`: column i is
+/// The geometric Jacobian of frame `Body` (a link, or a frame fixed to one) relative to `Base`: column i is
 /// the velocity of the origin of `At`, and the angular velocity, along the axes of `Axes`, when joint i moves
 /// at 1 rad/s (1 m/s).
 ///
@@ -24,7 +24,7 @@ class Jacobian {
   static constexpr std::size_t joints = M::joints;
   static constexpr LinkMask columns = Columns;
   using scalar = T;
-  using Load = Wrench<Body, At, Axes, T>;  ///< what `transpose(J)` takes
+  using Load = Wrench<Body, At, Axes, T>;  ///< the argument of `transpose(J)`
 
   struct Column {
     Xyz<T> linear;   ///< [m/s] per joint unit
@@ -53,8 +53,8 @@ class Jacobian {
     });
     return V;
   }
-  /// `J ddq`: what the joints' accelerations add to the body's, all of it while nothing moves; with `dJ dq`
-  /// (`jacobian_rate`, or `bias_acceleration`) the acceleration of the body.
+  /// `J ddq`: the body's acceleration due to the joint accelerations. The acceleration of the body is
+  /// `J ddq + dJ dq` (`jacobian_rate`, or `bias_acceleration`).
   [[nodiscard]] SKINCTL_INLINE Acceleration<Body, Base, At, Axes, T> operator*(
       const JointAcceleration<joints, T>& ddq) const noexcept {
     Acceleration<Body, Base, At, Axes, T> a;
@@ -86,7 +86,7 @@ class Jacobian {
     return J;
   }
 
-  /// All of it, 6 x N, linear rows first, zero columns included.
+  /// The full matrix, 6 x N, linear rows first, zero columns included.
   [[nodiscard]] friend EigenMatrix<T, 6, int(joints)> as_eigen(const Jacobian& J) noexcept {
     EigenMatrix<T, 6, int(joints)> m = EigenMatrix<T, 6, int(joints)>::Zero();
     J.for_each([&](auto i, const Column& c) {
@@ -113,8 +113,7 @@ class Jacobian {
   Column columns_[static_cast<std::size_t>(std::popcount(Columns))];
 };
 
-/// A Jacobian read the other way: `tau = transpose(J) * F`, eq. (6), the joint torques of a wrench on the
-/// body.
+/// The transpose of a Jacobian: `tau = transpose(J) * F`, eq. (6), the joint torques of a wrench on the body.
 template <class J>
 class Transposed {
  public:

@@ -1,4 +1,4 @@
-// The time derivative of a Jacobian, and the accelerations that it is for.
+// The time derivative of a Jacobian, and accelerations from it.
 #pragma once
 
 #include "skinctl/frames/acceleration.hpp"
@@ -12,10 +12,14 @@ class JacobianRate;
 /// `dJ/dt` of the geometric Jacobian of a frame's own origin along the axes of the base, while the joints
 /// move at `dq`. It has the zero columns of J, which are neither stored nor multiplied.
 ///
-/// It follows from J alone: what lies inside of joint i carries column i along, what lies outside moves the
-/// point: `d linear_i = w_i x linear_i + angular_i x sum_{k > i} linear_k dq_k`, `d angular_i = w_i x
-/// angular_i`, with `w_i` the angular velocity of link i and k along the way from i to the body. Relative
-/// error a few units in the last place of |dq| times the reach.
+/// It follows from J alone: the joints up to joint i carry column i along, the joints after it move the
+/// point:
+///
+///     d linear_i  = w_i x linear_i + angular_i x sum_{k > i} linear_k dq_k
+///     d angular_i = w_i x angular_i
+///
+/// with `w_i` the angular velocity of link i and k along the path from i to the body. Relative error a few
+/// units in the last place of |dq| times the reach.
 template <Topology M, LinkMask Columns, Frame Body, Scalar T>
 class JacobianRate<Jacobian<M, Columns, Body, Body, Base, T>> {
  public:
@@ -50,7 +54,7 @@ class JacobianRate<Jacobian<M, Columns, Body, Body, Base, T>> {
   SKINCTL_INLINE void for_each(F&& f) const noexcept {
     dJ_.for_each(f);
   }
-  /// `dJ v`: part of the acceleration that goes with the joint velocities `v`. For `v = dq` alone
+  /// `dJ v`: part of the acceleration that belongs to the joint velocities `v`. For `v = dq` alone
   /// `bias_acceleration` is cheaper.
   [[nodiscard]] SKINCTL_INLINE Acceleration<Body, Base, Body, Base, T> operator*(
       const JointVelocity<joints, T>& v) const noexcept {
@@ -61,7 +65,7 @@ class JacobianRate<Jacobian<M, Columns, Body, Body, Base, T>> {
   template <class Q> void operator*(const Q&) const = delete;  // the rate of a Jacobian takes joint velocities: dJ * dq
   // clang-format on
 
-  /// All of it, 6 x N, linear rows first, zero columns included.
+  /// The full matrix, 6 x N, linear rows first, zero columns included.
   [[nodiscard]] friend EigenMatrix<T, 6, int(joints)> as_eigen(const JacobianRate& dJ) noexcept {
     return as_eigen(dJ.dJ_);
   }
@@ -77,8 +81,8 @@ template <Topology M, LinkMask C, Frame Body, Scalar T>
   return JacobianRate<Jacobian<M, C, Body, Body, Base, T>>(J, dq);
 }
 
-/// `J ddq + dJ dq`: the acceleration of the body, without forming dJ: joint k adds `(w_k + w_p) x linear_k
-/// dq_k` and `w_p x angular_k dq_k`, p the joint before it.
+/// `J ddq + dJ dq`: the acceleration of the body, without forming dJ: joint k adds
+/// `(w_k + w_p) x linear_k dq_k` and `w_p x angular_k dq_k`, where p is the joint before it.
 template <Topology M, LinkMask C, Frame Body, Scalar T>
 [[nodiscard]] SKINCTL_INLINE Acceleration<Body, Base, Body, Base, T> acceleration(
     const Jacobian<M, C, Body, Body, Base, T>& J, const JointVelocity<M::joints, T>& dq,

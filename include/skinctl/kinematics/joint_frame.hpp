@@ -1,5 +1,4 @@
-// How a joint places its link in the parent, at a given position: the step that every recursion over a tree
-// takes.
+// The placement of a link in its parent at a given joint position: one step of every recursion over a tree.
 #pragma once
 
 #include <bit>
@@ -29,7 +28,7 @@ constexpr bool any_of_kind(JointKind kind) noexcept {
   return false;
 }
 
-/// Whether the first `Count` joints turn by q itself, without offsets.
+/// Whether the first `Count` joints rotate by q itself, without offsets.
 template <RobotModel M, Scalar T, std::size_t Count>
 constexpr bool no_offsets() noexcept {
   return []<std::size_t... I>(std::index_sequence<I...>) {
@@ -40,9 +39,9 @@ constexpr bool no_offsets() noexcept {
 
 }  // namespace detail
 
-/// Sines and cosines of all joint angles, offsets included, computed at once on native lanes: the one
-/// transcendental step of a cycle. Joints behind the last link of `Mask` are left out, and so are those of
-/// `Unused` before and behind the others, whose angle the caller knows to drop out.
+/// Sines and cosines of all joint angles, offsets included, computed at once on native lanes: the only
+/// transcendental functions of a cycle. Joints behind the last link of `Mask` are left out, and so are joints
+/// of `Unused` before and behind the others, if the caller knows that their angles have no effect.
 template <RobotModel M, Scalar T, LinkMask Mask = all_links(M::joints), LinkMask Unused = 0>
 struct JointAngles {
   static constexpr LinkMask links = closure<M>(Mask);
@@ -51,7 +50,7 @@ struct JointAngles {
   T sin[storage];
   T cos[storage];
   T shift[detail::any_of_kind<M, links>(JointKind::prismatic) ? storage
-                                                              : 1];  ///< by which prismatic joints move
+                                                              : 1];  ///< displacements of prismatic joints
 
   SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q) noexcept {
     constexpr LinkMask turning = links & ~Unused;
@@ -76,7 +75,8 @@ struct JointAngles {
 };
 
 /// The placement of link `I` in its parent: rotation `Rz(gamma) Rx(alpha) Rz(theta)` and origin, factor by
-/// factor, so that a vector is turned by at most three plane rotations and typed zeros and ones cost nothing.
+/// factor, so that a vector is rotated by at most three plane rotations and typed zeros and ones cost
+/// nothing.
 template <class Gamma, class Alpha, class Theta, class P>
 struct JointFrame {
   Gamma gamma;

@@ -1,4 +1,4 @@
-// Poses of the links that a scene asks for.
+// Poses of the requested links.
 #pragma once
 
 #include "skinctl/frames/transform.hpp"
@@ -21,7 +21,7 @@ Place(X, Y, Z, P) -> Place<X, Y, Z, P>;
 using BasePlace = Place<Triple<TypedConstant<1>, TypedConstant<0>, TypedConstant<0>>,
                         Triple<TypedConstant<0>, TypedConstant<1>, TypedConstant<0>>, UnitZ, ZeroTriple>;
 
-/// The place of a link from that of its parent.
+/// The pose of a link from that of its parent.
 template <class Frame, class Parent>
 SKINCTL_INLINE constexpr auto placed(const Frame& frame, const Parent& in) noexcept {
   const auto x1 = frame.gamma.cos * in.x + frame.gamma.sin * in.y;
@@ -32,7 +32,7 @@ SKINCTL_INLINE constexpr auto placed(const Frame& frame, const Parent& in) noexc
                by_component(z2), in.p + frame.p.x * in.x + frame.p.y * in.y + frame.p.z * in.z};
 }
 
-/// Which numbers of a link's place the type of the model knows.
+/// The type of a link's pose: its typed constants follow from the type of the model.
 template <std::size_t I, RobotModel M, Scalar T>
 struct PlaceOf {
   static constexpr auto parent() noexcept {
@@ -47,7 +47,7 @@ struct PlaceOf {
                       std::declval<const typename decltype(parent())::type&>()));
 };
 
-/// `x`, unless its type in an algorithm is a constant.
+/// `x`, or the typed constant `K` if it is one.
 template <ScalarOrConstant K, Scalar T>
 SKINCTL_INLINE constexpr auto known_or(const T& x) noexcept {
   if constexpr (is_known<K>) {
@@ -63,8 +63,8 @@ SKINCTL_INLINE constexpr auto known_or(const Xyz<T>& v, std::type_identity<Tripl
 
 }  // namespace detail
 
-/// `X_BaseLink` of the links in `Mask`, eq. (2), computed when it is built; nothing else is stored, and no
-/// joint that carries none of them is touched. Trivially copyable.
+/// `X_BaseLink` of the links in `Mask`, eq. (2), computed at construction; nothing else is stored, and joints
+/// that carry none of these links are not read. Trivially copyable.
 ///
 /// The axes are orthonormal to within the rounding of the sines and cosines times the depth of the tree. A
 /// NaN in q gives NaN poses of the links that the joint carries.
@@ -82,15 +82,14 @@ class Poses {
   SKINCTL_INLINE Poses(const M& model, const JointPosition<M::joints, T>& q) noexcept
       : Poses(model, JointAngles<M, T, Mask>(model, q)) {}
 
-  /// Pose of link `I` in the base. A link that was not asked for does not compile.
+  /// Pose of link `I` in the base. A link outside `Mask` does not compile.
   template <std::size_t I>
   [[nodiscard]] SKINCTL_INLINE Transform<Base, Link<I>, T> get() const noexcept {
     const Stored& at = stored<I>();
     return Transform<Base, Link<I>, T>::trusted({at.x, at.y, at.z}, at.p);
   }
 
-  /// Axes and origin of link `I` along the axes of the base; zeros and ones that the model's type knows are
-  /// typed constants.
+  /// Axes and origin of link `I` along the axes of the base; typed constants of the model's type stay typed.
   template <std::size_t I>
   [[nodiscard]] SKINCTL_INLINE auto place() const noexcept {
     using Typed = typename detail::PlaceOf<I, M, T>::type;
@@ -114,7 +113,7 @@ class Poses {
     return places_[slot(I)];
   }
 
-  /// Places link `I`, given the place of its parent, then its children that are needed.
+  /// Computes link `I` from the pose of its parent, then its needed children.
   template <std::size_t I, class A, class Parent>
   SKINCTL_INLINE void compute(const M& model, const A& angles, const Parent& parent) noexcept {
     if constexpr ((closure<M>(Mask) >> I) & 1u) {

@@ -1,4 +1,4 @@
-// The two directions in which a frame moves least, and the joint motions that move it so little.
+// The two directions in which a frame is least mobile, and the corresponding joint motions.
 #pragma once
 
 #include <array>
@@ -13,13 +13,13 @@ struct SingularDirection;
 template <Topology M, LinkMask Columns, Frame Body, Scalar T, TaskSpace What>
 struct SingularDirection<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   Twist<Body, Base, Body, Base, T> u{};  ///< metres and radians alike; its angular part is 0 for a position
-  JointVelocity<M::joints, T> v{};       ///< where sigma is 0 of either sign
+  JointVelocity<M::joints, T> v{};       ///< if sigma is 0, its sign is arbitrary
   T sigma = T(0);
 };
 
 namespace detail {
-/// The K eigenvectors of the least eigenvalues, by a few steps of inverse iteration; false where A is no
-/// number.
+/// The K eigenvectors of the smallest eigenvalues, by a few steps of inverse iteration; false if A is not
+/// finite.
 template <std::size_t K, std::size_t N, Real T>
 [[nodiscard]] bool least_directions(const T (&a)[N][N], T (&x)[K][N]) noexcept {
   using std::sqrt;
@@ -35,7 +35,7 @@ template <std::size_t K, std::size_t N, Real T>
   for (int step = 0; step < 4; ++step)
     for (std::size_t k = 0; k < K; ++k) {
       factors.solve(x[k], x[k]);
-      for (int pass = 0; pass < 2; ++pass) {  // the second takes out what rounding left of the first
+      for (int pass = 0; pass < 2; ++pass) {  // the second pass removes the rounding error of the first
         T along(0), square(0);
         for (std::size_t i = 0; k > 0 && i < N; ++i) along = along + x[0][i] * x[k][i];
         for (std::size_t i = 0; k > 0 && i < N; ++i) x[k][i] = x[k][i] - along * x[0][i];
@@ -48,8 +48,8 @@ template <std::size_t K, std::size_t N, Real T>
   return true;
 }
 
-/// `s = U diag(sigma) V'` of 2 x 2 numbers, the lesser singular value first, the rows of `u` and `v` its
-/// vectors; by one rotation that makes the columns of s orthogonal.
+/// Singular value decomposition `s = U diag(sigma) V'` of a 2 x 2 matrix, the smaller singular value first;
+/// the rows of `u` and `v` are its vectors. By one rotation that makes the columns of s orthogonal.
 template <Real T>
 void singular_values(const T (&s)[2][2], T (&u)[2][2], T (&v)[2][2], T (&sigma)[2]) noexcept {
   using std::sqrt;
@@ -75,10 +75,10 @@ void singular_values(const T (&s)[2][2], T (&u)[2][2], T (&v)[2][2], T (&sigma)[
 }
 }  // namespace detail
 
-/// The two directions of a frame with the least singular values, the least first, next to a singularity:
-/// they err by (sigma / the third singular value)^8. Where two singularities meet, both are needed: the axes
-/// in their plane are then a matter of rounding. Does not divide by zero; all is 0 where `J` is no number,
-/// and the second where one joint alone moves the frame.
+/// The two directions of a frame with the smallest singular values, the smallest first, near a singularity:
+/// their relative error is (sigma / the third singular value)^8. Where two singularities meet, both are
+/// needed; their axes within the common plane then depend on rounding. Does not divide by zero; all is 0 if
+/// `J` is not finite, and the second is 0 if only one joint moves the frame.
 template <TaskSpace What = TaskSpace::pose, Topology M, LinkMask Columns, Frame Body, Real T>
 [[nodiscard]] SKINCTL_COLD auto singular_directions(
     const Jacobian<M, Columns, Body, Body, Base, T>& J) noexcept {
@@ -100,7 +100,7 @@ template <TaskSpace What = TaskSpace::pose, Topology M, LinkMask Columns, Frame 
       for (std::size_t j = 0; j < C; ++j) inner[i][j] = inner[i][j] + columns[i][r] * columns[j][r];
     }
   if (!detail::least_directions(outer, u) || !detail::least_directions(inner, v)) return d;
-  // In these two planes J is 2 x 2: it says which u belongs to which v, however small both sigma are.
+  // In these two planes J is 2 x 2: it pairs each u with its v, however small both sigma are.
   T small[K][K] = {}, U[K][K], V[K][K], sigma[K];
   for (std::size_t a = 0; a < K; ++a)
     for (std::size_t b = 0; b < K; ++b)

@@ -41,14 +41,14 @@ template <Real T>
   const T turn = T(2) * atan2(T(0), T(-1));
   return angle - turn * floor(angle / turn + T(0.5));
 }
-/// `a - b`, each angle the short way round.
+/// `a - b`, each difference wrapped to the shortest angle.
 template <Real T>
 [[nodiscard]] Zyz<T> difference(const Zyz<T>& a, const Zyz<T>& b) noexcept {
   return {wrapped(T(a.phi - b.phi)), wrapped(T(a.theta - b.theta)), wrapped(T(a.psi - b.psi))};
 }
 
 namespace detail {
-/// The angles with the given `phi` and `theta`, psi from R turned back by phi.
+/// The angles with the given `phi` and `theta`; psi from R rotated back by phi.
 template <Real T>
 Zyz<T> zyz_with(const Rotation<T>& R, const T& phi, const T& theta) noexcept {
   using std::atan2, std::cos, std::sin;
@@ -59,8 +59,8 @@ Zyz<T> zyz_with(const Rotation<T>& R, const T& phi, const T& theta) noexcept {
 
 /// ZYZ angles of a rotation: `phi` and `psi` in [-pi, pi], `theta` in [0, pi].
 ///
-/// At theta = 0 and pi only phi + psi (phi - psi) is determined: phi is 0 there, psi the rest. Next to them
-/// phi errs as rounding / sin(theta); psi is taken from R turned back by phi, so that
+/// At theta = 0 and pi only phi + psi (phi - psi) is determined: phi is 0 there, and psi is that angle. Near
+/// them the error of phi is rounding / sin(theta); psi is computed from R rotated back by phi, so that
 /// `rotation_zyz(zyz_angles(R))` is R to a few units in the last place everywhere. A NaN gives NaNs.
 template <Real T>
 [[nodiscard]] Zyz<T> zyz_angles(const Rotation<T>& R) noexcept {
@@ -69,7 +69,7 @@ template <Real T>
   return detail::zyz_with(R, s == T(0) ? T(0) : T(atan2(R.z.y, R.z.x)), T(atan2(s, R.z.z)));
 }
 /// The same for a controller that must not jump: of the two triples that give R (theta positive or negative)
-/// the one whose phi is nearer to `near.phi`, and that very phi where R does not determine it. A path
+/// the one whose phi is nearer to `near.phi`, and `near.phi` itself where R does not determine phi. A path
 /// straight through theta = 0 or pi stays continuous.
 template <Real T>
 [[nodiscard]] Zyz<T> zyz_angles(const Rotation<T>& R, const Zyz<T>& near) noexcept {
@@ -84,14 +84,18 @@ template <Real T>
   return detail::zyz_with(R, wrapped(T(phi + half_turn)), T(-atan2(s, R.z.z)));
 }
 
-/// The map B between rates of ZYZ angles and angular velocity along the axes of the outer frame: `omega = B
-/// [dphi dtheta dpsi]'`, eq. (17), columns `z`, `Rz(phi) y`, `Rz(phi) Ry(theta) z`; `|det B| = |sin theta|`.
+/// The map B from rates of ZYZ angles to angular velocity along the axes of the outer frame, eq. (17):
 ///
-/// With the tool straight up or down B has no inverse: no rates turn it about the axis square to z and to
-/// `Rz(phi) y`. Within `|sin theta| < zone` the inverse is therefore damped: `1 / s` becomes `s / (s^2 +
-/// l^2)`, `l^2 = (zone / 2)^2 (1 - (s / zone)^2)^2`. That component of omega then counts for less, at theta =
-/// 0 and pi for nothing; the others stay exact. Nothing is larger than `2 / zone` times omega, and nothing
-/// jumps.
+///     omega = B [dphi dtheta dpsi]',   columns z, Rz(phi) y, Rz(phi) Ry(theta) z,   |det B| = |sin theta|
+///
+/// With the tool straight up or down B has no inverse: no rates give an angular velocity about the axis
+/// perpendicular to z and to `Rz(phi) y`. Within `|sin theta| < zone` the inverse is therefore damped:
+/// `1 / s` becomes
+///
+///     s / (s^2 + l^2),   l^2 = (zone / 2)^2 (1 - (s / zone)^2)^2.
+///
+/// That component of omega is then reduced, to zero at theta = 0 and pi; the others stay exact. The rates are
+/// at most `2 / zone` times omega, and continuous.
 template <Scalar T = double>
 class ZyzMap {
  public:
@@ -115,21 +119,21 @@ class ZyzMap {
     return {cos_phi_ * across - sin_phi_ * rates.theta, sin_phi_ * across + cos_phi_ * rates.theta,
             rates.phi + cos_theta_ * rates.psi};
   }
-  /// `dB rates`, with the angles changing at `rates`: the angular acceleration at constant rates [rad/s^2].
+  /// `dB rates`, while the angles change at `rates`: the angular acceleration at constant rates [rad/s^2].
   [[nodiscard]] SKINCTL_INLINE Xyz<T> rate_times(const Zyz<T>& rates) const noexcept {
     const T across = sin_theta_ * rates.psi;
     const T x = cos_theta_ * rates.theta * rates.psi - rates.phi * rates.theta;
     const T y = rates.phi * across;
     return {cos_phi_ * x - sin_phi_ * y, sin_phi_ * x + cos_phi_ * y, -(rates.theta * across)};
   }
-  /// `dB c` for other numbers `c` than the rates at which the angles change.
+  /// `dB c` for numbers `c` other than the rates at which the angles change.
   [[nodiscard]] SKINCTL_INLINE Xyz<T> rate_times(const Zyz<T>& rates, const Zyz<T>& c) const noexcept {
     const T along = c.psi * rates.theta * cos_theta_ - c.theta * rates.phi;
     const T across = c.psi * rates.phi * sin_theta_;
     return {cos_phi_ * along - sin_phi_ * across, sin_phi_ * along + cos_phi_ * across,
             -(c.psi * rates.theta * sin_theta_)};
   }
-  /// `B^-1 omega`, damped next to the singularity.
+  /// `B^-1 omega`, damped near the singularity.
   [[nodiscard]] SKINCTL_INLINE Zyz<T> solve(const Xyz<T>& omega) const noexcept {
     const T psi = inverse_ * (cos_phi_ * omega.x + sin_phi_ * omega.y);
     return {omega.z - cos_theta_ * psi, cos_phi_ * omega.y - sin_phi_ * omega.x, psi};
@@ -155,17 +159,17 @@ class ZyzMap {
   T slope_;    // its derivative by sin theta
 };
 
-/// What a frame does in ZYZ coordinates: its origin's velocity and the rates of its angles (or, as `second`
-/// derivatives, its acceleration and theirs).
+/// Motion of a frame in ZYZ coordinates: the velocity of its origin and the rates of its angles (or, as
+/// second derivatives, their accelerations).
 template <Scalar T = double>
 struct ZyzVelocity {
   Xyz<T> linear{T(0), T(0), T(0)};  ///< [m/s] or [m/s^2]
   Zyz<T> angles;                    ///< [rad/s] or [rad/s^2]
 };
 
-/// The analytic Jacobian `[1 0; 0 B^-1] J` of eqs. (16)-(17): joint velocities to the velocity of the origin
-/// and the rates of the ZYZ angles. Applied, not stored: `times(dq)` costs two products with sparse factors.
-/// Next to theta = 0 and pi see `ZyzMap`.
+/// The analytic Jacobian `[1 0; 0 B^-1] J` of eqs. (16)-(17): from joint velocities to the velocity of the
+/// origin and the rates of the ZYZ angles. Applied, not stored: `times(dq)` costs two products with sparse
+/// factors. Near theta = 0 and pi see `ZyzMap`.
 template <class J>
 class AnalyticJacobian {
  public:

@@ -1,4 +1,4 @@
-// The policy Exact of Sum: no rounding but that of the result.
+// Exact sums: the policy Exact of Sum. Only the result is rounded.
 #pragma once
 
 #include <bit>
@@ -13,13 +13,13 @@ SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
 /// The exact sum of any floats or doubles in any order, for up to 2^63 terms: `value()` is the true sum
-/// rounded once, to nearest, ties to even; infinite if that overflows. Partial sums may pass the range of
+/// rounded once, to nearest, ties to even; infinite if that overflows. Partial sums may exceed the range of
 /// `T`.
 ///
-/// A number in fixed point, in steps of the smallest subnormal, 32 bits to a digit, carries put off; a term
-/// touches three digits (Neal 2015, Fast exact summation using small and large superaccumulators). One NaN,
-/// or infinities of both signs, give NaN; infinities of one sign give that. An empty sum and a sum of -0 are
-/// +0. Not for lanes.
+/// The accumulator is a fixed-point number in steps of the smallest subnormal, with digits of 32 bits and
+/// delayed carries; a term changes three digits (Neal 2015, Fast exact summation using small and large
+/// superaccumulators). A NaN, or infinities of both signs, give NaN; infinities of one sign give that
+/// infinity. An empty sum and a sum of -0 are +0. Not for lanes.
 template <class T>
 class Sum<T, Exact> {
   static_assert(std::is_same_v<T, float> || std::is_same_v<T, double>, "Sum<T, Exact>: float or double");
@@ -56,7 +56,7 @@ class Sum<T, Exact> {
     return *this;
   }
   constexpr Sum& operator-=(T x) noexcept { return *this += -x; }
-  /// The sum of both: parts of a sum may be added up anywhere and put together in any order.
+  /// Adds another sum: partial sums may be computed anywhere and combined in any order.
   constexpr Sum& operator+=(const Sum& other) noexcept {
     Sum carried = other;
     carried.carry();
@@ -83,7 +83,7 @@ class Sum<T, Exact> {
  private:
   static constexpr std::uint64_t low_bits = 0xffffffffu;
 
-  /// All words but the last into [0, 2^32).
+  /// Brings all words but the last into [0, 2^32).
   constexpr void carry() noexcept {
     for (std::size_t i = 0; i + 1 < words; ++i) {
       const std::int64_t over = words_[i] >> 32;
@@ -92,7 +92,7 @@ class Sum<T, Exact> {
     }
     pending_ = 1;
   }
-  /// Of a carried sum that is not negative.
+  /// The rounded value of a carried, non-negative sum.
   [[nodiscard]] constexpr T rounded() const noexcept {
     const auto word = [&](std::size_t i) { return static_cast<std::uint64_t>(words_[i]); };
     if (word(words - 1) > low_bits) return std::numeric_limits<T>::infinity();

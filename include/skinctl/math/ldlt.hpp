@@ -1,4 +1,4 @@
-// The factors of a small symmetric positive definite matrix, and solutions with them.
+// LDL' factors of a small symmetric positive definite matrix, and solutions with them.
 #pragma once
 
 #include <cstddef>
@@ -14,12 +14,12 @@ namespace math {
 /// one division a row, no allocation; straight-line code up to 16 rows. With lanes, as many matrices as
 /// lanes at once.
 ///
-/// Without pivoting the factors of a positive definite matrix are backward stable: the solution is the exact
-/// one of a matrix within about `4 N` units in the last place of the largest element, so it errs by that
-/// times the condition. A pivot that is not above `8 epsilon` of its diagonal element is taken out: that
-/// unknown is 0, the others solve their equations without it, and `positive_definite()` is false. So it is
-/// for semi-definite and indefinite matrices, and wherever a NaN or an infinity is met; only then may the
-/// solution be not finite (or if it overflows). Nothing is divided by zero.
+/// Without pivoting the factors of a positive definite matrix are backward stable: the solution is exact for
+/// a matrix within about `4 N` units in the last place of the largest element, so its error is that times the
+/// condition number. A pivot of at most `8 epsilon` of its diagonal element is removed: that unknown is 0,
+/// the others solve their equations without it, and `positive_definite()` is false. This happens for
+/// semi-definite and indefinite matrices, and after any NaN or infinity; only then, or on overflow, may the
+/// solution be not finite. Nothing is divided by zero.
 template <std::size_t N, Scalar T = double>
 class Ldlt {
   static_assert(N > 0, "Ldlt<N, T>: at least one row");
@@ -44,26 +44,26 @@ class Ldlt {
     });
   }
 
-  /// False if an unknown was taken out, in any lane.
+  /// False if an unknown was removed, in any lane.
   [[nodiscard]] SKINCTL_INLINE constexpr bool positive_definite() const noexcept {
     return positive_definite_;
   }
-  /// Smallest element of D, as it came out, before any was taken out; NaN if one was.
+  /// Smallest element of D before any was removed; NaN if one was NaN.
   [[nodiscard]] SKINCTL_INLINE constexpr T least_pivot() const noexcept {
     T least = pivot_[0];
     for (std::size_t i = 1; i < N; ++i) least = select(!(pivot_[i] >= least), pivot_[i], least);
     return least;
   }
 
-  /// Product of D: the determinant, unless an unknown was taken out. Next to a singular matrix it errs by the
-  /// condition.
+  /// Product of D: the determinant, unless an unknown was removed. Near a singular matrix its error grows
+  /// with the condition number.
   [[nodiscard]] SKINCTL_INLINE constexpr T determinant() const noexcept {
     T product = pivot_[0];
     for (std::size_t i = 1; i < N; ++i) product = product * pivot_[i];
     return product;
   }
 
-  /// `x` with `a x = b`; `x` may be `b`.
+  /// Solves `a x = b`; `x` may be `b`.
   SKINCTL_INLINE constexpr void solve(const T* b, T* x) const noexcept {
     T y[N];
     skinctl::detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {

@@ -1,4 +1,4 @@
-// The factors of a small square matrix, symmetric or not, and solutions with them.
+// LU factors of a small square matrix, symmetric or not, and solutions with them.
 #pragma once
 
 #include <cstddef>
@@ -9,15 +9,15 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
-/// `P a = L U` of a square matrix, with the largest element of each column as its pivot: what `M + h B + h C`
-/// needs, which is not symmetric. A symmetric positive definite matrix costs half of it: `Ldlt`. No
-/// allocation, one division a row.
+/// `P a = L U` of a square matrix, with the largest element of each column as its pivot: for matrices such as
+/// `M + h B + h C`, which is not symmetric. A symmetric positive definite matrix takes half the time: `Ldlt`.
+/// No allocation, one division a row.
 ///
-/// The solution is the exact one of a matrix within `N` units in the last place of the largest element (for
-/// all but constructed matrices), so it errs by that times the condition. A pivot that is not above
-/// `8 epsilon` of the terms it was computed from, whatever the units of rows and columns, is taken out: that
-/// unknown is 0, one equation is dropped, and `regular()` is false, as it is for every matrix with a NaN or
-/// an infinity in it. Nothing is divided by zero.
+/// The solution is exact for a matrix within `N` units in the last place of the largest element (for all but
+/// constructed matrices), so its error is that times the condition number. A pivot of at most `8 epsilon` of
+/// the terms from which it was computed, whatever the units of rows and columns, is removed: that unknown is
+/// 0, one equation is dropped, and `regular()` is false, as it is for every matrix with a NaN or an infinity.
+/// Nothing is divided by zero.
 template <std::size_t N, Real T = double>
 class Lu {
   static_assert(N > 0, "Lu<N, T>: at least one row");
@@ -34,7 +34,7 @@ class Lu {
       for (std::size_t i = j + 1; i < N; ++i)
         if (skinctl::detail::magnitude(lu_[i][j]) > skinctl::detail::magnitude(lu_[best][j])) best = i;
       if (best != j) exchange(best, j);
-      T terms = skinctl::detail::magnitude(a[from_[j] * N + j]);  // that the pivot was computed from
+      T terms = skinctl::detail::magnitude(a[from_[j] * N + j]);  // the pivot's terms, in magnitude
       for (std::size_t k = 0; k < j; ++k)
         terms = terms + skinctl::detail::magnitude(T(lu_[j][k] * lu_[k][j]));
       const bool good =
@@ -49,10 +49,10 @@ class Lu {
     }
   }
 
-  /// False if an unknown was taken out.
+  /// False if an unknown was removed.
   [[nodiscard]] constexpr bool regular() const noexcept { return regular_; }
 
-  /// `x` with `a x = b`; `x` may be `b`.
+  /// Solves `a x = b`; `x` may be `b`.
   constexpr void solve(const T* b, T* x) const noexcept {
     T y[N];
     for (std::size_t i = 0; i < N; ++i) {

@@ -1,4 +1,4 @@
-// The choice between speed and the last bit, as a template argument: Fast or Libm.
+// Policies of speed and accuracy, as template arguments: Fast or Libm.
 #pragma once
 
 #include "skinctl/core/config.hpp"
@@ -6,9 +6,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
-/// The default: polynomials on lanes. Errors and ranges stand beside each function.
+/// The default: polynomials on lanes. Each function documents its error and range.
 struct Fast {};
-/// The standard library's function, number by number: its accuracy, at several times the cost.
+/// The standard library's function, number by number: more accurate, at several times the cost.
 struct Libm {};
 
 }  // namespace math

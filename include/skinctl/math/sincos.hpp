@@ -18,7 +18,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace math {
 namespace detail {
 
-/// Sines and cosines of the lanes `load(start)` that cover a row.
+/// Sines and cosines of a row; `load(start)` returns its lanes from `start` on.
 template <std::size_t N, class T, class Load>
 SKINCTL_INLINE void sincos_row(Load load, T* sin, T* cos) noexcept {
   using L = Lane<T, row_lanes<T, N>>;
@@ -46,11 +46,11 @@ struct SinCos {
 
 /// Sine and cosine of `x` [rad], any x.
 ///
-/// `Fast` takes up to |x| = 1e6 (800 in float) a polynomial that errs by at most 2.5 units in the last place
-/// of the result, 2e-16 (1.1e-7 in float); where the result nearly vanishes at large x, 2e-31 (4e-14 in
-/// float) comes on top. Beyond, it calls the standard library, which is exact there too but slower: unwrapped
-/// angles cost time, not accuracy. NaN and infinity give NaN; sin(-0) is -0. Lanes do not depend on each
-/// other. Other reals than float and double call their own sin and cos.
+/// `Fast` evaluates a polynomial up to |x| = 1e6 (800 in float). Its error is at most 2.5 units in the last
+/// place of the result, 2e-16 (1.1e-7 in float), plus 2e-31 (4e-14 in float), which matters where the result
+/// nearly vanishes at large x. Beyond, it calls the standard library, which is as accurate but slower:
+/// unwrapped angles cost time, not accuracy. NaN and infinity give NaN; sin(-0) is -0. Lanes do not depend on
+/// each other. Scalars other than float and double call their own sin and cos.
 template <class Policy = Fast, Scalar T>
 [[nodiscard]] SKINCTL_INLINE SinCos<T> sincos(const T& x) noexcept {
   if constexpr (is_lane<T>) {
@@ -102,9 +102,9 @@ SKINCTL_INLINE void sincos(const T* x, T* sin, T* cos) noexcept {
   }
 }
 
-/// Sines and cosines of the angles `angle(0)` to `angle(N - 1)`, the index an integral constant. They go
-/// straight into the registers: where a row has just been written number by number, its loads would wait for
-/// the stores.
+/// Sines and cosines of the angles `angle(0)` to `angle(N - 1)`, the index an integral constant. The angles
+/// go straight into registers: loads from a row that was just written number by number would wait for the
+/// stores.
 template <std::size_t N, Scalar T, class F>
   requires std::is_invocable_r_v<T, F, std::integral_constant<std::size_t, 0>>
 SKINCTL_INLINE void sincos(F angle, T* sin, T* cos) noexcept {

@@ -1,4 +1,4 @@
-// Sums that keep what rounding takes: running totals and integrated states.
+// Compensated sums for running totals and integrated states.
 #pragma once
 
 #include <type_traits>
@@ -8,7 +8,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
-/// A number and what was rounded away when it was computed.
+/// A number and the rounding error of its computation.
 template <Scalar T>
 struct Rounded {
   T value;
@@ -16,8 +16,8 @@ struct Rounded {
 };
 
 /// `a + b` without error: `value` is the rounded sum, `value + error` the exact one, unless `value`
-/// overflows. Knuth, The Art of Computer Programming 2, section 4.2.2, theorem B. Six additions; no order of
-/// magnitude is asked for.
+/// overflows. Knuth, The Art of Computer Programming 2, section 4.2.2, theorem B. Six additions; `a` and `b`
+/// may have any magnitude.
 template <Scalar T>
 [[nodiscard]] SKINCTL_INLINE constexpr Rounded<T> two_sum(const T& a, const T& b) noexcept {
   const T value = a + b;
@@ -32,9 +32,10 @@ template <Scalar T>
   return {value, T(b - (value - a))};
 }
 
-/// `value + rest` grows by `step`: seven additions. After n steps x_i with partial sums s_k, and u half a
-/// unit in the last place of 1, `value + rest` errs by at most `u sum|x_i| + n u^2 max|s_k|`, and `|rest|`
-/// is at most `u |value|`. So steps of 1e-9 add up for days in float, where a plain sum stands still.
+/// Adds `step` to `value + rest`, in seven additions. After n steps x_i with partial sums s_k, and u half a
+/// unit in the last place of 1, the error of `value + rest` is at most `u sum|x_i| + n u^2 max|s_k|`, and
+/// `|rest|` is at most `u |value|`. Steps of 1e-9 thus add up for days in float, where a plain sum stops
+/// growing.
 template <Scalar T>
 SKINCTL_INLINE constexpr void add_compensated(T& value, T& rest, const T& step) noexcept {
   const Rounded<T> sum = two_sum(value, T(step + rest));
@@ -42,11 +43,11 @@ SKINCTL_INLINE constexpr void add_compensated(T& value, T& rest, const T& step) 
   rest = sum.error;
 }
 
-/// The default: `add_compensated`. The error of the steps themselves remains, as if each had been rounded
-/// once more.
+/// The default: `add_compensated`. Its error is that of rounding each step once more.
 struct Compensated {};
-/// Twice the digits: ten additions. `value + rest` errs by at most `2 n u^2 max|s_k|`, whatever the steps: a
-/// state that swings for days, or terms that cancel. Joldes, Muller, Popescu 2017, algorithm 4.
+/// Twice the digits: ten additions. The error of `value + rest` is at most `2 n u^2 max|s_k|`, whatever the
+/// steps: for states that oscillate for days, or terms that cancel. Joldes, Muller, Popescu 2017, algorithm
+/// 4.
 struct DoubleWord {};
 /// No error at all, and the same sum in any order: a fixed-point number as wide as the type's whole range
 /// (96 bytes for float, 552 for double). `skinctl/math/exact_sum.hpp`.
@@ -54,8 +55,8 @@ struct Exact {};
 
 /// A running total of `T`, or of lanes: `Sum<float> q(start); q += h * dq; use(q.value());`
 ///
-/// A value to be kept in a memory: trivially copyable, zero by default. `value()` is the total rounded to
-/// `T`. A term that is NaN or infinite makes it not finite for good, as does an overflow.
+/// A member of memories: trivially copyable, zero by default. `value()` is the total rounded to `T`. A NaN,
+/// an infinite term or an overflow makes it not finite for good.
 template <Scalar T = double, class Policy = Compensated>
 class Sum {
   static_assert(std::is_same_v<Policy, Compensated> || std::is_same_v<Policy, DoubleWord>,
@@ -79,7 +80,7 @@ class Sum {
   SKINCTL_INLINE constexpr Sum& operator-=(const T& x) noexcept { return *this += T(-x); }
 
   [[nodiscard]] SKINCTL_INLINE constexpr const T& value() const noexcept { return value_; }
-  /// What `value()` lacks, at most half a unit in its last place.
+  /// The part of the total that `value()` lacks, at most half a unit in its last place.
   [[nodiscard]] SKINCTL_INLINE constexpr const T& rest() const noexcept { return rest_; }
 
  private:

@@ -16,12 +16,12 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
-/// tanh x, any x. `Fast` errs by at most 2.5 units in the last place, tiny x included, and 2e-16 (1e-7 in
-/// float).
+/// tanh x, any x. The error of `Fast` is at most 2.5 units in the last place, also for tiny x, and 2e-16
+/// (1e-7 in float).
 ///
 /// Odd to the last bit, -0 included. Exactly 1 from 20 on (10 in float) and never beyond; infinity gives 1,
-/// NaN gives NaN. Monotonic but for direct neighbours between 0.17 and 0.9, of which the smaller may give up
-/// to two units more. Other reals than float and double call their own tanh.
+/// NaN gives NaN. Monotonic except for adjacent numbers between 0.17 and 0.9, where the smaller argument may
+/// give a result up to two units greater. Scalars other than float and double call their own tanh.
 template <class Policy = Fast, Scalar T>
 [[nodiscard]] SKINCTL_INLINE T tanh(const T& x) noexcept {
   if constexpr (is_lane<T>) {
@@ -60,7 +60,7 @@ SKINCTL_INLINE void tanh(const T* x, T* y) noexcept {
   }
 }
 
-/// Of a row of joints: the same numbers as of an array.
+/// The same for a row of joints; the results are those of the array.
 template <std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE skinctl::detail::Row<N, T> tanh(const skinctl::detail::Row<N, T>& x) noexcept {
   return skinctl::detail::Row<N, T>::made([&](std::size_t k) SKINCTL_INLINE_LAMBDA {

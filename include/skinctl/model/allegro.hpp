@@ -9,20 +9,20 @@ SKINCTL_BEGIN_NAMESPACE
 
 namespace allegro {
 
-/// Which hand. The left is the right mirrored at y = 0, with two peculiarities of the maker's description:
-/// the first joints of its three fingers turn about +z as on the right hand (a mirrored motion has them
-/// negated), and the products of inertia of the links are not mirrored.
+/// Right or left hand. The left is the right mirrored at y = 0, with two peculiarities of the maker's
+/// description: the first joints of its three fingers rotate about +z as on the right hand (a mirrored motion
+/// has them negated), and the products of inertia of the links are not mirrored.
 enum class Side { right, left };
 
-/// The hand as one tree of 16 joints: finger f (0 index, 1 middle, 2 ring, 3 thumb) has the joints 4f to 4f
-/// + 3.
+/// The hand as one tree of 16 joints: finger f (0 index, 1 middle, 2 ring, 3 thumb) has the joints 4f to 4f +
+/// 3.
 struct Tree {
   static constexpr std::size_t joints = 16;
   static constexpr std::array<int, 16> parents = {-1, 0, 1, 2, -1, 4, 5, 6, -1, 8, 9, 10, -1, 12, 13, 14};
   static constexpr auto kinds = all_of_kind<16>(JointKind::revolute);
 };
 
-/// One finger, with what all four have in common as typed constants: that is what lets them run side by side
+/// One finger. The constants that all four fingers share are typed, so that four fingers compute side by side
 /// in lanes.
 struct Finger : Chain<4> {
   template <std::size_t I, LinkParameter P>
@@ -49,13 +49,13 @@ struct Finger : Chain<4> {
 namespace detail {
 
 inline constexpr Rotation<double> one{};
-/// A frame turned so that its z axis is the old y axis, or the old -x axis.
+/// Axes rotated such that z is the old y axis, or the old -x axis.
 inline constexpr Rotation<double> y_to_z{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
 inline constexpr Rotation<double> minus_x_to_z{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
 inline constexpr Rotation<double> x_to_z{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
 inline constexpr Rotation<double> minus_z_to_z{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
 
-/// A joint as the URDF prints it, and the turn that makes its axis z.
+/// A joint as printed in the URDF, and the rotation that makes its axis z.
 struct Row {
   Rotation<double> turn, R;
   double p[3];
@@ -64,15 +64,14 @@ struct Row {
 
 }  // namespace detail
 
-/// The palm, in the frame of the hand, as the same description has it. It moves with whatever carries the
+/// The palm, in the frame of the hand, from the same description. It moves with the link that carries the
 /// hand (`Loaded`).
 inline constexpr LinkInertia palm{0.4154, {0, 0, 0.0475}, 1e-4, 1e-4, 1e-4};
 
-/// The joints of finger `f` as the maker's description gives them: allegro_right_hand.urdf and
-/// allegro_left_hand.urdf of Gepetto/example-robot-data (as of its first commit: a later one replaced
-/// inertias by estimates), after the hand's own ROS package (BSD). The centre of mass of every link lies at
-/// its origin there; the tip belongs to the last link. No density makes some of its products of inertia: see
-/// `makers_density`.
+/// The joints of finger `f` from the maker's description: allegro_right_hand.urdf and allegro_left_hand.urdf
+/// of Gepetto/example-robot-data (as of its first commit: a later one replaced inertias by estimates), after
+/// the hand's own ROS package (BSD). There the centre of mass of every link lies at its origin, and the tip
+/// belongs to the last link. Some products of inertia are physically inconsistent: see `makers_density`.
 inline std::array<PlacedLink, 4> finger_links(std::size_t f, Side side = Side::right) {
   using namespace detail;
   const double mirror = side == Side::right ? 1 : -1;
@@ -202,8 +201,8 @@ template <Scalar T = double>
   return hand<T>(Side::left);
 }
 
-/// `W` fingers from finger `first` on as lanes of one chain of four joints: `Lane<double, 4>` moves the whole
-/// hand at once. `W` = 1 is a single finger on plain scalars.
+/// `W` fingers from finger `first` on as lanes of one chain of four joints: `Lane<double, 4>` computes the
+/// whole hand at once. `W` = 1 is a single finger on plain scalars.
 template <std::size_t W, Real T = double>
 [[nodiscard]] auto fingers_of(Side side, std::size_t first = 0) {
   using L = std::conditional_t<W == 1, T, Lane<T, W>>;
@@ -240,8 +239,8 @@ SKINCTL_INLINE L lane_of(const T* x, std::index_sequence<K...>) noexcept {
 }
 }  // namespace detail
 
-/// Numbers of the hand's 16 joints as lanes of the fingers `first` to `first + W - 1`, without a way through
-/// memory.
+/// Numbers of the hand's 16 joints as lanes of the fingers `first` to `first + W - 1`, without a detour
+/// through memory.
 template <std::size_t W, class Kind, Real T>
 [[nodiscard]] SKINCTL_INLINE JointVector<Kind, 4, Lane<T, W>> to_lanes(const JointVector<Kind, 16, T>& v,
                                                                        std::size_t first = 0) noexcept {

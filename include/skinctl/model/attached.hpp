@@ -5,10 +5,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A base without a robot, onto which others are attached. Gravity along -z.
+/// A base without a robot, for others to be attached to. Gravity along -z.
 struct BareBase {
   static constexpr std::size_t joints = 0;
-  static constexpr std::array<int, 1> parents = {-1};  // none of them is read
+  static constexpr std::array<int, 1> parents = {-1};  // not read: there are no joints
   static constexpr std::array<JointKind, 1> kinds = {JointKind::revolute};
   template <Scalar T>
   static SKINCTL_INLINE constexpr auto gravity() noexcept {
@@ -16,7 +16,7 @@ struct BareBase {
   }
 };
 
-/// Where a body stands in another.
+/// Pose of a body in another.
 struct Stand {
   Rotation<double> R{};     ///< its axes
   double p[3] = {0, 0, 0};  ///< its origin [m]
@@ -46,8 +46,8 @@ struct AttachedTree {
 };
 
 /// The model `B` attached to link `At` of the model `A`, itself a model: a static arm stays static, a
-/// calibrated hand calibrated, and both keep their frames, so that what is fixed to a link (a patch, a tool)
-/// stays valid. Only the placement of the first links of `B` is computed, once. Gravity is that of `A`.
+/// calibrated hand calibrated. Both keep their frames, so a patch or tool fixed to a link stays valid. Only
+/// the placement of the first links of `B` is computed, once. Gravity is that of `A`.
 template <class A, int At, RobotModel B, Scalar T = double>
 class Attached : public AttachedTree<A, At, B> {
   using Tree = AttachedTree<A, At, B>;
@@ -55,8 +55,8 @@ class Attached : public AttachedTree<A, At, B> {
  public:
   using scalar = T;
 
-  /// @param stand  the base of `B` in the frame of link `At`. Throws `ConfigurationError` for axes that are
-  ///               no rotation (off by more than 1e-6).
+  /// @param stand  pose of the base of `B` in link `At`. Throws `ConfigurationError` for axes that are no
+  ///               rotation (error above 1e-6).
   Attached(const A& a, const B& b, const Stand& stand = {}) : a_(a), b_(b) {
     require(rotation_error(stand.R) <= 1e-6, "|R'R - 1| of a stand", rotation_error(stand.R), "<= 1e-6");
     [&]<std::size_t... K>(std::index_sequence<K...>) {
@@ -101,7 +101,7 @@ class Attached : public AttachedTree<A, At, B> {
   std::array<Placement, roots> roots_;
 };
 
-/// `B` on link `At` of `A`.
+/// Attaches `B` to link `At` of `A`.
 template <int At, Scalar T = double, class A, RobotModel B>
 [[nodiscard]] Attached<A, At, B, T> attach(const A& a, const B& b, const Stand& stand = {}) {
   return Attached<A, At, B, T>(a, b, stand);

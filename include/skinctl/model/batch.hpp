@@ -1,4 +1,4 @@
-// Many robots of one model, run side by side in lanes: rollouts, a swarm of guesses, the fingers of hands.
+// Many robots of one model, computed side by side in lanes: rollouts, candidates of an optimisation, fingers.
 #pragma once
 
 #include <span>
@@ -11,8 +11,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `W` robots of the model `M` as one model that computes in lanes: lane k has the numbers of robot k. What
-/// the type of `M` knows stays a typed constant, so zeros cost nothing here either.
+/// `W` robots of the model `M` as one model that computes in lanes: lane k has the numbers of robot k. Typed
+/// constants of `M` stay typed, so zeros cost nothing here either.
 template <RobotModel M, Real T, std::size_t W>
 class SideBySide {
  public:
@@ -21,7 +21,7 @@ class SideBySide {
   static constexpr auto parents = M::parents;
   static constexpr auto kinds = M::kinds;
 
-  /// `robots` are the lanes' robots from the first on; the last one fills up the lanes that are left.
+  /// Lane k holds `robots[k]`; the last robot also fills the remaining lanes.
   explicit SideBySide(std::span<const M> robots) {
     require(!robots.empty(), "robots side by side", 0.0, ">= 1");
     const auto of = [&](std::size_t lane) -> const M& {
@@ -76,7 +76,8 @@ class SideBySide {
   Xyz<scalar> gravity_;
 };
 
-/// Which robots of a batch share the lanes of one group, and how their numbers come into lanes and out again.
+/// The robots of a batch that share the lanes of one group, with the transfer of their numbers to and from
+/// lanes.
 template <Real T, std::size_t W>
 class LaneGroup {
  public:
@@ -84,9 +85,9 @@ class LaneGroup {
 
   SKINCTL_INLINE LaneGroup(std::size_t first, std::size_t count) noexcept : first_(first), count_(count) {}
   [[nodiscard]] std::size_t first() const noexcept { return first_; }  ///< the robot in lane 0
-  [[nodiscard]] std::size_t count() const noexcept { return count_; }  ///< robots; the last fills the rest
+  [[nodiscard]] std::size_t count() const noexcept { return count_; }  ///< robots; the last fills up
 
-  /// Joint numbers of this group's robots, out of those of all robots.
+  /// Joint numbers of this group's robots, from those of all robots.
   template <class V>
   [[nodiscard]] SKINCTL_INLINE auto read(const V& all) const noexcept {
     using Row = std::remove_cvref_t<decltype(all[0])>;
@@ -97,7 +98,7 @@ class LaneGroup {
         [&](std::size_t i)
             SKINCTL_INLINE_LAMBDA { return gather([&](std::size_t k) { return all[k][i]; }); });
   }
-  /// Writes what came out of the lanes to this group's robots: joint numbers, matrices, poses.
+  /// Writes results from the lanes to this group's robots: joint numbers, matrices, poses.
   template <class Result, class Out>
   SKINCTL_INLINE void write(const Result& lanes, Out&& all) const noexcept {
     SKINCTL_EXPECTS(std::size(all) >= first_ + count_, "one result per robot");
@@ -153,20 +154,20 @@ class LaneGroup {
 ///       group.write(inverse_dynamics(model, group.read(q), group.read(dq), group.read(ddq)), tau);
 ///     });
 ///
-/// Results agree with one robot at a time to a few units in the last place (fused multiply-adds may differ);
-/// a NaN stays in its own lane. What an algorithm tells of all lanes at once, as `positive_definite`, holds
-/// for the group. Where the target has no vectors a group is one robot.
+/// Results agree with those of single robots to a few units in the last place (fused multiply-adds may
+/// differ); a NaN stays in its own lane. A result for all lanes together, such as `positive_definite`, holds
+/// for the group. On targets without vectors a group is one robot.
 template <RobotModel M, Real T = double>
 class ModelBatch {
  public:
   static constexpr std::size_t lanes = native_lanes<T>;
   using Group = LaneGroup<T, lanes>;
-  /// What `for_each_group` hands over: `M` itself where all its numbers are in its type.
+  /// The model that `for_each_group` passes: `M` itself where all its numbers are in its type.
   using GroupModel = std::conditional_t<std::is_empty_v<M> || lanes == 1, M, SideBySide<M, T, lanes>>;
 
-  /// `count` robots that are all alike.
+  /// `count` equal robots.
   ModelBatch(const M& model, std::size_t count) : size_(count) { models_.push_back(make({&model, 1})); }
-  /// Robots with numbers of their own: calibrations, payloads, guesses. Allocates; copies the numbers.
+  /// Robots with individual numbers: calibrations, payloads, candidates. Allocates; copies the numbers.
   explicit ModelBatch(std::span<const M> robots) : size_(robots.size()), stride_(1) {
     models_.reserve((size_ + lanes - 1) / lanes);
     for (std::size_t k = 0; k < size_; k += lanes)

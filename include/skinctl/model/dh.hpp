@@ -15,8 +15,8 @@ struct DhRow {
   Angle alpha{};     ///< `Angle::quarter(k)` keeps right angles exact, and a static model folds them
 };
 
-/// What a factory calibration adds to the rows of a standard table, as Universal Robots' calibration.conf
-/// prints it.
+/// The deviations of a factory calibration from the rows of a standard table, as in Universal Robots'
+/// calibration.conf.
 template <std::size_t N>
 struct DhDelta {
   std::array<double, N> theta{};  ///< delta_theta [rad]
@@ -25,14 +25,13 @@ struct DhDelta {
   std::array<double, N> alpha{};  ///< delta_alpha [rad]
 };
 
-/// Where a standard row ends, seen from the link's frame in a model: the next joint, or behind the last row
-/// the flange.
+/// The end of a standard row in the link's frame of the model: the next joint, or after the last row the
+/// flange.
 constexpr JointPlacement row_end(const DhRow& row, JointKind kind = JointKind::revolute) noexcept {
   return {.p = {row.a, 0, kind == JointKind::revolute ? row.d : 0.0}, .alpha = row.alpha};
 }
 
-/// An inertia given in a frame that stands at `frame.p`, turned by `Rx(alpha)`, in the axes and from the
-/// origin outside of it.
+/// An inertia given in a frame at `frame.p`, rotated by `Rx(alpha)`, expressed in the outer frame.
 constexpr LinkInertia moved_out(const JointPlacement& frame, const LinkInertia& in) noexcept {
   const double c = frame.alpha.cos, s = frame.alpha.sin;
   LinkInertia out;
@@ -50,8 +49,8 @@ constexpr LinkInertia moved_out(const JointPlacement& frame, const LinkInertia& 
 }
 
 /// A chain from a standard table: row i is `Rz(theta) Tz(d) Tx(a) Rx(alpha)`. The frame of link i in the
-/// model is the one right after the joint's motion; each inertia is given, as makers do, in the frame at the
-/// end of its row. Exact: no number is rounded but the inertias'.
+/// model lies directly after the joint's motion; each inertia is given, as makers do, in the frame at the end
+/// of its row. Exact: only the inertias are rounded.
 template <std::size_t N>
 [[nodiscard]] constexpr std::array<LinkParameters<double>, N> links_from_standard_dh(
     const std::array<DhRow, N>& rows, const std::array<LinkInertia, N>& at_row_ends,
@@ -75,7 +74,7 @@ template <std::size_t N>
 }
 
 /// A chain from a modified table (Craig): row i is `Rx(alpha) Tx(a) Rz(theta) Tz(d)`. The frame of link i in
-/// the model is the table's frame i, in which its inertia is given.
+/// the model is frame i of the table, in which its inertia is given.
 template <std::size_t N>
 [[nodiscard]] constexpr std::array<LinkParameters<double>, N> links_from_modified_dh(
     const std::array<DhRow, N>& rows, const std::array<LinkInertia, N>& inertias,
@@ -97,7 +96,7 @@ template <std::size_t N>
   return links;
 }
 
-/// One individual arm: its links, for a `CalibratedModel`, and where its last row ends (the flange) in the
+/// One individual arm: its links, for a `CalibratedModel`, and the end of its last row (the flange) in the
 /// last link's frame.
 template <std::size_t N>
 struct CalibratedDh {
@@ -107,19 +106,19 @@ struct CalibratedDh {
 
 /// A standard table of revolute joints and its factory calibration.
 ///
-/// Where axes are nominally parallel, a calibration may put the common normal many metres away and turn it by
-/// large angles (delta_d of 90 m and delta_theta of 0.7 rad in a healthy UR10). The model's frames therefore
-/// stand on the calibrated axes, but at the nominal height, and the inertias, given at the ends of the
-/// nominal rows, stay with the metal: the frames are turned against it by the sum of delta_theta since the
-/// last axis that was not parallel. Throws `ConfigurationError` for numbers that are not finite, or a
-/// delta_alpha beyond 0.1 rad: no calibration does that.
+/// Where axes are nominally parallel, a calibration may place the common normal many metres away and rotate
+/// it by large angles (delta_d of 90 m and delta_theta of 0.7 rad in a healthy UR10). The model's frames
+/// therefore lie on the calibrated axes, but at the nominal height. The inertias, given at the ends of the
+/// nominal rows, stay fixed to the physical links: the frames are rotated against these by the sum of
+/// delta_theta since the last axis that was not parallel. Throws `ConfigurationError` for numbers that are
+/// not finite, and for a delta_alpha beyond 0.1 rad, which no calibration has.
 template <std::size_t N>
 [[nodiscard]] CalibratedDh<N> calibrated_dh(const std::array<DhRow, N>& rows, const DhDelta<N>& delta,
                                             const std::array<LinkInertia, N>& at_row_ends) {
   CalibratedDh<N> out;
   JointPlacement placement;
-  double slide = 0;  // of link i's frame along its axis, away from where the calibrated row begins
-  double turn = 0;   // of link i's frame about its axis, against the metal
+  double slide = 0;  // of link i's frame along its axis, from the start of the calibrated row
+  double turn = 0;   // of link i's frame about its axis, against the physical link
   for (std::size_t i = 0; i < N; ++i) {
     for (double x : {delta.theta[i], delta.a[i], delta.d[i]})
       require(x - x == 0, "calibration of a joint", x, "a finite number");

@@ -1,4 +1,4 @@
-// What a model knows of one link: where its joint sits in the parent, and its inertia.
+// The parameters of one link of a model: the placement of its joint in the parent, and its inertia.
 #pragma once
 
 #include <array>
@@ -12,12 +12,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The numbers of a link, by name. The link's frame has its z axis on its joint; it stands in the parent's
-/// frame at `Rz(gamma) Rx(alpha)`, origin `p`, and is then moved by `Rz(q + offset)` (or by `q + offset`
-/// along z). Every tree of one-axis joints can be written so: the parent's x axis is chosen square to both
-/// joint axes, which takes care of the first child (gamma = 0), and each further child needs its gamma.
-/// Near-parallel axes are no special case, because `p` keeps three numbers (a four-number DH row loses them
-/// there).
+/// The parameters of a link, by name. The link's frame has its z axis on its joint; its pose in the parent is
+/// `Rz(gamma) Rx(alpha)` at origin `p`, followed by the motion `Rz(q + offset)` (or `q + offset` along z).
+/// Every tree of one-axis joints has this form: the parent's x axis is chosen perpendicular to both joint
+/// axes, so that the first child has gamma = 0; each further child needs its own gamma. Near-parallel axes
+/// are no special case, because `p` has three numbers (a DH row of four numbers is ill-conditioned there).
 enum class LinkParameter : std::size_t {
   cos_gamma,
   sin_gamma,
@@ -27,7 +26,7 @@ enum class LinkParameter : std::size_t {
   p_y,
   p_z,
   offset,    ///< added to q [rad] or [m]
-  cos_beta,  ///< prismatic only: constant turn of the link about z (a revolute joint has its offset)
+  cos_beta,  ///< prismatic only: constant rotation of the link about z (a revolute joint has its offset)
   sin_beta,
   mass,  ///< [kg]
   c_x,   ///< centre of mass in the link's frame [m]
@@ -59,8 +58,8 @@ struct LinkParameters {
   }
 };
 
-/// Cosine and sine of a placement's angle. `quarter(k)` is exact for multiples of a right angle, which is
-/// what makes zeros and ones of a static model recognisable.
+/// Cosine and sine of a placement's angle. `quarter(k)` is exact for multiples of a right angle, so that a
+/// static model recognises its zeros and ones.
 struct Angle {
   double cos = 1, sin = 0;
   static constexpr Angle quarter(int k) noexcept {
@@ -71,7 +70,7 @@ struct Angle {
   static Angle radians(double a) noexcept { return {std::cos(a), std::sin(a)}; }
 };
 
-/// Where a joint sits in its parent link. See `LinkParameter`.
+/// The placement of a joint in its parent link. See `LinkParameter`.
 struct JointPlacement {
   double p[3] = {0, 0, 0};
   Angle alpha{};
@@ -106,7 +105,7 @@ constexpr LinkInertia combined(const LinkInertia& a, const LinkInertia& b) noexc
   return sum;
 }
 
-/// The inertia seen from axes that are turned by `t` about z: `Rz(t)' I Rz(t)`.
+/// The inertia in axes that are rotated by `t` about z: `Rz(t)' I Rz(t)`.
 constexpr LinkInertia turned_back_z(const LinkInertia& in, const Angle& t) noexcept {
   const double c = t.cos, s = t.sin;
   LinkInertia out = in;
@@ -148,7 +147,7 @@ constexpr LinkParameters<double> make_link(const JointPlacement& placement,
   return l;
 }
 
-/// The inertia that a link was made with.
+/// The inertia from which a link was made.
 constexpr LinkInertia inertia_of(const LinkParameters<double>& l) noexcept {
   using P = LinkParameter;
   return {l[P::mass],
@@ -161,10 +160,10 @@ constexpr LinkInertia inertia_of(const LinkParameters<double>& l) noexcept {
           -l[P::s_yz]};
 }
 
-/// How far a link is from a body with a density: minus the smallest of its three principal second moments of
-/// mass, relative to their sum; 0 for every body that can exist. A second moment is negative exactly if the
-/// principal moments of inertia break the triangle inequality, `I_1 + I_2 < I_3`. Infinite for NaN, and where
-/// the moments sum up to nothing or less.
+/// Physical inconsistency of a link's inertia: minus the smallest of its three principal second moments of
+/// mass, relative to their sum; 0 for every real body. A second moment is negative exactly if the principal
+/// moments of inertia violate the triangle inequality, `I_1 + I_2 < I_3`. Infinite for NaN, and where the sum
+/// of the moments is not positive.
 template <Real T>
 [[nodiscard]] double density_defect(const LinkParameters<T>& l) noexcept {
   using P = LinkParameter;
@@ -176,14 +175,14 @@ template <Real T>
   return s.x + s.y + s.z > 0 ? -s.x / (s.x + s.y + s.z) : std::numeric_limits<double>::infinity();
 }
 
-/// What `density_defect` may be: rounding only, or what makers publish. Some files have products of inertia
-/// that no density makes; the worst link of an Allegro hand has 0.164. Its principal moments are positive all
-/// the same, so that M stays positive definite and kinetic energy positive.
+/// Allowed values of `density_defect`: rounding only, or that of published files. Some files have products of
+/// inertia that no body has; the worst link of an Allegro hand has 0.164. Its principal moments are still
+/// positive, so M stays positive definite and kinetic energy positive.
 inline constexpr double rounded_density = 1e-9, makers_density = 0.18;
 
-/// Throws `ConfigurationError` unless the link can exist: finite numbers, mass >= 0, unit angles, principal
-/// moments of inertia >= 0, and a `density_defect` of at most `allowed_defect` (never less than what the
-/// rounding of `T` makes).
+/// Throws `ConfigurationError` unless the link is physically possible: finite numbers, mass >= 0, unit
+/// angles, principal moments of inertia >= 0, and a `density_defect` of at most `allowed_defect` or the
+/// rounding of `T`, whichever is greater.
 template <Real T>
 void check_link(const LinkParameters<T>& l, double allowed_defect = rounded_density) {
   using P = LinkParameter;

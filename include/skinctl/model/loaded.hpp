@@ -1,13 +1,13 @@
-// A robot that carries something: a tool, a payload.
+// A robot with a load: a tool, a payload.
 #pragma once
 
 #include "skinctl/model/placement.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `M` with a load fixed to link `L`, which may change at run time: a tool that is exchanged, a part that is
-/// gripped. Only the inertia of link `L` becomes numbers at run time; whatever the type of `M` knows of the
-/// others, it goes on knowing, so the load costs no more than its own link.
+/// `M` with a load fixed to link `L`, which may change at run time: a tool is exchanged, a part is gripped.
+/// Only the inertia of link `L` becomes run-time numbers; typed constants of the other links stay typed, so
+/// the load costs no more than its own link.
 template <RobotModel M, std::size_t L, Scalar T = double>
 class Loaded : public M {
  public:
@@ -17,8 +17,8 @@ class Loaded : public M {
   /// Carries `load` (in the frame of link L; see `seen_from`), nothing by default.
   explicit Loaded(const M& model, const LinkInertia& load = {}) : M(model) { carry(load); }
 
-  /// From now on link L carries `load` and nothing else: `{}` puts everything down. For use between cycles;
-  /// no allocation. Throws `ConfigurationError` for a load that cannot exist, and changes nothing then.
+  /// From now on link L carries `load` and nothing else: `{}` is no load. For use between cycles; no
+  /// allocation. Throws `ConfigurationError` for a physically impossible load, and then changes nothing.
   void carry(const LinkInertia& load) {
     check_link(make_link({}, load));
     const LinkParameters<double> sum =

@@ -1,4 +1,5 @@
-// The concept of a robot model, and its two ends: all numbers known at compile time, or all at run time.
+// The concept of a robot model, and its two implementations: all numbers known at compile time, or at run
+// time.
 #pragma once
 
 #include <concepts>
@@ -23,8 +24,9 @@ struct ScalarOf<M> {
 }  // namespace detail
 
 /// A robot: a `Topology` whose `number<I, P, T>()` gives parameter `P` of link `I` as a typed constant
-/// (`TypedConstant<0>`) or as a `T`, and whose `gravity<T>()` is the gravitational acceleration in the axes of the
-/// base [m/s^2]. Algorithms are written once against this; what is a typed constant vanishes from the code.
+/// (`TypedConstant<0>`) or as a `T`, and whose `gravity<T>()` is the gravitational acceleration in the axes
+/// of the base [m/s^2]. Algorithms are written once against this concept; typed constants vanish from the
+/// compiled code.
 template <class M>
 concept RobotModel = Topology<M> && requires(const M& m) {
   m.template number<0, LinkParameter::mass, typename detail::ScalarOf<M>::type>();
@@ -38,7 +40,7 @@ template <class M, class T>
   requires requires { typename M::scalar; }
 inline constexpr bool computes_in<M, T> = std::is_same_v<typename M::scalar, T>;
 
-/// All numbers of link `I` of a model that computes in `T`, typed constants among them.
+/// All numbers of link `I` of a model that computes in `T`, typed constants included.
 template <std::size_t I, Scalar T, RobotModel M>
 [[nodiscard]] constexpr LinkParameters<double> numbers_of(const M& model) noexcept {
   LinkParameters<double> l;
@@ -89,7 +91,7 @@ struct StaticModel {
 };
 
 /// A model whose numbers are known at run time: from a file, a calibration, an identification. Only its
-/// topology is typed, and with it that the first child of a link needs no gamma.
+/// topology is typed, and that the first child of a link has gamma = 0.
 template <Topology Tree, Scalar T = double>
 class CalibratedModel {
  public:
@@ -100,12 +102,11 @@ class CalibratedModel {
   static constexpr auto kinds = Tree::kinds;
   using Links = std::array<LinkParameters<T>, joints>;
 
-  /// @param links    one per joint, in the order of the tree; checked by `check_link`, and the first child of
-  /// a link
-  ///                 must have gamma = 0 (turn the parent's frame instead). Throws `ConfigurationError`.
-  /// @param gravity  gravitational acceleration in the axes of the base [m/s^2]; a base on a wall or ceiling
-  /// turns it.
-  /// @param allowed_defect  of the links' inertias, for `check_link`: `makers_density` for a maker's file.
+  /// @param links    one per joint, in the order of the tree; checked by `check_link`. The first child of a
+  ///                 link must have gamma = 0 (else rotate the parent's frame). Throws `ConfigurationError`.
+  /// @param gravity  gravitational acceleration in the axes of the base [m/s^2]; it differs for a base on a
+  ///                 wall or ceiling.
+  /// @param allowed_defect  limit of `check_link` for the inertias: `makers_density` for a maker's file.
   explicit CalibratedModel(const Links& links, const Xyz<T>& gravity = {T(0), T(0), T(-9.81)},
                            double allowed_defect = rounded_density)
       : links_(links), gravity_(gravity) {
@@ -171,8 +172,8 @@ class CalibratedModel {
   Xyz<T> gravity_;
 };
 
-/// The run-time twin of a static description: same tree, same numbers, as a starting point for a calibration;
-/// a maker's inertias are taken as they are (`makers_density`).
+/// A calibrated model of a static description: same tree, same numbers, as a starting point for a
+/// calibration; a maker's inertias are accepted as published (`makers_density`).
 template <class Description, Scalar T = double>
 CalibratedModel<Description, T> calibrated_from() {
   typename CalibratedModel<Description, T>::Links links;

@@ -1,4 +1,4 @@
-// A robot whose base does not stand upright.
+// A robot whose base is not upright.
 #pragma once
 
 #include "skinctl/frames/rotation.hpp"
@@ -13,18 +13,19 @@ template <Real T>
   return {T(-g * R_WB.x.z), T(-g * R_WB.y.z), T(-g * R_WB.z.z)};
 }
 
-/// `M` on a wall, a ceiling or a tilted plinth: the model itself, with gravity where it points now. Poses
-/// stay those in the base. The mounting may change at run time, as on a vehicle.
+/// `M` on a wall, a ceiling or a tilted plinth: the same model with another direction of gravity. Poses are
+/// still relative to the base. The mounting may change at run time, as on a vehicle.
 template <RobotModel M, Scalar T = double>
 class Mounted : public M {
  public:
   using scalar = T;
 
-  /// Throws `ConfigurationError` for axes that are no rotation (off by more than 1e-6).
+  /// Throws `ConfigurationError` for axes that are no rotation (error above 1e-6).
   explicit Mounted(const M& model, const Rotation<double>& R_WB, double g = 9.81) : M(model) {
     mount(R_WB, g);
   }
-  /// The base stands at `R_WB` from now on. Throws as the constructor does, and changes nothing then.
+  /// The orientation of the base is `R_WB` from now on. Throws as the constructor does, and then changes
+  /// nothing.
   void mount(const Rotation<double>& R_WB, double g = 9.81) {
     require(rotation_error(R_WB) <= 1e-6, "|R'R - 1| of a base's mounting", rotation_error(R_WB), "<= 1e-6");
     const auto down = gravity_in_base(R_WB, g);

@@ -1,4 +1,4 @@
-// The links of a file by their names: which link of the model carries each, and where.
+// The links of a file by name: the model's link that carries each, and its pose there.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A link as a file names and places it, and the link of the model to which it is fixed.
+/// A link with its name and pose from a file, and the link of the model to which it is fixed.
 struct NamedLink {
   const char* name = "";
   int link = -1;           ///< index of the model's link; -1: the base
@@ -18,8 +18,7 @@ struct NamedLink {
   Xyz<double> p{0, 0, 0};  ///< origin of the named link there [m]
 };
 
-/// A description that knows its links by name, as `urdf_to_model` writes it: an array `named_links` of
-/// `NamedLink`.
+/// A description with links by name, as `urdf_to_model` writes it: an array `named_links` of `NamedLink`.
 template <class D>
 concept NamesLinks = requires {
   D::named_links.size();
@@ -27,14 +26,14 @@ concept NamesLinks = requires {
 };
 
 namespace detail {
-/// Where `name` stands in `D::named_links`; their number if it does not.
+/// Index of `name` in `D::named_links`; their number if it is missing.
 template <NamesLinks D>
 constexpr std::size_t named_link_entry(std::string_view name) noexcept {
   std::size_t i = 0;
   while (i < D::named_links.size() && name != D::named_links[i].name) ++i;
   return i;
 }
-/// The link of the model that carries `name`; -1: the base, -2: there is none of this name.
+/// The link of the model that carries `name`; -1: the base, -2: no link has this name.
 template <NamesLinks D>
 constexpr int carrier_of(std::string_view name) noexcept {
   const std::size_t entry = named_link_entry<D>(name);
@@ -53,7 +52,7 @@ struct CarrierFrame<-1> {
 /// Whether the file has a link of this name.
 template <class D, FrameName Name>
 concept HasLink = NamesLinks<D> && detail::carrier_of<D>(Name.view()) >= -1;
-/// Whether it has one that a joint moves.
+/// Whether the file has a link of this name that a joint moves.
 template <class D, FrameName Name>
 concept MovesLink = NamesLinks<D> && detail::carrier_of<D>(Name.view()) >= 0;
 
@@ -64,9 +63,9 @@ template <NamesLinks D, FrameName Name>
   return static_cast<std::size_t>(detail::carrier_of<D>(Name.view()));
 }
 
-/// Pose of the link `Name` of the file in the model's link that carries it, `Transform<Link<I>,
-/// NamedFrame<Name>>`; in `Base` where no joint moves it. `link_poses(model, q).get<I>()` times this is the
-/// pose that the file gives the link at `q`.
+/// Pose of the file's link `Name` in the model's link that carries it,
+/// `Transform<Link<I>, NamedFrame<Name>>`; in `Base` if no joint moves it. `link_poses(model, q).get<I>()`
+/// times this is the pose of the file's link at `q`.
 template <NamesLinks D, FrameName Name, Scalar T = double>
   requires HasLink<D, Name>
 [[nodiscard]] constexpr auto named_link_pose() noexcept {

@@ -1,4 +1,4 @@
-// From joint frames as files and drawings give them to the links of a model.
+// Conversion of joint frames from files and drawings to the links of a model.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A link as a file describes it: its frame in the parent's frame at q = 0 (z on the joint's axis), and its
+/// A link as described in a file: its frame in the parent's frame at q = 0 (z on the joint's axis), and its
 /// inertia in its own frame.
 struct PlacedLink {
   Rotation<double> R;       ///< axes of the link in the parent at q = 0
@@ -17,13 +17,13 @@ struct PlacedLink {
   LinkInertia inertia{};
 };
 
-/// Links of a model made from placed links. The model's frames stand on the same axes and origins as the
-/// given ones, but are turned about z where that makes the placement of a first child a mere `Rx(alpha)`.
+/// Links of a model made from placed links. The model's frames have the same z axes and origins as the given
+/// ones, but are rotated about z where that reduces the placement of a first child to `Rx(alpha)`.
 template <Topology Tree>
 struct CanonicalLinks {
   std::array<LinkParameters<double>, Tree::joints> links;
-  /// The given frame of link i is the model's frame turned by `-turn[i]` about z: `X_ModelGiven =
-  /// Rz(-turn[i])`.
+  /// The given frame of link i is the model's frame rotated by `-turn[i]` about z:
+  /// `X_ModelGiven = Rz(-turn[i])`.
   std::array<double, Tree::joints> turn{};
 };
 
@@ -46,7 +46,7 @@ inline Zxz decompose_zxz(const Rotation<double>& R) noexcept {
   } else {
     out.alpha = {R.z.z < 0 ? -1.0 : 1.0, 0};
   }
-  // x axis of the link seen after undoing gamma and alpha; robust also where alpha is tiny.
+  // x axis of the link after gamma and alpha are undone; robust also where alpha is tiny.
   const Triple x =
       turn_back_x(Turn{out.alpha.cos, out.alpha.sin}, turn_back_z(Turn{out.gamma.cos, out.gamma.sin}, R.x));
   out.beta = std::atan2(x.y, x.x);
@@ -55,8 +55,8 @@ inline Zxz decompose_zxz(const Rotation<double>& R) noexcept {
 
 }  // namespace detail
 
-/// A body given in a frame that stands at `R`, `p`, seen from the frame outside of it: a payload on a flange,
-/// a tip on a finger.
+/// The inertia of a body given in a frame with pose `R`, `p`, expressed in the outer frame: a payload on a
+/// flange, a tip on a finger.
 inline LinkInertia seen_from(const Rotation<double>& R, const Xyz<double>& p,
                              const LinkInertia& in) noexcept {
   const Rotation<double> rows = R.transpose();  // rows.x is the outer x axis in inner axes
@@ -75,8 +75,8 @@ inline LinkInertia seen_from(const Rotation<double>& R, const Xyz<double>& p,
           dot(rows.y, I(rows.z))};
 }
 
-/// The link of a model whose parent's frame now stands at `R`, `p` in another. The link's own frame, its
-/// inertia and its motion stay what they are.
+/// The link of a model whose parent's frame now has the pose `R`, `p` in another frame. The link's own frame,
+/// its inertia and its motion do not change.
 inline LinkParameters<double> placed_at(const LinkParameters<double>& link, JointKind kind,
                                         const Rotation<double>& R, const Xyz<double>& p) noexcept {
   using P = LinkParameter;
@@ -104,15 +104,15 @@ inline LinkParameters<double> placed_at(const LinkParameters<double>& link, Join
 
 namespace detail {
 
-/// How far the model's frame of link `i` is turned about z against the given one: so far that its first child
-/// has no gamma.
+/// The angle about z between the model's frame of link `i` and the given one, such that its first child has
+/// gamma = 0.
 inline Angle own_turn(std::size_t i, std::size_t n, const int* parents, const PlacedLink* placed) noexcept {
   for (std::size_t c = i + 1; c < n; ++c)
     if (parents[c] == static_cast<int>(i)) return decompose_zxz(placed[c].R).gamma;
   return {};
 }
 
-/// `canonical_links` of a tree whose shape is known at run time: `n` links, all arrays of that length.
+/// `canonical_links` of a tree whose topology is known at run time: `n` links, all arrays of that length.
 inline void canonicalise(std::size_t n, const int* parents, const JointKind* kinds, const PlacedLink* placed,
                          LinkParameters<double>* links, double* turns) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -121,7 +121,7 @@ inline void canonicalise(std::size_t n, const int* parents, const JointKind* kin
     turns[i] = 0;
   }
   for (std::size_t i = 0; i < n; ++i) {
-    // Seen from the parent's frame as it was turned for its own first child.
+    // In the parent's frame after its rotation for its own first child.
     Zxz angles = decompose_zxz(placed[i].R);
     JointPlacement placement;
     for (std::size_t k = 0; k < 3; ++k) placement.p[k] = placed[i].p[k];
@@ -152,9 +152,9 @@ inline void canonicalise(std::size_t n, const int* parents, const JointKind* kin
 
 }  // namespace detail
 
-/// Writes placed links, in the order of `Tree`, as links of a model. Exact up to rounding for every
+/// Converts placed links, in the order of `Tree`, to links of a model. Exact up to rounding for every
 /// placement, parallel and near-parallel axes included. Throws `ConfigurationError` for axes that are no
-/// rotation (off by more than 1e-6).
+/// rotation (error above 1e-6).
 template <Topology Tree>
 [[nodiscard]] CanonicalLinks<Tree> canonical_links(const std::array<PlacedLink, Tree::joints>& placed) {
   CanonicalLinks<Tree> out;

@@ -1,4 +1,4 @@
-// The shape of a kinematic tree, known at compile time: who carries whom.
+// The topology of a kinematic tree, known at compile time: the parent of each link.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How a joint moves its link: about or along the z axis of the link's frame.
+/// The kind of a joint: its link moves about or along the z axis of the link's frame.
 enum class JointKind : unsigned char { revolute, prismatic };
 
 /// All links of a model of `n` joints.
@@ -26,7 +26,7 @@ concept Topology = requires {
   M::kinds[0];
 };
 
-/// Links on the way from the base to link `i`, itself included: the joints that move it.
+/// Links on the path from the base to link `i`, itself included: the joints that move it.
 template <Topology M>
 constexpr LinkMask ancestors(std::size_t i) noexcept {
   LinkMask mask = 0;
@@ -35,7 +35,7 @@ constexpr LinkMask ancestors(std::size_t i) noexcept {
   return mask;
 }
 
-/// Every link that lies on the way from the base to a link of `mask`.
+/// All links on the paths from the base to the links of `mask`.
 template <Topology M>
 constexpr LinkMask closure(LinkMask mask) noexcept {
   LinkMask all = 0;

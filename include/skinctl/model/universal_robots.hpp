@@ -7,15 +7,17 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// An arm from a table: the maker's standard Denavit-Hartenberg rows, and each link's mass, centre of mass
-/// and inertia in the frame at the end of its row, as Universal Robots prints them. The frames of the links
-/// are those of `ur5::Description`: right after the rotation by theta; at q = 0 the arm is stretched along -x
-/// of the base.
+/// and inertia in the frame at the end of its row, as Universal Robots publishes them. The frames of the
+/// links are those of `ur5::Description`: directly after the rotation by theta; at q = 0 the arm is stretched
+/// along -x of the base.
 ///
-/// Sources: a, d, alpha, masses and centres of mass: universal-robots.com, "DH Parameters for calculations of
-/// kinematics and dynamics". Inertia tensors and joint limits: Universal_Robots_ROS2_Description (BSD-3),
-/// config/<robot>/physical_parameters.yaml (whose centres of mass agree with the maker's page) and
-/// joint_limits.yaml (user manuals; "Max. joint torques"). There the elbow is limited to half its range,
-/// because the arm stands in its own way.
+/// Sources:
+/// - a, d, alpha, masses and centres of mass: universal-robots.com, "DH Parameters for calculations of
+///   kinematics and dynamics".
+/// - Inertia tensors and joint limits: Universal_Robots_ROS2_Description (BSD-3),
+///   config/ROBOT/physical_parameters.yaml (whose centres of mass agree with the maker's page) and
+///   joint_limits.yaml (user manuals; "Max. joint torques"). There the elbow is limited to half its range to
+///   avoid self-collision.
 template <class Table>
 struct UniversalRobot : Chain<6> {
   static constexpr double gravity[3] = {0, 0, -9.81};
@@ -35,7 +37,7 @@ struct UniversalRobot : Chain<6> {
 };
 
 /// A Universal Robot with its own factory calibration, the `delta_*` of its calibration.conf. See
-/// `calibrated_dh`, which also tells where its flange is.
+/// `calibrated_dh`, which also gives the pose of its flange.
 template <class Description, Scalar T = double>
 [[nodiscard]] CalibratedModel<Description, T> calibrated_universal_robot(const DhDelta<6>& delta) {
   const auto exact = calibrated_dh<6>(Description::rows, delta, Description::inertias).links;
@@ -46,7 +48,7 @@ template <class Description, Scalar T = double>
 
 namespace detail {
 inline constexpr double turn_per_second = 6.283185307179586;  // 360 degrees/s
-/// The rows that all of them share but for six lengths.
+/// The rows of all these arms, which differ in six lengths only.
 constexpr std::array<DhRow, 6> universal_rows(double d1, double a2, double a3, double d4, double d5,
                                               double d6) noexcept {
   return {DhRow{0, d1, 0, Angle::quarter(1)},
@@ -63,7 +65,7 @@ constexpr std::array<double, 6> three_and_wrist(double first, double second, dou
 
 struct Ur3Table {
   static constexpr auto rows = universal_rows(0.1519, -0.24365, -0.21325, 0.11235, 0.08535, 0.0819);
-  // Tensors: cylinder approximations, whose long axes the source gives; here in the axes of the row's end.
+  // Tensors: cylinder approximations with the long axes of the source, here in the axes of the row's end.
   static constexpr std::array<LinkInertia, 6> inertias = {
       LinkInertia{2.0, {0, -0.02, 0}, 0.008093166666666665, 0.005625, 0.008093166666666665},
       LinkInertia{3.42, {0.13, 0, 0.1157}, 0.00961875, 0.021728491912499998, 0.021728491912499998},

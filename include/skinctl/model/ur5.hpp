@@ -8,12 +8,13 @@ SKINCTL_BEGIN_NAMESPACE
 namespace ur5 {
 
 /// The static model of a UR5. Link `i` (0 to 5) is moved by joint `i`; its frame is the maker's
-/// Denavit-Hartenberg frame right after the rotation by theta, so z lies on the joint axis and x, y turn with
-/// the link. At q = 0 the arm is stretched along -x of the base.
+/// Denavit-Hartenberg frame directly after the rotation by theta, so z lies on the joint axis and x, y rotate
+/// with the link. At q = 0 the arm is stretched along -x of the base.
 ///
-/// Sources: a, d, alpha, masses and centres of mass: universal-robots.com, "DH parameters for calculations of
-/// kinematics and dynamics"; inertia tensors (cylinder approximations), joint limits: UR ROS 2 description,
-/// config/ur5 (BSD-3).
+/// Sources:
+/// - a, d, alpha, masses and centres of mass: universal-robots.com, "DH parameters for calculations of
+///   kinematics and dynamics".
+/// - Inertia tensors (cylinder approximations) and joint limits: UR ROS 2 description, config/ur5 (BSD-3).
 struct Description {
   static constexpr std::size_t joints = 6;
   static constexpr auto parents = chain_parents<6>();
@@ -50,7 +51,7 @@ struct Description {
 
 using Model = StaticModel<Description>;
 
-/// A UR5 with numbers at run time: start from the maker's, replace what a calibration found.
+/// A UR5 with numbers at run time: start from the maker's numbers and replace those of the calibration.
 template <Scalar T = double>
 using Calibrated = CalibratedModel<Description, T>;
 

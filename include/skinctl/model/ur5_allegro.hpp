@@ -18,8 +18,8 @@ using Model = Attached<Loaded<ur5::Model, 5, T>, 5, CalibratedModel<allegro::Tre
 template <Scalar T = double>
 using TwoModel = Attached<Attached<BareBase, -1, Model<T>, T>, -1, Model<T>, T>;
 
-/// Where the frame of the hand stands in link 5's when the heel of its palm (95 mm below that frame) lies on
-/// the flange, axes alike. An adapter adds its own: it is not the maker's number.
+/// Pose of the hand's frame in link 5 when the heel of its palm (95 mm below that frame) lies on the flange,
+/// axes alike. The thickness of an adapter is not included.
 inline constexpr Stand on_flange{{}, {0, 0, ur5::Description::flange[2] + 0.095}};
 
 /// A UR5 that carries a hand; its link 5 has the palm's inertia.
@@ -31,7 +31,7 @@ template <Scalar T = double>
           allegro::hand<T>(side), stand};
 }
 
-/// Two arms with hands whose bases stand at `right` and `left` in a common one.
+/// Two arms with hands; `right` and `left` are the poses of their bases in a common base.
 template <Scalar T = double>
 [[nodiscard]] TwoModel<T> two_arms_with_hands(const Stand& right, const Stand& left) {
   return {{BareBase{}, arm_with_hand<T>(allegro::Side::right), right},

@@ -1,4 +1,4 @@
-// A robot whose own controller holds gravity, as laws see it.
+// The model that laws use where the robot's own controller compensates gravity.
 #pragma once
 
 #include "skinctl/core/triple.hpp"
@@ -6,8 +6,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `M` without weight: masses and inertias are its own, gravity is a typed zero. What a robot's own controller
-/// holds does not reach the laws: `G(q)` is zero for them, and costs nothing.
+/// `M` without weight: masses and inertias are its own, gravity is a typed zero. For laws `G(q)` is then zero
+/// and costs nothing.
 template <RobotModel M>
 class Weightless : public M {
  public:

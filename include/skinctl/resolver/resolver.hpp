@@ -4,6 +4,7 @@
 #include <span>
 
 #include "skinctl/core/evaluate.hpp"
+#include "skinctl/math/lu.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
 #include "skinctl/resolver/integrator.hpp"
 
@@ -19,6 +20,17 @@ struct Resolved {
   std::array<JointTorque<N, T>, Terms> shares;
   JointTorque<N, T> fallback;
 };
+
+namespace detail {
+/// A configuration of a scene, as it is asked for its torque.
+template <class Robot, class L, class Touch>
+struct Asked {
+  const Robot& robot;
+  const L& law;
+  const typename L::Memory& memory;
+  const Touch& touch;
+};
+}  // namespace detail
 
 /// The torque resolver of the paper's section 4.5 for robots that take positions or velocities (for those
 /// that take torques see `torque_resolver.hpp`).
@@ -122,7 +134,16 @@ class Resolver {
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
       const Interval& interval, std::span<const Touch> touches, const Check& check = {}) const noexcept;
 
-  /// The guard sent `command` instead of the last one: the virtual robot goes on from there.
+  /// The joint torque that `next` lacks to accelerate the virtual robot in the coming sub-step as `before`
+  /// does: another configuration of the same scene. Zero where the laws do not move it. Evaluates both laws
+  /// once and the integrator `joints` times; limits are left out.
+  template <class L, class Touch, class Check>
+  [[nodiscard]] SKINCTL_COLD JointTorque<joints, T> lacking(
+      const Memory& m, const State<joints, T>& measured, const Interval& interval, const Check&,
+      const detail::Asked<Resolver, L, Touch>& before,
+      const detail::Asked<Resolver, L, Touch>& next) const noexcept;
+
+  /// Tells that the guard let `command` out instead of the last one: the virtual robot goes on from there.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
     virtual_.sent(m, command);
   }

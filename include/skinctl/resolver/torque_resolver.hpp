@@ -155,7 +155,32 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     return gravity_torque(model_, robot.q) - friction(robot);
   }
 
-  /// The guard sent `command` instead of the last one.
+  /// The torque of `before` less that of `next` at the measured state, friction included: two configurations
+  /// of the same scene.
+  template <class L, class Touch, class Check>
+  [[nodiscard]] SKINCTL_COLD JointTorque<joints, T> lacking(
+      const Memory& m, const State<joints, T>& measured, const Interval& interval, const Check& check,
+      const detail::Asked<Resolver, L, Touch>& before,
+      const detail::Asked<Resolver, L, Touch>& next) const noexcept {
+    if (!m.started) return {};
+    State<joints, T> state = m.measured;
+    static_cast<void>(take_measurement(state, measured, interval.to, check));
+    const auto sent = [&](const auto& who) {
+      const Knows<L, Touch> known(who.robot.model_, state, planned_step(), who.touch);
+      return torque_of(who.law, who.memory, known) - who.robot.friction(state);
+    };
+    return sent(before) - sent(next);
+  }
+  /// Whether the coming cycle asks the law: no stop, no stale news.
+  template <class Check>
+  [[nodiscard]] bool asks_law(const Memory& m, const State<joints, T>& measured, Nanoseconds now,
+                              const Check& check) const noexcept {
+    State<joints, T> state = m.measured;
+    static_cast<void>(take_measurement(state, measured, now, check));
+    return m.started && !m.stop && now - state.time <= p_.stale_after;
+  }
+
+  /// Tells that the guard let `command` out instead of the last one.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
     if (!m.started || !command.valid) return;
     m.command.torque = command.torque;

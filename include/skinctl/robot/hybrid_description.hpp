@@ -1,4 +1,5 @@
-// The description of a robot whose joints are of two kinds: an arm by velocity or position, a hand by torque.
+// The description of a robot whose joints have two interfaces: an arm by velocity or position, a hand by
+// torque.
 #pragma once
 
 #include "skinctl/core/joint_subset.hpp"
@@ -6,19 +7,19 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What is described of a robot of which some joints take torques.
+/// The configuration of a robot of which some joints take torques.
 template <std::size_t Stiff, std::size_t Driven, Real T = double>
 struct HybridConfiguration {
-  /// The joints that take positions or velocities; also period, sub-step and stale age of the whole.
+  /// The joints that take positions or velocities; also period, sub-step and stale age of the whole robot.
   RobotConfiguration<Stiff, T> stiff;
-  /// Of torque and power, of the joints that take torques.
+  /// Limits of the joints that take torques.
   JointLimits<Driven, T> limits;
-  /// Friction that these are given besides their own [N m s/rad], >= 0.
+  /// Viscous friction added to the joints that take torques [N m s/rad], >= 0.
   JointTorque<Driven, T> viscous = {};
 };
 
-/// A model, which of its joints take torques (`ByTorque`), the interface of the others, and the numbers of
-/// both. Made by `by_velocity_and_torque` or `by_position_and_torque`; immutable.
+/// A model, the set of its joints that take torques (`ByTorque`), the interface of the others, and the
+/// configuration of both. Made by `by_velocity_and_torque` or `by_position_and_torque`; immutable.
 template <Interface I, LinkMask ByTorque, RobotModel M, Real T>
 class HybridDescription {
  public:

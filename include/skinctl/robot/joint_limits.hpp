@@ -1,4 +1,4 @@
-// Limits of the joints, and the motion that keeps all of them: a braking distance is always left.
+// Limits of the joints, and motion within them that always keeps a braking distance.
 #pragma once
 
 #include <cmath>
@@ -10,8 +10,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Largest speed from which a joint that brakes with `deceleration` > 0 after `reaction` >= 0 seconds at that
-/// speed stops within `distance`: the root of `u^2 / (2 a) + u t = d`. Zero for distances <= 0.
+/// Largest speed from which a joint that brakes with `deceleration` > 0 after `reaction` >= 0 seconds stops
+/// within `distance`: the root of `u^2 / (2 a) + u t = d`. Zero for distances <= 0.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T speed_to_stop(const T& distance, const T& reaction,
                                              const T& deceleration) noexcept {
@@ -20,19 +20,20 @@ template <Real T>
   return T(2) * distance / (reaction + sqrt(reaction * reaction + T(2) * distance / deceleration));
 }
 
-/// How much of the acceleration limit braking for a position limit is planned with: the rest is for rounding.
+/// The share of the acceleration limit used to plan braking before a position limit; the remainder covers
+/// rounding.
 template <Real T>
 inline const T braking_share = T(1) - T(1024) * std::numeric_limits<T>::epsilon();
 
-/// Distances to the two ends of where a joint may go; negative beyond an end.
+/// Distances to the lower and upper position limits; negative beyond a limit.
 template <std::size_t N, Real T = double>
 struct JointRoom {
   JointPosition<N, T> below;
   JointPosition<N, T> above;
 };
 
-/// How joints move over one step: by `displacement`, reaching `velocity`. `status` says which limits acted,
-/// `braked` (bit i for joint i) which joints were slowed for want of room.
+/// The motion of joints over one step: `displacement` and final `velocity`. `status` holds the limits that
+/// acted, `braked` (bit i for joint i) the joints that were slowed before a position limit.
 template <std::size_t N, Real T = double>
 struct JointMotion {
   JointPosition<N, T> displacement;
@@ -41,7 +42,7 @@ struct JointMotion {
   std::uint64_t braked = 0;
 };
 
-/// Limits of `N` joints; immutable, checked when built.
+/// Limits of `N` joints; immutable, checked at construction.
 template <std::size_t N, Real T = double>
 class JointLimits {
  public:
@@ -49,13 +50,13 @@ class JointLimits {
     JointPosition<N, T> lower;             ///< [rad], [m]; -infinity for a joint without end
     JointPosition<N, T> upper;             ///< [rad], [m]; above `lower`; infinity for a joint without end
     JointVelocity<N, T> velocity;          ///< magnitude [rad/s], > 0
-    JointAcceleration<N, T> acceleration;  ///< magnitude [rad/s^2], > 0, with which the joint can also brake
+    JointAcceleration<N, T> acceleration;  ///< magnitude [rad/s^2], > 0, also available for braking
     JointTorque<N, T> torque;              ///< magnitude [N m], > 0
-    /// Most that a joint drives with, `tau dq` [W], > 0; braking is free. Infinity by default.
+    /// Maximum driving power of a joint, `tau dq` [W], > 0; braking is not limited. Infinity by default.
     JointPower<N, T> power = JointPower<N, T>::constant(std::numeric_limits<T>::infinity());
   };
 
-  /// Throws `ConfigurationError` for a number out of its range, with the number.
+  /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD explicit JointLimits(const Values& values) : values_(values) {
     const T big = std::numeric_limits<T>::max();
     for (std::size_t i = 0; i < N; ++i) {
@@ -104,7 +105,7 @@ class JointLimits {
     return all((row >= values_.lower) & (row <= values_.upper));
   }
 
-  /// `tau`, cut to the limits of torque, and of power at the speeds `dq`.
+  /// `tau`, limited by torque, and by power at the speeds `dq`.
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> within(const JointTorque<N, T>& tau,
                                                         const JointVelocity<N, T>& dq) const noexcept {
     using R = detail::Row<N, T>;
@@ -118,13 +119,14 @@ class JointLimits {
 
   /// The motion over `h` > 0 seconds from velocity `u0` towards velocity `target` that keeps the limits.
   ///
-  /// Each joint's velocity runs from `u0` to the new one such that its acceleration never exceeds the limit,
-  /// and the new one is small enough to stop within `room` at the acceleration limit, whatever the following
-  /// steps' lengths are: from a state that this function left, no position limit is ever crossed. In order of
-  /// precedence: acceleration (a command never steps), then room, then velocity, then the target. So a joint
-  /// that *starts* too fast to stop brakes as hard as it may, and beyond an end only inward motion is given.
-  /// A target that is NaN counts as zero, and so does a resulting speed whose square would be a denormal
-  /// number (below 1e-17 rad/s in float, 1e-150 in double): those are slow, and a robot at rest has them.
+  /// Each joint's velocity changes from `u0` to the new one such that its acceleration never exceeds the
+  /// limit, and the new one is small enough to stop within `room` at the acceleration limit, whatever the
+  /// lengths of the following steps: from a state that this function left, no position limit is ever crossed.
+  /// In order of precedence: acceleration (a command never steps), then room, then velocity, then the target.
+  /// So a joint that *starts* too fast to stop brakes at its acceleration limit, and beyond a position limit
+  /// only inward motion is possible. A NaN target counts as zero, and so does a resulting speed whose square
+  /// would be a denormal number (below 1e-17 rad/s in float, 1e-150 in double): denormals are slow, and occur
+  /// in a robot at rest.
   [[nodiscard]] SKINCTL_NOINLINE JointMotion<N, T> move(const JointRoom<N, T>& room,
                                                         const JointVelocity<N, T>& u0,
                                                         const JointVelocity<N, T>& target,
@@ -136,7 +138,7 @@ class JointLimits {
     R u = clamp(wish, -limit, limit);
     JointMotion<N, T> out;
     if (any(u != wish)) out.status |= Reason::velocity_limited;
-    // Braking is looked at only where the fastest that this step can reach may not stop in time.
+    // Braking is computed only where the highest speed that this step can reach may not stop in time.
     const R up = from + dv, down = dv - from, above = room.above, below = room.below;
     const auto near_above = (up > zero) & !(half * (from + up) + up * up / (T(2) * brake) < above);
     const auto near_below = (down > zero) & !(half * (down - from) + down * down / (T(2) * brake) < below);
@@ -148,19 +150,19 @@ class JointLimits {
     }
     const R reached = clamp(u, from - dv, up);
     if (any(reached != u)) out.status |= Reason::acceleration_limited;
-    // A joint that stops within the step may stop earlier than a straight line does.
+    // A joint that stops within the step may stop earlier than at the end of a straight velocity profile.
     const R stop = from * from / (T(2) * a);
     const R most = select((from > zero) & (stop > above), stop, select(above > zero, above, zero));
     const R least = select((from < zero) & (stop > below), stop, select(below > zero, below, zero));
     clamp(half * (from + reached), -least, most).store(out.displacement);
-    // Squares of what is next to nothing are denormal numbers, which are slow.
+    // Squares of tiny speeds are denormal numbers, which are slow.
     const R tiny = T(std::same_as<T, float> ? 1e-17 : 1e-150);
     select(magnitude(reached) > tiny, reached, zero).store(out.velocity);
     return out;
   }
 
  private:
-  /// Slows the joints of the two sets of bits down to where they can still stop, and says which it slowed.
+  /// Slows the joints of the two bit sets to speeds from which they can still stop; returns those it slowed.
   SKINCTL_COLD std::uint64_t slow_down(std::uint64_t near_above, std::uint64_t near_below,
                                        const JointRoom<N, T>& room, const JointVelocity<N, T>& from,
                                        const T& h, JointVelocity<N, T>& u) const noexcept {
@@ -187,8 +189,8 @@ class JointLimits {
 
 /// Limits from a robot's description: its positions, velocity and torques as the maker publishes them.
 ///
-/// @param acceleration  [rad/s^2] of every joint; makers rarely publish one. 40 is what the maker's program
-///                      for velocity commands asks of a UR5.
+/// @param acceleration  [rad/s^2] of every joint; makers rarely publish one. Universal Robots' program for
+///                      velocity commands uses 40 for a UR5.
 template <class Description, Real T = double>
 [[nodiscard]] JointLimits<Description::joints, T> limits_of(const T& acceleration = T(40)) {
   typename JointLimits<Description::joints, T>::Values v;

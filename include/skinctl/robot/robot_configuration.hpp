@@ -1,4 +1,4 @@
-// The numbers that describe a robot besides its model: each is stated here, once.
+// The configuration of a robot: all numbers that describe it besides its model, each stated once.
 #pragma once
 
 #include <optional>
@@ -10,12 +10,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Limits, timing and virtual dynamics of a robot's joints. Resolver, guard, limits and laws take from it
-/// what they need; `check` is called when a description is built from it.
+/// Limits, timing and virtual dynamics of a robot's joints. Resolver, guard, limits and laws derive their
+/// settings from it; `check` is called when a description is built from it.
 template <std::size_t N, Real T = double>
 struct RobotConfiguration {
   JointLimits<N, T> limits;
-  /// Time between two cycles as planned, 0.1 ms to 1 s.
+  /// Planned time between two cycles, 0.1 ms to 1 s.
   Nanoseconds period;
   /// T_d: from sending a command until the robot begins to move, plus the age of a measurement when it is
   /// stamped.
@@ -24,35 +24,36 @@ struct RobotConfiguration {
   Nanoseconds lag{};
   /// Friction of the virtual robot in proportion to its mass, `B = virtual_damping M` [1/s].
   T virtual_damping = T(0);
-  /// Viscous friction per joint [N m s/rad]: of the virtual robot, or what a robot by torque is given besides
-  /// its own.
+  /// Viscous friction per joint [N m s/rad]: of the virtual robot, or added to the real friction of a robot
+  /// by torque.
   JointTorque<N, T> viscous_friction = {};
   JointTorque<N, T> coulomb_friction = {};  ///< of the virtual robot, per joint [N m]
   JointTorque<N, T> virtual_inertia = {};   ///< added to each joint of the virtual robot [kg m^2]
-  /// r_tol: the difference [rad] between measured and expected position that is not acted on. At least three
-  /// times the encoder's standard deviation plus the top speed times the uncertainty of the delay.
+  /// r_tol: dead band of the difference [rad] between measured and expected position. At least three times
+  /// the encoder's standard deviation plus the top speed times the uncertainty of the delay.
   JointPosition<N, T> dead_band = JointPosition<N, T>::constant(T(0.01));
-  /// w [1/s], at most 0.3/T with T = delay + lag + period: the default.
+  /// w [1/s]: gain of the observer, at most 0.3/T with T = delay + lag + period; that is the default.
   std::optional<T> observer = {};
-  /// The command is the virtual robot's state predicted this far ahead at its present velocity (velocities
-  /// alike). This makes up for the robot's delay, and passes on every change of torque at once. 0 to T;
-  /// `delay + lag + period / 2` makes up for all of it; `period / 2` for the hold of a position until the next
-  /// command.
+  /// The lead: the command is the virtual robot's state, extrapolated by this time at its present velocity
+  /// (velocities alike). It compensates the robot's delay, and passes on every change of torque at once. 0 to
+  /// T; `delay + lag + period / 2` compensates the whole delay, `period / 2` the hold of a position until the
+  /// next command.
   Nanoseconds lead{};
-  /// Velocity interface only: rate at which the virtual robot's position drifts to the real one's without
-  /// moving it [1/s], at most w. Default: 1, or w if that is less.
+  /// Velocity interface only: rate at which the virtual robot's position converges to the measured one
+  /// without a commanded motion [1/s], at most w. Default: 1, or w if that is less.
   std::optional<T> drift = {};
-  /// e_max in units of v_max T: the greatest lead of the virtual robot over the real one. Less than
-  /// `1 + v_max/(2 a T)` lowers the top speed, see `Resolver::top_speed`.
+  /// e_max in units of v_max T: the greatest distance of the virtual robot ahead of the measured one. Less
+  /// than `1 + v_max/(2 a T)` lowers the top speed, see `Resolver::top_speed`.
   T max_lead = T(2);
   /// Longest sub-step; up to `max_substeps` of equal length make an interval.
   Nanoseconds substep = 2ms;
-  /// Longest interval that is integrated at once; the rest of a longer one is dropped. Default: five periods.
-  /// The velocity interface keeps room for this time at the present speed before every position limit.
+  /// Longest interval that is integrated at once; the remainder of a longer one is dropped. Default: five
+  /// periods. The velocity interface keeps a distance for this time at the present speed before every
+  /// position limit.
   std::optional<Nanoseconds> longest_interval = {};
   /// Age of the last good measurement at which the virtual robot begins to brake. Default: 5 T.
   std::optional<Nanoseconds> stale_after = {};
-  /// A blocked robot that is still pushed the same way tries again after this time.
+  /// Time after which a blocked robot that is still pushed the same way tries again.
   Nanoseconds retry = 1s;
 
   /// The virtual inertia, damping and friction together.
@@ -65,24 +66,24 @@ struct RobotConfiguration {
     virtual_inertia = d.inertia;
     virtual_damping = d.damping;
   }
-  /// T = delay + lag + period: until a measurement shows a command.
+  /// T = delay + lag + period: the time until a command shows in a measurement.
   [[nodiscard]] constexpr Nanoseconds total_delay() const noexcept { return delay + lag + period; }
   [[nodiscard]] constexpr Nanoseconds longest() const noexcept {
     return longest_interval.value_or(5 * period);
   }
 };
 
-/// Most sub-steps of one interval.
+/// Maximum number of sub-steps of one interval.
 inline constexpr unsigned max_substeps = 16;
 
-/// The length of a sub-step in a cycle that comes as planned.
+/// The length of a sub-step in a cycle on time.
 [[nodiscard]] constexpr Nanoseconds planned_substep(Nanoseconds period, Nanoseconds substep) noexcept {
   const auto steps = (period + substep - 1ns) / substep;
   return period / (steps < max_substeps ? steps : std::int64_t(max_substeps));
 }
 
-/// Throws `ConfigurationError` with the number and the range for a configuration that cannot work. Of a robot
-/// by torque, which has no virtual robot, the observer's numbers are not read.
+/// Throws `ConfigurationError` with number and range for an invalid configuration. The observer's numbers are
+/// not read for a robot by torque, which has no virtual robot.
 template <std::size_t N, Real T>
 SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robot = true) {
   const auto number = [](const T& x) { return static_cast<double>(x); };

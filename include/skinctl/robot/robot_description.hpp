@@ -1,4 +1,4 @@
-// The description of a robot: one value from which resolver, guard, limits and laws take what they need.
+// The description of a robot: one value from which resolver, guard, limits and laws derive their settings.
 #pragma once
 
 #include <tuple>
@@ -9,38 +9,38 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A part of a description: the robot's own controller holds gravity, as a UR's does under direct torque. A
-/// law that holds it as well is refused.
+/// A part of a description: the robot's own controller compensates gravity, as a UR's does under direct
+/// torque. A law that compensates it too is refused.
 struct RobotHoldsGravity {
   using RobotPart = RobotHoldsGravity;
 };
 /// A part of the description of a robot by torque: its own controller compensates the joints' friction. A law
-/// that does so as well is refused.
+/// that compensates it too is refused.
 struct RobotCompensatesFriction {
   using RobotPart = RobotCompensatesFriction;
 };
-/// A part of the description of a robot by torque: nobody compensates the joints' friction, and that is
-/// meant. The robot then stands off its goals by friction over stiffness.
+/// A part of the description of a robot by torque: the joints' friction is left uncompensated on purpose. The
+/// robot then stops short of its goals by friction over stiffness.
 struct FrictionUncompensated {
   using RobotPart = FrictionUncompensated;
 };
 
 namespace detail {
-// What a part of a description is.
-struct KeeperPart {};      // watches over energy or contacts inside the resolver
+// Kinds of parts of a description.
+struct KeeperPart {};      // monitors energy or contacts inside the resolver
 struct ToolShapePart {};   // inertia and friction at the tool
-struct IntegratorPart {};  // how the virtual robot is integrated
-struct HistoryPart {};     // room for commands under way
+struct IntegratorPart {};  // integration of the virtual robot
+struct HistoryPart {};     // number of commands under way
 
-/// Whether `P` may stand behind the configuration in `by_position` and the like.
+/// Whether `P` is a valid part, an argument after the configuration in `by_position` and the like.
 template <class P>
 concept RobotPart = requires { typename P::RobotPart; };
 template <class Part, class... Parts>
 inline constexpr bool is_one_of = (std::is_same_v<Part, Parts> || ...);
 }  // namespace detail
 
-/// A model, the interface of its joints, a configuration, and parts that are named: an energy tank, a
-/// passivity observer, a contact damper (`passivity/`), a tool shape, an integrator (`resolver/`), who holds
+/// A model, the interface of its joints, a configuration, and optional parts: an energy tank, a passivity
+/// observer, a contact damper (`passivity/`), a tool shape, an integrator (`resolver/`), compensation of
 /// gravity and friction. Made by `by_position`, `by_velocity` or `by_torque`; immutable.
 template <Interface I, RobotModel M, Real T, class... Parts>
 class RobotDescription {
@@ -72,12 +72,12 @@ class RobotDescription {
   [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
   [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return configuration_.limits; }
   [[nodiscard]] Nanoseconds period() const noexcept { return configuration_.period; }
-  /// The longest time between two evaluations of a law in cycles that come as planned: a sub-step, or a
-  /// period of a robot by torque.
+  /// The longest time between two evaluations of a law in cycles on time: a sub-step, or a period for a robot
+  /// by torque.
   [[nodiscard]] Nanoseconds dt() const noexcept {
     return I == Interface::torque ? period() : planned_substep(period(), configuration_.substep);
   }
-  /// The same in cycles as late as the description allows.
+  /// The same in the latest cycles that the description allows.
   [[nodiscard]] Nanoseconds longest_dt() const noexcept {
     const Nanoseconds late = configuration_.longest() / max_substeps;
     return I != Interface::torque && late > dt() ? late : dt();
@@ -93,7 +93,7 @@ class RobotDescription {
   [[no_unique_address]] std::tuple<Parts...> parts_;
 };
 
-/// A robot's description whose joints are all of one kind.
+/// A description of a robot whose joints all have one interface.
 template <class R>
 concept DescribedRobot = requires(const R& robot) {
   robot.virtual_dynamics();
@@ -123,8 +123,8 @@ template <Real T = double, RobotModel M, class... Parts>
                                const Parts&... parts) {
   return detail::describe_robot<Interface::velocity, T>(model, configuration, parts...);
 }
-/// A robot that takes torques. It has no virtual robot: of the virtual dynamics it takes the viscous
-/// friction, which it then shows besides its own.
+/// A robot that takes torques. It has no virtual robot: of the virtual dynamics only the viscous friction is
+/// used, added to its own friction.
 template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_torque(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                              const Parts&... parts) {
@@ -137,11 +137,11 @@ template <Interface I, Real T = double, RobotModel M, class... Parts>
   return detail::describe_robot<I, T>(model, configuration, parts...);
 }
 
-/// What laws have in common with the robot that they are for, as `Cycle` compares it.
+/// The settings that laws share with their robot; `Cycle` compares them.
 template <std::size_t N, Real T>
 struct LawTerms {
   Nanoseconds dt;                          ///< longest planned time between two evaluations
-  VirtualDynamics<N, T> virtual_dynamics;  ///< of the robot that carries the torque
+  VirtualDynamics<N, T> virtual_dynamics;  ///< of the virtual robot, or of the robot by torque
 };
 
 SKINCTL_END_NAMESPACE

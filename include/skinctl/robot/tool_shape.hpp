@@ -1,4 +1,4 @@
-// Operational-space shaping: the virtual robot feels at its tool like a given mass with given friction.
+// Operational-space shaping: a given mass and friction of the virtual robot at its tool.
 #pragma once
 
 #include <array>
@@ -12,39 +12,42 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// No shape at the tool: the virtual robot has its model's inertia and what joints are given besides.
+/// No tool shape: the virtual robot has its model's inertia plus the virtual inertia of the joints.
 struct NoToolShape {};
 
-/// What a tool's shape makes of the virtual robot at a pose.
+/// The terms of a shaped virtual robot at one pose.
 template <std::size_t N, std::size_t Rows, Real T>
 struct ToolTerms {
   T J[Rows][N] = {};           ///< Jacobian of the tool, base axes
   MassMatrix<N, T> mass;       ///< M_v
-  MassMatrix<N, T> rest;       ///< M_rest, what of M_v the tool does not feel
+  MassMatrix<N, T> rest;       ///< M_rest, the part of M_v without effect on the tool
   MassMatrix<N, T> friction;   ///< J' D J + rest_decay M_rest
-  MassMatrix<N, T> implicit;   ///< h times the share of it that goes by the new velocity
+  MassMatrix<N, T> implicit;   ///< h times the share of `friction` that acts on the new velocity
   JointTorque<N, T> coriolis;  ///< C_v v
 };
 
-/// The virtual robot, at the point `X_LT` of link `L`, feels like the mass `Lambda` with the friction `D`:
-/// `Lambda dx'' + D dx' = F`, in every direction of translation (`Rows` 3) or of translation and rotation
-/// (6, linear first), along the axes of the base. What moves without moving the tool keeps the joints' shape.
+/// At the point `X_LT` of link `L` the virtual robot feels like the mass `Lambda` with the friction `D`:
+/// `Lambda dx'' + D dx' = F`, in every direction of translation (`Rows` 3) or of translation and rotation (6,
+/// linear first), along the axes of the base. Joint motions that do not move the tool keep their joint-space
+/// inertia.
 ///
-/// `M_v = J' Lambda J + M_rest`, `B_v = J' D J + rest_decay M_rest` (and the joints' viscous friction, which
-/// is felt besides). M_rest is the joint-space inertia `M_0 = M + diag(inertia)` less its part that the tool
-/// feels, `M_0 - J' (J M_0^-1 J')^-1 J`: it has no effect on the tool (dynamically consistent). Its Coriolis
-/// torque is `M_rest M_0^-1 C v + J' Lambda dJ v`: a free tool of one mass in all directions flies straight
-/// on.
+///     M_v    = J' Lambda J + M_rest
+///     B_v    = J' D J + rest_decay M_rest       (plus the joints' viscous friction, which is felt as well)
+///     M_rest = M_0 - J' (J M_0^-1 J')^-1 J,     M_0 = M + diag(inertia)
 ///
-/// **Singularities.** Where the tool moves with difficulty, `J' Lambda J` is next to nothing: felt as
-/// configured, the joints would have to fly. Each direction has a ratio rho, the configured mass to the one
-/// that the tool has of M_0. The shape's ratio is `rho + 1/(1 + (rho/a)^2)`, `a = (lightest/1.8)^1.5`: as
-/// configured to 5 % for rho >= 1.5 `lightest`, never less than `lightest`, and smoothly 1, the joints' own
-/// shape, where the tool cannot move that way at all. So M_v is positive definite and changes smoothly
-/// everywhere, and there is no branch: `Re (rho + i a)^-1` in one elimination.
+/// M_rest has no effect on the tool (dynamically consistent). Its Coriolis torque is
+/// `M_rest M_0^-1 C v + J' Lambda dJ v`: a free tool with the same mass in all directions moves in a straight
+/// line.
 ///
-/// A law that knows the robot's masses (`Y_r Theta`) knows M, not M_v: the shape is for laws that answer
-/// touch, and for springs. Constant matrices in base axes: a mass of rotation has no gyroscopic torque.
+/// **Singularities.** In a direction in which the tool hardly moves, `J' Lambda J` is almost zero: to feel as
+/// configured, the joints would need extreme speeds. Each direction has a ratio rho of the configured mass to
+/// the mass that M_0 has at the tool. The shaped ratio is `rho + 1/(1 + (rho/a)^2)`,
+/// `a = (lightest/1.8)^1.5`: as configured to 5 % for rho >= 1.5 `lightest`, never less than `lightest`, and
+/// smoothly 1, the joint-space inertia, where the tool cannot move at all. So M_v is positive definite and
+/// smooth everywhere, without a branch: `Re (rho + i a)^-1` in one elimination.
+///
+/// A law with a model of the masses (`Y_r Theta`) uses M, not M_v: the shape is for reactive laws and for
+/// springs. The matrices are constant in base axes: a rotational inertia has no gyroscopic torque.
 template <std::size_t L, std::size_t Rows = 6, Real T = double>
 class ToolShape {
   static_assert(Rows == 3 || Rows == 6, "translation (3), or translation and rotation (6)");
@@ -55,14 +58,14 @@ class ToolShape {
   static constexpr std::size_t rows = Rows;
   using Matrix = std::array<std::array<T, Rows>, Rows>;
   struct Settings {
-    Transform<Link<L>, Tool, T> X_LT = {};  ///< where on the link
+    Transform<Link<L>, Tool, T> X_LT = {};  ///< pose of the tool on the link
     Matrix mass = {};                       ///< Lambda: symmetric, positive definite [kg], [kg m^2]
     Matrix damping = {};                    ///< D: symmetric, positive semi-definite [N s/m], [N m s/rad]
-    T rest_decay = T(4);                    ///< of what moves without the tool [1/s], >= 0
-    T lightest = T(0.15);                   ///< least ratio of M_v to M_0 in any direction, 0.01 to 0.3
+    T rest_decay = T(4);                    ///< decay of joint motion that does not move the tool [1/s], >= 0
+    T lightest = T(0.15);                   ///< minimum ratio of M_v to M_0 in any direction, 0.01 to 0.3
   };
 
-  /// The matrix with these on its diagonal.
+  /// The diagonal matrix of these numbers.
   [[nodiscard]] static Matrix diagonal(const std::array<T, Rows>& values) noexcept {
     Matrix m{};
     for (std::size_t i = 0; i < Rows; ++i) m[i][i] = values[i];
@@ -96,16 +99,17 @@ class ToolShape {
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
-  /// The terms at the pose of `angles`, moving at `v`, where joints have the inertia `m0` and the torque
+  /// The terms at the pose of `angles` and the velocity `v`, for the joint inertia `m0` and the torque
   /// `coriolis` = C v. False if `m0` could not be factorised.
   ///
-  /// @param h  length of the sub-step [s], and @tparam Policy how friction is integrated over it.
+  /// @param h  length of the sub-step [s].
+  /// @tparam Policy  the integration of friction over the sub-step.
   template <class Policy, class M, class Angles, std::size_t N>
   [[nodiscard]] SKINCTL_NOINLINE bool terms(const M& model, const Angles& angles,
                                             const JointVelocity<N, T>& v, const MassMatrix<N, T>& m0,
                                             const JointTorque<N, T>& coriolis, const T& h,
                                             ToolTerms<N, Rows, T>& out) const noexcept;
-  /// M_v and the friction's matrix at `q`, to look at; `inertia` is what joints are given besides.
+  /// M_v and the friction matrix at `q`, for inspection; `inertia` is the virtual inertia of the joints.
   template <class M, std::size_t N>
   [[nodiscard]] SKINCTL_COLD ToolTerms<N, Rows, T> at(const M& model, const JointPosition<N, T>& q,
                                                       const JointTorque<N, T>& inertia = {}) const noexcept;
@@ -155,7 +159,7 @@ class ToolShape {
 
   Settings s_;
   Matrix root_;       ///< S, `S S' = Lambda`
-  T a_ = T(0);        ///< where the joints' own shape takes over
+  T a_ = T(0);        ///< ratio at which the joint-space inertia takes over
   T fastest_ = T(0);  ///< rate of the friction [1/s]
 };
 

@@ -1,4 +1,4 @@
-// What a virtual robot has besides the links of its model: inertia, damping and friction.
+// Inertia, damping and friction of a virtual robot besides the links of its model.
 #pragma once
 
 #include "skinctl/core/joint.hpp"
@@ -6,13 +6,13 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Virtual inertia and friction: `M_v = M + diag(inertia)`, friction
-/// `(diag(viscous) + damping M_v) v + coulomb sign(v)`. The virtual robot has them, and a tracking law holds
-/// against them (`Y_r Theta` contains `B dq_r`): both need the same. Zero by default.
+/// `(diag(viscous) + damping M_v) v + coulomb sign(v)`. The virtual robot has them, and a tracking law
+/// compensates them (`Y_r Theta` contains `B dq_r`), so both need the same values. Zero by default.
 template <std::size_t N, Scalar T = double>
 struct VirtualDynamics {
   JointTorque<N, T> viscous;  ///< per joint [N m s/rad], >= 0
   JointTorque<N, T> coulomb;  ///< per joint [N m], >= 0
-  JointTorque<N, T> inertia;  ///< per joint, as of a motor's rotor [kg m^2], >= 0
+  JointTorque<N, T> inertia;  ///< per joint, like a rotor's inertia [kg m^2], >= 0
   T damping = T(0);           ///< [1/s], >= 0: free motion dies out as exp(-damping t) in every direction
 };
 

@@ -157,6 +157,11 @@ class Skin {
     return i < cells ? i : cells;
   }
   [[nodiscard]] const SkinSettings& settings() const noexcept { return tables_.settings; }
+  /// Whether another skin has the same cells at the same places: it then understands this one's memory,
+  /// whatever its gains and gates.
+  [[nodiscard]] bool same_cells(const Skin& other) const noexcept {
+    return tables_.cells == other.tables_.cells;
+  }
 
  private:
   detail::SkinTables<T, patches> tables_;

@@ -35,9 +35,9 @@ SKINCTL_INLINE constexpr auto own_load(const LinkWrenches<M, Skinned, T>& wrench
 
 /// Writes `tau` for the subtree of link `I` and returns what the skin does to the subtree, about the
 /// parent's origin along the parent's axes. A subtree without skin is a typed zero: no code is left of it.
-template <std::size_t I, RobotModel M, class T, LinkMask A, LinkMask Skinned>
+template <std::size_t I, RobotModel M, class T, LinkMask A, Topology B, LinkMask Skinned>
 SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, T, A>& angles,
-                                           const LinkWrenches<M, Skinned, T>& wrenches, T* tau) noexcept {
+                                           const LinkWrenches<B, Skinned, T>& wrenches, T* tau) noexcept {
   if constexpr ((subtree<M>(I) & Skinned) == 0) {
     return Load{ZeroTriple{}, ZeroTriple{}};
   } else {
@@ -62,12 +62,14 @@ SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, 
 /// wrenches on each link.
 ///
 /// Joints behind the last link with skin get 0 and cost nothing. Relative error a few units in the last place
-/// times the number of joints, of the largest torque that occurs. `angles` must hold every joint on the way
+/// times the number of joints, of the largest torque that occurs. The skin of a model serves what derives from
+/// it (`Loaded`, `Mounted`) too. `angles` must hold every joint on the way
 /// to a link with skin. A NaN in a wrench gives NaN torques of the joints that carry it.
-template <RobotModel M, class T, LinkMask A, LinkMask Skinned>
+template <RobotModel M, class T, LinkMask A, Topology B, LinkMask Skinned>
+  requires std::is_base_of_v<B, M>
 [[nodiscard]] SKINCTL_INLINE constexpr JointTorque<M::joints, T> skin_torque(
     const M& model, const JointAngles<M, T, A>& angles,
-    const LinkWrenches<M, Skinned, T>& wrenches) noexcept {
+    const LinkWrenches<B, Skinned, T>& wrenches) noexcept {
   static_assert((closure<M>(Skinned) & ~all_links(JointAngles<M, T, A>::count)) == 0,
                 "the angles of a joint that carries skin are missing");
   JointTorque<M::joints, T> tau;
@@ -76,10 +78,11 @@ template <RobotModel M, class T, LinkMask A, LinkMask Skinned>
   });
   return tau;
 }
-template <RobotModel M, class T, LinkMask Skinned>
+template <RobotModel M, class T, Topology B, LinkMask Skinned>
+  requires std::is_base_of_v<B, M>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> skin_torque(
     const M& model, const JointPosition<M::joints, T>& q,
-    const LinkWrenches<M, Skinned, T>& wrenches) noexcept {
+    const LinkWrenches<B, Skinned, T>& wrenches) noexcept {
   return skin_torque(model, JointAngles<M, T, Skinned>(model, q), wrenches);
 }
 /// A robot without skin (an empty type in place of the wrenches) feels nothing.

@@ -1,5 +1,5 @@
-// What a law lacks, in one line, where a sum or a scene is built. What is wrong is replaced by a law that does
-// nothing, so that nothing else is said about it.
+// Errors for laws that violate the protocol: one line, at the point where a sum or a scene is built. A faulty
+// law is then replaced by one that does nothing, so that no further errors follow.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-// A member is found by its name, whatever its arguments: in a class that inherits the name twice it is
+// Detects a member by its name, whatever its arguments: in a class that inherits the name twice it is
 // ambiguous.
 struct NamesOfALaw {
   int start, torque, parts, advance, receive;
@@ -45,7 +45,7 @@ concept HasRole = requires {
 template <class L>
 concept IsMadeOfLaws = requires { typename L::Laws; };
 
-/// The joints of the robot that a law says it is for; 0: it does not say.
+/// Number of the robot's joints as the law declares it; 0 if it declares none.
 template <class L>
 constexpr std::size_t joints_of_law() noexcept {
   if constexpr (requires { L::joints; }) {
@@ -54,14 +54,14 @@ constexpr std::size_t joints_of_law() noexcept {
     return 0;
   }
 }
-/// Of several laws, what the first says that does.
+/// The first declared number of joints of several laws.
 template <class... L>
 constexpr std::size_t joints_of_laws() noexcept {
   std::size_t found = 0;
   ((found = found > 0 ? found : joints_of_law<L>()), ...);
   return found;
 }
-/// Whether two of them say different joints.
+/// Whether two laws declare different numbers of joints.
 template <class A, class B>
 inline constexpr bool are_for_two_robots =
     joints_of_law<A>() != 0 && joints_of_law<B>() != 0 && joints_of_law<A>() != joints_of_law<B>();
@@ -75,7 +75,7 @@ struct ScalarOfLaw<L, T> {
   using type = typename L::scalar;
 };
 
-/// What can be wrong with a law.
+/// The possible faults of a law.
 enum class LawFault {
   none,
   no_memory,
@@ -103,13 +103,13 @@ enum class LawFault {
   receive_arguments,
   receive_result
 };
-/// Which law it is, and what is wrong with it.
+/// A law and its fault.
 template <LawFault F, class L>
 struct Found {
   static constexpr LawFault fault = F;
   using Law = L;
 };
-/// The Goal of a law that has one.
+/// The `Goal` of a law that has one.
 template <class L>
 struct GoalOfLaw {};
 template <class L>
@@ -117,7 +117,7 @@ template <class L>
 struct GoalOfLaw<L> {
   using Goal = typename L::Goal;
 };
-/// Stands for a law that is wrong, after the error about it: does nothing, and takes whatever it is made of.
+/// Replaces a faulty law after its error: does nothing, and accepts any constructor arguments.
 template <class L>
 struct HeldByLaw {};
 template <class L>
@@ -160,8 +160,9 @@ struct WrongLaw : Composable, GoalOfLaw<L>, HeldByLaw<L> {
   }
 };
 
-/// Says it: an error for a fault. It stands in a `static_assert` of what a user calls: said once, and with few
-/// lines about where. (Whatever is read from a class with an error is one more error to Clang.)
+/// Raises the error for a fault. Used in a `static_assert` of the function that a user calls, so that the
+/// error appears once, with few lines of context. (Reading any member of a class with an error is one more
+/// error in Clang.)
 template <LawFault F, class L>
 struct Say {
   using enum LawFault;
@@ -204,7 +205,7 @@ struct Say {
                 "receive(memory, known, goal) of this law does not return a Received<Memory>");
 };
 
-/// What a law lacks, as far as that does not depend on a robot.
+/// The faults of a law that do not depend on a robot.
 template <class L>
 consteval LawFault fault_in_members() {
   if constexpr (!HasMemory<L>) {
@@ -230,7 +231,7 @@ consteval LawFault fault_in_members() {
   }
 }
 
-/// Whether a law says that it is for other robots than one of `N` joints in the scalar `T`.
+/// Whether a law declares robots other than those of `N` joints in the scalar `T`.
 template <class L, std::size_t N, class T>
 consteval LawFault fault_for_robot() {
   constexpr Needs needs = L::needs;
@@ -285,8 +286,8 @@ consteval LawFault fault_in_torque(const L* law, const typename L::Memory* m, co
   }
 }
 
-/// Whether a law's functions take what is known of a robot, and return what they should.
-/// @tparam Part  it is part of a sum, which weighs the parts of its torque.
+/// Whether a law's functions take the known state of a robot and return the required types.
+/// @tparam Part  the law is part of a sum, which weights the parts of its torque.
 template <class L, class K, bool Part>
 consteval LawFault fault_in_functions(const L* law, const typename L::Memory* m, const K* known,
                                       const typename K::scalar* dt) {
@@ -320,7 +321,7 @@ consteval LawFault fault_in_functions(const L* law, const typename L::Memory* m,
   }
 }
 
-/// The first of several findings that is one.
+/// The first fault in a list of findings.
 template <class L>
 constexpr Found<LawFault::none, L> first_found() {
   return {};
@@ -334,7 +335,7 @@ constexpr auto first_found(F found, Rest... rest) {
   }
 }
 
-/// What a law lacks, the laws that it is made of first.
+/// The fault of a law; the laws of which it is made are checked first.
 template <class L>
 constexpr auto find_in_members();
 template <class... L>
@@ -350,7 +351,7 @@ constexpr auto find_in_members() {
     return own;
   }
 }
-/// The same of what it says about its robots.
+/// The same for the robots that it declares.
 template <class L, std::size_t N, class T>
 constexpr auto find_for_robot();
 template <std::size_t N, class T, class... L>
@@ -366,7 +367,7 @@ constexpr auto find_for_robot() {
     return Found<fault_for_robot<L, N, T>(), L>();
   }
 }
-/// The same of its functions, for what is known in a scene.
+/// The same for its functions, with the known state of a scene.
 template <class L, class K, bool Part>
 constexpr auto find_in_functions();
 template <class K, class... L>
@@ -391,7 +392,7 @@ constexpr auto find_in_functions() {
   }
 }
 
-/// `L`, if it has what every law has, or a law that does nothing.
+/// `L` if it has no fault, else a law that does nothing.
 template <class L>
 using complete_law = std::conditional_t<fault_in_members<L>() == LawFault::none, L, WrongLaw<L>>;
 }  // namespace detail

@@ -25,7 +25,7 @@ struct LaneTypes {
   using Word = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
   typedef T Vector __attribute__((vector_size(W * sizeof(T))));
   typedef Word Bits __attribute__((vector_size(W * sizeof(T))));
-  /// The vector wherever an array of `T` stands. GCC keeps what `memcpy` of 32 bytes touches in memory.
+  /// The vector at the alignment of `T`. GCC keeps the operands of a `memcpy` of 32 bytes in memory.
   typedef T Anywhere __attribute__((vector_size(W * sizeof(T)), aligned(alignof(T)), may_alias));
 };
 template <class T>
@@ -41,7 +41,7 @@ using LaneVector = typename LaneTypes<T, W>::Vector;
 /// Unsigned integers as wide as `T`, one per lane.
 template <class T, std::size_t W>
 using LaneBits = typename LaneTypes<T, W>::Bits;
-/// What a comparison of two vectors gives: bool for one lane, else all bits set or none.
+/// The result of comparing two vectors: bool for one lane, else all bits set or none.
 template <class T, std::size_t W>
 using LaneCompare = decltype(LaneVector<T, W>{} < LaneVector<T, W>{});
 
@@ -65,7 +65,7 @@ template <class T, std::size_t W>
   }(std::make_index_sequence<W>{});
 }
 
-/// The lanes from `first` on, half as many.
+/// Half of the lanes, from `first` on.
 template <class T, std::size_t W>
 [[nodiscard]] SKINCTL_INLINE LaneVector<T, W / 2> half(LaneVector<T, W> v,
                                                        std::integral_constant<std::size_t, 0>) noexcept {
@@ -98,7 +98,7 @@ template <class T, std::size_t W>
 }
 
 /// Whether a comparison holds in some lane. From the signs of the lanes where the target can collect them:
-/// of an `or` of the halves compilers make three times as many instructions.
+/// combining the halves with `or` takes three times as many instructions.
 template <class Bits>
 [[nodiscard]] SKINCTL_INLINE bool any_bit(Bits bits) noexcept {
 #if defined(__AVX__)

@@ -1,4 +1,4 @@
-// What may be a number of a robot at all: finite, and of a size that arithmetic with it stays finite.
+// Plausible measurements: finite, and small enough that arithmetic with them stays finite.
 #pragma once
 
 #include "skinctl/core/command.hpp"
@@ -8,7 +8,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Positions beyond this [rad] and speeds beyond its thousandfold are no measurements.
+/// Larger positions [rad], and speeds above a thousand times this number [rad/s], are no measurements.
 inline constexpr double plausible = 1e4;
 
 /// Whether all of `x` lies within +-`limit`; false for NaN.

@@ -1,4 +1,4 @@
-// One number per joint as a value that is computed in lanes.
+// Row: one number per joint, computed in lanes.
 #pragma once
 
 #include <bit>
@@ -11,9 +11,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// How `N` numbers are cut into blocks of `width`; the last holds `last` of them, and what there is beside
-/// them means nothing. Loads and stores touch each number once: a processor forwards a store to the load that
-/// has the same place and size, and stalls where blocks overlap.
+/// Division of `N` numbers into blocks of `width`. The last block holds `last` numbers; its other lanes are
+/// undefined. Loads and stores touch each number once: a processor forwards a store to a load of the same
+/// place and size, and stalls where blocks overlap.
 template <std::size_t N, Real T>
 struct RowShape {
   static constexpr bool wide = std::same_as<T, float> || std::same_as<T, double>;
@@ -29,7 +29,7 @@ struct RowShape {
   using Block = std::conditional_t<wide, Lane<T, width>, T>;
   using Mask = decltype(std::declval<Block>() < std::declval<Block>());
 
-  /// Two floats as one word: as a vector of two GCC moves them about once more.
+  /// Two floats as one word: GCC adds moves for a vector of two.
   typedef std::uint64_t Word __attribute__((may_alias, aligned(4)));
   typedef std::uint64_t Pair __attribute__((vector_size(16)));
 
@@ -92,7 +92,7 @@ struct RowShape {
   }
 };
 
-/// Which numbers of a row a comparison holds for.
+/// The result of comparing rows, number by number.
 template <std::size_t N, Real T>
 class RowMask {
  public:
@@ -119,7 +119,7 @@ class RowMask {
     }
   }
   [[nodiscard]] friend SKINCTL_INLINE bool all(const RowMask& a) noexcept { return !any(!a); }
-  /// Bit i: whether it holds for number i, i < 64.
+  /// Bit i holds the result for number i, i < 64.
   [[nodiscard]] SKINCTL_INLINE std::uint64_t bits() const noexcept {
     std::uint64_t out = 0;
     for (std::size_t i = 0; i < N; ++i)
@@ -134,9 +134,9 @@ class RowMask {
   }
 };
 
-/// `N` numbers, one per joint, without their kind: for the loops over joints inside one function. Every
-/// operation is that of the plain number, joint by joint; NaN and comparisons behave the same. What compilers
-/// make of a loop with choices in it is a branch or a flag per joint; this is one instruction for four.
+/// `N` numbers, one per joint, without their kind: for loops over joints inside one function. Every operation
+/// is that of the plain number, joint by joint; NaN and comparisons behave the same. Compilers turn a loop
+/// with conditions into a branch or a flag per joint; a row takes one instruction for four joints.
 template <std::size_t N, Real T>
 class Row {
  public:
@@ -229,7 +229,7 @@ Row(const JointVector<Kind, N, T>&) -> Row<N, T>;
 
 }  // namespace detail
 
-/// A row is computed on as a lane is: sums with compensation take both.
+/// A row is a scalar like a lane: compensated sums accept both.
 template <std::size_t N, class T>
 inline constexpr bool is_lane<detail::Row<N, T>> = true;
 

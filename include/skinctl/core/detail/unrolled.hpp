@@ -10,9 +10,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Calls `f(0)` to `f(N - 1)`, the index an integral constant. Compilers unroll a loop of known length too,
-/// but only after they have decided that the arrays it walks through stay in memory, and GCC cuts it into
-/// vectors before: their loads then wait for the scalar stores of those who wrote the array.
+/// Calls `f(0)` to `f(N - 1)`, the index an integral constant. Compilers also unroll a loop of known length,
+/// but only after deciding that its arrays stay in memory; GCC vectorises it before, and its vector loads
+/// then wait for the scalar stores that filled the array.
 template <std::size_t N, class F>
 SKINCTL_INLINE constexpr void unrolled(F&& f) {
   [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
@@ -20,8 +20,7 @@ SKINCTL_INLINE constexpr void unrolled(F&& f) {
   }(std::make_index_sequence<N>{});
 }
 
-/// The same up to the joints of a hand; beyond, straight-line code costs the compiler more than it gives, and
-/// it is a loop.
+/// The same up to the joints of a hand; a loop beyond, where straight-line code costs too much compile time.
 template <std::size_t N, class F>
 SKINCTL_INLINE constexpr void for_each_index(F&& f) {
   if constexpr (N <= 16) {

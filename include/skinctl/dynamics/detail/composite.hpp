@@ -1,4 +1,4 @@
-// Composite rigid bodies: the mass, first and second moments of a whole subtree, carried from link to parent.
+// Composite rigid bodies: the mass, first and second moments of a whole subtree, passed from link to parent.
 #pragma once
 
 #include "skinctl/dynamics/detail/recursion.hpp"
@@ -7,7 +7,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// Mass, first moment h = m c and second moments S = integral r r' dm about a frame's origin, in its axes.
-/// Moments of mass rather than of inertia: they shift without a trace term.
+/// Second moments of mass rather than of inertia: they shift without a trace term.
 template <class Mass, class H, class XX, class YY, class ZZ, class XY, class XZ, class YZ>
 struct Composite {
   Mass mass;
@@ -47,7 +47,7 @@ SKINCTL_INLINE constexpr auto link_composite(const M& model) noexcept {
                    model.template number<I, P::s_yz, T>() + h.y * c.z};
 }
 
-/// Second moments turned about z: `Rz S Rz'`.
+/// Second moments rotated about z: `Rz S Rz'`.
 template <class Turn, class C>
 SKINCTL_INLINE constexpr auto turn_moments_z(const Turn& t, const C& b) noexcept {
   const auto u = t.cos * b.xx - t.sin * b.xy;
@@ -62,7 +62,7 @@ SKINCTL_INLINE constexpr auto turn_moments_z(const Turn& t, const C& b) noexcept
                    t.cos * b.xz - t.sin * b.yz,
                    t.sin * b.xz + t.cos * b.yz};
 }
-/// Second moments turned about x: `Rx S Rx'`.
+/// Second moments rotated about x: `Rx S Rx'`.
 template <class Turn, class C>
 SKINCTL_INLINE constexpr auto turn_moments_x(const Turn& t, const C& b) noexcept {
   const auto u = t.cos * b.yy - t.sin * b.yz;
@@ -77,9 +77,9 @@ SKINCTL_INLINE constexpr auto turn_moments_x(const Turn& t, const C& b) noexcept
                    t.sin * b.xy + t.cos * b.xz,
                    t.sin * u + t.cos * v};
 }
-/// A link with one more subtree on it, which is given in the frame that `frame` places in the link. What does
-/// not depend on the subtree's motion is added up first: the chain from the tips to the base waits for two
-/// operations a link besides the turns.
+/// A link plus one more subtree, which is given in the frame that `frame` places in the link. Terms that do
+/// not depend on the subtree's motion are summed first, so that the critical path from the tips to the base
+/// has two operations a link besides the rotations.
 template <class Own, class Frame, class C>
 SKINCTL_INLINE constexpr auto carrying(const Own& own, const Frame& frame, const C& subtree) noexcept {
   const auto b =

@@ -1,4 +1,4 @@
-// The motion of every link, out from the base, with whatever an algorithm carries along.
+// The motion of every link, from the base to the tips, with additional data of an algorithm.
 #pragma once
 
 #include "skinctl/dynamics/detail/recursion.hpp"
@@ -6,8 +6,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// What decides the wrench of a link, in its own axes: `E` with the acceleration `a + E r` of its point at r,
-/// both for the reference motion and with minus gravity in `a`.
+/// The motion that determines the wrench of a link, in its own axes: `E` and `a`, where `a + E r` is the
+/// acceleration of its point at r; both for the reference motion, with minus gravity in `a`.
 template <Scalar T>
 struct LinkMotion {
   Xyz<T> w, w_r, alpha, a;
@@ -23,7 +23,7 @@ struct MotionInput {
   const T* ddq_r;
 };
 
-/// The motion of a link as its parent carries it, before its own joint adds to it; without spin.
+/// The motion of a link as carried by its parent, before its own joint adds to it; without spin.
 template <class Frame, Scalar T>
 SKINCTL_INLINE LinkMotion<T> carried_motion(const Frame& frame, const LinkMotion<T>& parent) noexcept {
   return {dense<T>(frame.to_link(parent.w)),
@@ -38,7 +38,7 @@ SKINCTL_INLINE Spin<Xyz<T>, Xyz<T>, Xyz<T>> dense_spin(const LinkMotion<T>& m) n
   return {dense<T>(spin.x), dense<T>(spin.y), dense<T>(spin.z)};
 }
 
-/// The motion of link `I` from that of its parent. Dense, so that all links of a chain share the same types.
+/// The motion of link `I` from that of its parent. Dense, so that all links of a chain have the same types.
 template <std::size_t I, class Input, class Frame, Scalar T>
 SKINCTL_INLINE LinkMotion<T> motion_of(const Input& in, const Frame& frame,
                                        const LinkMotion<T>& parent) noexcept {
@@ -56,7 +56,7 @@ SKINCTL_INLINE LinkMotion<T> motion_of(const Input& in, const Frame& frame,
   return m;
 }
 
-/// The base at rest, which gravity lets seem to rise.
+/// The base at rest; gravity enters as an upward acceleration.
 template <Scalar T, RobotModel M>
 SKINCTL_INLINE LinkMotion<T> motion_of_base(const M& model) noexcept {
   const Xyz<T> zero{T(0), T(0), T(0)};

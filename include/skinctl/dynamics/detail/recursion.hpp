@@ -1,5 +1,5 @@
-// One pass out and back over a tree: the recursion behind inverse dynamics, Y_r Theta, C dq and their
-// relatives.
+// One pass over a tree from the base to the tips and back: the recursion of inverse dynamics, Y_r Theta, C dq
+// and related products.
 #pragma once
 
 #include "skinctl/kinematics/joint_frame.hpp"
@@ -7,8 +7,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Per-joint numbers of a recursion, read by compile-time index. `NoValues` are typed zeros: what they
-/// multiply vanishes.
+/// Per-joint numbers of a recursion, read by compile-time index. `NoValues` are typed zeros: their products
+/// vanish.
 template <Scalar T>
 struct Values {
   const T* data;
@@ -32,8 +32,8 @@ struct UnitValue {
   }
 };
 
-/// The 3 x 3 matrix `E = [alpha]x + w w_r' - (w . w_r) 1`, so that `E r = alpha x r + w_r x (w x r)`: the
-/// acceleration, relative to the link's origin, of the point at `r`. Rows.
+/// The 3 x 3 matrix `E = [alpha]x + w w_r' - (w . w_r) 1`, by rows. `E r = alpha x r + w_r x (w x r)` is the
+/// acceleration, relative to the link's origin, of the point at `r`.
 template <class X, class Y, class Z>
 struct Spin {
   X x;
@@ -75,8 +75,8 @@ SKINCTL_INLINE constexpr auto centre_of_mass(const M& model) noexcept {
 }
 
 /// `m (a + E c)` and the moment `integral r x (E r) dm + c x f`. With second moments S about the centre of
-/// mass the integral has the components `(E S)_zy - (E S)_yz` and so on: six products when S is diagonal, and
-/// exactly Christoffel's C, because every mass point contributes `J^T dJ`.
+/// mass the integral has the components `(E S)_zy - (E S)_yz` and so on: six products when S is diagonal. C
+/// is then exactly Christoffel's, because every mass point contributes `J^T dJ`.
 template <std::size_t I, Scalar T, RobotModel M, class E, class A>
 SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, const A& a) noexcept {
   using P = LinkParameter;
@@ -98,7 +98,7 @@ SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, con
   return ForceMoment{by_component(f), n + cross(c, f)};
 }
 
-/// The bodies of the model itself: what the recursion asks for the wrench of a link.
+/// The links of the model itself, from which the recursion computes wrenches.
 template <RobotModel M>
 struct ModelBodies {
   const M& model;
@@ -108,7 +108,7 @@ struct ModelBodies {
   }
 };
 
-/// Everything that the recursion reads, and where it writes.
+/// The inputs and outputs of the recursion.
 template <class M, class Bodies, class Angles, class V, class R, class A, class T>
 struct Recursion {
   const M& model;
@@ -173,7 +173,7 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
   return ForceMoment{by_component(f), frame.to_parent(total.n) + cross(frame.p, f)};
 }
 
-/// Runs the recursion from the base over links with the given bodies; `a0` is the acceleration of the base
+/// Runs the recursion from the base over links with the given inertias; `a0` is the acceleration of the base
 /// (minus gravity, or typed zeros).
 template <Scalar T, RobotModel M, class Bodies, class Angles, class V, class R, class A, class L>
 SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& bodies, const Angles& angles,
@@ -186,7 +186,7 @@ SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& b
     static_cast<void>(subtree_wrench<child.value>(c, zero, zero, zero, spin, a0));
   });
 }
-/// The same over the model's own bodies.
+/// The same with the model's own links.
 template <Scalar T, RobotModel M, class Angles, class V, class R, class A, class L>
 SKINCTL_INLINE constexpr void run_recursion(const M& model, const Angles& angles, const V& dq, const R& dq_r,
                                             const A& ddq_r, const L& a0, T* tau) noexcept {

@@ -1,5 +1,4 @@
-// The functions of an angle behind exp and log of a rotation, accurate at every length of the rotation
-// vector.
+// Functions of an angle for exp and log of a rotation, accurate at every length of the rotation vector.
 #pragma once
 
 #include <cmath>
@@ -26,8 +25,8 @@ template <Real T>
   return {s * cos(half), T(0.5) * s * s};
 }
 
-/// Terms of the alternating series below that reach the rounding error of `T` for arguments up to 1: their
-/// k-th term is smaller than 1 / (2k)!.
+/// Number of terms of the alternating series below that reach the rounding error of `T` for arguments up to
+/// 1: their k-th term is smaller than 1 / (2k)!.
 template <Real T>
 [[nodiscard]] constexpr int series_terms() noexcept {
   int k = 1;
@@ -48,8 +47,11 @@ template <Real T>
   return T(sum / T(6));
 }
 
-/// `(1 - (a/2) cot(a/2)) / a^2` for `a = |phi|`; 1/12 at 0. With h = a/2 it is `((sin h - h cos h) / h^3) /
-/// (4 sin(h) / h)`, whose numerator has a series that does not cancel.
+/// `(1 - (a/2) cot(a/2)) / a^2` for `a = |phi|`; 1/12 at 0. With h = a/2 it is
+///
+///     ((sin h - h cos h) / h^3) / (4 sin(h) / h),
+///
+/// whose numerator has a series without cancellation.
 template <Real T>
 [[nodiscard]] T inverse_factor(const Xyz<T>& phi) noexcept {
   using std::cos;
@@ -71,8 +73,8 @@ struct Quaternion {
   Xyz<T> v;
 };
 
-/// The unit quaternion of three axes, `w >= 0`, over a component of at least 1/2 (Shepperd 1978): no small
-/// divisor.
+/// The unit quaternion of three axes, `w >= 0`, divided by a component of at least 1/2 (Shepperd 1978), never
+/// by a small number.
 template <Real T>
 [[nodiscard]] Quaternion<T> unit_quaternion(const Xyz<T>& x, const Xyz<T>& y, const Xyz<T>& z) noexcept {
   using std::sqrt;

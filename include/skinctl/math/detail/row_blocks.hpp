@@ -1,4 +1,4 @@
-// How a row of N numbers is cut into lanes.
+// Division of a row of N numbers into lanes.
 #pragma once
 
 #include <cstddef>
@@ -12,16 +12,16 @@ namespace math::detail {
 template <class T>
 inline constexpr bool has_kernel = std::is_same_v<T, float> || std::is_same_v<T, double>;
 
-/// Single numbers and rows that are too short for the register go through 16 bytes.
+/// Single numbers, and rows shorter than the register, use 16 bytes.
 template <class T>
 inline constexpr std::size_t narrow_lanes = native_lanes<T> == 1 ? 1 : 16 / sizeof(T);
 
-/// As many lanes as fit the register and the row.
+/// The number of lanes that fits both the register and the row.
 template <class T, std::size_t N>
 inline constexpr std::size_t row_lanes = N >= native_lanes<T> ? native_lanes<T> : narrow_lanes<T>;
 
-/// How many such lanes cover the row, and where lane `block` starts. The last one overlaps the one before, so
-/// that none is partly filled: six numbers in lanes of four are 0..3 and 2..5.
+/// The number of such lanes that covers the row, and the start of lane `block`. The last lane overlaps the
+/// one before, so that none is partly filled: six numbers in lanes of four are 0..3 and 2..5.
 template <class T, std::size_t N>
 inline constexpr std::size_t row_blocks = (N + row_lanes<T, N> - 1) / row_lanes<T, N>;
 template <class T, std::size_t N>

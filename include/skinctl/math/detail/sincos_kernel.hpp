@@ -56,7 +56,7 @@ SKINCTL_INLINE void sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos
                                SKINCTL_INLINE_LAMBDA { return skinctl::detail::to_bits<T, W>(y.vector()); };
   constexpr Word sign = skinctl::detail::sign_bit<T>;
 
-  // The sum has no digits behind the point, and the count of quarter turns in its lowest bits.
+  // The rounded sum has no fraction; its lowest bits count the quarter turns.
   const L turns = x * L(Table::two_over_pi) + L(Table::round_to_integer);
   const L k = turns - L(Table::round_to_integer);
   L r = x - k * L(Table::half_pi[0]);
@@ -67,8 +67,8 @@ SKINCTL_INLINE void sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos
   const L sin_r = r + (r * z) * polynomial(z, Table::sin);
   const L cos_r = L(T(1)) + z * polynomial(z, Table::cos);
 
-  // Odd quadrants swap, bits do it: no branch, and no blend that only some instruction sets have. The sign of
-  // r is what the sum above loses at -0.
+  // Odd quadrants swap sine and cosine, by bit operations: no branch, and no blend, which some instruction
+  // sets lack. The sum above loses the sign of -0, so the sign is taken from r.
   constexpr Word one = 1;
   constexpr int to_sign = 8 * sizeof(T) - 2;
   const Bits quadrant = to_bits(turns);
@@ -79,7 +79,7 @@ SKINCTL_INLINE void sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos
   cos = skinctl::detail::to_lane<T, W>(c ^ swapped ^ (((quadrant + one) << to_sign) & sign));
 }
 
-/// Replaces the results of those arguments that the polynomial does not serve. Cold: no joint angle.
+/// Recomputes the results of arguments beyond the polynomial's limit. Cold: joint angles are within it.
 template <class T>
 [[gnu::cold, gnu::noinline]] inline void sincos_beyond(const T* x, T* sin, T* cos, std::size_t n) noexcept {
   for (std::size_t i = 0; i < n; ++i) {
@@ -89,7 +89,8 @@ template <class T>
   }
 }
 
-/// The same of `B` lanes. What is handed to a function stays in memory for good: that is a copy here.
+/// The same for `B` lanes. Function arguments passed by address stay in memory; the copy keeps the originals
+/// in registers.
 template <class T, std::size_t W, std::size_t B>
 SKINCTL_INLINE void sincos_beyond(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B],
                                   Lane<T, W> (&cos)[B]) noexcept {
@@ -103,7 +104,7 @@ SKINCTL_INLINE void sincos_beyond(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B]
   });
 }
 
-/// Sines and cosines of `B` lanes, whatever stands in them.
+/// Sines and cosines of `B` lanes, for any arguments.
 template <class T, std::size_t W, std::size_t B>
 SKINCTL_INLINE void sincos_lanes(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B],
                                  Lane<T, W> (&cos)[B]) noexcept {

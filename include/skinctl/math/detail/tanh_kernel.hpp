@@ -10,8 +10,8 @@ SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {
 
 /// Constants by type. `half_ln2` is ln(2) / 2 in two parts, the first so short that its product with k is
-/// exact. The polynomial is minimax on |h| <= 0.1734, rounded coefficient by coefficient: tanh h = h + h^3
-/// p(h^2).
+/// exact. The polynomial is minimax on |h| <= 0.1734, rounded coefficient by coefficient:
+/// `tanh h = h + h^3 p(h^2)`.
 template <class T>
 struct TanhTable;
 
@@ -39,8 +39,11 @@ struct TanhTable<float> {
 };
 
 /// With |x| = k ln(2)/2 + h, a = 2^k and w = tanh h, e^(2|x|) = a (1 + w) / (1 - w), so that
-/// tanh |x| = ((a - 1) + (a + 1) w) / ((a + 1) + (a - 1) w), which is w itself for k = 0. From k = 3 on the
-/// difference to 1 is divided instead: its error shrinks as the slope does, and the function stays monotonic.
+///
+///     tanh |x| = ((a - 1) + (a + 1) w) / ((a + 1) + (a - 1) w),
+///
+/// which is w itself for k = 0. From k = 3 on the division gives the difference to 1 instead: its error
+/// shrinks with the slope, and the function stays monotonic.
 template <class T, std::size_t W>
 [[nodiscard]] SKINCTL_INLINE Lane<T, W> tanh_kernel(Lane<T, W> x) noexcept {
   using Table = TanhTable<T>;

@@ -161,6 +161,44 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
   return {m.command, status, shares, {}};
 }
 
+SKINCTL_RESOLVER
+template <class L, class Touch, class Check>
+SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::lacking(
+    const Memory& m, const State<joints, T>&, const Interval& interval, const Check&,
+    const detail::Asked<Resolver, L, Touch>& before,
+    const detail::Asked<Resolver, L, Touch>& next) const noexcept -> JointTorque<joints, T> {
+  if (!m.started || m.stop || m.mode != ResolverMode::following) return {};
+  const T h = interval.substeps == 0 ? planned_step() : seconds<T>(interval.at(1) - interval.at(0));
+  const ContactDamping<joints, T>* damping = nullptr;
+  if constexpr (has_damper) damping = &m.keeper.template of<ContactDamper<T>>().damping;
+  const State<joints, T> here = state(m);
+  const auto asks = [&](const auto& who, auto&& use) {
+    const Knows<L, Touch> known(who.robot.model_, here, h, who.touch);
+    return use(torque_of(who.law, who.memory, known), [&](const Torque& tau) {
+      return detail::step_velocity<Integrator>(known, who.robot.parameters().shape, false, tau, {}, m.last,
+                                               damping, who.robot.tool_)
+          .velocity;
+    });
+  };
+  const Velocity wanted = asks(before, [&](const Torque& tau, const auto& moved) {
+    return moved(parameters().limits.within(tau, m.v));
+  });
+  return asks(next, [&](const Torque& tau, const auto& moved) {
+    const Velocity given = moved(tau);
+    T slope[joints * joints], difference[joints];
+    for (std::size_t j = 0; j < joints; ++j) {
+      Torque more = tau;
+      more[j] += T(1);
+      const Velocity there = moved(more);
+      for (std::size_t i = 0; i < joints; ++i) slope[i * joints + j] = there[i] - given[i];
+      difference[j] = wanted[j] - given[j];
+    }
+    Torque lacks;
+    math::Lu<joints, T>(slope).solve(difference, lacks.data);
+    return lacks;
+  });
+}
+
 #undef SKINCTL_RESOLVER
 #undef SKINCTL_RESOLVER_CLASS
 

@@ -1,4 +1,4 @@
-// What a tool's shape makes of the virtual robot: what tool_shape.hpp declares.
+// The terms of a shaped virtual robot: definitions for tool_shape.hpp.
 #pragma once
 
 #include "skinctl/robot/tool_shape.hpp"
@@ -42,7 +42,7 @@ SKINCTL_NOINLINE bool ToolShape<L, Rows, T>::terms(const M& model, const Angles&
   }
   detail::real_of_inverse(mobility, a_, Z);
 
-  // M_rest = M_0 - W' Z W, and with friction beside it.
+  // M_rest = M_0 - W' Z W, and the matrix that includes its friction.
   const T rate = s_.rest_decay, rest_weight = T(1) + Policy::weight(T(h * rate)) * h * rate;
   const T weight = Policy::weight(T(h * fastest_));
   for (std::size_t i = 0; i < N; ++i) {

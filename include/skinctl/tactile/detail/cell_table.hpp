@@ -45,6 +45,7 @@ struct alignas(32) CellEntry {
   std::uint32_t patch = 0;  ///< whose sums it adds to
   std::uint32_t slot = 0;   ///< of its link in the link wrenches
 
+  friend bool operator==(const CellEntry&, const CellEntry&) noexcept = default;
   /// `wrench += factor unit`.
   template <Real T>
   SKINCTL_INLINE void add_to(T* wrench, const T& factor) const noexcept {
@@ -100,6 +101,7 @@ class CellTable {
   SKINCTL_INLINE std::size_t index(std::uint32_t id) const noexcept {
     return id < index_.size() ? index_[id] : none;
   }
+  friend bool operator==(const CellTable&, const CellTable&) noexcept = default;
   SKINCTL_INLINE const CellEntry& operator[](std::size_t i) const noexcept { return entries_[i]; }
 
  private:

@@ -1,0 +1,226 @@
+// Gains, payload and tool that change while a scene runs, without a jump.
+#pragma once
+
+#include <array>
+
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/detail/carrying_law.hpp"
+#include "skinctl/math/lu.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The input of a scene with several configurations.
+template <std::size_t N, Scalar T = double, class Goal = NoGoal>
+struct ConfiguredInput : CycleInput<N, T, Goal> {
+  /// Number of the configuration that acts from this cycle on.
+  std::uint32_t configuration = 0;
+};
+
+namespace detail {
+template <class... C>
+struct OtherTypes {};
+template <class C>
+struct CarryingScene {
+  static_assert(!std::is_same_v<C, C>, "Configurations: of Cycles");
+};
+template <class R, class L, class S, class G, class O>
+struct CarryingScene<Cycle<R, L, S, G, O>> {
+  using Law = CarryingLaw<R::joints, typename Cycle<R, L, S, G, O>::law_type, typename R::scalar>;
+  using type = Cycle<R, Law, S, G, O>;
+  static constexpr bool one_interface = has_one_interface<R>;
+};
+/// A change from the configuration `before`.
+template <class Scene, class LawMemory>
+struct ChangeFrom {
+  const Scene* before;  ///< null: none, after all
+  const LawMemory& memory;
+
+  template <class Memory, class Receive>
+  Status receive(const Scene& now, Memory& m, const Receive& goal) const noexcept {
+    if (before == nullptr) return goal();
+    now.restart(m);
+    const Status status = goal();
+    if (status.has(Reason::goal_refused)) m.law = memory;
+    return status;
+  }
+  template <class Memory, class State>
+  void carry(const Scene& now, Memory& m, const State& measured, const Interval& interval) const noexcept {
+    if (before == nullptr) return;
+    now.carry_from(*before, memory, m, measured, interval);
+  }
+};
+/// The stopwatch of a cycle that began before its scene's step.
+template <class Watch>
+struct BegunWatch {
+  Watch& watch;
+  SKINCTL_INLINE void begin() noexcept {}
+  SKINCTL_INLINE void end(CycleStage stage) noexcept { watch.end(stage); }
+};
+}  // namespace detail
+
+/// Several configurations of one scene, one of which acts: other gains, skin gains, payload, tool. The number
+/// of the one that acts is part of the input, so it is recorded and replayed like any other.
+///
+///     const auto scene = [&](const LinkInertia& load) {
+///       return Cycle(by_position(Loaded<ur5::Model, 5>(ur5::Model{}, load), config), skin, law);
+///     };
+///     const Configurations cycle(scene({}), scene(part));  // in place of a Cycle: run_loop, Recording, replay
+///     input.configuration = 1;                             // from this cycle on, until it is set again
+///
+/// **No jump.** All configurations share one memory: the virtual state, the plans and clocks of the laws, the
+/// skin's readings and what the guard knows go on. What the new law asks for differently is carried out by
+/// the quintic over `transfer` (`Reason::bumpless_transfer` meanwhile):
+///
+///     tau_out = tau + (1 - a1((t - t0) / T_h)) d,
+///
+/// - by position or velocity, d is the torque with which the first sub-step accelerates the virtual robot as
+///   the old configuration would have, its inertia and friction included;
+/// - by torque, d is the old configuration's torque less the new one's at the newest measurement.
+///
+/// So the cycle of the change commands what it would have commanded without it (but for limits, an empty
+/// tank, and samples of touch that come in just this cycle, which count with the new gain), and later ones
+/// differ by no more than the quintic's rate, 1.9/T_h of the difference, and what the new law does itself.
+///
+/// **Goals.** A goal that comes in the cycle of the change starts the law anew at the state where the robot
+/// is: its plan leads from there. Send one with another tool (`X_LT`): the old plan is of the old tool, and
+/// where none comes, the law makes up the difference as an error of tracking, as fast as its gains go.
+///
+/// - A number that no configuration has: `Reason::configuration_refused`, the old one goes on.
+/// - By torque a change waits while the robot is stopped or its state is stale, because gravity would step:
+///   `configuration_refused` until then. By position or velocity the virtual robot stands, nothing is carried.
+/// - A change during a change begins again from the torque that is just there.
+/// - The cycle of a change evaluates both laws once more, and N steps of the integrator: plan for two cycles.
+///   Others cost what the scene costs and one comparison. A scene without `Configurations` costs nothing.
+///
+/// @tparam C  the type of all configurations: they differ by numbers, not by types.
+/// @tparam Count  how many there are.
+template <class C, std::size_t Count>
+class Configurations {
+  using Scene = typename detail::CarryingScene<C>::type;
+  using Law = typename detail::CarryingScene<C>::Law;
+  using Change = detail::ChangeFrom<Scene, typename Law::Memory>;
+  static_assert(detail::CarryingScene<C>::one_interface,
+                "configurations are for a robot whose joints all take the same");
+
+ public:
+  static_assert(Count > 0, "at least one configuration");
+  static constexpr std::size_t joints = C::joints;
+  static constexpr std::size_t configurations = Count;
+  using scalar = typename C::scalar;
+  using law_type = Law;
+  using Goal = typename C::Goal;
+  using Input = ConfiguredInput<joints, scalar, Goal>;
+  using Output = typename Scene::Output;  ///< the last share is what a change carries out
+  struct Memory : Scene::Memory {
+    std::uint32_t configuration;  ///< that acts
+  };
+
+  /// Number 0, which acts first, and the others. Throws `ConfigurationError` with both numbers where they
+  /// differ in limits, period, longest interval, delay, lag or Coulomb friction, and where a skin's cells are
+  /// not the same.
+  template <std::same_as<C>... Others>
+  explicit Configurations(const C& first, const Others&... others)
+      : Configurations(Ramp<scalar>(), first, others...) {}
+  /// With another T_h than 100 ms.
+  template <std::same_as<C>... Others>
+  Configurations(const Ramp<scalar>& transfer, const C& first, const Others&... others)
+      : scenes_{carrying(transfer, first), carrying(transfer, others)...} {
+    static_assert(sizeof...(Others) + 1 == Count, "as many configurations as the type says");
+    (check(first, others), ...);
+  }
+
+  /// The configuration `i` as it acts.
+  [[nodiscard]] const Scene& operator[](std::size_t i) const noexcept {
+    SKINCTL_EXPECTS(i < Count, "a configuration of this scene");
+    return scenes_[i];
+  }
+
+  /// Number 0 takes over: see `Cycle::start`.
+  [[nodiscard]] Memory start(const State<joints, scalar>& measured) const noexcept {
+    Memory m{};
+    start(m, measured);
+    return m;
+  }
+  SKINCTL_COLD void start(Memory& m, const State<joints, scalar>& measured) const noexcept {
+    scenes_[0].start(m, measured);
+    m.configuration = 0;
+  }
+  [[nodiscard]] std::pair<Output, Memory> operator()(const Memory& memory,
+                                                     const Input& input) const noexcept {
+    std::pair<Output, Memory> result{Output{}, memory};
+    result.first = step(result.second, input);
+    return result;
+  }
+  /// One cycle: see `Cycle::step`.
+  template <class Watch = NoStopwatch>
+  Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
+    if (input.configuration == m.configuration) [[likely]]
+      return scenes_[m.configuration].step(m, input, watch);
+    return change(m, input, watch);
+  }
+
+ private:
+  template <class Watch>
+  SKINCTL_COLD Output change(Memory& m, const Input& input, Watch& watch) const noexcept {
+    watch.begin();
+    detail::BegunWatch<Watch> begun{watch};
+    const Scene& before = scenes_[m.configuration];
+    const bool changes = input.configuration < Count && before.may_change(m, input);
+    const typename Law::Memory law_before = m.law;
+    if (changes) m.configuration = input.configuration;
+    auto out = scenes_[m.configuration].run(m, input, begun, Change{changes ? &before : nullptr, law_before});
+    if (!changes) out.status |= Reason::configuration_refused;
+    return out;
+  }
+
+  [[nodiscard]] static Scene carrying(const Ramp<scalar>& transfer, const C& c) {
+    return Scene(c.resolver(), c.skin(), Law(c.law(), transfer), c.guard(), c.governor());
+  }
+  SKINCTL_COLD static void check(const C& first, const C& other) {
+    const auto &a = other.resolver().parameters(), &b = first.resolver().parameters();
+    const auto same = [](const char* what, auto here, auto there, const char* unit) {
+      detail::require_same(what, static_cast<double>(here), static_cast<double>(there), unit,
+                           "in a configuration", "in the first one");
+    };
+    same("period", milliseconds(a.period), milliseconds(b.period), "ms");
+    same("longest interval", milliseconds(a.longest_interval), milliseconds(b.longest_interval), "ms");
+    same("delay", milliseconds(a.delay), milliseconds(b.delay), "ms");
+    same("lag", a.lag, b.lag, "s");
+    for (std::size_t i = 0; i < joints; ++i) {
+      same("lower position limit", a.limits.lower()[i], b.limits.lower()[i], "rad");
+      same("upper position limit", a.limits.upper()[i], b.limits.upper()[i], "rad");
+      same("velocity limit", a.limits.velocity()[i], b.limits.velocity()[i], "rad/s");
+      same("acceleration limit", a.limits.acceleration()[i], b.limits.acceleration()[i], "rad/s^2");
+      same("torque limit", a.limits.torque()[i], b.limits.torque()[i], "N m");
+      same("Coulomb friction", a.shape.coulomb[i], b.shape.coulomb[i], "N m");
+    }
+    if constexpr (requires { first.skin().same_cells(other.skin()); })
+      if (!first.skin().same_cells(other.skin()))
+        refuse("skinctl: the skins of two configurations have other cells, or the same elsewhere");
+  }
+
+  std::array<Scene, Count> scenes_;
+};
+
+/// The place of configurations of different types.
+template <class... C, std::size_t Count>
+class Configurations<detail::OtherTypes<C...>, Count> {
+  static_assert(
+      sizeof...(C) == 0,
+      "configurations are Cycles of one type, so that they share one Memory: same laws, same parts; "
+      "an empty hand is Loaded with {}");
+
+ public:
+  constexpr Configurations(const auto&...) noexcept {}
+};
+
+template <class C, class... Others>
+  requires(!(std::is_same_v<C, Others> && ...))
+Configurations(const C&, const Others&...)
+    -> Configurations<detail::OtherTypes<C, Others...>, sizeof...(Others) + 1>;
+template <class C, std::same_as<C>... Others>
+Configurations(const C&, const Others&...) -> Configurations<C, sizeof...(Others) + 1>;
+template <Real T, class C, std::same_as<C>... Others>
+Configurations(const Ramp<T>&, const C&, const Others&...) -> Configurations<C, sizeof...(Others) + 1>;
+
+SKINCTL_END_NAMESPACE
