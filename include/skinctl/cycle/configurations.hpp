@@ -64,8 +64,8 @@ struct BegunWatch {
 ///     const auto scene = [&](const LinkInertia& load) {
 ///       return Cycle(by_position(Loaded<ur5::Model, 5>(ur5::Model{}, load), config), skin, law);
 ///     };
-///     const Configurations cycle(scene({}), scene(part));  // in place of a Cycle: run_loop, Recording, replay
-///     input.configuration = 1;                             // from this cycle on, until it is set again
+///     const Configurations cycle(scene({}), scene(part));  // in place of a Cycle, also for run_loop
+///     input.configuration = 1;                             // from this cycle on
 ///
 /// **No jump.** All configurations share one memory: the virtual state, the plans and clocks of the laws, the
 /// skin's readings and the guard's memory go on. The difference of torque is ramped out by the quintic over

@@ -19,7 +19,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Scalar T, std::size_t Terms>
 struct CycleOutput {
   JointCommand<N, T> command;                   ///< the command to send, if it is valid
-  Status status;                                ///< reasons for what was limited, held or refused
+  Status status;                                ///< reasons for limits, holds and refusals
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
 };
 

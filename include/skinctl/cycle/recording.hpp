@@ -24,8 +24,7 @@ class ByteWriter {
   void put(const V& value) noexcept {
     static_assert(std::is_arithmetic_v<V>);
     const std::size_t at = bytes_.size();
-    // within the capacity; otherwise this record is not written: see `fits`
-    bytes_.resize(at + sizeof value);
+    bytes_.resize(at + sizeof value);  // within the capacity, else the record is dropped: see `fits`
     std::memcpy(bytes_.data() + at, &value, sizeof value);
   }
   [[nodiscard]] const std::vector<unsigned char>& bytes() const noexcept { return bytes_; }

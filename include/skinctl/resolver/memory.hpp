@@ -1,4 +1,4 @@
-// What changes in a resolver from cycle to cycle.
+// The memory of a resolver.
 #pragma once
 
 #include "skinctl/core/command.hpp"
