@@ -14,7 +14,7 @@ build() {
   cmake --build --preset "$preset" -j "$jobs"
 }
 
-install_packages build library tests peers benchmark examples urdf
+install_packages build library tests peers benchmark examples urdf docs
 phase "build, GCC" build release "-DCMAKE_CXX_FLAGS=${SKINCTL_CXX_FLAGS:-}"
 phase "build, Clang with sanitizers" build asan-clang "-DSKINCTL_TEST_FILTER=${SKINCTL_SANITIZED:-}"
 phase "tests, GCC" ctest --preset release -j "$jobs"
