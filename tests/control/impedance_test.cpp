@@ -64,7 +64,7 @@ TEST_CASE("Impedance: settled when its target and the robot stand") {
   using K = KnownFor<JointImpedance<6>>;
   auto memory = law.start(K(model, x, 0.002, none));
   CHECK(settled(law, memory, K(model, x, 0.002, none), 0.01));
-  memory = law.receive(memory, K(model, x, 0.002, none), {JointPosition<6>::constant(0.1), 1s}).memory;
+  memory = law.receive(memory, K(model, x, 0.002, none), {home + JointPosition<6>::constant(0.1), 1s}).memory;
   for (int k = 0; k < 250; ++k)
     memory = law.advance(memory, K(model, x, 0.002, none), 0.002, Opposition::none);
   CHECK_FALSE(settled(law, memory, K(model, x, 0.002, none), 0.01));

@@ -35,7 +35,8 @@ TEST_CASE("RobotDescription: says how often laws are evaluated, as planned and w
   CHECK(arm().dt() == 2ms);
   CHECK(arm().longest_dt() == 2500us);  // five periods in sixteen sub-steps
   CHECK(arm().configuration().total_delay() == 16ms);
-  const auto fast = by_velocity(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 1ms});
+  const auto fast =
+      by_velocity(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 1ms, .delay = 2ms});
   CHECK(fast.dt() == 1ms);
   CHECK(fast.longest_dt() == 1ms);
   const auto direct = by_torque(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 2ms});
@@ -80,10 +81,10 @@ TEST_CASE("tracking_settings: times, virtual dynamics and speeds are the robot's
   CHECK(s.virtual_dynamics.damping == 4);
   CHECK(s.virtual_dynamics.viscous[5] == 3);
   auto slow = limits_of<ur5::Description>(15.0).values();
-  slow.velocity[2] = 0.3;
+  slow.velocity[2] = 0.5;
   c.limits = JointLimits<6>(slow);
   const auto t = tracking_settings(by_position(ur5::Model{}, c));
-  CHECK(t.max_velocity[2] == 0.3);
+  CHECK(t.max_velocity[2] == 0.5);
   CHECK(t.max_velocity[1] == 1);
   CHECK(tracking_settings(by_position<float>(ur5::Model{}, {.limits = limits_of<ur5::Description, float>(),
                                                             .period = 8ms,

@@ -150,9 +150,14 @@ class Governor {
     const auto mass = mass_matrix(model(), measured.q);
     const math::Ldlt<N, T> factors(mass.data);
     if (!factors.positive_definite()) return out;
-    const T ahead = T(braking_cycles) * dt;
+    T ahead = T(braking_cycles) * dt;
+    // A guard turns a torque over its whole range in 20 ms: at high rates braking begins earlier than that.
+    if (has_motion && ahead < T(0.01)) ahead = T(0.01);
     const JointTorque<N, T> asked = limits_.within(wish.torque, measured.dq);
-    const JointTorque<N, T> drive = asked - limits_.within(hold, measured.dq);
+    JointTorque<N, T> drive = asked - limits_.within(hold, measured.dq);
+    if constexpr (has_motion)
+      drive -= coriolis_torque(
+          model(), JointAngles<std::remove_cvref_t<decltype(model())>, T>(model(), measured.q), measured.dq);
     JointAcceleration<N, T> given;
     factors.solve(drive.data, given.data);
     const JointVelocity<N, T> u = integrate(measured.dq, given, ahead);

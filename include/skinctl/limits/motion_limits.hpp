@@ -3,6 +3,7 @@
 
 #include "skinctl/core/detail/plausible.hpp"
 #include "skinctl/core/state.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 
@@ -12,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// torque has them unless it is built without.
 ///
 /// The motion of such a robot is not commanded, so the limits act on the velocity to which the torque leads
-/// in a few cycles, `u = dq + t M^-1 (tau - hold)`. Each joint's u is kept below its velocity limit and below
+/// in a few cycles, `u = dq + t M^-1 (tau - hold - C dq)`. Each joint's u is kept below its velocity limit and below
 /// the speed from which its acceleration limit stops it before its end, by the torque `-M (u - u_kept) / t`.
 /// Beyond an end, and above the limit, a joint is only braked. External forces beyond the joints' torques
 /// prevail.
@@ -36,7 +37,9 @@ class MotionLimits {
     JointVelocity<joints, T> kept;
     for (std::size_t i = 0; i < joints; ++i) {
       const T V = limits.velocity()[i], a = limits.acceleration()[i];
-      const T above = speed_to_stop(room.above[i], ahead, a), below = speed_to_stop(room.below[i], ahead, a);
+      // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without overshoot.
+      const T reaction = T(4) * ahead, above = speed_to_stop(room.above[i], reaction, a),
+              below = speed_to_stop(room.below[i], reaction, a);
       const T up = above < V ? above : V, down = below < V ? below : V;
       kept[i] = detail::clamp(u[i], T(-down), up);
       if (kept[i] == u[i]) continue;

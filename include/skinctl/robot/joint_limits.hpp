@@ -65,13 +65,8 @@ class JointLimits {
         std::snprintf(name, sizeof name, "%s of joint %zu", what, i);
         require(allowed, name, static_cast<double>(x), range);
       };
-      const auto turns = [&](const T& x) { return (x <= T(60) && x >= T(-60)) || x - x != T(0); };
       check(values.lower[i] < values.upper[i], "lower position limit", values.lower[i],
             "below the upper one");
-      check(turns(values.lower[i]), "lower position limit", values.lower[i],
-            "-60 to 60 rad or m, or -infinity: are these degrees?");
-      check(turns(values.upper[i]), "upper position limit", values.upper[i],
-            "-60 to 60 rad or m, or infinity: are these degrees?");
       check(values.velocity[i] > T(0) && values.velocity[i] <= T(1e3), "velocity limit", values.velocity[i],
             "> 0, <= 1e3 rad/s");
       check(values.acceleration[i] > T(0) && values.acceleration[i] <= T(1e5), "acceleration limit",

@@ -108,6 +108,12 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(c.virtual_damping >= T(0) && c.virtual_damping <= T(1e4), "virtual damping",
           number(c.virtual_damping), "0 to 1e4 1/s");
   for (std::size_t i = 0; i < N; ++i) {
+    const T lower = c.limits.lower()[i], upper = c.limits.upper()[i],
+            inf = std::numeric_limits<T>::infinity();
+    require(lower >= T(-60) || lower == -inf, "lower position limit", number(lower),
+            ">= -60 rad or m, or -infinity: are these degrees?");
+    require(upper <= T(60) || upper == inf, "upper position limit", number(upper),
+            "<= 60 rad or m, or infinity: are these degrees?");
     require(c.dead_band[i] > T(0) && c.dead_band[i] <= T(1), "dead band", number(c.dead_band[i]),
             "> 0, <= 1 rad");
     require(c.viscous_friction[i] >= T(0) && c.viscous_friction[i] <= T(1e6), "viscous friction",

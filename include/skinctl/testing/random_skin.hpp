@@ -1,6 +1,7 @@
 // Random cells on a robot's links for the laws of the skin, and tau_skin cell by cell, as in the paper.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>

@@ -3,10 +3,9 @@
 
 using namespace skinctl;
 
-auto build() {
+auto build(const RobotConfiguration<7>& other) {
   const auto arm = by_position(
       ur5::Model{},
       {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
-  return Cycle(arm, GravityControl{},
-               Guard<Interface::position, 16>({.limits = limits_of<allegro::Description>(), .period = 8ms}));
+  return Cycle(arm, GravityControl{}, Guard<Interface::position, 7>(other));
 }

@@ -1,4 +1,4 @@
-// expect: limits|JointLimits
+// expect: RobotConfiguration<6
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

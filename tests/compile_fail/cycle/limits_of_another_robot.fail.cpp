@@ -1,9 +1,9 @@
-// expect: limits|JointLimits|conver
+// expect: RobotConfiguration<6
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 
-auto build() {
-  const auto arm = by_position(ur5::Model{}, {.limits = limits_of<allegro::Description>(), .period = 8ms});
+auto build(const JointLimits<7>& limits) {
+  const auto arm = by_position(ur5::Model{}, {.limits = limits, .period = 8ms});
   return Cycle(arm, GravityControl{});
 }

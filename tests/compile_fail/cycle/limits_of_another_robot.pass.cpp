@@ -2,9 +2,7 @@
 
 using namespace skinctl;
 
-auto build() {
-  const auto arm = by_position(
-      ur5::Model{},
-      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
+auto build(const JointLimits<6>& limits) {
+  const auto arm = by_position(ur5::Model{}, {.limits = limits, .period = 8ms});
   return Cycle(arm, GravityControl{});
 }

@@ -3,6 +3,6 @@
 int main() {
   const skinctl::GravityControl gravity;
   const skinctl::SkinJointControl skin;
-  const skinctl::SplineJoint<6> reach({.dt = 2ms});
+  const skinctl::SplineJoint<6> reach{};
   static_cast<void>(skinctl::task_priority<5>(reach, reach) + skin + gravity);
 }

@@ -4,6 +4,6 @@
 int main() {
   const skinctl::GravityControl gravity;
   const skinctl::SkinJointControl skin;
-  const skinctl::SplineJoint<6> reach({.dt = 2ms});
+  const skinctl::SplineJoint<6> reach{};
   static_cast<void>(blended(gravity + when_touched(reach) + skin + gravity));
 }
