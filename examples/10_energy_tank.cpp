@@ -1,8 +1,10 @@
 // 10 An energy tank: a law drives the arm only as long as there is energy to pay for it.
 //
-//   E     energy left in the tank [J]: all that the law does beside giving way to touch is taken out of it
-//   tau   spline joint, eqs. (8)-(14), + tau_skin + G(q)   drawn: joint 0 on its way to 0.8 rad, and E
-//   At E = 0 the arm yields to touch and brakes as before, but drives no longer.
+//   tau    spline joint control, eqs. (8)-(14), + tau_skin + G(q)
+//   E      energy in the tank [J]: it pays for all work of the law but that of tau_skin and G(q)
+//   drawn  joint 0 on its way to 0.8 rad, and E
+//
+// At E = 0 the arm yields to touch and brakes as before, but no longer drives.
 #include "skinctl/control/spline_joint.hpp"
 #include "support/arm.hpp"
 

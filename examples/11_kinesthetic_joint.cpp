@@ -1,7 +1,9 @@
 // 11 Kinesthetic Joint (Fig. 7): an arm that is led by the hand, all joints giving way.
 //
-//   tau = tau_skin + G(q)   skin and gravity, nothing that pulls anywhere   F  force of a hand on the forearm
-//   [N] q   joint angles [rad]  drawn: the force, and how far the tool follows it and stays where it was left
+//   tau    tau_skin + G(q): skin and gravity, no goal
+//   F      force of a hand on the forearm [N]
+//   q      joint angles [rad]
+//   drawn  the force, and the distance of the tool from its start: it stays where the hand leaves it
 #include "support/arm.hpp"
 
 using namespace examples;

@@ -1,7 +1,9 @@
-// 12 Kinesthetic Cartesian (Fig. 7): the tool is led by the hand; what the joints do beside comes to rest.
+// 12 Kinesthetic Cartesian (Fig. 7): the tool is led by the hand; the null space comes to rest.
 //
-//   tau = J' J^+' tau_skin - rate M (1 - J^+ J) dq + G(q)   the skin's load on the tool, as joint torques
-//   p, R   the tool's position [m] and axes   F  force of a hand on the wrist [N]
+//   tau    J' J^+' tau_skin - rate M (1 - J^+ J) dq + G(q): the skin's load on the tool, as joint torques
+//   F      force of a hand on the wrist [N]
+//   p, R   position [m] and axes of the tool
+//   drawn  the force, the displacement and the rotation of the tool
 #include "skinctl/control/skin_cartesian_control.hpp"
 #include "support/arm.hpp"
 

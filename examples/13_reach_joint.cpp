@@ -1,8 +1,11 @@
 // 13 Reach Joint Compliant (Fig. 7): joints follow a target from a sensor at 25 Hz, and give way to touch.
 //
-//   q_d, dq_d   the target and its velocity    tau = joint control, eqs. (8)-(14), + tau_skin + G(q)
-//   F  force of a hand on the forearm [N]      drawn: where two joints should be and are, and the force
-//   Soft gains: the arm follows its target, a hand moves it aside, and it returns when the hand lets go.
+//   q_d, dq_d  the target and its velocity
+//   tau        joint control, eqs. (8)-(14), + tau_skin + G(q)
+//   F          force of a hand on the forearm [N]
+//   drawn      target and actual position of two joints, and the force
+//
+// Soft gains: the arm follows its target, a hand moves it aside, and it returns when the hand lets go.
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/skills/library.hpp"
 #include "support/arm.hpp"

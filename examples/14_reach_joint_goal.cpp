@@ -1,8 +1,9 @@
-// 14 Reach Joint Goal Compliant (Fig. 7): joints go to a goal along a spline, wait while somebody pushes, go on.
+// 14 Reach Joint Goal Compliant (Fig. 7): joints go to a goal along a spline, and wait during a push.
 //
-//   q_g  the goal, q(t) = q_i + a1(t/t_f) (q_g - q_i), eq. (22)
-//   tau = spline joint control + tau_skin + G(q)     F  force of a hand on the forearm [N]
-//   drawn: joint 0 and its goal, the force
+//   q_g    the goal; q(t) = q_i + a1(t/t_f) (q_g - q_i), eq. (22)
+//   tau    spline joint control + tau_skin + G(q)
+//   F      force of a hand on the forearm [N]
+//   drawn  joint 0 and its goal, the force
 #include "skinctl/control/spline_joint.hpp"
 #include "support/arm.hpp"
 

@@ -1,8 +1,11 @@
 // 15 Reach Cartesian Compliant (Fig. 7): a tool follows a target on a circle, and gives way to touch.
 //
-//   X_BP, V   pose and velocity of the target   tau = operational control, eqs. (15)-(21), + tau_skin + G(q)
-//   F  force of a hand on the forearm [N]       drawn: height of target and tool, their distance, the force
-//   Soft gains: the tool follows its target, a hand moves it aside, and it returns when the hand lets go.
+//   X_BP, V  pose and velocity of the target
+//   tau      operational control, eqs. (15)-(21), + tau_skin + G(q)
+//   F        force of a hand on the forearm [N]
+//   drawn    height of target and tool, their distance, the force
+//
+// Soft gains: the tool follows its target, a hand moves it aside, and it returns when the hand lets go.
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/skills/library.hpp"
 #include "support/arm.hpp"

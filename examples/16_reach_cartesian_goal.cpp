@@ -1,7 +1,9 @@
 // 16 Reach Cartesian Goal Compliant (Fig. 7): a tool goes to a pose in a straight line; its skin gives way.
 //
-//   X_g  pose of the goal, reached along the spline (22)   tau = spline operational + Cartesian skin + G(q)
-//   F  force of a hand on the wrist [N]                    drawn: distance to the goal, the force
+//   X_g    pose of the goal, reached along the spline (22)
+//   tau    spline operational control + Skin Cartesian Control + G(q)
+//   F      force of a hand on the wrist [N]
+//   drawn  distance to the goal, the force
 #include "skinctl/control/skin_cartesian_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "support/arm.hpp"

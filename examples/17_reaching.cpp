@@ -1,7 +1,8 @@
 // 17 Reaching (section 6) = ReachCartGoal [SplineOpCtrl, SkinJointCtrl, GCtrl]: to an orange, gripper open.
 //
-//   X_o  pose of the orange     F  force of a hand on the forearm [N]
-//   drawn: distance to the orange, the force, and where the skill stands (0 loading, 1 running, 2 finished)
+//   X_o    pose of the orange
+//   F      force of a hand on the forearm [N]
+//   drawn  distance to the orange, the force, and the phase of the skill (0 loading, 1 running, 2 finished)
 #include "support/skills.hpp"
 
 using namespace examples;

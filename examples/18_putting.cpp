@@ -1,7 +1,8 @@
-// 18 Putting (section 6) = ReachCartGoal [SplineOpCtrl, SkinJointCtrl, GCtrl]: reach an orange, then put it
-// into a box, in one sequence of skills; the same controllers go on, and the torque with them.
+// 18 Putting (section 6) = ReachCartGoal [SplineOpCtrl, SkinJointCtrl, GCtrl]: reach an orange, put it into
+// a box, in one sequence of skills; the controllers stay the same, so the torque is continuous.
 //
-//   X_o, X_b  poses of orange and box    drawn: height of the tool, and the largest step of any torque [N m]
+//   X_o, X_b  poses of orange and box
+//   drawn     height of the tool, and the largest step of a joint torque in a cycle [N m]
 #include "support/skills.hpp"
 
 using namespace examples;

@@ -1,7 +1,9 @@
 // 19 Squeezing (section 6) = Close => ForceCart: the gripper closes, then the wrist presses on an orange.
 //
-//   F_d  force to press with [N]     k  stiffness of the orange [N/m], a cell of the wrist touches it
-//   d    how far the cell is in the orange [m], F = k d      drawn: the force, the depth, the gripper
+//   F_d    force to press with [N]
+//   k      stiffness of the orange [N/m], which a cell of the wrist touches
+//   d      depth of the cell in the orange [m]; F = k d
+//   drawn  the force, the depth, the gripper
 #include "support/skills.hpp"
 
 using namespace examples;

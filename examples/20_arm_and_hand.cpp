@@ -1,8 +1,8 @@
 // 20 An arm by velocity and a hand by torque in one cycle: the hand closes, a push on a finger moves both.
 //
-//   tau      the one torque of skin, grip and gravity, 22 joints
-//   arm      6 of them: a UR5 that takes nothing but velocities; its virtual robot carries their torque
-//   hand     16 of them: an Allegro hand that takes torques; the law reads where the fingers are
+//   tau   one torque of skin, grip and gravity, 22 joints
+//   arm   6 of them: a UR5 that takes only velocities; its virtual robot carries their torque
+//   hand  16 of them: an Allegro hand that takes torques; the law reads the measured fingers
 #include <cstdio>
 #include <deque>
 
@@ -34,7 +34,7 @@ struct Grip : StatelessLaw<Grip> {
   }
 };
 
-// A cell on the middle of the first finger (link 8), looking along x, and one on the wrist of the arm.
+// A cell on the middle of the first finger (link 8) with its normal along x, and one on the wrist of the arm.
 auto cells() {
   const Rotation<double> along_x{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
   const std::vector<PlacedCell<4>> wrist{{1, {along_x, {0.04, 0, 0}}}};
@@ -60,7 +60,7 @@ auto make_cycle() {
                SkinJointControl{} + Grip{{}, JointPosition<16>::constant(0.9)} + GravityControl{});
 }
 
-// A hand that obeys torques on an arm that obeys velocities, for the length of a cycle.
+// Simulates an arm by velocity with a hand by torque for one cycle.
 void move(const ArmWithHand& model, State<22>& s, const JointVelocity<6>& arm, const JointTorque<16>& hand) {
   Joints::Stiff::put(arm, s.dq);
   for (int k = 0; k < 8; ++k) {
@@ -103,8 +103,8 @@ int main() {
     input.measured = real;
     input.samples = samples;
     const auto out = cycle.step(memory, input);
-    under_way.push_back(Joints::stiff(out.command).velocity);  // the arm's share
-    const auto hand = Joints::torque(out.command);             // and the hand's
+    under_way.push_back(Joints::stiff(out.command).velocity);  // for the arm
+    const auto hand = Joints::torque(out.command);             // for the hand
     move(model, real, under_way.front(), hand);
     under_way.pop_front();
     if (k == 600 || k == 1100) opened = real.q[7], gave_way = 0;

@@ -1,8 +1,8 @@
 // 21 Your robot, your skin, by velocity: an arm read from a URDF, cells placed by hand on its links by name.
 //
-//   X_NC   pose of a cell in the link of the file (z: outward normal), as a drawing or a viewer of the file gives it
+//   X_NC   pose of a cell in the link of the file, as a drawing or a viewer shows it; z is the outward normal
 //   tau    torque of skin and gravity on the virtual robot, whose velocity is the command
-//   drawn  how far the touched cells are from where they were, along the finger's direction [mm]
+//   drawn  displacement of the touched cells along the finger's direction [mm]
 #include <cstdio>
 #include <deque>
 #include <string>
@@ -19,7 +19,7 @@ using namespace skinctl;
 using Arm = CalibratedModel<Chain<7>>;
 constexpr double newtons_per_reading = 20;
 
-// The forearm's tube runs along y of forearm_link, the hand's palm looks along z of hand_link.
+// The forearm's tube runs along y of forearm_link; the normal of the palm is z of hand_link.
 constexpr Rotation<double> looks_along_x{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
 constexpr Rotation<double> looks_along_z{};
 
@@ -45,7 +45,7 @@ auto make_cycle(const Urdf& urdf) {
 
 int main(int argc, char** argv) {
   const std::string file = argc > 1 ? argv[1] : EXAMPLES_DATA "/arm7.urdf";
-  const Urdf urdf = read_urdf(file, {.tip = "hand_link"});  // the fingers stand still
+  const Urdf urdf = read_urdf(file, {.tip = "hand_link"});  // without the fingers' joints
   for (const std::string& warning : urdf.warnings) std::printf("%s\n", warning.c_str());
   const auto cycle = make_cycle(urdf);
   const Arm& model = cycle.resolver().model();
@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
                      : poses.get<3>() * named_link_pose<3, "forearm_link">(urdf) * X_FC;
   };
   auto memory = cycle.start(measured);
-  std::deque<JointVelocity<7>> under_way(2);  // the robot obeys two cycles late
+  std::deque<JointVelocity<7>> under_way(2);  // the robot follows two cycles late
 
   double yielded[2] = {};
   int touch = 0;
@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
       measured.dq = under_way.front();
       measured.q = integrate(measured.q, measured.dq, 0.004);
       under_way.pop_front();
-      const double newtons = k <= 250 ? force : 0;  // a finger for a second, then nobody
+      const double newtons = k <= 250 ? force : 0;  // a finger for a second
       const auto f = static_cast<float>(newtons / (3 * newtons_per_reading));
       const CellSample sample{.time = measured.time - 1ms, .cell = cell, .force = {f, f, f}};
       decltype(cycle)::Input input;

@@ -1,9 +1,9 @@
-// 22 Your robot, your skin, by torque: the arm of 21 as a header that urdf_to_model wrote while building.
+// 22 Your robot, your skin, by torque: the arm of 21 as a header that urdf_to_model wrote during the build.
 //
-//   arm7::Model            static: zeros, ones and topology are types
-//   arm7::X_LN<"hand_link">  where the file's link stands in the model; an unknown name does not compile
-//   tau    torque of skin and gravity, which is the command; the simulated arm feels the finger as well
-//   drawn  how far the touched cell is from where it was, along the finger's direction [mm]
+//   arm7::Model              static: zeros, ones and topology are types
+//   arm7::X_LN<"hand_link">  pose of the file's link in the model; an unknown name does not compile
+//   tau                      torque of skin and gravity, the command; the finger pushes the simulated arm too
+//   drawn                    displacement of the touched cell along the finger's direction [mm]
 #include <cstdio>
 #include <string>
 
@@ -55,7 +55,7 @@ int main() {
   double yielded = 0, first = 0;
   for (int k = 1; k <= 4000; ++k) {
     real.time += 1ms;
-    const double newtons = k <= 1000 ? 8 : 0;  // a finger for a second, then nobody
+    const double newtons = k <= 1000 ? 8 : 0;  // a finger for a second
     const auto f = static_cast<float>(newtons / (3 * newtons_per_reading));
     const CellSample sample{.time = real.time - 1ms, .cell = 1, .force = {f, f, f}};
     decltype(cycle)::Input input;

@@ -1,7 +1,7 @@
-// 23 A law of your own: in a sum with the library's laws it is one of them.
+// 23 A law of your own, in a sum with the library's laws.
 //
-//   Brake    no memory: a base, and the torque
-//   Putty    with memory: a spring whose rest follows where the arm is pushed, so the arm stays bent a little
+//   Brake  without memory: a base class, and the torque
+//   Putty  with memory: a spring whose rest position follows the arm, so the arm stays bent a little
 //
 // skin + brake + putty + gravity on a UR5 by position; a touch of 1 s on the upper arm.
 #include <algorithm>
@@ -16,14 +16,14 @@
 
 using namespace skinctl;
 
-// Takes energy out: -5 N m s/rad in every joint.
+// A damper of 5 N m s/rad in every joint.
 struct Brake : StatelessLaw<Brake> {
   JointTorque<6> torque(const auto& known) const noexcept {
     return JointTorque<6>::generate([&](std::size_t i) { return -5.0 * known.dq()[i]; });
   }
 };
 
-// Pulls to a rest that creeps to where the arm is, as fast as `creep` [1/s] times the way.
+// A spring [N m/rad] whose rest position approaches the arm at the rate `creep` [1/s].
 struct Putty : Composable {
   struct Memory {
     JointPosition<6> rest;
@@ -69,7 +69,7 @@ int main() {
     input.measured = robot;
     input.samples = {&sample, 1};
     const auto out = cycle.step(memory, input);
-    robot.q = out.command.position;  // a robot that does at once what it is told
+    robot.q = out.command.position;  // a robot without delay
     bent = std::max(bent, std::abs(robot.q[0] - begin[0]));
     if (k % 25 == 0)
       std::printf("%5.2f %s %12.3f %10.2f %7.2f %7.2f\n", 0.008 * k, touched ? "touched" : "       ",

@@ -1,5 +1,4 @@
-// Force control in Cartesian space: a tool presses with a given force, and tracks its pose in all other
-// directions.
+// Cartesian force control: a tool presses with a given force and tracks its pose in all other directions.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Gains, payload and tool that change while a scene runs, without a jump.
+// Gains, payload and tool that change while a scene runs, with bumpless transfer.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// The input of a scene with several configurations.
 template <std::size_t N, Scalar T = double, class Goal = NoGoal>
 struct ConfiguredInput : CycleInput<N, T, Goal> {
-  /// Number of the configuration that acts from this cycle on.
+  /// Index of the configuration from this cycle on.
   std::uint32_t configuration = 0;
 };
 
@@ -32,7 +32,7 @@ struct CarryingScene<Cycle<R, L, S, G, O>> {
 /// A change from the configuration `before`.
 template <class Scene, class LawMemory>
 struct ChangeFrom {
-  const Scene* before;  ///< null: none, after all
+  const Scene* before;  ///< null: no change
   const LawMemory& memory;
 
   template <class Memory, class Receive>
@@ -58,18 +58,18 @@ struct BegunWatch {
 };
 }  // namespace detail
 
-/// Several configurations of one scene, one of which acts: other gains, skin gains, payload, tool. The number
-/// of the one that acts is part of the input, so it is recorded and replayed like any other.
+/// Several configurations of one scene, one of them active: other gains, skin gains, payload, tool. The index
+/// of the active one is part of the input, so it is recorded and replayed like any other.
 ///
 ///     const auto scene = [&](const LinkInertia& load) {
 ///       return Cycle(by_position(Loaded<ur5::Model, 5>(ur5::Model{}, load), config), skin, law);
 ///     };
-///     const Configurations cycle(scene({}), scene(part));  // in place of a Cycle: run_loop, Recording, replay
-///     input.configuration = 1;                             // from this cycle on, until it is set again
+///     const Configurations cycle(scene({}), scene(part));  // in place of a Cycle, also for run_loop
+///     input.configuration = 1;                             // from this cycle on
 ///
 /// **No jump.** All configurations share one memory: the virtual state, the plans and clocks of the laws, the
-/// skin's readings and what the guard knows go on. What the new law asks for differently is carried out by
-/// the quintic over `transfer` (`Reason::bumpless_transfer` meanwhile):
+/// skin's readings and the guard's memory go on. The difference of torque is ramped out by the quintic over
+/// `transfer` (`Reason::bumpless_transfer` meanwhile):
 ///
 ///     tau_out = tau + (1 - a1((t - t0) / T_h)) d,
 ///
@@ -77,23 +77,24 @@ struct BegunWatch {
 ///   the old configuration would have, its inertia and friction included;
 /// - by torque, d is the old configuration's torque less the new one's at the newest measurement.
 ///
-/// So the cycle of the change commands what it would have commanded without it (but for limits, an empty
-/// tank, and samples of touch that come in just this cycle, which count with the new gain), and later ones
-/// differ by no more than the quintic's rate, 1.9/T_h of the difference, and what the new law does itself.
+/// So the cycle of the change gives the command that it would have given without it (but for limits, an empty
+/// tank, and samples of touch that arrive in this cycle, which count with the new gain). Later commands
+/// differ by at most the quintic's rate, 1.9/T_h of the difference, and the new law's own motion.
 ///
-/// **Goals.** A goal that comes in the cycle of the change starts the law anew at the state where the robot
-/// is: its plan leads from there. Send one with another tool (`X_LT`): the old plan is of the old tool, and
-/// where none comes, the law makes up the difference as an error of tracking, as fast as its gains go.
+/// **Goals.** A goal in the cycle of the change starts the law anew at the robot's state, from which its plan
+/// leads. Send one with another tool (`X_LT`): the old plan is of the old tool, and without a goal the law
+/// corrects the difference as a tracking error, at the rate of its gains.
 ///
-/// - A number that no configuration has: `Reason::configuration_refused`, the old one goes on.
+/// - An index beyond the last configuration: `Reason::configuration_refused`, the old one goes on.
 /// - By torque a change waits while the robot is stopped or its state is stale, because gravity would step:
-///   `configuration_refused` until then. By position or velocity the virtual robot stands, nothing is carried.
-/// - A change during a change begins again from the torque that is just there.
+///   `configuration_refused` until then. By position or velocity the virtual robot is at rest, and there is
+///   no difference.
+/// - A change during a change begins again from the present torque.
 /// - The cycle of a change evaluates both laws once more, and N steps of the integrator: plan for two cycles.
-///   Others cost what the scene costs and one comparison. A scene without `Configurations` costs nothing.
+///   Other cycles cost one comparison more than the scene. A scene without `Configurations` costs nothing.
 ///
 /// @tparam C  the type of all configurations: they differ by numbers, not by types.
-/// @tparam Count  how many there are.
+/// @tparam Count  number of configurations.
 template <class C, std::size_t Count>
 class Configurations {
   using Scene = typename detail::CarryingScene<C>::type;
@@ -110,18 +111,18 @@ class Configurations {
   using law_type = Law;
   using Goal = typename C::Goal;
   using Input = ConfiguredInput<joints, scalar, Goal>;
-  using Output = typename Scene::Output;  ///< the last share is what a change carries out
+  using Output = typename Scene::Output;  ///< the last share is the difference that is ramped out
   struct Memory : Scene::Memory {
-    std::uint32_t configuration;  ///< that acts
+    std::uint32_t configuration;  ///< index of the active one
   };
 
-  /// Number 0, which acts first, and the others. Throws `ConfigurationError` with both numbers where they
-  /// differ in limits, period, longest interval, delay, lag or Coulomb friction, and where a skin's cells are
-  /// not the same.
+  /// Number 0, which is active first, and the others. Throws `ConfigurationError` with both numbers where
+  /// they differ in limits, period, longest interval, delay, lag or Coulomb friction, and where a skin's
+  /// cells are not the same.
   template <std::same_as<C>... Others>
   explicit Configurations(const C& first, const Others&... others)
       : Configurations(Ramp<scalar>(), first, others...) {}
-  /// With another T_h than 100 ms.
+  /// The same with another T_h than 100 ms.
   template <std::same_as<C>... Others>
   Configurations(const Ramp<scalar>& transfer, const C& first, const Others&... others)
       : scenes_{carrying(transfer, first), carrying(transfer, others)...} {
@@ -129,7 +130,7 @@ class Configurations {
     (check(first, others), ...);
   }
 
-  /// The configuration `i` as it acts.
+  /// The configuration `i` as it is used.
   [[nodiscard]] const Scene& operator[](std::size_t i) const noexcept {
     SKINCTL_EXPECTS(i < Count, "a configuration of this scene");
     return scenes_[i];
@@ -202,7 +203,7 @@ class Configurations {
   std::array<Scene, Count> scenes_;
 };
 
-/// The place of configurations of different types.
+/// For configurations of different types.
 template <class... C, std::size_t Count>
 class Configurations<detail::OtherTypes<C...>, Count> {
   static_assert(

@@ -1,4 +1,4 @@
-// A whole cycle as one pure function: from what the sensors say to what the robot is told.
+// A whole cycle as one pure function: from measurements and samples to a command.
 #pragma once
 
 #include <span>
@@ -7,161 +7,20 @@
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/cycle/detail/check_scene.hpp"
+#include "skinctl/cycle/detail/scene_traits.hpp"
 #include "skinctl/cycle/input.hpp"
-#include "skinctl/cycle/no_skin.hpp"
-#include "skinctl/cycle/scene_parts.hpp"
 #include "skinctl/cycle/stage.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What one cycle gives.
+/// The output of one cycle.
 template <std::size_t N, Scalar T, std::size_t Terms>
 struct CycleOutput {
-  JointCommand<N, T> command;                   ///< what may be sent, if it is valid
-  Status status;                                ///< what was limited, held or refused
-  std::array<JointTorque<N, T>, Terms> shares;  ///< what each law contributed in the last sub-step [N m]
+  JointCommand<N, T> command;                   ///< the command to send, if it is valid
+  Status status;                                ///< reasons for limits, holds and refusals
+  std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
 };
-
-namespace detail {
-/// `N` values of a type without resources, of which only those are touched that somebody writes.
-template <class V, std::size_t N>
-union Unwritten {
-  static_assert(std::is_trivially_copyable_v<V>);
-  V data[N];
-  Unwritten() noexcept {}
-};
-template <class Overseer>
-inline constexpr bool is_governor = false;
-template <std::size_t N, Real T, class... Parts>
-inline constexpr bool is_governor<Governor<N, T, Parts...>> = true;
-template <class Overseer>
-inline constexpr bool limits_jerk = requires { requires Overseer::has_jerk; };
-/// Whether a governor suits a robot's joints and scalar.
-template <class Overseer, std::size_t N, class T>
-inline constexpr bool governs = true;
-template <std::size_t M, Real U, class... Parts, std::size_t N, class T>
-inline constexpr bool governs<Governor<M, U, Parts...>, N, T> = M == N && std::is_same_v<U, T>;
-/// Whether a skin feels all that a governor's contact limits name.
-template <class Overseer, class Skin>
-inline constexpr bool feels = true;
-template <std::size_t N, Real T, class J, class S, class C, class V, class Skin>
-  requires requires { C::links; }
-inline constexpr bool feels<Governor<N, T, J, S, C, V>, Skin> = [] {
-  if constexpr (requires { Skin::Wrenches::links; }) {
-    return (Skin::Wrenches::links & C::links) == C::links;
-  } else {
-    return false;
-  }
-}();
-/// The strongest proximity reading for each link of a governor's contact limits.
-template <class Overseer, class Skin>
-[[nodiscard]] SKINCTL_INLINE auto nearest(const Skin& skin, const typename Skin::Memory& memory) noexcept {
-  if constexpr (requires { Overseer::contact_type::links; }) {
-    return Overseer::contact_type::nearest(skin, memory);
-  } else {
-    return NoTouch{};
-  }
-}
-/// Whether all joints of a resolver take the same, and whether that is a motion.
-template <class Resolver>
-inline constexpr bool has_one_interface = requires { Resolver::interface; };
-template <class Resolver>
-inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
-template <class L>
-struct GoalType {
-  using type = NoGoal;
-};
-template <class L>
-  requires requires { typename L::Goal; }
-struct GoalType<L> {
-  using type = typename L::Goal;
-};
-struct SkinBehindLaw {};
-/// The configuration was the same in the last cycle.
-struct NoChange {
-  template <class C, class Memory, class Receive>
-  SKINCTL_INLINE Status receive(const C&, Memory&, const Receive& goal) const noexcept {
-    return goal();
-  }
-  template <class C, class Memory, class State>
-  SKINCTL_INLINE void carry(const C&, Memory&, const State&, const Interval&) const noexcept {}
-};
-
-/// The resolver of a robot's description; one built by hand is taken as it is.
-template <class R>
-[[nodiscard]] auto as_resolver(const R& robot) {
-  if constexpr (Described<R>) {
-    return resolver_of(robot);
-  } else {
-    return robot;
-  }
-}
-template <class R>
-using ResolverFor = decltype(as_resolver(std::declval<const R&>()));
-
-template <class S>
-concept SkinLike = requires { typename S::Wrenches; };
-template <class G>
-concept GuardLike = requires(const G& g, typename G::Memory& m) { g.acknowledge(m); };
-template <class G>
-concept GovernorLike = is_governor<G> || std::is_same_v<G, NoGovernor>;
-
-/// Whether a law holds gravity: by a gravity law, or within `Y_r Theta`.
-template <class L>
-inline constexpr bool holds_gravity = [] {
-  if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0 || L::role == LawRole::tracking;
-  } else {
-    return L::role != LawRole::reactive;
-  }
-}();
-/// Whether a gravity law is loaded that cannot be told to leave gravity to the robot.
-template <class L>
-inline constexpr bool has_gravity_law = [] {
-  if constexpr (requires { L::complete_sum; }) {
-    return false;  // skills: their rows name the controller; without weight it gives zero
-  } else if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0;
-  } else {
-    return L::role == LawRole::gravity;
-  }
-}();
-template <class L>
-inline constexpr bool law_compensates_friction = requires { requires L::compensates_friction; };
-
-/// What the description of a robot says about who does what, compared with the law; at compile time.
-template <class Robot, class L>
-constexpr void check_holders() {
-  if constexpr (requires { Robot::robot_holds_gravity; }) {
-    static_assert(!Robot::robot_holds_gravity || !has_gravity_law<L>,
-                  "gravity twice: the robot holds it, and so does the law: leave GravityControl out");
-    static_assert(Robot::robot_holds_gravity || holds_gravity<L>,
-                  "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
-    if constexpr (Robot::interface == Interface::torque) {
-      static_assert(
-          !(Robot::robot_compensates_friction && law_compensates_friction<L>),
-          "friction twice: the robot compensates it, and so does the law: leave FrictionControl out");
-      static_assert(!(Robot::friction_uncompensated && law_compensates_friction<L>),
-                    "friction: described as uncompensated, and a law compensates it: leave one of them out");
-      static_assert(
-          Robot::robot_compensates_friction || Robot::friction_uncompensated || law_compensates_friction<L>,
-          "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add "
-          "FrictionControl");
-    }
-  } else {
-    static_assert(holds_gravity<L>, "gravity nowhere: add GravityControl to the law");
-  }
-}
-/// The law's settings compared with the robot's description; throws `ConfigurationError` with both numbers.
-template <class Robot, class L>
-SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
-  if constexpr (requires { robot.virtual_dynamics(); }) {
-    const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.dt(), robot.virtual_dynamics()};
-    if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
-  }
-}
-}  // namespace detail
 
 template <class C, std::size_t Count>
 class Configurations;
@@ -172,12 +31,12 @@ struct ChangeFrom;
 
 /// A scene: a robot, its skin, its law. `Cycle(arm, skin, law)` derives resolver and guard from the
 /// description `arm`; `.with(...)` adds limits of jerk, tool speed and contact, and settings of the guard. A
-/// guard or a governor that is given by hand stands behind the law. All of it is configuration; what changes
-/// is a `Memory`. A cycle is a function of memory and input alone, so it can be recorded, replayed bit for
-/// bit, started at any state and run as fast as the machine can.
+/// guard or a governor built by hand follows the law in the argument list. All of it is immutable
+/// configuration; the state is a `Memory`. A cycle is a function of memory and input alone, so it can be
+/// recorded, replayed bit for bit, started at any state and run as fast as the machine can.
 ///
-/// The resolver builds `Quantities` from the union of what law and integrator need, at compile time; nothing
-/// else of the model is computed.
+/// The resolver builds `Quantities` from the union of the needs of law and integrator, at compile time;
+/// nothing else of the model is computed.
 template <class Resolver, class GivenLaw, class GivenSkin = NoSkin,
           class Watchman = typename detail::GuardOf<Resolver>::type,
           class Overseer = detail::DefaultGovernor<Resolver>>
@@ -214,7 +73,7 @@ class Cycle {
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
 
-  /// All that changes from cycle to cycle; trivially copyable.
+  /// The state that changes from cycle to cycle; trivially copyable.
   struct Memory {
     typename Resolver::Memory robot;
     typename L::Memory law;
@@ -224,7 +83,7 @@ class Cycle {
   };
 
   /// @param robot  a description (`by_position(...)`), or a resolver built by hand.
-  /// Throws `ConfigurationError` where law or guard state a fact otherwise than the robot's description.
+  /// Throws `ConfigurationError` where settings of law or guard differ from the robot's description.
   template <class Robot>
   Cycle(const Robot& robot, const Skin& skin, const L& law)
       : Cycle(Whole{}, robot, skin, law, detail::default_guard<Resolver>,
@@ -244,8 +103,8 @@ class Cycle {
   Cycle(const Robot& robot, const L& law, const ByHand&... guard_and_governor)
       : Cycle(robot, NoSkin{}, law, guard_and_governor...) {}
 
-  /// The same scene with limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`, ...)
-  /// and settings of its guard (`GuardSettings`), in any order. What was given before is replaced.
+  /// The same scene with limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`,
+  /// ...) and settings of its guard (`GuardSettings`), in any order. They replace those given before.
   template <class... Parts>
   [[nodiscard]] auto with(const Parts&... parts) const {
     const auto made = std::tuple_cat(limit_of(parts)...);
@@ -281,7 +140,7 @@ class Cycle {
   [[nodiscard]] const Watchman& guard() const noexcept { return guard_; }
   [[nodiscard]] const Overseer& governor() const noexcept { return governor_; }
 
-  /// The memory with which the scene takes over a robot that reports `measured`: it stays where it is. A
+  /// The memory with which the scene takes over a robot that reports `measured`: the robot stays there. A
   /// state that is not finite gives a memory whose cycles command nothing (`command.valid` is false).
   [[nodiscard]] Memory start(const State<joints, scalar>& measured) const noexcept {
     Memory m{};
@@ -307,7 +166,7 @@ class Cycle {
     return result;
   }
 
-  /// The same in place: what the loop calls. Nothing is allocated, locked or thrown; no system call.
+  /// The same in place, for the loop. No allocation, lock, exception or system call.
   template <class Watch = NoStopwatch>
   Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
     return run(m, input, watch, detail::NoChange{});
@@ -319,7 +178,7 @@ class Cycle {
   template <class, class>
   friend struct detail::ChangeFrom;
 
-  /// @param change  the configuration that acted until now, or `NoChange`.
+  /// @param change  the configuration of the last cycle, or `NoChange`.
   template <class Watch, class Change>
   SKINCTL_INLINE Output run(Memory& m, const Input& input, Watch& watch,
                             const Change& change) const noexcept {
@@ -392,7 +251,7 @@ class Cycle {
     }
     detail::compare(guard_, resolver_);
   }
-  // What `with` makes of a part: a limit of the governor, a contact, or neither.
+  // The kind of a part of `with`: a limit of the governor, a contact, or neither.
   template <class Part>
   [[nodiscard]] auto limit_of(const Part& part) const {
     if constexpr (detail::is_guard_settings<Part> || detail::is_link_contact<Part>) {
@@ -418,7 +277,7 @@ class Cycle {
     const auto touch = skin_.wrenches(m.skin);
     const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
     if constexpr (Resolver::interface == Interface::torque) {
-      // By an old velocity nothing can be braked.
+      // An old velocity is no basis for braking.
       if (resolved.status.has(Reason::state_stale))
         return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};
       return governor_.step_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
@@ -429,8 +288,8 @@ class Cycle {
     }
   }
 
-  // Of `Configurations`: whether another may take over now; the law's start where the robot is; what the old
-  // configuration would ask for and this one does not.
+  // For `Configurations`: whether another one may take over now; the law's start at the robot's state; the
+  // difference of torque between the old configuration and this one.
   [[nodiscard]] bool may_change(const Memory& m, const Input& input) const noexcept {
     if constexpr (requires { resolver_.asks_law(m.robot, input.measured, input.now, guard_); }) {
       auto robot = m.robot;
@@ -477,7 +336,7 @@ class Cycle {
   [[no_unique_address]] Overseer governor_;
 };
 
-/// The place of a robot whose skin was given behind the law.
+/// For a skin that was given behind the law: the error names its place.
 template <class L, class Skin, class Guard, class Governor>
 class Cycle<detail::SkinBehindLaw, L, Skin, Guard, Governor> {
   static_assert(!std::is_same_v<L, L>, "order: robot, skin, law; the skin stands before the law");

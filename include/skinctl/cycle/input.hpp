@@ -1,4 +1,4 @@
-// Everything that a cycle learns from outside.
+// The input of a cycle.
 #pragma once
 
 #include <span>
@@ -9,26 +9,26 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What the user wants of a cycle besides the laws' goals.
+/// A request of the user besides the laws' goals.
 enum class CycleRequest : unsigned char {
   none,
   stop,   ///< brake and hold, until `resume`
-  resume  ///< go on after a stop, also after one that the guard asked consent for
+  resume  ///< go on after a stop, also where the guard waits for consent
 };
 
 /// No law of the scene takes goals.
 struct NoGoal {};
 
-/// The input of one cycle. Any bit pattern is allowed in it: what cannot be used is refused with a reason.
+/// The input of one cycle. Any bit pattern is allowed in it: unusable values are refused with a reason.
 template <std::size_t N, Scalar T = double, class Goal = NoGoal>
 struct CycleInput {
   Nanoseconds now{};                    ///< the robot's clock: the end of the interval that is integrated
   State<N, T> measured;                 ///< the newest state, with its own stamp
-  std::span<const CellSample> samples;  ///< that arrived since the last cycle
+  std::span<const CellSample> samples;  ///< arrived since the last cycle
   CycleRequest request = CycleRequest::none;
-  Status observed;  ///< what the loop saw go wrong before this cycle: see `TimeBudget`, `PacketWatch`
+  Status observed;  ///< faults that the loop found before this cycle: see `TimeBudget`, `PacketWatch`
   bool has_goal = false;
-  Goal goal{};  ///< read if `has_goal`: a goal, or the next sample of a target that moves
+  Goal goal{};  ///< read if `has_goal`: a goal, or the next sample of a moving target
 };
 
 SKINCTL_END_NAMESPACE

@@ -1,4 +1,4 @@
-// The place of a skin in a scene that has none.
+// In place of a skin in a scene without one.
 #pragma once
 
 #include <span>
@@ -16,13 +16,13 @@ struct NoSkin {
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
   [[nodiscard]] Memory start(Nanoseconds) const noexcept { return {}; }
-  /// Samples of a robot without skin are of unknown cells.
+  /// Samples in a scene without skin are of unknown cells.
   Status receive(Memory&, std::span<const CellSample> samples, Nanoseconds, Nanoseconds, std::size_t,
                  Wrenches*) const noexcept {
     return samples.empty() ? Status{} : Status{Reason::sample_unknown};
   }
   [[nodiscard]] Wrenches wrenches(const Memory&) const noexcept { return {}; }
-  /// Nothing ever arrives.
+  /// There are no samples.
   std::span<const CellSample> poll() noexcept { return {}; }
 };
 

@@ -15,7 +15,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Appends plain values to bytes that were reserved before: never allocates.
+/// Appends plain values to bytes reserved before: never allocates.
 class ByteWriter {
  public:
   explicit ByteWriter(std::size_t capacity) { bytes_.reserve(capacity); }
@@ -24,7 +24,7 @@ class ByteWriter {
   void put(const V& value) noexcept {
     static_assert(std::is_arithmetic_v<V>);
     const std::size_t at = bytes_.size();
-    bytes_.resize(at + sizeof value);  // within the capacity, or this record is not written: see `fits`
+    bytes_.resize(at + sizeof value);  // within the capacity, else the record is dropped: see `fits`
     std::memcpy(bytes_.data() + at, &value, sizeof value);
   }
   [[nodiscard]] const std::vector<unsigned char>& bytes() const noexcept { return bytes_; }
@@ -34,7 +34,7 @@ class ByteWriter {
   std::vector<unsigned char> bytes_;
 };
 
-/// Reads plain values from bytes; past the end it gives zeros and remembers it.
+/// Reads plain values from bytes; past the end it gives zeros and sets a flag.
 class ByteReader {
  public:
   explicit ByteReader(const std::vector<unsigned char>& bytes) noexcept : bytes_(bytes) {}
@@ -66,9 +66,8 @@ class ByteReader {
 
 }  // namespace detail
 
-/// Walks over the plain numbers of a value: `f(number)` for each. Goals of own laws join in by an overload
-/// `each_number(goal, f)` found by argument-dependent look-up.
-/// A duration is a whole number of nanoseconds.
+/// Calls `f(number)` for each plain number of a value. For goals of your own laws, overload
+/// `each_number(goal, f)` in their namespace. A duration is a whole number of nanoseconds.
 template <class F>
 void each_number(Nanoseconds& t, F&& f) {
   std::int64_t count = t.count();
@@ -155,8 +154,7 @@ void each_number(G& goal, F&& f) {
   f(goal.force);
 }
 
-/// What happened in a run of `C`: the state at which it started, then every input and the command that it
-/// gave.
+/// A recorded run of `C`: the state at its start, then every input with its command.
 template <class C>
 class Recording {
  public:
@@ -167,15 +165,15 @@ class Recording {
   /// Room for `bytes` bytes; a cycle of a six-joint arm takes about 400 and a sample 48.
   explicit Recording(std::size_t bytes = std::size_t(64) << 20) : bytes_(bytes) {}
 
-  /// The scene starts at `measured`. Forgets what was recorded before.
+  /// The scene starts at `measured`. Discards the earlier recording.
   void start(const State& measured) noexcept {
     bytes_.clear();
     cycles_ = 0;
     full_ = !bytes_.fits(fixed_size);
     if (!full_) write(measured);
   }
-  /// Adds a cycle; nothing is allocated. When there is no room left it is dropped with all that follow: see
-  /// `full()`.
+  /// Adds a cycle; nothing is allocated. Without enough room the cycle and all following ones are dropped:
+  /// see `full()`.
   void add(const Input& input, const Command& command) noexcept {
     full_ = full_ || !bytes_.fits(fixed_size + input.samples.size() * sample_size);
     if (full_) return;
@@ -195,7 +193,7 @@ class Recording {
   [[nodiscard]] bool full() const noexcept { return full_; }
   [[nodiscard]] const std::vector<unsigned char>& bytes() const noexcept { return bytes_.bytes(); }
 
-  /// Writes a file. Throws `ConfigurationError` if that fails.
+  /// Writes a file. Throws `ConfigurationError` on failure.
   void save(const std::string& path) const {
     std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wb"), &std::fclose);
     const auto put = [&](const void* data, std::size_t n) {
@@ -304,15 +302,15 @@ class Recording {
   bool full_ = false;
 };
 
-/// How a replay compared with its recording.
+/// The comparison of a replay with its recording.
 struct Replayed {
   std::uint64_t cycles = 0;
-  std::uint64_t different = 0;        ///< cycles whose command is not the same to the bit
+  std::uint64_t different = 0;        ///< number of cycles whose command is not the same to the bit
   std::uint64_t first_different = 0;  ///< the first of them
 };
 
 /// Runs a recording through `cycle` and compares every command to the bit. The same program gives the same
-/// bits; another compiler or instruction set rounds elsewhere.
+/// bits; another compiler or instruction set rounds differently.
 template <class C>
 [[nodiscard]] Replayed replay(const C& cycle, const Recording<C>& recording) {
   Replayed result;

@@ -1,5 +1,5 @@
-// What a scene derives from the description of its robot: guard and governor; and how parts given by hand
-// are compared with it.
+// Guard and governor of a scene, derived from the description of its robot, and comparison of parts given by
+// hand with that description.
 #pragma once
 
 #include "skinctl/guard/guard.hpp"
@@ -9,8 +9,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// For `Cycle::with`: the greatest jerk of each joint [rad/s^3]. The joints then never jerk more, and the
-/// guard brakes within it too.
+/// For `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the guard's
+/// braking.
 template <std::size_t N, Real T = double>
 struct MaxJerk {
   JointJerk<N, T> jerk;
@@ -18,21 +18,22 @@ struct MaxJerk {
 template <std::size_t N, Real T>
 MaxJerk(const JointJerk<N, T>&) -> MaxJerk<N, T>;
 
-/// For `Cycle::with`: the greatest speed of a point of link `I`.
+/// For `Cycle::with`: the largest speed of a point of link `I`.
 template <std::size_t I, Real T = double>
 struct MaxToolSpeed {
   T speed;                            ///< [m/s], > 0
   Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `I`, from its origin [m]
-  T reach;                            ///< greatest distance of the point from any joint axis [m]
+  T reach;                            ///< largest distance of the point from any joint axis [m]
 };
 
 namespace detail {
 
-/// A robot's description, as `Cycle` takes it.
+/// A robot's description, the first argument of `Cycle`.
 template <class R>
 concept Described = requires { typename ResolverOf<R>::type; };
 
-/// The guard of a resolver whose joints are all of one kind; with `Smooth`, one that brakes within a jerk.
+/// The guard of a resolver whose joints are all of one kind; with `Smooth`, one that brakes within limits of
+/// jerk.
 template <class Resolver, class Smooth = NoPart>
 struct GuardOf {
   using type = HybridGuard<Resolver>;
@@ -51,7 +52,7 @@ template <class Resolver>
       .period = r.parameters().period,
       .longest_interval = r.parameters().longest_interval};
 }
-/// The guard that a resolver's robot gets unless told otherwise.
+/// The default guard of a resolver's robot.
 template <class Resolver>
 [[nodiscard]] auto default_guard(const Resolver& r) {
   using G = typename GuardOf<Resolver>::type;
@@ -62,7 +63,7 @@ template <class Resolver>
   }
 }
 
-/// The governor that a resolver's robot gets unless told otherwise: by torque, the limits of its motion.
+/// The default governor of a resolver's robot: by torque, the limits of its motion.
 template <class Resolver>
 [[nodiscard]] auto default_governor(const Resolver& r) {
   if constexpr (requires { requires Resolver::interface == Interface::torque; }) {
@@ -75,7 +76,7 @@ template <class Resolver>
 template <class Resolver>
 using DefaultGovernor = decltype(default_governor(std::declval<const Resolver&>()));
 
-// A part of `with`, made for this robot. What is made already passes.
+// A part of `with`, built for this robot. A part that is built already passes.
 template <class Resolver, class Part>
 [[nodiscard]] const Part& made_for(const Resolver&, const Part& part) {
   return part;
@@ -99,7 +100,7 @@ inline constexpr bool is_guard_settings = false;
 template <std::size_t N, Real T>
 inline constexpr bool is_guard_settings<GuardSettings<N, T>> = true;
 
-/// The settings of the guard among the parts, or the default ones.
+/// The settings of the guard among the parts, or the default.
 template <class Settings>
 [[nodiscard]] Settings guard_settings_in(const Settings& otherwise) {
   return otherwise;
@@ -114,7 +115,7 @@ template <class Settings, class First, class... Rest>
   }
 }
 
-/// A governor of parts, a link's contacts joined into one; `NoGovernor` of none.
+/// A governor of the parts, the contacts of the links joined into one; `NoGovernor` without parts.
 template <class Resolver, class... Made>
 [[nodiscard]] auto governor_of(const Resolver& r, const std::tuple<Made...>& made) {
   if constexpr (sizeof...(Made) == 0) {
@@ -132,7 +133,7 @@ template <class Resolver, class... Made>
   }
 }
 
-/// What can be wrong with a guard that is given by hand.
+/// Faults of a guard that is given by hand.
 enum class GuardFault { none, interface, joints, scalar };
 template <class Guard, class Resolver>
 consteval GuardFault fault_in_guard() {

@@ -1,4 +1,4 @@
-// The stages of a cycle, and the stopwatch that does not look.
+// The stages of a cycle, and a stopwatch without effect.
 #pragma once
 
 #include <array>
@@ -7,11 +7,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What one cycle goes through, in this order.
+/// The stages of one cycle, in their order.
 enum class CycleStage : unsigned char {
   sense,    ///< samples to mean wrenches on the links
   resolve,  ///< laws, dynamics and the virtual robot
-  guard,    ///< the last word
+  guard,    ///< the last check of the command
   count
 };
 inline constexpr std::size_t stage_count = static_cast<std::size_t>(CycleStage::count);
@@ -21,7 +21,7 @@ constexpr const char* name(CycleStage stage) noexcept {
   return stage < CycleStage::count ? names[static_cast<std::size_t>(stage)] : "unknown";
 }
 
-/// Takes no times and costs nothing.
+/// Measures nothing and costs nothing.
 struct NoStopwatch {
   SKINCTL_INLINE void begin() noexcept {}
   SKINCTL_INLINE void end(CycleStage) noexcept {}

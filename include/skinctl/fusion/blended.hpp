@@ -73,10 +73,9 @@ class Blended<Fused<P, L...>> : public Composable {
     Factors from, to;                 ///< shares before and after the ramp
     Nanoseconds elapsed = clock_end;  ///< since the ramp began
     Nanoseconds ramp{};               ///< its duration
-    /// after it: duration in which the feedback of new tracking laws fades in
-    Nanoseconds settle{};
-    Nanoseconds next_ramp{};  ///< of the next change
-    bool waiting = false;     ///< a change of weights is waiting
+    Nanoseconds settle{};             ///< then: fade-in of the feedback of new tracking laws
+    Nanoseconds next_ramp{};          ///< of the next change
+    bool waiting = false;             ///< a change of weights is waiting
   };
 
   explicit Blended(const Fusion& sum, const BlendSettings& settings = {})

@@ -8,12 +8,10 @@
 SKINCTL_BEGIN_NAMESPACE
 
 struct BudgetSettings {
-  /// From the receipt of a state until its command is sent and all other work done.
-  Nanoseconds cycle;
-  unsigned skip_after = 1;  ///< number of overruns in a row after which optional work is left out
-  unsigned stop_after = 5;  ///< number in a row after which the guard stops until the user's consent
-  /// Number of cycles in a row within the budget after which optional work comes back.
-  unsigned calm_after = 100;
+  Nanoseconds cycle;          ///< from the receipt of a state until all work is done
+  unsigned skip_after = 1;    ///< overruns in a row, then optional work is left out
+  unsigned stop_after = 5;    ///< overruns in a row, then the guard stops until the user's consent
+  unsigned calm_after = 100;  ///< cycles within the budget in a row, then optional work resumes
 };
 
 /// The memory of a budget. Trivially copyable.

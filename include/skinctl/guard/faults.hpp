@@ -1,5 +1,4 @@
-// The table of faults: every reason that a cycle can report, its finder, its reaction, its way back, its
-// text.
+// The table of faults: each reason that a cycle can report, with finder, reaction, way back and text.
 #pragma once
 
 #include <array>
@@ -16,10 +15,9 @@ enum class Reaction : unsigned char {
   wait,    ///< plans and integrals are stopped; the laws go on
   hold,    ///< the last command is kept, or the refused motion is not begun
   limit,   ///< the command is cut to the allowed range and goes on
-  /// Torques ramp to the fallback (gravity compensation, friction); a force or a difference ramps to zero.
-  fade,
-  brake,  ///< the motion brakes with the acceleration limit, and holds
-  stop    ///< brakes or fades, until the user's consent
+  fade,    ///< torques ramp to the fallback (gravity, friction); a force or a difference ramps to zero
+  brake,   ///< the motion brakes with the acceleration limit, and holds
+  stop     ///< brakes or fades, until the user's consent
 };
 inline constexpr std::size_t reaction_count = static_cast<std::size_t>(Reaction::stop) + 1;
 

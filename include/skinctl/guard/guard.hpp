@@ -58,8 +58,8 @@ struct Guarded {
 /// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback.
 ///
 /// With `JerkLimits` as `Smooth` the guard brakes within them: a motion that can be stopped within its jerk
-/// keeps it (a governor with the same limits sends no other), and the limits give way as that class documents
-/// (`jerk_exceeded`) in others. Whether a command keeps its jerk is left to the governor: the guard checks
+/// keeps it (a governor with the same limits sends no other); for others the limits give way as that class
+/// documents (`jerk_exceeded`). Whether a command keeps its jerk is left to the governor: the guard checks
 /// acceleration, velocity and position.
 ///
 /// Most reactions end by themselves, once the given command can be reached within the limits; the resolver
@@ -178,8 +178,8 @@ class Guard {
   /// Whether the command waits for consent.
   [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
 
-  /// Whether this robot can be in the state `s`: within `beyond` of its ends, below `overspeed`. False for
-  /// NaN.
+  /// Whether this robot can be in the state `s`: within `beyond` of its ends, below `overspeed`. NaN:
+  /// false.
   [[nodiscard]] SKINCTL_INLINE bool believes(const State<N, T>& s) const noexcept {
     using R = detail::Row<N, T>;
     const R q = s.q, dq = s.dq, fast = overspeed_ * R(limits_.velocity());

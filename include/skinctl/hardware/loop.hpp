@@ -34,9 +34,8 @@ struct LoopReport {
   std::uint64_t samples = 0;  ///< from the skin
   std::array<Histogram, stage_count> stages;
   Histogram whole;
-  Histogram period;  ///< between states, by this computer's clock
-  /// From the arrival of a state until its command was sent and `after` returned.
-  Histogram load;
+  Histogram period;                ///< between states, by this computer's clock
+  Histogram load;                  ///< from a state's arrival until its command was sent and `after` returned
   std::uint64_t overruns = 0;      ///< cycles whose load was above the budget
   std::uint64_t lost_packets = 0;  ///< of a robot that numbers them
 

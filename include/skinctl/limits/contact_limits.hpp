@@ -20,7 +20,7 @@ struct LinkContact {
   double reach = BodyRegion::unset;  ///< largest distance of the link's surface from the link's origin [m]
   Nanoseconds reaction = BodyRegion::unset_time;  ///< from a change of force until the robot's speed changes
   double newton = 1;  ///< calibration: newtons of the contact per newton of the skin's wrench
-  /// While the skin detects nobody, the link may exceed the speed of the transient force limit by this rule.
+  /// While the skin detects nobody, this rule may allow the link more speed than the transient force limit.
   std::optional<Separation> separation = {};
   /// Distance at which a cell begins to detect [m]; the measured distance is `range (1 - proximity)`. Choose
   /// it so that this lies below the sensor's own curve. Needed with `separation`.

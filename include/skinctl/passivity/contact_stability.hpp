@@ -1,5 +1,4 @@
-// The stiffest contact in which a resolver's virtual robot is stable: the gain margin of the loop through the
-// contact.
+// Contact stability: the gain margin of the loop through a resolver's virtual robot and a contact.
 #pragma once
 
 #include <cmath>

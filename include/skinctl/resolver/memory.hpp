@@ -1,4 +1,4 @@
-// What changes in a resolver from cycle to cycle.
+// The memory of a resolver.
 #pragma once
 
 #include "skinctl/core/command.hpp"
@@ -24,14 +24,13 @@ struct VirtualJointsMemory {
   bool started = false;
   bool stop = false;  ///< a stop was requested
   ResolverMode mode = ResolverMode::following;
-  Nanoseconds time{};               ///< of the virtual state
-  detail::RunningPosition<N, T> q;  ///< q^
-  JointVelocity<N, T> v;            ///< the virtual robot's velocity, which laws read
-  JointVelocity<N, T> rate;         ///< dq^/dt: v, with the correction where that is sent
-  JointAcceleration<N, T> last;     ///< dv/dt of the last sub-step
-  State<N, T> measured;             ///< the last good measurement
-  /// R: measured position minus the position that the commands should have brought.
-  JointPosition<N, T> residual;
+  Nanoseconds time{};                    ///< of the virtual state
+  detail::RunningPosition<N, T> q;       ///< q^
+  JointVelocity<N, T> v;                 ///< the virtual robot's velocity, which laws read
+  JointVelocity<N, T> rate;              ///< dq^/dt: v, with the correction where that is sent
+  JointAcceleration<N, T> last;          ///< dv/dt of the last sub-step
+  State<N, T> measured;                  ///< the last good measurement
+  JointPosition<N, T> residual;          ///< r: measured position minus that brought by the commands
   T off_for[N] = {};                     ///< how long r has been beyond the dead band [s]
   T mode_for = T(0);                     ///< how long the present mode has lasted [s]
   signed char pushed[N] = {};            ///< the direction in which a blocked robot did not follow

@@ -22,7 +22,7 @@ struct Resolved {
 };
 
 namespace detail {
-/// A configuration of a scene, as it is asked for its torque.
+/// The parts of a scene's configuration that give its torque.
 template <class Robot, class L, class Touch>
 struct Asked {
   const Robot& robot;
@@ -134,9 +134,9 @@ class Resolver {
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
       const Interval& interval, std::span<const Touch> touches, const Check& check = {}) const noexcept;
 
-  /// The joint torque that `next` lacks to accelerate the virtual robot in the coming sub-step as `before`
-  /// does: another configuration of the same scene. Zero where the laws do not move it. Evaluates both laws
-  /// once and the integrator `joints` times; limits are left out.
+  /// The joint torque that accelerates the virtual robot under the configuration `next` in the coming
+  /// sub-step as under `before`, less that of `next`; both are of the same scene. Zero where the laws do not
+  /// move the virtual robot. Evaluates both laws once and the integrator `joints` times, without limits.
   template <class L, class Touch, class Check>
   [[nodiscard]] SKINCTL_COLD JointTorque<joints, T> lacking(
       const Memory& m, const State<joints, T>& measured, const Interval& interval, const Check&,

@@ -101,7 +101,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
-      // Whatever the clock says: gravity is compensated at the measured position.
+      // Even if the clock is wrong, gravity is compensated at the measured position.
       out.fallback = held(detail::believed(measured, m.measured, check));
       return out;
     }
@@ -171,7 +171,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     };
     return sent(before) - sent(next);
   }
-  /// Whether the coming cycle asks the law: no stop, no stale news.
+  /// Whether the coming cycle evaluates the law: no stop, no stale state.
   template <class Check>
   [[nodiscard]] bool asks_law(const Memory& m, const State<joints, T>& measured, Nanoseconds now,
                               const Check& check) const noexcept {

@@ -67,9 +67,11 @@ constexpr Skill<Bank::size> row(const char* name, std::size_t own,
 }
 }  // namespace detail
 
-/// The skills of `library` whose controllers are all given, as a law: `skill_set<First>(library, settings,
-/// skill_controller<controller::SplineJoint>(law), ...)`. `First` is the initial behaviour and the fallback.
-/// Throws `ConfigurationError` for numbers out of their range.
+/// The skills of `library` whose controllers are all given, as a law:
+///
+///     skill_set<First>(library, settings, skill_controller<controller::SplineJoint>(law), ...)
+///
+/// `First` is the initial behaviour and the fallback. Throws `ConfigurationError` for numbers out of range.
 template <class First, class Library, class... Name, class... L>
 [[nodiscard]] auto skill_set(const Library& library, const SkillSettings& settings,
                              const SkillController<Name, L>&... controllers) {

@@ -14,8 +14,7 @@ struct SkillSettings {
   Nanoseconds bumpless_transfer = 100ms;  ///< time in which the torque changes over to the next skill ...
   Nanoseconds longest = 2s;               ///< ... or longer for large changes, up to this
   double max_rate = 1000;                 ///< of every joint's torque during a transfer [N m/s]
-  /// Norm of the skin's joint torque from which the robot counts as touched [N m].
-  double touched = 1;
+  double touched = 1;               ///< the skin's joint torque from which the robot counts as touched [N m]
   OppositionSettings opposition{};  ///< when skin and tracking count as opposed
 };
 

@@ -1,5 +1,5 @@
-// AllocationGuard: counts what the calling thread allocates, also in release builds, because malloc itself is
-// replaced.
+// AllocationGuard: counts the allocations of the calling thread, in release builds too, because it replaces
+// malloc.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@ namespace skinctl::testing {
 /// Whether allocations are counted: not under AddressSanitizer, which replaces malloc itself.
 [[nodiscard]] bool allocations_are_counted() noexcept;
 
-/// Allocations of the calling thread since it started: malloc and all that rests on it (new, Eigen, std).
+/// Allocations of the calling thread since it started: malloc and its callers (new, Eigen, std).
 [[nodiscard]] std::uint64_t allocations_of_thread() noexcept;
 
-/// Allocations that any thread made inside a `RealTimeScope`. `main` fails the test program when there are
-/// some that no `ExpectedRealTimeAllocations` covers.
+/// Allocations of any thread inside a `RealTimeScope`. `main` fails the test program if some are covered by
+/// no `ExpectedRealTimeAllocations`.
 [[nodiscard]] std::uint64_t allocations_in_real_time() noexcept;
 
 /// `AllocationGuard guard; step(); CHECK(guard.count() == 0);` Take the count before the check: a failing
@@ -40,7 +40,7 @@ class ExpectedRealTimeAllocations {
   std::uint64_t start_;
 };
 
-/// Allocations inside real-time scopes that nobody expected.
+/// Allocations inside real-time scopes that no `ExpectedRealTimeAllocations` covers.
 [[nodiscard]] std::uint64_t unexpected_real_time_allocations() noexcept;
 
 }  // namespace skinctl::testing

@@ -1,4 +1,4 @@
-// A resolver against simulated joints, pushed by torques that a test gives as functions of time.
+// A resolver with simulated joints, pushed by torques that a test gives as functions of time.
 #pragma once
 
 #include <functional>
@@ -11,13 +11,13 @@
 
 namespace skinctl::testing {
 
-/// Mean torques over a sub-step, in the skin's place.
+/// Mean torques over a sub-step, in place of a skin.
 template <std::size_t N, class T>
 struct Pushed {
   JointTorque<N, T> torque;
 };
 
-/// What pushes, and gravity held: a robot that only yields.
+/// The pushing torques and gravity compensation: a robot that only yields.
 struct Yield {
   struct Memory {
     std::uint64_t evaluations = 0;
@@ -85,7 +85,7 @@ class ClosedLoop {
 
   Robot robot;
   SimulatedJoints<6> joints;
-  State<6, T> measured;  ///< what the last cycle was told
+  State<6, T> measured;  ///< input of the last cycle
   double noise = 0;
   std::mt19937_64 rng{7};
   std::normal_distribution<double> normal{0, 1};

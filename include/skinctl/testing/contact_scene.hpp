@@ -1,4 +1,4 @@
-// A resolver with random skills in random contacts, and the energy that comes out of the real robot.
+// A resolver with random skills in random contacts, and the energy that the real robot gives.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace skinctl::testing {
 
-/// Contacts along fixed directions of joint space: a conservative world, exactly. In the skin's place.
+/// Contacts along fixed directions of joint space, exactly conservative, in place of a skin.
 struct JointTouch {
   Contacts<6, double, 2> contacts;
 };
@@ -28,13 +28,13 @@ Contacts<6, double, 2> contacts_of(const M&, const JointPosition<6>&, const Join
   return touch.contacts;
 }
 
-/// For some time: a weight of the skin, and a spring and damper to a goal.
+/// A skill of limited duration: a weight of the skin, and a spring and damper to a goal.
 struct Skill {
   double until = 0, skin = 1, pull = 0, stiffness = 0, damping = 0;
   JointPosition<6> goal;
 };
 
-/// Skills one after the other, with jumps between them: what a tank is for.
+/// Skills one after the other, with jumps between them, as a tank has to cover them.
 struct RandomSkills : StatelessLaw<RandomSkills> {
   static constexpr Needs needs{.angles = true, .gravity = true, .touch = true};
   std::vector<Skill> skills;
@@ -53,7 +53,7 @@ struct RandomSkills : StatelessLaw<RandomSkills> {
   }
 };
 
-/// What pushes back along `row` beyond `at` [m]: a wall, or a hand that moves.
+/// An obstacle along `row` beyond `at` [m]: a wall, or a hand that moves.
 struct Obstacle {
   double row[6] = {};
   double at = 0, stiffness = 0, damping = 0, swing = 0, pulse = 0;  ///< `at + swing sin(pulse t)`
@@ -78,7 +78,7 @@ struct RandomScene {
   std::vector<Obstacle> obstacles;
   RobotConfiguration<6> configuration{.limits = limits_of<ur5::Description>(20.0), .period = 8ms};
 
-  /// What keeps it passive at the virtual and at the measured port.
+  /// The parts of `Passivity` at the virtual and at the measured port.
   [[nodiscard]] auto keeper() const {
     return Passivity(
         EnergyTank<>({.start = tank, .max = tank}),
@@ -98,7 +98,7 @@ struct RandomScene {
     delay = pick(6);
     lag = pick(2) * 0.006;
     const double speed = uniform(0.2, 1);
-    // Slow brakes give a contact what a free robot would not: 1 to 20 rad/s^2.
+    // Weak brakes give a contact energy that a free robot would not: 1 to 20 rad/s^2.
     const double brake = std::exp(std::log(20.0) * std::uniform_real_distribution<>()(other));
     auto values = limits_of<ur5::Description>(brake).values();
     values.velocity = JointVelocity<6>::constant(speed);
@@ -120,7 +120,7 @@ struct RandomScene {
       if (pick(2) == 1) o.swing = uniform(0, 0.1), o.pulse = uniform(1, 8);
       obstacles.push_back(o);
     }
-    // The stiffest world whose first impact the energy at the start pays for.
+    // The stiffest obstacle whose first impact the initial energy pays for.
     const double T = seconds<double>((delay + 1) * period) + lag, v = reach * speed;
     configuration.dead_band = JointPosition<6>::constant(std::min(0.02, speed * T));
     const double p = v * T + 0.5 * v * speed / brake;
@@ -143,17 +143,17 @@ struct RandomScene {
   }
 };
 
-/// What came of a scene.
+/// The energies of a scene.
 struct Energies {
-  double extracted = 0;          ///< most energy that the real port had given at any time [J]
-  double virtual_extracted = 0;  ///< and the virtual one
+  double extracted = 0;          ///< largest energy given by the real port at any time [J]
+  double virtual_extracted = 0;  ///< the same by the virtual port
   double least_tank = 0, least_ledger = 0;
   double largest_force = 0;
   double path = 0;  ///< of joint 0 [rad]
   Status status;
 };
 
-/// Two seconds of a scene under `keeper`.
+/// Two seconds of a scene with the passivity parts `keeper`.
 template <Interface I, class Keeper>
 Energies run(const RandomScene& scene, const Keeper& keeper) {
   using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32, Keeper>;
@@ -196,7 +196,7 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
       }
       force[k] = F;
     }
-    // The keepers are told the newest force: as from a skin that samples as often as the robot is commanded.
+    // The parts get the newest force, as from a skin sampled at the rate of the commands.
     next.contacts.count = scene.obstacles.size();
     parts[interval.substeps - 1] = next;
     out.path += std::abs(joints.q()[0] - last[0]);

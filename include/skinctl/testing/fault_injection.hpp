@@ -1,4 +1,5 @@
-// The faults of the table `faults`, each put into running skills, and what must hold whatever is put in.
+// The faults of the table `faults`, each injected into running skills, and the conditions that hold in every
+// run.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +15,7 @@
 
 namespace skinctl::testing {
 
-/// A resolver whose commands can be spoilt on their way to the guard.
+/// A resolver whose commands can be corrupted on their way to the guard.
 template <class R>
 struct Spoilt : R {
   explicit Spoilt(const R& r) : R(r) {}
@@ -53,7 +54,7 @@ struct Spoilt : R {
   }
 };
 
-/// Skills whose torque can be spoilt.
+/// Skills whose torque can be corrupted.
 template <class Skills>
 struct SpoiltSkills : Skills {
   explicit SpoiltSkills(const Skills& s) : Skills(s) {}
@@ -69,9 +70,9 @@ struct SpoiltSkills : Skills {
 };
 
 template <Interface I>
-using SmallResolver = Resolver<I, ur5::Model, double, SemiImplicitEuler>;  // the least to compile
+using SmallResolver = Resolver<I, ur5::Model, double, SemiImplicitEuler>;  // fastest to compile
 
-/// All skills of an arm; under sanitizers, where laws take long to compile, being led by hand.
+/// All skills of an arm; under sanitizers, where laws take long to compile, only the led arm.
 inline auto faulty_skills(double dt) {
   if constexpr (sanitized) {
     return skill_set<behaviour::KinestheticJoint>(
@@ -82,8 +83,8 @@ inline auto faulty_skills(double dt) {
   }
 }
 
-/// A scene that faults are put into: all skills of a UR5 with skin and contact limits. Numbers of the
-/// test.
+/// A scene for fault injection: all skills of a UR5 with skin and contact limits. The numbers are the test's
+/// own.
 template <Interface I>
 auto faulty_scene() {
   SceneSettings s;
@@ -107,18 +108,18 @@ auto faulty_scene() {
                make_governor(limits, contact_limits(ur5::Model{}, contact)));
 }
 
-/// How one run went.
+/// The result of one run.
 struct Injected {
   bool reported = false, reacted = true, came_back = true;
   int broken = 0;         ///< commands beyond a limit, not finite, or further than the step bound
-  double worst_step = 0;  ///< in units of what a cycle may change
+  double worst_step = 0;  ///< in units of the largest change in a cycle
   Reaction seen = Reaction::none;
   std::string wrong;  ///< in words; empty: nothing
 
   [[nodiscard]] bool good() const { return reported && reacted && came_back && broken == 0; }
 };
 
-/// One scene, and runs of it: each of a fault, the skill that it meets, and a seed for all else.
+/// One scene, and its runs: each with a fault, the skill that it hits, and a seed for everything else.
 template <Interface I>
 class FaultInjection {
  public:
@@ -128,7 +129,7 @@ class FaultInjection {
   static constexpr bool torque = I == Interface::torque;
   static constexpr std::size_t skills = Skills::skills;
 
-  /// What comes from outside, or from a broken stage: the rest of the table are limits at work and news.
+  /// Faults from outside, or from a broken stage: the other reasons are limits and reports.
   static constexpr Status injectable = [] {
     Status all;
     for (const Reason r : {Reason::command_not_finite, Reason::step_limited,      Reason::outside_limits,
@@ -141,18 +142,18 @@ class FaultInjection {
       all |= r;
     return all;
   }();
-  /// Whether the fault can be put in at this interface.
+  /// Whether the fault can be injected at this interface.
   static bool possible(const Fault& f) {
     if (I != Interface::position && f.reason == Reason::outside_limits) return false;
     return injectable.has(f.reason);
   }
   [[nodiscard]] const char* name(std::size_t skill) const { return scene_.law().skill(skill).name; }
 
-  /// Called after each cycle with its number, whether the fault is there, and what came out.
+  /// Called after each cycle with its number, whether the fault is present, and the output.
   std::function<void(int, bool, const typename Scene::Output&)> watch;
 
-  /// The arm is pushed now and then. The fault comes while `skill` works, or while another hands over to it,
-  /// or `skill` is asked for during the fault; at a random instant, for a random time.
+  /// The arm is pushed now and then. The fault begins while `skill` runs, or during the change to it, or
+  /// `skill` is requested during the fault; at a random instant, for a random time.
   Injected run(const Fault& f, std::uint8_t skill, std::uint64_t seed) {
     oracle::Random random(seed);
     Injected sum;
@@ -197,7 +198,7 @@ class FaultInjection {
       const auto f3 = static_cast<float>(pushed ? pushes : 0);
       CellSample sample{.time = now - 1ms, .cell = cell, .force = {f3, f3, f3}};
       input.samples = std::span(&sample, 1);
-      if (k == 0 || k + 1 == asked) ask(input, Skills::report(closed()));  // as force control wants it
+      if (k == 0 || k + 1 == asked) ask(input, Skills::report(closed()));  // as force control needs it
       if (k == 1) ask(input, request(before, state.q, random));
       if (k == asked) ask(input, request(skill, state.q, random));
       how = How::not_at_all;
@@ -226,12 +227,12 @@ class FaultInjection {
       if (input.now > last.time) check_limits(last, out.command, input.now, sum);
 
       const bool here = out.status.has(f.reason);
-      // A blocked virtual robot does not listen to its laws, and whom contact limits slow down does not leap.
+      // A blocked virtual robot ignores its laws, and a robot slowed by contact limits does not leap.
       const bool deaf = (f.finder == FaultFinder::resolver && out.status.has(Reason::blocked)) ||
                         (f.motion == Reaction::brake && out.status.has(Reason::contact_slowed));
       reported |= (here || deaf) && faulty;
       const bool waits = out.status.has(Reason::consent_awaited);
-      // The resolver says `state_stale` earlier, and brakes its own way.
+      // The resolver reports `state_stale` earlier, and brakes in its own way.
       if (here && faulty && (f.reason != Reason::state_stale || k - from > 27))
         fits.look(*this, last, out.command, input.now, k - from, input.measured);
       if (k > over && k < resumed) fits.stop &= waits && at_rest(out.command, k > over + 23, input.measured);
@@ -260,7 +261,8 @@ class FaultInjection {
   }
 
  private:
-  /// Joints that follow positions and velocities stiffly, a cycle late; a free arm with friction for torques.
+  /// Joints that follow positions and velocities stiffly, one cycle late; for torques, a free arm with
+  /// friction.
   class Plant {
    public:
     Plant(const JointPosition<6>& q, const SceneSettings& s) : s_(s), joints_(q, s.delay, s.lag), goal_(q) {
@@ -305,7 +307,7 @@ class FaultInjection {
     JointLimits<6> limits_ = ur5_test_limits<double>();
   };
 
-  /// Which reactions the commands of a run can have been.
+  /// Reactions that the commands of a run are consistent with.
   struct Fits {
     bool hold = true, brake = true, fade = true, stop = true, left_out = true;
 
@@ -338,10 +340,10 @@ class FaultInjection {
     }
   };
 
-  /// Whether the run with the fault must be the same to the bit as one without what is refused.
+  /// Whether the run with the fault must equal one without the refused input to the bit.
   static bool is_left_out(const Fault& f) {
     if (f.finder == FaultFinder::skin)
-      return true;  // a sample that is too old, too: its cell fades in its own time
+      return true;  // also a sample that is too old: its cell fades in its own time
     return f.finder == FaultFinder::guard && (torque ? f.torque : f.motion) == Reaction::refuse;
   }
   static bool same(const JointCommand<6>& a, const JointCommand<6>& b) {
@@ -351,7 +353,7 @@ class FaultInjection {
     input.has_goal = true;
     input.goal = goal;
   }
-  /// A skill with goals for all controllers, around where the arm began.
+  /// A skill with goals for all controllers, near the arm's initial pose.
   typename Scene::Goal request(std::uint8_t skill, const JointPosition<6>& q, oracle::Random& random) const {
     JointGoal<6> goal{q, nanoseconds(random.uniform(1, 4))};
     for (auto& x : goal.q_g) x += random.uniform(-0.4, 0.4);
@@ -445,7 +447,7 @@ class FaultInjection {
     }
   }
 
-  /// Limits, steps, numbers.
+  /// Checks limits, steps, and that all numbers are finite.
   void check_limits(const JointCommand<6>& last, const JointCommand<6>& c, Nanoseconds now, Injected& sum) {
     const double dt = std::min(seconds<double>(now - last.time), 5 * 0.008);
     bool good = c.valid;
@@ -487,7 +489,7 @@ class FaultInjection {
     for (const double u : c.velocity) fastest = std::max(fastest, std::abs(u));
     return !by_now || fastest == 0;
   }
-  /// Gravity held, or that with the damping of a robot that stops.
+  /// Whether the torque is gravity compensation, with or without the damping of a robot that stops.
   [[nodiscard]] bool near_fallback(const JointCommand<6>& c, const State<6>& state) const {
     const auto g = gravity_torque(ur5::Model{}, state.q);
     const auto mass = mass_matrix(ur5::Model{}, state.q);

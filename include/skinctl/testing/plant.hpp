@@ -1,5 +1,5 @@
-// A robot with exactly the model's parameters, integrated finely under a held torque: the plant of the
-// control tests.
+// The plant of the control tests: a robot with exactly the model's parameters, finely integrated under a held
+// torque.
 #pragma once
 
 #include "skinctl/dynamics/forward_dynamics.hpp"

@@ -1,4 +1,4 @@
-// Seeded random numbers and the extremes that laws are tried at; a failing case prints itself as code.
+// Seeded random numbers, and the extreme arguments for tests of laws; a failing case prints itself as code.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ using Random = std::mt19937_64;
   return Random(seed);
 }
 
-/// Between -1 and 1, from 31 random bits: short to write where any number will do.
+/// Between -1 and 1, from 31 random bits: short to write where the distribution does not matter.
 class Seeded {
  public:
   explicit Seeded(unsigned seed) : bits_(seed) {}
@@ -105,7 +105,7 @@ template <std::size_t N, Real T>
   return values;
 }
 
-/// `value` as it stands in a program, to the last digit: paste it into a test.
+/// `value` as C++ source, to the last digit: paste it into a test.
 template <Real T>
 [[nodiscard]] std::string as_code(const T& value) {
   const std::string type = std::same_as<T, float> ? "float" : std::same_as<T, double> ? "double" : "Digits50";

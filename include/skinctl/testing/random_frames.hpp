@@ -22,7 +22,7 @@ Xyz<T> random_direction(Random& rng) {
     if (length > T(0.1) && length < T(1)) return (T(1) / length) * v;
   }
 }
-/// The turn by `angle` about the unit vector `n`, over its quaternion.
+/// The turn by `angle` about the unit vector `n`, computed through its quaternion.
 template <class T>
 Rotation<T> rotation_about(const Xyz<T>& n, const T& angle) {
   using std::cos;
@@ -65,7 +65,7 @@ Rotation<U> cast(const Rotation<T>& R) {
   return {skinctl::cast<U>(R.x), skinctl::cast<U>(R.y), skinctl::cast<U>(R.z)};
 }
 
-/// A value as the code that makes it, so that a failing case can be pasted into a test of its own.
+/// A value as C++ source, so that a failing case can be pasted into a test of its own.
 template <class T>
 std::string as_code(const Rotation<T>& R) {
   return "Rotation<T>{" + as_code(R.x) + ", " + as_code(R.y) + ", " + as_code(R.z) + "}";

@@ -11,7 +11,7 @@
 
 namespace oracle {
 
-/// Seeded random numbers that are the same with every standard library.
+/// Seeded random numbers, the same with every standard library.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -1,5 +1,4 @@
-// Random cells on a robot's links for the laws of the skin, and tau_skin cell by cell, as the paper writes
-// it.
+// Random cells on a robot's links for the laws of the skin, and tau_skin cell by cell, as in the paper.
 #pragma once
 
 #include <cmath>
@@ -54,7 +53,7 @@ JointPosition<N, T> random_position(Random& rng, double reach = 3.0) {
   return q;
 }
 
-/// `J_cell^T [F z ; 0]` of a cell that is pushed with `F` newton along its inward normal: the paper's form,
+/// `J_cell^T [F z ; 0]` of a cell that is pushed with `F` newtons along its inward normal: the paper's form,
 /// with the Jacobian of the cell's own frame.
 template <std::size_t I, class P, class M, class T>
 JointTorque<M::joints, T> torque_of_cell(const P& poses, const M&, const Transform<Link<I>, Cell, T>& X_LC,

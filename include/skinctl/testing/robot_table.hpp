@@ -1,4 +1,4 @@
-// Robots as tables of plain numbers: what the oracles are built from. Knows nothing of skinctl.
+// Robots as tables of plain numbers, from which the oracles are built. Independent of skinctl.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace oracle {
 
 /// UR5. Kinematics, masses and centres of mass: Universal Robots, "DH parameters for calculations of
 /// kinematics and dynamics"; inertias: the cylinder approximation of Universal_Robots_ROS2_Description,
-/// config/ur5/ physical_parameters.yaml. Body i is the frame right after Rz(q_i) of the maker's DH row i.
+/// config/ur5/physical_parameters.yaml. Body i is the frame right after Rz(q_i) of the maker's DH row i.
 inline Robot ur5() {
   constexpr std::array<double, 9> one{1, 0, 0, 0, 1, 0, 0, 0, 1};
   constexpr std::array<double, 9> turned{1, 0, 0, 0, 0, -1, 0, 1, 0};  // Rx(pi/2)
@@ -53,7 +53,7 @@ inline Robot ur5() {
   return robot;
 }
 
-/// Where the tool flange of `ur5()` sits on the last body (its axes are the same) [m].
+/// Position of the tool flange of `ur5()` on the last body (its axes are the same) [m].
 inline constexpr std::array<double, 3> ur5_flange{0, 0, 0.0823};
 
 /// Allegro hand on its palm: allegro_{right,left}_hand.urdf of Gepetto/example-robot-data (masses, inertias

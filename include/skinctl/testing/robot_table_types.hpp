@@ -1,4 +1,5 @@
-// The table itself: bodies, joints, inertias as plain numbers, in any scalar; with or without fixed bodies.
+// The types of the table: bodies, joints, inertias as plain numbers, in any scalar; with or without fixed
+// bodies.
 #pragma once
 
 #include <array>
@@ -7,12 +8,12 @@
 
 namespace oracle {
 
-/// How a body moves in its parent, always with respect to the z axis of its own frame.
+/// The motion of a body in its parent, always about or along the z axis of its own frame.
 enum class Motion { revolute, prismatic, fixed };
 
-/// One body of a tree. Its frame sits at `R`, `p` in the parent's frame when its joint is at zero; the joint
-/// then turns it about its own z axis (or slides it along it): X_ParentBody = [R p] [Rz(q) 0] or [R p] [1
-/// (0,0,q)].
+/// One body of a tree. Its frame is at `R`, `p` in the parent's frame when its joint is at zero; the joint
+/// then turns it about its own z axis, `X_ParentBody = [R p] [Rz(q) 0]`, or slides it along it,
+/// `X_ParentBody = [R p] [1 (0,0,q)]`.
 template <class T>
 struct BasicBody {
   int parent = -1;  ///< index of the parent, smaller than the own; -1: the base
@@ -24,7 +25,7 @@ struct BasicBody {
   std::array<T, 9> inertia{};  ///< about the centre of mass, in the body's axes, row-major [kg m^2]
 };
 
-/// A kinematic tree. Joint number = order of the bodies that move.
+/// A kinematic tree. Joints are numbered in the order of the moving bodies.
 template <class T>
 struct BasicRobot {
   std::vector<BasicBody<T>> bodies;
@@ -45,7 +46,7 @@ struct BasicRobot {
     for (const auto& b : bodies) joint.push_back(b.motion != Motion::fixed ? n++ : -1);
     return joint;
   }
-  /// Every body is the child of the one before it.
+  /// Whether every body is the child of the one before it.
   [[nodiscard]] bool is_chain() const {
     for (int i = 0; i < body_count(); ++i)
       if (body(i).parent != i - 1) return false;
@@ -75,7 +76,7 @@ template <class T>
 std::array<T, 9> transposed(const std::array<T, 9>& A) {
   return {A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]};
 }
-/// m (c.c 1 - c c'): what a point mass at c adds to an inertia.
+/// m (c.c 1 - c c'): the inertia of a point mass at c.
 template <class T>
 std::array<T, 9> point_inertia(const T& m, const std::array<T, 3>& c) {
   const T cc = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
@@ -111,8 +112,8 @@ BasicRobot<T> exact(const Robot& robot) {
   return result;
 }
 
-/// The same robot without fixed bodies: each is melted into the body that carries it (or dropped with the
-/// base). Bodies that move keep their order.
+/// The same robot without fixed bodies: each is merged into the body that carries it (or dropped with the
+/// base). Moving bodies keep their order.
 template <class T>
 BasicRobot<T> without_fixed(const BasicRobot<T>& robot) {
   using namespace table_detail;

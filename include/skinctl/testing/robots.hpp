@@ -1,4 +1,4 @@
-// The robots of the tests: each as a model of skinctl and as the table from which the oracles are built.
+// The robots of the tests: each as a model of skinctl and as the table for the oracles.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ struct TabledRobot {
       turn;  ///< the table's frame of link i is the model's, turned by -turn[i] about z
 };
 
-/// A tree with two branches on the base, one within a branch, and three sliding joints.
+/// A tree with two branches at the base, one branch within a branch, and three prismatic joints.
 struct MixedTree {
   static constexpr std::size_t joints = 9;
   static constexpr std::array<int, 9> parents = {-1, 0, 1, 1, 3, -1, 5, 5, 7};

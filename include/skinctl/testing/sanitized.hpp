@@ -1,4 +1,4 @@
-// Whether this is a build under the address sanitizer, where loops are shortened that prove nothing new there.
+// Whether this is a build under the address sanitizer, where loops without further value there are shortened.
 #pragma once
 
 #if defined(__SANITIZE_ADDRESS__)

@@ -1,4 +1,4 @@
-// A UR5 with skin as a whole scene, and stiff joints to run it against.
+// A UR5 with skin as a whole scene, and stiff joints as its robot.
 #pragma once
 
 #include <array>
@@ -74,7 +74,7 @@ auto test_robot(const SceneSettings& s) {
 template <Interface I, std::size_t Cells, class T, class L>
 auto make_scene(const L& law, const SceneSettings& s = {}) {
   SkinSettings skin;
-  skin.max_age = 10s;  // tests send changes only
+  skin.max_age = 10s;  // tests send only changes
   return Cycle(test_robot<I, T>(s), ur5_skin<Cells, T>({.force = s.force_gain}, skin), law);
 }
 
@@ -109,7 +109,7 @@ class StiffJoints {
     target_ = q;
   }
   void command(Nanoseconds now, const JointPosition<6, T>& q) { queue_.push_back({now + delay_, q}); }
-  /// Lets time pass until `now`.
+  /// Advances the time to `now`.
   const State<6, T>& run_to(Nanoseconds now) {
     while (state_.time < now) {
       state_.time += step_;

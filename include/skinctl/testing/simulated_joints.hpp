@@ -1,5 +1,5 @@
-// Stiff industrial joints: they follow what they are sent after a pure delay and with a lag of first order,
-// whatever pushes on them. Standard library only.
+// Stiff industrial joints: they follow commands after a delay and with a first-order lag, whatever pushes on
+// them. Standard library only.
 #pragma once
 
 #include <array>
@@ -17,11 +17,11 @@ class SimulatedJoints {
   enum class Kind { position, velocity };
 
   /// @param delay, lag  [s] of every joint: `lag * dq/dt = command(t - delay) - q`, or the same of
-  /// velocities.
+  ///                    velocities.
   SimulatedJoints(Kind kind, double delay, double lag, const Row& q)
       : kind_(kind), delay_(delay), lag_(lag), q_(q), target_(kind == Kind::position ? q : Row{}) {}
 
-  /// The joints hold this from `t + delay` on.
+  /// Holds this command from `t + delay` on.
   void command(double t, const Row& value) { under_way_.push_back({t + delay_, value}); }
 
   /// Runs to time `t` [s].
@@ -36,7 +36,7 @@ class SimulatedJoints {
 
   /// Whether joint `i` cannot move.
   void hold_fast(std::size_t i, bool fast) { stuck_[i] = fast; }
-  /// Someone moves joint `i` by hand.
+  /// Joint `i` is moved by hand.
   void displace(std::size_t i, double by) { q_[i] += by; }
 
   const Row& q() const { return q_; }
@@ -49,7 +49,7 @@ class SimulatedJoints {
     Row value;
   };
 
-  // Exact for a target that is held.
+  // Exact for a constant target.
   void run(double t) {
     const double dt = t - time_;
     if (dt <= 0) return;

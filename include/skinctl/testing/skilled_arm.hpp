@@ -1,4 +1,4 @@
-// A UR5 with all skills that its controllers allow, moved and touched at random.
+// A UR5 with all skills of its controllers, under random requests and touches.
 #pragma once
 
 #include <array>
@@ -46,7 +46,7 @@ template <class T>
 auto skilled_tool() {
   return Transform<Link<5>, Tool, T>::translation_xyz(T(0), T(0), T(0.1));
 }
-/// All controllers of Fig. 7 and section 6; under sanitizers a few, as all take them a minute to compile.
+/// All controllers of Fig. 7 and section 6; under sanitizers a few, as all of them take a minute to compile.
 template <class T = double>
 auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
   const auto s = skilled_settings(dt);
@@ -69,7 +69,7 @@ auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
   }
 }
 
-/// What happens to the arm: touches that come and go, and goals, all from one seed.
+/// The environment of the arm: intermittent touches, and goals, all from one seed.
 template <class Set, class T>
 class SkilledRun {
  public:
@@ -93,7 +93,7 @@ class SkilledRun {
   }
   /// A skill with a goal for every controller that takes one.
   Goal any_request(std::uint8_t skill) { return with_any_goals(Set::start_skill(skill)); }
-  /// Other goals for the skill that acts.
+  /// Other goals for the active skill.
   Goal any_goals() { return with_any_goals(Set::goal()); }
   Goal with_any_goals(const Goal& request) {
     JointGoal<6, T> goal{state_.q, nanoseconds(uniform(random_, 0.5, 4.0))};
@@ -109,7 +109,7 @@ class SkilledRun {
     const ForceGoal<T> force{{away(1), away(1), away(1)}, static_cast<T>(uniform(random_, 0.0, 20.0))};
     return with_known_goals(request, goal, target, pose, moving, force);
   }
-  /// The goals for which the set has takers.
+  /// Those of the goals that controllers of the set accept.
   template <class... G>
   static Goal with_known_goals(Goal request, const G&... goals) {
     const auto one = [&](const auto& goal) {
@@ -128,7 +128,7 @@ class SkilledRun {
                .template get<5>() *
            skilled_tool<T>();
   }
-  /// A touch of up to `force` on a link, anywhere on it; it comes and goes within a tenth of a second.
+  /// A touch of up to `force` anywhere on a link; it rises and falls within a tenth of a second.
   void touch(double force) {
     const double u = uniform(random_, -1.0, 1.0), v = uniform(random_, -1.0, 1.0),
                  w = uniform(random_, -1.0, 1.0);
@@ -178,12 +178,12 @@ class SkilledRun {
 
 /// One change of skill, from the seed alone.
 struct Bump {
-  double jump = 0;     ///< what the request adds to the torque's step at its instant [N m]
-  double kink = 0;     ///< what it changes of the rate, where that was within its bound [N m/s]
-  double rate = 0;     ///< the fastest that the change moves the torque, beside the touch [N m/s]
-  double before = 0;   ///< and shortly before the request
-  double carried = 0;  ///< the most that the torque lacked of what the laws asked for [N m]
-  double time = 0;     ///< until all was handed over [s]
+  double jump = 0;     ///< step of the torque at the request, beyond that without it [N m]
+  double kink = 0;     ///< change of the torque's rate by it, where that was within its bound [N m/s]
+  double rate = 0;     ///< largest rate of the torque by the change, without the touch's [N m/s]
+  double before = 0;   ///< the same shortly before the request
+  double carried = 0;  ///< largest difference from the laws' torque [N m]
+  double time = 0;     ///< until the transfer has ended [s]
   bool finite = true;
 
   void widen(const Bump& b) {
@@ -200,8 +200,8 @@ struct Bump {
   }
 };
 
-/// What is allowed of it. The rate is what the skills are configured with, to 3 %: what other weights of the
-/// skin will move is foreseen with the touch as it is, and touches grow by up to 2 N m in a cycle.
+/// Bounds of a bump. The rate is that configured for the skills, to 3 %: the effect of the skin's changing
+/// weights is predicted for a constant touch, and touches grow by up to 2 N m in a cycle.
 inline const Bump bump_bounds{.jump = 0.25, .kink = 300, .rate = SkillSettings{}.max_rate * 1.03, .time = 4};
 
 template <class T>
@@ -218,7 +218,7 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
   auto& random = run.random();
   const auto cycles = [&](double s) { return static_cast<int>(s / static_cast<double>(dt)); };
   const auto once_in = [&](double s) { return random() % static_cast<std::uint64_t>(cycles(s)) == 0; };
-  run.ask(Set::report(closed()));  // as force control wants it
+  run.ask(Set::report(closed()));  // as force control needs it
   run.ask(run.any_request(from));
   if (random() % 4 != 0) run.touch(40);
   const int first = cycles(uniform(random, 0.0, 0.6));
@@ -234,13 +234,15 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
     return tau;
   };
   auto memory = run.memory();  // of the last cycle
-  JointTorque<6, T> own;       // torque without the skin's, then
+  JointTorque<6, T> own;       // torque without the skin's, in it
   double time = -cycles(0.1) * static_cast<double>(dt);
-  const auto last = [&] { return own + skin(evaluate(set, memory, run.known(), dt)); };  // with today's touch
+  // with the present touch
+  const auto last = [&] { return own + skin(evaluate(set, memory, run.known(), dt)); };
   const auto follow = [&](double* fastest, bool all) {
     const auto before = last();
     const auto weighed = before - own;
-    // A change that keeps a tracking law moves the skin's weights alone: what that law does is its own affair.
+    // A change that keeps a tracking law moves only the skin's weights: the torque of that law does not
+    // count.
     const bool whole = all || Set::Blend::swaps(run.memory().blend);
     memory = run.memory();
     const auto e = run.step();

@@ -1,5 +1,4 @@
-// The skills as a whole scene: a UR5 with 260 cells of skin, commanded by position, that follows a cycle
-// late.
+// The skills as a whole scene: a UR5 by position with 260 cells of skin, which follows one cycle late.
 #pragma once
 
 #include <memory>
@@ -31,7 +30,7 @@ const JointControlSettings<6, T>& gains_of(const OperationalSettings<6, T>& s) {
   return s.tracking;
 }
 
-/// The scene at work: random skills and goals, and touches of up to three cells that come and go.
+/// The scene in operation: random skills and goals, and intermittent touches of up to three cells.
 template <class Scene>
 class SkilledDay {
  public:
@@ -60,12 +59,12 @@ class SkilledDay {
     touching_ = false;
     changed_ = true;
   }
-  /// Home, by the joints.
+  /// Returns home with joint control.
   void go_home() {
     ask(Set::template start_skill<behaviour::ReachJointGoal>(JointGoal<6, T>{home_position<T>(), 5s}));
   }
 
-  /// What happens now and then: another skill with goals around here, another goal, a touch, a release.
+  /// Random events: another skill with goals near the present pose, another goal, a touch, a release.
   void happen() {
     const auto once_in = [&](double s) {
       return static_cast<double>(random_() >> 11) * 0x1p-53 * s < seconds<double>(period_);
@@ -101,7 +100,7 @@ class SkilledDay {
   }
   /// The input of the last cycle.
   [[nodiscard]] const typename Scene::Input& last() const { return last_; }
-  /// The largest part of its limit that any integral of a tracking law has reached.
+  /// The largest integral of a tracking law so far, as a share of its limit.
   [[nodiscard]] double integrals() const {
     double most = 0;
     const auto look = [&](const auto& law, const auto& memory) {

@@ -1,4 +1,4 @@
-// A robot that takes torques, with random skills in random contacts, and the energy that comes out of it.
+// A robot by torque, with random skills in random contacts, and the energy that it gives.
 #pragma once
 
 #include "skinctl/math/ldlt.hpp"
@@ -7,21 +7,21 @@
 
 namespace skinctl::testing {
 
-/// What came of a scene: energies as `Energies`, and the deepest debt of the tank [J].
+/// The energies of a scene, as `Energies`, and the deepest debt of the tank [J].
 struct TorqueEnergies {
   double extracted = 0, debt = 0, path = 0;
   bool finite = true;
   Status status;
 };
 
-/// Two seconds of a scene on a UR5 without friction of its own that takes torques at 1 kHz, in steps of 0.1
-/// ms. The robot feels the obstacles themselves; the skin feels them as often as the robot is commanded.
+/// Two seconds of a scene on a frictionless UR5 by torque at 1 kHz, in steps of 0.1 ms. The robot feels the
+/// obstacles directly; the skin samples them at the rate of the commands.
 template <class Keeper>
 TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
   using Robot = Resolver<Interface::torque, ur5::Model, double, CrankNicolson, 32, Keeper>;
   constexpr Nanoseconds period = 1ms;
   auto law = scene.law;
-  for (Skill& s : law.skills) s.damping *= 0.1;  // what a wrist takes that is commanded once a millisecond
+  for (Skill& s : law.skills) s.damping *= 0.1;  // small enough for a wrist commanded once a millisecond
   RobotConfiguration<6> c{.limits = scene.configuration.limits, .period = period};
   c.viscous_friction = scene.configuration.viscous_friction;
   c.max_lead = 5;

@@ -1,5 +1,4 @@
-// A UR5 that follows a law and is touched at random: how far beyond its target does it swing after the
-// release?
+// A UR5 that follows a law under random touches, and its overshoot beyond the target after each release.
 #pragma once
 
 #include <algorithm>
@@ -27,12 +26,13 @@ inline Skinned<double> touch_of(double x, double y, double z) {
 struct Swings {
   int counted = 0;       ///< deflections of joints by 0.02 rad or more
   double furthest = 0;   ///< [rad]
-  double overshoot = 0;  ///< the largest, as a part of its deflection
-  double fastest = 0;    ///< torque of any joint but the skin's [N m/s]
+  double overshoot = 0;  ///< the largest, as a share of its deflection
+  double fastest = 0;    ///< largest rate of any joint's torque without the skin's [N m/s]
 };
 
-/// Touches of 10 to 40 N in any direction for 0.3 to 2 s, on the way to a goal or at it, each followed by 2.5
-/// s and more without. The law's first share is the skin's. @param wanted  the joint target of a memory, now.
+/// Touches of 10 to 40 N in any direction for 0.3 to 2 s, on the way to a goal or at it, each followed by at
+/// least 2.5 s without. The law's first share is the skin's.
+/// @param wanted  the present joint target of a memory.
 template <class L, class Wanted>
 Swings touch_and_release(const L& law, Wanted&& wanted, double rate, int trials, unsigned seed = 101) {
   using K = Quantities<ur5::Model, L::needs, double, Skinned<double>>;

@@ -1,4 +1,4 @@
-// A resolver that rests against a spring: does it swing out, or up?
+// A resolver against a spring: whether its oscillation decays or grows.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace skinctl::testing {
 
-/// Only the touch and gravity.
+/// A law of touch and gravity only.
 struct Touched : StatelessLaw<Touched> {
   static constexpr Needs needs{.angles = true, .gravity = true, .touch = true};
   template <class K>
@@ -18,8 +18,8 @@ struct Touched : StatelessLaw<Touched> {
 };
 
 /// The displacement [m] along `row`, cycle by cycle, of a robot at `q0` that is tied to a spring of
-/// `stiffness` which pushes and pulls, after it was set off by `kick` [m]; `damping` along it. The spring's
-/// force comes linearly between cycles.
+/// `stiffness` which pushes and pulls, after an initial displacement `kick` [m]; `damping` along it. The
+/// spring's force is linear between cycles.
 inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, const JointPosition<6>& q0,
                                             const double (&row)[6], double stiffness, double damping,
                                             double seconds_long, double kick = 1e-7) {
@@ -50,7 +50,7 @@ inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, cons
       std::copy(std::begin(row), std::end(row), contact.row);
       contact.force = last + (force - last) * (j + 0.5) / interval.substeps;
       if (j + 1 == interval.substeps && damping > 0 && !(contact.force > 0)) {
-        // A push is positive: a pull is a push the other way.
+        // A push is positive: a pull is a push in the other direction.
         for (double& r : contact.row) r = -r;
         contact.force = std::max(1e-12, -contact.force);
       }
@@ -67,7 +67,7 @@ inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, cons
   return path;
 }
 
-/// Whether the swinging dies out.
+/// Whether the oscillation decays.
 inline bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q0, const double (&row)[6],
                        double stiffness, double damping = 0) {
   const auto path = tied_to_a_spring(c, q0, row, stiffness, damping, 8);
@@ -78,7 +78,7 @@ inline bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q
   };
   const std::size_t n = path.size();
   const double early = largest(n / 4, n / 2), late = largest(3 * n / 4, n);
-  return late < early && late < 1e-6;  // what has grown up to the limits does not grow on
+  return late < early && late < 1e-6;  // an oscillation at the limits no longer grows
 }
 
 }  // namespace skinctl::testing

@@ -33,8 +33,7 @@ struct JointControlSettings {
   Nanoseconds bumpless_transfer =
       100ms;  ///< bumpless transfer: the reference reaches its new course this long after a reset
   Nanoseconds target_age =
-      /// a moving target is extrapolated for this time after its last sample, then slows down
-      100ms;
+      100ms;  ///< a moving target is extrapolated so long after its last sample, then slows down
   T max_acceleration = T(4);  ///< of every joint after a reactive target [rad/s^2]
   T max_jerk = T(40);         ///< the same [rad/s^3]
   GoalPolicy reach = GoalPolicy::stretch;

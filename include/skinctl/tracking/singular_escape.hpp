@@ -13,12 +13,10 @@ struct SingularEscape {
   JointVelocity<N, T> v;
   JointAcceleration<N, T> a;  ///< its derivative
 
-  static constexpr double zone = 0.03;  ///< singular value below which a direction counts as singular
-  static constexpr double lag = 0.03;   ///< of either filter [s]
-  /// the largest share of its limit that an escape takes of any joint
-  static constexpr double share = 0.97;
-  /// commanded speed of the frame [m/s, rad/s] for seven tenths of this pace
-  static constexpr double least = 0.004;
+  static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
+  static constexpr double lag = 0.03;     ///< of either filter [s]
+  static constexpr double share = 0.97;   ///< largest speed of a joint in an escape, over its limit
+  static constexpr double least = 0.004;  ///< commanded speed [m/s, rad/s] for 0.7 of this pace
 
   /// `dt` seconds later, by backward Euler: stable for every dt. A wish that is not finite changes nothing.
   [[nodiscard]] SingularEscape advanced(const JointVelocity<N, T>& wish, const T& dt) const noexcept {
@@ -126,8 +124,7 @@ struct SingularEscape {
     for (std::size_t n = 0; n < 2; ++n) c[n] = c[n] + closed[0] * ((back ? -amount : amount) * f[n] - c[n]);
   }
   static constexpr double bent = 0.0002;  ///< |q| [m/rad^2] below which a path counts as straight
-  /// a path is closed if sigma vanishes within this distance along it [rad]
-  static constexpr double ahead = 0.2;
+  static constexpr double ahead = 0.2;    ///< a path is closed if sigma vanishes within this angle [rad]
 };
 
 SKINCTL_END_NAMESPACE

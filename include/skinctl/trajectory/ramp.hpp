@@ -1,5 +1,4 @@
-// Ramps: weights between 0 and 1 that change within a given time, without a jump in value, rate or
-// acceleration.
+// Ramps: weights between 0 and 1 that change within a given time, twice continuously differentiable.
 #pragma once
 
 #include "skinctl/core/contract.hpp"

@@ -1,4 +1,4 @@
-// The law of a scene whose configuration may change: what a change left over goes out with it.
+// The law of a scene whose configuration may change, with the difference of torque that is ramped out.
 #pragma once
 
 #include <tuple>
@@ -39,9 +39,9 @@ class CarryingLaw : public GoalOfLaw<L> {
     const auto answer = follow_or_receive(law_, memory.law, known, goal);
     return {{answer.memory, memory.difference, memory.elapsed}, answer.status};
   }
-  /// Carries nothing.
+  /// No difference.
   static void drop(Memory& memory) noexcept { memory.elapsed = clock_end; }
-  /// Begins to carry `difference` out. What is not finite counts as zero.
+  /// Begins to ramp `difference` out. A value that is not finite counts as zero.
   static void carry(Memory& memory, const JointTorque<N, T>& difference) noexcept {
     memory.elapsed = Nanoseconds{};
     for (std::size_t i = 0; i < N; ++i)

@@ -1,4 +1,4 @@
-// Whether a law and a skin are for the robot of a scene: said in one line where the scene is built.
+// Checks that a law and a skin are for the robot of a scene; one line of error where the scene is built.
 #pragma once
 
 #include "skinctl/core/detail/check_law.hpp"
@@ -7,11 +7,11 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The model of the robot that `Robot`, a resolver, drives.
+/// The model of the robot of the resolver `Robot`.
 template <class Robot>
 using model_of = std::remove_cvref_t<decltype(std::declval<const Robot&>().model())>;
 
-/// Stands for a skin that is wrong, after the error about it.
+/// In place of a wrong skin, after the error about it.
 struct WrongSkin {
   using Wrenches = NoTouch;
   struct Memory {};
@@ -30,7 +30,7 @@ concept HasWrenches = requires(const Skin& skin, const typename Skin::Memory& me
   { skin.wrenches(memory) } -> std::same_as<typename Skin::Wrenches>;
 };
 
-/// What can be wrong with a skin.
+/// Faults of a skin.
 enum class SkinFault { none, no_wrenches, other_scalar, other_joints, other_model };
 template <SkinFault F, class Skin>
 struct SaySkin {
@@ -57,7 +57,7 @@ consteval SkinFault fault_in_skin() {
   }
 }
 
-/// The first thing that is wrong with a law in a scene.
+/// The first fault of a law in a scene.
 template <class Robot, class L, class Skin>
 constexpr auto find_in_scene() {
   constexpr auto members = find_in_members<L>();
@@ -72,7 +72,7 @@ constexpr auto find_in_scene() {
     }
   }
 }
-/// What is right of a scene, or does nothing in place of what is wrong.
+/// The valid parts of a scene; a placeholder without effect for each wrong one.
 template <class Robot, class GivenLaw, class GivenSkin>
 struct Scene {
   static constexpr SkinFault skin_fault = fault_in_skin<Robot, GivenSkin>();

@@ -17,7 +17,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
   if (!m.stiff.started) return out;
   if (interval.substeps == 0) {
-    // Whatever the clock says: gravity is compensated at the measured position.
+    // Even if the clock is wrong, gravity is compensated at the measured position.
     out.fallback = held(detail::believed(measured, m.measured, check));
     return out;
   }

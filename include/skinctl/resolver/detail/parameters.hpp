@@ -1,5 +1,4 @@
-// The numbers of a robot's description in the form in which a resolver uses them: checked, completed, in
-// seconds.
+// The numbers of a robot's description as a resolver uses them: checked, completed, in seconds.
 #pragma once
 
 #include "skinctl/robot/robot_configuration.hpp"
