@@ -1,6 +1,6 @@
-// 01 Frames: what does a touch on a cell do to the link that carries it?
+// 01 Frames: from a touch on a cell to force and moment on the link that carries it.
 //
-//   X_LC   pose of the cell in its link        F_C   force on the cell: along -z, for the world can only push
+//   X_LC   pose of the cell in its link        F_C   force on the cell: along -z, because a touch only pushes
 //   X_BL   pose of the link in the base        F_L   the same load on the link, about the link's origin
 #include <cstdio>
 
@@ -20,7 +20,7 @@ int main() {
   // A finger presses with 10 N. A cell carries no moment about its own origin.
   const Wrench<Forearm, Cell> F_C{{0, 0, -10}, {0, 0, 0}};
 
-  // On the link, about the link's origin, along the link's axes: now there is a moment.
+  // The load on the link, about the link's origin, along the link's axes: it has a moment.
   const Wrench<Forearm, Forearm> F_L = X_LC * F_C;
   std::printf("on the link:  force  %6.2f %6.2f %6.2f N\n", F_L.force.x, F_L.force.y, F_L.force.z);
   std::printf("              moment %6.2f %6.2f %6.2f N m\n", F_L.moment.x, F_L.moment.y, F_L.moment.z);
@@ -29,7 +29,7 @@ int main() {
   const Wrench<Forearm, Forearm, Base> F_L_B = express(X_BL, F_L);
   std::printf("in the base:  force  %6.2f %6.2f %6.2f N\n", F_L_B.force.x, F_L_B.force.y, F_L_B.force.z);
 
-  // Where the cell is in the base: frames that meet cancel, all others do not compile.
+  // Pose of the cell in the base: inner frames must be equal, else the product does not compile.
   const Transform<Base, Cell> X_BC = X_BL * X_LC;
   std::printf("cell at       %.3f %.3f %.3f m, normal %.2f %.2f %.2f\n", X_BC.origin().x, X_BC.origin().y,
               X_BC.origin().z, X_BC.axis_z().x, X_BC.axis_z().y, X_BC.axis_z().z);

@@ -1,7 +1,7 @@
-// 02 A model: what does the arm weigh on its joints, and what torque moves it?
+// 02 A model: gravity torques of an arm, and the torques of a motion.
 //
-//   q, dq, ddq   joint positions, velocities, accelerations     J     Jacobian of the flange
-//   G            torque that holds the arm                      tau   M ddq + C dq + G
+//   q, dq, ddq   joint positions, velocities, accelerations   J     Jacobian of the flange
+//   G            torque that holds the arm                    tau   M ddq + C dq + G
 #include <Eigen/Core>
 #include <cstdio>
 #include <vector>
@@ -16,7 +16,7 @@
 using namespace skinctl;
 
 int main() {
-  const ur5::Model robot;  // all numbers are constants: zeros and ones leave no instruction
+  const ur5::Model robot;  // all numbers are constants: zeros and ones cost no instruction
   const JointPosition<6> q{0.0, -1.2, 1.4, -1.8, -1.57, 0.0};
   const JointVelocity<6> dq{0.5, 0.2, -0.3, 0.0, 0.1, 0.4};
   const JointAcceleration<6> ddq{1.0, 0.0, 0.5, 0.0, 0.0, 0.0};
@@ -35,7 +35,7 @@ int main() {
   for (std::size_t i = 0; i < 6; ++i)
     std::printf("%zu       %10.3f %10.3f %10.3f\n", i, G[i], tau[i], back[i]);
 
-  // The same arm with a calibration's numbers, known only at run time: same functions.
+  // The same functions for an arm whose calibration is known only at run time.
   auto links = ur5::Calibrated<>::Links{};
   for (std::size_t i = 0; i < 6; ++i) links[i] = ur5::Description::links[i];
   links[2][LinkParameter::p_x] += 0.0013;  // the upper arm is 1.3 mm shorter
@@ -44,7 +44,7 @@ int main() {
   std::printf("calibrated flange is %.2f mm away\n",
               1000 * as_eigen(shifted.origin() - X_BF.origin()).norm());
 
-  // A thousand robots at once, side by side in vector registers: same functions.
+  // The same functions for a thousand robots, side by side in vector registers.
   std::vector<JointPosition<6>> along(1000);
   for (std::size_t k = 0; k < along.size(); ++k) along[k] = integrate(q, dq, 0.001 * static_cast<double>(k));
   std::vector<JointTorque<6>> held(along.size());

@@ -1,9 +1,7 @@
-// 03 A touch to torque: which torque does a press on one cell of 260 put on the joints, and where does the
-// arm go?
+// 03 From touch to torque: the joint torques of a press on one cell of 260, and the motion that follows.
 //
-//   f        the cell's three force readings        tau_skin   sum over cells of J_cell^T [F; 0], eq. (7)
-//   w_f      newtons per unit of reading            a          acceleration that the torque gives the touched
-//   point
+//   f     the cell's three force readings     tau_skin   sum over cells of J_cell^T [F; 0], eq. (7)
+//   w_f   newtons per unit of reading         a          acceleration of the touched point under tau_skin
 #include <cstdio>
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
@@ -31,7 +29,7 @@ int main() {
   std::printf("cell %u feels 0.6 units; less the gate's 0.08 that is %.1f N\n", cell.id, 20 * (0.6 - 0.08));
   for (std::size_t i = 0; i < 6; ++i) std::printf("joint %zu  %8.3f N m\n", i, tau_skin[i]);
 
-  // The touched point accelerates away from the finger: against the cell's outward normal.
+  // The touched point accelerates away from the finger, opposite to the cell's outward normal.
   const JointAcceleration<6> ddq = MassFactors<ur5::Model>(mass_matrix(robot, angles)).solve(tau_skin);
   const auto poses = link_poses(robot, q);
   const auto J = jacobian<2>(poses, cell.X_LC);

@@ -1,7 +1,8 @@
-// 04 A fused law: an arm that goes to a goal, is pushed on its way, and holds its own weight: one expression.
+// 04 A fused law: one expression moves an arm to a goal, yields to a push and compensates gravity.
 //
-//   reach, skin, gravity   laws; their sum is a law, eq. (23): gravity enters once, tracking weights are normalised
-//   known                  the state and what follows from it     tau   torque of the sum, and each law's share
+//   law     sum of three laws, eq. (23): gravity enters once, tracking weights are normalised
+//   known   the state and the quantities computed from it
+//   now     torque of the sum, each law's share, and the next memory
 #include <cstdio>
 
 #include "skinctl/control/gravity_control.hpp"

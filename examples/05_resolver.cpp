@@ -1,7 +1,9 @@
-// 05 A resolver: a robot that takes nothing but positions feels like a mass with friction.
+// 05 A resolver: a robot that takes only positions feels like a mass with friction.
 //
-//   tau    torque of the laws (skin and gravity)     q^, v   the virtual robot, whose position is the command
-//   T_d    delay of the robot, declared              drawn: where the arm is while a finger pushes, and after
+//   tau     torque of the laws (skin and gravity)
+//   q^, v   state of the virtual robot, whose position is the command
+//   T_d     declared delay of the robot
+//   *       position of joint 0 in the printed picture, during a push and after it
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -26,7 +28,7 @@ auto make_cycle() {
 }
 // [/readme:cycle]
 
-/// Stands where a driver would: an arm that follows its commands one cycle late, and a skin on which a finger
+/// Simulates the drivers: an arm that follows its commands one cycle late, and a skin on which a finger
 /// presses with 7 N for half a second.
 struct Simulated {
   JointPosition<6> under_way{0.0, -1.2, 1.4, -1.8, -1.57, 0.0};

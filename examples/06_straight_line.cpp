@@ -1,7 +1,8 @@
-// 06 A straight line: a tool goes to a pose and on the way turns, straight through a wrist singularity.
+// 06 A straight line: a tool moves and turns to a pose, straight through a wrist singularity.
 //
-//   reach       Spline Operational Control, eqs. (15)-(22), of the tool on link 5   X_BG   where it goes
-//   slowed      next to the singularity the joints reach their speed limit and the tool waits for them
+//   reach    Spline Operational Control, eqs. (15)-(22), of the tool on link 5
+//   X_BG     goal pose of the tool
+//   slowed   near the singularity the joints reach their speed limit, and the tool waits for them
 #include <cmath>
 
 #include "skinctl/control/spline_operational.hpp"
@@ -22,7 +23,7 @@ int main(int argc, char** argv) {
   using Known = Quantities<ur5::Model, SplineOperational<6, 5>::needs>;
   const NoTouch touch;
 
-  // The goal is the pose of joints whose wrist is stretched: q4 = 0, and J has no inverse there.
+  // The goal is a singular pose: with q4 = 0 the wrist is stretched and J has no inverse.
   State<6> state{0ns, {0.5, -1.4, 1.2, -1.7, 0.4, 0.1}, {}};
   const auto X_BG = link_poses(robot, JointPosition<6>{0.3, -1.2, 1.4, -1.8, 0.0, 0.3}).get<5>() * X_LT;
   auto memory = reach.start(Known(robot, state, h, touch));

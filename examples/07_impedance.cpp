@@ -1,7 +1,9 @@
 // 07 Impedance: a spring and a damper hold a tool; a hand leads it away, and it comes back.
 //
-//   tau = -J'(K e + D de) + tau_skin + G(q)   K stiffness [N/m], [N m/rad]   D damping [N s/m], [N m s/rad]
-//   e   from where the tool should be [m]     F  force of a hand on the wrist [N]: it stands off by F / K
+//   tau = -J'(K e + D de) + tau_skin + G(q)
+//
+//   K   stiffness [N/m], [N m/rad]         D   damping [N s/m], [N m s/rad]
+//   e   error of the tool's position [m]   F   force of a hand on the wrist [N]: the tool yields by F / K
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/skin_cartesian_control.hpp"
 #include "support/arm.hpp"

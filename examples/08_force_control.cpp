@@ -1,7 +1,10 @@
 // 08 Force control: the wrist finds a table of unknown height and presses on it, harder half-way through.
 //
-//   F_d  force to press with [N]   n  direction [-]   k  stiffness of the table [N/m]   d  depth [m], F = k d
-//   v = sat(K_p dF + K_i1 int dF + K_i2 int tanh(mu dF)), dF = F_d - F: how the target moves along n
+//   v = sat(K_p dF + K_i1 int dF + K_i2 int tanh(mu dF)),   dF = F_d - F
+//
+//   F_d   desired force [N]                k   stiffness of the table [N/m]
+//   v     speed of the target along n      d   depth in the table [m], F = k d
+//   n     direction of the press [-]
 #include "skinctl/control/force_control.hpp"
 #include "support/arm.hpp"
 

@@ -1,8 +1,10 @@
-// 09 A reactive target: a camera sees a part at 5 Hz; every picture the target jumps, and the tool does not.
+// 09 A reactive target: a camera sees a part at 5 Hz; the target jumps with every image, the tool does not.
 //
-//   X_BP  pose of the target, from a sensor at any rate   v, a, j  limits of speed, acceleration and jerk
-//   tau = operational control, eqs. (15)-(21), after the target that these limits let through, + tau_skin +
-//   G(q)
+//   tau = tau_op + tau_skin + G(q)
+//
+//   tau_op    operational control, eqs. (15)-(21), of a reference that follows the target within v, a, j
+//   X_BP      pose of the target, from a sensor at any rate
+//   v, a, j   limits of speed, acceleration and jerk
 #include "skinctl/control/reactive_control.hpp"
 #include "support/arm.hpp"
 
@@ -22,7 +24,7 @@ int main(int argc, char** argv) {
   double fastest = 0, noise = 0.5;
   for (int k = 0; arm.time() < 8; ++k) {
     if (k % 25 == 0) {
-      noise = 3.9 * noise * (1 - noise);  // of the camera, never the same
+      noise = 3.9 * noise * (1 - noise);  // pseudo-random noise of the camera, a logistic map
       const double jump = arm.time() > 4 ? 0.1 : 0;
       p = start.origin() + Xyz<double>{0, 0.06 * std::sin(arm.time()) + jump, 0.004 * noise};
       arm.ask(PoseReference<Tool>{{start.axes(), p}, {}, {}});

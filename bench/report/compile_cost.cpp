@@ -31,7 +31,7 @@ struct Cost {
 
 struct Budget {
   std::string over;  // the file to subtract; empty: none
-  Cost most;
+  Cost max;
   bool stated = false;
 };
 

@@ -439,4 +439,93 @@ TEST_CASE("Configurations: what they must have in common is compared, with both 
   other = usual;
   other.coulomb_friction[2] = 1;
   CHECK(refused(other).find("Coulomb friction: 1 N m") != std::string::npos);
+
+  SUBCASE("also the cells of the skin, but neither gains nor gates") {
+    const auto felt = [&](const SkinSettings& settings, double force, std::uint32_t first) {
+      const Patch<2, 2> patch({{{first, Transform<Link<2>, Cell>()}, {8, Transform<Link<2>, Cell>()}}},
+                              {.force = force});
+      return Cycle(by_position(ur5::Model{}, usual), Skin<ur5::Model, double, Patch<2, 2>>(patch, settings),
+                   SkinJointControl{} + GravityControl{});
+    };
+    SkinSettings deaf;
+    deaf.force = EventGate<>::dead_band(0.1);
+    CHECK_NOTHROW(Configurations(felt({}, 20, 7), felt(deaf, 60, 7)));
+    CHECK_THROWS_AS(Configurations(felt({}, 20, 7), felt({}, 20, 9)), ConfigurationError);
+  }
+}
+
+TEST_CASE(
+    "Configurations: run_loop runs them as it runs a cycle, and keeps the number until it is set again") {
+  struct Driver {
+    Plant<Interface::position> plant;
+    JointCommand<6> sent = plant.under_way;
+    Heard wait(State<6>& state) noexcept {
+      state = plant.run(sent, plant.state.time + 8ms);
+      return Heard::state;
+    }
+    bool send(const JointCommand<6>& command) noexcept {
+      sent = command;
+      return true;
+    }
+    void stop() noexcept {}
+  };
+  constexpr Interface I = Interface::position;
+  const Configurations cycle(joint_scene<I>({}), joint_scene<I>({.load = part}));
+  auto memory = std::make_unique<typename std::remove_cv_t<decltype(cycle)>::Memory>();
+  Driver robot;
+  NoSkin skin;
+  std::uint64_t k = 0, second = 0, handed_over = 0;
+  const auto report = run_loop(
+      cycle, *memory, robot, skin, {.cycles = 100},
+      [&](auto& input, auto&) {
+        if (++k == 40) input.configuration = 1;
+        return true;
+      },
+      [&](const auto&, const auto& out, const auto&) {
+        second += memory->configuration;
+        handed_over += out.status.has(Reason::bumpless_transfer) && k >= 40;
+      });
+  CHECK(report.cycles == 100);
+  CHECK(second == 61);
+  CHECK(handed_over == 13);  // 12.5 periods of 8 ms
+  const auto& worst = *report.worst;
+  CHECK(cycle(worst.memory, worst.input).first.command.valid);
+}
+
+TEST_CASE("Configurations: in float too, a change commands what would have been commanded without") {
+  const auto scene = [](double force) {
+    SceneSettings s;
+    s.force_gain = force;
+    return kinesthetic_scene<Interface::position, 260, float>(s);
+  };
+  const Configurations cycle(scene(20), scene(60)), abrupt(Ramp<float>(1ns), scene(20), scene(60));
+  State<6, float> state{{}, home_position<float>(), {}};
+  auto memory = cycle.start(state);
+  std::remove_cv_t<decltype(cycle)>::Input input;
+  const auto step = [&](const auto& c, auto& m) {
+    input.now = input.measured.time = state.time;
+    input.measured.q = state.q;
+    return c.step(m, input).command;
+  };
+  for (int k = 1; k <= 60; ++k) {
+    state.time = k * 8ms;
+    const CellSample sample{.time = state.time - 1ms, .cell = 60, .force = {0.3F, 0.3F, 0.3F}};
+    input.samples = {&sample, 1};
+    if (k == 30) {
+      auto without = memory, jumping = memory;
+      const auto same = step(cycle, without);
+      input.configuration = 1;
+      const auto changed = step(cycle, memory), bare = step(abrupt, jumping);
+      float apart = 0, jump = 0;
+      for (std::size_t i = 0; i < 6; ++i) {
+        apart = std::max(apart, std::abs(changed.velocity[i] - same.velocity[i]));
+        jump = std::max(jump, std::abs(bare.velocity[i] - same.velocity[i]));
+      }
+      CHECK(jump > 0.01F);
+      CHECK(apart < 0.015F * jump);
+      state.q = changed.position;
+    } else {
+      state.q = step(cycle, memory).position;
+    }
+  }
 }

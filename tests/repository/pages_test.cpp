@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "tests/support/page_links.hpp"
 
@@ -30,6 +31,20 @@ TEST_CASE("Pages: the README can be read in two minutes") {
     CAPTURE(page);
     CHECK(fs::exists(source() / page / "README.md"));
   }
+}
+
+TEST_CASE("Pages: every test that tests/README.md names is there") {
+  std::ifstream page(source() / "tests/README.md");
+  int named = 0;
+  for (std::string word; std::getline(page, word, '`');) {
+    const bool path = word.size() > 4 && word.ends_with(".cpp") && word.find_first_of(" \n*") == word.npos;
+    if (!path) continue;
+    CAPTURE(word);
+    CHECK((fs::exists(source() / "tests" / word) || fs::exists(source() / word) ||
+           fs::exists(source() / "tests/repository" / word)));
+    ++named;
+  }
+  CHECK(named > 20);
 }
 
 TEST_CASE("Pages: links are found outside of code, and headings have anchors") {

@@ -17,7 +17,7 @@ concept Real = std::numeric_limits<T>::is_specialized && !std::numeric_limits<T>
 template <class T>
 inline constexpr bool is_lane = false;
 
-/// What the algorithms accept: a real or a lane of reals.
+/// The scalars of the algorithms: a real or a lane of reals.
 template <class T>
 concept Scalar = Real<T> || is_lane<T>;
 

@@ -7,9 +7,8 @@
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/cycle/detail/check_scene.hpp"
+#include "skinctl/cycle/detail/scene_traits.hpp"
 #include "skinctl/cycle/input.hpp"
-#include "skinctl/cycle/no_skin.hpp"
-#include "skinctl/cycle/scene_parts.hpp"
 #include "skinctl/cycle/stage.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 
@@ -22,146 +21,6 @@ struct CycleOutput {
   Status status;                                ///< reasons for limits, holds and refusals
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
 };
-
-namespace detail {
-/// `N` values of a type without resources; memory is touched only by writes.
-template <class V, std::size_t N>
-union Unwritten {
-  static_assert(std::is_trivially_copyable_v<V>);
-  V data[N];
-  Unwritten() noexcept {}
-};
-template <class Overseer>
-inline constexpr bool is_governor = false;
-template <std::size_t N, Real T, class... Parts>
-inline constexpr bool is_governor<Governor<N, T, Parts...>> = true;
-template <class Overseer>
-inline constexpr bool limits_jerk = requires { requires Overseer::has_jerk; };
-/// Whether a governor suits a robot's joints and scalar.
-template <class Overseer, std::size_t N, class T>
-inline constexpr bool governs = true;
-template <std::size_t M, Real U, class... Parts, std::size_t N, class T>
-inline constexpr bool governs<Governor<M, U, Parts...>, N, T> = M == N && std::is_same_v<U, T>;
-/// Whether a skin covers all links of a governor's contact limits.
-template <class Overseer, class Skin>
-inline constexpr bool feels = true;
-template <std::size_t N, Real T, class J, class S, class C, class V, class Skin>
-  requires requires { C::links; }
-inline constexpr bool feels<Governor<N, T, J, S, C, V>, Skin> = [] {
-  if constexpr (requires { Skin::Wrenches::links; }) {
-    return (Skin::Wrenches::links & C::links) == C::links;
-  } else {
-    return false;
-  }
-}();
-/// The strongest proximity reading for each link of a governor's contact limits.
-template <class Overseer, class Skin>
-[[nodiscard]] SKINCTL_INLINE auto nearest(const Skin& skin, const typename Skin::Memory& memory) noexcept {
-  if constexpr (requires { Overseer::contact_type::links; }) {
-    return Overseer::contact_type::nearest(skin, memory);
-  } else {
-    return NoTouch{};
-  }
-}
-/// Whether all joints of a resolver have the same interface, and whether that is position or velocity.
-template <class Resolver>
-inline constexpr bool has_one_interface = requires { Resolver::interface; };
-template <class Resolver>
-inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
-template <class L>
-struct GoalType {
-  using type = NoGoal;
-};
-template <class L>
-  requires requires { typename L::Goal; }
-struct GoalType<L> {
-  using type = typename L::Goal;
-};
-struct SkinBehindLaw {};
-/// The configuration is that of the last cycle.
-struct NoChange {
-  template <class C, class Memory, class Receive>
-  SKINCTL_INLINE Status receive(const C&, Memory&, const Receive& goal) const noexcept {
-    return goal();
-  }
-  template <class C, class Memory, class State>
-  SKINCTL_INLINE void carry(const C&, Memory&, const State&, const Interval&) const noexcept {}
-};
-
-/// The resolver of a robot's description; a resolver built by hand passes.
-template <class R>
-[[nodiscard]] auto as_resolver(const R& robot) {
-  if constexpr (Described<R>) {
-    return resolver_of(robot);
-  } else {
-    return robot;
-  }
-}
-template <class R>
-using ResolverFor = decltype(as_resolver(std::declval<const R&>()));
-
-template <class S>
-concept SkinLike = requires { typename S::Wrenches; };
-template <class G>
-concept GuardLike = requires(const G& g, typename G::Memory& m) { g.acknowledge(m); };
-template <class G>
-concept GovernorLike = is_governor<G> || std::is_same_v<G, NoGovernor>;
-
-/// Whether a law compensates gravity: by a gravity law, or within `Y_r Theta`.
-template <class L>
-inline constexpr bool holds_gravity = [] {
-  if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0 || L::role == LawRole::tracking;
-  } else {
-    return L::role != LawRole::reactive;
-  }
-}();
-/// Whether a gravity law is loaded that cannot leave gravity to the robot.
-template <class L>
-inline constexpr bool has_gravity_law = [] {
-  if constexpr (requires { L::complete_sum; }) {
-    return false;  // skills: their rows name the controller; without weight it gives zero
-  } else if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0;
-  } else {
-    return L::role == LawRole::gravity;
-  }
-}();
-template <class L>
-inline constexpr bool law_compensates_friction = requires { requires L::compensates_friction; };
-
-/// Compares the robot's description with the law, at compile time: who compensates gravity and friction.
-template <class Robot, class L>
-constexpr void check_holders() {
-  if constexpr (requires { Robot::robot_holds_gravity; }) {
-    static_assert(!Robot::robot_holds_gravity || !has_gravity_law<L>,
-                  "gravity twice: the robot holds it, and so does the law: leave GravityControl out");
-    static_assert(Robot::robot_holds_gravity || holds_gravity<L>,
-                  "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
-    if constexpr (Robot::interface == Interface::torque) {
-      static_assert(
-          !(Robot::robot_compensates_friction && law_compensates_friction<L>),
-          "friction twice: the robot compensates it, and so does the law: leave FrictionControl out");
-      static_assert(!(Robot::friction_uncompensated && law_compensates_friction<L>),
-                    "friction: described as uncompensated, and a law compensates it: leave one of them out");
-      static_assert(
-          Robot::robot_compensates_friction || Robot::friction_uncompensated || law_compensates_friction<L>,
-          "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add "
-          "FrictionControl");
-    }
-  } else {
-    static_assert(holds_gravity<L>, "gravity nowhere: add GravityControl to the law");
-  }
-}
-/// Compares the law's settings with the robot's description; throws `ConfigurationError` with both numbers.
-template <class Robot, class L>
-SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
-  if constexpr (requires { robot.virtual_dynamics(); }) {
-    const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.dt(), robot.virtual_dynamics()};
-    if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
-  }
-}
-}  // namespace detail
 
 template <class C, std::size_t Count>
 class Configurations;

@@ -115,8 +115,8 @@ class Inertia {
                                            about_centre_.template cast<U>());
   }
 
-  /// The 6x6 matrix from a twist of `Body` to its momentum, about the origin and along the axes of `At`, linear
-  /// rows first: `[m 1, -m [c]x; m [c]x, I_o]`.
+  /// The 6x6 matrix from a twist of `Body` to its momentum, about the origin and along the axes of `At`,
+  /// linear rows first: `[m 1, -m [c]x; m [c]x, I_o]`.
   [[nodiscard]] friend Mat6<T> as_eigen(const Inertia& M) noexcept {
     const T m = M.mass(), o(0);
     const Xyz<T> h = m * M.centre();

@@ -40,7 +40,7 @@ struct RobotConfiguration {
   /// next command.
   Nanoseconds lead{};
   /// Velocity interface only: rate at which the virtual robot's position converges to the measured one
-  /// without a commanded motion [1/s], at most w. Default: 1, or w if that is less.
+  /// without moving the robot [1/s], at most w. Default: 1, or w if that is less.
   std::optional<T> drift = {};
   /// e_max in units of v_max T: the greatest distance of the virtual robot ahead of the measured one. Less
   /// than `1 + v_max/(2 a T)` lowers the top speed, see `Resolver::top_speed`.

@@ -1,4 +1,4 @@
-// What a skin cell reports at one time, and whether it can be believed.
+// The sample of a skin cell at one time, and its plausibility check.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// One message of one cell. Readings of force and proximity are those of the sensor, between 0 (nothing) and
-/// 1 (its end); the rest is in SI units, along the cell's axes. Cells whose sensors are fewer leave the rest
-/// at 0.
+/// One message of one cell. Readings of force and proximity are normalised, from 0 (nothing) to 1 (full scale
+/// of the sensor); all others are in SI units, along the cell's axes. Cells with fewer sensors leave the
+/// missing readings at 0.
 struct CellSample {
-  Nanoseconds time{};                   ///< when it was measured [ns]
+  Nanoseconds time{};                   ///< time of the measurement
   std::uint32_t cell = 0;               ///< id of the cell
   std::array<float, 3> force{};         ///< three normal forces, each in [0, 1]
   float proximity = 0;                  ///< in [0, 1]
@@ -37,11 +37,11 @@ SKINCTL_INLINE constexpr bool within_range(const std::array<float, 4>& x) noexce
 SKINCTL_INLINE constexpr bool finite(const std::array<float, 4>& x) noexcept {
   return x[0] - x[0] == 0 && x[1] - x[1] == 0 && x[2] - x[2] == 0 && x[3] - x[3] == 0;
 }
-/// Both at once; in registers of four where there are any.
+/// Checks finiteness and ranges together, in registers of four where the target has them.
 SKINCTL_INLINE bool believable(const CellNumbers& n) noexcept {
   if constexpr (native_lanes<float> >= 4) {
-    using L =
-        Lane<float, native_lanes<float> >= 4 ? 4 : 1>;  // discarded, but still compiled, without registers
+    // Without registers this branch is discarded, but still compiled: hence the 1.
+    using L = Lane<float, native_lanes<float> >= 4 ? 4 : 1>;
     const L x = L::load(n.readings.data()), y = L::load(n.others.data());
     return all((x >= L(0.0f)) & (x <= L(1.0f)) & (y - y == L(0.0f)));
   } else {
@@ -50,9 +50,8 @@ SKINCTL_INLINE bool believable(const CellNumbers& n) noexcept {
 }
 }  // namespace detail
 
-/// Empty if the sample may be used; `sample_not_finite` if any field is NaN or infinite (a message damaged in
-/// one field is not believed in the others), else `sample_out_of_range` if a force or the proximity is
-/// outside [0, 1].
+/// Empty if the sample is valid; `sample_not_finite` if any field is NaN or infinite (then all fields of the
+/// message count as damaged), else `sample_out_of_range` if a force or the proximity is outside [0, 1].
 [[nodiscard]] SKINCTL_INLINE Status check(const CellSample& sample) noexcept {
   const detail::CellNumbers n = detail::numbers(sample);
   if (detail::believable(n)) [[likely]]
@@ -61,9 +60,9 @@ SKINCTL_INLINE bool believable(const CellNumbers& n) noexcept {
                                                                 : Reason::sample_not_finite;
 }
 
-/// The readings of a sample as whole numbers, which add up exactly in any order: the sum of the three forces
-/// in steps of 2^-14, the proximity in steps of 2^-16. A force sensor that counts 1024 steps loses nothing;
-/// a proximity of exactly 1 becomes 1 - 2^-16.
+/// The readings of a sample as integers, whose sums are exact in any order: the sum of the three forces in
+/// steps of 2^-14, the proximity in steps of 2^-16. A force sensor with 1024 steps loses nothing; a proximity
+/// of exactly 1 becomes 1 - 2^-16.
 struct CellCounts {
   std::uint16_t force = 0;
   std::uint16_t proximity = 0;

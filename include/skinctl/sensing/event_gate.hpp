@@ -1,4 +1,4 @@
-// The threshold that a reading must pass before it counts as a touch.
+// The threshold above which a reading counts as a touch.
 #pragma once
 
 #include <cmath>
@@ -13,10 +13,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// Lets readings pass above a threshold and gives 0 below it.
 ///
 /// It opens at `opens_at` and closes below `closes_below` (hysteresis); while open the output is the reading
-/// less `subtract`. With `subtract == opens_at` the output is continuous (a dead band); otherwise it steps by
-/// `opens_at - subtract` where it opens and by `closes_below - subtract` where it closes. It remembers
-/// nothing but whether it is open: the rest value is a number of the configuration and does not follow the
-/// reading, so a contact held for a day reads the same at its end.
+/// minus `subtract`. With `subtract == opens_at` the output is continuous (a dead band); otherwise it steps
+/// by `opens_at - subtract` on opening and by `closes_below - subtract` on closing. Its only state is open or
+/// closed: the thresholds are constant and do not adapt to the readings, so a contact held for a day gives
+/// the same output at its end.
 ///
 /// A NaN closes it.
 template <class T = double>
@@ -33,14 +33,15 @@ class EventGate {
     require(opens_at >= closes_below && double(opens_at) - double(opens_at) == 0, "EventGate: opens_at",
             double(opens_at), ">= closes_below");
   }
-  /// 0 below the threshold, what exceeds it above: continuous, and no hysteresis because none is needed.
+  /// 0 below the threshold, the excess above it: continuous, and without hysteresis because none is needed.
   [[nodiscard]] static EventGate dead_band(T threshold) { return EventGate(threshold, threshold, threshold); }
-  /// The whole reading while open: steps by the threshold, so it should open and close at different readings.
+  /// The full reading while open: it steps by the threshold, so it should open and close at different
+  /// readings.
   [[nodiscard]] static EventGate hysteresis(T opens_at, T closes_below) {
     return EventGate(opens_at, closes_below, T(0));
   }
 
-  /// What passes of the reading `x`; `open` is whether something passed last time.
+  /// The output for the reading `x`; `open` is whether the gate was open for the previous reading.
   [[nodiscard]] SKINCTL_INLINE constexpr T pass(const T& x, bool open) const noexcept {
     return x >= (open ? closes_below_ : opens_at_) && x > subtract_ ? T(x - subtract_) : T(0);
   }
@@ -49,7 +50,7 @@ class EventGate {
   [[nodiscard]] constexpr T closes_below() const noexcept { return closes_below_; }
   [[nodiscard]] constexpr T subtract() const noexcept { return subtract_; }
 
-  /// The same gate for readings counted in steps of `unit`; thresholds go to the nearest step.
+  /// The same gate for integer readings in steps of `unit`; thresholds are rounded to the nearest step.
   [[nodiscard]] EventGate<std::int32_t> counted(double unit) const {
     const auto steps = [unit](T x) {
       const double n = std::round(double(x) / unit);

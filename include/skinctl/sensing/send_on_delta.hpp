@@ -1,4 +1,4 @@
-// Send-on-delta: the rule by which a cell stays silent as long as nothing has changed, for simulated skins.
+// Send-on-delta: a cell sends a sample only after a change, for simulated skins.
 #pragma once
 
 #include <cmath>
@@ -8,19 +8,19 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A cell measures at its own rate and sends a measurement if one of its numbers differs from the one sent
-/// last by at least its delta, or if it has been silent for `keep_alive`. So what a receiver holds is never
-/// wrong by a delta or more, and never older than `keep_alive`.
+/// A cell measures at its own rate and sends a sample if one of its numbers differs from the last one sent by
+/// at least its delta, or if it has been silent for `keep_alive`. So the receiver's value has an error of
+/// less than a delta, and an age of at most `keep_alive`.
 class SendOnDelta {
  public:
-  /// The smallest changes that are worth a message.
+  /// The smallest changes that trigger a message.
   struct Deltas {
-    float force = 2.0f / 1024;  ///< each of the three
+    float force = 2.0f / 1024;  ///< each of the three forces
     float proximity = 0.004f;
     float acceleration = 1;    ///< each axis [m/s^2]
     float temperature = 0.5f;  ///< [C]
   };
-  /// What was sent last; `Memory{}`: nothing yet. One per cell.
+  /// The last sample sent; none in `Memory{}`. One per cell.
   struct Memory {
     CellSample last;
     bool any = false;
@@ -36,8 +36,8 @@ class SendOnDelta {
     require(keep_alive > 0ns, "SendOnDelta: keep_alive", milliseconds(keep_alive), "> 0 ms");
   }
 
-  /// Whether this measurement is sent; if so, the memory takes it. A number that is not finite is sent: the
-  /// receiver should know.
+  /// Whether this sample is sent; if so, the memory stores it. A number that is not finite is always sent, so
+  /// that the receiver can report it.
   [[nodiscard]] bool send(Memory& memory, const CellSample& now) const noexcept {
     const CellSample& last = memory.last;
     bool changed = !memory.any || now.time - last.time >= keep_alive_ ||

@@ -1,4 +1,4 @@
-// Where the robot is touched, as seen by its joints: one push per link.
+// Contacts as seen by the joints: one push per link.
 #pragma once
 
 #include <cmath>
@@ -25,7 +25,7 @@ struct Contact {
   }
 };
 
-/// Up to `K` contacts, of different links.
+/// Up to `K` contacts, on different links.
 template <std::size_t N, Real T, std::size_t K>
 struct Contacts {
   Contact<N, T> list[K];
@@ -35,8 +35,8 @@ struct Contacts {
   [[nodiscard]] SKINCTL_INLINE const Contact<N, T>* end() const noexcept { return list + count; }
 };
 
-/// What the skin's wrenches are as contacts of a robot at `q`: a link's force is one push along its
-/// direction. A link whose force is below `least` [N] has none, and so has one whose wrench is not finite.
+/// The skin's wrenches as contacts of a robot at `q`: a link's force is one push along its direction. A link
+/// whose force is below `least` [N] has no contact, nor has one whose wrench is not finite.
 template <RobotModel M, LinkMask Skinned, Real T>
 [[nodiscard]] auto contacts_of(const M& model, const JointPosition<M::joints, T>& q,
                                const LinkWrenches<M, Skinned, T>& wrenches,
@@ -60,7 +60,7 @@ template <RobotModel M, LinkMask Skinned, Real T>
   }
   return out;
 }
-/// A robot without skin is touched nowhere.
+/// A robot without skin has no contacts.
 template <RobotModel M, Real T, class NoSkin>
   requires std::is_empty_v<NoSkin>
 [[nodiscard]] Contacts<M::joints, T, 1> contacts_of(const M&, const JointPosition<M::joints, T>&,

@@ -1,4 +1,4 @@
-// Covers a link's surface with hexagonal cells, so that anyone can simulate a skin.
+// Covers of hexagonal cells for a link's surface, to simulate a skin.
 #pragma once
 
 #include "skinctl/tactile/detail/cover_grid.hpp"
@@ -6,15 +6,15 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The frame in which a surface is described: cylinders and capsules stand around its z axis, centred.
+/// The frame of a surface: cylinders and capsules are centred on its origin, along its z axis.
 struct Surface : FrameTag {};
 
-/// The hexagonal cell of TUM's skin, or a smaller copy of it: edge 14.0 mm, corners along its x axis, four
-/// ports at (+-12, +-7) mm. Two cells that are joined have their ports at the same place (`p_j = p_i + R_i
-/// c_i - R_j c_j`), which makes their distance 27.785 mm where the skin is flat and a little less where it is
-/// bent; across y, where there is no port, it is 28 mm.
+/// The hexagonal cell of TUM's skin, or a scaled copy of it: edge 14.0 mm, corners along its x axis, four
+/// ports at (+-12, +-7) mm. The ports of two joined cells coincide (`p_j = p_i + R_i c_i - R_j c_j`), so that
+/// their distance is 27.785 mm on a flat skin and a little less on a curved one; across y, where there is no
+/// port, it is 28 mm.
 struct HexagonalCell {
-  double scale = 1;  ///< 1: TUM's; everything else in proportion
+  double scale = 1;  ///< 1: size of TUM's cell
 
   static constexpr double edge = 0.014;                ///< [m], at scale 1
   static constexpr double port_x = 0.012;              ///< [m]
@@ -22,12 +22,12 @@ struct HexagonalCell {
   static constexpr double flat_pitch = 0.02778488798;  ///< [m], 2 sqrt(port_x^2 + port_y^2)
 };
 
-/// The side of a cylinder around z, `z` from `-length/2` to `length/2` [m].
+/// The lateral surface of a cylinder around z, from `-length/2` to `length/2` [m].
 struct CylinderSurface {
   double radius;
   double length;
 };
-/// The same with a half sphere at both ends; `length` is that of the cylinder between them.
+/// The same with a half sphere at both ends; `length` is the length of the cylinder between them.
 struct CapsuleSurface {
   double radius;
   double length;
@@ -37,10 +37,11 @@ struct BoxSurface {
   double x, y, z;
 };
 
-/// Poses of as many whole cells as find room, in a fixed order; normals (z) point outwards, origins lie on
-/// the surface. Cells do not overlap, hang over an end, or cross a box's edge. On a cylinder rows along z
-/// alternate by half a cell and are joined by their ports; where a row does not close there is a seam. On a
-/// half sphere cells stand in rings, at least 28 mm (times the scale) apart, and are not joined.
+/// Poses of the maximum number of whole cells on a surface, in a fixed order; normals (z) point outwards,
+/// origins lie on the surface. Cells do not overlap, protrude beyond an end, or cross a box's edge. On a
+/// cylinder rows along z alternate by half a cell and are joined by their ports; a row that does not close
+/// leaves a seam. On a half sphere cells lie in rings, at least 28 mm (times the scale) apart, and are not
+/// joined.
 [[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const CylinderSurface& surface,
                                                                       const HexagonalCell& cell = {}) {
   return detail::cover_cylinder<Surface>(surface.radius, surface.length, cell.scale * HexagonalCell::port_x,
@@ -57,8 +58,8 @@ struct BoxSurface {
                                     cell.scale * HexagonalCell::port_y);
 }
 
-/// The largest cell, at most TUM's, of which `count` find room on the surface. Throws `ConfigurationError`
-/// where even cells of a thousandth of that size do not.
+/// The largest cell, at most TUM's, of which `count` fit on the surface. Throws `ConfigurationError` if even
+/// cells of a thousandth of that size do not fit.
 template <class S>
 [[nodiscard]] SKINCTL_COLD HexagonalCell largest_cell(const S& surface, std::size_t count) {
   const auto fits = [&](double scale) { return full_cover(surface, {scale}).size() >= count; };
@@ -91,9 +92,9 @@ template <class S>
 }
 }  // namespace detail
 
-/// `count` cells on the surface that sits on link `I` at `X_LS`, with ids from `first_id` on. Cells have
-/// TUM's size if that many find room, else the largest that do (`largest_cell`); if more find room, those
-/// nearest to the middle of the cover's order are taken, which leaves the ends bare.
+/// `count` cells on the surface at `X_LS` on link `I`, with ids from `first_id` on. Cells have TUM's size if
+/// that many fit, else the largest size that does (`largest_cell`). If more cells fit, those nearest to the
+/// middle of the cover's order are used, and the ends stay uncovered.
 template <std::size_t I, class S>
 [[nodiscard]] std::vector<PlacedCell<I>> cover(const Transform<Link<I>, Surface>& X_LS, const S& surface,
                                                std::size_t count, std::uint32_t first_id) {

@@ -1,4 +1,4 @@
-// Link wrenches from a whole frame of readings at once, for skins (or simulations) that report every cell.
+// Link wrenches from the readings of all cells at once, for skins (or simulations) that report every cell.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The sums `sum u_i s_i` over all cells of every patch: one number per cell goes in, one wrench per link
-/// comes out. See `Skin` for cells that send what has changed.
+/// The sums `sum u_i s_i` over all cells of every patch: from one number per cell to one wrench per link. See
+/// `Skin` for cells that send only changes.
 template <Topology M, class Policy, class... Patches>
 class DenseSkin {
  public:
@@ -22,8 +22,8 @@ class DenseSkin {
   static constexpr std::size_t patches = sizeof...(Patches);
   static constexpr std::size_t cells = (Patches::cells + ...);
 
-  /// One number a cell: by how much it is pushed inwards [N], >= 0. In the order of the patches; each patch
-  /// begins at a multiple of `Units::group`, and the room between stays 0.
+  /// One number per cell: its inward push [N], >= 0. In the order of the patches; each patch begins at a
+  /// multiple of `Units::group`, and the gaps between patches stay 0.
   class Frame {
    public:
     /// Cell `i` of patch `K`.

@@ -1,4 +1,4 @@
-// What the skin does to the robot: one wrench for each link that bears skin.
+// The skin's wrench on each link with skin.
 #pragma once
 
 #include <bit>
@@ -9,8 +9,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Force [N] and moment [N m] about the link's origin, along the link's axes, for every link of `Skinned`:
-/// the sum over its cells, eq. (7). Other links have none, and none is stored. Zero by default, trivially
-/// copyable.
+/// the sum over its cells, eq. (7). Other links have no wrench, and none is stored. Zero by default,
+/// trivially copyable.
 template <Topology M, LinkMask Skinned, Scalar T = double>
 struct LinkWrenches {
   static_assert((Skinned & ~all_links(M::joints)) == 0, "the mask names a link that the model does not have");
@@ -22,7 +22,7 @@ struct LinkWrenches {
   /// Per link in ascending order: force x, y, z, moment x, y, z.
   T data[count == 0 ? 1 : count][6] = {};
 
-  /// Where link `i` stands in `data`.
+  /// Index of link `i` in `data`.
   static constexpr std::size_t slot(std::size_t i) noexcept {
     return static_cast<std::size_t>(std::popcount(Skinned & ((LinkMask(1) << i) - 1)));
   }

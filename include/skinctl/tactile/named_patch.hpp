@@ -1,6 +1,7 @@
-// Patches whose cells are placed by hand on links that a file names.
+// Patches whose cells are placed by hand on links of a file, by name.
 //
-// A whole surface is covered likewise: `cover(named_link_pose<D, "forearm_link">() * X_NS, surface, count, id)`.
+// A cover of a whole surface works likewise:
+// `cover(named_link_pose<D, "forearm_link">() * X_NS, surface, count, id)`.
 #pragma once
 
 #include "skinctl/model/named_links.hpp"
@@ -8,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A cell placed in the frame of a link that a file names: measured in a drawing, in a viewer of the URDF.
+/// A cell with its pose in a named link of a file, as measured in a drawing or a viewer of the URDF.
 template <FrameName Name>
 struct NamedCell {
   std::uint32_t id = 0;
@@ -26,10 +27,9 @@ template <std::size_t I, FrameName Name, std::size_t N>
 }
 }  // namespace detail
 
-/// A patch on the link `Name` of a description that `urdf_to_model` wrote, its cells placed in the frame that
-/// the file gives that link: `patch_on<robot::Description, "forearm_link">({{1, X_NC}}, {.force = 20})`. A
-/// name that the file does not have, and a link that no joint moves, do not compile. Throws
-/// `ConfigurationError` where `Patch` does.
+/// A patch on the link `Name` of a description from `urdf_to_model`, its cells placed in the file's frame of
+/// that link: `patch_on<robot::Description, "forearm_link">({{1, X_NC}}, {.force = 20})`. A name that is not
+/// in the file, or a link that no joint moves, does not compile. Throws `ConfigurationError` as `Patch` does.
 template <NamesLinks D, FrameName Name, std::size_t N>
 [[nodiscard]] auto patch_on(const NamedCell<Name> (&cells)[N], const CellGains& gains = {}) {
   static_assert(MovesLink<D, Name>, "no link of this name, or it is fixed to the base: see named_links of D");

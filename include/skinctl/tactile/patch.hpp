@@ -1,4 +1,4 @@
-// A patch of skin: cells that sit rigidly on one link.
+// A patch of skin: cells fixed to one link.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How much a reading pushes, eq. (5). The force on a cell is `-(force * (f1 + f2 + f3) + proximity * p) z`:
-/// along the inward normal, whatever the readings, because both gains are positive or 0.
+/// Gains of the readings, eq. (5). The force on a cell is `-(force * (f1 + f2 + f3) + proximity * p) z`:
+/// along the inward normal for all readings, because both gains are positive or 0.
 struct CellGains {
   double force = 10;     ///< w_f [N] per unit of the sum of the three force readings
   double proximity = 0;  ///< w_p [N] per unit of proximity
 };
 
-/// A cell on link `I`: its id in the samples, and where it is. A pose measured in a link of a URDF is that of
-/// a `NamedCell`, see `patch_on`.
+/// A cell on link `I`: its id in the samples, and its pose. For a pose measured in a link of a URDF see
+/// `NamedCell` and `patch_on`.
 template <std::size_t I>
 struct PlacedCell {
   std::uint32_t id = 0;
@@ -26,7 +26,7 @@ struct PlacedCell {
 };
 
 namespace detail {
-/// A cell on a link that the compiler need not know: every patch shares its code.
+/// A cell whose link is not in its type, so that all patches share the code.
 struct AnyLink : FrameTag {};
 struct AnyCell {
   std::uint32_t id = 0;
@@ -50,7 +50,7 @@ SKINCTL_COLD inline void require_patch(const std::vector<AnyCell>& placed, std::
 }
 }  // namespace detail
 
-/// The cells of a patch, to look at: a range of `PlacedCell<I>`.
+/// The cells of a patch, for inspection: a range of `PlacedCell<I>`.
 template <std::size_t I>
 class PlacedCells {
  public:
@@ -71,8 +71,7 @@ class PlacedCells {
   const std::vector<detail::AnyCell>& cells_;
 };
 
-/// `Cells` cells on link `I`, each known by an id, with the gains that they share. A configuration: built
-/// once, then only read.
+/// `Cells` cells on link `I`, each with an id, and their common gains. Immutable.
 template <std::size_t I, std::size_t Cells>
 class Patch {
  public:
@@ -80,22 +79,22 @@ class Patch {
   static constexpr std::size_t link = I;
   static constexpr std::size_t cells = Cells;
 
-  /// Throws `ConfigurationError` if there are not `Cells` of them, a pose is not finite, a normal is no unit
-  /// vector, or a gain is negative or not finite.
+  /// Throws `ConfigurationError` if the number of cells is not `Cells`, a pose is not finite, a normal is no
+  /// unit vector, or a gain is negative or not finite.
   explicit Patch(const std::vector<PlacedCell<I>>& placed, const CellGains& gains = {}) : gains_(gains) {
     placed_.reserve(placed.size());
     for (const auto& cell : placed)
       placed_.push_back({cell.id, cell.X_LC.template renamed<detail::AnyLink, Cell>()});
     detail::require_patch(placed_, Cells, gains);
   }
-  /// The same from cells whose link the caller vouches for.
+  /// The same for cells without a link in their type; the link is not checked.
   explicit Patch(std::vector<detail::AnyCell> placed, const CellGains& gains)
       : placed_(std::move(placed)), gains_(gains) {
     detail::require_patch(placed_, Cells, gains);
   }
 
   [[nodiscard]] PlacedCells<I> placed() const& noexcept { return PlacedCells<I>(placed_); }
-  /// Of a patch that goes: the cells themselves.
+  /// For a temporary patch: the cells themselves.
   [[nodiscard]] std::vector<PlacedCell<I>> placed() const&& {
     std::vector<PlacedCell<I>> copies;
     for (const auto& cell : PlacedCells<I>(placed_)) copies.push_back(cell);
@@ -109,8 +108,8 @@ class Patch {
   CellGains gains_;
 };
 
-/// What one newton on the cell does to its link: `u = -[z ; p x z]`, eqs. (4) and (6). A cell carries no
-/// moment about its own origin.
+/// The link's wrench for one newton on the cell: `u = -[z ; p x z]`, eqs. (4) and (6). A cell has no moment
+/// about its own origin.
 template <Frame L>
 [[nodiscard]] inline Wrench<L, L, L> unit_wrench(const Transform<L, Cell>& X_LC) noexcept {
   const Xyz<double> z = X_LC.axis_z();

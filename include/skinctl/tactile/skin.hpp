@@ -1,4 +1,4 @@
-// Skin: all patches of a robot, and how their samples become wrenches on links.
+// Skin: all patches of a robot, and the conversion of their samples to wrenches on links.
 #pragma once
 
 #include <span>
@@ -9,19 +9,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Patches of cells on a robot of topology `M`. Immutable; what changes is a `Memory` of 12 bytes a cell.
+/// Patches of cells on a robot of topology `M`. Immutable; the changing data are a `Memory` of 12 bytes a
+/// cell.
 ///
-/// **What is computed.** Each cell's force [N] is piecewise linear in time through its stamped samples. A
-/// cell that sends only what has changed was silent because nothing did: its force stays as it was and
-/// changes within the last `ramp` before the new sample. After the last sample it is held; once the cell has
-/// been silent for `max_age - fade` it goes to zero within `fade` and stays there. There is no baseline
-/// that follows the readings. `receive` gives the mean wrench on every link for each part of an interval;
-/// what a sample tells about the time before the interval (it was held, and has changed since) is added as
-/// impulse, up to `catch_up` back. So the impulse on the robot is the integral of that force, whatever the
+/// **Result.** Each cell's force [N] is piecewise linear in time through its stamped samples. A cell that
+/// sends only changes is silent while its reading is constant: its force is held, and changes only within the
+/// last `ramp` before the new sample. After the last sample it is held; once the cell has been silent for
+/// `max_age - fade` it goes to zero within `fade` and stays there. There is no baseline that follows the
+/// readings. `receive` gives the mean wrench on every link for each part of an interval. A sample may show
+/// that the force has changed before the interval began, when it was assumed constant; the missing impulse is
+/// then added, up to `catch_up` back. So the impulse on the robot is the integral of the force, whatever the
 /// rate of the cycle.
 ///
-/// **How.** The sums of the held readings times their unit wrenches are kept up to date event by event, in
-/// whole steps (unit wrenches to 2^-24, readings to 2^-14 and 2^-16): they are exact in any order, forever.
+/// **Method.** The sums of the held readings times their unit wrenches are updated event by event, in integer
+/// steps (unit wrenches to 2^-24, readings to 2^-14 and 2^-16), so they stay exact in any order.
 template <Topology M, Real T, class... Patches>
 class Skin {
  public:
@@ -33,11 +34,11 @@ class Skin {
   static constexpr std::size_t patches = sizeof...(Patches);
   static constexpr std::size_t cells = (Patches::cells + ...);
 
-  /// What changes from cycle to cycle. `Memory{}` has heard of no cell. Trivially copyable; its members are
-  /// the skin's business.
+  /// The data that change from cycle to cycle. `Memory{}` has received no cell. Trivially copyable; only the
+  /// skin reads and writes its members.
   using Memory = detail::SkinMemory<cells, patches, Wrenches>;
 
-  /// Throws `ConfigurationError` for an id that occurs twice or is 2^20 or more, and what
+  /// Throws `ConfigurationError` for an id that occurs twice or is 2^20 or more, and for settings that
   /// `SkinSettings::check` refuses.
   SKINCTL_COLD explicit Skin(const Patches&... patch, const SkinSettings& settings = {})
       : tables_(settings, cells) {
@@ -53,8 +54,8 @@ class Skin {
     (add(patch), ...);
   }
 
-  /// The memory of a skin that starts to listen at `now`: no cell has been heard, nothing is owed, and no
-  /// sample makes up for anything before `now`.
+  /// The memory of a skin that starts to receive at `now`: no cell has been received, no impulse is missing,
+  /// and samples add no impulse for times before `now`.
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
     Memory memory;
     memory.begin = now;
@@ -64,13 +65,17 @@ class Skin {
   /// Takes the samples that arrived and gives the mean wrenches over each of `substeps` >= 1 equal parts of
   /// the interval `(from, to]`.
   ///
-  /// A sample never pushes, and is reported, if it is not finite, out of range, of an unknown cell, not later
-  /// than the cell's last one (`time_backwards`), stamped more than `max_ahead` after `to`
-  /// (`sample_out_of_range`), or older than `max_age` (`sample_stale`). `sample_stale` also says that at
-  /// least one cell is silent. Samples of one cell must be in the order of their stamps; those of different
-  /// cells may come in any order. An interval without length (`interval_empty`) takes the samples, gives the
-  /// wrenches that are held, and owes their impulse to the next interval. Time is bounded: per sample and per
-  /// cell a constant times `substeps`.
+  /// A sample is ignored and reported if it is
+  /// - not finite (`sample_not_finite`), out of range (`sample_out_of_range`), of an unknown cell
+  ///   (`sample_unknown`),
+  /// - not later than the cell's last one (`time_backwards`),
+  /// - stamped more than `max_ahead` after `to` (`sample_out_of_range`),
+  /// - older than `max_age` (`sample_stale`, which is also reported while at least one cell is silent).
+  ///
+  /// Samples of one cell must be in the order of their stamps; those of different cells may come in any
+  /// order. An interval without length (`interval_empty`) takes the samples, gives the held wrenches, and
+  /// adds their impulse to the next interval. Time is bounded: per sample and per cell a constant times
+  /// `substeps`.
   Status receive(Memory& memory, std::span<const CellSample> samples, Nanoseconds from, Nanoseconds to,
                  std::size_t substeps, Wrenches* means) const noexcept {
     SKINCTL_EXPECTS(substeps > 0 && means != nullptr, "at least one part of the interval");
@@ -90,8 +95,8 @@ class Skin {
     return parts.from == parts.to ? status | Reason::interval_empty : status;
   }
 
-  /// The wrenches of the readings that are held, as after the last `receive`; cells that fade count fully
-  /// until they are silent.
+  /// The wrenches of the held readings, as after the last `receive`; fading cells count fully until they are
+  /// silent.
   [[nodiscard]] Wrenches wrenches(const Memory& memory) const noexcept {
     Wrenches total;
     std::size_t k = 0;
@@ -105,7 +110,7 @@ class Skin {
     (add(Wrenches::slot(Patches::link)), ...);
     return total;
   }
-  /// The same from scratch, cell after cell: bit for bit what the events left.
+  /// The same recomputed cell by cell: bit for bit the sums of the events.
   [[nodiscard]] Wrenches recomputed(Memory memory) const noexcept {
     memory.sums = {};
     for (std::size_t i = 0; i < cells; ++i) {
@@ -115,14 +120,14 @@ class Skin {
     return wrenches(memory);
   }
 
-  /// How many cells are silent: never heard of, or not for `max_age`.
+  /// Number of silent cells: never received, or not within `max_age`.
   [[nodiscard]] std::size_t silent(const Memory& memory) const noexcept {
     std::size_t n = cells;
     for (const std::uint64_t block : memory.heard) n -= static_cast<std::size_t>(std::popcount(block));
     return n;
   }
-  /// The strongest proximity reading in [0, 1] that a cell on link `I` may have: at least what the gate
-  /// opens at, because less does not pass; 1 if one of them is silent, because then nobody knows. A link
+  /// Upper bound of the proximity readings in [0, 1] of the cells on link `I`: at least the gate's opening
+  /// threshold, below which nothing passes; 1 if one of the cells is silent and its reading unknown. A link
   /// without skin does not compile.
   template <std::size_t I>
   [[nodiscard]] T nearest(const Memory& memory) const noexcept {
@@ -146,12 +151,12 @@ class Skin {
     const T reading = T(most != 0 && seen > hidden ? seen : hidden) * T(CellCounts::proximity_unit);
     return all && reading < T(1) ? reading : T(1);
   }
-  /// What of the last sample of the `i`-th cell (in the order of the patches) passed the gates; 0 if silent.
+  /// The counts of the `i`-th cell's last sample (in the order of the patches) after the gates; 0 if silent.
   [[nodiscard]] CellCounts held(const Memory& memory, std::size_t i) const noexcept {
     SKINCTL_EXPECTS(i < cells, "a cell of this skin");
     return memory.hears(i) ? memory.held[i] : CellCounts{};
   }
-  /// Where the cell `id` stands in the order of the patches; `cells` if no patch holds it.
+  /// Index of the cell `id` in the order of the patches; `cells` if no patch has it.
   [[nodiscard]] std::size_t index(std::uint32_t id) const noexcept {
     const std::size_t i = tables_.cells.index(id);
     return i < cells ? i : cells;

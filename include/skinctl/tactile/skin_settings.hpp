@@ -1,4 +1,4 @@
-// Which readings of a skin count, and for how long.
+// Thresholds and times of a skin's readings.
 #pragma once
 
 #include "skinctl/core/contract.hpp"
@@ -7,19 +7,18 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Thresholds and times that all cells of a skin share. The defaults suit TUM's cells at 250 Hz with a sign
-/// of life at least every 100 ms.
+/// Thresholds and times that all cells of a skin share. The defaults suit TUM's cells at 250 Hz with a
+/// keep-alive of at most 100 ms.
 struct SkinSettings {
   EventGate<> force = EventGate<>::dead_band(0.08);      ///< on the sum of the three force readings
   EventGate<> proximity = EventGate<>::dead_band(0.05);  ///< on the proximity reading
-  Nanoseconds max_age = 250ms;  ///< a cell that has been silent for so long does not push
-  Nanoseconds fade = 50ms;      ///< over the last part of `max_age` its force goes linearly to 0
-  Nanoseconds ramp = 6ms;       ///< a reading changes at most so long before the sample that tells it
-  Nanoseconds catch_up = 20ms;  ///< what a late sample tells about the past is made up for so far back
-  Nanoseconds max_ahead = 2ms;  ///< a stamp up to so long after the interval counts as its end
+  Nanoseconds max_age = 250ms;  ///< age of the last sample from which a cell does not push
+  Nanoseconds fade = 50ms;      ///< in the last part of `max_age` its force goes linearly to 0
+  Nanoseconds ramp = 6ms;       ///< longest duration of a change of reading before its sample
+  Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
+  Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
 
-  /// Throws `ConfigurationError` for times that are no times: `fade` and `ramp` > 0, `max_age >= fade`, the
-  /// others >= 0.
+  /// Throws `ConfigurationError` unless `fade` and `ramp` > 0, `max_age >= fade`, and the others >= 0.
   void check() const {
     require(fade > 0ns, "SkinSettings: fade", milliseconds(fade), "> 0 ms");
     require(max_age >= fade, "SkinSettings: max_age", milliseconds(max_age), ">= fade [ms]");

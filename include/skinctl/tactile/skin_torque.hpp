@@ -1,4 +1,4 @@
-// From wrenches on links to joint torques: one pass from the outermost skinned link back to the base.
+// From wrenches on links to joint torques: one pass from the outermost link with skin to the base.
 #pragma once
 
 #include "skinctl/kinematics/joint_frame.hpp"
@@ -33,8 +33,8 @@ SKINCTL_INLINE constexpr auto own_load(const LinkWrenches<M, Skinned, T>& wrench
   }
 }
 
-/// Writes `tau` for the subtree of link `I` and returns what the skin does to the subtree, about the
-/// parent's origin along the parent's axes. A subtree without skin is a typed zero: no code is left of it.
+/// Writes `tau` for the subtree of link `I` and returns the skin's wrench on the subtree, about the parent's
+/// origin along the parent's axes. A subtree without skin gives typed zeros, which leave no code.
 template <std::size_t I, RobotModel M, class T, LinkMask A, Topology B, LinkMask Skinned>
 SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, T, A>& angles,
                                            const LinkWrenches<B, Skinned, T>& wrenches, T* tau) noexcept {
@@ -61,10 +61,10 @@ SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, 
 /// `tau_skin = sum over cells J_cell^T [F_cell; 0]` [N m], eqs. (6), (7), from the sums of the cells'
 /// wrenches on each link.
 ///
-/// Joints behind the last link with skin get 0 and cost nothing. Relative error a few units in the last place
-/// times the number of joints, of the largest torque that occurs. The skin of a model serves what derives from
-/// it (`Loaded`, `Mounted`) too. `angles` must hold every joint on the way
-/// to a link with skin. A NaN in a wrench gives NaN torques of the joints that carry it.
+/// Joints behind the last link with skin get 0 and cost nothing. Relative to the largest torque that occurs,
+/// the error is a few units in the last place times the number of joints. `angles` must hold every joint on
+/// the path to a link with skin. A NaN in a wrench gives NaN torques of the joints that carry it. The skin of
+/// a model also serves models derived from it (`Loaded`, `Mounted`).
 template <RobotModel M, class T, LinkMask A, Topology B, LinkMask Skinned>
   requires std::is_base_of_v<B, M>
 [[nodiscard]] SKINCTL_INLINE constexpr JointTorque<M::joints, T> skin_torque(
@@ -85,7 +85,7 @@ template <RobotModel M, class T, Topology B, LinkMask Skinned>
     const LinkWrenches<B, Skinned, T>& wrenches) noexcept {
   return skin_torque(model, JointAngles<M, T, Skinned>(model, q), wrenches);
 }
-/// A robot without skin (an empty type in place of the wrenches) feels nothing.
+/// A robot without skin (an empty type in place of the wrenches) has zero torque.
 template <RobotModel M, class T, LinkMask A, class NoSkin>
   requires std::is_empty_v<NoSkin>
 [[nodiscard]] SKINCTL_INLINE constexpr JointTorque<M::joints, T> skin_torque(const M&,

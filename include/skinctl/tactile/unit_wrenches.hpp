@@ -1,4 +1,4 @@
-// Unit wrenches of many cells on one link, laid out for the fastest sum over all of them.
+// Unit wrenches of the cells on one link, in a memory layout for fast sums over all of them.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How a dense sum stores unit wrenches and readings, and in what it adds them up: a choice between bytes and
-/// digits. A cell costs seven stored numbers; from about 600 cells on that is what the time goes into.
+/// The number types in which a dense sum stores unit wrenches and readings, and in which it adds them: a
+/// choice between memory and accuracy. A cell takes seven stored numbers; from about 600 cells on reading
+/// them dominates the time.
 template <Real Stored, Real Summed>
 struct SumPolicy {
   using stored = Stored;
@@ -19,21 +20,21 @@ struct SumPolicy {
 };
 /// 56 bytes a cell; error about 1e-16 of the sum of magnitudes.
 using DoubleSum = SumPolicy<double, double>;
-/// 28 bytes a cell; unit wrenches and readings are rounded to float (6e-8 each), nothing else is.
+/// 28 bytes a cell; unit wrenches and readings are rounded to float (6e-8 each), the sum is in double.
 using FloatStoredSum = SumPolicy<float, double>;
-/// 28 bytes a cell and half the arithmetic; rounding of the sum comes on top (about 1e-7 more).
+/// 28 bytes a cell and half the arithmetic; the rounding of the sum adds about 1e-7.
 using FloatSum = SumPolicy<float, float>;
 
 /// The unit wrenches `-[z ; p x z]` of the cells of one patch in the layout `[block][6][W]`: a block holds
-/// `W` cells, one a lane of the register in which they are summed. The last blocks are filled up with zeros.
+/// `W` cells, one per lane of the register in which they are summed. The last blocks are padded with zeros.
 template <class Policy = DoubleSum>
 class UnitWrenches {
  public:
   using Stored = typename Policy::stored;
   using Summed = typename Policy::summed;
   static constexpr std::size_t lanes = native_lanes<Summed>;
-  /// Readings are taken in groups of so many, two blocks at a time; their arrays end with zeros up to a
-  /// multiple.
+  /// Readings are processed in groups of this many, two blocks at a time; their arrays are padded with zeros
+  /// to a multiple of it.
   static constexpr std::size_t group = 2 * lanes;
   static constexpr std::size_t padded(std::size_t cells) noexcept {
     return (cells + group - 1) / group * group;
@@ -75,7 +76,7 @@ class UnitWrenches {
   struct alignas(alignment()) Group {
     Stored block[2][6][lanes] = {};
   };
-  /// Named, not an array: GCC keeps an array of accumulators in memory around the loop.
+  /// Named members, not an array: GCC keeps an array of accumulators in memory around the loop.
   struct Six {
     L fx{0}, fy{0}, fz{0}, nx{0}, ny{0}, nz{0};
 
@@ -89,7 +90,7 @@ class UnitWrenches {
     }
   };
 
-  /// Written number by number where it converts: the one form that both compilers turn into one instruction.
+  /// Number by number where it converts: the only form that both compilers turn into one instruction.
   SKINCTL_INLINE static L load(const Stored* from) noexcept {
     if constexpr (std::same_as<Stored, Summed>) {
       return L::load(from);

@@ -1,4 +1,4 @@
-// A skin for a simulated UR5: as many cells as one likes, on all six links.
+// A skin for a simulated UR5: any number of cells on all six links.
 #pragma once
 
 #include <tuple>
@@ -11,11 +11,11 @@ SKINCTL_BEGIN_NAMESPACE
 
 namespace ur5 {
 
-/// Where link `i` can be covered: a cylinder between `from` and `to` [m, link's frame] that stands for the
-/// tube or housing.
+/// The part of link `i` that cells can cover: a cylinder between `from` and `to` [m, link's frame] that
+/// represents the tube or housing.
 ///
 /// Radii and offsets: UR ROS 2 description, config/ur5/physical_parameters.yaml (BSD-3), "manually measured";
-/// the ends leave the neighbouring housings free and are ours.
+/// the ends are chosen here such that the neighbouring housings stay free.
 struct Tube {
   double radius;
   Xyz<double> from, to;
@@ -29,7 +29,7 @@ inline constexpr std::array<Tube, 6> tubes = {{
     {0.0375, {0, 0, 0.0373}, {0, 0, 0.0823}},
 }};
 
-/// How many cells of TUM's size find room on each link, 383 together.
+/// Number of cells of TUM's size that fit on each link, 383 together.
 inline constexpr std::array<std::size_t, 6> room = {52, 144, 99, 40, 40, 8};
 
 namespace detail {
@@ -38,7 +38,7 @@ constexpr double length(const Tube& t) noexcept {
   const double sum = d.x + d.y + d.z;
   return sum < 0 ? -sum : sum;
 }
-/// Cells per link in proportion to the room, at least one each; what rounding leaves goes to the largest
+/// Cells per link in proportion to `room`, at least one each; cells lost by rounding go to the largest
 /// remainders.
 constexpr std::array<std::size_t, 6> share_cells(std::size_t cells) noexcept {
   std::size_t all = 0, given = 6;
@@ -68,7 +68,7 @@ inline Transform<skinctl::detail::AnyLink, Surface> tube_pose(const Tube& t) noe
 }
 }  // namespace detail
 
-/// The cylinder of link `I` in its place: z along the tube.
+/// The pose of link `I`'s cylinder: z along the tube.
 template <std::size_t I>
 [[nodiscard]] Transform<Link<I>, Surface> surface_pose() {
   return detail::tube_pose(tubes[I]).renamed<Link<I>, Surface>();
@@ -78,7 +78,7 @@ template <std::size_t I>
   return {tubes[I].radius, detail::length(tubes[I])};
 }
 
-/// Number of cells on each link of a UR5 with `Cells` of them.
+/// Number of cells on each link of a UR5 with `Cells` cells.
 template <std::size_t Cells>
 inline constexpr std::array<std::size_t, 6> skin_cells = detail::share_cells(Cells);
 
@@ -102,10 +102,10 @@ struct SkinType<M, T, Cells, std::index_sequence<I...>> {
 };
 }  // namespace detail
 
-/// One patch a link, as a tuple; ids count from 1. Up to 383 cells have TUM's size (pitch 27.8 mm); of 1260
-/// most have 0.53 to 0.61 of it, of 10 000 most 0.20 to 0.22 (pitch 5.5 mm), on one layer:
-/// `largest_cell(surface<I>(), skin_cells<Cells>[I])` says it exactly.
-/// @param gains  of each link's cells: where the skin has a long lever, less keeps the contact calm.
+/// One patch per link, as a tuple; ids count from 1. Up to 383 cells have TUM's size (pitch 27.8 mm). Most of
+/// 1260 cells have 0.53 to 0.61 of it, most of 10 000 have 0.20 to 0.22 (pitch 5.5 mm), in one layer.
+/// `largest_cell(surface<I>(), skin_cells<Cells>[I])` gives the exact size.
+/// @param gains  of each link's cells: lower gains where the skin has a long lever keep the contact calm.
 template <std::size_t Cells>
 [[nodiscard]] auto skin_patches(const std::same_as<std::array<CellGains, 6>> auto& gains) {
   static_assert(Cells >= 6, "at least one cell a link");

@@ -1,4 +1,4 @@
-// What the skin knows of each cell, by id: its unit wrench in whole steps, and where its sums are.
+// The table of cells by id: unit wrenches in integer steps, and indices of their sums.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `to += factor from`, on the widest registers that fit what is left of the row.
+/// `to += factor from`, on the widest registers that fit the remaining numbers.
 template <std::size_t N, Real T>
 SKINCTL_INLINE void multiply_add(T* to, const T& factor, const float* from) noexcept {
   if constexpr (N > 0) {
@@ -39,11 +39,10 @@ SKINCTL_INLINE void multiply_add(T* to, const T& factor, const float* from) noex
 
 /// One cell. Half a cache line, so that an event reads one.
 struct alignas(32) CellEntry {
-  /// `-[z ; p x z]`. Forces are whole multiples of 2^-24, moments of 2^-24 times the patch's reach: what a
-  /// float holds exactly.
+  /// `-[z ; p x z]`. Forces are multiples of 2^-24, moments of 2^-24 times the patch's reach: exact in float.
   float unit[6] = {};
-  std::uint32_t patch = 0;  ///< whose sums it adds to
-  std::uint32_t slot = 0;   ///< of its link in the link wrenches
+  std::uint32_t patch = 0;  ///< index of its sums
+  std::uint32_t slot = 0;   ///< index of its link in the link wrenches
 
   friend bool operator==(const CellEntry&, const CellEntry&) noexcept = default;
   /// `wrench += factor unit`.
@@ -54,7 +53,7 @@ struct alignas(32) CellEntry {
 };
 
 /// Sums over the cells of a patch of unit wrench times count, for forces and for proximities. All terms are
-/// whole multiples of the same steps and stay below 2^53 of them: exact, in any order.
+/// multiples of the same steps and stay below 2^53 steps, so the sums are exact in any order.
 struct ExactSums {
   std::array<double, 6> force{};
   std::array<double, 6> proximity{};
@@ -67,7 +66,7 @@ struct ExactSums {
   friend bool operator==(const ExactSums&, const ExactSums&) noexcept = default;
 };
 
-/// All cells in the order of their patches, and the way from an id to a place in that order.
+/// All cells in the order of their patches, and the map from ids to indices in that order.
 class CellTable {
  public:
   static constexpr std::uint32_t highest_id = (1u << 20) - 1;

@@ -1,5 +1,5 @@
-// The grids behind cover.hpp: rows of hexagons on planes, cylinders and half spheres. Joined cells lie at
-// (2 x, 2 y) of each other, where (x, y) is the place of a cell's port.
+// The grids behind cover.hpp: rows of hexagons on planes, cylinders and half spheres. The offset between
+// joined cells is (2 x, 2 y), where (x, y) is the position of a cell's port.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// How many places of `spacing` lie within `room`, one at each end included; a row that fits to the last bit
-/// is not lost to rounding.
+/// Number of places at distance `spacing` within `room`, including both ends; a row that fits exactly is not
+/// lost to rounding.
 inline std::size_t places(double room, double spacing) {
   return room < -1e-12 ? 0 : static_cast<std::size_t>(std::floor(room / spacing + 1e-9)) + 1;
 }
@@ -31,7 +31,7 @@ inline void require_size(double size, const char* name) {
   require(size > 0 && size - size == 0, name, size, "> 0 m");
 }
 
-/// A cell at `p` with outward normal `z` and first axis `x`, unit and square to each other.
+/// A cell at `p` with outward normal `z` and x axis `x`, perpendicular unit vectors.
 template <class Surface>
 Transform<Surface, Cell> cell_at(const Xyz<double>& p, const Xyz<double>& x, const Xyz<double>& z) {
   return {{x, cross(z, x), z}, p};
@@ -88,7 +88,7 @@ template <class Surface>
 SKINCTL_COLD std::vector<Transform<Surface, Cell>> cover_capsule(double radius, double length, double x,
                                                                  double y) {
   std::vector<Transform<Surface, Cell>> below, cells;
-  // The rings begin where the cylinder's last row, which ends within its length, leaves room.
+  // The rings begin at the edge of the cylinder's last row, which ends within its length.
   const double first = std::asin(std::min(1.0, corner(y) / radius));
   cover_half_sphere(radius, -0.5 * length, -1.0, first, y, below);
   cells.assign(below.rbegin(), below.rend());

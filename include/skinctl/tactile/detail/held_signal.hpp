@@ -1,5 +1,4 @@
-// The force of one cell over time, as its stamped samples tell it: the ramps that it is made of, and exact
-// integrals of them.
+// The force of one cell over time from its stamped samples: a sum of ramps, and their exact integrals.
 #pragma once
 
 #include <cstdint>
@@ -18,21 +17,21 @@ SKINCTL_INLINE constexpr std::uint64_t span(Nanoseconds earlier, Nanoseconds lat
 SKINCTL_INLINE constexpr Nanoseconds nanoseconds_of(std::uint64_t count) noexcept {
   return Nanoseconds(static_cast<std::int64_t>(count));
 }
-/// `later - earlier`; 0 where that is negative, the longest time where it is longer.
+/// `later - earlier`; 0 if negative, the longest time if it overflows.
 SKINCTL_INLINE constexpr Nanoseconds elapsed(Nanoseconds earlier, Nanoseconds later) noexcept {
   if (later <= earlier) return 0ns;
   const std::uint64_t t = span(earlier, later);
   return t > static_cast<std::uint64_t>(INT64_MAX) ? Nanoseconds::max() : nanoseconds_of(t);
 }
 /// `t - origin` in seconds, of either sign, for times less than 292 years apart; the difference is taken in
-/// whole nanoseconds.
+/// integer nanoseconds.
 template <Real T>
 SKINCTL_INLINE constexpr T seconds_after(Nanoseconds origin, Nanoseconds t) noexcept {
   return seconds<T>(nanoseconds_of(span(origin, t)));
 }
 
-/// 0 until `start`, then linearly up to 1 within `length` > 0, then 1. All times in seconds from the start of
-/// the interval that is computed, so that they are small.
+/// 0 until `start`, then linear up to 1 within `length` > 0, then 1. All times in seconds from the start of
+/// the computed interval, so that they are small.
 template <Real T>
 class Ramp {
  public:
@@ -44,13 +43,13 @@ class Ramp {
 
   [[nodiscard]] SKINCTL_INLINE constexpr const T& start() const noexcept { return start_; }
   [[nodiscard]] SKINCTL_INLINE constexpr T value(const T& t) const noexcept { return up(t) * slope_; }
-  /// Integral from long ago to `t`.
+  /// Integral from minus infinity to `t`.
   [[nodiscard]] SKINCTL_INLINE constexpr T integral(const T& t) const noexcept {
     const T beyond = t - start_ - length_;
     const T rise = up(t);
     return T(0.5) * slope_ * rise * rise + (beyond > T(0) ? beyond : T(0));
   }
-  /// Integral of what follows the ramp until `stop` and stays as it is then.
+  /// Integral up to `t` of a signal that follows the ramp until `stop` and is constant afterwards.
   [[nodiscard]] SKINCTL_INLINE constexpr T integral_until(const T& stop, const T& t) const noexcept {
     return t <= stop ? integral(t) : T(integral(stop) + value(stop) * (t - stop));
   }

@@ -1,4 +1,4 @@
-// How the samples of one interval, and the silence of the other cells, change the sums and the mean wrenches.
+// Reception: updates the sums and the mean wrenches for the samples of one interval and for silent cells.
 #pragma once
 
 #include "skinctl/tactile/detail/held_signal.hpp"
@@ -7,13 +7,13 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// An interval in equal parts; times within it count in seconds from its start.
+/// An interval in equal parts; times within it are in seconds from its start.
 template <Real T>
 struct Parts {
   Nanoseconds from, to;
   std::size_t count;
   T length, per_length, per_whole;  ///< [s], [1/s]; 0 for an interval without length
-  T back;                           ///< <= 0: how far impulse is made up for [s]
+  T back;                           ///< <= 0: start of the time for which missing impulse is added [s]
 
   static Parts of(Nanoseconds from, Nanoseconds to, std::size_t count, Nanoseconds back) noexcept {
     const T whole = seconds<T>(elapsed(from, to));
@@ -23,8 +23,8 @@ struct Parts {
   }
 };
 
-/// One reception. `means` hold the wrenches of the sums as they were before; every change of a cell's force
-/// is added to them as it happens.
+/// One reception. `means` starts with the wrenches of the previous sums; every change of a cell's force is
+/// added when it occurs.
 template <Real T, class Tables, class Memory, class Wrenches>
 class Reception {
  public:
@@ -84,7 +84,7 @@ class Reception {
     return {};
   }
 
-  /// Lets the forces of cells that have fallen silent go, and says whether any cell is silent.
+  /// Fades the forces of cells that have fallen silent; reports whether any cell is silent.
   SKINCTL_INLINE Status age() const noexcept {
     bool all = true;
     for (std::size_t b = 0; b < Memory::blocks; ++b) {
@@ -98,7 +98,8 @@ class Reception {
 
  private:
   /// Adds the cell's unit wrench times the mean of a force over each part, given its integral over time, and
-  /// the impulse `made_up` evenly over the whole; an interval without length owes it to the next one.
+  /// the impulse `made_up`, spread evenly over the whole interval; for an interval without length the impulse
+  /// goes to the next one.
   template <class Integral>
   SKINCTL_INLINE void add_means(const CellEntry& cell, const T& made_up,
                                 const Integral& integral) const noexcept {
@@ -115,12 +116,12 @@ class Reception {
     }
   }
 
-  /// The force of a cell changes by `jump` along `ramp`. Until now it was held.
+  /// The force of a held cell changes by `jump` along `ramp`.
   SKINCTL_INLINE void change(const CellEntry& cell, const Ramp<T>& ramp, const T& jump) const noexcept {
     const T made_up = jump * (ramp.integral(T(0)) - ramp.integral(parts_.back));
     add_means(cell, made_up, [&](const T& t) SKINCTL_INLINE_LAMBDA { return jump * ramp.integral(t); });
   }
-  /// The same for a cell that was fading, or silent, until `ramp` starts from what was left.
+  /// The same for a cell that was fading or silent: `ramp` starts from the remaining force.
   __attribute__((noinline)) void change_of_fading(const CellEntry& cell, const Ramp<T>& ramp, const T& from,
                                                   const T& to, const Ramp<T>& loss,
                                                   bool was_heard) const noexcept {
@@ -136,14 +137,14 @@ class Reception {
     });
   }
 
-  /// How a cell's force came from its reading at `last` to that at `time`, later.
+  /// The ramp of a cell's force from its reading at `last` to the later one at `time`.
   SKINCTL_INLINE Ramp<T> ramp_between(Nanoseconds last, Nanoseconds time) const noexcept {
     const std::uint64_t gap = span(last, time);
     if (gap >= ramp_) [[likely]]
       return {seconds_after<T>(parts_.from, time - nanoseconds_of(ramp_)), ramp_length_, ramp_slope_};
     return {seconds_after<T>(parts_.from, last), seconds<T>(nanoseconds_of(gap))};
   }
-  /// The share of a reading that is lost to the cell's silence since `stamp`.
+  /// The share of a reading that has faded because of the cell's silence since `stamp`.
   SKINCTL_INLINE Ramp<T> loss_since(Nanoseconds stamp) const noexcept {
     return {seconds_after<T>(parts_.from, stamp) + seconds<T>(nanoseconds_of(hold_)),
             seconds<T>(tables_.settings.fade)};

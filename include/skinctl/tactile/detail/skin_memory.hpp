@@ -1,4 +1,4 @@
-// What of a skin changes from cycle to cycle, and the tables that do not.
+// The memory of a skin, and its constant tables.
 #pragma once
 
 #include <array>
@@ -17,22 +17,22 @@ constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
   return stamps;
 }
 
-/// See `Skin::Memory`. Cells stand in the order of the patches, in blocks of 64.
+/// See `Skin::Memory`. Cells are in the order of the patches, in blocks of 64.
 template <std::size_t Cells, std::size_t Patches, class Wrenches>
 struct SkinMemory {
   static constexpr std::size_t cells = Cells;
   static constexpr std::size_t blocks = (Cells + 63) / 64;
 
-  std::array<ExactSums, Patches> sums{};      ///< over the cells that are heard
-  Nanoseconds begin = Nanoseconds::min();     ///< nothing before this time is made up for
-  std::array<Nanoseconds, blocks> oldest{};   ///< not later than the stamp of any heard cell of the block
-  std::array<std::uint64_t, blocks> heard{};  ///< a bit a cell: not silent, its reading is in the sums
-  Wrenches owed{};                            ///< impulse that the next interval makes up for [N s], [N m s]
+  std::array<ExactSums, Patches> sums{};      ///< over the cells that are not silent
+  Nanoseconds begin = Nanoseconds::min();     ///< no missing impulse is added before this time
+  std::array<Nanoseconds, blocks> oldest{};   ///< lower bound of the stamps of the block's non-silent cells
+  std::array<std::uint64_t, blocks> heard{};  ///< a bit per cell: not silent, its reading is in the sums
+  Wrenches owed{};                            ///< impulse to be added in the next interval [N s], [N m s]
   std::array<Nanoseconds, Cells> stamp = all_at<Cells>(Nanoseconds::min());  ///< of the last sample
-  std::array<CellCounts, Cells> held{};                                      ///< what of it passed the gates
+  std::array<CellCounts, Cells> held{};                                      ///< counts of it after the gates
 
   [[nodiscard]] bool hears(std::size_t i) const noexcept { return (heard[i / 64] >> (i % 64)) & 1u; }
-  /// Whether every cell of block `b` is heard.
+  /// Whether every cell of block `b` is heard, that is, not silent.
   [[nodiscard]] bool hears_all_of(std::size_t b) const noexcept {
     constexpr std::uint64_t all = ~std::uint64_t(0), rest = Cells % 64;
     return heard[b] == (b + 1 < blocks || rest == 0 ? all : (std::uint64_t(1) << rest) - 1);
@@ -52,7 +52,7 @@ struct SkinMemory {
   friend bool operator==(const SkinMemory&, const SkinMemory&) noexcept = default;
 };
 
-/// Everything about a skin that is known when it is built.
+/// The constant data of a skin.
 template <Real T, std::size_t Patches>
 struct SkinTables {
   SkinSettings settings;
