@@ -1,9 +1,12 @@
-// 24 Payload and gains change while the arm runs: configurations of one scene, of which the input names one.
+// 24 Payload and gains change while the arm runs: configurations of one scene; the input selects one.
 //
-//   0  as it is     1  carries 3 kg     2  a third of the gains
-//   tau  spline joint, eqs. (8)-(14), with G(q), by torque; a UR5 that its dynamics move
-//   It holds its pose. 3 kg come at 1 s and go at 3 s; a hand pushes at 4 s, and at 6 s with lower gains.
-//   drawn: how far joint 1 gives way, and its torque, told of all that and not
+//   0      without payload
+//   1      with a payload of 3 kg
+//   2      without payload, with a third of the gains
+//   tau    spline joint control, eqs. (8)-(14), with G(q): the command of a simulated UR5 by torque
+//   drawn  deflection of joint 1, and its torque, with the changes of configuration and without
+//
+// The arm holds its pose. The payload is there from 1 s to 3 s; a hand pushes at 4 s and at 6 s.
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/recording.hpp"
@@ -25,7 +28,7 @@ auto scene(const LinkInertia& load, double share_of_gains) {
   return Cycle(arm, SplineJoint<6>(gains));
 }
 
-// The arm itself: what it carries comes and goes within 0.1 s.
+// The real arm, with the share `weight` of the payload.
 struct SimulatedArm {
   State<6> robot{{}, home, {}};
   Carrier arm{ur5::Model{}};
@@ -52,7 +55,7 @@ double run(const C& cycle, bool told, Curve& bent, Curve& torque, Curve& carried
   cycle.start(*memory, world.robot);
   recording.start(world.robot);
   JointTorque<6> sent = memory->robot.command.torque;
-  double step = 0;  // the greatest from one cycle to the next where something changes
+  double step = 0;  // largest step of the torque in a cycle around a change [N m]
   typename C::Input input;
   for (double t = 0.002; t < 8; t += 0.002) {
     const double weight = std::clamp((t - 1) / 0.1, 0.0, 1.0) - std::clamp((t - 3) / 0.1, 0.0, 1.0);

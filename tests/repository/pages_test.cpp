@@ -3,8 +3,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 #include <string>
 
+#include "tests/support/include_direction.hpp"
 #include "tests/support/page_links.hpp"
 
 using namespace skinctl::testing;
@@ -45,6 +48,29 @@ TEST_CASE("Pages: every test that tests/README.md names is there") {
     ++named;
   }
   CHECK(named > 20);
+}
+
+TEST_CASE("Pages: the house is the table against which includes are checked") {
+  std::map<std::string, std::string> rows;  // folder, what it may use
+  std::ifstream page(source() / "include/skinctl/README.md");
+  for (std::string line; std::getline(page, line);) {
+    const auto end = line.find("/` | ");
+    const auto last = line.rfind(" | ");
+    if (line.rfind("| `", 0) == 0 && end != line.npos && line.ends_with(" |"))
+      rows[line.substr(3, end - 3)] = line.substr(last + 3, line.size() - last - 5);
+  }
+  const std::set<std::string> to_come = {"calibration", "semantics"};
+  std::size_t shown = 0;
+  for (const auto& folder : folders()) {
+    if (to_come.contains(folder.name)) continue;
+    std::string used;
+    for (const auto& other : folder.may_use) used += (used.empty() ? "" : ", ") + other;
+    if (folder.name == "testing") used = "all";
+    CAPTURE(folder.name);
+    CHECK(rows[folder.name] == (used.empty() ? "-" : used));
+    ++shown;
+  }
+  CHECK(rows.size() == shown);
 }
 
 TEST_CASE("Pages: links are found outside of code, and headings have anchors") {

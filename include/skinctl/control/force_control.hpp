@@ -114,7 +114,7 @@ class ForceControl : public Composable {
     out.memory.goal = {size > T(0) ? Xyz<T>(T(T(1) / size) * goal.direction) : goal.direction, goal.force};
     out.memory.I1 = out.memory.I2 = out.memory.travel = T(0);
     const T along =
-        // the speed goes on by its part along the new direction
+        // The speed goes on by its part along the new direction.
         dot(memory.goal.direction, out.memory.goal.direction);
     out.memory.v = along * memory.v;
     out.memory.a = along * memory.a;

@@ -43,8 +43,8 @@ class Blended<Fused<P, L...>> : public Composable {
   static constexpr bool complete_sum = true;  ///< cannot be part of another sum
   static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
   static constexpr bool gated = (false || ... || detail::is_gated<L>);
-  /// Whether the sum itself adds the missing part of G.
   static constexpr bool compensates_friction = Fusion::compensates_friction;
+  /// Whether the sum itself adds the missing part of G.
   static constexpr bool holds_gravity = Fusion::gravity_laws == 0 && Fusion::tracking_laws > 0;
   static_assert(!holds_gravity || P != Sum::plain, "a plain sum that blends needs a gravity law");
   static constexpr Needs needs = Fusion::needs | Needs{.gravity = holds_gravity};

@@ -14,8 +14,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// reactive law with its own weight.
 enum class Sum : unsigned char {
   normalised,  ///< divided by their sum, for feedback and feed-forward alike
-  weighted,    ///< feedback with the weights as given, feed-forward with the normalised ones: no rest of
-               ///< `Y_r Theta` remains as a disturbance
+  weighted,    ///< feedback with the weights as given, feed-forward with the normalised ones: no part
+               ///< of `Y_r Theta` remains as a disturbance
   plain        ///< the paper's sum: everything but gravity with the weights as given
 };
 

@@ -58,10 +58,10 @@ inline constexpr bool distinct_links =
 ///   force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin detects
 ///   nobody, the speed of separation is allowed if it is higher.
 /// - **During a contact**, with the skin's resultant F on the link: the effective mass along F is
-///   `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the contact. It is kept below
-///   `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region can still take), `(F_q - F) / (k reaction)`
-///   (no more than F_q before the robot reacts) and `P / F`. Motion out of the contact is not slowed by
-///   these.
+///   `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the contact, which is kept
+///   below `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region can still take),
+///   `(F_q - F) / (k reaction)` (no more than F_q before the robot reacts) and `P / F`. Motion out of the
+///   contact is not slowed by these.
 /// - **Excess**: F above F_t, or above F_q for longer than `first`, is `contact_force`; more power than
 ///   allowed at the measured velocities is `contact_power`. The guard stops.
 ///

@@ -41,7 +41,7 @@ template <Real T>
 /// with M and B the configured inertia and friction, of joints and of the tool (`Tool`, as in the resolver),
 /// and along the contact the contact damping. The loop is stable up to the stiffness at which g passes -1. A
 /// contact is given by its row `n'J` (see `Contact::row`). For configuration time: some hundred small complex
-/// solutions a pose, by Eigen; include <Eigen/LU> first.
+/// solutions a pose, by Eigen; include `<Eigen/LU>` first.
 template <RobotModel M, Real T = double, class Tool = NoToolShape>
 class ContactStability {
  public:

@@ -24,7 +24,7 @@ struct HybridMemory {
 ///   sub-stepped over the interval just passed, with the driven joints as a load at their measured positions:
 ///   `M_ss dv = tau_s - (C_s v)_s - G_s - B v`. The reaction of the driven joints' motion on the arm is left
 ///   out: that of a finger that starts and stops (0.2 kg at 50 rad/s^2: half a newton at its knuckle) is zero
-///   on average, and half of it, by the velocities without the accelerations, would push an arm about whose
+///   on average, and half of it, by the velocities without the accelerations, would shake the arm when
 ///   fingers tremble.
 /// - The driven joints are treated as by `Resolver<Interface::torque>`: the law's torque at the newest
 ///   measurement, for one period from now, less the configured friction, cut to the limits. For it the law is

@@ -36,8 +36,8 @@ class InertialDamping {
 };
 
 /// A constant symmetric positive definite K_d. The joint with the smallest inertia bounds all of it: on a UR5
-/// `K_d = k 1` has to be so small for the wrist that the shoulder hardly tracks. Include <Eigen/Eigenvalues>
-/// to use it.
+/// `K_d = k 1` has to be so small for the wrist that the shoulder hardly tracks.
+/// Include `<Eigen/Eigenvalues>` to use it.
 template <std::size_t N, Real T = double>
 class ConstantDamping {
  public:

@@ -1,4 +1,4 @@
-// Compile-time questions about the parts of a scene: which suit each other, who holds gravity and friction.
+// Compile-time traits of the parts of a scene: whether they fit, and who compensates gravity and friction.
 #pragma once
 
 #include "skinctl/cycle/input.hpp"

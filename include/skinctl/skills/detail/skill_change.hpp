@@ -94,7 +94,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
   m.request = request;
   deliver(m, known, request, out.status);
   m.commanded = m.commanded.then(next.switches);
-  // an old report does not count for switches that are only beginning
+  // An old report does not count for switches that are only beginning.
   m.reported.which &= ~next.switches.which;
   m.phase = SkillPhase::loading;
   m.since = m.held = 0ns;
