@@ -1,4 +1,4 @@
-// expect: RobotConfiguration<6
+// expect: RobotConfiguration<
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
