@@ -73,11 +73,11 @@ TEST_CASE("SkinCartesianControl: a damped null space takes energy out, and nothi
     // Pure translation of the tool is not braked.
     const auto J = known.jacobian<5>(tool<double>());
     const auto inverse = damped_inverse(J, SingularityDamping<double>());
-    x.dq = inverse.solve(Twist<Tool, Base, Tool, Base>({rng(), rng(), rng()}, {}));
+    x.dq = inverse.solve(Twist<Tool, Base, Tool, Base>{{rng(), rng(), rng()}, {}});
     const KnownFor<Law_, double> moving(model, x, 0.002, none);
     CHECK(largest(law.torque(moving)) < 1e-9);
     // Pure rotation is, at the rate: M^-1 tau = -rate dq.
-    x.dq = inverse.solve(Twist<Tool, Base, Tool, Base>({}, {rng(), rng(), rng()}));
+    x.dq = inverse.solve(Twist<Tool, Base, Tool, Base>{{}, {rng(), rng(), rng()}});
     const KnownFor<Law_, double> turning(model, x, 0.002, none);
     JointAcceleration<6> a;
     for (std::size_t i = 0; i < 6; ++i) a[i] = -8 * x.dq[i];
