@@ -18,6 +18,7 @@
 
 #include "examples/compliant_ur5/tests/synthetic_log.hpp"
 #include "examples/support/svg_plot.hpp"
+#include "skinctl/guard/faults.hpp"
 
 using namespace compliant_ur5;
 using plotting::Plot;
