@@ -184,8 +184,8 @@
 #include "skinctl/guard/hybrid_guard.hpp"
 #include "skinctl/guard/packet_watch.hpp"
 
-#include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/recording.hpp"

@@ -41,6 +41,9 @@ using Mat6 = EigenMatrix<T, 6, 6>;
 /// A matrix, vector or expression of Eigen's.
 template <class V>
 concept EigenExpression = requires { typename V::PlainObject; };
+/// Whether one of them is: as a constant, about which Clang writes one line where it writes four of a concept.
+template <class... V>
+inline constexpr bool any_eigen = (EigenExpression<V> || ...);
 
 /// One that has elements to read.
 template <class V>

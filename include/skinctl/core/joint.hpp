@@ -76,9 +76,6 @@ struct JointVector {
   void operator=(const V&) = delete;  // an Eigen vector has no kind: q = JointPosition<N>(v), or as_eigen(q) = v
   template <EigenExpression V>
   operator V() const = delete;  // an Eigen vector has no kind: v = as_eigen(tau) drops it
-  friend void operator*(const EigenExpression auto&, const JointVector&) = delete;  // with Eigen's: A * as_eigen(v)
-  friend void operator+(const EigenExpression auto&, const JointVector&) = delete;  // with Eigen's: v + as_eigen(tau)
-  friend void operator-(const EigenExpression auto&, const JointVector&) = delete;  // with Eigen's: v - as_eigen(tau)
   // clang-format on
 
   /// The numbers `f(0)` to `f(N - 1)`.

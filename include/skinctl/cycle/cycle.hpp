@@ -98,8 +98,13 @@ class Cycle {
   Cycle(const Robot& robot, const Skin& skin, const L& law, const Watchman& guard, const Overseer& governor)
       : Cycle(Whole{}, robot, skin, law, given(guard), given(governor)) {}
   /// Without skin.
-  template <class Robot, class... ByHand>
+  template <class Robot>
     requires std::is_same_v<Skin, NoSkin>
+  Cycle(const Robot& robot, const L& law)
+      : Cycle(Whole{}, robot, NoSkin{}, law, detail::default_guard<Resolver>,
+              detail::default_governor<Resolver>) {}
+  template <class Robot, class... ByHand>
+    requires(std::is_same_v<Skin, NoSkin> && sizeof...(ByHand) > 0)
   Cycle(const Robot& robot, const L& law, const ByHand&... guard_and_governor)
       : Cycle(robot, NoSkin{}, law, guard_and_governor...) {}
 

@@ -166,7 +166,7 @@ template <RobotModel M, Scalar T>
 // clang-format off
 template <RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void forward_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointTorque<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
-template <RobotModel M, class... Q> requires(EigenExpression<Q> || ...)
+template <RobotModel M, class... Q> requires(any_eigen<Q...>)
 void forward_dynamics(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 

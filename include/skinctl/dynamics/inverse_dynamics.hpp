@@ -30,7 +30,7 @@ template <RobotModel M, Scalar T>
 // clang-format off
 template <RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void inverse_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointAcceleration<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
-template <RobotModel M, class... Q> requires(EigenExpression<Q> || ...)
+template <RobotModel M, class... Q, std::enable_if_t<any_eigen<Q...>, int> = 0>
 void inverse_dynamics(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 

@@ -13,6 +13,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// A transform of Eigen's, without including Eigen/Geometry here.
 template <class X>
 concept EigenPose = requires { typename X::LinearMatrixType; };
+template <class X>
+inline constexpr bool is_eigen_pose = EigenPose<X>;
 /// `Eigen::Isometry3<T>`, whose linear part is a rotation.
 template <class X>
 concept IsometryExpression = EigenPose<X> && int(X::Mode) == 1 && int(X::Dim) == 3;
@@ -61,11 +63,11 @@ class Transform {
   template <IsometryExpression X>
   explicit Transform(const X& X_AB) noexcept : Transform(X_AB.linear(), X_AB.translation()) {}
   // clang-format off
-  template <EigenPose X>
+  template <class X, std::enable_if_t<is_eigen_pose<X>, int> = 0>
   Transform(const X&) = delete;  // an Eigen pose has no frames: name them, Transform<A, B>(isometry)
   template <EigenPose X>
   void operator=(const X&) = delete;  // an Eigen pose has no frames: name them, Transform<A, B>(isometry)
-  template <EigenPose X>
+  template <class X, std::enable_if_t<is_eigen_pose<X>, int> = 0>
   operator X() const = delete;  // to Eigen: as_eigen(X_AB)
   // clang-format on
 

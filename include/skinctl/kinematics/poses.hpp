@@ -137,7 +137,7 @@ template <LinkMask Mask = ~LinkMask(0), RobotModel M, Scalar T>
 // clang-format off
 template <LinkMask Mask = ~LinkMask(0), RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void link_poses(const M&, const JointPosition<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
-template <LinkMask Mask = ~LinkMask(0), RobotModel M, class... Q> requires(EigenExpression<Q> || ...)
+template <LinkMask Mask = ~LinkMask(0), RobotModel M, class... Q> requires(any_eigen<Q...>)
 void link_poses(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 

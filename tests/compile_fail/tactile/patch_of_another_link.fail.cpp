@@ -1,4 +1,4 @@
-// expect: NamedCell.*wrist_3_link
+// expect: wrist_3_link.*NamedCell|NamedCell.*wrist_3_link
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

@@ -25,7 +25,7 @@ class CarryingLaw : public GoalOfLaw<L> {
   static constexpr LawRole role = L::role;
   static constexpr std::size_t terms = terms_of<L> + 1;
 
-  CarryingLaw(const L& law, const Ramp<T>& ramp) : law_(law), ramp_(ramp) {}
+  CarryingLaw(const L& law, const skinctl::Ramp<T>& ramp) : law_(law), ramp_(ramp) {}
   [[nodiscard]] const L& law() const noexcept { return law_; }
 
   template <class K>
@@ -81,7 +81,7 @@ class CarryingLaw : public GoalOfLaw<L> {
   }
 
   L law_;
-  Ramp<T> ramp_;
+  skinctl::Ramp<T> ramp_;
 };
 
 }  // namespace detail
