@@ -10,14 +10,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A transform of Eigen's, without including Eigen/Geometry here.
+/// Whether `X` is a transform of Eigen's; Eigen/Geometry is not included here.
 template <class X>
-concept EigenPose = requires { typename X::LinearMatrixType; };
-template <class X>
-inline constexpr bool is_eigen_pose = EigenPose<X>;
-/// `Eigen::Isometry3<T>`, whose linear part is a rotation.
-template <class X>
-concept IsometryExpression = EigenPose<X> && int(X::Mode) == 1 && int(X::Dim) == 3;
+inline constexpr bool is_eigen_pose = requires { typename X::LinearMatrixType; };
 
 namespace detail {
 /// `p + R v`, each component one expression.
@@ -60,13 +55,14 @@ class Transform {
     requires(std::same_as<typename M::Scalar, T> && std::same_as<typename V::Scalar, T>)
   Transform(const M& R_AB, const V& p_AB) noexcept : Transform(Rotation<T>::from_eigen(R_AB), as_xyz(p_AB)) {}
   /// From an `Eigen::Isometry3<T>`.
-  template <IsometryExpression X>
-  explicit Transform(const X& X_AB) noexcept : Transform(X_AB.linear(), X_AB.translation()) {}
+  template <int Options>
+  explicit Transform(const Eigen::Transform<T, 3, 1, Options>& X_AB) noexcept
+      : Transform(X_AB.linear(), X_AB.translation()) {}
   // clang-format off
-  template <class X, std::enable_if_t<is_eigen_pose<X>, int> = 0>
-  Transform(const X&) = delete;  // an Eigen pose has no frames: name them, Transform<A, B>(isometry)
-  template <EigenPose X>
-  void operator=(const X&) = delete;  // an Eigen pose has no frames: name them, Transform<A, B>(isometry)
+  template <class S, int D, int M, int O>
+  Transform(const Eigen::Transform<S, D, M, O>&) = delete;  // an Eigen pose has no frames: name them, Transform<A, B>(isometry)
+  template <class S, int D, int M, int O>
+  void operator=(const Eigen::Transform<S, D, M, O>&) = delete;  // an Eigen pose has no frames: name them, Transform<A, B>(isometry)
   template <class X, std::enable_if_t<is_eigen_pose<X>, int> = 0>
   operator X() const = delete;  // to Eigen: as_eigen(X_AB)
   // clang-format on
