@@ -1,5 +1,6 @@
 // Digits50: the scalar of the oracles, fifty decimal digits.
-#pragma once
+#ifndef SKINCTL_TESTING_DIGITS50_HPP
+#define SKINCTL_TESTING_DIGITS50_HPP
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
@@ -10,3 +11,5 @@ using Digits50 =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
 
 }  // namespace skinctl::testing
+
+#endif
