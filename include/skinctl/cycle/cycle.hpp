@@ -278,7 +278,8 @@ class Cycle {
 
   template <class Resolved>
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Interval& interval) const noexcept {
-    const auto dt = seconds<scalar>(interval.to - interval.from);
+    scalar dt = seconds<scalar>(interval.to - interval.from);
+    if constexpr (Resolver::interface == Interface::position) dt = m.robot.command_span;
     const auto touch = skin_.wrenches(m.skin);
     const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
     if constexpr (Resolver::interface == Interface::torque) {

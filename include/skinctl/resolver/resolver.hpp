@@ -150,7 +150,8 @@ class Resolver {
 
   /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stop = true; }
-  void resume(Memory& m) const noexcept { m.stop = false; }
+  /// Ends a stop. A displaced robot goes on with the gap that it has now, if that is at most `largest_gap`.
+  void resume(Memory& m) const noexcept { virtual_.resume(m); }
 
  private:
   using Torque = JointTorque<joints, T>;

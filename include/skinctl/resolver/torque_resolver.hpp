@@ -13,8 +13,9 @@ struct TorqueResolverMemory {
   bool started = false;
   bool stop = false;
   Nanoseconds time{};
-  State<N, T> measured;        ///< the last good measurement
-  JointCommand<N, T> command;  ///< the last one
+  Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
+  State<N, T> measured;               ///< the last good measurement
+  JointCommand<N, T> command;         ///< the last one
   [[no_unique_address]] Tank tank;
 };
 
@@ -87,7 +88,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
 
   /// The time since the last cycle as one sub-step: a torque is held, not integrated.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
-    Interval out = detail::interval_since(m.started, m.time, now, p_.longest_interval);
+    Interval out = detail::interval_since(m.started, m.time, m.odd, now, p_.longest_interval);
     out.substeps = out.to > out.from ? 1 : 0;
     return out;
   }
@@ -101,12 +102,14 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
+      m.odd = detail::odd_time_of(interval);
       // Even if the clock is wrong, gravity is compensated at the measured position.
       out.fallback = held(detail::believed(measured, m.measured, check));
       return out;
     }
     SKINCTL_EXPECTS(!touches.empty(), "one touch");
     m.time = interval.to;
+    m.odd = detail::no_time;
     const JointPosition<joints, T> before = m.measured.q;
     out.status |= take_measurement(m.measured, measured, interval.to, check);
     const bool stale = interval.to - m.measured.time > p_.stale_after;

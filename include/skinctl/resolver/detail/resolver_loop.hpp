@@ -117,8 +117,10 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
                                                  std::span<const Touch> touches,
                                                  const Check& check) const noexcept
     -> Resolved<joints, T, terms_of<L>> {
-  if (!m.started || interval.substeps == 0) [[unlikely]]
+  if (!m.started || interval.substeps == 0) [[unlikely]] {
+    m.odd = detail::odd_time_of(interval);
     return {m.command, interval.status, {}, {}};
+  }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   std::array<Torque, terms_of<L>> shares{};
   const auto begun = virtual_.begin(m, measured, interval, check);

@@ -1,0 +1,180 @@
+// The observer of a virtual robot's joints, declared in virtual_joints.hpp: does the real robot follow?
+#pragma once
+
+#include "skinctl/resolver/detail/virtual_joints.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+#define SKINCTL_VIRTUAL_JOINTS template <Interface I, std::size_t N, Real T, std::size_t History>
+#define SKINCTL_VIRTUAL_JOINTS_CLASS VirtualJoints<I, N, T, History>
+
+SKINCTL_VIRTUAL_JOINTS
+template <class Check>
+SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const State<N, T>& measured,
+                                                            Nanoseconds now,
+                                                            const Check& check) const noexcept {
+  const State<N, T> taken{measured.time, measured.q - m.gap, measured.dq};
+  Status status = take_measurement(m.measured, taken, now, check);
+  const Position& expected = servo_.predict(m.under_way, m.measured.time);
+  m.residual = m.measured.q - expected;
+  if constexpr (I == Interface::velocity) m.residual -= m.offset.value;
+  if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
+  return status;
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds now,
+                                                          const T& dt) const noexcept -> Correction {
+  const bool fresh = now - m.measured.time <= p_.fresh_for;
+  // An old measurement does not show the present position of the robot: its residual is not used again.
+  const Row r = fresh ? Row(m.residual) : Row(T(0)), dead_band = p_.dead_band;
+  const Row rho = r - clamp(r, -dead_band, dead_band);
+  const auto off = rho != Row(T(0));
+  if (fresh) select(off, Row(m.off_for) + dt, T(0)).store(m.off_for);
+  const bool is_off = any(off);
+  bool gap = false;
+  if (is_off || m.watched) [[unlikely]]
+    gap = has_gap(m, Position(r), Position(rho), now);
+  const JointAcceleration<N, T> pull(p_.L2 * rho);
+  if constexpr (I == Interface::position) {
+    return Correction{Velocity(p_.L1 * rho), pull, is_off, gap, {}};
+  } else {
+    Correction c{Velocity(p_.L1 * rho + p_.drift * r), pull, is_off, gap, {}};
+    // What a robot lags behind beyond its declared delay is still to come.
+    const Position late(clamp(r, -dead_band, dead_band));
+    for (std::size_t i = 0; i < N; ++i) {
+      // Position of the real robot when it has carried out all commands sent up to now.
+      const T arrives = m.measured.q[i] + (m.sent.value[i] - m.under_way.reached[i]), more = late[i];
+      const T brake = p_.limits.acceleration()[i] * braking_share<T>;
+      const T reaction = seconds<T>(p_.longest_interval);
+      const T above = p_.limits.upper()[i] - arrives, below = arrives - p_.limits.lower()[i];
+      c.speed.most[i] = speed_to_stop(more < T(0) ? T(above + more) : above, reaction, brake);
+      c.speed.least[i] = -speed_to_stop(more > T(0) ? T(below - more) : below, reaction, brake);
+    }
+    return c;
+  }
+}
+
+// A robot that stands beside its commands by a gap (a servo that droops, an encoder with an offset) would be
+// followed for ever: the correction carries it along. An obstacle stands still, and a robot that lags moves
+// against the correction.
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD bool SKINCTL_VIRTUAL_JOINTS_CLASS::has_gap(Memory& m, const Position& r, const Position& rho,
+                                                        Nanoseconds now) const noexcept {
+  bool gap = false;
+  m.watched = false;
+  for (std::size_t i = 0; i < N; ++i) {
+    T& first = m.first_residual[i];
+    if (rho[i] == T(0)) {
+      first = T(0);
+      continue;
+    }
+    m.watched = true;
+    const T far = r[i] < T(0) ? T(-r[i]) : r[i];
+    const T way = m.measured.q[i] - m.first_measured[i];
+    if (first == T(0)) {
+      // Beyond any lead at once; or from the start on, of a robot that was hardly told to move.
+      const T told = m.under_way.reached[i] - m.first_measured[i];
+      gap = gap || far > p_.max_lead[i] ||
+            (now < m.settles_at && (told < T(0) ? T(-told) : told) < T(0.5) * far);
+      first = r[i];
+      m.first_measured[i] = m.measured.q[i];
+    } else if constexpr (I == Interface::position) {
+      const T size = first < T(0) ? T(-first) : first;
+      gap = gap || ((first < T(0) ? T(-way) : way) >= T(0.5) * size && far > T(0.7) * size);
+    }
+  }
+  return gap;
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::resume(Memory& m) const noexcept {
+  m.stop = false;
+  if (m.mode != ResolverMode::displaced) return;
+  const Row gap = Row(m.gap) + m.residual;
+  if (any(!(magnitude(gap) <= Row(largest_gap<T>)))) return;
+  gap.store(m.gap);
+  m.measured.q -= m.residual;
+  m.residual = m.first_residual = {};
+  for (T& t : m.off_for) t = T(0);
+  m.watched = false;
+  m.mode = ResolverMode::following;
+  m.mode_for = T(0);
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::set_clock(Memory& m,
+                                                          const Interval& interval) const noexcept {
+  servo_.restart(m.under_way, interval.from);
+  if constexpr (I == Interface::velocity) {
+    servo_.correct(m.under_way, m.sent.value, m.command.velocity);
+    for (std::size_t i = 0; i < N; ++i)
+      m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - interval.from));
+  }
+  m.command.time = m.settles_at = interval.from;
+  if (m.measured.time > interval.from) m.measured.time = interval.from;
+}
+
+/// Velocity towards the real robot that ends there at rest.
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::way_back(const Memory& m, const T& h) const noexcept
+    -> Velocity {
+  Velocity u;
+  for (std::size_t i = 0; i < N; ++i) {
+    const T d = m.measured.q[i] - m.q.value[i];
+    const T far = d < T(0) ? T(-d) : d;
+    const T soft = far / (p_.total_delay + h);
+    const T hard = speed_to_stop(far, h, T(T(0.5) * p_.limits.acceleration()[i]));
+    const T speed = soft < hard ? soft : hard;
+    u[i] = d < T(0) ? T(-speed) : speed;
+  }
+  return u;
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_INLINE void SKINCTL_VIRTUAL_JOINTS_CLASS::choose_mode(Memory& m, const Correction& c,
+                                                              bool stale) const noexcept {
+  const auto enter = [&](ResolverMode mode) {
+    if (m.mode == mode) return;
+    m.mode = mode;
+    m.mode_for = T(0);
+  };
+  const bool stuck = c.off && any(Row(m.off_for) >= Row(T(5) * p_.total_delay));
+  if (c.gap) {
+    enter(ResolverMode::displaced);
+  } else if (m.mode == ResolverMode::displaced) {
+    return;
+  } else if (stale) {
+    enter(ResolverMode::braking);
+  } else if (m.mode != ResolverMode::blocked && stuck) {
+    enter(ResolverMode::blocked);
+    if constexpr (I == Interface::position) m.v = m.v * T(0);
+    for (std::size_t i = 0; i < N; ++i) m.pushed[i] = c.pull[i] < T(0) ? 1 : (c.pull[i] > T(0) ? -1 : 0);
+  } else if (m.mode != ResolverMode::blocked) {
+    enter(m.stop ? ResolverMode::braking : ResolverMode::following);
+  }
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::try_to_leave(Memory& m, const Correction& c,
+                                                             const Torque& net) const noexcept {
+  bool here = true;
+  T push(0), scale(0);
+  for (std::size_t i = 0; i < N; ++i) {
+    const T e = m.q.value[i] - m.measured.q[i];
+    here &= e <= p_.dead_band[i] && -e <= p_.dead_band[i];
+    push = push + T(m.pushed[i]) * net[i];
+    scale = scale + p_.limits.torque()[i];
+  }
+  const bool released = !(push > T(1e-4) * scale);
+  if (here && !c.off && m.mode_for >= p_.total_delay && (released || m.mode_for >= p_.retry)) {
+    m.mode = ResolverMode::following;
+    m.mode_for = T(0);
+  }
+}
+
+#undef SKINCTL_VIRTUAL_JOINTS
+#undef SKINCTL_VIRTUAL_JOINTS_CLASS
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE
