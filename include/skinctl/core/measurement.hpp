@@ -25,9 +25,10 @@ struct AnyState {
 template <std::size_t N, Real T, class Check = AnyState>
 [[nodiscard]] SKINCTL_INLINE Status take_measurement(State<N, T>& good, const State<N, T>& measured,
                                                      Nanoseconds now, const Check& check = {}) noexcept {
+  if (good.time > now) [[unlikely]]
+    good.time = now;
   if (!detail::is_plausible(measured)) return Reason::state_not_finite;
   if (!check.believes(measured)) return Reason::state_out_of_range;
-  if (good.time > now) good.time = now;
   if (measured.time < good.time) return Reason::time_backwards;
   good = measured;
   if (good.time > now) good.time = now;

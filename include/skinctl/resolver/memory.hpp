@@ -19,6 +19,16 @@ enum class ResolverMode : unsigned char {
   braking     ///< it brakes and holds: a stop, or no measurement of the real robot
 };
 
+/// The observation of a joint whose residual is outside of the dead band.
+template <Real T>
+struct ResidualWatch {
+  T size = T(0);   ///< largest residual since it left the dead band [rad]; zero inside
+  T side = T(0);   ///< its sign
+  T most = T(0);   ///< largest speed of a correction [rad/s]
+  T robot = T(0);  ///< measured position then
+  T joint = T(0);  ///< q^ then; before the first one, q^ at the start
+};
+
 /// The virtual robot's joints, the commands under way, the last good measurement. Trivially copyable; a
 /// default value has not been started and gives no valid command.
 template <std::size_t N, Real T, std::size_t History>
@@ -36,8 +46,7 @@ struct VirtualJointsMemory {
   State<N, T> measured;                ///< the last good measurement, less the gap
   JointPosition<N, T> residual;        ///< r: measured position minus that brought by the commands
   JointPosition<N, T> gap;             ///< g: a residual to which the user has agreed; taken off measurements
-  JointPosition<N, T> first_residual;  ///< r where it left the dead band; zero inside
-  JointPosition<N, T> first_measured;  ///< the measured position then; at first that of the start
+  ResidualWatch<T> watch[N];           ///< of joints that are off
   T off_for[N] = {};                   ///< how long r has been beyond the dead band [s]
   T mode_for = T(0);                   ///< how long the present mode has lasted [s]
   T command_span = T(0);               ///< time in which a position command is to be reached [s]

@@ -42,7 +42,8 @@ struct RobotConfiguration {
   /// next command.
   Nanoseconds lead{};
   /// Velocity interface only: rate at which the virtual robot's position converges to the measured one
-  /// without moving the robot [1/s], at most w. Default: 1, or w if that is less.
+  /// without moving the robot [1/s], at most w. A joint that stands still while it is sent less than drift times dead band is not noticed.
+  /// Default: 0.2, or w if that is less.
   std::optional<T> drift = {};
   /// e_max in units of v_max T: the greatest distance of the virtual robot ahead of the measured one. Less
   /// than `1 + v_max/(2 a T)` lowers the top speed, see `Resolver::top_speed`.
@@ -109,7 +110,7 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(w > T(0) && w <= most * (T(1) + tolerance<T>), "observer w", number(w),
           "> 0, <= 0.3/(delay + lag + period) 1/s");
   require(c.lead >= 0ns && c.lead <= total, "lead", ms(c.lead), ">= 0, <= delay + lag + period, in ms");
-  const T drift = c.drift.value_or(w < T(1) ? w : T(1));
+  const T drift = c.drift.value_or(w < T(0.2) ? w : T(0.2));
   require(drift >= T(0) && drift <= w, "drift", number(drift), ">= 0, <= w 1/s");
   require(c.max_lead >= T(1.2) && c.max_lead <= T(100), "max_lead", number(c.max_lead), "1.2 to 100 v_max T");
   require(c.retry > 0ns && c.retry <= 3600s, "retry", seconds<double>(c.retry), "> 0, <= 3600 s");

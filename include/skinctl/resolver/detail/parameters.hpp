@@ -44,7 +44,7 @@ struct ResolverParameters {
     L1 = T(2) * w;
     L2 = w * w;
     catch_up = T(0.25) / seconds<T>(period);
-    drift = c.drift.value_or(w < T(1) ? w : T(1));
+    drift = c.drift.value_or(w < T(0.2) ? w : T(0.2));
     for (std::size_t i = 0; i < N; ++i) {
       has_coulomb = has_coulomb || shape.coulomb[i] > T(0);
     }

@@ -82,9 +82,9 @@ class VirtualJoints {
   SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
   /// A clock that leapt, or was set.
   SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept;
-  /// Whether the residuals `r` outside of the dead band are those of a robot that stands beside its commands.
-  SKINCTL_COLD bool has_gap(Memory& m, const Position& r, const Position& rho,
-                            Nanoseconds now) const noexcept;
+  /// Judges the residuals `r` that are outside of the dead band, by `rho`, and bounds the correction.
+  SKINCTL_COLD void watch(Memory& m, Correction& c, const Position& r, const Position& rho, Nanoseconds now,
+                          const T& dt) const noexcept;
   SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
   SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,
                               const Velocity& v1, const T& h) const noexcept;

@@ -30,7 +30,7 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
   }
   m.rate = m.v;
   m.settles_at = m.time + p_.settle;
-  m.first_measured = measured.q;
+  for (std::size_t i = 0; i < N; ++i) m.watch[i].joint = m.q.value[i];
   m.under_way = servo_.start(measured.time, measured.q, m.v);
   m.command.time = m.time;
   m.command.position = command;
@@ -174,6 +174,21 @@ SKINCTL_COLD Status SKINCTL_VIRTUAL_JOINTS_CLASS::follow(Memory& m, const Veloci
     }
     return p_.limits.move(room, Velocity(last), target, h);
   };
+  if (p_.lead == T(0)) {
+    // The sent position is on the virtual one again, as soon as a motion within the limits leads there.
+    const T h = dt > p_.cycle ? p_.cycle : dt;
+    const Row du = rate - last;
+    const Row aside = T(0.25) * (a * Row(T(h * h)) - du * du / a);
+    m.behind =
+        !all((magnitude(du) <= a * Row(h)) & (magnitude(ahead - T(0.5) * h * (last + rate)) <= aside)) ||
+        !is_near(ahead);
+    if (!m.behind) {
+      m.sent = m.q;
+      m.command.velocity = m.rate;
+      m.command_span = h;
+      return {};
+    }
+  }
   auto motion = within(dt);
   if (dt > p_.cycle && !is_near(Row(motion.displacement))) {
     motion = within(p_.cycle);
@@ -181,9 +196,6 @@ SKINCTL_COLD Status SKINCTL_VIRTUAL_JOINTS_CLASS::follow(Memory& m, const Veloci
   }
   m.sent.add(motion.displacement);
   m.command.velocity = motion.velocity;
-  const Row rest = Row(m.q.value) - m.sent.value, off = Row(motion.velocity) - rate;
-  m.behind = p_.lead == T(0) && (any(magnitude(rest) > T(0.1) * p_.cycle * p_.cycle * a) ||
-                                 any(magnitude(off) > T(0.1) * p_.cycle * a));
   return motion.status;
 }
 

@@ -31,15 +31,11 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds
   const Row rho = r - clamp(r, -dead_band, dead_band);
   const auto off = rho != Row(T(0));
   if (fresh) select(off, Row(m.off_for) + dt, T(0)).store(m.off_for);
-  const bool is_off = any(off);
-  bool gap = false;
-  if (is_off || m.watched) [[unlikely]]
-    gap = has_gap(m, Position(r), Position(rho), now);
-  const JointAcceleration<N, T> pull(p_.L2 * rho);
-  if constexpr (I == Interface::position) {
-    return Correction{Velocity(p_.L1 * rho), pull, is_off, gap, {}};
-  } else {
-    Correction c{Velocity(p_.L1 * rho + p_.drift * r), pull, is_off, gap, {}};
+  Correction c{Velocity(p_.L1 * rho), JointAcceleration<N, T>(p_.L2 * rho), any(off), false, {}};
+  if (c.off || m.watched) [[unlikely]]
+    watch(m, c, Position(r), Position(rho), now, dt);
+  if constexpr (I == Interface::velocity) {
+    c.rate = Velocity(Row(c.rate) + p_.drift * r);
     // What a robot lags behind beyond its declared delay is still to come.
     const Position late(clamp(r, -dead_band, dead_band));
     for (std::size_t i = 0; i < N; ++i) {
@@ -51,40 +47,60 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds
       c.speed.most[i] = speed_to_stop(more < T(0) ? T(above + more) : above, reaction, brake);
       c.speed.least[i] = -speed_to_stop(more > T(0) ? T(below - more) : below, reaction, brake);
     }
-    return c;
   }
+  return c;
 }
 
-// A robot that stands beside its commands by a gap (a servo that droops, an encoder with an offset) would be
-// followed for ever: the correction carries it along. An obstacle stands still, and a robot that lags moves
-// against the correction.
+// Three robots have a residual that stays. One that is blocked stands still, and its residual shrinks as the
+// virtual robot comes back. One that lags moves with the commands, against the correction. One that stands beside
+// its commands by a gap (a servo that droops, an encoder with an offset) is carried along by the correction, and
+// would be followed for ever: therefore a correction moves the virtual robot by half of the residual at most,
+// plus that by which it has shrunk.
 SKINCTL_VIRTUAL_JOINTS
-SKINCTL_COLD bool SKINCTL_VIRTUAL_JOINTS_CLASS::has_gap(Memory& m, const Position& r, const Position& rho,
-                                                        Nanoseconds now) const noexcept {
-  bool gap = false;
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, const Position& r,
+                                                      const Position& rho, Nanoseconds now,
+                                                      const T& dt) const noexcept {
   m.watched = false;
   for (std::size_t i = 0; i < N; ++i) {
-    T& first = m.first_residual[i];
+    auto& w = m.watch[i];
     if (rho[i] == T(0)) {
-      first = T(0);
+      w.size = T(0);
       continue;
     }
     m.watched = true;
-    const T far = r[i] < T(0) ? T(-r[i]) : r[i];
-    const T way = m.measured.q[i] - m.first_measured[i];
-    if (first == T(0)) {
+    const T side = rho[i] < T(0) ? T(-1) : T(1), far = side * r[i];
+    const auto begin = [&] {
+      w.size = far;
+      w.side = side;
+      w.robot = m.measured.q[i];
+      w.joint = m.q.value[i];
+    };
+    if (w.size == T(0) || w.side != side) {
       // Beyond any lead at once; or from the start on, of a robot that was hardly told to move.
-      const T told = m.under_way.reached[i] - m.first_measured[i];
-      gap = gap || far > p_.max_lead[i] ||
-            (now < m.settles_at && (told < T(0) ? T(-told) : told) < T(0.5) * far);
-      first = r[i];
-      m.first_measured[i] = m.measured.q[i];
-    } else if constexpr (I == Interface::position) {
-      const T size = first < T(0) ? T(-first) : first;
-      gap = gap || ((first < T(0) ? T(-way) : way) >= T(0.5) * size && far > T(0.7) * size);
+      const T told = side * (m.q.value[i] - w.joint);
+      c.gap = c.gap || far > p_.max_lead[i] || (now < m.settles_at && -told < T(0.5) * far);
+      begin();
+    }
+    const T moved = side * (m.measured.q[i] - w.robot);
+    if (far > w.size) w.size = far;
+    if (moved <= T(-0.5) * w.size) {  // it lags
+      begin();
+      m.off_for[i] = T(0);
+    }
+    if constexpr (I == Interface::position) {
+      c.gap = c.gap || (moved >= T(0.4) * w.size && far > T(0.7) * w.size);
+      const T way = side * (m.q.value[i] - w.joint);
+      if (way < T(0)) w.joint = m.q.value[i];
+      const T left = T(0.5) * w.size + (w.size - far) - (way < T(0) ? T(0) : way);
+      const T most = speed_to_stop(left, dt, T(T(0.5) * p_.limits.acceleration()[i])),
+              rate = side * c.rate[i];
+      if (rate > most) {
+        c.pull[i] = c.pull[i] * (most / rate);
+        c.rate[i] = side * most;
+      }
+      w.most = most;
     }
   }
-  return gap;
 }
 
 SKINCTL_VIRTUAL_JOINTS
@@ -95,7 +111,8 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::resume(Memory& m) const noexcept
   if (any(!(magnitude(gap) <= Row(largest_gap<T>)))) return;
   gap.store(m.gap);
   m.measured.q -= m.residual;
-  m.residual = m.first_residual = {};
+  m.residual = {};
+  for (auto& w : m.watch) w = {};
   for (T& t : m.off_for) t = T(0);
   m.watched = false;
   m.mode = ResolverMode::following;
@@ -125,7 +142,9 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::way_back(const Memory& m, const 
     const T far = d < T(0) ? T(-d) : d;
     const T soft = far / (p_.total_delay + h);
     const T hard = speed_to_stop(far, h, T(T(0.5) * p_.limits.acceleration()[i]));
-    const T speed = soft < hard ? soft : hard;
+    T speed = soft < hard ? soft : hard;
+    const auto& w = m.watch[i];
+    if (I == Interface::position && w.size > T(0) && w.side * d > T(0) && w.most < speed) speed = w.most;
     u[i] = d < T(0) ? T(-speed) : speed;
   }
   return u;
