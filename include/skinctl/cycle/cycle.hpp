@@ -160,7 +160,7 @@ class Cycle {
     m.governor = {};
     const auto state = resolver_.state(m.robot);
     const Wrenches touch = skin_.wrenches(m.skin);
-    m.law = law_.start(Known(resolver_.model(), state, period(), touch));
+    m.law = law_.start(resolver_.template known<L>(state, period(), touch));
   }
 
   /// One cycle: `(memory, input) -> (output, memory')`, the interval being the time since the last one.
@@ -309,7 +309,7 @@ class Cycle {
   SKINCTL_COLD void restart(Memory& m) const noexcept {
     if constexpr (!std::is_same_v<Goal, NoGoal>)
       m.law =
-          law_.start(Known(resolver_.model(), resolver_.state(m.robot), period(), skin_.wrenches(m.skin)));
+          law_.start(resolver_.template known<L>(resolver_.state(m.robot), period(), skin_.wrenches(m.skin)));
   }
   SKINCTL_COLD void carry_from(const Cycle& before, const typename L::Memory& law_before, Memory& m,
                                const State<joints, scalar>& measured,
@@ -329,7 +329,7 @@ class Cycle {
       const auto state = resolver_.state(m.robot);
       const Wrenches touch = skin_.wrenches(m.skin);
       const auto received =
-          follow_or_receive(law_, m.law, Known(resolver_.model(), state, period(), touch), input.goal);
+          follow_or_receive(law_, m.law, resolver_.template known<L>(state, period(), touch), input.goal);
       m.law = received.memory;
       return received.status;
     }

@@ -86,6 +86,13 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   /// The state that laws read: the last good measurement.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return m.measured; }
 
+  /// As for the position interface; a robot by torque has its model's inertia.
+  template <class L, class Touch>
+  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
+                                                     const Touch& touch) const noexcept {
+    return Knows<L, Touch>(model_, state, dt, touch);
+  }
+
   /// The time since the last cycle as one sub-step: a torque is held, not integrated.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
     Interval out = detail::interval_since(m.started, m.time, m.odd, now, p_.longest_interval);
@@ -129,7 +136,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     } else if (m.stop) {
       out.status |= Reason::stopping;
     } else {
-      const Knows<L, Touch> known(model_, m.measured, seconds<T>(p_.period), touches[0]);
+      const Knows<L, Touch> known = this->template known<L>(m.measured, seconds<T>(p_.period), touches[0]);
       const auto evaluation = evaluate(law, law_memory, known, seconds<T>(interval.to - interval.from));
       out.status |= evaluation.status;
       if (detail::is_finite(evaluation.torque)) [[likely]] {
@@ -169,7 +176,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     State<joints, T> state = m.measured;
     static_cast<void>(take_measurement(state, measured, interval.to, check));
     const auto sent = [&](const auto& who) {
-      const Knows<L, Touch> known(who.robot.model_, state, planned_step(), who.touch);
+      const Knows<L, Touch> known = who.robot.template known<L>(state, planned_step(), who.touch);
       return torque_of(who.law, who.memory, known) - who.robot.friction(state);
     };
     return sent(before) - sent(next);

@@ -34,7 +34,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
     Velocity v1;
     if (m.stiff.mode == ResolverMode::following) {
       const auto now = state(m, interval.at(j), m.stiff.v);
-      const Knows<L, Touch> known(model_, now, h, touches[j]);
+      const Knows<L, Touch> known = this->template known<L>(now, h, touches[j]);
       const auto asked = evaluate(law, law_memory, known, h);
       out.status |= asked.status;
       if (detail::is_finite(asked.torque)) [[likely]] {
@@ -62,7 +62,8 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   if (blocked) out.status |= Reason::blocked;
   if (m.stiff.mode != ResolverMode::braking && !m.stiff.stop) {
     const auto now = state(m, m.stiff.time, blocked ? Velocity{} : m.stiff.v);
-    const Knows<L, Touch> known(model_, now, seconds<T>(p.period), touches[interval.substeps - 1]);
+    const Knows<L, Touch> known =
+        this->template known<L>(now, seconds<T>(p.period), touches[interval.substeps - 1]);
     const auto asked = torque_of(law, law_memory, known);
     if (detail::is_finite(asked)) [[likely]] {
       driven = Driven::of(asked) - friction(now);

@@ -72,7 +72,7 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
                                                     const State<joints, T>& state,
                                                     const JointAcceleration<joints, T>& pull, const T& h,
                                                     const Touch& touch) const noexcept -> Driven<L> {
-  const Knows<L, Touch> known(model_, state, h, touch);
+  const Knows<L, Touch> known = this->template known<L>(state, h, touch);
   Driven<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
   if (!detail::is_finite(out.law.torque)) [[unlikely]] {
     out.status |= Reason::torque_not_finite;
@@ -92,9 +92,7 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
   if constexpr (has_tank) {
     const auto& tank = keeper_.template get<EnergyTank<T>>();
     auto& memory = m.keeper.template of<EnergyTank<T>>();
-    MassMatrix<joints, T> mass = known.mass();
-    for (std::size_t i = 0; i < joints; ++i) mass(i, i) = mass(i, i) + parameters().shape.inertia[i];
-    tank.charge(memory, mass, state.dq);
+    tank.charge(memory, known.mass(), state.dq);
     const Torque port = skin_torque(model_, known.angles(), touch);
     const Torque passive = tank.settings().port_gain * port + known.gravity();
     const T share = tank.pay(memory, port, out.torque - passive, state.dq, out.velocity, h, [&] {
@@ -175,7 +173,7 @@ SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::lacking(
   if constexpr (has_damper) damping = &m.keeper.template of<ContactDamper<T>>().damping;
   const State<joints, T> here = state(m);
   const auto asks = [&](const auto& who, auto&& use) {
-    const Knows<L, Touch> known(who.robot.model_, here, h, who.touch);
+    const Knows<L, Touch> known = who.robot.template known<L>(here, h, who.touch);
     return use(torque_of(who.law, who.memory, known), [&](const Torque& tau) {
       return detail::step_velocity<Integrator>(known, who.robot.parameters().shape, false, tau, {}, m.last,
                                                damping, who.robot.tool_)
