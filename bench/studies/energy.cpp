@@ -19,7 +19,8 @@ namespace {
 struct Row {
   const char* name;
   int broken = 0, broken_virtual = 0, faded = 0, held = 0;
-  double worst = 0, worst_virtual = 0, path = 0;
+  double worst = 0, worst_virtual = 0, path = 0, least_led = 1e9;
+  int frozen = 0;
 
   void add(const RandomScene& scene, const Energies& e) {
     broken += e.extracted > scene.energy;
@@ -29,6 +30,8 @@ struct Row {
     worst = std::max(worst, e.extracted);
     worst_virtual = std::max(worst_virtual, e.virtual_extracted);
     path += e.path;
+    least_led = std::min(least_led, e.led);
+    frozen += e.led < 0.001;
   }
   void add(const RandomScene& scene, const TorqueEnergies& e, double times) {
     broken += times * e.extracted > scene.tank;
@@ -52,9 +55,9 @@ void study(const char* interface, std::uint64_t scenes) {
     rows[3].add(scene, run<I>(scene, keeper));
   }
   for (const Row& r : rows)
-    std::printf("| %s | %s | %d | %.3f | %d | %.3f | %d | %d | %.2f |\n", interface, r.name, r.broken,
-                r.worst, r.broken_virtual, r.worst_virtual, r.faded, r.held,
-                r.path / static_cast<double>(scenes));
+    std::printf("| %s | %s | %d | %.3f | %d | %.3f | %d | %d | %.2f | %d | %.4f |\n", interface, r.name,
+                r.broken, r.worst, r.broken_virtual, r.worst_virtual, r.faded, r.held,
+                r.path / static_cast<double>(scenes), r.frozen, r.least_led);
 }
 
 void study_torque(std::uint64_t scenes) {
@@ -69,8 +72,8 @@ void study_torque(std::uint64_t scenes) {
     rows[2].add(scene, run_torque(scene, tank(1)), 2);
   }
   for (const Row& r : rows)
-    std::printf("| torque | %s | %d | %.3f | - | - | %d | - | %.2f |\n", r.name, r.broken, r.worst, r.faded,
-                r.path / static_cast<double>(scenes));
+    std::printf("| torque | %s | %d | %.3f | - | - | %d | - | %.2f | - | - |\n", r.name, r.broken, r.worst,
+                r.faded, r.path / static_cast<double>(scenes));
 }
 
 }  // namespace
@@ -81,7 +84,8 @@ int main(int argc, char** argv) {
   std::printf(
       "| interface | kept by | scenes that gave more | most given [J] | at the virtual port | most given "
       "there "
-      "[J] | tank empty | held | way of joint 0 [rad] |\n|---|---|---|---|---|---|---|---|---|\n");
+      "[J] | tank empty | held | way of joint 0 [rad] | frozen | least led [m] |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
   study<Interface::position>("position", scenes);
   study<Interface::velocity>("velocity", scenes);
   study_torque(scenes);

@@ -150,10 +150,12 @@ struct Energies {
   double least_tank = 0, least_ledger = 0;
   double largest_force = 0;
   double path = 0;  ///< of joint 0 [rad]
+  double led = 0;   ///< how far the hand led the arm at the end [m]
   Status status;
 };
 
-/// Two seconds of a scene with the passivity parts `keeper`.
+/// Two seconds of a scene with the passivity parts `keeper`; then all contacts have ended, and for a second a
+/// hand leads the arm with 20 N, back along the first contact.
 template <Interface I, class Keeper>
 Energies run(const RandomScene& scene, const Keeper& keeper) {
   using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32, Keeper>;
@@ -164,14 +166,18 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
   State<6> measured;
   measured.q = JointPosition<6>(scene.pose);
   auto memory = robot.start(measured);
+  RandomSkills law = scene.law;
+  law.skills.back().until = 2;
+  law.skills.push_back({});
   RandomSkills::Memory law_memory;
   Energies out;
   out.least_tank = out.least_ledger = 1e9;
   double given = 0, given_virtual = 0, force[2] = {};
   auto last = joints.q();
-  for (Nanoseconds now = scene.period; now < 2s; now += scene.period) {
+  for (Nanoseconds now = scene.period; now < 3s; now += scene.period) {
     const double t = seconds<double>(now);
     joints.advance(t);
+    const bool at_end = now >= 2s;
     JointTouch next;
     JointTouch parts[max_substeps];
     const auto interval = robot.interval(memory, now);
@@ -179,9 +185,10 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
       const Obstacle& o = scene.obstacles[k];
       std::array<double, 6> dq{};
       for (std::size_t i = 0; i < 6; ++i) dq[i] = (joints.q()[i] - last[i]) / seconds<double>(scene.period);
-      const double F = o.force(joints.q(), scene.pose, dq, t);
+      const double F = at_end ? (k == 0 ? 20 : 0) : o.force(joints.q(), scene.pose, dq, t);
       double dx = 0;
       for (std::size_t i = 0; i < 6; ++i) dx += o.row[i] * (joints.q()[i] - last[i]);
+      if (at_end) out.led -= dx * double(k == 0);
       given += 0.5 * (F + force[k]) * dx;
       out.largest_force = std::max(out.largest_force, F);
       auto& c = next.contacts.list[k];
@@ -205,7 +212,7 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
     measured.q = JointPosition<6>(joints.q());
     measured.dq = JointVelocity<6>(joints.dq());
     const auto before = memory.q.value;
-    const auto result = robot.step(memory, scene.law, law_memory, measured, interval,
+    const auto result = robot.step(memory, law, law_memory, measured, interval,
                                    std::span<const JointTouch>(parts, interval.substeps));
     for (std::size_t i = 0; i < 6; ++i) {
       double tau = 0;

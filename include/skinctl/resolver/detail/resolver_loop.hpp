@@ -34,8 +34,8 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touc
   return status;
 }
 
-/// Slows `v` down to the velocity that the passivity observer can pay for, braking included. False if it was
-/// slowed.
+/// Slows `v` down to the velocity that the passivity observer can pay for, braking included; what leads out of
+/// contacts last. False if it was slowed.
 SKINCTL_RESOLVER
 SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v) const noexcept {
   if constexpr (has_passivity_observer) {
@@ -44,20 +44,25 @@ SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v
     const Position& from = I == Interface::position ? m.measured.q : m.under_way.reached;
     const Position& sent = I == Interface::position ? m.q.value : m.sent.value;
     const T ahead = parameters().lead + seconds<T>(parameters().period);
-    const auto allows = [&](const T& share) {
+    const auto allows = [&](const Velocity& u) {
       Position dq;
       for (std::size_t i = 0; i < joints; ++i) {
-        const T u = share * v[i], speed = u < T(0) ? T(-u) : u;
-        dq[i] = sent[i] - from[i] + u * (ahead + T(0.5) * speed / parameters().limits.acceleration()[i]);
+        const T speed = u[i] < T(0) ? T(-u[i]) : u[i];
+        dq[i] = sent[i] - from[i] + u[i] * (ahead + T(0.5) * speed / parameters().limits.acceleration()[i]);
       }
-      return passivity_observer.allows(memory, dq, v);
+      return passivity_observer.allows(memory, dq, u);
     };
-    if (allows(T(1))) [[likely]]
+    if (allows(v)) [[likely]]
       return true;
-    T share(0), part(0.5);
-    for (int k = 0; k < 6; ++k, part = T(0.5) * part)
-      if (allows(share + part)) share = share + part;
-    v = share * v;
+    // What leads out of the contacts, as far as it is allowed; then as much of the rest as can be paid for.
+    const Velocity out = passivity_observer.outward(memory, v);
+    const auto most = [&](const Velocity& base, const Velocity& more) {
+      T share(0), part(0.5);
+      for (int k = 0; k < 10; ++k, part = T(0.5) * part)
+        if (allows(base + (share + part) * more)) share = share + part;
+      return base + share * more;
+    };
+    v = allows(out) ? most(out, v - out) : most(Velocity{}, out);
     return false;
   } else {
     return true;
