@@ -17,7 +17,7 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touc
                                                     const T& dt) const noexcept {
   Status status;
   if constexpr (has_passivity_observer || has_damper) {
-    const auto contacts = contacts_of(model_, m.measured.q, touch);
+    const auto contacts = contacts_of(model_, m.measured.q, contact_part(touch));
     if constexpr (has_damper)
       if (keeper_.template get<ContactDamper<T>>().observe(m.keeper.template of<ContactDamper<T>>(), contacts,
                                                            m.measured.dq, dt))
@@ -77,7 +77,8 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
                                                     const State<joints, T>& state,
                                                     const JointAcceleration<joints, T>& pull, const T& h,
                                                     const Touch& touch) const noexcept -> Driven<L> {
-  const Knows<L, Touch> known(model_, state, h, touch);
+  const auto& total = total_of(touch);
+  const Knows<L, LawTouch<Touch>> known(model_, state, h, total);
   Driven<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
   if (!detail::is_finite(out.law.torque)) [[unlikely]] {
     out.status |= Reason::torque_not_finite;
@@ -100,7 +101,7 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
     MassMatrix<joints, T> mass = known.mass();
     for (std::size_t i = 0; i < joints; ++i) mass(i, i) = mass(i, i) + parameters().shape.inertia[i];
     tank.charge(memory, mass, state.dq);
-    const Torque port = skin_torque(model_, known.angles(), touch);
+    const Torque port = skin_torque(model_, known.angles(), contact_part(touch));
     const Torque passive = tank.settings().port_gain * port + known.gravity();
     const T share = tank.pay(memory, port, out.torque - passive, state.dq, out.velocity, h, [&] {
       return detail::step_velocity<Integrator>(known, parameters().shape, parameters().has_coulomb, passive,
