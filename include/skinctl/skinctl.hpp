@@ -103,6 +103,7 @@
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
+#include "skinctl/tactile/touch_wrenches.hpp"
 #include "skinctl/tactile/unit_wrenches.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 

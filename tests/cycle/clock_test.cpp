@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <memory>
+
 #include "skinctl/testing/scene.hpp"
 
 using namespace skinctl;

@@ -39,6 +39,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   static_assert(!Keeper::template has<PassivityObserver<T>> && !Keeper::template has<ContactDamper<T>>,
                 "a torque interface has no virtual robot that runs ahead: its Passivity is an EnergyTank");
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
+  static constexpr bool tells_contacts = has_tank;
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = Interface::torque;
   using scalar = T;
@@ -127,7 +128,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     [[maybe_unused]] JointTorque<joints, T> port, passive;
     if constexpr (has_tank) {
       const auto& tank = keeper_.template get<EnergyTank<T>>();
-      port = skin_torque(model_, JointAngles<M, T>(model_, m.measured.q), touches[0]);
+      port = skin_torque(model_, JointAngles<M, T>(model_, m.measured.q), contact_part(touches[0]));
       tank.book(m.tank, m.measured.q - before, port, gravity);
       passive = tank.settings().port_gain * port + gravity - drag;
     }
@@ -136,7 +137,9 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     } else if (m.stop) {
       out.status |= Reason::stopping;
     } else {
-      const Knows<L, Touch> known = this->template known<L>(m.measured, seconds<T>(p_.period), touches[0]);
+      const auto& touch = total_of(touches[0]);
+      const Knows<L, LawTouch<Touch>> known =
+          this->template known<L>(m.measured, seconds<T>(p_.period), touch);
       const auto evaluation = evaluate(law, law_memory, known, seconds<T>(interval.to - interval.from));
       out.status |= evaluation.status;
       if (detail::is_finite(evaluation.torque)) [[likely]] {
