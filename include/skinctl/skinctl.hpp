@@ -171,6 +171,7 @@
 #include "skinctl/passivity/passivity.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
 
+#include "skinctl/resolver/following_monitor.hpp"
 #include "skinctl/resolver/hybrid_resolver.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"
