@@ -103,6 +103,7 @@
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
+#include "skinctl/tactile/touch_wrenches.hpp"
 #include "skinctl/tactile/unit_wrenches.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 
@@ -171,6 +172,7 @@
 #include "skinctl/passivity/passivity.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
 
+#include "skinctl/resolver/following_monitor.hpp"
 #include "skinctl/resolver/hybrid_resolver.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"

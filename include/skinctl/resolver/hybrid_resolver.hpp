@@ -134,7 +134,7 @@ class HybridResolver {
 
   /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stiff.stop = true; }
-  void resume(Memory& m) const noexcept { m.stiff.stop = false; }
+  void resume(Memory& m) const noexcept { virtual_.resume(m.stiff); }
 
   /// The elements of `whole` that belong to the joints of a subset.
   template <class Subset>

@@ -8,6 +8,7 @@
 #include "skinctl/resolver/detail/virtual_joints.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
+#include "skinctl/tactile/touch_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -68,6 +69,8 @@ class Resolver {
                 "an energy tank counts with the inertia of joints so far: no tank beside a tool's shape");
   static constexpr bool has_passivity_observer = Keeper::template has<PassivityObserver<T>>;
   static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
+  /// Whether forces and proximities are wanted apart, see `TouchWrenches`.
+  static constexpr bool tells_contacts = has_tank || has_passivity_observer || has_damper;
   static constexpr Needs keeper_needs = {
       .angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank};
   using Memory = ResolverMemory<joints, T, History, Keeper>;
@@ -138,7 +141,8 @@ class Resolver {
   /// @param law, law_memory  the law and its memory, which is advanced.
   /// @param measured         the newest state of the robot, with its stamp; may be old, or faulty.
   /// @param check            whether this robot can be in a state, see `take_measurement`.
-  /// @param touches          the skin's mean wrenches on the links, one per sub-step.
+  /// @param touches          the skin's mean wrenches on the links, one per sub-step; with a tank best as
+  ///                         `TouchWrenches`, otherwise all of it counts as contact.
   template <class L, class Touch, class Check = AnyState>
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
@@ -160,7 +164,8 @@ class Resolver {
 
   /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stop = true; }
-  void resume(Memory& m) const noexcept { m.stop = false; }
+  /// Ends a stop. A displaced robot goes on with the gap that it has now, if that is at most `largest_gap`.
+  void resume(Memory& m) const noexcept { virtual_.resume(m); }
 
  private:
   using Torque = JointTorque<joints, T>;

@@ -17,6 +17,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
   if (!m.stiff.started) return out;
   if (interval.substeps == 0) {
+    m.stiff.odd = detail::odd_time_of(interval);
     // Even if the clock is wrong, gravity is compensated at the measured position.
     out.fallback = held(detail::believed(measured, m.measured, check));
     return out;
