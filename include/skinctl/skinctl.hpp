@@ -128,6 +128,7 @@
 #include "skinctl/tracking/settings.hpp"
 #include "skinctl/tracking/sign.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
+#include "skinctl/tracking/singular_rest.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"
 #include "skinctl/tracking/speed_limit.hpp"
 #include "skinctl/tracking/spline_plan.hpp"
