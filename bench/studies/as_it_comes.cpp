@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
   Row by_scene[scenes], by_cause[std::size(causes)], all, twins;
   int by_reason[static_cast<int>(Reason::count)] = {};
   std::vector<double> ratios[scenes], forces[scenes], twin_forces[scenes];
-  std::vector<std::uint64_t> bad;
+  std::vector<std::string> bad;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
     const AsItComes c(seed);
     const auto r = run_as_it_comes(c, false), twin = run_as_it_comes(c, true);
@@ -156,7 +156,17 @@ int main(int argc, char** argv) {
     forces[static_cast<int>(c.scene)].push_back(std::max(r.early, r.late));
     twin_forces[static_cast<int>(c.scene)].push_back(std::max(twin.early, twin.late));
     if (v.late_ratio > 0) ratios[static_cast<int>(c.scene)].push_back(v.late_ratio);
-    if (!v.good()) bad.push_back(seed);
+    if (!v.good()) {
+      std::string what = std::to_string(seed);
+      for (const auto& [is, name] : {std::pair{v.away, " ran away"},
+                                     {v.moved, " moved"},
+                                     {v.early, " early"},
+                                     {v.late, " harder"},
+                                     {v.goal, " goal"},
+                                     {v.silent, " no reason"}})
+        if (is) what += name;
+      bad.push_back(what);
+    }
   }
   std::printf(
       "%llu cases from seed %llu. Harder: a force above %.1f times the largest of the twin; in the first "
@@ -190,8 +200,8 @@ int main(int argc, char** argv) {
       std::printf("| %s | %d |\n", skinctl::describe(static_cast<Reason>(k)), by_reason[k]);
   if (!bad.empty()) {
     std::printf("\nnot as promised (%zu):", bad.size());
-    for (std::size_t k = 0; k < bad.size() && k < 40; ++k)
-      std::printf(" %llu", static_cast<unsigned long long>(bad[k]));
+    for (std::size_t k = 0; k < bad.size() && k < 100; ++k)
+      std::printf("%s %s", k > 0 ? ";" : "", bad[k].c_str());
     std::printf("\n");
   }
   plotting::Plot plot;
