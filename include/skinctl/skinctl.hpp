@@ -88,6 +88,7 @@
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/robot/virtual_dynamics.hpp"
+#include "skinctl/robot/virtual_mass.hpp"
 
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
@@ -102,6 +103,7 @@
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
+#include "skinctl/tactile/touch_wrenches.hpp"
 #include "skinctl/tactile/unit_wrenches.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 
@@ -169,6 +171,7 @@
 #include "skinctl/passivity/passivity.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
 
+#include "skinctl/resolver/following_monitor.hpp"
 #include "skinctl/resolver/hybrid_resolver.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"

@@ -87,3 +87,44 @@ TEST_CASE("PassivityObserver: what a push grows by meanwhile, the reserve, an im
   CHECK_THROWS_AS(PassivityObserver<>({.start = 2, .max = 1}), ConfigurationError);
   CHECK_THROWS_AS(PassivityObserver<>({.reserve = 1}), ConfigurationError);
 }
+
+TEST_CASE(
+    "PassivityObserver: what leads out of a contact is paid for by the push, then by half of the rest") {
+  PassivityObserver<>::Settings s{.start = 0, .max = 1, .stiffness = 1e4, .reserve = 0};
+  s.reach[0] = s.reach[1] = 0.5;
+  const PassivityObserver<> observer(s);
+  auto m = observer.start<2>();
+  const JointVelocity<2> out{-1, 0}, beside{0, 1};
+  // 20 N along 0.5 m/rad: 1/2 k (0.5 dq)^2 <= 20 * 0.5 dq up to dq = 8 mrad.
+  observer.book(m, push(20), JointPosition<2>{0, 0}, 0.0, nothing);
+  CHECK(observer.allows(m, JointPosition<2>{-0.00799, 0}, out));
+  CHECK_FALSE(observer.allows(m, JointPosition<2>{-0.00801, 0}, out));
+  CHECK_FALSE(observer.allows(m, JointPosition<2>{0, 1e-6}, beside));
+  CHECK_FALSE(observer.allows(m, JointPosition<2>{1e-6, 0}, JointVelocity<2>{1, 0}));
+  // What it took on the way pays for more, half of it without the push.
+  observer.book(m, push(20), JointPosition<2>{-0.01, 0}, 0.0, nothing);
+  CHECK(m.energy == doctest::Approx(0.1));
+  observer.book(m, push(0), JointPosition<2>{-0.01, 0}, 0.0, nothing);
+  const double p = std::sqrt(2 * 0.1 / 1e4);
+  CHECK(observer.allows(m, JointPosition<2>{0, 1.999 * p}, beside));
+  CHECK_FALSE(observer.allows(m, JointPosition<2>{0, 2.001 * p}, beside));
+  s.start = 1, s.reserve = 0.1;
+  const PassivityObserver<> reserved(s);
+  m.energy = 0.15;  // less than twice the reserve: half of it
+  CHECK(reserved.allows(m, JointPosition<2>{0, 1.999 * std::sqrt(0.15 / 1e4)}, beside));
+  CHECK_FALSE(reserved.allows(m, JointPosition<2>{0, 2.001 * std::sqrt(0.15 / 1e4)}, beside));
+  m.energy = -1;  // a sixteenth of the reserve, to creep
+  CHECK(reserved.allows(m, JointPosition<2>{0, 1.999 * std::sqrt(2 * 0.1 / 16 / 1e4)}, beside));
+  CHECK_FALSE(reserved.allows(m, JointPosition<2>{0, 2.001 * std::sqrt(2 * 0.1 / 16 / 1e4)}, beside));
+}
+
+TEST_CASE("PassivityObserver: outward keeps what leads out of the contact, or beside it") {
+  const PassivityObserver<> observer;
+  auto m = observer.start<2>();
+  observer.book(m, push(20), JointPosition<2>{0, 0}, 0.0, nothing);
+  const auto beside = observer.outward(m, JointVelocity<2>{1, 2});
+  CHECK(beside[0] <= 0);
+  CHECK(beside[0] > -0.01);
+  CHECK(beside[1] == 2);
+  CHECK(observer.outward(m, JointVelocity<2>{-1, 2}) == JointVelocity<2>{-1, 2});
+}

@@ -34,6 +34,9 @@ TEST_CASE("Passivity: a port never gives more than it got and had, whatever skil
     CHECK(kept.virtual_extracted <= scene.tank);
     CHECK(kept.extracted <= scene.energy);
     CHECK(kept.least_ledger >= 0);
+    // Liveness beside energy: a hand leads it back afterwards.
+    CHECK(kept.led > 0.01);
+    CHECK(alone.led > 0.01);
     held += kept.status.has(Reason::energy_held);
     empty += kept.status.has(Reason::tank_empty);
   }
@@ -54,5 +57,49 @@ TEST_CASE("Passivity: a full tank and passivity_observer change nothing") {
     CHECK(kept.path == bare.path);
     CHECK(kept.largest_force == bare.largest_force);
     CHECK(kept.status == bare.status);
+  }
+}
+
+namespace {
+
+// Two soft hands that push an arm to and fro, one at a time, by `swing` [m] each; nothing else drives it.
+RandomScene led_by_hands(double swing, double stiffness) {
+  RandomScene scene(1);
+  scene.law.skills.assign(1, {});
+  scene.configuration = {.limits = limits_of<ur5::Description>(20.0), .period = 8ms, .delay = 8ms};
+  scene.configuration.lag = 8ms;
+  scene.configuration.virtual_damping = 4;
+  scene.configuration.viscous_friction = JointTorque<6>::constant(2);
+  scene.period = 8ms;
+  scene.delay = 1;
+  scene.lag = 0.008;
+  scene.obstacles.assign(2, {});
+  for (int side = 0; side < 2; ++side) {
+    Obstacle& hand = scene.obstacles[std::size_t(side)];
+    hand.row[0] = side == 0 ? 0.5 : -0.5;
+    hand.at = 0.02;
+    hand.swing = side == 0 ? swing : -swing;
+    hand.pulse = 2 * M_PI;
+    hand.stiffness = stiffness;
+  }
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("PassivityObserver: an arm whose account is empty gives way, and is led on, and pays for it") {
+  for (const double stiffness : {150.0, 600.0}) {
+    CAPTURE(stiffness);
+    const auto scene = led_by_hands(0.15, stiffness);
+    const auto observer = [&](double energy) {
+      return Passivity(PassivityObserver<>(
+          {.start = energy, .max = 10, .stiffness = 3e4, .reach = {0.6, 0.6, 0.4, 0.1, 0.1, 0}}));
+    };
+    const auto free = run<Interface::position>(scene, observer(10));
+    const auto empty = run<Interface::position>(scene, observer(0));
+    CHECK(free.path > 0.5);
+    CHECK(empty.status.has(Reason::energy_held));
+    CHECK(empty.path > 0.35 * free.path);
+    CHECK(empty.extracted <= 1e-9);
   }
 }

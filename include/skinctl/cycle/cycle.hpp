@@ -72,6 +72,8 @@ class Cycle {
   using Output = CycleOutput<joints, scalar, terms_of<L>>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
+  /// What the resolver takes: forces and proximities apart where a tank has to tell them.
+  using Touch = typename detail::TouchFor<Resolver, Skin>::type;
 
   /// The state that changes from cycle to cycle; trivially copyable.
   struct Memory {
@@ -160,7 +162,7 @@ class Cycle {
     m.governor = {};
     const auto state = resolver_.state(m.robot);
     const Wrenches touch = skin_.wrenches(m.skin);
-    m.law = law_.start(Known(resolver_.model(), state, period(), touch));
+    m.law = law_.start(resolver_.template known<L>(state, period(), touch));
   }
 
   /// One cycle: `(memory, input) -> (output, memory')`, the interval being the time since the last one.
@@ -198,7 +200,7 @@ class Cycle {
     if (input.has_goal) out.status |= change.receive(*this, m, [&] { return receive(m, input); });
 
     const Interval interval = resolver_.interval(m.robot, input.now);
-    detail::Unwritten<Wrenches, max_substeps> touches;
+    detail::Unwritten<Touch, max_substeps> touches;
     const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
     out.status |= interval.status;
     out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
@@ -206,7 +208,7 @@ class Cycle {
 
     change.carry(*this, m, input.measured, interval);
     auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
-                                   std::span<const Wrenches>(touches.data, parts), guard_);
+                                   std::span<const Touch>(touches.data, parts), guard_);
     out.status |= resolved.status;
     out.shares = resolved.shares;
     watch.end(CycleStage::resolve);
@@ -278,8 +280,9 @@ class Cycle {
 
   template <class Resolved>
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Interval& interval) const noexcept {
-    const auto dt = seconds<scalar>(interval.to - interval.from);
-    const auto touch = skin_.wrenches(m.skin);
+    scalar dt = seconds<scalar>(interval.to - interval.from);
+    if constexpr (Resolver::interface == Interface::position) dt = m.robot.command_span;
+    const auto touch = detail::held_contacts(skin_, m.skin);
     const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
     if constexpr (Resolver::interface == Interface::torque) {
       // An old velocity is no basis for braking.
@@ -308,7 +311,7 @@ class Cycle {
   SKINCTL_COLD void restart(Memory& m) const noexcept {
     if constexpr (!std::is_same_v<Goal, NoGoal>)
       m.law =
-          law_.start(Known(resolver_.model(), resolver_.state(m.robot), period(), skin_.wrenches(m.skin)));
+          law_.start(resolver_.template known<L>(resolver_.state(m.robot), period(), skin_.wrenches(m.skin)));
   }
   SKINCTL_COLD void carry_from(const Cycle& before, const typename L::Memory& law_before, Memory& m,
                                const State<joints, scalar>& measured,
@@ -328,7 +331,7 @@ class Cycle {
       const auto state = resolver_.state(m.robot);
       const Wrenches touch = skin_.wrenches(m.skin);
       const auto received =
-          follow_or_receive(law_, m.law, Known(resolver_.model(), state, period(), touch), input.goal);
+          follow_or_receive(law_, m.law, resolver_.template known<L>(state, period(), touch), input.goal);
       m.law = received.memory;
       return received.status;
     }

@@ -45,18 +45,25 @@ struct Computed<false, V> {
   template <class F>
   SKINCTL_INLINE explicit Computed(F&&) noexcept {}
 };
+/// The inertia of a robot is that of its model.
+struct NothingAdded {};
 }  // namespace detail
 
 /// The state of a robot and quantities at that state: angles, poses, G, M, C dq, as far as `Asked` includes
 /// them. Quantities outside `Asked` are neither computed nor stored, and reading them does not compile.
 ///
-/// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`.
-template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch>
+/// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`. `Added` is
+/// the inertia that a virtual robot has besides that of its model (see robot/virtual_mass.hpp): `mass()` and
+/// what follows from it include it, the other quantities are the model's.
+template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch,
+          class Added = detail::NothingAdded>
 class Quantities {
  public:
   using model_type = M;
   using scalar = T;
   using touch_type = Touch;
+  /// Whether `mass()` includes the inertia of a virtual robot.
+  static constexpr bool is_virtual = !std::is_same_v<Added, detail::NothingAdded>;
   static constexpr std::size_t joints = M::joints;
   static constexpr Needs needs = complete<M>(Asked);
   static constexpr LinkMask links = links_for<M>(complete<M>(Asked));
@@ -66,8 +73,9 @@ class Quantities {
   /// @param model, state  the model and its state; both must outlive this object.
   /// @param dt     interval [s] for which a torque computed from this will be held; >= 0.
   /// @param touch  mean wrenches of the skin on the links over that interval; must outlive this object.
-  SKINCTL_INLINE Quantities(const M& model, const State<joints, T>& state, const T& dt,
-                            const Touch& touch) noexcept
+  /// @param added  inertia of a virtual robot.
+  SKINCTL_INLINE Quantities(const M& model, const State<joints, T>& state, const T& dt, const Touch& touch,
+                            const Added& added = Added()) noexcept
       : model_(model),
         state_(state),
         touch_(touch),
@@ -81,7 +89,11 @@ class Quantities {
         }),
         poses_([&](auto) SKINCTL_INLINE_LAMBDA { return Poses<M, needs.poses, T>(model_, angles()); }),
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
-        mass_([&](auto) SKINCTL_INLINE_LAMBDA { return mass_matrix(model_, angles()); }),
+        mass_([&](auto) SKINCTL_INLINE_LAMBDA {
+          auto m = mass_matrix(model_, angles());
+          if constexpr (is_virtual) added.add_to(m, model_, angles());
+          return m;
+        }),
         factors_([&](auto) SKINCTL_INLINE_LAMBDA { return MassFactors<M, T>(mass()); }),
         coriolis_([&](auto) SKINCTL_INLINE_LAMBDA { return coriolis_torque(model_, angles(), state_.dq); }),
         momentum_([&](auto)
@@ -137,12 +149,12 @@ class Quantities {
     static_assert(needs.gravity, "not asked for: set needs.gravity");
     return gravity_.value;
   }
-  /// M(q).
+  /// M(q), or that of the virtual robot.
   [[nodiscard]] SKINCTL_INLINE const MassMatrix<joints, T>& mass() const noexcept {
     static_assert(needs.mass, "not asked for: set needs.mass");
     return mass_.value;
   }
-  /// M(q), factorised.
+  /// The same, factorised.
   [[nodiscard]] SKINCTL_INLINE const MassFactors<M, T>& mass_factors() const noexcept {
     static_assert(needs.mass_factors, "not asked for: set needs.mass_factors");
     return factors_.value;

@@ -20,7 +20,8 @@ struct LinkContact {
   double reach = BodyRegion::unset;  ///< largest distance of the link's surface from the link's origin [m]
   Nanoseconds reaction = BodyRegion::unset_time;  ///< from a change of force until the robot's speed changes
   double newton = 1;  ///< calibration: newtons of the contact per newton of the skin's wrench
-  /// While the skin detects nobody, this rule may allow the link more speed than the transient force limit.
+  /// While the skin detects nobody, this rule may allow the link more speed than the transient force limit. A
+  /// limit of speed: it holds whatever an energy tank holds, where the torque of proximity readings ends.
   std::optional<Separation> separation = {};
   /// Distance at which a cell begins to detect [m]; the measured distance is `range (1 - proximity)`. Choose
   /// it so that this lies below the sensor's own curve. Needed with `separation`.
@@ -57,7 +58,7 @@ inline constexpr bool distinct_links =
 ///   direction, has more than the robot's energy `e = u'Mu` (m_n v_n^2 <= e, Cauchy-Schwarz). So no transient
 ///   force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin detects
 ///   nobody, the speed of separation is allowed if it is higher.
-/// - **During a contact**, with the skin's resultant F on the link: the effective mass along F is
+/// - **During a contact**, with the resultant F of the link's force readings: the effective mass along F is
 ///   `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the contact, which is kept
 ///   below `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region can still take),
 ///   `(F_q - F) / (k reaction)` (no more than F_q before the robot reacts) and `P / F`. Motion out of the

@@ -1,4 +1,4 @@
-// An energy tank: it pays for every torque but that of touch.
+// An energy tank: it pays for every torque but that of contacts.
 #pragma once
 
 #include <cmath>
@@ -24,11 +24,15 @@ template <Real T>
   return share > T(0) ? (share < T(1) ? share : T(1)) : T(0);
 }
 
-/// An energy tank for all active torque, that is, all but that of touch: weighted laws, changes of skill and
-/// weight, bumpless transfers, the observer, errors of the integration. A part of a resolver's `Passivity`.
+/// An energy tank for all active torque, that is, all but that of contacts: weighted laws, changes of skill
+/// and weight, bumpless transfers, the observer, errors of the integration, and what proximity readings push:
+/// what is only seen does no work, so that torque is the controller's own. Avoidance that must hold with an
+/// empty tank is a limit of speed, which needs no tank: `LinkContact` with a separation. A part of a
+/// resolver's `Passivity`.
 ///
 /// The virtual robot is passive at its port: the sum of kinetic energy and tank never grows by more than the
-/// work of the touch, `port_gain tau_skin . dq^`. The law's torque beyond `port_gain tau_skin + G` is active:
+/// work of the contacts, `port_gain tau_contact . dq^`, tau_contact the part of tau_skin by force readings
+/// (see `TouchWrenches`). The law's torque beyond `port_gain tau_contact + G` is active:
 /// `tau_a . dq^` drains the tank, or fills it up to `max`. Where a sub-step would cost more than the tank
 /// holds, `alpha tau_a` remains (`tank_empty`): the robot yields and brakes as before, but no longer drives.
 /// Kinetic energy that no work explains (`res`: a changed mass matrix, discretisation, the observer's
@@ -44,7 +48,7 @@ class EnergyTank {
   struct Settings {
     T start = T(1);      ///< initial energy [J], >= 0
     T max = T(5);        ///< capacity [J], >= start
-    T port_gain = T(1);  ///< weight with which the law takes the skin's torque; another one is active
+    T port_gain = T(1);  ///< weight with which the law takes the contacts' torque; another one is active
   };
   template <std::size_t N>
   struct Memory {
@@ -62,7 +66,7 @@ class EnergyTank {
   struct Held {
     T energy = T(0);
     JointTorque<N, T> passive;  ///< the part without cost: port, gravity, friction
-    JointTorque<N, T> port;     ///< the touch's part of it
+    JointTorque<N, T> port;     ///< the contacts' part of it
     JointTorque<N, T> gravity;
     JointTorque<N, T> active;  ///< the remainder
     bool counts = false;       ///< the values above are valid
@@ -105,7 +109,7 @@ class EnergyTank {
   /// it. `without()` gives the velocity with none, and is called only if the tank does not hold enough. The
   /// displacement is that of the mean velocity: `w1 = h tau_a . (v + v0)/2`, `w2 = h tau_a . (v1 - v0)/2`.
   ///
-  /// @param port    `tau_skin`, the touch's own torque [N m].
+  /// @param port    tau_contact, the contacts' own torque [N m].
   /// @param active  the law's torque less G(q) and less `port_gain * port`.
   template <std::size_t N, class Without>
   [[nodiscard]] SKINCTL_INLINE T pay(Memory<N>& memory, const JointTorque<N, T>& port,

@@ -13,10 +13,19 @@ SKINCTL_BEGIN_NAMESPACE
 /// `E_r = E_0 - sum 1/2 (F_k + F_{k-1}) dx`, F the measured push of a contact and dx the real robot's
 /// displacement into it. The virtual robot moves into contacts only while `sum (F + k_max p/2) p <= E_r`, p
 /// the distance of the furthest command under way, its braking distance included, ahead of the measured
-/// position along the contact; otherwise it slows down and holds (`energy_held`). Motion out of a contact is
-/// always allowed. A contact that is not felt yet costs up to `k_max p^2/2` with `p = sum reach_i |dq_i|` of
-/// the commands under way: where `reach` is given, that is kept below E_r too. This limits the speed in free
-/// space to one whose impact E_r can pay for.
+/// position along the contact; otherwise it slows down and holds (`energy_held`).
+///
+/// A contact that is not felt yet costs up to `k_max p^2/2` with `p = sum reach_i |dq_i|` of the commands
+/// under way. Where `reach` is given, that is kept below E_r too: the speed in free space is one whose impact
+/// E_r can pay for.
+///
+/// **Motion out of all contacts is always allowed**, whatever is left, at a speed that keeps the promise: an
+/// arm that gives way takes the work of the push, `-F p`, on the same way that could lead it into something
+/// unseen, so the impact may cost E_r and that work together. A pushed arm with an empty account thus begins
+/// at `2 F/k_max` per total delay and gets faster with what it takes; if the hand lets go at that moment, an
+/// impact overdraws by `2 F^2/k_max` at most. Without contact the account is halved by an impact at most, so
+/// it does not run dry; where it has nonetheless (a push grew faster than predicted), a sixteenth of the
+/// reserve is left for each impact, so that the arm creeps. With `reserve` = 0 it then waits to be pushed.
 template <Real T = double>
 class PassivityObserver {
  public:
@@ -28,7 +37,7 @@ class PassivityObserver {
     /// Longest lever of each joint to a point that may be touched [m]; the last one applies to all further
     /// joints. Zero: impacts are not considered.
     T reach[8] = {};
-    T reserve = T(0.05);  ///< share of E_0 kept for changes of the push meanwhile, 0 to 0.9
+    T reserve = T(0.05);  ///< share of E_0 kept for changes of the push meanwhile, and to creep, 0 to 0.9
     T newtons = T(1);     ///< newtons at the cell per newton at the law (one over the scale of w_f)
   };
   template <std::size_t N>
@@ -105,17 +114,34 @@ class PassivityObserver {
   [[nodiscard]] SKINCTL_INLINE bool allows(const Memory<N>& memory, const JointPosition<N, T>& dq,
                                            const JointVelocity<N, T>& v) const noexcept {
     const T left = memory.energy - s_.reserve * s_.start;
-    T cost(0);
+    T cost(0), taken(0);
     bool inward = false;
     for (std::size_t i = 0; i < N; ++i) {
       if (!(memory.force[i] > T(0))) continue;
       inward = inward || along(memory.row[i], v) > T(0);
       const T p = along(memory.row[i], dq), furthest = p > memory.ahead[i] ? p : memory.ahead[i];
       cost = cost + (memory.expected[i] + T(0.5) * s_.stiffness * furthest) * furthest;
+      if (p < T(0)) taken = taken - memory.force[i] * p;
     }
+    if (inward && !(cost <= left)) return false;
     const T p = lever(dq), furthest = p > memory.under_way ? p : memory.under_way;
-    if (T(0.5) * s_.stiffness * furthest * furthest > left && p > T(0)) return false;
-    return !inward || cost <= left;
+    const T half = T(0.5) * memory.energy, creep = s_.reserve * s_.start * T(0.0625);
+    const T most = left > half ? left : (half > creep ? half : creep);
+    return T(0.5) * s_.stiffness * furthest * furthest <= most + taken || !(p > T(0));
+  }
+
+  /// `v` without its parts into the contacts.
+  template <std::size_t N>
+  [[nodiscard]] SKINCTL_COLD JointVelocity<N, T> outward(const Memory<N>& memory,
+                                                         JointVelocity<N, T> v) const noexcept {
+    // A few rounds: what leaves one contact may lead into another one.
+    for (int round = 0; round < 4; ++round)
+      for (std::size_t i = 0; i < N; ++i) {
+        const T into = along(memory.row[i], v), size = along(memory.row[i], memory.row[i]);
+        if (!(memory.force[i] > T(0) && into > T(0) && size > T(0))) continue;
+        for (std::size_t j = 0; j < N; ++j) v[j] = v[j] - T(1.001) * into / size * memory.row[i][j];
+      }
+    return v;
   }
 
  private:

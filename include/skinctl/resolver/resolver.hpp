@@ -7,6 +7,8 @@
 #include "skinctl/math/lu.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
 #include "skinctl/resolver/integrator.hpp"
+#include "skinctl/robot/virtual_mass.hpp"
+#include "skinctl/tactile/touch_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -67,13 +69,16 @@ class Resolver {
                 "an energy tank counts with the inertia of joints so far: no tank beside a tool's shape");
   static constexpr bool has_passivity_observer = Keeper::template has<PassivityObserver<T>>;
   static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
+  /// Whether forces and proximities are wanted apart, see `TouchWrenches`.
+  static constexpr bool tells_contacts = has_tank || has_passivity_observer || has_damper;
   static constexpr Needs keeper_needs = {
       .angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank};
   using Memory = ResolverMemory<joints, T, History, Keeper>;
   /// The input of a law: the state of the virtual robot and the quantities that law and integrator need of
   /// it.
   template <class L, class Touch = NoTouch>
-  using Knows = Quantities<M, L::needs | Integrator::needs | keeper_needs, T, Touch>;
+  using Knows =
+      Quantities<M, L::needs | Integrator::needs | keeper_needs, T, Touch, VirtualMass<joints, T, Tool>>;
 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
@@ -118,6 +123,13 @@ class Resolver {
   /// The state that laws read.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return {m.time, m.q.value, m.v}; }
 
+  /// What a law knows at `state`, which must outlive it like `touch`: for a torque that is held for `dt` seconds.
+  template <class L, class Touch>
+  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
+                                                     const Touch& touch) const noexcept {
+    return Knows<L, Touch>(model_, state, dt, touch, {parameters().shape.inertia, tool_});
+  }
+
   /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
     return virtual_.interval(m, now);
@@ -128,7 +140,8 @@ class Resolver {
   /// @param law, law_memory  the law and its memory, which is advanced.
   /// @param measured         the newest state of the robot, with its stamp; may be old, or faulty.
   /// @param check            whether this robot can be in a state, see `take_measurement`.
-  /// @param touches          the skin's mean wrenches on the links, one per sub-step.
+  /// @param touches          the skin's mean wrenches on the links, one per sub-step; with a tank best as
+  ///                         `TouchWrenches`, otherwise all of it counts as contact.
   template <class L, class Touch, class Check = AnyState>
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
@@ -150,7 +163,8 @@ class Resolver {
 
   /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stop = true; }
-  void resume(Memory& m) const noexcept { m.stop = false; }
+  /// Ends a stop. A displaced robot goes on with the gap that it has now, if that is at most `largest_gap`.
+  void resume(Memory& m) const noexcept { virtual_.resume(m); }
 
  private:
   using Torque = JointTorque<joints, T>;

@@ -13,8 +13,9 @@ struct TorqueResolverMemory {
   bool started = false;
   bool stop = false;
   Nanoseconds time{};
-  State<N, T> measured;        ///< the last good measurement
-  JointCommand<N, T> command;  ///< the last one
+  Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
+  State<N, T> measured;               ///< the last good measurement
+  JointCommand<N, T> command;         ///< the last one
   [[no_unique_address]] Tank tank;
 };
 
@@ -38,6 +39,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   static_assert(!Keeper::template has<PassivityObserver<T>> && !Keeper::template has<ContactDamper<T>>,
                 "a torque interface has no virtual robot that runs ahead: its Passivity is an EnergyTank");
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
+  static constexpr bool tells_contacts = has_tank;
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = Interface::torque;
   using scalar = T;
@@ -85,9 +87,16 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   /// The state that laws read: the last good measurement.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return m.measured; }
 
+  /// As for the position interface; a robot by torque has its model's inertia.
+  template <class L, class Touch>
+  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
+                                                     const Touch& touch) const noexcept {
+    return Knows<L, Touch>(model_, state, dt, touch);
+  }
+
   /// The time since the last cycle as one sub-step: a torque is held, not integrated.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
-    Interval out = detail::interval_since(m.started, m.time, now, p_.longest_interval);
+    Interval out = detail::interval_since(m.started, m.time, m.odd, now, p_.longest_interval);
     out.substeps = out.to > out.from ? 1 : 0;
     return out;
   }
@@ -101,12 +110,14 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
+      m.odd = detail::odd_time_of(interval);
       // Even if the clock is wrong, gravity is compensated at the measured position.
       out.fallback = held(detail::believed(measured, m.measured, check));
       return out;
     }
     SKINCTL_EXPECTS(!touches.empty(), "one touch");
     m.time = interval.to;
+    m.odd = detail::no_time;
     const JointPosition<joints, T> before = m.measured.q;
     out.status |= take_measurement(m.measured, measured, interval.to, check);
     const bool stale = interval.to - m.measured.time > p_.stale_after;
@@ -117,7 +128,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     [[maybe_unused]] JointTorque<joints, T> port, passive;
     if constexpr (has_tank) {
       const auto& tank = keeper_.template get<EnergyTank<T>>();
-      port = skin_torque(model_, JointAngles<M, T>(model_, m.measured.q), touches[0]);
+      port = skin_torque(model_, JointAngles<M, T>(model_, m.measured.q), contact_part(touches[0]));
       tank.book(m.tank, m.measured.q - before, port, gravity);
       passive = tank.settings().port_gain * port + gravity - drag;
     }
@@ -126,7 +137,9 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     } else if (m.stop) {
       out.status |= Reason::stopping;
     } else {
-      const Knows<L, Touch> known(model_, m.measured, seconds<T>(p_.period), touches[0]);
+      const auto& touch = total_of(touches[0]);
+      const Knows<L, LawTouch<Touch>> known =
+          this->template known<L>(m.measured, seconds<T>(p_.period), touch);
       const auto evaluation = evaluate(law, law_memory, known, seconds<T>(interval.to - interval.from));
       out.status |= evaluation.status;
       if (detail::is_finite(evaluation.torque)) [[likely]] {
@@ -166,7 +179,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     State<joints, T> state = m.measured;
     static_cast<void>(take_measurement(state, measured, interval.to, check));
     const auto sent = [&](const auto& who) {
-      const Knows<L, Touch> known(who.robot.model_, state, planned_step(), who.touch);
+      const Knows<L, Touch> known = who.robot.template known<L>(state, planned_step(), who.touch);
       return torque_of(who.law, who.memory, known) - who.robot.friction(state);
     };
     return sent(before) - sent(next);

@@ -30,6 +30,7 @@ class Skin {
   static_assert(((Patches::link < M::joints) && ...), "a patch sits on a link that the model does not have");
   using scalar = T;
   using Wrenches = LinkWrenches<M, (link_bit<Patches::link> | ...), T>;
+  using Touch = TouchWrenches<Wrenches>;
   static constexpr LinkMask links = Wrenches::links;
   static constexpr std::size_t patches = sizeof...(Patches);
   static constexpr std::size_t cells = (Patches::cells + ...);
@@ -76,19 +77,30 @@ class Skin {
   /// order. An interval without length (`interval_empty`) takes the samples, gives the held wrenches, and
   /// adds their impulse to the next interval. Time is bounded: per sample and per cell a constant times
   /// `substeps`.
+  ///
+  /// @param means  `Wrenches`, or `Touch` for forces and proximities apart. A memory stays with one of them.
+  template <class Means>
   Status receive(Memory& memory, std::span<const CellSample> samples, Nanoseconds from, Nanoseconds to,
-                 std::size_t substeps, Wrenches* means) const noexcept {
+                 std::size_t substeps, Means* means) const noexcept {
+    static_assert(std::is_same_v<Means, Wrenches> || std::is_same_v<Means, Touch>,
+                  "a skin receives its own Wrenches, or its Touch");
     SKINCTL_EXPECTS(substeps > 0 && means != nullptr, "at least one part of the interval");
     const Nanoseconds known = detail::elapsed(memory.begin, from), back = settings().catch_up;
     const auto parts = detail::Parts<T>::of(from, to, substeps, known < back ? known : back);
-    Wrenches before = wrenches(memory);
+    Means before = held_as<Means>(memory);
     if (parts.from != parts.to) {
-      before += parts.per_whole * memory.owed;
-      memory.owed = {};
+      if constexpr (std::is_same_v<Means, Touch>) {
+        before.force += parts.per_whole * memory.owed.force;
+        before.proximity += parts.per_whole * memory.owed.proximity;
+        memory.owed.proximity = {};
+      } else {
+        before += parts.per_whole * memory.owed.force;
+      }
+      memory.owed.force = {};
     }
     for (std::size_t j = 0; j < substeps; ++j) means[j] = before;
-    const detail::Reception<T, detail::SkinTables<T, patches>, Memory, Wrenches> reception(tables_, memory,
-                                                                                           parts, means);
+    const detail::Reception<T, detail::SkinTables<T, patches>, Memory, Means> reception(tables_, memory,
+                                                                                        parts, means);
     Status status;
     for (const CellSample& sample : samples) status |= reception.take(sample);
     status |= reception.age();
@@ -110,14 +122,30 @@ class Skin {
     (add(Wrenches::slot(Patches::link)), ...);
     return total;
   }
-  /// The same recomputed cell by cell: bit for bit the sums of the events.
-  [[nodiscard]] Wrenches recomputed(Memory memory) const noexcept {
+  /// The same, forces and proximities apart.
+  [[nodiscard]] Touch touch(const Memory& memory) const noexcept {
+    Touch out;
+    std::size_t k = 0;
+    const auto add = [&](std::size_t slot) SKINCTL_INLINE_LAMBDA {
+      const detail::ExactSums& sums = memory.sums[k];
+      T *force = out.force.data[slot], *proximity = out.proximity.data[slot];
+      for (std::size_t r = 0; r < 6; ++r) {
+        force[r] = force[r] + tables_.force_gain[k] * static_cast<T>(sums.force[r]);
+        proximity[r] = proximity[r] + tables_.proximity_gain[k] * static_cast<T>(sums.proximity[r]);
+      }
+      ++k;
+    };
+    (add(Wrenches::slot(Patches::link)), ...);
+    return out;
+  }
+  /// The memory with its sums computed anew, cell by cell: bit for bit those of the events.
+  [[nodiscard]] Memory recomputed(Memory memory) const noexcept {
     memory.sums = {};
     for (std::size_t i = 0; i < cells; ++i) {
       const detail::CellEntry& cell = tables_.cells[i];
       if (memory.hears(i)) memory.sums[cell.patch].add(cell, memory.held[i].force, memory.held[i].proximity);
     }
-    return wrenches(memory);
+    return memory;
   }
 
   /// Number of silent cells: never received, or not within `max_age`.
@@ -169,6 +197,15 @@ class Skin {
   }
 
  private:
+  template <class Means>
+  [[nodiscard]] SKINCTL_INLINE Means held_as(const Memory& memory) const noexcept {
+    if constexpr (std::is_same_v<Means, Touch>) {
+      return touch(memory);
+    } else {
+      return wrenches(memory);
+    }
+  }
+
   detail::SkinTables<T, patches> tables_;
 };
 

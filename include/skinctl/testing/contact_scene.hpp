@@ -12,16 +12,21 @@
 
 namespace skinctl::testing {
 
-/// Contacts along fixed directions of joint space, exactly conservative, in place of a skin.
+/// Contacts along fixed directions of joint space, exactly conservative, and what is seen but not touched, in
+/// place of a skin.
 struct JointTouch {
   Contacts<6, double, 2> contacts;
+  JointTorque<6> seen;
 };
 template <class M, class A>
 JointTorque<6> skin_torque(const M&, const A&, const JointTouch& touch) noexcept {
-  JointTorque<6> tau;
+  JointTorque<6> tau = touch.seen;
   for (const auto& c : touch.contacts)
     for (std::size_t i = 0; i < 6; ++i) tau[i] -= c.force * c.row[i];
   return tau;
+}
+inline JointTouch contact_part(const JointTouch& touch) noexcept {
+  return {touch.contacts, {}};
 }
 template <class M>
 Contacts<6, double, 2> contacts_of(const M&, const JointPosition<6>&, const JointTouch& touch) noexcept {
@@ -57,6 +62,8 @@ struct RandomSkills : StatelessLaw<RandomSkills> {
 struct Obstacle {
   double row[6] = {};
   double at = 0, stiffness = 0, damping = 0, swing = 0, pulse = 0;  ///< `at + swing sin(pulse t)`
+  double seen = 0;  ///< push at its surface, where it is seen but not touched [N]; none from `range` on
+  static constexpr double range = 0.05;
 
   double force(const std::array<double, 6>& q, const std::array<double, 6>& q0,
                const std::array<double, 6>& dq, double t) const {
@@ -66,9 +73,18 @@ struct Obstacle {
     return depth > 0 ? std::max(0.0, stiffness * depth + damping * (v - swing * pulse * std::cos(pulse * t)))
                      : 0.0;
   }
+  /// The torque by which the arm keeps off.
+  void keep_off(const std::array<double, 6>& q, const std::array<double, 6>& q0, double t,
+                JointTorque<6>& tau) const {
+    double gap = at + swing * std::sin(pulse * t);
+    for (std::size_t i = 0; i < 6; ++i) gap -= row[i] * (q[i] - q0[i]);
+    const double push = seen * std::clamp(1 - gap / range, 0.0, 1.0);
+    for (std::size_t i = 0; i < 6; ++i) tau[i] -= push * row[i];
+  }
 };
 
-/// A scene from a seed: rate, delay of 0 to 5 cycles, skills, one or two obstacles.
+/// A scene from a seed: rate, delay of 0 to 5 cycles, skills, one or two obstacles, half of which are seen
+/// before they are touched.
 struct RandomScene {
   std::array<double, 6> pose{};
   Nanoseconds period{};
@@ -129,6 +145,8 @@ struct RandomScene {
       o.stiffness = stiffest * std::exp(uniform(-3, 0)) / double(obstacles.size());
       o.damping = pick(2) * uniform(0, 0.01) * o.stiffness;
       if (o.swing > 0) o.damping = 0, o.stiffness *= 0.3;
+      if (std::uniform_int_distribution<>(0, 1)(other) == 1)
+        o.seen = 40 * std::uniform_real_distribution<>()(other);
     }
     for (double t = 0; t < 2;) {
       Skill s;
@@ -150,10 +168,12 @@ struct Energies {
   double least_tank = 0, least_ledger = 0;
   double largest_force = 0;
   double path = 0;  ///< of joint 0 [rad]
+  double led = 0;   ///< how far the hand led the arm in the last half second [m]
   Status status;
 };
 
-/// Two seconds of a scene with the passivity parts `keeper`.
+/// Two seconds of a scene with the passivity parts `keeper`; then all contacts have ended, and for a second a
+/// hand leads the arm with 20 N, back along the first contact.
 template <Interface I, class Keeper>
 Energies run(const RandomScene& scene, const Keeper& keeper) {
   using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32, Keeper>;
@@ -164,14 +184,18 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
   State<6> measured;
   measured.q = JointPosition<6>(scene.pose);
   auto memory = robot.start(measured);
+  RandomSkills law = scene.law;
+  law.skills.back().until = 2;
+  law.skills.push_back({});
   RandomSkills::Memory law_memory;
   Energies out;
   out.least_tank = out.least_ledger = 1e9;
   double given = 0, given_virtual = 0, force[2] = {};
   auto last = joints.q();
-  for (Nanoseconds now = scene.period; now < 2s; now += scene.period) {
+  for (Nanoseconds now = scene.period; now < 3s; now += scene.period) {
     const double t = seconds<double>(now);
     joints.advance(t);
+    const bool at_end = now >= 2s;
     JointTouch next;
     JointTouch parts[max_substeps];
     const auto interval = robot.interval(memory, now);
@@ -179,9 +203,10 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
       const Obstacle& o = scene.obstacles[k];
       std::array<double, 6> dq{};
       for (std::size_t i = 0; i < 6; ++i) dq[i] = (joints.q()[i] - last[i]) / seconds<double>(scene.period);
-      const double F = o.force(joints.q(), scene.pose, dq, t);
+      const double F = at_end ? (k == 0 ? 20 : 0) : o.force(joints.q(), scene.pose, dq, t);
       double dx = 0;
       for (std::size_t i = 0; i < 6; ++i) dx += o.row[i] * (joints.q()[i] - last[i]);
+      if (now >= 2500ms && k == 0) out.led -= dx;
       given += 0.5 * (F + force[k]) * dx;
       out.largest_force = std::max(out.largest_force, F);
       auto& c = next.contacts.list[k];
@@ -198,6 +223,9 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
     }
     // The parts get the newest force, as from a skin sampled at the rate of the commands.
     next.contacts.count = scene.obstacles.size();
+    if (!at_end)
+      for (const Obstacle& o : scene.obstacles) o.keep_off(joints.q(), scene.pose, t, next.seen);
+    for (unsigned j = 0; j < interval.substeps; ++j) parts[j].seen = next.seen;
     parts[interval.substeps - 1] = next;
     out.path += std::abs(joints.q()[0] - last[0]);
     last = joints.q();
@@ -205,12 +233,12 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
     measured.q = JointPosition<6>(joints.q());
     measured.dq = JointVelocity<6>(joints.dq());
     const auto before = memory.q.value;
-    const auto result = robot.step(memory, scene.law, law_memory, measured, interval,
+    const auto result = robot.step(memory, law, law_memory, measured, interval,
                                    std::span<const JointTouch>(parts, interval.substeps));
     for (std::size_t i = 0; i < 6; ++i) {
       double tau = 0;
       for (unsigned j = 0; j < interval.substeps; ++j)
-        tau += skin_torque(0, 0, parts[j])[i] / interval.substeps;
+        tau += skin_torque(0, 0, contact_part(parts[j]))[i] / interval.substeps;
       given_virtual -= tau * (memory.q.value[i] - before[i]);
     }
     out.status |= result.status;

@@ -41,6 +41,7 @@ TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
     const auto steps = static_cast<int>(period / 100us);
     for (int j = 0; j <= steps; ++j) {
       touch.contacts.count = 0;
+      touch.seen = {};
       std::array<double, 6> q{}, dq{};
       for (std::size_t i = 0; i < 6; ++i) q[i] = state.q[i], dq[i] = state.dq[i];
       for (const Obstacle& o : scene.obstacles) {
@@ -48,9 +49,10 @@ TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
         contact.link = 2 + touch.contacts.count++;
         contact.force = o.force(q, scene.pose, dq, from + j * h);
         std::copy(std::begin(o.row), std::end(o.row), contact.row);
+        if (j == steps) o.keep_off(q, scene.pose, from + j * h, touch.seen);
       }
       if (j == steps) break;
-      const auto push = skin_torque(0, 0, touch);
+      const auto push = skin_torque(0, 0, contact_part(touch));
       const JointAngles<ur5::Model, double> angles(ur5::Model{}, state.q);
       const JointTorque<6> net = tau + push - bias_torque(ur5::Model{}, angles, state.dq);
       JointAcceleration<6> a;

@@ -108,6 +108,9 @@ class UndeclaredJoints {
     return last_;
   }
 
+  /// The truth, which may change.
+  JointTruth<N>& truth() { return truth_; }
+
   const Row& q() const { return q_; }  ///< in truth
   const Row& dq() const { return dq_; }
   const Row& reference() const { return reference_; }  ///< of the servo

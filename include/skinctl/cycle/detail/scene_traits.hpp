@@ -51,6 +51,29 @@ template <class Resolver>
 inline constexpr bool has_one_interface = requires { Resolver::interface; };
 template <class Resolver>
 inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
+/// The touch that a resolver takes from a skin: forces and proximities apart for one that tells contacts.
+template <class Resolver, class Skin>
+struct TouchFor {
+  using type = typename Skin::Wrenches;
+};
+template <class Resolver, class Skin>
+  requires requires {
+    typename Skin::Touch;
+    requires Resolver::tells_contacts;
+  }
+struct TouchFor<Resolver, Skin> {
+  using type = typename Skin::Touch;
+};
+/// The contacts of a skin's held readings, as wrenches.
+template <class Skin>
+[[nodiscard]] SKINCTL_INLINE auto held_contacts(const Skin& skin,
+                                                const typename Skin::Memory& memory) noexcept {
+  if constexpr (requires { skin.touch(memory); }) {
+    return skin.touch(memory).force;
+  } else {
+    return skin.wrenches(memory);
+  }
+}
 template <class L>
 struct GoalType {
   using type = NoGoal;

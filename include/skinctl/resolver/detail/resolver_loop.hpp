@@ -17,7 +17,7 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touc
                                                     const T& dt) const noexcept {
   Status status;
   if constexpr (has_passivity_observer || has_damper) {
-    const auto contacts = contacts_of(model_, m.measured.q, touch);
+    const auto contacts = contacts_of(model_, m.measured.q, contact_part(touch));
     if constexpr (has_damper)
       if (keeper_.template get<ContactDamper<T>>().observe(m.keeper.template of<ContactDamper<T>>(), contacts,
                                                            m.measured.dq, dt))
@@ -34,8 +34,8 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touc
   return status;
 }
 
-/// Slows `v` down to the velocity that the passivity observer can pay for, braking included. False if it was
-/// slowed.
+/// Slows `v` down to the velocity that the passivity observer can pay for, braking included; what leads out of
+/// contacts last. False if it was slowed.
 SKINCTL_RESOLVER
 SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v) const noexcept {
   if constexpr (has_passivity_observer) {
@@ -44,20 +44,25 @@ SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v
     const Position& from = I == Interface::position ? m.measured.q : m.under_way.reached;
     const Position& sent = I == Interface::position ? m.q.value : m.sent.value;
     const T ahead = parameters().lead + seconds<T>(parameters().period);
-    const auto allows = [&](const T& share) {
+    const auto allows = [&](const Velocity& u) {
       Position dq;
       for (std::size_t i = 0; i < joints; ++i) {
-        const T u = share * v[i], speed = u < T(0) ? T(-u) : u;
-        dq[i] = sent[i] - from[i] + u * (ahead + T(0.5) * speed / parameters().limits.acceleration()[i]);
+        const T speed = u[i] < T(0) ? T(-u[i]) : u[i];
+        dq[i] = sent[i] - from[i] + u[i] * (ahead + T(0.5) * speed / parameters().limits.acceleration()[i]);
       }
-      return passivity_observer.allows(memory, dq, v);
+      return passivity_observer.allows(memory, dq, u);
     };
-    if (allows(T(1))) [[likely]]
+    if (allows(v)) [[likely]]
       return true;
-    T share(0), part(0.5);
-    for (int k = 0; k < 6; ++k, part = T(0.5) * part)
-      if (allows(share + part)) share = share + part;
-    v = share * v;
+    // What leads out of the contacts, as far as it is allowed; then as much of the rest as can be paid for.
+    const Velocity out = passivity_observer.outward(memory, v);
+    const auto most = [&](const Velocity& base, const Velocity& more) {
+      T share(0), part(0.5);
+      for (int k = 0; k < 10; ++k, part = T(0.5) * part)
+        if (allows(base + (share + part) * more)) share = share + part;
+      return base + share * more;
+    };
+    v = allows(out) ? most(out, v - out) : most(Velocity{}, out);
     return false;
   } else {
     return true;
@@ -72,7 +77,8 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
                                                     const State<joints, T>& state,
                                                     const JointAcceleration<joints, T>& pull, const T& h,
                                                     const Touch& touch) const noexcept -> Driven<L> {
-  const Knows<L, Touch> known(model_, state, h, touch);
+  const auto& total = total_of(touch);
+  const Knows<L, LawTouch<Touch>> known = this->template known<L>(state, h, total);
   Driven<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
   if (!detail::is_finite(out.law.torque)) [[unlikely]] {
     out.status |= Reason::torque_not_finite;
@@ -92,10 +98,8 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
   if constexpr (has_tank) {
     const auto& tank = keeper_.template get<EnergyTank<T>>();
     auto& memory = m.keeper.template of<EnergyTank<T>>();
-    MassMatrix<joints, T> mass = known.mass();
-    for (std::size_t i = 0; i < joints; ++i) mass(i, i) = mass(i, i) + parameters().shape.inertia[i];
-    tank.charge(memory, mass, state.dq);
-    const Torque port = skin_torque(model_, known.angles(), touch);
+    tank.charge(memory, known.mass(), state.dq);
+    const Torque port = skin_torque(model_, known.angles(), contact_part(touch));
     const Torque passive = tank.settings().port_gain * port + known.gravity();
     const T share = tank.pay(memory, port, out.torque - passive, state.dq, out.velocity, h, [&] {
       return detail::step_velocity<Integrator>(known, parameters().shape, parameters().has_coulomb, passive,
@@ -117,8 +121,10 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
                                                  std::span<const Touch> touches,
                                                  const Check& check) const noexcept
     -> Resolved<joints, T, terms_of<L>> {
-  if (!m.started || interval.substeps == 0) [[unlikely]]
+  if (!m.started || interval.substeps == 0) [[unlikely]] {
+    m.odd = detail::odd_time_of(interval);
     return {m.command, interval.status, {}, {}};
+  }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   std::array<Torque, terms_of<L>> shares{};
   const auto begun = virtual_.begin(m, measured, interval, check);
@@ -173,7 +179,7 @@ SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::lacking(
   if constexpr (has_damper) damping = &m.keeper.template of<ContactDamper<T>>().damping;
   const State<joints, T> here = state(m);
   const auto asks = [&](const auto& who, auto&& use) {
-    const Knows<L, Touch> known(who.robot.model_, here, h, who.touch);
+    const Knows<L, Touch> known = who.robot.template known<L>(here, h, who.touch);
     return use(torque_of(who.law, who.memory, known), [&](const Torque& tau) {
       return detail::step_velocity<Integrator>(known, who.robot.parameters().shape, false, tau, {}, m.last,
                                                damping, who.robot.tool_)

@@ -23,13 +23,14 @@ struct Parts {
   }
 };
 
-/// One reception. `means` starts with the wrenches of the previous sums; every change of a cell's force is
-/// added when it occurs.
-template <Real T, class Tables, class Memory, class Wrenches>
+/// One reception. `means` starts with the wrenches of the previous sums; every change of a cell's push is
+/// added when it occurs. `Means` is a `LinkWrenches`, or a `TouchWrenches` for forces and proximities apart.
+template <Real T, class Tables, class Memory, class Means>
 class Reception {
+  static constexpr bool apart = requires(const Means& m) { m.proximity; };
+
  public:
-  SKINCTL_INLINE Reception(const Tables& tables, Memory& memory, const Parts<T>& parts,
-                           Wrenches* means) noexcept
+  SKINCTL_INLINE Reception(const Tables& tables, Memory& memory, const Parts<T>& parts, Means* means) noexcept
       : tables_(tables),
         memory_(memory),
         parts_(parts),
@@ -47,7 +48,8 @@ class Reception {
     const std::size_t i = tables_.cells.index(sample.cell);
     if (i >= Memory::cells) [[unlikely]]
       return Reason::sample_unknown;
-    const Nanoseconds last = memory_.stamp[i];
+    const bool ahead = memory_.stamp[i] > parts_.to;  // the clock was set back since
+    Nanoseconds last = ahead ? Nanoseconds::min() : memory_.stamp[i];
     const Nanoseconds time = sample.time < parts_.to ? sample.time : parts_.to;
     if (sample.time <= last || time <= last) [[unlikely]]
       return Reason::time_backwards;
@@ -55,6 +57,8 @@ class Reception {
       return Reason::sample_out_of_range;
     if (span(time, parts_.to) >= max_age_) [[unlikely]]
       return Reason::sample_stale;
+    if (ahead) [[unlikely]]
+      last = time - nanoseconds_of(ramp_);
 
     const bool was_heard = memory_.hears(i);
     const CellCounts old = memory_.held[i];
@@ -75,11 +79,19 @@ class Reception {
     const CellEntry& cell = tables_.cells[i];
     memory_.sums[cell.patch].add(cell, passed.force - in_sums.force, passed.proximity - in_sums.proximity);
     const Ramp<T> ramp = ramp_between(last, time);
-    const T from = tables_.force_on(cell, old), to = tables_.force_on(cell, passed);
-    if (!fading) [[likely]] {
-      change(cell, ramp, to - from);
+    const auto revise = [&]<Reading R>() SKINCTL_INLINE_LAMBDA {
+      const T from = tables_.template push_on<R>(cell, old), to = tables_.template push_on<R>(cell, passed);
+      if (!fading) [[likely]] {
+        change<R>(cell, ramp, to - from);
+      } else {
+        change_of_fading<R>(cell, ramp, from, to, loss_since(last), was_heard);
+      }
+    };
+    if constexpr (apart) {
+      if (passed.force != old.force || fading) revise.template operator()<Reading::force>();
+      if (passed.proximity != old.proximity || fading) revise.template operator()<Reading::proximity>();
     } else {
-      change_of_fading(cell, ramp, from, to, loss_since(last), was_heard);
+      revise.template operator()<Reading::both>();
     }
     return {};
   }
@@ -100,28 +112,43 @@ class Reception {
   /// Adds the cell's unit wrench times the mean of a force over each part, given its integral over time, and
   /// the impulse `made_up`, spread evenly over the whole interval; for an interval without length the impulse
   /// goes to the next one.
-  template <class Integral>
+  template <Reading R, class Integral>
   SKINCTL_INLINE void add_means(const CellEntry& cell, const T& made_up,
                                 const Integral& integral) const noexcept {
     if (parts_.from == parts_.to) [[unlikely]] {
-      cell.add_to(memory_.owed.data[cell.slot], made_up);
+      auto& owed = R == Reading::proximity ? memory_.owed.proximity : memory_.owed.force;
+      cell.add_to(owed.data[cell.slot], made_up);
       return;
     }
     const T evenly = made_up * parts_.per_whole;
     T before = integral(T(0));
     for (std::size_t j = 0; j < parts_.count; ++j) {
       const T after = integral(parts_.length * static_cast<T>(j + 1));
-      cell.add_to(means_[j].data[cell.slot], evenly + (after - before) * parts_.per_length);
+      cell.add_to(wrenches<R>(means_[j]).data[cell.slot], evenly + (after - before) * parts_.per_length);
       before = after;
     }
   }
 
-  /// The force of a held cell changes by `jump` along `ramp`.
+  /// The wrenches to which readings of a kind belong.
+  template <Reading R>
+  static SKINCTL_INLINE auto& wrenches(Means& means) noexcept {
+    if constexpr (R == Reading::both) {
+      return means;
+    } else if constexpr (R == Reading::force) {
+      return means.force;
+    } else {
+      return means.proximity;
+    }
+  }
+
+  /// The push on a held cell changes by `jump` along `ramp`.
+  template <Reading R>
   SKINCTL_INLINE void change(const CellEntry& cell, const Ramp<T>& ramp, const T& jump) const noexcept {
     const T made_up = jump * (ramp.integral(T(0)) - ramp.integral(parts_.back));
-    add_means(cell, made_up, [&](const T& t) SKINCTL_INLINE_LAMBDA { return jump * ramp.integral(t); });
+    add_means<R>(cell, made_up, [&](const T& t) SKINCTL_INLINE_LAMBDA { return jump * ramp.integral(t); });
   }
   /// The same for a cell that was fading or silent: `ramp` starts from the remaining force.
+  template <Reading R>
   __attribute__((noinline)) void change_of_fading(const CellEntry& cell, const Ramp<T>& ramp, const T& from,
                                                   const T& to, const Ramp<T>& loss,
                                                   bool was_heard) const noexcept {
@@ -131,7 +158,7 @@ class Reception {
     const auto revised = [&](const T& t) {
       return from * (loss.integral(t) - loss.integral_until(stop, t)) + jump * ramp.integral(t);
     };
-    add_means(cell, revised(T(0)) - revised(parts_.back), [&](const T& t) {
+    add_means<R>(cell, revised(T(0)) - revised(parts_.back), [&](const T& t) {
       const T rest = was_heard ? T(-loss.integral_until(stop, t)) : T(left * t);
       return from * rest + jump * ramp.integral(t);
     });
@@ -161,8 +188,16 @@ class Reception {
       if (silence > hold_ && held != CellCounts{}) {
         const CellEntry& cell = tables_.cells[i];
         const Ramp<T> loss = loss_since(stamp);
-        const T force = tables_.force_on(cell, held);
-        add_means(cell, T(0), [&](const T& t) { return -force * loss.integral(t); });
+        const auto fade = [&]<Reading R>() {
+          const T push = tables_.template push_on<R>(cell, held);
+          add_means<R>(cell, T(0), [&](const T& t) { return -push * loss.integral(t); });
+        };
+        if constexpr (apart) {
+          fade.template operator()<Reading::force>();
+          fade.template operator()<Reading::proximity>();
+        } else {
+          fade.template operator()<Reading::both>();
+        }
         if (ends) memory_.sums[cell.patch].add(cell, -int(held.force), -int(held.proximity));
       }
       if (ends) {
@@ -177,7 +212,7 @@ class Reception {
   const Tables& tables_;
   Memory& memory_;
   const Parts<T>& parts_;
-  Wrenches* means_;
+  Means* means_;
   std::uint64_t max_age_, hold_, max_ahead_, ramp_;
   T ramp_length_, ramp_slope_;
 };

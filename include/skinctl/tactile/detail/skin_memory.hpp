@@ -6,6 +6,7 @@
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/tactile/detail/cell_table.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
+#include "skinctl/tactile/touch_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -17,6 +18,9 @@ constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
   return stamps;
 }
 
+/// The readings of a cell that make up a wrench.
+enum class Reading { both, force, proximity };
+
 /// See `Skin::Memory`. Cells are in the order of the patches, in blocks of 64.
 template <std::size_t Cells, std::size_t Patches, class Wrenches>
 struct SkinMemory {
@@ -27,7 +31,8 @@ struct SkinMemory {
   Nanoseconds begin = Nanoseconds::min();     ///< no missing impulse is added before this time
   std::array<Nanoseconds, blocks> oldest{};   ///< lower bound of the stamps of the block's non-silent cells
   std::array<std::uint64_t, blocks> heard{};  ///< a bit per cell: not silent, its reading is in the sums
-  Wrenches owed{};                            ///< impulse to be added in the next interval [N s], [N m s]
+  /// Impulse to be added in the next interval [N s], [N m s]; in `force` where the two are not told apart.
+  TouchWrenches<Wrenches> owed{};
   std::array<Nanoseconds, Cells> stamp = all_at<Cells>(Nanoseconds::min());  ///< of the last sample
   std::array<CellCounts, Cells> held{};                                      ///< counts of it after the gates
 
@@ -66,8 +71,11 @@ struct SkinTables {
         proximity_gate(s.proximity.counted(CellCounts::proximity_unit)),
         cells(count) {}
 
-  /// The force on a cell [N].
-  SKINCTL_INLINE T force_on(const CellEntry& cell, CellCounts c) const noexcept {
+  /// The push on a cell by its readings of one kind, or of both [N].
+  template <Reading R>
+  SKINCTL_INLINE T push_on(const CellEntry& cell, CellCounts c) const noexcept {
+    if constexpr (R == Reading::force) return force_gain[cell.patch] * static_cast<T>(c.force);
+    if constexpr (R == Reading::proximity) return proximity_gain[cell.patch] * static_cast<T>(c.proximity);
     return force_gain[cell.patch] * static_cast<T>(c.force) +
            proximity_gain[cell.patch] * static_cast<T>(c.proximity);
   }

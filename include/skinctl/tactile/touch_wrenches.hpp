@@ -1,0 +1,48 @@
+// Forces and proximities of a skin as two wrenches on each link: a contact, and the controller's own push.
+#pragma once
+
+#include <type_traits>
+
+#include "skinctl/tactile/link_wrenches.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A skin's wrenches, apart by what the cells read. A pressed cell is a contact: the world pushes, and its
+/// work is the world's. A cell that only sees something is not touched: its wrench is the controller's own,
+/// and an energy tank pays for it. Laws see the sum. `W` is a `LinkWrenches`.
+template <class W>
+struct TouchWrenches {
+  using Wrenches = W;
+  W force;      ///< of the force readings
+  W proximity;  ///< of the proximity readings
+
+  [[nodiscard]] SKINCTL_INLINE constexpr W total() const noexcept { return force + proximity; }
+  friend SKINCTL_INLINE constexpr bool operator==(const TouchWrenches& a, const TouchWrenches& b) noexcept {
+    return a.force == b.force && a.proximity == b.proximity;
+  }
+};
+
+/// The touch that a law sees: all of it.
+template <class Touch>
+[[nodiscard]] SKINCTL_INLINE constexpr const Touch& total_of(const Touch& touch) noexcept {
+  return touch;
+}
+template <class W>
+[[nodiscard]] SKINCTL_INLINE constexpr W total_of(const TouchWrenches<W>& touch) noexcept {
+  return touch.total();
+}
+/// The touch by contacts. Wrenches that are not apart, such as those of a force sensor, are contacts.
+template <class Touch>
+[[nodiscard]] SKINCTL_INLINE constexpr const Touch& contact_part(const Touch& touch) noexcept {
+  return touch;
+}
+template <class W>
+[[nodiscard]] SKINCTL_INLINE constexpr const W& contact_part(const TouchWrenches<W>& touch) noexcept {
+  return touch.force;
+}
+
+/// The type in which a law sees a touch.
+template <class Touch>
+using LawTouch = std::remove_cvref_t<decltype(total_of(std::declval<const Touch&>()))>;
+
+SKINCTL_END_NAMESPACE
