@@ -54,6 +54,7 @@ struct AsItComes {
     if (!one_in(3)) truth.stiffness = JointTruth<6>::all(log_u(500, 1e5));
     if (one_in(2)) truth.integral_time = log_u(0.2, 2);
     truth.inertia = {3, 3, 1.5, 0.3, 0.3, 0.3};
+    truth.max_speed = 3.2;
     for (std::size_t i = 0; i < 6; ++i) truth.torque_limit[i] = ur5::Description::max_torque[i];
     if (!one_in(3)) friction = u(0, 0.2);
     const double breakaway = u(1, 1.25);
