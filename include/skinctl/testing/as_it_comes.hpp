@@ -93,12 +93,22 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   constexpr double settled = 5;
   joints.advance(settled);  // under its load
   const auto q0 = joints.q();
-  // What explains that a joint which nobody touches moves.
-  std::array<double, 6> slack{}, rest = q0;
+  // What explains that a joint which nobody touches moves: gap, droop, friction and encoder, and what its servo
+  // makes of a step by its gap.
+  std::array<double, 6> slack{}, rest = q0, alone_to = q0;
   const auto load = world.torque(detail::TruePoses(q0), {});
-  for (std::size_t i = 0; i < 6; ++i)
+  for (std::size_t i = 0; i < 6; ++i) {
     slack[i] = std::abs(truth.gap[i]) + (std::abs(load[i]) + truth.stiction[i]) / truth.stiffness[i] +
                2 * truth.resolution + 8 * truth.noise + 1e-3;
+    alone_to[i] += truth.gap[i];
+  }
+  if (c.interface == Interface::position) {
+    Joints alone = joints;
+    alone.command(settled, alone_to);
+    for (double t = settled; t < settled + 0.5; alone.advance(t += 1e-3))
+      for (std::size_t i = 0; i < 6; ++i)
+        slack[i] = std::max(slack[i], std::abs(alone.q()[i] - q0[i]) + 2 * truth.resolution + 1e-3);
+  }
 
   const auto memory = std::make_unique<typename Scene::Memory>();
   typename Scene::Input input;
