@@ -28,15 +28,16 @@ struct AsItComesVerdict {
   double early_ratio = 0, late_ratio = 0;
   bool moved, early, late, goal, away, silent = false;
 
-  /// In the first 10 s of guided motion, in which gaps are met and agreed to, the arm is no harder than a rigid
-  /// one; afterwards no harder than `late_bound` times its twin.
+  /// No harder than `late_bound` times its twin; while gaps are met and agreed to, in the first 10 s of guided
+  /// motion, and while the arm is blocked: no harder than a rigid one.
   AsItComesVerdict(const AsItComes& c, const AsItComesResult& r, const AsItComesResult& twin) {
     constexpr double felt = 5;  // less than this force is no force
     if (twin.early > 0 || r.early > 0) early_ratio = std::max(r.early, felt) / std::max(twin.early, felt);
     if (twin.late > 0 || r.late > 0) late_ratio = std::max(r.late, felt) / std::max(twin.late, felt);
     moved = r.beyond > 0;
-    early = r.early > std::max(c.hand * c.way, late_bound * twin.early);
-    late = late_ratio > late_bound;
+    const double rigid = c.hand * c.way;
+    early = r.early > std::max(rigid, late_bound * twin.early);
+    late = late_ratio > late_bound && (c.scene != AsItComesScene::blocked || r.late > rigid);
     goal = r.goal_error > 0.01;
     away = r.beyond > 0.1 || r.outside > twin.outside + 0.5 || !r.valid;
     const Status everyday =
@@ -88,7 +89,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   for (std::size_t i = 0; i < 6; ++i) start[i] = c.pose[i];
   Joints joints(c.interface == Interface::position ? Joints::Kind::position : Joints::Kind::velocity, truth,
                 start, c.seed);
-  const AsItComesWorld world(c, start);
+  AsItComesWorld world(c, start);
   joints.external(world.torque(detail::TruePoses(start), {}));
   constexpr double settled = 5;
   joints.advance(settled);  // under its load
@@ -126,6 +127,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   const double ends = c.scene == AsItComesScene::untouched ? 10 : world.ends;
   const bool to_goals = c.scene == AsItComesScene::held_goal;
   double waits = 0;
+  int goals = 0;
   std::array<double, 2> forces{};
   for (int ms = 1; ms <= static_cast<int>(1000 * ends); ++ms) {
     const double t = 1e-3 * ms;
@@ -134,6 +136,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     for (std::size_t i = 0; i < 6; ++i) joints.hold_fast(i, fast);
     joints.advance(settled + t);
     const detail::TruePoses poses(joints.q());
+    if (ms == static_cast<int>(1000 * world.begins)) world.take_hold(poses);
     forces = world.forces(poses, t);
     joints.external(world.torque(poses, forces));
     double& peak = t < c.guided ? out.early : out.late;
@@ -166,8 +169,8 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     input.samples = samples;
     input.request = CycleRequest::none;
     if constexpr (requires { input.goal.q_g; }) {
-      input.has_goal = ms / 1000 != (ms - c.period / 1ms) / 1000 && (ms / 1000 == 1 || ms / 1000 == 6);
-      input.goal.q_g = ms / 1000 == 1 ? c.goal : c.pose;
+      input.has_goal = goals < (ms >= 6000 ? 2 : ms >= 1000 ? 1 : 0);
+      if (input.has_goal) input.goal.q_g = goals++ == 0 ? c.goal : c.pose;
       input.goal.duration = 4s;
     }
     if (waits > 0.5) input.request = CycleRequest::resume, waits = 0, ++out.consents;

@@ -166,9 +166,12 @@ class AsItComesWorld {
 
   AsItComesWorld(const AsItComes& c, const std::array<double, 6>& q)
       : c_(c), cells_(detail::opposite_cells<cells_of_skin>(detail::TruePoses(q), c.link, c.place)) {
-    const detail::TruePoses poses(q);
-    u_ = -poses.direction(c.link, cells_[0].n);
-    for (std::size_t k = 0; k < 2; ++k) place_[k] = poses.point(c.link, cells_[k].p);
+    take_hold(detail::TruePoses(q));
+  }
+  /// Hand and wall are where the cells are now.
+  void take_hold(const detail::TruePoses& poses) {
+    u_ = -poses.direction(c_.link, cells_[0].n);
+    for (std::size_t k = 0; k < 2; ++k) place_[k] = poses.point(c_.link, cells_[k].p);
   }
   [[nodiscard]] const detail::AsItComesCell& cell(std::size_t k) const { return cells_[k]; }
   /// On both cells [N] at time `t` [s]; the first is pushed along u, the second against it.
