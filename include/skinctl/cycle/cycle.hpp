@@ -68,7 +68,8 @@ class Cycle {
   using scalar = typename Resolver::scalar;
   using law_type = L;
   using Goal = typename detail::GoalType<L>::type;
-  using Input = CycleInput<joints, scalar, Goal>;
+  using Sensed = typename detail::SensedBy<Skin>::type;
+  using Input = CycleInput<joints, scalar, Goal, Sensed>;
   using Output = CycleOutput<joints, scalar, terms_of<L>>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
@@ -203,7 +204,10 @@ class Cycle {
     detail::Unwritten<Touch, max_substeps> touches;
     const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
     out.status |= interval.status;
-    out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
+    const auto measured = [&]() SKINCTL_INLINE_LAMBDA -> const State<joints, scalar>& {
+      return detail::believed(input.measured, m.robot.measured, guard_);
+    };
+    out.status |= detail::receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);

@@ -1,19 +1,13 @@
 // Compile-time traits of the parts of a scene: whether they fit, and who compensates gravity and friction.
 #pragma once
 
+#include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
-/// `N` values of a type without resources; memory is touched only by writes.
-template <class V, std::size_t N>
-union Unwritten {
-  static_assert(std::is_trivially_copyable_v<V>);
-  V data[N];
-  Unwritten() noexcept {}
-};
 template <class Overseer>
 inline constexpr bool is_governor = false;
 template <std::size_t N, Real T, class... Parts>
@@ -72,6 +66,29 @@ template <class Skin>
     return skin.touch(memory).force;
   } else {
     return skin.wrenches(memory);
+  }
+}
+/// What the touch of a scene adds to its input: nothing for cells, see `TouchSensor`.
+template <class Skin>
+struct SensedBy {
+  using type = NoSensors;
+};
+template <class Skin>
+  requires requires { typename Skin::Sensed; }
+struct SensedBy<Skin> {
+  using type = typename Skin::Sensed;
+};
+/// Takes what was sensed in an interval, and gives the mean touch over each of its parts. `measured()` is the
+/// newest good state of the robot, for sensors that need one.
+template <class Skin, class Input, class Measured, class Touch>
+SKINCTL_INLINE Status receive_touch(const Skin& skin, typename Skin::Memory& memory, const Input& input,
+                                    const Measured& measured, const Interval& interval, std::size_t parts,
+                                    Touch* touches) noexcept {
+  if constexpr (requires { typename Skin::Sensed; }) {
+    return skin.receive(memory, input.samples, input.sensed, measured(), interval.from, interval.to, parts,
+                        touches);
+  } else {
+    return skin.receive(memory, input.samples, interval.from, interval.to, parts, touches);
   }
 }
 template <class L>
