@@ -99,6 +99,7 @@
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/named_patch.hpp"
 #include "skinctl/tactile/patch.hpp"
+#include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"

@@ -204,11 +204,18 @@ class Cycle {
     const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
     out.status |= interval.status;
     out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
+    const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin);
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);
-    auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
-                                   std::span<const Touch>(touches.data, parts), guard_);
+    const std::span<const Touch> felt(touches.data, parts);
+    auto resolved = [&] {
+      if constexpr (detail::watches_contacts<Resolver>) {
+        return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_, pressed);
+      } else {
+        return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_);
+      }
+    }();
     out.status |= resolved.status;
     out.shares = resolved.shares;
     watch.end(CycleStage::resolve);
@@ -217,7 +224,7 @@ class Cycle {
     bool slowed = false;
     if constexpr (governed) {
       if (interval.substeps != 0) {
-        const auto given = govern(m, resolved, interval);
+        const auto given = govern(m, resolved, pressed, interval);
         out.status |= given.status;
         found |= given.status;
         slowed = given.altered;
@@ -238,6 +245,9 @@ class Cycle {
     watch.end(CycleStage::guard);
     return out;
   }
+
+  static constexpr bool watches_contacts =
+      detail::watches_contacts<Resolver> || requires { Overseer::contact_type::links; };
 
   struct Whole {};
   template <class V>
@@ -278,19 +288,19 @@ class Cycle {
   /// The planned interval [s], for the laws that start or take goals between two evaluations.
   [[nodiscard]] scalar period() const noexcept { return resolver_.planned_step(); }
 
-  template <class Resolved>
-  SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Interval& interval) const noexcept {
+  template <class Resolved, class Pressed>
+  SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
+                             const Interval& interval) const noexcept {
     const auto dt = seconds<scalar>(interval.to - interval.from);
-    const auto touch = detail::held_contacts(skin_, m.skin);
     const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
     if constexpr (Resolver::interface == Interface::torque) {
       // An old velocity is no basis for braking.
       if (resolved.status.has(Reason::state_stale))
         return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};
       return governor_.step_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
-                                   m.robot.measured, touch, nearest, dt);
+                                   m.robot.measured, pressed, nearest, dt);
     } else {
-      return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, touch, nearest,
+      return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, pressed, nearest,
                             dt);
     }
   }

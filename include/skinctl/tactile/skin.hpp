@@ -6,6 +6,7 @@
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/patch.hpp"
+#include "skinctl/tactile/pressed_area.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -31,6 +32,7 @@ class Skin {
   using scalar = T;
   using Wrenches = LinkWrenches<M, (link_bit<Patches::link> | ...), T>;
   using Touch = TouchWrenches<Wrenches>;
+  using Pressed = PressedAreas<M, Wrenches::links, T>;
   static constexpr LinkMask links = Wrenches::links;
   static constexpr std::size_t patches = sizeof...(Patches);
   static constexpr std::size_t cells = (Patches::cells + ...);
@@ -148,6 +150,19 @@ class Skin {
     return memory;
   }
 
+  /// The areas where force readings are held: the contacts. Time is bounded: per pressed cell a constant.
+  [[nodiscard]] Pressed pressed(const Memory& memory) const noexcept {
+    Pressed areas;
+    for (std::size_t b = 0; b < Memory::blocks; ++b) {
+      if (!memory.may_press(b)) continue;
+      for (std::uint64_t rest = memory.heard[b]; rest != 0; rest &= rest - 1) {
+        const std::size_t i = 64 * b + static_cast<std::size_t>(std::countr_zero(rest));
+        if (memory.held[i].force != 0) press(areas, i, memory.held[i]);
+      }
+    }
+    return areas;
+  }
+
   /// Number of silent cells: never received, or not within `max_age`.
   [[nodiscard]] std::size_t silent(const Memory& memory) const noexcept {
     std::size_t n = cells;
@@ -197,6 +212,13 @@ class Skin {
   }
 
  private:
+  void press(Pressed& areas, std::size_t i, CellCounts counts) const noexcept {
+    static constexpr std::array<std::size_t, patches> link{Patches::link...};
+    const detail::CellEntry& cell = tables_.cells[i];
+    const T push = tables_.template push_on<detail::Reading::force>(cell, counts);
+    const auto& p = tables_.cells.place(i);
+    if (push > T(0)) areas.add(link[cell.patch], {T(p[0]), T(p[1]), T(p[2])}, cell.unit, push);
+  }
   template <class Means>
   [[nodiscard]] SKINCTL_INLINE Means held_as(const Memory& memory) const noexcept {
     if constexpr (std::is_same_v<Means, Touch>) {

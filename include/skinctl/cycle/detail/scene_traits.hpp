@@ -51,7 +51,7 @@ template <class Resolver>
 inline constexpr bool has_one_interface = requires { Resolver::interface; };
 template <class Resolver>
 inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
-/// The touch that a resolver takes from a skin: forces and proximities apart for one that tells contacts.
+/// The touch that a resolver takes from a skin: forces and proximities apart for one with a tank.
 template <class Resolver, class Skin>
 struct TouchFor {
   using type = typename Skin::Wrenches;
@@ -59,21 +59,25 @@ struct TouchFor {
 template <class Resolver, class Skin>
   requires requires {
     typename Skin::Touch;
-    requires Resolver::tells_contacts;
+    requires Resolver::has_tank;
   }
 struct TouchFor<Resolver, Skin> {
   using type = typename Skin::Touch;
 };
-/// The contacts of a skin's held readings, as wrenches.
-template <class Skin>
-[[nodiscard]] SKINCTL_INLINE auto held_contacts(const Skin& skin,
-                                                const typename Skin::Memory& memory) noexcept {
-  if constexpr (requires { skin.touch(memory); }) {
-    return skin.touch(memory).force;
+/// The contacts for a skin's held readings, if the scene has a part that asks for them. A skin that does not
+/// know where it is pressed gives wrenches.
+template <bool Wanted, class Skin>
+[[nodiscard]] SKINCTL_INLINE auto pressed(const Skin& skin, const typename Skin::Memory& memory) noexcept {
+  if constexpr (!Wanted) {
+    return PressedUnknown{};
+  } else if constexpr (requires { skin.pressed(memory); }) {
+    return skin.pressed(memory);
   } else {
     return skin.wrenches(memory);
   }
 }
+template <class Resolver>
+inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
 template <class L>
 struct GoalType {
   using type = NoGoal;
