@@ -170,6 +170,7 @@
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
+#include "skinctl/passivity/stiffest_contact.hpp"
 
 #include "skinctl/resolver/hybrid_resolver.hpp"
 #include "skinctl/resolver/integrator.hpp"

@@ -265,6 +265,7 @@ class Cycle {
     if constexpr (detail::Described<Robot>) {
       detail::check_holders<Robot, L>();
       detail::check_settings(robot, law);
+      detail::check_contacts(robot, skin);
     }
     detail::compare(guard_, resolver_);
   }

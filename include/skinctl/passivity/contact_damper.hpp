@@ -21,15 +21,15 @@ struct ContactDamping {
 
 /// Contact damping, constant and by observation. A part of a resolver's `Passivity`.
 ///
-/// Each contact's push is watched for turns: it rose and then fell by more than `swing` and by more than a tenth
-/// of the push, or the reverse. A contact rings if turns come within `slowest` of each other and do not die
-/// out quickly (each swing at least 0.4 of the last one); so does one that bounces, however long the robot
-/// flies, if it returns by itself. The third turn in a row, and each further one, raises the damping along
-/// the contact by half of `max` (`contact_damped`). The damping is at least `always` while the contact lasts,
-/// at most `always + max`, rises and falls smoothly, and falls with the time constant `calm` once the contact
-/// has ended, ten times as slowly while it lasts. No damping is added for a robot that is not touched, for a
-/// push that takes longer than `slowest` from peak to trough, and for taps on a robot that rests or gives
-/// way.
+/// Each contact's push is watched for turns: it rose and then fell by more than `swing` and by more than a
+/// tenth of the push, or the reverse. A contact rings if turns come within `slowest` of each other and do not
+/// die out quickly (each swing at least 0.4 of the last one); so does one that bounces, however long the robot
+/// flies, if it returns by itself. The third turn in a row raises the damping along the contact to an eighth
+/// of `max`, and each further one doubles it (`contact_damped`). The damping is at least `always` while the
+/// contact lasts, at most `always + max`, rises and falls smoothly, and falls with the time constant `calm`
+/// once the contact has ended, ten times as slowly while it lasts. No damping is added for a robot that is
+/// not touched, for a push that takes longer than `slowest` from peak to trough, and for taps on a robot that
+/// rests or gives way.
 template <Real T = double>
 class ContactDamper {
  public:
@@ -148,7 +148,8 @@ class ContactDamper {
       const T swing = w.rising ? T(w.extreme - w.last) : T(w.last - w.extreme);
       w.turns = w.since <= slowest_ && w.swing > T(0) && swing >= T(0.4) * w.swing ? w.turns + 1 : 1;
       if (w.turns >= 3) {
-        w.wish = w.wish + T(0.5) < T(1) ? T(w.wish + T(0.5)) : T(1);
+        const T more = w.wish < T(0.0625) ? T(0.125) : T(2) * w.wish;
+        w.wish = more < T(1) ? more : T(1);
         w.turns = 3;
       }
       w.swing = swing;

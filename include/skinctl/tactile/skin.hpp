@@ -163,6 +163,24 @@ class Skin {
     return areas;
   }
 
+  /// Calls `f(link, force, moment, gain)` for up to `most` cells of each patch, evenly over its list: the
+  /// cell's unit wrench about the link's origin, and w_f [N per unit of its force readings].
+  template <class F>
+  void each_cell(F&& f, std::size_t most = cells) const {
+    std::size_t first = 0, k = 0;
+    const auto look = [&](std::size_t link, std::size_t count) {
+      const std::size_t taken = count < most ? count : most;
+      for (std::size_t n = 0; n < taken; ++n) {
+        const float* u = tables_.cells[first + n * count / taken].unit;
+        f(link, Xyz<T>{T(u[0]), T(u[1]), T(u[2])}, Xyz<T>{T(u[3]), T(u[4]), T(u[5])},
+          static_cast<double>(tables_.force_gain[k]) / CellCounts::force_unit);
+      }
+      first += count;
+      ++k;
+    };
+    (look(Patches::link, Patches::cells), ...);
+  }
+
   /// Number of silent cells: never received, or not within `max_age`.
   [[nodiscard]] std::size_t silent(const Memory& memory) const noexcept {
     std::size_t n = cells;

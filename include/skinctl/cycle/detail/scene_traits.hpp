@@ -171,5 +171,15 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
     if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
   }
 }
+/// Checks that the stiffest contact that a description names comes to rest on this skin.
+template <class Robot, class Skin>
+SKINCTL_COLD void check_contacts(const Robot& robot, const Skin& skin) {
+  if constexpr (requires { robot.parts(); }) {
+    const auto check = [&]<class Part>(const Part& part) {
+      if constexpr (std::is_same_v<typename Part::RobotPart, StiffestContactPart>) part.check(robot, skin);
+    };
+    std::apply([&](const auto&... part) { (check(part), ...); }, robot.parts());
+  }
+}
 }  // namespace detail
 SKINCTL_END_NAMESPACE
