@@ -88,6 +88,7 @@
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/robot/virtual_dynamics.hpp"
+#include "skinctl/robot/virtual_mass.hpp"
 
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
@@ -128,6 +129,7 @@
 #include "skinctl/tracking/settings.hpp"
 #include "skinctl/tracking/sign.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
+#include "skinctl/tracking/singular_rest.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"
 #include "skinctl/tracking/speed_limit.hpp"
 #include "skinctl/tracking/spline_plan.hpp"
@@ -172,6 +174,7 @@
 #include "skinctl/passivity/passivity_observer.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
 
+#include "skinctl/resolver/following_monitor.hpp"
 #include "skinctl/resolver/hybrid_resolver.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"

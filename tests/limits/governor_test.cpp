@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <memory>
@@ -72,6 +73,14 @@ void run(const Scene& scene, double duration, Push&& push, Each&& each) {
     state.q = out.command.position;
     state.dq = out.command.velocity;
   }
+}
+/// Speed of the tool's flange by differences of poses: independent of Jacobians.
+double measured_speed(const JointPosition<6>& q, const JointVelocity<6>& u) {
+  const auto at = [&](double h) {
+    return link_poses<link_bit<5>>(Arm{}, integrate(q, u, h)).get<5>().origin();
+  };
+  const Xyz<double> v = (1 / 2e-6) * (at(1e-6) - at(-1e-6));
+  return std::sqrt(dot(v, v));
 }
 template <class... F>
 struct Overloaded : F... {
@@ -150,6 +159,61 @@ TEST_CASE("governor: jerk, tool speed and blow of a pushed arm stay below their 
   CHECK(moved > 0.05);
   MESSAGE("tool " << fastest << " m/s, jerk " << jerk << " rad/s^3, gave way in " << given_way << " of 750");
   CHECK(given_way < 75);
+}
+
+// A joint that brakes for its end takes away what cancelled the motion of the others: braking is planned for
+// all of them together. Every joint has an end within 0.3 rad.
+TEST_CASE("governor: the tool's speed is kept next to the ends of the joints") {
+  oracle::Random random(11);
+  constexpr double h = 0.008;
+  int near = 0, at_ends = 0;
+  for (const bool smooth : {false, true}) {
+    double fastest = 0, beyond = 0;
+    for (int run = 0; run < (sanitized ? 30 : 300); ++run) {
+      auto v = ur5_test_limits<double>().values();
+      JointCommand<6> last;
+      last.valid = true;
+      for (std::size_t i = 0; i < 6; ++i) {
+        last.position[i] = random.uniform(-2, 2);
+        v.lower[i] = last.position[i] - random.uniform(0, 0.3);
+        v.upper[i] = last.position[i] + random.uniform(0, 0.3);
+      }
+      const JointLimits<6> limits(v);
+      const ToolSpeed<Arm, 5> tool(Arm{}, limits, {.speed = 0.25, .reach = 1.3});
+      const auto drive = [&](const auto& g) {
+        typename std::remove_cvref_t<decltype(g)>::Memory memory{};
+        JointVelocity<6> target;
+        for (int k = 0; k < 300; ++k) {
+          if (k % 25 == 0)
+            for (double& x : target) x = random.uniform(-3, 3);
+          const auto motion = limits.move(limits.room(last.position), last.velocity, target, h);
+          JointCommand<6> wish = last;
+          wish.velocity = motion.velocity;
+          wish.position = last.position + motion.displacement;
+          const auto out = g.step(memory, last, wish, State<6>{}, LinkWrenches<Arm, link_bit<2>>{},
+                                  std::array<double, 1>{1}, h);
+          last = out.command;
+          const double speed = measured_speed(last.position, last.velocity);
+          fastest = std::max(fastest, speed);
+          near += speed > 0.9 * 0.25;
+          for (std::size_t i = 0; i < 6; ++i) {
+            beyond = std::max({beyond, last.position[i] - v.upper[i], v.lower[i] - last.position[i]});
+            at_ends += std::min(v.upper[i] - last.position[i], last.position[i] - v.lower[i]) < 1e-3;
+          }
+        }
+      };
+      if (smooth) {
+        drive(make_governor(limits, tool, JerkLimits<6>(limits, JointJerk<6>::constant(400))));
+      } else {
+        drive(make_governor(limits, tool));
+      }
+    }
+    CHECK(fastest <= 0.25 * (1 + 1e-6));
+    CHECK(beyond <= 1e-12);
+    MESSAGE(std::string(smooth ? "with" : "without") << " a limit of jerk: fastest " << fastest << " of 0.25 m/s");
+  }
+  CHECK(near > (sanitized ? 6000 : 60000));  // the limit is used
+  CHECK(at_ends > (sanitized ? 6000 : 60000));
 }
 
 TEST_CASE("governor: a jerk limit alone is kept by every command") {

@@ -19,6 +19,7 @@ Tool<T> tool(double speed, double acceleration = 15) {
   return Tool<T>(ur5::Model{}, limits_of<ur5::Description, T>(T(acceleration)),
                  {.speed = T(speed), .point = {T(0), T(0.05), T(0.1)}, .reach = T(1.3)});
 }
+const JointRoom<6> endless{JointPosition<6>::constant(HUGE_VAL), JointPosition<6>::constant(HUGE_VAL)};
 /// Velocity of the point by differences of poses: independent of Jacobians.
 Xyz<double> measured_velocity(const JointPosition<6>& q, const JointVelocity<6>& u) {
   const auto at = [&](double h) {
@@ -90,7 +91,7 @@ TEST_CASE_TEMPLATE("ToolSpeed: the limit is always kept", T, float, double) {
           target = still(q.template cast<double>(), target.template cast<double>()).template cast<T>();
         const auto room = joints.room(q);
         const auto wish = joints.move(room, u, target, h).velocity;
-        const auto slow = limit.within(q, u, wish, h);
+        const auto slow = limit.within(q, room, u, wish, h).velocity;
         for (std::size_t i = 0; i < 6; ++i)
           REQUIRE(std::abs(double(slow[i]) - double(u[i])) <= A * double(h) * 1.0001 + 1e-6);
         // On its way the point follows the joints.
@@ -128,16 +129,16 @@ TEST_CASE(
     for (std::size_t i = 0; i < 6; ++i) q[i] = 2 * unit(rng), u[i] = 2 * unit(rng);
     if (k % 2 == 0) u = still(q, u);
     u = std::abs(unit(rng)) * u;
-    if (!limit.at(q).keeps(u, 0)) continue;
+    if (!limit.keeps(q, u, {}, endless)) continue;
     ++kept;
     double hardest = 0, top = 0;
     for (const double w : u) hardest = std::max(hardest, std::abs(w) / A);
-    const double first = limit.at(q).speed(u);
+    const double first = measured_speed(q, u);
     for (int step = 0; step <= 100; ++step) {
       const double t = hardest * step / 100, left = 1 - 0.01 * step;
-      top = std::max(top, limit.at(integrate(q, u, t * (1 - 0.5 * t / hardest))).speed(left * u));
+      top = std::max(top, measured_speed(integrate(q, u, t * (1 - 0.5 * t / hardest)), left * u));
     }
-    CHECK(top <= 0.25 * (1 + 1e-12));
+    CHECK(top <= 0.25 * (1 + 1e-7));
     grew += top > 1.2 * first;
   }
   CHECK(kept > 500);
@@ -148,11 +149,11 @@ TEST_CASE("ToolSpeed: who starts too fast brakes with all joints alike, as hard 
   const auto limit = tool<double>(0.1);
   const JointPosition<6> q{0.3, -1.2, 1.4, -1.8, -1.57, 0.3};
   JointVelocity<6> u{1.0, 0.5, 0.0, 0.0, 0.0, 0.0};
-  const auto slow = limit.within(q, u, u, 0.01);
+  const auto slow = limit.within(q, endless, u, u, 0.01).velocity;
   CHECK(slow[0] == doctest::Approx(0.85));
   CHECK(slow[1] == doctest::Approx(0.425));
   u[0] = std::nan("");
-  CHECK_FALSE(limit.at(q).keeps(u, 0));
+  CHECK_FALSE(limit.keeps(q, u, {}, endless));
 }
 
 TEST_CASE("ToolSpeed: a step allocates nothing") {
@@ -160,7 +161,7 @@ TEST_CASE("ToolSpeed: a step allocates nothing") {
   const testing::AllocationGuard guard;
   for (int k = 0; k < 100; ++k)
     static_cast<void>(
-        limit.within({}, JointVelocity<6>::constant(0.1), JointVelocity<6>::constant(0.2), 0.002));
+        limit.within({}, endless, JointVelocity<6>::constant(0.1), JointVelocity<6>::constant(0.2), 0.002));
   CHECK(guard.count() == 0);
 }
 

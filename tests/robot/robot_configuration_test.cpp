@@ -46,8 +46,10 @@ TEST_CASE("RobotConfiguration: refuses that cannot work, with the number and the
   CHECK(refusal([](auto& c) { c.observer = 13; }).find("observer w = 13") !=
         std::string::npos);  // 0.3/0.024 = 12.5
   CHECK(refusal([](auto& c) { c.observer = 12.5; }).empty());
-  CHECK(refusal([](auto& c) { c.dead_band[3] = 0; }).find("dead band = 0") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.dead_band[3] = 0.2; }).find("max_lead") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.dead_band = JointPosition<6>::constant(0); }).find("dead band = 0") !=
+        std::string::npos);
+  CHECK(refusal([](auto& c) { c.dead_band = JointPosition<6>::constant(0.2); }).find("max_lead") !=
+        std::string::npos);
   CHECK(refusal([](auto& c) { c.max_lead = 1; }).find("max_lead = 1") != std::string::npos);
   CHECK(refusal([](auto& c) { c.lead = 100ms; }).find("skinctl: lead = 100") != std::string::npos);
   CHECK(refusal([](auto& c) { c.drift = -1; }).find("drift") != std::string::npos);

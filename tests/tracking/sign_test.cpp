@@ -2,11 +2,15 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "skinctl/testing/random.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -71,4 +75,62 @@ TEST_CASE("Sign: the bound of the gains counts the slope of each") {
   JointControlSettings<6> s{.dt = 8ms, .lambda = 45, .K_i2 = 1, .mu = 5, .tb = 0s};
   CHECK_NOTHROW(Control<TanhSign>{s});
   CHECK_THROWS_AS(Control<ImplicitSign>{s}, ConfigurationError);
+}
+
+// Whatever gains are accepted, at rest under a load and behind a cycle of delay: a ripple of the torque decays.
+TEST_CASE("Sign: super-twisting does not ring, however steep and fast its integral is asked to be") {
+  Seeded random(3);
+  int accepted = 0, sharp = 0;
+  for (int k = 0; k < (sanitized ? 12 : 120); ++k) {
+    const double dt = k % 2 == 0 ? 0.004 : 0.008;
+    JointControlSettings<6> s{.dt = nanoseconds(dt)};
+    s.tb = 0s;
+    s.lambda = random.between(0.05, 0.3) / dt;
+    s.K_c = random.between(2, 20);
+    s.K_i1 = k % 3 == 0 ? 0 : std::pow(10, random.between(-1, 1.3));
+    s.K_i2 = std::pow(10, random.between(-1, 1.5));
+    s.mu = std::pow(10, random.between(-0.5, 3));
+    s.integral_limit = std::pow(10, random.between(-1, 1));
+    try {
+      static_cast<void>(Control<SuperTwistingSign>(s));
+    } catch (const ConfigurationError&) {
+      continue;
+    }
+    ++accepted;
+    sharp += 300 * s.K_i2 * s.mu * s.mu * dt > s.K_i1 + 10 * s.K_i2 * s.mu;
+    for (const bool delayed : {false, true}) {
+      const Control<SuperTwistingSign> law(s);
+      State<6> x{0ns, {0.3, -1.2, 1.4, -1.8, -1.4, 0.3}, {}};
+      auto memory = law.start(K(model, x, dt, none));
+      JointTorque<6> pending = gravity_torque(model, x.q), low, high;
+      const int cycles = static_cast<int>(12 / dt), window = static_cast<int>(0.5 / dt);
+      double ripple[2] = {};  // at 4 s and at 12 s
+      for (int i = 0, seen = 0; i < cycles; ++i) {
+        const auto out = evaluate(law, memory, K(model, x, dt, none), dt);
+        memory = out.memory;
+        const auto tau = delayed ? pending : out.torque;
+        pending = out.torque;
+        const int to = seen == 0 ? cycles / 3 : cycles - 1;
+        if (i == to - window) low = high = tau;
+        for (std::size_t j = 0; i > to - window && j < 6; ++j) {
+          low[j] = std::min(low[j], tau[j]);
+          high[j] = std::max(high[j], tau[j]);
+          ripple[seen] = std::max(ripple[seen], high[j] - low[j]);
+        }
+        if (i == to) ++seen;
+        x = simulate(model, x, tau + mass_matrix(model, x.q) * JointAcceleration<6>{2, -3, 1, 4, 2, -2}, dt,
+                     1);
+      }
+      CAPTURE(dt);
+      CAPTURE(s.lambda);
+      CAPTURE(s.K_i1);
+      CAPTURE(s.K_i2);
+      CAPTURE(s.mu);
+      CAPTURE(delayed);
+      CAPTURE(ripple[0]);
+      CHECK((ripple[1] < 1e-3 || ripple[1] < 0.5 * ripple[0]));
+    }
+  }
+  CHECK(accepted > (sanitized ? 4 : 50));
+  CHECK(sharp > (sanitized ? 1 : 15));
 }

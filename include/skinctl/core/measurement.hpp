@@ -16,7 +16,7 @@ struct AnyState {
 
 /// Makes `measured` the last good state, `good`, unless it is NaN, infinite or absurdly large
 /// (`state_not_finite`), implausible (`state_out_of_range`), or older than `good` (`time_backwards`). A stamp
-/// in the future becomes `now`.
+/// in the future becomes `now`, and so does that of `good` if the clock was set back.
 ///
 /// A resolver calls this once a cycle and keeps the last good state: `memory.measured`. Governor and guard
 /// read it there; a guard without a resolver needs a `State` of its own and this function.
@@ -25,6 +25,8 @@ struct AnyState {
 template <std::size_t N, Real T, class Check = AnyState>
 [[nodiscard]] SKINCTL_INLINE Status take_measurement(State<N, T>& good, const State<N, T>& measured,
                                                      Nanoseconds now, const Check& check = {}) noexcept {
+  if (good.time > now) [[unlikely]]
+    good.time = now;
   if (!detail::is_plausible(measured)) return Reason::state_not_finite;
   if (!check.believes(measured)) return Reason::state_out_of_range;
   if (measured.time < good.time) return Reason::time_backwards;

@@ -29,6 +29,7 @@ enum class Reason : std::uint8_t {
   command_not_finite,
   outside_limits,
   blocked,
+  displaced,
   lead_limited,
   opposed,
   goal_refused,

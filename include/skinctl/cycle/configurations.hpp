@@ -10,8 +10,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The input of a scene with several configurations.
-template <std::size_t N, Scalar T = double, class Goal = NoGoal>
-struct ConfiguredInput : CycleInput<N, T, Goal> {
+template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors>
+struct ConfiguredInput : CycleInput<N, T, Goal, Sensed> {
   /// Index of the configuration from this cycle on.
   std::uint32_t configuration = 0;
 };
@@ -110,7 +110,8 @@ class Configurations {
   using scalar = typename C::scalar;
   using law_type = Law;
   using Goal = typename C::Goal;
-  using Input = ConfiguredInput<joints, scalar, Goal>;
+  using Sensed = typename C::Sensed;
+  using Input = ConfiguredInput<joints, scalar, Goal, Sensed>;
   using Output = typename Scene::Output;  ///< the last share is the difference that is ramped out
   struct Memory : Scene::Memory {
     std::uint32_t configuration;  ///< index of the active one

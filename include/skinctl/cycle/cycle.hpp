@@ -68,12 +68,15 @@ class Cycle {
   using scalar = typename Resolver::scalar;
   using law_type = L;
   using Goal = typename detail::GoalType<L>::type;
-  using Input = CycleInput<joints, scalar, Goal>;
+  using Sensed = typename detail::SensedBy<Skin>::type;
+  using Input = CycleInput<joints, scalar, Goal, Sensed>;
   using Output = CycleOutput<joints, scalar, terms_of<L>>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
-  /// What the resolver takes: forces and proximities apart where a tank has to tell them.
-  using Touch = typename detail::TouchFor<Resolver, Skin>::type;
+  static constexpr bool watches_contacts =
+      detail::watches_contacts<Resolver> || requires { Overseer::contact_type::links; };
+  /// What the resolver takes: forces and proximities apart where they have to be told.
+  using Touch = typename detail::TouchFor<Resolver, Skin, watches_contacts>::type;
 
   /// The state that changes from cycle to cycle; trivially copyable.
   struct Memory {
@@ -162,7 +165,7 @@ class Cycle {
     m.governor = {};
     const auto state = resolver_.state(m.robot);
     const Wrenches touch = skin_.wrenches(m.skin);
-    m.law = law_.start(Known(resolver_.model(), state, period(), touch));
+    m.law = law_.start(resolver_.template known<L>(state, period(), touch));
   }
 
   /// One cycle: `(memory, input) -> (output, memory')`, the interval being the time since the last one.
@@ -203,8 +206,11 @@ class Cycle {
     detail::Unwritten<Touch, max_substeps> touches;
     const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
     out.status |= interval.status;
-    out.status |= skin_.receive(m.skin, input.samples, interval.from, interval.to, parts, touches.data);
-    const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin);
+    const auto measured = [&]() SKINCTL_INLINE_LAMBDA -> const State<joints, scalar>& {
+      return detail::believed(input.measured, m.robot.measured, guard_);
+    };
+    out.status |= detail::receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
+    const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);
@@ -245,9 +251,6 @@ class Cycle {
     watch.end(CycleStage::guard);
     return out;
   }
-
-  static constexpr bool watches_contacts =
-      detail::watches_contacts<Resolver> || requires { Overseer::contact_type::links; };
 
   struct Whole {};
   template <class V>
@@ -292,7 +295,8 @@ class Cycle {
   template <class Resolved, class Pressed>
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
                              const Interval& interval) const noexcept {
-    const auto dt = seconds<scalar>(interval.to - interval.from);
+    scalar dt = seconds<scalar>(interval.to - interval.from);
+    if constexpr (Resolver::interface == Interface::position) dt = m.robot.command_span;
     const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
     if constexpr (Resolver::interface == Interface::torque) {
       // An old velocity is no basis for braking.
@@ -321,7 +325,7 @@ class Cycle {
   SKINCTL_COLD void restart(Memory& m) const noexcept {
     if constexpr (!std::is_same_v<Goal, NoGoal>)
       m.law =
-          law_.start(Known(resolver_.model(), resolver_.state(m.robot), period(), skin_.wrenches(m.skin)));
+          law_.start(resolver_.template known<L>(resolver_.state(m.robot), period(), skin_.wrenches(m.skin)));
   }
   SKINCTL_COLD void carry_from(const Cycle& before, const typename L::Memory& law_before, Memory& m,
                                const State<joints, scalar>& measured,
@@ -341,7 +345,7 @@ class Cycle {
       const auto state = resolver_.state(m.robot);
       const Wrenches touch = skin_.wrenches(m.skin);
       const auto received =
-          follow_or_receive(law_, m.law, Known(resolver_.model(), state, period(), touch), input.goal);
+          follow_or_receive(law_, m.law, resolver_.template known<L>(state, period(), touch), input.goal);
       m.law = received.memory;
       return received.status;
     }

@@ -19,8 +19,12 @@ enum class CycleRequest : unsigned char {
 /// No law of the scene takes goals.
 struct NoGoal {};
 
+/// No sensor of the scene but cells.
+struct NoSensors {};
+
 /// The input of one cycle. Any bit pattern is allowed in it: unusable values are refused with a reason.
-template <std::size_t N, Scalar T = double, class Goal = NoGoal>
+/// @tparam Sensed  what the sensors of the scene read besides cells, such as `WristInput`.
+template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors>
 struct CycleInput {
   Nanoseconds now{};                    ///< the robot's clock: the end of the interval that is integrated
   State<N, T> measured;                 ///< the newest state, with its own stamp
@@ -29,6 +33,7 @@ struct CycleInput {
   Status observed;  ///< faults that the loop found before this cycle: see `TimeBudget`, `PacketWatch`
   bool has_goal = false;
   Goal goal{};  ///< read if `has_goal`: a goal, or the next sample of a moving target
+  [[no_unique_address]] Sensed sensed{};
 };
 
 SKINCTL_END_NAMESPACE

@@ -11,6 +11,7 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/sensing/wrench_sample.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -103,6 +104,12 @@ void each_number(CellSample& s, F&& f) {
   f(s.temperature);
 }
 template <class F>
+void each_number(WrenchSample& s, F&& f) {
+  each_number(s.time, f);
+  for (double& x : s.force) f(x);
+  for (double& x : s.moment) f(x);
+}
+template <class F>
 void each_number(NoGoal&, F&&) {}
 template <class G, class F>
   requires requires(G& g) {
@@ -175,7 +182,9 @@ class Recording {
   /// Adds a cycle; nothing is allocated. Without enough room the cycle and all following ones are dropped:
   /// see `full()`.
   void add(const Input& input, const Command& command) noexcept {
-    full_ = full_ || !bytes_.fits(fixed_size + input.samples.size() * sample_size);
+    std::size_t size = fixed_size + input.samples.size() * sample_size;
+    if constexpr (has_wrenches) size += input.sensed.wrenches.size() * wrench_size;
+    full_ = full_ || !bytes_.fits(size);
     if (full_) return;
     bytes_.put(input.now.count());
     write(input.measured);
@@ -186,6 +195,11 @@ class Recording {
     if constexpr (configured) bytes_.put(input.configuration);
     bytes_.put(static_cast<std::uint32_t>(input.samples.size()));
     for (const CellSample& s : input.samples) write(s);
+    if constexpr (has_wrenches) {
+      bytes_.put(static_cast<std::uint32_t>(input.sensed.wrenches.size()));
+      for (const WrenchSample& s : input.sensed.wrenches) write(s);
+    }
+    if constexpr (has_motors) write(input.sensed.motor_torque);
     write(command);
     ++cycles_;
   }
@@ -232,7 +246,7 @@ class Recording {
     State state;
     read(reader, state);
     start(state);
-    std::vector<CellSample> samples;
+    Samples samples;
     for (std::uint64_t k = 0; k < cycles_ && !reader.short_of_bytes(); ++k) {
       Input input;
       Command command;
@@ -243,7 +257,14 @@ class Recording {
 
  private:
   static constexpr bool configured = requires(const Input& input) { input.configuration; };
-  static constexpr std::size_t sample_size = 8 + 4 + 8 * 4;
+  static constexpr bool has_wrenches = requires(const Input& input) { input.sensed.wrenches; };
+  static constexpr bool has_motors = requires(const Input& input) { input.sensed.motor_torque; };
+  static constexpr std::size_t sample_size = 8 + 4 + 8 * 4, wrench_size = 8 + 6 * 8;
+  /// The samples of the input that was read last.
+  struct Samples {
+    std::vector<CellSample> cells;
+    std::vector<WrenchSample> wrenches;
+  };
   static constexpr std::size_t fixed_size = sizeof(Input) + sizeof(Command) + 64;
 
   template <class V>
@@ -254,8 +275,13 @@ class Recording {
   static void read(detail::ByteReader& reader, V& value) {
     each_number(value, [&](auto& x) { x = reader.get<std::remove_cvref_t<decltype(x)>>(); });
   }
-  static void read_cycle(detail::ByteReader& reader, Input& input, std::vector<CellSample>& samples,
-                         Command& command) {
+  template <class Sample>
+  static void read_samples(detail::ByteReader& reader, std::size_t size, std::vector<Sample>& samples) {
+    const std::size_t count = reader.get<std::uint32_t>();
+    samples.resize(count <= reader.left() / size ? count : 0);
+    for (Sample& s : samples) read(reader, s);
+  }
+  static void read_cycle(detail::ByteReader& reader, Input& input, Samples& samples, Command& command) {
     read(reader, input.now);
     read(reader, input.measured);
     const auto request = reader.get<std::uint8_t>();
@@ -264,17 +290,20 @@ class Recording {
     input.has_goal = reader.get<bool>();
     read(reader, input.goal);
     if constexpr (configured) input.configuration = reader.get<std::uint32_t>();
-    const std::size_t count = reader.get<std::uint32_t>();
-    samples.resize(count <= reader.left() / sample_size ? count : 0);
-    for (CellSample& s : samples) read(reader, s);
-    input.samples = samples;
+    read_samples(reader, sample_size, samples.cells);
+    input.samples = samples.cells;
+    if constexpr (has_wrenches) {
+      read_samples(reader, wrench_size, samples.wrenches);
+      input.sensed.wrenches = samples.wrenches;
+    }
+    if constexpr (has_motors) read(reader, input.sensed.motor_torque);
     read(reader, command);
   }
   void check(const std::string& path) const {
     detail::ByteReader reader(bytes());
     State state;
     read(reader, state);
-    std::vector<CellSample> samples;
+    Samples samples;
     std::uint64_t seen = 0;
     for (; seen < cycles_ && !reader.short_of_bytes(); ++seen) {
       Input input;
@@ -284,11 +313,12 @@ class Recording {
     if (seen != cycles_ || reader.short_of_bytes() || reader.left() != 0)
       SKINCTL_THROW("skinctl: the recording " + path + " is damaged or cut short");
   }
-  /// Magic (its last letter: with or without configurations), byte order, sizes that must agree, number of
-  /// cycles last.
+  /// Magic (its last letter: with or without configurations, wrenches and motor torques), byte order, sizes
+  /// that must agree, number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', configured ? 'C' : '2'}) w.put(c);
+    constexpr char kind = "2WMBCwmb"[(configured ? 4 : 0) + (has_motors ? 2 : 0) + (has_wrenches ? 1 : 0)];
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', kind}) w.put(c);
     w.put(std::uint32_t(0x01020304));
     w.put(static_cast<std::uint32_t>(C::joints));
     w.put(static_cast<std::uint32_t>(sizeof(typename C::scalar)));

@@ -45,18 +45,29 @@ struct Computed<false, V> {
   template <class F>
   SKINCTL_INLINE explicit Computed(F&&) noexcept {}
 };
+/// Nothing is known of the robot but its model.
+struct NothingAdded {
+  static constexpr bool is_virtual = false;
+};
 }  // namespace detail
 
 /// The state of a robot and quantities at that state: angles, poses, G, M, C dq, as far as `Asked` includes
 /// them. Quantities outside `Asked` are neither computed nor stored, and reading them does not compile.
 ///
-/// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`.
-template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch>
+/// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`. `Added` is
+/// what a resolver adds to the model (see robot/virtual_mass.hpp): the limits of its torques, and the inertia
+/// that a virtual robot has besides that of its model: `mass()` and what follows from it include it, the other
+/// quantities are the model's.
+template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch,
+          class Added = detail::NothingAdded>
 class Quantities {
  public:
   using model_type = M;
   using scalar = T;
   using touch_type = Touch;
+  /// Whether `mass()` includes the inertia of a virtual robot.
+  static constexpr bool is_virtual = Added::is_virtual;
+  static constexpr bool has_torque_limits = !std::is_same_v<Added, detail::NothingAdded>;
   static constexpr std::size_t joints = M::joints;
   static constexpr Needs needs = complete<M>(Asked);
   static constexpr LinkMask links = links_for<M>(complete<M>(Asked));
@@ -66,12 +77,16 @@ class Quantities {
   /// @param model, state  the model and its state; both must outlive this object.
   /// @param dt     interval [s] for which a torque computed from this will be held; >= 0.
   /// @param touch  mean wrenches of the skin on the links over that interval; must outlive this object.
-  SKINCTL_INLINE Quantities(const M& model, const State<joints, T>& state, const T& dt,
-                            const Touch& touch) noexcept
+  /// @param added  inertia of a virtual robot.
+  SKINCTL_INLINE Quantities(const M& model, const State<joints, T>& state, const T& dt, const Touch& touch,
+                            const Added& added = Added()) noexcept
       : model_(model),
         state_(state),
         touch_(touch),
         dt_(dt),
+        limits_([&](auto) SKINCTL_INLINE_LAMBDA {
+          if constexpr (has_torque_limits) return &added.torque_limits();
+        }),
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
         middle_([&](auto) SKINCTL_INLINE_LAMBDA {
           const T half = T(0.5) * dt_;
@@ -81,7 +96,11 @@ class Quantities {
         }),
         poses_([&](auto) SKINCTL_INLINE_LAMBDA { return Poses<M, needs.poses, T>(model_, angles()); }),
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
-        mass_([&](auto) SKINCTL_INLINE_LAMBDA { return mass_matrix(model_, angles()); }),
+        mass_([&](auto) SKINCTL_INLINE_LAMBDA {
+          auto m = mass_matrix(model_, angles());
+          if constexpr (is_virtual) added.add_to(m, model_, angles());
+          return m;
+        }),
         factors_([&](auto) SKINCTL_INLINE_LAMBDA { return MassFactors<M, T>(mass()); }),
         coriolis_([&](auto) SKINCTL_INLINE_LAMBDA { return coriolis_torque(model_, angles(), state_.dq); }),
         momentum_([&](auto)
@@ -99,6 +118,13 @@ class Quantities {
   [[nodiscard]] SKINCTL_INLINE const T& dt() const noexcept { return dt_; }
   /// Mean wrenches of the skin on the links over the interval.
   [[nodiscard]] SKINCTL_INLINE const Touch& touch() const noexcept { return touch_; }
+
+  /// The largest torques of the robot's joints [N m], where a resolver gives them.
+  [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& torque_limits() const noexcept
+    requires(has_torque_limits)
+  {
+    return *limits_.value;
+  }
 
   [[nodiscard]] SKINCTL_INLINE const Angles& angles() const noexcept {
     static_assert(needs.angles, "not asked for: set needs.angles");
@@ -137,12 +163,12 @@ class Quantities {
     static_assert(needs.gravity, "not asked for: set needs.gravity");
     return gravity_.value;
   }
-  /// M(q).
+  /// M(q), or that of the virtual robot.
   [[nodiscard]] SKINCTL_INLINE const MassMatrix<joints, T>& mass() const noexcept {
     static_assert(needs.mass, "not asked for: set needs.mass");
     return mass_.value;
   }
-  /// M(q), factorised.
+  /// The same, factorised.
   [[nodiscard]] SKINCTL_INLINE const MassFactors<M, T>& mass_factors() const noexcept {
     static_assert(needs.mass_factors, "not asked for: set needs.mass_factors");
     return factors_.value;
@@ -178,6 +204,7 @@ class Quantities {
   const State<joints, T>& state_;
   const Touch& touch_;
   T dt_;
+  [[no_unique_address]] detail::Computed<has_torque_limits, const JointTorque<joints, T>*> limits_;
   [[no_unique_address]] detail::Computed<needs.angles, Angles> angles_;
   [[no_unique_address]] detail::Computed<needs.middle, Middle> middle_;
   [[no_unique_address]] detail::Computed<needs.poses != 0, Poses<M, needs.poses, T>> poses_;

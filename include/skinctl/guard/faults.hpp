@@ -82,6 +82,8 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
      WayBack::by_itself, "beyond a position limit, or too fast to stop before it: only motion inward"},
     {Reason::blocked, "blocked", FaultFinder::resolver, Reaction::hold, Reaction::none, WayBack::by_itself,
      "the robot does not follow: the virtual robot went back to it"},
+    {Reason::displaced, "displaced", FaultFinder::resolver, Reaction::stop, Reaction::none,
+     WayBack::on_request, "measured and commanded positions differ by a gap that moves along: holds"},
     {Reason::lead_limited, "lead_limited", FaultFinder::resolver, Reaction::limit, Reaction::none,
      WayBack::at_once, "the virtual robot was kept near the measured one"},
     {Reason::opposed, "opposed", FaultFinder::law, Reaction::wait, Reaction::wait, WayBack::by_itself,

@@ -9,6 +9,7 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/limits/detail/parts.hpp"
+#include "skinctl/resolver/interval.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -39,6 +40,7 @@ struct GuardSettings {
 template <std::size_t N, Real T = double>
 struct GuardMemory {
   Nanoseconds time{};
+  Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
   JointCommand<N, T> command;
   Status latched;  ///< faults that wait for the user's consent
 };
@@ -145,15 +147,12 @@ class Guard {
       if (m.latched.any()) status |= Reason::consent_awaited;
       return {m.command, status | Reason::interval_empty, !(wish.time == now)};
     }
+    const Interval interval = detail::interval_since(true, m.time, m.odd, now, longest_);
+    m.odd = detail::odd_time_of(interval);
+    status |= interval.status;
     Nanoseconds elapsed = period_;
-    if (now < m.time || !detail::is_plausible(now)) {
-      status |= Reason::time_backwards;
-    } else {
-      elapsed = now - m.time;
-      if (elapsed > longest_) {
-        elapsed = longest_;
-        status |= Reason::interval_too_long;
-      }
+    if (!status.has(Reason::time_backwards)) [[likely]] {
+      elapsed = interval.to - interval.from;
       m.time = now;
       if (now - measured.time > stale_after_) status |= Reason::state_stale;
     }
@@ -165,7 +164,7 @@ class Guard {
     if constexpr (I == Interface::torque) {
       return let_out(m, turn_torque(m, wish, measured, good && finite, fallback, dt, status));
     } else {
-      if (good && finite && wish.time == now && can_reach(m, wish, measured, dt, status)) [[likely]] {
+      if (good && finite && wish.time == now && can_send(m, wish, measured, dt, status)) [[likely]] {
         m.command.assign(wish);
         return {wish.copy(), status, false};
       }
@@ -212,6 +211,22 @@ class Guard {
     return room;
   }
 
+  /// Whether the command may be sent. A position is held until the next one comes, so that the robot carries
+  /// it out in a period, whatever time has passed: it is at most that far from the last one.
+  SKINCTL_INLINE bool can_send(const Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
+                               const T& dt, Status& status) const noexcept {
+    const T cycle = seconds<T>(period_);
+    if (I != Interface::position || !(dt > cycle)) [[likely]]
+      return can_reach(m, wish, measured, dt, status);
+    Status at_once;
+    using R = detail::Row<N, T>;
+    const R from = m.command.position, moved = R(wish.position) - from,
+            eps = std::numeric_limits<T>::epsilon();
+    const R most = T(cycle * slack()) * R(limits_.velocity()) + T(16) * eps * magnitude(from);
+    if (all(magnitude(moved) <= most) && can_reach(m, wish, measured, dt, at_once)) return true;
+    return can_reach(m, wish, measured, cycle, status);
+  }
+
   /// Whether a motion within the limits leads from the last command to `wish` in `dt`, and leaves room to
   /// stop or brakes with the full acceleration limit.
   SKINCTL_INLINE bool can_reach(const Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
@@ -254,8 +269,10 @@ class Guard {
     return out;
   }
 
-  SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const State<N, T>& measured, const T& dt,
+  SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const State<N, T>& measured, const T& elapsed,
                                    Status status) const noexcept {
+    const T cycle = seconds<T>(period_);
+    const T dt = I == Interface::position && elapsed > cycle ? cycle : elapsed;
     Guarded<N, T> out{m.command, status, true};
     const auto& last = m.command;
     out.command.torque = {};

@@ -130,17 +130,17 @@ class ContactLimits {
       for (const auto& c : contacts) {
         if (c.link != i) continue;
         Xyz<T> push{T(0), T(0), T(0)};
-        JointTorque<joints, T> tau;
+        JointTorque<joints, T> tau;  // a contact whose normal is unknown stands alone
         for (const auto& d : contacts) {
-          if (d.link != i || !(dot(c.normal, d.normal) >= T(0.5))) continue;
+          if (&d != &c && (d.link != i || !(dot(c.normal, d.normal) >= T(0.5)))) continue;
           push = push + d.force * d.normal;
           for (std::size_t j = 0; j < joints; ++j) tau[j] = tau[j] - at_[k].newton * d.force * d.row[j];
         }
-        const T F = at_[k].newton * length(push);
+        const T sum = length(push), F = at_[k].newton * (sum > c.force ? sum : c.force);
         if (F > most) most = F;
         during(at_[k], F, tau, mass, u, measured.dq, out);
       }
-      if constexpr (requires { touch.template wrench<i>(); }) {
+      if constexpr (requires { touch.data[0][0]; }) {
         const auto w = touch.template wrench<i>();
         const T sum = w.force.x + w.force.y + w.force.z + w.moment.x + w.moment.y + w.moment.z;
         if (!(sum - sum == T(0))) most = std::numeric_limits<T>::infinity();

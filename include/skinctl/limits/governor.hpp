@@ -108,14 +108,15 @@ class Governor {
     if constexpr (has_tool) {
       JointVelocity<N, T> reached = u;
       if (slowed) reached = limits_.move(room, last.velocity, u, dt).velocity;
-      u = tool_.within(last.position, last.velocity, reached, dt);
-      if (!(u == reached)) out.status |= Reason::tool_speed_limited, slowed = true;
+      const auto kept = tool_.within(last.position, room, last.velocity, reached, dt);
+      u = kept.velocity;
+      if (kept.limited) out.status |= Reason::tool_speed_limited, slowed = true;
     }
     if constexpr (has_jerk) {
       const auto motion = jerk_.move(room, last.velocity, m.acceleration, u, dt);
       if constexpr (has_tool) {
         // A jerk limit that would make the tool too fast gives way.
-        if (!(tool_.within(last.position, last.velocity, motion.velocity, dt) == motion.velocity)) {
+        if (!tool_.keeps(last.position, motion.velocity, motion.displacement, room)) {
           out.status |= Reason::tool_speed_limited | Status(Reason::jerk_exceeded);
           const auto hard = limits_.move(room, last.velocity, u, dt);
           for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (hard.velocity[i] - last.velocity[i]) / dt;

@@ -8,12 +8,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The largest speed [m/s] of a point fixed to link `I`, kept by slowing all joints alike.
+/// The largest speed [m/s] of a point fixed to link `I`.
 ///
-/// At constant joint velocities the point gets faster as the arm stretches. So the limited quantity is the
-/// largest speed of the point while all joints brake together from here, at the rate of the weakest: with
-/// `v = |J u|`, growth `K = R (sum |u_i|)^2` and rate `a = min A_i / |u_i|`, that is v if `K <= a v`, else at
-/// most `2/3 v + K/(3 a)`. After a motion by `scale` it can always be kept.
+/// At constant joint velocities the point gets faster as the arm stretches, and a joint that brakes for its
+/// end no longer cancels the motion of the others. So a state keeps the limit only if it has a way to stop
+/// along which the point stays below it and every joint stops before its end:
+/// - either each joint brakes as it likes: `sum |u_i| |J_i|`, with columns that grow on the way, is below the
+///   limit;
+/// - or all joints brake alike, at the rate of the weakest. With `v = |J u|`, growth `K = R (sum |u_i|)^2` and
+///   rate `a = min A_i / |u_i|` the largest speed is v if `K <= a v`, else at most `2/3 v + K/(3 a)`, and joint
+///   i covers `|u_i| / (2 a)`.
 template <RobotModel M, std::size_t I, Real T = double>
 class ToolSpeed {
  public:
@@ -42,6 +46,12 @@ class ToolSpeed {
   [[nodiscard]] T limit() const noexcept { return values_.speed; }
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
+  /// The velocity after a step, and whether the limit acted.
+  struct Kept {
+    JointVelocity<joints, T> velocity;
+    bool limited;
+  };
+
   /// The point's velocity per joint velocity at `q`, for several queries.
   class At {
    public:
@@ -52,18 +62,40 @@ class ToolSpeed {
       for (std::size_t i = 0; i < joints; ++i) v = v + u[i] * column_[i];
       return sqrt(dot(v, v));
     }
-    /// Whether a motion that reaches `u` over `path`, the sum of the joints' paths, and brakes from there,
-    /// keeps the limit. False for NaN.
-    [[nodiscard]] SKINCTL_INLINE bool keeps(const JointVelocity<joints, T>& u, const T& path) const noexcept {
-      T sum(0), rate = std::numeric_limits<T>::infinity();
+    /// Whether there is a way to stop from the velocity `u`, reached over `moved`, that keeps the limit within
+    /// `room`, the joints' distances to their ends before the motion. False for NaN.
+    [[nodiscard]] SKINCTL_INLINE bool keeps(const JointVelocity<joints, T>& u,
+                                            const JointPosition<joints, T>& moved,
+                                            const JointRoom<joints, T>& room) const noexcept {
+      using std::sqrt;
+      const auto size = [](const T& x) SKINCTL_INLINE_LAMBDA { return x < T(0) ? T(-x) : x; };
+      const T R = of_.values_.reach, most = of_.limit();
+      T sum(0), rate = std::numeric_limits<T>::infinity(), path(0), stop(0);
       for (std::size_t i = 0; i < joints; ++i) {
-        const T w = u[i] < T(0) ? T(-u[i]) : u[i];
+        const T w = size(u[i]), brake = of_.brake(i);
         sum = sum + w;
-        if (w * rate > of_.limits_.acceleration()[i]) rate = of_.limits_.acceleration()[i] / w;
+        path = path + size(moved[i]);
+        stop = stop + w * w / (T(2) * brake);
+        if (w * rate > brake) rate = brake / w;
       }
-      const T R = of_.values_.reach, v = speed(u) + R * path * sum, growth = R * sum * sum;
-      if (growth <= rate * v) return v <= of_.limit();
-      return T(2) * v + growth / rate <= T(3) * of_.limit();
+      T alone = R * (path + stop) * sum;
+      for (std::size_t i = 0; i < joints; ++i) alone = alone + size(u[i]) * sqrt(dot(column_[i], column_[i]));
+      if (alone <= most) return true;
+      const T v = speed(u) + R * path * sum, growth = R * sum * sum;
+      if (!(growth <= rate * v ? v <= most : T(2) * v + growth / rate <= T(3) * most)) return false;
+      return stops_inside(u, moved, room, T(T(1) / rate));
+    }
+    /// Whether every joint stops within `room` if all brake alike for `time` seconds.
+    [[nodiscard]] SKINCTL_INLINE bool stops_inside(const JointVelocity<joints, T>& u,
+                                                   const JointPosition<joints, T>& moved,
+                                                   const JointRoom<joints, T>& room,
+                                                   const T& time) const noexcept {
+      for (std::size_t i = 0; i < joints; ++i) {
+        const T way = T(0.5) * time * u[i] + moved[i];
+        if ((u[i] > T(0) && !(way <= room.above[i])) || (u[i] < T(0) && !(-way <= room.below[i])))
+          return false;
+      }
+      return true;
     }
 
    private:
@@ -97,43 +129,91 @@ class ToolSpeed {
     return s > T(0) ? s : T(0);
   }
 
-  /// The step from `u0` to `u1` over `h` seconds as far as it keeps the limit: `u1` if it does, else its mix
-  /// with the motion that brakes all joints alike from u0; that motion alone if no mix does.
-  [[nodiscard]] SKINCTL_NOINLINE JointVelocity<joints, T> within(const JointPosition<joints, T>& q,
-                                                                 const JointVelocity<joints, T>& u0,
-                                                                 const JointVelocity<joints, T>& u1,
-                                                                 const T& h) const noexcept {
+  /// Whether the motion that ends at the velocity `u` after `moved` keeps the limit; see `At::keeps`.
+  [[nodiscard]] SKINCTL_NOINLINE bool keeps(const JointPosition<joints, T>& q,
+                                            const JointVelocity<joints, T>& u,
+                                            const JointPosition<joints, T>& moved,
+                                            const JointRoom<joints, T>& room) const noexcept {
+    return at(q).keeps(u, moved, room);
+  }
+
+  /// The step from `u0` to `u1`, both within the joints' limits, over `h` seconds as far as it keeps the limit
+  /// within `room`: `u1` if it does. Otherwise joints on the way to their ends are slowed first, so that they
+  /// can brake together with the others; then the step is mixed with the one that brakes all joints alike, or
+  /// with the one that brakes each on its own. The latter alone if no mix keeps the limit.
+  [[nodiscard]] SKINCTL_NOINLINE Kept within(const JointPosition<joints, T>& q,
+                                             const JointRoom<joints, T>& room,
+                                             const JointVelocity<joints, T>& u0,
+                                             const JointVelocity<joints, T>& u1, const T& h) const noexcept {
+    using Velocity = JointVelocity<joints, T>;
     const At here = at(q);
-    const auto path = [&](const JointVelocity<joints, T>& u) {
-      T sum(0);
-      for (std::size_t i = 0; i < joints; ++i) {
-        const T way = T(0.5) * h * (u0[i] + u[i]);
-        sum = sum + (way < T(0) ? T(-way) : way);
-      }
-      return sum;
+    const auto moved = [&](const Velocity& u) {
+      return integrate(JointPosition<joints, T>(), u0 + u, T(T(0.5) * h));
     };
-    if (here.keeps(u1, path(u1))) [[likely]]
-      return u1;
-    T rate(0);  // the weakest joint stops last
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T stop = (u0[i] < T(0) ? T(-u0[i]) : u0[i]) / limits_.acceleration()[i];
-      if (stop > rate) rate = stop;
+    const auto keeps_in = [&](const JointRoom<joints, T>& given, const Velocity& u) {
+      return here.keeps(u, moved(u), given);
+    };
+    // A margin for the rounding of positions while it brakes.
+    const T margin = T(256) * std::numeric_limits<T>::epsilon();
+    const JointRoom<joints, T> less{room.below - JointPosition<joints, T>::constant(margin),
+                                    room.above - JointPosition<joints, T>::constant(margin)};
+    const auto keeps = [&](const Velocity& u) { return keeps_in(less, u); };
+    if (keeps(u1)) [[likely]]
+      return {u1, false};
+    const T stop = time_to_stop(u0), left = stop > h ? T(T(1) - h / stop) : T(0);
+    Velocity brake = left * u0;  // the weakest joint stops last
+    if (!keeps_in(room, brake)) {
+      const Velocity alone = limits_.move(room, u0, Velocity(), h).velocity;
+      if (keeps_in(room, alone) || !here.stops_inside(brake, moved(brake), room, T(stop - h))) brake = alone;
     }
-    const T left = rate > h ? T(T(1) - h / rate) : T(0);
+    const Velocity wish = beside_ends(less, u0, u1, h);
+    if (!(wish == u1) && keeps(wish)) return {wish, true};
     T good(0), bad(1);
-    JointVelocity<joints, T> out = left * u0;
+    Velocity out = brake;
     for (int k = 0; k < 16; ++k) {
       const T part = T(0.5) * (good + bad);
-      JointVelocity<joints, T> u;
-      for (std::size_t i = 0; i < joints; ++i) u[i] = left * u0[i] + part * (u1[i] - left * u0[i]);
-      const bool keeps = here.keeps(u, path(u));
-      if (keeps) out = u;
-      (keeps ? good : bad) = part;
+      Velocity u;
+      for (std::size_t i = 0; i < joints; ++i) u[i] = brake[i] + part * (wish[i] - brake[i]);
+      const bool may = keeps(u);
+      if (may) out = u;
+      (may ? good : bad) = part;
     }
-    return out;
+    return {out, true};
   }
 
  private:
+  /// The rate of braking that is planned; a little less than that of braking itself, for rounding.
+  [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
+    return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
+  }
+  /// The time in which all joints, braking alike, come to rest from `u`.
+  [[nodiscard]] SKINCTL_INLINE T time_to_stop(const JointVelocity<joints, T>& u) const noexcept {
+    T longest(0);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T stop = (u[i] < T(0) ? T(-u[i]) : u[i]) / (limits_.acceleration()[i] * braking_share<T>);
+      if (stop > longest) longest = stop;
+    }
+    return longest;
+  }
+  /// `u1`, with each joint slowed such that it stops before its end if all brake alike; within the
+  /// acceleration limits from `u0`.
+  [[nodiscard]] SKINCTL_INLINE JointVelocity<joints, T> beside_ends(const JointRoom<joints, T>& room,
+                                                                    const JointVelocity<joints, T>& u0,
+                                                                    const JointVelocity<joints, T>& u1,
+                                                                    const T& h) const noexcept {
+    JointVelocity<joints, T> u = u1;
+    const T stop = time_to_stop(u1) / braking_share<T>;
+    for (std::size_t i = 0; i < joints; ++i) {
+      // h (u0 + u)/2 + u stop/2 <= room
+      const T above = (T(2) * room.above[i] - h * u0[i]) / (h + stop),
+              below = (T(2) * room.below[i] + h * u0[i]) / (h + stop), dv = limits_.acceleration()[i] * h;
+      if (u[i] > T(0) && u[i] > above) u[i] = above > T(0) ? above : T(0);
+      if (u[i] < T(0) && -u[i] > below) u[i] = below > T(0) ? T(-below) : T(0);
+      u[i] = u[i] > u0[i] + dv ? u0[i] + dv : (u[i] < u0[i] - dv ? u0[i] - dv : u[i]);
+    }
+    return u;
+  }
+
   [[no_unique_address]] M model_;
   JointLimits<joints, T> limits_;
   Values values_;

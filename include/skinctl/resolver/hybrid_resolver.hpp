@@ -50,11 +50,14 @@ class HybridResolver {
   using Configuration = HybridConfiguration<Stiff::count, Driven::count, T>;
   using Memory = HybridMemory<joints, Stiff::count, T, History>;
   template <class L, class Touch = NoTouch>
-  using Knows = Quantities<M, L::needs | Integrator::needs, T, Touch>;
+  using Knows = Quantities<M, L::needs | Integrator::needs, T, Touch, VirtualMass<joints, T>>;
 
   /// Throws `ConfigurationError` for a number out of its range.
   HybridResolver(const M& model, const Configuration& c)
       : model_(model), virtual_(c.stiff), limits_(c.limits), viscous_(c.viscous) {
+    Stiff::put(virtual_.parameters().shape.inertia, inertia_);
+    Stiff::put(stiff_limits().torque(), torques_);
+    Driven::put(limits_.torque(), torques_);
     for (const T& b : viscous_) {
       has_friction_ = has_friction_ || b > T(0);
       require(b >= T(0) && b <= T(1e6), "viscous friction", static_cast<double>(b), "0 to 1e6 N m s/rad");
@@ -96,6 +99,12 @@ class HybridResolver {
   [[nodiscard]] SKINCTL_INLINE State<joints, T> state(const Memory& m) const noexcept {
     return state(m, m.stiff.time, m.stiff.v);
   }
+  /// As `Resolver::known`; the virtual inertia is that of the stiff joints.
+  template <class L, class Touch>
+  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
+                                                     const Touch& touch) const noexcept {
+    return Knows<L, Touch>(model_, state, dt, touch, {torques_, inertia_, no_tool_});
+  }
   /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
     return virtual_.interval(m.stiff, now);
@@ -125,7 +134,7 @@ class HybridResolver {
 
   /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stiff.stop = true; }
-  void resume(Memory& m) const noexcept { m.stiff.stop = false; }
+  void resume(Memory& m) const noexcept { virtual_.resume(m.stiff); }
 
   /// The elements of `whole` that belong to the joints of a subset.
   template <class Subset>
@@ -188,6 +197,8 @@ class HybridResolver {
   detail::VirtualJoints<I, Stiff::count, T, History> virtual_;
   JointLimits<Driven::count, T> limits_;
   DrivenTorque viscous_;
+  JointTorque<joints, T> inertia_, torques_;
+  [[no_unique_address]] NoToolShape no_tool_;
   bool has_friction_ = false;
 };
 

@@ -32,7 +32,7 @@ struct CrankNicolson {
 /// the quantities that laws need. For sub-steps up to 2 ms.
 struct ImplicitFriction {
   using RobotPart = detail::IntegratorPart;
-  static constexpr Needs needs{.angles = true, .mass = true};
+  static constexpr Needs needs{.angles = true};
   static constexpr bool midpoint = false;
   template <Real T>
   static SKINCTL_INLINE T weight(const T&) noexcept {
@@ -45,7 +45,7 @@ struct ImplicitFriction {
 /// `1 - 1/z`. Shares the quantities that laws need.
 struct SemiImplicitEuler {
   using RobotPart = detail::IntegratorPart;
-  static constexpr Needs needs{.angles = true, .mass = true};
+  static constexpr Needs needs{.angles = true};
   static constexpr bool midpoint = false;
   template <Real T>
   static SKINCTL_INLINE T weight(const T& z) noexcept {
@@ -95,15 +95,24 @@ SKINCTL_NOINLINE void add_damping(const ContactDamping<N, T>& damping, const T& 
   }
 }
 
-/// M, and `C v + G`, where the policy takes them.
+/// Whether a law's mass matrix is that of the integrator's pose, without the shape of a tool.
+template <class Policy, class K, bool Shaped = false>
+inline constexpr bool shares_mass = !Policy::midpoint && K::needs.mass && !(Shaped && K::is_virtual);
+/// Whether it includes the joints' virtual inertia.
+template <class Policy, class K, bool Shaped = false>
+inline constexpr bool shares_inertia = shares_mass<Policy, K, Shaped> && K::is_virtual;
+
+/// M, and `C v + G`, where the policy takes them; with the virtual inertia if `shares_inertia`.
 ///
 /// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
-template <class Policy, class K, Real T>
-[[nodiscard]] SKINCTL_INLINE MassMatrix<K::joints, T> mass_where(const K& known) noexcept {
+template <class Policy, bool Shaped = false, class K>
+[[nodiscard]] SKINCTL_INLINE MassMatrix<K::joints, typename K::scalar> mass_where(const K& known) noexcept {
   if constexpr (Policy::midpoint) {
     return mass_matrix(known.model(), known.middle());
+  } else if constexpr (shares_mass<Policy, K, Shaped>) {
+    return MassMatrix<K::joints, typename K::scalar>(known.mass());
   } else {
-    return MassMatrix<K::joints, T>(known.mass());
+    return mass_matrix(known.model(), known.angles());
   }
 }
 template <class Policy, class K, Real T>
@@ -221,8 +230,8 @@ template <class Policy, class K, Real T, class Tool = NoToolShape>
     VelocityStep<n, T> out;
     if (!has_coulomb && damping == nullptr && runge_kutta(known, shape, tau, pull, out.velocity)) return out;
   }
-  MassMatrix<n, T> m = mass_where<Policy, K, T>(known);
-  add_inertia(shape, m);
+  MassMatrix<n, T> m = mass_where<Policy, shaped>(known);
+  if constexpr (!shares_inertia<Policy, K, shaped>) add_inertia(shape, m);
   if constexpr (shaped) {
     return step_shaped<Policy>(known, shape, has_coulomb, tau, pull, last, damping, tool, m);
   } else {
@@ -260,11 +269,11 @@ template <class Policy, class Subset, class K, Real T>
       return Subset::of(all(known.angles()));
     }
   }();
-  const MassMatrix<K::joints, T> all = mass_where<Policy, K, T>(known);
+  const MassMatrix<K::joints, T> all = mass_where<Policy>(known);
   MassMatrix<n, T> m;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j) m(i, j) = all(Subset::index[i], Subset::index[j]);
-  add_inertia(shape, m);
+  if constexpr (!shares_inertia<Policy, K>) add_inertia(shape, m);
   return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, known.dt(), [](auto&, auto&) {});
 }
 

@@ -13,6 +13,10 @@ struct Interval {
   Nanoseconds to{};
   unsigned substeps = 0;
   Status status;
+  /// Time of the cycle, `to` unless the clock went back.
+  Nanoseconds seen{};
+  /// The clock had leapt and is back: what has a stamp is to be moved by `from` minus the last cycle's time.
+  bool clock_set = false;
 
   /// Begin of sub-step `j`; `at(substeps)` is the end.
   [[nodiscard]] constexpr Nanoseconds at(unsigned j) const noexcept {
@@ -22,14 +26,27 @@ struct Interval {
 
 namespace detail {
 
-/// The interval from `last` to `now`, sub-steps not yet chosen.
-[[nodiscard]] SKINCTL_INLINE Interval interval_since(bool started, Nanoseconds last, Nanoseconds now,
-                                                     Nanoseconds longest) noexcept {
-  if (!started) return {0ns, 0ns, 0, Reason::interval_empty};
-  if (now == last) return {last, last, 0, Reason::interval_empty};
-  if (now < last || !is_plausible(now)) return {last, last, 0, Reason::time_backwards};
-  if (now - last > longest) return {now - longest, now, 0, Reason::interval_too_long};
-  return {last, now, 0, {}};
+/// No time: the clock has not gone back.
+inline constexpr Nanoseconds no_time = Nanoseconds::min();
+
+/// The interval from `last` to `now`, sub-steps not yet chosen. A clock that goes back is not believed once,
+/// but twice: a time that follows `odd`, the refused time of the cycle before, is that of a clock that leapt
+/// and is back, and the interval begins at `odd`. So one stamp far in the future costs two cycles.
+[[nodiscard]] SKINCTL_INLINE Interval interval_since(bool started, Nanoseconds last, Nanoseconds odd,
+                                                     Nanoseconds now, Nanoseconds longest) noexcept {
+  if (!started) return {0ns, 0ns, 0, Reason::interval_empty, now};
+  if (now == last) return {last, last, 0, Reason::interval_empty, now};
+  if (now < last || !is_plausible(now)) [[unlikely]] {
+    if (is_plausible(now) && odd != no_time && odd < now && now - odd <= longest)
+      return {odd, now, 0, {}, now, true};
+    return {last, last, 0, Reason::time_backwards, now};
+  }
+  if (now - last > longest) return {now - longest, now, 0, Reason::interval_too_long, now};
+  return {last, now, 0, {}, now};
+}
+/// What a cycle that integrates nothing remembers of its time.
+[[nodiscard]] SKINCTL_INLINE Nanoseconds odd_time_of(const Interval& interval) noexcept {
+  return interval.status.has(Reason::time_backwards) && is_plausible(interval.seen) ? interval.seen : no_time;
 }
 
 }  // namespace detail

@@ -7,6 +7,7 @@
 #include "skinctl/math/lu.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
 #include "skinctl/resolver/integrator.hpp"
+#include "skinctl/robot/virtual_mass.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -78,7 +79,8 @@ class Resolver {
   /// The input of a law: the state of the virtual robot and the quantities that law and integrator need of
   /// it.
   template <class L, class Touch = NoTouch>
-  using Knows = Quantities<M, L::needs | Integrator::needs | keeper_needs, T, Touch>;
+  using Knows =
+      Quantities<M, L::needs | Integrator::needs | keeper_needs, T, Touch, VirtualMass<joints, T, Tool>>;
 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
@@ -123,6 +125,14 @@ class Resolver {
   /// The state that laws read.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return {m.time, m.q.value, m.v}; }
 
+  /// What a law knows at `state`, which must outlive it like `touch`: for a torque that is held for `dt` seconds.
+  template <class L, class Touch>
+  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
+                                                     const Touch& touch) const noexcept {
+    return Knows<L, Touch>(model_, state, dt, touch,
+                           {parameters().limits.torque(), parameters().shape.inertia, tool_});
+  }
+
   /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
     return virtual_.interval(m, now);
@@ -159,7 +169,8 @@ class Resolver {
 
   /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stop = true; }
-  void resume(Memory& m) const noexcept { m.stop = false; }
+  /// Ends a stop. A displaced robot goes on with the gap that it has now, if that is at most `largest_gap`.
+  void resume(Memory& m) const noexcept { virtual_.resume(m); }
 
  private:
   using Torque = JointTorque<joints, T>;

@@ -68,6 +68,14 @@ class JointServo {
     m.slope[k] = slope;
   }
 
+  /// The clock leapt, or was set: at `time` the newest command is being carried out, all others are done.
+  SKINCTL_COLD void restart(Memory& m, Nanoseconds time) const noexcept {
+    m.first = last(m);
+    m.count = 1;
+    m.time[m.first] = time - delay_;
+    m.now = time;
+  }
+
   /// Calls `f(position)` for the command that is being carried out and every one under way, in their order.
   template <class F>
   SKINCTL_INLINE void each_under_way(const Memory& m, F&& f) const noexcept {

@@ -13,8 +13,9 @@ struct TorqueResolverMemory {
   bool started = false;
   bool stop = false;
   Nanoseconds time{};
-  State<N, T> measured;        ///< the last good measurement
-  JointCommand<N, T> command;  ///< the last one
+  Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
+  State<N, T> measured;               ///< the last good measurement
+  JointCommand<N, T> command;         ///< the last one
   [[no_unique_address]] Tank tank;
 };
 
@@ -46,7 +47,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
       joints, T, std::conditional_t<has_tank, typename EnergyTank<T>::template Held<joints>, NoTank>>;
   static constexpr Needs keeper_needs = {.angles = has_tank, .mass = has_tank};
   template <class L, class Touch = NoTouch>
-  using Knows = Quantities<M, L::needs | keeper_needs, T, Touch>;
+  using Knows = Quantities<M, L::needs | keeper_needs, T, Touch, RealMass<joints, T>>;
 
   /// Throws `ConfigurationError` for a number out of its range.
   Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
@@ -85,9 +86,16 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   /// The state that laws read: the last good measurement.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return m.measured; }
 
+  /// As for the position interface; a robot by torque has its model's inertia.
+  template <class L, class Touch>
+  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
+                                                     const Touch& touch) const noexcept {
+    return Knows<L, Touch>(model_, state, dt, touch, RealMass<joints, T>(p_.limits.torque()));
+  }
+
   /// The time since the last cycle as one sub-step: a torque is held, not integrated.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
-    Interval out = detail::interval_since(m.started, m.time, now, p_.longest_interval);
+    Interval out = detail::interval_since(m.started, m.time, m.odd, now, p_.longest_interval);
     out.substeps = out.to > out.from ? 1 : 0;
     return out;
   }
@@ -101,12 +109,14 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
+      m.odd = detail::odd_time_of(interval);
       // Even if the clock is wrong, gravity is compensated at the measured position.
       out.fallback = held(detail::believed(measured, m.measured, check));
       return out;
     }
     SKINCTL_EXPECTS(!touches.empty(), "one touch");
     m.time = interval.to;
+    m.odd = detail::no_time;
     const JointPosition<joints, T> before = m.measured.q;
     out.status |= take_measurement(m.measured, measured, interval.to, check);
     const bool stale = interval.to - m.measured.time > p_.stale_after;
@@ -127,7 +137,8 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
       out.status |= Reason::stopping;
     } else {
       const auto& touch = total_of(touches[0]);
-      const Knows<L, LawTouch<Touch>> known(model_, m.measured, seconds<T>(p_.period), touch);
+      const Knows<L, LawTouch<Touch>> known =
+          this->template known<L>(m.measured, seconds<T>(p_.period), touch);
       const auto evaluation = evaluate(law, law_memory, known, seconds<T>(interval.to - interval.from));
       out.status |= evaluation.status;
       if (detail::is_finite(evaluation.torque)) [[likely]] {
@@ -167,7 +178,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     State<joints, T> state = m.measured;
     static_cast<void>(take_measurement(state, measured, interval.to, check));
     const auto sent = [&](const auto& who) {
-      const Knows<L, Touch> known(who.robot.model_, state, planned_step(), who.touch);
+      const Knows<L, Touch> known = who.robot.template known<L>(state, planned_step(), who.touch);
       return torque_of(who.law, who.memory, known) - who.robot.friction(state);
     };
     return sent(before) - sent(next);

@@ -29,9 +29,11 @@ struct RobotConfiguration {
   JointTorque<N, T> viscous_friction = {};
   JointTorque<N, T> coulomb_friction = {};  ///< of the virtual robot, per joint [N m]
   JointTorque<N, T> virtual_inertia = {};   ///< added to each joint of the virtual robot [kg m^2]
-  /// r_tol: dead band of the difference [rad] between measured and expected position. At least three times
-  /// the encoder's standard deviation plus the top speed times the uncertainty of the delay.
-  JointPosition<N, T> dead_band = JointPosition<N, T>::constant(T(0.01));
+  /// r_tol: dead band of the difference [rad] between measured and expected position, inside of which the
+  /// robot counts as following. It covers the parts of lag and gap that are not declared: three times the
+  /// encoder's standard deviation, the top speed times the uncertainty of the delay, the droop of the servo.
+  /// Default: a third of e_max (see `max_lead`), 50 mrad for an arm of 3 rad/s with T = 24 ms.
+  std::optional<JointPosition<N, T>> dead_band = {};
   /// w [1/s]: gain of the observer, at most 0.3/T with T = delay + lag + period; that is the default.
   std::optional<T> observer = {};
   /// The lead: the command is the virtual robot's state, extrapolated by this time at its present velocity
@@ -40,7 +42,8 @@ struct RobotConfiguration {
   /// next command.
   Nanoseconds lead{};
   /// Velocity interface only: rate at which the virtual robot's position converges to the measured one
-  /// without moving the robot [1/s], at most w. Default: 1, or w if that is less.
+  /// without moving the robot [1/s], at most w. A joint that stands still while it is sent less than drift times dead band is not noticed.
+  /// Default: 0.2, or w if that is less.
   std::optional<T> drift = {};
   /// e_max in units of v_max T: the greatest distance of the virtual robot ahead of the measured one. Less
   /// than `1 + v_max/(2 a T)` lowers the top speed, see `Resolver::top_speed`.
@@ -71,6 +74,16 @@ struct RobotConfiguration {
   [[nodiscard]] constexpr Nanoseconds longest() const noexcept {
     return longest_interval.value_or(5 * period);
   }
+  /// e_max [rad].
+  [[nodiscard]] JointPosition<N, T> largest_lead() const noexcept {
+    JointPosition<N, T> e;
+    for (std::size_t i = 0; i < N; ++i) e[i] = max_lead * limits.velocity()[i] * seconds<T>(total_delay());
+    return e;
+  }
+  /// r_tol [rad].
+  [[nodiscard]] JointPosition<N, T> tolerance_of_lag() const noexcept {
+    return dead_band ? *dead_band : T(1) / T(3) * largest_lead();
+  }
 };
 
 /// Maximum number of sub-steps of one interval.
@@ -97,7 +110,7 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(w > T(0) && w <= most * (T(1) + tolerance<T>), "observer w", number(w),
           "> 0, <= 0.3/(delay + lag + period) 1/s");
   require(c.lead >= 0ns && c.lead <= total, "lead", ms(c.lead), ">= 0, <= delay + lag + period, in ms");
-  const T drift = c.drift.value_or(w < T(1) ? w : T(1));
+  const T drift = c.drift.value_or(w < T(0.2) ? w : T(0.2));
   require(drift >= T(0) && drift <= w, "drift", number(drift), ">= 0, <= w 1/s");
   require(c.max_lead >= T(1.2) && c.max_lead <= T(100), "max_lead", number(c.max_lead), "1.2 to 100 v_max T");
   require(c.retry > 0ns && c.retry <= 3600s, "retry", seconds<double>(c.retry), "> 0, <= 3600 s");
@@ -107,6 +120,7 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(stale >= c.period && stale <= 10s, "stale after", ms(stale), ">= period, <= 10 000 ms");
   require(c.virtual_damping >= T(0) && c.virtual_damping <= T(1e4), "virtual damping",
           number(c.virtual_damping), "0 to 1e4 1/s");
+  const JointPosition<N, T> band = c.tolerance_of_lag(), lead = c.largest_lead();
   for (std::size_t i = 0; i < N; ++i) {
     const T lower = c.limits.lower()[i], upper = c.limits.upper()[i],
             inf = std::numeric_limits<T>::infinity();
@@ -114,7 +128,7 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
             ">= -60 rad or m, or -infinity: are these degrees?");
     require(upper <= T(60) || upper == inf, "upper position limit", number(upper),
             "<= 60 rad or m, or infinity: are these degrees?");
-    require(c.dead_band[i] > T(0) && c.dead_band[i] <= T(1), "dead band", number(c.dead_band[i]),
+    require(!c.dead_band || (band[i] > T(0) && band[i] <= T(1)), "dead band", number(band[i]),
             "> 0, <= 1 rad");
     require(c.viscous_friction[i] >= T(0) && c.viscous_friction[i] <= T(1e6), "viscous friction",
             number(c.viscous_friction[i]), "0 to 1e6 N m s/rad");
@@ -122,8 +136,8 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
             number(c.coulomb_friction[i]), "0 to 1e6 N m");
     require(c.virtual_inertia[i] >= T(0) && c.virtual_inertia[i] <= T(1e6), "virtual inertia",
             number(c.virtual_inertia[i]), "0 to 1e6 kg m^2");
-    require(!has_virtual_robot || c.max_lead * c.limits.velocity()[i] * seconds<T>(total) > c.dead_band[i],
-            "dead band", number(c.dead_band[i]), "below max_lead v_max T: a blocked robot must be noticed");
+    require(!has_virtual_robot || lead[i] > band[i], "dead band", number(band[i]),
+            "below max_lead v_max T: a blocked robot must be noticed");
   }
 }
 

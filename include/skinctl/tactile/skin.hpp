@@ -151,6 +151,8 @@ class Skin {
   }
 
   /// The areas where force readings are held: the contacts. Time is bounded: per pressed cell a constant.
+  /// What else is touched (the second argument) is nothing to a skin.
+  [[nodiscard]] Pressed pressed(const Memory& memory, const auto&) const noexcept { return pressed(memory); }
   [[nodiscard]] Pressed pressed(const Memory& memory) const noexcept {
     Pressed areas;
     for (std::size_t b = 0; b < Memory::blocks; ++b) {

@@ -57,8 +57,8 @@ struct ImplicitSign {
 };
 
 /// Super-twisting (Levant, 1993): `sqrt(mu |S|) sign(S) + z`, `dz = mu sign(S)`, cut off at -1 and 1: two
-/// integrals lie between the jump of the sign and the torque. Where the root is steeper than sampled time
-/// allows, a straight line takes its place.
+/// integrals lie between the jump of the sign and the torque. Where root and sign are steeper than sampled time
+/// allows, straight lines take their places: `slope`, and `twist` for the sign of z.
 struct SuperTwistingSign {
   static constexpr bool twists = true;
   template <std::size_t N, Real T>
@@ -80,13 +80,33 @@ struct SuperTwistingSign {
     const T most = ImplicitSign::slope(mu, K_i2, dt);
     return most > mu ? most : mu;
   }
+  /// The steepest slope of dz over S [1/s / (rad/s)].
+  ///
+  /// Beside S the z loop is an oscillator, `S'' + c S' + K_i2 twist S = 0`. Its root damps it least at the
+  /// greatest S with this slope, `S = mu / twist`, by `c = K_i1 + K_i2 min(slope, sqrt(twist))`. Delays take
+  /// `K_i2 twist dt` of c for each interval that they last, so `K_i2 twist dt <= c/8` leaves room for several of
+  /// them; with c/5 some gains rang.
+  template <Real T>
+  [[nodiscard]] static T twist(const T& mu, const T& K_i1, const T& K_i2, const T& slope,
+                               const T& dt) noexcept {
+    using std::sqrt;
+    const T sharp = T(100) * mu * mu, share = T(0.125) / dt;
+    if (!(K_i2 > T(0))) return sharp;
+    // y = sqrt(twist): y^2 <= share (K_i1 / K_i2 + min(slope, y))
+    const T rest = share * K_i1 / K_i2, half = T(0.5) * share, y = half + T(sqrt(half * half + rest));
+    const T most = y < slope ? T(y * y) : T(rest + share * slope);
+    return sharp < most ? sharp : most;
+  }
 };
 
 /// The own integral of a sign: none, or the z of super-twisting.
 template <class Sign, std::size_t N, Real T>
 struct SignMemory {
   [[nodiscard]] const T* data() const noexcept { return nullptr; }
-  [[nodiscard]] SignMemory advanced(const T*, const T&, const T&, bool) const noexcept { return *this; }
+  template <class Gains>
+  [[nodiscard]] SignMemory advanced(const T*, const Gains&, const T&, bool) const noexcept {
+    return *this;
+  }
 };
 template <class Sign, std::size_t N, Real T>
   requires(Sign::twists)
@@ -94,14 +114,14 @@ struct SignMemory<Sign, N, T> {
   T z[N] = {};
   [[nodiscard]] const T* data() const noexcept { return z; }
   /// `dt` later; a NaN in S changes nothing, and nothing changes while the law is held.
-  [[nodiscard]] SignMemory advanced(const T* S, const T& mu, const T& dt, bool held) const noexcept {
+  template <class Gains>
+  [[nodiscard]] SignMemory advanced(const T* S, const Gains& gains, const T& dt, bool held) const noexcept {
     SignMemory next = *this;
     if (held) return next;
     for (std::size_t i = 0; i < N; ++i) {
-      // backward Euler about S = 0, as the sign is set-valued there
-      const T x = S[i] * mu * T(100);
-      const T sign = x > T(1) ? T(1) : (x < T(-1) ? T(-1) : (x == x ? x : T(0)));
-      const T z_i = z[i] + dt * mu * sign;
+      const T x = gains.twist * S[i], mu = gains.mu;
+      const T rate = x > mu ? mu : (x < -mu ? T(-mu) : (x == x ? x : T(0)));
+      const T z_i = z[i] + dt * rate;
       next.z[i] = z_i > T(1) ? T(1) : (z_i < T(-1) ? T(-1) : z_i);
     }
     return next;

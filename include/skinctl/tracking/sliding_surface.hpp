@@ -59,6 +59,7 @@ struct SurfaceGains {
   T K_i1, K_i2, mu;
   T slope;               ///< the largest slope of the sign
   T I1_limit, I2_limit;  ///< bounds of the integrals
+  T twist = T(0);        ///< the largest slope of the rate of the sign's own integral
 
   template <std::size_t N>
   explicit SurfaceGains(const JointControlSettings<N, T>& s) noexcept
@@ -67,7 +68,9 @@ struct SurfaceGains {
         mu(s.mu),
         slope(Sign::slope(s.mu, s.K_i2, seconds<T>(s.dt))),
         I1_limit(s.K_i1 > T(0) ? T(s.integral_limit / s.K_i1) : T(1)),
-        I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {}
+        I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {
+    if constexpr (Sign::twists) twist = Sign::twist(s.mu, s.K_i1, s.K_i2, slope, seconds<T>(s.dt));
+  }
 
   /// The part of its rate that an integral takes: all of it up to half the limit and on the way back, then
   /// smoothly less, and none at the limit.

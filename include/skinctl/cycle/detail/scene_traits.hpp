@@ -1,19 +1,13 @@
 // Compile-time traits of the parts of a scene: whether they fit, and who compensates gravity and friction.
 #pragma once
 
+#include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
-/// `N` values of a type without resources; memory is touched only by writes.
-template <class V, std::size_t N>
-union Unwritten {
-  static_assert(std::is_trivially_copyable_v<V>);
-  V data[N];
-  Unwritten() noexcept {}
-};
 template <class Overseer>
 inline constexpr bool is_governor = false;
 template <std::size_t N, Real T, class... Parts>
@@ -51,33 +45,63 @@ template <class Resolver>
 inline constexpr bool has_one_interface = requires { Resolver::interface; };
 template <class Resolver>
 inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
-/// The touch that a resolver takes from a skin: forces and proximities apart for one with a tank.
-template <class Resolver, class Skin>
+template <class Resolver>
+inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
+/// Whether a skin says where it is pressed, beside the touch `Touch` of other sensors.
+template <class Skin, class Touch>
+concept KnowsPressed = requires(const Skin& skin, const typename Skin::Memory& memory, const Touch& touch) {
+  skin.pressed(memory, touch);
+};
+/// The touch that a resolver takes from a skin: forces and proximities apart where a tank has to tell them, and
+/// where contacts are asked for (`Contacts`) and not known otherwise.
+template <class Resolver, class Skin, bool Contacts>
 struct TouchFor {
   using type = typename Skin::Wrenches;
 };
-template <class Resolver, class Skin>
+template <class Resolver, class Skin, bool Contacts>
   requires requires {
     typename Skin::Touch;
-    requires Resolver::has_tank;
+    requires Resolver::has_tank || (Contacts && !KnowsPressed<Skin, typename Skin::Wrenches>);
   }
-struct TouchFor<Resolver, Skin> {
+struct TouchFor<Resolver, Skin, Contacts> {
   using type = typename Skin::Touch;
 };
-/// The contacts for a skin's held readings, if the scene has a part that asks for them. A skin that does not
-/// know where it is pressed gives wrenches.
-template <bool Wanted, class Skin>
-[[nodiscard]] SKINCTL_INLINE auto pressed(const Skin& skin, const typename Skin::Memory& memory) noexcept {
-  if constexpr (!Wanted) {
+/// The contacts, if the scene has a part that asks for them: where the skin is pressed, or else the wrenches of
+/// the touch at the end of the interval.
+template <bool Contacts, class Skin, class Touch>
+[[nodiscard]] SKINCTL_INLINE auto pressed(const Skin& skin, const typename Skin::Memory& memory,
+                                          const Touch& touch) noexcept {
+  if constexpr (!Contacts) {
     return PressedUnknown{};
-  } else if constexpr (requires { skin.pressed(memory); }) {
-    return skin.pressed(memory);
+  } else if constexpr (KnowsPressed<Skin, Touch>) {
+    return skin.pressed(memory, touch);
   } else {
-    return skin.wrenches(memory);
+    return contact_part(touch);
   }
 }
-template <class Resolver>
-inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
+/// What the touch of a scene adds to its input: nothing for cells, see `TouchSensor`.
+template <class Skin>
+struct SensedBy {
+  using type = NoSensors;
+};
+template <class Skin>
+  requires requires { typename Skin::Sensed; }
+struct SensedBy<Skin> {
+  using type = typename Skin::Sensed;
+};
+/// Takes what was sensed in an interval, and gives the mean touch over each of its parts. `measured()` is the
+/// newest good state of the robot, for sensors that need one.
+template <class Skin, class Input, class Measured, class Touch>
+SKINCTL_INLINE Status receive_touch(const Skin& skin, typename Skin::Memory& memory, const Input& input,
+                                    const Measured& measured, const Interval& interval, std::size_t parts,
+                                    Touch* touches) noexcept {
+  if constexpr (requires { typename Skin::Sensed; }) {
+    return skin.receive(memory, input.samples, input.sensed, measured(), interval.from, interval.to, parts,
+                        touches);
+  } else {
+    return skin.receive(memory, input.samples, interval.from, interval.to, parts, touches);
+  }
+}
 template <class L>
 struct GoalType {
   using type = NoGoal;
@@ -167,7 +191,7 @@ constexpr void check_holders() {
 template <class Robot, class L>
 SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
   if constexpr (requires { robot.virtual_dynamics(); }) {
-    const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.dt(), robot.virtual_dynamics()};
+    const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics()};
     if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
   }
 }

@@ -17,6 +17,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
   if (!m.stiff.started) return out;
   if (interval.substeps == 0) {
+    m.stiff.odd = detail::odd_time_of(interval);
     // Even if the clock is wrong, gravity is compensated at the measured position.
     out.fallback = held(detail::believed(measured, m.measured, check));
     return out;
@@ -33,7 +34,7 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
     Velocity v1;
     if (m.stiff.mode == ResolverMode::following) {
       const auto now = state(m, interval.at(j), m.stiff.v);
-      const Knows<L, Touch> known(model_, now, h, touches[j]);
+      const Knows<L, Touch> known = this->template known<L>(now, h, touches[j]);
       const auto asked = evaluate(law, law_memory, known, h);
       out.status |= asked.status;
       if (detail::is_finite(asked.torque)) [[likely]] {
@@ -61,7 +62,8 @@ auto SKINCTL_HYBRID_CLASS::step(Memory& m, const L& law, typename L::Memory& law
   if (blocked) out.status |= Reason::blocked;
   if (m.stiff.mode != ResolverMode::braking && !m.stiff.stop) {
     const auto now = state(m, m.stiff.time, blocked ? Velocity{} : m.stiff.v);
-    const Knows<L, Touch> known(model_, now, seconds<T>(p.period), touches[interval.substeps - 1]);
+    const Knows<L, Touch> known =
+        this->template known<L>(now, seconds<T>(p.period), touches[interval.substeps - 1]);
     const auto asked = torque_of(law, law_memory, known);
     if (detail::is_finite(asked)) [[likely]] {
       driven = Driven::of(asked) - friction(now);

@@ -13,7 +13,9 @@ struct ResolverParameters {
   JointPosition<N, T> dead_band;
   JointPosition<N, T> max_lead;  ///< e_max
   Nanoseconds period, delay, substep, longest_interval, stale_after;
+  Nanoseconds settle;     ///< time in which a gap of the start shows
   Nanoseconds fresh_for;  ///< age up to which the residual of a measurement is used
+  T cycle;                ///< the period [s]
   T lag, total_delay, per_delay, L1, L2, lead, drift, retry, catch_up;
   bool has_coulomb = false;
 
@@ -22,27 +24,29 @@ struct ResolverParameters {
   SKINCTL_COLD explicit ResolverParameters(const RobotConfiguration<N, T>& c, bool has_virtual_robot = true)
       : limits(c.limits),
         shape(c.virtual_dynamics()),
-        dead_band(c.dead_band),
+        dead_band(c.tolerance_of_lag()),
+        max_lead(c.largest_lead()),
         period(c.period),
         delay(c.delay),
         substep(c.substep),
         longest_interval(c.longest()),
+        cycle(seconds<T>(c.period)),
         lag(seconds<T>(c.lag)),
         lead(seconds<T>(c.lead)),
         retry(seconds<T>(c.retry)) {
     check(c, has_virtual_robot);
     total_delay = seconds<T>(c.total_delay());
     per_delay = T(1) / total_delay;
+    settle = 5 * c.total_delay();
     fresh_for = c.total_delay() + period / 2;
     stale_after = c.stale_after.value_or(5 * c.total_delay());
     const T w = c.observer.value_or(T(0.3) / total_delay);
     L1 = T(2) * w;
     L2 = w * w;
     catch_up = T(0.25) / seconds<T>(period);
-    drift = c.drift.value_or(w < T(1) ? w : T(1));
+    drift = c.drift.value_or(w < T(0.2) ? w : T(0.2));
     for (std::size_t i = 0; i < N; ++i) {
       has_coulomb = has_coulomb || shape.coulomb[i] > T(0);
-      max_lead[i] = c.max_lead * limits.velocity()[i] * total_delay;
     }
   }
 };

@@ -78,7 +78,7 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
                                                     const JointAcceleration<joints, T>& pull, const T& h,
                                                     const Touch& touch) const noexcept -> Driven<L> {
   const auto& total = total_of(touch);
-  const Knows<L, LawTouch<Touch>> known(model_, state, h, total);
+  const Knows<L, LawTouch<Touch>> known = this->template known<L>(state, h, total);
   Driven<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
   if (!detail::is_finite(out.law.torque)) [[unlikely]] {
     out.status |= Reason::torque_not_finite;
@@ -98,9 +98,7 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
   if constexpr (has_tank) {
     const auto& tank = keeper_.template get<EnergyTank<T>>();
     auto& memory = m.keeper.template of<EnergyTank<T>>();
-    MassMatrix<joints, T> mass = known.mass();
-    for (std::size_t i = 0; i < joints; ++i) mass(i, i) = mass(i, i) + parameters().shape.inertia[i];
-    tank.charge(memory, mass, state.dq);
+    tank.charge(memory, known.mass(), state.dq);
     const Torque port = skin_torque(model_, known.angles(), contact_part(touch));
     const Torque passive = tank.settings().port_gain * port + known.gravity();
     const T share = tank.pay(memory, port, out.torque - passive, state.dq, out.velocity, h, [&] {
@@ -123,8 +121,10 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
                                                  std::span<const Touch> touches, const Check& check,
                                                  const Pressed& pressed) const noexcept
     -> Resolved<joints, T, terms_of<L>> {
-  if (!m.started || interval.substeps == 0) [[unlikely]]
+  if (!m.started || interval.substeps == 0) [[unlikely]] {
+    m.odd = detail::odd_time_of(interval);
     return {m.command, interval.status, {}, {}};
+  }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   std::array<Torque, terms_of<L>> shares{};
   const auto begun = virtual_.begin(m, measured, interval, check);
@@ -184,7 +184,7 @@ SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::lacking(
   if constexpr (has_damper) damping = &m.keeper.template of<ContactDamper<T>>().damping;
   const State<joints, T> here = state(m);
   const auto asks = [&](const auto& who, auto&& use) {
-    const Knows<L, Touch> known(who.robot.model_, here, h, who.touch);
+    const Knows<L, Touch> known = who.robot.template known<L>(here, h, who.touch);
     return use(torque_of(who.law, who.memory, known), [&](const Torque& tau) {
       return detail::step_velocity<Integrator>(known, who.robot.parameters().shape, false, tau, {}, m.last,
                                                damping, who.robot.tool_)

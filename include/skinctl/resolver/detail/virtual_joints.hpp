@@ -9,6 +9,10 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
+/// Largest gap between commands and measurements to which a user can agree [rad].
+template <Real T>
+inline constexpr T largest_gap = T(0.15);
+
 /// The resolver's treatment of joints that take positions or velocities, without the laws: the observer with
 /// the declared delay and lag, limits and max lead, the modes, the command. It has no model, so that it
 /// serves a part of a robot's joints while the others take torques.
@@ -27,6 +31,7 @@ class VirtualJoints {
     Velocity rate;                 ///< L1 rho (+ drift r)
     JointAcceleration<N, T> pull;  ///< L2 rho
     bool off = false;              ///< rho is not zero
+    bool gap = false;              ///< the robot stands beside its commands
     struct Speed {
       Velocity least, most;
     };
@@ -63,6 +68,10 @@ class VirtualJoints {
   /// Ends a cycle: computes `command`, which is sent.
   SKINCTL_INLINE Status end(Memory& m, const Begun& begun, const Torque& torque) const noexcept;
 
+  /// The user agrees to go on. A displaced robot follows again from where it stands: the residual becomes the
+  /// gap, if it is at most `largest_gap`; otherwise it stays displaced.
+  SKINCTL_COLD void resume(Memory& m) const noexcept;
+
   /// `command` was sent instead of the last one.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept;
 
@@ -71,10 +80,20 @@ class VirtualJoints {
   SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now,
                                 const Check& check) const noexcept;
   SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
+  /// A clock that leapt, or was set.
+  SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept;
+  /// Judges the residuals `r` that are outside of the dead band, by `rho`, and bounds the correction.
+  SKINCTL_COLD void watch(Memory& m, Correction& c, const Position& r, const Position& rho, Nanoseconds now,
+                          const T& dt) const noexcept;
   SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
   SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,
                               const Velocity& v1, const T& h) const noexcept;
   SKINCTL_COLD Velocity way_back(const Memory& m, const T& h) const noexcept;
+  SKINCTL_COLD Status follow(Memory& m, const Velocity& before, const T& dt) const noexcept;
+  /// How far a position command may be from the last one.
+  SKINCTL_INLINE bool is_near(const Row& moved) const noexcept {
+    return all(magnitude(moved) <= p_.cycle * Row(p_.limits.velocity()));
+  }
   SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Velocity& before, const Torque& torque,
                                 const T& dt) const noexcept;
 
@@ -86,3 +105,4 @@ class VirtualJoints {
 SKINCTL_END_NAMESPACE
 
 #include "skinctl/resolver/detail/virtual_joints_loop.hpp"
+#include "skinctl/resolver/detail/virtual_joints_observer.hpp"

@@ -21,7 +21,7 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
   for (std::size_t i = 0; i < N; ++i) {
     const T most = p_.limits.velocity()[i];
     const T dq = clamp(measured.dq[i], T(-most), most);
-    if (dq * p_.total_delay > p_.dead_band[i] || -dq * p_.total_delay > p_.dead_band[i]) {
+    if ((dq < T(0) ? -dq : dq) * p_.total_delay > T(0.2) * p_.dead_band[i]) {
       m.v[i] = dq;
       command[i] = measured.q[i] + dq * ahead;
     }
@@ -29,6 +29,8 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
     m.sent.set(i, command[i]);
   }
   m.rate = m.v;
+  m.settles_at = m.time + p_.settle;
+  for (std::size_t i = 0; i < N; ++i) m.watch[i].joint = m.q.value[i];
   m.under_way = servo_.start(measured.time, measured.q, m.v);
   m.command.time = m.time;
   m.command.position = command;
@@ -39,7 +41,7 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
 
 SKINCTL_VIRTUAL_JOINTS
 Interval SKINCTL_VIRTUAL_JOINTS_CLASS::interval(const Memory& m, Nanoseconds now) const noexcept {
-  Interval out = interval_since(m.started, m.time, now, p_.longest_interval);
+  Interval out = interval_since(m.started, m.time, m.odd, now, p_.longest_interval);
   const std::int64_t steps = (out.to - out.from + p_.substep - 1ns) / p_.substep;
   out.substeps = steps < std::int64_t(max_substeps) ? static_cast<unsigned>(steps) : max_substeps;
   return out;
@@ -52,7 +54,10 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::begin(Memory& m, const State<N
                                                         const Check& check) const noexcept -> Begun {
   const T dt = seconds<T>(interval.to - interval.from);
   const Velocity before = m.rate;
-  if constexpr (I == Interface::velocity) {
+  m.odd = no_time;
+  if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
+    set_clock(m, interval);
+  } else if constexpr (I == Interface::velocity) {
     // The velocity that was sent has been held up to now.
     for (std::size_t i = 0; i < N; ++i)
       m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
@@ -79,48 +84,10 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::end(Memory& m, const Begun& 
                                                         const Torque& torque) const noexcept {
   Status status;
   if (m.mode == ResolverMode::blocked) status |= Reason::blocked;
+  if (m.mode == ResolverMode::displaced) status |= Reason::displaced;
   if (m.stop) status |= Reason::stopping;
   if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;
   return status | publish(m, begun.correction, begun.before, torque, begun.dt);
-}
-
-SKINCTL_VIRTUAL_JOINTS
-template <class Check>
-SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const State<N, T>& measured,
-                                                            Nanoseconds now,
-                                                            const Check& check) const noexcept {
-  Status status = take_measurement(m.measured, measured, now, check);
-  const Position& expected = servo_.predict(m.under_way, m.measured.time);
-  m.residual = m.measured.q - expected;
-  if constexpr (I == Interface::velocity) m.residual -= m.offset.value;
-  if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
-  return status;
-}
-
-SKINCTL_VIRTUAL_JOINTS
-SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds now,
-                                                          const T& dt) const noexcept -> Correction {
-  const bool fresh = now - m.measured.time <= p_.fresh_for;
-  // An old measurement does not show the present position of the robot: its residual is not used again.
-  const Row r = fresh ? Row(m.residual) : Row(T(0)), dead_band = p_.dead_band;
-  const Row rho = r - clamp(r, -dead_band, dead_band);
-  const auto off = rho != Row(T(0));
-  if (fresh) select(off, Row(m.off_for) + dt, T(0)).store(m.off_for);
-  const JointAcceleration<N, T> pull(p_.L2 * rho);
-  if constexpr (I == Interface::position) {
-    return Correction{Velocity(p_.L1 * rho), pull, any(off), {}};
-  } else {
-    Correction c{Velocity(p_.L1 * rho + p_.drift * r), pull, any(off), {}};
-    for (std::size_t i = 0; i < N; ++i) {
-      // Position of the real robot when it has carried out all commands sent up to now.
-      const T arrives = m.measured.q[i] + (m.sent.value[i] - m.under_way.reached[i]);
-      const T brake = p_.limits.acceleration()[i] * braking_share<T>;
-      const T reaction = seconds<T>(p_.longest_interval);
-      c.speed.most[i] = speed_to_stop(T(p_.limits.upper()[i] - arrives), reaction, brake);
-      c.speed.least[i] = -speed_to_stop(T(arrives - p_.limits.lower()[i]), reaction, brake);
-    }
-    return c;
-  }
 }
 
 SKINCTL_VIRTUAL_JOINTS
@@ -184,58 +151,52 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
   return status;
 }
 
-/// Velocity towards the real robot that ends there at rest.
+/// The sent position follows the virtual one, `lead` seconds ahead, within the same limits. A position is held
+/// until the next one comes, so that the robot carries a command out in a period, whatever time has passed:
+/// after a late cycle the sent position moves as far as in a punctual one at most, and catches up.
 SKINCTL_VIRTUAL_JOINTS
-SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::way_back(const Memory& m, const T& h) const noexcept
-    -> Velocity {
-  Velocity u;
-  for (std::size_t i = 0; i < N; ++i) {
-    const T d = m.measured.q[i] - m.q.value[i];
-    const T far = d < T(0) ? T(-d) : d;
-    const T soft = far / (p_.total_delay + h);
-    const T hard = speed_to_stop(far, h, T(T(0.5) * p_.limits.acceleration()[i]));
-    const T speed = soft < hard ? soft : hard;
-    u[i] = d < T(0) ? T(-speed) : speed;
-  }
-  return u;
-}
-
-SKINCTL_VIRTUAL_JOINTS
-SKINCTL_INLINE void SKINCTL_VIRTUAL_JOINTS_CLASS::choose_mode(Memory& m, const Correction& c,
-                                                              bool stale) const noexcept {
-  const auto enter = [&](ResolverMode mode) {
-    if (m.mode == mode) return;
-    m.mode = mode;
-    m.mode_for = T(0);
+SKINCTL_COLD Status SKINCTL_VIRTUAL_JOINTS_CLASS::follow(Memory& m, const Velocity& before,
+                                                         const T& dt) const noexcept {
+  const Row last = m.command.velocity, rate = m.rate, sent = m.sent.value, a = p_.limits.acceleration();
+  const Row steady = rate + p_.lead * (rate - before) * (T(1) / dt);
+  const Row ahead = m.q.value + p_.lead * rate - sent, e = sent - m.measured.q, max_lead = p_.max_lead;
+  auto room = p_.limits.room(m.sent.value);
+  smaller(room.above, max_lead - e).store(room.above);
+  smaller(room.below, max_lead + e).store(room.below);
+  const auto within = [&](const T& h) {
+    const Position left(ahead - T(0.5) * h * (last + steady));
+    const Velocity level(steady);
+    Velocity target;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T d = left[i] < T(0) ? T(-left[i]) : left[i], brake = T(0.5) * p_.limits.acceleration()[i];
+      const T speed = d > T(4) * h * h * brake ? speed_to_stop(d, h, brake) : T(d / h);
+      target[i] = level[i] + (left[i] < T(0) ? T(-speed) : speed);
+    }
+    return p_.limits.move(room, Velocity(last), target, h);
   };
-  const bool stuck = c.off && any(Row(m.off_for) >= Row(T(5) * p_.total_delay));
-  if (stale) {
-    enter(ResolverMode::braking);
-  } else if (m.mode != ResolverMode::blocked && stuck) {
-    enter(ResolverMode::blocked);
-    if constexpr (I == Interface::position) m.v = m.v * T(0);
-    for (std::size_t i = 0; i < N; ++i) m.pushed[i] = c.pull[i] < T(0) ? 1 : (c.pull[i] > T(0) ? -1 : 0);
-  } else if (m.mode != ResolverMode::blocked) {
-    enter(m.stop ? ResolverMode::braking : ResolverMode::following);
+  if (p_.lead == T(0)) {
+    // The sent position is on the virtual one again, as soon as a motion within the limits leads there.
+    const T h = dt > p_.cycle ? p_.cycle : dt;
+    const Row du = rate - last;
+    const Row aside = T(0.25) * (a * Row(T(h * h)) - du * du / a);
+    m.behind =
+        !all((magnitude(du) <= a * Row(h)) & (magnitude(ahead - T(0.5) * h * (last + rate)) <= aside)) ||
+        !is_near(ahead);
+    if (!m.behind) {
+      m.sent = m.q;
+      m.command.velocity = m.rate;
+      m.command_span = h;
+      return {};
+    }
   }
-}
-
-SKINCTL_VIRTUAL_JOINTS
-SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::try_to_leave(Memory& m, const Correction& c,
-                                                             const Torque& net) const noexcept {
-  bool here = true;
-  T push(0), scale(0);
-  for (std::size_t i = 0; i < N; ++i) {
-    const T e = m.q.value[i] - m.measured.q[i];
-    here &= e <= p_.dead_band[i] && -e <= p_.dead_band[i];
-    push = push + T(m.pushed[i]) * net[i];
-    scale = scale + p_.limits.torque()[i];
+  auto motion = within(dt);
+  if (dt > p_.cycle && !is_near(Row(motion.displacement))) {
+    motion = within(p_.cycle);
+    m.command_span = p_.cycle;
   }
-  const bool released = !(push > T(1e-4) * scale);
-  if (here && !c.off && m.mode_for >= p_.total_delay && (released || m.mode_for >= p_.retry)) {
-    m.mode = ResolverMode::following;
-    m.mode_for = T(0);
-  }
+  m.sent.add(motion.displacement);
+  m.command.velocity = motion.velocity;
+  return motion.status;
 }
 
 SKINCTL_VIRTUAL_JOINTS
@@ -245,30 +206,28 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::publish(Memory& m, const Cor
   Status status;
   auto& command = m.command;
   const Row last = command.velocity;
-  if (I == Interface::position && p_.lead == T(0)) {
-    m.sent = m.q;
-    command.velocity = m.rate;
+  m.command_span = dt;
+  if constexpr (I == Interface::position) {
+    const Row moved = Row(m.q.value) - m.sent.value;
+    if (p_.lead == T(0) && !m.behind && (!(dt > p_.cycle) || is_near(moved))) [[likely]] {
+      m.sent = m.q;
+      command.velocity = m.rate;
+    } else {
+      status = follow(m, before, dt);
+    }
   } else {
-    // The command follows the virtual robot's position, `lead` seconds ahead, within the same limits.
+    // The command follows the virtual robot's position, `lead` seconds ahead, within the same limits. A
+    // velocity is held for a period, half of which is still to come.
     const T per_dt = T(1) / dt;
     auto room = p_.limits.room(m.sent.value);
     const Row rate = m.rate, sent = m.sent.value, steady = rate + p_.lead * (rate - before) * per_dt;
-    Row target;
-    if constexpr (I == Interface::position) {
-      const Row goal = m.q.value + p_.lead * rate, e = sent - m.measured.q, max_lead = p_.max_lead;
-      target = steady + (goal - sent) * per_dt - T(0.5) * (last + steady);
-      smaller(room.above, max_lead - e).store(room.above);
-      smaller(room.below, max_lead + e).store(room.below);
-    } else {
-      // A velocity is held for a period, half of which is still to come.
-      const Row goal = m.q.value + T(p_.lead - T(0.5) * seconds<T>(p_.period)) * rate;
-      target = clamp(steady + p_.catch_up * (goal - sent - m.offset.value), c.speed.least, c.speed.most);
-      room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());
-    }
+    const Row goal = m.q.value + T(p_.lead - T(0.5) * p_.cycle) * rate;
+    const Row target =
+        clamp(steady + p_.catch_up * (goal - sent - m.offset.value), c.speed.least, c.speed.most);
+    room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());
     const auto motion = p_.limits.move(room, Velocity(last), Velocity(target), dt);
     status = motion.status;
     command.velocity = motion.velocity;
-    if constexpr (I == Interface::position) m.sent.add(motion.displacement);
   }
   command.time = m.time;
   command.position = I == Interface::position ? m.sent.value : m.q.value;
@@ -285,6 +244,7 @@ SKINCTL_INLINE void SKINCTL_VIRTUAL_JOINTS_CLASS::sent(Memory& m,
   if (!m.started || !command.valid) return;
   m.command = command;
   m.command.time = m.time;
+  m.behind = false;
   m.rate = m.v = command.velocity;
   m.last = {};
   const T ahead = p_.lead - (I == Interface::velocity ? T(0.5) * seconds<T>(p_.period) : T(0));

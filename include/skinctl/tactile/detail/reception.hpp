@@ -48,7 +48,8 @@ class Reception {
     const std::size_t i = tables_.cells.index(sample.cell);
     if (i >= Memory::cells) [[unlikely]]
       return Reason::sample_unknown;
-    const Nanoseconds last = memory_.stamp[i];
+    const bool ahead = memory_.stamp[i] > parts_.to;  // the clock was set back since
+    Nanoseconds last = ahead ? Nanoseconds::min() : memory_.stamp[i];
     const Nanoseconds time = sample.time < parts_.to ? sample.time : parts_.to;
     if (sample.time <= last || time <= last) [[unlikely]]
       return Reason::time_backwards;
@@ -56,6 +57,8 @@ class Reception {
       return Reason::sample_out_of_range;
     if (span(time, parts_.to) >= max_age_) [[unlikely]]
       return Reason::sample_stale;
+    if (ahead) [[unlikely]]
+      last = time - nanoseconds_of(ramp_);
 
     const bool was_heard = memory_.hears(i);
     const CellCounts old = memory_.held[i];

@@ -33,7 +33,7 @@ SKINCTL_INLINE TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, 
           memory.I2.advanced(at_t.dI2, dt),
           memory.tb,
           memory.K_from,
-          memory.sign.advanced(at_t.S_delta.data, gains().mu, dt, memory.held),
+          memory.sign.advanced(at_t.S_delta.data, gains_, dt, memory.held),
           space_.advanced(memory.space, at_t, dt)};
 }
 

@@ -1,0 +1,199 @@
+// The observer of a virtual robot's joints, declared in virtual_joints.hpp: does the real robot follow?
+#pragma once
+
+#include "skinctl/resolver/detail/virtual_joints.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+#define SKINCTL_VIRTUAL_JOINTS template <Interface I, std::size_t N, Real T, std::size_t History>
+#define SKINCTL_VIRTUAL_JOINTS_CLASS VirtualJoints<I, N, T, History>
+
+SKINCTL_VIRTUAL_JOINTS
+template <class Check>
+SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const State<N, T>& measured,
+                                                            Nanoseconds now,
+                                                            const Check& check) const noexcept {
+  const State<N, T> taken{measured.time, measured.q - m.gap, measured.dq};
+  Status status = take_measurement(m.measured, taken, now, check);
+  const Position& expected = servo_.predict(m.under_way, m.measured.time);
+  m.residual = m.measured.q - expected;
+  if constexpr (I == Interface::velocity) m.residual -= m.offset.value;
+  if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
+  return status;
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds now,
+                                                          const T& dt) const noexcept -> Correction {
+  const bool fresh = now - m.measured.time <= p_.fresh_for;
+  // An old measurement does not show the present position of the robot: its residual is not used again.
+  const Row r = fresh ? Row(m.residual) : Row(T(0)), dead_band = p_.dead_band;
+  const Row rho = r - clamp(r, -dead_band, dead_band);
+  const auto off = rho != Row(T(0));
+  if (fresh) select(off, Row(m.off_for) + dt, T(0)).store(m.off_for);
+  Correction c{Velocity(p_.L1 * rho), JointAcceleration<N, T>(p_.L2 * rho), any(off), false, {}};
+  if (c.off || m.watched) [[unlikely]]
+    watch(m, c, Position(r), Position(rho), now, dt);
+  if constexpr (I == Interface::velocity) {
+    c.rate = Velocity(Row(c.rate) + p_.drift * r);
+    // What a robot lags behind beyond its declared delay is still to come.
+    const Position late(clamp(r, -dead_band, dead_band));
+    for (std::size_t i = 0; i < N; ++i) {
+      // Position of the real robot when it has carried out all commands sent up to now.
+      const T arrives = m.measured.q[i] + (m.sent.value[i] - m.under_way.reached[i]), more = late[i];
+      const T brake = p_.limits.acceleration()[i] * braking_share<T>;
+      const T reaction = seconds<T>(p_.longest_interval);
+      const T above = p_.limits.upper()[i] - arrives, below = arrives - p_.limits.lower()[i];
+      c.speed.most[i] = speed_to_stop(more < T(0) ? T(above + more) : above, reaction, brake);
+      c.speed.least[i] = -speed_to_stop(more > T(0) ? T(below - more) : below, reaction, brake);
+    }
+  }
+  return c;
+}
+
+// Three robots have a residual that stays. One that is blocked stands still, and its residual shrinks as the
+// virtual robot comes back. One that lags moves with the commands, against the correction. One that stands beside
+// its commands by a gap (a servo that droops, an encoder with an offset) is carried along by the correction, and
+// would be followed for ever: therefore a correction moves the virtual robot by half of the residual at most,
+// plus that by which it has shrunk.
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, const Position& r,
+                                                      const Position& rho, Nanoseconds now,
+                                                      const T& dt) const noexcept {
+  m.watched = false;
+  for (std::size_t i = 0; i < N; ++i) {
+    auto& w = m.watch[i];
+    if (rho[i] == T(0)) {
+      w.size = T(0);
+      continue;
+    }
+    m.watched = true;
+    const T side = rho[i] < T(0) ? T(-1) : T(1), far = side * r[i];
+    const auto begin = [&] {
+      w.size = far;
+      w.side = side;
+      w.robot = m.measured.q[i];
+      w.joint = m.q.value[i];
+    };
+    if (w.size == T(0) || w.side != side) {
+      // Beyond any lead at once; or from the start on, of a robot that was hardly told to move.
+      const T told = side * (m.q.value[i] - w.joint);
+      c.gap = c.gap || far > p_.max_lead[i] || (now < m.settles_at && -told < T(0.5) * far);
+      begin();
+    }
+    const T moved = side * (m.measured.q[i] - w.robot);
+    if (far > w.size) w.size = far;
+    if (moved <= T(-0.5) * w.size) {  // it lags
+      begin();
+      m.off_for[i] = T(0);
+    }
+    if constexpr (I == Interface::position) {
+      c.gap = c.gap || (moved >= T(0.4) * w.size && far > T(0.7) * w.size);
+      const T way = side * (m.q.value[i] - w.joint);
+      if (way < T(0)) w.joint = m.q.value[i];
+      const T left = T(0.5) * w.size + (w.size - far) - (way < T(0) ? T(0) : way);
+      const T most = speed_to_stop(left, dt, T(T(0.5) * p_.limits.acceleration()[i])),
+              rate = side * c.rate[i];
+      if (rate > most) {
+        c.pull[i] = c.pull[i] * (most / rate);
+        c.rate[i] = side * most;
+      }
+      w.most = most;
+    }
+  }
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::resume(Memory& m) const noexcept {
+  m.stop = false;
+  if (m.mode != ResolverMode::displaced) return;
+  const Row gap = Row(m.gap) + m.residual;
+  if (any(!(magnitude(gap) <= Row(largest_gap<T>)))) return;
+  gap.store(m.gap);
+  m.measured.q -= m.residual;
+  m.residual = {};
+  for (auto& w : m.watch) w = {};
+  for (T& t : m.off_for) t = T(0);
+  m.watched = false;
+  m.mode = ResolverMode::following;
+  m.mode_for = T(0);
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::set_clock(Memory& m,
+                                                          const Interval& interval) const noexcept {
+  servo_.restart(m.under_way, interval.from);
+  if constexpr (I == Interface::velocity) {
+    servo_.correct(m.under_way, m.sent.value, m.command.velocity);
+    for (std::size_t i = 0; i < N; ++i)
+      m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - interval.from));
+  }
+  m.command.time = m.settles_at = interval.from;
+  if (m.measured.time > interval.from) m.measured.time = interval.from;
+}
+
+/// Velocity towards the real robot that ends there at rest.
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::way_back(const Memory& m, const T& h) const noexcept
+    -> Velocity {
+  Velocity u;
+  for (std::size_t i = 0; i < N; ++i) {
+    const T d = m.measured.q[i] - m.q.value[i];
+    const T far = d < T(0) ? T(-d) : d;
+    const T soft = far / (p_.total_delay + h);
+    const T hard = speed_to_stop(far, h, T(T(0.5) * p_.limits.acceleration()[i]));
+    T speed = soft < hard ? soft : hard;
+    const auto& w = m.watch[i];
+    if (I == Interface::position && w.size > T(0) && w.side * d > T(0) && w.most < speed) speed = w.most;
+    u[i] = d < T(0) ? T(-speed) : speed;
+  }
+  return u;
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_INLINE void SKINCTL_VIRTUAL_JOINTS_CLASS::choose_mode(Memory& m, const Correction& c,
+                                                              bool stale) const noexcept {
+  const auto enter = [&](ResolverMode mode) {
+    if (m.mode == mode) return;
+    m.mode = mode;
+    m.mode_for = T(0);
+  };
+  const bool stuck = c.off && any(Row(m.off_for) >= Row(T(5) * p_.total_delay));
+  if (c.gap) {
+    enter(ResolverMode::displaced);
+  } else if (m.mode == ResolverMode::displaced) {
+    return;
+  } else if (stale) {
+    enter(ResolverMode::braking);
+  } else if (m.mode != ResolverMode::blocked && stuck) {
+    enter(ResolverMode::blocked);
+    if constexpr (I == Interface::position) m.v = m.v * T(0);
+    for (std::size_t i = 0; i < N; ++i) m.pushed[i] = c.pull[i] < T(0) ? 1 : (c.pull[i] > T(0) ? -1 : 0);
+  } else if (m.mode != ResolverMode::blocked) {
+    enter(m.stop ? ResolverMode::braking : ResolverMode::following);
+  }
+}
+
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::try_to_leave(Memory& m, const Correction& c,
+                                                             const Torque& net) const noexcept {
+  bool here = true;
+  T push(0), scale(0);
+  for (std::size_t i = 0; i < N; ++i) {
+    const T e = m.q.value[i] - m.measured.q[i];
+    here &= e <= p_.dead_band[i] && -e <= p_.dead_band[i];
+    push = push + T(m.pushed[i]) * net[i];
+    scale = scale + p_.limits.torque()[i];
+  }
+  const bool released = !(push > T(1e-4) * scale);
+  if (here && !c.off && m.mode_for >= p_.total_delay && (released || m.mode_for >= p_.retry)) {
+    m.mode = ResolverMode::following;
+    m.mode_for = T(0);
+  }
+}
+
+#undef SKINCTL_VIRTUAL_JOINTS
+#undef SKINCTL_VIRTUAL_JOINTS_CLASS
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,143 @@
+// Touch felt by the motors: an arm without any tactile sensor gives way.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/tactile/detail/sampled_row.hpp"
+#include "skinctl/tactile/joint_touch.hpp"
+#include "skinctl/tactile/momentum_observer.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What `MotorTouch` adds to the input of a cycle: the motors' torque at the joints at the time of the
+/// measured state [N m], `current * torque constant * gear ratio`.
+template <std::size_t N, Scalar T = double>
+struct MotorInput {
+  JointTorque<N, T> motor_torque;
+};
+
+/// Observer, thresholds and times of `MotorTouch`.
+template <RobotModel M, Real T = double>
+struct MotorTouchSettings {
+  typename MomentumObserver<M, T>::Settings observer = {};
+  /// Per joint, on |residual| [N m]: above what friction and the model leave. No default suits two robots.
+  std::array<EventGate<T>, M::joints> gates;
+  T gain = T(1);                ///< torque that the laws see per torque found, > 0
+  Nanoseconds max_age = 100ms;  ///< age of the last state from which nothing is felt
+  Nanoseconds fade = 50ms;      ///< in the last part of `max_age` the torque goes linearly to 0
+};
+
+/// The momentum observer's residual as touch, in place of a skin or beside one:
+///
+///     Cycle(arm, MotorTouch(model, {.gates = same_gate(model, {2.0, 1.5, 1.5})}), law)
+///     Cycle(arm, skin + MotorTouch(model, {...}), law)
+///
+/// Laws see a joint torque, as if it were the torque of a skin; where the contact is remains unknown. For
+/// limits and passivity it is one contact with an assumed lever (`assumed_lever`). Beside a skin or a wrist
+/// sensor it counts only beyond what they feel: see `beyond`.
+///
+/// Each state with a new stamp is a sample. Between samples the torque is linear in time, delayed by one
+/// sample; without new states it fades (`sample_stale`).
+template <RobotModel M, Real T = double>
+class MotorTouch {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  using scalar = T;
+  using Wrenches = JointTouch<M, T>;
+  using Sensed = MotorInput<joints, T>;
+  using Settings = MotorTouchSettings<M, T>;
+  static constexpr LinkMask links = 0;
+  struct Memory {
+    typename MomentumObserver<M, T>::Memory observer;
+    detail::SampledRow<joints, T> row;  ///< the torque behind the gates [N m]
+    friend bool operator==(const Memory&, const Memory&) noexcept = default;
+  };
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD MotorTouch(const M& model, const Settings& settings)
+      : observer_(model, settings.observer), s_(settings) {
+    require(s_.gain > T(0) && s_.gain <= T(1000), "MotorTouch: gain", double(s_.gain), "> 0, <= 1000");
+    require(s_.fade > 0ns, "MotorTouch: fade", milliseconds(s_.fade), "> 0 ms");
+    require(s_.max_age >= s_.fade && s_.max_age <= 10s, "MotorTouch: max_age", milliseconds(s_.max_age),
+            ">= fade, <= 10 s [ms]");
+  }
+  [[nodiscard]] const MomentumObserver<M, T>& observer() const noexcept { return observer_; }
+
+  [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
+    Memory memory;
+    memory.row.begin = now;
+    return memory;
+  }
+
+  /// Takes a measured state and gives the mean torque over each of `parts` >= 1 equal parts of `(from, to]`.
+  /// A repeated state is no sample; one that is not finite is refused (`sample_not_finite`).
+  Status receive(Memory& memory, std::span<const CellSample> cells, const MotorInput<joints, T>& input,
+                 const State<joints, T>& measured, Nanoseconds from, Nanoseconds to, std::size_t parts,
+                 Wrenches* means) const noexcept {
+    const auto row = [means](std::size_t j) SKINCTL_INLINE_LAMBDA -> T* { return means[j].torque.data; };
+    const detail::SampledTimes times{s_.max_age, s_.fade, s_.max_age, 0ns, s_.max_age};
+    detail::SampledInterval<joints, T, decltype(row)> interval(times, memory.row, from, to, parts, row);
+    Status status = cells.empty() ? Status{} : Status{Reason::sample_unknown};
+    if (!memory.observer.started || measured.time != memory.observer.stamp) {
+      if (memory.observer.started && memory.observer.stamp > to) memory.observer = {};  // the clock was set back
+      const Status seen = observer_.observe(memory.observer, measured, input.motor_torque);
+      status |= seen;
+      if (!seen.any() && !interval.admits(to).any()) {
+        T value[joints];
+        for (std::size_t i = 0; i < joints; ++i) value[i] = gated(i, memory.observer.residual[i], memory.row.held[i]);
+        interval.take(to, value);
+      }
+    }
+    if (interval.end()) status |= Reason::sample_stale;
+    return status;
+  }
+
+  [[nodiscard]] Wrenches wrenches(const Memory& memory) const noexcept {
+    Wrenches out;
+    for (std::size_t i = 0; i < joints; ++i) out.torque[i] = memory.row.held[i];
+    return out;
+  }
+
+  /// What of `found` is not explained by the contacts that another source feels: per joint, the rest in the
+  /// direction of `found`. So a push on the skin counts once, with the larger of the two torques, and what the
+  /// skin overstates does not turn the residual round.
+  template <class Contact>
+  [[nodiscard]] Wrenches beyond(Wrenches found, const JointPosition<joints, T>& q,
+                                const Contact& contact) const noexcept {
+    const JointTorque<joints, T> felt = skin_torque(observer_.model(), q, contact);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T r = found.torque[i], rest = r - felt[i];
+      if (r > T(0)) {
+        found.torque[i] = felt[i] > T(0) ? (rest > T(0) ? rest : T(0)) : r;
+      } else {
+        found.torque[i] = felt[i] < T(0) ? (rest < T(0) ? rest : T(0)) : r;
+      }
+    }
+    return found;
+  }
+
+ private:
+  [[nodiscard]] SKINCTL_INLINE T gated(std::size_t i, const T& r, const T& before) const noexcept {
+    const T size = r < T(0) ? T(-r) : r;
+    const T passed = s_.gain * s_.gates[i].pass(size, before != T(0));
+    return r < T(0) ? T(-passed) : passed;
+  }
+
+  MomentumObserver<M, T> observer_;
+  Settings s_;
+};
+template <RobotModel M, Real T>
+MotorTouch(const M&, const MotorTouchSettings<M, T>&) -> MotorTouch<M, T>;
+
+/// The same gate for all joints of a model.
+template <RobotModel M, Real T = double>
+[[nodiscard]] std::array<EventGate<T>, M::joints> same_gate(const M&, const EventGate<T>& gate) {
+  std::array<EventGate<T>, M::joints> all;
+  all.fill(gate);
+  return all;
+}
+
+SKINCTL_END_NAMESPACE

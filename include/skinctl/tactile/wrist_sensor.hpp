@@ -1,0 +1,235 @@
+// A force-torque sensor as touch: the wrench that it measures acts on the link that carries it.
+#pragma once
+
+#include <cmath>
+#include <span>
+
+#include "skinctl/core/state.hpp"
+#include "skinctl/frames/transform.hpp"
+#include "skinctl/frames/wrench.hpp"
+#include "skinctl/kinematics/poses.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/sensing/wrench_sample.hpp"
+#include "skinctl/tactile/detail/sampled_row.hpp"
+#include "skinctl/tactile/link_wrenches.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The frame of a force-torque sensor: forces along its axes, moments about its origin.
+struct ForceSensor : FrameTag {};
+
+/// Place, tool, thresholds and times of a force-torque sensor on link `I`.
+template <std::size_t I>
+struct WristSensorSettings {
+  Transform<Link<I>, ForceSensor> X_LS = {};  ///< pose of the sensor on the link
+  double mass = 0;                            ///< of what the sensor carries [kg]; 0 if it takes that off itself
+  Xyz<double> centre = {0, 0, 0};             ///< centre of that mass, along the sensor's axes [m]
+  /// Reading without load and without weight: see `WristSensor::tared`.
+  Wrench<ForceSensor> bias = {};
+  EventGate<> force = EventGate<>(3.0, 2.0, 2.0);     ///< on |force| [N]
+  EventGate<> moment = EventGate<>(0.3, 0.2, 0.2);    ///< on |moment| about the sensor's origin [N m]
+  double gain = 1;                                    ///< newtons that the laws see per newton measured, > 0
+  double most_force = 1000, most_moment = 100;        ///< greatest component that it can measure [N], [N m]
+  Nanoseconds max_age = 50ms;  ///< age of the last sample from which the sensor does not push
+  Nanoseconds fade = 25ms;     ///< in the last part of `max_age` its wrench goes linearly to 0
+  Nanoseconds ramp = 20ms;     ///< longest duration of a change before its sample
+  Nanoseconds catch_up = 20ms; ///< missing impulse before an interval is added up to this time back
+  Nanoseconds max_ahead = 2ms; ///< a stamp up to this time after the interval counts as its end
+};
+
+/// What a wrist sensor adds to the input of a cycle.
+struct WristInput {
+  std::span<const WrenchSample> wrenches;  ///< arrived since the last cycle, in the order of their stamps
+};
+
+/// A force-torque sensor on link `I` of the model `M`, in place of a skin or beside one:
+///
+///     Cycle(arm, wrist_sensor<5>(model, {...}), law)
+///     Cycle(arm, skin + wrist_sensor<5>(model, {...}), law)
+///
+/// Laws see its wrench as they see that of a skin on link `I`: an arm without skin gives way at its tool.
+///
+/// **Reading.** `w = gain gate(sample - bias - weight)`. `weight` is the gravity of `mass` at `centre` at the
+/// measured pose; the inertial force of an accelerated tool is not taken off (1 N for 1 kg at 1 m/s^2: choose
+/// the thresholds above it). The gates act on the magnitudes of force and moment and keep their directions;
+/// with the default ones 2 N and 0.2 N m are subtracted, so that a push ends without a step.
+///
+/// **Time.** The wrench is linear in time through its stamped samples, or constant until `ramp` before the
+/// next one where they are further apart. After the last sample it is held; from `max_age - fade` on it goes
+/// to zero. A sample that shows that it had changed before the interval began has its missing impulse added,
+/// up to `catch_up` back.
+///
+/// What the skin beyond the sensor feels, the sensor feels too: leave one of them out. A single wrench is one
+/// contact, with a lever no longer than the link's reach (see `contacts_of`).
+template <std::size_t I, RobotModel M, Real T = double>
+class WristSensor {
+ public:
+  static_assert(I < M::joints, "a wrist sensor on a link that the model does not have");
+  using scalar = T;
+  using Wrenches = LinkWrenches<M, link_bit<I>, T>;
+  using Sensed = WristInput;
+  using Settings = WristSensorSettings<I>;
+  static constexpr std::size_t link = I;
+  static constexpr LinkMask links = Wrenches::links;
+
+  /// Trivially copyable; only the sensor reads and writes its members.
+  struct Memory {
+    detail::SampledRow<6, T> row;         ///< on the link, about its origin [N], [N m]
+    bool pushed = false, turned = false;  ///< whether the gates of force and moment are open
+    friend bool operator==(const Memory&, const Memory&) noexcept = default;
+  };
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD WristSensor(const M& model, const Settings& settings) : model_(model), s_(settings) {
+    const auto finite = [](const Xyz<double>& v, double most, const char* what) {
+      for (const double x : {v.x, v.y, v.z}) require(x >= -most && x <= most, what, x, "finite, within range");
+    };
+    require(s_.mass >= 0 && s_.mass <= 1000, "WristSensor: mass", s_.mass, "0 to 1000 kg");
+    const Xyz<T> g = dense<T>(model_.template gravity<T>());
+    require(s_.mass == 0 || dot(g, g) > T(0), "WristSensor: mass", s_.mass,
+            "0 kg for a model without gravity: name the model that has it");
+    finite(s_.centre, 10, "WristSensor: centre [m]");
+    require(s_.gain > 0 && s_.gain <= 1000, "WristSensor: gain", s_.gain, "> 0, <= 1000");
+    require(s_.most_force > 0 && s_.most_force <= 1e6, "WristSensor: most_force", s_.most_force, "> 0, <= 1e6 N");
+    require(s_.most_moment > 0 && s_.most_moment <= 1e6, "WristSensor: most_moment", s_.most_moment,
+            "> 0, <= 1e6 N m");
+    finite(s_.bias.force, s_.most_force, "WristSensor: bias [N]");
+    finite(s_.bias.moment, s_.most_moment, "WristSensor: bias [N m]");
+    require(s_.fade > 0ns, "WristSensor: fade", milliseconds(s_.fade), "> 0 ms");
+    require(s_.max_age >= s_.fade && s_.max_age <= 10s, "WristSensor: max_age", milliseconds(s_.max_age),
+            ">= fade, <= 10 s [ms]");
+    require(s_.ramp > 0ns && s_.ramp <= 10s, "WristSensor: ramp", milliseconds(s_.ramp), "> 0 ms, <= 10 s");
+    require(s_.catch_up >= 0ns, "WristSensor: catch_up", milliseconds(s_.catch_up), ">= 0 ms");
+    require(s_.max_ahead >= 0ns && s_.max_ahead <= 1s, "WristSensor: max_ahead", milliseconds(s_.max_ahead),
+            "0 ms to 1 s");
+  }
+  [[nodiscard]] const Settings& settings() const noexcept { return s_; }
+
+  /// The same sensor with the bias that these samples show: taken while nobody touches the tool and the arm
+  /// stands at `q`. Throws `ConfigurationError` for fewer than 10 samples, for one that is not valid, and if
+  /// a sample differs from their mean by more than half of the threshold of force or moment (somebody
+  /// touches, or the sensor is noisier than its thresholds).
+  [[nodiscard]] SKINCTL_COLD WristSensor tared(std::span<const WrenchSample> at_rest,
+                                               const JointPosition<M::joints, T>& q) const {
+    require(at_rest.size() >= 10, "WristSensor: samples at rest", double(at_rest.size()), ">= 10");
+    const auto force = [](const WrenchSample& s) { return Xyz<double>{s.force[0], s.force[1], s.force[2]}; };
+    const auto moment = [](const WrenchSample& s) {
+      return Xyz<double>{s.moment[0], s.moment[1], s.moment[2]};
+    };
+    const double share = 1 / double(at_rest.size());
+    Wrench<ForceSensor> mean;
+    for (const WrenchSample& s : at_rest) {
+      require(!check(s, s_.most_force, s_.most_moment).any(), "WristSensor: a component of force at rest",
+              s.force[2], "within the sensor's range [N]");
+      mean.force = mean.force + share * force(s);
+      mean.moment = mean.moment + share * moment(s);
+    }
+    const auto far = [](const Xyz<double>& x) { return std::sqrt(dot(x, x)); };
+    for (const WrenchSample& s : at_rest) {
+      const double df = far(force(s) - mean.force), dm = far(moment(s) - mean.moment);
+      require(df <= 0.5 * s_.force.opens_at(), "WristSensor: change of force at rest", df,
+              "<= half of its threshold [N]");
+      require(dm <= 0.5 * s_.moment.opens_at(), "WristSensor: change of moment at rest", dm,
+              "<= half of its threshold [N m]");
+    }
+    Settings settings = s_;
+    settings.bias = mean - weight(q);
+    return WristSensor(model_, settings);
+  }
+
+  [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
+    Memory memory;
+    memory.row.begin = now;
+    return memory;
+  }
+
+  /// Takes the samples that arrived and gives the mean wrench over each of `parts` >= 1 equal parts of the
+  /// interval `(from, to]`, as `Skin::receive` does. Ignored and reported: a sample that is not finite or
+  /// beyond the sensor's range (`sample_not_finite`, `sample_out_of_range`), not later than the last one
+  /// (`time_backwards`), more than `max_ahead` after `to` (`sample_out_of_range`), or older than `max_age`
+  /// (`sample_stale`, which is also reported while the sensor is silent).
+  ///
+  /// @param cells     samples of cells are of none that this sensor knows: `sample_unknown`.
+  /// @param measured  the newest good state of the robot, for the weight.
+  Status receive(Memory& memory, std::span<const CellSample> cells, const WristInput& input,
+                 const State<M::joints, T>& measured, Nanoseconds from, Nanoseconds to, std::size_t parts,
+                 Wrenches* means) const noexcept {
+    SKINCTL_EXPECTS(parts > 0 && means != nullptr, "at least one part of the interval");
+    const auto row = [means](std::size_t j) SKINCTL_INLINE_LAMBDA -> T* { return means[j].data[0]; };
+    const detail::SampledTimes times{s_.max_age, s_.fade, s_.ramp, s_.catch_up, s_.max_ahead};
+    detail::SampledInterval<6, T, decltype(row)> interval(times, memory.row, from, to, parts, row);
+    Status status = cells.empty() ? Status{} : Status{Reason::sample_unknown};
+    if (!input.wrenches.empty()) {
+      const Wrench<ForceSensor> load = weight(measured.q);
+      for (const WrenchSample& sample : input.wrenches) {
+        Status bad = check(sample, s_.most_force, s_.most_moment);
+        if (!bad.any()) bad = interval.admits(sample.time);
+        status |= bad;
+        if (bad.any()) continue;
+        T value[6];
+        take(memory, sample, load, value);
+        interval.take(sample.time, value);
+      }
+    }
+    if (interval.end()) {
+      memory.pushed = memory.turned = false;
+      status |= Reason::sample_stale;
+    }
+    return status;
+  }
+
+  /// The wrench of the last sample; zero once the sensor is silent.
+  [[nodiscard]] Wrenches wrenches(const Memory& memory) const noexcept {
+    Wrenches out;
+    for (std::size_t r = 0; r < 6; ++r) out.data[0][r] = memory.row.held[r];
+    return out;
+  }
+  /// No proximity is measured: somebody may be at any distance.
+  template <std::size_t L>
+  [[nodiscard]] T nearest(const Memory&) const noexcept {
+    static_assert(L == I, "no sensor on this link");
+    return T(1);
+  }
+
+ private:
+  /// Gravity of the load along the sensor's axes, about its origin [N], [N m].
+  [[nodiscard]] Wrench<ForceSensor> weight(const JointPosition<M::joints, T>& q) const noexcept {
+    if (s_.mass == 0) return {};
+    const JointAngles<M, T, link_bit<I>> angles(model_, q);
+    const Poses<M, link_bit<I>, T> poses(model_, angles);
+    const Xyz<T> g = dense<T>(model_.template gravity<T>());
+    const auto R_BS = poses.template get<I>().template cast<double>().axes() * s_.X_LS.axes();
+    const Xyz<double> force = s_.mass * (R_BS.transpose() * skinctl::cast<double>(g));
+    return {force, cross(s_.centre, force)};
+  }
+  /// A reading on the link, behind the gates.
+  SKINCTL_INLINE void take(Memory& memory, const WrenchSample& sample, const Wrench<ForceSensor>& weight,
+                           T (&out)[6]) const noexcept {
+    const auto gated = [](const EventGate<>& gate, const Xyz<double>& x, bool& open) SKINCTL_INLINE_LAMBDA {
+      const double size = std::sqrt(dot(x, x)), passed = gate.pass(size, open);
+      open = passed > 0;
+      return open ? (passed / size) * x : Xyz<double>{0, 0, 0};
+    };
+    const Xyz<double> f{sample.force[0], sample.force[1], sample.force[2]};
+    const Xyz<double> m{sample.moment[0], sample.moment[1], sample.moment[2]};
+    Wrench<ForceSensor> F;
+    F.force = s_.gain * gated(s_.force, f - s_.bias.force - weight.force, memory.pushed);
+    F.moment = s_.gain * gated(s_.moment, m - s_.bias.moment - weight.moment, memory.turned);
+    const auto on_link = transformed(s_.X_LS, F);
+    const Xyz<T> force = skinctl::cast<T>(on_link.force), moment = skinctl::cast<T>(on_link.moment);
+    out[0] = force.x, out[1] = force.y, out[2] = force.z;
+    out[3] = moment.x, out[4] = moment.y, out[5] = moment.z;
+  }
+
+  [[no_unique_address]] M model_;
+  Settings s_;
+};
+
+/// `wrist_sensor<5>(model, {...})`: a sensor on link 5 of the robot with that model.
+template <std::size_t I, Real T = double, RobotModel M>
+[[nodiscard]] WristSensor<I, M, T> wrist_sensor(const M& model, const WristSensorSettings<I>& settings = {}) {
+  return {model, settings};
+}
+
+SKINCTL_END_NAMESPACE

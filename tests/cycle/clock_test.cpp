@@ -1,0 +1,102 @@
+#include <doctest/doctest.h>
+
+#include <memory>
+
+#include "skinctl/testing/scene.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+// A scene whose clock is `clock(k)` in cycle k; cell 150 is pressed from cycle 400 on. The share of the cycles from
+// `from` on in which the clock was refused, and how far joint 1 moved in the last second.
+struct Seen {
+  int refused = 0;
+  int refused_after = 0;  ///< more than two cycles after a leap
+  double yielded = 0;
+  double fastest = 0;  ///< of a command [rad/s]
+  Status at_end;
+};
+template <Interface I, class Clock>
+Seen run(Clock&& clock, bool samples_leap) {
+  SceneSettings s;
+  if (I == Interface::torque) s.decay = 0;
+  const auto scene = kinesthetic_scene<I>(s);
+  StiffJoints<> robot(home_position(), s.delay, s.lag);
+  State<6> state = robot.state();
+  auto memory = std::make_unique<typename decltype(scene)::Memory>(scene.start(state));
+  Seen seen;
+  int since = 1000;
+  Nanoseconds offset{};
+  JointPosition<6> before;
+  std::array<double, 6> begun{};
+  for (int k = 1; k <= 600; ++k) {
+    const Nanoseconds truth = k * s.period, now = clock(k, truth);
+    since = now - truth == offset ? since + 1 : 0;
+    offset = now - truth;
+    if constexpr (I == Interface::position) state = robot.run_to(truth);
+    state.time = now;
+    const float f = k > 400 ? 0.5f : 0.0f;
+    const CellSample sample{.time = samples_leap ? now : truth, .cell = 150, .force = {f, f, f}};
+    typename std::remove_cvref_t<decltype(scene)>::Input input;
+    input.now = now;
+    input.measured = state;
+    input.samples = std::span(&sample, 1);
+    const auto out = scene.step(*memory, input);
+    REQUIRE(out.command.valid);
+    if (I == Interface::position && k > 1)
+      for (std::size_t i = 0; i < 6; ++i)
+        seen.fastest = std::max(seen.fastest, std::abs(out.command.position[i] - before[i]) / 0.008);
+    before = out.command.position;
+    if constexpr (I == Interface::velocity) {
+      state.q = integrate(state.q, out.command.velocity, 0.008);
+      state.dq = out.command.velocity;
+    }
+    robot.command(truth, out.command.position);
+    if (out.status.has(Reason::time_backwards)) {
+      ++seen.refused;
+      if (since > 2) ++seen.refused_after;
+    }
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double x = I == Interface::torque ? out.command.torque[i] : state.q[i];
+      if (k == 400) begun[i] = x;
+      if (k == 600) seen.yielded += std::abs(x - begun[i]);
+    }
+    seen.at_end = out.status;
+  }
+  return seen;
+}
+
+template <Interface I>
+void check_all() {
+  const auto right = [](int, Nanoseconds t) { return t; };
+  const double yields = run<I>(right, false).yielded;
+  REQUIRE(yields > 0.05);
+  for (const Nanoseconds leap :
+       {Nanoseconds(1h), Nanoseconds(24h * 365 * 30), Nanoseconds(200ms), -Nanoseconds(1h)})
+    for (const bool samples_leap : {false, true}) {
+      CAPTURE(leap.count());
+      CAPTURE(samples_leap);
+      // One stamp, three stamps, from there on: it goes on, within two cycles of each change.
+      for (const int cycles : {1, 3, 100000}) {
+        CAPTURE(cycles);
+        const auto seen = run<I>(
+            [&](int k, Nanoseconds t) { return k >= 100 && k < 100 + cycles ? t + leap : t; }, samples_leap);
+        CHECK(seen.refused <= 2);
+        CHECK(seen.refused_after == 0);
+        CHECK_FALSE(seen.at_end.has(Reason::time_backwards));
+        CHECK_FALSE(seen.at_end.has(Reason::state_stale));
+        if (cycles < 100 || samples_leap) CHECK(seen.yielded == doctest::Approx(yields).epsilon(0.1));
+        CHECK(seen.fastest <= 3.15);
+      }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("cycle: one stamp far ahead, or back, does not stop the scene for good") {
+  check_all<Interface::position>();
+  check_all<Interface::velocity>();
+  check_all<Interface::torque>();
+}

@@ -1,0 +1,281 @@
+#include <doctest/doctest.h>
+
+#include "skinctl/testing/closed_loop.hpp"
+#include "skinctl/testing/undeclared_joints.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+using Row = std::array<double, 6>;
+using Joints = UndeclaredJoints<6>;
+constexpr Row pose{0.1, -1.2, 1.2, -1, -1.5, 0.3};
+
+RobotConfiguration<6> declared() {
+  RobotConfiguration<6> c{
+      .limits = limits_of<ur5::Description>(20.0), .period = 8ms, .delay = 8ms, .lag = 8ms};
+  c.virtual_damping = 4;
+  return c;
+}
+
+// Gives way to a torque; holds a pose, if it has springs.
+struct GivesWay : StatelessLaw<GivesWay> {
+  static constexpr Needs needs{.gravity = true, .touch = true};
+  double spring = 0;
+  JointPosition<6> at{pose};
+  template <class K>
+  JointTorque<6> torque(const K& known) const noexcept {
+    auto tau = known.touch().torque + known.gravity();
+    for (std::size_t i = 0; i < 6; ++i)
+      tau[i] += spring * (at[i] - known.q()[i]) - 0.3 * spring * known.dq()[i];
+    return tau;
+  }
+};
+
+// Any robot under a resolver; torques are functions of time and of its true positions.
+template <Interface I>
+class Loop {
+ public:
+  using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32>;
+  using World = std::function<Row(double, const Row&)>;
+
+  Loop(const RobotConfiguration<6>& c, const JointTruth<6>& truth)
+      : robot(ur5::Model{}, c),
+        joints(I == Interface::position ? Joints::Kind::position : Joints::Kind::velocity, truth, pose),
+        period(c.period),
+        memory(robot.start(measure(0ns))) {}
+
+  State<6> measure(Nanoseconds stamp) {
+    const auto m = joints.measured();
+    return {stamp, JointPosition<6>(m.q), JointVelocity<6>(m.dq)};
+  }
+  void step(const World& touch) { step(touch, now + period); }
+  void step(const World& touch, Nanoseconds to) {
+    if (loaded) {
+      const auto G = gravity_torque(ur5::Model{}, JointPosition<6>(joints.q()));
+      Row load;
+      for (std::size_t i = 0; i < 6; ++i) load[i] = -G[i];
+      joints.external(load);
+    }
+    joints.advance(seconds<double>(to));
+    now = to;
+    const auto interval = robot.interval(memory, now);
+    Pushed<6, double> push;
+    push.torque = JointTorque<6>(touch(seconds<double>(now), joints.q()));
+    std::array<Pushed<6, double>, max_substeps> pushes;
+    pushes.fill(push);
+    const auto before = command;
+    const auto out = robot.step(memory, law, law_memory, measure(now), interval,
+                                std::span<const Pushed<6, double>>(pushes.data(), pushes.size()));
+    status = out.status;
+    command = out.command;
+    for (std::size_t i = 0; i < 6; ++i) {
+      sent[i] = I == Interface::position ? command.position[i] : command.velocity[i];
+      furthest = std::max(furthest, std::abs(joints.q()[i] - pose[i]));
+      if (before.valid)
+        step_of_command = std::max(step_of_command, std::abs(command.position[i] - before.position[i]));
+    }
+    joints.command(seconds<double>(now), sent);
+  }
+  void run(double seconds_, const World& touch = [](double, const Row&) { return Row{}; }) {
+    for (const Nanoseconds end = now + nanoseconds(seconds_); now < end;) step(touch);
+  }
+
+  Robot robot;
+  Joints joints;
+  Nanoseconds period, now{};
+  GivesWay law;
+  GivesWay::Memory law_memory;
+  typename Robot::Memory memory;
+  JointCommand<6> command;
+  Row sent{};
+  Status status;
+  double furthest = 0, step_of_command = 0;
+  bool loaded = false;
+};
+
+}  // namespace
+
+TEST_CASE("Displaced robot: untouched, it moves by no more than the gap of its encoders") {
+  for (const double gap : {0.005, 0.025, -0.025, 0.049, 0.06, 0.1, -0.1, 2 * M_PI})
+    for (const double band : {0.01, 0.02, 0.0})
+      for (const double spring : {0.0, 100.0})
+        for (const std::size_t joint : {0u, 1u, 5u}) {
+          auto c = declared();
+          if (band > 0) c.dead_band = JointPosition<6>::constant(band);
+          JointTruth<6> truth;
+          truth.delay = truth.lag = 0.008;
+          truth.gap[joint] = gap;
+          Loop<Interface::position> loop(c, truth);
+          loop.law.spring = spring;
+          for (std::size_t i = 0; i < 6; ++i) loop.law.at[i] = pose[i] + truth.gap[i];
+          loop.run(5);
+          CAPTURE(gap);
+          CAPTURE(band);
+          CAPTURE(spring);
+          CHECK(loop.furthest <= std::abs(gap) + 1e-9);
+          const double r_tol = band > 0 ? band : loop.robot.parameters().dead_band[joint];
+          CHECK(loop.status.has(Reason::displaced) == (std::abs(gap) > r_tol));
+        }
+}
+
+TEST_CASE("Displaced robot: a gap that comes while it stands moves it by no more than that") {
+  for (const double gap : {0.055, -0.06, 0.1, 0.149, 2 * M_PI}) {
+    JointTruth<6> truth;
+    truth.delay = truth.lag = 0.008;
+    Loop<Interface::position> loop(declared(), truth);
+    loop.run(1);
+    loop.joints.truth().gap[1] = gap;
+    loop.run(5);
+    CAPTURE(gap);
+    CHECK(loop.status.has(Reason::displaced));
+    CHECK(loop.furthest <= 0.6 * std::abs(gap) + 1e-3);
+  }
+}
+
+TEST_CASE("Displaced robot: with consent it gives way again, from where it stands") {
+  for (const double gap : {0.06, -0.1}) {
+    JointTruth<6> truth;
+    truth.delay = truth.lag = 0.008;
+    truth.gap[1] = gap;
+    Loop<Interface::position> loop(declared(), truth);
+    loop.run(1);
+    REQUIRE(loop.status.has(Reason::displaced));
+    loop.run(1, [](double, const Row&) { return Row{0, 20}; });
+    CHECK(loop.furthest <= std::abs(gap) + 1e-9);  // it waits
+    loop.robot.resume(loop.memory);
+    const double rest = loop.joints.q()[1];
+    loop.run(1);
+    CHECK(loop.status == Status{});
+    CHECK(std::abs(loop.joints.q()[1] - rest) < 1e-6);
+    loop.run(1, [](double, const Row&) { return Row{0, 20}; });
+    CHECK(std::abs(loop.joints.q()[1] - rest) > 0.1);
+    CHECK_FALSE(loop.status.has(Reason::displaced));
+  }
+}
+
+TEST_CASE("Displaced robot: to a gap of more than 0.15 rad nobody can agree") {
+  JointTruth<6> truth;
+  truth.delay = truth.lag = 0.008;
+  truth.gap[4] = 2 * M_PI;
+  Loop<Interface::position> loop(declared(), truth);
+  loop.run(1);
+  loop.robot.resume(loop.memory);
+  loop.run(1, [](double, const Row&) { return Row{0, 20}; });
+  CHECK(loop.status.has(Reason::displaced));
+  CHECK(std::abs(loop.joints.q()[1] - pose[1]) < 1e-9);
+}
+
+TEST_CASE("Displaced robot: a servo that droops lets the arm down by its droop, not for ever") {
+  for (const double stiffness : {500.0, 2000.0, 10000.0}) {
+    JointTruth<6> truth;
+    truth.delay = truth.lag = 0.008;
+    truth.stiffness = truth.all(stiffness);
+    Loop<Interface::position> loop(declared(), truth);
+    loop.loaded = true;
+    double droop = 0;
+    const auto G = gravity_torque(ur5::Model{}, JointPosition<6>(pose));
+    for (const double g : G) droop = std::max(droop, std::abs(g) / stiffness);
+    loop.run(10);
+    CAPTURE(stiffness);
+    CAPTURE(droop);
+    // The start itself is a step of the load for this plant; a real arm stands in its droop already.
+    CHECK(loop.furthest <= 2.1 * droop);
+  }
+}
+
+TEST_CASE("Displaced robot: lag beyond the declared one is no gap and no obstacle") {
+  for (const double more : {0.0, 0.01, 0.03, 0.05}) {
+    JointTruth<6> truth;
+    truth.delay = 0.008;
+    truth.lag = 0.008 + more;
+    Loop<Interface::position> loop(declared(), truth);
+    Status seen;
+    double fastest = 0;
+    // Led by hand to and fro, up to 1.8 rad/s.
+    while (loop.now < 10s) {
+      loop.step(
+          [](double t, const Row&) { return Row{25 * std::sin(2 * M_PI * 0.5 * t), 8 * std::sin(5 * t)}; });
+      seen |= loop.status;
+      fastest = std::max(fastest, std::abs(loop.joints.dq()[0]));
+    }
+    CAPTURE(more);
+    CAPTURE(fastest);
+    CHECK_FALSE(seen.has(Reason::displaced));
+    CHECK_FALSE(seen.has(Reason::blocked));
+    CHECK(fastest > 1);
+  }
+}
+
+TEST_CASE("Displaced robot: an obstacle is no gap") {
+  JointTruth<6> truth;
+  truth.delay = truth.lag = 0.008;
+  Loop<Interface::position> loop(declared(), truth);
+  loop.run(0.5, [](double, const Row&) { return Row{25}; });
+  loop.joints.hold_fast(0, true);
+  Status seen;
+  double lead = 0;
+  for (const auto end = loop.now + 2s; loop.now < end;) {
+    loop.step([](double, const Row&) { return Row{25}; });
+    seen |= loop.status;
+    lead = std::max(lead, std::abs(loop.command.position[0] - loop.joints.q()[0]));
+  }
+  CHECK(seen.has(Reason::blocked));
+  CHECK_FALSE(seen.has(Reason::displaced));
+  CHECK(lead <= loop.robot.max_lead(0) * (1 + 1e-9));
+  loop.joints.hold_fast(0, false);
+  loop.run(2, [](double, const Row&) { return Row{25}; });
+  CHECK(loop.status == Status{});
+  CHECK(std::abs(loop.joints.dq()[0]) > 0.5);
+}
+
+TEST_CASE("Displaced robot: a finger is not pressed harder for a lag that was declared too small") {
+  const auto peak = [](double declared_lag, double lag) {
+    auto c = declared();
+    c.lag = nanoseconds(declared_lag);
+    JointTruth<6> truth;
+    truth.delay = 0.008;
+    truth.lag = lag;
+    Loop<Interface::position> loop(c, truth);
+    // A finger of 1 kN/m comes 80 mm at up to 0.3 m/s, 0.5 m from the axis of joint 0.
+    double most = 0;
+    loop.run(4, [&](double t, const Row& q) {
+      const double s = std::clamp((t - 0.2) / 0.5, 0.0, 1.0);
+      const double x = 0.08 * s * s * s * (10 - 15 * s + 6 * s * s),
+                   F = std::max(0.0, 1000 * (x - 0.5 * (q[0] - pose[0])));
+      most = std::max(most, F);
+      return Row{0.5 * F};
+    });
+    return most;
+  };
+  for (const double lag : {0.008, 0.018, 0.038, 0.058}) {
+    const double as_declared = peak(lag, lag), too_small = peak(0.008, lag);
+    CAPTURE(lag);
+    CAPTURE(as_declared);
+    CHECK(too_small <= 1.5 * as_declared);
+  }
+}
+
+TEST_CASE("Resolver: a late cycle is not caught up in one servo cycle") {
+  const auto c = declared();
+  for (const double speed : {0.3, 1.0, 2.0, 3.0}) {
+    JointTruth<6> truth;
+    truth.delay = truth.lag = 0.008;
+    Loop<Interface::position> loop(c, truth);
+    const auto push = [&](double, const Row&) { return Row{speed * 4 * 3.5}; };
+    loop.run(2, push);
+    loop.step_of_command = 0;
+    const double v = loop.memory.v[0];
+    CAPTURE(v);
+    loop.step(push, loop.now + 40ms);
+    double last = loop.command.velocity[0];
+    for (int k = 0; k < 120; ++k) {
+      loop.step(push);
+      CHECK(std::abs(loop.command.velocity[0] - last) <= 20 * 0.008 * 1.001);
+      last = loop.command.velocity[0];
+    }
+    CHECK(loop.step_of_command <= M_PI * 0.008 * (1 + 1e-9));
+    if (v < 2) CHECK(loop.memory.sent.value[0] == doctest::Approx(loop.memory.q.value[0]).epsilon(1e-12));
+  }
+}
