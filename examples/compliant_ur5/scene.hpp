@@ -9,6 +9,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/passivity/stiffest_contact.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 
 namespace compliant_ur5 {
@@ -52,19 +53,21 @@ auto make_scene(const Settings& s) {
   using namespace skinctl;
   // The two lags of servoj in a row are declared as one.
   const double ahead = I == Interface::position ? adapters::ur5::servoj_lookahead : 0;
-  const auto arm = robot_by<I>(ur5::Model{},
-                               {.limits = limits(s),
-                                .period = nanoseconds(1 / s.rate),
-                                .delay = nanoseconds(s.control.delay),
-                                .lag = nanoseconds(s.control.lag + ahead),
-                                .virtual_damping = s.control.decay,
-                                .viscous_friction = JointTorque<6>(s.control.viscous),
-                                .dead_band = JointPosition<6>::constant(0.02)},
-                               ContactDamper<>({.max = s.control.contact_damping}));
-  SkinSettings skin;
-  skin.force = EventGate<>::dead_band(s.control.force_threshold);
-  return Cycle(arm, ur5_skin<cells>(gains(s), skin),
-               SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
+  const RobotConfiguration<6> configuration{.limits = limits(s),
+                                            .period = nanoseconds(1 / s.rate),
+                                            .delay = nanoseconds(s.control.delay),
+                                            .lag = nanoseconds(s.control.lag + ahead),
+                                            .virtual_damping = s.control.decay,
+                                            .viscous_friction = JointTorque<6>(s.control.viscous),
+                                            .dead_band = JointPosition<6>::constant(0.02)};
+  SkinSettings settings;
+  settings.force = EventGate<>::dead_band(s.control.force_threshold);
+  const auto skin = ur5_skin<cells>(gains(s), settings);
+  const StiffestContact stiffest{
+      .stiffness = s.control.stiffest_contact, .newtons = s.newtons_per_reading, .may_ring = true};
+  const double damping = stiffest.damping(robot_by<I>(ur5::Model{}, configuration), skin);
+  const auto arm = robot_by<I>(ur5::Model{}, configuration, ContactDamper<>({.max = damping}), stiffest);
+  return Cycle(arm, skin, SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
 }
 
 }  // namespace compliant_ur5

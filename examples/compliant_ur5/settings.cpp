@@ -78,7 +78,7 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("lambda", c.lambda);
     t.number("K_c", c.K_c);
     t.number("K_i1", c.K_i1);
-    t.number("contact_damping", c.contact_damping);
+    t.number("stiffest_contact", c.stiffest_contact);
     t.number("K_i2", c.K_i2);
     t.number("decay", c.decay);
     t.one_or_six("viscous", c.viscous);

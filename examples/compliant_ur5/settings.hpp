@@ -32,7 +32,7 @@ struct ControlSettings {
   double decay = 4;                ///< friction of the virtual arm, in proportion to its mass [1/s]
   PerJoint viscous = same(1);      ///< and of each joint [N m s/rad]
   PerJoint force_gain = same(40);  ///< w_f of each link's skin [N per unit of the three force readings]
-  double contact_damping = 0;      ///< added at most along a contact that rings [N s/m]
+  double stiffest_contact = 3e4;   ///< that it may meet [N/m]; gives the damping of contacts that ring
   double proximity_gain = 0;       ///< w_p [N per unit of proximity]
   double force_threshold = 0.08;   ///< on the sum of the three force readings
   double max_velocity = 0.5;       ///< of motions to goals [rad/s]

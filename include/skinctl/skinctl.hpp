@@ -100,6 +100,7 @@
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/named_patch.hpp"
 #include "skinctl/tactile/patch.hpp"
+#include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
@@ -171,6 +172,7 @@
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
+#include "skinctl/passivity/stiffest_contact.hpp"
 
 #include "skinctl/resolver/following_monitor.hpp"
 #include "skinctl/resolver/hybrid_resolver.hpp"

@@ -30,7 +30,7 @@ TEST_CASE("Contact: the row is how the touched point moves against the push, by 
   for (int k = 0; k < 20; ++k) {
     JointPosition<6> q;
     for (double& x : q) x = 2 * u(rng);
-    const std::array<double, 3> p{0.3 * u(rng), 0.3 * u(rng), 0.3 * u(rng)}, f{u(rng), u(rng), u(rng)};
+    const std::array<double, 3> p{0.2 * u(rng), 0.2 * u(rng), 0.2 * u(rng)}, f{u(rng), u(rng), u(rng)};
     LinkWrenches<ur5::Model, link_bit<2> | link_bit<4>> wrenches;
     wrenches.set<4>({{f[0], f[1], f[2]},
                      {p[1] * f[2] - p[2] * f[1], p[2] * f[0] - p[0] * f[2], p[0] * f[1] - p[1] * f[0]}});
@@ -73,4 +73,24 @@ TEST_CASE("Contact: nothing felt, nothing finite, no skin: no contact") {
   }
   struct NoSkin {};
   CHECK(contacts_of(ur5::Model{}, q, NoSkin{}).count == 0);
+}
+
+TEST_CASE("Contact: a couple without cells acts no further off than the link reaches") {
+  using Wrenches = LinkWrenches<ur5::Model, link_bit<2>>;
+  const JointPosition<6> q{0.1, -1.2, 1.4, -1.8, -1.57, 0.3};
+  Wrenches w;
+  // 12 N against 11 N, 0.3 m apart, along y of the link: 3.6 N m about its joint.
+  w.set<2>({{0, 1, 0}, {0, 0, 3.6}});
+  const auto c = contacts_of(ur5::Model{}, q, w);
+  REQUIRE(c.count == 1);
+  CHECK(c.list[0].force == 1);
+  CHECK(std::abs(c.list[0].row[2]) > 0.3);
+  CHECK(std::abs(c.list[0].row[2]) < 0.9);  // the forearm is 0.39 m long
+  CHECK(std::abs(c.list[0].place.x) == doctest::Approx(std::abs(c.list[0].row[2])));
+  CHECK(c.list[0].normal.y == 1);
+  w.set<2>({{0, 12, 0}, {0, 0, -3.6}});  // a push 0.3 m off is as it is
+  const auto tau = skin_torque(ur5::Model{}, q, w);
+  const auto push = contacts_of(ur5::Model{}, q, w).list[0];
+  CHECK(push.place.x == doctest::Approx(-0.3));
+  for (std::size_t j = 0; j < 6; ++j) CHECK(tau[j] == doctest::Approx(-push.force * push.row[j]));
 }

@@ -73,8 +73,10 @@ class Cycle {
   using Output = CycleOutput<joints, scalar, terms_of<L>>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
-  /// What the resolver takes: forces and proximities apart where a tank has to tell them.
-  using Touch = typename detail::TouchFor<Resolver, Skin>::type;
+  static constexpr bool watches_contacts =
+      detail::watches_contacts<Resolver> || requires { Overseer::contact_type::links; };
+  /// What the resolver takes: forces and proximities apart where they have to be told.
+  using Touch = typename detail::TouchFor<Resolver, Skin, watches_contacts>::type;
 
   /// The state that changes from cycle to cycle; trivially copyable.
   struct Memory {
@@ -208,11 +210,18 @@ class Cycle {
       return detail::believed(input.measured, m.robot.measured, guard_);
     };
     out.status |= detail::receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
+    const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);
-    auto resolved = resolver_.step(m.robot, law_, m.law, input.measured, interval,
-                                   std::span<const Touch>(touches.data, parts), guard_);
+    const std::span<const Touch> felt(touches.data, parts);
+    auto resolved = [&] {
+      if constexpr (detail::watches_contacts<Resolver>) {
+        return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_, pressed);
+      } else {
+        return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_);
+      }
+    }();
     out.status |= resolved.status;
     out.shares = resolved.shares;
     watch.end(CycleStage::resolve);
@@ -221,7 +230,7 @@ class Cycle {
     bool slowed = false;
     if constexpr (governed) {
       if (interval.substeps != 0) {
-        const auto given = govern(m, resolved, interval);
+        const auto given = govern(m, resolved, pressed, interval);
         out.status |= given.status;
         found |= given.status;
         slowed = given.altered;
@@ -259,6 +268,7 @@ class Cycle {
     if constexpr (detail::Described<Robot>) {
       detail::check_holders<Robot, L>();
       detail::check_settings(robot, law);
+      detail::check_contacts(robot, skin);
     }
     detail::compare(guard_, resolver_);
   }
@@ -282,20 +292,20 @@ class Cycle {
   /// The planned interval [s], for the laws that start or take goals between two evaluations.
   [[nodiscard]] scalar period() const noexcept { return resolver_.planned_step(); }
 
-  template <class Resolved>
-  SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Interval& interval) const noexcept {
+  template <class Resolved, class Pressed>
+  SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
+                             const Interval& interval) const noexcept {
     scalar dt = seconds<scalar>(interval.to - interval.from);
     if constexpr (Resolver::interface == Interface::position) dt = m.robot.command_span;
-    const auto touch = detail::held_contacts(skin_, m.skin);
     const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
     if constexpr (Resolver::interface == Interface::torque) {
       // An old velocity is no basis for braking.
       if (resolved.status.has(Reason::state_stale))
         return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};
       return governor_.step_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
-                                   m.robot.measured, touch, nearest, dt);
+                                   m.robot.measured, pressed, nearest, dt);
     } else {
-      return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, touch, nearest,
+      return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, pressed, nearest,
                             dt);
     }
   }

@@ -8,7 +8,7 @@
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/limits/body_region.hpp"
-#include "skinctl/tactile/skin_torque.hpp"
+#include "skinctl/tactile/contact.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -58,15 +58,16 @@ inline constexpr bool distinct_links =
 ///   direction, has more than the robot's energy `e = u'Mu` (m_n v_n^2 <= e, Cauchy-Schwarz). So no transient
 ///   force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin detects
 ///   nobody, the speed of separation is allowed if it is higher.
-/// - **During a contact**, with the resultant F of the link's force readings: the effective mass along F is
-///   `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the contact, which is kept
+/// - **During a contact** with F, the push of all contacts on the link within 60 degrees of this one: the
+///   effective mass along F is `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the contact, which is kept
 ///   below `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region can still take),
 ///   `(F_q - F) / (k reaction)` (no more than F_q before the robot reacts) and `P / F`. Motion out of the
 ///   contact is not slowed by these.
 /// - **Excess**: F above F_t, or above F_q for longer than `first`, is `contact_force`; more power than
 ///   allowed at the measured velocities is `contact_power`. The guard stops.
 ///
-/// Opposite pushes on one link cancel in its resultant. Rotors are not in M: add their inertia to the model's
+/// Contacts are where force readings are held (see `PressedAreas`), so opposite pushes on one link are two.
+/// Wrenches without cells give one contact for each link: there they cancel. Rotors are not in M: add their inertia to the model's
 /// links if they matter.
 template <RobotModel M, Real T, std::size_t... I>
 class ContactLimits {
@@ -106,30 +107,45 @@ class ContactLimits {
   /// The allowed share of the joint velocities `u`.
   ///
   /// @param measured  the robot's state, for the contacts and their power.
-  /// @param touch     the skin's wrenches on the links; a link without skin does not compile.
+  /// @param touch     the pressed areas, or wrenches on the links; a link without skin does not compile.
   /// @param dt        seconds since the last call.
   /// A NaN in a wrench counts as too much force, a NaN distance as zero.
-  template <class Wrenches>
+  template <class Touch>
   [[nodiscard]] SKINCTL_NOINLINE Verdict look(Memory& memory, const State<joints, T>& measured,
-                                              const JointVelocity<joints, T>& u, const Wrenches& touch,
+                                              const JointVelocity<joints, T>& u, const Touch& touch,
                                               const Distances& distance, const T& dt) const noexcept {
-    static_assert((Wrenches::links & links) == links,
-                  "contact limits for a link without skin: nothing is felt");
+    static_assert((Touch::links & links) == links, "contact limits for a link without skin: nothing is felt");
     Verdict out;
     const JointAngles<M, T> angles(model_, measured.q);
     const MassFactors<M, T> mass(mass_matrix(model_, angles));
     const Poses<M, closure<M>(links), T> poses(model_, angles);
     const T energy = T(2) * kinetic_energy(model_, angles, u);
+    const auto contacts = contacts_of(model_, measured.q, touch);
     std::size_t k = 0;
     const auto one = [&](auto link) {
       constexpr std::size_t i = link.value;
       const auto V = jacobian<i>(poses) * u;
       before(at_[k], length(V.linear) + at_[k].reach * length(V.angular), energy, distance[k], out);
-      Wrenches only;
-      only.template set<i>(touch.template wrench<i>());
-      const auto tau = at_[k].newton * skin_torque(model_, angles, only);
-      const T F = at_[k].newton * length(touch.template wrench<i>().force);
-      during(at_[k], memory.above[k], F, tau, mass, u, measured.dq, dt, out);
+      T most(0);
+      for (const auto& c : contacts) {
+        if (c.link != i) continue;
+        Xyz<T> push{T(0), T(0), T(0)};
+        JointTorque<joints, T> tau;  // a contact whose normal is unknown stands alone
+        for (const auto& d : contacts) {
+          if (&d != &c && (d.link != i || !(dot(c.normal, d.normal) >= T(0.5)))) continue;
+          push = push + d.force * d.normal;
+          for (std::size_t j = 0; j < joints; ++j) tau[j] = tau[j] - at_[k].newton * d.force * d.row[j];
+        }
+        const T sum = length(push), F = at_[k].newton * (sum > c.force ? sum : c.force);
+        if (F > most) most = F;
+        during(at_[k], F, tau, mass, u, measured.dq, out);
+      }
+      if constexpr (requires { touch.data[0][0]; }) {
+        const auto w = touch.template wrench<i>();
+        const T sum = w.force.x + w.force.y + w.force.z + w.moment.x + w.moment.y + w.moment.z;
+        if (!(sum - sum == T(0))) most = std::numeric_limits<T>::infinity();
+      }
+      lasting(at_[k], memory.above[k], most, dt, out);
       ++k;
     };
     (one(std::integral_constant<std::size_t, I>{}), ...);
@@ -188,19 +204,21 @@ class ContactLimits {
     out.scale = least(out.scale, scale);
   }
 
-  /// During a contact with `F`, which gives `tau` at the joints.
-  static SKINCTL_INLINE void during(const Link& link, T& above, const T& F, const JointTorque<joints, T>& tau,
-                                    const MassFactors<M, T>& mass, const JointVelocity<joints, T>& u,
-                                    const JointVelocity<joints, T>& dq, const T& dt, Verdict& out) noexcept {
-    using std::sqrt;
+  /// The strongest contact of the link has been `F`, for `dt` more.
+  static SKINCTL_INLINE void lasting(const Link& link, T& above, const T& F, const T& dt,
+                                     Verdict& out) noexcept {
     const auto& r = link.region;
-    if (F == T(0)) {
-      above = T(0);
-      return;
-    }
     if (F > out.force) out.force = F;
     above = F > T(r.force) ? T(above + dt) : T(0);
     if (!(F <= T(r.blow)) || above > seconds<T>(r.first)) out.status |= Reason::contact_force;
+  }
+
+  /// During a contact with `F` > 0, which gives `tau` at the joints.
+  static SKINCTL_INLINE void during(const Link& link, const T& F, const JointTorque<joints, T>& tau,
+                                    const MassFactors<M, T>& mass, const JointVelocity<joints, T>& u,
+                                    const JointVelocity<joints, T>& dq, Verdict& out) noexcept {
+    using std::sqrt;
+    const auto& r = link.region;
     const T taken = -power(tau, dq);
     if (taken > out.power) out.power = taken;
     if (!(taken <= T(r.power))) out.status |= Reason::contact_power;

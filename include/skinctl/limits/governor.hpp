@@ -84,7 +84,7 @@ class Governor {
   /// The command in place of `wish`, `dt` > 0 seconds after `last` was sent.
   ///
   /// @param measured  the last good state of the robot.
-  /// @param touch     wrenches on the links.
+  /// @param touch     the contacts: `PressedAreas`, or wrenches on the links.
   /// @param nearest   strongest proximity reading for each link of the contact limits; both are read only
   ///                  with contact limits.
   /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.

@@ -13,22 +13,23 @@ SKINCTL_BEGIN_NAMESPACE
 /// [N m s] or [N s/m]. Symmetric and not negative: it only dissipates.
 template <std::size_t N, Real T = double>
 struct ContactDamping {
-  T coefficient[N] = {};
-  T row[N][N] = {};
+  std::size_t count = 0;
+  T coefficient[most_contacts<N>] = {};
+  T row[most_contacts<N>][N] = {};
   bool any = false;
 };
 
 /// Contact damping, constant and by observation. A part of a resolver's `Passivity`.
 ///
-/// Each link's push is watched for turns: it rose and then fell by more than `swing` and by more than a tenth
-/// of the push, or the reverse. A contact rings if turns come within `slowest` of each other and do not die
-/// out quickly (each swing at least 0.4 of the last one); so does one that bounces, however long the robot
-/// flies, if it returns by itself. The third turn in a row, and each further one, raises the damping along
-/// the contact by half of `max` (`contact_damped`). The damping is at least `always` while the contact lasts,
-/// at most `always + max`, rises and falls smoothly, and falls with the time constant `calm` once the contact
-/// has ended, ten times as slowly while it lasts. No damping is added for a robot that is not touched, for a
-/// push that takes longer than `slowest` from peak to trough, and for taps on a robot that rests or gives
-/// way.
+/// Each contact's push is watched for turns: it rose and then fell by more than `swing` and by more than a
+/// tenth of the push, or the reverse. A contact rings if turns come within `slowest` of each other and do not
+/// die out quickly (each swing at least 0.4 of the last one); so does one that bounces, however long the robot
+/// flies, if it returns by itself. The third turn in a row raises the damping along the contact to an eighth
+/// of `max`, and each further one doubles it (`contact_damped`). The damping is at least `always` while the
+/// contact lasts, at most `always + max`, rises and falls smoothly, and falls with the time constant `calm`
+/// once the contact has ended, ten times as slowly while it lasts. No damping is added for a robot that is
+/// not touched, for a push that takes longer than `slowest` from peak to trough, and for taps on a robot that
+/// rests or gives way.
 template <Real T = double>
 class ContactDamper {
  public:
@@ -40,14 +41,16 @@ class ContactDamper {
     Nanoseconds slowest = 250ms;  ///< longest time from peak to trough, > 0
     Nanoseconds calm = 500ms;     ///< > 0
   };
-  /// The observation of one link's contact.
+  /// The observation of one contact.
   struct Watch {
-    T extreme = T(0);  ///< extreme push since the last turn [N]
-    T last = T(0);     ///< the push at that turn [N]
-    T swing = T(0);    ///< of the last turn [N]
-    T since = T(0);    ///< time since the last turn [s]
-    T away = T(0);     ///< time without contact [s]
-    int turns = 0;     ///< in a row
+    std::size_t link = 0;
+    Xyz<T> place = {T(0), T(0), T(0)}, normal = {T(0), T(0), T(0)};  ///< when it was last felt
+    T extreme = T(0);                                                ///< extreme push since the last turn [N]
+    T last = T(0);                                                   ///< the push at that turn [N]
+    T swing = T(0);                                                  ///< of the last turn [N]
+    T since = T(0);                                                  ///< time since the last turn [s]
+    T away = T(0);                                                   ///< time without contact [s]
+    int turns = 0;                                                   ///< in a row
     bool rising = false;
     bool touched = false;
     T wish = T(0);   ///< wanted damping, in parts of `max`
@@ -55,8 +58,8 @@ class ContactDamper {
   };
   template <std::size_t N>
   struct Memory {
-    Watch watch[N];
-    ContactDamping<N, T> damping;
+    Watch watch[most_contacts<N>];
+    ContactDamping<N, T> damping;  ///< in the order of `watch`
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
@@ -81,27 +84,51 @@ class ContactDamper {
   template <std::size_t N, std::size_t K>
   bool observe(Memory<N>& memory, const Contacts<N, T, K>& contacts, const JointVelocity<N, T>& dq,
                const T& dt) const noexcept {
-    T force[N] = {}, speed[N] = {};
+    static_assert(K <= most_contacts<N>);
+    auto& damping = memory.damping;
+    T force[most_contacts<N>] = {}, speed[most_contacts<N>] = {};
+    bool taken[most_contacts<N>] = {};
     for (const auto& c : contacts) {
-      force[c.link] = c.force;
-      speed[c.link] = c.along(dq);
-      for (std::size_t j = 0; j < N; ++j) memory.damping.row[c.link][j] = c.row[j];
+      if (!(c.force > T(0))) continue;
+      std::size_t k = detail::continued(memory.watch, taken, damping.count, c);
+      if (k == damping.count) k = room(memory, taken);
+      taken[k] = true;
+      force[k] = c.force;
+      speed[k] = c.along(dq);
+      Watch& w = memory.watch[k];
+      w.link = c.link, w.place = c.place, w.normal = c.normal;
+      for (std::size_t j = 0; j < N; ++j) damping.row[k][j] = c.row[j];
     }
     bool added = false;
-    memory.damping.any = false;
-    for (std::size_t i = 0; i < N; ++i) {
-      Watch& w = memory.watch[i];
-      if (!(force[i] > T(0)) && !w.touched) continue;
-      watch(w, force[i], speed[i], dt);
-      T& b = memory.damping.coefficient[i];
-      b = w.level * s_.max + (force[i] > T(0) ? s_.always : T(0));
-      memory.damping.any = memory.damping.any || b > T(0);
+    damping.any = false;
+    for (std::size_t k = 0; k < damping.count; ++k) {
+      Watch& w = memory.watch[k];
+      if (force[k] > T(0) || w.touched) watch(w, force[k], speed[k], dt);
+      T& b = damping.coefficient[k];
+      b = w.level * s_.max + (force[k] > T(0) ? s_.always : T(0));
+      damping.any = damping.any || b > T(0);
       added = added || w.level > T(0);
     }
+    while (damping.count > 0 && !memory.watch[damping.count - 1].touched) --damping.count;
     return added;
   }
 
  private:
+  /// Room for a contact that was not there: unused, or that of the ended contact with the least damping.
+  template <std::size_t N>
+  static std::size_t room(Memory<N>& memory, const bool* taken) noexcept {
+    auto& count = memory.damping.count;
+    std::size_t best = most_contacts<N>;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (taken[k]) continue;
+      if (!memory.watch[k].touched) return k;
+      if (best == most_contacts<N> || memory.watch[k].level < memory.watch[best].level) best = k;
+    }
+    if (count < most_contacts<N>) best = count++;
+    memory.watch[best] = {};
+    return best;
+  }
+
   void watch(Watch& w, const T& force, const T& speed, const T& dt) const noexcept {
     using std::exp;
     w.touched = true;
@@ -121,7 +148,8 @@ class ContactDamper {
       const T swing = w.rising ? T(w.extreme - w.last) : T(w.last - w.extreme);
       w.turns = w.since <= slowest_ && w.swing > T(0) && swing >= T(0.4) * w.swing ? w.turns + 1 : 1;
       if (w.turns >= 3) {
-        w.wish = w.wish + T(0.5) < T(1) ? T(w.wish + T(0.5)) : T(1);
+        const T more = w.wish < T(0.0625) ? T(0.125) : T(2) * w.wish;
+        w.wish = more < T(1) ? more : T(1);
         w.turns = 3;
       }
       w.swing = swing;

@@ -42,12 +42,19 @@ class PassivityObserver {
   };
   template <std::size_t N>
   struct Memory {
+    /// A contact at the last cycle.
+    struct Felt {
+      std::size_t link = 0;
+      Xyz<T> place = {T(0), T(0), T(0)}, normal = {T(0), T(0), T(0)};
+      T force = T(0);     ///< [N]
+      T expected = T(0);  ///< predicted for the time at which a present command is carried out [N]
+      T ahead = T(0);     ///< furthest command under way [m]
+      T row[N] = {};
+    };
     T energy = T(0);
-    T force[N] = {};        ///< of each link's contact at the last cycle [N]
-    T expected[N] = {};     ///< predicted for the time at which a present command is carried out [N]
-    T row[N][N] = {};       ///< their directions
+    std::size_t count = 0;
+    Felt felt[most_contacts<N>];
     T under_way = T(0);     ///< furthest command under way for a contact not felt yet [m]
-    T ahead[N] = {};        ///< furthest command under way [m]
     JointPosition<N, T> q;  ///< measured then
     bool started = false;
   };
@@ -80,28 +87,34 @@ class PassivityObserver {
   template <std::size_t N, std::size_t K, class EachPending>
   void book(Memory<N>& memory, const Contacts<N, T, K>& contacts, const JointPosition<N, T>& q,
             const T& cycles, EachPending&& each_pending) const noexcept {
-    T before[N], now[N] = {};
-    for (std::size_t i = 0; i < N; ++i) before[i] = memory.force[i];
-    if (memory.started) spend(memory, before, q);  // half along the old directions, half along the new ones
+    static_assert(K <= most_contacts<N>);
+    if (memory.started) spend(memory, q);  // half along the old directions, half along the new ones
+    typename Memory<N>::Felt now[K];
+    bool taken[most_contacts<N>] = {};
+    std::size_t count = 0;
     for (const auto& c : contacts) {
-      now[c.link] = s_.newtons * c.force;
-      for (std::size_t j = 0; j < N; ++j) memory.row[c.link][j] = c.row[j];
+      if (!(c.force > T(0))) continue;
+      auto& f = now[count++];
+      f.link = c.link, f.place = c.place, f.normal = c.normal;
+      f.force = s_.newtons * c.force;
+      for (std::size_t j = 0; j < N; ++j) f.row[j] = c.row[j];
+      const std::size_t old = detail::continued(memory.felt, taken, memory.count, c);
+      T growth = f.force;
+      if (old < memory.count) taken[old] = true, growth = f.force - memory.felt[old].force;
+      f.expected = f.force + (growth > T(0) ? T(cycles * growth) : T(0));
     }
-    if (memory.started) spend(memory, now, q);
+    for (std::size_t k = 0; k < count; ++k) memory.felt[k] = now[k];
+    memory.count = count;
+    if (memory.started) spend(memory, q);
     if (memory.energy > s_.max) memory.energy = s_.max;
-    for (std::size_t i = 0; i < N; ++i) {
-      const T growth = now[i] - before[i];
-      memory.expected[i] = now[i] + (growth > T(0) && now[i] > T(0) ? T(cycles * growth) : T(0));
-      memory.force[i] = now[i];
-      memory.ahead[i] = T(0);
-    }
     memory.q = q;
     memory.started = true;
     memory.under_way = T(0);
     each_pending([&](const JointPosition<N, T>& dq) {
-      for (std::size_t i = 0; i < N; ++i) {
-        const T p = along(memory.row[i], dq);
-        if (p > memory.ahead[i]) memory.ahead[i] = p;
+      for (std::size_t k = 0; k < memory.count; ++k) {
+        auto& f = memory.felt[k];
+        const T p = along(f.row, dq);
+        if (p > f.ahead) f.ahead = p;
       }
       const T p = lever(dq);
       if (p > memory.under_way) memory.under_way = p;
@@ -116,12 +129,12 @@ class PassivityObserver {
     const T left = memory.energy - s_.reserve * s_.start;
     T cost(0), taken(0);
     bool inward = false;
-    for (std::size_t i = 0; i < N; ++i) {
-      if (!(memory.force[i] > T(0))) continue;
-      inward = inward || along(memory.row[i], v) > T(0);
-      const T p = along(memory.row[i], dq), furthest = p > memory.ahead[i] ? p : memory.ahead[i];
-      cost = cost + (memory.expected[i] + T(0.5) * s_.stiffness * furthest) * furthest;
-      if (p < T(0)) taken = taken - memory.force[i] * p;
+    for (std::size_t k = 0; k < memory.count; ++k) {
+      const auto& f = memory.felt[k];
+      inward = inward || along(f.row, v) > T(0);
+      const T p = along(f.row, dq), furthest = p > f.ahead ? p : f.ahead;
+      cost = cost + (f.expected + T(0.5) * s_.stiffness * furthest) * furthest;
+      if (p < T(0)) taken = taken - f.force * p;
     }
     if (inward && !(cost <= left)) return false;
     const T p = lever(dq), furthest = p > memory.under_way ? p : memory.under_way;
@@ -136,10 +149,11 @@ class PassivityObserver {
                                                          JointVelocity<N, T> v) const noexcept {
     // A few rounds: what leaves one contact may lead into another one.
     for (int round = 0; round < 4; ++round)
-      for (std::size_t i = 0; i < N; ++i) {
-        const T into = along(memory.row[i], v), size = along(memory.row[i], memory.row[i]);
-        if (!(memory.force[i] > T(0) && into > T(0) && size > T(0))) continue;
-        for (std::size_t j = 0; j < N; ++j) v[j] = v[j] - T(1.001) * into / size * memory.row[i][j];
+      for (std::size_t k = 0; k < memory.count; ++k) {
+        const auto& row = memory.felt[k].row;
+        const T into = along(row, v), size = along(row, row);
+        if (!(into > T(0) && size > T(0))) continue;
+        for (std::size_t j = 0; j < N; ++j) v[j] = v[j] - T(1.001) * into / size * row[j];
       }
     return v;
   }
@@ -159,10 +173,11 @@ class PassivityObserver {
     return sum;
   }
   template <std::size_t N>
-  void spend(Memory<N>& memory, const T (&force)[N], const JointPosition<N, T>& q) const noexcept {
-    for (std::size_t i = 0; i < N; ++i)
-      if (force[i] > T(0))
-        memory.energy = memory.energy - T(0.5) * force[i] * along(memory.row[i], q - memory.q);
+  void spend(Memory<N>& memory, const JointPosition<N, T>& q) const noexcept {
+    for (std::size_t k = 0; k < memory.count; ++k) {
+      const auto& f = memory.felt[k];
+      memory.energy = memory.energy - T(0.5) * f.force * along(f.row, q - memory.q);
+    }
   }
 
   Settings s_;

@@ -82,7 +82,7 @@ template <std::size_t N, Real T>
 SKINCTL_NOINLINE void add_damping(const ContactDamping<N, T>& damping, const T& h,
                                   const JointVelocity<N, T>& v, MassMatrix<N, T>& m,
                                   JointTorque<N, T>& impulse) noexcept {
-  for (std::size_t k = 0; k < N; ++k) {
+  for (std::size_t k = 0; k < damping.count; ++k) {
     const T b = h * damping.coefficient[k];
     if (!(b > T(0))) continue;
     T speed(0);

@@ -23,6 +23,9 @@ struct Resolved {
   JointTorque<N, T> fallback;
 };
 
+/// In place of pressed areas: the resolver takes the contacts from the wrenches of the touch.
+struct PressedUnknown {};
+
 namespace detail {
 /// The parts of a scene's configuration that give its torque.
 template <class Robot, class L, class Touch>
@@ -69,8 +72,7 @@ class Resolver {
                 "an energy tank counts with the inertia of joints so far: no tank beside a tool's shape");
   static constexpr bool has_passivity_observer = Keeper::template has<PassivityObserver<T>>;
   static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
-  /// Whether forces and proximities are wanted apart, see `TouchWrenches`.
-  static constexpr bool tells_contacts = has_tank || has_passivity_observer || has_damper;
+  static constexpr bool watches_contacts = has_passivity_observer || has_damper;
   static constexpr Needs keeper_needs = {
       .angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank};
   using Memory = ResolverMemory<joints, T, History, Keeper>;
@@ -143,10 +145,13 @@ class Resolver {
   /// @param check            whether this robot can be in a state, see `take_measurement`.
   /// @param touches          the skin's mean wrenches on the links, one per sub-step; with a tank best as
   ///                         `TouchWrenches`, otherwise all of it counts as contact.
-  template <class L, class Touch, class Check = AnyState>
+  /// @param pressed           the contacts for `PassivityObserver` and `ContactDamper`: `PressedAreas`. If
+  ///                         they are unknown, one for each link, from the last touch.
+  template <class L, class Touch, class Check = AnyState, class Pressed = PressedUnknown>
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
-      const Interval& interval, std::span<const Touch> touches, const Check& check = {}) const noexcept;
+      const Interval& interval, std::span<const Touch> touches, const Check& check = {},
+      const Pressed& pressed = {}) const noexcept;
 
   /// The joint torque that accelerates the virtual robot under the configuration `next` in the coming
   /// sub-step as under `before`, less that of `next`; both are of the same scene. Zero where the laws do not
@@ -184,8 +189,8 @@ class Resolver {
     Velocity velocity;
     Status status;
   };
-  template <class Touch>
-  SKINCTL_INLINE Status watch(Memory& m, const Touch& touch, const T& dt) const noexcept;
+  template <class Pressed>
+  SKINCTL_INLINE Status watch(Memory& m, const Pressed& pressed, const T& dt) const noexcept;
   SKINCTL_INLINE bool affords(const Memory& m, Velocity& v) const noexcept;
   template <class L, class Touch>
   Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,

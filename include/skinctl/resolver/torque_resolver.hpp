@@ -39,7 +39,6 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   static_assert(!Keeper::template has<PassivityObserver<T>> && !Keeper::template has<ContactDamper<T>>,
                 "a torque interface has no virtual robot that runs ahead: its Passivity is an EnergyTank");
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
-  static constexpr bool tells_contacts = has_tank;
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = Interface::torque;
   using scalar = T;

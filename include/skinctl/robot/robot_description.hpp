@@ -27,10 +27,11 @@ struct FrictionUncompensated {
 
 namespace detail {
 // Kinds of parts of a description.
-struct KeeperPart {};      // monitors energy or contacts inside the resolver
-struct ToolShapePart {};   // inertia and friction at the tool
-struct IntegratorPart {};  // integration of the virtual robot
-struct HistoryPart {};     // number of commands under way
+struct KeeperPart {};           // monitors energy or contacts inside the resolver
+struct ToolShapePart {};        // inertia and friction at the tool
+struct IntegratorPart {};       // integration of the virtual robot
+struct HistoryPart {};          // number of commands under way
+struct StiffestContactPart {};  // what a scene may meet
 
 /// Whether `P` is a valid part, an argument after the configuration in `by_position` and the like.
 template <class P>
@@ -40,7 +41,7 @@ inline constexpr bool is_one_of = (std::is_same_v<Part, Parts> || ...);
 }  // namespace detail
 
 /// A model, the interface of its joints, a configuration, and optional parts: an energy tank, a passivity
-/// observer, a contact damper (`passivity/`), a tool shape, an integrator (`resolver/`), compensation of
+/// observer, a contact damper, the stiffest contact (`passivity/`), a tool shape, an integrator (`resolver/`), compensation of
 /// gravity and friction. Made by `by_position`, `by_velocity` or `by_torque`; immutable.
 template <Interface I, RobotModel M, Real T, class... Parts>
 class RobotDescription {
@@ -106,7 +107,7 @@ template <Interface I, class T, class M, class... Parts>
 auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, const Parts&... parts) {
   static_assert((RobotPart<Parts> && ...),
                 "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
-                "ContactDamper, ToolShape, an integrator, RobotHoldsGravity, RobotCompensatesFriction");
+                "ContactDamper, StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
   return RobotDescription<I, M, T, Parts...>(model, c, parts...);
 }
 }  // namespace detail

@@ -6,6 +6,7 @@
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/patch.hpp"
+#include "skinctl/tactile/pressed_area.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -31,6 +32,7 @@ class Skin {
   using scalar = T;
   using Wrenches = LinkWrenches<M, (link_bit<Patches::link> | ...), T>;
   using Touch = TouchWrenches<Wrenches>;
+  using Pressed = PressedAreas<M, Wrenches::links, T>;
   static constexpr LinkMask links = Wrenches::links;
   static constexpr std::size_t patches = sizeof...(Patches);
   static constexpr std::size_t cells = (Patches::cells + ...);
@@ -148,6 +150,39 @@ class Skin {
     return memory;
   }
 
+  /// The areas where force readings are held: the contacts. Time is bounded: per pressed cell a constant.
+  /// What else is touched (the second argument) is nothing to a skin.
+  [[nodiscard]] Pressed pressed(const Memory& memory, const auto&) const noexcept { return pressed(memory); }
+  [[nodiscard]] Pressed pressed(const Memory& memory) const noexcept {
+    Pressed areas;
+    for (std::size_t b = 0; b < Memory::blocks; ++b) {
+      if (!memory.may_press(b)) continue;
+      for (std::uint64_t rest = memory.heard[b]; rest != 0; rest &= rest - 1) {
+        const std::size_t i = 64 * b + static_cast<std::size_t>(std::countr_zero(rest));
+        if (memory.held[i].force != 0) press(areas, i, memory.held[i]);
+      }
+    }
+    return areas;
+  }
+
+  /// Calls `f(link, force, moment, gain)` for up to `most` cells of each patch, evenly over its list: the
+  /// cell's unit wrench about the link's origin, and w_f [N per unit of its force readings].
+  template <class F>
+  void each_cell(F&& f, std::size_t most = cells) const {
+    std::size_t first = 0, k = 0;
+    const auto look = [&](std::size_t link, std::size_t count) {
+      const std::size_t taken = count < most ? count : most;
+      for (std::size_t n = 0; n < taken; ++n) {
+        const float* u = tables_.cells[first + n * count / taken].unit;
+        f(link, Xyz<T>{T(u[0]), T(u[1]), T(u[2])}, Xyz<T>{T(u[3]), T(u[4]), T(u[5])},
+          static_cast<double>(tables_.force_gain[k]) / CellCounts::force_unit);
+      }
+      first += count;
+      ++k;
+    };
+    (look(Patches::link, Patches::cells), ...);
+  }
+
   /// Number of silent cells: never received, or not within `max_age`.
   [[nodiscard]] std::size_t silent(const Memory& memory) const noexcept {
     std::size_t n = cells;
@@ -197,6 +232,13 @@ class Skin {
   }
 
  private:
+  void press(Pressed& areas, std::size_t i, CellCounts counts) const noexcept {
+    static constexpr std::array<std::size_t, patches> link{Patches::link...};
+    const detail::CellEntry& cell = tables_.cells[i];
+    const T push = tables_.template push_on<detail::Reading::force>(cell, counts);
+    const auto& p = tables_.cells.place(i);
+    if (push > T(0)) areas.add(link[cell.patch], {T(p[0]), T(p[1]), T(p[2])}, cell.unit, push);
+  }
   template <class Means>
   [[nodiscard]] SKINCTL_INLINE Means held_as(const Memory& memory) const noexcept {
     if constexpr (std::is_same_v<Means, Touch>) {

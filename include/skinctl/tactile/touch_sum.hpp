@@ -173,6 +173,22 @@ class TouchSources : public detail::ApartOfSum<A, B> {
     return TouchSum<typename A::Touch, typename B::Wrenches>{a_.touch(memory.first),
                                                              b_.wrenches(memory.second)};
   }
+  /// The areas where the first source is pressed, beside the second one's part of `touch`.
+  template <class Touch>
+  [[nodiscard]] auto pressed(const Memory& memory, const Touch& touch) const noexcept
+    requires requires(const A& a) { a.pressed(memory.first, touch.first); }
+  {
+    using First = std::remove_cvref_t<decltype(a_.pressed(memory.first, touch.first))>;
+    using Second = std::remove_cvref_t<decltype(touch.second)>;
+    return TouchSum<First, Second>{a_.pressed(memory.first, touch.first), touch.second};
+  }
+  /// See `Skin::each_cell`; of the first source.
+  template <class F>
+  void each_cell(F&& f, std::size_t most) const
+    requires requires(const A& a) { a.each_cell(f, most); }
+  {
+    a_.each_cell(std::forward<F>(f), most);
+  }
   /// See `Skin::nearest`; a sensor sees nothing, so somebody may be at any distance.
   template <std::size_t I>
   [[nodiscard]] scalar nearest(const Memory& memory) const noexcept {

@@ -168,12 +168,12 @@ struct Energies {
   double least_tank = 0, least_ledger = 0;
   double largest_force = 0;
   double path = 0;  ///< of joint 0 [rad]
-  double led = 0;   ///< how far the hand led the arm in the last half second [m]
+  double led = 0;   ///< how far the hand led the arm at the end [m]
   Status status;
 };
 
-/// Two seconds of a scene with the passivity parts `keeper`; then all contacts have ended, and for a second a
-/// hand leads the arm with 20 N, back along the first contact.
+/// Two seconds of a scene with the passivity parts `keeper`; then all contacts have ended, the arm comes to
+/// rest, and half a second later a hand leads it with up to 20 N, back along the first contact.
 template <Interface I, class Keeper>
 Energies run(const RandomScene& scene, const Keeper& keeper) {
   using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32, Keeper>;
@@ -186,13 +186,14 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
   auto memory = robot.start(measured);
   RandomSkills law = scene.law;
   law.skills.back().until = 2;
+  law.skills.push_back({.until = 2.5, .skin = 1, .pull = 1, .stiffness = 0, .damping = 30, .goal = {}});
   law.skills.push_back({});
   RandomSkills::Memory law_memory;
   Energies out;
   out.least_tank = out.least_ledger = 1e9;
   double given = 0, given_virtual = 0, force[2] = {};
   auto last = joints.q();
-  for (Nanoseconds now = scene.period; now < 3s; now += scene.period) {
+  for (Nanoseconds now = scene.period; now < 3100ms; now += scene.period) {
     const double t = seconds<double>(now);
     joints.advance(t);
     const bool at_end = now >= 2s;
@@ -203,7 +204,8 @@ Energies run(const RandomScene& scene, const Keeper& keeper) {
       const Obstacle& o = scene.obstacles[k];
       std::array<double, 6> dq{};
       for (std::size_t i = 0; i < 6; ++i) dq[i] = (joints.q()[i] - last[i]) / seconds<double>(scene.period);
-      const double F = at_end ? (k == 0 ? 20 : 0) : o.force(joints.q(), scene.pose, dq, t);
+      const double F = at_end ? (k == 0 ? 20 * std::clamp((t - 2.5) / 0.2, 0.0, 1.0) : 0)
+                              : o.force(joints.q(), scene.pose, dq, t);
       double dx = 0;
       for (std::size_t i = 0; i < 6; ++i) dx += o.row[i] * (joints.q()[i] - last[i]);
       if (now >= 2500ms && k == 0) out.led -= dx;

@@ -21,7 +21,7 @@ PlacedCell<I> cell_at(std::uint32_t id, const Xyz<double>& p, const Xyz<double>&
   Xyz<double> x = other - dot(other, z) * z;
   x = (1 / std::sqrt(dot(x, x))) * x;
   const Xyz<double> y = cross(z, x);
-  return {id, Transform<Link<I>, Cell>({{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, p)};
+  return {id, Transform<Link<I>, Cell>({x, y, z}, p)};
 }
 /// A skin that lets every reading pass, 40 N per unit of force, 30 N at a proximity of 1; ids 1, 2, ...
 template <class... Patches>
@@ -50,8 +50,9 @@ template <std::size_t I, class Scene>
 class TouchedArm {
  public:
   TouchedArm(const Scene& scene, const std::vector<PlacedCell<I>>& cells, const std::array<double, 6>& q,
-             double delay, double lag)
+             double delay, double lag, double newtons = newtons_per_unit)
       : scene_(scene),
+        newtons_(newtons),
         cells_(cells),
         joints_(SimulatedJoints<6>::Kind::position, delay, lag, q),
         memory_(std::make_unique<typename Scene::Memory>()),
@@ -72,16 +73,15 @@ class TouchedArm {
     std::vector<CellSample> samples;
     double sum = 0;
     for (std::size_t k = 0; k < cells_.size(); ++k) {
-      const Xyz<double> n = start_[k].z;
-      const double moved = dot(n, here[k].p - last_[k].p);
-      const CellTouch touch = world(k, CellAt{t, dot(n, here[k].p - start_[k].p), moved / dt});
-      given[k] += 0.5 * (force[k] + touch.force) * moved;
+      const Xyz<double> n = start_[k].z, way = here[k].p - last_[k].p;
+      const CellTouch touch = world(k, CellAt{t, dot(n, here[k].p - start_[k].p), dot(n, way) / dt});
+      given[k] += 0.5 * dot(force[k] * last_[k].z + touch.force * here[k].z, way);
       force[k] = touch.force;
       sum += given[k];
       CellSample s;
       s.cell = cells_[k].id;
       s.time = now_;
-      for (float& f : s.force) f = static_cast<float>(touch.force / (3 * newtons_per_unit));
+      for (float& f : s.force) f = static_cast<float>(std::min(1.0, touch.force / (3 * newtons_)));
       s.proximity = static_cast<float>(touch.proximity);
       samples.push_back(s);
     }
@@ -128,6 +128,7 @@ class TouchedArm {
   }
 
   Scene scene_;
+  double newtons_;
   std::vector<PlacedCell<I>> cells_;
   SimulatedJoints<6> joints_;
   std::unique_ptr<typename Scene::Memory> memory_;

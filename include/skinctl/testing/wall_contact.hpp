@@ -17,12 +17,14 @@ struct Touched : StatelessLaw<Touched> {
   }
 };
 
-/// The displacement [m] along `row`, cycle by cycle, of a robot at `q0` that is tied to a spring of
-/// `stiffness` which pushes and pulls, after an initial displacement `kick` [m]; `damping` along it. The
-/// spring's force is linear between cycles.
-inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, const JointPosition<6>& q0,
-                                            const double (&row)[6], double stiffness, double damping,
-                                            double seconds_long, double kick = 1e-7) {
+/// The displacement [m] along the first of `rows`, cycle by cycle, of a robot at `q0` that is tied to one or
+/// two springs of `stiffness` which push and pull, after an initial displacement `kick` [m]; `damping` along
+/// them. The springs' forces are linear between cycles.
+template <std::size_t K>
+std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointPosition<6>& q0,
+                                    const double (&rows)[K][6], double stiffness, double damping,
+                                    double seconds_long, double kick = 1e-7) {
+  static_assert(K <= 2);
   using Keeper = Passivity<ContactDamper<>>;
   const Keeper keeper(ContactDamper<>({.always = damping}));
   const Resolver<Interface::position, ur5::Model, double, CrankNicolson, 64, Keeper> robot(ur5::Model{}, c,
@@ -35,27 +37,31 @@ inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, cons
   Touched law;
   Touched::Memory law_memory;
   std::vector<double> path;
-  double last = -stiffness * kick;
+  double last[K];
+  for (double& f : last) f = -stiffness * kick;
   for (Nanoseconds now = c.period; now < nanoseconds(seconds_long); now += c.period) {
     joints.advance(seconds<double>(now));
-    double x = -kick;
-    for (std::size_t i = 0; i < 6; ++i) x += row[i] * (joints.q()[i] - q0[i]);
-    path.push_back(x);
-    const double force = stiffness * x;
     const auto interval = robot.interval(memory, now);
     JointTouch parts[max_substeps];
-    for (unsigned j = 0; j < interval.substeps; ++j) {
-      parts[j].contacts.count = 1;
-      auto& contact = parts[j].contacts.list[0];
-      std::copy(std::begin(row), std::end(row), contact.row);
-      contact.force = last + (force - last) * (j + 0.5) / interval.substeps;
-      if (j + 1 == interval.substeps && damping > 0 && !(contact.force > 0)) {
-        // A push is positive: a pull is a push in the other direction.
-        for (double& r : contact.row) r = -r;
-        contact.force = std::max(1e-12, -contact.force);
+    for (std::size_t k = 0; k < K; ++k) {
+      double x = -kick;
+      for (std::size_t i = 0; i < 6; ++i) x += rows[k][i] * (joints.q()[i] - q0[i]);
+      if (k == 0) path.push_back(x);
+      const double force = stiffness * x;
+      for (unsigned j = 0; j < interval.substeps; ++j) {
+        parts[j].contacts.count = K;
+        auto& contact = parts[j].contacts.list[k];
+        contact.link = k;
+        std::copy(std::begin(rows[k]), std::end(rows[k]), contact.row);
+        contact.force = last[k] + (force - last[k]) * (j + 0.5) / interval.substeps;
+        if (j + 1 == interval.substeps && damping > 0 && !(contact.force > 0)) {
+          // A push is positive: a pull is a push in the other direction.
+          for (double& r : contact.row) r = -r;
+          contact.force = std::max(1e-12, -contact.force);
+        }
       }
+      last[k] = force;
     }
-    last = force;
     measured.time = now;
     measured.q = JointPosition<6>(joints.q());
     const auto out = robot.step(memory, law, law_memory, measured, interval,
@@ -67,10 +73,19 @@ inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, cons
   return path;
 }
 
+inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, const JointPosition<6>& q0,
+                                            const double (&row)[6], double stiffness, double damping,
+                                            double seconds_long, double kick = 1e-7) {
+  double rows[1][6];
+  std::copy(std::begin(row), std::end(row), rows[0]);
+  return tied_to_springs(c, q0, rows, stiffness, damping, seconds_long, kick);
+}
+
 /// Whether the oscillation decays.
-inline bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q0, const double (&row)[6],
-                       double stiffness, double damping = 0) {
-  const auto path = tied_to_a_spring(c, q0, row, stiffness, damping, 8);
+template <std::size_t K>
+bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q0, const double (&rows)[K][6],
+                double stiffness, double damping = 0) {
+  const auto path = tied_to_springs(c, q0, rows, stiffness, damping, 8);
   const auto largest = [&](std::size_t from, std::size_t to) {
     double most = 0;
     for (std::size_t k = from; k < to; ++k) most = std::max(most, std::abs(path[k]));
@@ -79,6 +94,13 @@ inline bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q
   const std::size_t n = path.size();
   const double early = largest(n / 4, n / 2), late = largest(3 * n / 4, n);
   return late < early && late < 1e-6;  // an oscillation at the limits no longer grows
+}
+
+inline bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q0, const double (&row)[6],
+                       double stiffness, double damping = 0) {
+  double rows[1][6];
+  std::copy(std::begin(row), std::end(row), rows[0]);
+  return swings_out(c, q0, rows, stiffness, damping);
 }
 
 }  // namespace skinctl::testing

@@ -45,27 +45,38 @@ template <class Resolver>
 inline constexpr bool has_one_interface = requires { Resolver::interface; };
 template <class Resolver>
 inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
-/// The touch that a resolver takes from a skin: forces and proximities apart for one that tells contacts.
-template <class Resolver, class Skin>
+template <class Resolver>
+inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
+/// Whether a skin says where it is pressed, beside the touch `Touch` of other sensors.
+template <class Skin, class Touch>
+concept KnowsPressed = requires(const Skin& skin, const typename Skin::Memory& memory, const Touch& touch) {
+  skin.pressed(memory, touch);
+};
+/// The touch that a resolver takes from a skin: forces and proximities apart where a tank has to tell them, and
+/// where contacts are asked for (`Contacts`) and not known otherwise.
+template <class Resolver, class Skin, bool Contacts>
 struct TouchFor {
   using type = typename Skin::Wrenches;
 };
-template <class Resolver, class Skin>
+template <class Resolver, class Skin, bool Contacts>
   requires requires {
     typename Skin::Touch;
-    requires Resolver::tells_contacts;
+    requires Resolver::has_tank || (Contacts && !KnowsPressed<Skin, typename Skin::Wrenches>);
   }
-struct TouchFor<Resolver, Skin> {
+struct TouchFor<Resolver, Skin, Contacts> {
   using type = typename Skin::Touch;
 };
-/// The contacts of a skin's held readings, as wrenches.
-template <class Skin>
-[[nodiscard]] SKINCTL_INLINE auto held_contacts(const Skin& skin,
-                                                const typename Skin::Memory& memory) noexcept {
-  if constexpr (requires { skin.touch(memory); }) {
-    return skin.touch(memory).force;
+/// The contacts, if the scene has a part that asks for them: where the skin is pressed, or else the wrenches of
+/// the touch at the end of the interval.
+template <bool Contacts, class Skin, class Touch>
+[[nodiscard]] SKINCTL_INLINE auto pressed(const Skin& skin, const typename Skin::Memory& memory,
+                                          const Touch& touch) noexcept {
+  if constexpr (!Contacts) {
+    return PressedUnknown{};
+  } else if constexpr (KnowsPressed<Skin, Touch>) {
+    return skin.pressed(memory, touch);
   } else {
-    return skin.wrenches(memory);
+    return contact_part(touch);
   }
 }
 /// What the touch of a scene adds to its input: nothing for cells, see `TouchSensor`.
@@ -182,6 +193,16 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
   if constexpr (requires { robot.virtual_dynamics(); }) {
     const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics()};
     if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
+  }
+}
+/// Checks that the stiffest contact that a description names comes to rest on this skin.
+template <class Robot, class Skin>
+SKINCTL_COLD void check_contacts(const Robot& robot, const Skin& skin) {
+  if constexpr (requires { robot.parts(); }) {
+    const auto check = [&]<class Part>(const Part& part) {
+      if constexpr (std::is_same_v<typename Part::RobotPart, StiffestContactPart>) part.check(robot, skin);
+    };
+    std::apply([&](const auto&... part) { (check(part), ...); }, robot.parts());
   }
 }
 }  // namespace detail

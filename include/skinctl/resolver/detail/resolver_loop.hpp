@@ -12,12 +12,12 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The inputs of the passivity parts in a cycle: the contacts, the measured position, the commands under way.
 SKINCTL_RESOLVER
-template <class Touch>
-SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Touch& touch,
+template <class Pressed>
+SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Pressed& pressed,
                                                     const T& dt) const noexcept {
   Status status;
-  if constexpr (has_passivity_observer || has_damper) {
-    const auto contacts = contacts_of(model_, m.measured.q, contact_part(touch));
+  if constexpr (watches_contacts) {
+    const auto contacts = contacts_of(model_, m.measured.q, pressed);
     if constexpr (has_damper)
       if (keeper_.template get<ContactDamper<T>>().observe(m.keeper.template of<ContactDamper<T>>(), contacts,
                                                            m.measured.dq, dt))
@@ -115,11 +115,11 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
 }
 
 SKINCTL_RESOLVER
-template <class L, class Touch, class Check>
+template <class L, class Touch, class Check, class Pressed>
 SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typename L::Memory& law_memory,
                                                  const State<joints, T>& measured, const Interval& interval,
-                                                 std::span<const Touch> touches,
-                                                 const Check& check) const noexcept
+                                                 std::span<const Touch> touches, const Check& check,
+                                                 const Pressed& pressed) const noexcept
     -> Resolved<joints, T, terms_of<L>> {
   if (!m.started || interval.substeps == 0) [[unlikely]] {
     m.odd = detail::odd_time_of(interval);
@@ -128,7 +128,12 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   std::array<Torque, terms_of<L>> shares{};
   const auto begun = virtual_.begin(m, measured, interval, check);
-  Status status = begun.status | watch(m, touches[interval.substeps - 1], begun.dt);
+  Status status = begun.status;
+  if constexpr (std::is_same_v<Pressed, PressedUnknown>) {
+    status |= watch(m, contact_part(touches[interval.substeps - 1]), begun.dt);
+  } else {
+    status |= watch(m, pressed, begun.dt);
+  }
 
   Torque torque = m.command.torque;
   for (unsigned j = 0; j < interval.substeps; ++j) {

@@ -71,7 +71,10 @@ class CellTable {
  public:
   static constexpr std::uint32_t highest_id = (1u << 20) - 1;
 
-  explicit CellTable(std::size_t cells) { entries_.reserve(cells); }
+  explicit CellTable(std::size_t cells) {
+    entries_.reserve(cells);
+    places_.reserve(cells);
+  }
 
   SKINCTL_COLD void add(const std::vector<AnyCell>& cells, std::size_t number, std::size_t slot) {
     require(cells.size() <= ExactSums::most_cells, "Skin: cells of a patch", double(cells.size()),
@@ -91,6 +94,8 @@ class CellTable {
       const auto whole = [](double x, int exponent) {
         return static_cast<float>(std::ldexp(std::round(std::ldexp(x, 24 - exponent)), exponent - 24));
       };
+      const Xyz<double>& p = cell.X_LC.origin();
+      places_.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
       entries_.push_back({{whole(u.force.x, 0), whole(u.force.y, 0), whole(u.force.z, 0),
                            whole(u.moment.x, reach), whole(u.moment.y, reach), whole(u.moment.z, reach)},
                           static_cast<std::uint32_t>(number),
@@ -102,10 +107,13 @@ class CellTable {
   }
   friend bool operator==(const CellTable&, const CellTable&) noexcept = default;
   SKINCTL_INLINE const CellEntry& operator[](std::size_t i) const noexcept { return entries_[i]; }
+  /// Of the i-th cell in its link [m].
+  SKINCTL_INLINE const std::array<float, 3>& place(std::size_t i) const noexcept { return places_[i]; }
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t(0);
   std::vector<CellEntry> entries_;
+  std::vector<std::array<float, 3>> places_;
   std::vector<std::uint32_t> index_;
 };
 

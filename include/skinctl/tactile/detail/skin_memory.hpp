@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/tactile/detail/cell_table.hpp"
@@ -53,6 +54,18 @@ struct SkinMemory {
       all = all && (heard[b] & wanted) == wanted;
     }
     return all;
+  }
+  /// Whether a cell of block `b` may be pressed: false if none is. As fast as reading the block.
+  [[nodiscard]] SKINCTL_INLINE bool may_press(std::size_t b) const noexcept {
+    if (heard[b] == 0) return false;
+    constexpr auto forces = std::bit_cast<std::uint32_t>(CellCounts{0xFFFF, 0});
+    const auto any = [&](std::size_t first, auto count) SKINCTL_INLINE_LAMBDA {
+      std::uint32_t either = 0;
+      for (std::size_t k = 0; k < count; ++k) either |= std::bit_cast<std::uint32_t>(held[first + k]);
+      return (either & forces) != 0;
+    };
+    if (Cells % 64 == 0 || b + 1 < blocks) return any(64 * b, std::integral_constant<std::size_t, 64>{});
+    return any(64 * b, std::integral_constant<std::size_t, Cells % 64>{});
   }
   friend bool operator==(const SkinMemory&, const SkinMemory&) noexcept = default;
 };

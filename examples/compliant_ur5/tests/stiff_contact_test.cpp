@@ -1,0 +1,71 @@
+// The main job's gains against what is stiff: the finger that pressed is held, and the arm comes to rest.
+#include <doctest/doctest.h>
+
+#include "examples/compliant_ur5/scene.hpp"
+#include "skinctl/testing/touched_arm.hpp"
+
+using namespace compliant_ur5;
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+Settings settings() {
+  Settings s;
+  s.scenario = COMPLIANT_UR5_SCENARIO;
+  read_scenario(s.scenario, s);
+  return s;
+}
+
+struct Held {
+  double peak = 0, low = 1e9, high = 0;  ///< [N]; the last two over the last two seconds
+};
+
+/// Something of `stiffness` comes up against a cell of link `I` at 6 cm/s, goes 20 mm further and stays.
+template <std::size_t I>
+Held held(const Settings& s, double stiffness) {
+  const auto scene = make_scene<Interface::position>(s);
+  const auto patches = ur5::skin_patches<compliant_ur5::cells>();
+  const auto& patch = std::get<I>(patches);
+  const std::vector<PlacedCell<I>> cell{patch.placed()[patch.placed().size() / 2]};
+  TouchedArm<I, std::remove_cv_t<decltype(scene)>> arm(scene, cell, {0, -1.2, 1.4, -1.8, -1.57, 0.3}, 0.008,
+                                                       0.008, s.newtons_per_reading);
+  Held out;
+  while (arm.time() < 8) {
+    arm.step(8ms, [&](std::size_t, const CellAt& at) {
+      return CellTouch{.force = std::max(0.0, stiffness * (std::min(0.02, 0.06 * at.time) + at.out))};
+    });
+    out.peak = std::max(out.peak, arm.force[0]);
+    if (arm.time() < 6) continue;
+    out.low = std::min(out.low, arm.force[0]);
+    out.high = std::max(out.high, arm.force[0]);
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("Main job: what is held against the arm comes to rest, up to the stiffness that it declares") {
+  const auto s = settings();
+  CHECK(s.control.stiffest_contact >= 3e4);
+  const auto rests = [&](const Held& h) {
+    CAPTURE(h.low);
+    CAPTURE(h.high);
+    CHECK(h.low > 1);
+    CHECK(h.high - h.low < std::max(0.1 * h.high, 2.0));
+  };
+  for (const double stiffness : {3e2, 3e3, 1e4, 3e4}) {
+    CAPTURE(stiffness);
+    rests(held<1>(s, stiffness));
+    rests(held<2>(s, stiffness));
+    rests(held<4>(s, stiffness));
+    rests(held<5>(s, stiffness));
+  }
+}
+
+TEST_CASE("Main job: what it declares makes the difference") {
+  auto s = settings();
+  s.control.stiffest_contact = 3000;
+  const Held h = held<4>(s, 3e4);
+  CHECK(h.high - h.low > 10);
+}

@@ -1,0 +1,192 @@
+// The virtual robot at one pose in modes, and the loops of contacts through it, one or two at a time.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <vector>
+
+#include "skinctl/dynamics/mass_matrix.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// `M = L L'` and `L^-1 B L^-T = V D V'`: then `(M s^2 + B s)^-1 = P diag(1/(s (s + d_i))) P'`, `P = L^-T V`.
+/// For configuration time: Cholesky and Jacobi's rotations.
+template <std::size_t N, Real T>
+class ContactModes {
+ public:
+  ContactModes(const MassMatrix<N, T>& inertia, const MassMatrix<N, T>& friction) {
+    using std::sqrt;
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = 0; j <= i; ++j) {
+        T sum = inertia(i, j);
+        for (std::size_t k = 0; k < j; ++k) sum -= L_[i][k] * L_[j][k];
+        L_[i][j] = i == j ? sqrt(sum > T(0) ? sum : T(0)) : T(sum / L_[j][j]);
+      }
+    T c[N][N];
+    for (std::size_t j = 0; j < N; ++j) {
+      for (std::size_t i = 0; i < N; ++i) c[i][j] = friction(i, j);
+      forward([&](std::size_t i) -> T& { return c[i][j]; });
+    }
+    for (std::size_t i = 0; i < N; ++i) forward([&](std::size_t j) -> T& { return c[i][j]; });
+    diagonalise(c);
+  }
+
+  /// A contact's row in these modes: `P' row`.
+  void row(const T (&contact)[N], T* mode) const {
+    T y[N];
+    for (std::size_t i = 0; i < N; ++i) y[i] = contact[i];
+    forward([&](std::size_t i) -> T& { return y[i]; });
+    for (std::size_t k = 0; k < N; ++k) {
+      mode[k] = T(0);
+      for (std::size_t i = 0; i < N; ++i) mode[k] += V_[i][k] * y[i];
+    }
+  }
+  /// `a' (M s^2 + B s)^-1 b` at s = i w, of rows in modes.
+  [[nodiscard]] std::complex<T> compliance(const T* a, const T* b, const T& w) const {
+    T real(0), imaginary(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T share = a[i] * b[i] / (w * (d_[i] * d_[i] + w * w));
+      real -= share * w;
+      imaginary -= share * d_[i];
+    }
+    return {real, imaginary};
+  }
+
+ private:
+  /// Solves with L in place.
+  template <class At>
+  void forward(const At& y) const {
+    for (std::size_t i = 0; i < N; ++i) {
+      T sum = y(i);
+      for (std::size_t k = 0; k < i; ++k) sum -= L_[i][k] * y(k);
+      y(i) = L_[i][i] > T(0) ? T(sum / L_[i][i]) : T(0);
+    }
+  }
+  void diagonalise(T (&c)[N][N]) {
+    using std::abs;
+    using std::sqrt;
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = 0; j < N; ++j) V_[i][j] = T(i == j ? 1 : 0);
+    for (int sweep = 0; sweep < 30; ++sweep) {
+      T off(0), all(0);
+      for (std::size_t i = 0; i < N; ++i)
+        for (std::size_t j = 0; j < N; ++j) (i == j ? all : off) += c[i][j] * c[i][j];
+      if (!(off > std::numeric_limits<T>::epsilon() * std::numeric_limits<T>::epsilon() * all)) break;
+      for (std::size_t p = 0; p < N; ++p)
+        for (std::size_t q = p + 1; q < N; ++q) {
+          if (c[p][q] == T(0)) continue;
+          const T theta = (c[q][q] - c[p][p]) / (T(2) * c[p][q]);
+          const T t = (theta < T(0) ? T(-1) : T(1)) / (abs(theta) + sqrt(theta * theta + T(1)));
+          const T cosine = T(1) / sqrt(t * t + T(1)), sine = t * cosine;
+          const auto turn = [&](T& x, T& y) {
+            const T was = x;
+            x = cosine * was - sine * y;
+            y = sine * was + cosine * y;
+          };
+          for (std::size_t i = 0; i < N; ++i) turn(c[i][p], c[i][q]);
+          for (std::size_t i = 0; i < N; ++i) turn(c[p][i], c[q][i]);
+          for (std::size_t i = 0; i < N; ++i) turn(V_[i][p], V_[i][q]);
+        }
+    }
+    for (std::size_t i = 0; i < N; ++i) d_[i] = c[i][i] > T(0) ? c[i][i] : T(0);
+  }
+
+  T L_[N][N] = {}, V_[N][N], d_[N];
+};
+
+/// Delays and lag of the path from a contact's displacement back to its force at the law.
+template <Real T>
+class ContactPath {
+ public:
+  /// A frequency [1/s] and the path there.
+  struct Point {
+    T w;
+    std::complex<T> way;
+  };
+
+  ContactPath(const T& dead_time, const T& lag, const T& lead)
+      : dead_time_(dead_time), lag_(lag), lead_(lead) {
+    // Beyond 20/T the loop's gain is negligible.
+    const T total = dead_time + lag;
+    for (T w = T(5e-3) / total; w < T(22) / total; w *= T(1.12)) grid_.push_back({w, at(w)});
+  }
+  [[nodiscard]] std::complex<T> at(const T& w) const {
+    return std::complex<T>(T(1), lead_ * w) * std::polar(T(1), -w * dead_time_) /
+           std::complex<T>(T(1), lag_ * w);
+  }
+  [[nodiscard]] const std::vector<Point>& grid() const noexcept { return grid_; }
+
+ private:
+  T dead_time_, lag_, lead_;
+  std::vector<Point> grid_;
+};
+
+/// The stiffness up to which one contact (`b` null), or two of equal stiffness, are stable [N/m]: where an
+/// eigenvalue of `W k (1 + s b G)^-1 G path` first passes -1, G the compliance, W the gains of force, `damping`
+/// b along each contact [N s/m]. To 0.1 %.
+template <std::size_t N, Real T>
+[[nodiscard]] T stiffest_contacts(const ContactModes<N, T>& robot, const ContactPath<T>& path, const T* a,
+                                  const T& gain_a, const T* b, const T& gain_b, const T& damping) {
+  using C = std::complex<T>;
+  using std::abs;
+  using std::sqrt;
+  const int count = b == nullptr ? 1 : 2;
+  struct Loci {
+    C value[2];
+  };
+  const auto loci = [&](const typename ContactPath<T>::Point& at) -> Loci {
+    const C s(T(0), at.w), g = robot.compliance(a, a, at.w);
+    if (b == nullptr) return {{gain_a * at.way * g / (T(1) + damping * s * g), C(T(0))}};
+    const C h = robot.compliance(b, b, at.w), x = robot.compliance(a, b, at.w);
+    // (1 + s b G)^-1 G = (G + s b det G) / det(1 + s b G), symmetric.
+    const C det = g * h - x * x, under = T(1) + damping * s * (g + h) + damping * damping * s * s * det;
+    const C p = gain_a * (g + damping * s * det) / under, q = gain_b * (h + damping * s * det) / under;
+    const C both = gain_a * gain_b * x * x / (under * under);
+    const C middle = T(0.5) * (p + q), half = T(0.5) * (p - q), root = sqrt(half * half + both);
+    return {{at.way * (middle + root), at.way * (middle - root)}};
+  };
+  const auto match = [](const Loci& one, Loci& two) {
+    if (abs(two.value[0] - one.value[0]) + abs(two.value[1] - one.value[1]) >
+        abs(two.value[1] - one.value[0]) + abs(two.value[0] - one.value[1]))
+      std::swap(two.value[0], two.value[1]);
+  };
+  const auto& grid = path.grid();
+  T k = std::numeric_limits<T>::infinity();
+  Loci before = loci(grid[0]);
+  // Without friction the loop begins beyond -180 degrees: nothing rests.
+  const T largest = std::max(abs(before.value[0]), abs(before.value[1]));
+  for (const C& y : before.value)
+    if (y.imag() >= T(0) && y.real() < T(0) && abs(y) > T(1e-6) * largest) return T(0);
+  for (std::size_t n = 1; n < grid.size(); ++n) {
+    Loci now = loci(grid[n]);
+    match(before, now);
+    for (int i = 0; i < count; ++i) {
+      // Every crossing of the negative real axis counts, in either direction.
+      const C y = before.value[i], z = now.value[i];
+      if ((y.imag() < T(0)) == (z.imag() < T(0)) || (y.real() >= T(0) && z.real() >= T(0))) continue;
+      T low = grid[n - 1].w, high = grid[n].w;
+      Loci left = before;
+      C at = z;
+      for (int part = 0; part < 10; ++part) {
+        const T w = T(0.5) * (low + high);
+        Loci m = loci({w, path.at(w)});
+        match(left, m);
+        if ((m.value[i].imag() < T(0)) == (y.imag() < T(0))) {
+          low = w, left = m;
+        } else {
+          high = w;
+          at = m.value[i];
+        }
+      }
+      if (at.real() < T(0) && T(-1) / at.real() < k) k = T(-1) / at.real();
+    }
+    before = now;
+  }
+  return k;
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,87 @@
+// Pressed areas: cells of one link that are pressed from about the same side, close together.
+#pragma once
+
+#include <algorithm>
+
+#include "skinctl/tactile/link_wrenches.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Pressed cells of one link as one push. Along the link's axes, about the link's origin.
+template <Real T = double>
+struct PressedArea {
+  std::size_t link = 0;
+  T pushed = T(0);                     ///< sum of the cells' pushes [N]; at least |force|
+  Xyz<T> force = {T(0), T(0), T(0)};   ///< [N]
+  Xyz<T> moment = {T(0), T(0), T(0)};  ///< [N m]
+  Xyz<T> place = {T(0), T(0), T(0)};   ///< centre of pressure [m]
+};
+
+/// The pressed areas of a robot whose links `Skinned` have skin: at most four a link, and at most six beyond
+/// the first of each link.
+///
+/// A cell belongs to the nearest area of its link whose push is within 60 degrees of its own and whose centre
+/// of pressure is within `patch_size`; otherwise it begins a new one, or joins the most similar one if there
+/// is no room. The areas' wrenches add up to that of all cells on the link.
+template <Topology M, LinkMask Skinned, Real T = double>
+class PressedAreas {
+ public:
+  using model_type = M;
+  using scalar = T;
+  static constexpr LinkMask links = Skinned;
+  static constexpr std::size_t most_of_a_link = 4, most_extra = 6;
+  static constexpr std::size_t most = [] {
+    const auto skinned = static_cast<std::size_t>(std::popcount(Skinned));
+    return std::clamp<std::size_t>(skinned + most_extra, 1,
+                                   std::max<std::size_t>(1, most_of_a_link * skinned));
+  }();
+  static constexpr double patch_size = 0.1;  ///< [m]
+
+  [[nodiscard]] const PressedArea<T>* begin() const noexcept { return list_; }
+  [[nodiscard]] const PressedArea<T>* end() const noexcept { return list_ + count_; }
+  [[nodiscard]] std::size_t size() const noexcept { return count_; }
+  [[nodiscard]] const PressedArea<T>& operator[](std::size_t k) const noexcept { return list_[k]; }
+
+  /// Adds a cell of `link` at `p` that is pushed with `push` > 0 [N]; `unit` is its unit wrench, force first.
+  /// The next cells change the area: read it when all have been added.
+  SKINCTL_NOINLINE void add(std::size_t link, const Xyz<T>& p, const float (&unit)[6],
+                            const T& push) noexcept {
+    const Xyz<T> n{T(unit[0]), T(unit[1]), T(unit[2])}, m{T(unit[3]), T(unit[4]), T(unit[5])};
+    PressedArea<T>*like = nullptr, *similar = nullptr;
+    T nearest(0), least(0);
+    std::size_t of_link = 0;
+    for (std::size_t k = 0; k < count_; ++k) {
+      PressedArea<T>& a = list_[k];
+      if (a.link != link) continue;
+      ++of_link;
+      const Xyz<T> way = p - a.place;
+      const T far = dot(way, way) * T(1 / (patch_size * patch_size)), along = dot(n, a.force);
+      const T size = dot(a.force, a.force);
+      const bool same_side = along > T(0) && along * along >= T(0.25) * size;
+      if (same_side && far <= T(1) && (like == nullptr || far < nearest)) like = &a, nearest = far;
+      const T unlike = far + (same_side ? T(0) : (along > T(0) ? T(100) : T(10000)));
+      if (similar == nullptr || unlike < least) similar = &a, least = unlike;
+    }
+    if (like == nullptr && of_link > 0) {
+      if (of_link >= most_of_a_link || extra_ >= most_extra) {
+        like = similar;
+      } else {
+        ++extra_;
+      }
+    }
+    if (like == nullptr) {
+      like = &list_[count_++];
+      *like = {.link = link};
+    }
+    like->pushed = like->pushed + push;
+    like->force = like->force + push * n;
+    like->moment = like->moment + push * m;
+    like->place = like->place + (push / like->pushed) * (p - like->place);
+  }
+
+ private:
+  PressedArea<T> list_[most];
+  std::size_t count_ = 0, extra_ = 0;
+};
+
+SKINCTL_END_NAMESPACE
