@@ -67,7 +67,7 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::torque_not_finite, "torque_not_finite", FaultFinder::resolver, Reaction::refuse, Reaction::fade,
      WayBack::at_once, "a law gave NaN or infinity: its torque is not used"},
     {Reason::torque_limited, "torque_limited", FaultFinder::resolver, Reaction::limit, Reaction::limit,
-     WayBack::at_once, "a torque or a power was cut to its limit"},
+     WayBack::at_once, "a torque, its rate or a power was cut to its limit"},
     {Reason::position_limited, "position_limited", FaultFinder::resolver, Reaction::limit, Reaction::limit,
      WayBack::at_once, "a joint was stopped before its position limit"},
     {Reason::velocity_limited, "velocity_limited", FaultFinder::resolver, Reaction::limit, Reaction::limit,

@@ -6,6 +6,7 @@
 #include "skinctl/core/status.hpp"
 #include "skinctl/passivity/passivity.hpp"
 #include "skinctl/resolver/detail/running_sum.hpp"
+#include "skinctl/resolver/detail/torque_rate.hpp"
 #include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/servo.hpp"
 
@@ -58,7 +59,8 @@ struct VirtualJointsMemory {
   detail::RunningPosition<N, T> sent;  ///< the sent position, or the integral of the sent velocities
   detail::RunningPosition<N, T> offset;  ///< corrections of r without motion (velocity interface)
   CommandsUnderWay<N, T, History> under_way;
-  JointCommand<N, T> command;  ///< the last one
+  detail::OwnTorque<N, T> own;  ///< of the laws in the last sub-step
+  JointCommand<N, T> command;   ///< the last one
 };
 
 /// A resolver's memory: the virtual robot, and the memory of its `Passivity` parts.

@@ -17,9 +17,14 @@ struct ResolverParameters {
   T cycle;                ///< the period [s]
   T settle;               ///< time in which a robot's answer shows in full [s]
   T forgets;              ///< share of what came before that is left after a period
+  T torque_rate;          ///< [1/s]
   T lag, total_delay, per_delay, L1, L2, lead, drift, retry, catch_up;
   bool has_coulomb = false;
 
+  /// The largest change of a law's own torque in `h` seconds [N m].
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque_step(const T& h) const noexcept {
+    return T(torque_rate * h) * limits.torque();
+  }
   [[nodiscard]] T planned_step() const noexcept { return seconds<T>(planned_substep(period, substep)); }
 
   SKINCTL_COLD explicit ResolverParameters(const RobotConfiguration<N, T>& c, bool has_virtual_robot = true)
@@ -32,6 +37,7 @@ struct ResolverParameters {
         substep(c.substep),
         longest_interval(c.longest()),
         cycle(seconds<T>(c.period)),
+        torque_rate(c.torque_rate),
         lag(seconds<T>(c.lag)),
         lead(seconds<T>(c.lead)),
         retry(seconds<T>(c.retry)) {
