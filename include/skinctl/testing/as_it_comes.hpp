@@ -198,7 +198,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, bool truly, Trace&& trace) {
       return run_as_it_comes(c, as_it_comes_cycle<I>(c, truly, SkinJointControl{} + GravityControl{}), truly,
                              trace);
     JointControlSettings<6> s;
-    s.dt = 2ms;
+    s.dt = 2500us;  // five periods of 8 ms in 16 sub-steps
     s.lambda = 8, s.K_c = 2, s.K_i1 = 0.2, s.K_i2 = 0.02;
     s.tb = {};
     s.virtual_dynamics.damping = 6;
