@@ -39,8 +39,8 @@ WristSensorSettings<5> open_sensor() {
           .moment = EventGate<>()};
 }
 auto open_motors(double gain = 1) {
-  return MotorTouch<ur5::Model>(
-      model, {.observer = {.rate = 100}, .gates = same_gate(model, EventGate<>()), .gain = gain});
+  return MotorTouch(model,
+                    {.observer = {.rate = 100}, .gates = same_gate(model, EventGate<>()), .gain = gain});
 }
 CellSample pressed(Nanoseconds time, std::uint32_t cell, double newtons) {
   CellSample s;
@@ -155,7 +155,7 @@ TEST_CASE("MotorTouch: an arm without any tactile sensor is led by its forearm, 
   const std::vector<double> q(home.data, home.data + 6);
   std::array<double, 6> rotor{}, ones{};
   rotor.fill(1), ones.fill(1);
-  const MotorTouch<ur5::Model> motors(
+  const MotorTouch motors(
       model, {.observer = {.rate = 50, .rotors = RotorInertia<6>(rotor, ones), .motors = MotorSampling::mean},
               .gates = same_gate(model, EventGate<>(1.5, 1.0, 1.0))});
   const Cycle scene(

@@ -107,7 +107,5 @@ class MomentumObserver {
   [[no_unique_address]] M model_;
   Settings s_;
 };
-template <RobotModel M, Real T>
-MomentumObserver(const M&, const typename MomentumObserver<M, T>::Settings&) -> MomentumObserver<M, T>;
 
 SKINCTL_END_NAMESPACE
