@@ -76,7 +76,7 @@ Path run(const SceneSettings& s, const Disturbed& d, double duration) {
   auto c = configuration_of<I, double>(s);
   c.dead_band = JointPosition<6>::constant(d.dead_band);
   JointControlSettings<6> settings;
-  settings.dt = 2ms;
+  settings.dt = 2500us;  // in late cycles: five periods of 8 ms in sixteen sub-steps
   settings.lambda = s.lambda;
   settings.K_c = s.K_c;
   settings.tb = 2s;

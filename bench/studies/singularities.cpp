@@ -123,7 +123,7 @@ void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate
   State<6> x{0ns, from, {}};
   auto memory = law.start(K(model, x, dt, none));
   memory = law.receive(memory, K(model, x, dt, none), {goal, 0ns}).memory;
-  const double tf = Space::shortest_time(pose(from), {goal, 0}, s);
+  const double tf = Space::shortest_time(pose(from), {goal, 0ns}, s);
   double deviation = 0, left = 0, turned = 0, below = 0, longest = 0;
   bool outward = false;
   for (int i = 0; i < static_cast<int>((tf + 4) * rate); ++i) {

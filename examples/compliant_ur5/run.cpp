@@ -92,6 +92,8 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
                   {"travel beyond the surface", text("%.1f mm", 1000 * travel)},
                   {"robot's delay", text("%.1f ms", 1000 * arm.delay)},
                   {"robot's lag", text("%.1f ms", 1000 * arm.lag)}};
+  if (s.interface == Interface::position)
+    log.scenario.push_back({"lookahead of servoj", text("%.1f ms", 1000 * adapters::ur5::servoj_lookahead)});
   auto robot = std::make_unique<simulated_ur5::SimulatedUr5>(std::move(config));
   robot->start();
   return robot;

@@ -1,6 +1,7 @@
 // The scene of the main job: a UR5 with 260 cells that goes to its goals and gives way to touch.
 #pragma once
 
+#include "examples/adapters/ur5/driver.hpp"
 #include "examples/compliant_ur5/settings.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
@@ -49,11 +50,13 @@ skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s) {
 template <skinctl::Interface I>
 auto make_scene(const Settings& s) {
   using namespace skinctl;
+  // The two lags of servoj in a row are declared as one.
+  const double ahead = I == Interface::position ? adapters::ur5::servoj_lookahead : 0;
   const auto arm = robot_by<I>(ur5::Model{},
                                {.limits = limits(s),
                                 .period = nanoseconds(1 / s.rate),
                                 .delay = nanoseconds(s.control.delay),
-                                .lag = nanoseconds(s.control.lag),
+                                .lag = nanoseconds(s.control.lag + ahead),
                                 .virtual_damping = s.control.decay,
                                 .viscous_friction = JointTorque<6>(s.control.viscous),
                                 .dead_band = JointPosition<6>::constant(0.02)},

@@ -39,7 +39,7 @@ struct ControlSettings {
   double velocity_limit = 3;       ///< of commands [rad/s]
   double acceleration_limit = 30;  ///< of commands [rad/s^2]
   double delay = 0.008;            ///< declared: of the robot [s]
-  double lag = 0.008;              ///< declared: of the robot's own loop [s]
+  double lag = 0.008;              ///< declared: of the robot's drives [s]; servoj's lookahead comes on top
 };
 
 struct Settings {

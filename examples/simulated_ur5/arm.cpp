@@ -1,6 +1,7 @@
 #include "examples/simulated_ur5/arm.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "skinctl/core/contract.hpp"
 
@@ -30,13 +31,16 @@ void check(const ArmConfig& c) {
   require(c.delay >= 0 && c.delay <= 0.5, "delay", c.delay, "0 to 0.5 s");
   require(c.lag >= 0 && c.lag <= 0.5, "lag", c.lag, "0 to 0.5 s");
   require(c.step_tolerance >= 1 && c.step_tolerance <= 1000, "step tolerance", c.step_tolerance, "1 to 1000");
-  require(c.compliance >= 0 && c.compliance <= 1e-3, "compliance", c.compliance, "0 to 1e-3 rad/(N m)");
+  require(c.integral_time >= 0.01, "integral time", c.integral_time, "0.01 s to infinite");
+  require(c.unknown_payload >= 0 && c.unknown_payload <= 20, "unknown payload", c.unknown_payload,
+          "0 to 20 kg");
   require(c.position_noise >= 0 && c.position_noise <= 0.1, "position noise", c.position_noise,
           "0 to 0.1 rad");
   require(c.velocity_noise >= 0 && c.velocity_noise <= 1, "velocity noise", c.velocity_noise, "0 to 1 rad/s");
   require(c.protective_deceleration > 0 && c.protective_deceleration <= 1e4, "protective deceleration",
           c.protective_deceleration, "> 0 to 1e4 rad/s^2");
   for (std::size_t i = 0; i < joint_count; ++i) {
+    require(c.stiffness[i] >= 100, "stiffness", c.stiffness[i], "100 N m/rad to infinite");
     require(c.velocity_limit[i] > 0 && c.velocity_limit[i] <= 100, "velocity limit", c.velocity_limit[i],
             "> 0 to 100 rad/s");
     require(c.acceleration_limit[i] > 0 && c.acceleration_limit[i] <= 1e5, "acceleration limit",
@@ -65,11 +69,11 @@ Arm::Arm(const ArmConfig& config, Nanoseconds cycle)
 }
 
 void Arm::servo(const Joints& q, double lookahead, double gain) {
-  if (mode_ != Mode::servo) last_command_ = target_q_;
+  if (mode_ != Mode::servo) last_command_ = ahead_ = target_q_;
   command_ = q;
   mode_ = Mode::servo;
-  const double soft = std::isfinite(lookahead) ? std::clamp(lookahead, 0.03, 0.2) - 0.03 : 0;
-  lag_ = config_.lag * 2000 / (std::isfinite(gain) ? std::clamp(gain, 100.0, 2000.0) : 2000) + soft;
+  lookahead_ = std::isfinite(lookahead) ? std::clamp(lookahead, 0.03, 0.2) : 0.03;
+  lag_ = config_.lag * 2000 / (std::isfinite(gain) ? std::clamp(gain, 100.0, 2000.0) : 2000);
 }
 
 void Arm::speed(const Joints& dq, double acceleration) {
@@ -125,17 +129,27 @@ Violation Arm::plan_servo(double fraction) {
     if (std::min(needed, step) > config_.step_tolerance * config_.velocity_limit[i])
       return Violation::position_step;
   }
+  const double left = std::exp(-dt_ / lookahead_);
   for (std::size_t i = 0; i < joint_count; ++i) {
     const double a = config_.acceleration_limit[i], v_max = config_.velocity_limit[i];
-    // Seen from the moving command: close the distance at a speed from which the arm can still brake.
-    const double command_speed = (command_[i] - last_command_[i]) / dt_;
-    const double behind = last_command_[i] - target_q_[i];
+    // The command behind its lookahead, exact for one that is linear in between.
+    const double slope = (command_[i] - last_command_[i]) / dt_, was = ahead_[i];
+    ahead_[i] = command_[i] - slope * lookahead_ + (was - last_command_[i] + slope * lookahead_) * left;
+    // Seen from there: close the distance at a speed from which the arm can still brake.
+    const double command_speed = (ahead_[i] - was) / dt_;
+    const double behind = was - target_q_[i];
     const double most = brakeable(std::abs(behind), a, dt_);
-    const double wanted = (command_speed + std::clamp(behind / dt_, -most, most)) * fraction;
+    // And from the command itself: a lookahead brakes a great step harder than the arm can.
+    const double left_over = last_command_[i] - target_q_[i];
+    const double nearest = brakeable(std::abs(left_over), a, dt_);
+    const double wanted =
+        std::clamp(command_speed + std::clamp(behind / dt_, -most, most),
+                   slope - (left_over < 0 ? nearest : rigid), slope + (left_over > 0 ? nearest : rigid)) *
+        fraction;
     const double v =
         std::clamp(std::clamp(wanted, -v_max, v_max), target_dq_[i] - a * dt_, target_dq_[i] + a * dt_);
     const double step = v * dt_;
-    const double q = std::abs(command_[i] - target_q_[i] - step) < 1e-12 ? command_[i] : target_q_[i] + step;
+    const double q = std::abs(ahead_[i] - target_q_[i] - step) < 1e-12 ? ahead_[i] : target_q_[i] + step;
     target_ddq_[i] = (v - target_dq_[i]) / dt_;
     target_dq_[i] = v;
     target_q_[i] = q;
@@ -250,7 +264,8 @@ void Arm::advance(const Joints& load) {
   for (std::size_t i = 0; i < joint_count; ++i) {
     const double slope = (u1[i] - u0[i]) / h;
     driven_[i] = u1[i] - slope * tau + (driven_[i] - u0[i] + slope * tau) * fade;
-    deflection_[i] += bend * (config_.compliance * load[i] - deflection_[i]);
+    deflection_[i] += bend * (load[i] / config_.stiffness[i] - integral_[i] - deflection_[i]);
+    integral_[i] += h / config_.integral_time * deflection_[i];
     const double q = driven_[i] + deflection_[i];
     dq_[i] = (q - q_[i]) / h;
     q_[i] = q;

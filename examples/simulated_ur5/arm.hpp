@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "examples/simulated_ur5/geometry.hpp"
@@ -22,12 +23,13 @@ constexpr double seconds(Nanoseconds t) {
   return static_cast<double>(t) * 1e-9;
 }
 
+inline constexpr double rigid = std::numeric_limits<double>::infinity();
+
 struct ArmConfig {
   /// Pure delay from a command to the drive [s], 0 to 0.5.
   double delay = 0.008;
-  /// Time constant of the drive's first-order lag [s], 0 to 0.5, for `servoj(lookahead_time=0.03,
-  /// gain=2000)`, speedj and movej. Servoing more softly is slower: lag * 2000 / gain + (lookahead_time -
-  /// 0.03).
+  /// Time constant of the drive's first-order lag [s], 0 to 0.5, for speedj, movej and `servoj(gain=2000)`; of
+  /// softer gains lag * 2000 / gain. servoj comes behind a lag of its own besides, `lookahead_time`.
   double lag = 0.008;
   Joints velocity_limit = {pi, pi, pi, pi, pi, pi};                   ///< [rad/s]
   Joints acceleration_limit = {40, 40, 40, 40, 40, 40};               ///< of the target [rad/s^2]
@@ -36,8 +38,12 @@ struct ArmConfig {
   /// A servoj step that needs more than this times the velocity limit, or a speedj above it, is a protective
   /// stop.
   double step_tolerance = 2;
-  /// Joint deflection under load [rad/(N m)]; 0: the position loop is infinitely stiff.
-  double compliance = 0;
+  /// Of each joint's position loop [N m/rad], 100 to infinite: a load bends it by load / stiffness (droop).
+  Joints stiffness = {rigid, rigid, rigid, rigid, rigid, rigid};
+  /// The loop's integral takes the droop back with this time constant [s], 0.01 to infinite (none).
+  double integral_time = rigid;
+  /// Mass at the flange that the controller does not know of [kg], 0 to 20: the arm droops by its weight.
+  double unknown_payload = 0;
   double position_noise = 2e-5;                             ///< standard deviation of the encoders [rad]
   double velocity_noise = 5e-4;                             ///< of the measured velocity [rad/s]
   double protective_deceleration = 20;                      ///< of a protective stop [rad/s^2]
@@ -54,8 +60,8 @@ enum class Violation { none, position_step, speed, joint_limit, not_a_number };
 ///
 /// Each control cycle calls `plan` once, which turns the active command into the target of the cycle's end,
 /// then `advance` in plant steps. The target obeys velocity and acceleration limits exactly; a command that
-/// obeys them is the target. The joints follow the target (linear between cycles) after the delay, through
-/// the lag.
+/// obeys them is the target, of servoj behind a first-order lag of `lookahead_time`. The joints follow the
+/// target (linear between cycles) after the delay, through the drive's lag, and give way to load.
 class Arm {
  public:
   /// @param cycle  control period, a multiple of `plant_step`.
@@ -117,16 +123,18 @@ class Arm {
   Mode mode_ = Mode::stop;
   Joints command_{};       ///< servo: position; speed: velocity
   Joints last_command_{};  ///< servo: the command of the cycle before
+  Joints ahead_{};         ///< servo: the command behind its lookahead
+  double lookahead_ = 0;   ///< [s]
   double deceleration_ = 4;
   double acceleration_ = 40;
   double lag_;
   Path path_;
   Joints target_q_, target_dq_{}, target_ddq_{};
   Joints q_, dq_{}, measured_q_, measured_dq_{};
-  Joints deflection_{};
-  Joints driven_;                ///< output of the lag, before deflection
-  std::vector<Joints> history_;  ///< ring of targets at cycle ends
-  std::int64_t planned_ = 0;     ///< cycles planned; history_[planned_ % size] is the newest
+  Joints deflection_{}, integral_{};  ///< droop, and what the integral has taken of it [rad]
+  Joints driven_;                     ///< output of the lag, before deflection
+  std::vector<Joints> history_;       ///< ring of targets at cycle ends
+  std::int64_t planned_ = 0;          ///< cycles planned; history_[planned_ % size] is the newest
   Nanoseconds now_{};
   Random random_;
 };

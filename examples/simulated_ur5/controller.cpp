@@ -513,6 +513,13 @@ void Controller::inputs_written(const InputEffects& effects) {
     scaling_ = std::clamp(in.speed_slider_fraction, 0.0, 1.0);
 }
 
+Joints Controller::load_at(const Links& links) const {
+  const double weight = 9.81 * config_.arm.unknown_payload;
+  Joints load = torque_of_force(links, 5, links.flange.origin, {0, 0, -weight});
+  for (std::size_t i = 0; i < joint_count; ++i) load[i] += world_.load()[i];
+  return load;
+}
+
 void Controller::step() {
   advance_modes();
   run_program();
@@ -521,14 +528,16 @@ void Controller::step() {
 
   const double h = seconds(plant_step);
   double largest = 0;
+  Joints load = load_at(forward_kinematics(arm_.q()));
   for (Nanoseconds t{}; t < cycle(); t += plant_step) {
-    arm_.advance(world_.load());
+    arm_.advance(load);
     now_ += plant_step;
     const Links links = forward_kinematics(arm_.q());
     if (scenario_runs_) {
       world_.advance(seconds(now_ - scenario_start_), h, links);
       largest = std::max(largest, world_.largest_force());
     }
+    load = load_at(links);
     if (now_ >= next_skin_tick_) {
       next_skin_tick_ += config_.skin.period;
       const auto& samples = skin_.sample(now_, links, world_.stimulus());
@@ -553,7 +562,7 @@ void Controller::publish() {
   const Links actual = forward_kinematics(s.actual_q), target = forward_kinematics(s.target_q);
   const Joints held = gravity_torque(actual);
   s.target_moment = gravity_torque(target);
-  const Joints& load = world_.load();
+  const Joints load = load_at(actual);
   for (std::size_t i = 0; i < joint_count; ++i) {
     s.target_current[i] = s.target_moment[i] / torque_constant[i];
     s.actual_current[i] = s.power_on ? (held[i] - load[i]) / torque_constant[i] : 0;

@@ -148,6 +148,8 @@ class Controller {
   void advance_modes();
   void start_scenario();
   void publish();
+  /// Torque on the joints [N m]: contacts, and the weight that the controller does not know of.
+  Joints load_at(const Links& links) const;
 
   ControllerConfig config_;
   Arm arm_;

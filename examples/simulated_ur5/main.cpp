@@ -77,6 +77,13 @@ int main(int argc, char** argv) {
                  "the skin falls silent so long after the start [s]");
   auto* delay = app.add_option("--delay", config.controller.arm.delay, "pure delay of the arm [s]");
   auto* lag = app.add_option("--lag", config.controller.arm.lag, "time constant of the arm [s]");
+  double stiffness = simulated_ur5::rigid;
+  auto* soft =
+      app.add_option("--stiffness", stiffness, "of every joint's position loop [N m/rad]; inf: rigid");
+  auto* integral = app.add_option("--integral-time", config.controller.arm.integral_time,
+                                  "in which the loop takes its droop back [s]; inf: it does not");
+  auto* payload = app.add_option("--unknown-payload", config.controller.arm.unknown_payload,
+                                 "mass at the flange of which the controller does not know [kg]");
   auto* noise = app.add_option("--noise", config.controller.arm.position_noise, "of the encoders [rad]");
   auto* seed = app.add_option("--seed", config.controller.seed, "of every noise");
   auto* force =
@@ -101,11 +108,14 @@ int main(int argc, char** argv) {
       config.controller = from_file.controller;
       if (*delay) config.controller.arm.delay = given.arm.delay;
       if (*lag) config.controller.arm.lag = given.arm.lag;
+      if (*integral) config.controller.arm.integral_time = given.arm.integral_time;
+      if (*payload) config.controller.arm.unknown_payload = given.arm.unknown_payload;
       if (*noise) config.controller.arm.position_noise = given.arm.position_noise;
       if (*seed) config.controller.seed = given.seed;
       if (*force) config.controller.protective_force = given.protective_force;
       if (*powered) config.controller.powered = given.powered;
     }
+    if (*soft) config.controller.arm.stiffness.fill(stiffness);
     if (!series.empty())
       config.controller.series =
           series == "cb3" ? simulated_ur5::Series::cb3 : simulated_ur5::Series::e_series;

@@ -130,7 +130,9 @@ void read_robot(Table t, Config& config) {
   }
   t.number("delay", c.arm.delay);
   t.number("lag", c.arm.lag);
-  t.number("compliance", c.arm.compliance);
+  t.joints("stiffness", c.arm.stiffness, true);
+  t.number("integral_time", c.arm.integral_time);
+  t.number("unknown_payload", c.arm.unknown_payload);
   t.number("position_noise", c.arm.position_noise);
   t.number("velocity_noise", c.arm.velocity_noise);
   t.number("step_tolerance", c.arm.step_tolerance);

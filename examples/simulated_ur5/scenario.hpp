@@ -12,7 +12,7 @@ namespace simulated_ur5 {
 /// Unknown keys in its own tables, wrong types and wrong values throw `skinctl::ConfigurationError` with file
 /// and line.
 ///
-/// `[robot]`: series ("cb3" or "e-series"), delay, lag, compliance, position_noise, velocity_noise,
+/// `[robot]`: series ("cb3" or "e-series"), delay, lag, stiffness, integral_time, unknown_payload, position_noise, velocity_noise,
 /// step_tolerance, protective_force, protective_deceleration, velocity_limit, acceleration_limit (one number
 /// or six), home (six), powered, power_on_time, brake_release_time, unlock_time, seed. `[skin]`: cells
 /// (file), newtons_per_reading, rest_reading, force_noise, proximity_noise, acceleration_noise,

@@ -136,6 +136,7 @@
 #include "skinctl/tracking/settings.hpp"
 #include "skinctl/tracking/sign.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
+#include "skinctl/tracking/singular_rest.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"
 #include "skinctl/tracking/speed_limit.hpp"
 #include "skinctl/tracking/spline_plan.hpp"
@@ -179,6 +180,7 @@
 #include "skinctl/passivity/passivity.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
 
+#include "skinctl/resolver/following_monitor.hpp"
 #include "skinctl/resolver/hybrid_resolver.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"

@@ -75,7 +75,21 @@ TEST_CASE("Cycle: a law that disagrees with the description is refused with both
   };
   CHECK(with([](auto&) {}).empty());
   CHECK(with([](auto& s) { s.dt = 1ms; }) ==
-        "skinctl: dt: 1 ms in the law, but the robot's description evaluates it every 2 ms");
+        "skinctl: dt: 1 ms in the law, but in late cycles of the robot's description it is evaluated every 2 "
+        "ms: "
+        "tracking_settings(robot) takes it from there");
+  // A longest interval that sixteen sub-steps of the law's dt do not cover.
+  auto late = stated;
+  late.longest_interval = 64ms;
+  const auto slow = by_position(ur5::Model{}, late);
+  CHECK(refusal([&] {
+          Cycle(slow, SplineJoint<6>(tracking_settings(arm)) + SkinJointControl{} + GravityControl{});
+        }) ==
+        "skinctl: dt: 2.5 ms in the law, but in late cycles of the robot's description it is evaluated every "
+        "4 ms: tracking_settings(robot) takes it from there");
+  CHECK(refusal([&] {
+          Cycle(slow, SplineJoint<6>(tracking_settings(slow)) + SkinJointControl{} + GravityControl{});
+        }).empty());
   CHECK(with([](auto& s) {
           s.virtual_dynamics.damping = 0;
         }).find("virtual damping: 0 in the law, 4 in the robot's description") != std::string::npos);

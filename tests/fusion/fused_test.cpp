@@ -192,7 +192,7 @@ TEST_CASE("Fused: freezes and releases its tracking laws, and says so") {
   const Skinned<double> untouched;
   const auto touch = touch_of(30, 20, 0);  // across the joints' axes
   const auto tau_skin = skin_torque(model, JointAngles<Arm, double>(model, pose.q), touch);
-  REQUIRE(largest(tau_skin) > OppositionSettings{}.on);
+  REQUIRE(largest(tau_skin) > 100 * OppositionSettings{}.on);
   const double side = power(tau_skin, JointVelocity<6>::constant(1)) > 0 ? -1 : 1;
   const auto run = [&](const auto& law) {
     using L = std::remove_cvref_t<decltype(law)>;

@@ -116,7 +116,7 @@ TEST_CASE_TEMPLATE("JerkLimits: no limit is ever crossed", T, float, double) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const double eps = std::numeric_limits<T>::epsilon();
   long at_end = 0, at_speed = 0, at_acceleration = 0, gave_way = 0, cycles = 0;
-  double worst_jerk = 0, worst_end = 0;
+  double worst_jerk = 0, worst_end = 0, worst_mean = 0;
   const int scenes = 200 / share;
   for (int scene = 0; scene < scenes; ++scene) {
     const double V = std::pow(10, 0.7 * unit(rng)), A = V * std::pow(10, 1 + unit(rng));
@@ -146,6 +146,8 @@ TEST_CASE_TEMPLATE("JerkLimits: no limit is ever crossed", T, float, double) {
       REQUIRE(joint.q >= low - rounding);
       REQUIRE(std::abs(joint.u) <= v * T(1 + 300 * eps));
       REQUIRE(std::abs(joint.a) <= a_max * T(1 + 4 * eps));
+      worst_mean = std::max(worst_mean, std::abs(joint.moved) / (V * h));
+      REQUIRE(std::abs(joint.moved) <= V * h * (1 + 300 * eps));
       // The acceleration that others see: of the velocities, and of the end of the step.
       REQUIRE(std::abs(double(joint.u) - double(was.u)) <= A * h * (1 + 64 * eps) + 8 * eps * V);
       const double change = std::abs(double(joint.a) - double(was.a));
@@ -162,7 +164,8 @@ TEST_CASE_TEMPLATE("JerkLimits: no limit is ever crossed", T, float, double) {
   }
   MESSAGE(cycles << " cycles, at an end " << at_end << ", at top speed " << at_speed
                  << ", at top acceleration " << at_acceleration << ", jerk gave way " << gave_way
-                 << ", its excess " << worst_jerk << " eps A, beyond an end " << worst_end);
+                 << ", mean speed of a step at most " << worst_mean << " of the limit, excess of jerk "
+                 << worst_jerk << " eps A, beyond an end " << worst_end);
   CHECK(at_end > 10000 / share);  // the limits were used, not shunned
   CHECK(at_speed > 10000 / share);
   CHECK(at_acceleration > 1000 / share);

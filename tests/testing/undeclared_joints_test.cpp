@@ -175,6 +175,24 @@ TEST_CASE("A servo gives way at its limit of torque") {
   CHECK(joints.q()[0] - from == doctest::Approx(-0.5 * 4 / 2).epsilon(0.01));
 }
 
+TEST_CASE("A servo at its limit of torque goes to a step without flying past it") {
+  for (const double delay : {0.0, 0.0007, 0.0009, 0.00099}) {
+    CAPTURE(delay);
+    Truth truth{.delay = delay, .lag = 0.0042, .stiffness = {12648}, .inertia = {0.3}, .torque_limit = {28}};
+    Joints joints(Kind::position, truth, {0});
+    joints.command(0, {0.035});
+    double most = 0, fastest = 0;
+    for (int k = 1; k < 500; ++k) {
+      joints.advance(1e-3 * k);
+      most = std::max(most, joints.q()[0]);
+      fastest = std::max(fastest, joints.dq()[0]);
+    }
+    CHECK(joints.q()[0] == doctest::Approx(0.035).epsilon(1e-6));
+    CHECK(most < 1.1 * 0.035);
+    CHECK(fastest <= std::sqrt(2 * 28 / 0.3 * 0.035));  // as fast as that torque gets over the whole way
+  }
+}
+
 TEST_CASE("Encoders: gap, steps, noise, repetitions and stamps") {
   const double gap = 6.283185307179586 + 0.025;
   Joints exact(Kind::position, {.gap = {gap}}, {0.1});

@@ -117,7 +117,8 @@ void check_rate(const L& law, const JointPosition<6>& q, double tolerance) {
   auto memory = law.start(K(model, x0, dt, none));
   memory = law.receive(memory, K(model, x0, dt, none), goal_near(law, x0, 1.0)).memory;
   double worst = 0, largest = 0;
-  for (int k = 0; k < 120; ++k) {
+  int compared = 0;
+  for (int k = 0; k < 260; ++k) {
     const double t = k * dt;
     const auto x = swinging(q, t);
     const K known(model, x, dt, none);
@@ -139,7 +140,10 @@ void check_rate(const L& law, const JointPosition<6>& q, double tolerance) {
       return law.now(m, K(model, moved, dt, none));
     };
     const auto ahead = at(h), behind = at(-h);
-    for (std::size_t i = 0; i < 6; ++i) {
+    // At rest at a goal next to a singularity the turning of the singular directions is left out.
+    const bool resting = memory.space.rest.r > 0 || now.rests;
+    compared += !resting;
+    for (std::size_t i = 0; !resting && i < 6; ++i) {
       const double slope = (ahead.dq_r[i] - behind.dq_r[i]) / (2 * h);
       worst = std::max(worst, std::abs(slope - now.ddq_r[i]));
       largest = std::max(largest, std::abs(now.ddq_r[i]));
@@ -147,6 +151,7 @@ void check_rate(const L& law, const JointPosition<6>& q, double tolerance) {
     memory = law.advance(memory, known, dt, Opposition::none);
   }
   CAPTURE(largest);
+  CHECK(compared > 100);
   CHECK(worst <= tolerance * (1 + largest));
 }
 }  // namespace

@@ -188,7 +188,7 @@ std::string Driver::program(const std::string& address, std::uint16_t port, doub
       m = mode
       exit_critical
       if m == 1:
-        servoj(q, t=steptime, lookahead_time=0.03, gain=2000)
+        servoj(q, t=steptime, lookahead_time=%.2f, gain=2000)
       elif m == 2:
         speedj(q, 40.0, steptime)
       else:
@@ -222,7 +222,7 @@ std::string Driver::program(const std::string& address, std::uint16_t port, doub
   socket_close("reverse_socket")
 end
 )",
-                1 / rate, address.c_str(), static_cast<unsigned>(port));
+                1 / rate, servoj_lookahead, address.c_str(), static_cast<unsigned>(port));
   return text;
 }
 

@@ -13,6 +13,10 @@
 
 namespace adapters::ur5 {
 
+/// `lookahead_time` of the program's servoj, the least there is [s]: by position the arm comes behind its
+/// commands by a lag of that beside the drive's own, by velocity it does not.
+inline constexpr double servoj_lookahead = 0.03;
+
 /// Where the robot is, and how to talk to it.
 struct DriverConfig {
   std::string host = "127.0.0.1";

@@ -37,7 +37,8 @@ constexpr Nanoseconds periods[] = {8'000'000, 2'000'000};
 
 }  // namespace
 
-TEST_CASE("Arm: a smooth servoj path is the target exactly, and the joints follow delayed and lagged") {
+TEST_CASE(
+    "Arm: behind a smooth servoj path comes the target by the lookahead, and the joints by delay and lag") {
   for (const Nanoseconds period : periods) {
     for (const double delay : {0.0, 0.002, 0.008, 0.020}) {
       for (const double lag : {0.0, 0.008, 0.05}) {
@@ -49,7 +50,7 @@ TEST_CASE("Arm: a smooth servoj path is the target exactly, and the joints follo
         config.lag = lag;
         Arm arm(config, period);
         const double dt = seconds(period), v = 0.7;
-        // A ramp with a soft start: its steady state lags by exactly v (delay + lag).
+        // A ramp with a soft start: its steady state lags by exactly v (lookahead + delay + lag).
         double s = 0;
         for (int k = 1; k * dt <= 2.0; ++k) {
           const double t = k * dt;
@@ -58,9 +59,9 @@ TEST_CASE("Arm: a smooth servoj path is the target exactly, and the joints follo
           q[1] += s;
           arm.servo(q, 0.03, 2000);
           REQUIRE(cycle(arm, period) == Violation::none);
-          CHECK(arm.target_q()[1] == q[1]);
         }
-        CHECK(arm.q()[1] == doctest::Approx(config.home[1] + s - v * (delay + lag)).epsilon(1e-9));
+        CHECK(arm.target_q()[1] == doctest::Approx(config.home[1] + s - v * 0.03).epsilon(1e-9));
+        CHECK(arm.q()[1] == doctest::Approx(config.home[1] + s - v * (0.03 + delay + lag)).epsilon(1e-9));
         CHECK(arm.dq()[1] == doctest::Approx(v).epsilon(1e-6));
         CHECK(arm.q()[0] == config.home[0]);
       }
@@ -91,7 +92,7 @@ TEST_CASE("Arm: the response to speedj is the closed form of ramp, delay and lag
   }
 }
 
-TEST_CASE("Arm: softer servoj parameters are slower, as documented") {
+TEST_CASE("Arm: servoj lags by its lookahead and by its gain, speedj by neither") {
   const auto behind = [&](double lookahead, double gain) {
     Arm arm(exact(), 2'000'000);
     Joints q = arm.config().home;
@@ -102,10 +103,33 @@ TEST_CASE("Arm: softer servoj parameters are slower, as documented") {
     }
     return (q[0] - arm.q()[0]) / 0.5;
   };
-  CHECK(behind(0.03, 2000) == doctest::Approx(0.008 + 0.008).epsilon(1e-3));
-  CHECK(behind(0.1, 2000) == doctest::Approx(0.008 + 0.008 + 0.07).epsilon(1e-3));
-  CHECK(behind(0.03, 500) == doctest::Approx(0.008 + 0.032).epsilon(1e-3));
-  CHECK(behind(-1, 1e9) == doctest::Approx(0.016).epsilon(1e-3));
+  CHECK(behind(0.03, 2000) == doctest::Approx(0.008 + 0.008 + 0.03).epsilon(1e-6));
+  CHECK(behind(0.1, 2000) == doctest::Approx(0.008 + 0.008 + 0.1).epsilon(1e-6));
+  CHECK(behind(0.03, 500) == doctest::Approx(0.008 + 0.032 + 0.03).epsilon(1e-6));
+  CHECK(behind(-1, 1e9) == doctest::Approx(0.046).epsilon(1e-6));
+
+  Arm arm(exact(), 2'000'000);
+  for (int k = 0; k < 1000; ++k) {
+    arm.speed({0.5, 0, 0, 0, 0, 0}, 40);
+    cycle(arm, 2'000'000);
+  }
+  CHECK((arm.target_q()[0] - arm.q()[0]) / 0.5 == doctest::Approx(0.016).epsilon(1e-6));
+}
+
+TEST_CASE("Arm: a step of servoj within the limits is smoothed by a first-order lag of the lookahead") {
+  ArmConfig config = exact();
+  config.delay = config.lag = 0;
+  config.acceleration_limit = {1e5, 1e5, 1e5, 1e5, 1e5, 1e5};
+  Arm arm(config, 2'000'000);
+  Joints q = config.home;
+  q[0] += 1e-3;
+  for (int k = 1; k <= 100; ++k) {
+    arm.servo(q, 0.05, 2000);
+    REQUIRE(cycle(arm, 2'000'000) == Violation::none);
+    // The command comes as a ramp over the first cycle.
+    const double T = 0.05, t = 0.002 * k, left = T / 0.002 * (std::exp(-(t - 0.002) / T) - std::exp(-t / T));
+    CHECK(std::abs(arm.q()[0] - config.home[0] - 1e-3 * (1 - left)) < 1e-12);
+  }
 }
 
 TEST_CASE("Arm: whatever is commanded, the target obeys speed and acceleration limits") {
@@ -266,14 +290,27 @@ TEST_CASE("Arm: a missed command is no violation, and a speed slider slows") {
   CHECK(slow.dq()[0] == doctest::Approx(0.1).epsilon(1e-6));
 }
 
-TEST_CASE("Arm: bends under load by its compliance, and not at all without") {
-  for (const double compliance : {0.0, 5e-5}) {
+TEST_CASE("Arm: droops under load by its stiffness, in the end not with an integral, never when rigid") {
+  const Joints load = {0, 40, -20, 0, 0, 0};
+  for (const double stiffness : {500.0, 2e4, rigid}) {
     ArmConfig config = exact();
-    config.compliance = compliance;
+    config.stiffness.fill(stiffness);
     Arm arm(config, 2'000'000);
-    for (int k = 0; k < 200; ++k) cycle(arm, 2'000'000, {0, 40, -20, 0, 0, 0});
-    CHECK(arm.q()[1] - config.home[1] == doctest::Approx(40 * compliance));
-    CHECK(arm.q()[2] - config.home[2] == doctest::Approx(-20 * compliance));
+    for (int k = 0; k < 200; ++k) cycle(arm, 2'000'000, load);
+    CHECK(arm.q()[1] - config.home[1] == doctest::Approx(40 / stiffness));
+    CHECK(arm.q()[2] - config.home[2] == doctest::Approx(-20 / stiffness));
+
+    // What comes and goes: (e^(p t) - e^(r t)) / (lag (p - r)), p and r the roots of lag s^2 + s + 1/T_i.
+    config.integral_time = 0.2;
+    Arm corrects(config, 2'000'000);
+    const double root = std::sqrt(1 - 4 * config.lag / 0.2), p = (-1 + root) / (2 * config.lag),
+                 r = (-1 - root) / (2 * config.lag);
+    for (int k = 1; k <= 1000; ++k) {
+      cycle(corrects, 2'000'000, load);
+      const double t = 0.002 * k, z = (std::exp(p * t) - std::exp(r * t)) / (config.lag * (p - r));
+      CHECK(std::abs(corrects.q()[1] - config.home[1] - 40 / stiffness * z) <= 0.04 * 40 / stiffness);
+    }
+    CHECK(std::abs(corrects.q()[1] - config.home[1]) <= 1e-3 * 40 / stiffness);
   }
 }
 
@@ -308,5 +345,8 @@ TEST_CASE("Arm: refuses numbers that cannot work") {
   refused([](ArmConfig& c) { c.velocity_limit[3] = 0; });
   refused([](ArmConfig& c) { c.lower[0] = 7; });
   refused([](ArmConfig& c) { c.home[0] = 7; });
+  refused([](ArmConfig& c) { c.stiffness[2] = 50; });
+  refused([](ArmConfig& c) { c.integral_time = 0; });
+  refused([](ArmConfig& c) { c.unknown_payload = -1; });
   CHECK_THROWS_AS(Arm(ArmConfig{}, 300'000), skinctl::ConfigurationError);
 }

@@ -107,7 +107,10 @@ TEST_CASE("Network: a program connects back and the arm follows servoj and speed
   }
   CHECK(raw::take_double(p.payload, 9) - begin > 0.15);
   CHECK(raw::take_double(p.payload, 57) > 0.1);
-  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  for (int i = 0; i < 75; ++i) {  // until lookahead, delay and lag are over
+    reverse.send(raw::reverse_message(200, q, 1));
+    raw::read_until(rtde, 'U');
+  }
   CHECK(robot.snapshot().true_q[0] == doctest::Approx(q[0]).epsilon(1e-6));
 
   // The motion thread ends with a stopj before the other begins.

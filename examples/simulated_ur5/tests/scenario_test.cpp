@@ -42,6 +42,7 @@ TEST_CASE("Scenario: robot, skin and touches are read, other tables are left to 
           "s.toml",
           "[task]\nspline = 3\n"
           "[robot]\nseries = \"e-series\"\ndelay = 0.004\nlag = 0\nvelocity_limit = 2\n"
+          "stiffness = 3000\nintegral_time = 0.5\nunknown_payload = 4\n"
           "home = [0, -1, -1, -1, 1, 0.5]\nprotective_force = 0\npowered = true\nseed = 9\n"
           "[skin]\ncells = \"cells.txt\"\nproximity_distance = 0.02\nkeep_alive = 0.05\n"
           "[[touch]]\nname = \"push\"\ncell = 5\nstart = 2\nstiffness = 3000\nrepeat = 3\nperiod = 4\n"
@@ -52,6 +53,9 @@ TEST_CASE("Scenario: robot, skin and touches are read, other tables are left to 
   CHECK(c.series == Series::e_series);
   CHECK(c.arm.delay == 0.004);
   CHECK(c.arm.lag == 0);
+  CHECK(c.arm.stiffness[4] == 3000);
+  CHECK(c.arm.integral_time == 0.5);
+  CHECK(c.arm.unknown_payload == 4);
   CHECK(c.arm.velocity_limit[5] == 2);
   CHECK(c.arm.home[5] == 0.5);
   CHECK(c.protective_force == 0);

@@ -95,14 +95,15 @@ Outcome run(Series series, bool rigid, double position_gain) {
 }  // namespace
 
 TEST_CASE(
-    "Contact: an arm that yields by its skin's readings feels less than a fifth of what a rigid one feels") {
+    "Contact: an arm that yields by its skin's readings feels less than a quarter of what a rigid one "
+    "feels") {
   for (const Series series : {Series::cb3, Series::e_series}) {
     CAPTURE(int(series));
     const Outcome rigid = run(series, true, 0), yields = run(series, false, 20);
     CHECK(rigid.peak_force == doctest::Approx(5000 * 0.05).epsilon(0.02));
     CHECK(rigid.deflection < 1e-3);
     CHECK_FALSE(yields.stopped);
-    CHECK(yields.peak_force * 5 < rigid.peak_force);
+    CHECK(yields.peak_force * 4 < rigid.peak_force);
     CHECK(yields.deflection > 0.02);
     CHECK(yields.highest_speed < 1);
     MESSAGE("peak force " << rigid.peak_force << " N rigid, " << yields.peak_force << " N yielding by "

@@ -45,16 +45,19 @@ struct Computed<false, V> {
   template <class F>
   SKINCTL_INLINE explicit Computed(F&&) noexcept {}
 };
-/// The inertia of a robot is that of its model.
-struct NothingAdded {};
+/// Nothing is known of the robot but its model.
+struct NothingAdded {
+  static constexpr bool is_virtual = false;
+};
 }  // namespace detail
 
 /// The state of a robot and quantities at that state: angles, poses, G, M, C dq, as far as `Asked` includes
 /// them. Quantities outside `Asked` are neither computed nor stored, and reading them does not compile.
 ///
 /// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`. `Added` is
-/// the inertia that a virtual robot has besides that of its model (see robot/virtual_mass.hpp): `mass()` and
-/// what follows from it include it, the other quantities are the model's.
+/// what a resolver adds to the model (see robot/virtual_mass.hpp): the limits of its torques, and the inertia
+/// that a virtual robot has besides that of its model: `mass()` and what follows from it include it, the other
+/// quantities are the model's.
 template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch,
           class Added = detail::NothingAdded>
 class Quantities {
@@ -63,7 +66,8 @@ class Quantities {
   using scalar = T;
   using touch_type = Touch;
   /// Whether `mass()` includes the inertia of a virtual robot.
-  static constexpr bool is_virtual = !std::is_same_v<Added, detail::NothingAdded>;
+  static constexpr bool is_virtual = Added::is_virtual;
+  static constexpr bool has_torque_limits = !std::is_same_v<Added, detail::NothingAdded>;
   static constexpr std::size_t joints = M::joints;
   static constexpr Needs needs = complete<M>(Asked);
   static constexpr LinkMask links = links_for<M>(complete<M>(Asked));
@@ -80,6 +84,9 @@ class Quantities {
         state_(state),
         touch_(touch),
         dt_(dt),
+        limits_([&](auto) SKINCTL_INLINE_LAMBDA {
+          if constexpr (has_torque_limits) return &added.torque_limits();
+        }),
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
         middle_([&](auto) SKINCTL_INLINE_LAMBDA {
           const T half = T(0.5) * dt_;
@@ -111,6 +118,13 @@ class Quantities {
   [[nodiscard]] SKINCTL_INLINE const T& dt() const noexcept { return dt_; }
   /// Mean wrenches of the skin on the links over the interval.
   [[nodiscard]] SKINCTL_INLINE const Touch& touch() const noexcept { return touch_; }
+
+  /// The largest torques of the robot's joints [N m], where a resolver gives them.
+  [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& torque_limits() const noexcept
+    requires(has_torque_limits)
+  {
+    return *limits_.value;
+  }
 
   [[nodiscard]] SKINCTL_INLINE const Angles& angles() const noexcept {
     static_assert(needs.angles, "not asked for: set needs.angles");
@@ -190,6 +204,7 @@ class Quantities {
   const State<joints, T>& state_;
   const Touch& touch_;
   T dt_;
+  [[no_unique_address]] detail::Computed<has_torque_limits, const JointTorque<joints, T>*> limits_;
   [[no_unique_address]] detail::Computed<needs.angles, Angles> angles_;
   [[no_unique_address]] detail::Computed<needs.middle, Middle> middle_;
   [[no_unique_address]] detail::Computed<needs.poses != 0, Poses<M, needs.poses, T>> poses_;

@@ -235,7 +235,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     Opposition opposition = given;
     auto watched = memory.opposition;
     if constexpr (watches) {
-      const auto found = detector_.detect(memory.opposition, skin, track, dt);
+      const auto found = detector_.detect(memory.opposition, skin, track, torque_scale(known), dt);
       watched = found.memory;
       if (given == Opposition::none) opposition = found.opposition;
       if (opposition == Opposition::lasting) status |= Reason::opposed;

@@ -10,16 +10,28 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// When skin and tracking count as opposed, by the norm of the skin's joint torque as it enters the sum. A
-/// push below the threshold may wind the integrals up.
+/// When skin and tracking count as opposed, by the norm of the skin's joint torques as they enter the sum, each
+/// as a share of its joint's largest torque: a shoulder, a wrist and a finger feel alike. A push below the
+/// threshold may wind the integrals up.
 struct OppositionSettings {
-  double on = 1.0;                   ///< opposed above this, if the torques oppose each other [N m]
-  double off = 0.5;                  ///< ends when it has been below this [N m] ...
+  double on = 0.01;                  ///< opposed above this share, if the torques oppose each other
+  double off = 0.005;                ///< ends when it has been below this share ...
   Nanoseconds release_after = 50ms;  ///< ... for this duration
 };
 
+/// The largest torques of the joints as far as they are known; 100 N m otherwise.
+template <class K>
+[[nodiscard]] SKINCTL_INLINE auto torque_scale(const K& known) noexcept {
+  if constexpr (requires { known.torque_limits(); }) {
+    return known.torque_limits();
+  } else {
+    return JointTorque<K::joints, typename K::scalar>::constant(typename K::scalar(100));
+  }
+}
+
 /// Opposed from the moment that `|tau_skin| > on` and `tau_skin . tau_track < 0`, until `|tau_skin| < off`
-/// has held without a break for `release_after`, whatever the rate of the cycle.
+/// has held without a break for `release_after`, whatever the rate of the cycle. Norm and product are those of
+/// torques over the largest torque of their joint.
 class OppositionDetector {
  public:
   struct Memory {
@@ -34,9 +46,8 @@ class OppositionDetector {
 
   /// Throws `ConfigurationError` unless `on >= off > 0` and `release_after >= 0`.
   explicit OppositionDetector(const OppositionSettings& settings = {}) : settings_(settings) {
-    require(settings.off > 0 && settings.off <= 1e9, "opposition: off", settings.off, "> 0 N m");
-    require(settings.on >= settings.off && settings.on <= 1e9, "opposition: on", settings.on,
-            ">= off, in N m");
+    require(settings.off > 0 && settings.off <= 1e9, "opposition: off", settings.off, "> 0");
+    require(settings.on >= settings.off && settings.on <= 1e9, "opposition: on", settings.on, ">= off");
     require(settings.release_after >= 0ns, "opposition: release_after",
             seconds<double>(settings.release_after), ">= 0 s");
   }
@@ -44,15 +55,18 @@ class OppositionDetector {
 
   /// @param skin   weighted torque of the reactive laws.
   /// @param track  weighted torque of the tracking laws without gravity.
+  /// @param scale  the largest torque of each joint [N m], > 0: see `torque_scale`.
   /// @param dt     time until the next call [s].
   /// Torques that are not finite change nothing.
   template <std::size_t N, Scalar T>
   [[nodiscard]] SKINCTL_INLINE Result detect(const Memory& memory, const JointTorque<N, T>& skin,
-                                             const JointTorque<N, T>& track, const T& dt) const noexcept {
+                                             const JointTorque<N, T>& track, const JointTorque<N, T>& scale,
+                                             const T& dt) const noexcept {
     T square(0), product(0);
     for (std::size_t i = 0; i < N; ++i) {
-      square = square + skin[i] * skin[i];
-      product = product + skin[i] * track[i];
+      const T per = T(1) / scale[i], pushed = per * skin[i];
+      square = square + pushed * pushed;
+      product = product + pushed * (per * track[i]);
     }
     const T on = static_cast<T>(settings_.on), off = static_cast<T>(settings_.off);
     Memory next = memory;

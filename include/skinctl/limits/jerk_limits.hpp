@@ -108,7 +108,11 @@ class JerkLimits {
       return reach.above <= above + more && reach.below <= below + more;
     }
     /// Whether a step may end in this state: the same with a margin, and below the velocity limit.
-    [[nodiscard]] bool may_end(const Moved& m) const noexcept {
+    /// And the mean speed of its `h` seconds must not exceed that limit: an acceleration that changes its sign
+    /// within the step may.
+    [[nodiscard]] bool may_end(const Moved& m, const T& h) const noexcept {
+      if (!(m.s <= V * h && -m.s <= V * h)) [[unlikely]]
+        return false;
       if (roomy) [[likely]]
         return slow_enough(m);
       const T j = J * braking_share<T>;
@@ -178,8 +182,9 @@ class JerkLimits {
       const T slope = (a1 - a) / h;
       Moved m = Moved{T(0), u, a}.after(h, slope);
       m.a = a1;
-      if (!may_end(m) || (!roomy && !stays_inside(u, a, slope, h))) [[unlikely]] {
-        status |= slow_enough(m) ? Reason::position_limited : Reason::velocity_limited;
+      if (!may_end(m, h) || (!roomy && !stays_inside(u, a, slope, h))) [[unlikely]] {
+        const bool slow = slow_enough(m) && m.s <= V * h && -m.s <= V * h;
+        status |= slow ? Reason::position_limited : Reason::velocity_limited;
         const Moved brake = detail::Stopping<T>(u, a, A, J).after(h);
         Moved kept = brake;
         if (roomy ||
@@ -189,7 +194,7 @@ class JerkLimits {
             const T part = T(0.5) * (good + bad);
             const Moved mixed{brake.s + part * (m.s - brake.s), brake.u + part * (m.u - brake.u),
                               brake.a + part * (m.a - brake.a)};
-            const bool may = may_end(mixed);
+            const bool may = may_end(mixed, h);
             if (may) kept = mixed;
             (may ? good : bad) = part;
           }

@@ -56,6 +56,8 @@ class HybridResolver {
   HybridResolver(const M& model, const Configuration& c)
       : model_(model), virtual_(c.stiff), limits_(c.limits), viscous_(c.viscous) {
     Stiff::put(virtual_.parameters().shape.inertia, inertia_);
+    Stiff::put(stiff_limits().torque(), torques_);
+    Driven::put(limits_.torque(), torques_);
     for (const T& b : viscous_) {
       has_friction_ = has_friction_ || b > T(0);
       require(b >= T(0) && b <= T(1e6), "viscous friction", static_cast<double>(b), "0 to 1e6 N m s/rad");
@@ -101,7 +103,7 @@ class HybridResolver {
   template <class L, class Touch>
   [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
                                                      const Touch& touch) const noexcept {
-    return Knows<L, Touch>(model_, state, dt, touch, {inertia_, no_tool_});
+    return Knows<L, Touch>(model_, state, dt, touch, {torques_, inertia_, no_tool_});
   }
   /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
@@ -195,7 +197,7 @@ class HybridResolver {
   detail::VirtualJoints<I, Stiff::count, T, History> virtual_;
   JointLimits<Driven::count, T> limits_;
   DrivenTorque viscous_;
-  JointTorque<joints, T> inertia_;
+  JointTorque<joints, T> inertia_, torques_;
   [[no_unique_address]] NoToolShape no_tool_;
   bool has_friction_ = false;
 };

@@ -127,7 +127,8 @@ class Resolver {
   template <class L, class Touch>
   [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
                                                      const Touch& touch) const noexcept {
-    return Knows<L, Touch>(model_, state, dt, touch, {parameters().shape.inertia, tool_});
+    return Knows<L, Touch>(model_, state, dt, touch,
+                           {parameters().limits.torque(), parameters().shape.inertia, tool_});
   }
 
   /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.

@@ -48,7 +48,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
       joints, T, std::conditional_t<has_tank, typename EnergyTank<T>::template Held<joints>, NoTank>>;
   static constexpr Needs keeper_needs = {.angles = has_tank, .mass = has_tank};
   template <class L, class Touch = NoTouch>
-  using Knows = Quantities<M, L::needs | keeper_needs, T, Touch>;
+  using Knows = Quantities<M, L::needs | keeper_needs, T, Touch, RealMass<joints, T>>;
 
   /// Throws `ConfigurationError` for a number out of its range.
   Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
@@ -91,7 +91,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   template <class L, class Touch>
   [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
                                                      const Touch& touch) const noexcept {
-    return Knows<L, Touch>(model_, state, dt, touch);
+    return Knows<L, Touch>(model_, state, dt, touch, RealMass<joints, T>(p_.limits.torque()));
   }
 
   /// The time since the last cycle as one sub-step: a torque is held, not integrated.

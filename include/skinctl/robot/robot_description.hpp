@@ -140,7 +140,7 @@ template <Interface I, Real T = double, RobotModel M, class... Parts>
 /// The settings that laws share with their robot; `Cycle` compares them.
 template <std::size_t N, Real T>
 struct LawTerms {
-  Nanoseconds dt;                          ///< longest planned time between two evaluations
+  Nanoseconds dt;                          ///< longest time between two evaluations, in late cycles too
   VirtualDynamics<N, T> virtual_dynamics;  ///< of the virtual robot, or of the robot by torque
 };
 

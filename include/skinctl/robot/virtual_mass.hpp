@@ -5,17 +5,37 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// What a robot by torque adds to its model: the limits of its torques.
+template <std::size_t N, Real T = double>
+class RealMass {
+ public:
+  static constexpr bool is_virtual = false;
+  SKINCTL_INLINE explicit RealMass(const JointTorque<N, T>& torque_limits) noexcept
+      : torque_limits_(torque_limits) {}
+  [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque_limits() const noexcept {
+    return torque_limits_;
+  }
+
+ private:
+  const JointTorque<N, T>& torque_limits_;
+};
+
 /// What a virtual robot's inertia has besides M(q) of its model: the virtual inertia of its joints, and the
 /// shape of its tool. With it `Quantities` gives laws the inertia of the robot that they move: projections
 /// into a null space, postures and dampers that used the bare M would disturb the task.
 template <std::size_t N, Real T = double, class Tool = NoToolShape>
 class VirtualMass {
  public:
+  static constexpr bool is_virtual = true;
   static constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
-  /// Both must outlive this object.
+  /// All must outlive this object.
   /// @param inertia  of the joints [kg m^2], >= 0.
-  SKINCTL_INLINE VirtualMass(const JointTorque<N, T>& inertia, const Tool& tool) noexcept
-      : inertia_(inertia), tool_(tool) {}
+  SKINCTL_INLINE VirtualMass(const JointTorque<N, T>& torque_limits, const JointTorque<N, T>& inertia,
+                             const Tool& tool) noexcept
+      : torque_limits_(torque_limits), inertia_(inertia), tool_(tool) {}
+  [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque_limits() const noexcept {
+    return torque_limits_;
+  }
 
   /// M_v in place of the model's `m` at `angles`.
   template <class M, class Angles>
@@ -31,6 +51,7 @@ class VirtualMass {
   }
 
  private:
+  const JointTorque<N, T>& torque_limits_;
   const JointTorque<N, T>& inertia_;
   const Tool& tool_;
 };

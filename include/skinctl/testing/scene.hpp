@@ -88,7 +88,7 @@ auto kinesthetic_scene(const SceneSettings& s = {}) {
 template <Interface I = Interface::position, std::size_t Cells = 260, class T = double>
 auto reaching_scene(const SceneSettings& s = {}) {
   JointControlSettings<6, T> settings;
-  settings.dt = 2ms;
+  settings.dt = 2500us;  // in late cycles: five periods of 8 ms in sixteen sub-steps
   settings.lambda = T(s.lambda);
   settings.K_c = T(s.K_c);
   settings.tb = s.tb;

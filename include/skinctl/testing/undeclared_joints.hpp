@@ -215,8 +215,7 @@ class UndeclaredJoints {
     const double rest = I + dt * d + dt * dt * (k + dt * ki);
     const double push = I * (rate_[i] - rate) + dt * (k * gap + d * mean + ki * (integral_[i] + dt * gap));
     double v = (I * v0 + push + dt * external_[i]) / rest;
-    const double servo_torque =
-        k * (gap - dt * v) + d * (mean - v) + ki * (integral_[i] + dt * (gap - dt * v));
+    const double servo_torque = I * (v - v0) / dt - external_[i];  // what this takes
     const bool weak = std::abs(servo_torque) > limit;
     double mass = rest;
     if (weak) {

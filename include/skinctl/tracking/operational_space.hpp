@@ -4,6 +4,7 @@
 #include "skinctl/core/status.hpp"
 #include "skinctl/tracking/pose_targets.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
+#include "skinctl/tracking/singular_rest.hpp"
 #include "skinctl/tracking/speed_limit.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -43,6 +44,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   struct Memory {
     Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error
     SingularEscape<N, T> escape;    ///< motion out of a singularity that the damped inverse does not find
+    SingularRest<N, T> rest;        ///< at a goal next to a singularity
     JointVelocity<N, T> drift;      ///< the joints' motion at the start beyond what the tool's course takes
     bool slowed = false;            ///< next to a singularity, or at the largest speed of a joint
   };
@@ -55,6 +57,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     JointAcceleration<N, T> ddq_r;
     JointVelocity<N, T> S_q;
     JointVelocity<N, T> way_out;  ///< the goal of `escape`
+    JointPosition<N, T> q;        ///< of the joints, next to a singularity
+    bool rests;                   ///< the goal is reached there
     Xyz<T> near;                  ///< the branch of the orientation error
     bool slowed;
   };
@@ -81,6 +85,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
         limit_(T(0.99) * settings.tracking.max_velocity),
         kappa_(settings.tracking.kappa),
         slowest_(limit_[0]),
+        per_position_(T(1) / settings.reached_position),
+        per_orientation_(T(1) / settings.reached_orientation),
         null_(null) {
     for (const T& v : limit_)
       if (v < slowest_) slowest_ = v;
@@ -89,6 +95,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     };
     positive("max_linear_velocity", settings.max_linear_velocity);
     positive("max_angular_velocity", settings.max_angular_velocity);
+    positive("reached_position", settings.reached_position);
+    positive("reached_orientation", settings.reached_orientation);
     check(PursuitLimits<T>{T(1), settings.max_linear_acceleration, settings.max_linear_jerk});
     check(PursuitLimits<T>{T(1), settings.max_angular_acceleration, settings.max_angular_jerk});
   }
@@ -153,6 +161,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     const T stays = T(1) / (T(1) + kappa_ * dt);
     for (T& v : next.drift) v = detail::magnitude(v) > T(1e-30) ? T(stays * v) : T(0);
     next.escape = memory.escape.advanced(s.way_out, dt);
+    next.rest = memory.rest.advanced(s.rests, s.q, dt);
     return next;
   }
   /// Takes over joints whose velocity is `faster` than the reference: next to a singularity, or above their
@@ -176,6 +185,9 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
                                                       const Where& X_BP) noexcept {
     return {q, dq, jacobian, X_BP, jacobian * dq};
   }
+  template <class J>
+  void rest(const Inputs& in, const Site<J>& at, const Errors& error, const SingularRest<N, T>& rest,
+            const T& nearness, Surface& s) const noexcept;
   template <class J>
   static void errors(Errors& error, Xyz<T>& near, const Reference& target, const Site<J>& at,
                      const Memory& memory) noexcept {
@@ -205,8 +217,36 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   JointVelocity<N, T> limit_;  ///< of the reference: a hundredth is left for the overshoot of the joints
   T kappa_;                    ///< decay of the drift
   T slowest_;                  ///< of the limits
+  T per_position_;             ///< one over the tolerances of a goal that is reached
+  T per_orientation_;
   [[no_unique_address]] Null null_;
 };
+
+/// At a goal that stands still and is reached, next to a singularity: see `SingularRest`.
+template <std::size_t N, std::size_t I, Frame P, Real T, TaskSpace What, class Orientation, class Null>
+template <class J>
+SKINCTL_COLD void OperationalSpace<N, I, P, T, What, Orientation, Null>::rest(
+    const Inputs& in, const Site<J>& at, const Errors& error, const SingularRest<N, T>& rest,
+    const T& nearness, Surface& s) const noexcept {
+  const auto square = [](const Xyz<T>& x) { return dot(x, x); };
+  T far = per_position_ * per_position_ * square(get(error.e)), speed = square(in.target.V.linear);
+  if constexpr (What == TaskSpace::pose) {
+    far = far + per_orientation_ * per_orientation_ * square(get(error.e + 3));
+    speed = speed + square(in.target.V.angular);
+  }
+  s.rests = rest.reached(far, speed);
+  s.q = at.q;
+  if (!(rest.r > T(0))) return;
+  const typename SingularRest<N, T>::template Directions<What, J> directions(at.jacobian, nearness);
+  rest.hold(directions, at.q, at.dq, in.K_p.K, s.dq_r, s.ddq_r);
+  for (auto* rate : {&s.dI1, &s.dI2}) {
+    Twist<P, Base, P, Base, T> v{get(rate->data), {}};
+    if constexpr (What == TaskSpace::pose) v.angular = get(rate->data + 3);
+    const auto held = directions.of_frame(v);
+    put(rate->data, v.linear - rest.r * held.linear);
+    if constexpr (What == TaskSpace::pose) put(rate->data + 3, v.angular - rest.r * held.angular);
+  }
+}
 
 /// Eqs. (15)-(21).
 template <std::size_t N, std::size_t I, Frame P, Real T, TaskSpace What, class Orientation, class Null>
@@ -231,6 +271,7 @@ SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::sur
   const T rate = T(2) * (dot(v.linear, a.linear) + dot(v.angular, a.angular));
   const auto inverse =
       damped_inverse<What>(at.jacobian, singularities_.scaled(least_damping_, speed2, rate, slowest_));
+  const T nearness = inverse.nearness();
   const auto dJ = jacobian_rate(at.jacobian, at.dq);
   if constexpr (Null::rests) {
     s.dq_r = inverse.solve(v);
@@ -245,9 +286,11 @@ SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::sur
     s.ddq_r = z.a + inverse.solve_rate(dJ, v, a, dq);
     s.dq_r = z.v + dq;
   }
-  const T nearness = inverse.nearness();
-  if (nearness > T(0)) [[unlikely]]
-    s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
+  s.rests = false;
+  if (nearness > T(0)) [[unlikely]] {
+    rest(in, at, error, memory.rest, nearness, s);
+    if (!s.rests) s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
+  }
   s.dq_r += memory.escape.v;
   s.ddq_r += memory.escape.a;
   s.slowed = nearness > T(0);

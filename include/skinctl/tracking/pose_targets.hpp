@@ -25,6 +25,9 @@ struct OperationalSettings {
   /// Where J^+ is damped, and the largest damping; the joints' speed determines how much of it is used.
   SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
   T least_damping = T(0.02);  ///< l at a singularity when the reference is nearly at rest
+  /// Next to a singularity a goal that stands still counts as reached within these, and nothing moves.
+  T reached_position = T(2e-4);     ///< [m]
+  T reached_orientation = T(1e-3);  ///< [rad]
 };
 
 /// Settings of an operational law for this robot: see `tracking_settings`.

@@ -116,7 +116,9 @@ SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const LawTerms<
   if (s.dt < robot.dt) {
     char text[192];
     std::snprintf(text, sizeof text,
-                  "skinctl: dt: %.9g ms in the law, but the robot's description evaluates it every %.9g ms",
+                  "skinctl: dt: %.9g ms in the law, but in late cycles of the robot's description it is "
+                  "evaluated every "
+                  "%.9g ms: tracking_settings(robot) takes it from there",
                   milliseconds(s.dt), milliseconds(robot.dt));
     refuse(text);
   }

@@ -53,7 +53,7 @@ SKINCTL_INLINE auto Blended<Fused<P, L...>>::step(const Memory& memory, const K&
     }
     Opposition opposition = given;
     if constexpr (Fusion::watches) {
-      const auto found = sum_.detector().detect(memory.opposition, skin, track, dt);
+      const auto found = sum_.detector().detect(memory.opposition, skin, track, torque_scale(known), dt);
       next.opposition = found.memory;
       if (given == Opposition::none) opposition = found.opposition;
       if (opposition == Opposition::lasting) out.status |= Reason::opposed;

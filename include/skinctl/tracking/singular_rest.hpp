@@ -1,0 +1,101 @@
+// Rest at a goal next to a singularity.
+#pragma once
+
+#include "skinctl/kinematics/singular_directions.hpp"
+#include "skinctl/trajectory/quintic.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Next to a singularity the smallest error of the frame asks for large motions of the joints: to get rid of a
+/// micrometre a wrist would turn for ever. So where a goal stands still and is reached, the joint motions along
+/// singular directions leave the error as it is and hold the position that they have:
+/// `dq_r <- dq_r - r P (dq_r + K (q - q_rest))`, P the projection onto them. A state of tracking laws.
+template <std::size_t N, Real T = double>
+struct SingularRest {
+  JointPosition<N, T> q;  ///< position that is held
+  T r = T(0);             ///< share of this law, a first-order lag behind `on`
+  bool on = false;
+
+  static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
+  static constexpr double still = 0.001;  ///< a goal below this speed stands [m/s, rad/s]
+  static constexpr double lag = 0.03;     ///< [s]
+
+  /// Whether the goal is reached: within half the tolerances, then until it is out of them.
+  /// @param distance_squared  of the goal, over the square of its tolerance.
+  /// @param speed_squared     of the goal [m^2/s^2 + rad^2/s^2].
+  [[nodiscard]] bool reached(const T& distance_squared, const T& speed_squared) const noexcept {
+    return distance_squared + speed_squared / T(still * still) < (on ? T(1) : T(0.25));
+  }
+  /// `dt` seconds later, at the position `now`.
+  [[nodiscard]] SKINCTL_INLINE SingularRest advanced(bool reached, const JointPosition<N, T>& now,
+                                                     const T& dt) const noexcept {
+    if (!reached && !(r > T(0))) [[likely]]
+      return *this;
+    SingularRest next = *this;
+    if (reached && !on) next.q = now;
+    next.on = reached;
+    next.r = r + dt / (T(lag) + dt) * (T(reached ? 1 : 0) - r);
+    if (!reached && next.r < T(1e-6)) next.r = T(0);
+    return next;
+  }
+
+  /// The singular directions of `jacobian`, weighted from 0, at the edges of zone and damping, to 1.
+  template <TaskSpace What, class J>
+  class Directions {
+   public:
+    /// @param nearness  of the damped inverse, see `SingularityDamping`.
+    Directions(const J& jacobian, const T& nearness) noexcept : at_(singular_directions<What>(jacobian)) {
+      const T fade = nearness < T(0.25) ? T(T(4) * nearness) : T(1);
+      for (std::size_t n = 0; n < 2; ++n) {
+        const T left = T(1) - at_[n].sigma * at_[n].sigma / T(zone * zone);
+        share_[n] = left > T(0) ? T(fade * left * left) : T(0);
+      }
+    }
+    /// The part of the rate of an integral along them, whole already where they have a little weight: an
+    /// integral of an error that is left as it is would creep.
+    template <class V>
+    [[nodiscard]] V of_frame(const V& v) const noexcept {
+      V part{};
+      for (std::size_t n = 0; n < 2; ++n) {
+        const T c = quintic(T(T(8) * share_[n])).a1 *
+                    (dot(at_[n].u.linear, v.linear) + dot(at_[n].u.angular, v.angular));
+        part.linear = part.linear + c * at_[n].u.linear;
+        part.angular = part.angular + c * at_[n].u.angular;
+      }
+      return part;
+    }
+    /// `P x`: the part of a joint motion along them.
+    template <class X>
+    [[nodiscard]] X of_joints(const X& x) const noexcept {
+      X part;
+      for (std::size_t n = 0; n < 2; ++n) {
+        T c(0);
+        for (std::size_t i = 0; i < N; ++i) c = c + at_[n].v[i] * x[i];
+        for (std::size_t i = 0; i < N; ++i) part[i] = part[i] + share_[n] * c * at_[n].v[i];
+      }
+      return part;
+    }
+
+   private:
+    decltype(singular_directions<What>(std::declval<const J&>())) at_;
+    T share_[2];
+  };
+
+  /// Rests: changes the reference motion of joints at `now` that move at `dq`, with the gain K. The derivative
+  /// leaves out that P turns with the joints: at rest it does not.
+  template <class D>
+  void hold(const D& directions, const JointPosition<N, T>& now, const JointVelocity<N, T>& dq, const T& K,
+            JointVelocity<N, T>& dq_r, JointAcceleration<N, T>& ddq_r) const noexcept {
+    const T dr = (T(on ? 1 : 0) - r) / T(lag);
+    JointVelocity<N, T> x;
+    JointAcceleration<N, T> a;
+    for (std::size_t i = 0; i < N; ++i) {
+      x[i] = dq_r[i] + K * (now[i] - q[i]);
+      a[i] = r * (ddq_r[i] + K * dq[i]) + dr * x[i];
+    }
+    dq_r -= r * directions.of_joints(x);
+    ddq_r -= directions.of_joints(a);
+  }
+};
+
+SKINCTL_END_NAMESPACE
