@@ -77,7 +77,8 @@ class MomentumObserver {
     using std::exp;
     T sum(0);
     for (std::size_t i = 0; i < joints; ++i) sum = sum + motor[i] * T(0);
-    if (!detail::is_plausible(measured) || !(sum == T(0))) return Reason::sample_not_finite;
+    if (!detail::is_plausible(measured) || !detail::is_plausible(measured.time) || !(sum == T(0)))
+      return Reason::sample_not_finite;
     if (memory.started && measured.time <= memory.stamp) return Reason::time_backwards;
 
     auto now = momentum_rate(model_, measured.q, measured.dq);

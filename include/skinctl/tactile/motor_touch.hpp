@@ -81,10 +81,12 @@ class MotorTouch {
     const detail::SampledTimes times{s_.max_age, s_.fade, s_.max_age, 0ns, s_.max_age};
     detail::SampledInterval<joints, T, decltype(row)> interval(times, memory.row, from, to, parts, row);
     Status status = cells.empty() ? Status{} : Status{Reason::sample_unknown};
-    if (!memory.observer.started || measured.time != memory.observer.stamp) {
-      if (memory.observer.started && memory.observer.stamp > to)
-        memory.observer = {};  // the clock was set back
-      const Status seen = observer_.observe(memory.observer, measured, input.motor_torque);
+    State<joints, T> now = measured;
+    if (now.time > to) now.time = to;
+    if (memory.observer.started && memory.observer.stamp > to)
+      memory.observer = {};  // the clock was set back
+    if (!memory.observer.started || now.time != memory.observer.stamp) {
+      const Status seen = observer_.observe(memory.observer, now, input.motor_torque);
       status |= seen;
       if (!seen.any() && !interval.admits(to).any()) {
         T value[joints];

@@ -10,6 +10,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+namespace detail {
+/// Whether the wrench on link `I` is known, if the touch is of that link at all.
+template <class W, std::size_t I>
+concept KnowsWrench = ((W::links >> I) & 1u) == 0 || requires(const W& w) { w.template wrench<I>(); };
+}  // namespace detail
+
 /// The touches of two sources: each a `LinkWrenches`, a `TouchWrenches`, a `JointTouch`, or such a sum.
 template <class A, class B>
 struct TouchSum {
@@ -21,6 +27,7 @@ struct TouchSum {
 
   /// The wrench on link `I`: of one source, or the sum of both.
   template <std::size_t I>
+    requires detail::KnowsWrench<LawTouch<A>, I> && detail::KnowsWrench<LawTouch<B>, I>
   [[nodiscard]] SKINCTL_INLINE constexpr auto wrench() const noexcept {
     static_assert((links >> I) & 1u, "no source of touch on this link: its wrench is unknown");
     if constexpr (((LawTouch<B>::links >> I) & 1u) == 0) {
@@ -172,6 +179,13 @@ class TouchSources : public detail::ApartOfSum<A, B> {
   {
     return TouchSum<typename A::Touch, typename B::Wrenches>{a_.touch(memory.first),
                                                              b_.wrenches(memory.second)};
+  }
+  /// The contacts as the first source sees them, cell by cell, and the second's.
+  [[nodiscard]] auto pressed(const Memory& memory) const noexcept
+    requires requires(const A& a) { a.pressed(memory.first); }
+  {
+    return TouchSum<decltype(a_.pressed(memory.first)), typename B::Wrenches>{a_.pressed(memory.first),
+                                                                              b_.wrenches(memory.second)};
   }
   /// See `Skin::nearest`; a sensor sees nothing, so somebody may be at any distance.
   template <std::size_t I>
