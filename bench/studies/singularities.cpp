@@ -10,8 +10,8 @@
 //             the workspace left aside (`Reachable`): while the arm turns round, or because it sticks
 //   late      neither arrived nor at the edge 4 s after the end of the spline, but on its way
 //   stuck     neither, and slow at the end of these 4 s
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +24,7 @@
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -58,43 +59,57 @@ bool over_the_shoulder(JointPosition<6>& q) {
   return false;
 }
 
-/// What of a velocity can be reached at q, by Eigen's singular values and differences of J: the rest points
-/// out of the workspace. In the plane of the singular u (one, or two where the second sigma is below 0.01) a
-/// motion x of the singular v leads, at second order, along q = u' dJ(x) x; all these q fill a convex cone (a
-/// theorem of Dines), and what is asked is projected on it. Where q vanishes, or sigma does not within 0.2
-/// rad along x, the arm may turn round without loss: every direction across the cone counts as reachable.
-Vector6 reachable(const JointPosition<6>& at, const Vector6& asked) {
+/// The displacement from one pose to another.
+Vector6 between(const Pose& a, const Pose& b) {
+  const auto p = b.origin() - a.origin();
+  const auto phi = log_so3(b.axes() * a.axes().transpose());
+  Vector6 d;
+  d << p.x, p.y, p.z, phi.x, phi.y, phi.z;
+  return d;
+}
+/// The posture from which the tool is nearest to `goal`, found from `q` by steps of at most 0.05 rad.
+JointPosition<6> nearest(JointPosition<6> q, const Pose& goal, int steps) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  const auto J = [](const JointPosition<6>& q) {
-    return Matrix6(as_eigen(jacobian<5>(link_poses(model, q), X_LF)));
-  };
-  const Eigen::JacobiSVD<Matrix6> svd(J(at), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const auto& sigma = svd.singularValues();
-  if (sigma[5] > 0.05) return asked;
-  const int n = sigma[4] < 0.01 ? 2 : 1;
-  const Eigen::MatrixXd u = svd.matrixU().rightCols(n), v = svd.matrixV().rightCols(n);
-  const Eigen::VectorXd c = u.transpose() * asked;
-  Eigen::VectorXd best = Eigen::VectorXd::Zero(n), mean = best;
-  bool straight = false;
-  for (int k = 0; k < (n == 1 ? 1 : 180); ++k) {
-    Eigen::VectorXd w(n);
-    w[0] = std::cos(std::numbers::pi * k / 180);
-    if (n == 2) w[1] = std::sin(std::numbers::pi * k / 180);
-    JointVelocity<6> x;
-    as_eigen(x) = v * w;
-    const Matrix6 dJ = (J(integrate(at, x, 1e-4)) - J(integrate(at, x, -1e-4))) / 2e-4;
-    const Eigen::VectorXd q = u.transpose() * (dJ * as_eigen(x));
-    const double kept = w.cwiseProduct(sigma.tail(n)).norm();
-    if (q.norm() < std::max(2e-4, kept / 0.2)) {
-      straight = true;
-      continue;
-    }
-    mean += q;
-    const Eigen::VectorXd p = std::max(0.0, q.dot(c)) / q.squaredNorm() * q;
-    if (p.norm() > best.norm()) best = p;
+  double damping = 1e-3;
+  Vector6 left = between(pose(q), goal);
+  for (int k = 0; k < steps && left.norm() > 1e-5; ++k) {
+    const Matrix6 J = as_eigen(jacobian<5>(link_poses(model, q), X_LF));
+    Vector6 dq = (J.transpose() * J + damping * Matrix6::Identity()).ldlt().solve(J.transpose() * left);
+    dq *= std::min(1.0, 0.05 / (dq.norm() + 1e-12));
+    JointPosition<6> next = q;
+    for (std::size_t i = 0; i < 6; ++i) next[i] += dq[static_cast<int>(i)];
+    const Vector6 then = between(pose(next), goal);
+    const bool nearer = then.norm() < left.norm();
+    if (nearer) q = next, left = then;
+    damping = nearer ? std::max(1e-9, 0.3 * damping) : 4 * damping;
   }
-  if (straight) best = mean.dot(c) < 0 ? Eigen::VectorXd(c - mean.dot(c) / mean.squaredNorm() * mean) : c;
-  return asked - u * (c - best);
+  return q;
+}
+/// What of a velocity can be reached at q: the tool is asked 2 mm and 2 mrad further along it, and goes to the
+/// nearest pose that the arm can take there. It may turn round before that as far as its tool stays within
+/// these 2 mm: by random walks of its postures. By Eigen, with no number of the law.
+Vector6 reachable(const JointPosition<6>& at, const Vector6& asked) {
+  const double way = 0.002, size = asked.norm();
+  const auto X = pose(at);
+  const Vector6 step = way / size * asked;
+  const Pose goal{exp_so3(Xyz<double>{step[3], step[4], step[5]}) * X.axes(),
+                  X.origin() + Xyz<double>{step[0], step[1], step[2]}};
+  Seeded random(17);
+  Vector6 best = Vector6::Zero();
+  double least = way;
+  for (int walk = 0; walk < 8 && least > 0.02 * way; ++walk) {
+    JointPosition<6> q = at;
+    const auto heading = random.vector<JointVelocity<6>>(0.1);
+    for (int k = 0; walk > 0 && k < 40; ++k) {
+      const auto next = nearest(integrate(q, heading, 1.0), X, 6);
+      if (between(pose(next), X).norm() > way) break;
+      q = next;
+    }
+    q = nearest(q, goal, 60);
+    const double left = between(pose(q), goal).norm();
+    if (left < least) least = left, best = between(X, pose(q));
+  }
+  return size / way * best;
 }
 
 struct Row {
@@ -125,7 +140,8 @@ void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate
   memory = law.receive(memory, K(model, x, dt, none), {goal, 0ns}).memory;
   const double tf = Space::shortest_time(pose(from), {goal, 0ns}, s);
   double deviation = 0, left = 0, turned = 0, below = 0, longest = 0;
-  bool outward = false;
+  bool outward = false, was_slow = false;
+  Vector6 inside = Vector6::Zero();
   for (int i = 0; i < static_cast<int>((tf + 4) * rate); ++i) {
     const K known(model, x, dt, none);
     const auto site = law.space().site(known);
@@ -137,13 +153,21 @@ void sweep(Row& row, const JointPosition<6>& from, const Pose& goal, double rate
     const auto now = law.now(memory, known);
     Vector6 asked;
     for (int j = 0; j < 6; ++j) asked[j] = now.dx_r[static_cast<std::size_t>(j)];
-    const Vector6 inside = reachable(x.q, asked);
-    outward = (asked - inside).norm() > 1e-3;
-    asked = inside;
+    if constexpr (std::same_as<Orientation, ZyzError>) asked.tail<3>().setZero();  // no omega
     Vector6 V = as_eigen(site.V);
-    if constexpr (std::same_as<Orientation, ZyzError>)
-      asked.tail<3>().setZero(), V.tail<3>().setZero();  // no omega
-    const bool slow = asked.norm() > 0.02 && V.dot(asked) < 0.1 * asked.squaredNorm();
+    if constexpr (std::same_as<Orientation, ZyzError>) V.tail<3>().setZero();
+    const auto too_slow = [&](const Vector6& v) {
+      return v.norm() > 0.02 && V.dot(v) < 0.1 * v.squaredNorm();
+    };
+    bool slow = too_slow(asked);
+    outward = slow && outward;
+    if (slow) {
+      if (i % 10 == 0 || !was_slow) inside = reachable(x.q, asked) / asked.norm();
+      const Vector6 kept = asked.norm() * inside;
+      outward = (asked - kept).norm() > 0.05 * asked.norm();
+      slow = too_slow(kept);
+    }
+    was_slow = too_slow(asked);
     below = slow ? below + dt : 0;
     longest = std::max(longest, below);
     const auto out = evaluate(law, memory, known, dt);

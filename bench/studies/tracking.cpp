@@ -1,5 +1,5 @@
 // How well a joint law tracks on a UR5: the time base against its closed form, wrong inertial parameters and
-// a cycle of delay against computed-torque PD, and the ways to take a sign. `tracking [FOLDER]`, a few
+// a cycle of delay against computed torque with PD and PID, and the ways to take a sign. `tracking [FOLDER]`, a few
 // seconds; with a folder also three pictures of the tables: time_base.svg, parameters.svg, signs.svg.
 #include <algorithm>
 #include <chrono>
@@ -146,8 +146,9 @@ Errors with_law(const Plant& plant, double dt, int delay, const L& law) {
 void parameters() {
   std::printf(
       "\nlargest tracking error [mrad], all masses and moments wrong by ..., 500 Hz, lambda 60, K_c 10;\n"
-      "PD: computed torque with the same poles\n%-10s %-6s %12s %12s %12s %12s\n",
-      "wrong by", "delay", "PD", "no integral", "law", "adaptive");
+      "PD, PID: computed torque with the poles of the law without and with its integrals\n"
+      "%-10s %-6s %12s %12s %12s %12s %12s\n",
+      "wrong by", "delay", "PD", "PID", "no integral", "law", "adaptive");
   const double dt = 0.002;
   JointControlSettings<6> s{.dt = nanoseconds(dt), .lambda = 60, .tb = 0s};
   auto bare = s;
@@ -156,26 +157,35 @@ void parameters() {
       axes("No delay", "masses and inertias wrong by [%]", "largest error [mrad]"),
       axes("One cycle of delay", "masses and inertias wrong by [%]", "largest error [mrad]")};
   for (auto& plot : plots)
-    for (const char* name : {"computed-torque PD", "law without integral", "law", "adaptive law"})
+    for (const char* name :
+         {"computed-torque PD", "computed-torque PID", "law without integral", "law", "adaptive law"})
       plot.series.push_back({name, {}, {}});
   for (const double part : {0.0, 0.01, 0.1, 0.3})
     for (const int delay : {0, 1}) {
       const auto plant = wrong(1 + part);
-      const auto pd = follow(plant, dt, delay, [&](const State<6>& x, const JointReference<6>& target) {
-        JointAcceleration<6> a;
-        for (std::size_t j = 0; j < 6; ++j)
-          a[j] =
-              target.ddq_d[j] - (60 + 10) * (x.dq[j] - target.dq_d[j]) - 60 * 10 * (x.q[j] - target.q_d[j]);
-        return mass_matrix(model, x.q) * a + bias_torque(model, JointAngles<Arm, double>(model, x.q), x.dq);
-      });
+      // (s + 60)(s + 10)(s + K_i): the integrals of the law together are one of K_i1 + mu K_i2 about S = 0.
+      const auto computed = [&](double K_i) {
+        JointPosition<6> sum;
+        return follow(plant, dt, delay, [&, sum](const State<6>& x, const JointReference<6>& target) mutable {
+          JointAcceleration<6> a;
+          for (std::size_t j = 0; j < 6; ++j) {
+            const double e = x.q[j] - target.q_d[j], de = x.dq[j] - target.dq_d[j];
+            a[j] = target.ddq_d[j] - (60 + 10 + K_i) * de - (60 * 10 + K_i * (60 + 10)) * e -
+                   60 * 10 * K_i * sum[j];
+            sum[j] += dt * e;
+          }
+          return mass_matrix(model, x.q) * a + bias_torque(model, JointAngles<Arm, double>(model, x.q), x.dq);
+        });
+      };
+      const auto pd = computed(0), pid = computed(s.K_i1 + s.mu * s.K_i2);
       const auto plain = with_law(plant, dt, delay, JointControl<6>(bare));
       const auto law = with_law(plant, dt, delay, JointControl<6>(s));
       const auto adaptive = with_law(
           plant, dt, delay, Adaptive<JointControl<6>>(JointControl<6>(s), {10, deviations(model, 0.5)}));
-      std::printf("%8g %% %-6d %12.4f %12.4f %12.4f %12.4f\n", 100 * part, delay, 1e3 * pd.largest,
-                  1e3 * plain.largest, 1e3 * law.largest, 1e3 * adaptive.largest);
+      std::printf("%8g %% %-6d %12.4f %12.4f %12.4f %12.4f %12.4f\n", 100 * part, delay, 1e3 * pd.largest,
+                  1e3 * pid.largest, 1e3 * plain.largest, 1e3 * law.largest, 1e3 * adaptive.largest);
       std::size_t k = 0;
-      for (const auto& e : {pd, plain, law, adaptive}) {
+      for (const auto& e : {pd, pid, plain, law, adaptive}) {
         auto& series = plots[static_cast<std::size_t>(delay)].series[k++];
         series.x.push_back(100 * part), series.y.push_back(1e3 * e.largest);
       }

@@ -2,11 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 #include <type_traits>
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
+#include "skinctl/cycle/cycle.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 
@@ -80,4 +82,18 @@ TEST_CASE("TakeOver: passes goals and opposition on") {
   CHECK(settled(law, memory, known, 0.01) == settled(law.law(), memory.law, known, 0.01));
   memory = law.advance(memory, known, 0.002, Opposition::lasting);
   CHECK(memory.law.held);
+}
+
+TEST_CASE("TakeOver: a law without goals works in a scene, in which it is checked") {
+  const auto arm = by_position(Arm{}, {.limits = limits_of<ur5::Description>(), .period = 8ms});
+  const Cycle scene(arm, take_over<6>(GravityControl{}));
+  static_assert(std::same_as<decltype(scene)::Goal, NoGoal>);
+  State<6> x{0ns, JointPosition<6>{0.3, -1.2, 1.0, 0.1, 0.4, 0.0}, {}};
+  auto memory = scene.start(x);
+  decltype(scene)::Input input;
+  input.now = x.time = 8ms;
+  input.measured = x;
+  const auto out = scene.step(memory, input);
+  CHECK(out.command.valid);
+  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(out.command.position[i] - x.q[i]) < 1e-12);
 }

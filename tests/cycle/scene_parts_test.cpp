@@ -75,8 +75,8 @@ TEST_CASE("Cycle: a law that disagrees with the description is refused with both
   };
   CHECK(with([](auto&) {}).empty());
   CHECK(with([](auto& s) { s.dt = 1ms; }) ==
-        "skinctl: dt: 1 ms in the law, but in late cycles of the robot's description it is evaluated every 2 "
-        "ms: "
+        "skinctl: dt: 1 ms in the law, but in late cycles of the robot's description it is evaluated every "
+        "2.5 ms: "
         "tracking_settings(robot) takes it from there");
   // A longest interval that sixteen sub-steps of the law's dt do not cover.
   auto late = stated;

@@ -14,7 +14,7 @@ namespace oracle {
 struct MujocoPlant::State {
   mjModel* model = nullptr;
   mjData* data = nullptr;
-  std::vector<double> target, stiffness, damping, q, dq;
+  std::vector<double> target, stiffness, damping, q, dq, motor, contact;
   std::vector<int> body;
 
   State(const Robot& robot, const std::vector<double>& start, const ServoSettings& s) {
@@ -47,6 +47,7 @@ struct MujocoPlant::State {
     mj_step1(model, data);
     target = q = start;
     dq.assign(n, 0);
+    motor = contact = dq;
   }
   ~State() {
     mj_deleteData(data);
@@ -71,9 +72,11 @@ void MujocoPlant::step(int body, const double* point, const double* force) {
   mju_addTo3(at, s.data->xpos + 3 * b);
   const double none[3] = {};
   for (std::size_t i = 0; i < s.q.size(); ++i)
-    s.data->qfrc_applied[i] = s.data->qfrc_bias[i] + s.stiffness[i] * (s.target[i] - s.data->qpos[i]) -
-                              s.damping[i] * s.data->qvel[i];
-  mj_applyFT(s.model, s.data, force, none, at, b, s.data->qfrc_applied);
+    s.motor[i] = s.data->qfrc_bias[i] + s.stiffness[i] * (s.target[i] - s.data->qpos[i]) -
+                 s.damping[i] * s.data->qvel[i];
+  std::fill(s.contact.begin(), s.contact.end(), 0.0);
+  mj_applyFT(s.model, s.data, force, none, at, b, s.contact.data());
+  for (std::size_t i = 0; i < s.q.size(); ++i) s.data->qfrc_applied[i] = s.motor[i] + s.contact[i];
   mj_step2(s.model, s.data);
   mj_step1(s.model, s.data);
   std::copy_n(s.data->qpos, s.q.size(), s.q.begin());
@@ -88,6 +91,12 @@ const std::vector<double>& MujocoPlant::q() const {
 }
 const std::vector<double>& MujocoPlant::dq() const {
   return state_->dq;
+}
+const std::vector<double>& MujocoPlant::motor_torque() const {
+  return state_->motor;
+}
+const std::vector<double>& MujocoPlant::contact_torque() const {
+  return state_->contact;
 }
 
 void MujocoPlant::point(int body, const double* at, double* place, double* velocity, double* axes) {

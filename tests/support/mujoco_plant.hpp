@@ -32,6 +32,9 @@ class MujocoPlant {
   [[nodiscard]] double time() const;
   [[nodiscard]] const std::vector<double>& q() const;
   [[nodiscard]] const std::vector<double>& dq() const;
+  /// The servos' torques, and those of the force, at the beginning of the last step [N m].
+  [[nodiscard]] const std::vector<double>& motor_torque() const;
+  [[nodiscard]] const std::vector<double>& contact_torque() const;
   /// Place and velocity of a point of a body in the base, and the body's axes (row-major).
   void point(int body, const double* at, double* place, double* velocity, double* axes);
 

@@ -27,7 +27,8 @@ using V3 = std::array<double, 3>;
 constexpr double nan_v = std::numeric_limits<double>::quiet_NaN();
 const ur5::Model model;
 /// The sensor sits 30 mm beyond the flange, turned by 0.4 rad and on its side.
-const auto X_LS = Transform<Link<5>, ForceSensor>::translation_xyz(0.01, 0, 0.112).rotated_z(0.4).rotated_x(0.9);
+const auto X_LS =
+    Transform<Link<5>, ForceSensor>::translation_xyz(0.01, 0, 0.112).rotated_z(0.4).rotated_x(0.9);
 constexpr double tool_mass = 1.0;
 constexpr Xyz<double> tool_centre{0.02, -0.01, 0.06};
 
@@ -78,6 +79,20 @@ TEST_CASE("WristSensor: a push does the work in the joints that it does at the t
       const Xyz<double> way = 0.5e6 * (sensor_at(ahead).origin() - sensor_at(behind).origin());
       CHECK(std::abs(tau[i] - dot(way, push)) <= 1e-7);
     }
+  }
+}
+
+TEST_CASE("WristSensor: a UR's actual_TCP_force, along the base's axes at the TCP") {
+  const auto sensor = wrist_sensor<5>(model, open_settings());
+  const JointPosition<6> q{0.3, -1.2, 1.4, -1.8, -1.57, 0.3};
+  const auto R = sensor_at(q).axes();
+  const auto sample = sensor.from_base_axes(7ms, {1, 2, 3, 0.4, 0.5, 0.6}, q);
+  CHECK(sample.time == 7ms);
+  const Xyz<double> f{1, 2, 3}, m{0.4, 0.5, 0.6};
+  const Xyz<double>* axes[] = {&R.x, &R.y, &R.z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(sample.force[i] == doctest::Approx(dot(*axes[i], f)));
+    CHECK(sample.moment[i] == doctest::Approx(dot(*axes[i], m)));
   }
 }
 
@@ -141,7 +156,8 @@ TEST_CASE("WristSensor: the bias is found at rest, and refused where somebody to
   CHECK_THROWS_AS(static_cast<void>(sensor.tared(std::span(samples).first(9), q)), ConfigurationError);
 }
 
-TEST_CASE("WristSensor: the impulse is that of the line through the samples, whatever the rate of the cycle") {
+TEST_CASE(
+    "WristSensor: the impulse is that of the line through the samples, whatever the rate of the cycle") {
   const auto sensor = wrist_sensor<5>(model, open_settings());
   Seeded random(8);
   for (int run = 0; run < 40; ++run) {
@@ -153,8 +169,8 @@ TEST_CASE("WristSensor: the impulse is that of the line through the samples, wha
     }
     double expected = 0;
     for (std::size_t k = 1; k < sent.size(); ++k)
-      expected += seconds<double>(sent[k].time - sent[k - 1].time) * 0.5 *
-                  (sent[k].force[2] + sent[k - 1].force[2]);
+      expected +=
+          seconds<double>(sent[k].time - sent[k - 1].time) * 0.5 * (sent[k].force[2] + sent[k - 1].force[2]);
     auto memory = sensor.start(0ns);
     double impulse = 0;
     std::size_t next = 0;
@@ -230,7 +246,8 @@ TEST_CASE("WristSensor: nonsense is refused where it is built") {
   CHECK_THROWS_AS(built([](auto& s) { s.mass = nan_v; }), ConfigurationError);
   CHECK_THROWS_AS(built([](auto& s) { s.gain = 0; }), ConfigurationError);
   WristSensorSettings<5> loaded{.mass = 1};
-  CHECK_THROWS_AS(static_cast<void>(wrist_sensor<5>(Weightless<ur5::Model>(model), loaded)), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(wrist_sensor<5>(Weightless<ur5::Model>(model), loaded)),
+                  ConfigurationError);
   CHECK_THROWS_AS(built([](auto& s) { s.centre.x = nan_v; }), ConfigurationError);
   CHECK_THROWS_AS(built([](auto& s) { s.bias.force.z = nan_v; }), ConfigurationError);
   CHECK_THROWS_AS(built([](auto& s) { s.fade = 0ns; }), ConfigurationError);
@@ -274,8 +291,8 @@ class LedArm {
     return out.status;
   }
   [[nodiscard]] const JointPosition<6>& q() const { return measured_.q; }
-  std::function<void(const typename Scene::Input&, const JointCommand<6>&)> recorded =
-      [](const auto&, const auto&) {};
+  std::function<void(const typename Scene::Input&, const JointCommand<6>&)> recorded = [](const auto&,
+                                                                                          const auto&) {};
 
  private:
   const Scene& scene_;
@@ -288,8 +305,7 @@ constexpr double mass = 5, inertia = 0.3, damping = 50, turning = 3;
 auto tool_shaped_arm() {
   using Shape = ToolShape<5, 6>;
   return by_position(
-      model,
-      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms},
+      model, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms},
       Shape({.X_LT = X_LS.renamed<Link<5>, Tool>(),
              .mass = Shape::diagonal({mass, mass, mass, inertia, inertia, inertia}),
              .damping = Shape::diagonal({damping, damping, damping, turning, turning, turning})}));
@@ -327,9 +343,11 @@ TEST_CASE("WristSensor: an arm without skin gives way at its tool as configured,
     }
 }
 
-TEST_CASE("WristSensor: with a tool of 1 kg an untouched arm rests, to the bit, and one with a skin as well") {
+TEST_CASE(
+    "WristSensor: with a tool of 1 kg an untouched arm rests, to the bit, and one with a skin as well") {
   WristSensorSettings<5> settings{.X_LS = X_LS, .mass = tool_mass, .centre = tool_centre};
-  const Cycle scene(tool_shaped_arm(), wrist_sensor<5>(model, settings), SkinJointControl{} + GravityControl{});
+  const Cycle scene(tool_shaped_arm(), wrist_sensor<5>(model, settings),
+                    SkinJointControl{} + GravityControl{});
   LedArm arm(scene, home);
   Recording<std::remove_cvref_t<decltype(scene)>> recording(std::size_t(1) << 22);
   recording.start({{}, home, {}});

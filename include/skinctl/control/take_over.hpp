@@ -1,6 +1,8 @@
 // Bumpless transfer from another law, or from any torque that was applied before.
 #pragma once
 
+#include <tuple>
+
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/trajectory/ramp.hpp"
 
@@ -17,6 +19,7 @@ class TakeOver : public detail::GoalOfLaw<L> {
  public:
   static constexpr std::size_t joints = N;
   using scalar = T;
+  using Laws = std::tuple<>;  ///< `take_over` checks the law
   struct Memory {
     typename L::Memory law;
     JointTorque<N, T> difference;
@@ -26,6 +29,7 @@ class TakeOver : public detail::GoalOfLaw<L> {
   static constexpr LawRole role = L::role;
   static constexpr bool compensates_friction = detail::compensates_friction<L>;
   static constexpr std::size_t terms = terms_of<L> + 1;
+  static constexpr auto roles = detail::roles_with_carried<L>;
 
   /// @param law   the law that takes over.
   /// @param ramp  T_h, 0.1 s by default.
@@ -55,6 +59,7 @@ class TakeOver : public detail::GoalOfLaw<L> {
     return from(next, known, torque(memory, known));
   }
   template <class K, class Goal>
+    requires requires { typename L::Goal; }
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {
     const auto answer = follow_or_receive(law_, memory.law, known, goal);
@@ -111,8 +116,9 @@ class TakeOver : public detail::GoalOfLaw<L> {
 
 /// `law` for a robot of `N` joints, beginning with a torque that is given to its `start`.
 template <std::size_t N, Real T = double, class L>
-[[nodiscard]] TakeOver<N, L, T> take_over(const L& law, const Ramp<T>& ramp = Ramp<T>()) {
-  return TakeOver<N, L, T>(law, ramp);
+[[nodiscard]] auto take_over(const L& law, const Ramp<T>& ramp = Ramp<T>()) {
+  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
+  return TakeOver<N, detail::complete_law<L>, T>(law, ramp);
 }
 
 SKINCTL_END_NAMESPACE

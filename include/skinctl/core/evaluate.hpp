@@ -79,6 +79,26 @@ template <GravityTerm G, class L, class K>
 template <class L>
 inline constexpr std::size_t terms_of = detail::TermsOf<L>::value;
 
+namespace detail {
+/// The role of the `i`-th part of a law.
+template <class L>
+constexpr LawRole role_of_part([[maybe_unused]] std::size_t i) noexcept {
+  if constexpr (requires { L::roles; }) {
+    return L::roles[i];
+  } else {
+    return L::role;
+  }
+}
+/// The roles of a law's parts, and of a difference that is carried beside them.
+template <class L>
+inline constexpr auto roles_with_carried = [] {
+  std::array<LawRole, terms_of<L> + 1> roles{};
+  for (std::size_t i = 0; i < terms_of<L>; ++i) roles[i] = role_of_part<L>(i);
+  roles[terms_of<L>] = LawRole::tracking;
+  return roles;
+}();
+}  // namespace detail
+
 /// The torque of `law` [N m] for the interval that begins now, gravity included where it tracks.
 template <class L, class K>
 [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque_of(

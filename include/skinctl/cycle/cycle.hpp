@@ -332,6 +332,7 @@ class Cycle {
                                const Interval& interval) const noexcept {
     using Asked = detail::Asked<Resolver, L, Wrenches>;
     const Wrenches touch_before = before.skin_.wrenches(m.skin), touch = skin_.wrenches(m.skin);
+    if constexpr (requires { resolver_.changed(m.robot); }) resolver_.changed(m.robot);
     L::drop(m.law);
     L::carry(m.law, resolver_.lacking(m.robot, measured, interval, guard_,
                                       Asked{before.resolver_, before.law_, law_before, touch_before},

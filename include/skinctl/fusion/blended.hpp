@@ -39,6 +39,7 @@ class Blended<Fused<P, L...>> : public Composable {
   using Laws = std::tuple<L...>;
   static constexpr std::size_t joints = Fusion::joints;
   static constexpr std::size_t terms = Fusion::terms;
+  static constexpr auto roles = Fusion::roles;
   static constexpr LawRole role = Fusion::role;
   static constexpr bool complete_sum = true;  ///< cannot be part of another sum
   static constexpr std::size_t gravity_laws = Fusion::gravity_laws;

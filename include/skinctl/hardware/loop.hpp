@@ -13,6 +13,7 @@
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/robot.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/sensing/wrench_sample.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -45,6 +46,7 @@ struct LoopReport {
     typename C::Memory memory;
     typename C::Input input;
     std::vector<CellSample> samples;
+    std::vector<WrenchSample> wrenches;
   };
   std::unique_ptr<Worst> worst;
 };
@@ -60,7 +62,8 @@ struct LoopOptions {
 };
 
 /// Runs `cycle` with `robot` and `skin` until it ends. In every cycle: wait for a state, take the samples,
-/// call `before(input, memory)`, which may set goals or requests and ends the run by returning false, step,
+/// call `before(input, memory)`, which may set goals, requests and what other sensors read (`input.sensed`) and
+/// ends the run by returning false, step,
 /// send, then `after(input, output, watch)`. However it ends, the robot is stopped. Both functions read in
 /// `input.observed` whether to leave optional work out (`work_skipped`).
 ///
@@ -74,6 +77,9 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
   LoopReport<C> report;
   report.worst = std::make_unique<typename LoopReport<C>::Worst>();
   report.worst->samples.reserve(options.max_samples);
+  constexpr bool has_wrenches = requires(typename C::Input& given) { given.sensed.wrenches; };
+  constexpr bool has_motors = requires(typename C::Input& given) { given.sensed.motor_torque; };
+  if constexpr (has_wrenches) report.worst->wrenches.reserve(options.max_samples);
   const auto previous = std::make_unique<typename C::Memory>();
 
   BudgetMemory budget;
@@ -114,6 +120,15 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     }
     input.samples = skin.poll();
     report.samples += input.samples.size();
+    if constexpr (has_wrenches) {
+      input.sensed.wrenches = {};
+      if constexpr (requires { input.sensed.wrenches = robot.wrenches(); })
+        input.sensed.wrenches = robot.wrenches();
+    }
+    if constexpr (has_motors) {
+      if constexpr (requires { input.sensed.motor_torque = robot.motor_torque(); })
+        input.sensed.motor_torque = robot.motor_torque();
+    }
     input.request = CycleRequest::none;
     input.has_goal = false;
     input.observed = overrun;
@@ -137,6 +152,12 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
       const auto kept = std::min(input.samples.size(), options.max_samples);
       worst.samples.assign(input.samples.begin(), input.samples.begin() + static_cast<std::ptrdiff_t>(kept));
       worst.input.samples = worst.samples;
+      if constexpr (has_wrenches) {
+        const auto& wrenches = input.sensed.wrenches;
+        const auto few = std::min(wrenches.size(), options.max_samples);
+        worst.wrenches.assign(wrenches.begin(), wrenches.begin() + static_cast<std::ptrdiff_t>(few));
+        worst.input.sensed.wrenches = worst.wrenches;
+      }
     }
     report.whole.record(watch.total());
     after(input, output, watch);

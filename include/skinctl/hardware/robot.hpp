@@ -23,6 +23,9 @@ enum class Heard : unsigned char {
 ///   may block and make system calls; the loop runs no cycle meanwhile.
 /// - `send(command)` sends a command; false if that failed.
 /// - `packet()`, optional, is the number of the newest packet; `PacketWatch` counts gaps.
+/// - `wrenches()`, optional, gives the samples of a wrist sensor that arrived since the last call, in order; the
+///   span stays valid until the next call.
+/// - `motor_torque()`, optional, is the motors' torque at the joints of the newest state [N m].
 /// - `stop()` brings the robot to rest by its own means; it must work at any time and not throw.
 template <class R, std::size_t N, class T>
 concept RobotDriver = requires(R& robot, State<N, T>& state, const JointCommand<N, T>& command) {

@@ -60,6 +60,7 @@ class FollowingMonitor {
     Part part[3];  ///< what counts, and the two newest parts, which may still be refused
     JointPosition<N, T> expected, measured, residual;
     Nanoseconds time{};
+    T settling = T(0);     ///< time since the first cycle [s], up to 5 T
     bool follows = false;  ///< so did the last cycle
   };
 
@@ -82,7 +83,8 @@ class FollowingMonitor {
     if (passed <= 0ns) return;  // nothing new was measured
     const JointPosition<N, T> expected = robot.measured.q - robot.residual;
     const T per_dt = T(1) / seconds<T>(passed), dt = seconds<T>(passed);
-    bool follows = robot.mode == ResolverMode::following && robot.measured.time >= robot.settles_at;
+    bool follows = robot.mode == ResolverMode::following && m.settling >= part_;
+    if (m.settling < part_) m.settling = m.settling + dt;
     Part now;
     for (std::size_t i = 0; i < N; ++i) {
       const T u = per_dt * (robot.measured.q[i] - m.measured[i]),

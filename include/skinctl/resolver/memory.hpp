@@ -6,6 +6,7 @@
 #include "skinctl/core/status.hpp"
 #include "skinctl/passivity/passivity.hpp"
 #include "skinctl/resolver/detail/running_sum.hpp"
+#include "skinctl/resolver/detail/torque_rate.hpp"
 #include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/servo.hpp"
 
@@ -26,7 +27,7 @@ struct ResidualWatch {
   T side = T(0);   ///< its sign
   T most = T(0);   ///< largest speed of a correction [rad/s]
   T robot = T(0);  ///< measured position then
-  T joint = T(0);  ///< q^ then; before the first one, q^ at the start
+  T joint = T(0);  ///< q^ then
 };
 
 /// The virtual robot's joints, the commands under way, the last good measurement. Trivially copyable; a
@@ -38,7 +39,6 @@ struct VirtualJointsMemory {
   ResolverMode mode = ResolverMode::following;
   Nanoseconds time{};                  ///< of the virtual state
   Nanoseconds odd = detail::no_time;   ///< the last cycle's time, if the clock had gone back
-  Nanoseconds settles_at{};            ///< until then a residual is taken for a gap of the start
   detail::RunningPosition<N, T> q;     ///< q^
   JointVelocity<N, T> v;               ///< the virtual robot's velocity, which laws read
   JointVelocity<N, T> rate;            ///< dq^/dt: v, with the correction where that is sent
@@ -52,11 +52,15 @@ struct VirtualJointsMemory {
   T command_span = T(0);               ///< time in which a position command is to be reached [s]
   bool watched = false;                ///< a residual has left the dead band
   bool behind = false;                 ///< the sent position has yet to catch up with q^
+  JointPosition<N, T> slow_residual;   ///< r, smoothed over 10 T
+  JointPosition<N, T> told;            ///< way of the commands in the last 10 T
+  JointPosition<N, T> back;            ///< where a blocked robot stood, to which q^ returns
   signed char pushed[N] = {};          ///< the direction in which a blocked robot did not follow
   detail::RunningPosition<N, T> sent;  ///< the sent position, or the integral of the sent velocities
   detail::RunningPosition<N, T> offset;  ///< corrections of r without motion (velocity interface)
   CommandsUnderWay<N, T, History> under_way;
-  JointCommand<N, T> command;  ///< the last one
+  detail::OwnTorque<N, T> own;  ///< of the laws in the last sub-step
+  JointCommand<N, T> command;   ///< the last one
 };
 
 /// A resolver's memory: the virtual robot, and the memory of its `Passivity` parts.

@@ -167,6 +167,8 @@ class Resolver {
     virtual_.sent(m, command);
   }
 
+  /// Tells that another configuration has taken over: a torque that differs is no jump of its laws.
+  void changed(Memory& m) const noexcept { m.own.known = false; }
   /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stop = true; }
   /// Ends a stop. A displaced robot goes on with the gap that it has now, if that is at most `largest_gap`.

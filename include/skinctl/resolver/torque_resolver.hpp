@@ -16,6 +16,7 @@ struct TorqueResolverMemory {
   Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
   State<N, T> measured;               ///< the last good measurement
   JointCommand<N, T> command;         ///< the last one
+  detail::OwnTorque<N, T> own;        ///< of the laws in the last cycle
   [[no_unique_address]] Tank tank;
 };
 
@@ -144,7 +145,11 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
       if (detail::is_finite(evaluation.torque)) [[likely]] {
         law_memory = evaluation.memory;
         out.shares = evaluation.shares;
-        torque = evaluation.torque - drag;
+        torque = evaluation.torque;
+        if (m.own.template bound<L>(out.shares, p_.torque_step(seconds<T>(interval.to - interval.from)),
+                                    torque)) [[unlikely]]
+          out.status |= Reason::torque_limited;
+        torque -= drag;
         if constexpr (has_tank) out.status |= pay(m, known, passive, gravity, torque);
       } else {
         out.status |= Reason::torque_not_finite;
@@ -198,6 +203,8 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     m.command.torque = command.torque;
     if constexpr (has_tank) keeper_.template get<EnergyTank<T>>().sent(m.tank, command.torque);
   }
+  /// Tells that another configuration has taken over: a torque that differs is no jump of its laws.
+  void changed(Memory& m) const noexcept { m.own.known = false; }
   void stop(Memory& m) const noexcept { m.stop = true; }
   void resume(Memory& m) const noexcept { m.stop = false; }
 

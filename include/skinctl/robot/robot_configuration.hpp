@@ -58,6 +58,9 @@ struct RobotConfiguration {
   std::optional<Nanoseconds> stale_after = {};
   /// Time after which a blocked robot that is still pushed the same way tries again.
   Nanoseconds retry = 1s;
+  /// The largest rate of the torque that laws ask for by themselves, in torque limits per second; torques that
+  /// answer touch are not delayed.
+  T torque_rate = T(50);
 
   /// The virtual inertia, damping and friction together.
   [[nodiscard]] VirtualDynamics<N, T> virtual_dynamics() const noexcept {
@@ -113,6 +116,8 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   const T drift = c.drift.value_or(w < T(0.2) ? w : T(0.2));
   require(drift >= T(0) && drift <= w, "drift", number(drift), ">= 0, <= w 1/s");
   require(c.max_lead >= T(1.2) && c.max_lead <= T(100), "max_lead", number(c.max_lead), "1.2 to 100 v_max T");
+  require(c.torque_rate > T(0) && c.torque_rate <= T(1e6), "torque rate", number(c.torque_rate),
+          "> 0, <= 1e6 torque limits per second");
   require(c.retry > 0ns && c.retry <= 3600s, "retry", seconds<double>(c.retry), "> 0, <= 3600 s");
   require(c.longest() >= c.period && c.longest() <= 1s + 10 * c.period, "longest interval", ms(c.longest()),
           ">= period, <= 1 s + 10 periods, in ms");

@@ -60,6 +60,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   using Goal = typename detail::GoalTypes<SkillRequest<>, L...>::type;
   static constexpr std::size_t controllers = Fusion::terms;
   static constexpr std::size_t terms = controllers + 1;  ///< with the carried difference
+  static constexpr auto roles = detail::roles_with_carried<Fusion>;
   static constexpr std::size_t skills = Names::count;
   static constexpr Needs needs = Blend::needs;
   static constexpr LawRole role = Fusion::role;

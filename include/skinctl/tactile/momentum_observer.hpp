@@ -13,6 +13,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// The time for which a motor torque is reported.
+enum class MotorSampling : unsigned char {
+  instant,  ///< at the time of the state
+  mean      ///< the mean since the state before: what a servo does between two samples is not missed
+};
+
 /// The momentum observer of De Luca and Mattone (2005): with the joints' momentum `p = (M + rotors) dq`,
 ///
 ///     dp/dt = tau_motor - friction(dq) + C' dq - G + tau_ext,     dr/dt = rate (tau_ext - r).
@@ -22,7 +28,10 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// **Sampled.** Between two samples, `e = (p1 - p0)/dt - (b0 + b1)/2` with `b = tau_motor - friction + C' dq -
 /// G` is the mean external torque over dt but for the trapezoid's error, and `r += (1 - exp(-rate dt)) (e - r)`:
-/// the filter is exact for a constant e, and stable for any rate and dt. Samples may be lost or irregular.
+/// the filter is exact for a constant e, and stable for any rate and dt. Samples may be lost or irregular. With
+/// `MotorSampling::mean` the motors' torque enters e as it is. A stiff servo that follows held commands is
+/// faster than an 8 ms cycle, so its torque at one instant says little of the interval: an arm in MuJoCo then
+/// felt its own motion and did not come to rest. A driver that sees more samples than cycles averages them.
 ///
 /// **Lag and noise.** A step shows to 63 % after `1/rate`. Noise sigma of dq gives r a deviation of about
 /// `M_ii sigma rate` (dt rate small), at most `sqrt(2) M_ii sigma / dt`.
@@ -35,21 +44,23 @@ class MomentumObserver {
     T rate = T(25);                         ///< K [1/s], > 0, <= 1e4
     RotorInertia<joints, T> rotors = {};    ///< reflected inertia of the motors
     std::optional<Friction> friction = {};  ///< taken off the motor torques
-    Nanoseconds longest = 100ms;            ///< a longer gap between samples starts anew, with r = 0
+    MotorSampling motors = MotorSampling::instant;
+    Nanoseconds longest = 100ms;  ///< a longer gap between samples starts anew, with r = 0
   };
   struct Memory {
     bool started = false;
-    Nanoseconds stamp{};               ///< of the last sample
-    JointMomentum<joints, T> momentum; ///< at it
-    JointTorque<joints, T> drive;      ///< b at it
-    JointTorque<joints, T> residual;   ///< r
+    Nanoseconds stamp{};                ///< of the last sample
+    JointMomentum<joints, T> momentum;  ///< at it
+    JointTorque<joints, T> drive;       ///< b at it, without motors where they are a mean
+    JointTorque<joints, T> residual;    ///< r
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
   /// Throws `ConfigurationError` for a number out of its range. The model carries the payload: see `Loaded`.
   SKINCTL_COLD explicit MomentumObserver(const M& model, const Settings& settings = {})
       : model_(model), s_(settings) {
-    require(s_.rate > T(0) && s_.rate <= T(1e4), "MomentumObserver: rate", double(s_.rate), "> 0, <= 1e4 1/s");
+    require(s_.rate > T(0) && s_.rate <= T(1e4), "MomentumObserver: rate", double(s_.rate),
+            "> 0, <= 1e4 1/s");
     require(s_.longest > 0ns && s_.longest <= 10s, "MomentumObserver: longest", milliseconds(s_.longest),
             "> 0 ms, <= 10 s");
   }
@@ -66,13 +77,14 @@ class MomentumObserver {
     using std::exp;
     T sum(0);
     for (std::size_t i = 0; i < joints; ++i) sum = sum + motor[i] * T(0);
-    if (!detail::is_plausible(measured) || !(sum == T(0))) return Reason::sample_not_finite;
+    if (!detail::is_plausible(measured) || !detail::is_plausible(measured.time) || !(sum == T(0)))
+      return Reason::sample_not_finite;
     if (memory.started && measured.time <= memory.stamp) return Reason::time_backwards;
 
     auto now = momentum_rate(model_, measured.q, measured.dq);
     for (std::size_t i = 0; i < joints; ++i) {
       now.momentum[i] = now.momentum[i] + s_.rotors[i] * measured.dq[i];
-      now.drift[i] = now.drift[i] + motor[i];
+      if (s_.motors == MotorSampling::instant) now.drift[i] = now.drift[i] + motor[i];
     }
     if (s_.friction) now.drift = now.drift - s_.friction->torque(measured.dq);
     if (!memory.started || measured.time - memory.stamp > s_.longest) {
@@ -80,7 +92,8 @@ class MomentumObserver {
     } else {
       const T dt = seconds<T>(measured.time - memory.stamp), share = T(1) - exp(-s_.rate * dt);
       for (std::size_t i = 0; i < joints; ++i) {
-        const T mean = (now.momentum[i] - memory.momentum[i]) / dt - T(0.5) * (memory.drive[i] + now.drift[i]);
+        T mean = (now.momentum[i] - memory.momentum[i]) / dt - T(0.5) * (memory.drive[i] + now.drift[i]);
+        if (s_.motors == MotorSampling::mean) mean = mean - motor[i];
         memory.residual[i] = memory.residual[i] + share * (mean - memory.residual[i]);
       }
     }
@@ -95,7 +108,5 @@ class MomentumObserver {
   [[no_unique_address]] M model_;
   Settings s_;
 };
-template <RobotModel M, Real T>
-MomentumObserver(const M&, const typename MomentumObserver<M, T>::Settings&) -> MomentumObserver<M, T>;
 
 SKINCTL_END_NAMESPACE

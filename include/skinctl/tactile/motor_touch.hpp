@@ -81,13 +81,17 @@ class MotorTouch {
     const detail::SampledTimes times{s_.max_age, s_.fade, s_.max_age, 0ns, s_.max_age};
     detail::SampledInterval<joints, T, decltype(row)> interval(times, memory.row, from, to, parts, row);
     Status status = cells.empty() ? Status{} : Status{Reason::sample_unknown};
-    if (!memory.observer.started || measured.time != memory.observer.stamp) {
-      if (memory.observer.started && memory.observer.stamp > to) memory.observer = {};  // the clock was set back
-      const Status seen = observer_.observe(memory.observer, measured, input.motor_torque);
+    State<joints, T> now = measured;
+    if (now.time > to) now.time = to;
+    if (memory.observer.started && memory.observer.stamp > to)
+      memory.observer = {};  // the clock was set back
+    if (!memory.observer.started || now.time != memory.observer.stamp) {
+      const Status seen = observer_.observe(memory.observer, now, input.motor_torque);
       status |= seen;
       if (!seen.any() && !interval.admits(to).any()) {
         T value[joints];
-        for (std::size_t i = 0; i < joints; ++i) value[i] = gated(i, memory.observer.residual[i], memory.row.held[i]);
+        for (std::size_t i = 0; i < joints; ++i)
+          value[i] = gated(i, memory.observer.residual[i], memory.row.held[i]);
         interval.take(to, value);
       }
     }
@@ -129,8 +133,6 @@ class MotorTouch {
   MomentumObserver<M, T> observer_;
   Settings s_;
 };
-template <RobotModel M, Real T>
-MotorTouch(const M&, const MotorTouchSettings<M, T>&) -> MotorTouch<M, T>;
 
 /// The same gate for all joints of a model.
 template <RobotModel M, Real T = double>

@@ -10,22 +10,29 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+namespace detail {
+/// Whether the wrench on link `I` is known, if the touch is of that link at all.
+template <class W, std::size_t I>
+concept KnowsWrench = ((W::links >> I) & 1u) == 0 || requires(const W& w) { w.template wrench<I>(); };
+}  // namespace detail
+
 /// The touches of two sources: each a `LinkWrenches`, a `TouchWrenches`, a `JointTouch`, or such a sum.
 template <class A, class B>
 struct TouchSum {
-  using model_type = typename A::model_type;
-  using scalar = typename A::scalar;
-  static constexpr LinkMask links = A::links | B::links;
+  using model_type = typename LawTouch<A>::model_type;
+  using scalar = typename LawTouch<A>::scalar;
+  static constexpr LinkMask links = LawTouch<A>::links | LawTouch<B>::links;
   A first;
   B second;
 
   /// The wrench on link `I`: of one source, or the sum of both.
   template <std::size_t I>
+    requires detail::KnowsWrench<LawTouch<A>, I> && detail::KnowsWrench<LawTouch<B>, I>
   [[nodiscard]] SKINCTL_INLINE constexpr auto wrench() const noexcept {
     static_assert((links >> I) & 1u, "no source of touch on this link: its wrench is unknown");
-    if constexpr (((B::links >> I) & 1u) == 0) {
+    if constexpr (((LawTouch<B>::links >> I) & 1u) == 0) {
       return first.template wrench<I>();
-    } else if constexpr (((A::links >> I) & 1u) == 0) {
+    } else if constexpr (((LawTouch<A>::links >> I) & 1u) == 0) {
       return second.template wrench<I>();
     } else {
       return first.template wrench<I>() + second.template wrench<I>();
@@ -45,7 +52,7 @@ template <class A, class B>
   return TouchSum<LawTouch<A>, LawTouch<B>>{contact_part(touch.first), contact_part(touch.second)};
 }
 template <RobotModel M, class Angles, class A, class B>
-[[nodiscard]] SKINCTL_INLINE constexpr JointTorque<M::joints, typename A::scalar> skin_torque(
+[[nodiscard]] SKINCTL_INLINE constexpr JointTorque<M::joints, typename TouchSum<A, B>::scalar> skin_torque(
     const M& model, const Angles& angles, const TouchSum<A, B>& touch) noexcept {
   return skin_torque(model, angles, touch.first) + skin_torque(model, angles, touch.second);
 }

@@ -23,19 +23,19 @@ struct ForceSensor : FrameTag {};
 template <std::size_t I>
 struct WristSensorSettings {
   Transform<Link<I>, ForceSensor> X_LS = {};  ///< pose of the sensor on the link
-  double mass = 0;                            ///< of what the sensor carries [kg]; 0 if it takes that off itself
-  Xyz<double> centre = {0, 0, 0};             ///< centre of that mass, along the sensor's axes [m]
+  double mass = 0;                 ///< of what the sensor carries [kg]; 0 if it takes that off itself
+  Xyz<double> centre = {0, 0, 0};  ///< centre of that mass, along the sensor's axes [m]
   /// Reading without load and without weight: see `WristSensor::tared`.
   Wrench<ForceSensor> bias = {};
-  EventGate<> force = EventGate<>(3.0, 2.0, 2.0);     ///< on |force| [N]
-  EventGate<> moment = EventGate<>(0.3, 0.2, 0.2);    ///< on |moment| about the sensor's origin [N m]
-  double gain = 1;                                    ///< newtons that the laws see per newton measured, > 0
-  double most_force = 1000, most_moment = 100;        ///< greatest component that it can measure [N], [N m]
-  Nanoseconds max_age = 50ms;  ///< age of the last sample from which the sensor does not push
-  Nanoseconds fade = 25ms;     ///< in the last part of `max_age` its wrench goes linearly to 0
-  Nanoseconds ramp = 20ms;     ///< longest duration of a change before its sample
-  Nanoseconds catch_up = 20ms; ///< missing impulse before an interval is added up to this time back
-  Nanoseconds max_ahead = 2ms; ///< a stamp up to this time after the interval counts as its end
+  EventGate<> force = EventGate<>(3.0, 2.0, 2.0);   ///< on |force| [N]
+  EventGate<> moment = EventGate<>(0.3, 0.2, 0.2);  ///< on |moment| about the sensor's origin [N m]
+  double gain = 1;                                  ///< newtons that the laws see per newton measured, > 0
+  double most_force = 1000, most_moment = 100;      ///< greatest component that it can measure [N], [N m]
+  Nanoseconds max_age = 50ms;   ///< age of the last sample from which the sensor does not push
+  Nanoseconds fade = 25ms;      ///< in the last part of `max_age` its wrench goes linearly to 0
+  Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
+  Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
+  Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
 };
 
 /// What a wrist sensor adds to the input of a cycle.
@@ -83,7 +83,8 @@ class WristSensor {
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD WristSensor(const M& model, const Settings& settings) : model_(model), s_(settings) {
     const auto finite = [](const Xyz<double>& v, double most, const char* what) {
-      for (const double x : {v.x, v.y, v.z}) require(x >= -most && x <= most, what, x, "finite, within range");
+      for (const double x : {v.x, v.y, v.z})
+        require(x >= -most && x <= most, what, x, "finite, within range");
     };
     require(s_.mass >= 0 && s_.mass <= 1000, "WristSensor: mass", s_.mass, "0 to 1000 kg");
     const Xyz<T> g = dense<T>(model_.template gravity<T>());
@@ -91,7 +92,8 @@ class WristSensor {
             "0 kg for a model without gravity: name the model that has it");
     finite(s_.centre, 10, "WristSensor: centre [m]");
     require(s_.gain > 0 && s_.gain <= 1000, "WristSensor: gain", s_.gain, "> 0, <= 1000");
-    require(s_.most_force > 0 && s_.most_force <= 1e6, "WristSensor: most_force", s_.most_force, "> 0, <= 1e6 N");
+    require(s_.most_force > 0 && s_.most_force <= 1e6, "WristSensor: most_force", s_.most_force,
+            "> 0, <= 1e6 N");
     require(s_.most_moment > 0 && s_.most_moment <= 1e6, "WristSensor: most_moment", s_.most_moment,
             "> 0, <= 1e6 N m");
     finite(s_.bias.force, s_.most_force, "WristSensor: bias [N]");
@@ -136,6 +138,17 @@ class WristSensor {
     Settings settings = s_;
     settings.bias = mean - weight(q);
     return WristSensor(model_, settings);
+  }
+
+  /// A sample from a wrench at the sensor's origin along the axes of the base, force first: a UR's
+  /// `actual_TCP_force`, with `X_LS` the pose of its TCP on the last link, `mass` 0 (the controller takes its
+  /// payload off), and `q` its `actual_q` of the same package.
+  [[nodiscard]] WrenchSample from_base_axes(Nanoseconds time, const std::array<double, 6>& wrench,
+                                            const JointPosition<M::joints, T>& q) const noexcept {
+    const auto R_SB = axes_in_base(q).transpose();
+    const Xyz<double> f = R_SB * Xyz<double>{wrench[0], wrench[1], wrench[2]};
+    const Xyz<double> m = R_SB * Xyz<double>{wrench[3], wrench[4], wrench[5]};
+    return {time, {f.x, f.y, f.z}, {m.x, m.y, m.z}};
   }
 
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
@@ -193,14 +206,17 @@ class WristSensor {
   }
 
  private:
+  /// The sensor's axes along those of the base.
+  [[nodiscard]] Rotation<double> axes_in_base(const JointPosition<M::joints, T>& q) const noexcept {
+    const JointAngles<M, T, link_bit<I>> angles(model_, q);
+    const Poses<M, link_bit<I>, T> poses(model_, angles);
+    return poses.template get<I>().template cast<double>().axes() * s_.X_LS.axes();
+  }
   /// Gravity of the load along the sensor's axes, about its origin [N], [N m].
   [[nodiscard]] Wrench<ForceSensor> weight(const JointPosition<M::joints, T>& q) const noexcept {
     if (s_.mass == 0) return {};
-    const JointAngles<M, T, link_bit<I>> angles(model_, q);
-    const Poses<M, link_bit<I>, T> poses(model_, angles);
     const Xyz<T> g = dense<T>(model_.template gravity<T>());
-    const auto R_BS = poses.template get<I>().template cast<double>().axes() * s_.X_LS.axes();
-    const Xyz<double> force = s_.mass * (R_BS.transpose() * skinctl::cast<double>(g));
+    const Xyz<double> force = s_.mass * (axes_in_base(q).transpose() * skinctl::cast<double>(g));
     return {force, cross(s_.centre, force)};
   }
   /// A reading on the link, behind the gates.

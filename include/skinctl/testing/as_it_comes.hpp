@@ -136,7 +136,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     for (std::size_t i = 0; i < 6; ++i) joints.hold_fast(i, fast);
     joints.advance(settled + t);
     const detail::TruePoses poses(joints.q());
-    if (ms == static_cast<int>(1000 * world.begins)) world.take_hold(poses);
+    if (ms == static_cast<int>(1000 * (to_goals ? world.faster : world.begins))) world.take_hold(poses);
     forces = world.forces(poses, t);
     joints.external(world.torque(poses, forces));
     double& peak = t < c.guided ? out.early : out.late;
@@ -198,7 +198,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, bool truly, Trace&& trace) {
       return run_as_it_comes(c, as_it_comes_cycle<I>(c, truly, SkinJointControl{} + GravityControl{}), truly,
                              trace);
     JointControlSettings<6> s;
-    s.dt = 2ms;
+    s.dt = 2500us;  // five periods of 8 ms in 16 sub-steps
     s.lambda = 8, s.K_c = 2, s.K_i1 = 0.2, s.K_i2 = 0.02;
     s.tb = {};
     s.virtual_dynamics.damping = 6;

@@ -24,6 +24,7 @@ class CarryingLaw : public GoalOfLaw<L> {
   static constexpr Needs needs = L::needs;
   static constexpr LawRole role = L::role;
   static constexpr std::size_t terms = terms_of<L> + 1;
+  static constexpr auto roles = roles_with_carried<L>;
 
   CarryingLaw(const L& law, const skinctl::Ramp<T>& ramp) : law_(law), ramp_(ramp) {}
   [[nodiscard]] const L& law() const noexcept { return law_; }

@@ -13,12 +13,18 @@ struct ResolverParameters {
   JointPosition<N, T> dead_band;
   JointPosition<N, T> max_lead;  ///< e_max
   Nanoseconds period, delay, substep, longest_interval, stale_after;
-  Nanoseconds settle;     ///< time in which a gap of the start shows
   Nanoseconds fresh_for;  ///< age up to which the residual of a measurement is used
   T cycle;                ///< the period [s]
+  T settle;               ///< time in which a robot's answer shows in full [s]
+  T forgets;              ///< share of what came before that is left after a period
+  T torque_rate;          ///< [1/s]
   T lag, total_delay, per_delay, L1, L2, lead, drift, retry, catch_up;
   bool has_coulomb = false;
 
+  /// The largest change of a law's own torque in `h` seconds [N m].
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque_step(const T& h) const noexcept {
+    return T(torque_rate * h) * limits.torque();
+  }
   [[nodiscard]] T planned_step() const noexcept { return seconds<T>(planned_substep(period, substep)); }
 
   SKINCTL_COLD explicit ResolverParameters(const RobotConfiguration<N, T>& c, bool has_virtual_robot = true)
@@ -31,13 +37,15 @@ struct ResolverParameters {
         substep(c.substep),
         longest_interval(c.longest()),
         cycle(seconds<T>(c.period)),
+        torque_rate(c.torque_rate),
         lag(seconds<T>(c.lag)),
         lead(seconds<T>(c.lead)),
         retry(seconds<T>(c.retry)) {
     check(c, has_virtual_robot);
     total_delay = seconds<T>(c.total_delay());
     per_delay = T(1) / total_delay;
-    settle = 5 * c.total_delay();
+    settle = T(10) * total_delay;
+    forgets = settle / (settle + seconds<T>(c.period));
     fresh_for = c.total_delay() + period / 2;
     stale_after = c.stale_after.value_or(5 * c.total_delay());
     const T w = c.observer.value_or(T(0.3) / total_delay);

@@ -84,8 +84,11 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
     out.status |= Reason::torque_not_finite;
     return out;
   }
-  out.torque = parameters().limits.within(out.law.torque, state.dq);
-  if (any(Row(out.torque) != out.law.torque)) out.status |= Reason::torque_limited;
+  Torque asked = out.law.torque;
+  if (m.own.template bound<L>(out.law.shares, parameters().torque_step(h), asked)) [[unlikely]]
+    out.status |= Reason::torque_limited;
+  out.torque = parameters().limits.within(asked, state.dq);
+  if (any(Row(out.torque) != asked)) out.status |= Reason::torque_limited;
   const ContactDamping<joints, T>* damping = nullptr;
   if constexpr (has_damper) {
     const auto& d = m.keeper.template of<ContactDamper<T>>().damping;

@@ -83,7 +83,7 @@ class VirtualJoints {
   /// A clock that leapt, or was set.
   SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept;
   /// Judges the residuals `r` that are outside of the dead band, by `rho`, and bounds the correction.
-  SKINCTL_COLD void watch(Memory& m, Correction& c, const Position& r, const Position& rho, Nanoseconds now,
+  SKINCTL_COLD void watch(Memory& m, Correction& c, const Position& r, const Position& rho,
                           const T& dt) const noexcept;
   SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
   SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,

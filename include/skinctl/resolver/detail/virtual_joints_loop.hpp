@@ -29,8 +29,6 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
     m.sent.set(i, command[i]);
   }
   m.rate = m.v;
-  m.settles_at = m.time + p_.settle;
-  for (std::size_t i = 0; i < N; ++i) m.watch[i].joint = m.q.value[i];
   m.under_way = servo_.start(measured.time, measured.q, m.v);
   m.command.time = m.time;
   m.command.position = command;

@@ -15,7 +15,10 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const Sta
                                                             const Check& check) const noexcept {
   const State<N, T> taken{measured.time, measured.q - m.gap, measured.dq};
   Status status = take_measurement(m.measured, taken, now, check);
+  [[maybe_unused]] const Row before = m.under_way.reached;
   const Position& expected = servo_.predict(m.under_way, m.measured.time);
+  if constexpr (I == Interface::position)
+    (Row(m.told) * p_.forgets + magnitude(expected - before)).store(m.told);
   m.residual = m.measured.q - expected;
   if constexpr (I == Interface::velocity) m.residual -= m.offset.value;
   if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
@@ -33,7 +36,13 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds
   if (fresh) select(off, Row(m.off_for) + dt, T(0)).store(m.off_for);
   Correction c{Velocity(p_.L1 * rho), JointAcceleration<N, T>(p_.L2 * rho), any(off), false, {}};
   if (c.off || m.watched) [[unlikely]]
-    watch(m, c, Position(r), Position(rho), now, dt);
+    watch(m, c, Position(r), Position(rho), dt);
+  if constexpr (I == Interface::position) {
+    if (fresh) {
+      const Row slow = m.slow_residual;
+      (slow + T(dt / (p_.settle + dt)) * (r - slow)).store(m.slow_residual);
+    }
+  }
   if constexpr (I == Interface::velocity) {
     c.rate = Velocity(Row(c.rate) + p_.drift * r);
     // What a robot lags behind beyond its declared delay is still to come.
@@ -58,8 +67,7 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds
 // plus that by which it has shrunk.
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, const Position& r,
-                                                      const Position& rho, Nanoseconds now,
-                                                      const T& dt) const noexcept {
+                                                      const Position& rho, const T& dt) const noexcept {
   m.watched = false;
   for (std::size_t i = 0; i < N; ++i) {
     auto& w = m.watch[i];
@@ -76,9 +84,10 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, 
       w.joint = m.q.value[i];
     };
     if (w.size == T(0) || w.side != side) {
-      // Beyond any lead at once; or from the start on, of a robot that was hardly told to move.
-      const T told = side * (m.q.value[i] - w.joint);
-      c.gap = c.gap || far > p_.max_lead[i] || (now < m.settles_at && -told < T(0.5) * far);
+      // Beyond any lead at once; or beside commands that have hardly moved while it came to be there.
+      const T came = r[i] - m.slow_residual[i];
+      c.gap = c.gap || far > p_.max_lead[i] ||
+              (I == Interface::position && m.told[i] < T(0.5) * (came < T(0) ? T(-came) : came));
       begin();
     }
     const T moved = side * (m.measured.q[i] - w.robot);
@@ -128,17 +137,18 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::set_clock(Memory& m,
     for (std::size_t i = 0; i < N; ++i)
       m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - interval.from));
   }
-  m.command.time = m.settles_at = interval.from;
+  m.command.time = interval.from;
   if (m.measured.time > interval.from) m.measured.time = interval.from;
 }
 
-/// Velocity towards the real robot that ends there at rest.
+/// Velocity towards the place where the real robot was blocked, that ends there at rest. (The present measurement
+/// would move along with a robot that is not blocked after all.)
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::way_back(const Memory& m, const T& h) const noexcept
     -> Velocity {
   Velocity u;
   for (std::size_t i = 0; i < N; ++i) {
-    const T d = m.measured.q[i] - m.q.value[i];
+    const T d = m.back[i] - m.q.value[i];
     const T far = d < T(0) ? T(-d) : d;
     const T soft = far / (p_.total_delay + h);
     const T hard = speed_to_stop(far, h, T(T(0.5) * p_.limits.acceleration()[i]));
@@ -167,6 +177,7 @@ SKINCTL_INLINE void SKINCTL_VIRTUAL_JOINTS_CLASS::choose_mode(Memory& m, const C
     enter(ResolverMode::braking);
   } else if (m.mode != ResolverMode::blocked && stuck) {
     enter(ResolverMode::blocked);
+    for (std::size_t i = 0; i < N; ++i) m.back[i] = m.off_for[i] > T(0) ? m.measured.q[i] : m.q.value[i];
     if constexpr (I == Interface::position) m.v = m.v * T(0);
     for (std::size_t i = 0; i < N; ++i) m.pushed[i] = c.pull[i] < T(0) ? 1 : (c.pull[i] > T(0) ? -1 : 0);
   } else if (m.mode != ResolverMode::blocked) {
@@ -188,6 +199,9 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::try_to_leave(Memory& m, const Co
   const bool released = !(push > T(1e-4) * scale);
   if (here && !c.off && m.mode_for >= p_.total_delay && (released || m.mode_for >= p_.retry)) {
     m.mode = ResolverMode::following;
+    m.mode_for = T(0);
+  } else if (!here && m.mode_for >= p_.retry) {
+    for (std::size_t i = 0; i < N; ++i) m.back[i] = m.off_for[i] > T(0) ? m.measured.q[i] : m.back[i];
     m.mode_for = T(0);
   }
 }

@@ -1,0 +1,60 @@
+// The largest rate of the torque that laws ask for by themselves.
+#pragma once
+
+#include <array>
+
+#include "skinctl/core/detail/row.hpp"
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/core/joint.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Whether a law tracks something, alone or in a sum.
+template <class L, std::size_t Terms>
+inline constexpr bool tracks = [] {
+  for (std::size_t i = 0; i < Terms; ++i)
+    if (role_of_part<L>(i) == LawRole::tracking) return true;
+  return false;
+}();
+
+/// The last torque of a law without its reactive parts. Trivially copyable.
+template <std::size_t N, Real T>
+struct OwnTorque {
+  JointTorque<N, T> last;
+  JointTorque<N, T> total;  ///< with its reactive parts
+  bool known = false;
+
+  /// Bounds the change of that torque since the last call by `step` to either side; what answers touch passes
+  /// at once, a delay would cost stability in contact. True if it acted. The first torque passes, and so does
+  /// a change that leaves the whole torque where it was, such as that to other gains with the difference
+  /// carried beside them.
+  template <class L, std::size_t Terms>
+  SKINCTL_INLINE bool bound(const std::array<JointTorque<N, T>, Terms>& shares, const JointTorque<N, T>& step,
+                            JointTorque<N, T>& torque) noexcept {
+    if constexpr (!tracks<L, Terms>) {
+      return false;
+    } else {
+      using R = Row<N, T>;
+      R reactive = T(0);
+      for_each_index<Terms>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+        if (role_of_part<L>(i) == LawRole::reactive) reactive = reactive + R(shares[i]);
+      });
+      const R own = R(torque) - reactive;
+      R kept = own;
+      if (known)
+        kept = select(magnitude(R(torque) - R(total)) <= R(step), own,
+                      clamp(own, R(last) - R(step), R(last) + R(step)));
+      const bool acts = any(kept != own);
+      if (acts) [[unlikely]]
+        (reactive + kept).store(torque);
+      kept.store(last);
+      total = torque;
+      known = true;
+      return acts;
+    }
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE
