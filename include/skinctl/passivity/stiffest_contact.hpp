@@ -15,8 +15,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// contacts come to rest, anywhere on the robot, one and two at a time.
 ///
 /// The loops of `ContactStability` are computed at `poses` poses over the range of the joints, for cells all
-/// over the skin (six of each patch, along their normals, with their gains), or without a skin that shows its
-/// cells for points all over each link; for two contacts at once by the eigenvalues of both loops, for the
+/// over the skin (six of each patch, along their normals, with their gains), for pushes on the tool of a wrist
+/// sensor, and where motors feel, or nothing says where touch is felt, for points all over each link; for two contacts at once by the eigenvalues of both loops, for the
 /// eight contacts of a pose that bear least. One contact needs the gain margin `margin`, two `margin_of_two`:
 /// poses and contacts between those that are looked at take a few per cent of it. Some ten milliseconds.
 ///
@@ -151,11 +151,17 @@ struct StiffestContact {
       w[0] = force.x, w[1] = force.y, w[2] = force.z, w[3] = moment.x, w[4] = moment.y, w[5] = moment.z;
       f(skin_torque(model, angles, one), gain);
     };
-    if constexpr (requires { skin.each_cell(touch, 6); }) {
+    constexpr bool cells = requires { skin.each_cell(touch, 6); };
+    constexpr bool points = requires { skin.each_point(touch); };
+    constexpr bool everywhere = requires { skin.gain_everywhere(); };
+    if constexpr (cells)
       skin.each_cell([&](std::size_t link, const Xyz<T>& force, const Xyz<T>& moment,
                          double gain) { touch(link, force, moment, newtons > 0 ? gain / newtons : 1); },
                      6);
-    } else {
+    if constexpr (points) skin.each_point(touch);
+    if constexpr (everywhere || !(cells || points)) {
+      double gain = 1;
+      if constexpr (everywhere) gain = skin.gain_everywhere();
       const auto reach = detail::assumed_reach<M, T>(model);
       const Xyz<T> axes[3] = {{T(1), T(0), T(0)}, {T(0), T(1), T(0)}, {T(0), T(0), T(1)}};
       for (std::size_t link = 0; link < N; ++link)
@@ -163,7 +169,7 @@ struct StiffestContact {
           for (int side = 1; side < 3; ++side)
             for (const double far : {-1.0, -0.3, 0.3, 1.0}) {
               const Xyz<T> p = T(far) * reach[link] * axes[along], n = axes[(along + side) % 3];
-              touch(link, n, cross(p, n), 1);
+              touch(link, n, cross(p, n), gain);
             }
     }
   }

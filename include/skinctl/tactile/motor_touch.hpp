@@ -39,6 +39,8 @@ struct MotorTouchSettings {
 /// limits and passivity it is one contact with an assumed lever (`assumed_lever`). Beside a skin or a wrist
 /// sensor it counts only beyond what they feel: see `beyond`.
 ///
+/// A stiff contact is felt late by the filter: `StiffestContact::skin_delay` is `1/rate` and a period here.
+///
 /// Each state with a new stamp is a sample. Between samples the torque is linear in time, delayed by one
 /// sample; without new states it fades (`sample_stale`).
 template <RobotModel M, Real T = double>
@@ -104,6 +106,9 @@ class MotorTouch {
     for (std::size_t i = 0; i < joints; ++i) out.torque[i] = memory.row.held[i];
     return out;
   }
+
+  /// Newtons that laws see per newton anywhere on the robot: the motors feel all links.
+  [[nodiscard]] double gain_everywhere() const noexcept { return static_cast<double>(s_.gain); }
 
   /// What of `found` is not explained by the contacts that another source feels: per joint, the rest in the
   /// direction of `found`. So a push on the skin counts once, with the larger of the two torques, and what the

@@ -196,6 +196,26 @@ class TouchSources : public detail::ApartOfSum<A, B> {
   {
     a_.each_cell(std::forward<F>(f), most);
   }
+  /// See `WristSensor::each_point`; of both.
+  template <class F>
+  void each_point(F&& f) const
+    requires(
+        requires(const A& a) { a.each_point(f); } || requires(const B& b) { b.each_point(f); })
+  {
+    if constexpr (requires { a_.each_point(f); }) a_.each_point(f);
+    if constexpr (requires { b_.each_point(f); }) b_.each_point(f);
+  }
+  /// See `MotorTouch::gain_everywhere`; of the one that has it.
+  [[nodiscard]] double gain_everywhere() const noexcept
+    requires(
+        requires(const A& a) { a.gain_everywhere(); } || requires(const B& b) { b.gain_everywhere(); })
+  {
+    if constexpr (requires { b_.gain_everywhere(); }) {
+      return b_.gain_everywhere();
+    } else {
+      return a_.gain_everywhere();
+    }
+  }
   /// See `Skin::nearest`; a sensor sees nothing, so somebody may be at any distance.
   template <std::size_t I>
   [[nodiscard]] scalar nearest(const Memory& memory) const noexcept {

@@ -25,6 +25,7 @@ struct WristSensorSettings {
   Transform<Link<I>, ForceSensor> X_LS = {};  ///< pose of the sensor on the link
   double mass = 0;                 ///< of what the sensor carries [kg]; 0 if it takes that off itself
   Xyz<double> centre = {0, 0, 0};  ///< centre of that mass, along the sensor's axes [m]
+  double reach = 0.2;              ///< of the tool from the sensor's origin [m], for checks of stability
   /// Reading without load and without weight: see `WristSensor::tared`.
   Wrench<ForceSensor> bias = {};
   EventGate<> force = EventGate<>(3.0, 2.0, 2.0);   ///< on |force| [N]
@@ -91,6 +92,7 @@ class WristSensor {
     require(s_.mass == 0 || dot(g, g) > T(0), "WristSensor: mass", s_.mass,
             "0 kg for a model without gravity: name the model that has it");
     finite(s_.centre, 10, "WristSensor: centre [m]");
+    require(s_.reach >= 0 && s_.reach <= 10, "WristSensor: reach", s_.reach, "0 to 10 m");
     require(s_.gain > 0 && s_.gain <= 1000, "WristSensor: gain", s_.gain, "> 0, <= 1000");
     require(s_.most_force > 0 && s_.most_force <= 1e6, "WristSensor: most_force", s_.most_force,
             "> 0, <= 1e6 N");
@@ -197,6 +199,21 @@ class WristSensor {
     Wrenches out;
     for (std::size_t r = 0; r < 6; ++r) out.data[0][r] = memory.row.held[r];
     return out;
+  }
+  /// Calls `f(link, force, moment, gain)` for pushes of one newton on the tool, at the sensor's origin and at its
+  /// reach: on the link, with the newtons that laws see.
+  template <class F>
+  void each_point(F&& f) const {
+    const Xyz<double> axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const auto push = [&](const Xyz<double>& p, const Xyz<double>& n) {
+      const auto F_L = transformed(s_.X_LS, Wrench<ForceSensor>{n, cross(p, n)});
+      f(I, skinctl::cast<T>(F_L.force), skinctl::cast<T>(F_L.moment), s_.gain);
+    };
+    for (int along = 0; along < 3; ++along) {
+      push({0, 0, 0}, axes[along]);
+      for (int side = 1; side < 3; ++side)
+        for (const double far : {-s_.reach, s_.reach}) push(far * axes[along], axes[(along + side) % 3]);
+    }
   }
   /// No proximity is measured: somebody may be at any distance.
   template <std::size_t L>
