@@ -6,6 +6,7 @@
 
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/identify_robot/result.hpp"
+#include "skinctl/calibration/response_motion.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "skinctl/calibration/response_motion.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
@@ -36,26 +37,6 @@ ResponseLog<6> log_of(const JointTruth<6>& truth, std::uint64_t seed, const Resp
 }
 
 }  // namespace
-
-TEST_CASE("Response: the motion starts and ends at rest, within its amplitude and its speed") {
-  const ResponseMotion<6> motion(pose, {.amplitude = 0.1, .speed = 0.3, .duration = 12});
-  auto last = motion.at(0);
-  CHECK(last == pose);
-  double fastest = 0, furthest = 0;
-  for (double t = 0.001; t <= 12; t += 0.001) {
-    const auto q = motion.at(t);
-    for (std::size_t i = 0; i < 6; ++i) {
-      fastest = std::max(fastest, std::abs(q[i] - last[i]) / 0.001);
-      furthest = std::max(furthest, std::abs(q[i] - pose[i]));
-    }
-    last = q;
-  }
-  CHECK(last == pose);
-  CHECK(fastest <= 0.3);
-  CHECK(fastest > 0.15);
-  CHECK(furthest <= 0.1);
-  CHECK_THROWS_AS(ResponseMotion<6>(pose, {.speed = 100}), ConfigurationError);
-}
 
 TEST_CASE("Response: delay, lag, gap, stiffness and encoders of a robot come out as they are") {
   int covered = 0, cases = 0;

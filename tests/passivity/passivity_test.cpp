@@ -103,3 +103,24 @@ TEST_CASE("PassivityObserver: an arm whose account is empty gives way, and is le
     CHECK(empty.extracted <= 1e-9);
   }
 }
+
+TEST_CASE_TEMPLATE("Passivity: with a shape at the tool and with every integrator too", Integrator,
+                   CrankNicolson, ImplicitFriction, SemiImplicitEuler, RungeKutta4) {
+  const ToolShape<5> tool({.X_LT = {{}, {0, 0, 0.1}},
+                           .mass = ToolShape<5>::diagonal({4, 4, 4, 0.1, 0.1, 0.1}),
+                           .damping = ToolShape<5>::diagonal({30, 30, 30, 1, 1, 1})});
+  int empty = 0;
+  for (std::uint64_t seed = 1; seed <= scenes / 4; ++seed) {
+    CAPTURE(seed);
+    const RandomScene scene(seed);
+    const auto kept = run<Interface::position, Integrator>(scene, scene.keeper(), tool);
+    CHECK(kept.virtual_extracted <= scene.tank);
+    CHECK(kept.extracted <= scene.energy);
+    CHECK(kept.led > 0.01);
+    empty += kept.status.has(Reason::tank_empty);
+    const auto bare = run<Interface::velocity, Integrator>(scene, scene.keeper());
+    CHECK(bare.virtual_extracted <= scene.tank);
+    CHECK(bare.extracted <= scene.energy);
+  }
+  CHECK(empty > 0);
+}

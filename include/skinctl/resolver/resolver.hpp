@@ -68,8 +68,6 @@ class Resolver {
   using scalar = T;
   using Configuration = RobotConfiguration<joints, T>;
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
-  static_assert(!has_tank || std::same_as<Tool, NoToolShape>,
-                "an energy tank counts with the inertia of joints so far: no tank beside a tool's shape");
   static constexpr bool has_passivity_observer = Keeper::template has<PassivityObserver<T>>;
   static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
   static constexpr bool watches_contacts = has_passivity_observer || has_damper;

@@ -174,10 +174,11 @@ struct Energies {
 
 /// Two seconds of a scene with the passivity parts `keeper`; then all contacts have ended, the arm comes to
 /// rest, and half a second later a hand leads it with up to 20 N, back along the first contact.
-template <Interface I, class Keeper>
-Energies run(const RandomScene& scene, const Keeper& keeper) {
-  using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32, Keeper>;
-  const Robot robot(ur5::Model{}, scene.configuration, keeper);
+template <Interface I, class Integrator = CrankNicolson, class Keeper, class... Shape>
+Energies run(const RandomScene& scene, const Keeper& keeper, const Shape&... tool) {
+  using Tool = std::tuple_element_t<0, std::tuple<Shape..., NoToolShape>>;
+  using Robot = Resolver<I, ur5::Model, double, Integrator, 32, Keeper, Tool>;
+  const Robot robot(ur5::Model{}, scene.configuration, tool..., keeper);
   constexpr auto kind =
       I == Interface::position ? SimulatedJoints<6>::Kind::position : SimulatedJoints<6>::Kind::velocity;
   SimulatedJoints<6> joints(kind, seconds<double>(scene.delay * scene.period), scene.lag, scene.pose);

@@ -106,7 +106,7 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
     const Torque passive = tank.settings().port_gain * port + known.gravity();
     const T share = tank.pay(memory, port, out.torque - passive, state.dq, out.velocity, h, [&] {
       return detail::step_velocity<Integrator>(known, parameters().shape, parameters().has_coulomb, passive,
-                                               {}, m.last, damping)
+                                               {}, m.last, damping, tool_)
           .velocity;
     });
     if (share < T(1)) {
