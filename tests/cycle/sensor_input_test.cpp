@@ -223,3 +223,30 @@ TEST_CASE("Sensors: contact limits of the link with the sensor stop an arm that 
   CHECK(pressed(80).has(Reason::contact_force));   // for longer than 100 ms
   CHECK(pressed(150).has(Reason::contact_force));  // at once
 }
+
+TEST_CASE("Sensors: an arm by torque gets gravity and the push at its tool, to rounding") {
+  const ur5::Model model;
+  WristSensorSettings<5> settings = at_flange();
+  settings.force = EventGate<>(), settings.moment = EventGate<>();
+  const auto sensor = wrist_sensor<5>(model, settings);
+  const Cycle scene(by_torque(model, {.limits = limits_of<ur5::Description>(15.0), .period = 1ms},
+                              RobotCompensatesFriction{}),
+                    sensor, SkinJointControl{} + GravityControl{});
+  using Scene = std::remove_cvref_t<decltype(scene)>;
+  const auto memory = std::make_unique<Scene::Memory>();
+  scene.start(*memory, {0ns, home, {}});
+  typename Scene::Output out;
+  for (int k = 1; k <= 100; ++k) {
+    // None about the last axis, whose light joint its limits of motion would hold back.
+    const WrenchSample sample{1ms * k, {3, -4, 5}, {0.1, 0.2, 0}};
+    Scene::Input input;
+    input.now = 1ms * k;
+    input.measured = {input.now, home, {}};
+    input.sensed.wrenches = {&sample, 1};
+    out = scene.step(*memory, input);
+  }
+  REQUIRE(out.command.valid);
+  const auto expected = gravity_torque(model, home) + skin_torque(model, home, sensor.wrenches(memory->skin));
+  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(out.command.torque[i] - expected[i]) <= 1e-9);
+  CHECK(std::abs(skin_torque(model, home, sensor.wrenches(memory->skin))[1]) > 0.5);
+}
