@@ -66,7 +66,8 @@ auto make_scene(const Settings& s) {
   const StiffestContact stiffest{
       .stiffness = s.control.stiffest_contact, .newtons = s.newtons_per_reading, .may_ring = true};
   const double damping = stiffest.damping(robot_by<I>(ur5::Model{}, configuration), skin);
-  const auto arm = robot_by<I>(ur5::Model{}, configuration, ContactDamper<>({.max = damping}), stiffest);
+  const auto arm =
+      robot_by<I>(ur5::Model{}, configuration, ContactDamper<>({.max = damping, .calm = 200ms}), stiffest);
   return Cycle(arm, skin, SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
 }
 

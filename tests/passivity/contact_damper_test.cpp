@@ -87,7 +87,7 @@ TEST_CASE("ContactDamper: a robot that bounces is damped, however long it flies;
   CHECK(watch(damper, 10, bouncing, 0).highest == 0);
 }
 
-TEST_CASE("ContactDamper: it fades when it is calm, quickly after the contact and slowly in it") {
+TEST_CASE("ContactDamper: what has rung stays damped while the contact lasts, and fades after it") {
   const ContactDamper<> damper({.max = 100, .calm = 500ms});
   const auto then = [&](double push, double after) {
     return watch(damper, 3 + after, [&](double t) { return t < 3 ? swinging(t, 6, 20, 15) : push; }).last;
@@ -96,7 +96,7 @@ TEST_CASE("ContactDamper: it fades when it is calm, quickly after the contact an
   CHECK(then(20, 2.0) > 40);
   CHECK(then(0, 1.0) < 20);
   CHECK(then(0, 8.0) == 0);
-  CHECK(then(20, 80.0) == 0);
+  CHECK(then(20, 80.0) > 70);
 }
 
 TEST_CASE("ContactDamper: the declared damping is there while the contact lasts") {

@@ -4,6 +4,8 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/tactile/touch_sum.hpp"
+#include "skinctl/tactile/wrist_sensor.hpp"
 #include "skinctl/testing/touched_arm.hpp"
 
 using namespace skinctl;
@@ -17,17 +19,21 @@ constexpr std::array<double, 6> pose{0.1, -1.2, 1.4, -1.8, -1.57, 0.3};
 const std::vector<PlacedCell<2>> cells{cell_at<2>(1, {-0.05, 0.05, 0}, {0, 1, 0}),
                                        cell_at<2>(2, {-0.35, -0.05, 0}, {0, -1, 0})};
 template <class... Parts>
+auto described(const Parts&... parts) {
+  return by_position(ur5::Model{},
+                     {.limits = limits_of<ur5::Description>(20.0),
+                      .period = 8ms,
+                      .delay = 8ms,
+                      .lag = 8ms,
+                      .virtual_damping = 4,
+                      .viscous_friction = JointTorque<6>::constant(2),
+                      .dead_band = JointPosition<6>::constant(0.02)},
+                     parts...);
+}
+template <class... Parts>
 auto yielding(const Parts&... parts) {
-  const auto robot = by_position(ur5::Model{},
-                                 {.limits = limits_of<ur5::Description>(20.0),
-                                  .period = 8ms,
-                                  .delay = 8ms,
-                                  .lag = 8ms,
-                                  .virtual_damping = 4,
-                                  .viscous_friction = JointTorque<6>::constant(2),
-                                  .dead_band = JointPosition<6>::constant(0.02)},
-                                 parts...);
-  return Cycle(robot, open_skin(Patch<2, 2>(cells, open_gains)), SkinJointControl{} + GravityControl{});
+  return Cycle(described(parts...), open_skin(Patch<2, 2>(cells, open_gains)),
+               SkinJointControl{} + GravityControl{});
 }
 
 /// How far the elbow turns within a second of constant pushes [rad].
@@ -80,4 +86,34 @@ TEST_CASE("LinkContact: a link that is squeezed from both sides is touched by ea
       arm.step(8ms, [&](std::size_t, const CellAt&) { return CellTouch{.force = strong ? 50.0 : 30.0}; });
     CHECK(arm.status.has(Reason::contact_force) == strong);
   }
+}
+
+TEST_CASE("Contacts beside a wrist sensor: the skin's stay apart") {
+  const auto touch = open_skin(Patch<2, 2>(cells, open_gains)) + wrist_sensor<5>(ur5::Model{});
+  const auto law = SkinJointControl{} + GravityControl{};
+  const Cycle scene(described(ContactDamper<>({.always = 400}), EnergyTank<>()), touch, law);
+  const double one = turned(scene, 0, 12), both = turned(scene, 11, 12);
+  CHECK(one > 0.01);
+  CHECK(both > 0.7 * one);
+  CHECK(both < 3 * one);
+  // A sensor alone: its wrench is the contact.
+  const Cycle alone(described(ContactDamper<>({.always = 400})), wrist_sensor<5>(ur5::Model{}), law);
+  auto memory = std::make_unique<std::remove_cvref_t<decltype(alone)>::Memory>();
+  State<6> at;
+  at.q = JointPosition<6>(pose);
+  alone.start(*memory, at);
+  WrenchSample push;
+  push.force = {30, 0, 0};
+  for (int k = 1; k < 50; ++k) {
+    at.time = k * 8ms;
+    push.time = at.time;
+    std::remove_cvref_t<decltype(alone)>::Input input{};
+    input.now = at.time;
+    input.measured = at;
+    input.sensed.wrenches = {&push, 1};
+    static_cast<void>(alone.step(*memory, input));
+  }
+  const auto& damping = memory->robot.keeper.of<ContactDamper<>>().damping;
+  REQUIRE(damping.count == 1);
+  CHECK(damping.coefficient[0] == 400);
 }

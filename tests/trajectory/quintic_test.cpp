@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -134,4 +135,31 @@ TEST_CASE("Quintic: its greatest speed and acceleration are what limits are comp
   }
   CHECK(speed == doctest::Approx(quintic_peak_speed<double>).epsilon(1e-12));
   CHECK(acceleration == doctest::Approx(quintic_peak_acceleration<double>).epsilon(1e-9));
+}
+
+TEST_CASE(
+    "MovingStart: begins with the given rates, ends as the quintic, never turns back; its derivatives "
+    "agree") {
+  for (const double tf : {0.1, 1.0, 7.0})
+    for (const double v : {0.01, 0.5, 1.2, 2.4, 2.6, 30.0})  // over tf; beyond 2.5 a part of it
+      for (const double a : {-4.0, 0.0, 4.0}) {
+        const auto start = MovingStart<double>::along(2.0, 2 * v / tf, 2 * a / (tf * tf), tf);
+        const auto at = [&](double r) { return quintic(r, 1 / tf) + start.at(r, tf); };
+        CHECK(at(1e-12).a2 == doctest::Approx(std::min(v, 2.5) / tf));
+        CHECK(at(1.0).a1 == 1);
+        CHECK(at(1.0).a2 == 0);
+        CHECK(at(1.0).a3 == 0);
+        double last = 0;
+        for (double r = 0.001; r < 1; r += 0.001) {
+          const auto now = at(r), before = at(r - 1e-6), after = at(r + 1e-6);
+          CHECK(now.a2 == doctest::Approx((after.a1 - before.a1) / (2e-6 * tf)).epsilon(1e-6).scale(1 / tf));
+          CHECK(now.a3 ==
+                doctest::Approx((after.a2 - before.a2) / (2e-6 * tf)).epsilon(1e-5).scale(1 / (tf * tf)));
+          CHECK(now.a1 + now.rest == doctest::Approx(1));
+          if (a == 0) CHECK(now.a1 >= last - 1e-15);
+          last = now.a1;
+        }
+      }
+  CHECK(MovingStart<double>::along(1, -0.5, 0, 1).rate == 0);
+  CHECK(MovingStart<double>::along(0, 0.5, 0, 1).rate == 0);
 }

@@ -65,7 +65,7 @@ TEST_CASE("Main job: what is held against the arm comes to rest, up to the stiff
 
 TEST_CASE("Main job: what it declares makes the difference") {
   auto s = settings();
-  s.control.stiffest_contact = 3000;
+  s.control.stiffest_contact = 100;
   const Held h = held<4>(s, 3e4);
   CHECK(h.high - h.low > 10);
 }

@@ -24,12 +24,11 @@ struct ContactDamping {
 /// Each contact's push is watched for turns: it rose and then fell by more than `swing` and by more than a
 /// tenth of the push, or the reverse. A contact rings if turns come within `slowest` of each other and do not
 /// die out quickly (each swing at least 0.4 of the last one); so does one that bounces, however long the robot
-/// flies, if it returns by itself. The third turn in a row raises the damping along the contact to an eighth
-/// of `max`, and each further one doubles it (`contact_damped`). The damping is at least `always` while the
-/// contact lasts, at most `always + max`, rises and falls smoothly, and falls with the time constant `calm`
-/// once the contact has ended, ten times as slowly while it lasts. No damping is added for a robot that is
-/// not touched, for a push that takes longer than `slowest` from peak to trough, and for taps on a robot that
-/// rests or gives way.
+/// flies, if it returns by itself. The third turn in a row raises the damping along the contact to a sixteenth
+/// of `max`, and each further one triples it (`contact_damped`). The damping is at least `always` while the
+/// contact lasts, at most `always + max`, rises and falls smoothly, and falls once the contact has ended, with
+/// the time constant `calm`. No damping is added for a robot that is not touched, for a push that takes longer
+/// than `slowest` from peak to trough, and for taps on a robot that rests or gives way.
 template <Real T = double>
 class ContactDamper {
  public:
@@ -148,7 +147,7 @@ class ContactDamper {
       const T swing = w.rising ? T(w.extreme - w.last) : T(w.last - w.extreme);
       w.turns = w.since <= slowest_ && w.swing > T(0) && swing >= T(0.4) * w.swing ? w.turns + 1 : 1;
       if (w.turns >= 3) {
-        const T more = w.wish < T(0.0625) ? T(0.125) : T(2) * w.wish;
+        const T more = w.wish < T(0.03125) ? T(0.0625) : T(3) * w.wish;
         w.wish = more < T(1) ? more : T(1);
         w.turns = 3;
       }
@@ -159,8 +158,7 @@ class ContactDamper {
       w.since = T(0);
     }
     if (w.since > slowest_) w.turns = 0;
-    const T calm = force > T(0) ? T(T(10) * calm_) : calm_;
-    w.wish = w.wish * exp(-dt / calm);
+    if (!(force > T(0))) w.wish = w.wish * exp(-dt / calm_);  // what has rung would ring again
     const T rise = T(1) - exp(-dt / (T(0.1) * calm_));
     w.level = w.level + rise * (w.wish - w.level);
     if (w.level < T(1e-3) && w.wish < T(1e-3)) w.level = w.wish = T(0);

@@ -31,8 +31,7 @@ struct StiffestContact {
   Nanoseconds skin_delay{};  ///< age of a push when a cycle uses it, >= 0
   double margin = 2;         ///< required gain margin of one contact, >= 1
   double margin_of_two = 1.5;  ///< of two at once, >= 1
-  /// Whether a contact may ring first: then what the damper adds by observation counts too, as long as it
-  /// lasts (see `ContactDamper::Settings::calm`).
+  /// Whether a contact may ring first: then what the damper adds by observation counts too.
   bool may_ring = false;
   int poses = 8;  ///< 1 to 10 000
 

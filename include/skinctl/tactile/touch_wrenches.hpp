@@ -13,6 +13,9 @@ SKINCTL_BEGIN_NAMESPACE
 template <class W>
 struct TouchWrenches {
   using Wrenches = W;
+  using model_type = typename W::model_type;
+  using scalar = typename W::scalar;
+  static constexpr LinkMask links = W::links;
   W force;      ///< of the force readings
   W proximity;  ///< of the proximity readings
 

@@ -42,7 +42,8 @@ struct SplinePlan {
   }
 
   /// A spline from `where` to the goal, of 10 intervals or longer. Where its peak speed would exceed the
-  /// settings' limit it is stretched, or refused. A goal that is not finite is refused.
+  /// settings' limit it is stretched, or refused. A goal that is not finite is refused. A plan under way goes
+  /// on with its velocity and acceleration, as far as they lead towards the new goal.
   [[nodiscard]] Received<SplinePlan> to(const Goal& goal, const Where& where,
                                         const Settings& settings) const noexcept {
     const auto& s = Space::tracking(settings);
@@ -51,10 +52,12 @@ struct SplinePlan {
     if (!(shortest < T(1e9)) || goal.duration < 0ns) return {*this, Reason::goal_refused};
     const T asked = seconds<T>(goal.duration);
     const PlanClock<T> begun{0ns, clock_end, clock.to, clock.to};  // a stopped plan stays stopped
-    if (asked >= least) return {{Space::spline(where, Space::place(goal), asked), begun}, {}};
+    const auto in = [&](const T& tf) {
+      return Space::spline(where, Space::place(goal), tf).from(at(T(0), settings));
+    };
+    if (asked >= least) return {{in(asked), begun}, {}};
     if (goal.duration > 0ns && s.reach == GoalPolicy::refuse) return {*this, Reason::goal_refused};
-    return {{Space::spline(where, Space::place(goal), least), begun},
-            goal.duration > 0ns ? Status(Reason::goal_stretched) : Status{}};
+    return {{in(least), begun}, goal.duration > 0ns ? Status(Reason::goal_stretched) : Status{}};
   }
 };
 

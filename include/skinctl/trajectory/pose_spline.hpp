@@ -28,10 +28,23 @@ class PoseSpline {
   PoseSpline(const Pose& X_i, const Pose& X_g, const T& tf) noexcept
       : p_i_(X_i.origin()), p_g_(X_g.origin()), turn_(X_i.axes(), X_g.axes(), tf), tf_(tf) {}
 
+  /// Begins with the part of the motion of `now` that leads along its line and its turn: see `MovingStart`.
+  [[nodiscard]] PoseSpline from(const PoseReference<P, T>& now) const noexcept {
+    PoseSpline next = *this;
+    const Xyz<T> d = p_g_ - p_i_;
+    const T square = dot(d, d);
+    if (square > T(0))
+      next.start_ = MovingStart<T>::along(square, dot(now.V.linear, d), dot(now.A.linear, d), tf_);
+    next.turn_ = turn_.from(now.V.angular, now.A.angular);
+    return next;
+  }
+
   /// The reference `t` seconds after the start; exactly the ends before and after.
   [[nodiscard]] PoseReference<P, T> at(const T& t) const noexcept {
     const T rate = tf_ > T(0) ? T(T(1) / tf_) : T(0);
-    const auto way = quintic(tf_ > T(0) ? T(t / tf_) : T(1), rate);
+    auto way = quintic(tf_ > T(0) ? T(t / tf_) : T(1), rate);
+    if (start_.rate > T(0) && t < tf_) [[unlikely]]
+      way = way + start_.at(T(t / tf_), tf_);
     const Xyz<T> d = p_g_ - p_i_;
     const auto r = turn_.at(t);
     const Xyz<T> p = way.a1 <= T(0.5) ? Xyz<T>(p_i_ + way.a1 * d) : Xyz<T>(p_g_ - way.rest * d);
@@ -44,6 +57,7 @@ class PoseSpline {
   Xyz<T> p_i_, p_g_;
   RotationSpline<T> turn_;
   T tf_;
+  MovingStart<T> start_;
 };
 
 SKINCTL_END_NAMESPACE

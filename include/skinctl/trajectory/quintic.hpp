@@ -19,6 +19,10 @@ struct Quintic {
   T rest;  ///< `1 - a1`, the part that remains, without cancellation
   T a2;    ///< `da1/dt` [1/s]
   T a3;    ///< `da2/dt` [1/s^2]
+
+  friend SKINCTL_INLINE constexpr Quintic operator+(const Quintic& a, const Quintic& b) noexcept {
+    return {a.a1 + b.a1, a.rest + b.rest, a.a2 + b.a2, a.a3 + b.a3};
+  }
 };
 
 /// The quintic at the time ratio `r = t / tf`, with derivatives for `1 / tf` given as `rate` [1/s] (1: by r).
@@ -44,5 +48,32 @@ template <Real T>
   return {late ? far_end : near_end, late ? near_end : far_end, T(30) * rate * (t * t),
           late ? T(-bend) : bend};
 }
+
+/// The part of a quintic of `tf` seconds by which it begins in motion: `tf p rate + tf^2 b bend` with
+/// `p = r - 6 r^3 + 8 r^4 - 3 r^5` and `b = r^2 (1 - r)^3 / 2`, and its derivatives. It is zero at the end.
+template <Real T = double>
+struct MovingStart {
+  T rate = T(0);  ///< da1/dt at the start [1/s]
+  T bend = T(0);  ///< its derivative [1/s^2]
+
+  /// The start of a way `d` with the velocity `v` and the acceleration `a`: as much of them as does not lead
+  /// beyond the goal, and nothing of a motion away from it.
+  [[nodiscard]] static constexpr MovingStart along(const T& d, const T& v, const T& a, const T& tf) noexcept {
+    if (!(d * v > T(0)) || !(tf > T(0))) return {};
+    const T rate = v / d, most = T(2.5) / tf;  // a1 grows all the way up to that
+    if (rate > most) return {most, T(0)};
+    const T bend = a / d, limit = T(5) / (tf * tf);
+    return {rate, bend > limit ? limit : (bend < -limit ? T(-limit) : bend)};
+  }
+  [[nodiscard]] SKINCTL_INLINE Quintic<T> at(const T& r, const T& tf) const noexcept {
+    if (!(r < T(1)) || !(r > T(0))) return {T(0), T(0), r == T(0) ? rate : T(0), r == T(0) ? bend : T(0)};
+    const T rest = T(1) - r, square = rest * rest;
+    const T p = r * rest * square * (T(1) + T(3) * r), b = T(0.5) * r * r * rest * square;
+    const T dp = square * (T(1) + r * (T(2) - T(15) * r)), db = T(0.5) * r * square * (T(2) - T(5) * r);
+    const T ddp = r * (r * (T(96) - T(60) * r) - T(36)), ddb = T(1) - r * (T(9) - r * (T(18) - T(10) * r));
+    const T a1 = tf * (p * rate + tf * b * bend);
+    return {a1, T(-a1), dp * rate + tf * db * bend, ddp * rate / tf + ddb * bend};
+  }
+};
 
 SKINCTL_END_NAMESPACE

@@ -21,18 +21,45 @@ template <std::size_t N, Real T = double>
 struct JointSpline {
   JointPosition<N, T> q_i;
   JointPosition<N, T> q_g;
-  T tf = T(0);  ///< [s]; if not positive, the reference is the goal from the start
+  T tf = T(0);                        ///< [s]; if not positive, the reference is the goal from the start
+  JointVelocity<N, T> rate = {};      ///< of the start, see `MovingStart` [1/s]
+  JointAcceleration<N, T> bend = {};  ///< [1/s^2]
+  bool moves = false;                 ///< whether one of them is not zero
+
+  /// Begins with the velocity and acceleration of `now`, see `MovingStart`.
+  [[nodiscard]] constexpr JointSpline from(const JointReference<N, T>& now) const noexcept {
+    JointSpline next = *this;
+    for (std::size_t i = 0; i < N; ++i) {
+      const auto start = MovingStart<T>::along(T(q_g[i] - q_i[i]), now.dq_d[i], now.ddq_d[i], tf);
+      next.rate[i] = start.rate;
+      next.bend[i] = start.bend;
+      next.moves = next.moves || start.rate > T(0);
+    }
+    return next;
+  }
 
   /// The reference `t` seconds after the start: at rest in `q_i` before it, at rest in `q_g` (exactly) from
   /// the end on.
   [[nodiscard]] SKINCTL_INLINE JointReference<N, T> at(const T& t) const noexcept {
-    const T rate = tf > T(0) ? T(T(1) / tf) : T(0);
-    const auto way = quintic(tf > T(0) ? T(t / tf) : T(1), rate);
+    const auto way = quintic(tf > T(0) ? T(t / tf) : T(1), tf > T(0) ? T(T(1) / tf) : T(0));
     // From the nearer end, so that both ends are met exactly.
     const bool early = way.a1 <= T(0.5);
     const detail::Row<N, T> start = q_i, goal = q_g, d = goal - start;
-    return {JointPosition<N, T>((early ? start : goal) + (early ? way.a1 : T(-way.rest)) * d),
-            JointVelocity<N, T>(way.a2 * d), JointAcceleration<N, T>(way.a3 * d)};
+    JointReference<N, T> out{
+        JointPosition<N, T>((early ? start : goal) + (early ? way.a1 : T(-way.rest)) * d),
+        JointVelocity<N, T>(way.a2 * d), JointAcceleration<N, T>(way.a3 * d)};
+    if (moves && t < tf) [[unlikely]]
+      add_start(t, out);
+    return out;
+  }
+  SKINCTL_COLD void add_start(const T& t, JointReference<N, T>& out) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      const auto more = MovingStart<T>{rate[i], bend[i]}.at(T(t / tf), tf);
+      const T d = q_g[i] - q_i[i];
+      out.q_d[i] = out.q_d[i] + more.a1 * d;
+      out.dq_d[i] = out.dq_d[i] + more.a2 * d;
+      out.ddq_d[i] = out.ddq_d[i] + more.a3 * d;
+    }
   }
 };
 

@@ -32,10 +32,20 @@ class RotationSpline {
   RotationSpline(const Rotation<T>& R_i, const Rotation<T>& R_g, const T& tf, const Xyz<T>& near) noexcept
       : R_i_(R_i), R_g_(R_g), phi_(log_so3(R_g * R_i.transpose(), near)), tf_(tf) {}
 
+  /// Begins with the part along its turn of the motion of `now`, see `MovingStart`.
+  [[nodiscard]] RotationSpline from(const Xyz<T>& omega, const Xyz<T>& domega) const noexcept {
+    RotationSpline next = *this;
+    const T square = dot(phi_, phi_);
+    if (square > T(0)) next.start_ = MovingStart<T>::along(square, dot(omega, phi_), dot(domega, phi_), tf_);
+    return next;
+  }
+
   /// The reference `t` seconds after the start; exactly `R_i` before it and `R_g` from the end on.
   [[nodiscard]] RotationReference<T> at(const T& t) const noexcept {
     const T rate = tf_ > T(0) ? T(T(1) / tf_) : T(0);
-    const auto way = quintic(tf_ > T(0) ? T(t / tf_) : T(1), rate);
+    auto way = quintic(tf_ > T(0) ? T(t / tf_) : T(1), rate);
+    if (start_.rate > T(0) && t < tf_) [[unlikely]]
+      way = way + start_.at(T(t / tf_), tf_);
     const auto R = way.a1 <= T(0.5) ? exp_so3(Xyz<T>(way.a1 * phi_)) * R_i_
                                     : exp_so3(Xyz<T>(T(-way.rest) * phi_)) * R_g_;
     return {way.rest == T(0) ? R_g_ : (way.a1 == T(0) ? R_i_ : R), way.a2 * phi_, way.a3 * phi_};
@@ -47,6 +57,7 @@ class RotationSpline {
   Rotation<T> R_i_, R_g_;
   Xyz<T> phi_;
   T tf_;
+  MovingStart<T> start_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -199,10 +199,11 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
 template <class Robot, class Skin>
 SKINCTL_COLD void check_contacts(const Robot& robot, const Skin& skin) {
   if constexpr (requires { robot.parts(); }) {
-    const auto check = [&]<class Part>(const Part& part) {
-      if constexpr (std::is_same_v<typename Part::RobotPart, StiffestContactPart>) part.check(robot, skin);
+    const auto check = [&]<class Part>(const Part& given_part) {
+      if constexpr (std::is_same_v<typename Part::RobotPart, StiffestContactPart>)
+        given_part.check(robot, skin);
     };
-    std::apply([&](const auto&... part) { (check(part), ...); }, robot.parts());
+    std::apply([&](const auto&... given_part) { (check(given_part), ...); }, robot.parts());
   }
 }
 }  // namespace detail
