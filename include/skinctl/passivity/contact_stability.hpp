@@ -39,8 +39,8 @@ template <Real T>
 ///
 ///     g(s) = w_f k n'J (M s^2 + B s)^-1 J'n (1 + T_lead s) exp(-s t_skin) H
 ///
-/// with H the robot as cycles see it, delay, lag and hold (`detail::ContactPath`). Simulated over predicted
-/// stiffness: 0.99 to 1.07, without lag as with it; `exp(-s (T_d + dt/2)) / (tau s + 1)` gives 0.72 to 1.09.
+/// with H the robot as cycles see it, delay, lag, hold and samples (`detail::ContactPath`). Simulated over predicted
+/// stiffness: within 2 %, without lag as with it; `exp(-s (T_d + dt/2)) / (tau s + 1)` gives 0.72 to 1.09.
 /// M and B are the configured inertia and friction, of joints and of the tool (`Tool`, as in the resolver),
 /// and along the contact the contact damping. The loop is stable up to the stiffness at which g passes -1. A
 /// contact is given by its row `n'J` (see `Contact::row`). For configuration time: some hundred small complex

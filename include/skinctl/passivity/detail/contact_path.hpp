@@ -11,7 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// The path of a contact's loop from the virtual robot's position to the law's torque, but for gains, at the
-/// frequency w [1/s]: `(1 + T_lead s) exp(-s t_skin) H`, with H the robot as cycles see it:
+/// frequency w [1/s]: `(1 + T_lead s) exp(-s t_skin) x cot(x) H`, where x = w dt/2 stands for forces that are
+/// linear between samples, and H is the robot as cycles see it:
 ///
 ///     H = exp(-s (T_d + m)) (1 - e^(-m/tau) + e^(-m/tau) (1 - e^(-dt/tau)) / (exp(s dt) - e^(-dt/tau)))
 ///
@@ -46,7 +47,10 @@ class ContactPath {
 
   [[nodiscard]] std::complex<T> at(const T& w) const {
     const std::complex<T> z = std::polar(T(1), w * period_);
-    return std::complex<T>(T(1), lead_ * w) * std::polar(T(1), -w * (seen_ + skin_delay_)) *
+    using std::tan;
+    const T x = T(0.5) * w * period_;
+    return std::complex<T>(x / tan(x)) * std::complex<T>(T(1), lead_ * w) *
+           std::polar(T(1), -w * (seen_ + skin_delay_)) *
            (T(1) - rest_ + rest_ * (T(1) - decay_) / (z - decay_));
   }
   /// The delay for slow motion [s]: `T_d + t_skin + tau + dt/2` or a little more.
