@@ -22,7 +22,6 @@ using namespace skinctl::testing;
 
 namespace {
 
-const ur5::Model model;
 const JointPosition<6> home{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
 
 WristSensorSettings<5> at_flange(double gain = 1) {
@@ -194,4 +193,33 @@ TEST_CASE("Sensors: a loop takes a robot's wrenches, and keeps those of the wors
   REQUIRE(kept.size() == 1);
   CHECK(kept.data() == report.worst->wrenches.data());
   CHECK(kept[0].force[1] == 10);
+}
+
+TEST_CASE("Sensors: contact limits of the link with the sensor stop an arm that presses too hard") {
+  const LinkContact<5> limit{
+      .region = {.force = 60, .blow = 120, .first = 100ms, .stiffness = 3e4, .mass = 5},
+      .reach = 0.3,
+      .reaction = 24ms};
+  const auto scene = wrist_scene<double>().with(limit);
+  using Scene = std::remove_cvref_t<decltype(scene)>;
+  const auto pressed = [&](double force) {
+    const auto memory = std::make_unique<typename Scene::Memory>();
+    auto q = home;
+    scene.start(*memory, {0ns, q, {}});
+    Status all;
+    for (int k = 1; k <= 50; ++k) {
+      const WrenchSample sample{8ms * k, {0, 0, force}, {0, 0, 0}};
+      Scene::Input input;
+      input.now = 8ms * k;
+      input.measured = {input.now, q, {}};
+      input.sensed.wrenches = {&sample, 1};
+      const auto out = scene.step(*memory, input);
+      all |= out.status;
+      q = out.command.position;
+    }
+    return all;
+  };
+  CHECK_FALSE(pressed(40).has(Reason::contact_force));
+  CHECK(pressed(80).has(Reason::contact_force));   // for longer than 100 ms
+  CHECK(pressed(150).has(Reason::contact_force));  // at once
 }

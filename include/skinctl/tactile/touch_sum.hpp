@@ -95,9 +95,7 @@ struct SensedOf<S> {
 };
 /// The inputs of two sources, each with its own members.
 template <class A, class B>
-struct BothSensed : A, B {
-  static_assert(!std::is_same_v<A, B>, "two sensors of one kind: a scene has one of each");
-};
+struct BothSensed : A, B {};
 template <class A, class B>
 struct SensedByBoth {
   using type = BothSensed<typename A::Sensed, typename B::Sensed>;
@@ -126,6 +124,8 @@ class TouchSources : public detail::ApartOfSum<A, B> {
  public:
   static_assert(std::is_same_v<typename A::Wrenches::scalar, typename B::Wrenches::scalar>,
                 "two sources of touch in different scalars");
+  static_assert(!std::is_base_of_v<typename B::Sensed, typename detail::SensedOf<A>::type>,
+                "two sensors of one kind: a scene has one of each");
   using scalar = typename A::Wrenches::scalar;
   using Wrenches = TouchSum<typename A::Wrenches, typename B::Wrenches>;
   using Sensed = typename detail::SensedByBoth<A, B>::type;
@@ -244,5 +244,10 @@ template <TouchSource A, TouchSensor B>
 [[nodiscard]] TouchSources<A, B> operator+(const A& a, const B& b) {
   return {a, b};
 }
+// clang-format off
+template <TouchSource A, TouchSource B>
+  requires(!TouchSensor<B>)
+void operator+(const A&, const B&) = delete;  // a scene has one skin, and it stands first: skin + sensor
+// clang-format on
 
 SKINCTL_END_NAMESPACE

@@ -1,0 +1,10 @@
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+auto build() {
+  const auto arm = by_position(
+      ur10e::Model{},
+      {.limits = limits_of<ur10e::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
+  return Cycle(arm, wrist_sensor<5>(ur10e::Model{}), SkinJointControl{} + GravityControl{});
+}

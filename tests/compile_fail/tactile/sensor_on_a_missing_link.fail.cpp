@@ -1,0 +1,8 @@
+// expect: a wrist sensor on a link that the model does not have
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+auto build() {
+  return wrist_sensor<6>(ur5::Model{});
+}

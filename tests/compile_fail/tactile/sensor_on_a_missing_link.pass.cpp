@@ -1,0 +1,7 @@
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+auto build() {
+  return wrist_sensor<5>(ur5::Model{});
+}
