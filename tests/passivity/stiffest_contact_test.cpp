@@ -33,8 +33,7 @@ struct Loops {
   explicit Loops(const RobotConfiguration<6>& c, const JointPosition<6>& q = pose)
       : stability(ur5::Model{}, c, {.stiffness = 1e4}),
         modes(stability.felt(q).inertia, stability.felt(q).friction),
-        path(stability.total_delay() - seconds<double>(c.lag), seconds<double>(c.lag),
-             seconds<double>(c.lead)) {}
+        path(c, 0ns) {}
   double stiffest(const double (&a)[6], double b) const {
     double mode[6];
     modes.row(a, mode);

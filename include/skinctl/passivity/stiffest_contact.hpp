@@ -107,9 +107,7 @@ struct StiffestContact {
     const ContactStability<M, T, std::remove_cv_t<decltype(tool)>> stability(
         robot.model(), c,
         {.stiffness = T(stiffness), .cover = T(cover), .skin_delay = skin_delay, .margin = T(margin)}, tool);
-    const double lag = seconds<double>(c.lag);
-    AllContacts<N> out{{static_cast<double>(stability.total_delay()) - lag, lag, seconds<double>(c.lead)},
-                       {}};
+    AllContacts<N> out{{c.delay, skin_delay, c.period, c.lag, c.lead}, {}};
     for (int k = 0; k < poses; ++k) {
       JointPosition<N, T> q;
       for (std::size_t i = 0; i < N; ++i) {

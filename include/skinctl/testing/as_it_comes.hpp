@@ -67,17 +67,6 @@ auto as_it_comes_cycle(const AsItComes& c, bool truly, const L& law) {
                ur5_skin<AsItComesWorld::cells_of_skin>(gains, skin), law);
 }
 
-namespace detail {
-template <class R>
-constexpr R gap_reason() {
-  if constexpr (requires { R::displaced; }) {
-    return R::displaced;
-  } else {
-    return R::consent_awaited;
-  }
-}
-}  // namespace detail
-
 /// A case, run once. `trace(t, joints, command, forces)` is called every cycle.
 /// @param truly  its encoders have been calibrated; the scene is given that of `as_it_comes_cycle`.
 template <class Scene, class Trace>
@@ -178,7 +167,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     samples.clear();
     out.valid = out.valid && result.command.valid;
     out.reasons |= result.status;
-    waits = result.status.has(detail::gap_reason<Reason>()) || result.status.has(Reason::consent_awaited)
+    waits = result.status.has(Reason::displaced) || result.status.has(Reason::consent_awaited)
                 ? waits + seconds<double>(c.period)
                 : 0;
     std::array<double, 6> sent{};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/passivity/detail/contact_path.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -95,33 +96,6 @@ class ContactModes {
   }
 
   T L_[N][N] = {}, V_[N][N], d_[N];
-};
-
-/// Delays and lag of the path from a contact's displacement back to its force at the law.
-template <Real T>
-class ContactPath {
- public:
-  /// A frequency [1/s] and the path there.
-  struct Point {
-    T w;
-    std::complex<T> way;
-  };
-
-  ContactPath(const T& dead_time, const T& lag, const T& lead)
-      : dead_time_(dead_time), lag_(lag), lead_(lead) {
-    // Beyond 20/T the loop's gain is negligible.
-    const T total = dead_time + lag;
-    for (T w = T(5e-3) / total; w < T(22) / total; w *= T(1.12)) grid_.push_back({w, at(w)});
-  }
-  [[nodiscard]] std::complex<T> at(const T& w) const {
-    return std::complex<T>(T(1), lead_ * w) * std::polar(T(1), -w * dead_time_) /
-           std::complex<T>(T(1), lag_ * w);
-  }
-  [[nodiscard]] const std::vector<Point>& grid() const noexcept { return grid_; }
-
- private:
-  T dead_time_, lag_, lead_;
-  std::vector<Point> grid_;
 };
 
 /// The stiffness up to which one contact (`b` null), or two of equal stiffness, are stable [N/m]: where an

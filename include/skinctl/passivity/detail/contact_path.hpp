@@ -1,0 +1,75 @@
+// From the motion of a virtual robot to the force that its law gets: delays, lag, and cycles that hold.
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "skinctl/robot/robot_configuration.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// The path of a contact's loop from the virtual robot's position to the law's torque, but for gains, at the
+/// frequency w [1/s]: `(1 + T_lead s) exp(-s t_skin) x cot(x) H`, where x = w dt/2 stands for forces that are
+/// linear between samples, and H is the robot as cycles see it:
+///
+///     H = exp(-s (T_d + m)) (1 - e^(-m/tau) + e^(-m/tau) (1 - e^(-dt/tau)) / (exp(s dt) - e^(-dt/tau)))
+///
+/// Commands are held; behind delay and lag they wait for the cycle that sees them, m, up to a period. A command
+/// that arrives together with a cycle may just have missed it: with a delay of whole periods m is a period.
+template <Real T>
+class ContactPath {
+ public:
+  /// A frequency [1/s] and the path there.
+  struct Point {
+    T w;
+    std::complex<T> way;
+  };
+
+  ContactPath(Nanoseconds delay, Nanoseconds skin_delay, Nanoseconds period, Nanoseconds lag,
+              Nanoseconds lead)
+      : period_(seconds<T>(period)),
+        lead_(seconds<T>(lead)),
+        skin_delay_(seconds<T>(skin_delay)),
+        seen_(seconds<T>((delay / period + 1) * period)) {
+    using std::exp;
+    if (lag > 0ns) {
+      rest_ = exp((seconds<T>(delay) - seen_) / seconds<T>(lag));
+      decay_ = exp(-period_ / seconds<T>(lag));
+    }
+    for (T w = T(5e-3) / total_delay(); w < last(); w *= T(1.12)) grid_.push_back({w, at(w)});
+    grid_.push_back({last(), at(last())});
+  }
+  template <std::size_t N>
+  ContactPath(const RobotConfiguration<N, T>& c, Nanoseconds skin_delay)
+      : ContactPath(c.delay, skin_delay, c.period, c.lag, c.lead) {}
+
+  [[nodiscard]] std::complex<T> at(const T& w) const {
+    const std::complex<T> z = std::polar(T(1), w * period_);
+    using std::tan;
+    const T x = T(0.5) * w * period_;
+    return std::complex<T>(x / tan(x)) * std::complex<T>(T(1), lead_ * w) *
+           std::polar(T(1), -w * (seen_ + skin_delay_)) *
+           (T(1) - rest_ + rest_ * (T(1) - decay_) / (z - decay_));
+  }
+  /// The delay for slow motion [s]: `T_d + t_skin + tau + dt/2` or a little more.
+  [[nodiscard]] T total_delay() const noexcept {
+    return seen_ + skin_delay_ + rest_ * period_ / (T(1) - decay_);
+  }
+  /// The highest frequency that cycles see; beyond 20/T the loop's gain is negligible.
+  [[nodiscard]] T last() const noexcept {
+    const T nyquist = T(3.14159265358979323846) / period_, beyond = T(20) / total_delay();
+    return beyond < nyquist ? beyond : nyquist;
+  }
+  [[nodiscard]] const std::vector<Point>& grid() const noexcept { return grid_; }
+
+ private:
+  T period_, lead_, skin_delay_;
+  T seen_;                        ///< T_d + m
+  T rest_ = T(0), decay_ = T(0);  ///< of the lag: left to do after m, and after a period
+  std::vector<Point> grid_;
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,30 @@
+// Robots that are not as declared; the study as_it_comes runs ten thousand of them.
+#include "skinctl/testing/as_it_comes.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+TEST_CASE(
+    "as it comes: untouched it moves by no more than its gap, it never runs away, and a touch is not much "
+    "harder") {
+  for (std::uint64_t seed = 1; seed <= (sanitized ? 5 : 30); ++seed) {
+    const AsItComes c(seed);
+    const auto r = run_as_it_comes(c, false), twin = run_as_it_comes(c, true);
+    const AsItComesVerdict v(c, r, twin);
+    CAPTURE(seed);
+    CAPTURE(as_it_comes_scenes[static_cast<int>(c.scene)]);
+    CHECK_FALSE(v.away);
+    CHECK_FALSE(v.silent);
+    CHECK_FALSE(v.early);
+    CHECK_FALSE(v.moved);
+    CHECK(r.goal_error <= 0.01);
+    CHECK(v.late_ratio <= 2);
+    // Declared truly it stays, arrives and gives way.
+    CHECK(twin.beyond <= 0);
+    CHECK(twin.goal_error <= 0.002);
+    CHECK(twin.valid);
+    if (c.scene == AsItComesScene::led) CHECK(twin.late < 40);
+  }
+}
