@@ -27,6 +27,7 @@ struct ResidualWatch {
   T side = T(0);   ///< its sign
   T most = T(0);   ///< largest speed of a correction [rad/s]
   T robot = T(0);  ///< measured position then
+  T told = T(0);   ///< H(commands) then
   T joint = T(0);  ///< q^ then
 };
 

@@ -177,9 +177,8 @@ SKINCTL_COLD Status SKINCTL_VIRTUAL_JOINTS_CLASS::follow(Memory& m, const Veloci
     const T h = dt > p_.cycle ? p_.cycle : dt;
     const Row du = rate - last;
     const Row aside = T(0.25) * (a * Row(T(h * h)) - du * du / a);
-    m.behind =
-        !all((magnitude(du) <= a * Row(h)) & (magnitude(ahead - T(0.5) * h * (last + rate)) <= aside)) ||
-        !is_near(ahead);
+    m.behind = !all((magnitude(du) <= a * Row(h)) & (magnitude(ahead - T(0.5) * h * (last + rate)) <= aside) &
+                    (magnitude(ahead) <= h * Row(p_.limits.velocity())));
     if (!m.behind) {
       m.sent = m.q;
       m.command.velocity = m.rate;

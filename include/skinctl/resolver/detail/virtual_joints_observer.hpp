@@ -72,7 +72,10 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, 
   for (std::size_t i = 0; i < N; ++i) {
     auto& w = m.watch[i];
     if (rho[i] == T(0)) {
-      w.size = T(0);
+      // A lag that hides a gap for some cycles does not end its observation.
+      const T near = r[i] < T(0) ? T(-r[i]) : r[i];
+      if (near < T(0.5) * p_.dead_band[i]) w.size = T(0);
+      m.watched = m.watched || w.size > T(0);
       continue;
     }
     m.watched = true;
@@ -81,6 +84,7 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, 
       w.size = far;
       w.side = side;
       w.robot = m.measured.q[i];
+      w.told = m.under_way.reached[i];
       w.joint = m.q.value[i];
     };
     if (w.size == T(0) || w.side != side) {
@@ -92,7 +96,10 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, 
     }
     const T moved = side * (m.measured.q[i] - w.robot);
     if (far > w.size) w.size = far;
-    if (moved <= T(-0.5) * w.size) {  // it lags
+    // It lags, and moves with commands that go against the correction: a good way, or all of it for a while.
+    const T told = side * (m.under_way.reached[i] - w.told);
+    if (moved <= T(-0.5) * w.size ||
+        (m.off_for[i] >= T(4) * p_.total_delay && told <= T(-0.05) * w.size && moved <= T(0.5) * told)) {
       begin();
       m.off_for[i] = T(0);
     }
