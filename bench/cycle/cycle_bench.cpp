@@ -100,12 +100,10 @@ void run_dense(benchmark::State& state, const Law& control) {
   State<6, T> measured;
   measured.q = JointPosition<6, T>{T(0), T(-1.2), T(1.4), T(-1.8), T(-1.57), T(0.3)};
   auto memory = robot.start(measured);
-  using Known =
-      typename std::remove_cvref_t<decltype(robot)>::template Knows<std::remove_cvref_t<decltype(control)>,
-                                                                    typename Dense::Wrenches>;
   typename Dense::Wrenches touch = skin.wrenches(*frame);
   const auto start = robot.state(memory);
-  auto law_memory = control.start(Known(robot.model(), start, robot.planned_step(), touch));
+  auto law_memory = control.start(
+      robot.template known<std::remove_cvref_t<decltype(control)>>(start, robot.planned_step(), touch));
   Nanoseconds now{};
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
