@@ -152,7 +152,8 @@ class Guard {
     status |= interval.status;
     Nanoseconds elapsed = period_;
     if (!status.has(Reason::time_backwards)) [[likely]] {
-      elapsed = interval.to - interval.from;
+      // A clock that was just set vouches for no more than a period.
+      elapsed = interval.clock_set ? period_ : interval.to - interval.from;
       m.time = now;
       if (now - measured.time > stale_after_) status |= Reason::state_stale;
     }
