@@ -210,7 +210,8 @@ TEST_CASE("governor: the tool's speed is kept next to the ends of the joints") {
     }
     CHECK(fastest <= 0.25 * (1 + 1e-6));
     CHECK(beyond <= 1e-12);
-    MESSAGE(std::string(smooth ? "with" : "without") << " a limit of jerk: fastest " << fastest << " of 0.25 m/s");
+    MESSAGE(std::string(smooth ? "with" : "without")
+            << " a limit of jerk: fastest " << fastest << " of 0.25 m/s");
   }
   CHECK(near > (sanitized ? 6000 : 60000));  // the limit is used
   CHECK(at_ends > (sanitized ? 6000 : 60000));

@@ -67,7 +67,8 @@ TEST_CASE("RobotDescription: numbers that cannot be are refused where it is buil
 
 TEST_CASE("RobotDescription: a short delay suits a dead band only of a robot with a virtual one") {
   RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(), .period = 100us};
-  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).empty());  // its own suits any delay
+  CHECK(
+      refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).empty());  // its own suits any delay
   c.dead_band = JointPosition<6>::constant(0.01);
   CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).find("dead band") !=
         std::string::npos);

@@ -13,9 +13,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// a positive `force[0]`. A device that reports the reaction (the robot's load on the world) has the opposite
 /// sign: negate all six numbers where the sample is made.
 struct WrenchSample {
-  Nanoseconds time{};               ///< time of the measurement
-  std::array<double, 3> force{};    ///< [N]
-  std::array<double, 3> moment{};   ///< [N m]
+  Nanoseconds time{};              ///< time of the measurement
+  std::array<double, 3> force{};   ///< [N]
+  std::array<double, 3> moment{};  ///< [N m]
 };
 
 /// Empty if the sample is valid; `sample_not_finite` if a number is NaN or infinite; `sample_out_of_range` if
