@@ -311,3 +311,28 @@ TEST_CASE("cycle: a start from a state that is not finite commands nothing") {
   input.measured.time = 8ms;
   CHECK_FALSE(scene.step(memory, input).command.valid);
 }
+
+TEST_CASE("cycle: taken over where it was told to be, a robot that stands beside that does not step") {
+  const auto scene = reaching_scene();
+  State<6> state;
+  state.q = home_position();
+  for (double& q : state.q) q += 0.08;
+  auto memory = scene.start(state, home_position());
+  for (int k = 1; k < 200; ++k) {
+    Reaching::Input input;
+    input.now = k * 8ms;
+    input.measured = state;
+    input.measured.time = input.now;
+    const auto out = scene.step(memory, input);
+    REQUIRE(out.command.valid);
+    CHECK_FALSE(out.status.has(Reason::displaced));
+    for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(out.command.position[i] - home[i]) < 1e-9);
+  }
+  state.q[2] = home[2] + 0.2;
+  auto too_far = scene.start(state, home_position());
+  Reaching::Input input;
+  input.now = 8ms;
+  input.measured = state;
+  input.measured.time = 8ms;
+  CHECK_FALSE(scene.step(too_far, input).command.valid);
+}

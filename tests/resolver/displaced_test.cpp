@@ -279,3 +279,23 @@ TEST_CASE("Resolver: a late cycle is not caught up in one servo cycle") {
     if (v < 2) CHECK(loop.memory.sent.value[0] == doctest::Approx(loop.memory.q.value[0]).epsilon(1e-12));
   }
 }
+
+TEST_CASE("Displaced robot: told where it was sent, it starts without a step and without consent") {
+  for (const double gap : {0.03, -0.1, 0.149}) {
+    JointTruth<6> truth;
+    truth.delay = truth.lag = 0.008;
+    truth.gap = truth.all(gap);
+    Loop<Interface::position> loop(declared(), truth);
+    loop.memory = loop.robot.start(loop.measure(0ns), JointPosition<6>(pose));
+    loop.run(2);
+    CHECK(loop.furthest < 1e-12);
+    CHECK(loop.status == Status{});
+    loop.run(1, [](double, const Row&) { return Row{20}; });
+    CHECK(loop.joints.q()[0] - pose[0] > 0.1);
+    CHECK_FALSE(loop.status.has(Reason::displaced));
+  }
+  JointTruth<6> truth;
+  truth.gap[3] = 0.2;
+  Loop<Interface::position> loop(declared(), truth);
+  CHECK_FALSE(loop.robot.start(loop.measure(0ns), JointPosition<6>(pose)).started);
+}

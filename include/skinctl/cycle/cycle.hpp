@@ -160,12 +160,18 @@ class Cycle {
   /// The same in place, for memories too large for the stack.
   SKINCTL_COLD void start(Memory& m, const State<joints, scalar>& measured) const noexcept {
     m.robot = resolver_.start(measured);
-    m.skin = skin_.start(measured.time);
-    m.guard = guard_.start(m.robot.command, measured);
-    m.governor = {};
-    const auto state = resolver_.state(m.robot);
-    const Wrenches touch = skin_.wrenches(m.skin);
-    m.law = law_.start(resolver_.template known<L>(state, period(), touch));
+    start_rest(m, measured);
+  }
+  /// Takes over a robot by position that was told to be at `told`, as its controller reports it (the target of a
+  /// UR), and that stands beside it by no more than 0.15 rad: it does not step, and the gap needs no consent.
+  [[nodiscard]] Memory start(const State<joints, scalar>& measured,
+                             const JointPosition<joints, scalar>& told) const noexcept
+    requires detail::takes_positions<Resolver>
+  {
+    Memory m{};
+    m.robot = resolver_.start(measured, told);
+    start_rest(m, m.robot.started ? m.robot.measured : measured);
+    return m;
   }
 
   /// One cycle: `(memory, input) -> (output, memory')`, the interval being the time since the last one.
@@ -183,6 +189,16 @@ class Cycle {
   }
 
  private:
+  /// All but the robot.
+  SKINCTL_COLD void start_rest(Memory& m, const State<joints, scalar>& measured) const noexcept {
+    m.skin = skin_.start(measured.time);
+    m.guard = guard_.start(m.robot.command, measured);
+    m.governor = {};
+    const auto state = resolver_.state(m.robot);
+    const Wrenches touch = skin_.wrenches(m.skin);
+    m.law = law_.start(resolver_.template known<L>(state, period(), touch));
+  }
+
   template <class, std::size_t>
   friend class Configurations;
   template <class, class>

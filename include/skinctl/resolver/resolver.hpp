@@ -119,6 +119,15 @@ class Resolver {
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
     return {virtual_.start(measured), keeper_.template start<joints>()};
   }
+  /// The same of a robot that was told to be at `told` and stands beside it (a servo that droops, encoders that
+  /// are off): the first command is `told`, so that the robot does not step, and the gap is taken off the
+  /// measurements. More than 0.15 rad of one joint: the memory has not been started.
+  [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured,
+                                          const JointPosition<joints, T>& told) const noexcept
+    requires(I == Interface::position)
+  {
+    return {virtual_.start(measured, told), keeper_.template start<joints>()};
+  }
 
   /// The state that laws read.
   [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return {m.time, m.q.value, m.v}; }

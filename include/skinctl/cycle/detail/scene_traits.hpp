@@ -52,6 +52,8 @@ template <class Skin, class Touch>
 concept KnowsPressed = requires(const Skin& skin, const typename Skin::Memory& memory, const Touch& touch) {
   skin.pressed(memory, touch);
 };
+template <class Resolver>
+inline constexpr bool takes_positions = requires { requires Resolver::interface == Interface::position; };
 /// The touch that a resolver takes from a skin: forces and proximities apart where a tank has to tell them, and
 /// where contacts are asked for (`Contacts`) and not known otherwise.
 template <class Resolver, class Skin, bool Contacts>

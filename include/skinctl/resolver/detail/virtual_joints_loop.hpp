@@ -38,6 +38,16 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
 }
 
 SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measured,
+                                                      const Position& told) const noexcept -> Memory {
+  const Row gap = Row(measured.q) - told;
+  if (any(!(magnitude(gap) <= Row(largest_gap<T>)))) return {};
+  Memory m = start(State<N, T>{measured.time, told, measured.dq});
+  gap.store(m.gap);
+  return m;
+}
+
+SKINCTL_VIRTUAL_JOINTS
 Interval SKINCTL_VIRTUAL_JOINTS_CLASS::interval(const Memory& m, Nanoseconds now) const noexcept {
   Interval out = interval_since(m.started, m.time, m.odd, now, p_.longest_interval);
   const std::int64_t steps = (out.to - out.from + p_.substep - 1ns) / p_.substep;
