@@ -206,6 +206,7 @@ int main(int argc, char** argv) {
   }
   plotting::Plot plot;
   plot.title = "Largest force after 10 s of guided motion, as a multiple of that of the robot declared truly";
+  plot.x_name = "share of the cases [%]";
   plot.y_name = "times";
   for (int k = 0; k < scenes; ++k) {
     if (ratios[k].size() < 2) continue;
