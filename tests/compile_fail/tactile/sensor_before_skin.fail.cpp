@@ -1,4 +1,4 @@
-// expect: skin + sensor
+// expect: one skin, and it stands first
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
