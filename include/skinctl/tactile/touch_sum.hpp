@@ -239,15 +239,17 @@ class TouchSources : public detail::ApartOfSum<A, B> {
   B b_;
 };
 
+namespace detail {
+// A constant, where a concept would add its reasons to the error of every other sum that does not compile.
+template <class A, class B>
+inline constexpr bool are_touch_sources = TouchSource<A> && TouchSource<B>;
+}  // namespace detail
+
 /// A skin and a sensor, or two sensors, as the touch of one scene.
-template <TouchSource A, TouchSensor B>
+template <class A, class B, std::enable_if_t<detail::are_touch_sources<A, B>, int> = 0>
 [[nodiscard]] TouchSources<A, B> operator+(const A& a, const B& b) {
+  static_assert(TouchSensor<B>, "a scene has one skin, and it stands first: skin + sensor");
   return {a, b};
 }
-// clang-format off
-template <TouchSource A, TouchSource B>
-  requires(!TouchSensor<B>)
-void operator+(const A&, const B&) = delete;  // a scene has one skin, and it stands first: skin + sensor
-// clang-format on
 
 SKINCTL_END_NAMESPACE
