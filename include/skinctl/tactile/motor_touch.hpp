@@ -7,6 +7,7 @@
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
 #include "skinctl/tactile/detail/sampled_row.hpp"
+#include "skinctl/tactile/detail/summand.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/momentum_observer.hpp"
 
@@ -44,7 +45,7 @@ struct MotorTouchSettings {
 /// Each state with a new stamp is a sample. Between samples the torque is linear in time, delayed by one
 /// sample; without new states it fades (`sample_stale`).
 template <RobotModel M, Real T = double>
-class MotorTouch {
+class MotorTouch : public sensor_sums::Summand {
  public:
   static constexpr std::size_t joints = M::joints;
   using scalar = T;

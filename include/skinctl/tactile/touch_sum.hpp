@@ -5,6 +5,7 @@
 
 #include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/tactile/detail/summand.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 
@@ -120,7 +121,7 @@ struct ApartOfSum<A, B> {
 /// the sum of their torques. The second is a sensor; where it feels all contacts of the robot (`MotorTouch`),
 /// it counts only beyond what the first one feels.
 template <TouchSource A, TouchSensor B>
-class TouchSources : public detail::ApartOfSum<A, B> {
+class TouchSources : public detail::ApartOfSum<A, B>, public sensor_sums::Summand {
  public:
   static_assert(std::is_same_v<typename A::Wrenches::scalar, typename B::Wrenches::scalar>,
                 "two sources of touch in different scalars");
@@ -239,17 +240,17 @@ class TouchSources : public detail::ApartOfSum<A, B> {
   B b_;
 };
 
-namespace detail {
-// A constant, where a concept would add its reasons to the error of every other sum that does not compile.
-template <class A, class B>
-inline constexpr bool are_touch_sources = TouchSource<A> && TouchSource<B>;
-}  // namespace detail
-
+namespace sensor_sums {
 /// A skin and a sensor, or two sensors, as the touch of one scene.
-template <class A, class B, std::enable_if_t<detail::are_touch_sources<A, B>, int> = 0>
+template <TouchSource A, TouchSensor B>
 [[nodiscard]] TouchSources<A, B> operator+(const A& a, const B& b) {
-  static_assert(TouchSensor<B>, "a scene has one skin, and it stands first: skin + sensor");
   return {a, b};
 }
+// clang-format off
+template <TouchSource A, TouchSource B>
+  requires(!TouchSensor<B>)
+void operator+(const A&, const B&) = delete;  // a scene has one skin, and it stands first: skin + sensor
+// clang-format on
+}  // namespace sensor_sums
 
 SKINCTL_END_NAMESPACE

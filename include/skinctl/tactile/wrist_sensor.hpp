@@ -12,6 +12,7 @@
 #include "skinctl/sensing/event_gate.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 #include "skinctl/tactile/detail/sampled_row.hpp"
+#include "skinctl/tactile/detail/summand.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -64,7 +65,7 @@ struct WristInput {
 /// What the skin beyond the sensor feels, the sensor feels too: leave one of them out. A single wrench is one
 /// contact, with a lever no longer than the link's reach (see `contacts_of`).
 template <std::size_t I, RobotModel M, Real T = double>
-class WristSensor {
+class WristSensor : public sensor_sums::Summand {
  public:
   static_assert(I < M::joints, "a wrist sensor on a link that the model does not have");
   using scalar = T;
