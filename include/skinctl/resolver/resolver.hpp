@@ -53,6 +53,9 @@ struct Asked {
 /// - A robot that stays beyond the dead band for 5 T is blocked: q^ goes to q, v is zero, the law's memory
 ///   does not change. It ends when the robot is back with q^ and is no longer pushed in the blocked
 ///   direction, or after `retry`.
+/// - A robot that stands beside its commands by a gap that they do not explain is displaced: v is braked to
+///   zero and the law's memory does not change until `resume`, which takes the gap, up to 0.15 rad, off the
+///   measurements.
 /// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory does not change.
 /// - `Keeper` names further parts that watch over energy and contacts: see `Passivity`.
 /// - `Tool`: virtual inertia and friction at the tool; see `ToolShape`.

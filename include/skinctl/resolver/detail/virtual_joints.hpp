@@ -91,7 +91,7 @@ class VirtualJoints {
   SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,
                               const Velocity& v1, const T& h) const noexcept;
   SKINCTL_COLD Velocity way_back(const Memory& m, const T& h) const noexcept;
-  SKINCTL_COLD Status follow(Memory& m, const Velocity& before, const T& dt) const noexcept;
+  SKINCTL_NOINLINE Status follow(Memory& m, const Velocity& before, const T& dt) const noexcept;
   /// How far a position command may be from the last one.
   SKINCTL_INLINE bool is_near(const Row& moved) const noexcept {
     return all(magnitude(moved) <= p_.cycle * Row(p_.limits.velocity()));

@@ -163,8 +163,8 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
 /// until the next one comes, so that the robot carries a command out in a period, whatever time has passed:
 /// after a late cycle the sent position moves as far as in a punctual one at most, and catches up.
 SKINCTL_VIRTUAL_JOINTS
-SKINCTL_COLD Status SKINCTL_VIRTUAL_JOINTS_CLASS::follow(Memory& m, const Velocity& before,
-                                                         const T& dt) const noexcept {
+SKINCTL_NOINLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::follow(Memory& m, const Velocity& before,
+                                                             const T& dt) const noexcept {
   const Row last = m.command.velocity, rate = m.rate, sent = m.sent.value, a = p_.limits.acceleration();
   const Row steady = rate + p_.lead * (rate - before) * (T(1) / dt);
   const Row ahead = m.q.value + p_.lead * rate - sent, e = sent - m.measured.q, max_lead = p_.max_lead;
