@@ -83,7 +83,7 @@
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/dynamics/rotor_inertia.hpp"
 
-#include "skinctl/robot/hybrid_description.hpp"
+#include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/robot_description.hpp"
@@ -171,6 +171,7 @@
 #include "skinctl/limits/body_region.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
+#include "skinctl/limits/group_governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/motion_limits.hpp"
 #include "skinctl/limits/tool_speed.hpp"
@@ -183,7 +184,7 @@
 #include "skinctl/passivity/stiffest_contact.hpp"
 
 #include "skinctl/resolver/following_monitor.hpp"
-#include "skinctl/resolver/hybrid_resolver.hpp"
+#include "skinctl/resolver/group_resolver.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/memory.hpp"
@@ -194,8 +195,8 @@
 
 #include "skinctl/guard/budget.hpp"
 #include "skinctl/guard/faults.hpp"
+#include "skinctl/guard/group_guard.hpp"
 #include "skinctl/guard/guard.hpp"
-#include "skinctl/guard/hybrid_guard.hpp"
 #include "skinctl/guard/packet_watch.hpp"
 
 #include "skinctl/cycle/cycle.hpp"
