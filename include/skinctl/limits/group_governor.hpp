@@ -160,7 +160,7 @@ class GroupGovernor {
       follow<has_jerk>(m, last, u, spans, out);
       if constexpr (has_tool && has_jerk) {
         // A jerk limit that would make the tool too fast gives way.
-        JointPosition<N, T> way = T(0.5) * dt * (from + u);
+        JointPosition<N, T> way = integrate(JointPosition<N, T>(), from + u, T(T(0.5) * dt));
         JointVelocity<N, T> v = u;
         each([&](auto k) {
           Set<k.value>::put(Set<k.value>::of(out.command.position - last.position), way);
