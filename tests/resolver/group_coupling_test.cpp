@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "skinctl/kinematics/poses.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/arm_with_finger.hpp"
 #include "skinctl/testing/grouped_plant.hpp"
@@ -65,10 +66,10 @@ RobotConfiguration<N> configuration(bool stiff, bool by_position = false) {
   if (stiff) c.viscous_friction = JointTorque<N>::constant(friction);
   return c;
 }
-template <LinkMask V, LinkMask D>
-auto robot() {
+template <LinkMask V, LinkMask D, class... Parts>
+auto robot(const Parts&... parts) {
   constexpr LinkMask P = 0b111u & ~(V | D);
-  const auto with = [](const auto&... groups) { return resolver_of(by_groups(Model3{}, groups...)); };
+  const auto with = [&](const auto&... groups) { return resolver_of(by_groups(Model3{}, groups..., parts...)); };
   const auto p = [&](const auto&... groups) {
     if constexpr (P != 0) {
       return with(position_joints<P>(configuration<std::popcount(P)>(true, true)), groups...);
@@ -112,9 +113,9 @@ State<3> truth(LinkMask free, double until, const Drive& drive) {
   return {0ns, q, dq};
 }
 // The same by a resolver whose joints of `V` take velocities, of `D` torques and the others positions.
-template <LinkMask V, LinkMask D, class Drive>
-JointPosition<3> resolved(double until, const Drive& drive) {
-  const auto resolver = robot<V, D>();
+template <LinkMask V, LinkMask D, class Drive, class... Parts>
+JointPosition<3> resolved(double until, const Drive& drive, const Parts&... parts) {
+  const auto resolver = robot<V, D>(parts...);
   GroupedPlant<Model3, D, V> plant(Model3{}, begin, 0.003);
   Act act, pushed;
   // The finger's spring is a law; a push on a joint by torque is the world's.
@@ -152,10 +153,10 @@ void push_finger(double t, Act& act) {
 
 /// Compares with what the equations of motion say, but for the time that commands take: 2 ms by velocity, 5 ms by
 /// position.
-template <LinkMask V, LinkMask D, class Drive>
-State<3> compare(double until, const Drive& drive, double most) {
+template <LinkMask V, LinkMask D, class Drive, class... Parts>
+State<3> compare(double until, const Drive& drive, double most, const Parts&... parts) {
   const State<3> want = truth(D, until, drive);
-  const JointPosition<3> is = resolved<V, D>(until, drive);
+  const JointPosition<3> is = resolved<V, D>(until, drive, parts...);
   CAPTURE(V);
   CAPTURE(D);
   CAPTURE(until);
@@ -195,4 +196,53 @@ TEST_CASE("GroupResolver: joints of any mixture, in any order, move as the robot
       compare<0b010, 0b101>(until, *drive, 0.02);  // T V T
       compare<0b101, 0b000>(until, *drive, 0.02);  // V P V
     }
+}
+
+TEST_CASE_TEMPLATE("GroupResolver: with every integrator too", Integrator, ImplicitFriction, SemiImplicitEuler,
+                   RungeKutta4) {
+  for (double until : {0.15, 0.3, 0.6}) {
+    compare<0b011, 0b100>(until, push_arm, 0.02, Integrator{});
+    compare<0b011, 0b100>(until, close_finger, 0.02, Integrator{});
+  }
+}
+
+TEST_CASE_TEMPLATE("GroupResolver: the end of an arm feels like the mass of its tool shape, with the finger on it",
+                   Integrator, CrankNicolson, ImplicitFriction, SemiImplicitEuler) {
+  using Shape = ToolShape<1, 3>;
+  // The arm's two joints move a point of its link in two directions; a push in these.
+  const Shape shape({.X_LT = {{}, {0.4, 0, 0}}, .mass = Shape::diagonal({5, 5, 5}), .damping = {}});
+  RobotConfiguration<2> arm = configuration<2>(false);
+  const auto resolver = resolver_of(by_groups(Model3{}, velocity_joints<0b011>(arm),
+                                              torque_joints<0b100>(configuration<1>(false)), shape, Integrator{}));
+  auto memory = resolver.start({0ns, begin, {}});
+  const auto poses = Poses<Model3, all_links(3), double>(Model3{}, begin);
+  const auto J = jacobian<1>(poses, Transform<Link<1>, Tool>{{}, {0.4, 0, 0}});
+  double column[3][3] = {};
+  J.for_each([&](auto i, const auto& c) {
+    column[i.value][0] = c.linear.x, column[i.value][1] = c.linear.y, column[i.value][2] = c.linear.z;
+  });
+  // A force along the motion of joint 0, and one along that of joint 1: across each other.
+  for (const std::size_t along : {0u, 1u}) {
+    double length = 0;
+    for (double x : column[along]) length += x * x;
+    length = std::sqrt(length);
+    Act act;
+    for (std::size_t i = 0; i < 2; ++i)
+      for (std::size_t k = 0; k < 3; ++k) act.push[i] += 10 * column[along][k] / length * column[i][k];
+    const Moved<0b011> law{&act};
+    typename Moved<0b011>::Memory law_memory;
+    auto m = memory;
+    const NoSense none[max_substeps];
+    static_cast<void>(resolver.step(m, law, law_memory, State<3>{1ms, begin, {}}, resolver.interval(m, 1ms),
+                                    std::span<const NoSense>(none)));
+    const auto dq = resolver.state(m).dq;
+    double speed = 0, aside = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double v = column[0][k] * dq[0] + column[1][k] * dq[1], e = column[along][k] / length;
+      speed += v * e;
+      aside += v * column[1 - along][k];
+    }
+    CHECK(speed == doctest::Approx(10.0 / 5 * 1e-3).epsilon(0.02));
+    CHECK(std::abs(aside) < 1e-6);
+  }
 }
