@@ -96,7 +96,8 @@ Given run_groups(const RandomScene& scene, const Parts&... parts) {
       out.path += i == 0 ? std::abs(moved[i]) : 0;
     }
     out.drawn = std::max(out.drawn, drawn);
-    out.finite = out.finite && power(result.command.torque, state.dq) - power(result.command.torque, state.dq) == 0;
+    out.finite =
+        out.finite && power(result.command.torque, state.dq) - power(result.command.torque, state.dq) == 0;
     out.status |= result.status;
   }
   return out;
@@ -123,7 +124,8 @@ TEST_CASE("GroupResolver: one tank pays for an arm by position and a wrist by to
     broken += bare.drawn > 1.02 * energy;
     CHECK_FALSE(bare.status.has(Reason::tank_empty));
   }
-  MESSAGE("empty in " << empty << " scenes, at most " << most << " J of " << energy << "; without it more in " << broken);
+  MESSAGE("empty in " << empty << " scenes, at most " << most << " J of " << energy << "; without it more in "
+                      << broken);
   CHECK(empty > 0);
   if (scenes > 10) CHECK(broken > 0);  // so the test can fail
 }

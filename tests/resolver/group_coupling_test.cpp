@@ -69,7 +69,9 @@ RobotConfiguration<N> configuration(bool stiff, bool by_position = false) {
 template <LinkMask V, LinkMask D, class... Parts>
 auto robot(const Parts&... parts) {
   constexpr LinkMask P = 0b111u & ~(V | D);
-  const auto with = [&](const auto&... groups) { return resolver_of(by_groups(Model3{}, groups..., parts...)); };
+  const auto with = [&](const auto&... groups) {
+    return resolver_of(by_groups(Model3{}, groups..., parts...));
+  };
   const auto p = [&](const auto&... groups) {
     if constexpr (P != 0) {
       return with(position_joints<P>(configuration<std::popcount(P)>(true, true)), groups...);
@@ -198,22 +200,24 @@ TEST_CASE("GroupResolver: joints of any mixture, in any order, move as the robot
     }
 }
 
-TEST_CASE_TEMPLATE("GroupResolver: with every integrator too", Integrator, ImplicitFriction, SemiImplicitEuler,
-                   RungeKutta4) {
+TEST_CASE_TEMPLATE("GroupResolver: with every integrator too", Integrator, ImplicitFriction,
+                   SemiImplicitEuler, RungeKutta4) {
   for (double until : {0.15, 0.3, 0.6}) {
     compare<0b011, 0b100>(until, push_arm, 0.02, Integrator{});
     compare<0b011, 0b100>(until, close_finger, 0.02, Integrator{});
   }
 }
 
-TEST_CASE_TEMPLATE("GroupResolver: the end of an arm feels like the mass of its tool shape, with the finger on it",
-                   Integrator, CrankNicolson, ImplicitFriction, SemiImplicitEuler) {
+TEST_CASE_TEMPLATE(
+    "GroupResolver: the end of an arm feels like the mass of its tool shape, with the finger on it",
+    Integrator, CrankNicolson, ImplicitFriction, SemiImplicitEuler) {
   using Shape = ToolShape<1, 3>;
   // The arm's two joints move a point of its link in two directions; a push in these.
   const Shape shape({.X_LT = {{}, {0.4, 0, 0}}, .mass = Shape::diagonal({5, 5, 5}), .damping = {}});
   RobotConfiguration<2> arm = configuration<2>(false);
-  const auto resolver = resolver_of(by_groups(Model3{}, velocity_joints<0b011>(arm),
-                                              torque_joints<0b100>(configuration<1>(false)), shape, Integrator{}));
+  const auto resolver =
+      resolver_of(by_groups(Model3{}, velocity_joints<0b011>(arm),
+                            torque_joints<0b100>(configuration<1>(false)), shape, Integrator{}));
   auto memory = resolver.start({0ns, begin, {}});
   const auto poses = Poses<Model3, all_links(3), double>(Model3{}, begin);
   const auto J = jacobian<1>(poses, Transform<Link<1>, Tool>{{}, {0.4, 0, 0}});
