@@ -94,7 +94,7 @@ int main() {
   Springs<22>::Memory law_memory, torque_law_memory;
   Springs<6>::Memory arm_memory;
   auto memory = robot.start(measured);
-  auto alone_memory = alone.start(Robot::part_of<Robot::Stiff>(measured));
+  auto alone_memory = alone.start(part_of<Robot::Stiff>(measured));
   double travel = 0, velocity_off = 0, torque_off = 0;
   std::vector<double> cost;
   for (Nanoseconds now = 4ms; now < 4s; now += 4ms) {

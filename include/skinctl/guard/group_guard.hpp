@@ -86,12 +86,11 @@ class GroupGuard {
     Memory m;
     each([&](auto k) {
       using S = Set<k.value>;
-      detail::element<k.value>(m.stiff) = std::get<k.value>(stiff_).start(
-          Robot::template part_of<S>(command), Robot::template part_of<S>(measured));
+      detail::element<k.value>(m.stiff) =
+          std::get<k.value>(stiff_).start(part_of<S>(command), part_of<S>(measured));
     });
     if constexpr (Robot::has_driven)
-      m.driven =
-          driven_.start(Robot::template part_of<Driven>(command), Robot::template part_of<Driven>(measured));
+      m.driven = driven_.start(part_of<Driven>(command), part_of<Driven>(measured));
     return m;
   }
 
@@ -106,19 +105,17 @@ class GroupGuard {
       out.altered = out.altered || guarded.altered;
       out.command.time = guarded.command.time;
       out.command.valid = out.command.valid && guarded.command.valid;
-      Robot::template put<S>(guarded.command, out.command);
+      put_part<S>(guarded.command, out.command);
     };
     out.command.valid = true;
     each([&](auto k) {
       using S = Set<k.value>;
-      take(S{},
-           std::get<k.value>(stiff_).step(detail::element<k.value>(m.stiff), Robot::template part_of<S>(wish),
-                                          Robot::template part_of<S>(measured), now, {}, found));
+      take(S{}, std::get<k.value>(stiff_).step(detail::element<k.value>(m.stiff), part_of<S>(wish),
+                                               part_of<S>(measured), now, {}, found));
     });
     if constexpr (Robot::has_driven)
-      take(Driven{},
-           driven_.step(m.driven, Robot::template part_of<Driven>(wish),
-                        Robot::template part_of<Driven>(measured), now, Driven::of(fallback), found));
+      take(Driven{}, driven_.step(m.driven, part_of<Driven>(wish), part_of<Driven>(measured), now,
+                                  Driven::of(fallback), found));
     return out;
   }
 
@@ -130,11 +127,11 @@ class GroupGuard {
       const auto& c = detail::element<k.value>(m.stiff).command;
       out.time = c.time;
       out.valid = out.valid && c.valid;
-      Robot::template put<Set<k.value>>(c, out);
+      put_part<Set<k.value>>(c, out);
     });
     if constexpr (Robot::has_driven) {
       out.valid = out.valid && m.driven.command.valid;
-      Robot::template put<Driven>(m.driven.command, out);
+      put_part<Driven>(m.driven.command, out);
     }
     return out;
   }
@@ -152,10 +149,8 @@ class GroupGuard {
   /// Whether this robot can be in the state `s`.
   [[nodiscard]] bool believes(const State<joints, T>& s) const noexcept {
     bool all = true;
-    each([&](auto k) {
-      all = all && std::get<k.value>(stiff_).believes(Robot::template part_of<Set<k.value>>(s));
-    });
-    if constexpr (Robot::has_driven) all = all && driven_.believes(Robot::template part_of<Driven>(s));
+    each([&](auto k) { all = all && std::get<k.value>(stiff_).believes(part_of<Set<k.value>>(s)); });
+    if constexpr (Robot::has_driven) all = all && driven_.believes(part_of<Driven>(s));
     return all;
   }
 

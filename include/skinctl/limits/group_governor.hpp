@@ -247,15 +247,8 @@ class GroupGovernor {
                                                         spans[k.value], part);
       out.status |= part.status;
       out.altered = true;
-      S::put(part.command.position, out.command.position);
-      S::put(part.command.velocity, out.command.velocity);
-      S::put(part.command.acceleration, out.command.acceleration);
+      put_part<S>(part.command, out.command);
     });
-  }
-  template <class S>
-  [[nodiscard]] static SKINCTL_INLINE JointCommand<S::count, T> part_of(
-      const JointCommand<N, T>& c) noexcept {
-    return {c.time, c.valid, S::of(c.position), S::of(c.velocity), S::of(c.acceleration), S::of(c.torque)};
   }
   template <std::size_t K>
   [[nodiscard]] static SKINCTL_INLINE typename Part<K>::Memory& memory(Memory& m) noexcept {

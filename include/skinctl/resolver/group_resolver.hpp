@@ -162,31 +162,6 @@ class GroupResolver {
   using Group = std::tuple_element_t<K, Groups>;
   template <std::size_t K>
   using Part = JointSubset<joints, Group<K>::set>;
-  /// The elements of `whole` that belong to the joints of a subset.
-  template <class Subset>
-  [[nodiscard]] static SKINCTL_INLINE State<Subset::count, T> part_of(
-      const State<joints, T>& whole) noexcept {
-    return {whole.time, Subset::of(whole.q), Subset::of(whole.dq)};
-  }
-  template <class Subset>
-  [[nodiscard]] static SKINCTL_INLINE JointCommand<Subset::count, T> part_of(
-      const JointCommand<joints, T>& whole) noexcept {
-    return {whole.time,
-            whole.valid,
-            Subset::of(whole.position),
-            Subset::of(whole.velocity),
-            Subset::of(whole.acceleration),
-            Subset::of(whole.torque)};
-  }
-  /// Writes a part of a command; time and validity of `whole` stay.
-  template <class Subset>
-  static SKINCTL_INLINE void put(const JointCommand<Subset::count, T>& from,
-                                 JointCommand<joints, T>& whole) noexcept {
-    Subset::put(from.position, whole.position);
-    Subset::put(from.velocity, whole.velocity);
-    Subset::put(from.acceleration, whole.acceleration);
-    Subset::put(from.torque, whole.torque);
-  }
   /// Calls `f(std::integral_constant<std::size_t, K>)` for each stiff group.
   template <class F>
   static SKINCTL_INLINE void each(F&& f) noexcept {
@@ -285,7 +260,7 @@ class GroupResolver {
   SKINCTL_INLINE void compose(Memory& m, const Torque& torque) const noexcept {
     const auto& c = m.template group<0>().command;
     m.command = {c.time, c.valid, m.measured.q, m.measured.dq, {}, {}};
-    each([&](auto k) { put<Part<k.value>>(m.template group<k.value>().command, m.command); });
+    each([&](auto k) { put_part<Part<k.value>>(m.template group<k.value>().command, m.command); });
     if constexpr (has_driven) Driven::put(Driven::of(torque), m.command.torque);
   }
 
@@ -315,4 +290,6 @@ class GroupResolver {
 
 SKINCTL_END_NAMESPACE
 
+#include "skinctl/resolver/detail/group_energy.hpp"
 #include "skinctl/resolver/detail/group_loop.hpp"
+#include "skinctl/resolver/detail/group_setup.hpp"

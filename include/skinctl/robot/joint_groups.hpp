@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/joint_subset.hpp"
+#include "skinctl/core/state.hpp"
 #include "skinctl/robot/robot_description.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -69,6 +70,30 @@ struct JointGroups {
   using StiffGroups = decltype(detail::those_of<detail::IsStiffGroup>(std::declval<const Groups&>()...));
   using DrivenGroups = decltype(detail::those_of<detail::IsDrivenGroup>(std::declval<const Groups&>()...));
 };
+
+/// The elements of `whole` that belong to the joints of `Subset`.
+template <class Subset, std::size_t N, Scalar T>
+[[nodiscard]] SKINCTL_INLINE State<Subset::count, T> part_of(const State<N, T>& whole) noexcept {
+  return {whole.time, Subset::of(whole.q), Subset::of(whole.dq)};
+}
+template <class Subset, std::size_t N, Scalar T>
+[[nodiscard]] SKINCTL_INLINE JointCommand<Subset::count, T> part_of(
+    const JointCommand<N, T>& whole) noexcept {
+  return {whole.time,
+          whole.valid,
+          Subset::of(whole.position),
+          Subset::of(whole.velocity),
+          Subset::of(whole.acceleration),
+          Subset::of(whole.torque)};
+}
+/// Writes the part of a command that belongs to the joints of `Subset`; time and validity of `whole` stay.
+template <class Subset, std::size_t N, Scalar T>
+SKINCTL_INLINE void put_part(const JointCommand<Subset::count, T>& from, JointCommand<N, T>& whole) noexcept {
+  Subset::put(from.position, whole.position);
+  Subset::put(from.velocity, whole.velocity);
+  Subset::put(from.acceleration, whole.acceleration);
+  Subset::put(from.torque, whole.torque);
+}
 
 /// The joints `Set` take positions.
 template <LinkMask Set, Real T = double>
