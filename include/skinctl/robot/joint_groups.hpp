@@ -125,6 +125,7 @@ class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
   using scalar = T;
   using model_type = M;
   using Sets = JointGroups<joints, Groups...>;
+  static_assert(sizeof(Sets) > 0);
   static_assert((std::is_same_v<typename Groups::scalar, T> && ...), "groups of one robot have one scalar");
 
   /// Throws `ConfigurationError` for a number out of its range, and where periods, sub-steps or longest

@@ -5,6 +5,7 @@
 #include "skinctl/core/command.hpp"
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/testing/simulated_joints.hpp"
 
