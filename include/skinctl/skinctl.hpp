@@ -100,6 +100,7 @@
 
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/cover.hpp"
+#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
@@ -174,6 +175,7 @@
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/motion_limits.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 
 #include "skinctl/passivity/contact_damper.hpp"
