@@ -94,6 +94,7 @@
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/sensing/noise.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
