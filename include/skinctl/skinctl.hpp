@@ -95,6 +95,7 @@
 #include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/event_gate.hpp"
 #include "skinctl/sensing/hampel.hpp"
+#include "skinctl/sensing/joint_history.hpp"
 #include "skinctl/sensing/low_pass.hpp"
 #include "skinctl/sensing/noise.hpp"
 #include "skinctl/sensing/notch.hpp"
