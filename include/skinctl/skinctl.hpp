@@ -92,13 +92,20 @@
 #include "skinctl/robot/virtual_mass.hpp"
 
 #include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/sensing/hampel.hpp"
+#include "skinctl/sensing/joint_history.hpp"
+#include "skinctl/sensing/low_pass.hpp"
+#include "skinctl/sensing/noise.hpp"
+#include "skinctl/sensing/notch.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/cover.hpp"
+#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
@@ -174,6 +181,7 @@
 #include "skinctl/limits/group_governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/motion_limits.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 
 #include "skinctl/passivity/contact_damper.hpp"

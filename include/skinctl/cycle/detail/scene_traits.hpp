@@ -42,6 +42,9 @@ template <class Overseer, class Skin>
     return NoTouch{};
   }
 }
+/// Whether a governor watches how much of the skin feels.
+template <class Overseer>
+inline constexpr bool watches_skin = requires { requires Overseer::has_watch; };
 /// Whether all joints of a resolver have the same interface, and whether it commands motion of any.
 template <class Resolver>
 inline constexpr bool has_one_interface = requires { Resolver::interface; };
