@@ -97,6 +97,7 @@
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 
+#include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/cover.hpp"
 #include "skinctl/tactile/dense_skin.hpp"
