@@ -91,6 +91,7 @@
 #include "skinctl/robot/virtual_dynamics.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
 
+#include "skinctl/sensing/cell_fault.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
