@@ -93,7 +93,9 @@
 
 #include "skinctl/sensing/cell_fault.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/evidence.hpp"
 #include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/sensing/rest_level.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
