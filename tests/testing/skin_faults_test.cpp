@@ -102,7 +102,7 @@ TEST_CASE("SkinFaults: each fault does to its cell what it says, to no other, an
     CHECK(deviation(noisy.after) > 0.012);
     const auto crossed = one({.fault = CellFault::cross_talk});
     CHECK(mean(crossed.after) == doctest::Approx(rest + 0.5 * 0.32).epsilon(0.02));
-    const auto discharge = one({.fault = CellFault::discharge});
+    const auto discharge = one({.fault = CellFault::discharge, .level = 0.1});
     CHECK(discharge.after[0].force[0] - discharge.before.back().force[0] ==
           doctest::Approx(0.1).epsilon(0.2));
     CHECK(mean(discharge.after) < rest + 0.1);

@@ -24,7 +24,7 @@ struct FaultyCell {
   /// | blinking   | force readings while it is away from what it feels                          | 0.9     |
   /// | noisy      | standard deviation that is added to each force reading                      | 0.05    |
   /// | cross-talk | share of the force readings of `source` that is added to each of its own    | 0.5     |
-  /// | discharge  | what is added to each force reading at `from`; it decays over `period`      | 0.1     |
+  /// | discharge  | what is added to each force reading at `from`; it decays over `period`      | 0.02    |
   /// | unheard    | share of the samples that are lost; the others come `period` late           | 1       |
   double level = -2;
   std::uint32_t source = 0;  ///< id of the cell that cross-talk copies
@@ -37,7 +37,7 @@ struct FaultyCell {
 
   /// The level, or its default.
   [[nodiscard]] double size() const noexcept {
-    constexpr std::array<double, cell_faults> usual = {0.9, 0.985, 0.9, 0.05, 0.5, 0.1, 1.0};
+    constexpr std::array<double, cell_faults> usual = {0.9, 0.985, 0.9, 0.05, 0.5, 0.02, 1.0};
     return level > -2 ? level : usual[static_cast<std::size_t>(fault)];
   }
   [[nodiscard]] Nanoseconds time() const noexcept {
