@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
       "from that of an arm with a healthy skin, and the way of that one [mm]; false: healthy cells masked\n\n"
       "%-11s %6s %-9s | %7s %7s %7s %7s | %9s %6s %6s | %6s | %7s %7s\n",
       "fault", "share", "", "healthy", "plain", "trusted", "settled", "found", "median", "95 %", "false",
-      "motion");
+      "motion", "way");
   double healthy = 0;
   std::size_t masks = 0;
   for (std::size_t k = 0; k < cell_faults; ++k) {
