@@ -2,7 +2,7 @@
 //
 //   faults   one after the other: a stuck cell, a noisy one, a blinking one, cross-talk, a dead cable of nine cells
 //   skin     TrustedSkin: what one cell alone may count up to is what the arm's dry friction holds (lone_forces)
-//   drawn    the torque of the skin about the shoulder, believed and trusted; cells that count; way of the arm
+//   drawn    the torque of the skin about the shoulder, believed and trusted; cells that do not count; way of the arm
 //   written  the report in words; with an argument also the cells as a picture and as JSON
 #include <cstdio>
 #include <fstream>
@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   State<6> measured{0ns, home, {}};
   scene.start(*memory, measured);
 
-  Curve plain{"believed"}, trusted{"trusted"}, count{"cells that count"}, way{"way of the wrist"},
+  Curve plain{"believed"}, trusted{"trusted"}, left_out{"cells that do not count"}, way{"way of the wrist"},
       hand{"hand"};
   std::vector<CellSample> samples;
   const auto start = tool_at(home).origin();
@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     if (measured.time < 6s) moved_before = std::max(moved_before, moved);
     plain.add(t, skin_torque(ur5::Model{}, measured.q, w)[1]);
     trusted.add(t, skin_torque(ur5::Model{}, measured.q, skin.wrenches(memory->skin))[1]);
-    count.add(t, double(skin.usable(memory->skin)));
+    left_out.add(t, 260 - double(skin.usable(memory->skin)));
     way.add(t, moved);
     hand.add(t, t > 6 && t < 8 ? 1 : 0);
     if (measured.time == 6800ms) {
@@ -104,8 +104,8 @@ int main(int argc, char** argv) {
     std::ofstream(stem + "_cells.json") << json;
   }
   return draw(argc, argv, "27_skin_health.svg", "Faulty cells neither move the arm nor make it numb",
-              {Panel("torque about the shoulder [N m]", {plain, trusted}), Panel("cells that count", {count}),
-               Panel("arm moved by [mm]", {way})},
+              {Panel("torque about the shoulder [N m]", {plain, trusted}),
+               Panel("cells that do not count", {left_out}), Panel("arm moved by [mm]", {way})},
               while_above_zero(hand, "a hand pushes")) ||
          moved_before > 0 || moved < 20;
 }

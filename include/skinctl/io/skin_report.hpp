@@ -16,10 +16,10 @@ SKINCTL_BEGIN_NAMESPACE
 struct CellReport {
   std::uint32_t id = 0;
   std::size_t link = 0;
-  std::array<float, 3> place{};  ///< in its link [m]
-  CellFaults faults;             ///< found, silence included
-  double mask = 0;               ///< 1: it does not count
-  double rest = 0;               ///< its rest level: sum of its three forces while untouched
+  std::array<float, 3> place{}, normal{};  ///< in its link [m]; outwards
+  CellFaults faults;                       ///< found, silence included
+  double mask = 0;                         ///< 1: it does not count
+  double rest = 0;                         ///< its rest level: sum of its three forces while untouched
   /// It has read something for a minute, and nobody can tell whether that is a contact or a drift.
   bool unexplained = false;
 };
@@ -44,8 +44,14 @@ template <class S>
   SkinReport out;
   for (const auto& c : skin.table()) {
     const std::size_t i = out.cells.size();
-    out.cells.push_back({c.id, c.link, c.place, skin.faults(memory, i), double(skin.mask(memory, i)),
-                         skin.rest(memory, i), skin.is_unexplained(memory, i)});
+    out.cells.push_back({c.id,
+                         c.link,
+                         c.place,
+                         {-c.unit[0], -c.unit[1], -c.unit[2]},
+                         skin.faults(memory, i),
+                         double(skin.mask(memory, i)),
+                         skin.rest(memory, i),
+                         skin.is_unexplained(memory, i)});
   }
   out.usable = skin.usable(memory);
   return out;
@@ -109,7 +115,7 @@ template <class... X>
 }
 
 namespace detail {
-/// The cells of a link, unrolled: along the link's longest extent, and around it [m].
+/// The cells of a link, unrolled: along the link's axis, and around it [m].
 struct Unrolled {
   std::vector<const CellReport*> cells;
   std::vector<double> along, around;
@@ -125,9 +131,11 @@ struct Unrolled {
         highest[k] = std::max(highest[k], double(c.place[k]));
     }
     if (cells.empty()) return;
-    std::size_t axis = 0;
-    for (std::size_t k = 1; k < 3; ++k)
-      if (highest[k] - lowest[k] > highest[axis] - lowest[axis]) axis = k;
+    // Around the axis that the normals have least along.
+    double normals[3] = {};
+    for (const CellReport* c : cells)
+      for (std::size_t k = 0; k < 3; ++k) normals[k] += double(c->normal[k]) * double(c->normal[k]);
+    const auto axis = static_cast<std::size_t>(std::min_element(normals, normals + 3) - normals);
     const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
     const double mu = (lowest[u] + highest[u]) / 2, mv = (lowest[v] + highest[v]) / 2;
     const double radius = (highest[u] - lowest[u] + highest[v] - lowest[v]) / 4;
