@@ -19,7 +19,7 @@ struct RestSettings {
   Nanoseconds fall = 500ms;      ///< of b when r has been below -kappa for `low_for`
   Nanoseconds low_for = 500ms;   ///< nothing pulls at a cell: then the rest level is wrong
   Nanoseconds quiet_for = 1s;    ///< r below kappa/2 for so long: not frozen any more
-  Nanoseconds fast_within = 1s;  ///< half the threshold so soon after freezing: rather a touch
+  Nanoseconds fast_within = 600ms;  ///< half the threshold so soon after freezing: rather a touch
   Nanoseconds release = 5s;      ///< of b while evidence says that a frozen cell drifts
   Nanoseconds weigh = 2s;        ///< of the evidence
   Nanoseconds ramp = 6ms;        ///< longest duration of a change of reading before its sample
@@ -151,7 +151,7 @@ class RestLevel {
   }
 
   /// A step for `scan`, computed once for all rows: nothing for `dt` <= 0, at most `longest`. One longer than
-  /// 20 ms is done in pieces.
+  /// 10 ms is done in pieces.
   template <Real T = float>
   [[nodiscard]] Step<T> step(Nanoseconds dt) const noexcept {
     Step<T> k;
@@ -222,7 +222,7 @@ class RestLevel {
       detail::rest_steps<T>(cell, x0, x1, evidence, T(levels.freeze), T(levels.touch), step<T>(dt));
   }
 
-  static constexpr Nanoseconds longest_piece = 20ms;
+  static constexpr Nanoseconds longest_piece = 10ms;
   RestSettings s_;
 };
 

@@ -138,7 +138,8 @@ SKINCTL_INLINE void rest_step(RestCell<S>& cell, const S& x0, const S& x1, const
   S below = select(r < level, min(counted, S(2)), zero);
 
   // Frozen: since when, and whether by a fast rise.
-  const S over = unit_range<S>((counted - S(k.quiet_for)) * S(k.per_dt));
+  const S past = (counted - S(k.quiet_for)) * S(k.per_dt);
+  const S over = unit_range<S>(select(is_low > S(T(0.5)), S(T(0.5) * past), past));
   const auto ends = both(both(was, r < half), counted >= S(k.quiet_for));
   const auto starts = both(!was, r > kappa);
   const auto frozen = both(either(was, starts), !ends);
