@@ -144,7 +144,7 @@ void rates(double share) {
   settings.ramp = 50ms;
   const RestLevel sampled(settings), by_change;
   const RestLevels levels{2, float(threshold)};
-  const int days = std::max(20, int(200 * share));
+  const int days = std::max(20, int(100 * share));
   const double until = 120, hertz[] = {20, 50, 100, 250, 1000, 0};
   double most_of_all = 0;
   for (const bool whole : {false, true}) {
@@ -239,7 +239,7 @@ void drifts(double share) {
       "nothing");
   const RestLevel rest;
   const float freeze = float(rest.freeze_level(sigma, 20ms));
-  const int trials = std::max(10, int(60 * share));
+  const int trials = std::max(10, int(30 * share));
   using Kind = SkinDrift::Kind;
   const Sources sources[] = {
       {true, false, false}, {false, true, false}, {false, false, true}, {true, false, true}, {}};
@@ -313,7 +313,7 @@ void touches(double share) {
       "left), in %");
   const RestLevel rest;
   const float freeze = float(rest.freeze_level(sigma, 50ms));
-  const int trials = std::max(4, int(80 * share));
+  const int trials = std::max(4, int(60 * share));
   const Sources sources[] = {{}, {true, false, false}, {true, false, true}, {true, true, true}};
   const char* names[] = {"nothing", "proximity", "proximity, median", "proximity, median, temperature"};
   double lost[4][2] = {}, blind[4][2] = {}, all[2] = {}, blinds[2] = {};
@@ -575,7 +575,7 @@ void others(double share, const std::string& pictures) {
 
 void day(double share) {
   const RestLevel rest;
-  const double hours = 24 * share;
+  const double hours = std::min(24.0, 24 * share);
   // b is anywhere near 60 000 steps (16 bit), and drifts by +-3 steps in six hours; in float a sum of such
   // increments, 5e-5 of less than a step, would not move at all.
   auto exact = rest.start(60000.0);

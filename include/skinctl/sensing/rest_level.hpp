@@ -14,16 +14,16 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Times of a rest level. The defaults are for capacitive skins at room temperature.
 struct RestSettings {
-  Nanoseconds smooth = 100ms;    ///< time constant of the smoothed reading m
-  Nanoseconds follow = 20s;      ///< of b within +-kappa
-  Nanoseconds fall = 500ms;      ///< of b when r has been below -kappa for `low_for`
-  Nanoseconds low_for = 500ms;   ///< nothing pulls at a cell: then the rest level is wrong
-  Nanoseconds quiet_for = 1s;    ///< r below kappa/2 for so long: not frozen any more
+  Nanoseconds smooth = 100ms;       ///< time constant of the smoothed reading m
+  Nanoseconds follow = 20s;         ///< of b within +-kappa
+  Nanoseconds fall = 500ms;         ///< of b when r has been below -kappa for `low_for`
+  Nanoseconds low_for = 500ms;      ///< nothing pulls at a cell: then the rest level is wrong
+  Nanoseconds quiet_for = 1s;       ///< r below kappa/2 for so long: not frozen any more
   Nanoseconds fast_within = 600ms;  ///< half the threshold so soon after freezing: rather a touch
-  Nanoseconds release = 5s;      ///< of b while evidence says that a frozen cell drifts
-  Nanoseconds weigh = 2s;        ///< of the evidence
-  Nanoseconds ramp = 6ms;        ///< longest duration of a change of reading before its sample
-  Nanoseconds longest = 1s;      ///< a longer gap between two readings counts as this
+  Nanoseconds release = 5s;         ///< of b while evidence says that a frozen cell drifts
+  Nanoseconds weigh = 2s;           ///< of the evidence
+  Nanoseconds ramp = 6ms;           ///< longest duration of a change of reading before its sample
+  Nanoseconds longest = 1s;         ///< a longer gap between two readings counts as this
 };
 
 /// Levels of one cell, in steps of its sensor.
@@ -61,7 +61,8 @@ struct alignas(64) RestLevelsRow {
 ///
 ///     L = -3 + 3t/(t + 32 s) + (r >= touch/2 within fast_within of freezing ? -2 : 2.2) + sum of evidence
 ///
-/// with t the time since freezing, up to 64 s, and the evidence (sensing/evidence.hpp) smoothed over `weigh`.
+/// A touch so recognised is over when r falls below touch/2, and t begins anew. t is the time since freezing, up to
+/// 64 s, and the evidence (sensing/evidence.hpp) smoothed over `weigh`.
 /// So a cell is frozen by a contact, also one far below the threshold of a touch, and without evidence it stays
 /// so: `unexplained` names it after 60 s.
 ///

@@ -143,9 +143,13 @@ SKINCTL_INLINE void rest_step(RestCell<S>& cell, const S& x0, const S& x1, const
   const auto ends = both(both(was, r < half), counted >= S(k.quiet_for));
   const auto starts = both(!was, r > kappa);
   const auto frozen = both(either(was, starts), !ends);
-  const S since = select(was, min(abs(cell.frozen) + dt, S(longest_frozen)), max(is_above * dt, S(T(1e-6))));
-  const auto fast =
-      either(cell.frozen < zero, both(r >= fast_level, since - is_high * dt <= S(k.fast_within)));
+  // A fast one that falls below half the threshold has ended; what is left of it is judged anew.
+  const auto ended = both(both(was, cell.frozen < zero), r < fast_level);
+  const S since = select(either(!was, ended), max(select(was, S(S(1) - is_high), is_above) * dt, S(T(1e-6))),
+                         min(abs(cell.frozen) + dt, S(longest_frozen)));
+  const auto fast = both(
+      either(both(was, cell.frozen < zero), both(r >= fast_level, since - is_high * dt <= S(k.fast_within))),
+      !ended);
   below = select(ends, select(r < -kappa, S(min(is_low, over) * dt), zero), below);
 
   // Released while the likelihood of a drift is high: from 3.5 until 1.5. 3t/(t + 32 s) is ln(1 + t/10 s) to
