@@ -164,10 +164,7 @@ class TrustCore {
   /// Moves the rest levels to `now`.
   void follow(Memory& m, Nanoseconds now) const noexcept {
     if (!s_.follow_rest || !(now > m.health.time)) return;
-    const Nanoseconds dt = now - m.health.time < 1s ? now - m.health.time : Nanoseconds(1s);
-    const auto pieces =
-        static_cast<std::int64_t>((dt + RestLevel::longest_step - 1ns) / RestLevel::longest_step);
-    const auto step = rest_.step<float>(dt / pieces);
+    const auto step = rest_.step<float>(now - m.health.time);
     if (m.median_at == Nanoseconds::min() || now >= m.median_at) {
       m.median_at = now + 100ms;
       for (std::size_t k = 0; k + 1 < first_.size(); ++k)
@@ -175,20 +172,14 @@ class TrustCore {
     }
     for (std::size_t b = 0; b < rows; ++b) {
       const HealthRow& row = m.health.row[b];
-      HealthRow::Row from = row.last, to{}, evidence{};
+      HealthRow::Row evidence{};
       for (std::size_t k = 0; k < 16; ++k) {
         const std::size_t i = 16 * b + k;
         const float r = m.rest[b].above[k];
         if (s_.proximity) evidence[k] = proximity_evidence(row.proximity[k]);
         if (i < cells) evidence[k] += median_evidence(r, m.median[cell_[i].patch]);
       }
-      for (std::int64_t n = 1; n <= pieces; ++n) {
-        for (std::size_t k = 0; k < 16; ++k)
-          to[k] =
-              row.last[k] + (row.force[k] - row.last[k]) * static_cast<float>(n) / static_cast<float>(pieces);
-        RestLevel::scan(m.rest[b], from.data(), to.data(), evidence.data(), levels_[b], step);
-        from = to;
-      }
+      RestLevel::scan(m.rest[b], row.last.data(), row.force.data(), evidence.data(), levels_[b], step);
     }
   }
 
