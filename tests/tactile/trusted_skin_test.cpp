@@ -4,6 +4,9 @@
 
 #include <limits>
 
+#include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/tactile/touch_sum.hpp"
+#include "skinctl/tactile/wrist_sensor.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "skinctl/testing/skin_fault_run.hpp"
@@ -226,4 +229,45 @@ TEST_CASE("TrustedSkin: wrong settings are refused with number and range") {
   refused([](auto& t) { t.answer = 1.5; });
   refused([](auto& t) { t.health.step = 0; });
   CHECK_THROWS_AS(Trusted(base, trusting(), FillIn(CellGraph(3)), patches), ConfigurationError);
+}
+
+TEST_CASE("TrustedSkin: the skin of a cycle with contact limits, and one summand of touch") {
+  const Trusted trusted(base, fault_trust({}, places), patches);
+  const LinkContact<2> contact{
+      .region = {.force = 140, .blow = 280, .first = 500ms, .stiffness = 75e3, .mass = 40},
+      .reach = 0.45,
+      .reaction = 60ms};
+  const Cycle scene = Cycle(friction_arm(), trusted, SkinJointControl{} + GravityControl{}).with(contact);
+  const Cycle sum(friction_arm(), trusted + wrist_sensor<5>(ur5::Model{}, {}),
+                  SkinJointControl{} + GravityControl{});
+  const JointPosition<6> home{0.0, -1.2, 1.4, -1.7, -1.5, 0.0};
+  SkinSignals signals(places, {}, 8);
+  signals.touches.push_back(
+      {.link = 2, .place = places[150].place, .radius = 0.06, .reading = 0.3, .from = 500ms, .until = 2s});
+  SkinFaults spoil({{.cell = 152, .fault = CellFault::stuck, .from = 300ms}});
+  const auto moved = [&](const auto& arm, auto stream) {
+    auto m = std::make_unique<typename std::remove_cvref_t<decltype(arm)>::Memory>();
+    State<6> at{0ns, home, {}};
+    arm.start(*m, at);
+    std::vector<CellSample> samples;
+    WrenchSample calm;
+    auto injected = spoil;
+    for (Nanoseconds to = 8ms; to <= 1500ms; to += 8ms) {
+      stream.samples(to, samples);
+      injected.apply(samples, to);
+      typename std::remove_cvref_t<decltype(arm)>::Input input;
+      at.time = input.now = calm.time = to;
+      input.measured = at, input.samples = samples;
+      if constexpr (requires { input.sensed.wrenches; }) input.sensed.wrenches = {&calm, 1};
+      at.q = arm.step(*m, input).command.position;
+    }
+    double most = 0;
+    for (std::size_t j = 0; j < 6; ++j) most = std::max(most, std::abs(at.q[j] - home[j]));
+    return most;
+  };
+  CHECK(moved(scene, signals) > 0.02);
+  CHECK(moved(sum, signals) > 0.02);
+  signals.touches.clear();
+  CHECK(moved(scene, signals) == 0);
+  CHECK(moved(sum, signals) == 0);
 }
