@@ -41,7 +41,7 @@ struct CellHealthSettings {
 
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD void check() const {
-    require(step > 0 && step <= 0.1, "CellHealth: step", step, "> 0, <= 0.1");
+    require(step >= 1.0 / 60000 && step <= 0.1, "CellHealth: step", step, "1/60000 to 0.1");
     require(equal_messages != 1 && equal_messages <= 1000, "CellHealth: equal_messages",
             double(equal_messages), "0, or 2 to 1000");
     require(top > 0.5 && top <= 1, "CellHealth: top", top, "> 0.5, <= 1");
@@ -56,14 +56,14 @@ struct CellHealthSettings {
 
 namespace detail {
 /// The last message of a cell, and how often it has come.
-struct CellRecord {
+struct MessageRecord {
   std::array<std::uint16_t, 3> force{};  ///< in steps
   std::array<std::uint16_t, 3> equal{};  ///< so many times in a row
   std::uint32_t message = 0;             ///< a hash of the other five numbers
   std::uint16_t messages = 0;            ///< all eight equal for so many times in a row
   CellFaults faults;                     ///< found, while the mask is held
   bool known = false;                    ///< a sample has come
-  friend bool operator==(const CellRecord&, const CellRecord&) noexcept = default;
+  friend bool operator==(const MessageRecord&, const MessageRecord&) noexcept = default;
 };
 }  // namespace detail
 
@@ -87,7 +87,7 @@ class CellHealth {
   /// `Memory{}` has heard no cell, and masks none.
   struct Memory {
     std::array<detail::HealthRow, rows> row{};
-    std::array<detail::CellRecord, rows * 16> record{};
+    std::array<detail::MessageRecord, rows * 16> record{};
     std::array<std::uint16_t, rows> suspect{};  ///< cells whose messages repeat
     Nanoseconds time = Nanoseconds::min();      ///< end of the last frame
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
@@ -149,7 +149,7 @@ class CellHealth {
 
   /// Takes a sample of cell `i` < Cells that passed `check`.
   SKINCTL_INLINE void take(Memory& m, std::size_t i, const CellSample& s) const noexcept {
-    detail::CellRecord& r = m.record[i];
+    detail::MessageRecord& r = m.record[i];
     detail::HealthRow& row = m.row[i / 16];
     const std::size_t k = i % 16;
     std::uint32_t hash = std::bit_cast<std::uint32_t>(s.proximity);
@@ -228,7 +228,7 @@ class CellHealth {
   SKINCTL_NOINLINE void judge(Memory& m, std::size_t i, bool jumped, bool expired,
                               const Ask& ask) const noexcept {
     detail::HealthRow& row = m.row[i / 16];
-    detail::CellRecord& r = m.record[i];
+    detail::MessageRecord& r = m.record[i];
     const std::size_t k = i % 16;
     const Witness witness = ask(i);
     // A jump is judged when its witnesses have had their time, or when the next one comes.

@@ -110,7 +110,7 @@ class TrustCore {
   template <class F>
   void each_filled(const Memory& m, const F& f) const noexcept {
     for (std::size_t b = 0; b < rows; ++b) {
-      bool whole = m.skin.hears_all_of(b / 4);
+      bool whole = m.skin.hears_all_from(16 * b, 16 * b + 16 < cells ? 16 : cells - 16 * b);
       for (const float x : m.health.row[b].mask) whole = whole && !(x > 0);
       if (whole) continue;
       for (std::size_t k = 0; k < 16 && 16 * b + k < cells; ++k) {
