@@ -99,6 +99,7 @@
 #include "skinctl/sensing/evidence.hpp"
 #include "skinctl/sensing/rest_level.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
+#include "skinctl/sensing/unexplained_cells.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 

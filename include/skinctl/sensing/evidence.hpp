@@ -64,7 +64,7 @@ inline constexpr std::size_t patch_median_cells = 60;
 /// is smoothed over 2 s, ten times a second is enough.
 [[nodiscard]] inline float patch_median(const RestRow* rows, std::size_t first, std::size_t count) noexcept {
   if (count < patch_median_cells) return std::numeric_limits<float>::quiet_NaN();
-  std::array<float, 255> r;
+  std::array<float, 255> r{};
   const std::size_t taken = count < r.size() ? count : r.size();
   for (std::size_t n = 0; n < taken; ++n) {
     const std::size_t i = first + n * count / taken;

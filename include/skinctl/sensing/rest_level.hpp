@@ -14,16 +14,16 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Times of a rest level. The defaults are for capacitive skins at room temperature.
 struct RestSettings {
-  Nanoseconds smooth = 100ms;    ///< time constant of the smoothed reading m
-  Nanoseconds follow = 20s;      ///< of b within +-kappa
-  Nanoseconds fall = 500ms;      ///< of b when r has been below -kappa for `low_for`
-  Nanoseconds low_for = 500ms;   ///< nothing pulls at a cell: then the rest level is wrong
-  Nanoseconds quiet_for = 1s;    ///< r below kappa/2 for so long: not frozen any more
-  Nanoseconds fast_within = 1s;  ///< half the threshold so soon after freezing: rather a touch
-  Nanoseconds release = 5s;      ///< of b while evidence says that a frozen cell drifts
-  Nanoseconds weigh = 2s;        ///< of the evidence
-  Nanoseconds ramp = 6ms;        ///< longest duration of a change of reading before its sample
-  Nanoseconds longest = 1s;      ///< a longer gap between two readings counts as this
+  Nanoseconds smooth = 100ms;       ///< time constant of the smoothed reading m
+  Nanoseconds follow = 20s;         ///< of b within +-kappa
+  Nanoseconds fall = 500ms;         ///< of b when r has been below -kappa for `low_for`
+  Nanoseconds low_for = 500ms;      ///< nothing pulls at a cell: then the rest level is wrong
+  Nanoseconds quiet_for = 1s;       ///< r below kappa/2 for so long: not frozen any more
+  Nanoseconds fast_within = 600ms;  ///< half the threshold so soon after freezing: rather a touch
+  Nanoseconds release = 5s;         ///< of b while evidence says that a frozen cell drifts
+  Nanoseconds weigh = 2s;           ///< of the evidence
+  Nanoseconds ramp = 6ms;           ///< longest duration of a change of reading before its sample
+  Nanoseconds longest = 1s;         ///< a longer gap between two readings counts as this
 };
 
 /// Levels of one cell, in steps of its sensor.
@@ -61,7 +61,8 @@ struct alignas(64) RestLevelsRow {
 ///
 ///     L = -3 + 3t/(t + 32 s) + (r >= touch/2 within fast_within of freezing ? -2 : 2.2) + sum of evidence
 ///
-/// with t the time since freezing, up to 64 s, and the evidence (sensing/evidence.hpp) smoothed over `weigh`.
+/// A touch so recognised is over when r falls below touch/2, and t begins anew. t is the time since freezing, up to
+/// 64 s, and the evidence (sensing/evidence.hpp) smoothed over `weigh`.
 /// So a cell is frozen by a contact, also one far below the threshold of a touch, and without evidence it stays
 /// so: `unexplained` names it after 60 s.
 ///
@@ -101,7 +102,7 @@ class RestLevel {
     time(s_.quiet_for, "RestLevel: quiet_for"), time(s_.fast_within, "RestLevel: fast_within");
     time(s_.release, "RestLevel: release"), time(s_.weigh, "RestLevel: weigh"),
         time(s_.ramp, "RestLevel: ramp");
-    require(s_.longest >= longest_step && s_.longest <= 10s, "RestLevel: longest", milliseconds(s_.longest),
+    require(s_.longest >= 50ms && s_.longest <= 10s, "RestLevel: longest", milliseconds(s_.longest),
             "50 ms to 10 s [ms]");
     require(s_.low_for <= 2s, "RestLevel: low_for", milliseconds(s_.low_for), "<= 2000 ms");
     require(s_.quiet_for <= 2s, "RestLevel: quiet_for", milliseconds(s_.quiet_for), "<= 2000 ms");
@@ -118,8 +119,8 @@ class RestLevel {
     require(period > 0ns && period <= s_.longest, "RestLevel: period", milliseconds(period),
             "> 0 ms, <= longest");
     // Independent readings, linear in between, behind a first-order filter.
-    const auto k = step<double>(period);
-    const double a = k.begin, b = k.end, e = 1 - a - b;
+    const Smoothed m = smoothed(seconds<double>(period));
+    const double a = m.begin, b = m.end, e = 1 - a - b;
     const double kappa = 4 * sigma * std::sqrt((a * a + b * b + 2 * e * a * b) / (1 - e * e));
     return kappa > 1 ? kappa : 1;
   }
@@ -137,7 +138,8 @@ class RestLevel {
   /// Takes the reading `x` [steps] that came `dt` after the last one, of a sensor that sends changes: the old
   /// reading is held up to `ramp` before the new one. (A sensor that sends every period: `ramp` >= period.)
   ///
-  /// @param evidence  sum of the sources, for the time since the last reading; positive says drift.
+  /// @param evidence  sum of the sources during the time since the last reading, so of what was known then;
+  ///                  positive says drift.
   template <Real T>
   void take(Memory<T>& memory, const T& x, Nanoseconds dt, const T& evidence,
             const RestLevels& levels) const noexcept {
@@ -149,34 +151,26 @@ class RestLevel {
     memory.last = x;
   }
 
-  /// A step for `scan`, computed once for all rows: nothing for `dt` <= 0, at most `longest_step`.
+  /// A step for `scan`, computed once for all rows: nothing for `dt` <= 0, at most `longest`. One longer than
+  /// 10 ms is done in pieces.
   template <Real T = float>
   [[nodiscard]] Step<T> step(Nanoseconds dt) const noexcept {
     Step<T> k;
     k.low_for = seconds<T>(s_.low_for), k.quiet_for = seconds<T>(s_.quiet_for);
     k.fast_within = seconds<T>(s_.fast_within);
     if (!(dt > 0ns)) return k;
-    const double t = seconds<double>(dt < longest_step ? dt : longest_step);
+    const Nanoseconds whole = dt < s_.longest ? dt : s_.longest;
+    k.pieces = static_cast<int>((whole + longest_piece - 1ns) / longest_piece);
+    k.per_piece = T(1) / static_cast<T>(k.pieces);
+    const double t = seconds<double>(whole) / k.pieces;
     k.dt = T(t), k.per_dt = T(1 / t);
-    // Exact for a reading linear in time: u = t/tau, E = exp(-u), g = (1 - E)/u; m moves by (g - E) d0 +
-    // (1 - g) d1. Series where these cancel.
-    const double u = t / seconds<double>(s_.smooth), E = std::exp(-u);
-    if (u > 1e-3) {
-      const double g = -std::expm1(-u) / u;
-      k.begin = T(g - E), k.end = T(1 - g);
-      k.begin_mean = T(0.5 - (g - E) / u), k.end_mean = T(0.5 - (1 - g) / u);
-    } else {
-      k.begin = T(u * (1.0 / 2 - u * (1.0 / 3 - u / 8))), k.end = T(u * (1.0 / 2 - u * (1.0 / 6 - u / 24)));
-      k.begin_mean = T(u * (1.0 / 3 - u / 8)), k.end_mean = T(u * (1.0 / 6 - u / 24));
-    }
+    const Smoothed m = smoothed(t);
+    k.begin = T(m.begin), k.end = T(m.end), k.begin_mean = T(m.begin_mean), k.end_mean = T(m.end_mean);
     const auto share = [t](Nanoseconds tau) { return T(-std::expm1(-t / seconds<double>(tau))); };
     k.follow = share(s_.follow), k.fall = share(s_.fall), k.release = share(s_.release);
     k.smooth = share(s_.weigh);
     return k;
   }
-  /// Steps are no longer: a scan of a slower sensor takes several.
-  static constexpr Nanoseconds longest_step = 50ms;
-
   /// Moves 16 cells on by one step, over which their readings go linearly from `x0` to `x1` [steps]. A lane
   /// whose `x1` is NaN does not change: cells that were not heard. Its only branch: whether all cells of a register are calm.
   ///
@@ -188,8 +182,8 @@ class RestLevel {
     for (std::size_t i = 0; i < RestRow::cells; i += L::lanes) {
       RestCell<L> cell{L::load(row.above + i),  L::load(row.whole + i), L::load(row.fraction + i),
                        L::load(row.frozen + i), L::load(row.below + i), L::load(row.evidence + i)};
-      detail::rest_step<L>(cell, L::load(x0 + i), L::load(x1 + i), L::load(evidence + i),
-                           L::load(levels.freeze + i), L::load(levels.touch + i), k);
+      detail::rest_steps<L>(cell, L::load(x0 + i), L::load(x1 + i), L::load(evidence + i),
+                            L::load(levels.freeze + i), L::load(levels.touch + i), k);
       cell.above.store(row.above + i), cell.whole.store(row.whole + i), cell.fraction.store(row.fraction + i);
       cell.frozen.store(row.frozen + i), cell.below.store(row.below + i),
           cell.evidence.store(row.evidence + i);
@@ -208,21 +202,28 @@ class RestLevel {
   }
 
  private:
+  /// Shares of the readings at the beginning and end of a step by which m moves, and its mean over the step.
+  struct Smoothed {
+    double begin, end, begin_mean, end_mean;
+  };
+  /// Exact for a reading linear in time: u = t/smooth, E = exp(-u), g = (1 - E)/u; m moves by (g - E) d0 +
+  /// (1 - g) d1. Series where these cancel.
+  [[nodiscard]] Smoothed smoothed(double t) const noexcept {
+    const double u = t / seconds<double>(s_.smooth);
+    if (u < 1e-3)
+      return {u * (1.0 / 2 - u * (1.0 / 3 - u / 8)), u * (1.0 / 2 - u * (1.0 / 6 - u / 24)),
+              u * (1.0 / 3 - u / 8), u * (1.0 / 6 - u / 24)};
+    const double E = std::exp(-u), g = -std::expm1(-u) / u;
+    return {g - E, 1 - g, 0.5 - (g - E) / u, 0.5 - (1 - g) / u};
+  }
   template <Real T>
   void move(RestCell<T>& cell, const T& x0, const T& x1, Nanoseconds dt, const T& evidence,
             const RestLevels& levels) const noexcept {
-    if (!(dt > 0ns)) return;
-    const auto pieces = static_cast<std::int64_t>((dt + longest_step - 1ns) / longest_step);
-    const Step<T> k = step<T>(dt / pieces);
-    const T per = T(1) / static_cast<T>(static_cast<int>(pieces));
-    T from = x0;
-    for (std::int64_t i = 1; i <= pieces; ++i) {
-      const T to = i == pieces ? x1 : x0 + static_cast<T>(static_cast<int>(i)) * per * (x1 - x0);
-      detail::rest_step<T>(cell, from, to, evidence, T(levels.freeze), T(levels.touch), k);
-      from = to;
-    }
+    if (dt > 0ns)
+      detail::rest_steps<T>(cell, x0, x1, evidence, T(levels.freeze), T(levels.touch), step<T>(dt));
   }
 
+  static constexpr Nanoseconds longest_piece = 10ms;
   RestSettings s_;
 };
 

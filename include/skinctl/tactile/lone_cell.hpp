@@ -8,7 +8,6 @@
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/robot/robot_description.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -68,7 +67,8 @@ template <RobotModel M, Real T>
   return out;
 }
 /// The same for a described robot, by the Coulomb friction of its configuration.
-template <DescribedRobot R>
+template <class R>
+  requires requires(const R& robot) { robot.configuration().coulomb_friction; }
 [[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const R& robot, std::span<const CellPlace> cells,
                                                            double share = 0.9) {
   return lone_forces(robot.model(), robot.configuration().coulomb_friction, cells, share);

@@ -29,7 +29,7 @@ struct alignas(64) HealthRow {
   Row at_top{}, top{};              ///< 1: a force sensor is at its top; for so long
   Row jumps{}, pending{};           ///< leaky count of jumps without witness; time left for its witness
   Row still{}, still_proximity{};   ///< since the force moved, since the proximity moved
-  Row seen{};                       ///< for so long the proximity has seen something, without a jump
+  Row seen{};                       ///< for so long the proximity has been above 0.1; -10 at a jump
   Row hold{}, mask{};               ///< time left for the mask; the mask, 0 to 1
   Row trust{};                      ///< 1: witnessed, 0: not for 0.1 s
 };
@@ -57,7 +57,7 @@ struct HealthBits {
 /// Differences `d` of samples that follow each other and their differences `dd` are averaged over 0.2 s:
 /// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>` in units of sigma^2. White noise gives 2, 6,
 /// 6. A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in
-/// 6 ms has not seen anything. Samples that are farther apart than 6 ms may differ the more.
+/// 6 ms has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
 SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k) noexcept {
   using L = Lane<float>;
   HealthBits bits;
@@ -79,8 +79,8 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const L p = get(r.proximity), dp = select(fresh, abs(p - get(r.last_proximity)), zero);
     const auto p_moved = (dp > get(c.proximity)) & (dp <= L(0.3f) * slow);
     const L p_still = select(p_moved, zero, min(get(r.still_proximity) + dt, L(100.0f)));
-    const L seen =
-        select(fresh & ((p < L(0.1f)) | (dp > L(0.1f) * slow)), zero, min(get(r.seen) + dt, L(100.0f)));
+    const L seen = select(fresh & (p < L(0.1f)), zero,
+                          select(dp > L(0.1f) * slow, L(-10.0f), min(get(r.seen) + dt, L(100.0f))));
 
     const L top = select(get(r.at_top) > zero, min(get(r.top) + dt, L(100.0f)), zero);
     const L was = get(r.pending), pending = max(was - dt, zero);

@@ -20,9 +20,11 @@ struct RestCell {
 
 namespace detail {
 
-/// What a step of one duration does, the same for all cells.
+/// What a step of one duration does, the same for all cells; all but `pieces` for one of its pieces.
 template <Real T>
 struct RestStep {
+  int pieces = 1;  ///< it is done in so many equal pieces, for changes of state to be in their right places
+  T per_piece = T(1);
   T dt = T(0), per_dt = T(0);                    ///< [s], [1/s]; 0 s: nothing changes
   T begin = T(0), end = T(0);                    ///< share of (reading - m), at both ends, by which m moves
   T begin_mean = T(0), end_mean = T(0);          ///< the same for the mean of m over the step
@@ -91,7 +93,7 @@ inline constexpr double longest_frozen = 64;
 /// @param seen   sum of the evidence for a drift, over the step.
 /// @param kappa  level at which it freezes; `touch` the threshold of a touch [steps].
 template <Scalar S>
-SKINCTL_INLINE void rest_step(RestCell<S>& cell, const S& from, const S& x1, const S& seen, const S& kappa,
+SKINCTL_INLINE void rest_step(RestCell<S>& cell, const S& x0, const S& x1, const S& seen, const S& kappa,
                               const S& touch, const RestStep<skinctl::RealOf<S>>& k) noexcept {
   using std::abs;
   using std::copysign;
@@ -100,7 +102,6 @@ SKINCTL_INLINE void rest_step(RestCell<S>& cell, const S& from, const S& x1, con
   using T = skinctl::RealOf<S>;
   const S zero(0), dt(k.dt);
   const auto heard = abs(x1) <= S(most_steps);  // not for NaN
-  const S x0 = select(abs(from) <= S(most_steps), from, x1);
 
   // The smoothed reading, and its mean, relative to b at the beginning.
   const S r0 = cell.above, m0 = cell.fraction + r0;
@@ -137,13 +138,18 @@ SKINCTL_INLINE void rest_step(RestCell<S>& cell, const S& from, const S& x1, con
   S below = select(r < level, min(counted, S(2)), zero);
 
   // Frozen: since when, and whether by a fast rise.
-  const S over = unit_range<S>((counted - S(k.quiet_for)) * S(k.per_dt));
+  const S past = (counted - S(k.quiet_for)) * S(k.per_dt);
+  const S over = unit_range<S>(select(is_low > S(T(0.5)), S(T(0.5) * past), past));
   const auto ends = both(both(was, r < half), counted >= S(k.quiet_for));
   const auto starts = both(!was, r > kappa);
   const auto frozen = both(either(was, starts), !ends);
-  const S since = select(was, min(abs(cell.frozen) + dt, S(longest_frozen)), max(is_above * dt, S(T(1e-6))));
-  const auto fast =
-      either(cell.frozen < zero, both(r >= fast_level, since - is_high * dt <= S(k.fast_within)));
+  // A fast one that falls below half the threshold has ended; what is left of it is judged anew.
+  const auto ended = both(both(was, cell.frozen < zero), r < fast_level);
+  const S since = select(either(!was, ended), max(select(was, S(S(1) - is_high), is_above) * dt, S(T(1e-6))),
+                         min(abs(cell.frozen) + dt, S(longest_frozen)));
+  const auto fast = both(
+      either(both(was, cell.frozen < zero), both(r >= fast_level, since - is_high * dt <= S(k.fast_within))),
+      !ended);
   below = select(ends, select(r < -kappa, S(min(is_low, over) * dt), zero), below);
 
   // Released while the likelihood of a drift is high: from 3.5 until 1.5. 3t/(t + 32 s) is ln(1 + t/10 s) to
@@ -170,6 +176,23 @@ SKINCTL_INLINE void rest_step(RestCell<S>& cell, const S& from, const S& x1, con
   cell.frozen = select(heard, select(frozen, select(fast, S(-since), since), zero), cell.frozen);
   cell.below = select(heard, select(released, S(T(-1) - below), below), cell.below);
   cell.evidence = select(heard, evidence, cell.evidence);
+}
+
+/// Moves a cell on by a step in its pieces.
+template <Scalar S>
+SKINCTL_INLINE void rest_steps(RestCell<S>& cell, const S& from, const S& x1, const S& seen, const S& kappa,
+                               const S& touch, const RestStep<skinctl::RealOf<S>>& k) noexcept {
+  using std::abs;
+  const S x0 = select(abs(from) <= S(most_steps), from, x1);
+  if (k.pieces == 1) [[likely]]
+    return rest_step<S>(cell, x0, x1, seen, kappa, touch, k);
+  const S slope = S(k.per_piece) * (x1 - x0);
+  S x = x0;
+  for (int i = 1; i <= k.pieces; ++i) {
+    const S next = i == k.pieces ? x1 : S(x + slope);
+    rest_step<S>(cell, x, next, seen, kappa, touch, k);
+    x = next;
+  }
 }
 
 }  // namespace detail

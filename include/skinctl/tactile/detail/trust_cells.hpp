@@ -21,6 +21,12 @@ struct TrustCell {
   float rest = 0;                             ///< where its rest level begins [steps]
   friend bool operator==(const TrustCell&, const TrustCell&) noexcept = default;
 };
+/// Whether one body hardly touches both.
+[[nodiscard]] inline bool apart(const TrustCell& a, const TrustCell& b) noexcept {
+  float square = 0;
+  for (std::size_t k = 0; k < 3; ++k) square += (a.place[k] - b.place[k]) * (a.place[k] - b.place[k]);
+  return a.link != b.link || square > 0.01f;
+}
 template <std::size_t... I, std::size_t... N>
 [[nodiscard]] SKINCTL_COLD std::vector<TrustCell> trust_cells(const TrustSettings& s, std::size_t cells,
                                                               const Patch<I, N>&... patch) {

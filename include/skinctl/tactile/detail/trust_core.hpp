@@ -38,8 +38,8 @@ class TrustCore {
     Nanoseconds newest = Nanoseconds::min();  ///< stamp of a sample
     Touch filled{};                           ///< wrenches of the cells that are filled in
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
-      const auto bits = [](const auto& rest) {
-        return std::bit_cast<std::array<std::uint32_t, sizeof(rest) / 4>>(rest);
+      const auto bits = [](const auto& x) {
+        return std::bit_cast<std::array<std::uint32_t, sizeof(x) / 4>>(x);
       };
       return a.skin == b.skin && a.health == b.health && bits(a.rest) == bits(b.rest) && a.cross == b.cross &&
              a.pushing == b.pushing && bits(a.median) == bits(b.median) && a.median_at == b.median_at &&
@@ -62,13 +62,10 @@ class TrustCore {
     require(fill.graph().size() == cells, "TrustedSkin: cells of the graph", double(fill.graph().size()),
             "those of the skin");
     for (std::size_t i = 0; i < cells; ++i) {
-      levels_[i / 16].freeze[i % 16] =
-          static_cast<float>(rest_.freeze_level(double(health_.sigma(i)), settings.period));
-      levels_[i / 16].touch[i % 16] =
-          static_cast<float>(skin.settings().force.opens_at() / settings.health.step);
-    }
-    for (const TrustCell& c : cell_) {
-      if (c.patch >= first_.size()) first_.push_back(static_cast<std::size_t>(&c - cell_.data()));
+      const double freeze = rest_.freeze_level(double(health_.sigma(i)), settings.period);
+      levels_[i / 16].freeze[i % 16] = static_cast<float>(freeze);
+      levels_[i / 16].touch[i % 16] = static_cast<float>(force_gate_.opens_at()) / per_step_;
+      if (cell_[i].patch >= first_.size()) first_.push_back(i);
     }
     first_.push_back(cells);
   }
@@ -85,7 +82,7 @@ class TrustCore {
       t.health_.take(m.health, i, s);
       const Nanoseconds time = s.time < to ? s.time : to;
       m.newest = time > m.newest ? time : m.newest;
-      return t.worth(m, i);
+      return t.is_trusted(m, i) ? t.worth(m, i) : t.as_held(m, i);
     }
     template <class Revise>
     SKINCTL_INLINE void settle(const Revise& revise) const noexcept {
@@ -160,17 +157,14 @@ class TrustCore {
                                                                                   : s_.explained);
         },
         [&](std::size_t i, std::size_t j) {
-          return Health::mask(m.health, j) < 0.5f && !fill_.graph().joined(i, j);
+          return Health::mask(m.health, j) < 0.5f && apart(cell_[i], cell_[j]);
         });
     if (found < cells) health_.hold(m.health, found, CellFault::cross_talk);
   }
   /// Moves the rest levels to `now`.
   void follow(Memory& m, Nanoseconds now) const noexcept {
     if (!s_.follow_rest || !(now > m.health.time)) return;
-    const Nanoseconds dt = now - m.health.time < 1s ? now - m.health.time : Nanoseconds(1s);
-    const auto pieces =
-        static_cast<std::int64_t>((dt + RestLevel::longest_step - 1ns) / RestLevel::longest_step);
-    const auto step = rest_.step<float>(dt / pieces);
+    const auto step = rest_.step<float>(now - m.health.time);
     if (m.median_at == Nanoseconds::min() || now >= m.median_at) {
       m.median_at = now + 100ms;
       for (std::size_t k = 0; k + 1 < first_.size(); ++k)
@@ -178,20 +172,14 @@ class TrustCore {
     }
     for (std::size_t b = 0; b < rows; ++b) {
       const HealthRow& row = m.health.row[b];
-      HealthRow::Row from = row.last, to{}, evidence{};
+      HealthRow::Row evidence{};
       for (std::size_t k = 0; k < 16; ++k) {
         const std::size_t i = 16 * b + k;
         const float r = m.rest[b].above[k];
         if (s_.proximity) evidence[k] = proximity_evidence(row.proximity[k]);
         if (i < cells) evidence[k] += median_evidence(r, m.median[cell_[i].patch]);
       }
-      for (std::int64_t n = 1; n <= pieces; ++n) {
-        for (std::size_t k = 0; k < 16; ++k)
-          to[k] =
-              row.last[k] + (row.force[k] - row.last[k]) * static_cast<float>(n) / static_cast<float>(pieces);
-        RestLevel::scan(m.rest[b], from.data(), to.data(), evidence.data(), levels_[b], step);
-        from = to;
-      }
+      RestLevel::scan(m.rest[b], row.last.data(), row.force.data(), evidence.data(), levels_[b], step);
     }
   }
 
@@ -247,6 +235,20 @@ class TrustCore {
     return {static_cast<std::uint16_t>(force), static_cast<std::uint16_t>(proximity)};
   }
 
+  [[nodiscard]] bool is_trusted(const Memory& m, std::size_t i) const noexcept {
+    return m.health.row[i / 16].trust[i % 16] > 0.5f ||
+           !(cell_[i].lone < std::numeric_limits<double>::infinity());
+  }
+  /// The reading that leaves what is held as it is. A cell that is not trusted changes within the interval, by
+  /// `settle`: the impulse of a sample that came late would be more than its lone force.
+  [[nodiscard]] CellCounts as_held(const Memory& m, std::size_t i) const noexcept {
+    const CellCounts c = skin_.held(m.skin, i);
+    const auto raw = [](std::int32_t held, const EventGate<std::int32_t>& gate) {
+      return static_cast<std::uint16_t>(held > 0 ? held + gate.subtract() : 0);
+    };
+    return {raw(c.force, force_gate_), raw(c.proximity, proximity_gate_)};
+  }
+
   template <class Revise>
   void settle(Memory& m, const Revise& revise) const noexcept {
     const float low_force = static_cast<float>(force_gate_.closes_below()) / per_step_ - 1;
@@ -275,10 +277,9 @@ class TrustCore {
       const double force = share * c.force_gain * CellCounts::force_unit * filled<true>(m, i);
       const double proximity = share * c.proximity_gain * CellCounts::proximity_unit * filled<false>(m, i);
       const std::size_t slot = Touch::Wrenches::slot(c.link);
-      for (std::size_t r = 0; r < 6; ++r) {
-        m.filled.force.data[slot][r] = m.filled.force.data[slot][r] + T(force) * T(c.unit[r]);
-        m.filled.proximity.data[slot][r] = m.filled.proximity.data[slot][r] + T(proximity) * T(c.unit[r]);
-      }
+      T *f = m.filled.force.data[slot], *p = m.filled.proximity.data[slot];
+      for (std::size_t r = 0; r < 6; ++r)
+        f[r] = f[r] + T(force) * T(c.unit[r]), p[r] = p[r] + T(proximity) * T(c.unit[r]);
     });
   }
 
