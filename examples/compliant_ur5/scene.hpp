@@ -59,6 +59,7 @@ inline auto trusted_skin(const Settings& s) {
   trust.lone_force = {s.trust_all_cells ? std::numeric_limits<double>::infinity() : 0.0};
   trust.follow_rest = !s.trust_all_cells;
   trust.noise = {{.force = 0.4f, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
+  trust.health.delta = 2;  // of the simulated cells, and of TUM's
   return TrustedSkin(ur5_skin<cells>(gains(s), settings), trust, ur5::skin_patches<cells>(gains(s)));
 }
 
