@@ -60,6 +60,7 @@ inline auto trusted_skin(const Settings& s) {
   trust.follow_rest = !s.trust_all_cells;
   trust.noise = {{.force = 0.4f, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
   trust.health.delta = 2;  // of the simulated cells, and of TUM's
+  trust.answer = 0.05;     // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
   return TrustedSkin(ur5_skin<cells>(gains(s), settings), trust, ur5::skin_patches<cells>(gains(s)));
 }
 
