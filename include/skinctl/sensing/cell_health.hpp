@@ -30,6 +30,9 @@ struct CellNoise {
 
 struct CellHealthSettings {
   double step = 1.0 / 1024;  ///< of the readings
+  /// Of cells that send changes only: the smallest change of a force sensor that is sent (`SendOnDelta`) [steps]. What
+  /// they send moves in steps of it, which is no noise. 0: they send all that they read.
+  double delta = 0;
   /// So many messages in a row with all eight numbers equal show a dead cell, also in between touches. 0: never,
   /// for cells without an accelerometer or other number that always has noise.
   std::uint32_t equal_messages = 5;
@@ -42,6 +45,7 @@ struct CellHealthSettings {
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD void check() const {
     require(step >= 1.0 / 60000 && step <= 0.1, "CellHealth: step", step, "1/60000 to 0.1");
+    require(delta >= 0 && delta * step <= 0.1, "CellHealth: delta", delta, ">= 0 steps, <= 0.1 of the range");
     require(equal_messages != 1 && equal_messages <= 1000, "CellHealth: equal_messages",
             double(equal_messages), "0, or 2 to 1000");
     require(top > 0.5 && top <= 1, "CellHealth: top", top, "> 0.5, <= 1");
@@ -120,7 +124,8 @@ class CellHealth {
               ">= 0 steps, < range");
       const double sigma = std::sqrt(3 * (double(n.force) * double(n.force) + 1.0 / 12));
       auto& limits = limits_[i / 16];
-      limits.per_sigma[i % 16] = static_cast<float>(1 / sigma);
+      limits.per_sigma[i % 16] =
+          static_cast<float>(1 / std::sqrt(sigma * sigma + 3 * s_.delta * s_.delta));
       limits.jump[i % 16] = static_cast<float>(std::max(12 * sigma, 0.1 / s_.step));
       limits.proximity[i % 16] =
           static_cast<float>(6 * s_.step * std::sqrt(double(n.proximity) * double(n.proximity) + 1.0 / 12));

@@ -1,6 +1,7 @@
 // A skin whose faulty cells do not move the robot.
 #pragma once
 
+#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/trust_core.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -127,6 +128,17 @@ class TrustedSkin : private detail::TrustCore<S> {
     std::size_t n = 0;
     for (std::size_t i = 0; i < cells; ++i) n += this->counts(m, i) ? 1u : 0u;
     return n;
+  }
+  /// How much of the skin feels, also of its worst patch.
+  [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
+    Coverage out;
+    for (std::size_t i = 0; i < cells;) {
+      const std::uint32_t patch = cell_[i].patch;
+      std::size_t count = 0, of = 0;
+      for (; i < cells && cell_[i].patch == patch; ++i, ++of) count += this->counts(m, i) ? 1u : 0u;
+      out.add(count, of);
+    }
+    return out;
   }
   [[nodiscard]] CellCounts held(const Memory& m, std::size_t i) const noexcept {
     return skin_.held(m.skin, i);
