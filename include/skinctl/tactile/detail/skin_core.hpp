@@ -138,8 +138,10 @@ class SkinCore {
       const CellSeat seat = tables_.cells.seat(i);
       const T push = tables_.template push_on<Reading::force>(seat, tables_.weigh(i, memory.records[i].held));
       const auto& p = tables_.cells.place(i);
-      if (push > T(0))
-        areas.add(tables_.patches[seat.sums].link, {T(p[0]), T(p[1]), T(p[2])}, tables_.cells[i].row, push);
+      if (!(push > T(0))) return;
+      const float* u = tables_.cells[i].row;
+      const float unit[6] = {u[0], u[1], u[2], u[3], u[4], u[5]};
+      areas.add(tables_.patches[seat.sums].link, {T(p[0]), T(p[1]), T(p[2])}, unit, push);
     });
     return areas;
   }
