@@ -92,6 +92,7 @@
 #include "skinctl/robot/virtual_mass.hpp"
 
 #include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/event_gate.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
@@ -99,6 +100,7 @@
 
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/cover.hpp"
+#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
@@ -173,6 +175,7 @@
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/motion_limits.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 
 #include "skinctl/passivity/contact_damper.hpp"

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
@@ -164,6 +165,15 @@ class SkinCore {
 
   /// Number of silent cells: never received, or not within `max_age`.
   [[nodiscard]] std::size_t silent(const Memory& memory) const noexcept { return size() - memory.heard; }
+  /// Number of cells whose readings count: received within `max_age`.
+  [[nodiscard]] std::size_t usable(const Memory& memory) const noexcept { return memory.heard; }
+  /// How much of the skin feels, also of its worst patch (of 8192 cells of a larger one).
+  [[nodiscard]] Coverage coverage(const Memory& memory) const noexcept {
+    Coverage out;
+    for (const PatchRow<T>& patch : tables_.patches)
+      out.add(memory.heard_from(patch.first, patch.count), patch.count);
+    return out;
+  }
   /// Upper bound of the proximity readings in [0, 1] of the cells on link `I`: at least the gate's opening
   /// threshold, below which nothing passes; 1 if one of the cells is silent and its reading unknown, or if
   /// there is none. A link that cannot have a cell does not compile.

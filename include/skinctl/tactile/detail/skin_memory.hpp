@@ -72,6 +72,13 @@ struct SkinMemoryOf : Store {
       all = all && (~states[b].heard & among(b, first, count)) == 0;
     return all;
   }
+  /// Number of the `count` cells from `first` on that are heard.
+  [[nodiscard]] SKINCTL_INLINE std::size_t heard_from(std::size_t first, std::size_t count) const noexcept {
+    int n = 0;
+    for (std::size_t b = first / 64; b * 64 < first + count; ++b)
+      n += std::popcount(states[b].heard & among(b, first, count));
+    return static_cast<std::size_t>(n);
+  }
   /// Cell `i` is in `state` from now on.
   SKINCTL_INLINE void enter(std::size_t i, std::uint32_t state) noexcept {
     heard += state / CellRecord::heard - records[i].state / CellRecord::heard;
