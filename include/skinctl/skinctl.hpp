@@ -99,6 +99,7 @@
 
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/contact.hpp"
+#include "skinctl/tactile/contact_skin.hpp"
 #include "skinctl/tactile/cover.hpp"
 #include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
@@ -108,7 +109,9 @@
 #include "skinctl/tactile/named_patch.hpp"
 #include "skinctl/tactile/patch.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
+#include "skinctl/tactile/region.hpp"
 #include "skinctl/tactile/skin.hpp"
+#include "skinctl/tactile/skin_contact.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/tactile/touch_sum.hpp"

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/patch.hpp"
@@ -154,15 +155,43 @@ class Skin {
   /// What else is touched (the second argument) is nothing to a skin.
   [[nodiscard]] Pressed pressed(const Memory& memory, const auto&) const noexcept { return pressed(memory); }
   [[nodiscard]] Pressed pressed(const Memory& memory) const noexcept {
+    static constexpr std::array<std::size_t, patches> link{Patches::link...};
     Pressed areas;
+    each_pressed(memory, [&](std::size_t i, const T& push) SKINCTL_INLINE_LAMBDA {
+      const detail::CellEntry& cell = tables_.cells[i];
+      const auto& p = tables_.cells.place(i);
+      areas.add(link[cell.patch], {T(p[0]), T(p[1]), T(p[2])}, cell.unit, push);
+    });
+    return areas;
+  }
+  /// Calls `f(i, push)` for each cell whose force reading is held, in the order of the patches, with its push
+  /// > 0 [N].
+  template <class F>
+  SKINCTL_INLINE void each_pressed(const Memory& memory, F&& f) const noexcept {
     for (std::size_t b = 0; b < Memory::blocks; ++b) {
       if (!memory.may_press(b)) continue;
       for (std::uint64_t rest = memory.heard[b]; rest != 0; rest &= rest - 1) {
         const std::size_t i = 64 * b + static_cast<std::size_t>(std::countr_zero(rest));
-        if (memory.held[i].force != 0) press(areas, i, memory.held[i]);
+        if (memory.held[i].force == 0) continue;
+        const T push = tables_.template push_on<detail::Reading::force>(tables_.cells[i], memory.held[i]);
+        if (push > T(0)) f(i, push);
       }
     }
-    return areas;
+  }
+  /// The places of all cells, in the order of the patches.
+  [[nodiscard]] SKINCTL_COLD std::vector<CellPlace> places() const {
+    static constexpr std::array<std::size_t, patches> link{Patches::link...};
+    std::vector<CellPlace> all;
+    for (std::size_t i = 0; i < cells; ++i) {
+      const detail::CellEntry& cell = tables_.cells[i];
+      const auto& p = tables_.cells.place(i);
+      const float* u = cell.unit;
+      all.push_back({link[cell.patch],
+                     cell.patch,
+                     {double(p[0]), double(p[1]), double(p[2])},
+                     {-double(u[0]), -double(u[1]), -double(u[2])}});
+    }
+    return all;
   }
 
   /// Calls `f(link, force, moment, gain)` for up to `most` cells of each patch, evenly over its list: the
@@ -232,13 +261,6 @@ class Skin {
   }
 
  private:
-  void press(Pressed& areas, std::size_t i, CellCounts counts) const noexcept {
-    static constexpr std::array<std::size_t, patches> link{Patches::link...};
-    const detail::CellEntry& cell = tables_.cells[i];
-    const T push = tables_.template push_on<detail::Reading::force>(cell, counts);
-    const auto& p = tables_.cells.place(i);
-    if (push > T(0)) areas.add(link[cell.patch], {T(p[0]), T(p[1]), T(p[2])}, cell.unit, push);
-  }
   template <class Means>
   [[nodiscard]] SKINCTL_INLINE Means held_as(const Memory& memory) const noexcept {
     if constexpr (std::is_same_v<Means, Touch>) {
