@@ -98,6 +98,7 @@
 #include "skinctl/sensing/wrench_sample.hpp"
 
 #include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/cell_mass.hpp"
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
 #include "skinctl/tactile/cover.hpp"
@@ -176,6 +177,7 @@
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/link_contact.hpp"
 #include "skinctl/limits/motion_limits.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 

@@ -126,9 +126,9 @@ TEST_CASE("ContactFinder: clusters are those of a flood by definition, with the 
       CHECK(c.pushed == doctest::Approx(pushed).epsilon(1e-12));
       CHECK(c.peak == peak);
       CHECK(push[c.strongest] == peak);
-      CHECK(length(c.force - force) <= 1e-12 * pushed);
-      CHECK(length(c.moment - moment) <= 1e-12 * pushed);
-      CHECK(length(c.place - (1 / pushed) * first) <= 1e-12);
+      CHECK(length(c.force - force) <= 1e-7 * pushed);  // places and normals are stored as float
+      CHECK(length(c.moment - moment) <= 1e-7 * pushed);
+      CHECK(length(c.place - (1 / pushed) * first) <= 1e-7);
       CHECK(length(c.normal) == doctest::Approx(1));
       CHECK(c.area > 0);
       ids.insert(c.id);

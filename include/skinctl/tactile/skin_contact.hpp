@@ -80,9 +80,14 @@ class ContactFinder {
       const CellPlace& c = places[i];
       const Xyz<double> moment = cross(c.place, c.normal);
       const double p = pitch[c.patch], hexagon = p - p == 0 ? 0.8660254037844386 * p * p : 0;
-      const auto convert = [](const Xyz<double>& x) { return Xyz<T>{T(x.x), T(x.y), T(x.z)}; };
-      cells_.push_back({convert(c.place), convert(-c.normal), convert(-moment), T(hexagon),
-                        static_cast<std::uint32_t>(c.link), 0});
+      const auto number = [](double x) { return static_cast<float>(x); };
+      const Xyz<double>&q = c.place, &z = c.normal;
+      cells_.push_back({{number(q.x), number(q.y), number(q.z)},
+                        {number(-z.x), number(-z.y), number(-z.z)},
+                        {number(-moment.x), number(-moment.y), number(-moment.z)},
+                        number(hexagon),
+                        static_cast<std::uint32_t>(c.link),
+                        0});
     }
   }
 
@@ -126,11 +131,12 @@ class ContactFinder {
  private:
   static constexpr std::uint32_t bottom = ContactRow::none - 1;
   struct Cell {
-    Xyz<T> place, force, moment;  ///< the last two for one newton
-    T area;
+    float place[3], force[3], moment[3];  ///< the last two for one newton
+    float area;
     std::uint32_t link;
     RegionMask regions;
   };
+  static SKINCTL_INLINE Xyz<T> vector(const float (&x)[3]) noexcept { return {T(x[0]), T(x[1]), T(x[2])}; }
   /// The strongest `Most` contacts of a frame, and one to be compared with them.
   template <std::size_t Most>
   struct Found {
@@ -160,14 +166,15 @@ class ContactFinder {
   template <class Memory, class One, class Areas>
   void flood(Memory& m, std::uint32_t seed, std::uint32_t label, One& out, Areas& areas) const noexcept {
     constexpr std::size_t most_sides = 4;
-    PressedArea<T> sides[most_sides];
-    std::size_t count = 0;
+    PressedArea<T> sides[most_sides];  // `place` sums up place times push until the end
+    std::size_t count = 0, k = 0;
     SkinContact<T>& c = out.contact = {};
     std::uint32_t& heir = out.heir;
     c.link = cells_[seed].link;
     float inherits = 0, peak = 0;
     heir = ContactRow::none;
     m.rows[seed].next = bottom;
+    const std::uint32_t frame = m.frame;
     for (std::uint32_t top = seed; top != bottom;) {
       const std::uint32_t i = top;
       ContactRow& row = m.rows[i];
@@ -175,17 +182,26 @@ class ContactFinder {
       top = row.next;
       for (const std::uint32_t j : graph_.neighbours(i)) {
         ContactRow& other = m.rows[j];
-        if (other.frame == m.frame && other.next == ContactRow::none) other.next = top, top = j;
+        // Without a branch: which neighbour was visited before is a coin's toss.
+        const bool fresh = (other.frame == frame) & (other.next == ContactRow::none);
+        other.next = fresh ? top : other.next;
+        top = fresh ? j : top;
       }
       if (row.label != ContactRow::none && row.push > inherits) inherits = row.push, heir = row.label;
       if (row.push > peak) peak = row.push, c.strongest = i;
       row.label = label;
-      std::size_t k = 0;
-      while (k < count && !sides[k].same_side(cell.force)) ++k;
-      if (k == count) k < most_sides ? void(sides[count++].link = c.link) : void(--k);
+      const Xyz<T> force = vector(cell.force);
+      if (count == 0 || !sides[k].same_side(force)) {  // else the side of the last cell
+        for (k = 0; k < count && !sides[k].same_side(force);) ++k;
+        if (k == count) k < most_sides ? void(sides[count++].link = c.link) : void(--k);
+      }
       const T push = static_cast<T>(row.push);
-      sides[k].add(cell.place, cell.force, cell.moment, push);
-      c.area = c.area + cell.area;
+      PressedArea<T>& side = sides[k];
+      side.pushed = side.pushed + push;
+      side.force = side.force + push * force;
+      side.moment = side.moment + push * vector(cell.moment);
+      side.place = side.place + push * vector(cell.place);
+      c.area = c.area + T(cell.area);
       ++c.cells;
       c.regions |= cell.regions;
       for (RegionMask rest = cell.regions; rest != 0; rest &= rest - 1) {
@@ -194,12 +210,16 @@ class ContactFinder {
       }
     }
     PressedArea<T> all{.link = c.link};
-    for (std::size_t k = 0; k < count; ++k) all.add(sides[k]), areas.add(sides[k]);
+    for (k = 0; k < count; ++k) {
+      sides[k].place = (T(1) / sides[k].pushed) * sides[k].place;
+      all.add(sides[k]);
+      areas.add(sides[k]);
+    }
     c.pushed = all.pushed, c.force = all.force, c.moment = all.moment, c.place = all.place;
     c.peak = static_cast<T>(peak);
     using std::sqrt;
     const T size = sqrt(dot(c.force, c.force));
-    c.normal = size > T(0.5) * c.pushed ? T(T(-1) / size) * c.force : -cells_[c.strongest].force;
+    c.normal = size > T(0.5) * c.pushed ? T(T(-1) / size) * c.force : -vector(cells_[c.strongest].force);
     if (heir == ContactRow::none)  // it moved on by a whole cell
       for (const std::uint32_t j : graph_.neighbours(c.strongest))
         if (m.rows[j].frame + 1 == m.frame && m.rows[j].push > inherits)
