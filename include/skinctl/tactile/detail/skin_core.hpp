@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
@@ -135,16 +136,37 @@ class SkinCore {
   [[nodiscard]] Pressed pressed(const Memory& memory, const auto&) const noexcept { return pressed(memory); }
   [[nodiscard]] Pressed pressed(const Memory& memory) const noexcept {
     Pressed areas;
-    memory.each_cell(&BlockStates::pressed, 0, size(), [&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-      const CellSeat seat = tables_.cells.seat(i);
-      const T push = tables_.template push_on<Reading::force>(seat, tables_.weigh(i, memory.records[i].held));
+    each_pressed(memory, [&](std::size_t i, const T& push) SKINCTL_INLINE_LAMBDA {
       const auto& p = tables_.cells.place(i);
-      if (!(push > T(0))) return;
       const float* u = tables_.cells[i].row;
       const float unit[6] = {u[0], u[1], u[2], u[3], u[4], u[5]};
-      areas.add(tables_.patches[seat.sums].link, {T(p[0]), T(p[1]), T(p[2])}, unit, push);
+      areas.add(tables_.patch_of(i).link, {T(p[0]), T(p[1]), T(p[2])}, unit, push);
     });
     return areas;
+  }
+  /// Calls `f(i, push)` for each cell whose force reading is held, in the order of the patches, with its push
+  /// > 0 [N].
+  template <class F>
+  SKINCTL_INLINE void each_pressed(const Memory& memory, F&& f) const noexcept {
+    memory.each_cell(&BlockStates::pressed, 0, size(), [&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+      const T push = tables_.template push_on<Reading::force>(tables_.cells.seat(i),
+                                                              tables_.weigh(i, memory.records[i].held));
+      if (push > T(0)) f(i, push);
+    });
+  }
+  /// The places of all cells, in the order of the patches.
+  [[nodiscard]] SKINCTL_COLD std::vector<CellPlace> places() const {
+    std::vector<CellPlace> all;
+    for (std::size_t i = 0; i < size(); ++i) {
+      const PatchRow<T>& patch = tables_.patch_of(i);
+      const auto& p = tables_.cells.place(i);
+      const float* u = tables_.cells[i].row;
+      all.push_back({patch.link,
+                     patch.number,
+                     {double(p[0]), double(p[1]), double(p[2])},
+                     {-double(u[0]), -double(u[1]), -double(u[2])}});
+    }
+    return all;
   }
 
   /// Calls `f(link, force, moment, gain)` for up to `most` cells of each patch, evenly over its list (of each

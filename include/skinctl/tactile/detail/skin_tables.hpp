@@ -18,6 +18,7 @@ struct alignas(32) PatchRow {
   T force_gain, proximity_gain;  ///< [N] per count
   std::uint32_t first, count;    ///< cells
   std::uint32_t link, slot;      ///< and its index in the link wrenches
+  std::uint32_t number;          ///< of the patch among those that were given
   std::int32_t hidden;           ///< no proximity below passes, in counts
 };
 /// Number of sums of a patch of `cells` cells.
@@ -61,6 +62,7 @@ struct SkinTables {
   std::vector<PatchRow<T>> patches;
   CellTable cells;
   std::vector<CellTuning> tuning;  ///< of each cell, if `Tuned`
+  std::uint32_t given = 0;         ///< number of patches that were added
 
   SkinTables(const SkinSettings& s, std::size_t count) : settings(s), cells(count) {
     common.set(s.force.counted(CellCounts::force_unit), s.proximity.counted(CellCounts::proximity_unit));
@@ -76,10 +78,11 @@ struct SkinTables {
       patches.push_back({T(gains.force * CellCounts::force_unit),
                          T(gains.proximity * CellCounts::proximity_unit),
                          static_cast<std::uint32_t>(cells.size()), static_cast<std::uint32_t>(count),
-                         static_cast<std::uint32_t>(link), static_cast<std::uint32_t>(slot),
+                         static_cast<std::uint32_t>(link), static_cast<std::uint32_t>(slot), given,
                          settings.proximity.counted(CellCounts::proximity_unit).opens_at()});
       cells.add(patch.data() + from, count, patches.size() - 1, slot);
     }
+    ++given;
   }
   /// The counts of cell `i` that pass its thresholds; `old` is what passed last.
   SKINCTL_INLINE CountPair pass(std::size_t i, CountPair raw, CountPair old) const noexcept {
@@ -103,6 +106,9 @@ struct SkinTables {
   }
   SKINCTL_INLINE CellCounts weigh(std::size_t i, CellCounts c) const noexcept {
     return weigh(i, CountPair(c)).counts_of();
+  }
+  SKINCTL_INLINE const PatchRow<T>& patch_of(std::size_t i) const noexcept {
+    return patches[cells.seat(i).sums];
   }
   /// The push by weighed counts of one kind, or of both [N].
   template <Reading R>
