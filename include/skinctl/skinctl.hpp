@@ -114,6 +114,7 @@
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/region.hpp"
 #include "skinctl/tactile/skin.hpp"
+#include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/skin_contact.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"

@@ -79,11 +79,26 @@ struct SkinTables {
                          T(gains.proximity * CellCounts::proximity_unit),
                          static_cast<std::uint32_t>(cells.size()), static_cast<std::uint32_t>(count),
                          static_cast<std::uint32_t>(link), static_cast<std::uint32_t>(slot), given,
-                         settings.proximity.counted(CellCounts::proximity_unit).opens_at()});
+                         Tuned ? 0 : settings.proximity.counted(CellCounts::proximity_unit).opens_at()});
       cells.add(patch.data() + from, count, patches.size() - 1, slot);
     }
     ++given;
   }
+  /// What the next cell has of its own: thresholds, and shares of its patch's gains.
+  SKINCTL_COLD void tune(const EventGate<>& force, const EventGate<>& proximity, double force_share,
+                         double proximity_share)
+    requires Tuned
+  {
+    const auto steps = [](double share) {
+      return static_cast<std::uint16_t>(std::round(share * double(CellTuning::whole)));
+    };
+    const auto seen = proximity.counted(CellCounts::proximity_unit);
+    tuning.emplace_back().set(force.counted(CellCounts::force_unit), seen);
+    tuning.back().share = {steps(force_share), steps(proximity_share)};
+    std::int32_t& hidden = patches[cells.seat(tuning.size() - 1).sums].hidden;
+    hidden = seen.opens_at() > hidden ? seen.opens_at() : hidden;
+  }
+
   /// The counts of cell `i` that pass its thresholds; `old` is what passed last.
   SKINCTL_INLINE CountPair pass(std::size_t i, CountPair raw, CountPair old) const noexcept {
     if constexpr (Tuned) {
