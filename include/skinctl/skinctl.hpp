@@ -106,6 +106,7 @@
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
+#include "skinctl/tactile/large_skin.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/momentum_observer.hpp"
 #include "skinctl/tactile/motor_touch.hpp"

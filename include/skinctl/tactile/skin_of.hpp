@@ -30,8 +30,8 @@ struct SkinPatch {
 namespace detail {
 
 /// Adds patches of a skin that is not known to the compiler to its tables.
-template <class Wrenches, Real T>
-SKINCTL_COLD void add_patches(SkinTables<T, true>& tables, const std::vector<SkinPatch>& patches) {
+template <class Wrenches, Real T, bool Tuned>
+SKINCTL_COLD void add_patches(SkinTables<T, Tuned>& tables, const std::vector<SkinPatch>& patches) {
   constexpr std::size_t joints = Wrenches::model_type::joints;
   for (const SkinPatch& patch : patches) {
     require(patch.link < joints && ((Wrenches::links >> patch.link) & 1u) != 0, "SkinOf: link of a patch",
@@ -50,11 +50,17 @@ SKINCTL_COLD void add_patches(SkinTables<T, true>& tables, const std::vector<Ski
     require_patch(placed, placed.size(), patch.gains);
     tables.add(placed, most, patch.link, Wrenches::slot(patch.link));
     for (const SkinCell& cell : patch.cells) {
-      const CellGains own = cell.gains.value_or(patch.gains);
-      tables.tune(cell.force.value_or(tables.settings.force),
-                  cell.proximity.value_or(tables.settings.proximity),
-                  most.force > 0 ? own.force / most.force : 1,
-                  most.proximity > 0 ? own.proximity / most.proximity : 1);
+      if constexpr (Tuned) {
+        const CellGains own = cell.gains.value_or(patch.gains);
+        tables.tune(cell.force.value_or(tables.settings.force),
+                    cell.proximity.value_or(tables.settings.proximity),
+                    most.force > 0 ? own.force / most.force : 1,
+                    most.proximity > 0 ? own.proximity / most.proximity : 1);
+      } else {
+        require(!cell.gains && !cell.force && !cell.proximity,
+                "skin: cell with gains or thresholds of its own", double(cell.id),
+                "none in a skin whose type is not `Tuned`");
+      }
     }
   }
 }
