@@ -44,6 +44,7 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
   template <std::size_t Ahead, class Front>
   SKINCTL_INLINE Status take(std::span<const CellSample> samples, Front& front) const noexcept {
     Status status;
+    if (samples.empty()) return status;
     if (!takes_usual()) {
       for (const CellSample& sample : samples) status |= take_any(sample, front);
       return status;
