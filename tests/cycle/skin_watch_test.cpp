@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "skinctl/cycle/configurations.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/scene.hpp"
 #include "skinctl/testing/simulated_joints.hpp"
@@ -21,13 +22,13 @@ template <Interface I>
 constexpr Nanoseconds period = I == Interface::torque ? Nanoseconds(2ms) : Nanoseconds(8ms);
 
 template <Interface I>
-auto plain_scene() {
+auto plain_scene(double lambda = 10) {
   constexpr bool direct = I == Interface::torque;
   const SceneSettings s{
       .period = period<I>, .delay = direct ? Nanoseconds(0ns) : period<I>, .decay = direct ? 0.0 : 6.0};
   const auto robot = test_robot<I, double>(s);
   auto tracking = tracking_settings(robot);
-  tracking.lambda = 10;
+  tracking.lambda = lambda;
   return Cycle(robot, ur5_skin<cells>({.force = 40}),
                SplineJoint<6>(tracking) + SkinJointControl{} + GravityControl{});
 }
@@ -82,6 +83,7 @@ class Run {
     input.samples = samples;
     input.request = request;
     request = CycleRequest::none;
+    if constexpr (requires { input.configuration; }) input.configuration = configuration;
     if (!asked_ && time() > 0.2) {
       asked_ = input.has_goal = true;
       input.goal.q_g = goal;
@@ -124,6 +126,7 @@ class Run {
   std::vector<std::uint32_t> silent;
   bool speaks = true;
   CycleRequest request = CycleRequest::none;
+  std::uint32_t configuration = 0;
   JointPosition<6> goal;
   double fastest = 0;
   Status status, last_status;
@@ -249,8 +252,32 @@ void slows_down() {
   CHECK(run.away() < 0.002);
 }
 
+template <Interface I>
+void changes_while_held() {
+  const Configurations scene(plain_scene<I>().with(SkinWatch{}), plain_scene<I>(8).with(SkinWatch{}));
+  auto run = run_of<I>(scene);
+  run.speaks = false;
+  run.run_to(0.5);
+  run.configuration = 1;
+  run.run_to(1);
+  CHECK(run.moved() < 1e-6);
+  CHECK(run.status.has(Reason::skin_held));
+  run.speaks = true;
+  run.run_to(6);
+  CHECK_FALSE(run.last_status.has(Reason::configuration_refused));
+  CHECK(run.away() < 0.005);
+}
+
 }  // namespace
 
+TEST_CASE("SkinWatch: another configuration while it holds: no step, and it goes on with it") {
+  SUBCASE("by position") {
+    changes_while_held<Interface::position>();
+  }
+  SUBCASE("by torque") {
+    changes_while_held<Interface::torque>();
+  }
+}
 TEST_CASE("SkinWatch: a robot whose skin never speaks does not move before it is heard") {
   SUBCASE("by position") {
     never_speaks<Interface::position>();
