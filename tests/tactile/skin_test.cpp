@@ -93,7 +93,7 @@ T largest(const T (&row)[N]) {
 using Small = Skin<ur5::Model, double, Patch<1, 3>, Patch<2, 70>, Patch<5, 1>>;
 static_assert(std::is_trivially_copyable_v<Small::Memory>);
 static_assert(Small::links == 0b100110 && Small::cells == 74 && Small::patches == 3);
-static_assert(sizeof(Ur5Skin<10000>::Memory) <= 10000 * 13);
+static_assert(sizeof(Ur5Skin<10000>::Memory) <= 10000 * 17);
 
 TEST_CASE_TEMPLATE("Skin: held samples are the per-cell Jacobian form", T, float, double) {
   Random rng = seeded(1);
@@ -475,12 +475,24 @@ TEST_CASE("Skin: a front end sets what a sample is worth, and revises what is he
   CHECK(one.push({}, 53ms, 60ms) == doctest::Approx(4).epsilon(1e-3));
   CHECK(one.skin.recomputed(one.memory) == one.memory);
   // Its age is that of its sample at 30 ms: it fades from 230 ms on, and is no longer revised.
-  const auto held = one.memory.held[0];
+  const auto held = one.skin.held(one.memory, 0);
   CHECK(mean({}, 60ms, 230ms, {.set = {{0, held}}}) == doctest::Approx(4).epsilon(1e-3));
   CHECK(mean({}, 230ms, 255ms, {.set = {{0, force(1)}}}) == doctest::Approx(4 * 0.75).epsilon(1e-3));
   CHECK(mean({}, 255ms, 280ms, {.set = {{0, force(1)}}}) == doctest::Approx(4 * 0.25).epsilon(1e-3));
   CHECK(mean({}, 280ms, 290ms, {.set = {{0, force(1)}}}) == 0);
   CHECK(one.skin.recomputed(one.memory) == one.memory);
+}
+
+TEST_CASE(
+    "Skin: a cell that fell silent is in the sums again when it is heard, also after the clock was set "
+    "back") {
+  OneCell one;
+  one.push({sample(7, 100ms, 0.5f)}, 90ms, 100ms);
+  one.push({}, 100ms, 400ms);
+  CHECK(one.skin.wrenches(one.memory) == decltype(one)::S::Wrenches{});
+  one.push({sample(7, 150ms, 0.5f)}, 190ms, 200ms);  // the reading that it had
+  CHECK(one.skin.recomputed(one.memory) == one.memory);
+  CHECK(one.push({}, 200ms, 210ms) == doctest::Approx(15).epsilon(1e-12));
 }
 
 TEST_CASE("Skin: an interval that goes backwards is one without length") {

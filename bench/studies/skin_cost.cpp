@@ -1,0 +1,266 @@
+// What a cell costs, from 1260 cells to a million: `skin_cost [most cells [repetitions]]`. Median ns, all in one
+// run, interleaved. An event is a sample that changes both readings, 6.5 % of the cells a cycle, stamps set
+// beforehand; a scan reads and writes 44 bytes a cell, `[block][field][16]` floats, as trust in cells does; sums
+// are dense ones. KDL: a Jacobian for each cell, and one for each link.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "bench/floor/event_floor.hpp"
+#include "bench/tactile/kdl_skin.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/tactile/dense_skin.hpp"
+#include "skinctl/tactile/large_skin.hpp"
+#include "skinctl/testing/random_skin.hpp"
+#include "skinctl/testing/robots.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+template <class V>
+void keep(V& value) {
+  asm volatile("" : : "g"(&value) : "memory");
+}
+
+/// Cells anywhere on the six links of a UR5, ids from 1 on.
+std::vector<SkinPatch> some_cells(std::size_t count) {
+  Random rng = seeded(count);
+  std::vector<SkinPatch> patches;
+  std::uint32_t id = 1;
+  for (std::size_t link = 0; link < 6; ++link) {
+    SkinPatch& patch = patches.emplace_back(SkinPatch{link, {10, 3}, {}});
+    for (std::size_t i = count * link / 6; i < count * (link + 1) / 6; ++i)
+      patch.cells.push_back(
+          {.id = id++,
+           .X_LC = Transform<SomeLink, Cell>(random_rotation<double>(rng), random_xyz(rng, 0.3))});
+  }
+  return patches;
+}
+std::vector<detail::AnyCell> any_cells(const std::vector<SkinPatch>& patches) {
+  std::vector<detail::AnyCell> all;
+  for (const SkinPatch& patch : patches)
+    for (const SkinCell& cell : patch.cells) all.push_back({cell.id, cell.X_LC});
+  return all;
+}
+
+/// The samples of some cycles of 2 ms; stamped anew for each pass.
+struct Batches {
+  std::size_t events, cycles;
+  std::vector<CellSample> samples;
+  Batches(std::size_t cells, bool changing)
+      : events(cells * 65 / 1000),
+        cycles(std::max<std::size_t>(1, 65000 / events)),
+        samples(events * cycles) {
+    Random rng = seeded(7);
+    std::vector<std::uint32_t> ids(cells);
+    for (std::size_t i = 0; i < cells; ++i) ids[i] = static_cast<std::uint32_t>(i + 1);
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      if (k % events == 0) std::shuffle(ids.begin(), ids.end(), rng);
+      samples[k].cell = ids[k % events];
+      for (float& f : samples[k].force) f = changing ? 0.1f + 0.9f * float(rng() % 1024) / 1024 : 0.01f;
+      samples[k].proximity = changing ? 0.1f + 0.9f * float(rng() % 65536) / 65536 : 0.01f;
+    }
+  }
+  void stamp(Nanoseconds start) {
+    for (std::size_t k = 0; k < samples.size(); ++k)
+      samples[k].time = start + (static_cast<std::int64_t>(k / events) + 1) * 2ms - 1ms;
+  }
+  std::span<const CellSample> cycle(std::size_t c) const {
+    return std::span<const CellSample>(samples).subspan(c * events, events);
+  }
+};
+
+struct Row {
+  std::string name;
+  double bytes;                  ///< that are moved a cell or event [B]
+  std::function<double()> once;  ///< ns for one cell or event
+  std::vector<double> found{};
+};
+template <class F>
+double timed(double count, F&& f) {
+  const auto a = std::chrono::steady_clock::now();
+  f();
+  const auto b = std::chrono::steady_clock::now();
+  return std::chrono::duration<double, std::nano>(b - a).count() / count;
+}
+
+constexpr Nanoseconds hour = 3600s;
+SkinSettings settings() {
+  SkinSettings s;
+  s.max_age = hour;
+  return s;
+}
+
+/// Events through a `LargeSkin`, or a `SkinOf` where the number is small.
+template <class S, class Receive>
+Row events(const std::string& name, std::shared_ptr<Batches> batches, S skin, std::size_t cells, double bytes,
+           Receive receive) {
+  auto now = std::make_shared<Nanoseconds>(0ns);
+  std::vector<CellSample> all(cells);
+  for (std::size_t i = 0; i < cells; ++i) all[i].cell = static_cast<std::uint32_t>(i + 1), all[i].time = 1ms;
+  receive(*skin, all, 0ns, 100ms);
+  *now = 100ms;
+  return {name, bytes, [=] {
+            batches->stamp(*now);
+            return timed(double(batches->samples.size()), [&] {
+              for (std::size_t c = 0; c < batches->cycles; ++c, *now += 2ms)
+                receive(*skin, batches->cycle(c), *now, *now + 2ms);
+            });
+          }};
+}
+
+template <class Policy>
+Row sums(const std::string& name, const std::vector<detail::AnyCell>& cells) {
+  auto units = std::make_shared<UnitWrenches<Policy>>(cells);
+  auto readings =
+      std::make_shared<std::vector<typename Policy::stored>>(UnitWrenches<Policy>::padded(cells.size()));
+  for (auto& x : *readings) x = typename Policy::stored(0.5);
+  const double count = double(cells.size());
+  const std::size_t times = std::max<std::size_t>(1, 300000 / cells.size());
+  return {name, double(units->bytes()) / count + sizeof(typename Policy::stored), [=] {
+            return timed(count * double(times), [&] {
+              for (std::size_t k = 0; k < times; ++k) {
+                typename Policy::summed wrench[6];
+                keep(*readings);
+                units->weigh(readings->data(), wrench);
+                keep(wrench);
+              }
+            });
+          }};
+}
+
+Row scan(std::size_t cells) {
+  const std::size_t blocks = (cells + 15) / 16, times = std::max<std::size_t>(1, 300000 / cells);
+  auto data = std::make_shared<std::vector<float>>(blocks * 11 * 16 + 16, 0.5f);
+  return {"scan, 44 bytes read and written", 88, [=] {
+            return timed(double(cells * times), [&] {
+              for (std::size_t k = 0; k < times; ++k)
+                for (std::size_t b = 0; b < blocks; ++b) {
+                  float* x = data->data() + b * 11 * 16;
+                  for (std::size_t i = 0; i < 16; ++i) {  // a filter, a rest level, six counters
+                    const float r = x[i] - x[16 + i];
+                    x[32 + i] += 0.02f * (x[i] - x[32 + i]);
+                    x[16 + i] += (r < 0.1f ? 1e-4f : 0.0f) * r;
+                    for (std::size_t f = 3; f < 11; ++f)
+                      x[16 * f + i] = 0.99f * x[16 * f + i] + (r > x[16 * f + i] ? r : 0.0f);
+                  }
+                }
+              keep(*data);
+            });
+          }};
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  const std::size_t most = count > 1 ? std::strtoul(words[1], nullptr, 10) : 1000000;
+  const int repetitions = count > 2 ? std::atoi(words[2]) : 15;
+  for (const std::size_t cells :
+       {std::size_t(1260), std::size_t(10000), std::size_t(100000), std::size_t(1000000)}) {
+    if (cells > most) break;
+    const auto patches = some_cells(cells);
+    const auto any = any_cells(patches);
+    auto busy = std::make_shared<Batches>(cells, true);
+    auto calm = std::make_shared<Batches>(cells, false);
+    std::vector<Row> rows;
+    const double event_bytes = sizeof(CellSample) + 2 * sizeof(detail::CellRecord) +
+                               sizeof(detail::CellUnit) + sizeof(detail::CellKey);
+    double table = 0, memory = 0;
+    const auto large = [](auto& s, std::span<const CellSample> x, Nanoseconds, Nanoseconds to) {
+      auto report = s.take(x, to);
+      keep(report);
+    };
+    {
+      detail::CellTable flat(cells);
+      std::size_t number = 0;
+      for (const SkinPatch& p : patches) {
+        const auto one = any_cells({p});
+        for (std::size_t from = 0; from < one.size(); from += detail::ExactSums::most_cells)
+          flat.add(one.data() + from, std::min(one.size() - from, detail::ExactSums::most_cells), number++,
+                   p.link);
+      }
+      const std::int32_t threshold[2] = {1311, 3277};
+      const double gain[2] = {10 * CellCounts::force_unit, 3 * CellCounts::proximity_unit};
+      auto floor = std::make_shared<bench_floor::EventFloor>(
+          flat, std::uint32_t(cells + 1), number, Nanoseconds(hour).count(), Nanoseconds(6ms).count(),
+          Nanoseconds(22ms).count(), threshold, gain);
+      rows.push_back(events("event, floor", busy, floor, cells, event_bytes,
+                            [](auto& s, std::span<const CellSample> x, Nanoseconds from, Nanoseconds to) {
+                              auto refused = s.take(x, from.count(), to.count());
+                              keep(refused);
+                            }));
+    }
+    if (cells == 1260) {
+      using S = SkinOf<ur5::Model, double, 1260>;
+      struct Both {
+        S skin;
+        S::Memory memory;
+      };
+      auto both = std::make_shared<Both>(Both{S(patches, settings()), {}});
+      both->memory = both->skin.start(0ns);
+      rows.push_back(events("event, SkinOf with thresholds of each cell", busy, both, cells,
+                            event_bytes + sizeof(detail::CellTuning),
+                            [](auto& s, std::span<const CellSample> x, Nanoseconds from, Nanoseconds to) {
+                              S::Wrenches mean;
+                              s.skin.receive(s.memory, x, from, to, 1, &mean);
+                              keep(mean);
+                            }));
+    }
+    {
+      auto skin = std::make_shared<LargeSkin<ur5::Model>>(patches, settings());
+      skin->start(0ns);
+      table = double(skin->cells().table_bytes()) / double(cells);
+      memory = double(skin->bytes()) / double(cells) - table;
+      rows.push_back(
+          events("event, LargeSkin, force and proximity apart", busy, skin, cells, event_bytes, large));
+      auto other = std::make_shared<LargeSkin<ur5::Model>>(patches, settings());
+      other->start(0ns);
+      rows.push_back(events("sample that changes nothing", calm, other, cells,
+                            sizeof(CellSample) + 2 * sizeof(detail::CellRecord) + sizeof(detail::CellKey),
+                            large));
+    }
+    rows.push_back(scan(cells));
+    rows.push_back(sums<DoubleSum>("sum, double", any));
+    rows.push_back(sums<FloatSum>("sum, float", any));
+    rows.push_back(sums<ShortStoredSum>("sum, 16 bits", any));
+    if (cells <= 10000) {
+      std::vector<bench::KdlCell> k;
+      for (const SkinPatch& p : patches)
+        for (const SkinCell& c : p.cells) {
+          const auto u = unit_wrench(c.X_LC);
+          const auto o = c.X_LC.origin();
+          k.push_back({int(p.link),
+                       {o.x, o.y, o.z},
+                       {u.force.x, u.force.y, u.force.z, u.moment.x, u.moment.y, u.moment.z}});
+        }
+      auto kdl = std::make_shared<bench::KdlSkin>(oracle::ur5(), std::move(k));
+      auto newton = std::make_shared<std::vector<double>>(cells, 1.0);
+      const auto row = [=](auto member) {
+        return [=] {
+          const double q[6] = {0.3, -1.2, 1.4, -1.8, -1.57, 0.3};
+          double tau[6];
+          return timed(double(cells), [&] {
+            ((*kdl).*member)(q, newton->data(), tau);
+            keep(tau);
+          });
+        };
+      };
+      rows.push_back({"KDL, cell by cell", 0, row(&bench::KdlSkin::per_cell)});
+      rows.push_back({"KDL, link by link", 0, row(&bench::KdlSkin::per_link)});
+    }
+    for (int r = 0; r < repetitions; ++r)
+      for (Row& row : rows) row.found.push_back(row.once());
+    std::printf("%zu cells; of each: memory %.1f bytes, tables %.1f\n", cells, memory, table);
+    for (Row& row : rows) {
+      std::sort(row.found.begin(), row.found.end());
+      std::printf("  %-44s %8.2f ns  (least %.2f)  %5.0f bytes\n", row.name.c_str(),
+                  row.found[row.found.size() / 2], row.found[0], row.bytes);
+    }
+  }
+}
