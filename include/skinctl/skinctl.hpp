@@ -92,6 +92,7 @@
 #include "skinctl/robot/virtual_mass.hpp"
 
 #include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/event_gate.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"

@@ -41,7 +41,7 @@ struct Receiver::Batch {
   }
 };
 
-Receiver::Receiver(const ReceiverConfig& config) : config_(config), socket_(io_) {
+Receiver::Receiver(const ReceiverConfig& config) : config_(config), socket_(io_), clock_(config.clock) {
   skinctl::require(config.max_samples >= max_samples && config.max_samples <= (1u << 24),
                    "skin receiver: max_samples", double(config.max_samples), "33 to 2^24");
   skinctl::require(config.max_datagrams >= 1 && config.max_datagrams <= (1u << 20),
@@ -115,8 +115,7 @@ void Receiver::receive(std::span<const std::uint8_t> bytes, const void* from, st
     sender_size_ = std::min(from_size, sender_.size());
     std::memcpy(sender_.data(), from, sender_size_);
     session_ = datagram.session;
-    offset_ = now - datagram.sent;
-    offset_at_ = now;
+    clock_memory_ = {};
   } else {
     // Sequence numbers of a sealed session end before they begin anew.
     const std::int64_t step = datagram.sealed ? std::int64_t(datagram.sequence) - std::int64_t(newest_)
@@ -169,22 +168,23 @@ bool Receiver::admit(const Datagram& datagram, std::span<const std::uint8_t> byt
 }
 
 void Receiver::take(const Datagram& datagram, Nanoseconds now) noexcept {
-  constexpr Nanoseconds far(std::int64_t(1) << 62);
-  if (datagram.sent < -far || datagram.sent > far) {
+  const auto heard = clock_.hear(clock_memory_, datagram.sent, now);
+  if (heard == skinctl::ClockOffset::Heard::refused) {
     ++statistics_.nonsense;
     return;
   }
-  const Nanoseconds difference = now - datagram.sent;
-  offset_ += (now - offset_at_) / 20'000;  // 50 ppm
-  offset_at_ = now;
-  if (difference < offset_) offset_ = difference;
+  if (heard == skinctl::ClockOffset::Heard::leapt) ++statistics_.leaps;
+  if (!skinctl::ClockOffset::ready(clock_memory_)) {
+    statistics_.untimed += datagram.count();
+    return;
+  }
   for (std::size_t i = 0; i < datagram.count(); ++i) {
     skinctl::CellSample sample = datagram.sample(i);
     if (!plausible(sample, datagram, config_.oldest)) {
       ++statistics_.bad_samples;
       continue;
     }
-    sample.time += offset_;
+    sample.time = skinctl::ClockOffset::stamp(clock_memory_, sample.time);
     samples_.push_back(sample);
     ++statistics_.samples;
   }

@@ -12,6 +12,7 @@
 
 #include "examples/adapters/skin/authentication.hpp"
 #include "examples/adapters/skin/datagram.hpp"
+#include "skinctl/sensing/clock_offset.hpp"
 
 namespace adapters::skin {
 
@@ -27,10 +28,11 @@ struct ReceiverConfig {
   skinctl::Nanoseconds oldest =
       std::chrono::milliseconds(100);  ///< a sample so long before its sending is refused
   skinctl::Nanoseconds forget =
-      std::chrono::milliseconds(200);  ///< after so long without datagrams another sender may begin
-  std::size_t max_samples = 16384;     ///< of one poll; more stay in the socket until the next
-  std::size_t max_datagrams = 1024;    ///< looked at in one poll, whoever sends them
-  std::size_t buffer = 4 << 20;        ///< that the system is asked for [bytes]; see `Receiver::buffer`
+      std::chrono::milliseconds(200);      ///< after so long without datagrams another sender may begin
+  std::size_t max_samples = 16384;         ///< of one poll; more stay in the socket until the next
+  std::size_t max_datagrams = 1024;        ///< looked at in one poll, whoever sends them
+  std::size_t buffer = 4 << 20;            ///< that the system is asked for [bytes]; see `Receiver::buffer`
+  skinctl::ClockOffset::Settings clock{};  ///< the sender's clock against the robot's
 };
 
 /// What arrived and what was refused, since the start.
@@ -43,6 +45,8 @@ struct Statistics {
   std::uint64_t replayed = 0;     ///< with a key: of an old session
   std::uint64_t late = 0;         ///< repeated or overtaken
   std::uint64_t bad_samples = 0;  ///< implausible
+  std::uint64_t untimed = 0;      ///< samples before the sender's clock was known, see `ClockOffset`
+  std::uint64_t leaps = 0;        ///< of the sender's clock
 
   /// Datagrams that somebody else sent, or none of ours.
   [[nodiscard]] std::uint64_t stray() const noexcept { return nonsense + strangers + forged + replayed; }
@@ -55,9 +59,8 @@ class Receiver {
   explicit Receiver(const ReceiverConfig& config);
   ~Receiver();
 
-  /// The samples that have arrived, on the robot's clock, which shows `now`. The sender's clock is tied to it
-  /// by the smallest difference of arrival and sending that was seen; that estimate may rise by 50 ppm, for
-  /// clocks drift.
+  /// The samples that have arrived, on the robot's clock, which shows `now`; the sender's clock is followed
+  /// by a `ClockOffset`, which first listens for a tenth of a second.
   ///
   /// What is no datagram of the sender's is counted and dropped; the sender's own go on. Time is bounded by
   /// `max_datagrams` and `max_samples`.
@@ -98,7 +101,9 @@ class Receiver {
   std::uint64_t session_ = 0;
   bool has_sender_ = false;
   std::uint32_t newest_ = 0;
-  skinctl::Nanoseconds offset_{}, offset_at_{}, heard_at_{};
+  skinctl::Nanoseconds heard_at_{};
+  skinctl::ClockOffset clock_;
+  skinctl::ClockOffset::Memory clock_memory_;
 };
 
 }  // namespace adapters::skin

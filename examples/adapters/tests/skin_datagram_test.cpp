@@ -20,6 +20,9 @@ namespace ip = boost::asio::ip;
 
 namespace {
 
+/// The first datagram gives the offset of the sender's clock.
+const skinctl::ClockOffset::Settings at_once{.gather = 0ns};
+
 using Bytes = std::vector<std::uint8_t>;
 
 /// A datagram of version 1 whose cells have the ids `first` and so on.
@@ -79,7 +82,7 @@ Bytes sealed(std::uint64_t session, std::uint32_t sequence, std::uint32_t first,
 }  // namespace
 
 TEST_CASE("skin receiver: strays are counted and dropped; the sender's samples all come through") {
-  skin::Receiver receiver({});
+  skin::Receiver receiver({.clock = at_once});
   Sender sender(receiver), stranger(receiver);
   Nanoseconds now = 5s;
   const Bytes press = plain(1'000'000, 77);
@@ -107,7 +110,7 @@ TEST_CASE("skin receiver: strays are counted and dropped; the sender's samples a
 }
 
 TEST_CASE("skin receiver: many datagrams at once, in bounded polls") {
-  skin::Receiver receiver({.max_samples = 1000, .max_datagrams = 100});
+  skin::Receiver receiver({.max_samples = 1000, .max_datagrams = 100, .clock = at_once});
   Sender sender(receiver);
   std::uint32_t next = 0;
   for (std::uint32_t k = 1; k <= 90; ++k) sender.send(plain(k, 33 * (k - 1), 33));
@@ -127,8 +130,9 @@ TEST_CASE("skin receiver: many datagrams at once, in bounded polls") {
 }
 
 TEST_CASE("skin receiver: it listens where it is told, and to whom") {
-  skin::Receiver second({.address = "127.0.0.2"}), any({.address = "0.0.0.0"});
-  skin::Receiver other({.sender = "127.0.0.9"}), known({.sender = "127.0.0.1"});
+  skin::Receiver second({.address = "127.0.0.2", .clock = at_once});
+  skin::Receiver any({.address = "0.0.0.0", .clock = at_once});
+  skin::Receiver other({.sender = "127.0.0.9"}), known({.sender = "127.0.0.1", .clock = at_once});
   const auto hears = [](skin::Receiver& receiver, const std::string& to) {
     Sender(receiver, to).send(plain(1, 1));
     return receiver.poll(5s).size();
@@ -185,7 +189,7 @@ TEST_CASE("sealed datagram: the documented example, whose tag another program ma
 
 TEST_CASE("skin receiver with a key: only what the key made, once, and in order") {
   const skin::Key key = key_of(1);
-  skin::Receiver receiver({.key = key});
+  skin::Receiver receiver({.key = key, .clock = at_once});
   Sender sender(receiver), enemy(receiver);
   const auto heard = [&](Nanoseconds now = 5s) { return ids(receiver.poll(now)); };
   const std::vector<std::uint32_t> none;
@@ -242,7 +246,7 @@ TEST_CASE("skin receiver with a key: only what the key made, once, and in order"
   CHECK(receiver.session() == 11);
 
   // A receiver that remembers its last session does not take it again.
-  skin::Receiver next({.key = key, .after_session = receiver.session()});
+  skin::Receiver next({.key = key, .after_session = receiver.session(), .clock = at_once});
   Sender to_next(next);
   to_next.send(sealed(11, 1, 6, key));
   CHECK(next.poll(60s).empty());
@@ -250,7 +254,7 @@ TEST_CASE("skin receiver with a key: only what the key made, once, and in order"
   to_next.send(sealed(12, 1, 7, key));
   CHECK(ids(next.poll(60s)) == one(7));
   // One without a key does not take what it cannot check.
-  skin::Receiver open({});
+  skin::Receiver open({.clock = at_once});
   Sender(open).send(sealed(12, 1, 7, key));
   CHECK(open.poll(60s).empty());
   CHECK(open.statistics().nonsense == 1);
@@ -258,7 +262,7 @@ TEST_CASE("skin receiver with a key: only what the key made, once, and in order"
 
 TEST_CASE("skin receiver with a key: sequence numbers of a session do not begin anew") {
   const skin::Key key = key_of(1);
-  skin::Receiver receiver({.key = key});
+  skin::Receiver receiver({.key = key, .clock = at_once});
   Sender sender(receiver);
   sender.send(sealed(1, 4294967295u, 1, key));
   CHECK(receiver.poll(5s).size() == 1);
@@ -273,7 +277,7 @@ TEST_CASE(
     "order") {
   const skin::Key key = key_of(3);
   oracle::Random random(11);
-  skin::Receiver receiver({.key = key});
+  skin::Receiver receiver({.key = key, .clock = at_once});
   Sender sender(receiver), enemy(receiver);
   std::vector<Bytes> overheard;
   std::uint32_t id = 1, last = 0;
