@@ -3,6 +3,7 @@
 
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/compliant_ur5/settings.hpp"
+#include "examples/compliant_ur5/skin.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
@@ -10,11 +11,8 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 
 namespace compliant_ur5 {
-
-inline constexpr std::size_t cells = 260;
 
 inline skinctl::JointLimits<6> limits(const Settings& s) {
   using namespace skinctl;
@@ -23,15 +21,6 @@ inline skinctl::JointLimits<6> limits(const Settings& s) {
                          .velocity = JointVelocity<6>::constant(s.control.velocity_limit),
                          .acceleration = JointAcceleration<6>::constant(s.control.acceleration_limit),
                          .torque = JointTorque<6>(ur5::Description::max_torque)});
-}
-
-inline std::array<skinctl::CellGains, 6> gains(const Settings& s) {
-  std::array<skinctl::CellGains, 6> gains;
-  for (std::size_t i = 0; i < 6; ++i)
-    gains[i] =
-        s.rigid ? skinctl::CellGains{.force = 0, .proximity = 0}
-                : skinctl::CellGains{.force = s.control.force_gain[i], .proximity = s.control.proximity_gain};
-  return gains;
 }
 
 /// Gains of the way back to the task.
@@ -62,7 +51,8 @@ auto make_scene(const Settings& s) {
                                             .dead_band = JointPosition<6>::constant(0.02)};
   SkinSettings settings;
   settings.force = EventGate<>::dead_band(s.control.force_threshold);
-  const auto skin = ur5_skin<cells>(gains(s), settings);
+  const auto skin =
+      std::apply([&](const auto&... patch) { return Ur5Skin<cells>(patch..., settings); }, skin_patches(s));
   const StiffestContact stiffest{
       .stiffness = s.control.stiffest_contact, .newtons = s.newtons_per_reading, .may_ring = true};
   const double damping = stiffest.damping(robot_by<I>(ur5::Model{}, configuration), skin);
