@@ -7,11 +7,13 @@
 #include <boost/asio/write.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "examples/compliant_ur5/run.hpp"
 #include "examples/compliant_ur5/scene.hpp"
 #include "examples/simulated_ur5/scenario.hpp"
+#include "skinctl/io/skin_file.hpp"
 
 using namespace compliant_ur5;
 namespace ip = boost::asio::ip;
@@ -159,6 +161,61 @@ TEST_CASE("main job: both interfaces at both rates give way alike") {
     CHECK(t.deflection == doctest::Approx(touches[0].deflection).epsilon(0.1));
     CHECK(t.true_peak_force == doctest::Approx(touches[0].true_peak_force).epsilon(0.25));
   }
+}
+
+TEST_CASE("main job: the skin of a file, by sealed datagrams, is the skin that is built in") {
+  Settings s = settings();
+  s.compare = false;
+  s.cycles = 750;
+  RunLog built_in, from_file;
+  REQUIRE(run(s, false, built_in) == Outcome::fine);
+  s.skin = SKIN_FILE;
+#if SKINCTL_HAS_SODIUM
+  const auto key = std::filesystem::temp_directory_path() / "skinctl_main_job_key";
+  std::filesystem::remove(key.string() + ".session");
+  std::ofstream(key) << std::string(64, '7') << '\n';
+  std::filesystem::permissions(key, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  s.skin_key = key.string();
+#endif
+  REQUIRE(run(s, false, from_file) == Outcome::fine);
+  CHECK(fact(from_file, "skin datagrams lost") == "0");
+  CHECK(fact(from_file, "stray skin datagrams") == "0");
+  REQUIRE(built_in.touches.size() == 1);
+  REQUIRE(from_file.touches.size() == 1);
+  CHECK(from_file.touches[0].cell == built_in.touches[0].cell);
+  CHECK(from_file.peak_force == doctest::Approx(built_in.peak_force).epsilon(1e-3));
+#if SKINCTL_HAS_SODIUM
+  // The session of that run is remembered, and a later one is taken.
+  std::uint64_t session = 0, next = 0;
+  std::ifstream(key.string() + ".session") >> session;
+  CHECK(session > 1'600'000'000'000'000'000);
+  s.cycles = 125;
+  CHECK(run(s, false, from_file) == Outcome::fine);
+  std::ifstream(key.string() + ".session") >> next;
+  CHECK(next > session);
+  // Whoever replays it is not heard: the skin is silent.
+  std::ofstream(key.string() + ".session") << 9'000'000'000'000'000'000;
+  s.cycles = 375;
+  CHECK(run(s, false, from_file) == Outcome::lost);
+  std::filesystem::remove(key);
+  std::filesystem::remove(key.string() + ".session");
+#endif
+}
+
+TEST_CASE("main job: a skin file that does not fit is refused, by file, patch and number") {
+  Settings s = settings();
+  const auto file = std::filesystem::temp_directory_path() / "skinctl_main_job_skin.json";
+  skinctl::SkinFile skin = skinctl::read_skin_file(SKIN_FILE);
+  skin.patches[2].cells.pop_back();
+  for (auto& cell : skin.patches[2].cells) cell.neighbours.clear();
+  skinctl::write_skin_file(skin, file.string());
+  s.skin = file.string();
+  RunLog log;
+  CHECK_THROWS_WITH_AS(
+      static_cast<void>(run(s, false, log)),
+      doctest::Contains("patch \"forearm\" has 66 cells on link 2, the program is made for 67"),
+      skinctl::ConfigurationError);
+  std::filesystem::remove(file);
 }
 
 TEST_CASE("main job: a recording replays bit for bit") {

@@ -48,11 +48,18 @@ namespace detail {
   return out;
 }
 
-/// To whole nanometres and billionths: files that a person reads.
+/// To whole nanometres and billionths: files that a person reads, and that are the same from every compiler.
 inline SkinPose rounded(SkinPose X) {
   const auto round = [](double& x) { x = std::round(1e9 * x) / 1e9; };
   round(X.p.x), round(X.p.y), round(X.p.z);
   for (double& q : X.q) round(q);
+  // q and -q are one rotation: w is positive, or else the first that is not 0.
+  for (const std::size_t i : {3u, 0u, 1u, 2u}) {
+    if (X.q[i] == 0) continue;
+    if (X.q[i] < 0)
+      for (double& q : X.q) q = -q;
+    break;
+  }
   return X;
 }
 
