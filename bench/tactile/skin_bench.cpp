@@ -61,7 +61,7 @@ template <std::size_t Cells>
 void sums_alone(benchmark::State& state) {
   detail::CellTable table(Cells);
   std::size_t patch = 0;
-  std::apply([&](const auto&... p) { (table.add(p.any(), patch++, p.link), ...); },
+  std::apply([&](const auto&... p) { (table.add(p.any().data(), p.any().size(), patch++, p.link), ...); },
              ur5::skin_patches<Cells>());
   std::mt19937_64 random(1);
   std::vector<std::uint32_t> order(4096);
@@ -70,8 +70,8 @@ void sums_alone(benchmark::State& state) {
   std::size_t k = 0;
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
-    const auto& cell = table[order[k % 4096]];
-    sums[cell.patch].add(cell, int(k % 1000) - 500, int(k % 777) - 388);
+    const std::size_t i = order[k % 4096];
+    sums[table.seat(i).sums].add(table[i], int(k % 1000) - 500, int(k % 777) - 388);
     ++k;
     benchmark::ClobberMemory();
   }

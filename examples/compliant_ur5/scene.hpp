@@ -51,14 +51,19 @@ auto make_scene(const Settings& s) {
                                             .dead_band = JointPosition<6>::constant(0.02)};
   SkinSettings settings;
   settings.force = EventGate<>::dead_band(s.control.force_threshold);
-  const auto skin =
-      std::apply([&](const auto&... patch) { return Ur5Skin<cells>(patch..., settings); }, skin_patches(s));
+  const UrSkin skin(skin_patches(s), settings);
   const StiffestContact stiffest{
       .stiffness = s.control.stiffest_contact, .newtons = s.newtons_per_reading, .may_ring = true};
   const double damping = stiffest.damping(robot_by<I>(ur5::Model{}, configuration), skin);
   const auto arm =
       robot_by<I>(ur5::Model{}, configuration, ContactDamper<>({.max = damping, .calm = 200ms}), stiffest);
   return Cycle(arm, skin, SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
+}
+
+/// The same, as the job runs it: it does not move before its skin is heard, and stops when a patch falls silent.
+template <skinctl::Interface I>
+auto make_watched_scene(const Settings& s) {
+  return make_scene<I>(s).with(skinctl::SkinWatch{.enough = s.control.skin_enough});
 }
 
 }  // namespace compliant_ur5

@@ -3,60 +3,42 @@
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/skin_placement.hpp"
 #include "skinctl/model/ur5_links.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
 
 namespace compliant_ur5 {
-namespace {
 
 using namespace skinctl;
 
-template <std::size_t... I>
-SkinPatches patches_of(const SkinFile& file, std::index_sequence<I...>) {
-  const auto placed = place_skin<ur5::Ros2Links>(file);
-  const auto on = [&](std::size_t link) -> const PlacedSkinPatch& {
-    const PlacedSkinPatch* found = nullptr;
-    for (const PlacedSkinPatch& p : placed) {
-      if (p.link != link) continue;
-      if (found != nullptr)
-        refuse("skinctl: " + file.source + ": two patches on link " + std::to_string(link));
-      found = &p;
-    }
-    if (found == nullptr) refuse("skinctl: " + file.source + ": no patch on link " + std::to_string(link));
-    return *found;
-  };
-  return SkinPatches(patch_of<I, ur5::skin_cells<cells>[I]>(file, on(I))...);
-}
-
-template <class F>
-void each_cell(const SkinPatches& patches, const F& f) {
-  const auto one = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
-    for (const auto& cell : patch.any()) f(I, cell);
-  };
-  std::apply([&](const auto&... patch) { (one(patch), ...); }, patches);
-}
-
-}  // namespace
-
-SkinPatches skin_patches(const Settings& s) {
-  std::array<CellGains, 6> gains{};
-  for (std::size_t i = 0; i < 6; ++i)
-    gains[i] = s.rigid ? CellGains{.force = 0, .proximity = 0}
-                       : CellGains{.force = s.control.force_gain[i], .proximity = s.control.proximity_gain};
-  if (s.skin.empty()) return ur5::skin_patches<cells>(gains);
-  SkinFile file = read_skin_file(s.skin);
-  if (s.rigid)
-    for (auto& patch : file.patches) patch.gains = {.force = 0, .proximity = 0};
-  return patches_of(file, std::make_index_sequence<6>{});
-}
-
-std::vector<ObservedCell> observed_cells(const SkinPatches& patches) {
-  std::vector<ObservedCell> out;
-  each_cell(patches, [&](std::size_t link, const auto& c) {
-    out.push_back({c.id, static_cast<int>(link), c.X_LC.origin(), c.X_LC.axis_z()});
-  });
+std::vector<SkinPatch> skin_patches(const Settings& s) {
+  std::vector<SkinPatch> out;
+  if (!s.skin.empty()) {
+    const SkinFile file = read_skin_file(s.skin);
+    out = skinctl::skin_patches(file, place_skin<ur5::Ros2Links>(file));
+  } else {
+    const auto add = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
+      SkinPatch& to = out.emplace_back(
+          SkinPatch{I, {.force = s.control.force_gain[I], .proximity = s.control.proximity_gain}, {}});
+      for (const auto& cell : patch.any()) to.cells.push_back({.id = cell.id, .X_LC = cell.X_LC});
+    };
+    std::apply([&](const auto&... patch) { (add(patch), ...); }, ur5::skin_patches<cells>());
+  }
+  if (!s.rigid) return out;
+  for (SkinPatch& patch : out) {
+    patch.gains = {.force = 0, .proximity = 0};
+    for (SkinCell& cell : patch.cells) cell.gains.reset();
+  }
   return out;
 }
 
-std::vector<simulated_ur5::SkinCell> simulated_cells(const SkinPatches& patches) {
+std::vector<ObservedCell> observed_cells(const std::vector<SkinPatch>& patches) {
+  std::vector<ObservedCell> out;
+  for (const SkinPatch& patch : patches)
+    for (const SkinCell& c : patch.cells)
+      out.push_back({c.id, static_cast<int>(patch.link), c.X_LC.origin(), c.X_LC.axis_z()});
+  return out;
+}
+
+std::vector<simulated_ur5::SkinCell> simulated_cells(const std::vector<SkinPatch>& patches) {
   std::vector<simulated_ur5::SkinCell> out;
   for (const ObservedCell& c : observed_cells(patches)) {
     simulated_ur5::SkinCell cell;

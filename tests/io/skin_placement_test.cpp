@@ -107,22 +107,24 @@ TEST_CASE("Skin on a robot: the UR5's skin comes out of its file as it went in, 
   const auto placed = place_skin<ur5::Ros2Links>(file);
   const auto patches = ur5::skin_patches<260>(gains);
   double place = 0, axes = 0;
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    const auto compare = [&](const auto& expected, const PlacedSkinPatch& p) {
-      const auto patch = patch_of<std::remove_cvref_t<decltype(expected)>::link,
-                                  std::remove_cvref_t<decltype(expected)>::cells>(file, p);
-      CHECK(patch.gains().force == expected.gains().force);
-      CHECK(patch.gains().proximity == expected.gains().proximity);
-      for (std::size_t c = 0; c < expected.cells; ++c) {
-        const auto &a = patch.any()[c], &b = expected.any()[c];
-        CHECK(a.id == b.id);
-        place = std::max(
-            place, std::sqrt(dot(a.X_LC.origin() - b.X_LC.origin(), a.X_LC.origin() - b.X_LC.origin())));
-        axes = std::max(axes, (as_eigen(a.X_LC.axes()) - as_eigen(b.X_LC.axes())).cwiseAbs().maxCoeff());
-      }
-    };
-    (compare(std::get<I>(patches), placed[I]), ...);
-  }(std::make_index_sequence<6>{});
+  const auto made = skin_patches(file, placed);
+  const auto compare = [&](const auto& expected, const SkinPatch& patch) {
+    CHECK(patch.link == expected.link);
+    CHECK(patch.gains.force == expected.gains().force);
+    CHECK(patch.gains.proximity == expected.gains().proximity);
+    REQUIRE(patch.cells.size() == expected.cells);
+    for (std::size_t c = 0; c < expected.cells; ++c) {
+      const auto& a = patch.cells[c];
+      const auto& b = expected.any()[c];
+      CHECK(a.id == b.id);
+      CHECK_FALSE((a.gains || a.force || a.proximity));
+      const Xyz<double> off = a.X_LC.origin() - b.X_LC.origin();
+      place = std::max(place, std::sqrt(dot(off, off)));
+      axes = std::max(axes, (as_eigen(a.X_LC.axes()) - as_eigen(b.X_LC.axes())).cwiseAbs().maxCoeff());
+    }
+  };
+  std::size_t k = 0;
+  std::apply([&](const auto&... patch) { (compare(patch, made[k++]), ...); }, patches);
   CHECK(place <= 2e-9);
   CHECK(axes <= 5e-9);
 }
@@ -167,18 +169,32 @@ TEST_CASE("Skin on a robot: it cannot land elsewhere") {
   other.links[5].name = other.patches[5].link = "base_link_inertia";
   CHECK(complaint([&] { static_cast<void>(place_skin(other, urdf)); }).find("no joint moves it") !=
         std::string::npos);
-  // A program whose skin has a size of its own.
-  const auto placed = place_skin<ur5::Ros2Links>(file);
-  CHECK(complaint([&] {
-          static_cast<void>(patch_of<4, 8>(file, placed[5]));
-        }).find("patch \"wrist 3\" has 2 cells on link 5, the program is made for 8 on link 4") !=
-        std::string::npos);
-  SkinFile masked = file;
-  masked.patches[5].cells[1].masked = "dead";
-  CHECK(complaint([&] { static_cast<void>(patch_of<5, 2>(masked, placed[5])); }).find("cell 60 is masked") !=
-        std::string::npos);
   CHECK(complaint([&] {
           SkinFile f;
           add_patch<ur5::Ros2Links>(f, "x", "forearm_link", std::get<3>(ur5::skin_patches<60>()));
         }).find("\"forearm_link\" is not the name of link 3") != std::string::npos);
+}
+
+TEST_CASE(
+    "Skin on a robot: gains, thresholds, regions and masks of a file are those of the skin that it fills") {
+  SkinFile file = ur5_skin_file<60>(gains);
+  auto& cells = file.patches[2].cells;  // forearm: 50 N and 3 N
+  cells[0].gain = 0.5;
+  cells[1].threshold = 0.2;
+  cells[2].masked = "dead";
+  file.regions = {{"soft", {cells[0].id, cells[3].id}, 0.5, 65, 0}, {"softer", {cells[0].id}, 0.5, 65, 0}};
+  using Skin = SkinOf<ur5::Model, double, 64>;
+  const Skin skin(skin_patches(file, place_skin<ur5::Ros2Links>(file)));
+  // The force of each on a press of 0.3 in all: the reading above its threshold, times its gain.
+  const double expected[5] = {50 * 0.125 * (0.3 - 0.08), 50 * (0.3 - 0.2), 0, 50 * 0.5 * (0.3 - 0.08),
+                              50 * (0.3 - 0.08)};
+  for (std::size_t c = 0; c < 5; ++c) {
+    auto memory = skin.start(0ns);
+    const CellSample sample{.time = 2ms, .cell = cells[c].id, .force = {0.1f, 0.1f, 0.1f}};
+    Skin::Wrenches mean;
+    skin.receive(memory, {&sample, 1}, 2ms, 4ms, 1, &mean);
+    const auto wrenches = skin.wrenches(memory);
+    const auto* w = wrenches.data[2];
+    CHECK(std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) == doctest::Approx(expected[c]).epsilon(1e-3));
+  }
 }

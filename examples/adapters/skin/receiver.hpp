@@ -28,11 +28,11 @@ struct ReceiverConfig {
   skinctl::Nanoseconds oldest =
       std::chrono::milliseconds(100);  ///< a sample so long before its sending is refused
   skinctl::Nanoseconds forget =
-      std::chrono::milliseconds(200);      ///< after so long without datagrams another sender may begin
-  std::size_t max_samples = 16384;         ///< of one poll; more stay in the socket until the next
-  std::size_t max_datagrams = 1024;        ///< looked at in one poll, whoever sends them
-  std::size_t buffer = 4 << 20;            ///< that the system is asked for [bytes]; see `Receiver::buffer`
-  skinctl::ClockOffset::Settings clock{};  ///< the sender's clock against the robot's
+      std::chrono::milliseconds(200);  ///< after so long without datagrams another sender may begin
+  std::size_t max_samples = 16384;     ///< of one poll; more stay in the socket until the next
+  std::size_t max_datagrams = 1024;    ///< looked at in one poll, whoever sends them
+  std::size_t buffer = 4 << 20;        ///< that the system is asked for [bytes]; see `Receiver::buffer`
+  skinctl::ClockOffset::Settings clock = {};  ///< the sender's clock against the robot's
 };
 
 /// What arrived and what was refused, since the start.

@@ -64,6 +64,9 @@ class Cycle {
                 "the governor is of a robot with other joints, or of another scalar");
   static_assert(detail::feels<Overseer, GivenSkin>,
                 "contact limits need a skin on each link that they name: what is not felt cannot be limited");
+  static_assert(!detail::watches_skin<Overseer> ||
+                    (detail::CountsCells<Skin> && !std::is_same_v<Skin, NoSkin>),
+                "SkinWatch: this scene has no skin whose cells could fall silent");
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;
   using law_type = L;
@@ -114,7 +117,7 @@ class Cycle {
       : Cycle(robot, NoSkin{}, law, guard_and_governor...) {}
 
   /// The same scene with limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`,
-  /// ...) and settings of its guard (`GuardSettings`), in any order. They replace those given before.
+  /// `SkinWatch`) and settings of its guard (`GuardSettings`), in any order. They replace those given before.
   template <class... Parts>
   [[nodiscard]] auto with(const Parts&... parts) const {
     const auto made = std::tuple_cat(limit_of(parts)...);
@@ -227,6 +230,13 @@ class Cycle {
     };
     out.status |= detail::receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
     const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
+    bool pause = false;
+    if constexpr (detail::watches_skin<Overseer>) {
+      out.status |= governor_.watch().look(m.governor.watch, detail::coverage_of(skin_, m.skin),
+                                           seconds<scalar>(interval.to - interval.from));
+      pause = pauses(m);
+      if (pause) resolver_.stop(m.robot);
+    }
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);
@@ -238,6 +248,12 @@ class Cycle {
         return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_);
       }
     }();
+    if constexpr (detail::watches_skin<Overseer>) {
+      if (pause) {
+        resolver_.go_on(m.robot);
+        resolved.status = Status::from_bits(resolved.status.bits() & ~Status(Reason::stopping).bits());
+      }
+    }
     out.status |= resolved.status;
     out.shares = resolved.shares;
     watch.end(CycleStage::resolve);
@@ -266,6 +282,15 @@ class Cycle {
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
     watch.end(CycleStage::guard);
     return out;
+  }
+
+  /// Whether the watch over the skin holds a robot that nobody else has stopped.
+  [[nodiscard]] SKINCTL_INLINE bool pauses(const Memory& m) const noexcept {
+    if constexpr (detail::watches_skin<Overseer>) {
+      return governor_.watch().holds(m.governor.watch) && !resolver_.stops(m.robot);
+    } else {
+      return false;
+    }
   }
 
   struct Whole {};
@@ -318,8 +343,9 @@ class Cycle {
       // An old velocity is no basis for braking.
       if (resolved.status.has(Reason::state_stale))
         return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};
-      return governor_.step_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
-                                   m.robot.measured, pressed, nearest, dt);
+      return governor_.step_torque(m.governor, resolved.command, resolved.fallback,
+                                   guard_.waits(m.guard) || pauses(m), m.robot.measured, pressed, nearest,
+                                   dt);
     } else {
       return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, pressed, nearest,
                             dt);
@@ -333,6 +359,7 @@ class Cycle {
       auto robot = m.robot;
       if (input.request == CycleRequest::stop) resolver_.stop(robot);
       if (input.request == CycleRequest::resume) resolver_.resume(robot);
+      if (pauses(m)) resolver_.stop(robot);
       return resolver_.asks_law(robot, input.measured, input.now, guard_);
     } else {
       return true;

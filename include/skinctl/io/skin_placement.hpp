@@ -1,10 +1,12 @@
 // Skin files on robots: cells in the frames of a model's links. Needs no parser.
 #pragma once
 
+#include <unordered_map>
+
 #include "skinctl/io/skin_contents.hpp"
 #include "skinctl/io/urdf_tree.hpp"
 #include "skinctl/model/named_links.hpp"
-#include "skinctl/tactile/skin.hpp"
+#include "skinctl/tactile/skin_of.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -73,22 +75,30 @@ template <NamesLinks D>
   });
 }
 
-/// A patch of a file for a `Skin` whose size is known to the program. Throws `ConfigurationError` for another
-/// link or number of cells, and for what such a patch cannot hold: masked cells, and gains or thresholds of a
-/// cell of its own.
-template <std::size_t I, std::size_t N>
-[[nodiscard]] Patch<I, N> patch_of(const SkinFile& file, const PlacedSkinPatch& placed) {
-  const SkinFile::Patch& patch = file.patches[placed.patch];
-  const std::string where = "skinctl: " + file.source + ": patch " + detail::skin_quoted(patch.name);
-  if (placed.link != I || placed.cells.size() != N)
-    refuse(where + " has " + std::to_string(placed.cells.size()) + " cells on link " +
-           std::to_string(placed.link) + ", the program is made for " + std::to_string(N) + " on link " +
-           std::to_string(I));
-  for (const SkinFile::Cell& cell : patch.cells)
-    if (!cell.masked.empty() || cell.gain != 1 || cell.threshold)
-      refuse(where + ", cell " + std::to_string(cell.id) +
-             " is masked or has a gain or threshold of its own, the program's patches have none");
-  return Patch<I, N>(placed.cells, patch.gains);
+/// The placed patches for a `SkinOf`: each cell with its patch's gains times its own `gain` and the weights of
+/// the regions that have it, and with its threshold, below which its force readings are 0. Masked cells get
+/// gains of 0: they are heard and do not push.
+[[nodiscard]] SKINCTL_COLD inline std::vector<SkinPatch> skin_patches(
+    const SkinFile& file, const std::vector<PlacedSkinPatch>& placed) {
+  std::unordered_map<std::uint32_t, double> weights;
+  for (const SkinFile::Region& region : file.regions)
+    for (const std::uint32_t id : region.cells) weights.try_emplace(id, 1).first->second *= region.weight;
+  std::vector<SkinPatch> out;
+  for (const PlacedSkinPatch& on : placed) {
+    const SkinFile::Patch& patch = file.patches[on.patch];
+    SkinPatch& to = out.emplace_back(SkinPatch{on.link, patch.gains, {}});
+    for (std::size_t c = 0; c < patch.cells.size(); ++c) {
+      const SkinFile::Cell& cell = patch.cells[c];
+      SkinCell made{.id = cell.id, .X_LC = on.cells[c].X_LC};
+      const auto region = weights.find(cell.id);
+      const double factor =
+          cell.masked.empty() ? cell.gain * (region == weights.end() ? 1 : region->second) : 0;
+      if (factor != 1) made.gains = {patch.gains.force * factor, patch.gains.proximity * factor};
+      if (cell.threshold) made.force = EventGate<>::dead_band(*cell.threshold);
+      to.cells.push_back(made);
+    }
+  }
+  return out;
 }
 
 SKINCTL_END_NAMESPACE

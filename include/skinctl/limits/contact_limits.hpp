@@ -7,26 +7,11 @@
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/limits/body_region.hpp"
+#include "skinctl/limits/link_contact.hpp"
+#include "skinctl/tactile/cell_mass.hpp"
 #include "skinctl/tactile/contact.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// The body region that link `I` may touch, and how a contact is measured.
-template <std::size_t I>
-struct LinkContact {
-  static constexpr std::size_t link = I;
-  BodyRegion region;                 ///< the most sensitive region that can be touched
-  double reach = BodyRegion::unset;  ///< largest distance of the link's surface from the link's origin [m]
-  Nanoseconds reaction = BodyRegion::unset_time;  ///< from a change of force until the robot's speed changes
-  double newton = 1;  ///< calibration: newtons of the contact per newton of the skin's wrench
-  /// While the skin detects nobody, this rule may allow the link more speed than the transient force limit. A
-  /// limit of speed: it holds whatever an energy tank holds, where the torque of proximity readings ends.
-  std::optional<Separation> separation = {};
-  /// Distance at which a cell begins to detect [m]; the measured distance is `range (1 - proximity)`. Choose
-  /// it so that this lies below the sensor's own curve. Needed with `separation`.
-  double range = 0;
-};
 
 /// Memory of contact limits: the time for which each contact has been above its quasi-static limit [s].
 template <std::size_t Links, Real T>
@@ -58,17 +43,22 @@ inline constexpr bool distinct_links =
 ///   direction, has more than the robot's energy `e = u'Mu` (m_n v_n^2 <= e, Cauchy-Schwarz). So no transient
 ///   force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin detects
 ///   nobody, the speed of separation is allowed if it is higher.
+///   With `cells` it is the largest `v_n sqrt(k mu)` of the cells that move outwards with v_n, mu reduced from
+///   the mass felt at the cell, `1/(u'J M^-1 J'u)`, and m_H: what no cell covers is not counted.
+///   With `deceleration` a the robot reacts instead of being slowed for its mass: v is allowed if it comes to
+///   rest from it before the region is pressed with F_t, `k v reaction + k v^2 / (2 a) <= F_t`.
 /// - **During a contact** with F, the push of all contacts on the link within 60 degrees of this one: the
-///   effective mass along F is `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the contact, which is kept
-///   below `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region can still take),
-///   `(F_q - F) / (k reaction)` (no more than F_q before the robot reacts) and `P / F`. Motion out of the
-///   contact is not slowed by these.
+///   effective mass along F is `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the
+///   contact, which is kept below `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region can still take),
+///   `(F_q - F) / (k reaction)` (no more than F_q before the robot reacts) and `P / F`. With a `deceleration`
+///   the first two are the speed v from which it comes to rest at F_q: `v_0 reaction + v^2 / (2 a) <= (F_q -
+///   F) / k`, v_0 the larger of v and the measured speed. Motion out of the contact is not slowed by these.
 /// - **Excess**: F above F_t, or above F_q for longer than `first`, is `contact_force`; more power than
 ///   allowed at the measured velocities is `contact_power`. The guard stops.
 ///
 /// Contacts are where force readings are held (see `PressedAreas`), so opposite pushes on one link are two.
-/// Wrenches without cells give one contact for each link: there they cancel. Rotors are not in M: add their inertia to the model's
-/// links if they matter.
+/// Wrenches without cells give one contact for each link: there they cancel. Rotors are not in M: add their
+/// inertia to the model's links if they matter.
 template <RobotModel M, Real T, std::size_t... I>
 class ContactLimits {
  public:
@@ -124,8 +114,25 @@ class ContactLimits {
     std::size_t k = 0;
     const auto one = [&](auto link) {
       constexpr std::size_t i = link.value;
-      const auto V = jacobian<i>(poses) * u;
-      before(at_[k], length(V.linear) + at_[k].reach * length(V.angular), energy, distance[k], out);
+      const auto J = jacobian<i>(poses);
+      const auto V = J * u;
+      T v = length(V.linear) + at_[k].reach * length(V.angular), hit(0);
+      if (at_[k].cells.size() > 0) {
+        const auto X = poses.template get<i>();
+        const auto turned = [&](const Xyz<T>& x) SKINCTL_INLINE_LAMBDA {
+          return Xyz<T>{dot(X.axis_x(), x), dot(X.axis_y(), x), dot(X.axis_z(), x)};
+        };
+        const Xyz<T> linear = turned(V.linear), angular = turned(V.angular);
+        const LinkMobility<T> A(operational_mobility(J, mass), X);
+        hit = at_[k].cells.hardest(A, linear, angular, T(at_[k].region.mass));
+        v = at_[k].cells.fastest(linear, angular);
+      } else if (v > T(0) && energy > T(0)) {
+        // Energies in series: e b / (e + b); a region that cannot give way takes e.
+        hit = T(1) / (T(1) / energy + T(1) / (T(at_[k].region.mass) * v * v));
+      } else if (!(v - v == T(0))) {
+        hit = v;
+      }
+      before(at_[k], v, hit, distance[k], out);
       T most(0);
       for (const auto& c : contacts) {
         if (c.link != i) continue;
@@ -156,8 +163,10 @@ class ContactLimits {
  private:
   struct Link {
     BodyRegion region;
-    T reach, reaction, newton, range;
+    T reach, reaction, newton, range, deceleration;
+    bool reacts;
     std::optional<Separation> separation;
+    CellMasses<T> cells;
 
     template <std::size_t L>
     explicit Link(const LinkContact<L>& c)
@@ -166,13 +175,20 @@ class ContactLimits {
           reaction(seconds<T>(c.reaction)),
           newton(T(c.newton)),
           range(T(c.range)),
-          separation(c.separation) {
+          deceleration(T(c.deceleration)),
+          reacts(c.deceleration == c.deceleration),
+          separation(c.separation),
+          cells(c.cells, L) {
       c.region.check();
       require(c.reach >= 0 && c.reach <= 100, "LinkContact: reach", c.reach, "0 to 100 m");
       require(c.reaction > 0ns && c.reaction <= 10s, "LinkContact: reaction", seconds<double>(c.reaction),
               "> 0, <= 10 s");
       require(c.newton > 0 && c.newton <= 1e6, "LinkContact: newton", c.newton, "> 0, <= 1e6");
       require(c.range >= 0 && c.range <= 100, "LinkContact: range", c.range, "0 to 100 m");
+      if (reacts)
+        require(c.deceleration > 0 && c.deceleration <= 1e4, "LinkContact: deceleration", c.deceleration,
+                "> 0, <= 1e4 m/s^2");
+      require(c.cells.empty() || cells.size() > 0, "LinkContact: cells on link", double(L), "at least one");
       if (!c.separation) return;
       c.separation->check();
       require(c.range > 0, "LinkContact: range", c.range, "> 0 m with a separation");
@@ -185,18 +201,24 @@ class ContactLimits {
   }
   static SKINCTL_INLINE T least(const T& x, const T& y) noexcept { return y < x ? y : x; }
 
-  /// Before a contact at up to `v`.
-  static SKINCTL_INLINE void before(const Link& link, const T& v, const T& energy, const T& distance,
+  /// Before a contact at up to `v`, whose collision has twice the energy `hit`.
+  static SKINCTL_INLINE void before(const Link& link, const T& v, const T& hit, const T& distance,
                                     Verdict& out) noexcept {
     using std::sqrt;
     const auto& r = link.region;
-    const T body = T(r.mass) * v * v, k = T(r.stiffness);
-    // Energies in series: e b / (e + b); a region that cannot give way takes e.
-    const T hit = v == T(0) || energy == T(0) ? T(0) : T(T(1) / (T(1) / energy + T(1) / body));
-    const T blow = sqrt(k * hit);
+    const T k = T(r.stiffness);
+    T blow = sqrt(k * hit), scale(1);
+    if (link.reacts) {
+      blow = k * v * (link.reaction + v / (T(2) * link.deceleration));
+      if (!(blow <= T(r.blow))) {
+        const T most = speed_to_stop(T(T(r.blow) / k), link.reaction, link.deceleration);
+        scale = most < v ? T(most / v) : T(0);  // 0 for NaN
+      }
+    } else if (!(blow <= T(r.blow))) {
+      scale = blow > T(r.blow) ? T(T(r.blow) / blow) : T(0);
+    }
     if (blow > out.blow) out.blow = blow;
     if (blow <= T(r.blow)) return;
-    T scale = blow > T(r.blow) ? T(T(r.blow) / blow) : T(0);  // 0 for NaN
     if (link.separation) {
       const T apart = speed_of_separation(*link.separation, distance) / v;
       if (apart > scale) scale = apart;
@@ -230,9 +252,18 @@ class ContactLimits {
     give = give / (F * F);
     const T v = given / F;
     const T both = T(1) / T(r.mass) + give, k = T(r.stiffness);
-    const T rest = T(r.blow) * T(r.blow) - F * F, room = T(r.force) - F;
-    T most = rest > T(0) ? T(sqrt(rest * both / k)) : T(0);
-    most = least(most, room > T(0) ? T(room / (k * link.reaction)) : T(0));
+    T most;
+    if (link.reacts) {
+      // Until the answer arrives the robot moves at the speed it has, or at the one allowed now.
+      const T room = (T(r.force) - F) / k, in = taken > T(0) ? T(taken / F) : T(0);
+      const T after = room - in * link.reaction;
+      most = speed_to_stop(room, link.reaction, link.deceleration);
+      most = least(most, after > T(0) ? T(sqrt(T(2) * link.deceleration * after)) : T(0));
+    } else {
+      const T rest = T(r.blow) * T(r.blow) - F * F, room = T(r.force) - F;
+      most = rest > T(0) ? T(sqrt(rest * both / k)) : T(0);
+      most = least(most, room > T(0) ? T(room / (k * link.reaction)) : T(0));
+    }
     most = least(most, T(r.power) / F);
     if (most < v) out.scale = least(out.scale, T(most / v));
   }

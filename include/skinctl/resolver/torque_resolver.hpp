@@ -206,6 +206,9 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   /// Tells that another configuration has taken over: a torque that differs is no jump of its laws.
   void changed(Memory& m) const noexcept { m.own.known = false; }
   void stop(Memory& m) const noexcept { m.stop = true; }
+  [[nodiscard]] static bool stops(const Memory& m) noexcept { return m.stop; }
+  /// Ends a stop that was not the user's.
+  static void go_on(Memory& m) noexcept { m.stop = false; }
   void resume(Memory& m) const noexcept { m.stop = false; }
 
  private:

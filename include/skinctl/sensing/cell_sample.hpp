@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <type_traits>
 
 #include "skinctl/core/lane.hpp"
 #include "skinctl/core/status.hpp"
@@ -23,41 +26,53 @@ struct CellSample {
 };
 
 namespace detail {
-/// The four readings and the four other numbers of a sample.
-struct CellNumbers {
-  std::array<float, 4> readings, others;
-};
-SKINCTL_INLINE constexpr CellNumbers numbers(const CellSample& s) noexcept {
-  return {{s.force[0], s.force[1], s.force[2], s.proximity},
-          {s.acceleration[0], s.acceleration[1], s.acceleration[2], s.temperature}};
-}
-SKINCTL_INLINE constexpr bool within_range(const std::array<float, 4>& x) noexcept {
-  return x[0] >= 0 && x[0] <= 1 && x[1] >= 0 && x[1] <= 1 && x[2] >= 0 && x[2] <= 1 && x[3] >= 0 && x[3] <= 1;
-}
-SKINCTL_INLINE constexpr bool finite(const std::array<float, 4>& x) noexcept {
-  return x[0] - x[0] == 0 && x[1] - x[1] == 0 && x[2] - x[2] == 0 && x[3] - x[3] == 0;
-}
-/// Checks finiteness and ranges together, in registers of four where the target has them.
-SKINCTL_INLINE bool believable(const CellNumbers& n) noexcept {
+/// The readings in [0, 1] and the other numbers lie side by side, four each, so that a check loads them as
+/// they are.
+static_assert(std::is_standard_layout_v<CellSample> &&
+              offsetof(CellSample, proximity) == offsetof(CellSample, force) + 12 &&
+              offsetof(CellSample, acceleration) == offsetof(CellSample, force) + 16 &&
+              offsetof(CellSample, temperature) == offsetof(CellSample, force) + 28);
+
+/// Whether a sample passes `check`: all its numbers at once, in registers of eight or four where the target
+/// has them. No NaN and no infinity is within bounds.
+[[nodiscard]] SKINCTL_INLINE bool believable(const CellSample& s) noexcept {
+  constexpr float most = std::numeric_limits<float>::max();
+  constexpr float lower[8] = {0, 0, 0, 0, -most, -most, -most, -most};
+  constexpr float upper[8] = {1, 1, 1, 1, most, most, most, most};
   if constexpr (native_lanes<float> >= 4) {
     // Without registers this branch is discarded, but still compiled: hence the 1.
-    using L = Lane<float, native_lanes<float> >= 4 ? 4 : 1>;
-    const L x = L::load(n.readings.data()), y = L::load(n.others.data());
-    return all((x >= L(0.0f)) & (x <= L(1.0f)) & (y - y == L(0.0f)));
+    using L = Lane<float, native_lanes<float> >= 4 ? native_lanes<float> : 1>;
+    const auto* x =
+        reinterpret_cast<const float*>(reinterpret_cast<const char*>(&s) + offsetof(CellSample, force));
+    bool good = true;
+    for (std::size_t k = 0; k < 8; k += L::lanes) {
+      const L n = L::load(x + k);
+      good = good & all((n >= L::load(lower + k)) & (n <= L::load(upper + k)));
+    }
+    return good;
   } else {
-    return within_range(n.readings) && finite(n.others);
+    const float x[8] = {s.force[0],        s.force[1],        s.force[2],        s.proximity,
+                        s.acceleration[0], s.acceleration[1], s.acceleration[2], s.temperature};
+    for (std::size_t k = 0; k < 8; ++k)
+      if (!(x[k] >= lower[k] && x[k] <= upper[k])) return false;
+    return true;
   }
+}
+[[nodiscard]] inline bool finite(const CellSample& s) noexcept {
+  float none = 0;  // NaN as soon as one of them is not finite
+  for (const float x : s.force) none += x - x;
+  for (const float x : s.acceleration) none += x - x;
+  none += (s.proximity - s.proximity) + (s.temperature - s.temperature);
+  return none == 0;
 }
 }  // namespace detail
 
 /// Empty if the sample is valid; `sample_not_finite` if any field is NaN or infinite (then all fields of the
 /// message count as damaged), else `sample_out_of_range` if a force or the proximity is outside [0, 1].
 [[nodiscard]] SKINCTL_INLINE Status check(const CellSample& sample) noexcept {
-  const detail::CellNumbers n = detail::numbers(sample);
-  if (detail::believable(n)) [[likely]]
+  if (detail::believable(sample)) [[likely]]
     return {};
-  return detail::finite(n.readings) && detail::finite(n.others) ? Reason::sample_out_of_range
-                                                                : Reason::sample_not_finite;
+  return detail::finite(sample) ? Reason::sample_out_of_range : Reason::sample_not_finite;
 }
 
 /// The readings of a sample as integers, whose sums are exact in any order: the sum of the three forces in

@@ -15,6 +15,26 @@ struct PressedArea {
   Xyz<T> force = {T(0), T(0), T(0)};   ///< [N]
   Xyz<T> moment = {T(0), T(0), T(0)};  ///< [N m]
   Xyz<T> place = {T(0), T(0), T(0)};   ///< centre of pressure [m]
+
+  /// Adds a push of `push` > 0 [N] at `p` along `n`, with the moment `m` per newton.
+  SKINCTL_INLINE void add(const Xyz<T>& p, const Xyz<T>& n, const Xyz<T>& m, const T& push) noexcept {
+    pushed = pushed + push;
+    force = force + push * n;
+    moment = moment + push * m;
+    place = place + (push / pushed) * (p - place);
+  }
+  /// Adds another area of the same link.
+  SKINCTL_INLINE void add(const PressedArea& b) noexcept {
+    pushed = pushed + b.pushed;
+    force = force + b.force;
+    moment = moment + b.moment;
+    if (pushed > T(0)) place = place + (b.pushed / pushed) * (b.place - place);
+  }
+  /// Whether a push along `n`, of unit length, is within 60 degrees of this area's.
+  [[nodiscard]] SKINCTL_INLINE bool same_side(const Xyz<T>& n) const noexcept {
+    const T along = dot(n, force);
+    return along > T(0) && along * along >= T(0.25) * dot(force, force);
+  }
 };
 
 /// The pressed areas of a robot whose links `Skinned` have skin: at most four a link, and at most six beyond
@@ -41,6 +61,9 @@ class PressedAreas {
   [[nodiscard]] const PressedArea<T>* end() const noexcept { return list_ + count_; }
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   [[nodiscard]] const PressedArea<T>& operator[](std::size_t k) const noexcept { return list_[k]; }
+
+  /// None again.
+  SKINCTL_INLINE void clear() noexcept { count_ = extra_ = 0; }
 
   /// Adds a cell of `link` at `p` that is pushed with `push` > 0 [N]; `unit` is its unit wrench, force first.
   /// The next cells change the area: read it when all have been added.
@@ -73,10 +96,25 @@ class PressedAreas {
       like = &list_[count_++];
       *like = {.link = link};
     }
-    like->pushed = like->pushed + push;
-    like->force = like->force + push * n;
-    like->moment = like->moment + push * m;
-    like->place = like->place + (push / like->pushed) * (p - like->place);
+    like->add(p, n, m, push);
+  }
+  /// Adds a whole area: as one of its own if there is room, else to the most similar one of its link.
+  SKINCTL_NOINLINE void add(const PressedArea<T>& area) noexcept {
+    PressedArea<T>* similar = nullptr;
+    T best(0);
+    std::size_t of_link = 0;
+    for (std::size_t k = 0; k < count_; ++k) {
+      PressedArea<T>& a = list_[k];
+      if (a.link != area.link) continue;
+      ++of_link;
+      const Xyz<T> way = area.place - a.place;
+      const bool same = a.pushed > T(0) && a.same_side(T(T(1) / area.pushed) * area.force);
+      const T unlike = dot(way, way) * T(1 / (patch_size * patch_size)) + (same ? T(0) : T(10000));
+      if (similar == nullptr || unlike < best) similar = &a, best = unlike;
+    }
+    if (of_link > 0 && (of_link >= most_of_a_link || extra_ >= most_extra)) return similar->add(area);
+    if (of_link > 0) ++extra_;
+    list_[count_++] = area;
   }
 
  private:

@@ -22,9 +22,9 @@ inline constexpr bool governs<Governor<M, U, Parts...>, N, T> = M == N && std::i
 /// Whether a skin covers all links of a governor's contact limits.
 template <class Overseer, class Skin>
 inline constexpr bool feels = true;
-template <std::size_t N, Real T, class J, class S, class C, class V, class Skin>
+template <std::size_t N, Real T, class J, class S, class C, class V, class W, class Skin>
   requires requires { C::links; }
-inline constexpr bool feels<Governor<N, T, J, S, C, V>, Skin> = [] {
+inline constexpr bool feels<Governor<N, T, J, S, C, V, W>, Skin> = [] {
   if constexpr (requires { Skin::Wrenches::links; }) {
     return (Skin::Wrenches::links & C::links) == C::links;
   } else {
@@ -40,6 +40,9 @@ template <class Overseer, class Skin>
     return NoTouch{};
   }
 }
+/// Whether a governor watches how much of the skin feels.
+template <class Overseer>
+inline constexpr bool watches_skin = requires { requires Overseer::has_watch; };
 /// Whether all joints of a resolver have the same interface, and whether that is position or velocity.
 template <class Resolver>
 inline constexpr bool has_one_interface = requires { Resolver::interface; };

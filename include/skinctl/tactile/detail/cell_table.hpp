@@ -12,9 +12,32 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
+/// A wrench as a row of eight: force, moment, two numbers that mean nothing. So it is whole registers, and
+/// never crosses a cache line.
+inline constexpr std::size_t row_size = 8;
+/// Numbers of such a row in a register, and numbers that are computed: six, rounded up to whole registers.
+template <Real T>
+inline constexpr std::size_t row_lanes = [] {
+  if constexpr (std::same_as<T, float> || std::same_as<T, double>) {
+    return native_lanes<T> < row_size ? native_lanes<T> : row_size;
+  } else {
+    return std::size_t(1);
+  }
+}();
+template <Real T>
+inline constexpr std::size_t row_used = (6 + row_lanes<T> - 1) / row_lanes<T> * row_lanes<T>;
+template <Real T, std::size_t Lanes>
+struct RowPart {
+  using type = Lane<T, Lanes>;
+};
+template <Real T>
+struct RowPart<T, 1> {
+  using type = T;
+};
+
 /// `to += factor from`, on the widest registers that fit the remaining numbers.
-template <std::size_t N, Real T>
-SKINCTL_INLINE void multiply_add(T* to, const T& factor, const float* from) noexcept {
+template <std::size_t N, Real T, Real U>
+SKINCTL_INLINE void multiply_add(T* to, const T& factor, const U* from) noexcept {
   if constexpr (N > 0) {
     constexpr std::size_t W = [] {
       if constexpr (std::same_as<T, float> || std::same_as<T, double>) {
@@ -37,33 +60,97 @@ SKINCTL_INLINE void multiply_add(T* to, const T& factor, const float* from) noex
   }
 }
 
-/// One cell. Half a cache line, so that an event reads one.
-struct alignas(32) CellEntry {
-  /// `-[z ; p x z]`. Forces are multiples of 2^-24, moments of 2^-24 times the patch's reach: exact in float.
-  float unit[6] = {};
-  std::uint32_t patch = 0;  ///< index of its sums
-  std::uint32_t slot = 0;   ///< index of its link in the link wrenches
+/// A unit wrench in registers, converted once for all sums of an event.
+template <Real T>
+class WideUnit {
+  static constexpr std::size_t lanes = row_lanes<T>;
+  static constexpr std::size_t count = row_used<T> / lanes;
 
-  friend bool operator==(const CellEntry&, const CellEntry&) noexcept = default;
-  /// `wrench += factor unit`.
+ public:
+  SKINCTL_INLINE explicit WideUnit(const float* row) noexcept {
+    for (std::size_t k = 0; k < count; ++k) {
+      if constexpr (lanes == 1) {
+        part_[k] = static_cast<T>(row[k]);
+      } else {
+        part_[k] = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+          return Part(typename Part::Vector{static_cast<T>(row[k * lanes + I])...});
+        }(std::make_index_sequence<lanes>{});
+      }
+    }
+  }
+  /// `to += factor unit`, for a row of eight.
+  SKINCTL_INLINE void add_to(T* to, const T& factor) const noexcept {
+    for (std::size_t k = 0; k < count; ++k) {
+      if constexpr (lanes == 1) {
+        to[k] = to[k] + factor * part_[k];
+      } else {
+        (Part::load(to + k * lanes) + Part(factor) * part_[k]).store(to + k * lanes);
+      }
+    }
+  }
+
+ private:
+  using Part = typename RowPart<T, lanes>::type;
+  Part part_[count];
+};
+
+/// The unit wrench of a cell, `-[z ; p x z]`, and two zeros. Forces are multiples of 2^-24, moments of 2^-24
+/// times the patch's reach: exact in float.
+struct alignas(32) CellUnit {
+  float row[row_size] = {};
+
+  friend bool operator==(const CellUnit&, const CellUnit&) noexcept = default;
+  /// `wrench += factor unit`, for six numbers.
   template <Real T>
   SKINCTL_INLINE void add_to(T* wrench, const T& factor) const noexcept {
-    multiply_add<6>(wrench, factor, unit);
+    multiply_add<6>(wrench, factor, row);
   }
 };
 
-/// Sums over the cells of a patch of unit wrench times count, for forces and for proximities. All terms are
-/// multiples of the same steps and stay below 2^53 steps, so the sums are exact in any order.
-struct ExactSums {
-  std::array<double, 6> force{};
-  std::array<double, 6> proximity{};
+/// Sums over up to 8192 cells of a patch of unit wrench times count, for forces and for proximities. All terms
+/// are multiples of the same steps and stay below 2^53 steps, so the sums are exact in any order.
+struct alignas(64) ExactSums {
+  double force[row_size] = {};
+  double proximity[row_size] = {};
   static constexpr std::size_t most_cells = 8192;
 
-  SKINCTL_INLINE void add(const CellEntry& cell, int force_change, int proximity_change) noexcept {
-    cell.add_to(force.data(), static_cast<double>(force_change));
-    cell.add_to(proximity.data(), static_cast<double>(proximity_change));
+  SKINCTL_INLINE void add(const CellUnit& cell, int force_change, int proximity_change) noexcept {
+    add(WideUnit<double>(cell.row), force_change, proximity_change);
+  }
+  SKINCTL_INLINE void add(const WideUnit<double>& cell, int force_change, int proximity_change) noexcept {
+    cell.add_to(force, static_cast<double>(force_change));
+    cell.add_to(proximity, static_cast<double>(proximity_change));
   }
   friend bool operator==(const ExactSums&, const ExactSums&) noexcept = default;
+};
+
+/// Where a cell belongs.
+struct CellSeat {
+  std::uint16_t sums = 0;  ///< index of its sums
+  std::uint16_t slot = 0;  ///< index of its link in the link wrenches
+  friend bool operator==(const CellSeat&, const CellSeat&) noexcept = default;
+};
+/// All that an event looks up by its cell's id, in one word.
+class CellKey {
+ public:
+  /// Of an unknown cell: its index is beyond all cells.
+  constexpr CellKey() noexcept = default;
+  constexpr CellKey(std::uint32_t index, CellSeat seat) noexcept
+      : word_(index | std::uint64_t(seat.sums) << 32 | std::uint64_t(seat.slot) << 48) {}
+  /// In the order of the patches.
+  [[nodiscard]] SKINCTL_INLINE constexpr std::size_t index() const noexcept {
+    return static_cast<std::uint32_t>(word_);
+  }
+  [[nodiscard]] SKINCTL_INLINE constexpr std::size_t sums() const noexcept {
+    return static_cast<std::size_t>(word_ >> 32 & 0xFFFFu);
+  }
+  [[nodiscard]] SKINCTL_INLINE constexpr std::size_t slot() const noexcept {
+    return static_cast<std::size_t>(word_ >> 48);
+  }
+  friend constexpr bool operator==(CellKey, CellKey) noexcept = default;
+
+ private:
+  std::uint64_t word_ = ~std::uint32_t(0);
 };
 
 /// All cells in the order of their patches, and the map from ids to indices in that order.
@@ -72,49 +159,68 @@ class CellTable {
   static constexpr std::uint32_t highest_id = (1u << 20) - 1;
 
   explicit CellTable(std::size_t cells) {
-    entries_.reserve(cells);
+    units_.reserve(cells);
     places_.reserve(cells);
+    seats_.reserve(cells);
   }
 
-  SKINCTL_COLD void add(const std::vector<AnyCell>& cells, std::size_t number, std::size_t slot) {
-    require(cells.size() <= ExactSums::most_cells, "Skin: cells of a patch", double(cells.size()),
+  /// Adds `count` <= 8192 cells that share one sum.
+  SKINCTL_COLD void add(const AnyCell* cells, std::size_t count, std::size_t sums, std::size_t slot) {
+    require(count <= ExactSums::most_cells, "Skin: cells of one sum", double(count),
             "at most 8192: sums stay exact");
-    int reach = -20;  // the patch's moments are at most 2^reach
-    for (const AnyCell& cell : cells) {
-      const auto u = unit_wrench(cell.X_LC);
+    require(sums <= 0xFFFF, "Skin: sums", double(sums), "at most 65536 patches, or parts of 8192 cells");
+    int reach = -20;  // the moments are at most 2^reach
+    for (const AnyCell* cell = cells; cell != cells + count; ++cell) {
+      const auto u = unit_wrench(cell->X_LC);
       for (const double m : {u.moment.x, u.moment.y, u.moment.z})
         while (std::abs(m) > std::ldexp(1.0, reach)) ++reach;
     }
-    for (const AnyCell& cell : cells) {
-      require(cell.id <= highest_id, "Skin: cell id", double(cell.id), "< 2^20");
-      if (cell.id >= index_.size()) index_.resize(cell.id + 1, none);
-      require(index_[cell.id] == none, "Skin: cell id", double(cell.id), "ids that occur once");
-      index_[cell.id] = static_cast<std::uint32_t>(entries_.size());
-      const auto u = unit_wrench(cell.X_LC);
+    const CellSeat seat{static_cast<std::uint16_t>(sums), static_cast<std::uint16_t>(slot)};
+    for (const AnyCell* cell = cells; cell != cells + count; ++cell) {
+      require(cell->id <= highest_id, "Skin: cell id", double(cell->id), "< 2^20");
+      if (cell->id + 1 >= keys_.size()) keys_.resize(cell->id + 2);  // the last one is of no cell
+      require(keys_[cell->id] == CellKey{}, "Skin: cell id", double(cell->id), "ids that occur once");
+      keys_[cell->id] = {static_cast<std::uint32_t>(units_.size()), seat};
+      const auto u = unit_wrench(cell->X_LC);
       const auto whole = [](double x, int exponent) {
         return static_cast<float>(std::ldexp(std::round(std::ldexp(x, 24 - exponent)), exponent - 24));
       };
-      const Xyz<double>& p = cell.X_LC.origin();
+      const Xyz<double>& p = cell->X_LC.origin();
       places_.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-      entries_.push_back({{whole(u.force.x, 0), whole(u.force.y, 0), whole(u.force.z, 0),
-                           whole(u.moment.x, reach), whole(u.moment.y, reach), whole(u.moment.z, reach)},
-                          static_cast<std::uint32_t>(number),
-                          static_cast<std::uint32_t>(slot)});
+      units_.push_back({{whole(u.force.x, 0), whole(u.force.y, 0), whole(u.force.z, 0),
+                         whole(u.moment.x, reach), whole(u.moment.y, reach), whole(u.moment.z, reach)}});
+      seats_.push_back(seat);
     }
   }
-  SKINCTL_INLINE std::size_t index(std::uint32_t id) const noexcept {
-    return id < index_.size() ? index_[id] : none;
+  [[nodiscard]] std::size_t size() const noexcept { return units_.size(); }
+  /// Of the cell `id`; the key of an unknown cell has an index beyond all cells.
+  SKINCTL_INLINE CellKey key(std::uint32_t id) const noexcept { return keys().of(id); }
+  /// The keys by id, for a loop: ids beyond the highest one share the last key, of no cell.
+  struct Keys {
+    const CellKey* first;
+    std::uint32_t last;
+    SKINCTL_INLINE const CellKey& of(std::uint32_t id) const noexcept { return first[id < last ? id : last]; }
+  };
+  SKINCTL_INLINE Keys keys() const noexcept {
+    return {keys_.data(), static_cast<std::uint32_t>(keys_.size() - 1)};
   }
   friend bool operator==(const CellTable&, const CellTable&) noexcept = default;
-  SKINCTL_INLINE const CellEntry& operator[](std::size_t i) const noexcept { return entries_[i]; }
+  SKINCTL_INLINE const CellUnit& operator[](std::size_t i) const noexcept { return units_[i]; }
+  SKINCTL_INLINE const CellSeat& seat(std::size_t i) const noexcept { return seats_[i]; }
   /// Of the i-th cell in its link [m].
   SKINCTL_INLINE const std::array<float, 3>& place(std::size_t i) const noexcept { return places_[i]; }
 
+  /// Bytes that the table takes [B].
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return units_.size() * (sizeof(CellUnit) + sizeof(places_[0]) + sizeof(CellSeat)) +
+           keys_.size() * sizeof(CellKey);
+  }
+
  private:
-  static constexpr std::uint32_t none = ~std::uint32_t(0);
-  std::vector<CellEntry> entries_;
+  std::vector<CellUnit> units_;
   std::vector<std::array<float, 3>> places_;
-  std::vector<std::uint32_t> index_;
+  std::vector<CellSeat> seats_;
+  std::vector<CellKey> keys_ = std::vector<CellKey>(1);  // by id
 };
 
 }  // namespace detail

@@ -1,220 +1,196 @@
-// Reception: updates the sums and the mean wrenches for the samples of one interval and for silent cells.
+// Reception: takes the samples of one interval, the usual ones by a short path.
 #pragma once
 
-#include "skinctl/tactile/detail/held_signal.hpp"
-#include "skinctl/tactile/detail/skin_memory.hpp"
+#include <span>
+
+#include "skinctl/core/detail/unwritten.hpp"
+#include "skinctl/tactile/detail/cell_changes.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// An interval in equal parts; times within it are in seconds from its start.
-template <Real T>
-struct Parts {
-  Nanoseconds from, to;
-  std::size_t count;
-  T length, per_length, per_whole;  ///< [s], [1/s]; 0 for an interval without length
-  T back;                           ///< <= 0: start of the time for which missing impulse is added [s]
-
-  static Parts of(Nanoseconds from, Nanoseconds to, std::size_t count, Nanoseconds back) noexcept {
-    const T whole = seconds<T>(elapsed(from, to));
-    const T parts = static_cast<T>(count);
-    if (!(whole > T(0))) return {from, from, count, T(0), T(0), T(0), -seconds<T>(back)};
-    return {from, to, count, whole / parts, parts / whole, T(1) / whole, -seconds<T>(back)};
+/// The front end of a skin that trusts its cells: the readings are those of the samples.
+struct AsSent {
+  SKINCTL_INLINE CellCounts reading(std::size_t, const CellSample& sample) const noexcept {
+    return counts(sample);
   }
 };
 
 /// One reception. `means` starts with the wrenches of the previous sums; every change of a cell's push is
 /// added when it occurs. `Means` is a `LinkWrenches`, or a `TouchWrenches` for forces and proximities apart.
+///
+/// The usual sample is taken on a path of its own: of a cell that is heard and not fading, not ahead of the
+/// interval's end, with a ramp that began within the time for which missing impulse is added. The mean over an interval of one part is then
+/// `jump (2 (to - t) + min(gap, ramp)) / 2h`, without a division, and the pushes add up for each link until
+/// all samples have been taken. What is not usual is taken out of line, by the same rules one by one.
 template <Real T, class Tables, class Memory, class Means>
-class Reception {
-  static constexpr bool apart = requires(const Means& m) { m.proximity; };
+class Reception : public CellChanges<T, Tables, Memory, Means> {
+  using Changes = CellChanges<T, Tables, Memory, Means>;
+  using Changes::apart, Changes::tables_, Changes::memory_, Changes::cells_, Changes::parts_, Changes::means_;
+  using Changes::max_age_, Changes::hold_, Changes::ramp_, Changes::change_to;
+  static constexpr std::size_t kinds = apart ? 2 : 1;
+  static constexpr std::size_t links = decltype(Memory::owed)::Wrenches::count;
+  struct alignas(32) Pushes {
+    T row[kinds][row_size];
+  };
 
  public:
-  SKINCTL_INLINE Reception(const Tables& tables, Memory& memory, const Parts<T>& parts, Means* means) noexcept
-      : tables_(tables),
-        memory_(memory),
-        parts_(parts),
-        means_(means),
-        max_age_(static_cast<std::uint64_t>((tables.settings.max_age).count())),
-        hold_(static_cast<std::uint64_t>((tables.settings.max_age - tables.settings.fade).count())),
-        max_ahead_(static_cast<std::uint64_t>((tables.settings.max_ahead).count())),
-        ramp_(static_cast<std::uint64_t>((tables.settings.ramp).count())),
-        ramp_length_(seconds<T>(tables.settings.ramp)),
-        ramp_slope_(T(1) / ramp_length_) {}
+  SKINCTL_INLINE Reception(const Tables& tables, Memory& memory, std::size_t cells, const Parts<T>& parts,
+                           Means* means) noexcept
+      : Changes(tables, memory, cells, parts, means),
+        max_ahead_(static_cast<std::uint64_t>(tables.settings.max_ahead.count())) {}
 
-  SKINCTL_INLINE Status take(const CellSample& sample) const noexcept {
-    if (const Status bad = check(sample); bad.any()) [[unlikely]]
-      return bad;
-    const std::size_t i = tables_.cells.index(sample.cell);
-    if (i >= Memory::cells) [[unlikely]]
-      return Reason::sample_unknown;
-    const bool ahead = memory_.stamp[i] > parts_.to;  // the clock was set back since
-    Nanoseconds last = ahead ? Nanoseconds::min() : memory_.stamp[i];
-    const Nanoseconds time = sample.time < parts_.to ? sample.time : parts_.to;
-    if (sample.time <= last || time <= last) [[unlikely]]
-      return Reason::time_backwards;
-    if (sample.time > parts_.to && span(parts_.to, sample.time) > max_ahead_) [[unlikely]]
-      return Reason::sample_out_of_range;
-    if (span(time, parts_.to) >= max_age_) [[unlikely]]
-      return Reason::sample_stale;
-    if (ahead) [[unlikely]]
-      last = time - nanoseconds_of(ramp_);
-
-    const bool was_heard = memory_.hears(i);
-    const CellCounts old = memory_.held[i];
-    const CellCounts in_sums = was_heard ? old : CellCounts{};
-    const CellCounts raw = counts(sample);
-    const CellCounts passed{
-        static_cast<std::uint16_t>(tables_.force_gate.pass(raw.force, in_sums.force != 0)),
-        static_cast<std::uint16_t>(tables_.proximity_gate.pass(raw.proximity, in_sums.proximity != 0))};
-    std::uint64_t& heard = memory_.heard[i / 64];
-    Nanoseconds& oldest = memory_.oldest[i / 64];
-    oldest = heard == 0 || time < oldest ? time : oldest;
-    heard |= std::uint64_t(1) << (i % 64);
-    memory_.stamp[i] = time;
-    memory_.held[i] = passed;
-
-    const bool fading = span(last, parts_.to) > hold_ && old != CellCounts{};
-    if (passed == old && !fading) return {};
-    const CellEntry& cell = tables_.cells[i];
-    memory_.sums[cell.patch].add(cell, passed.force - in_sums.force, passed.proximity - in_sums.proximity);
-    const Ramp<T> ramp = ramp_between(last, time);
-    const auto revise = [&]<Reading R>() SKINCTL_INLINE_LAMBDA {
-      const T from = tables_.template push_on<R>(cell, old), to = tables_.template push_on<R>(cell, passed);
-      if (!fading) [[likely]] {
-        change<R>(cell, ramp, to - from);
-      } else {
-        change_of_fading<R>(cell, ramp, from, to, loss_since(last), was_heard);
+  /// Takes the samples. `Ahead` > 0: what a sample touches is fetched so many samples before.
+  template <std::size_t Ahead, class Front>
+  SKINCTL_INLINE Status take(std::span<const CellSample> samples, Front& front) const noexcept {
+    Status status;
+    if (!takes_usual()) {
+      for (const CellSample& sample : samples) status |= take_any(sample, front);
+      return status;
+    }
+    Unwritten<Pushes, links> pushes;
+    for (std::size_t l = 0; l < links; ++l) pushes.data[l] = {};
+    const Usual usual(*this);
+    const auto keys = tables_.cells.keys();
+    for (const CellSample& sample : samples) {
+      if constexpr (Ahead > 0)
+        fetch<Ahead>(keys, samples, static_cast<std::size_t>(&sample - samples.data()));
+      if (!take_usual(usual, keys, sample, front, pushes.data)) [[unlikely]]
+        status |= take_any(sample, front);
+    }
+    for (std::size_t l = 0; l < links; ++l)
+      for (std::size_t r = 0; r < 6; ++r) {
+        if constexpr (apart) {
+          means_->force.data[l][r] = means_->force.data[l][r] + pushes.data[l].row[0][r];
+          means_->proximity.data[l][r] = means_->proximity.data[l][r] + pushes.data[l].row[1][r];
+        } else {
+          means_->data[l][r] = means_->data[l][r] + pushes.data[l].row[0][r];
+        }
       }
-    };
-    if constexpr (apart) {
-      if (passed.force != old.force || fading) revise.template operator()<Reading::force>();
-      if (passed.proximity != old.proximity || fading) revise.template operator()<Reading::proximity>();
-    } else {
-      revise.template operator()<Reading::both>();
-    }
-    return {};
-  }
-
-  /// Fades the forces of cells that have fallen silent; reports whether any cell is silent.
-  SKINCTL_INLINE Status age() const noexcept {
-    bool all = true;
-    for (std::size_t b = 0; b < Memory::blocks; ++b) {
-      if (memory_.heard[b] != 0 && memory_.oldest[b] < parts_.to &&
-          span(memory_.oldest[b], parts_.to) > hold_)
-        age_block(b);
-      all = all && memory_.hears_all_of(b);
-    }
-    return all ? Status{} : Status{Reason::sample_stale};
+    return status;
   }
 
  private:
-  /// Adds the cell's unit wrench times the mean of a force over each part, given its integral over time, and
-  /// the impulse `made_up`, spread evenly over the whole interval; for an interval without length the impulse
-  /// goes to the next one.
-  template <Reading R, class Integral>
-  SKINCTL_INLINE void add_means(const CellEntry& cell, const T& made_up,
-                                const Integral& integral) const noexcept {
-    if (parts_.from == parts_.to) [[unlikely]] {
-      auto& owed = R == Reading::proximity ? memory_.owed.proximity : memory_.owed.force;
-      cell.add_to(owed.data[cell.slot], made_up);
-      return;
-    }
-    const T evenly = made_up * parts_.per_whole;
-    T before = integral(T(0));
-    for (std::size_t j = 0; j < parts_.count; ++j) {
-      const T after = integral(parts_.length * static_cast<T>(j + 1));
-      cell.add_to(wrenches<R>(means_[j]).data[cell.slot], evenly + (after - before) * parts_.per_length);
-      before = after;
-    }
+  /// Whether there is a usual sample: the interval has a length, and no time is so far from 0
+  /// that a difference of two overflows.
+  [[nodiscard]] SKINCTL_INLINE bool takes_usual() const noexcept {
+    constexpr std::uint64_t far = std::uint64_t(1) << 61;
+    const auto to = static_cast<std::uint64_t>(parts_.to.count());
+    return parts_.from != parts_.to && to + far < 2 * far && parts_.reach < far && parts_.reach >= ramp_ &&
+           max_age_ < far;
   }
 
-  /// The wrenches to which readings of a kind belong.
-  template <Reading R>
-  static SKINCTL_INLINE auto& wrenches(Means& means) noexcept {
-    if constexpr (R == Reading::both) {
-      return means;
-    } else if constexpr (R == Reading::force) {
-      return means.force;
-    } else {
-      return means.proximity;
+  /// What the usual path compares with, [ns].
+  struct Usual {
+    std::uint64_t to, latest, hold, ramp;
+    T share;
+    SKINCTL_INLINE explicit Usual(const Reception& r) noexcept
+        : to(static_cast<std::uint64_t>(r.parts_.to.count())),
+          latest(r.parts_.reach - r.ramp_),
+          hold(r.hold_),
+          ramp(r.ramp_),
+          share(T(0.5e-9) * r.parts_.per_whole) {}
+  };
+  template <class Front>
+  [[nodiscard]] SKINCTL_INLINE bool take_usual(const Usual& at, const CellTable::Keys& keys,
+                                               const CellSample& sample, Front& front,
+                                               Pushes* pushes) const noexcept {
+    const CellKey key = keys.of(sample.cell);
+    const std::size_t i = key.index();
+    if (i >= cells_ || !believable(sample)) [[unlikely]]
+      return false;
+    CellRecord& cell = memory_.records[i];
+    // Neither ahead nor so late that its ramp began too early; after the last one, which is neither fading nor
+    // of a later time.
+    const std::uint64_t late = at.to - static_cast<std::uint64_t>(sample.time.count());
+    const std::uint64_t silence = at.to - static_cast<std::uint64_t>(cell.stamp.count());
+    if (late > at.latest || silence <= late || silence > at.hold || cell.state < CellRecord::heard)
+        [[unlikely]]
+      return false;
+    const Nanoseconds last = cell.stamp;
+    cell.stamp = sample.time;
+    const CountPair old(cell.held), now = tables_.pass(i, reading(i, sample, front), old);
+    const CellCounts passed = now.counts_of();
+    if (std::bit_cast<std::uint32_t>(passed) == std::bit_cast<std::uint32_t>(cell.held)) return true;
+    cell.held = passed;
+    const std::uint32_t state = CellRecord::state_of(now);
+    if (state != cell.state) [[unlikely]]
+      memory_.enter(i, state);
+    const CountPair change = tables_.weigh(i, now) - tables_.weigh(i, old);
+    const float* const row = tables_.cells[i].row;
+    const WideUnit<double> unit(row);
+    memory_.sums[key.sums()].add(unit, change.force(), change.proximity());
+    const PatchRow<T>& patch = tables_.patches[key.sums()];
+    if (parts_.count != 1) [[unlikely]] {
+      this->spread(i, change, last, sample.time);
+      return true;
     }
-  }
-
-  /// The push on a held cell changes by `jump` along `ramp`.
-  template <Reading R>
-  SKINCTL_INLINE void change(const CellEntry& cell, const Ramp<T>& ramp, const T& jump) const noexcept {
-    const T made_up = jump * (ramp.integral(T(0)) - ramp.integral(parts_.back));
-    add_means<R>(cell, made_up, [&](const T& t) SKINCTL_INLINE_LAMBDA { return jump * ramp.integral(t); });
-  }
-  /// The same for a cell that was fading or silent: `ramp` starts from the remaining force.
-  template <Reading R>
-  __attribute__((noinline)) void change_of_fading(const CellEntry& cell, const Ramp<T>& ramp, const T& from,
-                                                  const T& to, const Ramp<T>& loss,
-                                                  bool was_heard) const noexcept {
-    const T stop = ramp.start();
-    const T left = T(1) - loss.value(stop);
-    const T jump = to - from * left;
-    const auto revised = [&](const T& t) {
-      return from * (loss.integral(t) - loss.integral_until(stop, t)) + jump * ramp.integral(t);
+    const std::uint64_t turn = late + at.ramp, begun = turn < silence ? turn : silence;  // before the end
+    const T share = static_cast<T>(static_cast<std::int64_t>(late + begun)) * at.share;
+    const T force = patch.force_gain * static_cast<T>(change.force());
+    const T proximity = patch.proximity_gain * static_cast<T>(change.proximity());
+    Pushes& push = pushes[key.slot()];
+    const auto add = [&](const auto& wide) SKINCTL_INLINE_LAMBDA {
+      if constexpr (apart) {
+        wide.add_to(push.row[0], share * force);
+        wide.add_to(push.row[1], share * proximity);
+      } else {
+        wide.add_to(push.row[0], share * (force + proximity));
+      }
     };
-    add_means<R>(cell, revised(T(0)) - revised(parts_.back), [&](const T& t) {
-      const T rest = was_heard ? T(-loss.integral_until(stop, t)) : T(left * t);
-      return from * rest + jump * ramp.integral(t);
-    });
-  }
-
-  /// The ramp of a cell's force from its reading at `last` to the later one at `time`.
-  SKINCTL_INLINE Ramp<T> ramp_between(Nanoseconds last, Nanoseconds time) const noexcept {
-    const std::uint64_t gap = span(last, time);
-    if (gap >= ramp_) [[likely]]
-      return {seconds_after<T>(parts_.from, time - nanoseconds_of(ramp_)), ramp_length_, ramp_slope_};
-    return {seconds_after<T>(parts_.from, last), seconds<T>(nanoseconds_of(gap))};
-  }
-  /// The share of a reading that has faded because of the cell's silence since `stamp`.
-  SKINCTL_INLINE Ramp<T> loss_since(Nanoseconds stamp) const noexcept {
-    return {seconds_after<T>(parts_.from, stamp) + seconds<T>(nanoseconds_of(hold_)),
-            seconds<T>(tables_.settings.fade)};
-  }
-
-  __attribute__((noinline)) void age_block(std::size_t b) const noexcept {
-    Nanoseconds oldest = Nanoseconds::max();
-    for (std::uint64_t rest = memory_.heard[b]; rest != 0; rest &= rest - 1) {
-      const std::size_t i = 64 * b + static_cast<std::size_t>(std::countr_zero(rest));
-      const Nanoseconds stamp = memory_.stamp[i];
-      const std::uint64_t silence = stamp < parts_.to ? span(stamp, parts_.to) : 0;
-      const CellCounts held = memory_.held[i];
-      const bool ends = silence >= max_age_;
-      if (silence > hold_ && held != CellCounts{}) {
-        const CellEntry& cell = tables_.cells[i];
-        const Ramp<T> loss = loss_since(stamp);
-        const auto fade = [&]<Reading R>() {
-          const T push = tables_.template push_on<R>(cell, held);
-          add_means<R>(cell, T(0), [&](const T& t) { return -push * loss.integral(t); });
-        };
-        if constexpr (apart) {
-          fade.template operator()<Reading::force>();
-          fade.template operator()<Reading::proximity>();
-        } else {
-          fade.template operator()<Reading::both>();
-        }
-        if (ends) memory_.sums[cell.patch].add(cell, -int(held.force), -int(held.proximity));
-      }
-      if (ends) {
-        memory_.heard[b] &= ~(rest & (~rest + 1));
-      } else if (stamp < oldest) {
-        oldest = stamp;
-      }
+    if constexpr (std::is_same_v<T, double>) {
+      add(unit);
+    } else {
+      add(WideUnit<T>(row));
     }
-    memory_.oldest[b] = oldest;
+    return true;
+  }
+  template <class Front>
+  static SKINCTL_INLINE CountPair reading(std::size_t i, const CellSample& sample, Front& front) noexcept {
+    if constexpr (std::is_same_v<std::remove_cv_t<Front>, AsSent>) {
+      return static_cast<void>(i), CountPair(sample);
+    } else {
+      return CountPair(front.reading(i, sample));
+    }
+  }
+  /// The key of a sample to come, and the record and unit wrench of a nearer one.
+  template <std::size_t Ahead>
+  SKINCTL_INLINE void fetch(const CellTable::Keys& keys, std::span<const CellSample> samples,
+                            std::size_t k) const noexcept {
+    if (k + 2 * Ahead < samples.size()) __builtin_prefetch(&keys.of(samples[k + 2 * Ahead].cell));
+    if (k + Ahead >= samples.size()) return;
+    const std::size_t i = keys.of(samples[k + Ahead].cell).index();
+    if (i >= cells_) return;
+    __builtin_prefetch(&memory_.records[i], 1);
+    __builtin_prefetch(&tables_.cells[i]);
   }
 
-  const Tables& tables_;
-  Memory& memory_;
-  const Parts<T>& parts_;
-  Means* means_;
-  std::uint64_t max_age_, hold_, max_ahead_, ramp_;
-  T ramp_length_, ramp_slope_;
+  /// Any sample, any interval.
+  template <class Front>
+  SKINCTL_NOINLINE Status take_any(const CellSample& sample, Front& front) const noexcept {
+    if (const Status bad = check(sample); bad.any()) return bad;
+    const CellKey key = tables_.cells.key(sample.cell);
+    const std::size_t i = key.index();
+    if (i >= cells_) return Reason::sample_unknown;
+    CellRecord& cell = memory_.records[i];
+    const bool ahead = cell.stamp > parts_.to;  // the clock was set back since
+    Nanoseconds last = ahead ? Nanoseconds::min() : cell.stamp;
+    const Nanoseconds time = sample.time < parts_.to ? sample.time : parts_.to;
+    if (sample.time <= last || time <= last) return Reason::time_backwards;
+    if (sample.time > parts_.to && span(parts_.to, sample.time) > max_ahead_)
+      return Reason::sample_out_of_range;
+    if (span(time, parts_.to) >= max_age_) return Reason::sample_stale;
+    if (ahead) last = time - nanoseconds_of(ramp_);
+
+    const CellCounts open = memory_.hears(i) ? cell.held : CellCounts{};
+    Nanoseconds& oldest = memory_.oldest[i / 64];
+    if (time < oldest) oldest = time;
+    cell.stamp = time;
+    change_to(i, tables_.pass(i, front.reading(i, sample), open), last, time);
+    return {};
+  }
+
+  std::uint64_t max_ahead_;
 };
 
 }  // namespace detail

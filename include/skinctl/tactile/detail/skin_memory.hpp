@@ -1,4 +1,4 @@
-// The memory of a skin, and its constant tables.
+// The memory of a skin: a record a cell, and the sums.
 #pragma once
 
 #include <array>
@@ -6,11 +6,94 @@
 
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/tactile/detail/cell_table.hpp"
-#include "skinctl/tactile/skin_settings.hpp"
+#include "skinctl/tactile/detail/count_pair.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
+
+/// All that changes of one cell.
+struct alignas(16) CellRecord {
+  Nanoseconds stamp = Nanoseconds::min();  ///< of the last sample
+  CellCounts held;                         ///< counts of it after the gates
+  std::uint32_t state = 0;                 ///< bits, see below; 0: silent
+
+  static constexpr std::uint32_t pressed = 1;  ///< its force is not 0
+  static constexpr std::uint32_t seeing = 2;   ///< its proximity is not 0
+  static constexpr std::uint32_t heard = 4;    ///< its reading is in the sums
+  [[nodiscard]] static SKINCTL_INLINE std::uint32_t state_of(CountPair held) noexcept {
+    return heard | held.positive();
+  }
+  friend bool operator==(const CellRecord&, const CellRecord&) noexcept = default;
+};
+
+/// The states of 64 cells once more, a bit a cell.
+struct BlockStates {
+  std::uint64_t heard = 0, pressed = 0, seeing = 0;
+
+  SKINCTL_INLINE void set(std::size_t cell, std::uint32_t state) noexcept {
+    const std::uint64_t at = cell % 64, bit = std::uint64_t(1) << at;
+    pressed = (pressed & ~bit) | (std::uint64_t(state & 1u) << at);
+    seeing = (seeing & ~bit) | (std::uint64_t((state >> 1) & 1u) << at);
+    heard = (heard & ~bit) | (std::uint64_t((state >> 2) & 1u) << at);
+  }
+  friend bool operator==(const BlockStates&, const BlockStates&) noexcept = default;
+};
+
+/// What the memories of all skins share, whatever holds their records. Cells are in the order of the patches,
+/// in blocks of 64.
+template <class Store, class Wrenches>
+struct SkinMemoryOf : Store {
+  using Store::oldest;   // of each block: lower bound of the stamps of its cells that are not silent
+  using Store::records;  // a cell
+  using Store::states;   // a block
+  using Store::sums;     // over the cells that are not silent
+
+  std::uint32_t heard = 0;                 ///< number of cells that are not silent
+  Nanoseconds begin = Nanoseconds::min();  ///< no missing impulse is added before this time
+  /// Impulse to be added in the next interval [N s], [N m s]; in `force` where the two are not told apart.
+  TouchWrenches<Wrenches> owed{};
+
+  [[nodiscard]] bool hears(std::size_t i) const noexcept {
+    return (records[i].state & CellRecord::heard) != 0;
+  }
+  /// Calls `f(i)` for each of `count` cells from `first` on that is in a state.
+  template <class F>
+  SKINCTL_INLINE void each_cell(std::uint64_t BlockStates::* state, std::size_t first, std::size_t count,
+                                const F& f) const noexcept {
+    for (std::size_t b = first / 64; b * 64 < first + count; ++b)
+      for (std::uint64_t rest = states[b].*state & among(b, first, count); rest != 0; rest &= rest - 1)
+        f(64 * b + static_cast<std::size_t>(std::countr_zero(rest)));
+  }
+  /// Whether each of `count` cells from `first` on is heard.
+  [[nodiscard]] bool hears_all_from(std::size_t first, std::size_t count) const noexcept {
+    bool all = true;
+    for (std::size_t b = first / 64; b * 64 < first + count; ++b)
+      all = all && (~states[b].heard & among(b, first, count)) == 0;
+    return all;
+  }
+  /// Number of the `count` cells from `first` on that are heard.
+  [[nodiscard]] SKINCTL_INLINE std::size_t heard_from(std::size_t first, std::size_t count) const noexcept {
+    int n = 0;
+    for (std::size_t b = first / 64; b * 64 < first + count; ++b)
+      n += std::popcount(states[b].heard & among(b, first, count));
+    return static_cast<std::size_t>(n);
+  }
+  /// Cell `i` is in `state` from now on.
+  SKINCTL_INLINE void enter(std::size_t i, std::uint32_t state) noexcept {
+    heard += state / CellRecord::heard - records[i].state / CellRecord::heard;
+    records[i].state = state;
+    states[i / 64].set(i, state);
+  }
+  friend bool operator==(const SkinMemoryOf&, const SkinMemoryOf&) noexcept = default;
+
+ private:
+  /// The bits of block `b` that are among `count` cells from `first` on.
+  static SKINCTL_INLINE std::uint64_t among(std::size_t b, std::size_t first, std::size_t count) noexcept {
+    const std::size_t from = first > b * 64 ? first - b * 64 : 0, to = first + count - b * 64;
+    return (~std::uint64_t(0) << from) & (to >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << to) - 1);
+  }
+};
 
 template <std::size_t N>
 constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
@@ -19,80 +102,24 @@ constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
   return stamps;
 }
 
-/// The readings of a cell that make up a wrench.
-enum class Reading { both, force, proximity };
-
-/// See `Skin::Memory`. Cells are in the order of the patches, in blocks of 64.
-template <std::size_t Cells, std::size_t Patches, class Wrenches>
-struct SkinMemory {
-  static constexpr std::size_t cells = Cells;
+/// Room for a number of cells and sums that is known to the compiler.
+template <std::size_t Cells, std::size_t Sums>
+struct FixedStore {
   static constexpr std::size_t blocks = (Cells + 63) / 64;
-
-  std::array<ExactSums, Patches> sums{};      ///< over the cells that are not silent
-  Nanoseconds begin = Nanoseconds::min();     ///< no missing impulse is added before this time
-  std::array<Nanoseconds, blocks> oldest{};   ///< lower bound of the stamps of the block's non-silent cells
-  std::array<std::uint64_t, blocks> heard{};  ///< a bit per cell: not silent, its reading is in the sums
-  /// Impulse to be added in the next interval [N s], [N m s]; in `force` where the two are not told apart.
-  TouchWrenches<Wrenches> owed{};
-  std::array<Nanoseconds, Cells> stamp = all_at<Cells>(Nanoseconds::min());  ///< of the last sample
-  std::array<CellCounts, Cells> held{};                                      ///< counts of it after the gates
-
-  [[nodiscard]] bool hears(std::size_t i) const noexcept { return (heard[i / 64] >> (i % 64)) & 1u; }
-  /// Whether every cell of block `b` is heard, that is, not silent.
-  [[nodiscard]] bool hears_all_of(std::size_t b) const noexcept {
-    constexpr std::uint64_t all = ~std::uint64_t(0), rest = Cells % 64;
-    return heard[b] == (b + 1 < blocks || rest == 0 ? all : (std::uint64_t(1) << rest) - 1);
-  }
-  /// Whether each of `count` cells from `first` on is heard.
-  [[nodiscard]] bool hears_all_from(std::size_t first, std::size_t count) const noexcept {
-    const std::size_t end = first + count;
-    bool all = true;
-    for (std::size_t b = first / 64; b * 64 < end; ++b) {
-      const std::size_t from = first > b * 64 ? first - b * 64 : 0, to = end - b * 64;
-      const std::uint64_t wanted =
-          (~std::uint64_t(0) << from) & (to >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << to) - 1);
-      all = all && (heard[b] & wanted) == wanted;
-    }
-    return all;
-  }
-  /// Whether a cell of block `b` may be pressed: false if none is. As fast as reading the block.
-  [[nodiscard]] SKINCTL_INLINE bool may_press(std::size_t b) const noexcept {
-    if (heard[b] == 0) return false;
-    constexpr auto forces = std::bit_cast<std::uint32_t>(CellCounts{0xFFFF, 0});
-    const auto any = [&](std::size_t first, auto count) SKINCTL_INLINE_LAMBDA {
-      std::uint32_t either = 0;
-      for (std::size_t k = 0; k < count; ++k) either |= std::bit_cast<std::uint32_t>(held[first + k]);
-      return (either & forces) != 0;
-    };
-    if (Cells % 64 == 0 || b + 1 < blocks) return any(64 * b, std::integral_constant<std::size_t, 64>{});
-    return any(64 * b, std::integral_constant<std::size_t, Cells % 64>{});
-  }
-  friend bool operator==(const SkinMemory&, const SkinMemory&) noexcept = default;
+  std::array<ExactSums, Sums> sums{};
+  std::array<Nanoseconds, blocks> oldest = all_at<blocks>(Nanoseconds::max());
+  std::array<BlockStates, blocks> states{};
+  std::array<CellRecord, Cells> records{};
+  /// From so many cells on they are fetched ahead: 12 samples before, because memory is then slow.
+  static constexpr std::size_t fetch_ahead = Cells < 100000 ? 0 : 12;
+  static constexpr bool fixed = true;
+  void make_room(std::size_t, std::size_t) noexcept {}
+  friend bool operator==(const FixedStore&, const FixedStore&) noexcept = default;
 };
 
-/// The constant data of a skin.
-template <Real T, std::size_t Patches>
-struct SkinTables {
-  SkinSettings settings;
-  EventGate<std::int32_t> force_gate, proximity_gate;     ///< on counts
-  std::array<T, Patches> force_gain{}, proximity_gain{};  ///< [N] per count
-  CellTable cells;
-
-  SkinTables(const SkinSettings& s, std::size_t count)
-      : settings(s),
-        force_gate(s.force.counted(CellCounts::force_unit)),
-        proximity_gate(s.proximity.counted(CellCounts::proximity_unit)),
-        cells(count) {}
-
-  /// The push on a cell by its readings of one kind, or of both [N].
-  template <Reading R>
-  SKINCTL_INLINE T push_on(const CellEntry& cell, CellCounts c) const noexcept {
-    if constexpr (R == Reading::force) return force_gain[cell.patch] * static_cast<T>(c.force);
-    if constexpr (R == Reading::proximity) return proximity_gain[cell.patch] * static_cast<T>(c.proximity);
-    return force_gain[cell.patch] * static_cast<T>(c.force) +
-           proximity_gain[cell.patch] * static_cast<T>(c.proximity);
-  }
-};
+/// See `Skin::Memory`.
+template <std::size_t Cells, std::size_t Sums, class Wrenches>
+using SkinMemory = SkinMemoryOf<FixedStore<Cells, Sums>, Wrenches>;
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE

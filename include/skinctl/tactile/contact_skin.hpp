@@ -1,0 +1,108 @@
+// A skin that knows its contacts.
+#pragma once
+
+#include <type_traits>
+
+#include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/tactile/skin_contact.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The skin `S` with the contacts of its pressed cells, for a `Cycle` in place of `S`: `ContactSkin(skin)`.
+/// Contact limits and passivity then see each of them, apart by sides, and skills can wait for them.
+///
+/// **Regions.** The force of a region is the sum of the pushes on its cells. If weight times force exceeds the
+/// region's limit, the guard stops with `contact_force`.
+///
+/// @tparam Most  room for contacts; the weakest beyond it are counted in `left_out`, and still count for
+///               wrenches, limits and regions.
+template <class S, std::size_t Most = 16>
+class ContactSkin : public S {
+ public:
+  using scalar = typename S::scalar;
+  using Found = SkinContact<scalar>;
+
+  /// That of the skin, the contacts, and the pressed areas. Trivially copyable.
+  struct Memory : S::Memory {
+    ContactMemory<S::cells, Most, scalar> contacts;
+    typename S::Pressed areas;
+  };
+
+  /// Neighbours are those of `CellGraph(skin.places())`. Throws `ConfigurationError` for a region with a cell
+  /// that the skin does not have.
+  SKINCTL_COLD explicit ContactSkin(const S& skin, Regions regions = {})
+      : ContactSkin(skin, CellGraph(skin.places()), std::move(regions)) {}
+  /// The same for a graph that is given: throws as well if it has other cells, or joins those of two links.
+  SKINCTL_COLD ContactSkin(const S& skin, CellGraph graph, Regions regions = {})
+      : S(skin), finder_(skin.places(), std::move(graph)), regions_(std::move(regions)) {
+    for (std::size_t k = 0; k < regions_.size(); ++k) {
+      std::vector<std::size_t> indices;
+      for (const std::uint32_t id : regions_[k].cells) {
+        require(skin.index(id) < S::cells, "ContactSkin: id of a region's cell", double(id),
+                "a cell of the skin");
+        indices.push_back(skin.index(id));
+      }
+      finder_.join_region(k, indices);
+    }
+  }
+
+  [[nodiscard]] const Regions& regions() const noexcept { return regions_; }
+  [[nodiscard]] const CellGraph& graph() const noexcept { return finder_.graph(); }
+
+  [[nodiscard]] Memory start(Nanoseconds now) const noexcept { return {S::start(now), {}, {}}; }
+
+  /// See `S::receive`; then finds the contacts at `to`. An interval without length leaves them as they were.
+  template <class Means, class... Front>
+  Status receive(Memory& memory, std::span<const CellSample> samples, Nanoseconds from, Nanoseconds to,
+                 std::size_t substeps, Means* means, Front&&... front) const noexcept {
+    Status status = S::receive(memory, samples, from, to, substeps, means, std::forward<Front>(front)...);
+    if (to > from) {
+      memory.areas.clear();
+      const S& skin = *this;
+      const typename S::Memory& held = memory;
+      finder_.find(
+          memory.contacts, to, [&skin, &held](auto&& f) SKINCTL_INLINE_LAMBDA { skin.each_pressed(held, f); },
+          memory.areas);
+    }
+    for (std::size_t k = 0; k < regions_.size(); ++k)
+      if (!(region_force(memory, k) <= scalar(regions_[k].force_limit))) status |= Reason::contact_force;
+    return status;
+  }
+
+  /// The contacts, in no order. Valid until `memory` changes.
+  [[nodiscard]] std::span<const Found> contacts(const Memory& memory) const noexcept {
+    return memory.contacts.contacts();
+  }
+  /// Weight times the sum of the pushes on the cells of region `k` [N].
+  [[nodiscard]] scalar region_force(const Memory& memory, std::size_t k) const noexcept {
+    return scalar(regions_[k].weight) * memory.contacts.region_push[k];
+  }
+  /// Number of contacts that found no room.
+  [[nodiscard]] std::size_t left_out(const Memory& memory) const noexcept { return memory.contacts.left_out; }
+  /// The contacts apart by sides: within 60 degrees of each other, at most four of a contact.
+  [[nodiscard]] const typename S::Pressed& pressed(const Memory& memory, const auto&) const noexcept {
+    return memory.areas;
+  }
+  [[nodiscard]] const typename S::Pressed& pressed(const Memory& memory) const noexcept {
+    return memory.areas;
+  }
+  /// See `S::recomputed`; the contacts stay.
+  [[nodiscard]] Memory recomputed(Memory memory) const noexcept {
+    static_cast<typename S::Memory&>(memory) = S::recomputed(memory);
+    return memory;
+  }
+
+ private:
+  ContactFinder<scalar> finder_;
+  Regions regions_;
+};
+template <class S>
+ContactSkin(const S&) -> ContactSkin<S>;
+template <class S>
+ContactSkin(const S&, const Regions&) -> ContactSkin<S>;
+template <class S>
+ContactSkin(const S&, const CellGraph&) -> ContactSkin<S>;
+template <class S>
+ContactSkin(const S&, const CellGraph&, const Regions&) -> ContactSkin<S>;
+
+SKINCTL_END_NAMESPACE
