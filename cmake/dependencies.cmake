@@ -33,9 +33,14 @@ if(skinctl_missing_packages)
   message(FATAL_ERROR "skinctl: missing packages. On Debian 12: sudo apt-get install ${packages}")
 endif()
 
-# Optional: a parser for io/urdf.hpp. Without it, what reads URDF files is neither built nor tested.
+# Optional: parsers for io/urdf.hpp and io/skin_xml.hpp, and for io/skin_file.hpp. Without it, what reads URDF files is neither built nor tested.
 find_package(tinyxml2 QUIET)
 if(NOT tinyxml2_FOUND AND (SKINCTL_BUILD_TESTS OR SKINCTL_BUILD_EXAMPLES))
-  message(WARNING "skinctl: no tinyxml2: tests and examples of io/urdf.hpp are skipped. "
+  message(WARNING "skinctl: no tinyxml2: tests and examples of io/urdf.hpp and io/skin_xml.hpp are skipped. "
     "On Debian 12: sudo apt-get install libtinyxml2-dev")
+endif()
+find_package(nlohmann_json 3.11 QUIET)
+if(NOT nlohmann_json_FOUND AND SKINCTL_BUILD_TESTS)
+  message(WARNING "skinctl: no nlohmann-json: tests of io/skin_file.hpp are skipped. "
+    "On Debian 12: sudo apt-get install nlohmann-json3-dev")
 endif()

@@ -50,7 +50,15 @@ int run(int argc, char** argv) {
       "A position- or velocity-commanded UR5 with skin gives way to touch and goes back to its task.");
   app.add_option("--robot", robot,
                  "host of a real UR5; without it a simulated one is started in this process");
-  app.add_option("--skin", s.skin_port, "UDP port on which skin datagrams arrive (0: any)");
+  app.add_option("--skin", s.skin, "skin file (JSON): cells, gains; without it 260 generated cells")
+      ->check(CLI::ExistingFile);
+  app.add_option("--skin-address", s.skin_address,
+                 "this computer's address at which skin datagrams arrive; 0.0.0.0: any")
+      ->capture_default_str();
+  app.add_option("--skin-port", s.skin_port, "and the UDP port (0: any)");
+  app.add_option("--skin-sender", s.skin_sender, "the only address whose skin datagrams are taken");
+  app.add_option("--skin-key", s.skin_key, "file with the key of authenticated skin datagrams: 64 hex digits")
+      ->check(CLI::ExistingFile);
   app.add_option("--scenario", s.scenario, "TOML file: control, task, and the simulation's touches")
       ->check(CLI::ExistingFile);
   app.add_option("--touch", s.touch_profile,

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <memory>
+#include <optional>
 
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/ur5/driver.hpp"
@@ -27,43 +29,44 @@ std::string text(const char* format, double value) {
   return out;
 }
 
-/// The generated skin, as the observer and as the simulation want it.
-std::vector<ObservedCell> observed_cells() {
-  std::vector<ObservedCell> out;
-  const auto add = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
-    for (const auto& c : patch.placed())
-      out.push_back({c.id, static_cast<int>(I), c.X_LC.origin(), c.X_LC.axis_z()});
-  };
-  std::apply([&](const auto&... patch) { (add(patch), ...); }, ur5::skin_patches<cells>());
-  return out;
+/// The newest session of the skin that earlier runs heard, beside its key: a recording of it is refused.
+std::string session_file(const std::string& key) {
+  return key + ".session";
 }
-std::vector<simulated_ur5::SkinCell> simulated_cells() {
-  std::vector<simulated_ur5::SkinCell> out;
-  for (const auto& c : observed_cells()) {
-    simulated_ur5::SkinCell cell;
-    cell.id = c.id;
-    cell.link = static_cast<std::size_t>(c.link);
-    cell.position = {c.position.x, c.position.y, c.position.z};
-    cell.normal = {c.normal.x, c.normal.y, c.normal.z};
-    simulated_ur5::complete(cell);
-    out.push_back(cell);
-  }
-  return out;
+std::uint64_t read_session(const std::string& key) {
+  std::ifstream in(session_file(key));
+  std::uint64_t session = 0;
+  if (in && !(in >> session)) refuse("skinctl: " + session_file(key) + ": no whole number");
+  return session;
+}
+void write_session(const std::string& key, std::uint64_t session) {
+  std::ofstream out(session_file(key));
+  out << session << '\n' << std::flush;
+  if (!out) std::fprintf(stderr, "compliant_ur5: cannot write %s\n", session_file(key).c_str());
 }
 
 /// The simulated robot of a scenario, started and waiting.
 std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s, std::uint16_t skin_port,
+                                                              const std::optional<adapters::skin::Key>& key,
                                                               RunLog& log) {
   simulated_ur5::Config config;
   simulated_ur5::read_scenario(s.scenario, config);
   config.controller.series = s.rate > 125 ? simulated_ur5::Series::e_series : simulated_ur5::Series::cb3;
-  config.controller.cells = simulated_cells();
+  config.controller.cells = simulated_cells(skin_patches(s));
   if (!s.skin_faults.empty())
     config.controller.skin.faults = simulated_ur5::read_skin_faults(s.skin_faults, config.controller.cells);
   config.controller.powered = true;
   config.ports = {0, 0, 0, 0};
   config.speed = s.speed;
+  config.skin_host = s.skin_address;
+  if (boost::asio::ip::make_address(s.skin_address).is_unspecified()) config.skin_host = "127.0.0.1";
   config.skin_port = skin_port;
+  if (key) {
+    const std::uint64_t session = adapters::skin::session_now();
+    config.seal = [key = *key, session](std::span<std::uint8_t> bytes, std::size_t size) {
+      return adapters::skin::seal(bytes, size, session, key);
+    };
+  }
   if (!s.touch_profile.empty()) {
     // One recorded press on the forearm, and again on the upper arm.
     const auto profile = simulated_ur5::read_profile_file(s.touch_profile);
@@ -191,7 +194,14 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const Nanoseconds period = nanoseconds(1 / s.rate);
 
-  adapters::skin::Receiver receiver({.port = s.skin_port});
+  std::optional<adapters::skin::Key> key;
+  if (!s.skin_key.empty()) key = adapters::skin::Key::read(s.skin_key);
+  const std::uint64_t last_session = key ? read_session(s.skin_key) : 0;
+  adapters::skin::Receiver receiver({.address = s.skin_address,
+                                     .port = s.skin_port,
+                                     .sender = s.skin_sender,
+                                     .key = key,
+                                     .after_session = last_session});
   std::unique_ptr<simulated_ur5::SimulatedUr5> simulation;
   adapters::ur5::DriverConfig config;
   config.rate = s.rate;
@@ -202,7 +212,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   if (s.robot) {
     config.host = *s.robot;
   } else {
-    simulation = start_simulation(s, receiver.port(), log);
+    simulation = start_simulation(s, receiver.port(), key, log);
     const auto ports = simulation->ports();
     config.rtde_port = ports.rtde;
     config.script_port = ports.secondary;
@@ -218,7 +228,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
     if (s.speed != 0 || s.robot) std::printf("%s", request_real_time().report.c_str());
   }
 
-  TouchObserver observer(observed_cells(), s.newtons_per_reading, s.rest_reading);
+  TouchObserver observer(observed_cells(skin_patches(s)), s.newtons_per_reading, s.rest_reading);
   const std::uint64_t planned = s.cycles != 0 ? s.cycles : static_cast<std::uint64_t>(s.duration * s.rate);
   log.entries.reserve(planned);
   const auto memory = std::make_unique<typename Scene::Memory>();
@@ -250,12 +260,10 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
       recording_started = true;
     }
     // The scene stops by itself where too little of the skin reports; the job ends then, and says why.
-    const auto& heard = receiver.statistics();
+    // What others send to the skin's port is dropped, and so is what the skin itself garbles: then it is silent.
     if (reason.empty()) {
       const auto cells_in_words = [&] { return in_words(scene.skin().coverage(m.skin)) + " cells report"; };
-      if (heard.nonsense + heard.strangers > 0) {
-        reason = "nonsense on the skin's port";
-      } else if (!m.governor.watch.heard && t > s.control.skin_patience) {
+      if (!m.governor.watch.heard && t > s.control.skin_patience) {
         reason = "the skin was never heard: " + cells_in_words();
         blind = true;
       } else if (last_status.has(Reason::skin_stopped)) {
@@ -324,6 +332,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   options.stop = &stop;
   const auto report = run_loop(scene, *memory, robot, skin, options, before, after);
 
+  if (key && receiver.session() > last_session) write_session(s.skin_key, receiver.session());
   // The robot comes to rest by its own program; the simulation knows what its fingers felt.
   log.touches = observer.touches();
   log.peak_force = 0;
@@ -366,6 +375,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
       {"largest command step", text("%.1f %% of its limit", 100 * largest.step_acceleration)},
       {"cells that report", in_words(scene.skin().coverage(memory->skin))},
       {"skin datagrams lost", std::to_string(receiver.statistics().lost)},
+      {"stray skin datagrams", std::to_string(receiver.statistics().stray())},
       {"peak contact force", text("%.1f N", log.peak_force)},
   };
   std::string noted;

@@ -3,6 +3,7 @@
 
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/compliant_ur5/settings.hpp"
+#include "examples/compliant_ur5/skin.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
@@ -10,13 +11,9 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
-#include "skinctl/tactile/lone_cell.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 
 namespace compliant_ur5 {
-
-inline constexpr std::size_t cells = 260;
 
 inline skinctl::JointLimits<6> limits(const Settings& s) {
   using namespace skinctl;
@@ -25,15 +22,6 @@ inline skinctl::JointLimits<6> limits(const Settings& s) {
                          .velocity = JointVelocity<6>::constant(s.control.velocity_limit),
                          .acceleration = JointAcceleration<6>::constant(s.control.acceleration_limit),
                          .torque = JointTorque<6>(ur5::Description::max_torque)});
-}
-
-inline std::array<skinctl::CellGains, 6> gains(const Settings& s) {
-  std::array<skinctl::CellGains, 6> gains;
-  for (std::size_t i = 0; i < 6; ++i)
-    gains[i] =
-        s.rigid ? skinctl::CellGains{.force = 0, .proximity = 0}
-                : skinctl::CellGains{.force = s.control.force_gain[i], .proximity = s.control.proximity_gain};
-  return gains;
 }
 
 /// Gains of the way back to the task.
@@ -61,7 +49,8 @@ inline auto trusted_skin(const Settings& s) {
   trust.noise = {{.force = 0.4f, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
   trust.health.delta = 2;  // of the simulated cells, and of TUM's
   trust.answer = 0.05;     // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
-  return TrustedSkin(ur5_skin<cells>(gains(s), settings), trust, ur5::skin_patches<cells>(gains(s)));
+  const auto patches = skin_patches(s);
+  return TrustedSkin(UrSkin(patches, settings), trust, patches);
 }
 
 /// From skin and state to commands for `I`: every number of it comes from the settings.

@@ -45,10 +45,14 @@ struct ControlSettings {
 };
 
 struct Settings {
-  std::string scenario;              ///< TOML file
-  std::optional<std::string> robot;  ///< host of a real robot; none: the simulated one
-  std::uint16_t skin_port = 0;       ///< where skin datagrams come in; 0: any
-  std::uint64_t cycles = 0;          ///< 0: as long as the scenario lasts
+  std::string scenario;                    ///< TOML file
+  std::optional<std::string> robot;        ///< host of a real robot; none: the simulated one
+  std::string skin;                        ///< skin file; empty: the generated skin with the scenario's gains
+  std::string skin_address = "127.0.0.1";  ///< of this computer, where skin datagrams come in
+  std::uint16_t skin_port = 0;             ///< likewise; 0: any
+  std::string skin_sender;                 ///< the only address whose skin datagrams are taken; empty: any
+  std::string skin_key;                    ///< file with the key of authenticated skin datagrams; empty: none
+  std::uint64_t cycles = 0;                ///< 0: as long as the scenario lasts
   double rate = 125;
   double speed = 0;  ///< of the simulation: 0: lock-step, 1: real time
   skinctl::Interface interface = skinctl::Interface::position;

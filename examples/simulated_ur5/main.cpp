@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "examples/adapters/skin/authentication.hpp"
 #include "examples/simulated_ur5/scenario.hpp"
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "examples/simulated_ur5/skin_faults.hpp"
@@ -30,7 +31,7 @@ void split_target(const std::string& text, simulated_ur5::Config& config) {
       !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos;
   const int number = digits ? std::stoi(port) : 0;
   if (number < 1 || number > 65535)
-    throw CLI::ValidationError("--skin", "expected HOST:PORT or PORT, got '" + text + "'");
+    throw CLI::ValidationError("--skin-target", "expected HOST:PORT or PORT, got '" + text + "'");
   if (colon != std::string::npos) config.skin_host = text.substr(0, colon);
   config.skin_port = static_cast<std::uint16_t>(number);
 }
@@ -54,7 +55,7 @@ int main(int argc, char** argv) {
 
   CLI::App app{
       "A UR5 with its controller on loopback: RTDE, URScript upload, dashboard, reverse socket, skin."};
-  std::string series, scenario, cells, skin, faults, level = "info";
+  std::string series, scenario, cells, skin, skin_file, key_file, faults, level = "info";
   std::vector<std::string> programs;
   app.add_option("--series", series, "cb3 (125 Hz, the default) or e-series (500 Hz)")
       ->check(CLI::IsMember({"cb3", "e-series"}));
@@ -73,7 +74,10 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--cells", cells, "table of skin cells: id link px py pz nx ny nz")
       ->check(CLI::ExistingFile);
-  app.add_option("--skin", skin, "HOST:PORT that gets the skin's datagrams");
+  app.add_option("--skin", skin_file, "skin file (JSON) instead of a table")->check(CLI::ExistingFile);
+  app.add_option("--skin-target", skin, "HOST:PORT that gets the skin's datagrams");
+  app.add_option("--skin-key", key_file, "file with the key that seals them: 64 hex digits")
+      ->check(CLI::ExistingFile);
   app.add_option("--skin-stop-after", config.skin_stop_after,
                  "the skin falls silent so long after the start [s]");
   app.add_option(
@@ -125,6 +129,14 @@ int main(int argc, char** argv) {
       config.controller.series =
           series == "cb3" ? simulated_ur5::Series::cb3 : simulated_ur5::Series::e_series;
     if (!cells.empty()) config.controller.cells = simulated_ur5::read_cells_file(cells);
+    if (!skin_file.empty()) config.controller.cells = simulated_ur5::read_skin_cells(skin_file);
+    if (!key_file.empty()) {
+      const std::uint64_t session = adapters::skin::session_now();
+      config.seal = [key = adapters::skin::Key::read(key_file), session](std::span<std::uint8_t> bytes,
+                                                                         std::size_t size) {
+        return adapters::skin::seal(bytes, size, session, key);
+      };
+    }
     if (!skin.empty()) split_target(skin, config);
     if (!faults.empty())
       config.controller.skin.faults =

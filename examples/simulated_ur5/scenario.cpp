@@ -217,6 +217,7 @@ void read_touch(Table t, const fs::path& folder, std::size_t number, std::vector
 }  // namespace
 
 std::vector<SkinCell> read_cells_file(const std::string& file) {
+  if (fs::path(file).extension() == ".json") return read_skin_cells(file);
   auto in = open(file);
   return read_cells(in, file);
 }

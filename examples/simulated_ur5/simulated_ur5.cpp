@@ -554,12 +554,14 @@ class SimulatedUr5::Network {
       skin_socket_.non_blocking(true, error);
     }
     std::array<std::uint8_t, datagram_limit> bytes;
+    const std::size_t most = config_.seal ? datagram_samples - 1 : datagram_samples;
     std::size_t first = 0;
     do {
-      const std::size_t count = std::min(samples.size() - first, datagram_samples);
-      const std::size_t size =
+      const std::size_t count = std::min(samples.size() - first, most);
+      std::size_t size =
           write_datagram(bytes.data(), skin_sequence_++, t + config_.controller.skin.clock_offset,
                          samples.data() + first, count);
+      if (config_.seal) size = config_.seal(bytes, size);
       // A full or absent receiver loses datagrams; the sequence numbers tell it.
       skin_socket_.send_to(asio::buffer(bytes.data(), size), target, 0, error);
       ++skin_datagrams_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,9 @@ struct Config {
   double patience = 1;
   std::string skin_host = "127.0.0.1";  ///< numeric address that gets the skin's datagrams
   std::uint16_t skin_port = 0;          ///< 0: nobody gets them
+  /// Seals each of the skin's datagrams, the first bytes of a buffer with room for `datagram_seal` more, and gives
+  /// its size: authenticated datagrams, version 2.
+  std::function<std::size_t(std::span<std::uint8_t>, std::size_t)> seal;
   double skin_stop_after = 0;  ///< the skin falls silent this long after the scenario's start [s]; 0: never
   /// Whether programs may make the robot connect to other addresses than this machine's own loopback.
   bool reach_out = false;

@@ -107,6 +107,8 @@ inline constexpr std::size_t datagram_sample = 44;
 inline constexpr std::size_t datagram_limit = 1472;
 inline constexpr std::size_t datagram_samples = (datagram_limit - datagram_header) / datagram_sample;
 
+inline constexpr std::size_t datagram_seal = 24;  ///< bytes of a seal, which take the room of one sample
+
 /// Writes samples `first` to `first + count - 1` (at most `datagram_samples`) into `out`, which must hold
 /// `datagram_limit` bytes; returns the size.
 std::size_t write_datagram(std::uint8_t* out, std::uint32_t sequence, std::int64_t sent_at,

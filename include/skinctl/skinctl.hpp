@@ -58,6 +58,7 @@
 #include "skinctl/model/universal_robots.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/model/ur5_allegro.hpp"
+#include "skinctl/model/ur5_links.hpp"
 #include "skinctl/model/weightless.hpp"
 
 #include "skinctl/kinematics/centre_of_mass.hpp"

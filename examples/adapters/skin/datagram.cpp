@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "examples/adapters/skin/authentication.hpp"
+
 namespace adapters::skin {
 namespace {
 
@@ -20,12 +22,18 @@ float real(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
 bool parse(std::span<const std::uint8_t> bytes, Datagram& out) noexcept {
   if (bytes.size() < header_size || bytes.size() > largest) return false;
   if (bytes[0] != 'S' || bytes[1] != 'K' || bytes[2] != 'I' || bytes[3] != 'N') return false;
-  if (little<std::uint16_t>(bytes, 4) != 1) return false;
+  const std::uint16_t version = little<std::uint16_t>(bytes, 4);
+  if (version != 1 && version != 2) return false;
+  const bool sealed = version == 2;
   const std::size_t count = little<std::uint16_t>(bytes, 6);
-  if (count > max_samples || bytes.size() != header_size + count * sample_size) return false;
+  const std::size_t around = header_size + (sealed ? session_size + tag_size : 0);
+  if (count > (sealed ? max_sealed_samples : max_samples) || bytes.size() != around + count * sample_size)
+    return false;
+  out.sealed = sealed;
+  out.session = sealed ? little<std::uint64_t>(bytes, header_size) : 0;
   out.sequence = little<std::uint32_t>(bytes, 8);
   out.sent = skinctl::Nanoseconds(static_cast<std::int64_t>(little<std::uint64_t>(bytes, 12)));
-  out.samples = bytes.subspan(header_size);
+  out.samples = bytes.subspan(header_size + (sealed ? session_size : 0), count * sample_size);
   return true;
 }
 

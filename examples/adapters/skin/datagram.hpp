@@ -15,6 +15,8 @@ inline constexpr std::size_t largest = header_size + max_samples * sample_size;
 struct Datagram {
   std::uint32_t sequence = 0;
   skinctl::Nanoseconds sent{};  ///< the sender's clock
+  bool sealed = false;          ///< version 2; whether its tag is right is still to be checked
+  std::uint64_t session = 0;    ///< of version 2
   std::span<const std::uint8_t> samples;
 
   [[nodiscard]] std::size_t count() const noexcept { return samples.size() / sample_size; }
@@ -22,7 +24,7 @@ struct Datagram {
   [[nodiscard]] skinctl::CellSample sample(std::size_t i) const noexcept;
 };
 
-/// False for bytes that are no datagram of version 1: wrong magic, version, count or length.
+/// False for bytes that are no datagram of version 1 or 2: wrong magic, version, count or length.
 bool parse(std::span<const std::uint8_t> bytes, Datagram& out) noexcept;
 
 /// Whether a sample may be used: finite, in the sensors' ranges, and not from after the time of sending or

@@ -7,11 +7,14 @@
 #include <boost/asio/write.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "examples/compliant_ur5/run.hpp"
 #include "examples/compliant_ur5/scene.hpp"
 #include "examples/simulated_ur5/scenario.hpp"
+#include "skinctl/io/skin_file.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
 
 using namespace compliant_ur5;
 namespace ip = boost::asio::ip;
@@ -204,6 +207,91 @@ TEST_CASE("main job: both interfaces at both rates give way alike") {
   }
 }
 
+TEST_CASE("main job: the skin of a file, by sealed datagrams, is the skin that is built in") {
+  Settings s = settings();
+  s.compare = false;
+  s.cycles = 750;
+  RunLog built_in, from_file;
+  REQUIRE(run(s, false, built_in) == Outcome::fine);
+  s.skin = SKIN_FILE;
+#if SKINCTL_HAS_SODIUM
+  const auto key = std::filesystem::temp_directory_path() / "skinctl_main_job_key";
+  std::filesystem::remove(key.string() + ".session");
+  std::ofstream(key) << std::string(64, '7') << '\n';
+  std::filesystem::permissions(key, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  s.skin_key = key.string();
+#endif
+  REQUIRE(run(s, false, from_file) == Outcome::fine);
+  CHECK(fact(from_file, "skin datagrams lost") == "0");
+  CHECK(fact(from_file, "stray skin datagrams") == "0");
+  REQUIRE(built_in.touches.size() == 1);
+  REQUIRE(from_file.touches.size() == 1);
+  CHECK(from_file.touches[0].cell == built_in.touches[0].cell);
+  CHECK(from_file.peak_force == doctest::Approx(built_in.peak_force).epsilon(1e-3));
+#if SKINCTL_HAS_SODIUM
+  // The session of that run is remembered, and a later one is taken.
+  std::uint64_t session = 0, next = 0;
+  std::ifstream(key.string() + ".session") >> session;
+  CHECK(session > 1'600'000'000'000'000'000);
+  s.cycles = 125;
+  CHECK(run(s, false, from_file) == Outcome::fine);
+  std::ifstream(key.string() + ".session") >> next;
+  CHECK(next > session);
+  // Whoever replays it is not heard: the skin is silent.
+  std::ofstream(key.string() + ".session") << 9'000'000'000'000'000'000;
+  s.cycles = 375;
+  CHECK(run(s, false, from_file) == Outcome::blind);
+  std::filesystem::remove(key);
+  std::filesystem::remove(key.string() + ".session");
+#endif
+}
+
+TEST_CASE(
+    "main job: a skin file with fewer cells, masked ones and gains of their own; one that does not fit is "
+    "refused") {
+  Settings s = settings();
+  s.compare = false;
+  s.cycles = 750;
+  const auto path = std::filesystem::temp_directory_path() / "skinctl_main_job_skin.json";
+  s.skin = path.string();
+  const skinctl::SkinFile shipped = skinctl::read_skin_file(SKIN_FILE);
+  skinctl::SkinFile file = shipped;
+  file.patches.pop_back();  // a wrist without skin
+  file.links.pop_back();
+  skinctl::write_skin_file(file, path.string());
+  RunLog soft, masked;
+  REQUIRE(run(s, false, soft) == Outcome::fine);
+  REQUIRE(soft.touches.size() == 1);
+  CHECK(soft.touches[0].deflection > 0.02);
+  for (auto& patch : file.patches)
+    for (auto& cell : patch.cells)
+      if (patch.name == "forearm") cell.masked = "as a test";
+  skinctl::write_skin_file(file, path.string());
+  REQUIRE(run(s, false, masked) == Outcome::fine);
+  CHECK(masked.peak_force > 3 * soft.peak_force);  // the arm does not give way there
+
+  RunLog log;
+  file = shipped;
+  file.patches[5].link = file.links[5].name = "wrist_4_link";
+  skinctl::write_skin_file(file, path.string());
+  CHECK_THROWS_WITH_AS(
+      static_cast<void>(run(s, false, log)),
+      doctest::Contains("patch \"wrist 3\", link \"wrist_4_link\": the robot has no such link"),
+      skinctl::ConfigurationError);
+  file = shipped;
+  for (std::uint32_t id = 1000; id < 1300; ++id) {
+    auto cell = file.patches[0].cells[0];
+    cell.id = id;
+    for (auto& port : cell.neighbours) port = skinctl::SkinFile::nobody;
+    file.patches[0].cells.push_back(cell);
+  }
+  skinctl::write_skin_file(file, path.string());
+  CHECK_THROWS_WITH_AS(static_cast<void>(run(s, false, log)),
+                       doctest::Contains("SkinOf: cells = 560, allowed: at most its capacity of 512"),
+                       skinctl::ConfigurationError);
+  std::filesystem::remove(path);
+}
+
 TEST_CASE("main job: a recording replays bit for bit") {
   Settings s = settings();
   s.cycles = 1000;
@@ -280,16 +368,30 @@ TEST_CASE("main job: the cells fall silent while the sender lives: at rest withi
   CHECK(beside.comes_to_rest());
 }
 
-TEST_CASE("main job: nonsense on the skin's port: lost, and the robot comes to rest") {
+TEST_CASE("main job: strays on the skin's port are counted and dropped, and the job goes on to its end") {
   Settings s = settings();
   Beside beside(s);
-  CHECK(run_disturbed(s, [&](auto&) {
-          boost::asio::io_context io;
-          ip::udp::socket socket(io, ip::udp::v4());
-          const std::string junk = "this is no datagram of ours";
+  RunLog log;
+  const auto outcome = run_disturbed(
+      s,
+      [&](auto&) {
+        boost::asio::io_context io;
+        ip::udp::socket socket(io, ip::udp::v4());
+        const std::string junk = "this is no datagram of ours";
+        // Somebody else's press of the arm's only cell with all there is, stamped far ahead.
+        std::array<std::uint8_t, simulated_ur5::datagram_limit> bytes;
+        const simulated_ur5::SkinSample press{.cell = 1, .time = 1'000'000'000'000, .force = {1, 1, 1}};
+        const auto size = simulated_ur5::write_datagram(bytes.data(), 1'000'000, press.time, &press, 1);
+        for (int k = 0; k < 100; ++k) {
           socket.send_to(boost::asio::buffer(junk), {ip::address_v4::loopback(), s.skin_port});
-        }) == Outcome::lost);
-  CHECK(beside.comes_to_rest());
+          socket.send_to(boost::asio::buffer(bytes.data(), size), {ip::address_v4::loopback(), s.skin_port});
+          std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+      },
+      log);
+  CHECK(outcome == Outcome::fine);
+  CHECK(fact(log, "stray skin datagrams") == "200");
+  CHECK(log.touches.empty());
 }
 
 TEST_CASE("main job: nonsense in the robot's stream: lost, and the robot comes to rest by its own time-out") {

@@ -112,7 +112,7 @@ TEST_CASE("Program: exit codes tell a wrong configuration from a taken port") {
   CHECK(Child({"--series", "ur10"}).exit_code() == 2);
   CHECK(Child(with({"--delay", "-1"})).exit_code() == 2);
   CHECK(Child(with({"--bind", "nowhere"})).exit_code() == 2);
-  CHECK(Child(with({"--skin", "127.0.0.1:99999"})).exit_code() == 2);
+  CHECK(Child(with({"--skin-target", "127.0.0.1:99999"})).exit_code() == 2);
   CHECK(Child(with({"--program", "x"})).exit_code() == 2);
   Child first(any_ports);
   const std::string taken = std::to_string(port_of(first.line(), "rtde"));

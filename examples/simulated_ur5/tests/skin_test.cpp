@@ -1,5 +1,3 @@
-#include "examples/simulated_ur5/skin.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "examples/simulated_ur5/scenario.hpp"
 #include "skinctl/core/contract.hpp"
 
 using namespace simulated_ur5;
@@ -202,4 +201,23 @@ TEST_CASE("Datagram: the bytes are those of PROTOCOL.md") {
   CHECK(write_datagram(out.data(), 43, 0, many.data(), many.size()) == 20 + 33 * 44);
   CHECK(datagram_samples == 33);
   CHECK(write_datagram(out.data(), 44, 0, nullptr, 0) == 20);
+}
+
+TEST_CASE("Cells: those of a skin file are where the file puts them, by the names of the links") {
+  const auto cells = read_cells_file(SKIN_FILE);
+  REQUIRE(cells.size() == 260);
+  std::array<std::size_t, 6> on{};
+  // Radii of the housings, of the file.
+  const double radius[6] = {0.060, 0.054, 0.040, 0.045, 0.045, 0.0375};
+  for (const SkinCell& c : cells) {
+    ++on[c.link];
+    CHECK(norm(c.normal) == doctest::Approx(1).epsilon(1e-8));
+    CHECK(dot(c.normal, c.axis) == doctest::Approx(0));
+    // From the tube's axis, along the normal: upper arm and forearm lie along x, the others along z.
+    const bool along_x = c.link == 1 || c.link == 2;
+    const Vec3 middle = c.position - radius[c.link] * c.normal;
+    CHECK(middle.y == doctest::Approx(0).epsilon(1e-8));
+    CHECK(std::abs(along_x ? middle.z - (c.link == 1 ? 0.13585 : 0.0165) : middle.x) < 1e-8);
+  }
+  CHECK(on == std::array<std::size_t, 6>{36, 97, 67, 27, 27, 6});
 }

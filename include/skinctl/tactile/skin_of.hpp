@@ -97,7 +97,7 @@ class SkinOf : public detail::SkinCore<M, T, Links, detail::FixedStore<Capacity,
   static_assert(Capacity > 0 && Patches > 0, "room for at least one cell");
   static_assert((Links & ~all_links(M::joints)) == 0, "the mask names a link that the model does not have");
   using typename Core::Wrenches;
-  static constexpr std::size_t capacity = Capacity;
+  static constexpr std::size_t capacity = Capacity, most_patches = Patches;
 
   /// Throws `ConfigurationError` for more cells or patches than there is room for, a patch without cells or on
   /// a link that is not in `Links`, and for what `Patch`, `Skin` and `EventGate::counted` refuse.

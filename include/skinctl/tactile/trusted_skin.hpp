@@ -33,7 +33,7 @@ class TrustedSkin : private detail::TrustCore<S> {
   using Pressed = typename S::Pressed;
   using Memory = typename Core::Memory;
   static constexpr LinkMask links = Wrenches::links;
-  static constexpr std::size_t patches = S::patches, cells = S::cells;
+  static constexpr std::size_t patches = Core::patches, cells = Core::cells;
 
   /// @param skin   made of these patches.
   /// @param fill   from `FillIn(graph)` or learnt; its graph says which cells are neighbours.
@@ -41,7 +41,7 @@ class TrustedSkin : private detail::TrustCore<S> {
   template <std::size_t... I, std::size_t... N>
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
                            const Patch<I, N>&... patch)
-      : Core(skin, settings, fill, detail::trust_cells(settings, cells, patch...)) {}
+      : Core(skin, settings, fill, detail::trust_cells(settings, skin.settings(), skin.size(), patch...)) {}
   /// The same for patches in a tuple, with neighbours within 1.3 pitches, whose mean fills in.
   template <std::size_t... I, std::size_t... N>
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings,
@@ -51,8 +51,21 @@ class TrustedSkin : private detail::TrustCore<S> {
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
                            const std::tuple<Patch<I, N>...>& all)
       : Core(skin, settings, fill,
-             std::apply([&](const auto&... p) { return detail::trust_cells(settings, cells, p...); }, all)) {}
+             std::apply(
+                 [&](const auto&... p) {
+                   return detail::trust_cells(settings, skin.settings(), skin.size(), p...);
+                 },
+                 all)) {}
 
+  /// The same for a `SkinOf`.
+  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const std::vector<SkinPatch>& all)
+      : TrustedSkin(skin, settings, FillIn(CellGraph(skin.places())), all) {}
+  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
+                           const std::vector<SkinPatch>& all)
+      : Core(skin, settings, fill, detail::trust_cells(settings, skin.settings(), skin.size(), all)) {}
+
+  /// Number of cells.
+  using Core::size;
   [[nodiscard]] const S& skin() const noexcept { return skin_; }
   [[nodiscard]] const TrustSettings& trust() const noexcept { return this->s_; }
   [[nodiscard]] const FillIn& fill() const noexcept { return this->fill_; }
@@ -63,7 +76,7 @@ class TrustedSkin : private detail::TrustCore<S> {
     Memory m;
     m.skin = skin_.start(now);
     m.health.time = now;
-    for (std::size_t i = 0; i < cells; ++i) m.rest[i / 16].whole[i % 16] = cell_[i].rest;
+    for (std::size_t i = 0; i < size(); ++i) m.rest[i / 16].whole[i % 16] = cell_[i].rest;
     m.median.fill(std::numeric_limits<float>::quiet_NaN());
     return m;
   }
@@ -110,7 +123,7 @@ class TrustedSkin : private detail::TrustCore<S> {
   template <std::size_t I>
   [[nodiscard]] T nearest(const Memory& m) const noexcept {
     float most = static_cast<float>(skin_.settings().proximity.opens_at());
-    for (std::size_t i = 0; i < cells; ++i) {
+    for (std::size_t i = 0; i < size(); ++i) {
       if (cell_[i].link != I) continue;
       if (!m.skin.hears(i)) return T(1);
       if (this->counts(m, i)) {
@@ -126,16 +139,16 @@ class TrustedSkin : private detail::TrustCore<S> {
   /// Number of cells whose readings count: heard, and not masked.
   [[nodiscard]] std::size_t usable(const Memory& m) const noexcept {
     std::size_t n = 0;
-    for (std::size_t i = 0; i < cells; ++i) n += this->counts(m, i) ? 1u : 0u;
+    for (std::size_t i = 0; i < size(); ++i) n += this->counts(m, i) ? 1u : 0u;
     return n;
   }
   /// How much of the skin feels, also of its worst patch.
   [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
     Coverage out;
-    for (std::size_t i = 0; i < cells;) {
+    for (std::size_t i = 0; i < size();) {
       const std::uint32_t patch = cell_[i].patch;
       std::size_t count = 0, of = 0;
-      for (; i < cells && cell_[i].patch == patch; ++i, ++of) count += this->counts(m, i) ? 1u : 0u;
+      for (; i < size() && cell_[i].patch == patch; ++i, ++of) count += this->counts(m, i) ? 1u : 0u;
       out.add(count, of);
     }
     return out;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "skinctl/tactile/patch.hpp"
+#include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/trust_settings.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -14,12 +15,12 @@ namespace detail {
 struct TrustCell {
   std::uint32_t id = 0, patch = 0;
   std::size_t link = 0;
-  std::array<float, 3> place{};               ///< in its link [m]
-  float unit[6] = {};                         ///< its unit wrench
-  double force_gain = 0, proximity_gain = 0;  ///< [N per unit of the readings]
-  double lone = 0;                            ///< F_1 [N]
-  float rest = 0;                             ///< where its rest level begins [steps]
-  friend bool operator==(const TrustCell&, const TrustCell&) noexcept = default;
+  std::array<float, 3> place{};                        ///< in its link [m]
+  float unit[6] = {};                                  ///< its unit wrench
+  double force_gain = 0, proximity_gain = 0;           ///< [N per unit of the readings]
+  EventGate<std::int32_t> force_gate, proximity_gate;  ///< on counts
+  double lone = 0;                                     ///< F_1 [N]
+  float rest = 0;                                      ///< where its rest level begins [steps]
 };
 /// Whether one body hardly touches both.
 [[nodiscard]] inline bool apart(const TrustCell& a, const TrustCell& b) noexcept {
@@ -27,36 +28,76 @@ struct TrustCell {
   for (std::size_t k = 0; k < 3; ++k) square += (a.place[k] - b.place[k]) * (a.place[k] - b.place[k]);
   return a.link != b.link || square > 0.01f;
 }
+/// Collects the cells of a trusted skin, patch by patch.
+class TrustCells {
+ public:
+  SKINCTL_COLD TrustCells(const TrustSettings& trust, const SkinSettings& skin, std::size_t cells)
+      : trust_(trust), skin_(skin), cells_(cells) {
+    trust.check(cells);
+    out_.reserve(cells);
+  }
+  template <class Pose>
+  SKINCTL_COLD void add(std::uint32_t id, std::size_t link, const Pose& X_LC, const CellGains& gains,
+                        const EventGate<>& force, const EventGate<>& proximity) {
+    const auto one = [&](const auto& list) { return list[list.size() == 1 ? 0 : out_.size()]; };
+    require(out_.size() < cells_, "TrustedSkin: cells of the patches", double(out_.size() + 1),
+            "those of the skin");
+    const auto u = unit_wrench(X_LC);
+    const Xyz<double>& p = X_LC.origin();
+    out_.push_back(
+        {id,
+         patch_,
+         link,
+         {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+         {static_cast<float>(u.force.x), static_cast<float>(u.force.y), static_cast<float>(u.force.z),
+          static_cast<float>(u.moment.x), static_cast<float>(u.moment.y), static_cast<float>(u.moment.z)},
+         gains.force,
+         gains.proximity,
+         force.counted(CellCounts::force_unit),
+         proximity.counted(CellCounts::proximity_unit),
+         one(trust_.lone_force),
+         3 * one(trust_.noise).rest});
+  }
+  void end_patch() noexcept { ++patch_; }
+  [[nodiscard]] SKINCTL_COLD std::vector<TrustCell> take() {
+    require(out_.size() == cells_, "TrustedSkin: cells of the patches", double(out_.size()),
+            "those of the skin");
+    return std::move(out_);
+  }
+
+ private:
+  const TrustSettings& trust_;
+  const SkinSettings& skin_;
+  std::size_t cells_;
+  std::uint32_t patch_ = 0;
+  std::vector<TrustCell> out_;
+};
+
 template <std::size_t... I, std::size_t... N>
-[[nodiscard]] SKINCTL_COLD std::vector<TrustCell> trust_cells(const TrustSettings& s, std::size_t cells,
+[[nodiscard]] SKINCTL_COLD std::vector<TrustCell> trust_cells(const TrustSettings& trust,
+                                                              const SkinSettings& skin, std::size_t cells,
                                                               const Patch<I, N>&... patch) {
-  s.check(cells);
-  std::vector<TrustCell> out;
-  out.reserve(cells);
-  std::uint32_t number = 0;
-  const auto one = [](const auto& list, std::size_t i) { return list[list.size() == 1 ? 0 : i]; };
-  const auto add_all = [&](std::size_t link, const std::vector<AnyCell>& list, const CellGains& gains) {
-    for (const AnyCell& cell : list) {
-      const std::size_t i = out.size();
-      const auto u = unit_wrench(cell.X_LC);
-      const Xyz<double>& p = cell.X_LC.origin();
-      out.push_back(
-          {cell.id,
-           number,
-           link,
-           {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
-           {static_cast<float>(u.force.x), static_cast<float>(u.force.y), static_cast<float>(u.force.z),
-            static_cast<float>(u.moment.x), static_cast<float>(u.moment.y), static_cast<float>(u.moment.z)},
-           gains.force,
-           gains.proximity,
-           one(s.lone_force, i),
-           3 * one(s.noise, i).rest});
-    }
-    ++number;
+  TrustCells all(trust, skin, cells);
+  const auto add = [&](std::size_t link, const auto& one) {
+    for (const AnyCell& cell : one.any())
+      all.add(cell.id, link, cell.X_LC, one.gains(), skin.force, skin.proximity);
+    all.end_patch();
   };
-  (add_all(I, patch.any(), patch.gains()), ...);
-  require(out.size() == cells, "TrustedSkin: cells of the patches", double(out.size()), "those of the skin");
-  return out;
+  (add(I, patch), ...);
+  return all.take();
+}
+[[nodiscard]] SKINCTL_COLD inline std::vector<TrustCell> trust_cells(const TrustSettings& trust,
+                                                                     const SkinSettings& skin,
+                                                                     std::size_t cells,
+                                                                     const std::vector<SkinPatch>& patches) {
+  TrustCells all(trust, skin, cells);
+  for (const SkinPatch& patch : patches) {
+    for (const SkinCell& cell : patch.cells)
+      all.add(cell.id, patch.link, cell.X_LC, cell.gains.value_or(patch.gains),
+              cell.force.value_or(skin.force), cell.proximity.value_or(skin.proximity));
+    all.end_patch();
+  }
+  return all.take();
 }
 
 }  // namespace detail

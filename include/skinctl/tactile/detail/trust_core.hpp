@@ -14,13 +14,31 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
+template <class S>
+inline constexpr std::size_t most_cells_of = [] {
+  if constexpr (requires { S::capacity; }) {
+    return S::capacity;
+  } else {
+    return S::cells;
+  }
+}();
+template <class S>
+inline constexpr std::size_t most_patches_of = [] {
+  if constexpr (requires { S::most_patches; }) {
+    return S::most_patches;
+  } else {
+    return S::patches;
+  }
+}();
+
 /// See `TrustedSkin`.
 template <class S>
 class TrustCore {
  public:
   using T = typename S::scalar;
   using Touch = typename S::Touch;
-  static constexpr std::size_t patches = S::patches, cells = S::cells;
+  /// Room for so many, if their number is known at run time only.
+  static constexpr std::size_t patches = most_patches_of<S>, cells = most_cells_of<S>;
   using Health = CellHealth<cells>;
   using Cross = CrossTalk<cells>;
   static constexpr std::size_t rows = Health::rows;
@@ -52,22 +70,20 @@ class TrustCore {
       : skin_(skin),
         s_(settings),
         fill_(fill),
-        health_(settings.health, settings.noise),
+        health_(settings.health, settings.noise.size() == 1 ? settings.noise : with_room(settings.noise)),
         rest_(settings.rest),
         cell_(std::move(cell)),
         levels_(rows),
-        force_gate_(skin.settings().force.counted(CellCounts::force_unit)),
-        proximity_gate_(skin.settings().proximity.counted(CellCounts::proximity_unit)),
         per_step_(static_cast<float>(settings.health.step / CellCounts::force_unit)) {
-    require(fill.graph().size() == cells, "TrustedSkin: cells of the graph", double(fill.graph().size()),
+    require(fill.graph().size() == size(), "TrustedSkin: cells of the graph", double(fill.graph().size()),
             "those of the skin");
     for (std::size_t i = 0; i < cells; ++i) {
       const double freeze = rest_.freeze_level(double(health_.sigma(i)), settings.period);
       levels_[i / 16].freeze[i % 16] = static_cast<float>(freeze);
-      levels_[i / 16].touch[i % 16] = static_cast<float>(force_gate_.opens_at()) / per_step_;
+      levels_[i / 16].touch[i % 16] = static_cast<float>(cell_[i].force_gate.opens_at()) / per_step_;
       if (cell_[i].patch >= first_.size()) first_.push_back(i);
     }
-    first_.push_back(cells);
+    first_.push_back(size());
   }
 
  protected:
@@ -91,6 +107,7 @@ class TrustCore {
     }
   };
 
+  [[nodiscard]] std::size_t size() const noexcept { return cell_.size(); }
   [[nodiscard]] auto near(std::size_t i) const noexcept { return fill_.graph().neighbours(i); }
   [[nodiscard]] static bool counts(const Memory& m, std::size_t i) noexcept {
     return m.skin.hears(i) && Health::mask(m.health, i) < 0.5f;
@@ -109,11 +126,11 @@ class TrustCore {
   /// Calls `f(i, share)` for the cells that are filled in, wholly or in part: masked or silent ones.
   template <class F>
   void each_filled(const Memory& m, const F& f) const noexcept {
-    for (std::size_t b = 0; b < rows; ++b) {
-      bool whole = m.skin.hears_all_from(16 * b, 16 * b + 16 < cells ? 16 : cells - 16 * b);
+    for (std::size_t b = 0; 16 * b < size(); ++b) {
+      bool whole = m.skin.hears_all_from(16 * b, 16 * b + 16 < size() ? 16 : size() - 16 * b);
       for (const float x : m.health.row[b].mask) whole = whole && !(x > 0);
       if (whole) continue;
-      for (std::size_t k = 0; k < 16 && 16 * b + k < cells; ++k) {
+      for (std::size_t k = 0; k < 16 && 16 * b + k < size(); ++k) {
         const float share = m.skin.hears(16 * b + k) ? quantised(m.health.row[b].mask[k]) : 1.0f;
         if (share > 0) f(16 * b + k, double(share));
       }
@@ -128,6 +145,11 @@ class TrustCore {
   std::vector<TrustCell> cell_;
 
  private:
+  /// The noise of each cell that there is room for.
+  [[nodiscard]] static std::vector<CellNoise> with_room(std::vector<CellNoise> noise) {
+    noise.resize(cells);
+    return noise;
+  }
   /// Masks and trust go in steps of 1/256, so that readings stay whole.
   static SKINCTL_INLINE float quantised(float share) noexcept {
     return static_cast<float>(static_cast<std::int32_t>(share * 256.0f + 0.5f)) * (1.0f / 256);
@@ -177,7 +199,7 @@ class TrustCore {
         const std::size_t i = 16 * b + k;
         const float r = m.rest[b].above[k];
         if (s_.proximity) evidence[k] = proximity_evidence(row.proximity[k]);
-        if (i < cells) evidence[k] += median_evidence(r, m.median[cell_[i].patch]);
+        if (i < size()) evidence[k] += median_evidence(r, m.median[cell_[i].patch]);
       }
       RestLevel::scan(m.rest[b], row.last.data(), row.force.data(), evidence.data(), levels_[b], step);
     }
@@ -223,13 +245,13 @@ class TrustCore {
     const float trust = quantised(row.trust[k]);
     if (trust < 1) {
       const TrustCell& c = cell_[i];
-      const std::int32_t df = force_gate_.pass(force, true), dp = proximity_gate_.pass(proximity, true);
+      const std::int32_t df = c.force_gate.pass(force, true), dp = c.proximity_gate.pass(proximity, true);
       const double push =
           CellCounts::force_unit * c.force_gain * df + CellCounts::proximity_unit * c.proximity_gain * dp;
       if (push > c.lone) {
         const double share = double(trust) + (1 - double(trust)) * c.lone / push;
-        force = static_cast<std::int32_t>(share * df) + (df > 0 ? force_gate_.subtract() : 0);
-        proximity = static_cast<std::int32_t>(share * dp) + (dp > 0 ? proximity_gate_.subtract() : 0);
+        force = static_cast<std::int32_t>(share * df) + (df > 0 ? c.force_gate.subtract() : 0);
+        proximity = static_cast<std::int32_t>(share * dp) + (dp > 0 ? c.proximity_gate.subtract() : 0);
       }
     }
     return {static_cast<std::uint16_t>(force), static_cast<std::uint16_t>(proximity)};
@@ -246,19 +268,18 @@ class TrustCore {
     const auto raw = [](std::int32_t held, const EventGate<std::int32_t>& gate) {
       return static_cast<std::uint16_t>(held > 0 ? held + gate.subtract() : 0);
     };
-    return {raw(c.force, force_gate_), raw(c.proximity, proximity_gate_)};
+    return {raw(c.force, cell_[i].force_gate), raw(c.proximity, cell_[i].proximity_gate)};
   }
 
   template <class Revise>
   void settle(Memory& m, const Revise& revise) const noexcept {
-    const float low_force = static_cast<float>(force_gate_.closes_below()) / per_step_ - 1;
-    const float low_proximity = static_cast<float>(proximity_gate_.closes_below() - 1) / 65536.0f;
     for (std::size_t b = 0; b < rows; ++b) {
       const HealthRow& row = m.health.row[b];
       std::uint32_t active = m.pushing[b];
       for (std::size_t k = 0; k < 16; ++k)
-        active |=
-            row.force[k] - m.rest[b].whole[k] > low_force || row.proximity[k] > low_proximity ? 1u << k : 0u;
+        active |= row.force[k] - m.rest[b].whole[k] > low_force_ || row.proximity[k] > low_proximity_
+                      ? 1u << k
+                      : 0u;
       for (std::uint32_t rest = active; rest != 0; rest &= rest - 1) {
         const auto k = static_cast<std::size_t>(std::countr_zero(rest));
         const std::size_t i = 16 * b + k;
@@ -284,9 +305,9 @@ class TrustCore {
   }
 
   std::vector<RestLevelsRow> levels_;
-  std::vector<std::size_t> first_;  ///< cell of each patch
-  EventGate<std::int32_t> force_gate_, proximity_gate_;
-  float per_step_;  ///< counts in a step
+  std::vector<std::size_t> first_;                 ///< cell of each patch
+  float per_step_;                                 ///< counts in a step
+  float low_force_ = 1e9f, low_proximity_ = 1e9f;  ///< below these no cell counts [steps], of 0 to 1
 };
 
 }  // namespace detail

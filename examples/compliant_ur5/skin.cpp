@@ -1,0 +1,55 @@
+#include "examples/compliant_ur5/skin.hpp"
+
+#include "skinctl/io/skin_file.hpp"
+#include "skinctl/io/skin_placement.hpp"
+#include "skinctl/model/ur5_links.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
+
+namespace compliant_ur5 {
+
+using namespace skinctl;
+
+std::vector<SkinPatch> skin_patches(const Settings& s) {
+  std::vector<SkinPatch> out;
+  if (!s.skin.empty()) {
+    const SkinFile file = read_skin_file(s.skin);
+    out = skinctl::skin_patches(file, place_skin<ur5::Ros2Links>(file));
+  } else {
+    const auto add = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
+      SkinPatch& to = out.emplace_back(
+          SkinPatch{I, {.force = s.control.force_gain[I], .proximity = s.control.proximity_gain}, {}});
+      for (const auto& cell : patch.any()) to.cells.push_back({.id = cell.id, .X_LC = cell.X_LC});
+    };
+    std::apply([&](const auto&... patch) { (add(patch), ...); }, ur5::skin_patches<cells>());
+  }
+  if (!s.rigid) return out;
+  for (SkinPatch& patch : out) {
+    patch.gains = {.force = 0, .proximity = 0};
+    for (SkinCell& cell : patch.cells) cell.gains.reset();
+  }
+  return out;
+}
+
+std::vector<ObservedCell> observed_cells(const std::vector<SkinPatch>& patches) {
+  std::vector<ObservedCell> out;
+  for (const SkinPatch& patch : patches)
+    for (const SkinCell& c : patch.cells)
+      out.push_back({c.id, static_cast<int>(patch.link), c.X_LC.origin(), c.X_LC.axis_z()});
+  return out;
+}
+
+std::vector<simulated_ur5::SkinCell> simulated_cells(const std::vector<SkinPatch>& patches) {
+  std::vector<simulated_ur5::SkinCell> out;
+  for (const ObservedCell& c : observed_cells(patches)) {
+    simulated_ur5::SkinCell cell;
+    cell.id = c.id;
+    cell.link = static_cast<std::size_t>(c.link);
+    cell.position = {c.position.x, c.position.y, c.position.z};
+    cell.normal = {c.normal.x, c.normal.y, c.normal.z};
+    simulated_ur5::complete(cell);
+    out.push_back(cell);
+  }
+  return out;
+}
+
+}  // namespace compliant_ur5

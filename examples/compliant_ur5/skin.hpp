@@ -1,0 +1,26 @@
+// The skin of the main job: the generated one, or one from a file.
+#pragma once
+
+#include <vector>
+
+#include "examples/compliant_ur5/settings.hpp"
+#include "examples/compliant_ur5/touch_observer.hpp"
+#include "examples/simulated_ur5/skin.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/tactile/skin_of.hpp"
+
+namespace compliant_ur5 {
+
+inline constexpr std::size_t cells = 260;       ///< of the generated skin
+inline constexpr std::size_t most_cells = 512;  ///< of a file: 383 of TUM's size find room
+using UrSkin = skinctl::SkinOf<skinctl::ur5::Model, double, most_cells>;
+
+/// The patches of `ur5_skin<260>` with the gains of the settings, or those of the file `Settings::skin`. On a
+/// rigid arm all gains are 0. Throws `skinctl::ConfigurationError`.
+std::vector<skinctl::SkinPatch> skin_patches(const Settings& settings);
+
+/// The same cells as the observer and as the simulation want them.
+std::vector<ObservedCell> observed_cells(const std::vector<skinctl::SkinPatch>& patches);
+std::vector<simulated_ur5::SkinCell> simulated_cells(const std::vector<skinctl::SkinPatch>& patches);
+
+}  // namespace compliant_ur5

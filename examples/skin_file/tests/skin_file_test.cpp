@@ -1,0 +1,90 @@
+// The shipped skin file and its picture are what the program writes; poses of a URDF are those of its model.
+#include "skinctl/io/skin_file.hpp"
+
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "examples/skin_file/picture.hpp"
+#include "skinctl/io/urdf.hpp"
+#include "skinctl/kinematics/poses.hpp"
+
+using namespace skinctl;
+
+namespace {
+
+std::string output(const std::string& arguments, int expected = 0) {
+  const std::string out = "skin_file_test.out";
+  const int status =
+      std::system((std::string(SKIN_FILE_PROGRAM) + " " + arguments + " >" + out + " 2>&1").c_str());
+  CHECK(WEXITSTATUS(status) == expected);
+  std::ifstream in(out);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+std::string content(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+TEST_CASE("skin_file: the UR5's shipped file and picture are those that the program writes") {
+  const std::string file = EXAMPLES_DATA "/ur5_skin.json";
+  CHECK(output("ur5") == content(file));
+  CHECK(output("draw " + file) == content(EXAMPLES_PICTURES "/ur5_skin.svg"));
+  CHECK(output("check " + file).find("260 cells, 0 of them masked, 0 regions") != std::string::npos);
+}
+
+TEST_CASE("skin_file: what is wrong is said, with exit code 2") {
+  CHECK(output("check " EXAMPLES_DATA "/arm7.urdf", 2).find("arm7.urdf:1: no JSON") != std::string::npos);
+  CHECK(output("check " EXAMPLES_DATA "/arm7_skin.json", 2).find("the robot has no such link") !=
+        std::string::npos);
+  CHECK(output("ur5 --cells 7", 2).find("--cells 7, allowed") != std::string::npos);
+  CHECK(output("draw", 2).find("file is required") != std::string::npos);
+}
+
+TEST_CASE("skin_file: poses of a URDF's links are those of its model") {
+  const Urdf urdf = read_urdf(EXAMPLES_DATA "/arm7.urdf", {.tip = "hand_link"});
+  const auto model = calibrated_from<Chain<7>>(urdf);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> angle(-3, 3);
+  for (int k = 0; k < 20; ++k) {
+    std::vector<double> q(7);
+    JointPosition<7> at;
+    for (std::size_t i = 0; i < 7; ++i) at[i] = q[i] = angle(random);
+    const skin_file::Pose pose = skin_file::urdf_at(urdf, q);
+    const auto poses = link_poses(model, at);
+    const auto compare = [&](const auto& X, std::size_t i) {
+      CHECK((as_eigen(X.axes()) - as_eigen(pose.R[i])).cwiseAbs().maxCoeff() <= 1e-12);
+      CHECK((as_eigen(X.origin()) - as_eigen(pose.p[i])).cwiseAbs().maxCoeff() <= 1e-12);
+    };
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (compare(poses.template get<I>(), I), ...);
+    }(std::make_index_sequence<7>{});
+  }
+  CHECK_THROWS_AS(static_cast<void>(skin_file::urdf_at(urdf, {1, 2})), ConfigurationError);
+}
+
+TEST_CASE(
+    "skin_file: a picture shows each cell once from either side, masked ones crossed out, names escaped") {
+  SkinFile file = read_skin_file(EXAMPLES_DATA "/arm7_skin.json");
+  file.patches[0].name = "<a & b>";
+  file.patches[0].cells[0].masked = "dead";
+  const Urdf urdf = read_urdf(EXAMPLES_DATA "/arm7.urdf", {.tip = "hand_link"});
+  const std::string svg = skin_file::picture(file, place_skin(file, urdf),
+                                             skin_file::urdf_at(urdf, {0.3, -0.4, 0, -2, 0, 1.7, 0}));
+  const auto count = [&](const std::string& text) {
+    std::size_t n = 0;
+    for (auto at = svg.find(text); at != std::string::npos; at = svg.find(text, at + 1)) ++n;
+    return n;
+  };
+  CHECK(count("<path class=\"cell") == file.cells());
+  CHECK(count("<path class=\"far") == file.cells());
+  CHECK(count("class=\"cross\"") == 1);
+  CHECK(count("&lt;a &amp; b&gt;") == 1);
+  CHECK(count("nan") == 0);
+}
