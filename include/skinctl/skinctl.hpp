@@ -97,6 +97,7 @@
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 
+#include "skinctl/tactile/capsule.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/cell_mass.hpp"
 #include "skinctl/tactile/contact.hpp"
@@ -174,6 +175,7 @@
 #include "skinctl/fusion/opposition.hpp"
 
 #include "skinctl/limits/body_region.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"

@@ -91,6 +91,11 @@ template <class Resolver, std::size_t I, Real T>
   using M = std::remove_cvref_t<decltype(r.model())>;
   return ToolSpeed<M, I, T>(r.model(), r.parameters().limits, {max.speed, max.point, max.reach});
 }
+template <class Resolver>
+[[nodiscard]] auto made_for(const Resolver& r, const Clearance& clearance) {
+  using M = std::remove_cvref_t<decltype(r.model())>;
+  return ClearanceLimits<M, typename Resolver::scalar>(r.model(), r.parameters().limits, clearance);
+}
 template <class Part>
 inline constexpr bool is_link_contact = false;
 template <std::size_t I>

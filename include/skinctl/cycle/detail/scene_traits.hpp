@@ -22,9 +22,9 @@ inline constexpr bool governs<Governor<M, U, Parts...>, N, T> = M == N && std::i
 /// Whether a skin covers all links of a governor's contact limits.
 template <class Overseer, class Skin>
 inline constexpr bool feels = true;
-template <std::size_t N, Real T, class J, class S, class C, class V, class Skin>
+template <std::size_t N, Real T, class J, class S, class C, class V, class B, class Skin>
   requires requires { C::links; }
-inline constexpr bool feels<Governor<N, T, J, S, C, V>, Skin> = [] {
+inline constexpr bool feels<Governor<N, T, J, S, C, V, B>, Skin> = [] {
   if constexpr (requires { Skin::Wrenches::links; }) {
     return (Skin::Wrenches::links & C::links) == C::links;
   } else {

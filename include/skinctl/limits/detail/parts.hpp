@@ -20,6 +20,13 @@ concept ContactPart = requires { typename Part::Verdict; };
 template <class Part>
 concept MotionPart = requires { typename Part::MotionPart; };
 
+template <class Part>
+concept ClearancePart = requires { typename Part::ClearancePart; };
+
+struct IsClearance {
+  template <class P>
+  static constexpr bool of = ClearancePart<P>;
+};
 struct IsMotion {
   template <class P>
   static constexpr bool of = MotionPart<P>;
