@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t count =
     383;  // covered as far as cells of TUM's size go, but for a seam along each tube
-using Memory = ContactMemory<count, 16>;
+using Memory = SkinContactMemory<count, 16>;
 using Areas = PressedAreas<ur5::Model, all_links(6)>;
 static_assert(std::is_trivially_copyable_v<Memory>);
 static_assert(sizeof(ContactRow) == 16);

@@ -1,27 +1,12 @@
 // Keeps links of a robot clear of each other and of known objects.
 #pragma once
 
-#include <array>
 #include <limits>
 
-#include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/robot/joint_limits.hpp"
-#include "skinctl/tactile/capsule.hpp"
+#include "skinctl/tactile/clearances.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// Two capsules, by their numbers, that must not touch.
-struct CapsulePair {
-  std::size_t a = 0, b = 0;
-};
-
-/// For `Cycle::with`: capsules, and which of them stay clear of each other.
-struct Clearance {
-  std::vector<LinkCapsule> capsules;
-  std::vector<CapsulePair> pairs;
-  double margin = 0.02;  ///< of the surfaces [m]
-  double reach = 1.5;    ///< largest distance of a capsule's point from any joint axis before it [m]
-};
 
 /// The pairs of `Clearance` by their distances: a limit of speed in a governor, so it holds whatever a law
 /// wants and an energy tank has.
@@ -38,34 +23,17 @@ template <RobotModel M, Real T = double>
 class ClearanceLimits {
  public:
   static constexpr std::size_t joints = M::joints;
-  static constexpr std::size_t most_pairs = 64;
+  static constexpr std::size_t most_pairs = Clearances<M, T>::most_pairs;
   static constexpr int looks = 6;  ///< along a way to stop
   using ClearancePart = void;
   using Velocity = JointVelocity<joints, T>;
   using Position = JointPosition<joints, T>;
 
-  /// Throws `ConfigurationError` for numbers out of their range, more than 64 pairs, pairs of one link and pairs
-  /// of two objects that do not move.
+  /// Throws `ConfigurationError` as `Clearances` does.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits, const Clearance& given)
-      : model_(model), limits_(limits), margin_(T(given.margin + 1e-4)), reach_(T(given.reach)) {
-    require(given.margin >= 0 && given.margin <= 10, "Clearance: margin", given.margin, "0 to 10 m");
-    require(given.reach > 0 && given.reach <= 100, "Clearance: reach", given.reach, "> 0, <= 100 m");
-    require(given.pairs.size() <= most_pairs, "Clearance: pairs", double(given.pairs.size()), "at most 64");
-    for (const CapsulePair& p : given.pairs) {
-      const std::size_t count = given.capsules.size();
-      require(p.a < count && p.b < count, "Clearance: capsule of a pair", double(p.a < count ? p.b : p.a),
-              "one of the list");
-      const LinkCapsule &a = given.capsules[p.a], &b = given.capsules[p.b];
-      a.check(joints), b.check(joints);
-      require(a.link != b.link, "Clearance: link of both capsules", double(a.link), "two links");
-      const auto convert = [](const Capsule<>& c) {
-        const auto point = [](const Xyz<double>& x) { return Xyz<T>{T(x.x), T(x.y), T(x.z)}; };
-        return Capsule<T>{point(c.from), point(c.to), T(c.radius)};
-      };
-      pairs_.push_back({a.link, b.link, path(a.link) ^ path(b.link), convert(a.shape), convert(b.shape)});
-    }
-  }
-  [[nodiscard]] const M& model() const noexcept { return model_; }
+      : clearances_(model, given), limits_(limits), margin_(T(given.margin + 1e-4)), reach_(T(given.reach)) {}
+  [[nodiscard]] const M& model() const noexcept { return clearances_.model(); }
+  [[nodiscard]] const Clearances<M, T>& clearances() const noexcept { return clearances_; }
 
   /// The distances at a position, for several queries.
   class Here {
@@ -115,7 +83,7 @@ class ClearanceLimits {
     /// `u` without what would bring a pair nearer than it can stop, pair by pair and a few times over.
     [[nodiscard]] Velocity slid(Velocity u) const noexcept {
       T gradient[most_pairs][joints];
-      slopes(gradient);
+      of_.clearances_.gradients(q_, gradient);
       for (int round = 0; round < 4; ++round)
         for (std::size_t k = 0; k < count_; ++k) {
           T closing(0), square(0), rate = std::numeric_limits<T>::infinity();
@@ -147,11 +115,11 @@ class ClearanceLimits {
       for (int n = 0; n <= looks; ++n) {
         if (n > 0) x = moved + way(T(T(n) / T(looks)));
         T distance[most_pairs];
-        of_.distances(q_ + x, distance);
+        of_.clearances_.distances(q_ + x, distance);
         for (std::size_t k = 0; k < count_; ++k) {
           T step(0);
           for (std::size_t i = 0; i < joints; ++i)
-            if ((of_.pairs_[k].between >> i) & 1u) step = step + size(x[i] - before[i]);
+            if ((of_.clearances_.between(k) >> i) & 1u) step = step + size(x[i] - before[i]);
           const T least = distance_[k] < of_.margin_ ? distance_[k] : of_.margin_;
           if (!(distance[k] >= least + of_.reach_ * step * step)) return false;
         }
@@ -160,47 +128,10 @@ class ClearanceLimits {
       return true;
     }
 
-    Here(const ClearanceLimits& of, const Position& q) noexcept : of_(of), q_(q), count_(of.pairs_.size()) {
-      of.distances(q, distance_);
+    Here(const ClearanceLimits& of, const Position& q) noexcept
+        : of_(of), q_(q), count_(of.clearances_.size()) {
+      of.clearances_.distances(q, distance_);
     }
-    /// The gradients of the distances [m/rad].
-    void slopes(T (&gradient)[most_pairs][joints]) const noexcept {
-      const Placed placed(of_.model_, q_);
-      Columns columns[joints];
-      [&]<std::size_t... I>(std::index_sequence<I...>) {
-        const auto one = [&](auto link) {
-          constexpr std::size_t i = link.value;
-          jacobian<i>(placed.poses).for_each([&](auto j, const auto& c) {
-            columns[i].linear[j.value] = c.linear, columns[i].angular[j.value] = c.angular;
-          });
-        };
-        (one(std::integral_constant<std::size_t, I>{}), ...);
-      }(std::make_index_sequence<joints>{});
-      for (std::size_t k = 0; k < count_; ++k) {
-        using std::sqrt;
-        const Pair& p = of_.pairs_[k];
-        const auto d = skinctl::distance(placed(p.a, p.shape_a), placed(p.b, p.shape_b));
-        const Xyz<T> way = d.a - d.b;
-        const T far = sqrt(dot(way, way));
-        const Xyz<T> n = far > T(0) ? T(T(1) / far) * way : Xyz<T>{T(0), T(0), T(0)};
-        for (std::size_t j = 0; j < joints; ++j) {
-          T g(0);
-          if ((p.between >> j) & 1u) {
-            const auto add = [&](std::size_t link, const Xyz<T>& at, const T& sign) {
-              if (link == LinkCapsule::fixed) return;
-              const Columns& c = columns[link];
-              g = g + sign * dot(n, c.linear[j] + cross(c.angular[j], at - placed.pose[link].origin()));
-            };
-            add(p.a, d.a, T(1));
-            add(p.b, d.b, T(-1));
-          }
-          gradient[k][j] = g;
-        }
-      }
-    }
-    struct Columns {
-      Xyz<T> linear[joints]{}, angular[joints]{};
-    };
     const ClearanceLimits& of_;
     Position q_;
     std::size_t count_;
@@ -267,50 +198,14 @@ class ClearanceLimits {
   }
 
  private:
-  struct Pair {
-    std::size_t a, b;
-    LinkMask between;  ///< the joints that move one against the other
-    Capsule<T> shape_a, shape_b;
-  };
-  [[nodiscard]] static LinkMask path(std::size_t link) noexcept {
-    LinkMask mask = 0;
-    if (link == LinkCapsule::fixed) return mask;
-    for (int i = static_cast<int>(link); i >= 0; i = M::parents[static_cast<std::size_t>(i)])
-      mask |= LinkMask(1) << i;
-    return mask;
-  }
-  /// The links' poses, and capsules there.
-  struct Placed {
-    Poses<M, all_links(joints), T> poses;
-    Transform<Base, Link<0>, T> pose[joints];
-
-    Placed(const M& model, const Position& q) noexcept : poses(model, q) {
-      [&]<std::size_t... I>(std::index_sequence<I...>) {
-        ((pose[I] = poses.template get<I>().template renamed<Base, Link<0>>()), ...);
-      }(std::make_index_sequence<joints>{});
-    }
-    [[nodiscard]] SKINCTL_INLINE Capsule<T> operator()(std::size_t link, const Capsule<T>& c) const noexcept {
-      if (link == LinkCapsule::fixed) return c;
-      const auto& X = pose[link];
-      return {X.origin() + X.axes() * c.from, X.origin() + X.axes() * c.to, c.radius};
-    }
-  };
-  SKINCTL_NOINLINE void distances(const Position& q, T (&out)[most_pairs]) const noexcept {
-    const Placed placed(model_, q);
-    for (std::size_t k = 0; k < pairs_.size(); ++k) {
-      const Pair& p = pairs_[k];
-      out[k] = skinctl::distance(placed(p.a, p.shape_a), placed(p.b, p.shape_b)).distance;
-    }
-  }
   /// The rate of braking that is planned, a little less than that of braking itself, for rounding.
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
   }
 
-  [[no_unique_address]] M model_;
+  Clearances<M, T> clearances_;
   JointLimits<joints, T> limits_;
   T margin_, reach_;  ///< a tenth of a millimetre more than asked for: braking is planned in steps
-  std::vector<Pair> pairs_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -24,7 +24,7 @@ class ContactSkin : public S {
 
   /// That of the skin, the contacts, and the pressed areas. Trivially copyable.
   struct Memory : S::Memory {
-    ContactMemory<S::cells, Most, scalar> contacts;
+    SkinContactMemory<S::cells, Most, scalar> contacts;
     typename S::Pressed areas;
   };
 

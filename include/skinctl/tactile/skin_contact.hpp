@@ -42,9 +42,9 @@ struct ContactRow {
 };
 
 /// The memory of a `ContactFinder` for `Cells` cells and up to `Most` contacts: 16 bytes a cell. Trivially
-/// copyable; `ContactMemory{}` has felt nothing.
+/// copyable; `SkinContactMemory{}` has felt nothing.
 template <std::size_t Cells, std::size_t Most, Real T = double>
-struct ContactMemory {
+struct SkinContactMemory {
   std::array<ContactRow, Cells> rows{};
   std::array<SkinContact<T>, Most> list{};
   std::array<std::uint32_t, Most> label{};     ///< of the contact's cells
