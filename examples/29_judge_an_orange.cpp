@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   const Squeeze<> squeeze({.own = 5000});
   constexpr double border = 800;  // between bad, about 400 N/m, and good, about 1500 N/m
   auto rng = skinctl::testing::seeded(5);
-  Curve force[2]{{"good: force"}, {"bad: force"}}, k[2]{{"good: k"}, {"bad: k"}};
+  Curve force[2]{{"good"}, {"bad"}}, k[2]{{"good"}, {"bad"}};
   double told[2] = {};
   for (int bad = 0; bad < 2; ++bad) {
     const skinctl::testing::SqueezedBody orange{
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
       const auto now = squeeze.result(memory);
       t += 1 / orange.rate;
       force[bad].add(t, newton);
-      if (now.known) k[bad].add(t, now.stiffness);
+      k[bad].add(t, now.known ? now.stiffness : NAN);
     });
     told[bad] = squeeze.result(memory).stiffness;
   }
