@@ -138,25 +138,20 @@ class Governor {
     }
     if constexpr (has_jerk) {
       const auto motion = jerk_.move(room, last.velocity, m.acceleration, u, dt);
-      if constexpr (has_tool) {
-        // A jerk limit that would make the tool too fast gives way.
-        if (!tool_.keeps(last.position, motion.velocity, motion.displacement, room)) {
-          out.status |= Reason::tool_speed_limited | Status(Reason::jerk_exceeded);
-          const auto hard = limits_.move(room, last.velocity, u, dt);
-          for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (hard.velocity[i] - last.velocity[i]) / dt;
-          make(m, last, hard, dt, out);
-          return out;
-        }
-      }
-      if constexpr (has_clearance) {
-        // A jerk limit that would bring the robot too close gives way.
-        if (!clearance_.keeps(last.position, motion.velocity, motion.displacement, room)) {
-          out.status |= Reason::clearance_kept | Status(Reason::jerk_exceeded);
-          const auto hard = limits_.move(room, last.velocity, u, dt);
-          for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (hard.velocity[i] - last.velocity[i]) / dt;
-          make(m, last, hard, dt, out);
-          return out;
-        }
+      // A jerk limit that would make the tool too fast, or bring links too close, gives way.
+      Status lost;
+      if constexpr (has_tool)
+        if (!tool_.keeps(last.position, motion.velocity, motion.displacement, room))
+          lost |= Reason::tool_speed_limited;
+      if constexpr (has_clearance)
+        if (!clearance_.keeps(last.position, motion.velocity, motion.displacement, room))
+          lost |= Reason::clearance_kept;
+      if (lost.any()) {
+        out.status |= lost | Status(Reason::jerk_exceeded);
+        const auto hard = limits_.move(room, last.velocity, u, dt);
+        for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (hard.velocity[i] - last.velocity[i]) / dt;
+        make(m, last, hard, dt, out);
+        return out;
       }
       out.status |= motion.status;
       m.acceleration = motion.acceleration;
