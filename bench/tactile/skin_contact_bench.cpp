@@ -24,7 +24,7 @@ void find(benchmark::State& state, Pressed pressed) {
       for (const std::size_t k : {Cells / 10, Cells / 3, Cells / 2}) on = on || i == k || graph.joined(k, i);
     if (on) pushes.push_back({i, 1 + double(i % 7)});
   }
-  const auto memory = std::make_unique<ContactMemory<Cells, 16>>();
+  const auto memory = std::make_unique<SkinContactMemory<Cells, 16>>();
   PressedAreas<ur5::Model, all_links(6)> areas;
   const bench::CountAllocations counted(state);
   for (auto _ : state) {

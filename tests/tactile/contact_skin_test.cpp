@@ -4,6 +4,10 @@
 
 #include <memory>
 
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/expression.hpp"
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/pressing.hpp"
@@ -111,4 +115,41 @@ TEST_CASE("ContactSkin: a region has its force, and above its limit the guard he
   CHECK_FALSE(press(skin, *m, {push_at(-0.08, 0, 10)}, 16ms, 24ms).has(Reason::contact_force));
   CHECK(skin.contacts(*m)[0].regions == 2);
   CHECK_THROWS_AS((Felt(plain, Regions{{.name = "x", .cells = {261}}})), ConfigurationError);
+}
+
+TEST_CASE("ContactSkin: limits of a scene see each side of a squeezed arm, and each of two contacts on it") {
+  const ContactSkin skin(ur5_skin<260>(CellGains{30, 0}, {.force = EventGate<>::dead_band(0.002)}));
+  const auto scene =
+      Cycle(by_position(ur5::Model{}, RobotConfiguration<6>{.limits = limits_of<ur5::Description>(15.0),
+                                                            .period = 8ms,
+                                                            .delay = 8ms,
+                                                            .virtual_damping = 4}),
+            skin, SkinJointControl{} + GravityControl{})
+          .with(LinkContact<forearm>{
+              .region = {.force = 60, .blow = 100, .first = 500ms, .stiffness = 5e4, .mass = 4},
+              .reach = 0.45,
+              .reaction = 20ms,
+              .cells = skin.places()});
+  const auto stops = [&](const std::vector<Pressing>& bodies) {
+    const auto m = std::make_unique<decltype(scene)::Memory>();
+    State<6> state;
+    state.q = JointPosition<6>{0.1, -1.2, 1.4, -1.8, -1.57, 0.3};
+    scene.start(*m, state);
+    Status seen;
+    for (int k = 1; k < 4; ++k) {
+      decltype(scene)::Input input;
+      input.now = k * Nanoseconds(8ms), input.measured = state, input.measured.time = input.now;
+      const auto samples = pushed_samples(pushes(skin.places(), bodies), 30, input.now - 1ms);
+      input.samples = samples;
+      const auto out = scene.step(*m, input);
+      seen |= out.status;
+      state.q = out.command.position, state.dq = out.command.velocity;
+    }
+    return seen.has(Reason::contact_force);
+  };
+  CHECK_FALSE(stops({push_at(0, 0, 50)}));
+  CHECK_FALSE(stops({push_at(0, 0, 50), push_at(0, M_PI, 50)}));
+  CHECK(stops({push_at(0, 0, 130), push_at(0, M_PI, 130)}));    // their sum is nothing
+  CHECK(stops({push_at(-0.08, 0, 65), push_at(0.08, 0, 65)}));  // of one side: they add up
+  CHECK_FALSE(stops({push_at(-0.08, 0, 65), push_at(0.08, M_PI, 65)}));
 }

@@ -41,6 +41,7 @@ enum class Reason : std::uint8_t {
   jerk_limited,
   jerk_exceeded,
   tool_speed_limited,
+  clearance_kept,
   state_out_of_range,
   packets_lost,
   contact_slowed,

@@ -233,6 +233,8 @@ class Cycle {
       pause = pauses(m);
       if (pause) resolver_.stop(m.robot);
     }
+    if constexpr (requires { law_.feel(m.law, skin_.contacts(m.skin), interval.to); })
+      law_.feel(m.law, skin_.contacts(m.skin), interval.to);
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);
@@ -306,6 +308,9 @@ class Cycle {
       detail::check_settings(robot, law);
       detail::check_contacts(robot, skin);
     }
+    if constexpr (requires { law.waits_for_contacts(); } && !requires { typename Skin::Found; })
+      require(!law.waits_for_contacts(), "skills that wait for contacts, on a skin that finds none", 1,
+              "a ContactSkin");
     detail::compare(guard_, resolver_);
   }
   // The kind of a part of `with`: a limit of the governor, a contact, or neither.

@@ -115,6 +115,11 @@ template <class Resolver>
 [[nodiscard]] auto made_for(const Resolver& r, const SkinWatch& watch) {
   return CoverageLimits<Resolver::joints, typename Resolver::scalar>(r.parameters().limits, watch);
 }
+template <class Resolver>
+[[nodiscard]] auto made_for(const Resolver& r, const Clearance& clearance) {
+  using M = std::remove_cvref_t<decltype(r.model())>;
+  return ClearanceLimits<M, typename Resolver::scalar>(r.model(), r.parameters().limits, clearance);
+}
 template <class Part>
 inline constexpr bool is_link_contact = false;
 template <std::size_t I>

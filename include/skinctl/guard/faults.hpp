@@ -106,6 +106,8 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
      WayBack::at_once, "the jerk limit gave way: another limit could not be kept otherwise"},
     {Reason::tool_speed_limited, "tool_speed_limited", FaultFinder::governor, Reaction::limit,
      Reaction::limit, WayBack::at_once, "all joints were slowed for the speed of the tool"},
+    {Reason::clearance_kept, "clearance_kept", FaultFinder::governor, Reaction::limit, Reaction::limit,
+     WayBack::at_once, "links come near each other or a known object: slides along or brakes"},
     {Reason::state_out_of_range, "state_out_of_range", FaultFinder::guard, Reaction::refuse, Reaction::refuse,
      WayBack::at_once, "the joint state is one that this robot cannot have: the last good one stands"},
     {Reason::packets_lost, "packets_lost", FaultFinder::loop, Reaction::brake, Reaction::fade,

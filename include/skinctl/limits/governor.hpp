@@ -1,8 +1,9 @@
-// Slows a command down for limits that concern the whole robot: jerk, tool speed, contact.
+// Slows a command down for limits that concern the whole robot: jerk, tool speed, clearance, contact.
 #pragma once
 
 #include "skinctl/core/command.hpp"
 #include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/detail/parts.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
@@ -35,7 +36,7 @@ struct GovernedTorque : Governed<N, T> {
 };
 
 /// The stage between resolver and guard of a scene. `make_governor` builds it from those of `JerkLimits`,
-/// `ToolSpeed`, `ContactLimits` and `CoverageLimits` that the scene has; the others cost nothing.
+/// `ToolSpeed`, `ClearanceLimits`, `ContactLimits` and `CoverageLimits` that the scene has; the others cost nothing.
 ///
 /// **Positions and velocities.** A command within the limits passes to the bit. Otherwise all joints are
 /// slowed alike (contact, tool), a motion from the last command to the slowed one is computed within the
@@ -43,7 +44,7 @@ struct GovernedTorque : Governed<N, T> {
 /// there, so nothing is caught up later. With a limit of jerk every command is computed anew.
 ///
 /// Where the limits conflict, the last in this order gives way first: acceleration, position, velocity of the
-/// joints; the tool's speed; jerk; contact (for a person who steps in the robot brakes as hard as the other
+/// joints; clearances; the tool's speed; jerk; contact (for a person who steps in the robot brakes as hard as the other
 /// limits allow, and the guard stops at excess force or power).
 ///
 /// **Torques.** The motion under external forces is unknown, so the speed is braked: `braking_cycles` cycles
@@ -53,7 +54,7 @@ struct GovernedTorque : Governed<N, T> {
 /// leaves the torque to the bit), and never exceeds the joints' torques. A robot stopped for a contact is
 /// held with damping `M / T`. There is no limit of jerk.
 template <std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range = detail::NoPart,
-          class Watch = detail::NoPart>
+          class Watch = detail::NoPart, class Clear = detail::NoPart>
 class Governor {
  public:
   static constexpr std::size_t joints = N;
@@ -62,6 +63,7 @@ class Governor {
   static constexpr bool has_jerk = !std::is_same_v<Jerk, detail::NoPart>;
   static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
   static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
+  static constexpr bool has_clearance = !std::is_same_v<Clear, detail::NoPart>;
   static constexpr bool has_motion = !std::is_same_v<Range, detail::NoPart>;
   static constexpr bool has_watch = !std::is_same_v<Watch, detail::NoPart>;
   /// For torques: the number of cycles of the prediction, and of braking.
@@ -76,8 +78,15 @@ class Governor {
   };
 
   SKINCTL_COLD Governor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
-                        const Contact& contact, const Range& motion = Range(), const Watch& watch = Watch())
-      : limits_(limits), jerk_(jerk), tool_(tool), contact_(contact), motion_(motion), watch_(watch) {}
+                        const Contact& contact, const Range& motion = Range(), const Watch& watch = Watch(),
+                        const Clear& clearance = Clear())
+      : limits_(limits),
+        jerk_(jerk),
+        tool_(tool),
+        contact_(contact),
+        motion_(motion),
+        watch_(watch),
+        clearance_(clearance) {}
 
   [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
   [[nodiscard]] const Jerk& jerk() const noexcept { return jerk_; }
@@ -85,6 +94,7 @@ class Governor {
   [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
   [[nodiscard]] const Range& motion() const noexcept { return motion_; }
   [[nodiscard]] const Watch& watch() const noexcept { return watch_; }
+  [[nodiscard]] const Clear& clearance() const noexcept { return clearance_; }
 
   /// The command in place of `wish`, `dt` > 0 seconds after `last` was sent.
   ///
@@ -121,17 +131,36 @@ class Governor {
       u = kept.velocity;
       if (kept.limited) out.status |= Reason::tool_speed_limited, slowed = true;
     }
+    if constexpr (has_clearance) {
+      JointVelocity<N, T> reached = u;
+      if (slowed) reached = limits_.move(room, last.velocity, u, dt).velocity;
+      const auto kept = clearance_.within(
+          last.position, room, last.velocity, reached, dt, [&](const JointVelocity<N, T>& v) {
+            if constexpr (has_tool) {
+              return tool_.keeps(last.position, v, half_way(last, v, dt), room);
+            } else {
+              return true;
+            }
+          });
+      u = kept.velocity;
+      if (kept.limited) out.status |= Reason::clearance_kept, slowed = true;
+    }
     if constexpr (has_jerk) {
       const auto motion = jerk_.move(room, last.velocity, m.acceleration, u, dt);
-      if constexpr (has_tool) {
-        // A jerk limit that would make the tool too fast gives way.
-        if (!tool_.keeps(last.position, motion.velocity, motion.displacement, room)) {
-          out.status |= Reason::tool_speed_limited | Status(Reason::jerk_exceeded);
-          const auto hard = limits_.move(room, last.velocity, u, dt);
-          for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (hard.velocity[i] - last.velocity[i]) / dt;
-          make(m, last, hard, dt, out);
-          return out;
-        }
+      // A jerk limit that would make the tool too fast, or bring links too close, gives way.
+      Status lost;
+      if constexpr (has_tool)
+        if (!tool_.keeps(last.position, motion.velocity, motion.displacement, room))
+          lost |= Reason::tool_speed_limited;
+      if constexpr (has_clearance)
+        if (!clearance_.keeps(last.position, motion.velocity, motion.displacement, room))
+          lost |= Reason::clearance_kept;
+      if (lost.any()) {
+        out.status |= lost | Status(Reason::jerk_exceeded);
+        const auto hard = limits_.move(room, last.velocity, u, dt);
+        for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (hard.velocity[i] - last.velocity[i]) / dt;
+        make(m, last, hard, dt, out);
+        return out;
       }
       out.status |= motion.status;
       m.acceleration = motion.acceleration;
@@ -187,6 +216,11 @@ class Governor {
       if (tool < T(1)) out.status |= Reason::tool_speed_limited;
       if (tool < share) share = tool;
     }
+    if constexpr (has_clearance) {
+      const T clear = clearance_.share(measured.q, u, ahead);
+      if (clear < T(1)) out.status |= Reason::clearance_kept;
+      if (clear < share) share = clear;
+    }
     JointVelocity<N, T> kept = share < T(1) ? share * u : u;
     if constexpr (has_motion) kept = motion_.within(limits_, measured.q, kept, ahead, out.status);
     if (!(kept == u)) {
@@ -230,6 +264,8 @@ class Governor {
       return contact_.model();
     } else if constexpr (has_tool) {
       return tool_.model();
+    } else if constexpr (has_clearance) {
+      return clearance_.model();
     } else {
       return motion_.model();
     }
@@ -242,6 +278,11 @@ class Governor {
     return p;
   }
 
+  /// The displacement from the last command to the velocity `v` after `dt`.
+  static SKINCTL_INLINE JointPosition<N, T> half_way(const JointCommand<N, T>& last,
+                                                     const JointVelocity<N, T>& v, const T& dt) noexcept {
+    return integrate(JointPosition<N, T>(), last.velocity + v, T(T(0.5) * dt));
+  }
   template <class Motion>
   SKINCTL_INLINE void make(Memory& m, const JointCommand<N, T>& last, const Motion& motion, const T& dt,
                            Governed<N, T>& out) const noexcept {
@@ -270,6 +311,7 @@ class Governor {
   [[no_unique_address]] Contact contact_;
   [[no_unique_address]] Range motion_;
   [[no_unique_address]] Watch watch_;
+  [[no_unique_address]] Clear clearance_;
 };
 
 /// A governor from its parts, in any order; `limits` are those of resolver and guard.
@@ -277,20 +319,24 @@ template <std::size_t N, Real T, class... Parts>
 [[nodiscard]] auto make_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
   using namespace detail;
   static_assert(sizeof...(Parts) > 0, "a governor without parts: leave it out of the cycle");
-  static_assert(
-      ((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts> || MotionPart<Parts> || WatchPart<Parts>) &&
-       ...),
-      "a governor takes JerkLimits, ToolSpeed, ContactLimits, MotionLimits and CoverageLimits");
+  static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts> || MotionPart<Parts> ||
+                  WatchPart<Parts> || ClearancePart<Parts>) &&
+                 ...),
+                "a governor takes JerkLimits, ToolSpeed, ClearanceLimits, ContactLimits, MotionLimits and "
+                "CoverageLimits");
   static_assert(((int(JerkPart<Parts>) + ... + 0) <= 1) && ((int(ToolPart<Parts>) + ... + 0) <= 1) &&
-                    ((int(ContactPart<Parts>) + ... + 0) <= 1) && ((int(WatchPart<Parts>) + ... + 0) <= 1),
+                    ((int(ContactPart<Parts>) + ... + 0) <= 1) && ((int(WatchPart<Parts>) + ... + 0) <= 1) &&
+                    ((int(ClearancePart<Parts>) + ... + 0) <= 1),
                 "a governor takes each part once; contact limits of all links belong into one");
-  return [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch) {
+  return [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch,
+             const auto& clearance) {
     using std::remove_cvref_t;
     return Governor<N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
                     remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>,
-                    remove_cvref_t<decltype(watch)>>(limits, jerk, tool, contact, motion, watch);
+                    remove_cvref_t<decltype(watch)>, remove_cvref_t<decltype(clearance)>>(
+        limits, jerk, tool, contact, motion, watch, clearance);
   }(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...), pick<IsMotion>(parts...),
-         pick<IsWatch>(parts...));
+         pick<IsWatch>(parts...), pick<IsClearance>(parts...));
 }
 
 SKINCTL_END_NAMESPACE

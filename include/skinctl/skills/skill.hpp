@@ -39,7 +39,27 @@ enum class SkillFinish : unsigned char {
   never,     ///< it goes on until another one is requested
   settled,   ///< the targets of its tracking laws are at rest, and so is the robot
   switched,  ///< its switches are reported in their new positions; without reports after `hold`
+  touched,   ///< a contact as `touch` says presses
+  released,  ///< one has pressed since the skill began to run, and none does any more
   elapsed    ///< after `hold`
+};
+
+/// A contact of a `ContactSkin` for which a skill waits.
+struct TouchCondition {
+  std::uint32_t regions =
+      ~std::uint32_t(0);  ///< on one of these, `regions().mask("palm")`; all bits: anywhere
+  double force = 0;       ///< pushed with at least this [N]
+  Nanoseconds lasts{};    ///< the same contact, felt for at least this long
+
+  /// Whether one of `contacts` is such a contact at `now`.
+  template <class Contacts>
+  [[nodiscard]] constexpr bool holds(const Contacts& contacts, Nanoseconds now) const noexcept {
+    for (const auto& c : contacts)
+      if ((regions == ~std::uint32_t(0) || (c.regions & regions) != 0) &&
+          static_cast<double>(c.pushed) >= force && now - c.began >= lasts)
+        return true;
+    return false;
+  }
 };
 
 /// Conditions under which a skill may start, is finished, or has failed.
@@ -48,6 +68,7 @@ struct SkillConditions {
   SkillSwitches needs{};   ///< starts only with these values, as reported or else as last commanded
   SkillFinish finish = SkillFinish::never;
   Nanoseconds hold = 100ms;  ///< the time for which the finish condition must hold
+  TouchCondition touch{};    ///< of `touched` and `released`
   double still = 0.01;       ///< settled: largest speed of any joint and of its reference [rad/s]
   Nanoseconds timeout{};     ///< fails if it is not finished after this; 0: never
   double max_touch = 0;      ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never

@@ -85,7 +85,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     Nanoseconds held{};           ///< how long its finish condition has held
     std::uint8_t skill = 0;
     SkillPhase phase = SkillPhase::loading;
-    bool waits = false;  ///< for the end of a change
+    bool waits = false;                         ///< for the end of a change
+    bool touched = false, was_touched = false;  ///< as the skill's `touch` says; and since it began to run
   };
 
   /// @param rows  the first is the initial skill and the fallback. Throws `ConfigurationError` for numbers
@@ -105,6 +106,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       require(c.hold >= 0ns && c.timeout >= 0ns, "hold or timeout",
               seconds<double>(c.hold < c.timeout ? c.hold : c.timeout), ">= 0 s");
       require(c.still > 0 && c.still <= 1e3, "still", c.still, "> 0 rad/s");
+      require(c.touch.force >= 0 && c.touch.force <= 1e6 && c.touch.lasts >= 0ns, "touch: force",
+              c.touch.force, "0 to 1e6 N, for at least 0 s");
       require(c.max_touch >= 0 && c.max_touch <= 1e9, "max_touch", c.max_touch, ">= 0 N m");
       for (std::size_t i = 0; i < controllers; ++i)
         require(Fusion::roles[i] == LawRole::gravity ? s.weights[i] == 1
@@ -135,6 +138,21 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   [[nodiscard]] const Skill<controllers>& now(const Memory& m) const noexcept { return skills_[m.skill]; }
   /// The commanded values of the discrete controls.
   [[nodiscard]] static const SkillSwitches& commanded(const Memory& m) noexcept { return m.commanded; }
+
+  /// The contacts that a skin with contacts feels at `now`: a `Cycle` tells them before each evaluation.
+  template <class Contacts>
+  void feel(Memory& m, const Contacts& contacts, Nanoseconds now) const noexcept {
+    m.touched = skills_[m.skill].conditions.touch.holds(contacts, now);
+  }
+
+  /// Whether a skill waits for contacts: its scene then needs a skin that has them.
+  [[nodiscard]] bool waits_for_contacts() const noexcept {
+    bool waits = false;
+    for (const auto& s : skills_)
+      waits = waits || s.conditions.finish == SkillFinish::touched ||
+              s.conditions.finish == SkillFinish::released;
+    return waits;
+  }
 
   // Requests, for `Input::goal` or `receive`.
   /// The skill of a behaviour, with or without goals for its controllers.

@@ -22,6 +22,13 @@ concept MotionPart = requires { typename Part::MotionPart; };
 template <class Part>
 concept WatchPart = requires { typename Part::WatchPart; };
 
+template <class Part>
+concept ClearancePart = requires { typename Part::ClearancePart; };
+
+struct IsClearance {
+  template <class P>
+  static constexpr bool of = ClearancePart<P>;
+};
 struct IsMotion {
   template <class P>
   static constexpr bool of = MotionPart<P>;

@@ -98,6 +98,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
   m.reported.which &= ~next.switches.which;
   m.phase = SkillPhase::loading;
   m.since = m.held = 0ns;
+  m.touched = m.was_touched = false;
   return out;
 }
 
@@ -168,6 +169,9 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
     const std::uint32_t reports = s.switches.which & m.reporting;
     holds = m.reported.stand({reports, s.switches.on & reports});
   }
+  m.was_touched = m.was_touched || m.touched;
+  if (c.finish == SkillFinish::touched) holds = m.touched;
+  if (c.finish == SkillFinish::released) holds = m.was_touched && !m.touched;
   if (c.finish == SkillFinish::settled)
     detail::each_index<controllers>([&](auto i) {
       using Law = law_at<i.value>;

@@ -1,0 +1,40 @@
+// What a gripper with skin reads while it squeezes a body: a generator.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "skinctl/testing/random.hpp"
+
+namespace skinctl::testing {
+
+/// A body of some stiffness in series with skin and fingers; force and closing as they are read.
+struct SqueezedBody {
+  double stiffness = 1500;      ///< of the body [N/m]
+  double own = 5000;            ///< of skin and fingers in series [N/m]
+  double stiffening = 0.1;      ///< of the body per newton: `k (1 + stiffening F)`, as of peels and flesh
+  double speed = 0.01;          ///< of closing [m/s]
+  double rate = 250;            ///< of readings [Hz]
+  double force_noise = 0.05;    ///< standard deviation [N]
+  double force_step = 0.02;     ///< of the sensor [N]
+  double closing_noise = 1e-4;  ///< standard deviation [m]
+  double most = 5;              ///< force at which it stops [N]
+
+  /// Calls `f(force, closing)` for each reading from the first contact on, until the force is `most`.
+  template <class F>
+  void squeeze(Random& rng, F&& f) const {
+    std::normal_distribution<double> normal;
+    for (double force = 0, n = 0; force < most; ++n) {
+      // Closing x = F/own + ln(1 + c F)/(c k): found by Newton steps from the last force.
+      const double x = n * speed / rate, c = stiffening > 1e-9 ? stiffening : 1e-9;
+      for (int k = 0; k < 8; ++k)
+        force -= (force / own + std::log1p(c * force) / (c * stiffness) - x) /
+                 (1 / own + 1 / (stiffness * (1 + c * force)));
+      const double read = std::max(0.0, force + force_noise * normal(rng));
+      f(force_step * std::round(read / force_step), x + closing_noise * normal(rng));
+    }
+  }
+};
+
+}  // namespace skinctl::testing
