@@ -10,6 +10,7 @@
 #include "examples/compliant_ur5/scene.hpp"
 #include "examples/compliant_ur5/touch_observer.hpp"
 #include "examples/simulated_ur5/scenario.hpp"
+#include "examples/simulated_ur5/skin_faults.hpp"
 #include "skinctl/cycle/recording.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
@@ -57,6 +58,8 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
   simulated_ur5::read_scenario(s.scenario, config);
   config.controller.series = s.rate > 125 ? simulated_ur5::Series::e_series : simulated_ur5::Series::cb3;
   config.controller.cells = simulated_cells();
+  if (!s.skin_faults.empty())
+    config.controller.skin.faults = simulated_ur5::read_skin_faults(s.skin_faults, config.controller.cells);
   config.controller.powered = true;
   config.ports = {0, 0, 0, 0};
   config.speed = s.speed;

@@ -49,8 +49,6 @@ class Cycle {
 
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
-  static_assert(!governed || detail::has_one_interface<Resolver>,
-                "a governor is for a robot whose joints all take the same: leave it out");
   static constexpr detail::GuardFault guard_fault = detail::fault_in_guard<Watchman, Resolver>();
   static_assert(guard_fault != detail::GuardFault::interface,
                 "this guard is for another interface than the robot's: leave it out, a cycle builds its own");
@@ -133,18 +131,10 @@ class Cycle {
         contacts);
     const auto governor = detail::governor_of(resolver_, all);
     using Limits = std::remove_cvref_t<decltype(governor)>;
-    const auto settings = detail::guard_settings_in(guard_.settings(), parts...);
-    if constexpr (detail::limits_jerk<Limits>) {
-      using Smooth = std::remove_cvref_t<decltype(governor.jerk())>;
-      const typename detail::GuardOf<Resolver, Smooth>::type guard(detail::as_configuration(resolver_),
-                                                                   settings, governor.jerk());
-      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_,
-                                                                                 guard, governor);
-    } else {
-      const typename detail::GuardOf<Resolver>::type guard(detail::as_configuration(resolver_), settings);
-      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_,
-                                                                                 guard, governor);
-    }
+    const auto guard =
+        detail::guard_for(resolver_, detail::guard_settings_in(guard_.settings(), parts...), governor);
+    return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_, guard,
+                                                                               governor);
   }
 
   [[nodiscard]] const Resolver& resolver() const noexcept { return resolver_; }
@@ -273,7 +263,7 @@ class Cycle {
         found |= given.status;
         slowed = given.altered;
         resolved.command = given.command;
-        if constexpr (Resolver::interface == Interface::torque) resolved.fallback = given.hold;
+        if constexpr (requires { given.hold; }) resolved.fallback = given.hold;
       }
     }
     const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured, input.now,
@@ -282,8 +272,7 @@ class Cycle {
     out.command.assign(guarded.command);
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
     if constexpr (governed) {
-      if (guarded.altered && Resolver::interface != Interface::torque)
-        governor_.sent(m.governor, guarded.command);
+      if (guarded.altered && detail::commands_motion<Resolver>) governor_.sent(m.governor, guarded.command);
     }
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
     watch.end(CycleStage::guard);
@@ -343,9 +332,15 @@ class Cycle {
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
                              const Interval& interval) const noexcept {
     scalar dt = seconds<scalar>(interval.to - interval.from);
-    if constexpr (Resolver::interface == Interface::position) dt = m.robot.command_span;
+    if constexpr (detail::takes_positions<Resolver>) dt = m.robot.command_span;
     const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
-    if constexpr (Resolver::interface == Interface::torque) {
+    if constexpr (!detail::has_one_interface<Resolver>) {
+      std::array<scalar, Resolver::stiff_groups> spans;
+      Resolver::each([&](auto k) { spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
+      return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
+                            guard_.waits(m.guard), resolved.status.has(Reason::state_stale), m.robot.measured,
+                            pressed, nearest, spans, dt);
+    } else if constexpr (Resolver::interface == Interface::torque) {
       // An old velocity is no basis for braking.
       if (resolved.status.has(Reason::state_stale))
         return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};

@@ -199,6 +199,26 @@ class Governor {
     return out;
   }
 
+  /// The motion from `last` towards the velocity `u` within the limits of the joints, and of jerk if `Smooth`;
+  /// `out.command` becomes the command at its end, `dt` > 0 seconds after `last`.
+  template <bool Smooth = has_jerk>
+  SKINCTL_INLINE void follow(Memory& m, const JointCommand<N, T>& last, const JointVelocity<N, T>& u,
+                             const T& dt, Governed<N, T>& out) const noexcept {
+    const auto room = limits_.room(last.position);
+    if constexpr (Smooth) {
+      const auto motion = jerk_.move(room, last.velocity, m.acceleration, u, dt);
+      out.status |= motion.status;
+      m.acceleration = motion.acceleration;
+      make(m, last, motion, dt, out);
+    } else {
+      const auto motion = limits_.move(room, last.velocity, u, dt);
+      out.status |= Status::from_bits(motion.status.bits() & ~Status(Reason::acceleration_limited).bits());
+      if constexpr (has_jerk)
+        for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+      make(m, last, motion, dt, out);
+    }
+  }
+
   /// The guard sent `command` instead.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept {
     if constexpr (has_jerk) m.acceleration = command.acceleration;
