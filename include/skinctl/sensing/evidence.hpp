@@ -86,8 +86,8 @@ template <Scalar S>
                                                const S& sigma = S(1.5)) noexcept {
   using std::max;
   using std::min;
-  const S left = measured - predicted;
-  const S said = (left * left - measured * measured) / (S(2) * sigma * sigma);
+  // ((t - c)^2 - t^2)/2 sigma^2, without its cancellation.
+  const S said = predicted * (predicted - S(2) * measured) / (S(2) * sigma * sigma);
   return select(said == said, max(S(-4), min(S(4), said)), S(0));
 }
 
