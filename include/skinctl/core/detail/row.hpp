@@ -216,6 +216,29 @@ class Row {
     return select(x < Row(T(0)), -x, x);
   }
 
+  /// The numbers `f(0)`, `f(1)`, ..., the index an integral constant, from registers: a load of numbers that were
+  /// stored one by one waits for them.
+  template <class F>
+  static SKINCTL_INLINE Row of(F&& f) noexcept {
+    return made([&](auto k) SKINCTL_INLINE_LAMBDA {
+      const auto number = [&](auto i) SKINCTL_INLINE_LAMBDA -> T {
+        if constexpr (i < N) {
+          return f(i);
+        } else {
+          return T(0);
+        }
+      };
+      if constexpr (Shape::wide) {
+        return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+          return typename Shape::Block(typename Shape::Block::Vector{
+              number(std::integral_constant<std::size_t, k * Shape::width + I>{})...});
+        }(std::make_index_sequence<Shape::width>{});
+      } else {
+        return number(k);
+      }
+    });
+  }
+
   /// The blocks `f(0)`, `f(1)`, ...
   template <class F>
   static SKINCTL_INLINE Row made(F&& f) noexcept {
