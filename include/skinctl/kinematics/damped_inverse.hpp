@@ -224,13 +224,14 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     }
     return solve_rate_damped(dJ, dx_r, missing, dq_r);
   }
-  /// The same, of joints that move at `dq`: without a Jacobian's rate where nothing is damped.
+  /// The same, of joints that move at `dq`, the frame at `V = J dq`: without a Jacobian's rate where nothing is
+  /// damped.
   [[nodiscard]] SKINCTL_INLINE JointAcceleration<joints, T> solve_rate(
-      const JointVelocity<joints, T>& dq, const Velocity& dx_r, const BodyAcceleration& ddx_r,
-      const JointVelocity<joints, T>& dq_r) const noexcept {
+      const JointVelocity<joints, T>& dq, const Velocity& V, const Velocity& dx_r,
+      const BodyAcceleration& ddx_r, const JointVelocity<joints, T>& dq_r) const noexcept {
     if constexpr (square) {
       if (!damped_) [[likely]]
-        return solve(ddx_r - jacobian_rate_times(J_, dq, dq_r));
+        return solve(ddx_r - jacobian_rate_times(J_, dq, dq_r, V));
     }
     return solve_rate_at(dq, dx_r, ddx_r, dq_r);
   }

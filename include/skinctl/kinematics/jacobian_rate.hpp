@@ -83,12 +83,13 @@ template <Topology M, LinkMask C, Frame Body, Scalar T>
 
 /// `dJ v` of joints that move at `dq`, without forming dJ: `sum of w_i x v_i linear_i + v_i angular_i x outside_i`
 /// and of `w_p x v_i angular_i`, where p is the joint before i.
+/// @param V  `J dq`.
 template <Topology M, LinkMask C, Frame Body, Scalar T>
 [[nodiscard]] SKINCTL_INLINE Acceleration<Body, Base, Body, Base, T> jacobian_rate_times(
     const Jacobian<M, C, Body, Body, Base, T>& J, const JointVelocity<M::joints, T>& dq,
-    const JointVelocity<M::joints, T>& v) noexcept {
+    const JointVelocity<M::joints, T>& v, const Twist<Body, Base, Body, Base, T>& V) noexcept {
   Acceleration<Body, Base, Body, Base, T> a;
-  Xyz<T> outside = (J * dq).linear;
+  Xyz<T> outside = V.linear;
   Xyz<T> w{T(0), T(0), T(0)};
   J.for_each([&](auto i, const auto& c) SKINCTL_INLINE_LAMBDA {
     outside = outside - dq[i.value] * c.linear;

@@ -64,17 +64,19 @@ class Ldlt {
   }
 
   /// Solves `a x = b`; `x` may be `b`.
-  SKINCTL_INLINE constexpr void solve(const T* b, T* x) const noexcept {
-    T y[N];
+  /// @tparam B  numbers, or rows of them: several right sides at once.
+  template <class B>
+  SKINCTL_INLINE constexpr void solve(const B* b, B* x) const noexcept {
+    B y[N];
     skinctl::detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
       const std::size_t j = k;
-      T r = b[j];
+      B r = b[j];
       below(k, [&](std::size_t i) SKINCTL_INLINE_LAMBDA { r = r - ld_[j][i] * y[i]; });
       y[j] = r * inverse_[j];
     });
     skinctl::detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
       const std::size_t j = N - 1 - k;
-      T s(0);
+      B s = T(0);
       below(k, [&](std::size_t i) SKINCTL_INLINE_LAMBDA { s = s + ld_[j + 1 + i][j] * x[j + 1 + i]; });
       x[j] = y[j] - s * inverse_[j];
     });

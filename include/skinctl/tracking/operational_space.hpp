@@ -284,15 +284,15 @@ SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::sur
   const T nearness = inverse.nearness();
   if constexpr (Null::rests) {
     s.dq_r = inverse.solve(v);
-    s.ddq_r = inverse.solve_rate(at.dq, v, a, s.dq_r);
+    s.ddq_r = inverse.solve_rate(at.dq, at.V, v, a, s.dq_r);
   } else {
     const NullMotion<N, T> z = null_.motion(at.q, at.dq);
     v = v - at.jacobian * z.v;
     const auto J_a = at.jacobian * JointVelocity<N, T>::generate([&](std::size_t i) { return z.a[i]; });
-    const auto dJ_v = jacobian_rate_times(at.jacobian, at.dq, z.v);
+    const auto dJ_v = jacobian_rate_times(at.jacobian, at.dq, z.v, at.V);
     a = {a.linear - J_a.linear - dJ_v.linear, a.angular - J_a.angular - dJ_v.angular};
     const auto dq = inverse.solve(v);
-    s.ddq_r = z.a + inverse.solve_rate(at.dq, v, a, dq);
+    s.ddq_r = z.a + inverse.solve_rate(at.dq, at.V, v, a, dq);
     s.dq_r = z.v + dq;
   }
   s.rests = false;

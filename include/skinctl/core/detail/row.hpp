@@ -171,6 +171,14 @@ class Row {
     return JointVector<Kind, N, T>::written([&](T* to) SKINCTL_INLINE_LAMBDA { store(to); });
   }
 
+  [[nodiscard]] SKINCTL_INLINE T operator[](std::size_t i) const noexcept {
+    if constexpr (Shape::wide) {
+      return block[i / Shape::width][i % Shape::width];
+    } else {
+      return block[i];
+    }
+  }
+
   friend SKINCTL_INLINE Row operator+(const Row& a, const Row& b) noexcept {
     return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] + b.block[k]; });
   }
@@ -249,6 +257,13 @@ class Row {
 };
 template <class Kind, std::size_t N, Real T>
 Row(const JointVector<Kind, N, T>&) -> Row<N, T>;
+
+/// `to = from` in the blocks in which rows are written: GCC copies a whole vector in one wider piece, and such a
+/// load waits for the stores of the blocks.
+template <class Kind, std::size_t N, Real T>
+SKINCTL_INLINE void copy_row(const JointVector<Kind, N, T>& from, JointVector<Kind, N, T>& to) noexcept {
+  Row<N, T>(from).store(to);
+}
 
 }  // namespace detail
 
