@@ -117,7 +117,7 @@ class SingularityDamping {
 /// not allocate; a NaN gives NaNs or zeros.
 ///
 /// Six joints and a pose, outside of the zone: J itself is inverted, in blocks (`detail::BlockInverse`); the error
-/// is a few hundred units in the last place times the condition number of J. In the zone, for other numbers of
+/// is a few units in the last place times the condition number of J. In the zone, for other numbers of
 /// joints, and where the last three joints' axes are nearly in a plane, the smaller of the two products is formed
 /// and factorised: a few units times the square of the condition number.
 template <class J, TaskSpace What = TaskSpace::pose>
