@@ -106,6 +106,26 @@ struct SkinOnRobotClock {
   std::span<const CellSample> poll() noexcept { return receiver.poll(driver.clock()); }
 };
 
+/// The driver, which remembers how the scene was started: a recording begins there.
+struct RecordedDriver {
+  adapters::ur5::Driver& driver;
+  State<6> measured{};
+  JointPosition<6> began_told{};
+  State<6> began{};
+
+  Heard wait(State<6>& state) noexcept {
+    const Heard heard = driver.wait(state);
+    measured = state;
+    return heard;
+  }
+  JointPosition<6> told() noexcept {
+    began = measured;
+    return began_told = driver.told();
+  }
+  bool send(const JointCommand<6>& command) noexcept { return driver.send(command); }
+  void stop() noexcept { driver.stop(); }
+};
+
 struct Largest {
   double step_velocity = 0, step_acceleration = 0;  ///< in units of their limits
 };
@@ -207,12 +227,17 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   bool recording_started = false;
 
   SkinOnRobotClock skin{receiver, driver};
+  RecordedDriver robot{driver};
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
     if (first == 0ns) first = input.now;
     const double t = seconds<double>(input.now - first);
     if (!recording_started && !s.record.empty()) {
       // The scene was started at the state before this one: that is what a replay starts from.
-      recording.start(m.robot.measured);
+      if constexpr (I == Interface::position) {
+        recording.start(robot.began, robot.began_told);
+      } else {
+        recording.start(m.robot.measured);
+      }
       recording_started = true;
     }
     // A skin that is silent or talks nonsense cannot be trusted to feel anything: brake, hold, end.
@@ -280,7 +305,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   options.cycles = planned;
   options.period = period;
   options.stop = &stop;
-  const auto report = run_loop(scene, *memory, driver, skin, options, before, after);
+  const auto report = run_loop(scene, *memory, robot, skin, options, before, after);
 
   // The robot comes to rest by its own program; the simulation knows what its fingers felt.
   log.touches = observer.touches();
@@ -331,6 +356,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   print(s, log);
   if (!s.record.empty()) recording.save(s.record);
 
+  if (report.ended == LoopEnd::displaced) reason = "the arm stands too far from where it was told to be";
   if (report.ended == LoopEnd::lost || report.ended == LoopEnd::no_state) reason = driver.error();
   if (!reason.empty()) {
     std::fprintf(stderr, "\nstopped: %s; the robot was told to stop\n", reason.c_str());

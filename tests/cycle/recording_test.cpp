@@ -57,6 +57,35 @@ Recording<Scene> recorded_run(const Scene& scene, std::size_t bytes = std::size_
 
 }  // namespace
 
+TEST_CASE("recording: the start of a robot that stands beside where it was told to be is part of it") {
+  const auto scene = reaching_scene();
+  Recording<Scene> recording(1 << 20);
+  auto memory = std::make_unique<Scene::Memory>();
+  StiffJoints<> robot(home_position(), 8ms, 4ms);
+  const auto drooping = [&](State<6> s) {
+    s.q[1] -= 0.04;
+    return s;
+  };
+  scene.start(*memory, drooping(robot.state()), home_position());
+  recording.start(drooping(robot.state()), home_position());
+  for (int k = 1; k <= 200; ++k) {
+    Scene::Input input;
+    input.now = k * 8ms;
+    input.measured = drooping(robot.run_to(input.now));
+    const auto out = scene.step(*memory, input);
+    recording.add(input, out.command);
+    robot.command(input.now, out.command.position);
+  }
+  const auto path = (std::filesystem::temp_directory_path() / "skinctl_recording_told_test.bin").string();
+  recording.save(path);
+  for (const auto& copy : {recording, Recording<Scene>::load(path)}) {
+    const auto again = replay(scene, copy);
+    CHECK(again.cycles == 200);
+    CHECK(again.different == 0);
+  }
+  std::filesystem::remove(path);
+}
+
 TEST_CASE("recording: a replay gives every command bit for bit, also from the file") {
   const auto scene = reaching_scene();
   const auto recording = recorded_run(scene);

@@ -116,6 +116,45 @@ TEST_CASE(
 }
 
 namespace {
+/// Droops by `droop` at its first joint, and says where it was told to be.
+struct DroopingRobot {
+  FastRobot robot;
+  double droop = 0.03;
+  JointPosition<6> sent{};
+  Heard wait(State<6>& state) noexcept {
+    const Heard heard = robot.wait(state);
+    state.q[0] -= droop;
+    return heard;
+  }
+  bool send(const JointCommand<6>& command) noexcept {
+    if (robot.sends == 0) sent = command.position;
+    return robot.send(command);
+  }
+  void stop() noexcept { robot.stop(); }
+  [[nodiscard]] JointPosition<6> told() const noexcept { return home_position(); }
+};
+}  // namespace
+
+TEST_CASE("loop: a robot that droops is told to stay where it was told to be; one too far off is not moved") {
+  const auto scene = reaching_scene();
+  auto memory = std::make_unique<Scene::Memory>();
+  NoSkin skin;
+  const auto go = [&](DroopingRobot& robot) {
+    return run_loop(
+        scene, *memory, robot, skin, {.cycles = 50}, [](auto&, auto&) { return true; },
+        [](const auto&, const auto& out, const auto&) { CHECK_FALSE(out.status.has(Reason::displaced)); });
+  };
+  DroopingRobot robot;
+  CHECK(go(robot).ended == LoopEnd::finished);
+  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(robot.sent[i] - home_position()[i]) < 1e-9);
+  DroopingRobot far;
+  far.droop = 0.16;
+  CHECK(go(far).ended == LoopEnd::displaced);
+  CHECK(far.robot.sends == 0);
+  CHECK(far.robot.stops == 1);
+}
+
+namespace {
 /// Numbers its packets; every second one is lost on the way from the 100th to the 150th.
 struct NumberedRobot : FastRobot {
   std::uint32_t number = 0;

@@ -52,6 +52,11 @@ class Driver {
   skinctl::Heard wait(skinctl::State<6>& state) noexcept;
   bool send(const skinctl::JointCommand<6>& command) noexcept;
   void stop() noexcept;
+  /// Where the arm was told to be at the newest report: a droop or an offset of the encoders lies between this
+  /// and the measured position.
+  [[nodiscard]] skinctl::JointPosition<6> told() const noexcept {
+    return skinctl::JointPosition<6>(report_.told);
+  }
 
   /// Why the robot was lost; empty while it is there.
   [[nodiscard]] const std::string& error() const noexcept { return error_; }

@@ -69,6 +69,7 @@ bool Report::decode(std::span<const std::uint8_t> payload) noexcept {
   safety_mode = in.i32();
   runtime_state = in.u32();
   digital_outputs = in.u64();
+  for (double& x : told) x = in.f64();
   return in.ok();
 }
 

@@ -80,11 +80,12 @@ struct Report {
   std::int32_t safety_mode = 0;     ///< 1: normal, 2: reduced; 3 and more: stopped
   std::uint32_t runtime_state = 0;  ///< 2: a program is playing
   std::uint64_t digital_outputs = 0;
+  std::array<double, 6> told{};  ///< where the controller was told to be [rad]
 
   static constexpr const char* recipe =
-      "timestamp,actual_q,actual_qd,robot_mode,safety_mode,runtime_state,actual_digital_output_bits";
-  static constexpr const char* types = "DOUBLE,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,UINT64";
-  static constexpr std::size_t bytes = 8 + 48 + 48 + 4 + 4 + 4 + 8;
+      "timestamp,actual_q,actual_qd,robot_mode,safety_mode,runtime_state,actual_digital_output_bits,target_q";
+  static constexpr const char* types = "DOUBLE,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,UINT64,VECTOR6D";
+  static constexpr std::size_t bytes = 8 + 48 + 48 + 4 + 4 + 4 + 8 + 48;
   /// From a data package's payload behind the recipe id; false if it is too short.
   bool decode(std::span<const std::uint8_t> payload) noexcept;
 };

@@ -169,9 +169,15 @@ class Cycle {
     requires detail::takes_positions<Resolver>
   {
     Memory m{};
+    start(m, measured, told);
+    return m;
+  }
+  SKINCTL_COLD void start(Memory& m, const State<joints, scalar>& measured,
+                          const JointPosition<joints, scalar>& told) const noexcept
+    requires detail::takes_positions<Resolver>
+  {
     m.robot = resolver_.start(measured, told);
     start_rest(m, m.robot.started ? m.robot.measured : measured);
-    return m;
   }
 
   /// One cycle: `(memory, input) -> (output, memory')`, the interval being the time since the last one.

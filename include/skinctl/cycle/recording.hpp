@@ -65,6 +65,11 @@ class ByteReader {
   bool short_ = false;
 };
 
+template <class C, class... Begin>
+concept StartsWith = requires(const C& cycle, typename C::Memory& memory, const Begin&... begin) {
+  cycle.start(memory, begin...);
+};
+
 }  // namespace detail
 
 /// Calls `f(number)` for each plain number of a value. For goals of your own laws, overload
@@ -172,13 +177,12 @@ class Recording {
   /// Room for `bytes` bytes; a cycle of a six-joint arm takes about 400 and a sample 48.
   explicit Recording(std::size_t bytes = std::size_t(64) << 20) : bytes_(bytes) {}
 
+  using Position = JointPosition<C::joints, typename C::scalar>;
+
   /// The scene starts at `measured`. Discards the earlier recording.
-  void start(const State& measured) noexcept {
-    bytes_.clear();
-    cycles_ = 0;
-    full_ = !bytes_.fits(fixed_size);
-    if (!full_) write(measured);
-  }
+  void start(const State& measured) noexcept { start(measured, nullptr); }
+  /// The scene starts with a robot at `measured` that was told to be at `told`.
+  void start(const State& measured, const Position& told) noexcept { start(measured, &told); }
   /// Adds a cycle; nothing is allocated. Without enough room the cycle and all following ones are dropped:
   /// see `full()`.
   void add(const Input& input, const Command& command) noexcept {
@@ -239,13 +243,16 @@ class Recording {
     return out;
   }
 
-  /// Calls `start(state)`, then `each(input, command)` for every cycle.
+  /// Calls `start(state)` or `start(state, told)`, then `each(input, command)` for every cycle.
   template <class Start, class Each>
   void visit(Start&& start, Each&& each) const {
     detail::ByteReader reader(bytes());
-    State state;
-    read(reader, state);
-    start(state);
+    const Beginning begin = read_start(reader);
+    if (begin.has_told) {
+      start(begin.measured, begin.told);
+    } else {
+      start(begin.measured);
+    }
     Samples samples;
     for (std::uint64_t k = 0; k < cycles_ && !reader.short_of_bytes(); ++k) {
       Input input;
@@ -266,6 +273,28 @@ class Recording {
     std::vector<WrenchSample> wrenches;
   };
   static constexpr std::size_t fixed_size = sizeof(Input) + sizeof(Command) + 64;
+
+  struct Beginning {
+    State measured;
+    bool has_told = false;
+    Position told;
+  };
+  void start(const State& measured, const Position* told) noexcept {
+    bytes_.clear();
+    cycles_ = 0;
+    full_ = !bytes_.fits(fixed_size);
+    if (full_) return;
+    write(measured);
+    bytes_.put(told != nullptr);
+    if (told != nullptr) write(*told);
+  }
+  static Beginning read_start(detail::ByteReader& reader) {
+    Beginning begin;
+    read(reader, begin.measured);
+    begin.has_told = reader.get<bool>();
+    if (begin.has_told) read(reader, begin.told);
+    return begin;
+  }
 
   template <class V>
   void write(V value) noexcept {
@@ -301,8 +330,7 @@ class Recording {
   }
   void check(const std::string& path) const {
     detail::ByteReader reader(bytes());
-    State state;
-    read(reader, state);
+    static_cast<void>(read_start(reader));
     Samples samples;
     std::uint64_t seen = 0;
     for (; seen < cycles_ && !reader.short_of_bytes(); ++seen) {
@@ -317,7 +345,7 @@ class Recording {
   /// that must agree, number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    constexpr char kind = "2WMBCwmb"[(configured ? 4 : 0) + (has_motors ? 2 : 0) + (has_wrenches ? 1 : 0)];
+    constexpr char kind = "3XNDEyne"[(configured ? 4 : 0) + (has_motors ? 2 : 0) + (has_wrenches ? 1 : 0)];
     for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', kind}) w.put(c);
     w.put(std::uint32_t(0x01020304));
     w.put(static_cast<std::uint32_t>(C::joints));
@@ -351,13 +379,15 @@ template <class C>
     each_number(b, [&](const auto& v) { y.put(v); });
     return x.bytes() == y.bytes();
   };
-  recording.visit([&](const auto& state) { cycle.start(*memory, state); },
-                  [&](const auto& input, const auto& command) {
-                    const auto out = cycle.step(*memory, input);
-                    if (!same_bits(out.command, command) && result.different++ == 0)
-                      result.first_different = result.cycles;
-                    ++result.cycles;
-                  });
+  // A file that says where the robot was told to be, of a scene that does not ask for it, is no recording of it.
+  const auto start = [&]<class... Begin>(const Begin&... begin) {
+    if constexpr (detail::StartsWith<C, Begin...>) cycle.start(*memory, begin...);
+  };
+  recording.visit(start, [&](const auto& input, const auto& command) {
+    const auto out = cycle.step(*memory, input);
+    if (!same_bits(out.command, command) && result.different++ == 0) result.first_different = result.cycles;
+    ++result.cycles;
+  });
   return result;
 }
 

@@ -22,7 +22,8 @@ enum class LoopEnd : unsigned char {
   finished,     ///< the number of cycles was reached, or the user's function ended it
   interrupted,  ///< the stop flag was set
   lost,         ///< the robot's connection is gone, or a command could not be sent
-  no_state      ///< no state arrived at the beginning
+  no_state,     ///< no state arrived at the beginning
+  displaced     ///< at the beginning the robot stood too far from where it was told to be, or at no number
 };
 
 /// The times of a run, per stage of the cycle; `whole` is all stages.
@@ -61,6 +62,13 @@ struct LoopOptions {
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };
 
+namespace detail {
+/// A driver of a robot by position that reports where the robot was told to be.
+template <class Robot, class C>
+concept TellsPosition = requires(const C& cycle, typename C::Memory& memory, const typename C::Input& input,
+                                 Robot& robot) { cycle.start(memory, input.measured, robot.told()); };
+}  // namespace detail
+
 /// Runs `cycle` with `robot` and `skin` until it ends. In every cycle: wait for a state, take the samples,
 /// call `before(input, memory)`, which may set goals, requests and what other sensors read (`input.sensed`) and
 /// ends the run by returning false, step,
@@ -94,7 +102,16 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     robot.stop();
     return report;
   }
-  cycle.start(memory, input.measured);
+  if constexpr (detail::TellsPosition<Robot, C>) {
+    cycle.start(memory, input.measured, robot.told());
+    if (!memory.robot.started) {
+      report.ended = LoopEnd::displaced;
+      robot.stop();
+      return report;
+    }
+  } else {
+    cycle.start(memory, input.measured);
+  }
   static_cast<void>(skin.poll());  // samples from before the start are old
   Nanoseconds heard_at = Stopwatch::now();
 

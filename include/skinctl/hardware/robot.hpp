@@ -26,6 +26,8 @@ enum class Heard : unsigned char {
 /// - `wrenches()`, optional, gives the samples of a wrist sensor that arrived since the last call, in order; the
 ///   span stays valid until the next call.
 /// - `motor_torque()`, optional, is the motors' torque at the joints of the newest state [N m].
+/// - `told()`, optional, is where the robot's controller was told to be at the newest state. The loop asks a robot
+///   by position for it once, at its start, so that a servo that droops does not step.
 /// - `stop()` brings the robot to rest by its own means; it must work at any time and not throw.
 template <class R, std::size_t N, class T>
 concept RobotDriver = requires(R& robot, State<N, T>& state, const JointCommand<N, T>& command) {
