@@ -54,11 +54,11 @@ struct ToolInverse {
     for (int i = 0; i < 9; ++i) m[i] *= per;
   }
   BENCH_FLOOR_INLINE void solve(const double* v, double* x) const {
-    double y[3], g[3];
-    for (int i = 0; i < 3; ++i) g[i] = dot3(r + 3 * i, v + 3);
-    for (int i = 0; i < 3; ++i) y[i] = v[i] - g[0] * J[18 + i] - g[1] * J[24 + i] - g[2] * J[30 + i];
+    double y[3], d[3];
+    for (int i = 0; i < 3; ++i) d[i] = dot3(r + 3 * i, v + 3);
+    for (int i = 0; i < 3; ++i) y[i] = v[i] - d[0] * J[18 + i] - d[1] * J[24 + i] - d[2] * J[30 + i];
     for (int i = 0; i < 3; ++i) x[i] = dot3(p + 3 * i, y);
-    for (int i = 0; i < 3; ++i) x[3 + i] = g[i] - x[0] * e[i] - x[1] * e[3 + i] - x[2] * e[6 + i];
+    for (int i = 0; i < 3; ++i) x[3 + i] = d[i] - x[0] * e[i] - x[1] * e[3 + i] - x[2] * e[6 + i];
   }
 };
 
@@ -67,8 +67,8 @@ struct ToolReference {
 };
 
 /// Eqs. (15)-(21) at a target that stands still, with the gains of `tracking_by_hand`.
-BENCH_FLOOR_INLINE void reference(const double* q, const double* dq, const double* target, const double* I1,
-                                  const double* I2, ToolReference& out) {
+BENCH_FLOOR_INLINE void reference(const double* q, const double* dq, const double* target,
+                                  const double* sum_S, const double* sum_sign, ToolReference& out) {
   double X[12], J[36], V[6] = {}, E[9], e[6], dx_r[6], a[6];
   tool_at(q, X, J);
   for (int k = 0; k < 6; ++k)
@@ -84,7 +84,7 @@ BENCH_FLOOR_INLINE void reference(const double* q, const double* dq, const doubl
   for (int i = 0; i < 6; ++i) {
     out.S[i] = V[i] + 5 * e[i];
     out.sign[i] = std::tanh(10 * out.S[i]);
-    dx_r[i] = -5 * e[i] - I1[i] - 0.1 * I2[i];
+    dx_r[i] = -5 * e[i] - sum_S[i] - 0.1 * sum_sign[i];
     a[i] = -5 * V[i] - out.S[i] - 0.1 * out.sign[i];
   }
   const ToolInverse inverse(J);
@@ -177,9 +177,9 @@ BENCH_FLOOR_INLINE void floor_tool_shape(const double* q, const double* dq, cons
     u[k] = -p, v[k] = -s;
     for (int i = 0; i < 6; ++i) {
       if (i == k) continue;
-      const double f = re[6 * i + k], g = im[6 * i + k];
+      const double f = re[6 * i + k], h = im[6 * i + k];
       re[6 * i + k] = im[6 * i + k] = 0;
-      for (int j = 0; j < 6; ++j) re[6 * i + j] -= f * u[j] - g * v[j], im[6 * i + j] -= f * v[j] + g * u[j];
+      for (int j = 0; j < 6; ++j) re[6 * i + j] -= f * u[j] - h * v[j], im[6 * i + j] -= f * v[j] + h * u[j];
     }
     for (int j = 0; j < 6; ++j) re[6 * k + j] = u[j], im[6 * k + j] = v[j];
   }
