@@ -56,6 +56,13 @@ int run(int argc, char** argv) {
   app.add_option("--touch", s.touch_profile,
                  "CSV time,force: a recorded press instead of the scenario's touches")
       ->check(CLI::ExistingFile);
+  app.add_option(
+      "--skin-faults", s.skin_faults,
+      "what is wrong with the simulated skin: FAULT:CELL or FAULT:SHARE%, then @SECONDS and =LEVEL if "
+      "wanted, separated by commas; FAULT: stuck, saturated, blinking, noisy, cross-talk, discharge, "
+      "unheard");
+  app.add_flag("--trust-all-cells", s.trust_all_cells,
+               "readings count as they come: nothing is masked, no rest level is followed");
   app.add_option("--cycles", s.cycles, "end after so many cycles (0: as long as the scenario lasts)");
   app.add_option("--rate", s.rate, "cycles a second")->check(CLI::IsMember({125.0, 500.0}));
   app.add_option("--interface", interface, "what is commanded")

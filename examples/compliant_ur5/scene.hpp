@@ -10,6 +10,8 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
+#include "skinctl/tactile/lone_cell.hpp"
+#include "skinctl/tactile/trusted_skin.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 
 namespace compliant_ur5 {
@@ -47,6 +49,21 @@ skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s) {
   return t;
 }
 
+/// Behind rest levels and fault rules: a stuck cell, or one that drifts, does not push. The virtual arm has no dry
+/// friction that would hold the force of a cell alone, so that a cell without a witness does not count.
+inline auto trusted_skin(const Settings& s) {
+  using namespace skinctl;
+  SkinSettings settings;
+  settings.force = EventGate<>::dead_band(s.control.force_threshold);
+  TrustSettings trust;
+  trust.lone_force = {s.trust_all_cells ? std::numeric_limits<double>::infinity() : 0.0};
+  trust.follow_rest = !s.trust_all_cells;
+  trust.noise = {{.force = 0.4f, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
+  trust.health.delta = 2;  // of the simulated cells, and of TUM's
+  trust.answer = 0.05;     // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
+  return TrustedSkin(ur5_skin<cells>(gains(s), settings), trust, ur5::skin_patches<cells>(gains(s)));
+}
+
 /// From skin and state to commands for `I`: every number of it comes from the settings.
 template <skinctl::Interface I>
 auto make_scene(const Settings& s) {
@@ -60,15 +77,19 @@ auto make_scene(const Settings& s) {
                                             .virtual_damping = s.control.decay,
                                             .viscous_friction = JointTorque<6>(s.control.viscous),
                                             .dead_band = JointPosition<6>::constant(0.02)};
-  SkinSettings settings;
-  settings.force = EventGate<>::dead_band(s.control.force_threshold);
-  const auto skin = ur5_skin<cells>(gains(s), settings);
+  const auto skin = trusted_skin(s);
   const StiffestContact stiffest{
       .stiffness = s.control.stiffest_contact, .newtons = s.newtons_per_reading, .may_ring = true};
   const double damping = stiffest.damping(robot_by<I>(ur5::Model{}, configuration), skin);
   const auto arm =
       robot_by<I>(ur5::Model{}, configuration, ContactDamper<>({.max = damping, .calm = 200ms}), stiffest);
   return Cycle(arm, skin, SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
+}
+
+/// The same, as the job runs it: it does not move before its skin is heard, and stops when a patch falls silent.
+template <skinctl::Interface I>
+auto make_watched_scene(const Settings& s) {
+  return make_scene<I>(s).with(skinctl::SkinWatch{.enough = s.control.skin_enough});
 }
 
 }  // namespace compliant_ur5

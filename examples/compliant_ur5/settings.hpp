@@ -35,6 +35,8 @@ struct ControlSettings {
   double stiffest_contact = 3e4;   ///< that it may meet [N/m]; gives the damping of contacts that ring
   double proximity_gain = 0;       ///< w_p [N per unit of proximity]
   double force_threshold = 0.08;   ///< on the sum of the three force readings
+  double skin_enough = 0.6;        ///< share of each patch's cells that must report, or the arm does not move
+  double skin_patience = 2;        ///< after so long without them the job ends [s]
   double max_velocity = 0.5;       ///< of motions to goals [rad/s]
   double velocity_limit = 3;       ///< of commands [rad/s]
   double acceleration_limit = 30;  ///< of commands [rad/s^2]
@@ -50,9 +52,11 @@ struct Settings {
   double rate = 125;
   double speed = 0;  ///< of the simulation: 0: lock-step, 1: real time
   skinctl::Interface interface = skinctl::Interface::position;
-  std::string touch_profile;  ///< CSV that replaces the scenario's touches
-  bool rigid = false;         ///< the skin does not act
-  bool compare = true;        ///< simulated: run the scenario rigid as well
+  std::string touch_profile;     ///< CSV that replaces the scenario's touches
+  std::string skin_faults;       ///< of the simulated skin: see `simulated_ur5::read_skin_faults`
+  bool trust_all_cells = false;  ///< readings count as they come
+  bool rigid = false;            ///< the skin does not act
+  bool compare = true;           ///< simulated: run the scenario rigid as well
   bool quiet = false;
   std::string record, replay, report, json;  ///< files; empty: none
   std::uint16_t rtde_port = 30004, script_port = 30002, dashboard_port = 29999;

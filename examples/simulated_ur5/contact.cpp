@@ -222,7 +222,10 @@ void ContactWorld::approach(const Touch& touch, const Links& links, Vec3 tip) {
     // The sensor looks outward from 2 mm below the surface, so that a touching finger is still ahead of it.
     const double height = dot(off, cells_[i].normal);
     const double ahead = std::max(0.002, height + 0.002);
-    const double beside_2 = std::max(0.0, dot(off, off) - height * height);
+    // As wide as the area that it presses: what feels it sees it as well.
+    const double beside =
+        std::max(0.0, std::sqrt(std::max(0.0, dot(off, off) - height * height)) - touch.patch_radius);
+    const double beside_2 = beside * beside;
     const double distance_2 = beside_2 + std::max(0.0, height) * std::max(0.0, height);
     const double cosine_2 = ahead * ahead / (ahead * ahead + beside_2);
     const double s2 = proximity_distance_ * proximity_distance_;

@@ -10,6 +10,7 @@
 
 #include "examples/simulated_ur5/scenario.hpp"
 #include "examples/simulated_ur5/simulated_ur5.hpp"
+#include "examples/simulated_ur5/skin_faults.hpp"
 
 namespace {
 
@@ -53,7 +54,7 @@ int main(int argc, char** argv) {
 
   CLI::App app{
       "A UR5 with its controller on loopback: RTDE, URScript upload, dashboard, reverse socket, skin."};
-  std::string series, scenario, cells, skin, level = "info";
+  std::string series, scenario, cells, skin, faults, level = "info";
   std::vector<std::string> programs;
   app.add_option("--series", series, "cb3 (125 Hz, the default) or e-series (500 Hz)")
       ->check(CLI::IsMember({"cb3", "e-series"}));
@@ -75,6 +76,10 @@ int main(int argc, char** argv) {
   app.add_option("--skin", skin, "HOST:PORT that gets the skin's datagrams");
   app.add_option("--skin-stop-after", config.skin_stop_after,
                  "the skin falls silent so long after the start [s]");
+  app.add_option(
+      "--skin-faults", faults,
+      "FAULT:CELL or FAULT:SHARE%, then @SECONDS and =LEVEL if wanted, separated by commas; FAULT: "
+      "stuck, saturated, blinking, noisy, cross-talk, discharge, unheard");
   auto* delay = app.add_option("--delay", config.controller.arm.delay, "pure delay of the arm [s]");
   auto* lag = app.add_option("--lag", config.controller.arm.lag, "time constant of the arm [s]");
   double stiffness = simulated_ur5::rigid;
@@ -121,6 +126,9 @@ int main(int argc, char** argv) {
           series == "cb3" ? simulated_ur5::Series::cb3 : simulated_ur5::Series::e_series;
     if (!cells.empty()) config.controller.cells = simulated_ur5::read_cells_file(cells);
     if (!skin.empty()) split_target(skin, config);
+    if (!faults.empty())
+      config.controller.skin.faults =
+          simulated_ur5::read_skin_faults(faults, config.controller.cells, config.controller.seed);
     for (const std::string& program : programs) load_program(program, config);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? exit_ok : exit_configuration;

@@ -103,15 +103,22 @@ void check(const SkinConfig& c) {
 }
 
 Skin::Skin(std::vector<SkinCell> cells, const SkinConfig& config, std::uint64_t seed)
-    : cells_(std::move(cells)), config_(config), memory_(cells_.size()), random_(seed) {
+    : cells_(std::move(cells)),
+      config_(config),
+      memory_(cells_.size()),
+      faults_(config.faults, seed),
+      random_(seed) {
   check(config_);
   skinctl::require(cells_.size() <= most_cells, "number of skin cells", static_cast<double>(cells_.size()),
                    "at most 20000");
+  felt_.reserve(cells_.size());
   out_.reserve(cells_.size());
+  for (std::size_t i = 0; i < cells_.size(); ++i) index_[cells_[i].id] = i;
 }
 
 void Skin::restart(std::uint64_t seed) {
   random_ = Random(seed);
+  faults_ = skinctl::testing::SkinFaults(config_.faults, seed);
   ticks_ = 0;
   for (Memory& m : memory_) {
     const bool dead = m.dead;
@@ -125,17 +132,16 @@ void Skin::set_dead(std::uint32_t cell, bool dead) {
     if (cells_[i].id == cell) memory_[i].dead = dead;
 }
 
-const std::vector<SkinSample>& Skin::sample(Nanoseconds t, const Links& links, const SkinStimulus& stimulus) {
-  out_.clear();
+void Skin::feel(Nanoseconds t, const Links& links, const SkinStimulus& stimulus) {
+  felt_.clear();
   const double h = seconds(config_.period);
-  const std::int64_t rotation = std::max<std::int64_t>(1, config_.keep_alive / config_.period);
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const SkinCell& cell = cells_[i];
     Memory& m = memory_[i];
     const Pose& pose = links.link[cell.link];
     SkinSample s;
     s.cell = cell.id;
-    s.time = t + config_.clock_offset;
+    s.time = std::chrono::nanoseconds(t);
 
     const double share =
         i < stimulus.force.size() ? stimulus.force[i] / (3 * config_.newtons_per_reading) : 0;
@@ -161,7 +167,18 @@ const std::vector<SkinSample>& Skin::sample(Nanoseconds t, const Links& links, c
       s.acceleration[a] = static_cast<float>(std::clamp(step(reading, 9.80665 / 256), -157.0, 157.0));
     }
     s.temperature = static_cast<float>(step(config_.temperature, 0.5));
+    felt_.push_back(s);
+  }
+}
 
+const std::vector<SkinSample>& Skin::sample(Nanoseconds t, const Links& links, const SkinStimulus& stimulus) {
+  feel(t, links, stimulus);
+  if (!config_.faults.empty()) faults_.apply(felt_, std::chrono::nanoseconds(t));
+  out_.clear();
+  const std::int64_t rotation = std::max<std::int64_t>(1, config_.keep_alive / config_.period);
+  for (SkinSample& s : felt_) {
+    const std::size_t i = index_.find(s.cell)->second;
+    Memory& m = memory_[i];
     bool due = !m.ever_sent || t - m.sent_at >= config_.keep_alive;
     // Cells take turns, so that keep-alives do not come all at once.
     if (static_cast<std::int64_t>(i) % rotation == ticks_ % rotation) due = true;
@@ -176,6 +193,7 @@ const std::vector<SkinSample>& Skin::sample(Nanoseconds t, const Links& links, c
     m.sent = s;
     m.sent_at = t;
     m.ever_sent = true;
+    s.time += std::chrono::nanoseconds(config_.clock_offset);
     out_.push_back(s);
   }
   ++ticks_;
@@ -194,7 +212,7 @@ std::size_t write_datagram(std::uint8_t* out, std::uint32_t sequence, std::int64
   for (std::size_t i = 0; i < count; ++i) {
     const SkinSample& s = first[i];
     p = put(p, s.cell);
-    p = put(p, s.time);
+    p = put(p, std::int64_t(s.time.count()));
     for (float f : s.force) p = put(p, f);
     p = put(p, s.proximity);
     for (float a : s.acceleration) p = put(p, a);

@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <istream>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "examples/simulated_ur5/arm.hpp"
 #include "examples/simulated_ur5/geometry.hpp"
+#include "skinctl/testing/skin_faults.hpp"
 
 namespace simulated_ur5 {
 
@@ -47,18 +49,13 @@ struct SkinConfig {
   double proximity_delta = 0.004;
   double acceleration_delta = 1;  ///< [m/s^2]
   Nanoseconds clock_offset{};     ///< added to the controller's time: the skin has its own clock
+  /// What is wrong with its cells, by the controller's time.
+  std::vector<skinctl::testing::FaultyCell> faults;
 };
 void check(const SkinConfig& config);
 
-/// One sample as it goes out.
-struct SkinSample {
-  std::uint32_t cell = 0;
-  std::int64_t time = 0;  ///< [ns], skin clock
-  std::array<float, 3> force{};
-  float proximity = 0;
-  std::array<float, 3> acceleration{};  ///< cell axes, proper acceleration (at rest: +g along up) [m/s^2]
-  float temperature = 0;                ///< [C]
-};
+/// One sample as it goes out, by the skin's clock.
+using SkinSample = skinctl::CellSample;
 
 /// What the world does to the cells at one instant, cell by cell.
 struct SkinStimulus {
@@ -84,6 +81,9 @@ class Skin {
   void set_dead(std::uint32_t cell, bool dead);
 
  private:
+  /// What the sensors read at `t`, cell by cell.
+  void feel(Nanoseconds t, const Links& links, const SkinStimulus& stimulus);
+
   struct Memory {
     SkinSample sent;
     Nanoseconds sent_at{};
@@ -94,7 +94,9 @@ class Skin {
   std::vector<SkinCell> cells_;
   SkinConfig config_;
   std::vector<Memory> memory_;
-  std::vector<SkinSample> out_;
+  std::vector<SkinSample> felt_, out_;
+  skinctl::testing::SkinFaults faults_;
+  std::map<std::uint32_t, std::size_t> index_;
   std::int64_t ticks_ = 0;
   Random random_;
 };

@@ -407,6 +407,82 @@ TEST_CASE("Skin: stale, duplicate, late, early and unknown samples never push an
   CHECK(status == Status(Reason::sample_stale));
 }
 
+namespace {
+/// A front end that sets readings: those of samples to `read` times theirs, those of heard cells to `set`.
+struct Judge {
+  float share = 1;
+  std::vector<std::pair<std::size_t, CellCounts>> set{};
+  mutable int asked = 0, settled = 0;
+
+  CellCounts reading(std::size_t, CellSample s) const {
+    ++asked;
+    for (float& f : s.force) f *= share;
+    return counts(s);
+  }
+  template <class Revise>
+  void settle(const Revise& revise) const {
+    ++settled;
+    for (const auto& [i, raw] : set) revise(i, raw);
+  }
+};
+}  // namespace
+
+TEST_CASE("Skin: a front end that believes its cells changes no bit") {
+  Random rng = seeded(8);
+  const auto skin = ur5_skin<260>({10, 3});
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t id = 1; id <= 260; id += 3) ids.push_back(id);
+  const Stream stream = random_stream(rng, ids, 10ms, 1s, 2ms);
+  auto plain = skin.start(0ns), judged = skin.start(0ns);
+  const Judge front;
+  std::size_t next = 0;
+  int cycles = 0;
+  bool same = true;
+  for (Nanoseconds from{}; from < 1s; from += 8ms, ++cycles) {
+    const std::size_t first = next;
+    while (next < stream.samples.size() && stream.arrivals[next] <= from + 8ms) ++next;
+    const auto samples = std::span(stream.samples).subspan(first, next - first);
+    decltype(skin)::Wrenches a[2], b[2];
+    same = same && skin.receive(plain, samples, from, from + 8ms, 2, a).bits() ==
+                       skin.receive(judged, samples, from, from + 8ms, 2, b, front).bits();
+    same = same && a[0] == b[0] && a[1] == b[1] && plain == judged;
+  }
+  CHECK(same);
+  CHECK(front.asked == static_cast<int>(next));
+  CHECK(front.settled == cycles);
+}
+
+TEST_CASE("Skin: a front end sets what a sample is worth, and revises what is held") {
+  OneCell one;  // 10 N per unit of the sum of three, 4 N per unit of proximity
+  const auto mean = [&](std::vector<CellSample> samples, Nanoseconds from, Nanoseconds to,
+                        const Judge& front) {
+    decltype(one)::S::Wrenches w;
+    one.skin.receive(one.memory, samples, from, to, 1, &w, front);
+    return -w.data[0][2];
+  };
+  const auto force = [](double x) { return CellCounts{static_cast<std::uint16_t>(x * 16384), 0}; };
+  // Half of 15 N, from the sample's ramp on: 20 to 30 ms hold a mean of 7.5 N * 3/10.
+  CHECK(mean({sample(7, 30ms, 0.5f)}, 20ms, 30ms, {.share = 0.5f}) ==
+        doctest::Approx(7.5 * 0.3).epsilon(1e-12));
+  CHECK(one.push({}, 30ms, 40ms) == doctest::Approx(7.5).epsilon(1e-12));
+  // To 10 N within the last 6 ms, with a proximity of 0.25 (1 N); held afterwards.
+  CHECK(mean({}, 40ms, 50ms, {.set = {{0, {16384, 16384}}}}) ==
+        doctest::Approx(7.5 + 3.5 * 0.3).epsilon(1e-12));
+  CHECK(one.push({}, 50ms, 51ms) == doctest::Approx(11).epsilon(1e-12));
+  // An interval shorter than the ramp is all change: nothing is made up for, nothing is owed.
+  CHECK(mean({}, 51ms, 53ms, {.set = {{0, force(0.2)}}}) == doctest::Approx(6.5).epsilon(1e-3));
+  CHECK(mean({}, 53ms, 53ms, {.set = {{0, force(0.4)}}}) == doctest::Approx(2).epsilon(1e-3));
+  CHECK(one.push({}, 53ms, 60ms) == doctest::Approx(4).epsilon(1e-3));
+  CHECK(one.skin.recomputed(one.memory) == one.memory);
+  // Its age is that of its sample at 30 ms: it fades from 230 ms on, and is no longer revised.
+  const auto held = one.memory.held[0];
+  CHECK(mean({}, 60ms, 230ms, {.set = {{0, held}}}) == doctest::Approx(4).epsilon(1e-3));
+  CHECK(mean({}, 230ms, 255ms, {.set = {{0, force(1)}}}) == doctest::Approx(4 * 0.75).epsilon(1e-3));
+  CHECK(mean({}, 255ms, 280ms, {.set = {{0, force(1)}}}) == doctest::Approx(4 * 0.25).epsilon(1e-3));
+  CHECK(mean({}, 280ms, 290ms, {.set = {{0, force(1)}}}) == 0);
+  CHECK(one.skin.recomputed(one.memory) == one.memory);
+}
+
 TEST_CASE("Skin: an interval that goes backwards is one without length") {
   OneCell one;
   Status status;

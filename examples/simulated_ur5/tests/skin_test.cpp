@@ -117,7 +117,7 @@ TEST_CASE("Skin: only news are sent, and every cell before its keep-alive ends")
     sent += samples.size();
     CHECK(samples.size() <= 4);  // they take turns
     for (const SkinSample& sample : samples) {
-      CHECK(sample.time == t);
+      CHECK(sample.time.count() == t);
       last[sample.cell - 100] = t;
     }
     if (k > 30)
@@ -184,7 +184,7 @@ TEST_CASE("Skin: the same seed gives the same samples") {
 TEST_CASE("Datagram: the bytes are those of PROTOCOL.md") {
   SkinSample s;
   s.cell = 7;
-  s.time = 996'000'000;
+  s.time = std::chrono::nanoseconds(996'000'000);
   s.force = {0.125f, 0.25f, 0.125f};
   s.proximity = 0.5f;
   s.acceleration = {0, 0, 9.8125f};

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/patch.hpp"
@@ -81,11 +82,18 @@ class Skin {
   /// `substeps`.
   ///
   /// @param means  `Wrenches`, or `Touch` for forces and proximities apart. A memory stays with one of them.
-  template <class Means>
+  /// @param front  at most one: a front end that judges the cells, for example one that masks faulty ones.
+  ///   `front.reading(i, sample) -> CellCounts` is called for each sample that is not ignored, in place of
+  ///   `counts(sample)`; `i` is the cell's index. Then, once after all samples and before cells age,
+  ///   `front.settle(revise)`: `revise(i, counts)` gives the cell another reading before the gates, reached at `to` by
+  ///   a change within the last `ramp` of this interval. The cell goes on ageing; one that is silent or already fades
+  ///   stays as it is. Revise a cell once at most.
+  template <class Means, class... Front>
   Status receive(Memory& memory, std::span<const CellSample> samples, Nanoseconds from, Nanoseconds to,
-                 std::size_t substeps, Means* means) const noexcept {
+                 std::size_t substeps, Means* means, Front&&... front) const noexcept {
     static_assert(std::is_same_v<Means, Wrenches> || std::is_same_v<Means, Touch>,
                   "a skin receives its own Wrenches, or its Touch");
+    static_assert(sizeof...(Front) <= 1, "a skin has one front end");
     SKINCTL_EXPECTS(substeps > 0 && means != nullptr, "at least one part of the interval");
     const Nanoseconds known = detail::elapsed(memory.begin, from), back = settings().catch_up;
     const auto parts = detail::Parts<T>::of(from, to, substeps, known < back ? known : back);
@@ -104,7 +112,9 @@ class Skin {
     const detail::Reception<T, detail::SkinTables<T, patches>, Memory, Means> reception(tables_, memory,
                                                                                         parts, means);
     Status status;
-    for (const CellSample& sample : samples) status |= reception.take(sample);
+    for (const CellSample& sample : samples) status |= reception.take(sample, front...);
+    (front.settle([&](std::size_t i, CellCounts raw) SKINCTL_INLINE_LAMBDA { reception.revise(i, raw); }),
+     ...);
     status |= reception.age();
     return parts.from == parts.to ? status | Reason::interval_empty : status;
   }
@@ -188,6 +198,19 @@ class Skin {
     std::size_t n = cells;
     for (const std::uint64_t block : memory.heard) n -= static_cast<std::size_t>(std::popcount(block));
     return n;
+  }
+  /// Number of cells whose readings count: received within `max_age`.
+  [[nodiscard]] std::size_t usable(const Memory& memory) const noexcept { return cells - silent(memory); }
+  /// How much of the skin feels, also of its worst patch.
+  [[nodiscard]] Coverage coverage(const Memory& memory) const noexcept {
+    Coverage out;
+    std::size_t first = 0;
+    const auto look = [&](std::size_t count) SKINCTL_INLINE_LAMBDA {
+      out.add(memory.heard_from(first, count), count);
+      first += count;
+    };
+    (look(Patches::cells), ...);
+    return out;
   }
   /// Upper bound of the proximity readings in [0, 1] of the cells on link `I`: at least the gate's opening
   /// threshold, below which nothing passes; 1 if one of the cells is silent and its reading unknown. A link

@@ -19,6 +19,8 @@ concept ContactPart = requires { typename Part::Verdict; };
 
 template <class Part>
 concept MotionPart = requires { typename Part::MotionPart; };
+template <class Part>
+concept WatchPart = requires { typename Part::WatchPart; };
 
 struct IsMotion {
   template <class P>
@@ -35,6 +37,11 @@ struct IsTool {
 struct IsContact {
   template <class P>
   static constexpr bool of = ContactPart<P>;
+};
+
+struct IsWatch {
+  template <class P>
+  static constexpr bool of = WatchPart<P>;
 };
 
 /// The first of the parts that `Is`, or `NoPart`.

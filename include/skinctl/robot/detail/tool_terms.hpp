@@ -6,11 +6,16 @@
 SKINCTL_BEGIN_NAMESPACE
 
 template <std::size_t L, std::size_t Rows, Real T>
-template <class Policy, class M, class Angles, std::size_t N>
+template <class Policy, class S, class M, class Angles>
 SKINCTL_NOINLINE bool ToolShape<L, Rows, T>::terms(const M& model, const Angles& angles,
-                                                   const JointVelocity<N, T>& v, const MassMatrix<N, T>& m0,
-                                                   const JointTorque<N, T>& coriolis, const T& h,
-                                                   ToolTerms<N, Rows, T>& out) const noexcept {
+                                                   const JointVelocity<M::joints, T>& v,
+                                                   const MassMatrix<S::count, T>& m0,
+                                                   const JointTorque<S::count, T>& coriolis, const T& h,
+                                                   ToolTerms<S::count, Rows, T>& out) const noexcept {
+  static_assert(
+      (ancestors<M>(L) & ~S::set) == 0,
+      "ToolShape: on a link that no joint by torque moves; such a joint has the robot's own inertia");
+  constexpr std::size_t N = S::count;
   const math::detail::OneSystem<N, T> factors(m0.data);
   if (!factors.positive_definite()) return false;
   using Joints = detail::Row<N, T>;    // over the joints
@@ -19,7 +24,7 @@ SKINCTL_NOINLINE bool ToolShape<L, Rows, T>::terms(const M& model, const Angles&
   const auto jacobian_of_tool = jacobian<L>(poses, s_.X_LT);
   T columns[N][6] = {};
   jacobian_of_tool.for_each([&](auto i, const auto& c) SKINCTL_INLINE_LAMBDA {
-    T(&to)[6] = columns[i];
+    T(&to)[6] = columns[S::place(i.value)];
     to[0] = c.linear.x, to[1] = c.linear.y, to[2] = c.linear.z;
     to[3] = c.angular.x, to[4] = c.angular.y, to[5] = c.angular.z;
   });
@@ -108,7 +113,8 @@ SKINCTL_COLD ToolTerms<N, Rows, T> ToolShape<L, Rows, T>::at(
   MassMatrix<N, T> m = mass_matrix(model, angles);
   for (std::size_t i = 0; i < N; ++i) m(i, i) = m(i, i) + inertia[i];
   ToolTerms<N, Rows, T> out;
-  if (terms<detail::NoWeight>(model, angles, JointVelocity<N, T>{}, m, JointTorque<N, T>{}, T(0), out))
+  if (terms<detail::NoWeight, AllJoints<N>>(model, angles, JointVelocity<N, T>{}, m, JointTorque<N, T>{},
+                                            T(0), out))
     return out;
   for (auto& row : out.J)
     for (T& x : row) x = T(0);

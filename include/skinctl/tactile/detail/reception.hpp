@@ -7,6 +7,13 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
+/// The front end of a skin that trusts its cells: the readings are those of the samples.
+struct AsSent {
+  SKINCTL_INLINE CellCounts reading(std::size_t, const CellSample& sample) const noexcept {
+    return counts(sample);
+  }
+};
+
 /// An interval in equal parts; times within it are in seconds from its start.
 template <Real T>
 struct Parts {
@@ -42,7 +49,9 @@ class Reception {
         ramp_length_(seconds<T>(tables.settings.ramp)),
         ramp_slope_(T(1) / ramp_length_) {}
 
-  SKINCTL_INLINE Status take(const CellSample& sample) const noexcept {
+  /// `front.reading(i, sample)` says what the sample of cell `i` is worth.
+  template <class Front = AsSent>
+  SKINCTL_INLINE Status take(const CellSample& sample, Front&& front = {}) const noexcept {
     if (const Status bad = check(sample); bad.any()) [[unlikely]]
       return bad;
     const std::size_t i = tables_.cells.index(sample.cell);
@@ -63,7 +72,7 @@ class Reception {
     const bool was_heard = memory_.hears(i);
     const CellCounts old = memory_.held[i];
     const CellCounts in_sums = was_heard ? old : CellCounts{};
-    const CellCounts raw = counts(sample);
+    const CellCounts raw = front.reading(i, sample);
     const CellCounts passed{
         static_cast<std::uint16_t>(tables_.force_gate.pass(raw.force, in_sums.force != 0)),
         static_cast<std::uint16_t>(tables_.proximity_gate.pass(raw.proximity, in_sums.proximity != 0))};
@@ -96,6 +105,32 @@ class Reception {
     return {};
   }
 
+  /// Another reading for a cell that is heard: from `raw` at the end of the interval on, with a change within
+  /// the last `ramp` of it. Nothing before the interval is revised, and the cell goes on ageing. One that is
+  /// silent or fades stays as it is.
+  SKINCTL_INLINE void revise(std::size_t i, CellCounts raw) const noexcept {
+    if (!memory_.hears(i)) return;
+    if (memory_.stamp[i] < parts_.to && span(memory_.stamp[i], parts_.to) > hold_) return;
+    const CellCounts old = memory_.held[i], passed = pass_gates(raw, old);
+    if (passed == old) return;
+    memory_.held[i] = passed;
+    const CellEntry& cell = tables_.cells[i];
+    memory_.sums[cell.patch].add(cell, passed.force - old.force, passed.proximity - old.proximity);
+    if (parts_.from == parts_.to) return;
+    const Ramp<T> ramp = ramp_between(parts_.from, parts_.to);
+    const auto alter = [&]<Reading R>() SKINCTL_INLINE_LAMBDA {
+      const T from = tables_.template push_on<R>(cell, old), to = tables_.template push_on<R>(cell, passed);
+      const T jump = to - from;
+      add_means<R>(cell, T(0), [&](const T& t) SKINCTL_INLINE_LAMBDA { return jump * ramp.integral(t); });
+    };
+    if constexpr (apart) {
+      alter.template operator()<Reading::force>();
+      alter.template operator()<Reading::proximity>();
+    } else {
+      alter.template operator()<Reading::both>();
+    }
+  }
+
   /// Fades the forces of cells that have fallen silent; reports whether any cell is silent.
   SKINCTL_INLINE Status age() const noexcept {
     bool all = true;
@@ -109,6 +144,12 @@ class Reception {
   }
 
  private:
+  /// What the gates let through of a cell's reading, by whether they were open.
+  SKINCTL_INLINE CellCounts pass_gates(CellCounts raw, CellCounts before) const noexcept {
+    return {static_cast<std::uint16_t>(tables_.force_gate.pass(raw.force, before.force != 0)),
+            static_cast<std::uint16_t>(tables_.proximity_gate.pass(raw.proximity, before.proximity != 0))};
+  }
+
   /// Adds the cell's unit wrench times the mean of a force over each part, given its integral over time, and
   /// the impulse `made_up`, spread evenly over the whole interval; for an interval without length the impulse
   /// goes to the next one.

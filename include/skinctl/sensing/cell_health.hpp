@@ -1,0 +1,264 @@
+// The health of cells: faults found by rules in seconds, and masks that fade in and out.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/sensing/cell_fault.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/detail/frame_scan.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What one cell reads untouched, in steps of its sensors: the standard deviation of its noise before the sensor
+/// rounds, and the mean.
+struct CellNoise {
+  float force = 0.7f;      ///< of one force sensor
+  float proximity = 0.7f;  ///< of the proximity
+  float rest = 0;          ///< mean of one force sensor; 0: it may read exact zeros while untouched
+
+  /// The deviation before rounding of readings with the deviation `sigma` [steps].
+  [[nodiscard]] static float before_rounding(float sigma) noexcept {
+    const float rest = sigma * sigma - 1.0f / 12;
+    return rest > 0.01f ? std::sqrt(rest) : 0.1f;
+  }
+};
+
+struct CellHealthSettings {
+  double step = 1.0 / 1024;  ///< of the readings
+  /// Of cells that send changes only: the smallest change of a force sensor that is sent (`SendOnDelta`) [steps]. What
+  /// they send moves in steps of it, which is no noise. 0: they send all that they read.
+  double delta = 0;
+  /// So many messages in a row with all eight numbers equal show a dead cell, also in between touches. 0: never,
+  /// for cells without an accelerometer or other number that always has noise.
+  std::uint32_t equal_messages = 5;
+  double top = 0.98;  ///< a force reading from here on is at the top of its range
+  Nanoseconds saturated_for = 200ms;
+  Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< of masks
+  Nanoseconds hold = 2s, hold_blinking = 10s;    ///< a mask stays for so long after the last finding
+  Nanoseconds witnessed_within = 12ms;           ///< before or after a jump
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD void check() const {
+    require(step >= 1.0 / 60000 && step <= 0.1, "CellHealth: step", step, "1/60000 to 0.1");
+    require(delta >= 0 && delta * step <= 0.1, "CellHealth: delta", delta, ">= 0 steps, <= 0.1 of the range");
+    require(equal_messages != 1 && equal_messages <= 1000, "CellHealth: equal_messages",
+            double(equal_messages), "0, or 2 to 1000");
+    require(top > 0.5 && top <= 1, "CellHealth: top", top, "> 0.5, <= 1");
+    const auto time = [](Nanoseconds t, const char* name) {
+      require(t > 0ns && t <= 60s, name, milliseconds(t), "> 0 ms, <= 60 s");
+    };
+    time(saturated_for, "CellHealth: saturated_for"), time(fade_in, "CellHealth: fade_in");
+    time(fade_out, "CellHealth: fade_out"), time(hold, "CellHealth: hold");
+    time(hold_blinking, "CellHealth: hold_blinking"), time(witnessed_within, "CellHealth: witnessed_within");
+  }
+};
+
+namespace detail {
+/// The last message of a cell, and how often it has come.
+struct MessageRecord {
+  std::array<std::uint16_t, 3> force{};  ///< in steps
+  std::array<std::uint16_t, 3> equal{};  ///< so many times in a row
+  std::uint32_t message = 0;             ///< a hash of the other five numbers
+  std::uint16_t messages = 0;            ///< all eight equal for so many times in a row
+  CellFaults faults;                     ///< found, while the mask is held
+  bool known = false;                    ///< a sample has come
+  friend bool operator==(const MessageRecord&, const MessageRecord&) noexcept = default;
+};
+}  // namespace detail
+
+/// Finds faulty cells of a skin with `Cells` cells. sigma is that of the sum of the force sensors, with rounding.
+///
+/// | fault      | found when                                                                                  |
+/// |------------|---------------------------------------------------------------------------------------------|
+/// | stuck      | one force sensor sends n equal readings, n = 23 / -ln erf(1/(2 sqrt2 noise)): 1 in 1e10 by chance. At 0 only where its rest is above 4 noise + 1 step, at the top only without witness. Or `equal_messages` |
+/// | saturated  | a force sensor at its top for `saturated_for`, without witness (else it is an overload)      |
+/// | blinking   | jumps by max(12 sigma, 0.1 of the range) in 6 ms, no witness moving within 12 ms: more than 2.5, leaking over 1 s |
+/// | noisy      | squared second differences over 0.2 s, each capped at (16 sigma)^2: > 48 sigma^2, and uncapped > 1.5 times the squared first differences |
+///
+/// Cross-talk needs other cells: `detail/cross_talk.hpp`. A discharge is a matter of the rest level, a cell that is
+/// not heard one of its age. Masks fade in over `fade_in`, and out over `fade_out` after `hold` without finding.
+///
+/// A sample is a measurement: a network that repeats old readings under new stamps makes healthy cells look stuck.
+template <std::size_t Cells>
+class CellHealth {
+ public:
+  static constexpr std::size_t cells = Cells, rows = (Cells + 15) / 16;
+  /// `Memory{}` has heard no cell, and masks none.
+  struct Memory {
+    std::array<detail::HealthRow, rows> row{};
+    std::array<detail::MessageRecord, rows * 16> record{};
+    std::array<std::uint16_t, rows> suspect{};  ///< cells whose messages repeat
+    Nanoseconds time = Nanoseconds::min();      ///< end of the last frame
+    friend bool operator==(const Memory& a, const Memory& b) noexcept {
+      return a.time == b.time && a.record == b.record && a.suspect == b.suspect &&
+             std::equal(a.row.begin(), a.row.end(), b.row.begin(), [](const auto& x, const auto& y) {
+               return std::bit_cast<std::array<std::uint32_t, sizeof(x) / 4>>(x) ==
+                      std::bit_cast<std::array<std::uint32_t, sizeof(y) / 4>>(y);
+             });
+    }
+  };
+  /// What others say of a cell.
+  struct Witness {
+    bool moved = false;    ///< one of them has moved within the last 24 ms
+    bool touched = false;  ///< one of them is touched, too
+  };
+
+  /// @param noise  of each cell, or one for all. Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD explicit CellHealth(const CellHealthSettings& settings = {},
+                                   std::span<const CellNoise> noise = std::span(&usual_noise, 1))
+      : s_(settings), limits_(rows), cell_(rows * 16) {
+    settings.check();
+    require(noise.size() == 1 || noise.size() == Cells, "CellHealth: noises", double(noise.size()),
+            "one for all, or one a cell");
+    for (std::size_t i = 0; i < Cells; ++i) {
+      const CellNoise& n = noise[noise.size() == 1 ? 0 : i];
+      require(n.force >= 0 && n.force <= 1000, "CellNoise: force", double(n.force), "0 to 1000 steps");
+      require(n.proximity >= 0 && n.proximity <= 1000, "CellNoise: proximity", double(n.proximity),
+              "0 to 1000 steps");
+      require(n.rest >= 0 && double(n.rest) * s_.step < 1, "CellNoise: rest", double(n.rest),
+              ">= 0 steps, < range");
+      const double sigma = std::sqrt(3 * (double(n.force) * double(n.force) + 1.0 / 12));
+      auto& limits = limits_[i / 16];
+      limits.per_sigma[i % 16] =
+          static_cast<float>(1 / std::sqrt(sigma * sigma + 3 * s_.delta * s_.delta));
+      limits.jump[i % 16] = static_cast<float>(std::max(12 * sigma, 0.1 / s_.step));
+      limits.proximity[i % 16] =
+          static_cast<float>(6 * s_.step * std::sqrt(double(n.proximity) * double(n.proximity) + 1.0 / 12));
+      const double p = std::erf(1 / (2 * std::sqrt(2.0) * std::max(double(n.force), 0.05)));
+      const double needed = p < 1 ? std::ceil(23 / -std::log(p)) : 1e9;
+      cell_[i] = {static_cast<float>(sigma), static_cast<std::uint16_t>(needed < 60000 ? needed : 65535),
+                  double(n.rest) > 4 * double(n.force) + 1};
+    }
+    per_step_ = static_cast<float>(1 / s_.step),
+    top_ = static_cast<std::uint16_t>(std::ceil(s_.top / s_.step - 1e-9));
+  }
+  [[nodiscard]] const CellHealthSettings& settings() const noexcept { return s_; }
+  /// Standard deviation of the sum of cell `i`'s forces, with rounding [steps].
+  [[nodiscard]] float sigma(std::size_t i) const noexcept { return cell_[i].sigma; }
+  /// Equal readings in a row from which on a force sensor of cell `i` is stuck; 65535: never.
+  [[nodiscard]] std::size_t equal_readings(std::size_t i) const noexcept { return cell_[i].equal; }
+
+  /// Whether cell `i` has spoken since the last frame: then the frame is to be scanned before its next sample.
+  [[nodiscard]] static bool spoke(const Memory& m, std::size_t i) noexcept {
+    return m.row[i / 16].fresh[i % 16] > 0;
+  }
+  /// The sum of a sample's forces [steps].
+  [[nodiscard]] float steps(const CellSample& s) const noexcept {
+    return (s.force[0] + s.force[1] + s.force[2]) * per_step_;
+  }
+
+  /// Takes a sample of cell `i` < Cells that passed `check`.
+  SKINCTL_INLINE void take(Memory& m, std::size_t i, const CellSample& s) const noexcept {
+    detail::MessageRecord& r = m.record[i];
+    detail::HealthRow& row = m.row[i / 16];
+    const std::size_t k = i % 16;
+    std::uint32_t hash = std::bit_cast<std::uint32_t>(s.proximity);
+    for (const float x : s.acceleration) hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 0x9E3779B1u;
+    hash = (hash ^ std::bit_cast<std::uint32_t>(s.temperature)) * 0x85EBCA6Bu;
+    bool same = hash == r.message, suspect = false, top = false;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto n = static_cast<std::uint16_t>(s.force[c] * per_step_ + 0.5f);
+      const bool equal = n == r.force[c] && r.known;
+      same = same && equal;
+      r.equal[c] = static_cast<std::uint16_t>(!equal ? 1 : r.equal[c] < 65534 ? r.equal[c] + 1 : r.equal[c]);
+      r.force[c] = n;
+      suspect = suspect || r.equal[c] >= cell_[i].equal;
+      top = top || n >= top_;
+    }
+    r.message = hash;
+    r.messages = static_cast<std::uint16_t>(!same ? 1 : r.messages < 65534 ? r.messages + 1 : r.messages);
+    suspect = suspect || (s_.equal_messages > 0 && r.messages >= s_.equal_messages);
+    const auto bit = static_cast<std::uint16_t>(1u << k);
+    m.suspect[i / 16] =
+        static_cast<std::uint16_t>(suspect ? m.suspect[i / 16] | bit : m.suspect[i / 16] & ~bit);
+    row.force[k] = steps(s), row.proximity[k] = s.proximity, row.at_top[k] = top ? 1.0f : 0.0f;
+    row.fresh[k] = 1;
+    // A message that repeats sees nothing, and the first one after a silence has no predecessor.
+    if (s_.equal_messages > 0 && r.messages >= 3) row.seen[k] = 0;
+    if (!r.known || row.gap[k] > 0.5f)
+      row.last[k] = row.force[k], row.last_proximity[k] = s.proximity, row.change[k] = 0, row.gap[k] = 0;
+    r.known = true;
+  }
+
+  /// Ends a frame at `until`. `witness(i) -> Witness` is asked for the few cells that are worth a look.
+  template <class Ask>
+  void scan(Memory& m, Nanoseconds until, const Ask& witness) const noexcept {
+    const bool begun = m.time != Nanoseconds::min() && until > m.time;
+    const Nanoseconds dt = !begun ? 0ns : until - m.time < 1s ? until - m.time : Nanoseconds(1s);
+    m.time = until;
+    detail::HealthStep k;
+    k.dt = seconds<float>(dt), k.leak = std::exp(-k.dt), k.saturated = seconds<float>(s_.saturated_for);
+    k.rise = k.dt / seconds<float>(s_.fade_in), k.fall = k.dt / seconds<float>(s_.fade_out);
+    for (std::size_t b = 0; b < rows; ++b) {
+      const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k);
+      for (std::uint32_t look = bits.look | m.suspect[b]; look != 0; look &= look - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(look));
+        if (16 * b + lane < Cells)
+          judge(m, 16 * b + lane, ((bits.jumped >> lane) & 1u) != 0, ((bits.expired >> lane) & 1u) != 0,
+                witness);
+      }
+    }
+  }
+  /// Holds the mask of cell `i` for a fault that was found elsewhere.
+  void hold(Memory& m, std::size_t i, CellFault fault) const noexcept {
+    detail::HealthRow& row = m.row[i / 16];
+    const float time = seconds<float>(fault == CellFault::blinking ? s_.hold_blinking : s_.hold);
+    row.hold[i % 16] = row.hold[i % 16] > time ? row.hold[i % 16] : time;
+    m.record[i].faults |= fault;
+  }
+
+  /// 0: the cell counts; 1: it does not.
+  [[nodiscard]] static float mask(const Memory& m, std::size_t i) noexcept {
+    return m.row[i / 16].mask[i % 16];
+  }
+  /// The faults of cell `i`, found within the time that its mask is held.
+  [[nodiscard]] static CellFaults faults(const Memory& m, std::size_t i) noexcept {
+    return m.record[i].faults;
+  }
+
+ private:
+  static constexpr CellNoise usual_noise{};
+  struct Constants {
+    float sigma = 1;
+    std::uint16_t equal = 65535;  ///< n of the first rule
+    bool rests_above_zero = false;
+  };
+
+  template <class Ask>
+  SKINCTL_NOINLINE void judge(Memory& m, std::size_t i, bool jumped, bool expired,
+                              const Ask& ask) const noexcept {
+    detail::HealthRow& row = m.row[i / 16];
+    detail::MessageRecord& r = m.record[i];
+    const std::size_t k = i % 16;
+    const Witness witness = ask(i);
+    // A jump is judged when its witnesses have had their time, or when the next one comes.
+    if ((expired || (jumped && row.pending[k] > 0)) && !witness.moved) row.jumps[k] += 1;
+    if (jumped) row.pending[k] = seconds<float>(s_.witnessed_within);
+    CellFaults found;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const bool zero = r.force[c] == 0, top = r.force[c] >= top_;
+      if (r.equal[c] >= cell_[i].equal && (!zero || cell_[i].rests_above_zero) && !(top && witness.touched))
+        found |= CellFault::stuck;
+    }
+    if (s_.equal_messages > 0 && r.messages >= s_.equal_messages) found |= CellFault::stuck;
+    if (row.top[k] >= seconds<float>(s_.saturated_for) && !witness.touched) found |= CellFault::saturated;
+    if (row.capped[k] > 48 && row.second[k] > 1.5f * row.first[k]) found |= CellFault::noisy;
+    if (row.jumps[k] > 2.5f) found |= CellFault::blinking;
+    if (row.hold[k] == 0) r.faults = {};
+    for (const CellFault f : {CellFault::stuck, CellFault::saturated, CellFault::blinking, CellFault::noisy})
+      if (found.has(f)) hold(m, i, f);
+  }
+
+  CellHealthSettings s_;
+  std::vector<detail::HealthLimitsRow> limits_;
+  std::vector<Constants> cell_;
+  float per_step_ = 1024;
+  std::uint16_t top_ = 1004;
+};
+
+SKINCTL_END_NAMESPACE

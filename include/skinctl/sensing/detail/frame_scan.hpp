@@ -1,0 +1,115 @@
+// The scan of all cells, frame by frame: statistics of their readings, 16 cells a row, without a branch.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "skinctl/core/lane.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// What is known of 16 cells. Forces in steps of the sensor, proximities in 0 to 1, times in seconds.
+struct alignas(64) HealthRow {
+  static constexpr std::size_t cells = 16;
+  using Row = std::array<float, cells>;
+  static constexpr Row nothing = [] {
+    Row row{};
+    for (float& x : row) x = std::numeric_limits<float>::quiet_NaN();
+    return row;
+  }();
+  Row fresh{};  ///< 1: a sample has come since the last frame
+  Row force = nothing, last = nothing,
+      change{};  ///< the newest reading, NaN: none; that of the frame before; their difference
+  Row proximity{}, last_proximity{};
+  Row gap{};                        ///< since the last sample
+  Row first{}, second{}, capped{};  ///< leaky means of squared differences, in sigma^2: see `frame_scan`
+  Row at_top{}, top{};              ///< 1: a force sensor is at its top; for so long
+  Row jumps{}, pending{};           ///< leaky count of jumps without witness; time left for its witness
+  Row still{}, still_proximity{};   ///< since the force moved, since the proximity moved
+  Row seen{};                       ///< for so long the proximity has been above 0.1; -10 at a jump
+  Row hold{}, mask{};               ///< time left for the mask; the mask, 0 to 1
+  Row trust{};                      ///< 1: witnessed, 0: not for 0.1 s
+};
+/// Constants of the cells of a row.
+struct alignas(64) HealthLimitsRow {
+  HealthRow::Row per_sigma{};  ///< 1 over the standard deviation of the force [1/step]
+  HealthRow::Row jump{};       ///< of the force within 6 ms [steps]
+  HealthRow::Row proximity{};  ///< six standard deviations of the proximity
+};
+/// What a frame of length `dt` multiplies with.
+struct HealthStep {
+  float dt = 0, leak = 1, rise = 0, fall = 0;  ///< of the jumps' count, and of the masks
+  float saturated = 0.2f;
+};
+
+/// A bit for each of 16 cells.
+struct HealthBits {
+  std::uint32_t jumped = 0;   ///< in this frame
+  std::uint32_t expired = 0;  ///< the time for a witness of the last jump is over
+  std::uint32_t look = 0;     ///< worth a look: one of these, or a mask, noise, a sensor at its top
+};
+
+/// Moves 16 cells on by one frame.
+///
+/// Differences `d` of samples that follow each other and their differences `dd` are averaged over 0.2 s:
+/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>` in units of sigma^2. White noise gives 2, 6,
+/// 6. A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in
+/// 6 ms has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
+SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k) noexcept {
+  using L = Lane<float>;
+  HealthBits bits;
+  for (std::size_t i = 0; i < HealthRow::cells; i += L::lanes) {
+    const auto get = [i](const HealthRow::Row& row) SKINCTL_INLINE_LAMBDA { return L::load(row.data() + i); };
+    const L dt(k.dt), zero(0.0f), one(1.0f);
+    const auto fresh = get(r.fresh) > zero;
+    const L gap = get(r.gap) + dt, slow = max(gap * L(1 / 0.006f), one), share = min(gap * L(5.0f), one);
+
+    const L force = get(r.force), d = select(fresh, force - get(r.last), zero), size = abs(d);
+    const L before = get(r.change), per = get(c.per_sigma), a = d * per, b = (d - before) * per;
+    const L aa = a * a, bb = b * b, first = get(r.first), second = get(r.second), capped = get(r.capped);
+    const L now_first = select(fresh, first + share * (aa - first), first);
+    const L now_second = select(fresh, second + share * (bb - second), second);
+    const L now_capped = select(fresh, capped + share * (min(bb, L(256.0f)) - capped), capped);
+    const auto jumped = size > get(c.jump) * slow;
+    const L still = select(abs(a) > L(6.0f), zero, min(get(r.still) + dt, L(100.0f)));
+
+    const L p = get(r.proximity), dp = select(fresh, abs(p - get(r.last_proximity)), zero);
+    const auto p_moved = (dp > get(c.proximity)) & (dp <= L(0.3f) * slow);
+    const L p_still = select(p_moved, zero, min(get(r.still_proximity) + dt, L(100.0f)));
+    const L seen = select(fresh & (p < L(0.1f)), zero,
+                          select(dp > L(0.1f) * slow, L(-10.0f), min(get(r.seen) + dt, L(100.0f))));
+
+    const L top = select(get(r.at_top) > zero, min(get(r.top) + dt, L(100.0f)), zero);
+    const L was = get(r.pending), pending = max(was - dt, zero);
+    const L hold = max(get(r.hold) - dt, zero);
+    const L mask = get(r.mask) + select(hold > zero, L(k.rise), L(-k.fall));
+    const auto noisy = (now_capped > L(48.0f)) & (now_second > L(1.5f) * now_first);
+    const auto expired = (was > zero) & !(pending > zero);
+    const auto look = jumped | expired | noisy | (top >= L(k.saturated)) | (hold > zero);
+
+    now_first.store(r.first.data() + i), now_second.store(r.second.data() + i),
+        now_capped.store(r.capped.data() + i);
+    select(fresh, d, before).store(r.change.data() + i), force.store(r.last.data() + i),
+        p.store(r.last_proximity.data() + i);
+    select(fresh, zero, gap).store(r.gap.data() + i), zero.store(r.fresh.data() + i);
+    still.store(r.still.data() + i), p_still.store(r.still_proximity.data() + i),
+        seen.store(r.seen.data() + i);
+    top.store(r.top.data() + i), pending.store(r.pending.data() + i),
+        (get(r.jumps) * L(k.leak)).store(r.jumps.data() + i);
+    hold.store(r.hold.data() + i), max(min(mask, one), zero).store(r.mask.data() + i);
+    max(get(r.trust) - dt * L(10.0f), zero).store(r.trust.data() + i);
+
+    if (any(look))
+      for (std::size_t lane = 0; lane < L::lanes; ++lane)
+        bits.jumped |= jumped[lane] ? 1u << (i + lane) : 0u,
+            bits.expired |= expired[lane] ? 1u << (i + lane) : 0u,
+            bits.look |= look[lane] ? 1u << (i + lane) : 0u;
+  }
+  return bits;
+}
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

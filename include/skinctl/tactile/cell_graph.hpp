@@ -1,0 +1,221 @@
+// The neighbours of each cell of a skin.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "skinctl/tactile/patch.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Where a cell of a skin is: its link, the number of its patch, its origin [m] and its outward normal along
+/// the link's axes.
+struct CellPlace {
+  std::size_t link = 0, patch = 0;
+  Xyz<double> place{0.0, 0.0, 0.0}, normal{0.0, 0.0, 1.0};
+};
+
+/// The places of all cells in the order of the patches, which is that of a skin's cell indices.
+template <std::size_t... I, std::size_t... N>
+[[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(const Patch<I, N>&... patch) {
+  std::vector<CellPlace> all;
+  all.reserve((std::size_t(0) + ... + N));
+  std::size_t number = 0;
+  const auto add = [&](std::size_t link, const std::vector<detail::AnyCell>& cells) {
+    for (const detail::AnyCell& c : cells) all.push_back({link, number, c.X_LC.origin(), c.X_LC.axis_z()});
+    ++number;
+  };
+  (add(I, patch.any()), ...);
+  return all;
+}
+/// The same for patches in a tuple, such as those of `ur5::skin_patches`.
+template <std::size_t... I, std::size_t... N>
+[[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(const std::tuple<Patch<I, N>...>& patches) {
+  return std::apply([](const auto&... patch) { return cell_places(patch...); }, patches);
+}
+
+namespace detail {
+
+/// Cells of one link that face away from each other by more than 120 degrees, such as those on the two sides
+/// of a plate, are no neighbours however close they are.
+inline bool same_face(const CellPlace& a, const CellPlace& b) noexcept {
+  return dot(a.normal, b.normal) > -0.5;
+}
+
+/// Looks at the pairs of cells of one link along the link's longest extent, in which they are sorted.
+class CellSweep {
+ public:
+  SKINCTL_COLD explicit CellSweep(std::span<const CellPlace> cells) : cells_(cells), order_(cells.size()) {
+    std::iota(order_.begin(), order_.end(), 0u);
+    std::size_t links = 0;
+    for (const CellPlace& c : cells) links = std::max(links, c.link + 1);
+    axis_.resize(links);
+    for (std::size_t l = 0; l < links; ++l) axis_[l] = longest(l);
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t i, std::uint32_t j) {
+      return std::tuple(cells[i].link, along(i), i) < std::tuple(cells[j].link, along(j), j);
+    });
+  }
+  /// Calls `f(i, j, distance)` for each ordered pair of one link and face until `i` lies `reach(i)` from the
+  /// next along the axis; `f` may shorten what `reach` says.
+  template <class Reach, class F>
+  void each_pair(Reach&& reach, F&& f) const {
+    for (std::size_t a = 0; a < order_.size(); ++a) {
+      const std::uint32_t i = order_[a];
+      const auto look = [&](std::size_t b) {
+        const std::uint32_t j = order_[b];
+        if (cells_[j].link != cells_[i].link || !(std::abs(along(j) - along(i)) <= reach(i))) return false;
+        const Xyz<double> way = cells_[j].place - cells_[i].place;
+        if (same_face(cells_[i], cells_[j])) f(i, j, std::sqrt(dot(way, way)));
+        return true;
+      };
+      for (std::size_t b = a; b-- > 0 && look(b);) {
+      }
+      for (std::size_t b = a + 1; b < order_.size() && look(b); ++b) {
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] double along(std::uint32_t i) const noexcept {
+    const Xyz<double>& p = cells_[i].place;
+    const int axis = axis_[cells_[i].link];
+    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+  }
+  [[nodiscard]] int longest(std::size_t link) const noexcept {
+    constexpr double far = std::numeric_limits<double>::infinity();
+    double low[3] = {far, far, far}, high[3] = {-far, -far, -far};
+    for (const CellPlace& c : cells_) {
+      if (c.link != link) continue;
+      const double p[3] = {c.place.x, c.place.y, c.place.z};
+      for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
+    }
+    int best = 0;
+    for (int k = 1; k < 3; ++k)
+      if (high[k] - low[k] > high[best] - low[best]) best = k;
+    return best;
+  }
+
+  std::span<const CellPlace> cells_;
+  std::vector<std::uint32_t> order_;
+  std::vector<int> axis_;
+};
+
+}  // namespace detail
+
+/// The pitch of each patch [m]: the median distance of its cells from their nearest neighbour in the patch;
+/// infinite for a patch of one cell.
+[[nodiscard]] SKINCTL_COLD inline std::vector<double> patch_pitches(std::span<const CellPlace> cells) {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  std::vector<double> nearest(cells.size(), far);
+  detail::CellSweep(cells).each_pair([&](std::uint32_t i) { return nearest[i]; },
+                                     [&](std::uint32_t i, std::uint32_t j, double distance) {
+                                       if (cells[i].patch == cells[j].patch)
+                                         nearest[i] = std::min(nearest[i], distance);
+                                     });
+  std::size_t patches = 0;
+  for (const CellPlace& c : cells) patches = std::max(patches, c.patch + 1);
+  std::vector<std::vector<double>> of_patch(patches);
+  for (std::size_t i = 0; i < cells.size(); ++i) of_patch[cells[i].patch].push_back(nearest[i]);
+  std::vector<double> pitch(patches, far);
+  for (std::size_t k = 0; k < patches; ++k) {
+    auto& all = of_patch[k];
+    if (all.empty()) continue;
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    std::nth_element(all.begin(), middle, all.end());
+    pitch[k] = *middle;
+  }
+  return pitch;
+}
+
+/// The neighbours of each cell, by index in the order of the patches: a compressed list (CSR) whose rows are
+/// in rising order. Immutable and symmetric; no cell is its own neighbour.
+class CellGraph {
+ public:
+  using Index = std::uint32_t;
+
+  /// A skin without neighbours: each of its `cells` stands alone.
+  SKINCTL_COLD explicit CellGraph(std::size_t cells = 0) : first_(cells + 1, 0) {}
+
+  /// Neighbours are cells of one link that face to the same side, to within 120 degrees, and lie within
+  /// `pitches` times the mean of their patches' pitches (`patch_pitches`) of each other. A patch of one cell
+  /// takes the other patch's pitch; two such patches are not joined. Throws `ConfigurationError` unless
+  /// `pitches` is in (0, 10], and for a place that is not finite.
+  SKINCTL_COLD explicit CellGraph(std::span<const CellPlace> cells, double pitches = 1.3) {
+    require(pitches > 0 && pitches <= 10, "CellGraph: pitches", pitches, "> 0, <= 10");
+    for (const CellPlace& c : cells) {
+      const double sum = c.place.x + c.place.y + c.place.z + c.normal.x + c.normal.y + c.normal.z;
+      require(sum - sum == 0, "CellGraph: place of a cell", sum, "finite m");
+    }
+    const std::vector<double> pitch = patch_pitches(cells);
+    double largest = 0;
+    for (const double p : pitch)
+      if (p < std::numeric_limits<double>::infinity()) largest = std::max(largest, p);
+    const auto reach = [&](std::uint32_t i, std::uint32_t j) {
+      const double a = pitch[cells[i].patch], b = pitch[cells[j].patch], mean = 0.5 * (a + b);
+      return pitches * (mean < std::numeric_limits<double>::infinity() ? mean : std::min(a, b));
+    };
+    std::vector<std::vector<Index>> lists(cells.size());
+    detail::CellSweep(cells).each_pair([&](std::uint32_t) { return pitches * largest; },
+                                       [&](std::uint32_t i, std::uint32_t j, double distance) {
+                                         const double r = reach(i, j);
+                                         if (distance <= r && r - r == 0) lists[i].push_back(j);
+                                       });
+    store(lists);
+  }
+
+  /// The neighbours as a file lists them, cell by cell. Throws `ConfigurationError` for an index that no cell
+  /// has, a cell that is its own neighbour, a neighbour that is named twice, and for one that does not name
+  /// this cell as its own neighbour.
+  SKINCTL_COLD explicit CellGraph(std::vector<std::vector<Index>> neighbours) {
+    for (std::size_t i = 0; i < neighbours.size(); ++i) {
+      auto& list = neighbours[i];
+      std::sort(list.begin(), list.end());
+      for (std::size_t k = 0; k < list.size(); ++k) {
+        require(list[k] < neighbours.size(), "CellGraph: index of a neighbour", double(list[k]),
+                "less than the number of cells");
+        require(list[k] != i, "CellGraph: neighbour of itself", double(i), "another cell");
+        require(k == 0 || list[k] != list[k - 1], "CellGraph: neighbour named twice", double(list[k]),
+                "once");
+      }
+    }
+    for (std::size_t i = 0; i < neighbours.size(); ++i)
+      for (const Index j : neighbours[i])
+        require(std::binary_search(neighbours[j].begin(), neighbours[j].end(), static_cast<Index>(i)),
+                "CellGraph: neighbour of one side only", double(j), "cells that name each other");
+    store(neighbours);
+  }
+
+  /// Number of cells.
+  [[nodiscard]] std::size_t size() const noexcept { return first_.size() - 1; }
+  /// Number of pairs of neighbours.
+  [[nodiscard]] std::size_t edges() const noexcept { return to_.size() / 2; }
+  /// The neighbours of cell `i` < size(), in rising order.
+  [[nodiscard]] SKINCTL_INLINE std::span<const Index> neighbours(std::size_t i) const noexcept {
+    return {to_.data() + first_[i], to_.data() + first_[i + 1]};
+  }
+  /// Whether `i` and `j` are neighbours.
+  [[nodiscard]] bool joined(std::size_t i, std::size_t j) const noexcept {
+    const auto row = neighbours(i);
+    return std::binary_search(row.begin(), row.end(), static_cast<Index>(j));
+  }
+  friend bool operator==(const CellGraph&, const CellGraph&) noexcept = default;
+
+ private:
+  SKINCTL_COLD void store(std::vector<std::vector<Index>>& lists) {
+    first_.assign(1, 0);
+    for (auto& list : lists) {
+      std::sort(list.begin(), list.end());
+      to_.insert(to_.end(), list.begin(), list.end());
+      first_.push_back(static_cast<Index>(to_.size()));
+    }
+  }
+
+  std::vector<Index> first_, to_;  // neighbours of i: to_[first_[i]] to to_[first_[i + 1]]
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,77 @@
+// The force that dry friction holds, wherever the arm stands: what one cell alone may count up to.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/joint.hpp"
+#include "skinctl/kinematics/poses.hpp"
+#include "skinctl/tactile/cell_graph.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// F_1 of each cell [N]: a push up to it, along the cell's normal, moves no joint in any pose, because it gives no
+/// joint more than `share` of its Coulomb friction:
+///
+///     F_1 = share min_j tau_c,j / lever_j
+///
+/// over the joints that carry the cell. The lever of the link's own joint is exact; those before it have upper
+/// bounds over all poses, the sum of the distances between the joints' origins from the axis to the cell. 0 where a
+/// joint has no friction.
+///
+/// @param coulomb  tau_c [N m]: of the virtual robot (`coulomb_friction` of its configuration), or, by torque, the
+///   joints' own friction as far as nobody compensates it.
+/// Throws `ConfigurationError` for friction below 0, a `share` outside (0, 1], and a prismatic joint before a cell.
+template <RobotModel M, Real T>
+[[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const M& model,
+                                                           const JointTorque<M::joints, T>& coulomb,
+                                                           std::span<const CellPlace> cells,
+                                                           double share = 0.9) {
+  constexpr std::size_t n = M::joints;
+  require(share > 0 && share <= 1, "lone_forces: share", share, "> 0, <= 1");
+  for (std::size_t j = 0; j < n; ++j)
+    require(coulomb[j] >= T(0) && double(coulomb[j]) <= 1e6, "lone_forces: Coulomb friction",
+            double(coulomb[j]), "0 to 1e6 N m");
+  std::array<Xyz<double>, n> origin, axis;
+  const auto poses = link_poses(model, JointPosition<n>{});
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    ((origin[I] = poses.template get<I>().origin(), axis[I] = poses.template get<I>().axis_z()), ...);
+  }(std::make_index_sequence<n>{});
+
+  std::vector<double> out;
+  out.reserve(cells.size());
+  for (const CellPlace& c : cells) {
+    require(c.link < n, "lone_forces: link of a cell", double(c.link), "a link of the model");
+    const Xyz<double> moment = cross(c.place, c.normal);
+    double far = std::sqrt(dot(c.place, c.place)), most = 1e300;
+    const auto hold = [&](std::size_t joint, double lever) {
+      const double force = share * double(coulomb[joint]) / (lever > 1e-9 ? lever : 1e-9);
+      most = force < most ? force : most;
+    };
+    hold(c.link, moment.z < 0 ? -moment.z : moment.z);
+    for (std::size_t child = c.link; M::parents[child] >= 0;) {
+      require(M::kinds[child] == JointKind::revolute, "lone_forces: prismatic joint", double(child),
+              "revolute joints before a cell");
+      const auto joint = static_cast<std::size_t>(M::parents[child]);
+      const Xyz<double> way = origin[child] - origin[joint], across = cross(axis[joint], way);
+      hold(joint, std::sqrt(dot(across, across)) + far);
+      far += std::sqrt(dot(way, way));
+      child = joint;
+    }
+    require(M::kinds[c.link] == JointKind::revolute, "lone_forces: prismatic joint", double(c.link),
+            "revolute joints before a cell");
+    out.push_back(most);
+  }
+  return out;
+}
+/// The same for a described robot, by the Coulomb friction of its configuration.
+template <class R>
+  requires requires(const R& robot) { robot.configuration().coulomb_friction; }
+[[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const R& robot, std::span<const CellPlace> cells,
+                                                           double share = 0.9) {
+  return lone_forces(robot.model(), robot.configuration().coulomb_friction, cells, share);
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,49 @@
+// What a trusted skin is told of its cells.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "skinctl/sensing/cell_health.hpp"
+#include "skinctl/sensing/rest_level.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// See `TrustedSkin`. The defaults are for TUM's cells at 250 Hz.
+struct TrustSettings {
+  /// F_1 of each cell [N], or one for all: what a cell counts up to while no witness is touched, too. `lone_forces`
+  /// gives what the arm's Coulomb friction holds. Required: 0 mutes a lone cell, infinity trusts it.
+  std::vector<double> lone_force;
+  std::vector<CellNoise> noise{CellNoise{}};  ///< of each cell, or one for all
+  Nanoseconds period = 4ms;  ///< of a cell that sends all readings; shortest of one that sends changes
+  /// The cells have a proximity sensor: it is a witness, and evidence that a frozen cell drifts. False: its readings
+  /// count, but say nothing of forces.
+  bool proximity = true;
+  Nanoseconds seen_for = 25ms;   ///< a proximity above 0.1 for so long, without a jump, is a witness
+  double answer = 0.1;           ///< share of a cell's force that a neighbour has to feel to be its witness
+  double other_proximity = 0.3;  ///< proximity of a neighbour from which on it is a witness
+  double explained = 0.05;       ///< cross-talk: what may be left unexplained
+  double explained_far = 0.25;   ///< the same if its own proximity is below 0.05
+  CellHealthSettings health;
+  RestSettings rest;
+  bool follow_rest = true;  ///< false: readings have no drift, their rest levels stay those of `noise`
+
+  /// Throws `ConfigurationError` for a number out of its range, and for lists that do not have one entry or one
+  /// for each of `cells`.
+  SKINCTL_COLD void check(std::size_t cells) const {
+    health.check();
+    require(lone_force.size() == 1 || lone_force.size() == cells, "TrustSettings: lone_force",
+            double(lone_force.size()), "one for all cells, or one a cell: see lone_forces()");
+    for (const double f : lone_force) require(f >= 0, "TrustSettings: lone_force", f, ">= 0 N");
+    require(noise.size() == 1 || noise.size() == cells, "TrustSettings: noise", double(noise.size()),
+            "one for all cells, or one a cell");
+    require(period >= 100us && period <= 50ms, "TrustSettings: period", milliseconds(period), "0.1 to 50 ms");
+    require(seen_for >= 0ns && seen_for <= 1s, "TrustSettings: seen_for", milliseconds(seen_for),
+            "0 to 1000 ms");
+    const auto share = [](double x, const char* name) { require(x >= 0 && x <= 1, name, x, "0 to 1"); };
+    share(answer, "TrustSettings: answer"), share(other_proximity, "TrustSettings: other_proximity");
+    share(explained, "TrustSettings: explained"), share(explained_far, "TrustSettings: explained_far");
+  }
+};
+
+SKINCTL_END_NAMESPACE

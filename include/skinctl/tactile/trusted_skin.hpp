@@ -1,0 +1,182 @@
+// A skin whose faulty cells do not move the robot.
+#pragma once
+
+#include "skinctl/tactile/coverage.hpp"
+#include "skinctl/tactile/detail/trust_core.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A skin `S` behind rest levels (`RestLevel`), fault rules (`CellHealth`) and masks; the skin of any `Cycle` in place
+/// of `S`.
+///
+/// - **Reading.** What counts of a cell is its reading above its rest level, times 1 minus its mask.
+/// - **One cell alone.** A cell that no witness is touched with counts up to its `lone_force`: found or not, one
+///   faulty cell does not move an arm whose dry friction holds that force. Witnesses are its own proximity, if it
+///   has come up without a jump, and a neighbour that is not masked and feels `answer` of its force, or sees
+///   something. A cell that has lost its witness fades to `lone_force` within 0.1 s.
+/// - **Filling in.** A cell that is masked, or silent, counts as `FillIn` makes it from its neighbours.
+///
+/// Everything is a function of the samples and the intervals: a recording is replayed bit for bit. Per call, time is
+/// bounded: a scan of all cells every `period` of the samples, and a constant for each sample, each cell that pushes
+/// and each faulty one.
+template <class S>
+class TrustedSkin : private detail::TrustCore<S> {
+  using Core = detail::TrustCore<S>;
+  using Core::cell_, Core::skin_;
+  using typename Core::Health;
+
+ public:
+  using scalar = typename S::scalar;
+  using T = scalar;
+  using Wrenches = typename S::Wrenches;
+  using Touch = typename S::Touch;
+  using Pressed = typename S::Pressed;
+  using Memory = typename Core::Memory;
+  static constexpr LinkMask links = Wrenches::links;
+  static constexpr std::size_t patches = S::patches, cells = S::cells;
+
+  /// @param skin   made of these patches.
+  /// @param fill   from `FillIn(graph)` or learnt; its graph says which cells are neighbours.
+  /// Throws `ConfigurationError` for settings out of their range, and a graph of another number of cells.
+  template <std::size_t... I, std::size_t... N>
+  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
+                           const Patch<I, N>&... patch)
+      : Core(skin, settings, fill, detail::trust_cells(settings, cells, patch...)) {}
+  /// The same for patches in a tuple, with neighbours within 1.3 pitches, whose mean fills in.
+  template <std::size_t... I, std::size_t... N>
+  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings,
+                           const std::tuple<Patch<I, N>...>& all)
+      : TrustedSkin(skin, settings, FillIn(CellGraph(cell_places(all))), all) {}
+  template <std::size_t... I, std::size_t... N>
+  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
+                           const std::tuple<Patch<I, N>...>& all)
+      : Core(skin, settings, fill,
+             std::apply([&](const auto&... p) { return detail::trust_cells(settings, cells, p...); }, all)) {}
+
+  [[nodiscard]] const S& skin() const noexcept { return skin_; }
+  [[nodiscard]] const TrustSettings& trust() const noexcept { return this->s_; }
+  [[nodiscard]] const FillIn& fill() const noexcept { return this->fill_; }
+  [[nodiscard]] const SkinSettings& settings() const noexcept { return skin_.settings(); }
+
+  /// The memory of a skin that starts to receive at `now`: nothing is masked, rest levels are those of `noise`.
+  [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
+    Memory m;
+    m.skin = skin_.start(now);
+    m.health.time = now;
+    for (std::size_t i = 0; i < cells; ++i) m.rest[i / 16].whole[i % 16] = cell_[i].rest;
+    m.median.fill(std::numeric_limits<float>::quiet_NaN());
+    return m;
+  }
+
+  /// See `Skin::receive`.
+  template <class Means>
+  Status receive(Memory& m, std::span<const CellSample> samples, Nanoseconds from, Nanoseconds to,
+                 std::size_t parts, Means* means) const noexcept {
+    const Touch before = m.filled;
+    typename Core::Front front{*this, m, to};
+    const Status status = skin_.receive(m.skin, samples, from, to, parts, means, front);
+    for (std::size_t j = 0; j < parts; ++j) {
+      // Linear over the interval.
+      const T after = from < to ? T((T(static_cast<int>(j)) + T(0.5)) / T(static_cast<int>(parts))) : T(0);
+      add(means[j], (T(1) - after) * before.force + after * m.filled.force,
+          (T(1) - after) * before.proximity + after * m.filled.proximity);
+    }
+    return status;
+  }
+
+  [[nodiscard]] Wrenches wrenches(const Memory& m) const noexcept {
+    return skin_.wrenches(m.skin) + m.filled.total();
+  }
+  [[nodiscard]] Touch touch(const Memory& m) const noexcept {
+    Touch out = skin_.touch(m.skin);
+    add(out, m.filled.force, m.filled.proximity);
+    return out;
+  }
+  [[nodiscard]] Pressed pressed(const Memory& m, const auto&) const noexcept { return pressed(m); }
+  [[nodiscard]] Pressed pressed(const Memory& m) const noexcept {
+    Pressed areas = skin_.pressed(m.skin);
+    this->each_filled(m, [&](std::size_t i, double share) {
+      const detail::TrustCell& c = cell_[i];
+      const T push = T(share * c.force_gain * CellCounts::force_unit * this->template filled<true>(m, i));
+      if (push > T(0)) areas.add(c.link, {T(c.place[0]), T(c.place[1]), T(c.place[2])}, c.unit, push);
+    });
+    return areas;
+  }
+  template <class F>
+  void each_cell(F&& f, std::size_t most = cells) const {
+    skin_.each_cell(std::forward<F>(f), most);
+  }
+  /// See `Skin::nearest`. What a masked cell sees is left to its neighbours, if one of them is heard and not masked.
+  template <std::size_t I>
+  [[nodiscard]] T nearest(const Memory& m) const noexcept {
+    float most = static_cast<float>(skin_.settings().proximity.opens_at());
+    for (std::size_t i = 0; i < cells; ++i) {
+      if (cell_[i].link != I) continue;
+      if (!m.skin.hears(i)) return T(1);
+      if (this->counts(m, i)) {
+        most = std::max(most, m.health.row[i / 16].proximity[i % 16]);
+      } else if (std::none_of(this->near(i).begin(), this->near(i).end(),
+                              [&](std::size_t n) { return this->counts(m, n); })) {
+        return T(1);
+      }
+    }
+    return T(most < 1 ? most : 1.0f);
+  }
+  [[nodiscard]] std::size_t silent(const Memory& m) const noexcept { return skin_.silent(m.skin); }
+  /// Number of cells whose readings count: heard, and not masked.
+  [[nodiscard]] std::size_t usable(const Memory& m) const noexcept {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < cells; ++i) n += this->counts(m, i) ? 1u : 0u;
+    return n;
+  }
+  /// How much of the skin feels, also of its worst patch.
+  [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
+    Coverage out;
+    for (std::size_t i = 0; i < cells;) {
+      const std::uint32_t patch = cell_[i].patch;
+      std::size_t count = 0, of = 0;
+      for (; i < cells && cell_[i].patch == patch; ++i, ++of) count += this->counts(m, i) ? 1u : 0u;
+      out.add(count, of);
+    }
+    return out;
+  }
+  [[nodiscard]] CellCounts held(const Memory& m, std::size_t i) const noexcept {
+    return skin_.held(m.skin, i);
+  }
+  [[nodiscard]] std::size_t index(std::uint32_t id) const noexcept { return skin_.index(id); }
+  [[nodiscard]] bool same_cells(const TrustedSkin& other) const noexcept {
+    return skin_.same_cells(other.skin_);
+  }
+
+  /// 0: the cell counts; 1: it does not.
+  [[nodiscard]] float mask(const Memory& m, std::size_t i) const noexcept {
+    return Health::mask(m.health, i);
+  }
+  /// What is found of cell `i`, silence included; empty: healthy.
+  [[nodiscard]] CellFaults faults(const Memory& m, std::size_t i) const noexcept {
+    CellFaults f = Health::faults(m.health, i);
+    if (!m.skin.hears(i)) f |= CellFault::unheard;
+    if (RestLevel::cell(m.rest[i / 16], i % 16).below < 0) f |= CellFault::discharge;
+    return f;
+  }
+  /// The rest level of cell `i`: sum of its three force readings while untouched.
+  [[nodiscard]] double rest(const Memory& m, std::size_t i) const noexcept {
+    return this->s_.health.step * static_cast<double>(m.rest[i / 16].whole[i % 16]);
+  }
+  /// Whether cell `i` has read something for a minute that nobody can tell from a contact: see `unexplained`.
+  [[nodiscard]] bool is_unexplained(const Memory& m, std::size_t i) const noexcept {
+    return unexplained(RestLevel::cell(m.rest[i / 16], i % 16));
+  }
+  /// The id, link and place of each cell, for reports.
+  [[nodiscard]] std::span<const detail::TrustCell> table() const noexcept { return cell_; }
+
+ private:
+  static SKINCTL_INLINE void add(Wrenches& to, const Wrenches& force, const Wrenches& proximity) noexcept {
+    to += force + proximity;
+  }
+  static SKINCTL_INLINE void add(Touch& to, const Wrenches& force, const Wrenches& proximity) noexcept {
+    to.force += force, to.proximity += proximity;
+  }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,183 @@
+// A UR5 with 260 cells, some of which are faulty: what its skin makes of them, against what it makes of healthy ones.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/tactile/lone_cell.hpp"
+#include "skinctl/tactile/skin_torque.hpp"
+#include "skinctl/tactile/trusted_skin.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/testing/robots.hpp"
+#include "skinctl/testing/skin_faults.hpp"
+#include "skinctl/testing/skin_signals.hpp"
+
+namespace skinctl::testing {
+
+struct SkinFaultRun {
+  FaultyCell fault;     ///< of each faulty cell; `cell`, `source` and `from` are set by the run
+  double share = 0;     ///< of the cells; 0: one cell
+  bool touched = true;  ///< hands press the arm at three places, one of them on the first faulty cell
+  double radius = 1.6;  ///< of each touch [pitches]
+  bool moves = false;   ///< the arm gives way
+  Nanoseconds length = 6s, begins = 2s;
+  std::uint64_t seed = 1;
+};
+
+/// Torques are those that act on the joints, as the root of the sum of squares, averaged over time from `begins` on.
+struct SkinFaultResult {
+  double torque = 0;   ///< of the healthy skin [N m]
+  double plain = 0;    ///< error of a skin that believes its cells
+  double error = 0;    ///< error of the trusted skin
+  double settled = 0;  ///< the same from 2 s after the faults begin
+  std::size_t faulty = 0, found = 0;
+  std::vector<double> time_to_find;  ///< [s], of those found, in rising order
+  std::size_t false_masks = 0;       ///< cells that are masked at some time and have no fault
+  double cell_seconds = 0;           ///< of healthy cells
+  double motion = 0;  ///< largest distance of the wrist from that of an arm with a healthy skin [mm]
+  double way = 0;     ///< largest way of that one [mm]
+
+  [[nodiscard]] double percentile(double p) const {
+    return time_to_find.empty()
+               ? 0
+               : time_to_find[static_cast<std::size_t>(p * static_cast<double>(time_to_find.size() - 1))];
+  }
+};
+
+/// The robot: it takes positions, and its Coulomb friction is 5 % of the joints' largest torques.
+inline auto friction_arm() {
+  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms};
+  c.viscous_friction = {20, 20, 15, 3, 3, 3};
+  for (std::size_t j = 0; j < 6; ++j) c.coulomb_friction[j] = 0.05 * ur5::Description::max_torque[j];
+  return by_position(ur5::Model{}, c);
+}
+/// The gains of its cells: three sensors at 0.9 are 52 N.
+inline constexpr CellGains fault_gains{.force = 20, .proximity = 0};
+
+/// What the run trusts with.
+inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<const CellPlace> places) {
+  TrustSettings t;
+  t.noise = {{.force = static_cast<float>(signals.noise),
+              .proximity = static_cast<float>(signals.noise),
+              .rest = static_cast<float>(signals.rest / signals.step)}};
+  t.lone_force = lone_forces(friction_arm(), places);
+  return t;
+}
+
+[[nodiscard]] inline SkinFaultResult run(const SkinFaultRun& r) {
+  const auto patches = ur5::skin_patches<260>(fault_gains);
+  const auto places = cell_places(patches);
+  const auto plain = ur5_skin<260>(fault_gains);
+  SkinSignals signals(places, {}, r.seed);
+  const TrustedSkin trusted(plain, fault_trust(signals.settings(), places), patches);
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t i = 1; i <= 260; ++i) ids.push_back(i);
+  FaultyCell like = r.fault;
+  like.from = r.begins;
+  std::vector<FaultyCell> faults =
+      SkinFaults::of_share(r.share > 0 ? r.share : 1.0 / 260, ids, like, r.seed + 7);
+  if (r.share == 0) faults[0].cell = 41 + static_cast<std::uint32_t>(r.seed * 67 % 210);  // links 1 to 4
+  if (r.touched) {
+    const auto pitch = patch_pitches(places);
+    Normal normal(r.seed);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool on_it = k == 0 && like.fault != CellFault::cross_talk;
+      const std::size_t i = on_it ? faults[0].cell - 1 : 40 + normal.bits()() % 215;
+      signals.touches.push_back({.link = places[i].link,
+                                 .place = places[i].place,
+                                 .radius = r.radius * pitch[places[i].patch],
+                                 .reading = normal.between(0.1, 0.4),
+                                 .from = Nanoseconds(500ms) + Nanoseconds(std::int64_t(k) * 100'000'000),
+                                 .until = r.length + 1s});
+    }
+    for (std::size_t k = 0; k < faults.size(); ++k)  // what is heard elsewhere is a touch
+      if (like.fault == CellFault::cross_talk) {
+        std::size_t best = 0;
+        for (std::size_t i = 0; i < 260; ++i)
+          if (ids[i] != faults[k].cell && places[i].link != places[faults[k].cell - 1].link &&
+              signals.force(i, 1s) > signals.force(best, 1s))
+            best = i;
+        faults[k].source = ids[best];
+      }
+  }
+  SkinFaults spoil(faults, r.seed + 3);
+
+  auto a = std::make_unique<decltype(plain.start(0ns))>(plain.start(0ns)),
+       b = std::make_unique<decltype(plain.start(0ns))>(*a);
+  auto c = std::make_unique<decltype(trusted.start(0ns))>(trusted.start(0ns)),
+       d = std::make_unique<decltype(trusted.start(0ns))>(*c);
+  const ur5::Model model;
+  const JointPosition<6> home{0.0, -1.2, 1.4, -1.7, -1.5, 0.0};
+  const auto law = SkinJointControl{} + GravityControl{};
+  const Cycle arm(friction_arm(), trusted, law);
+  auto healthy_memory = std::make_unique<typename decltype(arm)::Memory>();
+  auto faulty_memory = std::make_unique<typename decltype(arm)::Memory>();
+  State<6> healthy_at{0ns, home, {}}, faulty_at = healthy_at;
+  if (r.moves) arm.start(*healthy_memory, healthy_at), arm.start(*faulty_memory, faulty_at);
+
+  SkinFaultResult out;
+  std::vector<double> found(260, -1);
+  std::vector<bool> falsely(260);
+  std::vector<CellSample> samples, spoilt;
+  double cycles = 0, later = 0;
+  auto begin = link_poses(model, home).template get<5>().origin();
+  for (Nanoseconds to = 8ms; to <= r.length; to += 8ms) {
+    signals.samples(to, samples);
+    spoilt = samples;
+    spoil.apply(spoilt, to);
+    if (r.moves) {
+      const auto step = [&](auto& memory, State<6>& at, std::span<const CellSample> sent) {
+        typename decltype(arm)::Input input;
+        at.time = input.now = to;
+        input.measured = at, input.samples = sent;
+        at.q = arm.step(memory, input).command.position;
+        return link_poses(model, at.q).template get<5>().origin();
+      };
+      const auto length = [](const auto& way) { return 1e3 * std::sqrt(dot(way, way)); };
+      const auto here = step(*healthy_memory, healthy_at, samples);
+      if (to == 8ms) begin = here;
+      out.motion = std::max(out.motion, length(step(*faulty_memory, faulty_at, spoilt) - here));
+      out.way = std::max(out.way, length(here - begin));
+    }
+    typename decltype(plain)::Wrenches w[4];
+    plain.receive(*a, samples, to - 8ms, to, 1, &w[0]);
+    plain.receive(*b, spoilt, to - 8ms, to, 1, &w[1]);
+    trusted.receive(*c, spoilt, to - 8ms, to, 1, &w[2]);
+    trusted.receive(*d, samples, to - 8ms, to, 1, &w[3]);
+    for (std::size_t i = 0; i < 260; ++i) {
+      const bool masked = trusted.mask(*c, i) > 0.5f, bad = spoil.faulty(ids[i], to);
+      if (masked && bad && found[i] < 0) found[i] = seconds<double>(to - r.begins);
+      if (masked && !bad) falsely[i] = true;
+      if (!bad) out.cell_seconds += 0.008;
+      if (bad && r.fault.fault == CellFault::unheard && found[i] < 0 && !c->skin.hears(i))
+        found[i] = seconds<double>(to - r.begins);
+    }
+    if (to <= r.begins) continue;
+    const auto tau = [&](std::size_t k) { return skin_torque(model, home, w[k]); };
+    const auto size = [](const JointTorque<6>& t) {
+      double sum = 0;
+      for (const double x : t) sum += x * x;
+      return std::sqrt(sum);
+    };
+    const double error = size(tau(2) - tau(3));
+    out.torque += size(tau(3)), out.plain += size(tau(1) - tau(0)), out.error += error, cycles += 1;
+    if (to > r.begins + 2s) out.settled += error, later += 1;
+  }
+  out.torque /= cycles, out.plain /= cycles, out.error /= cycles, out.settled /= std::max(later, 1.0);
+  out.faulty = faults.size();
+  for (std::size_t i = 0; i < 260; ++i) {
+    if (found[i] >= 0) out.time_to_find.push_back(found[i]);
+    out.false_masks += falsely[i] ? 1u : 0u;
+  }
+  out.found = out.time_to_find.size();
+  std::sort(out.time_to_find.begin(), out.time_to_find.end());
+  return out;
+}
+
+}  // namespace skinctl::testing

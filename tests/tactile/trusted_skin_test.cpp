@@ -1,0 +1,273 @@
+#include "skinctl/tactile/trusted_skin.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/tactile/touch_sum.hpp"
+#include "skinctl/tactile/wrist_sensor.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/sanitized.hpp"
+#include "skinctl/testing/skin_fault_run.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+const auto patches = ur5::skin_patches<260>(fault_gains);
+const auto places = cell_places(patches);
+const auto base = ur5_skin<260>(fault_gains);
+using Plain = std::remove_cvref_t<decltype(base)>;
+using Trusted = TrustedSkin<Plain>;
+static_assert(std::is_trivially_copyable_v<Trusted::Memory>);
+static_assert(sizeof(Trusted::Memory) <= sizeof(Plain::Memory) + 260 * 140 + 12000);
+
+/// Trusts every cell that has no fault: nothing is taken off, nothing capped.
+TrustSettings trusting() {
+  TrustSettings t;
+  t.lone_force = {std::numeric_limits<double>::infinity()};
+  t.follow_rest = false;
+  return t;
+}
+double size_of(const Plain::Wrenches& w) {
+  double sum = 0;
+  for (const auto& row : w.data)
+    for (std::size_t r = 0; r < 3; ++r) sum += row[r] * row[r];
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "TrustedSkin: a cell stuck at 0.9 pushes 52 N for ever; trusted, its lone force for 0.2 s, then "
+    "nothing") {
+  constexpr std::uint32_t cell = 150;
+  SkinSignals signals(places, {}, 2);
+  SkinFaults spoil({{.cell = cell, .fault = CellFault::stuck, .from = 1s}});
+  const Trusted trusted(base, fault_trust(signals.settings(), places), patches);
+  const double lone = trusted.trust().lone_force[cell - 1];
+  CHECK(lone > 2);
+  CHECK(lone < 20);
+  auto a = base.start(0ns);
+  auto b = trusted.start(0ns);
+  std::vector<CellSample> samples;
+  double most = 0, least_plain = 1e9, after = 0;
+  for (Nanoseconds to = 8ms; to <= 5s; to += 8ms) {
+    signals.samples(to, samples);
+    spoil.apply(samples, to);
+    Plain::Wrenches w[2];
+    base.receive(a, samples, to - 8ms, to, 1, &w[0]);
+    trusted.receive(b, samples, to - 8ms, to, 1, &w[1]);
+    if (to > 1s + 20ms) least_plain = std::min(least_plain, size_of(w[0]));
+    most = std::max(most, size_of(w[1]));
+    if (to > 1s + 270ms) after = std::max(after, size_of(w[1]));
+  }
+  CHECK(least_plain == doctest::Approx((2.7 - 0.08) * 20).epsilon(1e-3));
+  CHECK(most <= lone * 1.0001);
+  CHECK(most >= lone * 0.99);
+  CHECK(after == 0);
+  CHECK(trusted.faults(b, cell - 1) == CellFaults(CellFault::stuck));
+  CHECK(trusted.usable(b) == 259);
+}
+
+TEST_CASE("TrustedSkin: one faulty cell does not move the arm, whatever its fault") {
+  // What it promises is 0: sticking joints do not creep.
+  for (std::size_t k = 0; k < cell_faults; ++k)
+    for (const bool whole : {false, true})
+      for (std::uint64_t seed = 1; seed <= (sanitized ? 1 : 3); ++seed) {
+        SkinFaultRun one;
+        one.fault = {.fault = static_cast<CellFault>(k), .whole = whole};
+        one.touched = false, one.moves = true, one.seed = seed;
+        one.begins = 300ms, one.length = sanitized ? 700ms : 1500ms;
+        const SkinFaultResult r = run(one);
+        CAPTURE(k);
+        CAPTURE(whole);
+        CAPTURE(seed);
+        CHECK(r.motion == 0);
+        CHECK(r.way == 0);
+      }
+}
+
+TEST_CASE(
+    "TrustedSkin: the seven faults in 10 % of the cells, touched: found in time, no healthy cell masked") {
+  struct Promise {
+    CellFault fault;
+    double share_found, within, error;  ///< of the healthy torque, from 2 s after the fault
+  };
+  const Promise all[] = {{CellFault::stuck, 1, 0.25, 0.05},    {CellFault::saturated, 1, 0.4, 0.05},
+                         {CellFault::blinking, 1, 2, 0.05},    {CellFault::noisy, 1, 0.25, 0.05},
+                         {CellFault::cross_talk, 0.8, 2.5, 1}, {CellFault::discharge, 0, 0, 0.05},
+                         {CellFault::unheard, 1, 0.3, 0.05}};
+  for (const Promise& p : all) {
+    SkinFaultRun one;
+    one.fault.fault = p.fault, one.share = 0.1;
+    if (sanitized) one.begins = 1s, one.length = 2s;
+    const SkinFaultResult r = run(one);
+    CAPTURE(name(p.fault));
+    CAPTURE(r.found);
+    CAPTURE(r.percentile(1));
+    CHECK(r.faulty == 26);
+    CHECK(r.false_masks == 0);
+    if (sanitized) continue;
+    CHECK(double(r.found) >= p.share_found * 26);
+    CHECK(r.percentile(0.9) <= p.within);
+    CHECK(r.settled <= p.error * r.torque);
+  }
+}
+
+TEST_CASE("TrustedSkin: without a fault, a drift and a lone cell, it is the skin itself, bit for bit") {
+  const Trusted trusted(base, trusting(), patches);
+  SkinSignals signals(places, {.rest = 0}, 5);
+  signals.touches.push_back({.link = 2,
+                             .place = places[150].place,
+                             .velocity = {0.05, 0.0, 0.0},
+                             .radius = 0.05,
+                             .from = 300ms,
+                             .until = 1s});
+  auto a = base.start(0ns);
+  auto b = trusted.start(0ns);
+  std::vector<CellSample> samples;
+  bool same = true;
+  double most = 0;
+  for (Nanoseconds to = 8ms; to <= 1500ms; to += 8ms) {
+    signals.samples(to, samples);
+    Plain::Touch v[2], w[2];
+    // All cells are heard only after the first period: until then the others fill in.
+    const bool bits = base.receive(a, samples, to - 8ms, to, 2, v).bits() ==
+                      trusted.receive(b, samples, to - 8ms, to, 2, w).bits();
+    same = same && bits && a == b.skin && v[0] == w[0] && v[1] == w[1] && base.touch(a) == trusted.touch(b) &&
+           base.wrenches(a) == trusted.wrenches(b) && base.pressed(a).size() == trusted.pressed(b).size();
+    most = std::max(most, size_of(w[0].force));
+  }
+  CHECK(same);
+  CHECK(most > 10);
+  CHECK(trusted.usable(b) == 260);
+  CHECK(trusted.nearest<2>(b) <= base.nearest<2>(a) + 0.01);
+}
+
+TEST_CASE("TrustedSkin: replayed from any memory it is the same, and it allocates nothing") {
+  const Trusted trusted(base, fault_trust({}, places), patches);
+  SkinSignals signals(places, {}, 6);
+  signals.touches.push_back(
+      {.link = 2, .place = places[150].place, .radius = 0.05, .from = 300ms, .until = 2s});
+  std::vector<FaultyCell> list;
+  for (std::uint32_t k = 0; k < cell_faults; ++k)
+    list.push_back({.cell = 140 + 3 * k, .fault = static_cast<CellFault>(k), .from = 500ms, .source = 20});
+  SkinFaults spoil(list);
+  std::vector<std::vector<CellSample>> sent;
+  for (Nanoseconds to = 8ms; to <= 1s; to += 8ms) {
+    signals.samples(to, sent.emplace_back());
+    spoil.apply(sent.back(), to);
+  }
+  auto m = std::make_unique<Trusted::Memory>(trusted.start(0ns));
+  auto middle = std::make_unique<Trusted::Memory>();
+  Plain::Wrenches w, again;
+  long allocations = 0;
+  for (std::size_t n = 0; n < sent.size(); ++n) {
+    if (n == sent.size() / 2) *middle = *m;
+    const Nanoseconds to = 8ms * static_cast<std::int64_t>(n + 1);
+    const AllocationGuard guard;
+    trusted.receive(*m, sent[n], to - 8ms, to, 1, &w);
+    allocations += static_cast<long>(guard.count());
+  }
+  for (std::size_t n = sent.size() / 2; n < sent.size(); ++n) {
+    const Nanoseconds to = 8ms * static_cast<std::int64_t>(n + 1);
+    trusted.receive(*middle, sent[n], to - 8ms, to, 1, &again);
+  }
+  CHECK(w == again);
+  CHECK(*m == *middle);
+  CHECK(allocations == 0);
+  CHECK(trusted.usable(*m) < 260);
+}
+
+TEST_CASE("TrustedSkin: any bits and any intervals leave finite wrenches") {
+  const Trusted trusted(base, fault_trust({}, places), patches);
+  auto m = std::make_unique<Trusted::Memory>(trusted.start(0ns));
+  Random rng = seeded(9);
+  Nanoseconds from{};
+  bool finite = true;
+  for (int cycle = 0; cycle < (sanitized ? 200 : 1500); ++cycle) {
+    constexpr Nanoseconds steps[] = {2ms, 8ms, 0ns, 1ns, 60ms, 300ms, 5s};
+    const Nanoseconds to = from + steps[rng() % 7];
+    std::vector<CellSample> samples(rng() % 300);
+    for (CellSample& s : samples) {
+      s.cell = static_cast<std::uint32_t>(rng() % 262);
+      s.time = from + Nanoseconds(static_cast<std::int64_t>(rng() % 9'000'000)) - 1ms;
+      const auto any = [&] {
+        return rng() % 8 == 0 ? std::bit_cast<float>(static_cast<std::uint32_t>(rng()))
+                              : float(rng() % 1025) / 1024;
+      };
+      for (float& f : s.force) f = any();
+      s.proximity = any();
+      for (float& a : s.acceleration) a = any();
+    }
+    Plain::Touch w;
+    trusted.receive(*m, samples, from, to, 1, &w);
+    for (const auto* part : {&w.force, &w.proximity})
+      for (const auto& row : part->data)
+        for (const double x : row) finite = finite && std::isfinite(x);
+    for (std::size_t i = 0; i < 260; ++i)
+      finite = finite && trusted.mask(*m, i) >= 0 && trusted.mask(*m, i) <= 1;
+    from = to;
+  }
+  CHECK(finite);
+}
+
+TEST_CASE("TrustedSkin: wrong settings are refused with number and range") {
+  const auto refused = [](const auto& change) {
+    TrustSettings t = trusting();
+    change(t);
+    CHECK_THROWS_AS(Trusted(base, t, patches), ConfigurationError);
+  };
+  refused([](auto& t) { t.lone_force = {}; });
+  refused([](auto& t) { t.lone_force = {-1.0}; });
+  refused([](auto& t) { t.lone_force = std::vector<double>(7, 1.0); });
+  refused([](auto& t) { t.noise = {}; });
+  refused([](auto& t) { t.period = 0ns; });
+  refused([](auto& t) { t.answer = 1.5; });
+  refused([](auto& t) { t.health.step = 0; });
+  CHECK_THROWS_AS(Trusted(base, trusting(), FillIn(CellGraph(3)), patches), ConfigurationError);
+}
+
+TEST_CASE("TrustedSkin: the skin of a cycle with contact limits, and one summand of touch") {
+  const Trusted trusted(base, fault_trust({}, places), patches);
+  const LinkContact<2> contact{
+      .region = {.force = 140, .blow = 280, .first = 500ms, .stiffness = 75e3, .mass = 40},
+      .reach = 0.45,
+      .reaction = 60ms};
+  const Cycle scene = Cycle(friction_arm(), trusted, SkinJointControl{} + GravityControl{}).with(contact);
+  const Cycle sum(friction_arm(), trusted + wrist_sensor<5>(ur5::Model{}, {}),
+                  SkinJointControl{} + GravityControl{});
+  const JointPosition<6> home{0.0, -1.2, 1.4, -1.7, -1.5, 0.0};
+  SkinSignals signals(places, {}, 8);
+  signals.touches.push_back(
+      {.link = 2, .place = places[150].place, .radius = 0.06, .reading = 0.3, .from = 500ms, .until = 2s});
+  SkinFaults spoil({{.cell = 152, .fault = CellFault::stuck, .from = 300ms}});
+  const auto moved = [&](const auto& arm, auto stream) {
+    auto m = std::make_unique<typename std::remove_cvref_t<decltype(arm)>::Memory>();
+    State<6> at{0ns, home, {}};
+    arm.start(*m, at);
+    std::vector<CellSample> samples;
+    WrenchSample calm;
+    auto injected = spoil;
+    for (Nanoseconds to = 8ms; to <= 1500ms; to += 8ms) {
+      stream.samples(to, samples);
+      injected.apply(samples, to);
+      typename std::remove_cvref_t<decltype(arm)>::Input input;
+      at.time = input.now = calm.time = to;
+      input.measured = at, input.samples = samples;
+      if constexpr (requires { input.sensed.wrenches; }) input.sensed.wrenches = {&calm, 1};
+      at.q = arm.step(*m, input).command.position;
+    }
+    double most = 0;
+    for (std::size_t j = 0; j < 6; ++j) most = std::max(most, std::abs(at.q[j] - home[j]));
+    return most;
+  };
+  CHECK(moved(scene, signals) > 0.02);
+  CHECK(moved(sum, signals) > 0.02);
+  signals.touches.clear();
+  CHECK(moved(scene, signals) == 0);
+  CHECK(moved(sum, signals) == 0);
+}
