@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "bench/floor/ur5_floor.hpp"
+#include "bench/floor/ur5_task_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "bench/tactile/skin_floor.hpp"
 #include "skinctl/control/force_control.hpp"
@@ -208,6 +208,28 @@ void twin_rows() {
              skin_by_hand(s.state, s.touch, skin);
              for (std::size_t i = 0; i < 6; ++i) tau[i] += skin[i];
            });
+
+  static const std::array<double, 12> target = [] {
+    const Scenes<double> scenes;
+    std::array<double, 12> X;
+    double J[36];
+    bench_floor::ur5::detail::tool_at(scenes[0].state.q.data, X.data(), J);
+    X[11] += 0.01;
+    return X;
+  }();
+  twin_row("spline_operational", "floor/double", [](const auto& s, Joints& I1, Joints& I2, double* tau) {
+    bench_floor::ur5::floor_operational(s.state.q.data, s.state.dq.data, target.data(), dt, I1.data(),
+                                        I2.data(), tau);
+  });
+  twin_row("force_control", "floor/double", [](const auto& s, Joints& I1, Joints& I2, double* tau) {
+    double skin[6];
+    skin_by_hand(s.state, s.touch, skin);
+    const double v = 0.002 * (10 + bench_floor::ur5::floor_tool_force(s.state.q.data, skin));
+    std::array<double, 12> moved = target;
+    moved[11] += dt * v;
+    bench_floor::ur5::floor_operational(s.state.q.data, s.state.dq.data, moved.data(), dt, I1.data(),
+                                        I2.data(), tau);
+  });
 
 #if SKINCTL_HAS_KDL
   const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());

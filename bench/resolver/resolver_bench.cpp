@@ -3,7 +3,7 @@
 // solution.
 #include <random>
 
-#include "bench/floor/ur5_floor.hpp"
+#include "bench/floor/ur5_task_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/resolver.hpp"
@@ -153,6 +153,12 @@ const bool registered = [] {
     bench::Numbers<6> ddq;
     bench_floor::ur5::floor_forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
     return ddq;
+  });
+  bench::row<6>("resolver/step/ur5-tool/floor/double", [](const auto& s) {
+    constexpr double mass[6] = {6, 6, 6, 0.3, 0.3, 0.3}, damping[6] = {40, 40, 40, 2, 2, 2};
+    bench::Numbers<6> dv;
+    bench_floor::ur5::floor_tool_shape(s.q.data, s.dq.data, s.tau.data, mass, damping, 0.024, 0.002, dv.data);
+    return dv;
   });
 #if SKINCTL_HAS_KDL
   const auto robot = std::make_shared<oracle::KdlOracle>(oracle::ur5());

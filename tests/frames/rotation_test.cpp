@@ -243,3 +243,31 @@ TEST_CASE_TEMPLATE("Rotation: to Eigen and back is the same, columns are the axe
   CHECK(Rotation<T>::from_eigen(M) == R);
   CHECK(Rotation<T>::from_eigen(M.transpose()) == R.transpose());
 }
+
+TEST_CASE_TEMPLATE("Rotation: log and the factor of its Jacobian at once are those of either alone", T, float,
+                   double) {
+  auto rng = seeded(14);
+  std::vector<T> angles = telling_angles<T>();
+  for (int k = 0; k <= 60; ++k) angles.push_back(T(k) * T(0.01));
+  for (const T& d : {T(-1e-3), T(-1e-6), T(1e-6), T(1e-3)})
+    angles.push_back(T(0.5) + d);  // where the polynomials end
+  for (const T& angle : angles) {
+    if (angle > T(3.1)) continue;
+    for (const auto& axis : telling_axes<T>(rng)) {
+      const Xyz<Digits50> unit = (1 / norm(skinctl::cast<Digits50>(axis))) * skinctl::cast<Digits50>(axis);
+      const Xyz<Digits50> expected = Digits50(angle) * unit;
+      const Rotation<T> R = testing::cast<T>(rotation_about(unit, Digits50(angle)));
+      const auto is = detail::log_factors(R, Xyz<T>{T(0), T(0), T(0)});
+      CAPTURE(as_code(R));
+      CHECK(largest(skinctl::cast<Digits50>(is.phi) - expected) <= Digits50(T(8) * epsilon<T>() * angle));
+      const Digits50 factor = detail::inverse_factor(expected);
+      CHECK(abs(Digits50(is.inverse) - factor) <= Digits50(T(8) * epsilon<T>()) * factor);
+      // The branch is that of log_so3, with every last value.
+      const Xyz<T> near = T(uniform<T>(rng) * T(5)) * random_direction<T>(rng);
+      CHECK(largest(detail::log_factors(R, near).phi - log_so3(R, near)) <= T(16) * epsilon<T>() * T(7));
+    }
+  }
+  const auto none =
+      detail::log_factors(Rotation<T>{{std::numeric_limits<T>::quiet_NaN(), T(0), T(0)}}, Xyz<T>{});
+  CHECK_FALSE(dot(none.phi, none.phi) == T(0));
+}

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <type_traits>
 #include <vector>
 
 #include "skinctl/testing/robots.hpp"
@@ -213,4 +214,51 @@ TEST_CASE("DampedInverse: of a position it takes the linear rows, and finds a lo
     for (std::size_t i = 0; i < 6; ++i)
       CHECK(std::abs(change[i] / (2 * h) - rate[i]) <= 1e-6 * (1 + as_eigen(rate).norm()));
   }
+}
+
+TEST_CASE_TEMPLATE(
+    "DampedInverse: outside of the zone a few units times the condition number, by blocks or not", T, float,
+    double) {
+  oracle::Random random(11);
+  using Wide = Eigen::Matrix<long double, 6, 6>;
+  double worst = 0, worst_transposed = 0, worst_flat = 0;
+  int flat = 0;
+  const auto units = [](const auto& is, const auto& should, const Wide& J, const Wide& back, int power) {
+    const long double condition = J.norm() * back.norm();
+    const long double error = (is.template cast<long double>() - should).norm() / should.norm();
+    return double(error / (std::pow(condition, power) * (long double)std::numeric_limits<T>::epsilon()));
+  };
+  for (int k = 0; k < 600; ++k) {
+    Motion<6, T> at(random);
+    // Axes of the last three joints that are nearly in a plane: on both sides of the change to the product.
+    if (k % 3 == 0) at.q[4] = static_cast<T>(random.uniform(0.004, 0.02));
+    const bool in_plane = std::abs(std::sin(at.q[4])) < T(0.0102);
+    const auto J = ur5_jacobian(at.q);
+    const SingularityDamping<T> damping(T(1e-5), T(0.08));
+    const auto inverse = damped_inverse(J, damping);
+    const Wide dense = as_eigen(J).template cast<long double>(), back = dense.inverse();
+    if (inverse.damping() > 0 || dense.norm() * back.norm() > (sizeof(T) == 4 ? 300 : 1e5)) continue;
+    const Speed<T> V{{at.dq[0], at.dq[1], at.dq[2]}, {at.dq[3], at.dq[4], at.dq[5]}};
+    const Eigen::Matrix<long double, 6, 1> v = as_eigen(V).template cast<long double>(), dq = back * v;
+    const auto solved = inverse.solve(V);
+    const double is = units(as_eigen(solved), dq, dense, back, in_plane ? 2 : 1);
+    const auto tau = JointTorque<6, T>::generate([&](std::size_t i) { return at.dq[i]; });
+    const auto F = inverse.solve_transposed(tau);
+    const Eigen::Matrix<long double, 6, 1> load =
+        back.transpose() * as_eigen(tau).template cast<long double>();
+    const double transposed = units(as_eigen(F), load, dense, back, in_plane ? 2 : 1);
+    if (in_plane) {
+      ++flat;
+      worst_flat = std::max({worst_flat, is, transposed});
+    } else {
+      worst = std::max(worst, is), worst_transposed = std::max(worst_transposed, transposed);
+    }
+  }
+  CAPTURE(worst);
+  CAPTURE(worst_transposed);
+  CAPTURE(worst_flat);
+  CHECK((sizeof(T) == 4 || flat > 40));
+  CHECK(worst <= 4);
+  CHECK(worst_transposed <= 4);
+  CHECK(worst_flat <= 1);
 }

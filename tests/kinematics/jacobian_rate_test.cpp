@@ -40,6 +40,12 @@ double worst_error(const R& robot, const auto& model) {
 
     const auto product = oracle::EulerLagrange<Digits50>::product(expected, wide(at.dq));
     const Vec6<T> of_matrix = as_eigen(dJ * at.dq), direct = as_eigen(bias_acceleration(J, at.dq));
+    JointVelocity<N, T> other;
+    for (std::size_t i = 0; i < N; ++i) other[i] = at.ddq[i];
+    const Vec6<T> with_other = as_eigen(jacobian_rate_times(J, at.dq, other, J * at.dq));
+    worst =
+        std::max(worst, relative_error(with_other.data(),
+                                       oracle::EulerLagrange<Digits50>::product(expected, wide(other)), 6));
     worst = std::max(worst, relative_error(of_matrix.data(), product, 6));
     worst = std::max(worst, relative_error(direct.data(), product, 6));
     // With accelerations: J ddq on top.

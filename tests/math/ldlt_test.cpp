@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "skinctl/core/detail/row.hpp"
+#include "skinctl/math/detail/block_ldlt.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "tests/math/matrices.hpp"
 
@@ -213,4 +215,70 @@ TEST_CASE("Ldlt: in 50 digits, and without allocation") {
   const AllocationGuard guard;
   math::Ldlt<6>(d).solve(y, y);
   CHECK(guard.count() == 0);
+}
+
+TEST_CASE_TEMPLATE(
+    "BlockLdlt: as exact as Ldlt, also where units differ by 1e8, for several right sides at once", T, float,
+    double) {
+  Random random = seeded(61);
+  double worst = 0, worst_of_ldlt = 0;
+  for (int k = 0; k < 500; ++k) {
+    T a[36], b[6], x[6], y[6];
+    fill_definite<6>(random, k % 2 == 0 ? 1 : 1e-3, k % 3 == 0 ? 1e4 : 1, a);
+    for (T& v : b) v = static_cast<T>(uniform(random, -1.0, 1.0) * std::exp2(k % 40 - 20));
+    const math::detail::BlockLdlt<T> factors(a);
+    REQUIRE(factors.positive_definite());
+    factors.solve(b, x);
+    math::Ldlt<6, T>(a).solve(b, y);
+    Digits50 m[36], exact[6], right[6];
+    for (std::size_t i = 0; i < 36; ++i) m[i] = Digits50(a[i]);
+    for (std::size_t i = 0; i < 6; ++i) right[i] = Digits50(b[i]);
+    math::Ldlt<6, Digits50>(m).solve(right, exact);
+    // In the units of each unknown: sqrt of the diagonal.
+    const auto error = [&](const T(&of)[6]) {
+      Digits50 size = 0, wrong = 0;
+      for (std::size_t i = 0; i < 6; ++i) {
+        size += exact[i] * exact[i] * m[7 * i];
+        wrong += (of[i] - exact[i]) * (of[i] - exact[i]) * m[7 * i];
+      }
+      return static_cast<double>(Digits50(sqrt(wrong / size))) / double(std::numeric_limits<T>::epsilon());
+    };
+    worst = std::max(worst, error(x));
+    worst_of_ldlt = std::max(worst_of_ldlt, error(y));
+
+    using Row = skinctl::detail::Row<3, T>;
+    Row rows[6];
+    for (std::size_t i = 0; i < 6; ++i) rows[i] = Row::of([&](auto n) { return T(n == 1 ? b[i] : T(0)); });
+    factors.solve(rows, rows);
+    for (std::size_t i = 0; i < 6; ++i) {
+      CHECK(rows[i][0] == T(0));
+      CHECK(size_of(T(rows[i][1] - x[i])) <=
+            16 * double(std::numeric_limits<T>::epsilon()) * (size_of(x[i]) + size_of(rows[i][1])) * 64);
+    }
+    factors.solve(b, b);
+    for (std::size_t i = 0; i < 6; ++i) CHECK(b[i] == x[i]);
+  }
+  CAPTURE(worst);
+  CHECK(worst <= 4 * worst_of_ldlt);
+}
+
+TEST_CASE_TEMPLATE("BlockLdlt: a matrix that is not positive definite is told, whichever pivot fails", T,
+                   float, double) {
+  Random random = seeded(62);
+  for (std::size_t dead = 0; dead < 6; ++dead)
+    for (const T& spoil : {T(0), T(-1), nan_of<T>}) {
+      T a[36], b[6] = {T(1), T(2), T(3), T(4), T(5), T(6)};
+      fill_definite<6>(random, 1, 1, a);
+      CHECK(math::detail::BlockLdlt<T>(a).positive_definite());
+      a[7 * dead] = spoil;
+      const math::detail::BlockLdlt<T> factors(a);
+      CHECK_FALSE(factors.positive_definite());
+      factors.solve(b, b);  // defined or not: nothing traps
+    }
+  // Twice the same row: semi-definite to rounding.
+  T a[36];
+  fill_definite<6>(random, 1, 1, a);
+  for (std::size_t i = 0; i < 6; ++i) a[6 + i] = a[i];
+  for (std::size_t i = 0; i < 6; ++i) a[6 * i + 1] = a[6 * i];
+  CHECK_FALSE(math::detail::BlockLdlt<T>(a).positive_definite());
 }

@@ -137,6 +137,12 @@ void check_row(Random& random, bool with_large) {
     x[N - 1] = std::numeric_limits<T>::infinity();
   }
   math::sincos(x, s, c);
+  T s_row[N], c_row[N];
+  math::sincos(skinctl::detail::Row<N, T>(x.data()), s_row, c_row);
+  for (std::size_t i = 0; i < N; ++i) {
+    CHECK((same(s_row[i], s[i]) || (std::isnan(s_row[i]) && std::isnan(s[i]))));
+    CHECK((same(c_row[i], c[i]) || (std::isnan(c_row[i]) && std::isnan(c[i]))));
+  }
   for (std::size_t i = 0; i < N; ++i) {
     CAPTURE(N);
     CAPTURE(i);

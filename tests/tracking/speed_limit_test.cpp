@@ -17,6 +17,9 @@ TEST_CASE_TEMPLATE("limit_speed: nothing below three quarters, never above the l
     auto slow = v;
     auto change = a;
     const bool changed = limit_speed(limit, slow, change);
+    detail::Row<4, T> slow_row(v), change_row(a);
+    CHECK(limit_speed(limit, slow_row, change_row) == changed);
+    CHECK((JointVelocity<4, T>(slow_row) == slow && JointAcceleration<4, T>(change_row) == change));
     T most(0);
     for (std::size_t i = 0; i < 4; ++i) {
       CHECK(magnitude(slow[i]) <= limit[i]);

@@ -30,8 +30,9 @@ template <std::size_t N, Real T, class Check = AnyState>
   if (!detail::is_plausible(measured)) return Reason::state_not_finite;
   if (!check.believes(measured)) return Reason::state_out_of_range;
   if (measured.time < good.time) return Reason::time_backwards;
-  good = measured;
-  if (good.time > now) good.time = now;
+  detail::copy_row(measured.q, good.q);
+  detail::copy_row(measured.dq, good.dq);
+  good.time = measured.time > now ? now : measured.time;
   return {};
 }
 

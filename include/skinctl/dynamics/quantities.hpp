@@ -89,10 +89,12 @@ class Quantities {
         }),
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
         middle_([&](auto) SKINCTL_INLINE_LAMBDA {
-          const T half = T(0.5) * dt_;
-          JointPosition<joints, T> ahead;  // by a loop: vector stores, for the vector loads of its reader
-          for (std::size_t i = 0; i < joints; ++i) ahead[i] = state_.q[i] + half * state_.dq[i];
-          return Middle(model_, ahead);
+          if constexpr (Real<T>) {
+            using Row = detail::Row<joints, T>;
+            return Middle(model_, Row(state_.q) + T(T(0.5) * dt_) * Row(state_.dq));
+          } else {
+            return Middle(model_, integrate(state_.q, state_.dq, T(T(0.5) * dt_)));
+          }
         }),
         poses_([&](auto) SKINCTL_INLINE_LAMBDA { return Poses<M, needs.poses, T>(model_, angles()); }),
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),

@@ -128,6 +128,37 @@ template <Real T>
   return detail::nearer_rotation_vector(log_so3(R), near);
 }
 
+namespace detail {
+/// A rotation vector, and its factor of `left_jacobian_inverse_so3`.
+template <Real T>
+struct LogFactors {
+  Xyz<T> phi;
+  T inverse;
+};
+template <Real T>
+[[nodiscard]] SKINCTL_NOINLINE LogFactors<T> log_factors_beyond(const Rotation<T>& R,
+                                                                const Xyz<T>& near) noexcept {
+  const Xyz<T> phi = log_so3(R, near);
+  return {phi, inverse_factor(phi)};
+}
+/// Both of `log_so3(R, near)`, by polynomials of the squared tangent of the half angle up to 0.5 rad.
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE LogFactors<T> log_factors(const Rotation<T>& R, const Xyz<T>& near) noexcept {
+  if constexpr (math::detail::has_kernel<T>) {
+    using Table = SmallTurn<T>;
+    const Xyz<T> odd{R.y.z - R.z.y, R.z.x - R.x.z, R.x.y - R.y.x};
+    const T w = T(1) + (R.x.x + R.y.y + R.z.z), per_w = T(1) / (w > T(1) ? w : T(1));
+    const T u = dot(odd, odd) * (per_w * per_w);
+    // w is 4 cos(a/2)^2. With `near` that small the other branch is never closer.
+    if (u <= T(Table::limit) && w > T(1) && dot(near, near) < T(4)) [[likely]] {
+      const T scale = (T(2) * per_w) * math::detail::polynomial(u, Table::atan);
+      return {scale * odd, math::detail::polynomial(u, Table::bend)};
+    }
+  }
+  return log_factors_beyond(R, near);
+}
+}  // namespace detail
+
 /// `omega = J_l(phi) dphi`: the angular velocity, in the axes of the outer frame, of `R = exp_so3(phi)`.
 template <Real T>
 [[nodiscard]] Xyz<T> left_jacobian_so3(const Xyz<T>& phi, const Xyz<T>& dphi) noexcept {
@@ -135,12 +166,21 @@ template <Real T>
   return dphi + detail::exp_factors(phi).cosine * once + detail::cubic_factor(phi) * cross(phi, once);
 }
 
+namespace detail {
+/// `left_jacobian_inverse_so3` with its factor.
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE Xyz<T> left_jacobian_inverse(const Xyz<T>& phi, const T& factor,
+                                                          const Xyz<T>& omega) noexcept {
+  const Xyz<T> once = cross(phi, omega);
+  return omega - T(0.5) * once + factor * cross(phi, once);
+}
+}  // namespace detail
+
 /// `dphi = J_l(phi)^-1 omega`, for `|phi| < 2 pi`. At 2 pi it is singular (it grows as `1 / (2 pi - |phi|)`);
 /// at pi its norm is pi / 2.
 template <Real T>
 [[nodiscard]] Xyz<T> left_jacobian_inverse_so3(const Xyz<T>& phi, const Xyz<T>& omega) noexcept {
-  const Xyz<T> once = cross(phi, omega);
-  return omega - T(0.5) * once + detail::inverse_factor(phi) * cross(phi, once);
+  return detail::left_jacobian_inverse(phi, detail::inverse_factor(phi), omega);
 }
 
 SKINCTL_END_NAMESPACE

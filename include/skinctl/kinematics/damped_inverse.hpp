@@ -3,8 +3,10 @@
 
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "skinctl/core/contract.hpp"
+#include "skinctl/kinematics/detail/block_inverse.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/math/ldlt.hpp"
 
@@ -111,10 +113,13 @@ class SingularityDamping {
 /// pseudo-inverse of minimal joint speed; for fewer, of minimal error), near them it is bounded and smooth.
 ///
 /// `J` is a geometric `Jacobian` along the axes of the base, metres and radians weighted alike; it must
-/// outlive this object. With `TaskSpace::position` only its linear rows are inverted. The smaller of the two
-/// products is formed and factorised: the error is a few units in the last place times the square of the
-/// condition number of J (on a UR5 about 1e-12 and 1e-3 of the result at the edge of the default zone). Never
-/// divides by zero, does not allocate; a NaN gives NaNs or zeros.
+/// outlive this object. With `TaskSpace::position` only its linear rows are inverted. Never divides by zero, does
+/// not allocate; a NaN gives NaNs or zeros.
+///
+/// Six joints and a pose, outside of the zone: J itself is inverted, in blocks (`detail::BlockInverse`); the error
+/// is a few units in the last place times the condition number of J. In the zone, for other numbers of
+/// joints, and where the last three joints' axes are nearly in a plane, the smaller of the two products is formed
+/// and factorised: a few units times the square of the condition number.
 template <class J, TaskSpace What = TaskSpace::pose>
 class DampedInverse;
 template <Topology M, LinkMask Columns, Frame Body, Real T, TaskSpace What>
@@ -125,12 +130,21 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   using BodyAcceleration = Acceleration<Body, Base, Body, Base, T>;
   static constexpr std::size_t joints = M::joints;
 
-  DampedInverse(const Of& J, const SingularityDamping<T>& damping) noexcept
-      : J_(J), damping_(damping), factors_(normal().data) {
-    w_squared_ = factors_.determinant();
-    damped_ = !factors_.positive_definite() || nearness() > T(0);
-    if (damped_) [[unlikely]]
-      damp();
+  SKINCTL_INLINE DampedInverse(const Of& J, const SingularityDamping<T>& damping) noexcept
+      : DampedInverse(J, damping, [&]() SKINCTL_INLINE_LAMBDA { return damping; }) {}
+  /// @param damping  its zone.
+  /// @param within   gives the damping within the zone.
+  template <class F>
+  SKINCTL_INLINE DampedInverse(const Of& J, const SingularityDamping<T>& damping, const F& within) noexcept
+      : J_(J), damping_(damping), blocks_(J) {
+    if constexpr (in_blocks) {
+      w_squared_ = blocks_.determinant() * blocks_.determinant();
+      damped_ = nearness() > T(0);
+      if (blocks_.usable() && !damped_) [[likely]]
+        return;
+    }
+    damping_ = within();
+    factorise();
   }
 
   /// Yoshikawa's manipulability, `sqrt(det(J J'))` (of `J'J` for fewer than six joints): 0 at a singularity.
@@ -167,7 +181,14 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
       T b[order], x[order];
       std::size_t k = 0;
       J_.for_each([&](auto i, const auto&) { b[k++] = tau[i.value]; });
-      factors_.solve(b, x);
+      if constexpr (in_blocks) {
+        if (!factors_) [[likely]] {
+          typename Of::Load F;
+          blocks_.solve_transposed(b, F.force, F.moment);
+          return F;
+        }
+      }
+      factors_->solve(b, x);
       JointVelocity<joints, T> y;
       k = 0;
       J_.for_each([&](auto i, const auto&) { y[i.value] = x[k++]; });
@@ -197,13 +218,34 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
                                                         const BodyAcceleration& ddx_r,
                                                         const JointVelocity<joints, T>& dq_r) const noexcept {
     const BodyAcceleration missing = ddx_r - dJ * dq_r;
-    JointAcceleration<joints, T> ddq;
     if constexpr (square) {
-      if (!damped_) [[likely]] {  // dx_r - J dq_r is zero
-        apply(Velocity{missing.linear, missing.angular}, ddq.data);
-        return ddq;
-      }
+      if (!damped_) [[likely]]
+        return solve(missing);  // dx_r - J dq_r is zero
     }
+    return solve_rate_damped(dJ, dx_r, missing, dq_r);
+  }
+  /// The same, of joints that move at `dq`, the frame at `V = J dq`: without a Jacobian's rate where nothing is
+  /// damped.
+  [[nodiscard]] SKINCTL_INLINE JointAcceleration<joints, T> solve_rate(
+      const JointVelocity<joints, T>& dq, const Velocity& V, const Velocity& dx_r,
+      const BodyAcceleration& ddx_r, const JointVelocity<joints, T>& dq_r) const noexcept {
+    if constexpr (square) {
+      if (!damped_) [[likely]]
+        return solve(ddx_r - jacobian_rate_times(J_, dq, dq_r, V));
+    }
+    return solve_rate_at(dq, dx_r, ddx_r, dq_r);
+  }
+
+ private:
+  [[nodiscard]] SKINCTL_NOINLINE JointAcceleration<joints, T> solve_rate_at(
+      const JointVelocity<joints, T>& dq, const Velocity& dx_r, const BodyAcceleration& ddx_r,
+      const JointVelocity<joints, T>& dq_r) const noexcept {
+    return solve_rate(jacobian_rate(J_, dq), dx_r, ddx_r, dq_r);
+  }
+  [[nodiscard]] JointAcceleration<joints, T> solve_rate_damped(
+      const JacobianRate<Of>& dJ, const Velocity& dx_r, const BodyAcceleration& missing,
+      const JointVelocity<joints, T>& dq_r) const noexcept {
+    JointAcceleration<joints, T> ddq;
     const T dl2 = damping_rate(dJ);
     if constexpr (by_joints) {
       const Velocity left = dx_r - J_ * dq_r;
@@ -213,7 +255,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
         const auto& d = dJ.template column<i.value>();
         b[k++] = along(c, missing) + along(d, left) - dl2 * dq_r[i.value];
       });
-      factors_.solve(b, x);
+      factors_->solve(b, x);
       k = 0;
       J_.for_each([&](auto i, const auto&) { ddq[i.value] = x[k++]; });
     } else {
@@ -231,14 +273,15 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     return ddq;
   }
 
- private:
   static constexpr auto moving = static_cast<std::size_t>(std::popcount(Columns));
   static constexpr std::size_t rows_count = What == TaskSpace::pose ? 6 : 3;
   static constexpr bool by_joints = moving <= rows_count, square = moving == rows_count;
   static constexpr std::size_t order = by_joints ? moving : rows_count;
+  static constexpr bool in_blocks = square && order == 6;
   struct Matrix {
     T data[order * order];
   };
+  using Blocks = std::conditional_t<in_blocks, detail::BlockInverse<T>, detail::NoBlockInverse>;
 
   static void store(const Velocity& v, T* x) noexcept {
     x[0] = v.linear.x, x[1] = v.linear.y, x[2] = v.linear.z;
@@ -289,6 +332,14 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
       }
     return m;
   }
+  /// Factors of the smaller product, damped next to a singularity.
+  SKINCTL_NOINLINE void factorise() noexcept {
+    factors_.emplace(normal().data);
+    w_squared_ = factors_->determinant();
+    damped_ = !factors_->positive_definite() || nearness() > T(0);
+    if (damped_) [[unlikely]]
+      damp();
+  }
   /// Next to a singularity: the determinant with pivots, and factors of the damped matrix.
   SKINCTL_COLD void damp() noexcept {
     Matrix m = normal();
@@ -298,7 +349,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     w_squared_ = detail::determinant(a, still).value;
     const T l2 = damping_.squared(w_squared_);
     for (std::size_t i = 0; i < order; ++i) m.data[i * order + i] = m.data[i * order + i] + l2;
-    factors_ = math::Ldlt<order, T>(m.data);
+    factors_.emplace(m.data);
   }
   T damping_rate(const JacobianRate<Of>& dJ) const noexcept {
     if (nearness() == T(0)) return T(0);
@@ -315,15 +366,27 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   Velocity outer(const Velocity& v) const noexcept {
     T x[6] = {};
     store(v, x);
-    factors_.solve(x, x);
+    factors_->solve(x, x);
     return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
   }
-  void apply(const Velocity& v, T* out) const noexcept {
+  SKINCTL_INLINE void apply(const Velocity& v, T* out) const noexcept {
+    if constexpr (in_blocks) {
+      if (!factors_) [[likely]] {
+        T x[6];
+        blocks_.solve(v.linear, v.angular, x);
+        std::size_t k = 0;
+        J_.for_each([&](auto i, const auto&) SKINCTL_INLINE_LAMBDA { out[i.value] = x[k++]; });
+        return;
+      }
+    }
+    apply_factors(v, out);
+  }
+  SKINCTL_NOINLINE void apply_factors(const Velocity& v, T* out) const noexcept {
     if constexpr (by_joints) {
       T b[order], x[order];
       std::size_t k = 0;
       J_.for_each([&](auto, const auto& c) { b[k++] = along(c, v); });
-      factors_.solve(b, x);
+      factors_->solve(b, x);
       k = 0;
       J_.for_each([&](auto i, const auto&) { out[i.value] = x[k++]; });
     } else {
@@ -336,7 +399,8 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   SingularityDamping<T> damping_;
   T w_squared_;
   bool damped_;
-  math::Ldlt<order, T> factors_;
+  [[no_unique_address]] Blocks blocks_;
+  std::optional<math::Ldlt<order, T>> factors_;  ///< of the smaller product, where the blocks do not serve
 };
 
 /// The damped inverse of a Jacobian.

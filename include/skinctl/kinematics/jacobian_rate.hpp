@@ -81,6 +81,31 @@ template <Topology M, LinkMask C, Frame Body, Scalar T>
   return JacobianRate<Jacobian<M, C, Body, Body, Base, T>>(J, dq);
 }
 
+/// `dJ v` of joints that move at `dq`, without forming dJ: `sum of w_i x v_i linear_i + v_i angular_i x outside_i`
+/// and of `w_p x v_i angular_i`, where p is the joint before i.
+/// @param V  `J dq`.
+template <Topology M, LinkMask C, Frame Body, Scalar T>
+[[nodiscard]] SKINCTL_INLINE Acceleration<Body, Base, Body, Base, T> jacobian_rate_times(
+    const Jacobian<M, C, Body, Body, Base, T>& J, const JointVelocity<M::joints, T>& dq,
+    const JointVelocity<M::joints, T>& v, const Twist<Body, Base, Body, Base, T>& V) noexcept {
+  Acceleration<Body, Base, Body, Base, T> a;
+  Xyz<T> outside = V.linear;
+  Xyz<T> w{T(0), T(0), T(0)};
+  J.for_each([&](auto i, const auto& c) SKINCTL_INLINE_LAMBDA {
+    outside = outside - dq[i.value] * c.linear;
+    const Xyz<T> moved = v[i.value] * c.linear;
+    if constexpr (M::kinds[i.value] == JointKind::revolute) {
+      const Xyz<T> turn = v[i.value] * c.angular;
+      a.angular = a.angular + cross(w, turn);
+      w = w + dq[i.value] * c.angular;
+      a.linear = a.linear + cross(w, moved) + cross(turn, outside);
+    } else {
+      a.linear = a.linear + cross(w, moved);
+    }
+  });
+  return a;
+}
+
 /// `J ddq + dJ dq`: the acceleration of the body, without forming dJ: joint k adds
 /// `(w_k + w_p) x linear_k dq_k` and `w_p x angular_k dq_k`, where p is the joint before it.
 template <Topology M, LinkMask C, Frame Body, Scalar T>

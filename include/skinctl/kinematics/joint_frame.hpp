@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/math/sincos.hpp"
@@ -52,7 +53,18 @@ struct JointAngles {
   T shift[detail::any_of_kind<M, links>(JointKind::prismatic) ? storage
                                                               : 1];  ///< displacements of prismatic joints
 
-  SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q) noexcept {
+  /// Of angles in registers.
+  template <Real U>
+    requires std::same_as<U, T>
+  SKINCTL_INLINE JointAngles(const M& model, const detail::Row<M::joints, U>& q) noexcept
+      : JointAngles(model, JointPosition<M::joints, T>(q), q) {}
+  SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q) noexcept
+      : JointAngles(model, q, nullptr) {}
+
+ private:
+  /// @param row  the same angles in registers, or null.
+  template <class Row>
+  SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q, const Row& row) noexcept {
     constexpr LinkMask turning = links & ~Unused;
     constexpr auto first = turning == 0 ? 0 : static_cast<std::size_t>(std::countr_zero(turning));
     constexpr std::size_t turns = static_cast<std::size_t>(std::bit_width(turning)) - first;
@@ -62,7 +74,13 @@ struct JointAngles {
     if constexpr (detail::any_of_kind<M, links>(JointKind::prismatic))
       detail::unrolled<count>([&](auto i) SKINCTL_INLINE_LAMBDA { shift[i] = position(i); });
     if constexpr (turns > 0 && detail::any_of_kind<M, links>(JointKind::revolute)) {
-      if constexpr (detail::no_offsets<M, T, count>()) {
+      if constexpr (detail::no_offsets<M, T, count>() && turns == M::joints && turns > 1 && Real<T>) {
+        if constexpr (std::is_null_pointer_v<Row>) {
+          math::sincos(detail::Row<M::joints, T>(q), sin, cos);
+        } else {
+          math::sincos(row, sin, cos);
+        }
+      } else if constexpr (detail::no_offsets<M, T, count>()) {
         math::sincos<turns>(q.data + first, sin + first, cos + first);
       } else {
         math::sincos<turns>(

@@ -31,16 +31,16 @@ class Ldlt {
       const std::size_t j = k;
       T d = a[j * N + j];
       T scaled[N];
-      for (std::size_t i = 0; i < j; ++i) {
+      below(k, [&](std::size_t i) SKINCTL_INLINE_LAMBDA {
         scaled[i] = ld_[j][i] * inverse_[i];
         d = d - ld_[j][i] * scaled[i];
-      }
+      });
       take_pivot(j, d, a[j * N + j]);
-      for (std::size_t i = j + 1; i < N; ++i) {
+      above(k, [&](std::size_t i) SKINCTL_INLINE_LAMBDA {
         T s = a[i * N + j];
-        for (std::size_t p = 0; p < j; ++p) s = s - ld_[i][p] * scaled[p];
+        below(k, [&](std::size_t p) SKINCTL_INLINE_LAMBDA { s = s - ld_[i][p] * scaled[p]; });
         ld_[i][j] = s;
-      }
+      });
     });
   }
 
@@ -64,23 +64,43 @@ class Ldlt {
   }
 
   /// Solves `a x = b`; `x` may be `b`.
-  SKINCTL_INLINE constexpr void solve(const T* b, T* x) const noexcept {
-    T y[N];
+  /// @tparam B  numbers, or rows of them: several right sides at once.
+  template <class B>
+  SKINCTL_INLINE constexpr void solve(const B* b, B* x) const noexcept {
+    B y[N];
     skinctl::detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
       const std::size_t j = k;
-      T r = b[j];
-      for (std::size_t i = 0; i < j; ++i) r = r - ld_[j][i] * y[i];
+      B r = b[j];
+      below(k, [&](std::size_t i) SKINCTL_INLINE_LAMBDA { r = r - ld_[j][i] * y[i]; });
       y[j] = r * inverse_[j];
     });
     skinctl::detail::for_each_index<N>([&](auto k) SKINCTL_INLINE_LAMBDA {
       const std::size_t j = N - 1 - k;
-      T s(0);
-      for (std::size_t i = j + 1; i < N; ++i) s = s + ld_[i][j] * x[i];
+      B s = T(0);
+      below(k, [&](std::size_t i) SKINCTL_INLINE_LAMBDA { s = s + ld_[j + 1 + i][j] * x[j + 1 + i]; });
       x[j] = y[j] - s * inverse_[j];
     });
   }
 
  private:
+  /// `f` of the indices below `k`, and of those above it: straight-line code for a few unknowns.
+  template <class K, class F>
+  static SKINCTL_INLINE constexpr void below(K k, F&& f) noexcept {
+    if constexpr (std::is_same_v<K, std::size_t>) {
+      for (std::size_t i = 0; i < k; ++i) f(i);
+    } else {
+      skinctl::detail::for_each_of_few<K::value>(f);
+    }
+  }
+  template <class K, class F>
+  static SKINCTL_INLINE constexpr void above(K k, F&& f) noexcept {
+    if constexpr (std::is_same_v<K, std::size_t>) {
+      for (std::size_t i = k + 1; i < N; ++i) f(i);
+    } else {
+      skinctl::detail::for_each_of_few<N - 1 - K::value>([&](std::size_t i)
+                                                             SKINCTL_INLINE_LAMBDA { f(K::value + 1 + i); });
+    }
+  }
   static SKINCTL_INLINE constexpr bool all_of(const auto& good) noexcept {
     if constexpr (is_lane<T>)
       return all(good);

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/lane.hpp"
 #include "skinctl/core/real.hpp"
@@ -122,6 +123,33 @@ SKINCTL_INLINE void sincos(F angle, T* sin, T* cos) noexcept {
           }(std::make_index_sequence<W>{});
         },
         sin, cos);
+  }
+}
+
+/// The same for a row of joints, each block in a lane of its own size: the results are those of the array.
+template <std::size_t N, Real T>
+SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin, T* cos) noexcept {
+  using Shape = skinctl::detail::RowShape<N, T>;
+  if constexpr (!detail::has_kernel<T> || (Shape::last != Shape::width && 2 * Shape::last != Shape::width)) {
+    T angles[N];
+    x.store(angles);
+    sincos<N>(static_cast<const T*>(angles), sin, cos);
+  } else {
+    const auto take = [&](const auto& angles, std::size_t at) SKINCTL_INLINE_LAMBDA {
+      const auto y = sincos(angles);
+      y.sin.store(sin + at);
+      y.cos.store(cos + at);
+    };
+    skinctl::detail::unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA {
+      constexpr std::size_t held = Shape::held(k), at = k * Shape::width;
+      if constexpr (held == Shape::width) {
+        take(x.block[k], at);
+      } else {
+        take(Lane<T, held>(
+                 skinctl::detail::half<T, Shape::width>(x.block[k].vector(), skinctl::detail::Lower{})),
+             at);
+      }
+    });
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/math/detail/block_ldlt.hpp"
 #include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/resolver/detail/runge_kutta.hpp"
 #include "skinctl/resolver/detail/stick_or_slip.hpp"
@@ -23,9 +24,10 @@ struct CrankNicolson {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.middle = true};
   static constexpr bool midpoint = true;
-  template <Real T>
-  static SKINCTL_INLINE T weight(const T& z) noexcept {
-    return (z * (z + T(2)) + T(3)) / (z * (z + T(3)) + T(6));
+  /// Of a number, or of a row of joints.
+  template <class Z>
+  static SKINCTL_INLINE Z weight(const Z& z) noexcept {
+    return (z * (z + Z(2)) + Z(3)) / (z * (z + Z(3)) + Z(6));
   }
 };
 
@@ -35,9 +37,9 @@ struct ImplicitFriction {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.angles = true};
   static constexpr bool midpoint = false;
-  template <Real T>
-  static SKINCTL_INLINE T weight(const T&) noexcept {
-    return T(1);
+  template <class Z>
+  static SKINCTL_INLINE Z weight(const Z&) noexcept {
+    return Z(1);
   }
 };
 
@@ -48,9 +50,10 @@ struct SemiImplicitEuler {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.angles = true};
   static constexpr bool midpoint = false;
-  template <Real T>
-  static SKINCTL_INLINE T weight(const T& z) noexcept {
-    return z > T(1) ? T(T(1) - T(1) / z) : T(0);
+  template <class Z>
+  static SKINCTL_INLINE Z weight(const Z& z) noexcept {
+    const auto fast = z > Z(1);
+    return select(fast, Z(1) - Z(1) / select(fast, z, Z(1)), Z(0.0));
   }
 };
 
@@ -168,24 +171,26 @@ template <class Policy, std::size_t n, Real T, class More>
   const JointAcceleration<n, T> free(h * (pull - shape.damping * Row<n, T>(v)));
   JointTorque<n, T> impulse = m * free;
   const T decayed = T(1) + Policy::weight(T(h * shape.damping)) * (h * shape.damping);
+  using R = Row<n, T>;
+  const R b = h * R(shape.viscous), own = R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return m(i, i); });
+  const auto moves = own > R(T(0));
+  const R kept = Policy::weight(select(moves, b / select(moves, own, T(1)), T(0))) * b;
+  const R driven = h * (R(tau) - R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return bias[i]; })) - b * R(v);
   for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-    const T b = h * shape.viscous[i];
-    impulse[i] = impulse[i] + h * (tau[i] - bias[i]) - b * v[i];
-    const T own = m(i, i);
-    const T z = own > T(0) ? T(b / own) : T(0);
+    impulse[i] = impulse[i] + driven[i];
     for_each_index<n>([&](std::size_t j) SKINCTL_INLINE_LAMBDA { m(i, j) = m(i, j) * decayed; });
-    m(i, i) = m(i, i) + Policy::weight(z) * b;
+    m(i, i) = m(i, i) + kept[i];
   });
   more(m, impulse);
   VelocityStep<n, T> out;
-  const math::Ldlt<n, T> factors(m.data);
+  const math::detail::OneSystem<n, T> factors(m.data);
   out.singular = !factors.positive_definite();
-  if (out.singular) {
+  if (out.singular) [[unlikely]] {
     out.velocity = v;
   } else {
-    JointVelocity<n, T> dv;
-    factors.solve(impulse.data, dv.data);
-    out.velocity = v + dv;
+    T dv[n];
+    factors.solve(impulse.data, dv);
+    out.velocity = JointVelocity<n, T>(R(v) + R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return dv[i]; }));
     if (has_coulomb) stick_or_slip(m, h * shape.coulomb, impulse, v, out.velocity);
   }
   return out;

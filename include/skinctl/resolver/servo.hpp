@@ -56,8 +56,8 @@ class JointServo {
     if (m.count == Capacity) drop(m);
     const std::uint32_t k = (m.first + m.count) % Capacity;
     m.time[k] = time;
-    m.value[k] = value;
-    m.slope[k] = slope;
+    detail::copy_row(value, m.value[k]);
+    detail::copy_row(slope, m.slope[k]);
     ++m.count;
   }
   /// The last command was sent with other values than those given to `send`.

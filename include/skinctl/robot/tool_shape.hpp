@@ -8,7 +8,7 @@
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
-#include "skinctl/math/ldlt.hpp"
+#include "skinctl/math/detail/block_ldlt.hpp"
 #include "skinctl/robot/robot_description.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -16,15 +16,17 @@ SKINCTL_BEGIN_NAMESPACE
 /// No tool shape: the virtual robot has its model's inertia plus the virtual inertia of the joints.
 struct NoToolShape {};
 
-/// The terms of a shaped virtual robot at one pose.
+/// The terms of a shaped virtual robot at one pose; not initialised.
 template <std::size_t N, std::size_t Rows, Real T>
 struct ToolTerms {
-  T J[Rows][N] = {};           ///< Jacobian of the tool, base axes
-  MassMatrix<N, T> mass;       ///< M_v
-  MassMatrix<N, T> rest;       ///< M_rest, the part of M_v without effect on the tool
-  MassMatrix<N, T> friction;   ///< J' D J + rest_decay M_rest
-  MassMatrix<N, T> implicit;   ///< h times the share of `friction` that acts on the new velocity
-  JointTorque<N, T> coriolis;  ///< C_v v
+  using Matrix = MassMatrix<N, T>;
+  T J[Rows][N];                               ///< Jacobian of the tool, base axes
+  Matrix mass{typename Matrix::Unset{}};      ///< M_v
+  Matrix rest{typename Matrix::Unset{}};      ///< M_rest, the part of M_v without effect on the tool
+  Matrix friction{typename Matrix::Unset{}};  ///< J' D J + rest_decay M_rest
+  Matrix implicit{
+      typename Matrix::Unset{}};  ///< h times the share of `friction` that acts on the new velocity
+  JointTorque<N, T> coriolis;     ///< C_v v
 };
 
 /// At the point `X_LT` of link `L` the virtual robot feels like the mass `Lambda` with the friction `D`:
@@ -101,7 +103,7 @@ class ToolShape {
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
   /// The terms at the pose of `angles` and the velocity `v`, for the joint inertia `m0` and the torque
-  /// `coriolis` = C v. False if `m0` could not be factorised.
+  /// `coriolis` = C v. False if `m0` could not be factorised: then nothing is written.
   ///
   /// @param h  length of the sub-step [s].
   /// @tparam Policy  the integration of friction over the sub-step.

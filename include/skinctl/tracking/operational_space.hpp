@@ -126,10 +126,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   template <class J>
   [[nodiscard]] static Errors errors(const Reference& target, const Site<J>& at,
                                      const Memory& memory) noexcept {
-    Errors error;
-    Xyz<T> near;
-    errors(error, near, target, at, memory);
-    return error;
+    return errors(error_rows(target, at, memory).rows);
   }
   template <class Gains, class J>
   [[nodiscard]] SKINCTL_NOINLINE Surface surface(const Gains& gains, const Inputs& in, const Site<J>& at,
@@ -146,9 +143,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   }
   template <class J>
   static void follow_branch(Memory& memory, const Reference& target, const Site<J>& at) noexcept {
-    Errors error;
-    Xyz<T> near;
-    errors(error, near, target, at, memory);
+    const Xyz<T> near = error_rows(target, at, memory).near;
     const T sum = dot(near, near);
     if (sum - sum == T(0)) memory.near = near;
   }
@@ -159,7 +154,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     if (sum - sum == T(0)) next.near = s.near;
     next.slowed = s.slowed;
     const T stays = T(1) / (T(1) + kappa_ * dt);
-    for (T& v : next.drift) v = detail::magnitude(v) > T(1e-30) ? T(stays * v) : T(0);
+    const detail::Row<N, T> drift = next.drift;
+    select(magnitude(drift) > T(1e-30), stays * drift, T(0)).store(next.drift);
     next.escape = memory.escape.advanced(s.way_out, dt);
     next.rest = memory.rest.advanced(s.rests, s.q, dt);
     return next;
@@ -188,27 +184,40 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   template <class J>
   void rest(const Inputs& in, const Site<J>& at, const Errors& error, const SingularRest<N, T>& rest,
             const T& nearness, Surface& s) const noexcept;
+  using Row = detail::Row<coordinates, T>;
+  /// Errors, and the branch of that of the orientation.
+  struct Errant {
+    SurfaceErrorRows<coordinates, T> rows;
+    Xyz<T> near;
+  };
+  /// A row of coordinates: linear, then angular.
+  static SKINCTL_INLINE Row row(const Xyz<T>& linear, const Xyz<T>& angular) noexcept {
+    return Row::of([&](auto i) SKINCTL_INLINE_LAMBDA {
+      const Xyz<T>& three = i < 3 ? linear : angular;
+      return i % 3 == 0 ? three.x : (i % 3 == 1 ? three.y : three.z);
+    });
+  }
   template <class J>
-  static void errors(Errors& error, Xyz<T>& near, const Reference& target, const Site<J>& at,
-                     const Memory& memory) noexcept {
-    put(error.e, at.X_BP.origin() - target.X_BP.origin());
-    put(error.de, at.V.linear - target.V.linear);
-    put(error.slope, at.V.linear - target.V.linear);
-    put(error.v_d, target.V.linear);
-    put(error.a_d, target.A.linear);
-    if constexpr (What == TaskSpace::pose) {
-      const auto turned = Orientation::errors(
+  static SKINCTL_INLINE Errant error_rows(const Reference& target, const Site<J>& at,
+                                          const Memory& memory) noexcept {
+    const Xyz<T> de = at.V.linear - target.V.linear;
+    OrientationErrors<T> turned{{}, {}, {}, {}, {}, memory.near};
+    if constexpr (What == TaskSpace::pose)
+      turned = Orientation::errors(
           at.X_BP.axes(), at.V.angular,
           RotationReference<T>{target.X_BP.axes(), target.V.angular, target.A.angular}, memory.near);
-      put(error.e + 3, turned.e);
-      put(error.de + 3, turned.de);
-      put(error.slope + 3, turned.slope);
-      put(error.v_d + 3, turned.v_d);
-      put(error.a_d + 3, turned.a_d);
-      near = turned.near;
-    } else {
-      near = memory.near;
-    }
+    return {{row(at.X_BP.origin() - target.X_BP.origin(), turned.e), row(de, turned.de),
+             row(de, turned.slope), row(target.V.linear, turned.v_d), row(target.A.linear, turned.a_d)},
+            turned.near};
+  }
+  static Errors errors(const SurfaceErrorRows<coordinates, T>& rows) noexcept {
+    Errors error;
+    rows.e.store(error.e);
+    rows.de.store(error.de);
+    rows.slope.store(error.slope);
+    rows.v_d.store(error.v_d);
+    rows.a_d.store(error.a_d);
+    return error;
   }
 
   Transform<Link<I>, P, T> X_LP_;
@@ -254,10 +263,10 @@ template <class Gains, class J>
 SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::surface(
     const Gains& gains, const Inputs& in, const Site<J>& at, const Memory& memory) const noexcept -> Surface {
   Surface s;
-  Errors error;
-  errors(error, s.near, in.target, at, memory);
+  const auto error = error_rows(in.target, at, memory);
+  s.near = error.near;
   const auto x =
-      sliding_surface(gains, in, error, [](const auto&) { return JointVelocity<coordinates, T>(); });
+      sliding_surface(gains, in, error.rows, [](const auto&) { return JointVelocity<coordinates, T>(); });
   s.S_delta = x.S_delta, s.dI1 = x.dI1, s.dI2 = x.dI2, s.dx_r = x.dq_r, s.ddx_r = x.ddq_r;
 
   Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};
@@ -267,39 +276,41 @@ SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::sur
     v.angular = map.omega(get(x.dq_r.data + 3));
     a.angular = map.domega(get(x.dq_r.data + 3), get(x.ddq_r.data + 3));
   }
-  const T speed2 = dot(v.linear, v.linear) + dot(v.angular, v.angular);
-  const T rate = T(2) * (dot(v.linear, a.linear) + dot(v.angular, a.angular));
-  const auto inverse =
-      damped_inverse<What>(at.jacobian, singularities_.scaled(least_damping_, speed2, rate, slowest_));
+  const DampedInverse<J, What> inverse(at.jacobian, singularities_, [&] {
+    const T speed2 = dot(v.linear, v.linear) + dot(v.angular, v.angular);
+    const T rate = T(2) * (dot(v.linear, a.linear) + dot(v.angular, a.angular));
+    return singularities_.scaled(least_damping_, speed2, rate, slowest_);
+  });
   const T nearness = inverse.nearness();
-  const auto dJ = jacobian_rate(at.jacobian, at.dq);
   if constexpr (Null::rests) {
     s.dq_r = inverse.solve(v);
-    s.ddq_r = inverse.solve_rate(dJ, v, a, s.dq_r);
+    s.ddq_r = inverse.solve_rate(at.dq, at.V, v, a, s.dq_r);
   } else {
     const NullMotion<N, T> z = null_.motion(at.q, at.dq);
     v = v - at.jacobian * z.v;
     const auto J_a = at.jacobian * JointVelocity<N, T>::generate([&](std::size_t i) { return z.a[i]; });
-    const auto dJ_v = dJ * z.v;
+    const auto dJ_v = jacobian_rate_times(at.jacobian, at.dq, z.v, at.V);
     a = {a.linear - J_a.linear - dJ_v.linear, a.angular - J_a.angular - dJ_v.angular};
     const auto dq = inverse.solve(v);
-    s.ddq_r = z.a + inverse.solve_rate(dJ, v, a, dq);
+    s.ddq_r = z.a + inverse.solve_rate(at.dq, at.V, v, a, dq);
     s.dq_r = z.v + dq;
   }
   s.rests = false;
   if (nearness > T(0)) [[unlikely]] {
-    rest(in, at, error, memory.rest, nearness, s);
+    rest(in, at, errors(error.rows), memory.rest, nearness, s);
     if (!s.rests) s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
   }
-  s.dq_r += memory.escape.v;
-  s.ddq_r += memory.escape.a;
+  using R = detail::Row<N, T>;
+  R dq_r = R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return s.dq_r[i]; }) + memory.escape.v;
+  R ddq_r = R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return s.ddq_r[i]; }) + memory.escape.a;
   s.slowed = nearness > T(0);
-  s.slowed |= limit_speed(limit_, s.dq_r, s.ddq_r);
-  for (std::size_t i = 0; i < N; ++i) {
-    s.dq_r[i] = s.dq_r[i] + memory.drift[i];
-    s.ddq_r[i] = s.ddq_r[i] - kappa_ * memory.drift[i];
-  }
-  for (std::size_t i = 0; i < N; ++i) s.S_q[i] = at.dq[i] - s.dq_r[i];
+  s.slowed |= limit_speed(limit_, dq_r, ddq_r);
+  const R drift = memory.drift;
+  dq_r = dq_r + drift;
+  ddq_r = ddq_r - kappa_ * drift;
+  dq_r.store(s.dq_r);
+  ddq_r.store(s.ddq_r);
+  (at.dq - dq_r).store(s.S_q);
   return s;
 }
 

@@ -38,12 +38,12 @@ struct RotationVectorError {
     return {};
   }
   template <Real T>
-  [[nodiscard]] static OrientationErrors<T> errors(const Rotation<T>& R, const Xyz<T>& omega,
-                                                   const RotationReference<T>& target,
-                                                   const Xyz<T>& near) noexcept {
+  [[nodiscard]] static SKINCTL_INLINE OrientationErrors<T> errors(const Rotation<T>& R, const Xyz<T>& omega,
+                                                                  const RotationReference<T>& target,
+                                                                  const Xyz<T>& near) noexcept {
     const Rotation<T> E = R * target.R.transpose();
-    const Xyz<T> phi = log_so3(E, near);
-    const Xyz<T> slope = left_jacobian_inverse_so3(phi, Xyz<T>(omega - E * target.omega));
+    const auto [phi, factor] = detail::log_factors(E, near);
+    const Xyz<T> slope = detail::left_jacobian_inverse(phi, factor, Xyz<T>(omega - E * target.omega));
     return {phi, omega - target.omega, slope, target.omega, target.domega, phi};
   }
 };

@@ -1,6 +1,7 @@
 // Motion out of a singularity towards a goal for which the damped inverse gives none.
 #pragma once
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/kinematics/singular_directions.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -20,15 +21,12 @@ struct SingularEscape {
 
   /// `dt` seconds later, by backward Euler: stable for every dt. A wish that is not finite changes nothing.
   [[nodiscard]] SingularEscape advanced(const JointVelocity<N, T>& wish, const T& dt) const noexcept {
-    SingularEscape next = *this;
+    using R = detail::Row<N, T>;
     const T w = T(1) / T(lag), scale = T(1) / (T(1) + w * dt * (T(2) + w * dt));
-    for (std::size_t i = 0; i < N; ++i) {
-      const T rate = scale * (a[i] + w * w * dt * (wish[i] - v[i]));
-      if (!(rate - rate == T(0))) continue;
-      next.a[i] = rate;
-      next.v[i] = v[i] + dt * rate;
-    }
-    return next;
+    const R rate = scale * (R(a) + T(w * w * dt) * (R(wish) - v));
+    const auto finite = rate - rate == R(T(0));
+    return {JointVelocity<N, T>(select(finite, R(v) + dt * rate, R(v))),
+            JointAcceleration<N, T>(select(finite, rate, R(a)))};
   }
 
   /// The wish of the motion where `asked` is the frame's commanded velocity: along the v of those singular

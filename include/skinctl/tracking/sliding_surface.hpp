@@ -108,12 +108,17 @@ struct SurfaceErrors {
   T a_d[N];    ///< its acceleration
 };
 
+/// The same in lanes.
+template <std::size_t N, Real T = double>
+struct SurfaceErrorRows {
+  detail::Row<N, T> e, de, slope, v_d, a_d;
+};
+
 /// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `rest(dq_r)` gives `S_q`. NaN in, NaN out.
-template <std::size_t N, Real T, class Sign, class Target, class Rest>
+template <std::size_t N, Real T, class Sign, class Target, class Errors, class Rest>
 [[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T, Sign>& gains,
                                                                   const SurfaceInputs<N, T, Target>& in,
-                                                                  const SurfaceErrors<N, T>& error,
-                                                                  Rest&& rest) noexcept {
+                                                                  const Errors& error, Rest&& rest) noexcept {
   using R = detail::Row<N, T>;
   const R e(error.e), de(error.de), slope(error.slope), v_d(error.v_d), a_d(error.a_d);
   const R S_d = in.bias.S_d, K = in.K_p.K, K_i1 = gains.K_i1, K_i2 = gains.K_i2;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "skinctl/core/joint.hpp"
+#include "skinctl/core/detail/row.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// three quarters of the limits v is unchanged to the bit. The acceleration follows as the true derivative. A
 /// NaN gives NaNs. Returns whether v was changed.
 template <std::size_t N, Real T = double>
-SKINCTL_INLINE bool limit_speed(const JointVelocity<N, T>& limit, JointVelocity<N, T>& v,
-                                JointAcceleration<N, T>& a) noexcept {
+SKINCTL_NOINLINE bool limit_speed(const JointVelocity<N, T>& limit, JointVelocity<N, T>& v,
+                                  JointAcceleration<N, T>& a) noexcept {
   T y(0), dy(0);
   for (std::size_t i = 0; i < N; ++i) {
     const T x = v[i] / limit[i];
@@ -36,6 +36,20 @@ SKINCTL_INLINE bool limit_speed(const JointVelocity<N, T>& limit, JointVelocity<
     v[i] = f * v[i];
   }
   return true;
+}
+
+/// The same for a motion in lanes; up to half of the limits nothing needs to be computed.
+template <std::size_t N, Real T>
+SKINCTL_INLINE bool limit_speed(const JointVelocity<N, T>& limit, detail::Row<N, T>& v,
+                                detail::Row<N, T>& a) noexcept {
+  static_assert(N <= 25, "y <= 0.1 at half of the limits");
+  if (all(magnitude(v) <= T(0.5) * detail::Row<N, T>(limit))) [[likely]]
+    return false;
+  JointVelocity<N, T> velocity(v);
+  JointAcceleration<N, T> acceleration(a);
+  const bool changed = limit_speed(limit, velocity, acceleration);
+  v = velocity, a = acceleration;
+  return changed;
 }
 
 SKINCTL_END_NAMESPACE

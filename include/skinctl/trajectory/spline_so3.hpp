@@ -46,9 +46,11 @@ class RotationSpline {
     auto way = quintic(tf_ > T(0) ? T(t / tf_) : T(1), rate);
     if (start_.rate > T(0) && t < tf_) [[unlikely]]
       way = way + start_.at(T(t / tf_), tf_);
-    const auto R = way.a1 <= T(0.5) ? exp_so3(Xyz<T>(way.a1 * phi_)) * R_i_
-                                    : exp_so3(Xyz<T>(T(-way.rest) * phi_)) * R_g_;
-    return {way.rest == T(0) ? R_g_ : (way.a1 == T(0) ? R_i_ : R), way.a2 * phi_, way.a3 * phi_};
+    const Xyz<T> omega = way.a2 * phi_, domega = way.a3 * phi_;
+    if (way.rest == T(0)) return {R_g_, omega, domega};
+    if (way.a1 == T(0)) return {R_i_, omega, domega};
+    const bool early = way.a1 <= T(0.5);  // from the nearer end, by half of the turn at most
+    return {exp_so3(Xyz<T>((early ? way.a1 : T(-way.rest)) * phi_)) * (early ? R_i_ : R_g_), omega, domega};
   }
   /// The whole turn as a rotation vector [rad].
   [[nodiscard]] const Xyz<T>& turn() const noexcept { return phi_; }

@@ -171,6 +171,14 @@ class Row {
     return JointVector<Kind, N, T>::written([&](T* to) SKINCTL_INLINE_LAMBDA { store(to); });
   }
 
+  [[nodiscard]] SKINCTL_INLINE T operator[](std::size_t i) const noexcept {
+    if constexpr (Shape::wide) {
+      return block[i / Shape::width][i % Shape::width];
+    } else {
+      return block[i];
+    }
+  }
+
   friend SKINCTL_INLINE Row operator+(const Row& a, const Row& b) noexcept {
     return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return a.block[k] + b.block[k]; });
   }
@@ -216,6 +224,29 @@ class Row {
     return select(x < Row(T(0)), -x, x);
   }
 
+  /// The numbers `f(0)`, `f(1)`, ..., the index an integral constant, from registers: a load of numbers that were
+  /// stored one by one waits for them.
+  template <class F>
+  static SKINCTL_INLINE Row of(F&& f) noexcept {
+    return made([&](auto k) SKINCTL_INLINE_LAMBDA {
+      const auto number = [&](auto i) SKINCTL_INLINE_LAMBDA -> T {
+        if constexpr (i < N) {
+          return f(i);
+        } else {
+          return T(0);
+        }
+      };
+      if constexpr (Shape::wide) {
+        return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+          return typename Shape::Block(typename Shape::Block::Vector{
+              number(std::integral_constant<std::size_t, k * Shape::width + I>{})...});
+        }(std::make_index_sequence<Shape::width>{});
+      } else {
+        return number(k);
+      }
+    });
+  }
+
   /// The blocks `f(0)`, `f(1)`, ...
   template <class F>
   static SKINCTL_INLINE Row made(F&& f) noexcept {
@@ -226,6 +257,13 @@ class Row {
 };
 template <class Kind, std::size_t N, Real T>
 Row(const JointVector<Kind, N, T>&) -> Row<N, T>;
+
+/// `to = from` in the blocks in which rows are written: GCC copies a whole vector in one wider piece, and such a
+/// load waits for the stores of the blocks.
+template <class Kind, std::size_t N, Real T>
+SKINCTL_INLINE void copy_row(const JointVector<Kind, N, T>& from, JointVector<Kind, N, T>& to) noexcept {
+  Row<N, T>(from).store(to);
+}
 
 }  // namespace detail
 

@@ -30,5 +30,16 @@ SKINCTL_INLINE constexpr void for_each_index(F&& f) {
   }
 }
 
+/// For loops within these: a limb's joints, where straight-line code keeps every number in a register. (The
+/// compilers leave such a loop in a large function, and then its arrays in memory.)
+template <std::size_t N, class F>
+SKINCTL_INLINE constexpr void for_each_of_few(F&& f) {
+  if constexpr (N <= 8) {
+    unrolled<N>(f);
+  } else {
+    for (std::size_t i = 0; i < N; ++i) f(i);
+  }
+}
+
 }  // namespace detail
 SKINCTL_END_NAMESPACE

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "skinctl/core/triple.hpp"
+#include "skinctl/frames/detail/rotation_kernel.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -16,13 +17,26 @@ struct ExpFactors {
 };
 /// Both from the half angle: one sine and cosine, and no cancellation.
 template <Real T>
-[[nodiscard]] ExpFactors<T> exp_factors(const Xyz<T>& phi) noexcept {
+[[nodiscard]] SKINCTL_NOINLINE ExpFactors<T> exp_factors_beyond(const Xyz<T>& phi) noexcept {
   using std::cos;
   using std::sin;
   const T half = T(0.5) * norm(phi);
   if (half == T(0)) return {T(1), T(0.5)};
   const T s = sin(half) / half;
   return {s * cos(half), T(0.5) * s * s};
+}
+/// The same, by polynomials up to half a turn.
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE ExpFactors<T> exp_factors(const Xyz<T>& phi) noexcept {
+  if constexpr (math::detail::has_kernel<T>) {
+    const T square = T(0.25) * dot(phi, phi);
+    if (square <= sinc_cos_limit<T>) [[likely]] {
+      T s, c;
+      sinc_cos(square, s, c);
+      return {s * c, T(0.5) * s * s};
+    }
+  }
+  return exp_factors_beyond(phi);
 }
 
 /// Number of terms of the alternating series below that reach the rounding error of `T` for arguments up to

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/real.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -12,7 +13,8 @@ namespace math::detail {
 template <Scalar L, class T, std::size_t N>
 [[nodiscard]] SKINCTL_INLINE L polynomial(L z, const T (&coefficients)[N]) noexcept {
   L y(coefficients[N - 1]);
-  for (std::size_t i = N - 1; i > 0; --i) y = y * z + L(coefficients[i - 1]);
+  skinctl::detail::unrolled<N - 1>([&](auto i)
+                                       SKINCTL_INLINE_LAMBDA { y = y * z + L(coefficients[N - 2 - i]); });
   return y;
 }
 

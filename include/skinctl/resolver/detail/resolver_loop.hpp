@@ -131,11 +131,11 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
     const T h = seconds<T>(interval.at(j + 1) - interval.at(j));
     Velocity v1;
     if (m.mode == ResolverMode::following) {
-      const auto driven =
-          drive(m, law, law_memory, {interval.at(j), m.q.value, m.v}, begun.correction.pull, h, touches[j]);
+      const State<joints, T> here{interval.at(j), Position(Row(m.q.value)), Velocity(Row(m.v))};
+      const auto driven = drive(m, law, law_memory, here, begun.correction.pull, h, touches[j]);
       status |= driven.status;
-      torque = driven.torque;
-      v1 = driven.velocity;
+      detail::copy_row(driven.torque, torque);
+      detail::copy_row(driven.velocity, v1);
       if (!affords(m, v1)) [[unlikely]]
         status |= Reason::energy_held;
       if (!driven.status.has(Reason::torque_not_finite)) [[likely]] {
@@ -143,7 +143,7 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
         shares = driven.law.shares;
       }
     }
-    const Position from = m.q.value;
+    const Position from(Row(m.q.value));
     status |= virtual_.move(m, begun.correction, v1, h);
     if constexpr (has_tank)
       keeper_.template get<EnergyTank<T>>().book(m.keeper.template of<EnergyTank<T>>(), m.q.value - from,

@@ -149,8 +149,8 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
     }
   }
   ((Row(own.velocity) - m.v) * T(T(1) / h)).store(m.last);
-  m.v = own.velocity;
-  m.rate = motion.velocity;
+  copy_row(own.velocity, m.v);
+  copy_row(motion.velocity, m.rate);
   const std::uint64_t braked = own.braked | motion.braked;
   const std::uint64_t lead_acts = I == Interface::position && braked != 0 ? by_lead.bits() : 0;
   status |= Status::from_bits((own.status | motion.status).bits() & ~Status(Reason::position_limited).bits());
@@ -217,8 +217,8 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::publish(Memory& m, const Cor
   if constexpr (I == Interface::position) {
     const Row moved = Row(m.q.value) - m.sent.value;
     if (p_.lead == T(0) && !m.behind && (!(dt > p_.cycle) || is_near(moved))) [[likely]] {
-      m.sent = m.q;
-      command.velocity = m.rate;
+      m.sent.copy(m.q);
+      copy_row(m.rate, command.velocity);
     } else {
       status = follow(m, before, dt);
     }
@@ -237,7 +237,7 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::publish(Memory& m, const Cor
     command.velocity = motion.velocity;
   }
   command.time = m.time;
-  command.position = I == Interface::position ? m.sent.value : m.q.value;
+  copy_row(I == Interface::position ? m.sent.value : m.q.value, command.position);
   ((Row(command.velocity) - last) / Row(dt)).store(command.acceleration);
   command.torque = torque;
   command.valid = true;

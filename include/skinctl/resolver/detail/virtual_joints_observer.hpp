@@ -13,14 +13,15 @@ template <class Check>
 SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const State<N, T>& measured,
                                                             Nanoseconds now,
                                                             const Check& check) const noexcept {
-  const State<N, T> taken{measured.time, measured.q - m.gap, measured.dq};
+  const State<N, T> taken{measured.time, Position(Row(measured.q) - m.gap), measured.dq};
   Status status = take_measurement(m.measured, taken, now, check);
   [[maybe_unused]] const Row before = m.under_way.reached;
   const Position& expected = servo_.predict(m.under_way, m.measured.time);
   if constexpr (I == Interface::position)
     (Row(m.told) * p_.forgets + magnitude(expected - before)).store(m.told);
-  m.residual = m.measured.q - expected;
-  if constexpr (I == Interface::velocity) m.residual -= m.offset.value;
+  Row residual = Row(m.measured.q) - expected;
+  if constexpr (I == Interface::velocity) residual = residual - m.offset.value;
+  residual.store(m.residual);
   if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
   return status;
 }

@@ -16,73 +16,83 @@ SKINCTL_NOINLINE bool ToolShape<L, Rows, T>::terms(const M& model, const Angles&
       (ancestors<M>(L) & ~S::set) == 0,
       "ToolShape: on a link that no joint by torque moves; such a joint has the robot's own inertia");
   constexpr std::size_t N = S::count;
-  const math::Ldlt<N, T> factors(m0.data);
+  const math::detail::OneSystem<N, T> factors(m0.data);
   if (!factors.positive_definite()) return false;
+  using Joints = detail::Row<N, T>;    // over the joints
+  using Space = detail::Row<Rows, T>;  // over the tool's directions
   const Poses<M, ancestors<M>(L), T> poses(model, angles);
   const auto jacobian_of_tool = jacobian<L>(poses, s_.X_LT);
+  T columns[N][6] = {};
   jacobian_of_tool.for_each([&](auto i, const auto& c) SKINCTL_INLINE_LAMBDA {
-    const T column[6] = {c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y, c.angular.z};
-    for (std::size_t k = 0; k < Rows; ++k) out.J[k][S::place(i.value)] = column[k];
+    T(&to)[6] = columns[S::place(i.value)];
+    to[0] = c.linear.x, to[1] = c.linear.y, to[2] = c.linear.z;
+    to[3] = c.angular.x, to[4] = c.angular.y, to[5] = c.angular.z;
   });
   const auto bias = bias_acceleration(jacobian_of_tool, v);
   const T dJv[6] = {bias.linear.x,  bias.linear.y,  bias.linear.z,
                     bias.angular.x, bias.angular.y, bias.angular.z};
+  const auto sum = [](auto count, auto&& term) SKINCTL_INLINE_LAMBDA {
+    auto total = term(std::integral_constant<std::size_t, 0>{});
+    detail::unrolled<count - 1>([&](auto k) SKINCTL_INLINE_LAMBDA {
+      total = total + term(std::integral_constant<std::size_t, k + 1>{});
+    });
+    return total;
+  };
+  constexpr std::integral_constant<std::size_t, N> all_joints{};
+  constexpr std::integral_constant<std::size_t, Rows> all_rows{};
+  const auto rows_of = [](const Matrix& m, Space(&to)[Rows]) SKINCTL_INLINE_LAMBDA {
+    detail::unrolled<Rows>([&](auto k) SKINCTL_INLINE_LAMBDA { to[k] = Space(m[k].data()); });
+  };
 
-  // W = S' J, whose mobility W M_0^-1 W' has the ratios rho as eigenvalues.
-  T W[Rows][N], mobility[Rows][Rows], Z[Rows][Rows];
-  for (std::size_t k = 0; k < Rows; ++k)
-    for (std::size_t i = 0; i < N; ++i) {
-      T sum(0);
-      for (std::size_t p = k; p < Rows; ++p) sum = sum + root_[p][k] * out.J[p][i];
-      W[k][i] = sum;
-    }
-  for (std::size_t k = 0; k < Rows; ++k) {
-    T x[N];
-    factors.solve(W[k], x);
-    for (std::size_t l = 0; l <= k; ++l) {
-      T sum(0);
-      for (std::size_t i = 0; i < N; ++i) sum = sum + W[l][i] * x[i];
-      mobility[k][l] = mobility[l][k] = sum;
-    }
-  }
+  // W = S' J, whose mobility W M_0^-1 W' has the ratios rho as eigenvalues: by columns, one per joint.
+  Space root[Rows], W[N], moved[N], mobility[Rows], Z[Rows];
+  rows_of(root_, root);
+  detail::for_each_of_few<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+    W[i] = sum(all_rows, [&](auto p) SKINCTL_INLINE_LAMBDA { return columns[i][p] * root[p]; });
+  });
+  factors.solve(W, moved);
+  detail::unrolled<Rows>([&](auto k) SKINCTL_INLINE_LAMBDA {
+    mobility[k] = sum(all_joints, [&](auto i) SKINCTL_INLINE_LAMBDA { return W[i][k] * moved[i]; });
+  });
   detail::real_of_inverse(mobility, a_, Z);
 
   // M_rest = M_0 - W' Z W, and the matrix that includes its friction.
-  const T rate = s_.rest_decay, rest_weight = T(1) + Policy::weight(T(h * rate)) * h * rate;
-  const T weight = Policy::weight(T(h * fastest_));
-  for (std::size_t i = 0; i < N; ++i) {
-    T ZW[Rows], LJ[Rows], DJ[Rows];
-    for (std::size_t k = 0; k < Rows; ++k) {
-      ZW[k] = LJ[k] = DJ[k] = T(0);
-      for (std::size_t l = 0; l < Rows; ++l) {
-        ZW[k] = ZW[k] + Z[k][l] * W[l][i];
-        LJ[k] = LJ[k] + s_.mass[k][l] * out.J[l][i];
-        DJ[k] = DJ[k] + s_.damping[k][l] * out.J[l][i];
-      }
-    }
-    for (std::size_t j = 0; j <= i; ++j) {
-      T taken(0), felt(0), damped(0);
-      for (std::size_t k = 0; k < Rows; ++k) {
-        taken = taken + W[k][j] * ZW[k];
-        felt = felt + out.J[k][j] * LJ[k];
-        damped = damped + out.J[k][j] * DJ[k];
-      }
-      const T rest = m0(i, j) - taken;
-      out.rest(i, j) = out.rest(j, i) = rest;
-      out.mass(i, j) = out.mass(j, i) = rest + felt;
-      out.friction(i, j) = out.friction(j, i) = damped + rate * rest;
-      out.implicit(i, j) = out.implicit(j, i) = h * weight * damped + (rest_weight - T(1)) * rest;
-    }
-  }
-
+  const T rate = s_.rest_decay, rest_weight = Policy::weight(T(h * rate)) * h * rate;
+  const T weight = h * Policy::weight(T(h * fastest_));
+  Joints J[Rows], WJ[Rows];  // rows of J and of W
+  Space mass[Rows], damping[Rows];
+  rows_of(s_.mass, mass), rows_of(s_.damping, damping);
+  detail::unrolled<Rows>([&](auto k) SKINCTL_INLINE_LAMBDA {
+    J[k] = Joints::of([&](auto i) SKINCTL_INLINE_LAMBDA { return columns[i][k]; });
+    WJ[k] = Joints::of([&](auto i) SKINCTL_INLINE_LAMBDA { return W[i][k]; });
+    J[k].store(out.J[k]);
+  });
+  const JointTorque<N, T> torque = coriolis;
   JointAcceleration<N, T> own;
-  factors.solve(coriolis.data, own.data);
-  out.coriolis = out.rest * own;
-  for (std::size_t k = 0; k < Rows; ++k) {
+  factors.solve(torque.data, own.data);
+  Joints total = sum(all_rows, [&](auto k) SKINCTL_INLINE_LAMBDA {
     T force(0);
     for (std::size_t l = 0; l < Rows; ++l) force = force + s_.mass[k][l] * dJv[l];
-    for (std::size_t i = 0; i < N; ++i) out.coriolis[i] = out.coriolis[i] + out.J[k][i] * force;
-  }
+    return force * J[k];
+  });
+  detail::for_each_of_few<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
+    const auto times = [&](const auto& of, const auto& x) SKINCTL_INLINE_LAMBDA {
+      return sum(all_rows, [&](auto l) SKINCTL_INLINE_LAMBDA { return x(l) * of[l]; });
+    };
+    const auto of_W = [&](auto l) SKINCTL_INLINE_LAMBDA { return W[i][l]; };
+    const auto of_J = [&](auto l) SKINCTL_INLINE_LAMBDA { return columns[i][l]; };
+    const Space ZW = times(Z, of_W), LJ = times(mass, of_J), DJ = times(damping, of_J);
+    const Joints rest =
+        Joints(m0.data + i * N) - times(WJ, [&](auto k) SKINCTL_INLINE_LAMBDA { return ZW[k]; });
+    const Joints felt = times(J, [&](auto k) SKINCTL_INLINE_LAMBDA { return LJ[k]; });
+    const Joints damped = times(J, [&](auto k) SKINCTL_INLINE_LAMBDA { return DJ[k]; });
+    rest.store(out.rest.data + i * N);
+    (rest + felt).store(out.mass.data + i * N);
+    (damped + rate * rest).store(out.friction.data + i * N);
+    (weight * damped + rest_weight * rest).store(out.implicit.data + i * N);
+    total = total + own[i] * rest;
+  });
+  total.store(out.coriolis);
   return true;
 }
 
@@ -103,8 +113,12 @@ SKINCTL_COLD ToolTerms<N, Rows, T> ToolShape<L, Rows, T>::at(
   MassMatrix<N, T> m = mass_matrix(model, angles);
   for (std::size_t i = 0; i < N; ++i) m(i, i) = m(i, i) + inertia[i];
   ToolTerms<N, Rows, T> out;
-  static_cast<void>(terms<detail::NoWeight, AllJoints<N>>(model, angles, JointVelocity<N, T>{}, m,
-                                                          JointTorque<N, T>{}, T(0), out));
+  if (terms<detail::NoWeight, AllJoints<N>>(model, angles, JointVelocity<N, T>{}, m, JointTorque<N, T>{},
+                                            T(0), out))
+    return out;
+  for (auto& row : out.J)
+    for (T& x : row) x = T(0);
+  out.mass = out.rest = out.friction = out.implicit = MassMatrix<N, T>();
   return out;
 }
 

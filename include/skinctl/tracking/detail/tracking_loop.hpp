@@ -71,7 +71,6 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
   // The held acceleration is the one that the surface gives at the middle: the state there is computed once
   // more with it.
   const R dv = h * (asked - damped - mid.a), dx = T(T(0.5) * h) * dv;
-  const JointPosition<N, T> q_h(mid.q + dx);
   const JointVelocity<N, T> dq_h(mid.dq + dv);
   const R v_r = share.feed_forward * (mid.surface.dq_r - K_p.K * dx);
   R a_r = share.feed_forward * (asked - K_p.K * dv - K_p.dK * dx);
@@ -83,7 +82,7 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
   const JointVelocity<N, T> dq_r(v_r);
   const JointAcceleration<N, T> ddq_r(decayed);
   JointTorque<N, T> tau;
-  const JointAngles<M, T> angles(known.model(), q_h);
+  const JointAngles<M, T> angles(known.model(), R(mid.q) + dx);
   const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
     detail::run_recursion<T>(known.model(), angles, detail::Values<T>{dq_h.data},
                              detail::Values<T>{dq_r.data}, detail::Values<T>{ddq_r.data}, a0, tau.data);
