@@ -10,7 +10,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/guard/hybrid_guard.hpp"
+#include "skinctl/guard/group_guard.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/model/ur5_allegro.hpp"
 #include "skinctl/tactile/skin.hpp"
@@ -20,7 +20,6 @@ using namespace skinctl;
 
 using ArmWithHand = ur5_allegro::Model<>;
 constexpr LinkMask fingers = joints_between(6, 22);
-using Joints = HybridResolver<Interface::velocity, fingers, ArmWithHand>;
 
 // Springs that close the fingers.
 struct Grip : StatelessLaw<Grip> {
@@ -62,7 +61,7 @@ auto make_cycle() {
 
 // Simulates an arm by velocity with a hand by torque for one cycle.
 void move(const ArmWithHand& model, State<22>& s, const JointVelocity<6>& arm, const JointTorque<16>& hand) {
-  Joints::Stiff::put(arm, s.dq);
+  JointSubset<22, fingers>::Others::put(arm, s.dq);
   for (int k = 0; k < 8; ++k) {
     const JointAngles<ArmWithHand, double> angles(model, s.q);
     const auto M = mass_matrix(model, angles);
@@ -80,6 +79,7 @@ void move(const ArmWithHand& model, State<22>& s, const JointVelocity<6>& arm, c
 
 int main() {
   const auto cycle = make_cycle();
+  using Joints = std::remove_cvref_t<decltype(cycle.resolver())>;
   const auto& model = cycle.resolver().model();
   State<22> real;
   real.q = JointPosition<22>::constant(0.2);

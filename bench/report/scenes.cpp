@@ -50,11 +50,17 @@ void each(int times, F&& f) {
 }
 
 /// Cycles at 500 Hz without a new sample: one evaluation of the laws, one sub-step, the guard.
-template <class L, class Skin>
-void cycles(int times, const L& law, const Skin& skin) {
+template <class L, class Skin, class... Parts>
+void cycles(int times, const L& law, const Skin& skin, const Parts&... parts) {
   const auto robot =
       by_position(arm, {.limits = limits_of<ur5::Description>(15.0), .period = 2ms, .delay = 8ms});
-  const Cycle cycle(robot, skin, law);
+  const auto cycle = [&] {
+    if constexpr (sizeof...(parts) > 0) {
+      return Cycle(robot, skin, law).with(parts...);
+    } else {
+      return Cycle(robot, skin, law);
+    }
+  }();
   using Scene = decltype(cycle);
   auto memory = std::make_unique<typename Scene::Memory>();
   State<6> state{1ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {}};
@@ -104,6 +110,22 @@ const Scene scenes[] = {
     {"cycle: spline joint + skin joint + gravity, 260 cells at rest",
      [](int n) {
        cycles(n, SplineJoint<6>() + SkinJointControl{} + GravityControl{}, ur5_skin<260>({.force = 20}));
+     }},
+    {"cycle: the same, with a watch over the cells that only reports",
+     [](int n) {
+       constexpr SkinReaction report = SkinReaction::report;
+       cycles(n, SplineJoint<6>() + SkinJointControl{} + GravityControl{}, ur5_skin<260>({.force = 20}),
+              SkinWatch{.unheard = report, .blind = report, .incomplete = report});
+     }},
+    {"cycle: spline joint + skin joint + gravity, 1260 cells at rest",
+     [](int n) {
+       cycles(n, SplineJoint<6>() + SkinJointControl{} + GravityControl{}, ur5_skin<1260>({.force = 20}));
+     }},
+    {"cycle: the same, with a watch over the cells that only reports",
+     [](int n) {
+       constexpr SkinReaction report = SkinReaction::report;
+       cycles(n, SplineJoint<6>() + SkinJointControl{} + GravityControl{}, ur5_skin<1260>({.force = 20}),
+              SkinWatch{.unheard = report, .blind = report, .incomplete = report});
      }},
 };
 

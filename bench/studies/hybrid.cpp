@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "skinctl/model/ur5_allegro.hpp"
-#include "skinctl/resolver/hybrid_resolver.hpp"
-#include "skinctl/resolver/torque_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 
 using namespace skinctl;
 
@@ -56,7 +55,9 @@ JointLimits<N> wide(double torque) {
 }
 
 using Whole = ur5_allegro::Model<>;
-using Robot = HybridResolver<Interface::velocity, joints_between(6, 22), Whole>;
+using Robot = GroupResolver<Whole, double,
+                            JointGroups<22, JointGroup<Interface::velocity, joints_between(0, 6)>,
+                                        JointGroup<Interface::torque, joints_between(6, 22)>>>;
 constexpr std::array<double, 6> pose{0.1, -1.5, 1.2, -1.0, -1.5, 0.3};
 
 /// The hand as one body in the frame of link 5.
@@ -80,7 +81,8 @@ int main() {
   const auto model = ur5_allegro::arm_with_hand();
   RobotConfiguration<6> arm{.limits = limits_of<ur5::Description>(), .period = 4ms, .delay = 8ms};
   arm.viscous_friction = {20, 20, 10, 2, 1, 0.5};
-  const Robot robot(model, {.stiff = arm, .limits = wide<16>(0.7)});
+  const Robot robot = resolver_of(
+      by_velocity_and_torque<joints_between(6, 22)>(model, {.stiff = arm, .limits = wide<16>(0.7)}));
   State<22> measured;
   for (std::size_t i = 0; i < 22; ++i) measured.q[i] = i < 6 ? pose[i] : 0.2 + 0.03 * double(i % 5);
   const Loaded<ur5::Model, 5> loaded(ur5::Model{}, frozen(model, measured.q));
@@ -92,7 +94,7 @@ int main() {
   Springs<22>::Memory law_memory, torque_law_memory;
   Springs<6>::Memory arm_memory;
   auto memory = robot.start(measured);
-  auto alone_memory = alone.start(Robot::part_of<Robot::Stiff>(measured));
+  auto alone_memory = alone.start(part_of<Robot::Stiff>(measured));
   double travel = 0, velocity_off = 0, torque_off = 0;
   std::vector<double> cost;
   for (Nanoseconds now = 4ms; now < 4s; now += 4ms) {
@@ -105,7 +107,7 @@ int main() {
       arm_touches[j].torque = Robot::Stiff::of(touches[j].torque);
     }
     measured.time = now;
-    Robot::Stiff::put(memory.stiff.under_way.reached, measured.q);
+    Robot::Stiff::put(memory.group().under_way.reached, measured.q);
     const auto begin = std::chrono::steady_clock::now();
     const auto out = robot.step(memory, law, law_memory, measured, robot.interval(memory, now),
                                 std::span<const Pushes<22>>(touches));

@@ -99,6 +99,11 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
   return robot;
 }
 
+/// How many cells report, in words.
+std::string in_words(const Coverage& c) {
+  return std::to_string(c.usable) + " of " + std::to_string(c.cells);
+}
+
 /// The receiver as a source of samples on the robot's clock.
 struct SkinOnRobotClock {
   adapters::skin::Receiver& receiver;
@@ -179,7 +184,7 @@ void print(const Settings& s, const RunLog& log) {
 
 template <Interface I>
 Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) {
-  const auto scene = make_scene<I>(s);
+  const auto scene = make_watched_scene<I>(s);
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const Nanoseconds period = nanoseconds(1 / s.rate);
 
@@ -218,12 +223,13 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
 
   const auto limit = limits(s);
   std::string reason;
+  bool blind = false;  // the reason is that the skin does not feel
   Nanoseconds first{}, braking_since{};
   std::size_t next_goal = 0;
   Largest largest;
   JointVelocity<6> last_velocity;
   Nanoseconds last_time{};
-  Status all;
+  Status all, last_status;
   bool recording_started = false;
 
   SkinOnRobotClock skin{receiver, driver};
@@ -240,13 +246,20 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
       }
       recording_started = true;
     }
-    // A skin that is silent or talks nonsense cannot be trusted to feel anything: brake, hold, end.
+    // The scene stops by itself where too little of the skin reports; the job ends then, and says why.
     const auto& heard = receiver.statistics();
     if (reason.empty()) {
+      const auto cells_in_words = [&] { return in_words(scene.skin().coverage(m.skin)) + " cells report"; };
       if (heard.nonsense + heard.strangers > 0) {
         reason = "nonsense on the skin's port";
-      } else if (t > 1 && receiver.silent_for(input.now) > 300ms) {
-        reason = receiver.heard() ? "the skin has fallen silent" : "the skin was never heard";
+      } else if (!m.governor.watch.heard && t > s.control.skin_patience) {
+        reason = "the skin was never heard: " + cells_in_words();
+        blind = true;
+      } else if (last_status.has(Reason::skin_stopped)) {
+        reason = (receiver.silent_for(input.now) > 100ms ? "the skin has fallen silent: "
+                                                         : "the skin is blind, though its sender lives: ") +
+                 cells_in_words();
+        blind = true;
       }
       if (!reason.empty()) {
         input.request = CycleRequest::stop;
@@ -270,6 +283,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
     const auto target = reach.reference(Scene::law_type::template memory<0>(memory->law)).q_d;
     observer.cycle(t, input.samples, input.measured.q, target);
     all |= out.status;
+    last_status = out.status;
     LogEntry entry;
     entry.time = t;
     entry.force = observer.force();
@@ -347,6 +361,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
       {"allocations in the loop", std::to_string(allocations)},
       {"fastest command", text("%.1f %% of its limit", 100 * largest.step_velocity)},
       {"largest command step", text("%.1f %% of its limit", 100 * largest.step_acceleration)},
+      {"cells that report", in_words(scene.skin().coverage(memory->skin))},
       {"skin datagrams lost", std::to_string(receiver.statistics().lost)},
       {"peak contact force", text("%.1f N", log.peak_force)},
   };
@@ -360,9 +375,13 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   if (report.ended == LoopEnd::lost || report.ended == LoopEnd::no_state) reason = driver.error();
   if (!reason.empty()) {
     std::fprintf(stderr, "\nstopped: %s; the robot was told to stop\n", reason.c_str());
-    return Outcome::lost;
+    return blind ? Outcome::blind : Outcome::lost;
   }
   if (report.ended == LoopEnd::interrupted) return Outcome::interrupted;
+  if (report.cycles > 0 && !memory->governor.watch.heard) {
+    std::fprintf(stderr, "\nthe skin was never heard: the arm did not move\n");
+    return Outcome::blind;
+  }
   const double slack = 1 + 1e-9;
   if (allocations != 0 || largest.step_velocity > slack || largest.step_acceleration > slack) {
     std::fprintf(stderr, "\na promise was broken: see the figures above\n");
@@ -373,7 +392,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
 
 template <Interface I>
 Outcome replay_with(const Settings& s) {
-  const auto scene = make_scene<I>(s);
+  const auto scene = make_watched_scene<I>(s);
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const auto result = skinctl::replay(scene, Recording<Scene>::load(s.replay));
   std::printf("replayed %llu cycles: ", static_cast<unsigned long long>(result.cycles));

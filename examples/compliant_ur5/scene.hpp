@@ -71,4 +71,10 @@ auto make_scene(const Settings& s) {
   return Cycle(arm, skin, SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
 }
 
+/// The same, as the job runs it: it does not move before its skin is heard, and stops when a patch falls silent.
+template <skinctl::Interface I>
+auto make_watched_scene(const Settings& s) {
+  return make_scene<I>(s).with(skinctl::SkinWatch{.enough = s.control.skin_enough});
+}
+
 }  // namespace compliant_ur5

@@ -86,6 +86,8 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("proximity_gain", c.proximity_gain);
     t.number("force_threshold", c.force_threshold);
     t.number("max_velocity", c.max_velocity);
+    t.number("skin_enough", c.skin_enough);
+    t.number("skin_patience", c.skin_patience);
     t.number("velocity_limit", c.velocity_limit);
     t.number("acceleration_limit", c.acceleration_limit);
     t.number("delay", c.delay);
@@ -112,6 +114,8 @@ void read_scenario(const std::string& file, Settings& settings) {
   }
   skinctl::require(settings.duration > 0 && settings.duration <= 86400, "run.duration", settings.duration,
                    "> 0, <= 86400 s");
+  skinctl::require(settings.control.skin_patience >= 0.5 && settings.control.skin_patience <= 3600,
+                   "control.skin_patience", settings.control.skin_patience, "0.5 to 3600 s");
   skinctl::require(settings.newtons_per_reading > 0, "skin.newtons_per_reading", settings.newtons_per_reading,
                    "> 0 N");
 }

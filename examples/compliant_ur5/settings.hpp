@@ -35,6 +35,8 @@ struct ControlSettings {
   double stiffest_contact = 3e4;   ///< that it may meet [N/m]; gives the damping of contacts that ring
   double proximity_gain = 0;       ///< w_p [N per unit of proximity]
   double force_threshold = 0.08;   ///< on the sum of the three force readings
+  double skin_enough = 0.9;        ///< share of each patch's cells that must report, or the arm does not move
+  double skin_patience = 2;        ///< after so long without them the job ends [s]
   double max_velocity = 0.5;       ///< of motions to goals [rad/s]
   double velocity_limit = 3;       ///< of commands [rad/s]
   double acceleration_limit = 30;  ///< of commands [rad/s^2]

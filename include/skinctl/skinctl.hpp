@@ -83,7 +83,7 @@
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/dynamics/rotor_inertia.hpp"
 
-#include "skinctl/robot/hybrid_description.hpp"
+#include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/robot_description.hpp"
@@ -92,7 +92,13 @@
 #include "skinctl/robot/virtual_mass.hpp"
 
 #include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/sensing/hampel.hpp"
+#include "skinctl/sensing/joint_history.hpp"
+#include "skinctl/sensing/low_pass.hpp"
+#include "skinctl/sensing/noise.hpp"
+#include "skinctl/sensing/notch.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
@@ -104,6 +110,7 @@
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
 #include "skinctl/tactile/cover.hpp"
+#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
@@ -184,9 +191,11 @@
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
+#include "skinctl/limits/group_governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/link_contact.hpp"
 #include "skinctl/limits/motion_limits.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 
 #include "skinctl/passivity/contact_damper.hpp"
@@ -197,7 +206,7 @@
 #include "skinctl/passivity/stiffest_contact.hpp"
 
 #include "skinctl/resolver/following_monitor.hpp"
-#include "skinctl/resolver/hybrid_resolver.hpp"
+#include "skinctl/resolver/group_resolver.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/memory.hpp"
@@ -208,8 +217,8 @@
 
 #include "skinctl/guard/budget.hpp"
 #include "skinctl/guard/faults.hpp"
+#include "skinctl/guard/group_guard.hpp"
 #include "skinctl/guard/guard.hpp"
-#include "skinctl/guard/hybrid_guard.hpp"
 #include "skinctl/guard/packet_watch.hpp"
 
 #include "skinctl/cycle/cycle.hpp"

@@ -11,10 +11,11 @@ using namespace skinctl;
 using namespace skinctl::testing;
 
 // Who says what the guard must do: a row that moves from one stage to another must not change it silently.
-static_assert(detail::guard_brakes_on == (Status(Reason::packets_lost) | Reason::budget_overrun |
-                                          Reason::contact_force | Reason::contact_power));
-static_assert(detail::guard_waits_after ==
-              (Status(Reason::budget_overrun) | Reason::contact_force | Reason::contact_power));
+static_assert(detail::guard_brakes_on ==
+              (Status(Reason::packets_lost) | Reason::budget_overrun | Reason::contact_force |
+               Reason::contact_power | Reason::skin_held | Reason::skin_stopped));
+static_assert(detail::guard_waits_after == (Status(Reason::budget_overrun) | Reason::contact_force |
+                                            Reason::contact_power | Reason::skin_stopped));
 
 TEST_CASE("faults: each reason has a reaction and a way back that fit, and a text of its own") {
   std::set<std::string> texts, names;

@@ -9,7 +9,7 @@ namespace adapters::skin {
 using skinctl::Nanoseconds;
 namespace ip = boost::asio::ip;
 
-Receiver::Receiver(const ReceiverConfig& config) : config_(config), socket_(io_) {
+Receiver::Receiver(const ReceiverConfig& config) : config_(config), socket_(io_), clock_(config.clock) {
   try {
     const ip::udp::endpoint endpoint(ip::make_address(config.address), config.port);
     socket_.open(endpoint.protocol());
@@ -47,8 +47,7 @@ std::span<const skinctl::CellSample> Receiver::poll(Nanoseconds now) noexcept {
     if (fresh) {
       has_sender_ = true;
       sender_ = from;
-      offset_ = now - datagram.sent;
-      offset_at_ = now;
+      clock_memory_ = {};
     } else {
       const auto step = static_cast<std::int32_t>(datagram.sequence - newest_);
       if (step <= 0) {
@@ -66,22 +65,23 @@ std::span<const skinctl::CellSample> Receiver::poll(Nanoseconds now) noexcept {
 }
 
 void Receiver::take(const Datagram& datagram, Nanoseconds now) noexcept {
-  constexpr Nanoseconds far(std::int64_t(1) << 62);
-  if (datagram.sent < -far || datagram.sent > far) {
+  const auto heard = clock_.hear(clock_memory_, datagram.sent, now);
+  if (heard == skinctl::ClockOffset::Heard::refused) {
     ++statistics_.nonsense;
     return;
   }
-  const Nanoseconds difference = now - datagram.sent;
-  offset_ += (now - offset_at_) / 20'000;  // 50 ppm
-  offset_at_ = now;
-  if (difference < offset_) offset_ = difference;
+  if (heard == skinctl::ClockOffset::Heard::leapt) ++statistics_.leaps;
+  if (!skinctl::ClockOffset::ready(clock_memory_)) {
+    statistics_.untimed += datagram.count();
+    return;
+  }
   for (std::size_t i = 0; i < datagram.count(); ++i) {
     skinctl::CellSample sample = datagram.sample(i);
     if (!plausible(sample, datagram, config_.oldest)) {
       ++statistics_.bad_samples;
       continue;
     }
-    sample.time += offset_;
+    sample.time = skinctl::ClockOffset::stamp(clock_memory_, sample.time);
     samples_.push_back(sample);
     ++statistics_.samples;
   }

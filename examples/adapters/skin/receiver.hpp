@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "examples/adapters/skin/datagram.hpp"
+#include "skinctl/sensing/clock_offset.hpp"
 
 namespace adapters::skin {
 
@@ -18,8 +19,9 @@ struct ReceiverConfig {
   skinctl::Nanoseconds oldest =
       std::chrono::milliseconds(100);  ///< a sample so long before its sending is refused
   skinctl::Nanoseconds forget =
-      std::chrono::milliseconds(200);  ///< after so long without datagrams another sender may begin
-  std::size_t max_samples = 8192;      ///< of one poll; more stay in the socket until the next
+      std::chrono::milliseconds(200);         ///< after so long without datagrams another sender may begin
+  std::size_t max_samples = 8192;             ///< of one poll; more stay in the socket until the next
+  skinctl::ClockOffset::Settings clock = {};  ///< the sender's clock against the robot's
 };
 
 /// What arrived and what was refused, since the start.
@@ -30,6 +32,8 @@ struct Statistics {
   std::uint64_t strangers = 0;    ///< from another sender
   std::uint64_t late = 0;         ///< repeated or overtaken
   std::uint64_t bad_samples = 0;  ///< implausible
+  std::uint64_t untimed = 0;      ///< samples before the sender's clock was known, see `ClockOffset`
+  std::uint64_t leaps = 0;        ///< of the sender's clock
 };
 
 /// A bound UDP socket. Throws `ConnectionError` where it cannot be bound; after that nothing throws or
@@ -38,9 +42,8 @@ class Receiver {
  public:
   explicit Receiver(const ReceiverConfig& config);
 
-  /// The samples that have arrived, on the robot's clock, which shows `now`. The sender's clock is tied to it
-  /// by the smallest difference of arrival and sending that was seen; that estimate may rise by 50 ppm, for
-  /// clocks drift.
+  /// The samples that have arrived, on the robot's clock, which shows `now`; the sender's clock is followed by a
+  /// `ClockOffset`, which first listens for a tenth of a second.
   std::span<const skinctl::CellSample> poll(skinctl::Nanoseconds now) noexcept;
 
   /// How long nothing has arrived, by the robot's clock.
@@ -62,7 +65,9 @@ class Receiver {
   Statistics statistics_;
   bool has_sender_ = false;
   std::uint32_t newest_ = 0;
-  skinctl::Nanoseconds offset_{}, offset_at_{}, heard_at_{};
+  skinctl::Nanoseconds heard_at_{};
+  skinctl::ClockOffset clock_;
+  skinctl::ClockOffset::Memory clock_memory_;
 };
 
 }  // namespace adapters::skin

@@ -161,7 +161,7 @@ TEST_CASE("skin datagram: any other length, magic, version or count is refused; 
 
 TEST_CASE("skin receiver: one sender, in order, on the robot's clock") {
   namespace ip = boost::asio::ip;
-  skin::Receiver receiver({});
+  skin::Receiver receiver({.clock = {.gather = 0ns}});
   boost::asio::io_context io;
   ip::udp::socket sender(io, ip::udp::v4()), stranger(io, ip::udp::v4());
   const ip::udp::endpoint to(ip::address_v4::loopback(), receiver.port());
@@ -187,6 +187,38 @@ TEST_CASE("skin receiver: one sender, in order, on the robot's clock") {
   CHECK(s.strangers == 1);
   CHECK(s.nonsense == 1);
   CHECK(receiver.silent_for(now + 11ms) == 10ms);
+}
+
+TEST_CASE("skin receiver: a clock that is 100 ppm fast or slow stays within 20 us for 300 s") {
+  namespace ip = boost::asio::ip;
+  for (const double ppm : {100.0, -100.0}) {
+    CAPTURE(ppm);
+    skin::Receiver receiver({});
+    boost::asio::io_context io;
+    ip::udp::socket sender(io, ip::udp::v4());
+    const ip::udp::endpoint to(ip::address_v4::loopback(), receiver.port());
+    auto bytes = example;
+    double worst = 0;
+    std::size_t heard = 0;
+    for (std::uint32_t k = 1; k <= 6000; ++k) {  // every 50 ms
+      const double true_time = 0.05 * k;
+      const auto now = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * true_time));
+      const auto sent = static_cast<std::int64_t>(1e9 * true_time * (1 + 1e-6 * ppm)) + 7'000'000'000;
+      const std::int64_t measured = sent - 4'000'000;
+      std::memcpy(&bytes[8], &k, 4);
+      std::memcpy(&bytes[12], &sent, 8);
+      std::memcpy(&bytes[24], &measured, 8);
+      sender.send_to(boost::asio::buffer(bytes), to);
+      for (const auto& sample : receiver.poll(now)) {
+        ++heard;
+        const double error = skinctl::seconds<double>(sample.time - now) + 0.004 / (1 + 1e-6 * ppm);
+        if (true_time > 10) worst = std::max(worst, std::abs(error));
+      }
+    }
+    MESSAGE(ppm, " ppm: worst error of a stamp ", 1e6 * worst, " us");
+    CHECK(heard > 5900);
+    CHECK(worst <= 20e-6);
+  }
 }
 
 TEST_CASE("stream: nobody there is an error that says who; a peer that hangs up is noticed") {

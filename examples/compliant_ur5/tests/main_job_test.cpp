@@ -42,21 +42,26 @@ std::uint16_t free_udp_port() {
 class Beside {
  public:
   explicit Beside(Settings& s) {
+    const auto add = [&]<std::size_t I, std::size_t N>(simulated_ur5::Config& to,
+                                                       const skinctl::Patch<I, N>& patch) {
+      for (const auto& c : patch.placed()) {
+        const auto p = c.X_LC.origin(), n = c.X_LC.axis_z();
+        simulated_ur5::SkinCell cell;
+        cell.id = c.id;
+        cell.link = I;
+        cell.position = {p.x, p.y, p.z};
+        cell.normal = {n.x, n.y, n.z};
+        simulated_ur5::complete(cell);
+        to.controller.cells.push_back(cell);
+      }
+    };
     simulated_ur5::Config config;
     simulated_ur5::read_scenario(s.scenario, config);
     config.controller.powered = false;  // the program has to switch it on
     config.controller.power_on_time = config.controller.brake_release_time = 0.1;
     config.controller.touches.clear();
-    for (const auto& [id, link, p, n] :
-         {std::tuple{1u, 2u, simulated_ur5::Vec3{-0.2, 0, 0.0565}, simulated_ur5::Vec3{0, 0, 1}}}) {
-      simulated_ur5::SkinCell cell;
-      cell.id = id;
-      cell.link = link;
-      cell.position = p;
-      cell.normal = n;
-      simulated_ur5::complete(cell);
-      config.controller.cells.push_back(cell);
-    }
+    std::apply([&](const auto&... patch) { (add(config, patch), ...); },
+               skinctl::ur5::skin_patches<compliant_ur5::cells>());
     config.ports = {0, 0, 0, 0};
     config.speed = 1;
     s.skin_port = free_udp_port();
@@ -86,11 +91,10 @@ class Beside {
 
 /// Runs the job in a thread, lets `disturb` happen after it has moved for a while, and gives how it ended.
 template <class F>
-Outcome run_disturbed(Settings s, F&& disturb) {
+Outcome run_disturbed(Settings s, F&& disturb, RunLog& log) {
   s.cycles = 1250;  // ten seconds, if nothing happens
   s.task = {{.at = 0.2, .q = {0.5, -1.0, 1.2, -1.7, -1.57, 0.3}, .duration = 4}};
   std::atomic<bool> stop = false;
-  RunLog log;
   Outcome outcome = Outcome::fine;
   std::thread job([&] {
     try {
@@ -103,6 +107,46 @@ Outcome run_disturbed(Settings s, F&& disturb) {
   disturb(stop);
   job.join();
   return outcome;
+}
+template <class F>
+Outcome run_disturbed(const Settings& s, F&& disturb) {
+  RunLog log;
+  return run_disturbed(s, std::forward<F>(disturb), log);
+}
+
+/// A skin whose cells say nothing: the sender lives, and tells so each 4 ms.
+class Heartbeats {
+ public:
+  explicit Heartbeats(std::uint16_t port)
+      : thread_([this, port] {
+          boost::asio::io_context io;
+          ip::udp::socket socket(io, ip::udp::v4());
+          std::array<std::uint8_t, simulated_ur5::datagram_limit> bytes{};
+          for (std::uint32_t k = 0; !end_; ++k) {
+            const auto n =
+                simulated_ur5::write_datagram(bytes.data(), k, std::int64_t(k) * 4'000'000, nullptr, 0);
+            boost::system::error_code ignored;
+            socket.send_to(boost::asio::buffer(bytes.data(), n), {ip::address_v4::loopback(), port}, 0,
+                           ignored);
+            std::this_thread::sleep_for(std::chrono::milliseconds(4));
+          }
+        }) {}
+  ~Heartbeats() {
+    end_ = true;
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> end_ = false;
+  std::thread thread_;
+};
+/// How far the farthest joint has come [rad].
+double moved(const RunLog& log) {
+  double most = 0;
+  for (const auto& e : log.entries)
+    for (std::size_t i = 0; i < 6; ++i)
+      most = std::max(most, static_cast<double>(std::abs(e.q[i] - log.entries[0].q[i])));
+  return most;
 }
 
 }  // namespace
@@ -186,10 +230,53 @@ TEST_CASE("main job: the controller dies: lost") {
   CHECK(run_disturbed(s, [&](auto&) { beside.robot->stop(); }) == Outcome::lost);
 }
 
-TEST_CASE("main job: the skin falls silent: lost, and the robot comes to rest") {
+TEST_CASE("main job: the skin falls silent: blind, and the robot comes to rest") {
   Settings s = settings();
   Beside beside(s);
-  CHECK(run_disturbed(s, [&](auto&) { beside.robot->set_skin_stream(false); }) == Outcome::lost);
+  CHECK(run_disturbed(s, [&](auto&) { beside.robot->set_skin_stream(false); }) == Outcome::blind);
+  CHECK(beside.comes_to_rest());
+}
+
+TEST_CASE(
+    "main job: a skin that sends nothing but heartbeats is blind: no motion, and an exit code that says so") {
+  Settings s = settings();
+  Beside beside(s);
+  beside.robot->set_skin_stream(false);
+  const Heartbeats heartbeats(s.skin_port);
+  RunLog log;
+  CHECK(run_disturbed(s, [](auto&) {}, log) == Outcome::blind);
+  CHECK(log.entries.size() < 500);  // within four seconds
+  CHECK(moved(log) < 1e-3);
+  CHECK(fact(log, "cells that report") == "0 of 260");
+  CHECK(fact(log, "noted").find("the skin has not been heard yet") != std::string::npos);
+  CHECK(beside.comes_to_rest());
+}
+
+TEST_CASE("main job: the cells fall silent while the sender lives: at rest within 0.5 s, and it says why") {
+  Settings s = settings();
+  Beside beside(s);
+  std::unique_ptr<Heartbeats> heartbeats;
+  RunLog log;
+  const auto outcome = run_disturbed(
+      s,
+      [&](auto&) {
+        beside.robot->set_skin_stream(false);
+        std::this_thread::sleep_for(std::chrono::milliseconds(220));  // until another sender may begin
+        heartbeats = std::make_unique<Heartbeats>(s.skin_port);
+      },
+      log);
+  CHECK(outcome == Outcome::blind);
+  CHECK(moved(log) > 0.05);
+  CHECK(fact(log, "noted").find("too few cells of a patch report") != std::string::npos);
+  const auto blind = [](const LogEntry& e) {
+    return skinctl::Status::from_bits(e.status).has(skinctl::Reason::skin_blind);
+  };
+  const auto first = std::find_if(log.entries.begin(), log.entries.end(), blind);
+  REQUIRE(first != log.entries.end());
+  REQUIRE(log.entries.back().time > first->time + 0.2);
+  for (auto e = first; e != log.entries.end(); ++e)
+    if (e->time > first->time + 0.1)  // 3 rad/s at 30 rad/s^2; max_age has passed before
+      for (const float u : e->velocity) CHECK(u == 0);
   CHECK(beside.comes_to_rest());
 }
 

@@ -31,9 +31,23 @@ struct JointSubset {
     return out;
   }();
   using Others = JointSubset<N, joints_between(0, N) & ~Set>;
+  /// Whether it holds every joint of the robot.
+  static constexpr bool is_all = count == N;
+  static constexpr LinkMask set = Set;
+  /// The place of joint `i` in the subset; of a joint that it does not hold, the number of those before it.
+  [[nodiscard]] static constexpr std::size_t place(std::size_t i) noexcept {
+    return static_cast<std::size_t>(std::popcount(Set & joints_between(0, i)));
+  }
 
   /// The elements of `whole` for the joints of the subset.
   template <class Kind, Scalar T>
+    requires is_all
+  [[nodiscard]] static SKINCTL_INLINE constexpr const JointVector<Kind, N, T>& of(
+      const JointVector<Kind, N, T>& whole) noexcept {
+    return whole;
+  }
+  template <class Kind, Scalar T>
+    requires(!is_all)
   [[nodiscard]] static SKINCTL_INLINE constexpr JointVector<Kind, count, T> of(
       const JointVector<Kind, N, T>& whole) noexcept {
     return JointVector<Kind, count, T>::generate([&](std::size_t k)
@@ -46,5 +60,9 @@ struct JointSubset {
     for (std::size_t k = 0; k < count; ++k) whole[index[k]] = part[k];
   }
 };
+
+/// All joints of a robot.
+template <std::size_t N>
+using AllJoints = JointSubset<N, joints_between(0, N)>;
 
 SKINCTL_END_NAMESPACE

@@ -57,6 +57,12 @@ enum class Reason : std::uint8_t {
   energy_held,
   contact_damped,
   stopping,
+  skin_unheard,
+  skin_blind,
+  skin_incomplete,
+  skin_slowed,
+  skin_held,
+  skin_stopped,
   count
 };
 

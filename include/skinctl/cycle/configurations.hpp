@@ -27,7 +27,6 @@ template <class R, class L, class S, class G, class O>
 struct CarryingScene<Cycle<R, L, S, G, O>> {
   using Law = CarryingLaw<R::joints, typename Cycle<R, L, S, G, O>::law_type, typename R::scalar>;
   using type = Cycle<R, Law, S, G, O>;
-  static constexpr bool one_interface = has_one_interface<R>;
 };
 /// A change from the configuration `before`.
 template <class Scene, class LawMemory>
@@ -100,8 +99,6 @@ class Configurations {
   using Scene = typename detail::CarryingScene<C>::type;
   using Law = typename detail::CarryingScene<C>::Law;
   using Change = detail::ChangeFrom<Scene, typename Law::Memory>;
-  static_assert(detail::CarryingScene<C>::one_interface,
-                "configurations are for a robot whose joints all take the same");
 
  public:
   static_assert(Count > 0, "at least one configuration");
@@ -179,22 +176,34 @@ class Configurations {
     return Scene(c.resolver(), c.skin(), Law(c.law(), transfer), c.guard(), c.governor());
   }
   SKINCTL_COLD static void check(const C& first, const C& other) {
-    const auto &a = other.resolver().parameters(), &b = first.resolver().parameters();
     const auto same = [](const char* what, auto here, auto there, const char* unit) {
       detail::require_same(what, static_cast<double>(here), static_cast<double>(there), unit,
                            "in a configuration", "in the first one");
     };
-    same("period", milliseconds(a.period), milliseconds(b.period), "ms");
-    same("longest interval", milliseconds(a.longest_interval), milliseconds(b.longest_interval), "ms");
-    same("delay", milliseconds(a.delay), milliseconds(b.delay), "ms");
-    same("lag", a.lag, b.lag, "s");
+    const auto times = [&](const auto& a, const auto& b) {
+      same("period", milliseconds(a.period), milliseconds(b.period), "ms");
+      same("longest interval", milliseconds(a.longest_interval), milliseconds(b.longest_interval), "ms");
+      same("delay", milliseconds(a.delay), milliseconds(b.delay), "ms");
+      same("lag", a.lag, b.lag, "s");
+      for (std::size_t i = 0; i < a.shape.coulomb.size(); ++i)
+        same("Coulomb friction", a.shape.coulomb[i], b.shape.coulomb[i], "N m");
+    };
+    using Robot = std::remove_cvref_t<decltype(first.resolver())>;
+    if constexpr (detail::has_one_interface<Robot>) {
+      times(other.resolver().parameters(), first.resolver().parameters());
+    } else {
+      Robot::each([&](auto k) {
+        times(other.resolver().template parameters<k.value>(),
+              first.resolver().template parameters<k.value>());
+      });
+    }
+    const auto &a = other.resolver().limits(), &b = first.resolver().limits();
     for (std::size_t i = 0; i < joints; ++i) {
-      same("lower position limit", a.limits.lower()[i], b.limits.lower()[i], "rad");
-      same("upper position limit", a.limits.upper()[i], b.limits.upper()[i], "rad");
-      same("velocity limit", a.limits.velocity()[i], b.limits.velocity()[i], "rad/s");
-      same("acceleration limit", a.limits.acceleration()[i], b.limits.acceleration()[i], "rad/s^2");
-      same("torque limit", a.limits.torque()[i], b.limits.torque()[i], "N m");
-      same("Coulomb friction", a.shape.coulomb[i], b.shape.coulomb[i], "N m");
+      same("lower position limit", a.lower()[i], b.lower()[i], "rad");
+      same("upper position limit", a.upper()[i], b.upper()[i], "rad");
+      same("velocity limit", a.velocity()[i], b.velocity()[i], "rad/s");
+      same("acceleration limit", a.acceleration()[i], b.acceleration()[i], "rad/s^2");
+      same("torque limit", a.torque()[i], b.torque()[i], "N m");
     }
     if constexpr (requires { first.skin().same_cells(other.skin()); })
       if (!first.skin().same_cells(other.skin()))

@@ -49,8 +49,6 @@ class Cycle {
 
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
-  static_assert(!governed || detail::has_one_interface<Resolver>,
-                "a governor is for a robot whose joints all take the same: leave it out");
   static constexpr detail::GuardFault guard_fault = detail::fault_in_guard<Watchman, Resolver>();
   static_assert(guard_fault != detail::GuardFault::interface,
                 "this guard is for another interface than the robot's: leave it out, a cycle builds its own");
@@ -64,6 +62,9 @@ class Cycle {
                 "the governor is of a robot with other joints, or of another scalar");
   static_assert(detail::feels<Overseer, GivenSkin>,
                 "contact limits need a skin on each link that they name: what is not felt cannot be limited");
+  static_assert(!detail::watches_skin<Overseer> ||
+                    (detail::CountsCells<Skin> && !std::is_same_v<Skin, NoSkin>),
+                "SkinWatch: this scene has no skin whose cells could fall silent");
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;
   using law_type = L;
@@ -114,7 +115,7 @@ class Cycle {
       : Cycle(robot, NoSkin{}, law, guard_and_governor...) {}
 
   /// The same scene with limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`,
-  /// ...) and settings of its guard (`GuardSettings`), in any order. They replace those given before.
+  /// `SkinWatch`) and settings of its guard (`GuardSettings`), in any order. They replace those given before.
   template <class... Parts>
   [[nodiscard]] auto with(const Parts&... parts) const {
     const auto made = std::tuple_cat(limit_of(parts)...);
@@ -130,18 +131,10 @@ class Cycle {
         contacts);
     const auto governor = detail::governor_of(resolver_, all);
     using Limits = std::remove_cvref_t<decltype(governor)>;
-    const auto settings = detail::guard_settings_in(guard_.settings(), parts...);
-    if constexpr (detail::limits_jerk<Limits>) {
-      using Smooth = std::remove_cvref_t<decltype(governor.jerk())>;
-      const typename detail::GuardOf<Resolver, Smooth>::type guard(detail::as_configuration(resolver_),
-                                                                   settings, governor.jerk());
-      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_,
-                                                                                 guard, governor);
-    } else {
-      const typename detail::GuardOf<Resolver>::type guard(detail::as_configuration(resolver_), settings);
-      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_,
-                                                                                 guard, governor);
-    }
+    const auto guard =
+        detail::guard_for(resolver_, detail::guard_settings_in(guard_.settings(), parts...), governor);
+    return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_, guard,
+                                                                               governor);
   }
 
   [[nodiscard]] const Resolver& resolver() const noexcept { return resolver_; }
@@ -233,6 +226,13 @@ class Cycle {
     };
     out.status |= detail::receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
     const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
+    bool pause = false;
+    if constexpr (detail::watches_skin<Overseer>) {
+      out.status |= governor_.watch().look(m.governor.watch, detail::coverage_of(skin_, m.skin),
+                                           seconds<scalar>(interval.to - interval.from));
+      pause = pauses(m);
+      if (pause) resolver_.stop(m.robot);
+    }
     if constexpr (requires { law_.feel(m.law, skin_.contacts(m.skin), interval.to); })
       law_.feel(m.law, skin_.contacts(m.skin), interval.to);
     watch.end(CycleStage::sense);
@@ -246,6 +246,12 @@ class Cycle {
         return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_);
       }
     }();
+    if constexpr (detail::watches_skin<Overseer>) {
+      if (pause) {
+        resolver_.go_on(m.robot);
+        resolved.status = Status::from_bits(resolved.status.bits() & ~Status(Reason::stopping).bits());
+      }
+    }
     out.status |= resolved.status;
     out.shares = resolved.shares;
     watch.end(CycleStage::resolve);
@@ -259,7 +265,7 @@ class Cycle {
         found |= given.status;
         slowed = given.altered;
         resolved.command = given.command;
-        if constexpr (Resolver::interface == Interface::torque) resolved.fallback = given.hold;
+        if constexpr (requires { given.hold; }) resolved.fallback = given.hold;
       }
     }
     const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured, input.now,
@@ -268,12 +274,20 @@ class Cycle {
     out.command.assign(guarded.command);
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
     if constexpr (governed) {
-      if (guarded.altered && Resolver::interface != Interface::torque)
-        governor_.sent(m.governor, guarded.command);
+      if (guarded.altered && detail::commands_motion<Resolver>) governor_.sent(m.governor, guarded.command);
     }
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
     watch.end(CycleStage::guard);
     return out;
+  }
+
+  /// Whether the watch over the skin holds a robot that nobody else has stopped.
+  [[nodiscard]] SKINCTL_INLINE bool pauses(const Memory& m) const noexcept {
+    if constexpr (detail::watches_skin<Overseer>) {
+      return governor_.watch().holds(m.governor.watch) && !resolver_.stops(m.robot);
+    } else {
+      return false;
+    }
   }
 
   struct Whole {};
@@ -323,14 +337,21 @@ class Cycle {
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
                              const Interval& interval) const noexcept {
     scalar dt = seconds<scalar>(interval.to - interval.from);
-    if constexpr (Resolver::interface == Interface::position) dt = m.robot.command_span;
+    if constexpr (detail::takes_positions<Resolver>) dt = m.robot.command_span;
     const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
-    if constexpr (Resolver::interface == Interface::torque) {
+    if constexpr (!detail::has_one_interface<Resolver>) {
+      std::array<scalar, Resolver::stiff_groups> spans;
+      Resolver::each([&](auto k) { spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
+      return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
+                            guard_.waits(m.guard), resolved.status.has(Reason::state_stale), m.robot.measured,
+                            pressed, nearest, spans, dt);
+    } else if constexpr (Resolver::interface == Interface::torque) {
       // An old velocity is no basis for braking.
       if (resolved.status.has(Reason::state_stale))
         return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};
-      return governor_.step_torque(m.governor, resolved.command, resolved.fallback, guard_.waits(m.guard),
-                                   m.robot.measured, pressed, nearest, dt);
+      return governor_.step_torque(m.governor, resolved.command, resolved.fallback,
+                                   guard_.waits(m.guard) || pauses(m), m.robot.measured, pressed, nearest,
+                                   dt);
     } else {
       return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, pressed, nearest,
                             dt);
@@ -344,6 +365,7 @@ class Cycle {
       auto robot = m.robot;
       if (input.request == CycleRequest::stop) resolver_.stop(robot);
       if (input.request == CycleRequest::resume) resolver_.resume(robot);
+      if (pauses(m)) resolver_.stop(robot);
       return resolver_.asks_law(robot, input.measured, input.now, guard_);
     } else {
       return true;

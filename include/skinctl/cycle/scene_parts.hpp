@@ -2,9 +2,9 @@
 // hand with that description.
 #pragma once
 
+#include "skinctl/guard/group_guard.hpp"
 #include "skinctl/guard/guard.hpp"
-#include "skinctl/guard/hybrid_guard.hpp"
-#include "skinctl/limits/governor.hpp"
+#include "skinctl/limits/group_governor.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -36,7 +36,7 @@ concept Described = requires { typename ResolverOf<R>::type; };
 /// jerk.
 template <class Resolver, class Smooth = NoPart>
 struct GuardOf {
-  using type = HybridGuard<Resolver>;
+  using type = GroupGuard<Resolver, !std::is_same_v<Smooth, NoPart>>;
 };
 template <class Resolver, class Smooth>
   requires requires { Resolver::interface; }
@@ -62,13 +62,33 @@ template <class Resolver>
     return G(r);
   }
 }
+/// A guard with these settings; it brakes within the limits of jerk of `limits`, if that governor has some.
+template <class Resolver, class Settings, class Limits>
+[[nodiscard]] auto guard_for(const Resolver& r, const Settings& settings, const Limits& limits) {
+  if constexpr (requires { requires Limits::has_jerk; }) {
+    using Smooth = std::remove_cvref_t<decltype(limits.jerk())>;
+    if constexpr (requires { Resolver::interface; }) {
+      return typename GuardOf<Resolver, Smooth>::type(as_configuration(r), settings, limits.jerk());
+    } else {
+      return typename GuardOf<Resolver, Smooth>::type(r, settings, limits.jerk().jerk());
+    }
+  } else if constexpr (requires { Resolver::interface; }) {
+    return typename GuardOf<Resolver>::type(as_configuration(r), settings);
+  } else {
+    return typename GuardOf<Resolver>::type(r, settings);
+  }
+}
 
 /// The default governor of a resolver's robot: by torque, the limits of its motion.
 template <class Resolver>
 [[nodiscard]] auto default_governor(const Resolver& r) {
   if constexpr (requires { requires Resolver::interface == Interface::torque; }) {
     using M = std::remove_cvref_t<decltype(r.model())>;
-    return make_governor(r.parameters().limits, MotionLimits<M, typename Resolver::scalar>(r.model()));
+    return make_governor(r.limits(), MotionLimits<M, typename Resolver::scalar>(r.model()));
+  } else if constexpr (requires { requires Resolver::has_driven; }) {
+    using M = std::remove_cvref_t<decltype(r.model())>;
+    return make_group_governor<typename Resolver::JointSets>(
+        r.limits(), MotionLimits<M, typename Resolver::scalar>(r.model()));
   } else {
     return NoGovernor{};
   }
@@ -84,12 +104,16 @@ template <class Resolver, class Part>
 template <class Resolver, std::size_t N, Real T>
 [[nodiscard]] auto made_for(const Resolver& r, const MaxJerk<N, T>& max) {
   static_assert(N == Resolver::joints, "MaxJerk: of a robot with another number of joints");
-  return JerkLimits<N, T>(r.parameters().limits, max.jerk);
+  return JerkLimits<N, T>(r.limits(), max.jerk);
 }
 template <class Resolver, std::size_t I, Real T>
 [[nodiscard]] auto made_for(const Resolver& r, const MaxToolSpeed<I, T>& max) {
   using M = std::remove_cvref_t<decltype(r.model())>;
-  return ToolSpeed<M, I, T>(r.model(), r.parameters().limits, {max.speed, max.point, max.reach});
+  return ToolSpeed<M, I, T>(r.model(), r.limits(), {max.speed, max.point, max.reach});
+}
+template <class Resolver>
+[[nodiscard]] auto made_for(const Resolver& r, const SkinWatch& watch) {
+  return CoverageLimits<Resolver::joints, typename Resolver::scalar>(r.parameters().limits, watch);
 }
 template <class Resolver>
 [[nodiscard]] auto made_for(const Resolver& r, const Clearance& clearance) {
@@ -129,12 +153,19 @@ template <class Resolver, class... Made>
     using M = std::remove_cvref_t<decltype(r.model())>;
     return std::apply(
         [&](const auto&... p) {
-          return make_governor(r.parameters().limits, p...,
-                               MotionLimits<M, typename Resolver::scalar>(r.model()));
+          return make_governor(r.limits(), p..., MotionLimits<M, typename Resolver::scalar>(r.model()));
+        },
+        made);
+  } else if constexpr (requires { Resolver::has_driven; }) {
+    using M = std::remove_cvref_t<decltype(r.model())>;
+    return std::apply(
+        [&](const auto&... p) {
+          return make_group_governor<typename Resolver::JointSets>(
+              r.limits(), p..., MotionLimits<M, typename Resolver::scalar>(r.model()));
         },
         made);
   } else {
-    return std::apply([&](const auto&... p) { return make_governor(r.parameters().limits, p...); }, made);
+    return std::apply([&](const auto&... p) { return make_governor(r.limits(), p...); }, made);
   }
 }
 

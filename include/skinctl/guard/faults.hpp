@@ -138,6 +138,18 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
      WayBack::by_itself, "a contact oscillated: damping was added along it"},
     {Reason::stopping, "stopping", FaultFinder::resolver, Reaction::stop, Reaction::stop, WayBack::on_request,
      "a stop was asked for: brakes and holds"},
+    {Reason::skin_unheard, "skin_unheard", FaultFinder::skin, Reaction::report, Reaction::report,
+     WayBack::by_itself, "the skin has not been heard yet: see its watch"},
+    {Reason::skin_blind, "skin_blind", FaultFinder::skin, Reaction::report, Reaction::report,
+     WayBack::by_itself, "too few cells of a patch report: see its watch"},
+    {Reason::skin_incomplete, "skin_incomplete", FaultFinder::skin, Reaction::report, Reaction::report,
+     WayBack::by_itself, "some cells do not report: see its watch"},
+    {Reason::skin_slowed, "skin_slowed", FaultFinder::governor, Reaction::limit, Reaction::limit,
+     WayBack::by_itself, "all joints are slowed, for cells that do not report"},
+    {Reason::skin_held, "skin_held", FaultFinder::governor, Reaction::brake, Reaction::fade,
+     WayBack::by_itself, "brakes and holds until cells report again"},
+    {Reason::skin_stopped, "skin_stopped", FaultFinder::governor, Reaction::stop, Reaction::stop,
+     WayBack::on_request, "cells do not report: stops"},
 }};
 static_assert(
     [] {

@@ -8,6 +8,7 @@
 #include "skinctl/limits/detail/parts.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/motion_limits.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/math/ldlt.hpp"
 
@@ -35,7 +36,8 @@ struct GovernedTorque : Governed<N, T> {
 };
 
 /// The stage between resolver and guard of a scene. `make_governor` builds it from those of `JerkLimits`,
-/// `ToolSpeed`, `ClearanceLimits` and `ContactLimits` that the scene has; the others cost nothing.
+/// `ToolSpeed`, `ClearanceLimits`, `ContactLimits` and `CoverageLimits` that the scene has; the others cost
+/// nothing.
 ///
 /// **Positions and velocities.** A command within the limits passes to the bit. Otherwise all joints are
 /// slowed alike (contact, tool), a motion from the last command to the slowed one is computed within the
@@ -53,7 +55,7 @@ struct GovernedTorque : Governed<N, T> {
 /// leaves the torque to the bit), and never exceeds the joints' torques. A robot stopped for a contact is
 /// held with damping `M / T`. There is no limit of jerk.
 template <std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range = detail::NoPart,
-          class Clear = detail::NoPart>
+          class Watch = detail::NoPart, class Clear = detail::NoPart>
 class Governor {
  public:
   static constexpr std::size_t joints = N;
@@ -64,6 +66,7 @@ class Governor {
   static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
   static constexpr bool has_clearance = !std::is_same_v<Clear, detail::NoPart>;
   static constexpr bool has_motion = !std::is_same_v<Range, detail::NoPart>;
+  static constexpr bool has_watch = !std::is_same_v<Watch, detail::NoPart>;
   /// For torques: the number of cycles of the prediction, and of braking.
   static constexpr int braking_cycles = 4;
 
@@ -72,16 +75,18 @@ class Governor {
     JointAcceleration<N, T> acceleration;  ///< at the end of the last command
     JointPosition<N, T> position, carry;   ///< the last command's position, and its rounding error
     [[no_unique_address]] typename Contact::Memory contact;
+    [[no_unique_address]] typename Watch::Memory watch;
   };
 
   SKINCTL_COLD Governor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
-                        const Contact& contact, const Range& motion = Range(),
+                        const Contact& contact, const Range& motion = Range(), const Watch& watch = Watch(),
                         const Clear& clearance = Clear())
       : limits_(limits),
         jerk_(jerk),
         tool_(tool),
         contact_(contact),
         motion_(motion),
+        watch_(watch),
         clearance_(clearance) {}
 
   [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
@@ -90,6 +95,7 @@ class Governor {
   [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
   [[nodiscard]] const Range& motion() const noexcept { return motion_; }
   [[nodiscard]] const Clear& clearance() const noexcept { return clearance_; }
+  [[nodiscard]] const Watch& watch() const noexcept { return watch_; }
 
   /// The command in place of `wish`, `dt` > 0 seconds after `last` was sent.
   ///
@@ -113,6 +119,10 @@ class Governor {
       const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
       out.status |= verdict.status;
       if (verdict.scale < T(1)) slowed = true, u = verdict.scale * u;
+    }
+    if constexpr (has_watch) {
+      const T share = watch_.share(m.watch, u);
+      if (share < T(1)) slowed = true, u = share * u;
     }
     const auto room = limits_.room(last.position);
     if constexpr (has_tool) {
@@ -198,6 +208,10 @@ class Governor {
       share = verdict.scale;
       stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
     }
+    if constexpr (has_watch) {
+      const T slow = watch_.share(m.watch, u);
+      if (slow < share) share = slow;
+    }
     if constexpr (has_tool) {
       const T tool = tool_.share(measured.q, u, ahead);
       if (tool < T(1)) out.status |= Reason::tool_speed_limited;
@@ -218,6 +232,26 @@ class Governor {
     if (stopping)
       out.hold = limits_.within(hold - momentum(mass, measured.dq) * T(T(1) / ahead), measured.dq);
     return out;
+  }
+
+  /// The motion from `last` towards the velocity `u` within the limits of the joints, and of jerk if `Smooth`;
+  /// `out.command` becomes the command at its end, `dt` > 0 seconds after `last`.
+  template <bool Smooth = has_jerk>
+  SKINCTL_INLINE void follow(Memory& m, const JointCommand<N, T>& last, const JointVelocity<N, T>& u,
+                             const T& dt, Governed<N, T>& out) const noexcept {
+    const auto room = limits_.room(last.position);
+    if constexpr (Smooth) {
+      const auto motion = jerk_.move(room, last.velocity, m.acceleration, u, dt);
+      out.status |= motion.status;
+      m.acceleration = motion.acceleration;
+      make(m, last, motion, dt, out);
+    } else {
+      const auto motion = limits_.move(room, last.velocity, u, dt);
+      out.status |= Status::from_bits(motion.status.bits() & ~Status(Reason::acceleration_limited).bits());
+      if constexpr (has_jerk)
+        for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+      make(m, last, motion, dt, out);
+    }
   }
 
   /// The guard sent `command` instead.
@@ -278,6 +312,7 @@ class Governor {
   [[no_unique_address]] Contact contact_;
   [[no_unique_address]] Range motion_;
   [[no_unique_address]] Clear clearance_;
+  [[no_unique_address]] Watch watch_;
 };
 
 /// A governor from its parts, in any order; `limits` are those of resolver and guard.
@@ -286,21 +321,23 @@ template <std::size_t N, Real T, class... Parts>
   using namespace detail;
   static_assert(sizeof...(Parts) > 0, "a governor without parts: leave it out of the cycle");
   static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts> || MotionPart<Parts> ||
-                  ClearancePart<Parts>) &&
+                  WatchPart<Parts> || ClearancePart<Parts>) &&
                  ...),
-                "a governor takes JerkLimits, ToolSpeed, ClearanceLimits, ContactLimits and MotionLimits");
+                "a governor takes JerkLimits, ToolSpeed, ClearanceLimits, ContactLimits, MotionLimits and "
+                "CoverageLimits");
   static_assert(((int(JerkPart<Parts>) + ... + 0) <= 1) && ((int(ToolPart<Parts>) + ... + 0) <= 1) &&
-                    ((int(ContactPart<Parts>) + ... + 0) <= 1) &&
+                    ((int(ContactPart<Parts>) + ... + 0) <= 1) && ((int(WatchPart<Parts>) + ... + 0) <= 1) &&
                     ((int(ClearancePart<Parts>) + ... + 0) <= 1),
                 "a governor takes each part once; contact limits of all links belong into one");
-  return [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion,
+  return [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch,
              const auto& clearance) {
     using std::remove_cvref_t;
     return Governor<N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
                     remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>,
-                    remove_cvref_t<decltype(clearance)>>(limits, jerk, tool, contact, motion, clearance);
+                    remove_cvref_t<decltype(watch)>, remove_cvref_t<decltype(clearance)>>(
+        limits, jerk, tool, contact, motion, watch, clearance);
   }(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...), pick<IsMotion>(parts...),
-         pick<IsClearance>(parts...));
+         pick<IsWatch>(parts...), pick<IsClearance>(parts...));
 }
 
 SKINCTL_END_NAMESPACE

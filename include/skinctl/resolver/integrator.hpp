@@ -9,15 +9,16 @@
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/robot/virtual_dynamics.hpp"
+#include "skinctl/robot/virtual_mass.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// Crank-Nicolson at the midpoint: M, C and G at the pose half a sub-step ahead, friction by the mean of old
-/// and new velocity, C at the velocity half a sub-step ahead by the last acceleration. Second order. Where
-/// friction is stiff (`z = h B/M` large, a wrist) the mean is weighted towards the new velocity so that it
-/// decays as `1/(1 + z + z^2/2 + z^3/6)` instead of ringing: weight `(z^2 + 2z + 3)/(z^2 + 3z + 6)`, 1/2 as z
-/// goes to 0. It computes M and C itself: those of the laws, at the start of the sub-step, are of no use. G
-/// is taken at the start if a law reads it there, so that compensated gravity cancels.
+/// and new velocity, C at the velocity half a sub-step ahead by the last acceleration. Second order. Where friction is
+/// stiff (`z = h B/M` large, a wrist) the mean is weighted towards the new velocity so that it decays as
+/// `1/(1 + z + z^2/2 + z^3/6)` instead of ringing: weight `(z^2 + 2z + 3)/(z^2 + 3z + 6)`, 1/2 as z goes to 0. It
+/// computes M and C itself: those of the laws, at the start of the sub-step, are of no use. G is taken at the
+/// start if a law reads it there, so that compensated gravity cancels.
 struct CrankNicolson {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.middle = true};
@@ -77,20 +78,21 @@ SKINCTL_INLINE JointTorque<K::joints, T> bias_at_start(const K& known, const A& 
   }
 }
 
-/// Friction along contacts, by the new velocity: `(M + h b r r') dv = ... - h b r (r . v)`.
-template <std::size_t N, Real T>
+/// Friction along contacts, by the new velocity: `(M + h b r r') dv = ... - h b r (r . v)`, for the joints of
+/// `S`; `v` is that of all joints.
+template <class S, std::size_t N, Real T>
 SKINCTL_NOINLINE void add_damping(const ContactDamping<N, T>& damping, const T& h,
-                                  const JointVelocity<N, T>& v, MassMatrix<N, T>& m,
-                                  JointTorque<N, T>& impulse) noexcept {
+                                  const JointVelocity<N, T>& v, MassMatrix<S::count, T>& m,
+                                  JointTorque<S::count, T>& impulse) noexcept {
   for (std::size_t k = 0; k < damping.count; ++k) {
     const T b = h * damping.coefficient[k];
     if (!(b > T(0))) continue;
     T speed(0);
     for (std::size_t i = 0; i < N; ++i) speed = speed + damping.row[k][i] * v[i];
-    for (std::size_t i = 0; i < N; ++i) {
-      const T r = b * damping.row[k][i];
+    for (std::size_t i = 0; i < S::count; ++i) {
+      const T r = b * damping.row[k][S::index[i]];
       impulse[i] = impulse[i] - r * speed;
-      for (std::size_t j = 0; j < N; ++j) m(i, j) = m(i, j) + r * damping.row[k][j];
+      for (std::size_t j = 0; j < S::count; ++j) m(i, j) = m(i, j) + r * damping.row[k][S::index[j]];
     }
   }
 }
@@ -102,8 +104,30 @@ inline constexpr bool shares_mass = !Policy::midpoint && K::needs.mass && !(Shap
 template <class Policy, class K, bool Shaped = false>
 inline constexpr bool shares_inertia = shares_mass<Policy, K, Shaped> && K::is_virtual;
 
+/// The velocity of all joints half a sub-step ahead, by the accelerations `last` of the joints of `S`.
+template <class S, class K, Real T>
+[[nodiscard]] SKINCTL_INLINE JointVelocity<K::joints, T> middle_velocity(
+    const K& known, const JointAcceleration<S::count, T>& last) noexcept {
+  const T half = T(0.5) * known.dt();
+  if constexpr (S::is_all) {
+    return integrate(known.dq(), last, half);
+  } else {
+    JointVelocity<K::joints, T> v = known.dq();
+    S::put(integrate(S::of(v), last, half), v);
+    return v;
+  }
+}
+/// `(M ddq)_S` of the accelerations `driven` of the joints that are not in `S`; the others' are zero.
+template <class S, std::size_t N, Real T>
+[[nodiscard]] SKINCTL_INLINE JointTorque<S::count, T> reaction_of(
+    const MassMatrix<N, T>& m, const JointAcceleration<N, T>& driven) noexcept {
+  JointTorque<S::count, T> tau;
+  for (std::size_t i = 0; i < S::count; ++i)
+    for (const std::size_t j : S::Others::index) tau[i] = tau[i] + m(S::index[i], j) * driven[j];
+  return tau;
+}
+
 /// M, and `C v + G`, where the policy takes them; with the virtual inertia if `shares_inertia`.
-///
 /// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
 template <class Policy, bool Shaped = false, class K>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<K::joints, typename K::scalar> mass_where(const K& known) noexcept {
@@ -115,11 +139,11 @@ template <class Policy, bool Shaped = false, class K>
     return mass_matrix(known.model(), known.angles());
   }
 }
-template <class Policy, class K, Real T>
+template <class Policy, class S, class K, Real T>
 [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, T> bias_where(
-    const K& known, const JointAcceleration<K::joints, T>& last) noexcept {
+    const K& known, const JointAcceleration<S::count, T>& last) noexcept {
   if constexpr (Policy::midpoint) {
-    const JointVelocity<K::joints, T> v_mid = integrate(known.dq(), last, T(T(0.5) * known.dt()));
+    const JointVelocity<K::joints, T> v_mid = middle_velocity<S>(known, last);
     // Where laws of the half step evaluate the model too, so that compensated gravity cancels.
     if constexpr (K::needs.gravity) {
       return coriolis_torque(known.model(), known.middle(), v_mid) + known.gravity();
@@ -173,108 +197,103 @@ SKINCTL_INLINE void add_inertia(const VirtualDynamics<n, T>& shape, MassMatrix<n
   for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { m(i, i) = m(i, i) + shape.inertia[i]; });
 }
 
-/// `step_velocity` of a virtual robot with the virtual dynamics of `tool` at its tool; `m` is the joints' own
-/// inertia.
-template <class Policy, class K, Real T, class Tool>
-[[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_shaped(
-    const K& known, const VirtualDynamics<K::joints, T>& shape, bool has_coulomb,
-    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
-    const JointAcceleration<K::joints, T>& last, const ContactDamping<K::joints, T>* damping,
-    const Tool& tool, const MassMatrix<K::joints, T>& m) noexcept {
-  constexpr std::size_t n = K::joints;
-  const auto& v = known.dq();
+/// `step_velocity_of` for a virtual robot with the virtual dynamics of `tool` at its tool; `m` is the joints'
+/// own inertia, `reaction` the torque by which the other joints' accelerations act.
+template <class Policy, class S, class K, Real T, class Tool>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<S::count, T> step_shaped(
+    const K& known, const VirtualDynamics<S::count, T>& shape, bool has_coulomb,
+    const JointTorque<S::count, T>& tau, const JointAcceleration<S::count, T>& pull,
+    const JointAcceleration<S::count, T>& last, const ContactDamping<K::joints, T>* damping, const Tool& tool,
+    const MassMatrix<S::count, T>& m, [[maybe_unused]] const JointTorque<S::count, T>& reaction) noexcept {
+  constexpr std::size_t n = S::count;
+  const auto& v = S::of(known.dq());
   const T h = known.dt();
-  const auto step = [&](const auto& angles, const JointVelocity<n, T>& moving) SKINCTL_INLINE_LAMBDA {
+  const auto step = [&](const auto& angles, const JointVelocity<K::joints, T>& moving) SKINCTL_INLINE_LAMBDA {
     ToolTerms<n, Tool::rows, T> terms;
-    const auto coriolis = coriolis_torque(known.model(), angles, moving);
-    if (!tool.template terms<Policy>(known.model(), angles, moving, m, coriolis, h, terms))
+    const JointTorque<n, T> coriolis = S::of(coriolis_torque(known.model(), angles, moving));
+    if (!tool.template terms<Policy, S>(known.model(), angles, moving, m, coriolis, h, terms))
       return VelocityStep<n, T>{v, true};
     if constexpr (K::needs.gravity) {
-      terms.coriolis += known.gravity();
+      terms.coriolis += S::of(known.gravity());
     } else {
-      terms.coriolis += gravity_torque(known.model(), angles);
+      terms.coriolis += S::of(gravity_torque(known.model(), angles));
     }
+    if constexpr (!S::is_all) terms.coriolis += reaction;
     const JointTorque<n, T> drag = terms.friction * JointAcceleration<n, T>(h * Row<n, T>(v));
     return solve_step<Policy>(terms.mass, terms.coriolis, v, shape, has_coulomb, tau, pull, h,
                               [&](auto& mass, auto& impulse) SKINCTL_INLINE_LAMBDA {
                                 impulse -= drag;
                                 for (std::size_t i = 0; i < n * n; ++i)
                                   mass.data[i] = mass.data[i] + terms.implicit.data[i];
-                                if (damping != nullptr) add_damping(*damping, h, v, mass, impulse);
+                                if (damping != nullptr)
+                                  add_damping<S>(*damping, h, known.dq(), mass, impulse);
                               });
   };
   if constexpr (Policy::midpoint) {
-    const JointVelocity<n, T> v_mid = integrate(v, last, T(T(0.5) * h));
-    return step(known.middle(), v_mid);
+    return step(known.middle(), middle_velocity<S>(known, last));
   } else {
-    return step(known.angles(), v);
+    return step(known.angles(), known.dq());
   }
 }
 
-/// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`.
+/// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`, for the joints of `S`. The others
+/// move as `known` says, with the accelerations `driven`: they react by `-(M driven)_S`, and by their part of
+/// `C v`.
 ///
 /// @param last     acceleration of the last sub-step, for the velocity at the midpoint.
 /// @param damping  friction along contacts, by the new velocity; null: none.
 /// @param tool     virtual dynamics at the tool, or `NoToolShape`.
+template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
+[[nodiscard]] SKINCTL_INLINE VelocityStep<S::count, T> step_velocity_of(
+    const K& known, const VirtualDynamics<S::count, T>& shape, bool has_coulomb,
+    const JointTorque<S::count, T>& tau, const JointAcceleration<S::count, T>& pull,
+    const JointAcceleration<S::count, T>& last,
+    const ContactDamping<K::joints, typename K::scalar>* damping = nullptr, const Tool& tool = {},
+    [[maybe_unused]] const JointAcceleration<K::joints, typename K::scalar>* driven = nullptr) noexcept {
+  constexpr std::size_t n = S::count;
+  constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
+  const auto& v = S::of(known.dq());
+  const T h = known.dt();
+  if constexpr (std::same_as<Policy, RungeKutta4> && !shaped) {
+    VelocityStep<n, T> out;
+    if (!has_coulomb && damping == nullptr && runge_kutta<S>(known, shape, tau, pull, driven, out.velocity))
+      return out;
+  }
+  MassMatrix<K::joints, T> whole = mass_where<Policy, shaped>(known);
+  JointTorque<n, T> reaction;
+  if constexpr (!S::is_all)
+    if (driven != nullptr) reaction = reaction_of<S>(whole, *driven);
+  const auto go_on = [&](MassMatrix<n, T>& m) SKINCTL_INLINE_LAMBDA {
+    if constexpr (!shares_inertia<Policy, K, shaped>) add_inertia(shape, m);
+    if constexpr (shaped) {
+      return step_shaped<Policy, S>(known, shape, has_coulomb, tau, pull, last, damping, tool, m, reaction);
+    } else {
+      JointTorque<n, T> bias = S::of(bias_where<Policy, S, K, T>(known, last));
+      if constexpr (!S::is_all) bias += reaction;
+      return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, h,
+                                [&](auto& mass, auto& impulse) SKINCTL_INLINE_LAMBDA {
+                                  if (damping != nullptr)
+                                    add_damping<S>(*damping, h, known.dq(), mass, impulse);
+                                });
+    }
+  };
+  if constexpr (S::is_all) {
+    return go_on(whole);
+  } else {
+    MassMatrix<n, T> m = block_of<S>(whole);
+    return go_on(m);
+  }
+}
+
+/// The same for all joints.
 template <class Policy, class K, Real T, class Tool = NoToolShape>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
     const K& known, const VirtualDynamics<K::joints, T>& shape, bool has_coulomb,
     const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
     const JointAcceleration<K::joints, T>& last,
     const ContactDamping<K::joints, typename K::scalar>* damping = nullptr, const Tool& tool = {}) noexcept {
-  constexpr std::size_t n = K::joints;
-  constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
-  const auto& v = known.dq();
-  const T h = known.dt();
-  if constexpr (std::same_as<Policy, RungeKutta4> && !shaped) {
-    VelocityStep<n, T> out;
-    if (!has_coulomb && damping == nullptr && runge_kutta(known, shape, tau, pull, out.velocity)) return out;
-  }
-  MassMatrix<n, T> m = mass_where<Policy, shaped>(known);
-  if constexpr (!shares_inertia<Policy, K, shaped>) add_inertia(shape, m);
-  if constexpr (shaped) {
-    return step_shaped<Policy>(known, shape, has_coulomb, tau, pull, last, damping, tool, m);
-  } else {
-    const auto bias = bias_where<Policy, K, T>(known, last);
-    return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, h,
-                              [&](auto& mass, auto& impulse) SKINCTL_INLINE_LAMBDA {
-                                if (damping != nullptr) add_damping(*damping, h, v, mass, impulse);
-                              });
-  }
-}
-
-/// The same for the joints of `Subset` alone, with the others fixed in their places: the reaction to their
-/// motion is left out (see `HybridResolver`).
-template <class Policy, class Subset, class K, Real T>
-[[nodiscard]] SKINCTL_INLINE VelocityStep<Subset::count, T> step_velocity_of(
-    const K& known, const VirtualDynamics<Subset::count, T>& shape, bool has_coulomb,
-    const JointTorque<Subset::count, T>& tau, const JointAcceleration<Subset::count, T>& pull,
-    const JointAcceleration<Subset::count, T>& last) noexcept {
-  constexpr std::size_t n = Subset::count;
-  const JointVelocity<n, T> v = Subset::of(known.dq());
-  const T half = T(0.5) * known.dt();
-  JointVelocity<K::joints, T> moving;
-  Subset::put(Policy::midpoint ? integrate(v, last, half) : v, moving);
-  const auto bias = [&]() SKINCTL_INLINE_LAMBDA {
-    const auto all = [&](const auto& angles) SKINCTL_INLINE_LAMBDA {
-      if constexpr (K::needs.gravity) {
-        return coriolis_torque(known.model(), angles, moving) + known.gravity();
-      } else {
-        return bias_torque(known.model(), angles, moving);
-      }
-    };
-    if constexpr (Policy::midpoint) {
-      return Subset::of(all(known.middle()));
-    } else {
-      return Subset::of(all(known.angles()));
-    }
-  }();
-  const MassMatrix<K::joints, T> all = mass_where<Policy>(known);
-  MassMatrix<n, T> m;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) m(i, j) = all(Subset::index[i], Subset::index[j]);
-  if constexpr (!shares_inertia<Policy, K>) add_inertia(shape, m);
-  return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, known.dt(), [](auto&, auto&) {});
+  return step_velocity_of<Policy, AllJoints<K::joints>>(known, shape, has_coulomb, tau, pull, last, damping,
+                                                        tool);
 }
 
 }  // namespace detail

@@ -181,6 +181,9 @@ class Resolver {
   void changed(Memory& m) const noexcept { m.own.known = false; }
   /// Begins a stop.
   void stop(Memory& m) const noexcept { m.stop = true; }
+  [[nodiscard]] static bool stops(const Memory& m) noexcept { return m.stop; }
+  /// Ends a stop that was not the user's: a displaced robot waits on.
+  static void go_on(Memory& m) noexcept { m.stop = false; }
   /// Ends a stop. A displaced robot goes on with the gap that it has now, if that is at most `largest_gap`.
   void resume(Memory& m) const noexcept { virtual_.resume(m); }
 

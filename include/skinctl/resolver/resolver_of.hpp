@@ -2,7 +2,7 @@
 #pragma once
 
 #include "skinctl/model/weightless.hpp"
-#include "skinctl/resolver/hybrid_resolver.hpp"
+#include "skinctl/resolver/group_resolver.hpp"
 #include "skinctl/resolver/resolver.hpp"
 #include "skinctl/resolver/torque_resolver.hpp"
 
@@ -39,38 +39,49 @@ struct OnlyPart<Default, std::tuple<Part>> {
   using type = Part;
 };
 
-template <class Robot>
-struct ResolverOf;
-template <Interface I, RobotModel M, Real T, class... Parts>
-struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
+template <class Tuple>
+struct KeeperOf;
+template <class... K>
+struct KeeperOf<std::tuple<K...>> {
+  using type = Passivity<K...>;
+  template <class Parts>
+  static type of(const Parts& parts) {
+    return type(std::get<K>(parts)...);
+  }
+};
+/// Integrator, tool shape, command history and passivity among the parts of a description.
+template <class... Parts>
+struct ChosenParts {
   template <class Kind>
   using Of = typename PartsOf<Kind, std::tuple<>, Parts...>::type;
   template <class Kind>
   static constexpr std::size_t count = std::tuple_size_v<Of<Kind>>;
   static_assert(count<IntegratorPart> <= 1 && count<ToolShapePart> <= 1 && count<HistoryPart> <= 1,
                 "a description takes one integrator, one tool shape and one command history");
-  static_assert(I != Interface::torque || count<IntegratorPart> + count<ToolShapePart> == 0,
-                "by torque there is no virtual robot: leave integrator and tool shape out");
-
   using Integrator = typename OnlyPart<CrankNicolson, Of<IntegratorPart>>::type;
   using Tool = typename OnlyPart<NoToolShape, Of<ToolShapePart>>::type;
   using History = typename OnlyPart<CommandHistory<32>, Of<HistoryPart>>::type;
-  template <class Tuple>
-  struct Keeping;
-  template <class... K>
-  struct Keeping<std::tuple<K...>> {
-    using type = Passivity<K...>;
-    static type of(const std::tuple<Parts...>& parts) { return type(std::get<K>(parts)...); }
-  };
-  using Keeper = Keeping<Of<KeeperPart>>;
+  using Keeper = KeeperOf<Of<KeeperPart>>;
+};
+
+template <class Robot>
+struct ResolverOf;
+template <Interface I, RobotModel M, Real T, class... Parts>
+struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
+  using Chosen = ChosenParts<Parts...>;
+  using Tool = typename Chosen::Tool;
+  static constexpr bool has_tool = Chosen::template count<ToolShapePart> == 1;
+  static_assert(I != Interface::torque || (Chosen::template count<IntegratorPart> == 0 && !has_tool),
+                "by torque there is no virtual robot: leave integrator and tool shape out");
   /// The model as laws see it: without weight where the robot itself compensates gravity.
-  using SeenModel = std::conditional_t<(count<RobotHoldsGravity> > 0), Weightless<M>, M>;
-  using type = Resolver<I, SeenModel, T, Integrator, History::commands, typename Keeper::type, Tool>;
+  using SeenModel = std::conditional_t<(Chosen::template count<RobotHoldsGravity> > 0), Weightless<M>, M>;
+  using type = Resolver<I, SeenModel, T, typename Chosen::Integrator, Chosen::History::commands,
+                        typename Chosen::Keeper::type, Tool>;
 
   static type make(const RobotDescription<I, M, T, Parts...>& robot) {
-    const auto keeper = Keeper::of(robot.parts());
+    const auto keeper = Chosen::Keeper::of(robot.parts());
     const SeenModel model(robot.model());
-    if constexpr (count<ToolShapePart> == 1) {
+    if constexpr (has_tool) {
       return type(model, robot.configuration(), std::get<Tool>(robot.parts()), keeper);
     } else {
       return type(model, robot.configuration(), keeper);
@@ -78,11 +89,27 @@ struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
   }
 };
 
-template <Interface I, LinkMask ByTorque, RobotModel M, Real T>
-struct ResolverOf<HybridDescription<I, ByTorque, M, T>> {
-  using type = HybridResolver<I, ByTorque, M, T>;
-  static type make(const HybridDescription<I, ByTorque, M, T>& robot) {
-    return type(robot.model(), robot.configuration());
+template <RobotModel M, Real T, class Groups, class... Parts>
+struct ResolverOf<GroupsDescription<M, T, Groups, Parts...>> {
+  using Robot = GroupsDescription<M, T, Groups, Parts...>;
+  using Chosen = ChosenParts<Parts...>;
+  using Tool = typename Chosen::Tool;
+  static_assert(
+      Chosen::template count<RobotHoldsGravity> + Chosen::template count<RobotCompensatesFriction> +
+              Chosen::template count<FrictionUncompensated> + Chosen::template count<StiffestContactPart> ==
+          0,
+      "of a robot in groups laws compensate gravity and friction, and its stiffest contact cannot be "
+      "checked yet: leave RobotHoldsGravity, RobotCompensatesFriction, FrictionUncompensated and "
+      "StiffestContact out");
+  using type = GroupResolver<M, T, typename Robot::Sets, typename Chosen::Integrator,
+                             Chosen::History::commands, typename Chosen::Keeper::type, Tool>;
+  static type make(const Robot& robot) {
+    const auto keeper = Chosen::Keeper::of(robot.parts());
+    if constexpr (Chosen::template count<ToolShapePart> == 1) {
+      return type(robot.model(), robot.groups(), keeper, std::get<Tool>(robot.parts()));
+    } else {
+      return type(robot.model(), robot.groups(), keeper);
+    }
   }
 };
 

@@ -8,7 +8,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Memory of the torque interface. Trivially copyable.
-template <std::size_t N, Real T, class Tank>
+template <std::size_t N, Real T, class Tank, class Damper>
 struct TorqueResolverMemory {
   bool started = false;
   bool stop = false;
@@ -18,6 +18,7 @@ struct TorqueResolverMemory {
   JointCommand<N, T> command;         ///< the last one
   detail::OwnTorque<N, T> own;        ///< of the laws in the last cycle
   [[no_unique_address]] Tank tank;
+  [[no_unique_address]] Damper damper;
 };
 
 /// For robots that take torques: `tau = law(measured state) - B dq`, cut to the limits of torque and power.
@@ -31,21 +32,27 @@ struct TorqueResolverMemory {
 /// the velocity is unknown.
 ///
 /// Of `Passivity` it takes the `EnergyTank`, at the real port: the robot gives no more energy than it
-/// received and than the tank held.
+/// received and than the tank held; and the `ContactDamper`, for a force that is answered late: its torque is
+/// held for a period too, and bounded likewise.
 template <RobotModel M, Real T, class Integrator, std::size_t History, class Keeper>
 class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape> {
   struct NoTank {};
+  struct NoDamper {};
 
  public:
-  static_assert(!Keeper::template has<PassivityObserver<T>> && !Keeper::template has<ContactDamper<T>>,
-                "a torque interface has no virtual robot that runs ahead: its Passivity is an EnergyTank");
+  static_assert(!Keeper::template has<PassivityObserver<T>>,
+                "by torque no command runs ahead of the robot: its Passivity is an EnergyTank or a "
+                "ContactDamper, leave PassivityObserver out");
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
+  static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
+  static constexpr bool watches_contacts = has_damper;
   static constexpr std::size_t joints = M::joints;
   static constexpr Interface interface = Interface::torque;
   using scalar = T;
   using Configuration = RobotConfiguration<joints, T>;
   using Memory = TorqueResolverMemory<
-      joints, T, std::conditional_t<has_tank, typename EnergyTank<T>::template Held<joints>, NoTank>>;
+      joints, T, std::conditional_t<has_tank, typename EnergyTank<T>::template Held<joints>, NoTank>,
+      std::conditional_t<has_damper, typename ContactDamper<T>::template Memory<joints>, NoDamper>>;
   static constexpr Needs keeper_needs = {.angles = has_tank, .mass = has_tank};
   template <class L, class Touch = NoTouch>
   using Knows = Quantities<M, L::needs | keeper_needs, T, Touch, RealMass<joints, T>>;
@@ -103,10 +110,11 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
 
   /// One cycle, as for the position interface; `touches` holds one entry. The law's memory advances by the
   /// last interval; its torque is for one period from now.
-  template <class L, class Touch, class Check = AnyState>
+  template <class L, class Touch, class Check = AnyState, class Pressed = PressedUnknown>
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
-      const Interval& interval, std::span<const Touch> touches, const Check& check = {}) const noexcept {
+      const Interval& interval, std::span<const Touch> touches, const Check& check = {},
+      [[maybe_unused]] const Pressed& pressed = {}) const noexcept {
     Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
@@ -121,7 +129,15 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     const JointPosition<joints, T> before = m.measured.q;
     out.status |= take_measurement(m.measured, measured, interval.to, check);
     const bool stale = interval.to - m.measured.time > p_.stale_after;
-    const JointTorque<joints, T> drag = stale ? JointTorque<joints, T>() : friction(m.measured);
+    JointTorque<joints, T> drag = stale ? JointTorque<joints, T>() : friction(m.measured);
+    if constexpr (has_damper) {
+      const T dt = seconds<T>(interval.to - interval.from);
+      if constexpr (std::is_same_v<Pressed, PressedUnknown>) {
+        out.status |= damp(m, contact_part(touches[0]), dt, stale, drag);
+      } else {
+        out.status |= damp(m, pressed, dt, stale, drag);
+      }
+    }
     const JointTorque<joints, T> gravity = gravity_torque(model_, m.measured.q);
     JointTorque<joints, T> torque = gravity - drag;
     out.fallback = torque;
@@ -206,9 +222,23 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   /// Tells that another configuration has taken over: a torque that differs is no jump of its laws.
   void changed(Memory& m) const noexcept { m.own.known = false; }
   void stop(Memory& m) const noexcept { m.stop = true; }
+  [[nodiscard]] static bool stops(const Memory& m) noexcept { return m.stop; }
+  /// Ends a stop that was not the user's.
+  static void go_on(Memory& m) noexcept { m.stop = false; }
   void resume(Memory& m) const noexcept { m.stop = false; }
 
  private:
+  /// Adds the torque against contacts that ring to `drag`.
+  template <class Pressed>
+  [[nodiscard]] Status damp(Memory& m, const Pressed& pressed, const T& dt, bool stale,
+                            JointTorque<joints, T>& drag) const noexcept {
+    const bool rings = keeper_.template get<ContactDamper<T>>().observe(
+        m.damper, contacts_of(model_, m.measured.q, pressed), m.measured.dq, dt);
+    if (m.damper.damping.any && !stale)
+      drag += detail::held_damping<AllJoints<joints>>(m.damper.damping, mass_matrix(model_, m.measured.q),
+                                                      m.measured.dq, seconds<T>(p_.period));
+    return rings ? Status(Reason::contact_damped) : Status();
+  }
   /// Scales the active part of `torque` down to the share that the tank pays for.
   template <class K>
   SKINCTL_INLINE Status pay(Memory& m, const K& known, const JointTorque<joints, T>& passive,

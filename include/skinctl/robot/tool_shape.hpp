@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "skinctl/core/detail/real_of_inverse.hpp"
+#include "skinctl/core/joint_subset.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/math/ldlt.hpp"
@@ -104,11 +105,13 @@ class ToolShape {
   ///
   /// @param h  length of the sub-step [s].
   /// @tparam Policy  the integration of friction over the sub-step.
-  template <class Policy, class M, class Angles, std::size_t N>
+  /// @tparam S       the joints of the virtual robot, which move the tool alone; `v` is that of all joints.
+  template <class Policy, class S, class M, class Angles>
   [[nodiscard]] SKINCTL_NOINLINE bool terms(const M& model, const Angles& angles,
-                                            const JointVelocity<N, T>& v, const MassMatrix<N, T>& m0,
-                                            const JointTorque<N, T>& coriolis, const T& h,
-                                            ToolTerms<N, Rows, T>& out) const noexcept;
+                                            const JointVelocity<M::joints, T>& v,
+                                            const MassMatrix<S::count, T>& m0,
+                                            const JointTorque<S::count, T>& coriolis, const T& h,
+                                            ToolTerms<S::count, Rows, T>& out) const noexcept;
   /// M_v and the friction matrix at `q`, for inspection; `inertia` is the virtual inertia of the joints.
   template <class M, std::size_t N>
   [[nodiscard]] SKINCTL_COLD ToolTerms<N, Rows, T> at(const M& model, const JointPosition<N, T>& q,

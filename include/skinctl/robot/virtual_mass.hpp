@@ -5,6 +5,21 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// The rows and columns of a mass matrix that belong to the joints of a subset.
+template <class S, std::size_t N, Real T>
+  requires(S::is_all)
+[[nodiscard]] SKINCTL_INLINE const MassMatrix<N, T>& block_of(const MassMatrix<N, T>& whole) noexcept {
+  return whole;
+}
+template <class S, std::size_t N, Real T>
+  requires(!S::is_all)
+[[nodiscard]] SKINCTL_INLINE MassMatrix<S::count, T> block_of(const MassMatrix<N, T>& whole) noexcept {
+  MassMatrix<S::count, T> m;
+  for (std::size_t i = 0; i < S::count; ++i)
+    for (std::size_t j = 0; j < S::count; ++j) m(i, j) = whole(S::index[i], S::index[j]);
+  return m;
+}
+
 /// What a robot by torque adds to its model: the limits of its torques.
 template <std::size_t N, Real T = double>
 class RealMass {
@@ -23,7 +38,9 @@ class RealMass {
 /// What a virtual robot's inertia has besides M(q) of its model: the virtual inertia of its joints, and the
 /// shape of its tool. With it `Quantities` gives laws the inertia of the robot that they move: projections
 /// into a null space, postures and dampers that used the bare M would disturb the task.
-template <std::size_t N, Real T = double, class Tool = NoToolShape>
+///
+/// @tparam S  the joints of the virtual robot; the others, by torque, have their model's inertia.
+template <std::size_t N, Real T = double, class Tool = NoToolShape, class S = AllJoints<N>>
 class VirtualMass {
  public:
   static constexpr bool is_virtual = true;
@@ -43,10 +60,16 @@ class VirtualMass {
                              [[maybe_unused]] const Angles& angles) const noexcept {
     for (std::size_t i = 0; i < N; ++i) m(i, i) = m(i, i) + inertia_[i];
     if constexpr (shaped) {
-      ToolTerms<N, Tool::rows, T> terms;
-      if (tool_.template terms<detail::NoWeight>(model, angles, JointVelocity<N, T>{}, m, JointTorque<N, T>{},
-                                                 T(0), terms))
-        m = terms.mass;
+      ToolTerms<S::count, Tool::rows, T> terms;
+      if (tool_.template terms<detail::NoWeight, S>(model, angles, JointVelocity<N, T>{}, block_of<S>(m),
+                                                    JointTorque<S::count, T>{}, T(0), terms)) {
+        if constexpr (S::is_all) {
+          m = terms.mass;
+        } else {
+          for (std::size_t i = 0; i < S::count; ++i)
+            for (std::size_t j = 0; j < S::count; ++j) m(S::index[i], S::index[j]) = terms.mass(i, j);
+        }
+      }
     }
   }
 

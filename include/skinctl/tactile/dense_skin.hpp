@@ -43,6 +43,9 @@ class DenseSkin {
     alignas(64) std::array<Stored, (Units::padded(Patches::cells) + ...)> data_{};
   };
 
+  /// Number of cells whose readings count: a frame has all of them.
+  [[nodiscard]] static constexpr std::size_t usable(const Frame&) noexcept { return cells; }
+
   explicit DenseSkin(const Patches&... patch) : units_{Units(patch)...} {}
 
   /// The wrench on every link. A NaN in the frame makes its link's wrench NaN.

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/patch.hpp"
@@ -226,6 +227,19 @@ class Skin {
     std::size_t n = cells;
     for (const std::uint64_t block : memory.heard) n -= static_cast<std::size_t>(std::popcount(block));
     return n;
+  }
+  /// Number of cells whose readings count: received within `max_age`.
+  [[nodiscard]] std::size_t usable(const Memory& memory) const noexcept { return cells - silent(memory); }
+  /// How much of the skin feels, also of its worst patch.
+  [[nodiscard]] Coverage coverage(const Memory& memory) const noexcept {
+    Coverage out;
+    std::size_t first = 0;
+    const auto look = [&](std::size_t count) SKINCTL_INLINE_LAMBDA {
+      out.add(memory.heard_from(first, count), count);
+      first += count;
+    };
+    (look(Patches::cells), ...);
+    return out;
   }
   /// Upper bound of the proximity readings in [0, 1] of the cells on link `I`: at least the gate's opening
   /// threshold, below which nothing passes; 1 if one of the cells is silent and its reading unknown. A link

@@ -5,6 +5,7 @@
 
 #include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/summand.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
@@ -216,6 +217,17 @@ class TouchSources : public detail::ApartOfSum<A, B>, public sensor_sums::Summan
     } else {
       return a_.gain_everywhere();
     }
+  }
+  /// See `Skin::usable` and `Skin::coverage`; of the first source: a sensor has no cells.
+  [[nodiscard]] std::size_t usable(const Memory& memory) const noexcept
+    requires detail::CountsCells<A>
+  {
+    return a_.usable(memory.first);
+  }
+  [[nodiscard]] Coverage coverage(const Memory& memory) const noexcept
+    requires detail::CountsCells<A>
+  {
+    return detail::coverage_of(a_, memory.first);
   }
   /// See `Skin::nearest`; a sensor sees nothing, so somebody may be at any distance.
   template <std::size_t I>

@@ -1,4 +1,4 @@
-// expect: a governor takes JerkLimits, ToolSpeed, ClearanceLimits, ContactLimits and MotionLimits
+// expect: a governor takes JerkLimits, ToolSpeed, ClearanceLimits, ContactLimits, MotionLimits and CoverageLimits
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

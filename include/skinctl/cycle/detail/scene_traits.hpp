@@ -12,6 +12,8 @@ template <class Overseer>
 inline constexpr bool is_governor = false;
 template <std::size_t N, Real T, class... Parts>
 inline constexpr bool is_governor<Governor<N, T, Parts...>> = true;
+template <class Sets, std::size_t N, Real T, class... Parts>
+inline constexpr bool is_governor<GroupGovernor<Sets, N, T, Parts...>> = true;
 template <class Overseer>
 inline constexpr bool limits_jerk = requires { requires Overseer::has_jerk; };
 /// Whether a governor suits a robot's joints and scalar.
@@ -21,12 +23,12 @@ template <std::size_t M, Real U, class... Parts, std::size_t N, class T>
 inline constexpr bool governs<Governor<M, U, Parts...>, N, T> = M == N && std::is_same_v<U, T>;
 /// Whether a skin covers all links of a governor's contact limits.
 template <class Overseer, class Skin>
-inline constexpr bool feels = true;
-template <std::size_t N, Real T, class J, class S, class C, class V, class B, class Skin>
-  requires requires { C::links; }
-inline constexpr bool feels<Governor<N, T, J, S, C, V, B>, Skin> = [] {
-  if constexpr (requires { Skin::Wrenches::links; }) {
-    return (Skin::Wrenches::links & C::links) == C::links;
+inline constexpr bool feels = [] {
+  if constexpr (!requires { Overseer::contact_type::links; }) {
+    return true;
+  } else if constexpr (requires { Skin::Wrenches::links; }) {
+    constexpr LinkMask named = Overseer::contact_type::links;
+    return (Skin::Wrenches::links & named) == named;
   } else {
     return false;
   }
@@ -40,11 +42,20 @@ template <class Overseer, class Skin>
     return NoTouch{};
   }
 }
-/// Whether all joints of a resolver have the same interface, and whether that is position or velocity.
+/// Whether a governor watches how much of the skin feels.
+template <class Overseer>
+inline constexpr bool watches_skin = requires { requires Overseer::has_watch; };
+/// Whether all joints of a resolver have the same interface, and whether it commands motion of any.
 template <class Resolver>
 inline constexpr bool has_one_interface = requires { Resolver::interface; };
 template <class Resolver>
-inline constexpr bool commands_motion = requires { requires Resolver::interface != Interface::torque; };
+inline constexpr bool commands_motion = [] {
+  if constexpr (has_one_interface<Resolver>) {
+    return Resolver::interface != Interface::torque;
+  } else {
+    return true;
+  }
+}();
 template <class Resolver>
 inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
 /// Whether a skin says where it is pressed, beside the touch `Touch` of other sensors.

@@ -19,6 +19,8 @@ concept ContactPart = requires { typename Part::Verdict; };
 
 template <class Part>
 concept MotionPart = requires { typename Part::MotionPart; };
+template <class Part>
+concept WatchPart = requires { typename Part::WatchPart; };
 
 template <class Part>
 concept ClearancePart = requires { typename Part::ClearancePart; };
@@ -42,6 +44,11 @@ struct IsTool {
 struct IsContact {
   template <class P>
   static constexpr bool of = ContactPart<P>;
+};
+
+struct IsWatch {
+  template <class P>
+  static constexpr bool of = WatchPart<P>;
 };
 
 /// The first of the parts that `Is`, or `NoPart`.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/resolver/detail/affordable.hpp"
 #include "skinctl/resolver/resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -34,36 +35,23 @@ SKINCTL_INLINE Status SKINCTL_RESOLVER_CLASS::watch(Memory& m, const Pressed& pr
   return status;
 }
 
-/// Slows `v` down to the velocity that the passivity observer can pay for, braking included; what leads out of
-/// contacts last. False if it was slowed.
 SKINCTL_RESOLVER
 SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v) const noexcept {
   if constexpr (has_passivity_observer) {
-    const auto& passivity_observer = keeper_.template get<PassivityObserver<T>>();
-    const auto& memory = m.keeper.template of<PassivityObserver<T>>();
     const Position& from = I == Interface::position ? m.measured.q : m.under_way.reached;
     const Position& sent = I == Interface::position ? m.q.value : m.sent.value;
     const T ahead = parameters().lead + seconds<T>(parameters().period);
-    const auto allows = [&](const Velocity& u) {
-      Position dq;
-      for (std::size_t i = 0; i < joints; ++i) {
-        const T speed = u[i] < T(0) ? T(-u[i]) : u[i];
-        dq[i] = sent[i] - from[i] + u[i] * (ahead + T(0.5) * speed / parameters().limits.acceleration()[i]);
-      }
-      return passivity_observer.allows(memory, dq, u);
-    };
-    if (allows(v)) [[likely]]
-      return true;
-    // What leads out of the contacts, as far as it is allowed; then as much of the rest as can be paid for.
-    const Velocity out = passivity_observer.outward(memory, v);
-    const auto most = [&](const Velocity& base, const Velocity& more) {
-      T share(0), part(0.5);
-      for (int k = 0; k < 10; ++k, part = T(0.5) * part)
-        if (allows(base + (share + part) * more)) share = share + part;
-      return base + share * more;
-    };
-    v = allows(out) ? most(out, v - out) : most(Velocity{}, out);
-    return false;
+    return detail::slow_to_afford(
+        keeper_.template get<PassivityObserver<T>>(), m.keeper.template of<PassivityObserver<T>>(), v,
+        [&](const Velocity& u) {
+          Position dq;
+          for (std::size_t i = 0; i < joints; ++i) {
+            const T speed = u[i] < T(0) ? T(-u[i]) : u[i];
+            dq[i] =
+                sent[i] - from[i] + u[i] * (ahead + T(0.5) * speed / parameters().limits.acceleration()[i]);
+          }
+          return dq;
+        });
   } else {
     return true;
   }

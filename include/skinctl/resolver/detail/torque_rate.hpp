@@ -5,7 +5,7 @@
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/evaluate.hpp"
-#include "skinctl/core/joint.hpp"
+#include "skinctl/core/joint_subset.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -29,16 +29,18 @@ struct OwnTorque {
   /// at once, a delay would cost stability in contact. True if it acted. The first torque passes, and so does
   /// a change that leaves the whole torque where it was, such as that to other gains with the difference
   /// carried beside them.
-  template <class L, std::size_t Terms>
-  SKINCTL_INLINE bool bound(const std::array<JointTorque<N, T>, Terms>& shares, const JointTorque<N, T>& step,
-                            JointTorque<N, T>& torque) noexcept {
+  ///
+  /// @tparam S  the joints of which it is, among those of `shares`.
+  template <class L, class S = AllJoints<N>, std::size_t Whole, std::size_t Terms>
+  SKINCTL_INLINE bool bound(const std::array<JointTorque<Whole, T>, Terms>& shares,
+                            const JointTorque<N, T>& step, JointTorque<N, T>& torque) noexcept {
     if constexpr (!tracks<L, Terms>) {
       return false;
     } else {
       using R = Row<N, T>;
       R reactive = T(0);
       for_each_index<Terms>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-        if (role_of_part<L>(i) == LawRole::reactive) reactive = reactive + R(shares[i]);
+        if (role_of_part<L>(i) == LawRole::reactive) reactive = reactive + R(S::of(shares[i]));
       });
       const R own = R(torque) - reactive;
       R kept = own;

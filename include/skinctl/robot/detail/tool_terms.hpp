@@ -6,18 +6,23 @@
 SKINCTL_BEGIN_NAMESPACE
 
 template <std::size_t L, std::size_t Rows, Real T>
-template <class Policy, class M, class Angles, std::size_t N>
+template <class Policy, class S, class M, class Angles>
 SKINCTL_NOINLINE bool ToolShape<L, Rows, T>::terms(const M& model, const Angles& angles,
-                                                   const JointVelocity<N, T>& v, const MassMatrix<N, T>& m0,
-                                                   const JointTorque<N, T>& coriolis, const T& h,
-                                                   ToolTerms<N, Rows, T>& out) const noexcept {
+                                                   const JointVelocity<M::joints, T>& v,
+                                                   const MassMatrix<S::count, T>& m0,
+                                                   const JointTorque<S::count, T>& coriolis, const T& h,
+                                                   ToolTerms<S::count, Rows, T>& out) const noexcept {
+  static_assert(
+      (ancestors<M>(L) & ~S::set) == 0,
+      "ToolShape: on a link that no joint by torque moves; such a joint has the robot's own inertia");
+  constexpr std::size_t N = S::count;
   const math::Ldlt<N, T> factors(m0.data);
   if (!factors.positive_definite()) return false;
   const Poses<M, ancestors<M>(L), T> poses(model, angles);
   const auto jacobian_of_tool = jacobian<L>(poses, s_.X_LT);
   jacobian_of_tool.for_each([&](auto i, const auto& c) SKINCTL_INLINE_LAMBDA {
     const T column[6] = {c.linear.x, c.linear.y, c.linear.z, c.angular.x, c.angular.y, c.angular.z};
-    for (std::size_t k = 0; k < Rows; ++k) out.J[k][i.value] = column[k];
+    for (std::size_t k = 0; k < Rows; ++k) out.J[k][S::place(i.value)] = column[k];
   });
   const auto bias = bias_acceleration(jacobian_of_tool, v);
   const T dJv[6] = {bias.linear.x,  bias.linear.y,  bias.linear.z,
@@ -98,8 +103,8 @@ SKINCTL_COLD ToolTerms<N, Rows, T> ToolShape<L, Rows, T>::at(
   MassMatrix<N, T> m = mass_matrix(model, angles);
   for (std::size_t i = 0; i < N; ++i) m(i, i) = m(i, i) + inertia[i];
   ToolTerms<N, Rows, T> out;
-  static_cast<void>(
-      terms<detail::NoWeight>(model, angles, JointVelocity<N, T>{}, m, JointTorque<N, T>{}, T(0), out));
+  static_cast<void>(terms<detail::NoWeight, AllJoints<N>>(model, angles, JointVelocity<N, T>{}, m,
+                                                          JointTorque<N, T>{}, T(0), out));
   return out;
 }
 

@@ -55,6 +55,18 @@ struct SkinMemory {
     }
     return all;
   }
+  /// Number of the `count` cells from `first` on that are heard.
+  [[nodiscard]] SKINCTL_INLINE std::size_t heard_from(std::size_t first, std::size_t count) const noexcept {
+    const std::size_t end = first + count;
+    int n = 0;
+    for (std::size_t b = first / 64; b * 64 < end; ++b) {
+      const std::size_t from = first > b * 64 ? first - b * 64 : 0, to = end - b * 64;
+      const std::uint64_t wanted =
+          (~std::uint64_t(0) << from) & (to >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << to) - 1);
+      n += std::popcount(heard[b] & wanted);
+    }
+    return static_cast<std::size_t>(n);
+  }
   /// Whether a cell of block `b` may be pressed: false if none is. As fast as reading the block.
   [[nodiscard]] SKINCTL_INLINE bool may_press(std::size_t b) const noexcept {
     if (heard[b] == 0) return false;

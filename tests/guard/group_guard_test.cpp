@@ -1,4 +1,4 @@
-#include "skinctl/guard/hybrid_guard.hpp"
+#include "skinctl/guard/group_guard.hpp"
 
 #include <doctest/doctest.h>
 
@@ -15,7 +15,8 @@ using namespace skinctl::testing;
 namespace {
 
 using Model3 = ArmWithFingerModel;
-using Robot = HybridResolver<Interface::velocity, 0b100, Model3>;
+using Robot = GroupResolver<Model3, double, JointGroups<3, JointGroup<Interface::velocity, 0b011>,
+                                                        JointGroup<Interface::torque, 0b100>>>;
 
 // Pulls the arm and the finger along.
 struct Pull {
@@ -48,8 +49,8 @@ JointLimits<N> limits(double torque) {
 auto scene(const Pull& law) {
   RobotConfiguration<2> arm{.limits = limits<2>(150), .period = 4ms, .delay = 4ms};
   arm.viscous_friction = {10, 10};
-  const Robot robot(Model3{}, {.stiff = arm, .limits = limits<1>(0.7)});
-  return Cycle(robot, law, HybridGuard(robot));
+  const Robot robot = resolver_of(by_velocity_and_torque<0b100>(Model3{}, {.stiff = arm, .limits = limits<1>(0.7)}));
+  return Cycle(robot, law, GroupGuard(robot));
 }
 using Scene = decltype(scene(Pull{}));
 static_assert(std::is_trivially_copyable_v<Scene::Memory>);
@@ -81,7 +82,7 @@ struct Run {
 
 }  // namespace
 
-TEST_CASE("HybridGuard: a good command passes, with both parts; nothing is allocated") {
+TEST_CASE("GroupGuard: a good command passes, with both parts; nothing is allocated") {
   Run run{scene({{4, 2, 0.05}})};
   const AllocationGuard guard;
   Scene::Output out;
@@ -99,7 +100,7 @@ TEST_CASE("HybridGuard: a good command passes, with both parts; nothing is alloc
         doctest::Approx(0.05 + gravity_torque(Model3{}, run.scene.resolver().state(run.memory.robot).q)[2]));
 }
 
-TEST_CASE("HybridGuard: a torque turns at its rate and ends at its limit, the arm is not disturbed") {
+TEST_CASE("GroupGuard: a torque turns at its rate and ends at its limit, the arm is not disturbed") {
   Run run{scene({{4, 2, 5}})};  // 0.7 N m at most, 35 N m/s
   Run free{scene({{4, 2, 0}})};
   double last = run.memory.robot.command.torque[2];
@@ -113,7 +114,7 @@ TEST_CASE("HybridGuard: a torque turns at its rate and ends at its limit, the ar
   CHECK(last == 0.7);
 }
 
-TEST_CASE("HybridGuard: bad news of a part, and a stop, hold both without a step") {
+TEST_CASE("GroupGuard: bad news of a part, and a stop, hold both without a step") {
   Run run{scene({{10, 5, 0.05}})};
   for (int k = 0; k < 100; ++k) run.cycle();
   CHECK(run.sent[0] > 0.5);
@@ -144,7 +145,7 @@ TEST_CASE("HybridGuard: bad news of a part, and a stop, hold both without a step
   CHECK(last.torque[2] == doctest::Approx(gravity_torque(Model3{}, run.measured.q)[2]).epsilon(0.01));
 }
 
-TEST_CASE("HybridGuard: a state that is not finite starts nothing") {
+TEST_CASE("GroupGuard: a state that is not finite starts nothing") {
   Run run{scene({})};
   run.measured.q[0] = std::numeric_limits<double>::infinity();
   run.memory = run.scene.start(run.measured);

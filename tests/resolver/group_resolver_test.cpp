@@ -1,4 +1,4 @@
-#include "skinctl/resolver/hybrid_resolver.hpp"
+#include "skinctl/resolver/group_resolver.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/loaded.hpp"
-#include "skinctl/resolver/torque_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/arm_with_finger.hpp"
 #include "skinctl/testing/simulated_joints.hpp"
@@ -62,7 +62,7 @@ struct Arm {
 };
 using ArmModel = StaticModel<Arm>;
 template <Interface I, class T = double>
-using SmallRobot = HybridResolver<I, 0b100, SmallModel, T>;
+using SmallRobot = GroupResolver<SmallModel, T, JointGroups<3, JointGroup<I, 0b011, T>, JointGroup<Interface::torque, 0b100, T>>>;
 static_assert(std::is_trivially_copyable_v<SmallRobot<Interface::velocity>::Memory>);
 
 template <std::size_t N, class T>
@@ -79,13 +79,20 @@ JointLimits<N, T> limits(T torque) {
 template <Interface I, class T>
 struct SmallScene {
   using Robot = SmallRobot<I, T>;
-  static typename Robot::Configuration configuration() {
+  static HybridConfiguration<2, 1, T> configuration() {
     RobotConfiguration<2, T> arm{.limits = limits<2, T>(T(150)), .period = 4ms, .delay = 8ms};
     arm.lag = I == Interface::position ? 4ms : 0ms;
     arm.viscous_friction = JointTorque<2, T>::constant(T(10));
     return {.stiff = arm, .limits = limits<1, T>(T(0.7)), .viscous = JointTorque<1, T>::constant(T(0.002))};
   }
-  Robot robot = Robot(SmallModel{}, configuration());
+  static Robot made() {
+    if constexpr (I == Interface::position) {
+      return resolver_of(by_position_and_torque<0b100, T>(SmallModel{}, configuration()));
+    } else {
+      return resolver_of(by_velocity_and_torque<0b100, T>(SmallModel{}, configuration()));
+    }
+  }
+  Robot robot = made();
   Grasp<3, T> law{
       .goal = {T(0), T(0), T(0.6)}, .stiffness = {T(0), T(0), T(0.4)}, .damping = {T(0), T(0), T(0.02)}};
   typename Grasp<3, T>::Memory law_memory{};
@@ -138,10 +145,10 @@ struct Case {
 }  // namespace
 
 TEST_CASE(
-    "HybridResolver: the arm moves as by velocity alone with the hand as a load, the hand has its torque") {
+    "GroupResolver: the arm moves as by velocity alone with the hand as a load, the hand has its torque") {
   using Robot = SmallRobot<Interface::velocity>;
   const auto c = SmallScene<Interface::velocity, double>::configuration();
-  const Robot robot(SmallModel{}, c);
+  const Robot robot = SmallScene<Interface::velocity, double>::made();
   State<3> measured{0ns, {0.2, 0.3, 0.5}, {}};
   // The oracle: an arm that carries the finger as a part of itself, in the same pose.
   const auto X = Poses<SmallModel, all_links(3), double>(SmallModel{}, measured.q);
@@ -158,7 +165,7 @@ TEST_CASE(
   Grasp<3>::Memory law_memory, torque_law_memory;
   Grasp<2>::Memory arm_memory;
   auto memory = robot.start(measured);
-  auto alone_memory = alone.start(Robot::part_of<Robot::Stiff>(measured));
+  auto alone_memory = alone.start(part_of<Robot::Stiff>(measured));
   double travel = 0, off = 0, torque_off = 0;
   std::uint64_t allocated = 0;
   for (Nanoseconds now = 4ms; now < 1600ms; now += 4ms) {
@@ -173,7 +180,7 @@ TEST_CASE(
     const bool last = now + 4ms >= 1600ms;
     measured.time = now;
     measured.dq[2] = last ? 0.3 : 0;
-    Robot::Stiff::put(memory.stiff.under_way.reached, measured.q);
+    Robot::Stiff::put(memory.group().under_way.reached, measured.q);
     const AllocationGuard guard;
     const auto out = robot.step(memory, law, law_memory, measured, robot.interval(memory, now),
                                 std::span<const Pushes<3, double>>(touches));
@@ -200,7 +207,7 @@ TEST_CASE(
   CHECK(allocated == 0);
 }
 
-TEST_CASE_TEMPLATE("HybridResolver: the hand grasps and is pushed while the arm gives way", C,
+TEST_CASE_TEMPLATE("GroupResolver: the hand grasps and is pushed while the arm gives way", C,
                    Case<Interface::velocity, double>, Case<Interface::position, float>) {
   using T = typename C::scalar;
   SmallScene<C::interface, T> s;
@@ -226,14 +233,14 @@ TEST_CASE_TEMPLATE("HybridResolver: the hand grasps and is pushed while the arm 
   CHECK(std::abs(s.arm.dq()[1]) < 1e-3);
 }
 
-TEST_CASE("HybridResolver: starts where the robot is, holds it while it stops, and goes on without a step") {
+TEST_CASE("GroupResolver: starts where the robot is, holds it while it stops, and goes on without a step") {
   SmallScene<Interface::velocity, double> s;
   // At the start the finger is held against gravity, the arm stands.
   CHECK(s.memory.command.valid);
   CHECK(s.memory.command.velocity == JointVelocity<3>{});
   CHECK(s.memory.command.torque[2] == doctest::Approx(gravity_torque(SmallModel{}, s.measured.q)[2]));
   for (int k = 0; k < 100; ++k) s.cycle({20, 5, 0});
-  CHECK(s.memory.stiff.v[0] > 0.2);
+  CHECK(s.memory.group().v[0] > 0.2);
   const double asked = s.law_memory.seconds;
   s.robot.stop(s.memory);
   JointVelocity<3> last = s.memory.command.velocity;
@@ -248,7 +255,7 @@ TEST_CASE("HybridResolver: starts where the robot is, holds it while it stops, a
     CHECK(out.fallback[2] == out.command.torque[2]);
     CHECK(out.fallback[0] == 0);
   }
-  CHECK(s.memory.stiff.v == JointVelocity<2>{});
+  CHECK(s.memory.group().v == JointVelocity<2>{});
   CHECK(s.law_memory.seconds == asked);
   s.robot.resume(s.memory);
   for (int k = 0; k < 100; ++k) {
@@ -257,11 +264,11 @@ TEST_CASE("HybridResolver: starts where the robot is, holds it while it stops, a
       CHECK(std::abs(out.command.velocity[i] - last[i]) <= 40 * 0.004 * (1 + 1e-9));
     last = out.command.velocity;
   }
-  CHECK(s.memory.stiff.v[0] > 0.2);
+  CHECK(s.memory.group().v[0] > 0.2);
   CHECK(s.law_memory.seconds == doctest::Approx(asked + 0.4));
 }
 
-TEST_CASE("HybridResolver: bad news of a finger are no news of the arm either, and both are held") {
+TEST_CASE("GroupResolver: bad news of a finger are no news of the arm either, and both are held") {
   SmallScene<Interface::velocity, double> s;
   for (int k = 0; k < 100; ++k) s.cycle({20, 5, 0});
   const State<3> good = s.measured;
@@ -278,11 +285,11 @@ TEST_CASE("HybridResolver: bad news of a finger are no news of the arm either, a
     status = out.status;
   }
   CHECK(status.has(Reason::state_stale));
-  CHECK(s.memory.stiff.v == JointVelocity<2>{});
+  CHECK(s.memory.group().v == JointVelocity<2>{});
   CHECK(s.memory.command.torque[2] == gravity_torque(SmallModel{}, good.q)[2]);
 }
 
-TEST_CASE("HybridResolver: a torque that is not finite brakes the arm and holds the hand") {
+TEST_CASE("GroupResolver: a torque that is not finite brakes the arm and holds the hand") {
   SmallScene<Interface::velocity, double> s;
   for (int k = 0; k < 100; ++k) s.cycle({20, 5, 0});
   s.law.broken = std::numeric_limits<double>::infinity();
@@ -291,10 +298,10 @@ TEST_CASE("HybridResolver: a torque that is not finite brakes the arm and holds 
     CHECK(out.status.has(Reason::torque_not_finite));
     CHECK(out.command.torque[2] == out.fallback[2]);
   }
-  CHECK(s.memory.stiff.v == JointVelocity<2>{});
+  CHECK(s.memory.group().v == JointVelocity<2>{});
 }
 
-TEST_CASE("HybridResolver: while the arm is blocked the hand goes on") {
+TEST_CASE("GroupResolver: while the arm is blocked the hand goes on") {
   SmallScene<Interface::velocity, double> s;
   s.arm.hold_fast(0, true);
   bool blocked = false;
@@ -309,26 +316,26 @@ TEST_CASE("HybridResolver: while the arm is blocked the hand goes on") {
   CHECK_FALSE(s.cycle({}).status.has(Reason::blocked));
 }
 
-TEST_CASE("HybridResolver: what a guard made of one part does not disturb the other") {
+TEST_CASE("GroupResolver: what a guard made of one part does not disturb the other") {
   SmallScene<Interface::velocity, double> s;
   for (int k = 0; k < 50; ++k) s.cycle({20, 5, 0});
-  const auto before = s.memory.stiff;
+  const auto before = s.memory.group();
   auto command = s.memory.command;
   command.torque[2] = 0.01;
   s.robot.sent(s.memory, command);
   CHECK(s.memory.command.torque[2] == 0.01);
-  CHECK(s.memory.stiff.v == before.v);
-  CHECK(s.memory.stiff.last == before.last);
+  CHECK(s.memory.group().v == before.v);
+  CHECK(s.memory.group().last == before.last);
   command.velocity[0] = 0;
   s.robot.sent(s.memory, command);
-  CHECK(s.memory.stiff.v[0] == 0);
+  CHECK(s.memory.group().v[0] == 0);
 }
 
-TEST_CASE("HybridResolver: refuses friction out of range") {
-  using Robot = SmallRobot<Interface::velocity>;
-  Robot::Configuration c{.stiff = {.limits = limits<2, double>(150), .period = 4ms},
-                         .limits = limits<1, double>(1)};
-  CHECK_NOTHROW(Robot(SmallModel{}, c));
+TEST_CASE("GroupResolver: refuses friction out of range") {
+  HybridConfiguration<2, 1> c{.stiff = {.limits = limits<2, double>(150), .period = 4ms},
+                              .limits = limits<1, double>(1)};
+  const auto make = [&] { static_cast<void>(resolver_of(by_velocity_and_torque<0b100>(SmallModel{}, c))); };
+  CHECK_NOTHROW(make());
   c.viscous[0] = -1;
-  CHECK_THROWS_AS(Robot(SmallModel{}, c), ConfigurationError);
+  CHECK_THROWS_AS(make(), ConfigurationError);
 }

@@ -1,0 +1,289 @@
+// The governor of a robot whose joints have several interfaces.
+#pragma once
+
+#include "skinctl/limits/governor.hpp"
+#include "skinctl/robot/joint_groups.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+/// The limits of a subset of joints.
+template <class Set, std::size_t N, Real T>
+[[nodiscard]] SKINCTL_COLD JointLimits<Set::count, T> limits_of_part(const JointLimits<N, T>& whole) {
+  const auto& v = whole.values();
+  return JointLimits<Set::count, T>({Set::of(v.lower), Set::of(v.upper), Set::of(v.velocity),
+                                     Set::of(v.acceleration), Set::of(v.torque), Set::of(v.power)});
+}
+}  // namespace detail
+
+/// A `Governor` for a robot in groups of joints. Contact and tool speed look at one velocity of the whole robot:
+/// that of the commands for joints by position or velocity, and for joints by torque the one to which the torque
+/// leads in a few cycles. What they leave of it, the former reach as in a `Governor`, within the limits of the
+/// joints (and of jerk), and the latter by less torque. Jerk is limited where motion is commanded; of a joint by
+/// torque it is the world's as well, and its number in `MaxJerk` is not read.
+///
+/// **Position and speed of joints by torque** are limited one by one, as a hand's light links would have it:
+/// `least <= tau <= most`, `most = hold + r + M_ii (u_most - dq) / t`, u_most the velocity limit or the speed from
+/// which the joint stops before its end, t the time of the prediction. r is what has resisted the torque in the
+/// last cycles, `tau - hold - M_ii ddq`: a finger that moves freely stays below its speed, one that holds
+/// something has its whole torque.
+///
+/// @tparam Sets  `JointGroups`.
+template <class Sets, std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range>
+class GroupGovernor {
+  using Driven = typename Sets::Driven;
+  using Groups = typename Sets::StiffGroups;
+  static constexpr std::size_t stiff_groups = std::tuple_size_v<Groups>;
+  template <std::size_t K>
+  using Set = JointSubset<N, std::tuple_element_t<K, Groups>::set>;
+
+ public:
+  static constexpr std::size_t joints = N;
+  using scalar = T;
+  using contact_type = Contact;
+  static constexpr bool has_jerk = !std::is_same_v<Jerk, detail::NoPart>;
+  static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
+  static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
+  static constexpr bool has_driven = Driven::count > 0;
+  /// The number of cycles of the prediction of torques, and of braking by them.
+  static constexpr int braking_cycles = 4;
+
+ private:
+  template <std::size_t K>
+  using Part =
+      Governor<Set<K>::count, T, std::conditional_t<has_jerk, JerkLimits<Set<K>::count, T>, detail::NoPart>,
+               detail::NoPart, detail::NoPart, detail::NoPart>;
+  template <std::size_t K>
+  struct MemoryOf {
+    typename Part<K>::Memory value;
+  };
+  template <class Indices>
+  struct Each;
+  template <std::size_t... K>
+  struct Each<std::index_sequence<K...>> {
+    using Parts = std::tuple<Part<K>...>;
+    struct Memory : MemoryOf<K>... {};
+    static Parts make(const JointLimits<N, T>& limits, const Jerk& jerk) {
+      return Parts(part<K>(limits, jerk)...);
+    }
+  };
+  template <std::size_t K>
+  [[nodiscard]] static Part<K> part(const JointLimits<N, T>& limits, [[maybe_unused]] const Jerk& jerk) {
+    const auto own = detail::limits_of_part<Set<K>>(limits);
+    if constexpr (has_jerk) {
+      return Part<K>(own, JerkLimits<Set<K>::count, T>(own, Set<K>::of(jerk.jerk())), {}, {});
+    } else {
+      return Part<K>(own, {}, {}, {});
+    }
+  }
+  using All = Each<std::make_index_sequence<stiff_groups>>;
+
+ public:
+  /// Trivially copyable.
+  struct Memory {
+    typename All::Memory stiff;
+    [[no_unique_address]] typename Contact::Memory contact;
+    JointVelocity<N, T> dq;        ///< of joints by torque in the last cycle
+    JointTorque<N, T> hold;        ///< the torque that would have held them
+    JointTorque<N, T> resists[3];  ///< what resisted their torques in the last cycles
+    bool moved = false;            ///< the above are valid
+  };
+
+  SKINCTL_COLD GroupGovernor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
+                             const Contact& contact, const Range& motion)
+      : limits_(limits),
+        jerk_(jerk),
+        tool_(tool),
+        contact_(contact),
+        motion_(motion),
+        parts_(All::make(limits, jerk)) {}
+
+  [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
+  [[nodiscard]] const Jerk& jerk() const noexcept { return jerk_; }
+  [[nodiscard]] const Tool& tool() const noexcept { return tool_; }
+  [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
+
+  /// The command in place of `wish`, as `Governor::step` and `Governor::step_torque`.
+  ///
+  /// @param hold      the torque that holds the joints by torque.
+  /// @param stopping  whether the guard waits for consent: then hold with damping.
+  /// @param stale     whether the measured velocities are too old to brake by.
+  /// @param spans     the time to the command of each group by position or velocity [s].
+  /// @param dt        seconds since the last cycle.
+  template <class Touch, class Nearest>
+  SKINCTL_NOINLINE GovernedTorque<N, T> step(Memory& m, const JointCommand<N, T>& last,
+                                             const JointCommand<N, T>& wish, const JointTorque<N, T>& hold,
+                                             bool stopping, bool stale, const State<N, T>& measured,
+                                             const Touch& touch, const Nearest& nearest,
+                                             const std::array<T, stiff_groups>& spans,
+                                             const T& dt) const noexcept {
+    GovernedTorque<N, T> out{{wish, {}, false}, hold};
+    if (!last.valid || !wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) ||
+        !(dt > T(0))) {
+      each([&](auto k) { memory<k.value>(m).acceleration = {}; });
+      return out;
+    }
+    T ahead = T(braking_cycles) * dt;
+    // A guard turns a torque over its whole range in 20 ms: at high rates braking begins earlier than that.
+    if (ahead < T(0.01)) ahead = T(0.01);
+    JointVelocity<N, T> u = wish.velocity, from = last.velocity;
+    JointPosition<N, T> q = last.position;
+    [[maybe_unused]] JointTorque<N, T> inertia;
+    if constexpr (has_driven) {
+      Driven::put(Driven::of(measured.q), q);
+      Driven::put(Driven::of(stale ? JointVelocity<N, T>{} : measured.dq), from);
+      Driven::put(Driven::of(from), u);
+      if (stale) {
+        m.moved = false;
+      } else {
+        bound(m, last, measured, hold, ahead, dt, inertia, u, out);
+      }
+    }
+    const JointVelocity<N, T> predicted = u;
+    bool slowed = false;
+    if constexpr (has_contact) {
+      const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
+      out.status |= verdict.status;
+      if (verdict.scale < T(1)) slowed = true, u = verdict.scale * u;
+      stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
+    }
+    const auto room = limits_.room(q);
+    if constexpr (has_tool) {
+      JointVelocity<N, T> reached = u;
+      if (slowed) reached = limits_.move(room, from, u, dt).velocity;
+      const auto kept = tool_.within(q, room, from, reached, dt);
+      u = kept.velocity;
+      if (kept.limited) out.status |= Reason::tool_speed_limited, slowed = true;
+    }
+    if (has_jerk || slowed) {
+      const Memory before = m;
+      const Status given = out.status;
+      follow<has_jerk>(m, last, u, spans, out);
+      if constexpr (has_tool && has_jerk) {
+        // A jerk limit that would make the tool too fast gives way.
+        JointPosition<N, T> way = integrate(JointPosition<N, T>(), from + u, T(T(0.5) * dt));
+        JointVelocity<N, T> v = u;
+        each([&](auto k) {
+          Set<k.value>::put(Set<k.value>::of(out.command.position - last.position), way);
+          Set<k.value>::put(Set<k.value>::of(out.command.velocity), v);
+        });
+        if (!tool_.keeps(q, v, way, room)) {
+          m.stiff = before.stiff;
+          out.status = given | Reason::tool_speed_limited | Status(Reason::jerk_exceeded);
+          follow<false>(m, last, u, spans, out);
+        }
+      }
+    }
+    if constexpr (has_driven) {
+      if (stale) return out;
+      for (const std::size_t i : Driven::index) {
+        if (!(u[i] == predicted[i])) {
+          out.command.torque[i] = out.command.torque[i] - inertia[i] * (predicted[i] - u[i]) / ahead;
+          out.altered = true;
+        }
+        if (stopping) out.hold[i] = out.hold[i] - inertia[i] * measured.dq[i] / ahead;
+      }
+    }
+    return out;
+  }
+
+  /// The guard sent `command` instead.
+  SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept {
+    if constexpr (has_jerk)
+      each([&](auto k) { memory<k.value>(m).acceleration = Set<k.value>::of(command.acceleration); });
+  }
+
+ private:
+  /// Limits the torques of the driven joints for their own positions and velocities; `u` receives the velocities
+  /// to which they lead in `ahead` seconds.
+  SKINCTL_INLINE void bound(Memory& m, const JointCommand<N, T>& last, const State<N, T>& measured,
+                            const JointTorque<N, T>& hold, const T& ahead, const T& dt,
+                            JointTorque<N, T>& inertia, JointVelocity<N, T>& u,
+                            GovernedTorque<N, T>& out) const noexcept {
+    const auto mass = mass_matrix(motion_.model(), measured.q);
+    const JointTorque<N, T> asked = limits_.within(out.command.torque, measured.dq);
+    m.resists[2] = m.resists[1];
+    m.resists[1] = m.resists[0];
+    for (const std::size_t i : Driven::index) {
+      inertia[i] = mass(i, i);
+      if (!(inertia[i] > T(0))) continue;
+      m.resists[0][i] =
+          m.moved ? T(last.torque[i] - m.hold[i] - inertia[i] * (measured.dq[i] - m.dq[i]) / dt) : T(0);
+      T above(0), below(0);  // the least of the last cycles, to either side
+      for (int k = 0; k < 3; ++k) {
+        const T r = m.resists[k][i];
+        above = k == 0 || r < above ? r : above;
+        below = k == 0 || r > below ? r : below;
+      }
+      if (above < T(0)) above = T(0);
+      if (below > T(0)) below = T(0);
+      // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without overshoot.
+      const T V = limits_.velocity()[i], a = limits_.acceleration()[i], reaction = T(4) * ahead;
+      const T up = speed_to_stop(limits_.upper()[i] - measured.q[i], reaction, a),
+              down = speed_to_stop(measured.q[i] - limits_.lower()[i], reaction, a);
+      const T most = hold[i] + above + inertia[i] * ((up < V ? up : V) - measured.dq[i]) / ahead;
+      const T least = hold[i] + below - inertia[i] * ((down < V ? down : V) + measured.dq[i]) / ahead;
+      const T given = asked[i] > most ? most : (asked[i] < least ? least : asked[i]);
+      if (given != asked[i]) {
+        out.command.torque[i] = given;
+        out.altered = true;
+        out.status |=
+            (given < asked[i] ? up : down) < V ? Reason::position_limited : Reason::velocity_limited;
+      }
+      u[i] = measured.dq[i] + ahead * (given - hold[i] - (given > hold[i] ? above : below)) / inertia[i];
+    }
+    m.dq = measured.dq;
+    m.hold = hold;
+    m.moved = true;
+  }
+  /// The commands of the stiff joints towards the velocities `u`.
+  template <bool Smooth>
+  SKINCTL_INLINE void follow(Memory& m, const JointCommand<N, T>& last, const JointVelocity<N, T>& u,
+                             const std::array<T, stiff_groups>& spans,
+                             GovernedTorque<N, T>& out) const noexcept {
+    each([&](auto k) {
+      using S = Set<k.value>;
+      Governed<S::count, T> part{part_of<S>(out.command), {}, false};
+      std::get<k.value>(parts_).template follow<Smooth>(memory<k.value>(m), part_of<S>(last), S::of(u),
+                                                        spans[k.value], part);
+      out.status |= part.status;
+      out.altered = true;
+      put_part<S>(part.command, out.command);
+    });
+  }
+  template <std::size_t K>
+  [[nodiscard]] static SKINCTL_INLINE typename Part<K>::Memory& memory(Memory& m) noexcept {
+    return static_cast<MemoryOf<K>&>(m.stiff).value;
+  }
+  template <class F>
+  static SKINCTL_INLINE void each(F&& f) noexcept {
+    [&]<std::size_t... K>(std::index_sequence<K...>) {
+      (f(std::integral_constant<std::size_t, K>{}), ...);
+    }(std::make_index_sequence<stiff_groups>{});
+  }
+
+  JointLimits<N, T> limits_;
+  [[no_unique_address]] Jerk jerk_;
+  [[no_unique_address]] Tool tool_;
+  [[no_unique_address]] Contact contact_;
+  [[no_unique_address]] Range motion_;
+  typename All::Parts parts_;
+};
+
+/// As `make_governor`, for a robot in groups; for joints by torque `parts` hold their `MotionLimits`.
+template <class Sets, std::size_t N, Real T, class... Parts>
+[[nodiscard]] auto make_group_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
+  using namespace detail;
+  static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts> || MotionPart<Parts>) && ...),
+                "a governor takes JerkLimits, ToolSpeed, ContactLimits and MotionLimits");
+  static_assert(((int(JerkPart<Parts>) + ... + 0) <= 1) && ((int(ToolPart<Parts>) + ... + 0) <= 1) &&
+                    ((int(ContactPart<Parts>) + ... + 0) <= 1),
+                "a governor takes each part once; contact limits of all links belong into one");
+  return [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion) {
+    using std::remove_cvref_t;
+    return GroupGovernor<Sets, N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
+                         remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>>(
+        limits, jerk, tool, contact, motion);
+  }(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...), pick<IsMotion>(parts...));
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,238 @@
+// Robots whose joints have several interfaces: groups of joints by position, velocity and torque.
+#pragma once
+
+#include "skinctl/core/joint_subset.hpp"
+#include "skinctl/core/state.hpp"
+#include "skinctl/robot/robot_description.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The joints `Set` of a robot, which take `I`, and their configuration, in the order of the joints. Made by
+/// `position_joints`, `velocity_joints` and `torque_joints`.
+template <Interface I, LinkMask Set, Real T = double>
+struct JointGroup {
+  static_assert(Set != 0, "a group without joints: leave it out");
+  static constexpr Interface interface = I;
+  static constexpr LinkMask set = Set;
+  static constexpr std::size_t count = static_cast<std::size_t>(std::popcount(Set));
+  using scalar = T;
+  RobotConfiguration<count, T> configuration;
+};
+
+namespace detail {
+template <LinkMask Set, Real T>
+using GroupConfiguration = RobotConfiguration<static_cast<std::size_t>(std::popcount(Set)), T>;
+
+template <class Group>
+concept IsJointGroup = requires(const Group& g) {
+  g.configuration;
+  { Group::interface } -> std::convertible_to<Interface>;
+  { Group::set } -> std::convertible_to<LinkMask>;
+};
+
+/// The values that satisfy `Is`, in a tuple.
+template <template <class> class Is, class... Values>
+[[nodiscard]] auto those_of(const Values&... values) {
+  return std::tuple_cat([](const auto& value) {
+    if constexpr (Is<std::remove_cvref_t<decltype(value)>>::value) {
+      return std::make_tuple(value);
+    } else {
+      return std::tuple<>();
+    }
+  }(values)...);
+}
+template <class X>
+struct IsGroup : std::bool_constant<IsJointGroup<X>> {};
+template <class X>
+struct IsNoGroup : std::bool_constant<!IsJointGroup<X>> {};
+template <class X>
+struct IsStiffGroup : std::bool_constant<IsJointGroup<X> && X::interface != Interface::torque> {};
+template <class X>
+struct IsDrivenGroup : std::bool_constant<IsJointGroup<X> && X::interface == Interface::torque> {};
+}  // namespace detail
+
+/// The joints of a robot with `N` joints by their interface.
+template <std::size_t N, class... Groups>
+struct JointGroups {
+  static constexpr LinkMask all = joints_between(0, N);
+  static constexpr LinkMask named = (Groups::set | ... | 0u);
+  static constexpr LinkMask by_torque =
+      ((Groups::interface == Interface::torque ? Groups::set : LinkMask(0)) | ... | 0u);
+  static_assert((std::size_t(std::popcount(Groups::set)) + ... + 0u) == std::size_t(std::popcount(named)),
+                "a joint is in two groups");
+  static_assert((named & ~all) == 0, "a group names a joint that the robot has not");
+  static_assert((all & ~named) == 0, "a joint is in no group: each takes positions, velocities or torques");
+  static_assert(by_torque != all, "all joints take torques: by_torque");
+
+  using Driven = JointSubset<N, by_torque>;  ///< joints by torque
+  using Stiff = typename Driven::Others;     ///< joints by position or velocity
+  /// The groups of the stiff joints, and those of the driven ones, in tuples.
+  using StiffGroups = decltype(detail::those_of<detail::IsStiffGroup>(std::declval<const Groups&>()...));
+  using DrivenGroups = decltype(detail::those_of<detail::IsDrivenGroup>(std::declval<const Groups&>()...));
+};
+
+/// The elements of `whole` that belong to the joints of `Subset`.
+template <class Subset, std::size_t N, Scalar T>
+[[nodiscard]] SKINCTL_INLINE State<Subset::count, T> part_of(const State<N, T>& whole) noexcept {
+  return {whole.time, Subset::of(whole.q), Subset::of(whole.dq)};
+}
+template <class Subset, std::size_t N, Scalar T>
+[[nodiscard]] SKINCTL_INLINE JointCommand<Subset::count, T> part_of(
+    const JointCommand<N, T>& whole) noexcept {
+  return {whole.time,
+          whole.valid,
+          Subset::of(whole.position),
+          Subset::of(whole.velocity),
+          Subset::of(whole.acceleration),
+          Subset::of(whole.torque)};
+}
+/// Writes the part of a command that belongs to the joints of `Subset`; time and validity of `whole` stay.
+template <class Subset, std::size_t N, Scalar T>
+SKINCTL_INLINE void put_part(const JointCommand<Subset::count, T>& from, JointCommand<N, T>& whole) noexcept {
+  Subset::put(from.position, whole.position);
+  Subset::put(from.velocity, whole.velocity);
+  Subset::put(from.acceleration, whole.acceleration);
+  Subset::put(from.torque, whole.torque);
+}
+
+/// The joints `Set` take positions.
+template <LinkMask Set, Real T = double>
+[[nodiscard]] JointGroup<Interface::position, Set, T> position_joints(
+    const detail::GroupConfiguration<Set, T>& c) {
+  return {c};
+}
+/// The joints `Set` take velocities.
+template <LinkMask Set, Real T = double>
+[[nodiscard]] JointGroup<Interface::velocity, Set, T> velocity_joints(
+    const detail::GroupConfiguration<Set, T>& c) {
+  return {c};
+}
+/// The joints `Set` take torques.
+template <LinkMask Set, Real T = double>
+[[nodiscard]] JointGroup<Interface::torque, Set, T> torque_joints(
+    const detail::GroupConfiguration<Set, T>& c) {
+  return {c};
+}
+
+/// A model, groups that hold each of its joints once, and optional parts as in `RobotDescription`. Made by
+/// `by_groups`; immutable.
+template <RobotModel M, Real T, class Groups, class... Parts>
+class GroupsDescription;
+template <RobotModel M, Real T, class... Groups, class... Parts>
+class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  using scalar = T;
+  using model_type = M;
+  using Sets = JointGroups<joints, Groups...>;
+  static_assert(sizeof(Sets) > 0);
+  static_assert((std::is_same_v<typename Groups::scalar, T> && ...), "groups of one robot have one scalar");
+
+  /// Throws `ConfigurationError` for a number out of its range, and where periods, sub-steps or longest
+  /// intervals of two groups differ: one cycle moves them all.
+  GroupsDescription(const M& model, const std::tuple<Groups...>& groups, const std::tuple<Parts...>& parts)
+      : model_(model), groups_(groups), parts_(parts) {
+    const auto& first = std::get<0>(groups).configuration;
+    const auto one = [&](const auto& group) {
+      const auto& c = group.configuration;
+      check(c, group.interface != Interface::torque);
+      require(c.period == first.period, "period of a group", milliseconds(c.period),
+              "that of the first, in ms");
+      require(group.interface == Interface::torque || c.substep == first_stiff().substep,
+              "sub-step of a group", milliseconds(c.substep), "that of the others, in ms");
+      require(c.longest() == first.longest(), "longest interval of a group", milliseconds(c.longest()),
+              "that of the first, in ms");
+    };
+    std::apply([&](const auto&... g) { (one(g), ...); }, groups);
+  }
+  [[nodiscard]] const M& model() const noexcept { return model_; }
+  [[nodiscard]] const std::tuple<Groups...>& groups() const noexcept { return groups_; }
+  [[nodiscard]] const std::tuple<Parts...>& parts() const noexcept { return parts_; }
+  [[nodiscard]] Nanoseconds period() const noexcept { return first_stiff().period; }
+  /// The longest time between two evaluations of a law in cycles on time.
+  [[nodiscard]] Nanoseconds dt() const noexcept { return planned_substep(period(), first_stiff().substep); }
+
+ private:
+  [[nodiscard]] const auto& first_stiff() const noexcept {
+    constexpr std::size_t k = [] {
+      const bool stiff[] = {(Groups::interface != Interface::torque)...};
+      std::size_t i = 0;
+      while (!stiff[i]) ++i;
+      return i;
+    }();
+    return std::get<k>(groups_).configuration;
+  }
+
+  [[no_unique_address]] M model_;
+  std::tuple<Groups...> groups_;
+  [[no_unique_address]] std::tuple<Parts...> parts_;
+};
+
+namespace detail {
+template <Real T, RobotModel M, class... Groups, class... Parts>
+[[nodiscard]] auto describe_groups(const M& model, const std::tuple<Groups...>& groups,
+                                   const std::tuple<Parts...>& parts) {
+  static_assert((RobotPart<Parts> && ...),
+                "beside its groups a robot takes the parts of a description: EnergyTank, ToolShape, ...");
+  return GroupsDescription<M, T, std::tuple<Groups...>, Parts...>(model, groups, parts);
+}
+}  // namespace detail
+
+/// A robot whose joints have several interfaces, in any mixture and order:
+/// `by_groups(model, position_joints<0b000011>({...}), velocity_joints<0b000100>({...}),
+/// torque_joints<0b111000>({...}), EnergyTank{...})`. The parts of a description follow the groups.
+template <RobotModel M, detail::IsJointGroup First, class... Others>
+[[nodiscard]] auto by_groups(const M& model, const First& first, const Others&... others) {
+  return detail::describe_groups<typename First::scalar>(model,
+                                                         detail::those_of<detail::IsGroup>(first, others...),
+                                                         detail::those_of<detail::IsNoGroup>(others...));
+}
+
+/// The configuration of an arm with a hand by torque.
+template <std::size_t Stiff, std::size_t Driven, Real T = double>
+struct HybridConfiguration {
+  /// The joints that take positions or velocities; also period, sub-step and stale age of the whole robot.
+  RobotConfiguration<Stiff, T> stiff;
+  /// Limits of the joints that take torques.
+  JointLimits<Driven, T> limits;
+  /// Viscous friction added to the joints that take torques [N m s/rad], >= 0.
+  JointTorque<Driven, T> viscous = {};
+};
+
+namespace detail {
+template <LinkMask ByTorque, Real T, RobotModel M>
+using HybridConfigurationOf = HybridConfiguration<JointSubset<M::joints, ByTorque>::Others::count,
+                                                  JointSubset<M::joints, ByTorque>::count, T>;
+
+template <Interface I, LinkMask ByTorque, Real T, RobotModel M, class... Parts>
+[[nodiscard]] auto describe_hybrid(const M& model, const HybridConfigurationOf<ByTorque, T, M>& c,
+                                   const Parts&... parts) {
+  using Driven = JointSubset<M::joints, ByTorque>;
+  RobotConfiguration<Driven::count, T> driven{.limits = c.limits, .period = c.stiff.period};
+  driven.viscous_friction = c.viscous;
+  driven.substep = c.stiff.substep;
+  driven.longest_interval = c.stiff.longest_interval;
+  driven.stale_after = c.stiff.stale_after.value_or(5 * c.stiff.total_delay());
+  driven.torque_rate = c.stiff.torque_rate;
+  return by_groups(model, JointGroup<I, Driven::Others::set, T>{c.stiff},
+                   JointGroup<Interface::torque, ByTorque, T>{driven}, parts...);
+}
+}  // namespace detail
+
+/// A robot whose joints of the set `ByTorque` take torques, the others velocities:
+/// `by_velocity_and_torque<joints_between(6, 22)>(model, {.stiff = ..., .limits = ...})`.
+template <LinkMask ByTorque, Real T = double, RobotModel M, class... Parts>
+[[nodiscard]] auto by_velocity_and_torque(const M& model,
+                                          const detail::HybridConfigurationOf<ByTorque, T, M>& configuration,
+                                          const Parts&... parts) {
+  return detail::describe_hybrid<Interface::velocity, ByTorque, T>(model, configuration, parts...);
+}
+/// The same with positions for the others.
+template <LinkMask ByTorque, Real T = double, RobotModel M, class... Parts>
+[[nodiscard]] auto by_position_and_torque(const M& model,
+                                          const detail::HybridConfigurationOf<ByTorque, T, M>& configuration,
+                                          const Parts&... parts) {
+  return detail::describe_hybrid<Interface::position, ByTorque, T>(model, configuration, parts...);
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,174 @@
+#include "skinctl/sensing/clock_offset.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "skinctl/core/real_time.hpp"
+#include "skinctl/testing/sanitized.hpp"
+#include "skinctl/testing/skewed_clock.hpp"
+
+using namespace skinctl;
+using skinctl::testing::SkewedClock;
+
+static_assert(std::is_trivially_copyable_v<ClockOffset::Memory>);
+
+namespace {
+
+/// The errors of the stamps of a sender's messages [us], measured from `after` on.
+struct Errors {
+  double rms = 0, worst = 0;
+  std::size_t stamps = 0, leaps = 0, back = 0;  ///< stamps that ran back
+};
+Errors errors(const SkewedClock::Settings& how, std::uint64_t seed, Nanoseconds length, Nanoseconds after,
+              Nanoseconds until = Nanoseconds::max()) {
+  SkewedClock clock(how, seed);
+  const ClockOffset offset({.least_delay = how.least_delay});
+  ClockOffset::Memory memory;
+  Errors out;
+  // The newest stamp that was given for a time so long before a message.
+  constexpr Nanoseconds ages[] = {0ns, 4ms, 90ms};
+  Nanoseconds given[3] = {Nanoseconds::min(), Nanoseconds::min(), Nanoseconds::min()},
+              times[3] = {Nanoseconds::min(), Nanoseconds::min(), Nanoseconds::min()};
+  double sum = 0;
+  for (;;) {
+    const auto message = clock.next();
+    if (message.truth > length) break;
+    {
+      const RealTimeScope no_allocation;
+      static_cast<void>(offset.hear(memory, message.sent, message.arrived));
+    }
+    if (!ClockOffset::ready(memory)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Nanoseconds t = message.sent - ages[k], stamp = ClockOffset::stamp(memory, t);
+      for (std::size_t j = 0; j < 3; ++j) {
+        if (times[j] == Nanoseconds::min()) continue;
+        if ((t >= times[j] && stamp < given[j]) || (t <= times[j] && stamp > given[j])) ++out.back;
+      }
+      times[k] = t, given[k] = stamp;
+    }
+    if (message.truth < after || message.truth > until) continue;
+    const double us = 1e6 * seconds<double>(ClockOffset::stamp(memory, message.sent) - message.truth);
+    sum += us * us;
+    out.worst = std::max(out.worst, std::abs(us));
+    ++out.stamps;
+  }
+  out.rms = std::sqrt(sum / static_cast<double>(out.stamps));
+  out.leaps = memory.leaps;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("ClockOffset: 5 us rms, 20 us at worst, at +-100 ppm and jitter to 3 ms") {
+  double worst_rms = 0, worst = 0;
+  const std::uint64_t seeds = testing::sanitized ? 1 : 8;
+  for (const double ppm : {-100.0, -37.0, 0.0, 100.0})
+    for (const Nanoseconds jitter : {Nanoseconds(0ns), Nanoseconds(200us), Nanoseconds(3ms)})
+      for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        const auto e =
+            errors({.ppm = ppm, .offset = 77s, .least_delay = 150us, .jitter = jitter}, seed, 100s, 30s);
+        CAPTURE(ppm);
+        CAPTURE(jitter.count());
+        CAPTURE(seed);
+        CHECK(e.rms <= 5);
+        CHECK(e.worst <= 20);
+        CHECK(e.back == 0);
+        CHECK(e.leaps == 0);
+        worst_rms = std::max(worst_rms, e.rms), worst = std::max(worst, e.worst);
+      }
+  MESSAGE("rms ", worst_rms, " us, worst ", worst, " us");
+}
+
+TEST_CASE("ClockOffset: lost and overtaken messages, a queue, slow and fast senders") {
+  // The error is that of the least delay among the messages of a second: fewer messages, larger errors.
+  for (const bool queued : {false, true})
+    for (const Nanoseconds period : {Nanoseconds(500us), Nanoseconds(1ms), Nanoseconds(4ms)}) {
+      double worst_rms = 0, worst = 0;
+      const double few = (seconds<double>(period) / 0.001) * (queued ? 4 : 1);
+      for (std::uint64_t seed = 1; seed <= (testing::sanitized ? 1u : 6u); ++seed) {
+        const auto e = errors(
+            {.period = period, .ppm = 100, .jitter = 3ms, .lost = 0.3, .swapped = 0.2, .queued = queued},
+            seed, 100s, 30s);
+        CAPTURE(queued);
+        CAPTURE(period.count());
+        CAPTURE(seed);
+        CHECK(e.rms <= 4 + 4 * few);
+        CHECK(e.worst <= 10 + 12 * few);
+        CHECK(e.back == 0);
+        CHECK(e.leaps == 0);
+        worst_rms = std::max(worst_rms, e.rms), worst = std::max(worst, e.worst);
+      }
+      MESSAGE(queued, ", every ", milliseconds(period), " ms: rms ", worst_rms, " us, worst ", worst, " us");
+    }
+}
+
+TEST_CASE("ClockOffset: from the first stamp on") {
+  double worst = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const auto e = errors({.ppm = 100, .jitter = 3ms}, seed, 10s, 0s);
+    CHECK(e.back == 0);
+    CHECK(e.worst <= 500);
+    worst = std::max(worst, e.worst);
+  }
+  MESSAGE("worst ", worst, " us within the first 10 s");
+}
+
+TEST_CASE("ClockOffset: a clock that leaps is followed after it was seen to") {
+  for (const Nanoseconds leap :
+       {Nanoseconds(-3600s), Nanoseconds(-50ms), Nanoseconds(-10ms), Nanoseconds(5ms), Nanoseconds(1h)}) {
+    CAPTURE(leap.count());
+    const SkewedClock::Settings how{.ppm = 60, .jitter = 3ms, .leap = leap, .leap_at = 40s};
+    const auto e = errors(how, 5, 100s, 73s);
+    CHECK(e.leaps == 1);
+    CHECK(e.rms <= 5);
+    CHECK(e.worst <= 20);
+    // No stamp is further off than the leap, nor later than 3 s after it.
+    const auto after = errors(how, 5, 100s, 43s);
+    CHECK(after.worst <= 500);
+  }
+}
+
+TEST_CASE("ClockOffset: a rate that changes") {
+  // From 20 to 60 ppm and back: down at once, up after half the window, off by 40 ppm of 15 s meanwhile.
+  for (const auto& [before, changed] : {std::pair{20.0, 60.0}, std::pair{60.0, 20.0}}) {
+    const SkewedClock::Settings how{.ppm = before, .jitter = 3ms, .changed_ppm = changed, .changes_at = 50s};
+    const auto meanwhile = errors(how, 3, 120s, 50s, 85s), later = errors(how, 3, 120s, 85s);
+    MESSAGE(before, " to ", changed, " ppm: worst ", meanwhile.worst, " us, after 35 s ", later.worst);
+    CHECK(meanwhile.worst <= 650);
+    CHECK(meanwhile.back == 0);
+    CHECK(meanwhile.leaps == 0);
+    CHECK(later.rms <= 5);
+    CHECK(later.worst <= 20);
+  }
+}
+
+TEST_CASE("ClockOffset: any bits in two times are survived; silence begins anew; a bad setting is refused") {
+  auto random = testing::seeded(9);
+  const ClockOffset offset;
+  ClockOffset::Memory memory;
+  for (int k = 0; k < 20000; ++k) {
+    const auto any = [&] { return Nanoseconds(static_cast<std::int64_t>(random()) >> (random() % 64)); };
+    const Nanoseconds sent = any(), arrived = any();
+    const auto heard = offset.hear(memory, sent, arrived);
+    constexpr Nanoseconds far(std::int64_t(1) << 61);
+    CHECK((heard == ClockOffset::Heard::refused) ==
+          (sent <= -far || sent >= far || arrived <= -far || arrived >= far));
+    if (heard == ClockOffset::Heard::tied) static_cast<void>(ClockOffset::stamp(memory, sent));
+  }
+  memory = {};
+  for (int k = 0; k < 200; ++k) static_cast<void>(offset.hear(memory, k * 1ms, k * 1ms));
+  CHECK(ClockOffset::ready(memory));
+  CHECK(offset.hear(memory, 60s, 60s) == ClockOffset::Heard::leapt);
+  CHECK_FALSE(ClockOffset::ready(memory));
+  CHECK_THROWS_AS(ClockOffset({.late = 0ns}), ConfigurationError);
+  CHECK_THROWS_AS(ClockOffset({.least_delay = -1ns}), ConfigurationError);
+  CHECK_THROWS_AS(ClockOffset({.gather = 2s}), ConfigurationError);
+  // Without gathering, the first message ties.
+  const ClockOffset at_once({.gather = 0ns});
+  memory = {};
+  CHECK(at_once.hear(memory, 5s, 7s) == ClockOffset::Heard::tied);
+  CHECK(ClockOffset::stamp(memory, 4s) == 6s);
+}
