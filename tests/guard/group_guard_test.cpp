@@ -15,8 +15,9 @@ using namespace skinctl::testing;
 namespace {
 
 using Model3 = ArmWithFingerModel;
-using Robot = GroupResolver<Model3, double, JointGroups<3, JointGroup<Interface::velocity, 0b011>,
-                                                        JointGroup<Interface::torque, 0b100>>>;
+using Robot = GroupResolver<
+    Model3, double,
+    JointGroups<3, JointGroup<Interface::velocity, 0b011>, JointGroup<Interface::torque, 0b100>>>;
 
 // Pulls the arm and the finger along.
 struct Pull {
@@ -49,7 +50,8 @@ JointLimits<N> limits(double torque) {
 auto scene(const Pull& law) {
   RobotConfiguration<2> arm{.limits = limits<2>(150), .period = 4ms, .delay = 4ms};
   arm.viscous_friction = {10, 10};
-  const Robot robot = resolver_of(by_velocity_and_torque<0b100>(Model3{}, {.stiff = arm, .limits = limits<1>(0.7)}));
+  const Robot robot =
+      resolver_of(by_velocity_and_torque<0b100>(Model3{}, {.stiff = arm, .limits = limits<1>(0.7)}));
   return Cycle(robot, law, GroupGuard(robot));
 }
 using Scene = decltype(scene(Pull{}));

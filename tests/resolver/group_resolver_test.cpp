@@ -62,7 +62,9 @@ struct Arm {
 };
 using ArmModel = StaticModel<Arm>;
 template <Interface I, class T = double>
-using SmallRobot = GroupResolver<SmallModel, T, JointGroups<3, JointGroup<I, 0b011, T>, JointGroup<Interface::torque, 0b100, T>>>;
+using SmallRobot =
+    GroupResolver<SmallModel, T,
+                  JointGroups<3, JointGroup<I, 0b011, T>, JointGroup<Interface::torque, 0b100, T>>>;
 static_assert(std::is_trivially_copyable_v<SmallRobot<Interface::velocity>::Memory>);
 
 template <std::size_t N, class T>

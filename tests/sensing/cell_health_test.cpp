@@ -46,7 +46,7 @@ struct Sensed {
 template <class Begin, class Ask>
 double found_after(double sigma, Nanoseconds period, std::uint64_t seed, CellFault fault, const Begin& begin,
                    const Ask& ask, const CellHealthSettings& settings = {}) {
-  const CellNoise noise{.force = float(sigma), .proximity = float(sigma), .rest = 20};
+  const SensorNoise noise{.force = float(sigma), .proximity = float(sigma), .rest = 20};
   const Health health(settings, std::span(&noise, 1));
   auto m = std::make_unique<Health::Memory>();
   Sensed cell(sigma, seed);
@@ -114,7 +114,7 @@ TEST_CASE(
             },
             nobody) == 0);
   // A sensor whose rest is 0 sends exact zeros while it is healthy.
-  const CellNoise clipped{.force = 0.4f, .rest = 0};
+  const SensorNoise clipped{.force = 0.4f, .rest = 0};
   const Health health({}, std::span(&clipped, 1));
   Health::Memory m;
   Sensed cell(0.4);
@@ -126,7 +126,7 @@ TEST_CASE(
 TEST_CASE(
     "CellHealth: masks fade in within 50 ms, out within 250 after 2 s without finding, 10 s if it blinked") {
   for (const bool blinks : {false, true}) {
-    const CellNoise noise{.force = 0.7f, .rest = 20};
+    const SensorNoise noise{.force = 0.7f, .rest = 20};
     const Health health({}, std::span(&noise, 1));
     Health::Memory m;
     Sensed cell(0.7);
@@ -154,7 +154,7 @@ TEST_CASE(
 
 TEST_CASE("CellHealth: the scan's statistics are those of a cell alone, computed in double") {
   Normal normal(7);
-  const CellNoise noise{.force = 1.5f};
+  const SensorNoise noise{.force = 1.5f};
   const Health health({}, std::span(&noise, 1));
   const double per = 1 / std::sqrt(3 * (2.25 + 1.0 / 12));
   auto m = std::make_unique<Health::Memory>();
@@ -204,7 +204,7 @@ TEST_CASE("CellHealth: the scan's statistics are those of a cell alone, computed
 
 TEST_CASE("CellHealth: healthy noise masks nobody; settings out of range are refused") {
   for (const double sigma : {0.4, 0.7, 2.0, 8.0}) {
-    const CellNoise noise{.force = float(sigma), .proximity = 1, .rest = 60};
+    const SensorNoise noise{.force = float(sigma), .proximity = 1, .rest = 60};
     const Health health({.equal_messages = 0}, std::span(&noise, 1));
     auto m = std::make_unique<Health::Memory>();
     Normal normal(11);
@@ -222,12 +222,12 @@ TEST_CASE("CellHealth: healthy noise masks nobody; settings out of range are ref
     CAPTURE(sigma);
     CHECK(found == 0);
   }
-  const auto refused = [](const CellHealthSettings& s, const CellNoise& n) {
+  const auto refused = [](const CellHealthSettings& s, const SensorNoise& n) {
     CHECK_THROWS_AS(Health(s, std::span(&n, 1)), ConfigurationError);
   };
   refused({.step = 0}, {}), refused({.equal_messages = 1}, {}), refused({.top = 1.1}, {});
   refused({.fade_in = 0ns}, {}), refused({.hold = -1s}, {}), refused({}, {.force = -1}),
       refused({}, {.rest = 2000});
-  const std::vector<CellNoise> three(3);
+  const std::vector<SensorNoise> three(3);
   CHECK_THROWS_AS(Health({}, three), ConfigurationError);
 }

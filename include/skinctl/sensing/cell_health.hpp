@@ -16,7 +16,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// What one cell reads untouched, in steps of its sensors: the standard deviation of its noise before the sensor
 /// rounds, and the mean.
-struct CellNoise {
+struct SensorNoise {
   float force = 0.7f;      ///< of one force sensor
   float proximity = 0.7f;  ///< of the proximity
   float rest = 0;          ///< mean of one force sensor; 0: it may read exact zeros while untouched
@@ -110,22 +110,21 @@ class CellHealth {
 
   /// @param noise  of each cell, or one for all. Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD explicit CellHealth(const CellHealthSettings& settings = {},
-                                   std::span<const CellNoise> noise = std::span(&usual_noise, 1))
+                                   std::span<const SensorNoise> noise = std::span(&usual_noise, 1))
       : s_(settings), limits_(rows), cell_(rows * 16) {
     settings.check();
     require(noise.size() == 1 || noise.size() == Cells, "CellHealth: noises", double(noise.size()),
             "one for all, or one a cell");
     for (std::size_t i = 0; i < Cells; ++i) {
-      const CellNoise& n = noise[noise.size() == 1 ? 0 : i];
-      require(n.force >= 0 && n.force <= 1000, "CellNoise: force", double(n.force), "0 to 1000 steps");
-      require(n.proximity >= 0 && n.proximity <= 1000, "CellNoise: proximity", double(n.proximity),
+      const SensorNoise& n = noise[noise.size() == 1 ? 0 : i];
+      require(n.force >= 0 && n.force <= 1000, "SensorNoise: force", double(n.force), "0 to 1000 steps");
+      require(n.proximity >= 0 && n.proximity <= 1000, "SensorNoise: proximity", double(n.proximity),
               "0 to 1000 steps");
-      require(n.rest >= 0 && double(n.rest) * s_.step < 1, "CellNoise: rest", double(n.rest),
+      require(n.rest >= 0 && double(n.rest) * s_.step < 1, "SensorNoise: rest", double(n.rest),
               ">= 0 steps, < range");
       const double sigma = std::sqrt(3 * (double(n.force) * double(n.force) + 1.0 / 12));
       auto& limits = limits_[i / 16];
-      limits.per_sigma[i % 16] =
-          static_cast<float>(1 / std::sqrt(sigma * sigma + 3 * s_.delta * s_.delta));
+      limits.per_sigma[i % 16] = static_cast<float>(1 / std::sqrt(sigma * sigma + 3 * s_.delta * s_.delta));
       limits.jump[i % 16] = static_cast<float>(std::max(12 * sigma, 0.1 / s_.step));
       limits.proximity[i % 16] =
           static_cast<float>(6 * s_.step * std::sqrt(double(n.proximity) * double(n.proximity) + 1.0 / 12));
@@ -222,7 +221,7 @@ class CellHealth {
   }
 
  private:
-  static constexpr CellNoise usual_noise{};
+  static constexpr SensorNoise usual_noise{};
   struct Constants {
     float sigma = 1;
     std::uint16_t equal = 65535;  ///< n of the first rule

@@ -14,7 +14,7 @@ struct TrustSettings {
   /// F_1 of each cell [N], or one for all: what a cell counts up to while no witness is touched, too. `lone_forces`
   /// gives what the arm's Coulomb friction holds. Required: 0 mutes a lone cell, infinity trusts it.
   std::vector<double> lone_force;
-  std::vector<CellNoise> noise{CellNoise{}};  ///< of each cell, or one for all
+  std::vector<SensorNoise> noise{SensorNoise{}};  ///< of each cell, or one for all
   Nanoseconds period = 4ms;  ///< of a cell that sends all readings; shortest of one that sends changes
   /// The cells have a proximity sensor: it is a witness, and evidence that a frozen cell drifts. False: its readings
   /// count, but say nothing of forces.

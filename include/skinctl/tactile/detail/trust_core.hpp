@@ -146,7 +146,7 @@ class TrustCore {
 
  private:
   /// The noise of each cell that there is room for.
-  [[nodiscard]] static std::vector<CellNoise> with_room(std::vector<CellNoise> noise) {
+  [[nodiscard]] static std::vector<SensorNoise> with_room(std::vector<SensorNoise> noise) {
     noise.resize(cells);
     return noise;
   }
