@@ -34,7 +34,7 @@ struct ControlSettings {
   PerJoint force_gain = same(40);  ///< w_f of each link's skin [N per unit of the three force readings]
   double stiffest_contact = 3e4;   ///< that it may meet [N/m]; gives the damping of contacts that ring
   double proximity_gain = 0;       ///< w_p [N per unit of proximity]
-  double force_threshold = 0.08;   ///< on the sum of the three force readings
+  double force_threshold = 0.068;  ///< on the sum of the three force readings, above their rest level
   double skin_enough = 0.6;        ///< share of each patch's cells that must report, or the arm does not move
   double skin_patience = 2;        ///< after so long without them the job ends [s]
   double max_velocity = 0.5;       ///< of motions to goals [rad/s]

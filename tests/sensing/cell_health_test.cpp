@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 
+#include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "skinctl/testing/skin_signals.hpp"
 
@@ -121,6 +122,34 @@ TEST_CASE(
   cell.force = -5;
   for (Nanoseconds t = 4ms; t <= 2s; t += 4ms) health.take(m, 3, cell.at(t)), health.scan(m, t, nobody);
   CHECK_FALSE(Health::faults(m, 3).any());
+}
+
+TEST_CASE("CellHealth: a cell that sends changes only is not noisy because of their steps") {
+  const SensorNoise noise{.force = 0.31f, .rest = 20};
+  const SendOnDelta sends({});
+  const auto noisy = [&](double delta, double sigma) {
+    CellHealthSettings settings;
+    settings.delta = delta;
+    const Health health(settings, std::span(&noise, 1));
+    Health::Memory m;
+    SendOnDelta::Memory sender;
+    Sensed cell(sigma);
+    int found = 0;
+    for (Nanoseconds t = 4ms; t <= 20s; t += 4ms) {
+      // Pressed ever faster, up to a tap.
+      const double x = seconds<double>(t);
+      cell.force = 20 + 150 * (1 - std::cos(0.4 * x * x));
+      CellSample s = cell.at(t);
+      for (float& a : s.acceleration) a *= 0.02f;
+      if (sends.send(sender, s)) health.take(m, 3, s);
+      health.scan(m, t, nobody);
+      found += Health::faults(m, 3).has(CellFault::noisy) ? 1 : 0;
+    }
+    return found;
+  };
+  CHECK(noisy(0, 0.31) > 0);
+  CHECK(noisy(2, 0.31) == 0);
+  CHECK(noisy(2, 40) > 4000);
 }
 
 TEST_CASE(

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
@@ -70,6 +71,45 @@ TEST_CASE(
   CHECK(after == 0);
   CHECK(trusted.faults(b, cell - 1) == CellFaults(CellFault::stuck));
   CHECK(trusted.usable(b) == 259);
+}
+
+TEST_CASE(
+    "TrustedSkin: a skin from a file, with room to spare, is judged as one that is known to the compiler") {
+  using Filed = SkinOf<ur5::Model, double, 400>;
+  std::vector<SkinPatch> filed;
+  const auto add = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
+    SkinPatch& to = filed.emplace_back(SkinPatch{I, patch.gains(), {}});
+    for (const auto& cell : patch.any()) to.cells.push_back({.id = cell.id, .X_LC = cell.X_LC});
+  };
+  std::apply([&](const auto&... patch) { (add(patch), ...); }, patches);
+  SkinSignals signals(places, {}, 2);
+  SkinFaults spoil(SkinFaults::of_share(0.1,
+                                        [] {
+                                          std::vector<std::uint32_t> ids(260);
+                                          for (std::size_t i = 0; i < 260; ++i)
+                                            ids[i] = static_cast<std::uint32_t>(i + 1);
+                                          return ids;
+                                        }(),
+                                        {.fault = CellFault::stuck, .from = 500ms}));
+  const auto settings = fault_trust(signals.settings(), places);
+  const Trusted known(base, settings, patches);
+  const TrustedSkin read(Filed(filed), settings, filed);
+  CHECK(read.size() == 260);
+  auto a = known.start(0ns);
+  auto b = read.start(0ns);
+  std::vector<CellSample> samples;
+  for (Nanoseconds to = 8ms; to <= 1500ms; to += 8ms) {
+    signals.samples(to, samples);
+    spoil.apply(samples, to);
+    Plain::Wrenches one;
+    Filed::Wrenches other;
+    CHECK(known.receive(a, samples, to - 8ms, to, 1, &one) ==
+          read.receive(b, samples, to - 8ms, to, 1, &other));
+    for (std::size_t slot = 0; slot < 6; ++slot)
+      for (std::size_t r = 0; r < 6; ++r) CHECK(one.data[slot][r] == other.data[slot][r]);
+  }
+  CHECK(known.coverage(a) == read.coverage(b));
+  CHECK(read.coverage(b).usable == 234);
 }
 
 TEST_CASE("TrustedSkin: one faulty cell does not move the arm, whatever its fault") {

@@ -380,8 +380,10 @@ TEST_CASE("main job: strays on the skin's port are counted and dropped, and the 
         const std::string junk = "this is no datagram of ours";
         // Somebody else's press of the arm's only cell with all there is, stamped far ahead.
         std::array<std::uint8_t, simulated_ur5::datagram_limit> bytes;
-        const simulated_ur5::SkinSample press{.cell = 1, .time = 1'000'000'000'000, .force = {1, 1, 1}};
-        const auto size = simulated_ur5::write_datagram(bytes.data(), 1'000'000, press.time, &press, 1);
+        const simulated_ur5::SkinSample press{
+            .time = std::chrono::seconds(1000), .cell = 1, .force = {1, 1, 1}};
+        const auto size =
+            simulated_ur5::write_datagram(bytes.data(), 1'000'000, press.time.count(), &press, 1);
         for (int k = 0; k < 100; ++k) {
           socket.send_to(boost::asio::buffer(junk), {ip::address_v4::loopback(), s.skin_port});
           socket.send_to(boost::asio::buffer(bytes.data(), size), {ip::address_v4::loopback(), s.skin_port});

@@ -77,10 +77,14 @@ class TrustCore {
         per_step_(static_cast<float>(settings.health.step / CellCounts::force_unit)) {
     require(fill.graph().size() == size(), "TrustedSkin: cells of the graph", double(fill.graph().size()),
             "those of the skin");
-    for (std::size_t i = 0; i < cells; ++i) {
+    for (std::size_t i = 0; i < size(); ++i) {
       const double freeze = rest_.freeze_level(double(health_.sigma(i)), settings.period);
       levels_[i / 16].freeze[i % 16] = static_cast<float>(freeze);
       levels_[i / 16].touch[i % 16] = static_cast<float>(cell_[i].force_gate.opens_at()) / per_step_;
+      low_force_ =
+          std::min(low_force_, static_cast<float>(cell_[i].force_gate.closes_below()) / per_step_ - 1);
+      low_proximity_ =
+          std::min(low_proximity_, static_cast<float>(cell_[i].proximity_gate.closes_below() - 1) / 65536.0f);
       if (cell_[i].patch >= first_.size()) first_.push_back(i);
     }
     first_.push_back(size());
@@ -283,6 +287,7 @@ class TrustCore {
       for (std::uint32_t rest = active; rest != 0; rest &= rest - 1) {
         const auto k = static_cast<std::size_t>(std::countr_zero(rest));
         const std::size_t i = 16 * b + k;
+        if (i >= size()) break;
         if (witness(m, i).touched) m.health.row[b].trust[k] = 1;
         const CellCounts c = worth(m, i);
         revise(i, c);
