@@ -45,7 +45,7 @@ inline auto trusted_skin(const Settings& s) {
   settings.force = EventGate<>::dead_band(s.control.force_threshold);
   TrustSettings trust;
   trust.lone_force = {s.trust_all_cells ? std::numeric_limits<double>::infinity() : 0.0};
-  trust.follow_rest = !s.trust_all_cells;
+  trust.follow_rest = trust.find_faults = !s.trust_all_cells;
   trust.noise = {{.force = 0.4f, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
   trust.health.delta = 2;  // of the simulated cells, and of TUM's
   trust.answer = 0.05;     // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it

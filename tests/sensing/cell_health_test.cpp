@@ -127,7 +127,7 @@ TEST_CASE(
 TEST_CASE("CellHealth: a cell that sends changes only is not noisy because of their steps") {
   const SensorNoise noise{.force = 0.31f, .rest = 20};
   const SendOnDelta sends({});
-  const auto noisy = [&](double delta, double sigma) {
+  const auto noisy = [&](double delta, double sigma, double size) {
     CellHealthSettings settings;
     settings.delta = delta;
     const Health health(settings, std::span(&noise, 1));
@@ -136,9 +136,9 @@ TEST_CASE("CellHealth: a cell that sends changes only is not noisy because of th
     Sensed cell(sigma);
     int found = 0;
     for (Nanoseconds t = 4ms; t <= 20s; t += 4ms) {
-      // Pressed ever faster, up to a tap.
+      // It trembles by a few steps.
       const double x = seconds<double>(t);
-      cell.force = 20 + 150 * (1 - std::cos(0.4 * x * x));
+      cell.force = 20 + size * (1 + std::sin(6.2832 * 15 * x));
       CellSample s = cell.at(t);
       for (float& a : s.acceleration) a *= 0.02f;
       if (sends.send(sender, s)) health.take(m, 3, s);
@@ -147,9 +147,9 @@ TEST_CASE("CellHealth: a cell that sends changes only is not noisy because of th
     }
     return found;
   };
-  CHECK(noisy(0, 0.31) > 0);
-  CHECK(noisy(2, 0.31) == 0);
-  CHECK(noisy(2, 40) > 4000);
+  CHECK(noisy(0, 0.31, 6) > 4000);
+  for (const double size : {1.0, 3.0, 6.0, 12.0, 100.0}) CHECK(noisy(2, 0.31, size) == 0);
+  CHECK(noisy(2, 40, 6) > 4000);
 }
 
 TEST_CASE(

@@ -185,8 +185,9 @@ class CellHealth {
   }
 
   /// Ends a frame at `until`. `witness(i) -> Witness` is asked for the few cells that are worth a look.
+  /// Without `judges` it keeps its statistics, and finds nothing.
   template <class Ask>
-  void scan(Memory& m, Nanoseconds until, const Ask& witness) const noexcept {
+  void scan(Memory& m, Nanoseconds until, const Ask& witness, bool judges = true) const noexcept {
     const bool begun = m.time != Nanoseconds::min() && until > m.time;
     const Nanoseconds dt = !begun ? 0ns : until - m.time < 1s ? until - m.time : Nanoseconds(1s);
     m.time = until;
@@ -195,6 +196,7 @@ class CellHealth {
     k.rise = k.dt / seconds<float>(s_.fade_in), k.fall = k.dt / seconds<float>(s_.fade_out);
     for (std::size_t b = 0; b < rows; ++b) {
       const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k);
+      if (!judges) continue;
       for (std::uint32_t look = bits.look | m.suspect[b]; look != 0; look &= look - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(look));
         if (16 * b + lane < Cells)

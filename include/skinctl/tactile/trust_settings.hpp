@@ -26,6 +26,7 @@ struct TrustSettings {
   double explained_far = 0.25;   ///< the same if its own proximity is below 0.05
   CellHealthSettings health;
   RestSettings rest;
+  bool find_faults = true;  ///< false: no cell is masked
   bool follow_rest = true;  ///< false: readings have no drift, their rest levels stay those of `noise`
 
   /// Throws `ConfigurationError` for a number out of its range, and for lists that do not have one entry or one

@@ -170,7 +170,8 @@ class TrustCore {
   /// Ends a frame: rest levels, statistics, faults.
   SKINCTL_NOINLINE void frame(Memory& m, Nanoseconds now) const noexcept {
     follow(m, now);
-    health_.scan(m.health, now, [&](std::size_t i) { return witness(m, i); });
+    health_.scan(m.health, now, [&](std::size_t i) { return witness(m, i); }, s_.find_faults);
+    if (!s_.find_faults) return;
     const auto force = [&](std::size_t i) { return above(m, i); };
     const auto sigma = [&](std::size_t i) { return health_.sigma(i); };
     Cross::note(m.cross, now, force, sigma);
