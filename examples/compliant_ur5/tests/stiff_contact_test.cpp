@@ -29,18 +29,22 @@ Held held(const Settings& s, double stiffness) {
   const auto scene = make_scene<Interface::position>(s);
   const auto patches = ur5::skin_patches<compliant_ur5::cells>();
   const auto& patch = std::get<I>(patches);
-  const std::vector<PlacedCell<I>> cell{patch.placed()[patch.placed().size() / 2]};
-  TouchedArm<I, std::remove_cv_t<decltype(scene)>> arm(scene, cell, {0, -1.2, 1.4, -1.8, -1.57, 0.3}, 0.008,
+  // All of them report: silent ones would be filled in from the one that is pressed.
+  std::vector<PlacedCell<I>> cells;
+  for (const auto& one : patch.placed()) cells.push_back(one);
+  const std::size_t pressed = cells.size() / 2;
+  TouchedArm<I, std::remove_cv_t<decltype(scene)>> arm(scene, cells, {0, -1.2, 1.4, -1.8, -1.57, 0.3}, 0.008,
                                                        0.008, s.newtons_per_reading);
   Held out;
   while (arm.time() < 8) {
-    arm.step(8ms, [&](std::size_t, const CellAt& at) {
+    arm.step(8ms, [&](std::size_t k, const CellAt& at) {
+      if (k != pressed) return CellTouch{};
       return CellTouch{.force = std::max(0.0, stiffness * (std::min(0.02, 0.06 * at.time) + at.out))};
     });
-    out.peak = std::max(out.peak, arm.force[0]);
+    out.peak = std::max(out.peak, arm.force[pressed]);
     if (arm.time() < 6) continue;
-    out.low = std::min(out.low, arm.force[0]);
-    out.high = std::max(out.high, arm.force[0]);
+    out.low = std::min(out.low, arm.force[pressed]);
+    out.high = std::max(out.high, arm.force[pressed]);
   }
   return out;
 }
