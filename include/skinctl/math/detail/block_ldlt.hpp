@@ -74,8 +74,9 @@ class BlockLdlt {
     const T xx = m.yy * m.zz - m.zy * m.zy, yx = m.zx * m.zy - m.yx * m.zz, zx = m.yx * m.zy - m.zx * m.yy;
     const T det = m.xx * xx + m.yx * yx + m.zx * zx;
     const T small = T(8) * std::numeric_limits<T>::epsilon();
-    const bool good =
-        (m.zz > small * whole[2]) & (xx > small * (whole[1] * m.zz)) & (det > small * (whole[0] * xx));
+    // All three in any case, without a branch.
+    const bool good = (int(m.zz > small * whole[2]) & int(xx > small * (whole[1] * m.zz)) &
+                       int(det > small * (whole[0] * xx))) != 0;
     const T per_det = T(1) / (good ? det : T(1));
     inverse = {xx * per_det,
                yx * per_det,
