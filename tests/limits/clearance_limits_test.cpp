@@ -141,11 +141,11 @@ TEST_CASE(
   MESSAGE(scenes << " scenes, limited in " << limited << " cycles: nearest " << 1e3 * least
                  << " mm of 20; largest acceleration " << step << " of 15 rad/s^2; of " << held
                  << " that rested near something the worst got away by " << 1e3 * left << " mm in 0.48 s");
-  CHECK(limited > 100);
+  CHECK(limited > (sanitized ? 20 : 100));
   CHECK(least >= 0.02 - 1e-6);
   CHECK(least < 0.021);  // no more is given away
   CHECK(step <= 15 * (1 + 1e-9));
-  CHECK(held > 5);
+  CHECK(held > (sanitized ? 0 : 5));
   CHECK(left > 0.005);
 }
 
