@@ -33,7 +33,8 @@ if(skinctl_missing_packages)
   message(FATAL_ERROR "skinctl: missing packages. On Debian 12: sudo apt-get install ${packages}")
 endif()
 
-# Optional: parsers for io/urdf.hpp and io/skin_xml.hpp, and for io/skin_file.hpp. Without it, what reads URDF files is neither built nor tested.
+# Optional: parsers of XML (io/urdf.hpp, io/skin_xml.hpp) and of JSON (io/skin_file.hpp). What needs one that is missing is neither
+# built nor tested.
 find_package(tinyxml2 QUIET)
 if(NOT tinyxml2_FOUND AND (SKINCTL_BUILD_TESTS OR SKINCTL_BUILD_EXAMPLES))
   message(WARNING "skinctl: no tinyxml2: tests and examples of io/urdf.hpp and io/skin_xml.hpp are skipped. "

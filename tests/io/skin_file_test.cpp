@@ -9,6 +9,7 @@
 
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -41,17 +42,7 @@ const std::string good = R"({
 
 /// The error text; empty: there was none.
 std::string complaint(const std::string& text) {
-  try {
-    static_cast<void>(parse_skin_file(text, "arm.json"));
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
-}
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
+  return testing::complaint_of([&] { return parse_skin_file(text, "arm.json"); });
 }
 SkinFile without_lines(SkinFile file) {
   file.source.clear();

@@ -4,8 +4,10 @@
 #include <rapidcheck.h>
 
 #include "skinctl/io/skin_file.hpp"
+#include "support/wrong_text.hpp"
 
 using namespace skinctl;
+using testing::replaced;
 
 namespace {
 
@@ -36,17 +38,7 @@ const std::string good =
     "</cell>\n</SkinConfig>\n";
 
 std::string complaint(const std::string& text) {
-  try {
-    static_cast<void>(parse_skin_xml(text, "p.xml"));
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
-}
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
+  return testing::complaint_of([&] { return parse_skin_xml(text, "p.xml"); });
 }
 
 }  // namespace

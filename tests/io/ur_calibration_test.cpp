@@ -8,9 +8,11 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/universal_robots.hpp"
 #include "skinctl/testing/robot_table.hpp"
+#include "support/wrong_text.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;
+using testing::replaced;
 
 namespace {
 
@@ -30,17 +32,7 @@ delta_a = not of this section
 )";
 
 std::string complaint(const std::string& text) {
-  try {
-    static_cast<void>(parse_ur_calibration(text, "arm.conf"));
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
-}
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
+  return testing::complaint_of([&] { return parse_ur_calibration(text, "arm.conf"); });
 }
 
 }  // namespace

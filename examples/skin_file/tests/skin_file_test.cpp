@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -18,7 +19,7 @@ using namespace skinctl;
 namespace {
 
 std::string output(const std::string& arguments, int expected = 0) {
-  const std::string out = "skin_file_test.out";
+  const std::string out = (std::filesystem::temp_directory_path() / "skinctl_skin_file_test.out").string();
   const int status =
       std::system((std::string(SKIN_FILE_PROGRAM) + " " + arguments + " >" + out + " 2>&1").c_str());
   CHECK(WEXITSTATUS(status) == expected);

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "skinctl/limits/detail/towards.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/tactile/clearances.hpp"
 
@@ -165,17 +166,7 @@ class ClearanceLimits {
     if (keeps(wish)) return {wish, true};
     if (!here.keeps_alike(brake, integrate(Position(), u0 + brake, T(T(0.5) * h)), room))
       brake = limits_.move(room, u0, Velocity(), h).velocity;
-    T good(0), bad(1);
-    Velocity out = brake;
-    for (int k = 0; k < 16; ++k) {
-      const T part = T(0.5) * (good + bad);
-      Velocity u;
-      for (std::size_t i = 0; i < joints; ++i) u[i] = brake[i] + part * (wish[i] - brake[i]);
-      const bool may = keeps(u);
-      if (may) out = u;
-      (may ? good : bad) = part;
-    }
-    return {out, true};
+    return {detail::towards(brake, wish, keeps), true};
   }
   /// Whether the motion that ends at `u` after `moved` keeps the clearances.
   [[nodiscard]] SKINCTL_NOINLINE bool keeps(const Position& q, const Velocity& u, const Position& moved,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/limits/detail/towards.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -168,17 +169,7 @@ class ToolSpeed {
     }
     const Velocity wish = beside_ends(less, u0, u1, h);
     if (!(wish == u1) && keeps(wish)) return {wish, true};
-    T good(0), bad(1);
-    Velocity out = brake;
-    for (int k = 0; k < 16; ++k) {
-      const T part = T(0.5) * (good + bad);
-      Velocity u;
-      for (std::size_t i = 0; i < joints; ++i) u[i] = brake[i] + part * (wish[i] - brake[i]);
-      const bool may = keeps(u);
-      if (may) out = u;
-      (may ? good : bad) = part;
-    }
-    return {out, true};
+    return {detail::towards(brake, wish, keeps), true};
   }
 
  private:

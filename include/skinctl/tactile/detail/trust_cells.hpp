@@ -31,8 +31,7 @@ struct TrustCell {
 /// Collects the cells of a trusted skin, patch by patch.
 class TrustCells {
  public:
-  SKINCTL_COLD TrustCells(const TrustSettings& trust, const SkinSettings& skin, std::size_t cells)
-      : trust_(trust), skin_(skin), cells_(cells) {
+  SKINCTL_COLD TrustCells(const TrustSettings& trust, std::size_t cells) : trust_(trust), cells_(cells) {
     trust.check(cells);
     out_.reserve(cells);
   }
@@ -67,7 +66,6 @@ class TrustCells {
 
  private:
   const TrustSettings& trust_;
-  const SkinSettings& skin_;
   std::size_t cells_;
   std::uint32_t patch_ = 0;
   std::vector<TrustCell> out_;
@@ -77,7 +75,7 @@ template <std::size_t... I, std::size_t... N>
 [[nodiscard]] SKINCTL_COLD std::vector<TrustCell> trust_cells(const TrustSettings& trust,
                                                               const SkinSettings& skin, std::size_t cells,
                                                               const Patch<I, N>&... patch) {
-  TrustCells all(trust, skin, cells);
+  TrustCells all(trust, cells);
   const auto add = [&](std::size_t link, const auto& one) {
     for (const AnyCell& cell : one.any())
       all.add(cell.id, link, cell.X_LC, one.gains(), skin.force, skin.proximity);
@@ -90,7 +88,7 @@ template <std::size_t... I, std::size_t... N>
                                                                      const SkinSettings& skin,
                                                                      std::size_t cells,
                                                                      const std::vector<SkinPatch>& patches) {
-  TrustCells all(trust, skin, cells);
+  TrustCells all(trust, cells);
   for (const SkinPatch& patch : patches) {
     for (const SkinCell& cell : patch.cells)
       all.add(cell.id, patch.link, cell.X_LC, cell.gains.value_or(patch.gains),
