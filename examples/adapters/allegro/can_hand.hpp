@@ -43,7 +43,7 @@ class CanHand {
     Frame frame;
     bool complete = false;
     for (int k = 0; k < most_frames_at_once; ++k) {
-      const Read got = link_.read(frame, complete ? Clock::time_point::min() : deadline);
+      const Read got = link_.read(frame, complete ? Clock::time_point{} : deadline);
       if (got == Read::closed) {
         error_ = "the CAN link is gone";
         return Heard::lost;

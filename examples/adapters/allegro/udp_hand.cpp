@@ -160,7 +160,7 @@ skinctl::Heard UdpHand::next(Reading& reading, Deadline deadline) noexcept {
   bool complete = false;
   std::optional<Datagram> d;
   for (int k = 0; k < most_frames_at_once; ++k) {
-    const Read got = receive(d, complete ? Clock::time_point::min() : deadline);
+    const Read got = receive(d, complete ? Clock::time_point{} : deadline);
     if (got == Read::closed) {
       error_ = "the UDP socket is gone";
       return Heard::lost;
