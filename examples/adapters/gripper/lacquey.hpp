@@ -1,8 +1,6 @@
 // Lacquey Fetch grippers: as TUM drives them, through a thread of the UR's program, and as UC3M does, by CAN.
 #pragma once
 
-#include <linux/can.h>
-
 #include <array>
 #include <bit>
 #include <concepts>
@@ -10,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "examples/adapters/allegro/can_link.hpp"
 #include "examples/adapters/gripper/binary.hpp"
 #include "examples/adapters/socket.hpp"
 
@@ -58,21 +57,21 @@ class LacqueyServer {
 enum class LacqueySide : std::uint8_t { left = 64, right = 65 };
 
 /// The frame that closes (100 %) or opens (-100 %) it: a little-endian float.
-[[nodiscard]] inline can_frame lacquey_frame(LacqueySide side, bool closed) noexcept {
+[[nodiscard]] inline allegro::Frame lacquey_frame(LacqueySide side, bool closed) noexcept {
   const auto bits = std::bit_cast<std::uint32_t>(closed ? 100.0f : -100.0f);
-  can_frame out{};
-  out.can_id = static_cast<std::uint8_t>(side);
-  out.can_dlc = 4;
+  allegro::Frame out;
+  out.id = static_cast<std::uint16_t>(side);
+  out.size = 4;
   for (std::size_t k = 0; k < 4; ++k) out.data[k] = static_cast<std::uint8_t>(bits >> (8 * k));
   return out;
 }
 
-/// A `GripperLine` over a link with `bool send(const can_frame&) noexcept`.
-template <class Link>
+/// A `GripperLine` over a CAN bus.
+template <allegro::CanLink Link>
 class LacqueyCan {
  public:
   LacqueyCan(Link& link, LacqueySide side) : link_(link), side_(side) {}
-  bool set(bool closed) noexcept { return good_ = link_.send(lacquey_frame(side_, closed)); }
+  bool set(bool closed) noexcept { return good_ = link_.write(lacquey_frame(side_, closed), Timeout(5)); }
   [[nodiscard]] bool good() noexcept { return good_; }
   [[nodiscard]] std::optional<bool> read() const noexcept { return std::nullopt; }
 

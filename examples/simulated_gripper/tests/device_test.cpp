@@ -141,9 +141,9 @@ TEST_CASE("Modbus: frames byte for byte") {
 TEST_CASE("Lacquey: words and frames") {
   CHECK(lacquey_words(true) == std::array<std::uint8_t, 8>{0, 0, 0, 20, 0, 0, 0, 23});
   CHECK(lacquey_words(false) == std::array<std::uint8_t, 8>{0, 0, 0, 20, 0, 0, 0, 22});
-  const can_frame close = lacquey_frame(LacqueySide::right, true);
-  CHECK(close.can_id == 65);
-  CHECK(close.can_dlc == 4);
+  const adapters::allegro::Frame close = lacquey_frame(LacqueySide::right, true);
+  CHECK(close.id == 65);
+  CHECK(close.size == 4);
   CHECK(close.data[3] == 0x42);  // 100.0f = 0x42c80000
   CHECK(close.data[2] == 0xc8);
   CHECK(lacquey_frame(LacqueySide::left, false).data[3] == 0xc2);

@@ -282,21 +282,16 @@ TEST_CASE("Lacquey: words go out, and time tells the opening") {
 }
 
 TEST_CASE("Lacquey by CAN, and digital outputs") {
-  struct Link {
-    bool send(const can_frame& frame) noexcept {
-      last = frame;
-      return alive;
-    }
-    can_frame last{};
-    bool alive = true;
-  } link;
-  LacqueyCan can(link, LacqueySide::left);
+  auto [here, there] = adapters::allegro::FrameSocket::pair();
+  LacqueyCan can(here, LacqueySide::left);
   BinaryGripper by_can(can, {.travel = 10ms});
   by_can.move(closed(by_can.range(), 20));
   CHECK(by_can.poll(1s).moving);
-  CHECK(link.last.can_id == 64);
+  adapters::allegro::Frame frame;
+  REQUIRE(there.read(frame, std::chrono::steady_clock::now() + 1s) == adapters::Read::some);
+  CHECK(frame == lacquey_frame(LacqueySide::left, true));
   CHECK_FALSE(by_can.poll(2s).moving);
-  link.alive = false;
+  there.close();
   by_can.move(opened(by_can.range()));
   by_can.poll(3s);
   CHECK(by_can.poll(4s).error == GripperError::lost);
