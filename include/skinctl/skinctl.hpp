@@ -113,6 +113,7 @@
 #include "skinctl/tactile/capsule.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/cell_mass.hpp"
+#include "skinctl/tactile/cell_place.hpp"
 #include "skinctl/tactile/clearances.hpp"
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/contact_skin.hpp"

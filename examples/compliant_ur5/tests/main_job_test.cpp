@@ -1,6 +1,7 @@
 // The main job as its users run it: in step with the simulation, in real time, and when things go wrong.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
