@@ -41,6 +41,8 @@ struct CellHealthSettings {
   Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< of masks
   Nanoseconds hold = 2s, hold_blinking = 10s;    ///< a mask stays for so long after the last finding
   Nanoseconds witnessed_within = 12ms;           ///< before or after a jump
+  Nanoseconds doubt =
+      500ms;  ///< a force that steps is no touch for so long: until the rules have found its fault
 
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD void check() const {
@@ -55,6 +57,7 @@ struct CellHealthSettings {
     time(saturated_for, "CellHealth: saturated_for"), time(fade_in, "CellHealth: fade_in");
     time(fade_out, "CellHealth: fade_out"), time(hold, "CellHealth: hold");
     time(hold_blinking, "CellHealth: hold_blinking"), time(witnessed_within, "CellHealth: witnessed_within");
+    require(doubt >= 0ns && doubt <= 60s, "CellHealth: doubt", milliseconds(doubt), "0 ms to 60 s");
   }
 };
 
@@ -106,6 +109,7 @@ class CellHealth {
   struct Witness {
     bool moved = false;    ///< one of them has moved within the last 24 ms
     bool touched = false;  ///< one of them is touched, too
+    bool seen = false;     ///< a proximity saw it come
   };
 
   /// @param noise  of each cell, or one for all. Throws `ConfigurationError` for a number out of its range.
@@ -193,6 +197,9 @@ class CellHealth {
     m.time = until;
     detail::HealthStep k;
     k.dt = seconds<float>(dt), k.leak = std::exp(-k.dt), k.saturated = seconds<float>(s_.saturated_for);
+    k.doubt = seconds<float>(s_.doubt);
+    // What a cell that sends changes has not sent has not moved.
+    if (s_.delta > 0) k.per_gap = 0;
     k.rise = k.dt / seconds<float>(s_.fade_in), k.fall = k.dt / seconds<float>(s_.fade_out);
     for (std::size_t b = 0; b < rows; ++b) {
       const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k);

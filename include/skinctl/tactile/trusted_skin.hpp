@@ -14,6 +14,10 @@ SKINCTL_BEGIN_NAMESPACE
 ///   faulty cell does not move an arm whose dry friction holds that force. Witnesses are its own proximity, if it
 ///   has come up without a jump, and a neighbour that is not masked and feels `answer` of its force, or sees
 ///   something. A cell that has lost its witness fades to `lone_force` within 0.1 s.
+/// - **Many at once.** All cells without a witness share one lone force: the sum of their pushes, each as a share of
+///   its own F_1, is at most 1, so that however many there are give no joint more than one alone may. A cell whose force
+///   steps within one sample, as no body presses (`CellHealth`), and which saw nothing come, is nobody's witness for
+///   `doubt`, and its neighbours' forces are not its own: cells that fail together do not vouch for each other.
 /// - **Filling in.** A cell that is masked, or silent, counts as `FillIn` makes it from its neighbours.
 ///
 /// Everything is a function of the samples and the intervals: a recording is replayed bit for bit. Per call, time is
