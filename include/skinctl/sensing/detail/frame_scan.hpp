@@ -79,7 +79,8 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const L now_first = select(fresh, first + share * (aa - first), first);
     const L now_second = select(fresh, second + share * (bb - second), second);
     const L now_capped = select(fresh, capped + share * (min(bb, L(256.0f)) - capped), capped);
-    const auto jumped = size > get(c.jump) * slow;
+    // A fast rise is one jump, however many samples it takes.
+    const auto jumped = (size > get(c.jump) * slow) & !((before * d > zero) & (abs(before) > get(c.jump)));
     const auto steps = (d > get(c.jump) * slow) & (before < L(0.1f) * d);
     const auto moves_on = fresh & (before > get(c.jump)) &
                           ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));

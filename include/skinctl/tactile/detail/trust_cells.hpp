@@ -22,11 +22,11 @@ struct TrustCell {
   double lone = 0;                                     ///< F_1 [N]
   float rest = 0;                                      ///< where its rest level begins [steps]
 };
-/// Whether one body hardly touches both.
+/// Whether one body hardly touches both: they are on two links, or farther apart than a hand is long.
 [[nodiscard]] inline bool apart(const TrustCell& a, const TrustCell& b) noexcept {
   float square = 0;
   for (std::size_t k = 0; k < 3; ++k) square += (a.place[k] - b.place[k]) * (a.place[k] - b.place[k]);
-  return a.link != b.link || square > 0.01f;
+  return a.link != b.link || square > 0.04f;
 }
 /// Collects the cells of a trusted skin, patch by patch.
 class TrustCells {

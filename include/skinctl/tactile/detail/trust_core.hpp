@@ -75,7 +75,8 @@ class TrustCore {
         rest_(settings.rest),
         cell_(std::move(cell)),
         levels_(rows),
-        per_step_(static_cast<float>(settings.health.step / CellCounts::force_unit)) {
+        per_step_(static_cast<float>(settings.health.step / CellCounts::force_unit)),
+        talk_unit_(std::min(1.0f, static_cast<float>(Cross::most * settings.health.step / 3))) {
     require(fill.graph().size() == size(), "TrustedSkin: cells of the graph", double(fill.graph().size()),
             "those of the skin");
     for (std::size_t i = 0; i < size(); ++i) {
@@ -175,16 +176,15 @@ class TrustCore {
     follow(m, now);
     health_.scan(m.health, now, [&](std::size_t i) { return witness(m, i); }, s_.find_faults);
     if (!s_.find_faults) return;
-    const auto force = [&](std::size_t i) { return above(m, i); };
-    const auto sigma = [&](std::size_t i) { return health_.sigma(i); };
+    const auto force = [&](std::size_t i) { return talk_unit_ * above(m, i); };
+    const auto sigma = [&](std::size_t i) { return talk_unit_ * health_.sigma(i); };
     Cross::note(m.cross, now, force, sigma);
     const std::size_t found = Cross::look(
         m.cross, sigma,
         [&](std::size_t i) {
-          const HealthRow& row = m.health.row[i / 16];
-          if (s_.proximity && row.seen[i % 16] >= seconds<float>(s_.seen_for)) return 0.0f;
-          return static_cast<float>(s_.proximity && row.proximity[i % 16] < 0.05f ? s_.explained_far
-                                                                                  : s_.explained);
+          return static_cast<float>(s_.proximity && m.health.row[i / 16].proximity[i % 16] < 0.05f
+                                        ? s_.explained_far
+                                        : s_.explained);
         },
         [&](std::size_t i, std::size_t j) {
           return Health::mask(m.health, j) < 0.5f && apart(cell_[i], cell_[j]);
@@ -350,7 +350,7 @@ class TrustCore {
         const auto bit = static_cast<std::uint16_t>(1u << k);
         m.pushing[b] =
             static_cast<std::uint16_t>(c == CellCounts{} ? m.pushing[b] & ~bit : m.pushing[b] | bit);
-        if (row.still[k] < 0.02f) Cross::follow(m.cross, i, above(m, i));
+        if (row.still[k] < 0.02f) Cross::follow(m.cross, i, talk_unit_ * above(m, i));
       }
     }
     m.filled = {};
@@ -366,8 +366,9 @@ class TrustCore {
   }
 
   std::vector<RestLevelsRow> levels_;
-  std::vector<std::size_t> first_;                 ///< cell of each patch
-  float per_step_;                                 ///< counts in a step
+  std::vector<std::size_t> first_;  ///< cell of each patch
+  float per_step_;                  ///< counts in a step
+  float talk_unit_;  ///< units of cross-talk's products in a step: readings are below its `most`
   float low_force_ = 1e9f, low_proximity_ = 1e9f;  ///< below these no cell counts [steps], of 0 to 1
 };
 
