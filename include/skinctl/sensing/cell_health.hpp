@@ -81,7 +81,7 @@ struct MessageRecord {
 /// | stuck      | one force sensor sends n equal readings, n = 23 / -ln erf(1/(2 sqrt2 noise)): 1 in 1e10 by chance. At 0 only where its rest is above 4 noise + 1 step, at the top only without witness. Or `equal_messages` |
 /// | saturated  | a force sensor at its top for `saturated_for`, without witness (else it is an overload)      |
 /// | blinking   | jumps by max(12 sigma, 0.1 of the range) in 6 ms, no witness moving within 12 ms: more than 2.5, leaking over 1 s |
-/// | noisy      | squared second differences over 0.2 s, each capped at (16 sigma)^2: > 48 sigma^2, and uncapped > 1.5 times the squared first differences |
+/// | noisy      | squared second differences over 0.2 s where the force turns, each capped at (16 sigma)^2: > 40 sigma^2, and uncapped > 1.5 times the squared first differences |
 ///
 /// Cross-talk needs other cells: `detail/cross_talk.hpp`. A discharge is a matter of the rest level, a cell that is
 /// not heard one of its age. Masks fade in over `fade_in`, and out over `fade_out` after `hold` without finding.
@@ -255,7 +255,7 @@ class CellHealth {
     }
     if (s_.equal_messages > 0 && r.messages >= s_.equal_messages) found |= CellFault::stuck;
     if (row.top[k] >= seconds<float>(s_.saturated_for) && !witness.touched) found |= CellFault::saturated;
-    if (row.capped[k] > 48 && row.second[k] > 1.5f * row.first[k]) found |= CellFault::noisy;
+    if (row.capped[k] > 40 && row.second[k] > 1.5f * row.first[k]) found |= CellFault::noisy;
     if (row.jumps[k] > 2.5f) found |= CellFault::blinking;
     if (row.hold[k] == 0) r.faults = {};
     for (const CellFault f : {CellFault::stuck, CellFault::saturated, CellFault::blinking, CellFault::noisy})

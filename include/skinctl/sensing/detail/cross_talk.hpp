@@ -17,7 +17,7 @@ namespace detail {
 ///
 ///     S_aa - g S_ab - 2 n sigma^2 (1 + g^2) <= share (S_aa - 2 n sigma^2),
 ///
-/// where its own changes are 20 times its noise at least. It is found when the same cell explains it at every look for
+/// where its own changes are 6 times its noise at least. It is found when the same cell explains it at every look for
 /// more than half a second, so in two windows that have no change in common: fingers that close on something at
 /// once are alike for one. Time and memory are bounded: 32 products a pair.
 template <std::size_t Cells, std::size_t Slots = 128>
@@ -96,7 +96,7 @@ class CrossTalk {
     const std::size_t i = m.cell[a] - 1;
     const auto n = static_cast<float>(m.known[a]);
     const float noise = 2 * n * sigma(i) * sigma(i), own = static_cast<float>(m.energy[a]), left = share(i);
-    if (own < 20 * noise) return none;
+    if (own < 6 * noise) return none;
     const auto explains = [&](std::size_t b) {
       if (b == a || m.cell[b] == 0 || m.known[b] < m.known[a] || m.energy[b] <= m.energy[a]) return false;
       if (!apart(i, m.cell[b] - 1)) return false;

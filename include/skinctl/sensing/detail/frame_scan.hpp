@@ -57,8 +57,8 @@ struct HealthBits {
 /// Moves 16 cells on by one frame.
 ///
 /// Differences `d` of samples that follow each other and their differences `dd` are averaged over 0.2 s:
-/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>` in units of sigma^2. White noise gives 2, 6,
-/// 6. A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in
+/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>`, where the force
+/// turns, in units of sigma^2. White noise gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom. A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in
 /// 6 ms has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
 ///
 /// A force that rises by a jump in a single sample, and neither before nor after it by a tenth as much, does so as no
@@ -78,9 +78,10 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const L aa = a * a, bb = b * b, first = get(r.first), second = get(r.second), capped = get(r.capped);
     const L now_first = select(fresh, first + share * (aa - first), first);
     const L now_second = select(fresh, second + share * (bb - second), second);
-    const L now_capped = select(fresh, capped + share * (min(bb, L(256.0f)) - capped), capped);
-    // A fast rise is one jump, however many samples it takes.
-    const auto jumped = (size > get(c.jump) * slow) & !((before * d > zero) & (abs(before) > get(c.jump)));
+    const L now_capped = select(
+        fresh, capped + share * (select(a * before < zero, min(bb, L(256.0f)), zero) - capped), capped);
+    // What goes on as fast as before is a fast movement, and no jump.
+    const auto jumped = (size > get(c.jump) * slow) & (before * d < L(0.25f) * d * d);
     const auto steps = (d > get(c.jump) * slow) & (before < L(0.1f) * d);
     const auto moves_on = fresh & (before > get(c.jump)) &
                           ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
@@ -97,7 +98,7 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const L was = get(r.pending), pending = max(was - dt, zero);
     const L hold = max(get(r.hold) - dt, zero);
     const L mask = get(r.mask) + select(hold > zero, L(k.rise), L(-k.fall));
-    const auto noisy = (now_capped > L(48.0f)) & (now_second > L(1.5f) * now_first);
+    const auto noisy = (now_capped > L(40.0f)) & (now_second > L(1.5f) * now_first);
     const auto expired = (was > zero) & !(pending > zero);
     const auto look = jumped | expired | noisy | (top >= L(k.saturated)) | (hold > zero);
 

@@ -6,6 +6,7 @@
 
 #include "skinctl/sensing/detail/cross_talk.hpp"
 #include "skinctl/sensing/evidence.hpp"
+#include "skinctl/tactile/detail/room.hpp"
 #include "skinctl/tactile/detail/trust_cells.hpp"
 #include "skinctl/tactile/fill_in.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
@@ -13,23 +14,6 @@
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
-
-template <class S>
-inline constexpr std::size_t most_cells_of = [] {
-  if constexpr (requires { S::capacity; }) {
-    return S::capacity;
-  } else {
-    return S::cells;
-  }
-}();
-template <class S>
-inline constexpr std::size_t most_patches_of = [] {
-  if constexpr (requires { S::most_patches; }) {
-    return S::most_patches;
-  } else {
-    return S::patches;
-  }
-}();
 
 /// See `TrustedSkin`.
 template <class S>
@@ -75,6 +59,7 @@ class TrustCore {
         rest_(settings.rest),
         cell_(std::move(cell)),
         levels_(rows),
+        masked_(rows),
         per_step_(static_cast<float>(settings.health.step / CellCounts::force_unit)),
         talk_unit_(std::min(1.0f, static_cast<float>(Cross::most * settings.health.step / 3))) {
     require(fill.graph().size() == size(), "TrustedSkin: cells of the graph", double(fill.graph().size()),
@@ -88,6 +73,7 @@ class TrustCore {
       low_proximity_ =
           std::min(low_proximity_, static_cast<float>(cell_[i].proximity_gate.closes_below() - 1) / 65536.0f);
       if (cell_[i].patch >= first_.size()) first_.push_back(i);
+      if (cell_[i].masked) masked_[i / 16] = true;
     }
     first_.push_back(size());
   }
@@ -115,8 +101,8 @@ class TrustCore {
 
   [[nodiscard]] std::size_t size() const noexcept { return cell_.size(); }
   [[nodiscard]] auto near(std::size_t i) const noexcept { return fill_.graph().neighbours(i); }
-  [[nodiscard]] static bool counts(const Memory& m, std::size_t i) noexcept {
-    return m.skin.hears(i) && Health::mask(m.health, i) < 0.5f;
+  [[nodiscard]] bool counts(const Memory& m, std::size_t i) const noexcept {
+    return m.skin.hears(i) && Health::mask(m.health, i) < 0.5f && !cell_[i].masked;
   }
   /// What cell `i` would read after the gates, from its neighbours, in counts. What they count without a witness is
   /// not passed on: it would be more than their lone force.
@@ -131,16 +117,22 @@ class TrustCore {
         },
         [&](std::size_t n) { return counts(m, n); });
   }
+  /// How much of cell `i` is filled in, 0 to 1.
+  [[nodiscard]] double share_filled(const Memory& m, std::size_t i) const noexcept {
+    const bool heard = m.skin.hears(i) && !cell_[i].masked;
+    return heard ? double(quantised(Health::mask(m.health, i))) : 1.0;
+  }
   /// Calls `f(i, share)` for the cells that are filled in, wholly or in part: masked or silent ones.
   template <class F>
   void each_filled(const Memory& m, const F& f) const noexcept {
     for (std::size_t b = 0; 16 * b < size(); ++b) {
       bool whole = m.skin.hears_all_from(16 * b, 16 * b + 16 < size() ? 16 : size() - 16 * b);
       for (const float x : m.health.row[b].mask) whole = whole && !(x > 0);
+      whole = whole && !masked_[b];
       if (whole) continue;
       for (std::size_t k = 0; k < 16 && 16 * b + k < size(); ++k) {
-        const float share = m.skin.hears(16 * b + k) ? quantised(m.health.row[b].mask[k]) : 1.0f;
-        if (share > 0) f(16 * b + k, double(share));
+        const double share = share_filled(m, 16 * b + k);
+        if (share > 0) f(16 * b + k, share);
       }
     }
   }
@@ -253,7 +245,7 @@ class TrustCore {
   [[nodiscard]] CellCounts worth(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& row = m.health.row[i / 16];
     const std::size_t k = i % 16;
-    const float left = 1 - quantised(row.mask[k]);
+    const float left = cell_[i].masked ? 0 : 1 - quantised(row.mask[k]);
     const float f = above(m, i) * per_step_ + 0.5f, p = row.proximity[k] * 65536.0f + 0.5f;
     std::int32_t force = static_cast<std::int32_t>(f < 65535.0f ? f : 65535.0f);
     std::int32_t proximity = static_cast<std::int32_t>(p < 65535.0f ? p : 65535.0f);
@@ -299,7 +291,7 @@ class TrustCore {
     const HealthRow& row = m.health.row[i / 16];
     const std::size_t k = i % 16;
     const TrustCell& c = cell_[i];
-    if (!has_lone(i) || !(row.trust[k] < 1) || !(c.lone > 0)) return 0;
+    if (!has_lone(i) || !(row.trust[k] < 1) || !(c.lone > 0) || c.masked) return 0;
     const auto left = double(1 - quantised(row.mask[k]));
     const auto raw = [&](float x) {
       return static_cast<std::int32_t>(left * std::min(double(x) + 0.5, 65535.0));
@@ -366,6 +358,7 @@ class TrustCore {
   }
 
   std::vector<RestLevelsRow> levels_;
+  std::vector<bool> masked_;        ///< a cell of a row is, for good
   std::vector<std::size_t> first_;  ///< cell of each patch
   float per_step_;                  ///< counts in a step
   float talk_unit_;  ///< units of cross-talk's products in a step: readings are below its `most`
