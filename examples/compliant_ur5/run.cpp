@@ -56,7 +56,7 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
   if (!s.skin_faults.empty())
     config.controller.skin.faults = simulated_ur5::read_skin_faults(s.skin_faults, config.controller.cells);
   config.controller.powered = true;
-  config.ports = {0, 0, 0, 0};
+  config.ports = {0, 0, 0, 0, 0};
   config.speed = s.speed;
   config.skin_host = s.skin_address;
   if (boost::asio::ip::make_address(s.skin_address).is_unspecified()) config.skin_host = "127.0.0.1";
