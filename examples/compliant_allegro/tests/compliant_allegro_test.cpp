@@ -1,0 +1,3 @@
+// The hand's job against simulated hands.
+#include <doctest/doctest.h>
+TEST_CASE("x") {}
