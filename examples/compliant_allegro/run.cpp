@@ -121,7 +121,7 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
   const auto scene = make_scene(s, who.side, driver.scale(), driver.period(), driver.estimator().lag());
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const auto memory = std::make_unique<typename Scene::Memory>();
-  TactileSkin skin(driver);
+  TactileSkin skin(driver, false);
   const double seconds_of_cycle = seconds<double>(driver.period());
   const auto planned = static_cast<std::uint64_t>(s.duration / seconds_of_cycle);
   log.entries.reserve(planned);
@@ -139,6 +139,12 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
     if (std::string_view(g.name) == "open" && g.at > closes) opens = g.at;
   }
 
+  // The first joints of a left hand's fingers turn about the same axis, so a mirrored posture has them negated.
+  const auto goal_of = [&](std::size_t k) {
+    JointPosition<16> q(s.task[k].q);
+    for (std::size_t i = 0; i < 12 && who.side == Side::left; i += 4) q[i] = -q[i];
+    return q;
+  };
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory&) {
     if (first == 0ns) first = felt_at = input.now;
     const double t = seconds<double>(input.now - first);
@@ -150,7 +156,7 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
     }
     if (next_goal < s.task.size() && t >= s.task[next_goal].at) {
       input.has_goal = true;
-      input.goal.q_g = JointPosition<16>(s.task[next_goal].q);
+      input.goal.q_g = goal_of(next_goal);
       input.goal.duration = nanoseconds(s.task[next_goal].duration);
       ++next_goal;
     }
@@ -162,10 +168,10 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
     e.time = seconds<double>(input.now - first);
     e.status = out.status.bits();
     all |= out.status;
-    const auto& goal = s.task.empty() || next_goal == 0 ? PerJoint{} : s.task[next_goal - 1].q;
+    const auto goal = next_goal == 0 ? input.measured.q : goal_of(next_goal - 1);
     for (std::size_t i = 0; i < 16; ++i) {
       e.q[i] = static_cast<float>(input.measured.q[i]);
-      e.target[i] = next_goal == 0 ? e.q[i] : static_cast<float>(goal[i]);
+      e.target[i] = static_cast<float>(goal[i]);
       e.torque[i] = static_cast<float>(out.command.torque[i]);
       e.cell[i] = static_cast<float>(std::min(1.0, driver.condition().tactile[i] / 1020.0));
     }
@@ -240,11 +246,12 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
 }  // namespace
 
 void default_task(Settings& s) {
+  // Of a right hand: the outer fingers lean towards the middle one when they close.
   const PerJoint open = {0, 0.3, 0.3, 0.3, 0, 0.3, 0.3, 0.3, 0, 0.3, 0.3, 0.3, 0.9, 0.3, 0.3, 0.3};
-  const PerJoint closed = {0, 1.0, 0.9, 0.7, 0, 1.0, 0.9, 0.7, 0, 1.0, 0.9, 0.7, 1.3, 0.4, 0.7, 0.7};
+  const PerJoint closed = {-0.25, 1.0, 0.9, 0.7, 0, 1.0, 0.9, 0.7, 0.25, 1.0, 0.9, 0.7, 1.3, 0.4, 0.7, 0.7};
   s.task = {{0.2, open, 1.5, "open"}, {9, closed, 2, "close"}, {14, open, 1.5, "open"}};
-  s.plant.touches = {{.cell = 3, .start = 3, .duration = 1.5, .force = 1.2},
-                     {.cell = 10, .start = 6, .duration = 1.5, .force = 1.5}};
+  s.plant.touches = {{.cell = 3, .start = 3, .duration = 1.5, .force = 0.6},
+                     {.cell = 10, .start = 6, .duration = 1.5, .force = 0.8}};
   s.plant.ball = simulated_allegro::Ball{};
 }
 

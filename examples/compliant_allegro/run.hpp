@@ -35,9 +35,9 @@ struct Settings {
   unsigned hand = 0;          ///< its number on the bus
   double full_torque = 0.7;   ///< V4: at 1200 PWM [N m]
   double duration = 17;       ///< [s]
-  double stiffness = 0.5;     ///< of every joint [N m/rad]
+  double stiffness = 0.8;     ///< of every joint [N m/rad]
   double damping = 0.02;      ///< [N m s/rad]
-  double force_gain = 6;      ///< of the tactile cells [N] per unit of reading
+  double force_gain = 1.5;    ///< of the tactile cells [N] per unit of reading
   double threshold = 0.06;    ///< on the sum of a cell's three (equal) readings
   bool quiet = false;
   std::string report, json;  ///< files; empty: none

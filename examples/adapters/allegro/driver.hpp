@@ -157,13 +157,14 @@ class Driver {
   bool running_ = false, waited_ = false, halted_ = false;
 };
 
-/// The tactile cells of a V5 Sense as a `SkinSource`: samples with ids 0 to 15, all three force readings alike.
-/// Readings are uncalibrated; `full_scale` is the reading that counts as 1.
+/// The tactile cells of a V5 Sense as a `SkinSource`: samples with ids 0 (the palm) to 15, all three force readings
+/// alike. Readings are uncalibrated; `full_scale` is the reading that counts as 1.
 template <class HandDriver>
 class TactileSkin {
  public:
-  explicit TactileSkin(const HandDriver& driver, double full_scale = 1020)
-      : driver_(driver), scale_(1 / full_scale) {
+  /// @param palm  whether the scene has the palm's cell: a hand that is fixed to the world has not.
+  explicit TactileSkin(const HandDriver& driver, bool palm, double full_scale = 1020)
+      : driver_(driver), first_(palm ? 0 : 1), scale_(1 / full_scale) {
     skinctl::require(full_scale >= 1 && full_scale <= 65535, "full scale of tactile readings", full_scale,
                      "1 to 65 535");
   }
@@ -175,19 +176,15 @@ class TactileSkin {
       const auto f = static_cast<float>(std::min(1.0, c.tactile[i] * scale_));
       samples_[i] = {.time = c.tactile_stamp, .cell = static_cast<std::uint32_t>(i), .force = {f, f, f}};
     }
-    return samples_;
+    return std::span<const skinctl::CellSample>(samples_).subspan(first_);
   }
 
  private:
   const HandDriver& driver_;
+  std::size_t first_;
   double scale_;
   std::uint64_t last_ = 0;
   std::array<skinctl::CellSample, 16> samples_{};
-};
-
-/// A hand without tactile cells, or a run without them.
-struct NoTactile {
-  std::span<const skinctl::CellSample> poll() noexcept { return {}; }
 };
 
 }  // namespace adapters::allegro

@@ -201,17 +201,17 @@ TEST_CASE("Driver: torques reach the joints in N m, gears included, and are cut 
 TEST_CASE("Tactile cells: a touch shows on its cell only, over CAN and UDP, with a fresh stamp") {
   for (const bool udp : {false, true}) {
     auto c = quick(Generation::v5_sense);
-    c.plant.touches = {{.cell = 7, .start = 0.1, .duration = 5, .force = 2}};
+    c.plant.touches = {{.cell = 7, .start = 0.1, .duration = 5, .force = 0.5}};
     SimulatedHand hand(c);
     const auto run = [&](auto link) {
       Driver driver(std::move(link), options(Generation::v5_sense), patient);
-      TactileSkin skin(driver);
+      TactileSkin skin(driver, true);
       driver.connect();
       const auto state = hold(driver, skinctl::JointPosition<16>::constant(0.3), 100);
       const auto samples = skin.poll();
       REQUIRE(samples.size() == 16);
       for (const auto& s : samples) {
-        CHECK(s.force[0] == doctest::Approx(s.cell == 7 ? 0.1 : 0).epsilon(0.05));  // 2 of 20 N
+        CHECK(s.force[0] == doctest::Approx(s.cell == 7 ? 0.1 : 0).epsilon(0.05));  // 0.5 of 5 N
         CHECK(std::abs((s.time - state.time).count()) <= 3'000'000);
       }
       CHECK(skin.poll().empty());
