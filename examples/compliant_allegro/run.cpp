@@ -97,6 +97,24 @@ void measure(TouchSummary& t, const CellFinder& finder, const RunLog& log) {
   }
 }
 
+/// While the hand holds something, what its cells feel of that is no touch to give way to: readings count above
+/// `level` only.
+template <class Skin>
+struct GripSkin {
+  Skin skin;
+  float level = 0;
+  std::array<CellSample, 16> counted{};
+
+  std::span<const CellSample> poll() noexcept {
+    const auto samples = skin.poll();
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      counted[k] = samples[k];
+      for (float& f : counted[k].force) f = std::max(0.0F, f - level);
+    }
+    return {counted.data(), samples.size()};
+  }
+};
+
 template <class Link>
 Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
             simulated_allegro::SimulatedHand* simulated, RunLog& log) {
@@ -116,12 +134,15 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
   if (!s.quiet)
     std::printf("%s, serial %s%s, %.0f Hz\n", log.title.c_str(), who.serial.c_str(),
                 who.geared ? ", geared" : "", 1e3 / milliseconds(driver.period()));
+  // A second process that outlives a crash of this one.
+  std::optional<Guardian> guardian;
+  if (simulated == nullptr) guardian.emplace(driver.link().handle(), driver.link().last_words());
   if (!lock_step && !s.quiet) std::printf("%s", request_real_time().report.c_str());
 
   const auto scene = make_scene(s, who.side, driver.scale(), driver.period(), driver.estimator().lag());
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const auto memory = std::make_unique<typename Scene::Memory>();
-  TactileSkin skin(driver, false);
+  GripSkin<TactileSkin<Driver<Link>>> skin{TactileSkin(driver, false)};
   const double seconds_of_cycle = seconds<double>(driver.period());
   const auto planned = static_cast<std::uint64_t>(s.duration / seconds_of_cycle);
   log.entries.reserve(planned);
@@ -154,6 +175,8 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
       blind = true;
       return false;
     }
+    const double held = std::min({1.0, (t - closes) / 0.5, (opens + 1 - t) / 0.5});
+    skin.level = static_cast<float>(s.grip_level * std::max(0.0, held));
     if (next_goal < s.task.size() && t >= s.task[next_goal].at) {
       input.has_goal = true;
       input.goal.q_g = goal_of(next_goal);
@@ -213,6 +236,8 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
     log.squeeze[f] = squeeze[f] / double(squeezed);
     log.ball[f] = ball[f] / double(squeezed);
   }
+  if (s.generation != Generation::v5_sense)  // no cell, no stale sample
+    all = Status::from_bits(all.bits() & ~Status(Reason::sample_stale).bits());
   for (std::size_t r = 0; r < static_cast<std::size_t>(Reason::count); ++r)
     if (all.has(static_cast<Reason>(r)))
       log.status += (log.status.empty() ? "" : ", ") + std::string(name(static_cast<Reason>(r)));
@@ -220,9 +245,11 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
   log.touches = touches_of(s, log, closes, opens);
   for (TouchSummary& t : log.touches) measure(t, finder, log);
   if (simulated != nullptr) {
-    for (int k = 0; k < 300 && simulated->snapshot().servo; ++k)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    log.last = simulated->snapshot();
+    const auto acts = [&] {
+      log.last = simulated->snapshot();
+      return log.last.torque != PerJoint{} || (log.last.servo && s.generation != Generation::v5_sense);
+    };
+    for (int k = 0; k < 300 && acts(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   log.facts = {
       {"cycles", std::to_string(log.cycles)},

@@ -39,6 +39,7 @@ struct Settings {
   double damping = 0.02;      ///< [N m s/rad]
   double force_gain = 1.5;    ///< of the tactile cells [N] per unit of reading
   double threshold = 0.06;    ///< on the sum of a cell's three (equal) readings
+  double grip_level = 0.6;    ///< reading from which a cell counts while the hand holds something
   bool quiet = false;
   std::string report, json;  ///< files; empty: none
   std::vector<Goal> task;
@@ -78,7 +79,6 @@ struct RunLog {
   double median_us = 0, p99_us = 0, max_us = 0;
   std::uint64_t cycles = 0, silent = 0, missed = 0, incomplete = 0, duplicates = 0;
   std::string status;                ///< the reasons that occurred, in words
-  double servo_off_after = -1;       ///< simulated: from the fault, or the end, until the servo was off [s]
   simulated_allegro::Snapshot last;  ///< of the simulated hand, after the end
 };
 
