@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <boost/asio/ip/address.hpp>
-#include <cstring>
 
 #include "examples/adapters/ur5/program.hpp"
 #include "examples/compliant_ur5/skin.hpp"

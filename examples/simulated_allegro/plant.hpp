@@ -17,8 +17,8 @@ using Side = skinctl::allegro::Side;
 
 /// A ball in the frame of the hand that stays where it is.
 struct Ball {
-  std::array<double, 3> centre{0.06, 0.0, 0.04};  ///< [m]; of a left hand's y is mirrored
-  double radius = 0.03;                           ///< [m]
+  std::array<double, 3> centre{0.08, 0.0, 0.03};  ///< [m]; of a left hand's y is mirrored
+  double radius = 0.035;                          ///< [m]
   double stiffness = 1000;                        ///< [N/m]
   double damping = 2;                             ///< [N s/m]
 };
@@ -41,7 +41,7 @@ struct PlantConfig {
   Joints start{0, 0.2, 0.2, 0.2, 0, 0.2, 0.2, 0.2, 0, 0.2, 0.2, 0.2, 0.8, 0.2, 0.2, 0.2};  ///< [rad]
   std::optional<Ball> ball;
   std::vector<Touch> touches;
-  double newtons_of_full_scale = 20;  ///< force on a cell that reads 1020
+  double newtons_of_full_scale = 5;  ///< force on a cell that reads 1020
 };
 
 class Plant {

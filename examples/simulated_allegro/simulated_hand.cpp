@@ -94,7 +94,11 @@ void SimulatedHand::serve_can(Link link) {
         c.speed > 0 ? tick : Clock::now() + (waits() ? patience : Clock::duration(milliseconds(5)));
     while (!stop_ && !(c.speed == 0 && face.talks() && face.answered())) {
       const Read got = link.read(f, until);
-      if (got == Read::closed) return;
+      if (got == Read::closed) {
+        body_.advance(body_.plant().time() + 0.01);  // what came last still acts
+        show();
+        return;
+      }
       if (got == Read::nothing) break;
       const bool before = face.talks();
       face.take(f);

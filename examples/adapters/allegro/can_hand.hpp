@@ -1,7 +1,7 @@
 // An Allegro hand on a CAN bus: start-up, positions, torques, status; V4, V5 and V5 Sense.
 #pragma once
 
-#include "examples/adapters/allegro/can_link.hpp"
+#include "examples/adapters/allegro/guardian.hpp"
 #include "examples/adapters/allegro/hand.hpp"
 #include "examples/adapters/allegro/position_set.hpp"
 
@@ -89,7 +89,8 @@ class CanHand {
 
   [[nodiscard]] const Condition& condition() const noexcept { return condition_; }
   [[nodiscard]] const char* error() const noexcept { return error_; }
-  [[nodiscard]] Link& link() noexcept { return link_; }
+  [[nodiscard]] Guardian::Words last_words() const { return allegro::last_words(link_, options_.hand); }
+  [[nodiscard]] int handle() const noexcept { return link_.handle(); }
 
  private:
   using Clock = std::chrono::steady_clock;

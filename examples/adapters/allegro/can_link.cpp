@@ -87,7 +87,8 @@ Read FrameSocket::read(Frame& frame, Deadline deadline) noexcept {
     const auto n = ::recv(fd_.get(), &raw, sizeof raw, 0);
     if (n == 0) return Read::closed;
     if (n < 0) {
-      if (errno == EINTR) continue;
+      // A pair's other end that was closed with frames unread says so once; what it has sent is still there.
+      if (errno == EINTR || errno == ECONNRESET) continue;
       if (errno != EAGAIN && errno != EWOULDBLOCK) return Read::closed;
       if (!wait_for(fd_.get(), POLLIN, deadline)) return Read::nothing;
       continue;

@@ -48,6 +48,7 @@ class Driver {
   /// The start-up sequence; then the hand sends its positions.
   void connect() {
     error_.clear();
+    halted_ = false;
     who_ = link_.connect(hand_);
     running_ = true;
     scale_ = TorqueScale::of(hand_.generation, hand_.full_torque, who_.geared);
@@ -66,7 +67,10 @@ class Driver {
     const Heard heard =
         link_.next(reading_, hand_.stamps == Stamps::counted ? now + options_.give_up / 4 : now + patience);
     if (heard == Heard::lost) return fail(link_.error());
-    if (const char* why = unfit(); *why != 0) return fail(why);
+    if (const char* why = unfit(); *why != 0) {
+      halted_ = true;
+      return fail(why);
+    }
     if (heard == Heard::silent) {
       if (Clock::now() >= lost_at) return fail("no complete positions from the hand");
       waited_ = true;
@@ -99,6 +103,8 @@ class Driver {
     link_.off();
   }
 
+  /// Whether the hand itself is the reason, and not its link: its servo, temperature, motors.
+  [[nodiscard]] bool halted() const noexcept { return halted_; }
   /// Number of the newest sample, for `PacketWatch`.
   [[nodiscard]] std::uint32_t packet() const noexcept { return reading_.number; }
   /// Why the hand was lost; empty while it is there.
@@ -148,16 +154,17 @@ class Driver {
   skinctl::Status odd_;
   std::string error_ = std::string(80, ' ');  // its room is taken before the loop
   Clock::time_point last_state_{}, asked_{};
-  bool running_ = false, waited_ = false;
+  bool running_ = false, waited_ = false, halted_ = false;
 };
 
-/// The tactile cells of a V5 Sense as a `SkinSource`: samples with ids 0 to 15, all three force readings alike.
-/// Readings are uncalibrated; `full_scale` is the reading that counts as 1.
+/// The tactile cells of a V5 Sense as a `SkinSource`: samples with ids 0 (the palm) to 15, all three force readings
+/// alike. Readings are uncalibrated; `full_scale` is the reading that counts as 1.
 template <class HandDriver>
 class TactileSkin {
  public:
-  explicit TactileSkin(const HandDriver& driver, double full_scale = 1020)
-      : driver_(driver), scale_(1 / full_scale) {
+  /// @param palm  whether the scene has the palm's cell: a hand that is fixed to the world has not.
+  explicit TactileSkin(const HandDriver& driver, bool palm, double full_scale = 1020)
+      : driver_(driver), first_(palm ? 0 : 1), scale_(1 / full_scale) {
     skinctl::require(full_scale >= 1 && full_scale <= 65535, "full scale of tactile readings", full_scale,
                      "1 to 65 535");
   }
@@ -169,19 +176,15 @@ class TactileSkin {
       const auto f = static_cast<float>(std::min(1.0, c.tactile[i] * scale_));
       samples_[i] = {.time = c.tactile_stamp, .cell = static_cast<std::uint32_t>(i), .force = {f, f, f}};
     }
-    return samples_;
+    return std::span<const skinctl::CellSample>(samples_).subspan(first_);
   }
 
  private:
   const HandDriver& driver_;
+  std::size_t first_;
   double scale_;
   std::uint64_t last_ = 0;
   std::array<skinctl::CellSample, 16> samples_{};
-};
-
-/// A hand without tactile cells, or a run without them.
-struct NoTactile {
-  std::span<const skinctl::CellSample> poll() noexcept { return {}; }
 };
 
 }  // namespace adapters::allegro

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "examples/adapters/allegro/can_link.hpp"
-#include "examples/adapters/allegro/datagrams.hpp"
+#include "examples/adapters/allegro/guardian.hpp"
 #include "examples/adapters/allegro/hand.hpp"
 
 namespace adapters::allegro {
@@ -26,6 +26,8 @@ class UdpHand {
   /// Three times no torque: the protocol has no servo off.
   void off() noexcept;
 
+  [[nodiscard]] Guardian::Words last_words() const { return last_words_of_udp(); }
+  [[nodiscard]] int handle() const noexcept { return fd_.get(); }
   [[nodiscard]] const Condition& condition() const noexcept { return condition_; }
   [[nodiscard]] const char* error() const noexcept { return error_; }
 

@@ -2,9 +2,12 @@
 #include "examples/adapters/allegro/driver.hpp"
 
 #include <doctest/doctest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
-#include <functional>
+#include <optional>
 #include <stdexcept>
 
 #include "examples/adapters/allegro/limits.hpp"
@@ -174,6 +177,48 @@ TEST_CASE("Driver: a hand of the other side, of another number, and one that is 
   CHECK_THROWS_AS(Driver(CanHand(std::move(pair[0])), wrong, patient), skinctl::ConfigurationError);
 }
 
+TEST_CASE("Guardian: a program that is killed leaves no torque behind, on every link") {
+  for (const int kind : {0, 1, 2}) {
+    CAPTURE(kind);
+    auto c = quick(kind == 2 ? Generation::v5_sense : Generation::v4);
+    c.speed = 1;
+    SimulatedHand hand(c);
+    std::optional<FrameSocket> socket;
+    std::string terminal;
+    std::uint16_t port = 0;
+    if (kind == 0) socket.emplace(hand.pair());
+    if (kind == 1) terminal = hand.terminal();
+    if (kind == 2) port = hand.udp();
+    const auto drive = [&](auto link) {
+      HandOptions o;
+      o.generation = c.generation;
+      Driver driver(std::move(link), o, patient);
+      driver.connect();
+      const Guardian guardian(driver.link().handle(), driver.link().last_words());
+      skinctl::State<16> state;
+      const auto end = std::chrono::steady_clock::now() + 20s;
+      while (std::chrono::steady_clock::now() < end)
+        if (driver.wait(state) == Heard::state)
+          driver.send(command(skinctl::JointTorque<16>::constant(0.05)));
+    };
+    const pid_t child = ::fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+      if (kind == 0) drive(CanHand(std::move(*socket)));
+      if (kind == 1) drive(CanHand(SlcanLink::open(terminal)));
+      if (kind == 2) drive(UdpHand("127.0.0.1", port));
+      ::_exit(1);
+    }
+    for (int k = 0; k < 3000 && hand.snapshot().torque[1] < 0.03; ++k) std::this_thread::sleep_for(1ms);
+    CHECK(hand.snapshot().torque[1] > 0.03);
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    for (int k = 0; k < 500 && hand.snapshot().torque[1] != 0; ++k) std::this_thread::sleep_for(1ms);
+    CHECK(hand.snapshot().torque == simulated_allegro::Joints{});
+    if (kind != 2) CHECK_FALSE(hand.snapshot().servo);
+  }
+}
+
 TEST_CASE("Driver: torques reach the joints in N m, gears included, and are cut at the caps") {
   for (const bool geared : {false, true}) {
     auto c = quick(Generation::v5);
@@ -201,17 +246,17 @@ TEST_CASE("Driver: torques reach the joints in N m, gears included, and are cut 
 TEST_CASE("Tactile cells: a touch shows on its cell only, over CAN and UDP, with a fresh stamp") {
   for (const bool udp : {false, true}) {
     auto c = quick(Generation::v5_sense);
-    c.plant.touches = {{.cell = 7, .start = 0.1, .duration = 5, .force = 2}};
+    c.plant.touches = {{.cell = 7, .start = 0.1, .duration = 5, .force = 0.5}};
     SimulatedHand hand(c);
     const auto run = [&](auto link) {
       Driver driver(std::move(link), options(Generation::v5_sense), patient);
-      TactileSkin skin(driver);
+      TactileSkin skin(driver, true);
       driver.connect();
       const auto state = hold(driver, skinctl::JointPosition<16>::constant(0.3), 100);
       const auto samples = skin.poll();
       REQUIRE(samples.size() == 16);
       for (const auto& s : samples) {
-        CHECK(s.force[0] == doctest::Approx(s.cell == 7 ? 0.1 : 0).epsilon(0.05));  // 2 of 20 N
+        CHECK(s.force[0] == doctest::Approx(s.cell == 7 ? 0.1 : 0).epsilon(0.05));  // 0.5 of 5 N
         CHECK(std::abs((s.time - state.time).count()) <= 3'000'000);
       }
       CHECK(skin.poll().empty());
