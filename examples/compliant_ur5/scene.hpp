@@ -50,7 +50,7 @@ inline auto trusted_skin(const Settings& s) {
   trust.health.delta = 2;  // of the simulated cells, and of TUM's
   trust.answer = 0.05;     // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
   const auto patches = skin_patches(s);
-  return TrustedSkin(UrSkin(patches, settings), trust, patches);
+  return TrustedSkin(UrSkin(patches, settings), trust, FillIn(skin_graph(s, patches)), patches);
 }
 
 /// The robot's numbers, from the settings.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <boost/asio/ip/address.hpp>
-#include <cstring>
 
 #include "examples/adapters/ur5/program.hpp"
 #include "examples/compliant_ur5/skin.hpp"
@@ -24,7 +23,7 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
   if (!s.skin_faults.empty())
     config.controller.skin.faults = simulated_ur5::read_skin_faults(s.skin_faults, config.controller.cells);
   config.controller.powered = true;
-  std::memset(static_cast<void*>(&config.ports), 0, sizeof config.ports);  // any that are free
+  config.ports = {0, 0, 0, 0, 0};  // any that are free
   config.speed = s.speed;
   config.skin_host = s.skin_address;
   if (boost::asio::ip::make_address(s.skin_address).is_unspecified()) config.skin_host = "127.0.0.1";

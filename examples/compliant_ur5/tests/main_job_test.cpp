@@ -1,6 +1,7 @@
 // The main job as its users run it: in step with the simulation, in real time, and when things go wrong.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
@@ -199,12 +200,24 @@ TEST_CASE(
   REQUIRE(run(s, false, soft) == Outcome::fine);
   REQUIRE(soft.touches.size() == 1);
   CHECK(soft.touches[0].deflection > 0.02);
+  // Every tenth cell of the forearm is masked: its neighbours fill it in. All of them: the robot is blind there.
+  for (auto& patch : file.patches)
+    for (std::size_t c = 0; c < patch.cells.size(); c += 10)
+      if (patch.name == "forearm") patch.cells[c].masked = "as a test";
+  skinctl::write_skin_file(file, path.string());
+  REQUIRE(run(s, false, masked) == Outcome::fine);
+  CHECK(masked.peak_force < 1.3 * soft.peak_force);
   for (auto& patch : file.patches)
     for (auto& cell : patch.cells)
       if (patch.name == "forearm") cell.masked = "as a test";
   skinctl::write_skin_file(file, path.string());
-  REQUIRE(run(s, false, masked) == Outcome::fine);
-  CHECK(masked.peak_force > 3 * soft.peak_force);  // the arm does not give way there
+  RunLog blind;
+  CHECK(run(s, false, blind) == Outcome::blind);
+  file = shipped;
+  file.regions = {{"elbow", {file.patches[2].cells[0].id}, 1, 65, 0}};
+  skinctl::write_skin_file(file, path.string());
+  CHECK_THROWS_WITH_AS(static_cast<void>(run(s, false, blind)), doctest::Contains("force_limit = 65"),
+                       skinctl::ConfigurationError);
 
   RunLog log;
   file = shipped;
