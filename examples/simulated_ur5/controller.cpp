@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "examples/simulated_ur5/kinematics.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace simulated_ur5 {
@@ -12,6 +13,8 @@ namespace {
 constexpr Joints torque_constant = {12.5, 12.5, 12.5, 9, 9, 9};
 constexpr std::size_t most_pending = 64;
 constexpr double pause_deceleration = 4;
+/// A real controller stops when target and joints are about so far apart [rad]; here it is told, not acted on.
+constexpr double stopping_deviation = 0.6;
 
 std::array<double, 6> six(Vec3 a, Vec3 b) {
   return {a.x, a.y, a.z, b.x, b.y, b.z};
@@ -61,6 +64,8 @@ Controller::Controller(ControllerConfig config)
   }
   const Pose tool = forward_kinematics(arm_.q()).flange;
   tool_before_ = tool_before_that_ = tool.origin;
+  stop_for_safety_ = [this](const std::string& why) { protective_stop(why); };
+  if (!on_notice) on_notice = [](const Notice&) {};
   if (config_.scenario_at_boot) start_scenario();
   publish();
 }
@@ -148,7 +153,7 @@ void Controller::protective_stop(const std::string& why, std::int32_t code) {
   ++counters_.protective_stops;
   popup_ = true;
   arm_.stop(config_.arm.protective_deceleration);
-  if (phase_ == Phase::connecting || phase_ == Phase::streaming || phase_ == Phase::straight) {
+  if (phase_ == Phase::connecting || phase_ == Phase::streaming || phase_ == Phase::interpreted) {
     state_.runtime_state = RuntimeState::paused;
     pause_requested_ = false;
   }
@@ -189,6 +194,7 @@ bool Controller::play() {
     pause_requested_ = false;
     state_.runtime_state = RuntimeState::playing;
     deadline_ = 0;  // the read that was under way starts anew
+    if (machine_) machine_->begin_anew();
     watchdog_fed_at_ = now_;
     return true;
   }
@@ -211,33 +217,24 @@ bool Controller::stop_program() {
 }
 
 std::string Controller::run(const std::string& script) {
-  Program program = recognise(script, seconds(cycle()));
-  const std::string name = program.name.empty() ? "script" : program.name;
-  for (const std::string& w : program.warnings) say(name + ": " + w);
-  if (!program.error.empty()) {
-    say(name + " refused: " + program.error);
-    return program.error;
+  urscript::Code code;
+  const urscript::Problem problem = urscript::compile(script, version(), code);
+  const std::string name = code.name.empty() ? "script" : code.name;
+  if (!problem.text.empty()) {
+    tell_problem(problem);
+    say(name + " refused: " + problem.text);
+    return problem.text;
   }
-  if (program.secondary) {
-    for (const Statement& s : program.statements) {
-      const bool moves = s.kind == Statement::Kind::move || s.kind == Statement::Kind::speed ||
-                         s.kind == Statement::Kind::stop || s.kind == Statement::Kind::sleep ||
-                         s.kind == Statement::Kind::halt;
-      if (moves) {
-        say(name + ": secondary programs must not move or wait; skipped");
-        continue;
-      }
-      run_statement(s);
-    }
+  if (code.secondary) {
+    run_secondary(std::move(code));
     return {};
   }
-  if (state_.robot_mode != RobotMode::running) {
-    const std::string why = "the robot is not running: power on and release the brakes first";
-    say(name + " refused: " + why);
-    return why;
-  }
-  if (state_.safety_mode != SafetyMode::normal && state_.safety_mode != SafetyMode::reduced) {
-    const std::string why = "the robot is stopped for safety";
+  std::string why;
+  if (state_.robot_mode != RobotMode::running)
+    why = "the robot is not running: power on and release the brakes first";
+  else if (state_.safety_mode != SafetyMode::normal && state_.safety_mode != SafetyMode::reduced)
+    why = "the robot is stopped for safety";
+  if (!why.empty()) {
     say(name + " refused: " + why);
     return why;
   }
@@ -245,20 +242,68 @@ std::string Controller::run(const std::string& script) {
     end_program("replaced by " + name);
     finish_program();
   }
+  start(recognise(script, seconds(cycle())), std::move(code));
+  return {};
+}
+
+void Controller::start(Program program, urscript::Code code) {
   program_ = std::move(program);
+  program_.name = code.name;
   ++counters_.programs;
-  phase_ = program_.streams() ? Phase::connecting : Phase::straight;
+  phase_ = program_.streams() ? Phase::connecting : Phase::interpreted;
+  if (phase_ == Phase::interpreted) {
+    program_.watchdog.reset();
+    machine_.emplace(std::move(code));
+  }
   state_.runtime_state = RuntimeState::playing;
   pause_requested_ = false;
   connected_ = peer_gone_ = first_message_ = joining_ = ends_after_stop_ = false;
   mode_ = -1;
   deadline_ = 0;
   pending_.clear();
-  next_statement_ = 0;
-  waiting_ = false;
   watchdog_fed_at_ = now_;
+  state_.program_running = true;  // clients see it before the next cycle
   tell_program("PROGRAM_XXX_STARTED");
-  return {};
+}
+
+void Controller::tell_problem(const urscript::Problem& problem) {
+  Notice n{Notice::Kind::exception, problem.text};
+  n.line = problem.at.line;
+  n.column = problem.at.column;
+  tell(n);
+}
+
+urscript::Robot Controller::robot_of_program() {
+  return {arm_, state_,  sockets_,  program_.watchdog, line_,
+          now_, cycle(), version(), on_notice,         stop_for_safety_};
+}
+
+void Controller::run_secondary(urscript::Code code) {
+  const std::string name = code.name;
+  urscript::Machine machine(std::move(code));
+  urscript::Robot robot = robot_of_program();
+  machine.step(robot);
+  for (const std::string& function : machine.skipped())
+    say(name + ": " + function + ": secondary programs must not move or wait; skipped");
+  if (!machine.problem().text.empty()) tell_problem(machine.problem());
+}
+
+void Controller::run_interpreted() {
+  urscript::Robot robot = robot_of_program();
+  machine_->step(robot);
+  state_.script_line = static_cast<std::uint32_t>(machine_->line());
+  if (!scenario_runs_ && arm_.streamed()) start_scenario();
+  if (!machine_->ended()) return;
+  const urscript::Problem problem = machine_->problem();
+  if (!problem.text.empty()) tell_problem(problem);
+  end_program(problem.text.empty() ? "finished"
+                                   : "line " + std::to_string(problem.at.line) + ": " + problem.text);
+}
+
+bool Controller::has_command() const {
+  if (phase_ != Phase::interpreted) return !pending_.empty();
+  const auto socket = machine_->reads_from(8, sockets_);
+  return socket && socket->received.size() >= reverse_message_size;
 }
 
 const Program* Controller::wants_sockets() const {
@@ -289,6 +334,8 @@ void Controller::reverse_message(const ReverseMessage& message) {
 }
 
 bool Controller::awaits_command() const {
+  if (phase_ == Phase::interpreted)
+    return state_.runtime_state == RuntimeState::playing && machine_->reads_from(8, sockets_) != nullptr;
   const bool reads =
       phase_ == Phase::connecting || (phase_ == Phase::streaming && !(joining_ && ends_after_stop_));
   return reads && !peer_gone_ && state_.runtime_state == RuntimeState::playing;
@@ -300,6 +347,9 @@ void Controller::end_program(const std::string& why) {
   arm_.stop(state_.safety_mode == SafetyMode::protective_stop ? config_.arm.protective_deceleration
                                                               : program_.stop_deceleration);
   phase_ = Phase::stopping;
+  machine_.reset();
+  sockets_.close_all();
+  state_.control_mode = ControlMode::position;
   pending_.clear();
   state_.runtime_state = RuntimeState::stopping;
 }
@@ -307,7 +357,10 @@ void Controller::end_program(const std::string& why) {
 void Controller::finish_program() {
   if (phase_ != Phase::none) tell_program("PROGRAM_XXX_STOPPED");
   phase_ = Phase::none;
+  machine_.reset();
+  sockets_.close_all();
   program_ = Program{};
+  state_.program_running = false;
   state_.runtime_state = RuntimeState::stopped;
 }
 
@@ -385,87 +438,6 @@ void Controller::run_stream() {
   deadline_ = latest_.read_timeout_ms > 0 ? now_ + Nanoseconds{latest_.read_timeout_ms} * 1'000'000 : 0;
 }
 
-bool Controller::run_statement(const Statement& s) {
-  using Kind = Statement::Kind;
-  switch (s.kind) {
-    case Kind::stop:
-      if (!waiting_) arm_.stop(s.number);
-      return arm_.at_rest();
-    case Kind::move:
-      if (!waiting_) {
-        if (!arm_.at_rest()) {
-          arm_.stop(program_.stop_deceleration);
-          next_statement_ -= 1;  // come back to it at rest
-          wait_until_ = 0;
-          return true;
-        }
-        arm_.move(s.joints, s.acceleration, s.velocity, s.duration);
-        return false;
-      }
-      return !arm_.moving();
-    case Kind::speed:
-      if (!waiting_) {
-        arm_.speed(s.joints, s.acceleration);
-        wait_until_ = now_ + nanoseconds(std::clamp(s.duration, 0.0, 3600.0));
-        return false;
-      }
-      return now_ >= wait_until_;
-    case Kind::sleep:
-      if (!waiting_) {
-        wait_until_ = now_ + nanoseconds(s.number);
-        return false;
-      }
-      return now_ >= wait_until_;
-    case Kind::digital_output: {
-      const std::uint64_t bit = std::uint64_t{1} << s.index;
-      state_.digital_outputs = s.flag ? state_.digital_outputs | bit : state_.digital_outputs & ~bit;
-      return true;
-    }
-    case Kind::text:
-      say(s.text);
-      tell({Notice::Kind::text, s.text});
-      return true;
-    case Kind::popup:
-      popup_ = true;
-      say("Popup: " + s.text);
-      tell({Notice::Kind::popup, s.text});
-      return true;
-    case Kind::integer_register:
-      state_.outputs.integers[s.index] =
-          static_cast<std::int32_t>(std::clamp(s.number, -2147483648.0, 2147483647.0));
-      return true;
-    case Kind::double_register:
-      state_.outputs.doubles[s.index] = s.number;
-      return true;
-    case Kind::bit_register:
-      state_.outputs.bits[s.index] = s.flag;
-      return true;
-    case Kind::halt:
-      next_statement_ = program_.statements.size();
-      return true;
-  }
-  return true;
-}
-
-void Controller::run_straight() {
-  // Statements that take no time run at once, up to a bound per cycle.
-  for (int i = 0; i < 100; ++i) {
-    if (next_statement_ >= program_.statements.size()) {
-      end_program("finished");
-      return;
-    }
-    const std::size_t at = next_statement_++;
-    const bool done = run_statement(program_.statements[at]);
-    if (!done) {
-      waiting_ = true;
-      next_statement_ = at;
-      return;
-    }
-    waiting_ = false;
-    if (next_statement_ == at) return;  // it wants to come back
-  }
-}
-
 const std::string& Controller::watched_input() const {
   static const std::string none;
   return program_.watchdog ? program_.watchdog->variable : none;
@@ -473,7 +445,7 @@ const std::string& Controller::watched_input() const {
 
 void Controller::check_watchdog() {
   if (!program_.watchdog || state_.runtime_state != RuntimeState::playing) return;
-  if (phase_ != Phase::streaming && phase_ != Phase::straight) return;
+  if (phase_ != Phase::streaming && phase_ != Phase::interpreted) return;
   if (seconds(now_ - watchdog_fed_at_) * program_.watchdog->min_frequency <= 1) return;
   if (program_.watchdog->stops) {
     end_program("RTDE watchdog: " + program_.watchdog->variable + " was not written in time");
@@ -488,7 +460,6 @@ void Controller::run_program() {
     if (pause_requested_) {
       arm_.stop(pause_deceleration);
       pause_requested_ = false;
-      waiting_ = false;
     }
     if (arm_.at_rest()) state_.runtime_state = RuntimeState::paused;
     return;
@@ -499,8 +470,8 @@ void Controller::run_program() {
     case Phase::streaming:
       run_stream();
       break;
-    case Phase::straight:
-      run_straight();
+    case Phase::interpreted:
+      run_interpreted();
       break;
     case Phase::stopping:
       if (arm_.at_rest()) finish_program();
@@ -568,6 +539,7 @@ void Controller::step() {
 void Controller::publish() {
   RobotState& s = state_;
   s.timestamp = seconds(now_);
+  s.control_step = counters_.cycles;
   s.target_q = arm_.target_q();
   s.target_dq = arm_.target_dq();
   s.target_ddq = arm_.target_ddq();
@@ -579,17 +551,20 @@ void Controller::publish() {
   const Joints load = load_at(actual);
   for (std::size_t i = 0; i < joint_count; ++i) {
     s.target_current[i] = s.target_moment[i] / torque_constant[i];
-    s.actual_current[i] = s.power_on ? (held[i] - load[i]) / torque_constant[i] : 0;
+    s.torque[i] = !s.power_on ? 0 : arm_.under_torque() ? arm_.motor_torque()[i] : held[i] - load[i];
+    s.actual_current[i] = s.torque[i] / torque_constant[i];
     s.control_output[i] = s.power_on ? s.target_current[i] : 0;
     s.temperatures[i] = 28;
     s.joint_voltage[i] = s.power_on ? 48 : 0;
   }
-  const Vec3 tool = actual.flange.origin;
-  s.actual_tcp_pose = six(tool, rotation_vector(actual.flange));
-  s.target_tcp_pose = six(target.flange.origin, rotation_vector(target.flange));
+  const Pose offset = pose_of(s.tcp_offset), actual_tool = actual.flange * offset,
+             target_tool = target.flange * offset;
+  const Vec3 tool = actual_tool.origin;
+  s.actual_tcp_pose = six_of(actual_tool);
+  s.target_tcp_pose = six_of(target_tool);
   s.actual_tcp_speed =
       six(point_velocity(actual, 5, tool, s.actual_dq), angular_velocity(actual, 5, s.actual_dq));
-  s.target_tcp_speed = six(point_velocity(target, 5, target.flange.origin, s.target_dq),
+  s.target_tcp_speed = six(point_velocity(target, 5, target_tool.origin, s.target_dq),
                            angular_velocity(target, 5, s.target_dq));
   const Vec3 force = world_.force();
   s.actual_tcp_force = six(force, world_.moment_about(tool));
@@ -605,6 +580,13 @@ void Controller::publish() {
   s.elbow_velocity = point_velocity(actual, 1, s.elbow_position, s.actual_dq);
   s.momentum = 18.4 * norm(Vec3{s.actual_tcp_speed[0], s.actual_tcp_speed[1], s.actual_tcp_speed[2]}) / 3;
   s.execution_time = 0.2;
+  double deviation = 0;
+  for (std::size_t i = 0; i < joint_count; ++i)
+    deviation = std::max(deviation, std::abs(s.target_q[i] - s.actual_q[i]));
+  s.position_deviation = std::min(1.0, deviation / stopping_deviation);
+  s.collision = config_.protective_force > 0 ? std::min(1.0, s.tcp_force / config_.protective_force) : 0;
+  if (arm_.under_torque() || s.control_mode == ControlMode::torque)
+    s.control_mode = arm_.under_torque() ? ControlMode::torque : ControlMode::position;
   switch (s.robot_mode) {
     case RobotMode::running:
       s.joint_mode = 253;
