@@ -322,7 +322,7 @@ Program recognise(std::string_view text, double steptime) {
   };
   std::vector<Read> reads;
   int definitions = 0, evaluated = 0;
-  bool has_servo = false, has_speed = false, has_stop = false;
+  bool torques = false, has_servo = false, has_speed = false, has_stop = false;
 
   for (std::size_t i = 0; i < tokens.size(); ++i) {
     const Token& t = tokens[i];
@@ -347,6 +347,7 @@ Program recognise(std::string_view text, double steptime) {
     constexpr std::string_view told[] = {"socket_open", "socket_read_binary_integer", "servoj", "speedj",
                                          "stopj",       "rtde_set_watchdog"};
     const bool tells = std::find(std::begin(told), std::end(told), t.text) != std::end(told);
+    torques = torques || t.text == "direct_torque";
     // Each look spans a bounded stretch, and so do all of them.
     if (!tells || ++evaluated > most_evaluated) continue;
     const Call call = evaluate.call(i);
@@ -383,7 +384,7 @@ Program recognise(std::string_view text, double steptime) {
     if (const double* x = std::get_if<double>(&m->second); x && std::isfinite(*x) && *x > 0)
       out.multiplier = *x;
 
-  const bool streams = out.sockets.size() == 1 && !reads.empty() &&
+  const bool streams = out.sockets.size() == 1 && !reads.empty() && !torques &&
                        std::all_of(reads.begin(), reads.end(), [&](const Read& r) {
                          return r.socket == out.sockets[0].name && r.count == 8;
                        });

@@ -24,6 +24,11 @@ struct Token {
   std::string_view text;
   Place at;
 
+  /// For error texts.
+  std::string words() const {
+    if (kind == Kind::end) return "end_of_program";
+    return kind == Kind::line_end ? "end_of_line" : std::string(text.substr(0, 60));
+  }
   bool is(std::string_view s) const { return (kind == Kind::name || kind == Kind::sign) && text == s; }
 };
 
