@@ -207,6 +207,7 @@ class Resolver {
   template <class Pressed>
   SKINCTL_INLINE Status watch(Memory& m, const Pressed& pressed, const T& dt) const noexcept;
   SKINCTL_INLINE bool affords(const Memory& m, Velocity& v) const noexcept;
+  Torque weight(const Memory& m) const noexcept;
   template <class L, class Touch>
   Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
                   const State<joints, T>& state, const JointAcceleration<joints, T>& pull, const T& h,
