@@ -103,8 +103,8 @@ void tell(const AsItComes& c) {
 void print(const char* name, const AsItComesResult& r) {
   std::printf(
       "  %s: untouched %.4f rad (%.4f beyond), force %.1f N then %.1f N, goal %.4f, last speed %.4f, "
-      "furthest %.3f, consents %d:",
-      name, r.moved, r.beyond, r.early, r.late, r.goal_error, r.last_speed, r.outside, r.consents);
+      "furthest %.3f, alone %.3f, consents %d:",
+      name, r.moved, r.beyond, r.early, r.late, r.goal_error, r.last_speed, r.outside, r.alone, r.consents);
   r.reasons.for_each([](Reason reason) { std::printf(" [%s]", skinctl::name(reason)); });
   std::printf("\n");
 }

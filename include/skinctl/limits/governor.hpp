@@ -324,26 +324,18 @@ class Governor {
 /// A governor from its parts, in any order; `limits` are those of resolver and guard.
 template <std::size_t N, Real T, class... Parts>
 [[nodiscard]] auto make_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
-  using namespace detail;
   static_assert(sizeof...(Parts) > 0, "a governor without parts: leave it out of the cycle");
-  static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts> || MotionPart<Parts> ||
-                  WatchPart<Parts> || ClearancePart<Parts>) &&
-                 ...),
-                "a governor takes JerkLimits, ToolSpeed, ClearanceLimits, ContactLimits, MotionLimits and "
-                "CoverageLimits");
-  static_assert(((int(JerkPart<Parts>) + ... + 0) <= 1) && ((int(ToolPart<Parts>) + ... + 0) <= 1) &&
-                    ((int(ContactPart<Parts>) + ... + 0) <= 1) && ((int(WatchPart<Parts>) + ... + 0) <= 1) &&
-                    ((int(ClearancePart<Parts>) + ... + 0) <= 1),
-                "a governor takes each part once; contact limits of all links belong into one");
-  return [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch,
-             const auto& clearance) {
-    using std::remove_cvref_t;
-    return Governor<N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
-                    remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>,
-                    remove_cvref_t<decltype(watch)>, remove_cvref_t<decltype(clearance)>>(
-        limits, jerk, tool, contact, motion, watch, clearance);
-  }(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...), pick<IsMotion>(parts...),
-         pick<IsWatch>(parts...), pick<IsClearance>(parts...));
+  detail::check_parts<Parts...>();
+  return detail::with_parts(
+      [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch,
+          const auto& clearance) {
+        using std::remove_cvref_t;
+        return Governor<N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
+                        remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>,
+                        remove_cvref_t<decltype(watch)>, remove_cvref_t<decltype(clearance)>>(
+            limits, jerk, tool, contact, motion, watch, clearance);
+      },
+      parts...);
 }
 
 SKINCTL_END_NAMESPACE
