@@ -141,9 +141,11 @@ class GroupGovernor {
         const JointAngles<std::remove_cvref_t<decltype(motion_.model())>, T> angles(motion_.model(),
                                                                                     measured.q);
         mass = mass_matrix(motion_.model(), angles);
+        const auto bias = bias_torque(motion_.model(), angles, measured.dq);
+        const auto acted = Driven::of(last.torque);
+        motion_.observe(m.motion, mass, bias, measured, acted, dt);
         const auto kept =
-            motion_.within(m.motion, limits_, mass, bias_torque(motion_.model(), angles, measured.dq),
-                           measured, Driven::of(last.torque),
+            motion_.within(m.motion, limits_, mass, bias, measured, acted,
                            Driven::of(limits_.within(out.command.torque, measured.dq)), ahead, dt, rate);
         Driven::put(kept.u, u);
         out.status |= kept.status;
