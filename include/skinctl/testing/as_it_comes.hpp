@@ -29,7 +29,7 @@ struct AsItComesResult {
 struct AsItComesVerdict {
   static constexpr double late_bound = 1.5;
   double early_ratio = 0, late_ratio = 0;
-  bool moved, early, late, goal, away, silent = false;
+  bool moved, early, late, goal, away, led_further, silent = false;
 
   /// No harder than `late_bound` times its twin; while gaps are met and agreed to, in the first 10 s of guided
   /// motion, and while the arm is blocked: no harder than a rigid one.
@@ -42,7 +42,11 @@ struct AsItComesVerdict {
     early = r.early > std::max(rigid, late_bound * twin.early);
     late = late_ratio > late_bound && (c.scene != AsItComesScene::blocked || r.late > rigid);
     goal = r.goal_error > 0.01;
-    away = r.beyond > 0.1 || r.outside > twin.outside + 0.5 || !r.valid;
+    // Alone: further than the greatest lead of the virtual robot (0.36 rad for 60 ms) and a little coasting. A hand may
+    // lead an arm as far as it likes; it slides along a smooth finger, so twins part.
+    led_further = r.outside > twin.outside + 0.5;
+    away =
+        r.beyond > 0.1 || r.alone > 0.4 || (c.scene == AsItComesScene::held_goal && led_further) || !r.valid;
     const Status everyday =
         Status(Reason::sample_stale) | Reason::opposed | Reason::bumpless_transfer | Reason::goal_stretched;
     silent = !good() && (r.reasons.bits() & ~everyday.bits()) == 0;
