@@ -1,6 +1,7 @@
 // A whole cycle as one pure function: from measurements and samples to a command.
 #pragma once
 
+#include <cstring>
 #include <span>
 #include <type_traits>
 
@@ -183,8 +184,24 @@ class Cycle {
 
   /// The same in place, for the loop. No allocation, lock, exception or system call.
   template <class Watch = NoStopwatch>
-  Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
+  SKINCTL_NOINLINE Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
     return run(m, input, watch, detail::NoChange{});
+  }
+  /// A step that nobody sees, on a copy of `memory` in `scratch`, as if the next state came `after` later than
+  /// `input`: afterwards the processor has the next step's code and data at hand, which it loses while it waits for a
+  /// state. Nothing but `scratch` changes. Only a step with the same type of stopwatch runs the same code.
+  ///
+  /// A loop calls it shortly before a state is due: `run_loop` does, see `LoopOptions::warm`.
+  template <class Watch = NoStopwatch>
+  void warm(Memory& scratch, const Memory& memory, const Input& input, Nanoseconds after,
+            Watch&& watch = {}) const noexcept {
+    std::memcpy(static_cast<void*>(&scratch), &memory, sizeof memory);
+    Input next = input;
+    next.now += after;
+    next.measured.time += after;
+    next.request = CycleRequest::none;
+    next.has_goal = false;
+    static_cast<void>(step(scratch, next, watch));
   }
 
  private:
