@@ -54,7 +54,7 @@ struct Asked {
 ///   does not change. It ends when the robot is back with q^ and is no longer pushed in the blocked
 ///   direction, or after `retry`.
 /// - A robot that stands beside its commands by a gap that they do not explain is displaced: v is braked to
-///   zero and the law's memory does not change until `resume`, which takes the gap, up to 0.15 rad, off the
+///   zero and the law's memory does not change until `resume`, which takes the gap, up to `largest_gap`, off the
 ///   measurements.
 /// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory does not change.
 /// - `Keeper` names further parts that watch over energy and contacts: see `Passivity`.
@@ -124,7 +124,7 @@ class Resolver {
   }
   /// The same of a robot that was told to be at `told` and stands beside it (a servo that droops, encoders that
   /// are off): the first command is `told`, so that the robot does not step, and the gap is taken off the
-  /// measurements. More than 0.15 rad of one joint: the memory has not been started.
+  /// measurements. More than `largest_gap` of one joint: the memory has not been started.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured,
                                           const JointPosition<joints, T>& told) const noexcept
     requires(I == Interface::position)
