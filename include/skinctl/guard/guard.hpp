@@ -251,14 +251,14 @@ class Guard {
     const R most = a * R(T(dt * slack())) + T(4) * eps * limit;
     auto steps = (magnitude(u) > limit * wide) & (magnitude(u) > magnitude(u0));
     steps = steps | (magnitude(du) > most);
-    const R stop = u * u / (T(2) * a) / wide - T(16) * eps * (R(T(1)) + q);
+    const R stop = T(T(1) / slack()) * limits_.stopping_distance(u) - T(16) * eps * (R(T(1)) + q);
     const auto rushes = !(magnitude(u) <= magnitude(u0) - (T(2) * a * R(dt) - most));
     auto outside = rushes & (((u > zero) & (stop > above)) | ((u < zero) & (stop > below)));
     if constexpr (I == Interface::position) {
       // Within its acceleration limit, a joint reaches this far to both sides of the position of the mean
       // speed.
       const R moved = to - from, straight = R(T(T(0.5) * dt)) * (u0 + u);
-      const R aside = T(0.25) * (a * R(T(dt * dt * slack())) - du * du / a);
+      const R aside = T(0.25) * (a * R(T(dt * dt * slack()))) - T(0.5) * limits_.stopping_distance(du);
       steps = steps | (magnitude(moved - straight) > select(aside > zero, aside, zero) + rounding);
       outside =
           outside | ((above < -rounding) & (moved > rounding)) | ((below < -rounding) & (-moved > rounding));

@@ -254,6 +254,13 @@ class Row {
     });
   }
 
+  /// Calls `f(k)` for the index k of each block: for functions that write more than one row. Through references to
+  /// rows GCC would copy whole rows, and such a load waits for the stores of the blocks.
+  template <class F>
+  static SKINCTL_INLINE void each_block(F&& f) noexcept {
+    unrolled<Shape::blocks>(f);
+  }
+
   /// The blocks `f(0)`, `f(1)`, ...
   template <class F>
   static SKINCTL_INLINE Row made(F&& f) noexcept {

@@ -120,7 +120,7 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
     -> Resolved<joints, T, terms_of<L>> {
   if (!m.started || interval.substeps == 0) [[unlikely]] {
     m.odd = detail::odd_time_of(interval);
-    return {m.command, interval.status, {}, {}};
+    return {m.command, interval.status, {}};
   }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   std::array<Torque, terms_of<L>> shares{};
@@ -166,7 +166,7 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
     }
   }
   status |= virtual_.end(m, begun, torque);
-  return {m.command, status, shares, {}};
+  return {m.command, status, shares};
 }
 
 SKINCTL_RESOLVER
