@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -66,7 +68,7 @@ namespace detail {
 struct MessageRecord {
   std::array<std::uint16_t, 3> force{};  ///< in steps
   std::array<std::uint16_t, 3> equal{};  ///< so many times in a row
-  std::uint32_t message = 0;             ///< a hash of the other five numbers
+  std::uint32_t message = 0;             ///< a hash of all eight numbers
   std::uint16_t messages = 0;            ///< all eight equal for so many times in a row
   CellFaults faults;                     ///< found, while the mask is held
   bool known = false;                    ///< a sample has come
@@ -160,26 +162,29 @@ class CellHealth {
     detail::MessageRecord& r = m.record[i];
     detail::HealthRow& row = m.row[i / 16];
     const std::size_t k = i % 16;
-    std::uint32_t hash = std::bit_cast<std::uint32_t>(s.proximity);
-    for (const float x : s.acceleration) hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 0x9E3779B1u;
-    hash = (hash ^ std::bit_cast<std::uint32_t>(s.temperature)) * 0x85EBCA6Bu;
-    bool same = hash == r.message, suspect = false, top = false;
+    // All eight numbers lie side by side: see `CellSample`.
+    std::array<std::uint64_t, 4> words;
+    std::memcpy(words.data(), reinterpret_cast<const char*>(&s) + offsetof(CellSample, force), sizeof words);
+    std::uint64_t mixed = words[0] * 0x9E3779B97F4A7C15u;
+    for (std::size_t w = 1; w < 4; ++w) mixed = ((mixed ^ (mixed >> 32)) + words[w]) * 0xD6E8FEB86659FD93u;
+    const auto hash = static_cast<std::uint32_t>(mixed >> 32);
+    std::uint32_t suspect = 0, top = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto n = static_cast<std::uint16_t>(s.force[c] * per_step_ + 0.5f);
-      const bool equal = n == r.force[c] && r.known;
-      same = same && equal;
-      r.equal[c] = static_cast<std::uint16_t>(!equal ? 1 : r.equal[c] < 65534 ? r.equal[c] + 1 : r.equal[c]);
-      r.force[c] = n;
-      suspect = suspect || r.equal[c] >= cell_[i].equal;
-      top = top || n >= top_;
+      const auto n = static_cast<std::uint16_t>(static_cast<std::int32_t>(s.force[c] * per_step_ + 0.5f));
+      const std::uint32_t more = r.equal[c] < 65534u ? r.equal[c] + 1u : 65534u,
+                          equal = n == r.force[c] ? more : 1u;
+      r.equal[c] = static_cast<std::uint16_t>(equal), r.force[c] = n;
+      suspect |= equal >= cell_[i].equal ? 1u : 0u;
+      top |= n >= top_ ? 1u : 0u;
     }
-    r.message = hash;
-    r.messages = static_cast<std::uint16_t>(!same ? 1 : r.messages < 65534 ? r.messages + 1 : r.messages);
-    suspect = suspect || (s_.equal_messages > 0 && r.messages >= s_.equal_messages);
+    const std::uint32_t more = r.messages < 65534u ? r.messages + 1u : 65534u,
+                        messages = hash == r.message ? more : 1u;
+    r.message = hash, r.messages = static_cast<std::uint16_t>(messages);
+    suspect |= s_.equal_messages > 0 && messages >= s_.equal_messages ? 1u : 0u;
     const auto bit = static_cast<std::uint16_t>(1u << k);
     m.suspect[i / 16] =
-        static_cast<std::uint16_t>(suspect ? m.suspect[i / 16] | bit : m.suspect[i / 16] & ~bit);
-    row.force[k] = steps(s), row.proximity[k] = s.proximity, row.at_top[k] = top ? 1.0f : 0.0f;
+        static_cast<std::uint16_t>(suspect != 0 ? m.suspect[i / 16] | bit : m.suspect[i / 16] & ~bit);
+    row.force[k] = steps(s), row.proximity[k] = s.proximity, row.at_top[k] = static_cast<float>(top);
     row.fresh[k] = 1;
     // A message that repeats sees nothing, and the first one after a silence has no predecessor.
     if (s_.equal_messages > 0 && r.messages >= 3) row.seen[k] = 0;
@@ -189,9 +194,10 @@ class CellHealth {
   }
 
   /// Ends a frame at `until`. `witness(i) -> Witness` is asked for the few cells that are worth a look.
-  /// Without `judges` it keeps its statistics, and finds nothing.
+  /// Without `judges` it keeps its statistics, and finds nothing. The skin has `count` cells, up to `Cells`.
   template <class Ask>
-  void scan(Memory& m, Nanoseconds until, const Ask& witness, bool judges = true) const noexcept {
+  void scan(Memory& m, Nanoseconds until, const Ask& witness, bool judges = true,
+            std::size_t count = Cells) const noexcept {
     const bool begun = m.time != Nanoseconds::min() && until > m.time;
     const Nanoseconds dt = !begun ? 0ns : until - m.time < 1s ? until - m.time : Nanoseconds(1s);
     m.time = until;
@@ -201,12 +207,12 @@ class CellHealth {
     // What a cell that sends changes has not sent has not moved.
     if (s_.delta > 0) k.per_gap = 0;
     k.rise = k.dt / seconds<float>(s_.fade_in), k.fall = k.dt / seconds<float>(s_.fade_out);
-    for (std::size_t b = 0; b < rows; ++b) {
+    for (std::size_t b = 0; 16 * b < count; ++b) {
       const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k);
       if (!judges) continue;
       for (std::uint32_t look = bits.look | m.suspect[b]; look != 0; look &= look - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(look));
-        if (16 * b + lane < Cells)
+        if (16 * b + lane < count)
           judge(m, 16 * b + lane, ((bits.jumped >> lane) & 1u) != 0, ((bits.expired >> lane) & 1u) != 0,
                 witness);
       }

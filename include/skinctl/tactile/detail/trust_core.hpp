@@ -37,6 +37,7 @@ class TrustCore {
     std::array<float, patches>
         median{};  ///< of what the cells of a patch read above their rest levels [steps]
     Nanoseconds median_at = Nanoseconds::min();
+    std::uint32_t median_of = 0;              ///< the patch whose turn it is
     Nanoseconds newest = Nanoseconds::min();  ///< stamp of a sample
     float lone_share = 1;                     ///< of its lone force that each cell without witness has
     Touch filled{};                           ///< wrenches of the cells that are filled in
@@ -46,7 +47,8 @@ class TrustCore {
       };
       return a.skin == b.skin && a.health == b.health && bits(a.rest) == bits(b.rest) && a.cross == b.cross &&
              a.pushing == b.pushing && bits(a.median) == bits(b.median) && a.median_at == b.median_at &&
-             a.newest == b.newest && a.lone_share == b.lone_share && a.filled == b.filled;
+             a.median_of == b.median_of && a.newest == b.newest && a.lone_share == b.lone_share &&
+             a.filled == b.filled;
     }
   };
 
@@ -74,6 +76,8 @@ class TrustCore {
           std::min(low_proximity_, static_cast<float>(cell_[i].proximity_gate.closes_below() - 1) / 65536.0f);
       if (cell_[i].patch >= first_.size()) first_.push_back(i);
       if (cell_[i].masked) masked_[i / 16] = true;
+      if (i % 16 == 0) row_patch_.push_back(cell_[i].patch);
+      if (cell_[i].patch != row_patch_.back()) row_patch_.back() = patches;
     }
     first_.push_back(size());
   }
@@ -127,7 +131,9 @@ class TrustCore {
   void each_filled(const Memory& m, const F& f) const noexcept {
     for (std::size_t b = 0; 16 * b < size(); ++b) {
       bool whole = m.skin.hears_all_from(16 * b, 16 * b + 16 < size() ? 16 : size() - 16 * b);
-      for (const float x : m.health.row[b].mask) whole = whole && !(x > 0);
+      using L = Lane<float>;
+      for (std::size_t k = 0; k < 16; k += L::lanes)
+        whole = whole && !any(L::load(m.health.row[b].mask.data() + k) > L(0.0f));
       whole = whole && !masked_[b];
       if (whole) continue;
       for (std::size_t k = 0; k < 16 && 16 * b + k < size(); ++k) {
@@ -166,7 +172,7 @@ class TrustCore {
   /// Ends a frame: rest levels, statistics, faults.
   SKINCTL_NOINLINE void frame(Memory& m, Nanoseconds now) const noexcept {
     follow(m, now);
-    health_.scan(m.health, now, [&](std::size_t i) { return witness(m, i); }, s_.find_faults);
+    health_.scan(m.health, now, [&](std::size_t i) { return witness(m, i); }, s_.find_faults, size());
     if (!s_.find_faults) return;
     const auto force = [&](std::size_t i) { return talk_unit_ * above(m, i); };
     const auto sigma = [&](std::size_t i) { return talk_unit_ * health_.sigma(i); };
@@ -187,19 +193,26 @@ class TrustCore {
   void follow(Memory& m, Nanoseconds now) const noexcept {
     if (!s_.follow_rest || !(now > m.health.time)) return;
     const auto step = rest_.step<float>(now - m.health.time);
+    // A median takes its time: one patch a frame, each ten times a second.
     if (m.median_at == Nanoseconds::min() || now >= m.median_at) {
-      m.median_at = now + 100ms;
-      for (std::size_t k = 0; k + 1 < first_.size(); ++k)
-        m.median[k] = patch_median(m.rest.data(), first_[k], first_[k + 1] - first_[k]);
+      const std::size_t k = m.median_of;
+      m.median[k] = patch_median(m.rest.data(), first_[k], first_[k + 1] - first_[k]);
+      if (++m.median_of + 1u >= first_.size()) m.median_of = 0, m.median_at = now + 100ms;
     }
-    for (std::size_t b = 0; b < rows; ++b) {
+    using L = Lane<float>;
+    for (std::size_t b = 0; 16 * b < size(); ++b) {
       const HealthRow& row = m.health.row[b];
-      HealthRow::Row evidence{};
-      for (std::size_t k = 0; k < 16; ++k) {
-        const std::size_t i = 16 * b + k;
-        const float r = m.rest[b].above[k];
-        if (s_.proximity) evidence[k] = proximity_evidence(row.proximity[k]);
-        if (i < size()) evidence[k] += median_evidence(r, m.median[cell_[i].patch]);
+      HealthRow::Row median, evidence;
+      if (row_patch_[b] < patches) {
+        median.fill(m.median[row_patch_[b]]);
+      } else {
+        for (std::size_t k = 0; k < 16; ++k)
+          median[k] = 16 * b + k < size() ? m.median[cell_[16 * b + k].patch] : 0.0f;
+      }
+      for (std::size_t k = 0; k < 16; k += L::lanes) {
+        L sum = median_evidence(L::load(m.rest[b].above + k), L::load(median.data() + k));
+        if (s_.proximity) sum += proximity_evidence(L::load(row.proximity.data() + k));
+        sum.store(evidence.data() + k);
       }
       RestLevel::scan(m.rest[b], row.last.data(), row.force.data(), evidence.data(), levels_[b], step);
     }
@@ -304,13 +317,16 @@ class TrustCore {
   /// joint no more than one alone may.
   void trust(Memory& m) const noexcept {
     double all = 0;
-    for (std::size_t b = 0; b < rows; ++b) {
+    for (std::size_t b = 0; 16 * b < size(); ++b) {
       HealthRow& row = m.health.row[b];
       std::uint32_t active = m.pushing[b];
-      for (std::size_t k = 0; k < 16; ++k)
-        active |= row.force[k] - m.rest[b].whole[k] > low_force_ || row.proximity[k] > low_proximity_
-                      ? 1u << k
-                      : 0u;
+      using L = Lane<float>;
+      for (std::size_t k = 0; k < 16; k += L::lanes) {
+        const auto on = (L::load(row.force.data() + k) - L::load(m.rest[b].whole + k) > L(low_force_)) |
+                        (L::load(row.proximity.data() + k) > L(low_proximity_));
+        if (!any(on)) continue;
+        for (std::size_t lane = 0; lane < L::lanes; ++lane) active |= on[lane] ? 1u << (k + lane) : 0u;
+      }
       m.pushing[b] = static_cast<std::uint16_t>(active);
       for (std::uint32_t rest = active; rest != 0; rest &= rest - 1) {
         const auto k = static_cast<std::size_t>(std::countr_zero(rest));
@@ -331,7 +347,7 @@ class TrustCore {
   template <class Revise>
   void settle(Memory& m, const Revise& revise) const noexcept {
     trust(m);
-    for (std::size_t b = 0; b < rows; ++b) {
+    for (std::size_t b = 0; 16 * b < size(); ++b) {
       const HealthRow& row = m.health.row[b];
       for (std::uint32_t rest = m.pushing[b]; rest != 0; rest &= rest - 1) {
         const auto k = static_cast<std::size_t>(std::countr_zero(rest));
@@ -358,9 +374,10 @@ class TrustCore {
   }
 
   std::vector<RestLevelsRow> levels_;
-  std::vector<bool> masked_;        ///< a cell of a row is, for good
-  std::vector<std::size_t> first_;  ///< cell of each patch
-  float per_step_;                  ///< counts in a step
+  std::vector<std::size_t> row_patch_;  ///< the patch of all cells of a row; `patches`: of several
+  std::vector<bool> masked_;            ///< a cell of a row is, for good
+  std::vector<std::size_t> first_;      ///< cell of each patch
+  float per_step_;                      ///< counts in a step
   float talk_unit_;  ///< units of cross-talk's products in a step: readings are below its `most`
   float low_force_ = 1e9f, low_proximity_ = 1e9f;  ///< below these no cell counts [steps], of 0 to 1
 };
