@@ -62,6 +62,7 @@ class TrustCore {
         cell_(std::move(cell)),
         levels_(rows),
         masked_(rows),
+        lone_(rows),
         per_step_(static_cast<float>(settings.health.step / CellCounts::force_unit)),
         talk_unit_(std::min(1.0f, static_cast<float>(Cross::most * settings.health.step / 3))) {
     require(fill.graph().size() == size(), "TrustedSkin: cells of the graph", double(fill.graph().size()),
@@ -76,6 +77,8 @@ class TrustCore {
           std::min(low_proximity_, static_cast<float>(cell_[i].proximity_gate.closes_below() - 1) / 65536.0f);
       if (cell_[i].patch >= first_.size()) first_.push_back(i);
       if (cell_[i].masked) masked_[i / 16] = true;
+      const bool lone = cell_[i].lone < std::numeric_limits<double>::infinity();
+      lone_[i / 16] = static_cast<std::uint16_t>(lone_[i / 16] | (lone ? 1u << (i % 16) : 0u));
       if (i % 16 == 0) row_patch_.push_back(cell_[i].patch);
       if (cell_[i].patch != row_patch_.back()) row_patch_.back() = patches;
     }
@@ -251,7 +254,7 @@ class TrustCore {
   }
 
   [[nodiscard]] SKINCTL_INLINE bool has_lone(std::size_t i) const noexcept {
-    return cell_[i].lone < std::numeric_limits<double>::infinity();
+    return ((lone_[i / 16] >> (i % 16)) & 1u) != 0;
   }
   /// What the newest sample of cell `i` counts: above its rest level, less its mask, and at most its part of the lone
   /// force as far as it is not witnessed.
@@ -280,14 +283,14 @@ class TrustCore {
     return {static_cast<std::uint16_t>(force), static_cast<std::uint16_t>(proximity)};
   }
 
-  [[nodiscard]] bool is_trusted(const Memory& m, std::size_t i) const noexcept {
-    return m.health.row[i / 16].trust[i % 16] > 0.5f ||
-           !(cell_[i].lone < std::numeric_limits<double>::infinity());
+  [[nodiscard]] SKINCTL_INLINE bool is_trusted(const Memory& m, std::size_t i) const noexcept {
+    return m.health.row[i / 16].trust[i % 16] > 0.5f || !has_lone(i);
   }
   /// The reading that leaves what is held as it is. A cell that is not trusted changes within the interval, by
   /// `settle`: the impulse of a sample that came late would be more than its lone force.
   [[nodiscard]] CellCounts as_held(const Memory& m, std::size_t i) const noexcept {
     const CellCounts c = skin_.held(m.skin, i);
+    if (c == CellCounts{}) return c;
     const auto raw = [](std::int32_t held, const EventGate<std::int32_t>& gate) {
       return static_cast<std::uint16_t>(held > 0 ? held + gate.subtract() : 0);
     };
@@ -376,6 +379,7 @@ class TrustCore {
   std::vector<RestLevelsRow> levels_;
   std::vector<std::size_t> row_patch_;  ///< the patch of all cells of a row; `patches`: of several
   std::vector<bool> masked_;            ///< a cell of a row is, for good
+  std::vector<std::uint16_t> lone_;     ///< cells with a lone force that is a limit
   std::vector<std::size_t> first_;      ///< cell of each patch
   float per_step_;                      ///< counts in a step
   float talk_unit_;  ///< units of cross-talk's products in a step: readings are below its `most`
