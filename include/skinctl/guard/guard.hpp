@@ -90,7 +90,7 @@ class Guard {
       : limits_(robot.limits),
         period_(robot.period),
         longest_(robot.longest()),
-        stale_after_(c.stale_after.value_or(25 * robot.period)),
+        stale_after_(c.stale_after.value_or(robot.period < 400ms ? 25 * robot.period : Nanoseconds(10s))),
         settings_(c),
         lead_(c.lead),
         torque_rate_(c.torque_rate),

@@ -77,6 +77,11 @@ struct RobotConfiguration {
   [[nodiscard]] constexpr Nanoseconds longest() const noexcept {
     return longest_interval.value_or(5 * period);
   }
+  /// After how long without a state the robot brakes: `stale_after`, or five times T, 10 s at most.
+  [[nodiscard]] constexpr Nanoseconds stale() const noexcept {
+    const Nanoseconds usual = 5 * total_delay();
+    return stale_after.value_or(usual < Nanoseconds(10s) ? usual : Nanoseconds(10s));
+  }
   /// e_max [rad].
   [[nodiscard]] JointPosition<N, T> largest_lead() const noexcept {
     JointPosition<N, T> e;
@@ -121,8 +126,7 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(c.retry > 0ns && c.retry <= 3600s, "retry", seconds<double>(c.retry), "> 0, <= 3600 s");
   require(c.longest() >= c.period && c.longest() <= 1s + 10 * c.period, "longest interval", ms(c.longest()),
           ">= period, <= 1 s + 10 periods, in ms");
-  const Nanoseconds stale = c.stale_after.value_or(5 * total);
-  require(stale >= c.period && stale <= 10s, "stale after", ms(stale), ">= period, <= 10 000 ms");
+  require(c.stale() >= c.period && c.stale() <= 10s, "stale after", ms(c.stale()), ">= period, <= 10 000 ms");
   require(c.virtual_damping >= T(0) && c.virtual_damping <= T(1e4), "virtual damping",
           number(c.virtual_damping), "0 to 1e4 1/s");
   const JointPosition<N, T> band = c.tolerance_of_lag(), lead = c.largest_lead();

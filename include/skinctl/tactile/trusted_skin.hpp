@@ -1,6 +1,8 @@
 // A skin whose faulty cells do not move the robot.
 #pragma once
 
+#include <algorithm>
+
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/trust_core.hpp"
 

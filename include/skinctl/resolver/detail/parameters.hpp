@@ -47,7 +47,7 @@ struct ResolverParameters {
     settle = T(10) * total_delay;
     forgets = settle / (settle + seconds<T>(c.period));
     fresh_for = c.total_delay() + period / 2;
-    stale_after = c.stale_after.value_or(5 * c.total_delay());
+    stale_after = c.stale();
     const T w = c.observer.value_or(T(0.3) / total_delay);
     L1 = T(2) * w;
     L2 = w * w;

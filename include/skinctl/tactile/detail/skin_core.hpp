@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/cell_place.hpp"
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
