@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
 #include <optional>
 #include <stdexcept>
 
@@ -201,6 +202,7 @@ TEST_CASE("Guardian: a program that is killed leaves no torque behind, on every 
         if (driver.wait(state) == Heard::state)
           driver.send(command(skinctl::JointTorque<16>::constant(0.05)));
     };
+    std::fflush(nullptr);
     const pid_t child = ::fork();
     REQUIRE(child >= 0);
     if (child == 0) {
