@@ -11,6 +11,7 @@
 
 using namespace skinctl;
 using namespace skinctl::testing;
+using skinctl::SensorNoise;
 
 namespace {
 
