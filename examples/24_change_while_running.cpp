@@ -7,6 +7,8 @@
 //   drawn  deflection of joint 1, and its torque, with the changes of configuration and without
 //
 // The arm holds its pose. The payload is there from 1 s to 3 s; a hand pushes at 4 s and at 6 s.
+#include <algorithm>
+
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/recording.hpp"

@@ -200,7 +200,7 @@ int main(int argc, char** argv) {
       std::printf("| %s | %d |\n", skinctl::describe(static_cast<Reason>(k)), by_reason[k]);
   if (!bad.empty()) {
     std::printf("\nnot as promised (%zu):", bad.size());
-    for (std::size_t k = 0; k < bad.size() && k < 100; ++k)
+    for (std::size_t k = 0; k < bad.size() && k < 1000; ++k)
       std::printf("%s %s", k > 0 ? ";" : "", bad[k].c_str());
     std::printf("\n");
   }

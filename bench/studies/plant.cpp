@@ -2,6 +2,7 @@
 // `plant [folder for pictures]`: the felt admittance, contacts with walls, the stiffest contact predicted and
 // simulated, peak forces with and without skinctl.
 #include <Eigen/LU>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>

@@ -8,6 +8,7 @@
 // period of rate invariance is lost between them, and a whole one more in the place of a cycle that did not
 // come (2.4 rad/s times 8 ms: 0.8 % of the travel here), whoever computes the commands. The half period can
 // be made up for by commanding as far ahead (`lead`): the last column.
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <sstream>

@@ -2,6 +2,7 @@
 // are given. 8160 cells on six links; samples late, ahead, stale, swapped, damaged, of unknown cells; silences
 // after which cells fade, end and are heard again. The exact sums are taken in 128-bit integers from what every
 // cell holds; gains make one count 1 N, so that nothing is rounded on the way.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>

@@ -1,6 +1,7 @@
 // The seven faults of a skin's cells against a trusted skin: torque, time to find, false masks, motion.
 //
 //   skin_faults [runs of each kind, 3]
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 

@@ -1,6 +1,7 @@
 // Which virtual mass and damping rest in which contact: `stability_map [folder for pictures]`. One mass with
 // friction, position commands, delay; then simulated and predicted k_max of a UR5 at 40 poses.
 #include <Eigen/LU>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <random>

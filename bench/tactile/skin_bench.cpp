@@ -1,4 +1,5 @@
 // What one sample costs a skin that keeps its sums event by event, and what a cycle costs in which none came.
+#include <algorithm>
 #include <memory>
 #include <random>
 #include <vector>

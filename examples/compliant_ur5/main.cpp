@@ -1,26 +1,22 @@
 // The main job: a stiff UR5 covered with skin gives way where it is touched, and goes back to its task.
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "examples/adapters/socket.hpp"
+#include "examples/compliant_ur5/endings.hpp"
 #include "examples/compliant_ur5/report.hpp"
 #include "examples/compliant_ur5/run.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace {
 
-std::atomic<bool> stop_asked = false;
-static_assert(std::atomic<bool>::is_always_lock_free);
-void on_signal(int) {
-  stop_asked = true;
-}
-
 void write_json(const compliant_ur5::RunLog& log, const std::string& path) {
   nlohmann::ordered_json out;
   out["title"] = log.title;
+  out["ending"] = log.ending;
+  out["words"] = log.words;
   out["peak_force"] = log.peak_force;
   out["rigid_peak_force"] = log.rigid_peak_force;
   for (const auto& f : log.scenario) out["scenario"][f.name] = f.value;
@@ -46,10 +42,12 @@ int run(int argc, char** argv) {
   s.scenario = COMPLIANT_UR5_SCENARIO;
   s.report = "compliant_ur5.html";
   std::string interface = "position", robot, picture;
+  bool simulate = false, endings = false;
   CLI::App app(
       "A position- or velocity-commanded UR5 with skin gives way to touch and goes back to its task.");
-  app.add_option("--robot", robot,
-                 "host of a real UR5; without it a simulated one is started in this process");
+  auto* host = app.add_option("--robot", robot,
+                              "host of a real UR5; without it a simulated one is started in this process");
+  app.add_flag("--simulate", simulate, "a simulated UR5 in this process (the default)")->excludes(host);
   app.add_option("--skin", s.skin, "skin file (JSON): cells, gains; without it 260 generated cells")
       ->check(CLI::ExistingFile);
   app.add_option("--skin-address", s.skin_address,
@@ -89,26 +87,41 @@ int run(int argc, char** argv) {
   app.add_option("--rtde-port", s.rtde_port);
   app.add_option("--script-port", s.script_port);
   app.add_option("--dashboard-port", s.dashboard_port);
+  app.add_option("--rest-port", s.rest_port, "of PolyScope X, which has no dashboard");
+  app.add_option("--reverse-port", s.reverse_port,
+                 "of this computer, where the robot's program connects (0: any)");
+  app.add_option("--told-port", s.told_port,
+                 "that the robot is told instead, where it is forwarded to this computer");
+  app.add_flag("--unlock", s.unlock,
+               "your consent to release a protective stop before the start: look at the arm first");
+  app.add_option(
+      "--network-delay", s.network_delay,
+      "to the robot and back, beyond one cycle [s]; without it measured before the start (replays need it)");
+  app.add_flag("--endings", endings, "print how a run can end, as a table, and leave");
+  app.footer(examples::job::exit_help());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : static_cast<int>(compliant_ur5::Outcome::refused);
+  }
+  if (endings) {
+    std::fputs(compliant_ur5::endings_as_markdown().c_str(), stdout);
+    return 0;
   }
   if (!robot.empty()) s.robot = robot;
   s.interface = interface == "position" ? skinctl::Interface::position : skinctl::Interface::velocity;
   compliant_ur5::read_scenario(s.scenario, s);
   if (!s.replay.empty()) return static_cast<int>(compliant_ur5::replay(s));
 
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
+  const examples::job::StopSignals signals;
   compliant_ur5::RunLog log;
-  auto outcome = compliant_ur5::run(s, stop_asked, log);
+  auto outcome = compliant_ur5::run(s, signals.asked(), log);
   if (outcome == compliant_ur5::Outcome::fine && s.compare && !s.rigid && !s.robot && s.speed == 0) {
     compliant_ur5::Settings rigid = s;
     rigid.rigid = rigid.quiet = true;
     rigid.record.clear();
     compliant_ur5::RunLog stiff;
-    const auto other = compliant_ur5::run(rigid, stop_asked, stiff);
+    const auto other = compliant_ur5::run(rigid, signals.asked(), stiff);
     if (other == compliant_ur5::Outcome::fine) {
       log.rigid_peak_force = stiff.peak_force;
       if (!s.quiet && log.peak_force > 0)

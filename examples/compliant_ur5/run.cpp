@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <optional>
 
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/ur5/driver.hpp"
+#include "examples/adapters/ur5/round_trip.hpp"
+#include "examples/compliant_ur5/endings.hpp"
+#include "examples/compliant_ur5/following_judge.hpp"
 #include "examples/compliant_ur5/scene.hpp"
+#include "examples/compliant_ur5/simulation.hpp"
+#include "examples/compliant_ur5/skin_session.hpp"
+#include "examples/compliant_ur5/summary.hpp"
 #include "examples/compliant_ur5/touch_observer.hpp"
-#include "examples/simulated_ur5/scenario.hpp"
-#include "examples/simulated_ur5/skin_faults.hpp"
 #include "skinctl/cycle/recording.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
@@ -22,88 +25,6 @@ namespace compliant_ur5 {
 namespace {
 
 using namespace skinctl;
-
-std::string text(const char* format, double value) {
-  char out[64];
-  std::snprintf(out, sizeof out, format, value);
-  return out;
-}
-
-/// The newest session of the skin that earlier runs heard, beside its key: a recording of it is refused.
-std::string session_file(const std::string& key) {
-  return key + ".session";
-}
-std::uint64_t read_session(const std::string& key) {
-  std::ifstream in(session_file(key));
-  std::uint64_t session = 0;
-  if (in && !(in >> session)) refuse("skinctl: " + session_file(key) + ": no whole number");
-  return session;
-}
-void write_session(const std::string& key, std::uint64_t session) {
-  std::ofstream out(session_file(key));
-  out << session << '\n' << std::flush;
-  if (!out) std::fprintf(stderr, "compliant_ur5: cannot write %s\n", session_file(key).c_str());
-}
-
-/// The simulated robot of a scenario, started and waiting.
-std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s, std::uint16_t skin_port,
-                                                              const std::optional<adapters::skin::Key>& key,
-                                                              RunLog& log) {
-  simulated_ur5::Config config;
-  simulated_ur5::read_scenario(s.scenario, config);
-  config.controller.series = s.rate > 125 ? simulated_ur5::Series::e_series : simulated_ur5::Series::cb3;
-  config.controller.cells = simulated_cells(skin_patches(s));
-  if (!s.skin_faults.empty())
-    config.controller.skin.faults = simulated_ur5::read_skin_faults(s.skin_faults, config.controller.cells);
-  config.controller.powered = true;
-  config.ports = {0, 0, 0, 0};
-  config.speed = s.speed;
-  config.skin_host = s.skin_address;
-  if (boost::asio::ip::make_address(s.skin_address).is_unspecified()) config.skin_host = "127.0.0.1";
-  config.skin_port = skin_port;
-  if (key) {
-    const std::uint64_t session = adapters::skin::session_now();
-    config.seal = [key = *key, session](std::span<std::uint8_t> bytes, std::size_t size) {
-      return adapters::skin::seal(bytes, size, session, key);
-    };
-  }
-  if (!s.touch_profile.empty()) {
-    // One recorded press on the forearm, and again on the upper arm.
-    const auto profile = simulated_ur5::read_profile_file(s.touch_profile);
-    std::vector<simulated_ur5::Touch> touches;
-    double start = 2;
-    for (const std::uint32_t cell : {145u, 250u}) {
-      simulated_ur5::Touch touch;
-      if (!config.controller.touches.empty()) touch = config.controller.touches.front();
-      touch.name = s.touch_profile;
-      touch.cell = std::min<std::uint32_t>(cell, cells - 20);
-      touch.start = start;
-      touch.profile = profile;
-      touches.push_back(touch);
-      start += touch.duration() + 6;
-    }
-    config.controller.touches = std::move(touches);
-  }
-  simulated_ur5::check(config);
-  double stiffness = 0, travel = 1e9, speed = 0;
-  for (const auto& t : config.controller.touches) {
-    stiffness = std::max(stiffness, t.stiffness);
-    travel = std::min(travel, t.travel);
-    speed = std::max(speed, t.approach_speed);
-  }
-  const auto& arm = config.controller.arm;
-  log.scenario = {{"touches of the whole scenario", std::to_string(config.controller.touches.size())},
-                  {"stiffness of finger and skin", text("%.0f N/m", stiffness)},
-                  {"approach speed", text("%.3f m/s", speed)},
-                  {"travel beyond the surface", text("%.1f mm", 1000 * travel)},
-                  {"robot's delay", text("%.1f ms", 1000 * arm.delay)},
-                  {"robot's lag", text("%.1f ms", 1000 * arm.lag)}};
-  if (s.interface == Interface::position)
-    log.scenario.push_back({"lookahead of servoj", text("%.1f ms", 1000 * adapters::ur5::servoj_lookahead)});
-  auto robot = std::make_unique<simulated_ur5::SimulatedUr5>(std::move(config));
-  robot->start();
-  return robot;
-}
 
 /// How many cells report, in words.
 std::string in_words(const Coverage& c) {
@@ -141,55 +62,22 @@ struct Largest {
   double step_velocity = 0, step_acceleration = 0;  ///< in units of their limits
 };
 
-template <class C>
-void fill_times(const LoopReport<C>& report, RunLog& log) {
-  const auto add = [&](const char* stage, const Histogram& h) {
-    const auto us = [&](Nanoseconds t) { return 1e3 * milliseconds(t); };
-    log.times.push_back(
-        {stage, us(h.percentile(0.5)), us(h.percentile(0.99)), us(h.percentile(0.999)), us(h.max())});
-  };
-  for (std::size_t i = 0; i < stage_count; ++i) add(name(static_cast<CycleStage>(i)), report.stages[i]);
-  add("whole cycle", report.whole);
-}
-
-/// The median time of the run's slowest cycle [us] when it is run again and again, with nothing in between.
-template <class C>
-double repeated_median(const C& cycle, const LoopReport<C>& report, unsigned times) {
-  const auto memory = std::make_unique<typename C::Memory>();
-  std::vector<double> us;
-  us.reserve(times);
-  for (unsigned k = 0; k < times; ++k) {
-    *memory = report.worst->memory;
-    Stopwatch watch;
-    static_cast<void>(cycle.step(*memory, report.worst->input, watch));
-    us.push_back(1e3 * milliseconds(watch.total()));
-  }
-  std::nth_element(us.begin(), us.begin() + times / 2, us.end());
-  return us[times / 2];
-}
-
-void print(const Settings& s, const RunLog& log) {
-  if (s.quiet) return;
-  std::printf("\r%78s\r", "");
-  for (const Fact& f : log.scenario) std::printf("  %-34s %s\n", f.name.c_str(), f.value.c_str());
-  std::printf("\n  touch   at [s]  link  cell  peak [N]  gave way [mm]  after [ms]  return error [mm]\n");
-  int k = 0;
-  for (const TouchSummary& t : log.touches) {
-    char after[16] = "never";
-    if (t.give_way >= 0) std::snprintf(after, sizeof after, "%.0f", 1000 * t.give_way);
-    std::printf("  %5d %8.2f %5d %5u %9.1f %14.1f %11s %18.2f\n", ++k, t.start, t.link, t.cell,
-                t.true_peak_force >= 0 ? t.true_peak_force : t.peak_force, 1000 * t.deflection, after,
-                1000 * t.return_error);
-  }
-  std::printf("\n  time of a cycle [us]     median      p99    p99.9      max\n");
-  for (const StageTimes& t : log.times)
-    std::printf("  %-20s %10.2f %8.2f %8.2f %8.2f\n", t.stage.c_str(), t.median, t.p99, t.p999, t.max);
-  std::printf("\n");
-  for (const Fact& f : log.result) std::printf("  %-34s %s\n", f.name.c_str(), f.value.c_str());
+/// What the way to the robot and back takes beyond one cycle, which the declared delay has in it [s].
+double network_delay(const Settings& s, RunLog& log) {
+  if (!s.robot || s.network_delay >= 0) return std::max(s.network_delay, 0.0);
+  const auto trip = adapters::ur5::measure_round_trip(*s.robot, s.rtde_port, s.rate, 25);
+  const double beyond = std::max(0.0, seconds<double>(trip.controller_median) - 1 / s.rate);
+  log.scenario.push_back(
+      {"round trip to the controller, median", text("%.2f ms", milliseconds(trip.median))});
+  log.scenario.push_back({"beyond one cycle, declared as delay", text("%.1f ms", 1000 * beyond)});
+  return beyond;
 }
 
 template <Interface I>
-Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) {
+Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& log) {
+  Settings s = given;
+  s.network_delay = network_delay(s, log);
+  s.control.delay += s.network_delay;
   const auto scene = make_watched_scene<I>(s);
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const Nanoseconds period = nanoseconds(1 / s.rate);
@@ -209,6 +97,11 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   config.rtde_port = s.rtde_port;
   config.script_port = s.script_port;
   config.dashboard_port = s.dashboard_port;
+  config.rest_port = s.rest_port;
+  config.reverse_port = s.reverse_port;
+  config.told_port = s.told_port;
+  config.unlock = s.unlock;
+  config.real_time = s.robot || s.speed == 1;
   if (s.robot) {
     config.host = *s.robot;
   } else {
@@ -223,7 +116,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   driver.connect();
   if (!s.quiet) {
     std::printf("connected to %s, controller %s, %.0f Hz, %s\n",
-                s.robot ? s.robot->c_str() : "the simulated UR5", driver.controller().c_str(), s.rate,
+                s.robot ? s.robot->c_str() : "the simulated UR5", driver.controller().text().c_str(), s.rate,
                 I == Interface::position ? "position" : "velocity");
     if (s.speed != 0 || s.robot) std::printf("%s", request_real_time().report.c_str());
   }
@@ -235,8 +128,9 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   Recording<Scene> recording(s.record.empty() ? 4096 : planned * 2048 + (std::size_t(64) << 20));
 
   const auto limit = limits(s);
-  std::string reason;
-  bool blind = false;  // the reason is that the skin does not feel
+  Ending ending = Ending::finished;
+  std::string detail;  // of the ending
+  FollowingJudge<6> judge(configuration<I>(s));
   Nanoseconds first{}, braking_since{};
   std::size_t next_goal = 0;
   Largest largest;
@@ -245,6 +139,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   Status all, last_status;
   bool recording_started = false;
 
+  examples::job::Progress progress(s.quiet);
   SkinOnRobotClock skin{receiver, driver};
   RecordedDriver robot{driver};
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
@@ -261,18 +156,22 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
     }
     // The scene stops by itself where too little of the skin reports; the job ends then, and says why.
     // What others send to the skin's port is dropped, and so is what the skin itself garbles: then it is silent.
-    if (reason.empty()) {
+    if (ending == Ending::finished) {
       const auto cells_in_words = [&] { return in_words(scene.skin().coverage(m.skin)) + " cells report"; };
       if (!m.governor.watch.heard && t > s.control.skin_patience) {
-        reason = "the skin was never heard: " + cells_in_words();
-        blind = true;
+        ending = Ending::skin_unheard;
+        detail = cells_in_words();
       } else if (last_status.has(Reason::skin_stopped)) {
-        reason = (receiver.silent_for(input.now) > 100ms ? "the skin has fallen silent: "
-                                                         : "the skin is blind, though its sender lives: ") +
-                 cells_in_words();
-        blind = true;
+        ending = receiver.silent_for(input.now) > 100ms ? Ending::skin_silent : Ending::skin_deaf;
+        detail = cells_in_words();
+      } else if (const auto joint = judge.stuck_joint(); joint != 0) {
+        ending = Ending::stuck;
+        detail = "joint " + std::to_string(joint);
+      } else if (judge.late()) {
+        ending = Ending::late;
+        detail = text("by %.0f ms", 1e3 * judge.following().lag);
       }
-      if (!reason.empty()) {
+      if (ending != Ending::finished) {
         input.request = CycleRequest::stop;
         braking_since = input.now;
       }
@@ -293,6 +192,8 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
     const auto& reach = std::get<0>(scene.law().laws());
     const auto target = reach.reference(Scene::law_type::template memory<0>(memory->law)).q_d;
     observer.cycle(t, input.samples, input.measured.q, target);
+    const double passed = last_time == 0ns ? 0 : seconds<double>(input.now - last_time);
+    judge.cycle(t, passed, memory->robot, out.status, observer.force());
     all |= out.status;
     last_status = out.status;
     LogEntry entry;
@@ -319,11 +220,9 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
     last_time = out.command.time;
     if (log.entries.size() < log.entries.capacity()) log.entries.push_back(entry);
     if (!s.record.empty()) recording.add(input, out.command);
-    if (!s.quiet && log.entries.size() % static_cast<std::size_t>(s.rate) == 0) {
-      std::printf("\r%5.0f s  force %5.1f N  deflection %6.3f rad  touches %zu ", t, observer.force(),
-                  entry.deflection, observer.touches().size());
-      std::fflush(stdout);
-    }
+    if (progress.due(t))
+      progress.show("%5.0f s  force %5.1f N  deflection %6.3f rad  touches %zu", t, observer.force(),
+                    entry.deflection, observer.touches().size());
   };
 
   LoopOptions options;
@@ -331,6 +230,7 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   options.period = period;
   options.stop = &stop;
   const auto report = run_loop(scene, *memory, robot, skin, options, before, after);
+  progress.clear();
 
   if (key && receiver.session() > last_session) write_session(s.skin_key, receiver.session());
   // The robot comes to rest by its own program; the simulation knows what its fingers felt.
@@ -373,6 +273,10 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
       {"allocations in the loop", std::to_string(allocations)},
       {"fastest command", text("%.1f %% of its limit", 100 * largest.step_velocity)},
       {"largest command step", text("%.1f %% of its limit", 100 * largest.step_acceleration)},
+      {"lag beyond the declared one", judge.following().lag_deviation < judge.uncertain
+                                          ? text("%.1f ms", 1e3 * judge.following().lag)
+                                          : "not known"},
+      {"states repeated or out of order", std::to_string(driver.stood())},
       {"cells that report", in_words(scene.skin().coverage(memory->skin))},
       {"skin datagrams lost", std::to_string(receiver.statistics().lost)},
       {"stray skin datagrams", std::to_string(receiver.statistics().stray())},
@@ -384,23 +288,28 @@ Outcome run_with(const Settings& s, const std::atomic<bool>& stop, RunLog& log) 
   print(s, log);
   if (!s.record.empty()) recording.save(s.record);
 
-  if (report.ended == LoopEnd::displaced) reason = "the arm stands too far from where it was told to be";
-  if (report.ended == LoopEnd::lost || report.ended == LoopEnd::no_state) reason = driver.error();
-  if (!reason.empty()) {
-    std::fprintf(stderr, "\nstopped: %s; the robot was told to stop\n", reason.c_str());
-    return blind ? Outcome::blind : Outcome::lost;
-  }
-  if (report.ended == LoopEnd::interrupted) return Outcome::interrupted;
-  if (report.cycles > 0 && !memory->governor.watch.heard) {
-    std::fprintf(stderr, "\nthe skin was never heard: the arm did not move\n");
-    return Outcome::blind;
+  if (report.ended == LoopEnd::displaced) ending = Ending::displaced;
+  if (report.ended == LoopEnd::interrupted) ending = Ending::interrupted;
+  if (ending == Ending::finished && report.ended == LoopEnd::finished && !memory->governor.watch.heard) {
+    ending = Ending::skin_unheard;
+    detail = "the arm did not move";
   }
   const double slack = 1 + 1e-9;
-  if (allocations != 0 || largest.step_velocity > slack || largest.step_acceleration > slack) {
-    std::fprintf(stderr, "\na promise was broken: see the figures above\n");
-    return Outcome::broken;
+  const bool kept = allocations == 0 && largest.step_velocity <= slack && largest.step_acceleration <= slack;
+  if (ending == Ending::finished && report.ended == LoopEnd::finished && !kept) ending = Ending::broken;
+  Outcome outcome = row(ending).exit;
+  if (report.ended == LoopEnd::lost || report.ended == LoopEnd::no_state) {
+    log.ending = adapters::ur5::row(driver.fault()).name;
+    log.words = driver.error();
+    outcome = adapters::ur5::row(driver.fault()).exit;
+  } else {
+    log.ending = row(ending).name;
+    log.words = row(ending).words + (detail.empty() ? "" : ": " + detail);
   }
-  return Outcome::fine;
+  if (outcome != Outcome::fine)
+    std::fprintf(stderr, "\n%s: %s (exit code %d: %s)\n", ending == Ending::broken ? "failed" : "stopped",
+                 log.words.c_str(), examples::job::code(outcome), examples::job::words(outcome));
+  return outcome;
 }
 
 template <Interface I>

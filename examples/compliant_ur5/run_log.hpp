@@ -58,6 +58,7 @@ struct CycleParts {
 
 struct RunLog {
   std::string title;                  ///< what ran: robot, interface, rate
+  std::string ending, words;          ///< why it ended: name of its row in endings.hpp, and in words
   std::array<std::string, 3> laws{};  ///< names of the shares
   std::vector<Fact> scenario;         ///< stiffness, speed, travel, delay ...
   std::vector<Fact> result;           ///< cycles, missed deadlines, allocations, limits ...

@@ -50,28 +50,35 @@ inline auto trusted_skin(const Settings& s) {
   trust.health.delta = 2;  // of the simulated cells, and of TUM's
   trust.answer = 0.05;     // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
   const auto patches = skin_patches(s);
-  return TrustedSkin(UrSkin(patches, settings), trust, patches);
+  return TrustedSkin(UrSkin(patches, settings), trust, FillIn(skin_graph(s, patches)), patches);
+}
+
+/// The robot's numbers, from the settings.
+template <skinctl::Interface I>
+skinctl::RobotConfiguration<6> configuration(const Settings& s) {
+  using namespace skinctl;
+  // The two lags of servoj in a row are declared as one.
+  const double ahead = I == Interface::position ? adapters::ur5::servoj_lookahead : 0;
+  return {.limits = limits(s),
+          .period = nanoseconds(1 / s.rate),
+          .delay = nanoseconds(s.control.delay),
+          .lag = nanoseconds(s.control.lag + ahead),
+          .virtual_damping = s.control.decay,
+          .viscous_friction = JointTorque<6>(s.control.viscous),
+          .dead_band = JointPosition<6>::constant(0.02)};
 }
 
 /// From skin and state to commands for `I`: every number of it comes from the settings.
 template <skinctl::Interface I>
 auto make_scene(const Settings& s) {
   using namespace skinctl;
-  // The two lags of servoj in a row are declared as one.
-  const double ahead = I == Interface::position ? adapters::ur5::servoj_lookahead : 0;
-  const RobotConfiguration<6> configuration{.limits = limits(s),
-                                            .period = nanoseconds(1 / s.rate),
-                                            .delay = nanoseconds(s.control.delay),
-                                            .lag = nanoseconds(s.control.lag + ahead),
-                                            .virtual_damping = s.control.decay,
-                                            .viscous_friction = JointTorque<6>(s.control.viscous),
-                                            .dead_band = JointPosition<6>::constant(0.02)};
+  const auto robot = configuration<I>(s);
   const auto skin = trusted_skin(s);
   const StiffestContact stiffest{
       .stiffness = s.control.stiffest_contact, .newtons = s.newtons_per_reading, .may_ring = true};
-  const double damping = stiffest.damping(robot_by<I>(ur5::Model{}, configuration), skin);
+  const double damping = stiffest.damping(robot_by<I>(ur5::Model{}, robot), skin);
   const auto arm =
-      robot_by<I>(ur5::Model{}, configuration, ContactDamper<>({.max = damping, .calm = 200ms}), stiffest);
+      robot_by<I>(ur5::Model{}, robot, ContactDamper<>({.max = damping, .calm = 200ms}), stiffest);
   return Cycle(arm, skin, SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
 }
 

@@ -63,7 +63,11 @@ struct Settings {
   bool compare = true;           ///< simulated: run the scenario rigid as well
   bool quiet = false;
   std::string record, replay, report, json;  ///< files; empty: none
-  std::uint16_t rtde_port = 30004, script_port = 30002, dashboard_port = 29999;
+  std::uint16_t rtde_port = 30004, script_port = 30002, dashboard_port = 29999, rest_port = 80;
+  std::uint16_t reverse_port = 0;   ///< of this computer, where the robot's program connects; 0: any
+  std::uint16_t told_port = 0;      ///< that the robot is told, where it is forwarded here; 0: the same
+  bool unlock = false;              ///< a protective stop may be released while connecting
+  double network_delay = -1;        ///< to the robot and back, beyond one cycle [s]; negative: measured
   double duration = 60;             ///< [s], from the scenario
   double newtons_per_reading = 20;  ///< of the skin, from the scenario's [skin]
   double rest_reading = 0.004;      ///< of each force sensor, likewise

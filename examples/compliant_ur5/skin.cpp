@@ -13,6 +13,10 @@ std::vector<SkinPatch> skin_patches(const Settings& s) {
   std::vector<SkinPatch> out;
   if (!s.skin.empty()) {
     const SkinFile file = read_skin_file(s.skin);
+    for (const SkinFile::Region& region : file.regions)
+      require(!(region.force_limit < std::numeric_limits<double>::infinity()),
+              ("region \"" + region.name + "\" of " + s.skin + ": force_limit").c_str(), region.force_limit,
+              "none: this job has no limits of regions, see ContactSkin");
     out = skinctl::skin_patches(file, place_skin<ur5::Ros2Links>(file));
   } else {
     const auto add = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
@@ -28,6 +32,12 @@ std::vector<SkinPatch> skin_patches(const Settings& s) {
     for (SkinCell& cell : patch.cells) cell.gains.reset();
   }
   return out;
+}
+
+CellGraph skin_graph(const Settings& s, const std::vector<SkinPatch>& patches) {
+  if (s.skin.empty()) return CellGraph(UrSkin(patches).places());
+  const SkinFile file = read_skin_file(s.skin);
+  return cell_graph(file, place_skin<ur5::Ros2Links>(file));
 }
 
 std::vector<ObservedCell> observed_cells(const std::vector<SkinPatch>& patches) {

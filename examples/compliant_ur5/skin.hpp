@@ -7,6 +7,7 @@
 #include "examples/compliant_ur5/touch_observer.hpp"
 #include "examples/simulated_ur5/skin.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 
 namespace compliant_ur5 {
@@ -18,6 +19,9 @@ using UrSkin = skinctl::SkinOf<skinctl::ur5::Model, double, most_cells>;
 /// The patches of `ur5_skin<260>` with the gains of the settings, or those of the file `Settings::skin`. On a
 /// rigid arm all gains are 0. Throws `skinctl::ConfigurationError`.
 std::vector<skinctl::SkinPatch> skin_patches(const Settings& settings);
+
+/// Which of these cells are neighbours: as the file says, else those near by.
+skinctl::CellGraph skin_graph(const Settings& settings, const std::vector<skinctl::SkinPatch>& patches);
 
 /// The same cells as the observer and as the simulation want them.
 std::vector<ObservedCell> observed_cells(const std::vector<skinctl::SkinPatch>& patches);

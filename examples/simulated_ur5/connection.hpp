@@ -5,6 +5,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -25,6 +26,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   /// Gets every received chunk. False: close once everything is sent.
   std::function<bool(std::span<const std::uint8_t>)> on_bytes;
+  /// Whether what came so far ends in the middle of a message.
+  std::function<bool()> unfinished;
   /// Called once, with the reason.
   std::function<void(const char* why)> on_closed;
 
@@ -52,6 +55,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (on_closed) on_closed(why);
   }
   bool is_open() const { return open_; }
+  /// When the last bytes came.
+  std::chrono::steady_clock::time_point heard_at() const { return heard_at_; }
   std::size_t queued() const { return writing_.size() + waiting_.size(); }
 
  private:
@@ -64,6 +69,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
             self->close("the peer left");
             return;
           }
+          self->heard_at_ = std::chrono::steady_clock::now();
           if (!self->closing_ && self->on_bytes && !self->on_bytes({self->chunk_.data(), n}))
             self->close_when_sent();
           if (self->open_) self->read();
@@ -91,6 +97,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::array<std::uint8_t, 4096> chunk_{};
   std::vector<std::uint8_t> writing_, waiting_;
   bool open_ = true, closing_ = false;
+  std::chrono::steady_clock::time_point heard_at_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace simulated_ur5

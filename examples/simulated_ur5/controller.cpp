@@ -53,6 +53,8 @@ Controller::Controller(ControllerConfig config)
       world_(config_.touches, config_.cells, config_.skin.proximity_distance),
       next_skin_tick_(config_.skin.period) {
   arm_.reseed(config_.seed);
+  state_.limits = {config_.arm.lower, config_.arm.upper, config_.arm.velocity_limit,
+                   config_.arm.acceleration_limit};
   if (config_.powered) {
     state_.robot_mode = RobotMode::running;
     state_.power_on = true;
@@ -65,6 +67,13 @@ Controller::Controller(ControllerConfig config)
 
 void Controller::say(const std::string& text) {
   if (on_message) on_message(text);
+}
+
+void Controller::tell(const Notice& notice) {
+  if (on_notice) on_notice(notice);
+}
+void Controller::tell_program(const char* event) {
+  tell({Notice::Kind::key, program_.name.empty() ? "unnamed" : program_.name, event});
 }
 
 double Controller::scenario_time() const {
@@ -132,7 +141,7 @@ void Controller::advance_modes() {
   }
 }
 
-void Controller::protective_stop(const std::string& why) {
+void Controller::protective_stop(const std::string& why, std::int32_t code) {
   if (state_.safety_mode != SafetyMode::normal && state_.safety_mode != SafetyMode::reduced) return;
   state_.safety_mode = SafetyMode::protective_stop;
   protective_since_ = now_;
@@ -144,6 +153,7 @@ void Controller::protective_stop(const std::string& why) {
     pause_requested_ = false;
   }
   say("Protective stop: " + why);
+  tell({Notice::Kind::violation, "Protective stop: " + why, {}, 0, 0, code, 0});
 }
 
 void Controller::emergency_stop() {
@@ -247,6 +257,7 @@ std::string Controller::run(const std::string& script) {
   next_statement_ = 0;
   waiting_ = false;
   watchdog_fed_at_ = now_;
+  tell_program("PROGRAM_XXX_STARTED");
   return {};
 }
 
@@ -294,6 +305,7 @@ void Controller::end_program(const std::string& why) {
 }
 
 void Controller::finish_program() {
+  if (phase_ != Phase::none) tell_program("PROGRAM_XXX_STOPPED");
   phase_ = Phase::none;
   program_ = Program{};
   state_.runtime_state = RuntimeState::stopped;
@@ -411,10 +423,12 @@ bool Controller::run_statement(const Statement& s) {
     }
     case Kind::text:
       say(s.text);
+      tell({Notice::Kind::text, s.text});
       return true;
     case Kind::popup:
       popup_ = true;
       say("Popup: " + s.text);
+      tell({Notice::Kind::popup, s.text});
       return true;
     case Kind::integer_register:
       state_.outputs.integers[s.index] =

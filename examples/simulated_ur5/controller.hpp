@@ -10,14 +10,13 @@
 #include <vector>
 
 #include "examples/simulated_ur5/contact.hpp"
+#include "examples/simulated_ur5/notice.hpp"
 #include "examples/simulated_ur5/script.hpp"
 #include "examples/simulated_ur5/skin.hpp"
 #include "examples/simulated_ur5/state.hpp"
+#include "examples/simulated_ur5/version.hpp"
 
 namespace simulated_ur5 {
-
-/// CB3: 125 Hz, PolyScope 3. e-Series: 500 Hz, PolyScope 5.
-enum class Series { cb3, e_series };
 
 constexpr Nanoseconds cycle_of(Series series) {
   return series == Series::cb3 ? 8'000'000 : 2'000'000;
@@ -25,6 +24,7 @@ constexpr Nanoseconds cycle_of(Series series) {
 
 struct ControllerConfig {
   Series series = Series::cb3;
+  std::optional<Version> version;  ///< nothing: that of the series
   ArmConfig arm;
   SkinConfig skin;
   std::vector<SkinCell> cells;
@@ -77,14 +77,17 @@ class Controller {
   const ContactWorld& world() const { return world_; }
   const Counters& counters() const { return counters_; }
   const ControllerConfig& config() const { return config_; }
+  Version version() const { return config_.version.value_or(version_of(config_.series)); }
   Skin& skin() { return skin_; }
   /// Seconds since the scenario's start, or -1.
   double scenario_time() const;
 
   /// Called with each skin tick's samples during `step`.
   std::function<void(Nanoseconds, const std::vector<SkinSample>&)> on_skin;
-  /// Called with what a pendant would show or log.
+  /// Called with what the controller logs.
   std::function<void(const std::string&)> on_message;
+  /// Called with what primary clients are told.
+  std::function<void(const Notice&)> on_notice;
 
   // The panel: each returns false when the robot is in no state for it.
   bool power_on();
@@ -96,7 +99,8 @@ class Controller {
   /// False within `unlock_time` after the stop.
   bool unlock_protective_stop();
   void restart_safety();
-  void protective_stop(const std::string& why);
+  /// @param code  that primary clients are told: C<code>.
+  void protective_stop(const std::string& why, std::int32_t code = 209);
   void emergency_stop();
   void load(std::string name, std::string script);
   const std::string& loaded_name() const { return loaded_name_; }
@@ -136,6 +140,8 @@ class Controller {
  private:
   enum class Phase { none, connecting, streaming, straight, stopping };
   void say(const std::string& text);
+  void tell(const Notice& notice);
+  void tell_program(const char* event);
   void end_program(const std::string& why);
   void finish_program();
   void run_program();

@@ -159,7 +159,7 @@ std::string DashboardSession::reply(std::string_view line, bool& close) {
     if (controller_.on_message) controller_.on_message("Log: " + printable(argument("addToLog ")));
     return "Added log message";
   }
-  const Version version = version_of(controller_.config().series);
+  const Version version = controller_.version();
   if (line == "PolyscopeVersion")
     return "URSoftware " + dotted(version) + (e_series ? " (Dec 05 2022)" : " (Mar 14 2023)");
   if (line == "version" && e_series) return dotted(version);

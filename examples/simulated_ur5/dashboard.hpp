@@ -30,6 +30,7 @@ class DashboardSession {
   /// Takes received bytes and appends replies, one line per command. False: close the connection after
   /// sending.
   bool receive(std::span<const std::uint8_t> bytes, std::string& out);
+  bool unfinished() const { return !line_.empty(); }
   /// True once a client said `shutdown`.
   bool shutdown() const { return shutdown_; }
 

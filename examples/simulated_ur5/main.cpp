@@ -36,6 +36,16 @@ void split_target(const std::string& text, simulated_ur5::Config& config) {
   config.skin_port = static_cast<std::uint16_t>(number);
 }
 
+/// "5.25.1" or "5.25.1.1032100".
+simulated_ur5::Version read_version(const std::string& text) {
+  simulated_ur5::Version v;
+  char rest = 0;
+  const int parts = std::sscanf(text.c_str(), "%3u.%3u.%3u.%9u%c", &v.major, &v.minor, &v.bugfix, &v.build, &rest);
+  if ((parts != 3 && parts != 4) || (v.major != 3 && v.major != 5))
+    throw CLI::ValidationError("--polyscope", "expected 3.x.y or 5.x.y, got '" + text + "'");
+  return v;
+}
+
 void load_program(const std::string& text, simulated_ur5::Config& config) {
   const auto equals = text.find('=');
   if (equals == std::string::npos)
@@ -55,14 +65,17 @@ int main(int argc, char** argv) {
 
   CLI::App app{
       "A UR5 with its controller on loopback: RTDE, URScript upload, dashboard, reverse socket, skin."};
-  std::string series, scenario, cells, skin, skin_file, key_file, faults, level = "info";
+  std::string series, polyscope, scenario, cells, skin, skin_file, key_file, faults, level = "info";
   std::vector<std::string> programs;
   app.add_option("--series", series, "cb3 (125 Hz, the default) or e-series (500 Hz)")
       ->check(CLI::IsMember({"cb3", "e-series"}));
+  app.add_option("--polyscope", polyscope,
+                 "version that the controller says it is, as 5.25.1; joint torques need 5.23, their friction scales 5.25.1");
   app.add_option("--bind", config.address, "numeric address that the servers bind")->capture_default_str();
   app.add_option("--rtde-port", config.ports.rtde, "0: the system chooses")->capture_default_str();
   app.add_option("--primary-port", config.ports.primary)->capture_default_str();
   app.add_option("--secondary-port", config.ports.secondary)->capture_default_str();
+  app.add_option("--realtime-port", config.ports.realtime)->capture_default_str();
   app.add_option("--dashboard-port", config.ports.dashboard)->capture_default_str();
   app.add_option("--speed", config.speed, "times real time; 0: lock-step, as fast as commands come")
       ->capture_default_str();
@@ -128,6 +141,7 @@ int main(int argc, char** argv) {
     if (!series.empty())
       config.controller.series =
           series == "cb3" ? simulated_ur5::Series::cb3 : simulated_ur5::Series::e_series;
+    if (!polyscope.empty()) config.controller.version = read_version(polyscope);
     if (!cells.empty()) config.controller.cells = simulated_ur5::read_cells_file(cells);
     if (!skin_file.empty()) config.controller.cells = simulated_ur5::read_skin_cells(skin_file);
     if (!key_file.empty()) {
@@ -177,8 +191,9 @@ int main(int argc, char** argv) {
   }
   // A parent process reads this line, then connects.
   const auto ports = robot->ports();
-  std::printf("ready rtde=%u primary=%u secondary=%u dashboard=%u\n", unsigned{ports.rtde},
-              unsigned{ports.primary}, unsigned{ports.secondary}, unsigned{ports.dashboard});
+  std::printf("ready rtde=%u primary=%u secondary=%u dashboard=%u realtime=%u\n", unsigned{ports.rtde},
+              unsigned{ports.primary}, unsigned{ports.secondary}, unsigned{ports.dashboard},
+              unsigned{ports.realtime});
   std::fflush(stdout);
 
   while (!robot->wait(0.1))

@@ -59,6 +59,8 @@ class Framer {
   std::size_t room() const { return largest_request - size_; }
   /// The next whole package, if there is one.
   std::optional<Frame> next();
+  /// Part of a package is there.
+  bool unfinished() const { return size_ > taken_; }
   /// True once a package claimed a size below 3 or above `largest_request`: the stream is lost.
   bool broken() const { return broken_; }
 

@@ -73,7 +73,7 @@ bool Session::handle(const Framer::Frame& frame, std::vector<std::uint8_t>& out)
     }
     case Package::get_urcontrol_version: {
       if (wrong_size(0)) return false;
-      const Version v = version_of(controller_.config().series);
+      const Version v = controller_.version();
       PackageWriter w(out, Package::get_urcontrol_version);
       for (const std::uint32_t part : {v.major, v.minor, v.bugfix, v.build}) w.u32(part);
       w.finish();

@@ -51,6 +51,7 @@ class Session {
   bool publish(std::vector<std::uint8_t>& out, bool late);
 
   bool started() const { return started_; }
+  bool unfinished() const { return framer_.unfinished(); }
   int version() const { return version_; }
   int divider() const { return divider_; }
 

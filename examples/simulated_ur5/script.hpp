@@ -22,6 +22,8 @@ class ScriptReader {
   /// Takes text and appends the programs that it completes to `programs`. False: a program was longer than
   /// `longest_program`; the reader is then of no further use.
   bool feed(std::span<const std::uint8_t> bytes, std::vector<std::string>& programs);
+  /// A block or a line is under way.
+  bool unfinished() const { return !text_.empty(); }
 
  private:
   bool take_line(std::vector<std::string>& programs);

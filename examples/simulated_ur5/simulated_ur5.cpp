@@ -14,6 +14,8 @@
 
 #include "examples/simulated_ur5/connection.hpp"
 #include "examples/simulated_ur5/primary.hpp"
+#include "examples/simulated_ur5/primary_commands.hpp"
+#include "examples/simulated_ur5/realtime.hpp"
 #include "examples/simulated_ur5/reverse.hpp"
 #include "examples/simulated_ur5/version.hpp"
 #include "skinctl/core/contract.hpp"
@@ -31,7 +33,8 @@ constexpr std::size_t most_clients = 32;       // per port
 constexpr std::size_t rtde_queue = 64 * 1024;  // bytes that a slow reader may leave
 constexpr std::size_t rtde_kernel_queue = 32 * 1024;
 constexpr std::size_t text_queue = 256 * 1024;
-constexpr std::size_t state_queue = 4096;  // above it, 10 Hz states are left out
+constexpr std::size_t state_queue = 8192;     // above it, states are left out
+constexpr std::size_t message_queue = 65536;  // above it, messages
 constexpr int connect_attempts = 5;
 constexpr auto connect_pause = std::chrono::milliseconds(200);
 constexpr auto connect_patience = std::chrono::seconds(2);
@@ -56,6 +59,8 @@ void check(const Config& c) {
   require(c.skin_stop_after >= 0, "skin stop after", c.skin_stop_after, ">= 0 s");
   require(c.quirks.skipped_outputs >= 0 && c.quirks.skipped_outputs <= 0.9, "skipped outputs",
           c.quirks.skipped_outputs, "0 to 0.9");
+  require(c.unfinished_time > 0 && c.unfinished_time <= 3600, "unfinished time", c.unfinished_time,
+          "> 0 to 3600 s");
   numeric_address(c.address, "address");
   numeric_address(c.skin_host, "skin host");
 }
@@ -71,7 +76,8 @@ class SimulatedUr5::Network {
         skin_socket_(io_) {
     skin_address_ = numeric_address(config_.skin_host, "skin host");
     skin_port_ = config_.skin_port;
-    controller_.on_message = [this](const std::string& text) { announce(text); };
+    controller_.on_message = [this](const std::string& text) { log(LogLevel::info, text); };
+    controller_.on_notice = [this](const Notice& notice) { announce(notice); };
     controller_.on_skin = [this](Nanoseconds t, const std::vector<SkinSample>& samples) {
       send_skin(t, samples);
     };
@@ -85,11 +91,13 @@ class SimulatedUr5::Network {
     listen(dashboard_, address, config_.ports.dashboard,
            [this](tcp::socket s) { accept_dashboard(std::move(s)); });
     listen(primary_, address, config_.ports.primary,
-           [this](tcp::socket s) { accept_script(std::move(s), true); });
+           [this](tcp::socket s) { accept_script(std::move(s), primary_); });
     listen(secondary_, address, config_.ports.secondary,
-           [this](tcp::socket s) { accept_script(std::move(s), false); });
+           [this](tcp::socket s) { accept_script(std::move(s), secondary_); });
+    listen(realtime_, address, config_.ports.realtime,
+           [this](tcp::socket s) { accept_script(std::move(s), realtime_); });
     listen(rtde_, address, config_.ports.rtde, [this](tcp::socket s) { accept_rtde(std::move(s)); });
-    ports_ = {dashboard_.port, primary_.port, secondary_.port, rtde_.port};
+    ports_ = {dashboard_.port, primary_.port, secondary_.port, rtde_.port, realtime_.port};
     next_ = Clock::now();
     schedule(pace());
     thread_ = std::thread([this] {
@@ -180,12 +188,30 @@ class SimulatedUr5::Network {
     if (config_.log) config_.log(level, text);
   }
 
-  void announce(const std::string& text) {
-    log(LogLevel::info, text);
+  /// Tells every primary client.
+  void announce(const Notice& n) {
+    log(LogLevel::info, n.title + (n.title.empty() ? "" : " ") + n.text);
     std::vector<std::uint8_t> bytes;
-    primary::write_text(bytes, text, controller_.now());
-    for (const auto& client : primary_.clients)
-      if (client->is_open() && client->queued() < state_queue) client->send(bytes);
+    const Nanoseconds now = controller_.now();
+    switch (n.kind) {
+      case Notice::Kind::text:
+        primary::write_text(bytes, n.text, now);
+        break;
+      case Notice::Kind::key:
+        primary::write_key(bytes, n.title, n.text, now);
+        break;
+      case Notice::Kind::violation:
+        primary::write_error(bytes, n.code, n.argument, primary::ReportLevel::violation, n.text, now);
+        break;
+      case Notice::Kind::exception:
+        primary::write_exception(bytes, n.line, n.column, n.text, now);
+        break;
+      case Notice::Kind::popup:
+        primary::write_popup(bytes, n.title, n.text, n.warning, n.error, n.blocking, now);
+        break;
+    }
+    for (const auto& client : std::vector(primary_.clients))
+      if (client->is_open() && client->queued() < message_queue) client->send(bytes);
   }
 
   // ---- servers
@@ -256,6 +282,7 @@ class SimulatedUr5::Network {
       }
       return stay;
     };
+    connection->unfinished = [session] { return session->unfinished(); };
     connection->on_closed = [this](const char* why) {
       log(LogLevel::debug, std::string("dashboard client: ") + why);
     };
@@ -264,15 +291,16 @@ class SimulatedUr5::Network {
     connection->start();
   }
 
-  void accept_script(tcp::socket socket, bool is_primary) {
-    Server& server = is_primary ? primary_ : secondary_;
-    const char* name = is_primary ? "primary" : "secondary";
+  /// A client of a port that takes scripts: primary, secondary or realtime.
+  void accept_script(tcp::socket socket, Server& server) {
+    const char* name = &server == &primary_ ? "primary" : &server == &secondary_ ? "secondary" : "realtime";
     auto connection = admit(server, std::move(socket), text_queue, name);
     auto reader = std::make_shared<ScriptReader>();
     connection->on_bytes = [this, reader, name](std::span<const std::uint8_t> bytes) {
       std::vector<std::string> programs;
       const bool readable = reader->feed(bytes, programs);
       for (const std::string& program : programs) {
+        if (primary::obey(program, controller_)) continue;
         log(LogLevel::info,
             std::string(name) + ": a program of " + std::to_string(program.size()) + " characters");
         controller_.run(program);
@@ -282,14 +310,20 @@ class SimulatedUr5::Network {
         log(LogLevel::warning, std::string(name) + ": a program of more than 256 KiB; client closed");
       return readable;
     };
+    connection->unfinished = [reader] { return reader->unfinished(); };
     connection->on_closed = [this, name](const char* why) {
       log(LogLevel::debug, std::string(name) + " client: " + why);
     };
     std::vector<std::uint8_t> hello;
-    primary::write_version(hello, version_of(config_.controller.series), controller_.now());
-    primary::write_state(hello, controller_.state(), controller_.now());
+    if (&server != &realtime_) {
+      primary::write_version(hello, controller_.version(), controller_.now());
+      write_state(hello, true);
+    }
     connection->send(hello);
     connection->start();
+  }
+  void write_state(std::vector<std::uint8_t>& out, bool first) const {
+    primary::write_state(out, controller_.state(), controller_.now(), config_.controller.series, first);
   }
 
   void accept_rtde(tcp::socket socket) {
@@ -314,6 +348,10 @@ class SimulatedUr5::Network {
         self->started = ++start_count_;
       reconsider();
       return stay;
+    };
+    connection->unfinished = [weak = std::weak_ptr(client)] {
+      const auto self = weak.lock();
+      return self && self->session && self->session->unfinished();
     };
     connection->on_closed = [this, weak = std::weak_ptr(client)](const char* why) {
       log(LogLevel::info, std::string("RTDE client: ") + why);
@@ -528,16 +566,37 @@ class SimulatedUr5::Network {
       if (c.get() == first) followed_got_one = true;
       c->connection->send(buffer_);
     }
-    if (++cycles_since_state_ >= cycles_per_state()) {
-      cycles_since_state_ = 0;
-      buffer_.clear();
-      primary::write_state(buffer_, controller_.state(), controller_.now());
-      for (Server* server : {&primary_, &secondary_})
-        for (const auto& c : std::vector(server->clients))
-          if (c->is_open() && c->queued() < state_queue) c->send(buffer_);
-    }
+    send_states();
     return followed_got_one;
   }
+  /// The realtime packet of this cycle, and ten times a second a robot state.
+  void send_states() {
+    const auto send_to = [this](Server& server) {
+      for (const auto& c : std::vector(server.clients))
+        if (c->is_open() && c->queued() < state_queue) c->send(buffer_);
+    };
+    if (!realtime_.clients.empty()) {
+      buffer_.clear();
+      realtime::write_packet(buffer_, controller_.state(), config_.controller.series);
+      send_to(realtime_);
+    }
+    if (++cycles_since_state_ < cycles_per_state()) return;
+    cycles_since_state_ = 0;
+    buffer_.clear();
+    write_state(buffer_, false);
+    send_to(primary_);
+    send_to(secondary_);
+    close_unfinished();
+  }
+  /// Closes clients that began a message or program and left it at that.
+  void close_unfinished() {
+    const auto longest = std::chrono::nanoseconds(nanoseconds(config_.unfinished_time));
+    for (Server* server : servers())
+      for (const auto& c : std::vector(server->clients))
+        if (c->is_open() && c->unfinished && c->unfinished() && Clock::now() - c->heard_at() > longest)
+          c->close("it left a message unfinished");
+  }
+  std::array<Server*, 5> servers() { return {&dashboard_, &primary_, &secondary_, &rtde_, &realtime_}; }
   std::int64_t cycles_per_state() const { return nanoseconds(0.1) / controller_.cycle(); }
 
   // ---- skin
@@ -577,7 +636,7 @@ class SimulatedUr5::Network {
     timer_.cancel();
     patience_.cancel();
     drop_program_sockets();
-    for (Server* server : {&dashboard_, &primary_, &secondary_, &rtde_}) {
+    for (Server* server : servers()) {
       if (server->acceptor) server->acceptor->close(ignored);
       for (const auto& c : server->clients) c->close("the controller shut down");
       server->clients.clear();
@@ -590,7 +649,7 @@ class SimulatedUr5::Network {
   rtde::InputOwners owners_;
   asio::io_context io_;
   asio::steady_timer timer_, patience_, connect_timer_;
-  Server dashboard_, primary_, secondary_, rtde_;
+  Server dashboard_, primary_, secondary_, rtde_, realtime_;
   Ports ports_;
   std::vector<std::shared_ptr<RtdeClient>> rtde_clients_;
   std::uint64_t rtde_count_ = 0, start_count_ = 0;

@@ -21,6 +21,7 @@ struct Ports {
   std::uint16_t primary = 30001;
   std::uint16_t secondary = 30002;
   std::uint16_t rtde = 30004;
+  std::uint16_t realtime = 30003;
 };
 
 enum class LogLevel { debug, info, warning };
@@ -46,6 +47,8 @@ struct Config {
   double skin_stop_after = 0;  ///< the skin falls silent this long after the scenario's start [s]; 0: never
   /// Whether programs may make the robot connect to other addresses than this machine's own loopback.
   bool reach_out = false;
+  /// A client whose message or program stays unfinished so long is closed [s of real time].
+  double unfinished_time = 10;
   rtde::Quirks quirks;
   ProgramLibrary programs;                                ///< what the dashboard's `load` finds
   std::function<void(LogLevel, const std::string&)> log;  ///< called on the simulator's thread

@@ -1,5 +1,6 @@
 #include "examples/simulated_ur5/skin_faults.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>

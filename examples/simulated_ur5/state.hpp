@@ -43,6 +43,9 @@ enum class RuntimeState : std::uint32_t {
   resuming = 5
 };
 
+/// Who moves the joints.
+enum class ControlMode : std::uint8_t { position = 0, teach = 1, force = 2, torque = 3 };
+
 inline constexpr std::size_t bit_registers = 128;
 inline constexpr std::size_t number_registers = 48;
 
@@ -85,6 +88,20 @@ struct RobotState {
   bool program_running = false;
   double speed_scaling = 0, target_speed_fraction = 1;
   std::uint64_t digital_inputs = 0, digital_outputs = 0;
+  ControlMode control_mode = ControlMode::position;
+  std::array<double, 6> tcp_offset{};  ///< of the tool's point in the flange's frame [m], rotation vector
+  double payload = 0;                  ///< [kg]
+  Vec3 payload_cog{};                  ///< [m] from the flange
+  std::array<double, 6> payload_inertia{};  ///< xx, yy, zz, xy, xz, yz [kg m^2]
+  Vec3 gravity{0, 0, -9.82};                ///< that the controller reckons with [m/s^2]
+  int tool_voltage = 0;                     ///< [V]
+  Joints torque{};                          ///< that the motors give at the joints [N m]
+  double position_deviation = 0;            ///< share of the deviation that would stop the robot
+  double collision = 0;                     ///< share of the force that would stop the robot
+  std::uint32_t script_line = 0;            ///< of the main program
+  struct Limits {
+    Joints lower{}, upper{}, speed{}, acceleration{};
+  } limits;
   Registers outputs;
   RobotInputs inputs;
 };

@@ -9,6 +9,7 @@
 #include "skinctl/core/eigen.hpp"
 #include "skinctl/core/eigen_expression.hpp"
 #include "skinctl/core/evaluate.hpp"
+#include "skinctl/core/gripper.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/core/known.hpp"
@@ -112,6 +113,7 @@
 #include "skinctl/tactile/capsule.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/cell_mass.hpp"
+#include "skinctl/tactile/cell_place.hpp"
 #include "skinctl/tactile/clearances.hpp"
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
@@ -247,6 +249,7 @@
 #include "skinctl/skills/skill_request.hpp"
 #include "skinctl/skills/skill_set.hpp"
 
+#include "skinctl/hardware/gripper.hpp"
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/robot.hpp"

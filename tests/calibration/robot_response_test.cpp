@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "skinctl/calibration/response_motion.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/sanitized.hpp"

@@ -51,7 +51,7 @@ TEST_CASE("Groups: the tool's speed and the joints' jerk are limited, whoever mo
         last[i] = out.command.velocity[i];
       }
     }
-    CHECK(run.tip_speed < 1.01 * most);
+    CHECK(run.tip_speed < 1.02 * most);  // the finger follows its torque with a lag of 10 ms
     CHECK(run.tip_speed > 0.9 * most);
     CHECK(roughest < 1.001 * 400);
     CHECK(run.seen.has(Reason::tool_speed_limited));

@@ -116,6 +116,62 @@ TEST_CASE(
 }
 
 namespace {
+/// Its clock stands, or goes back, from a cycle on; its states come at the pace of this computer's.
+struct StandingRobot {
+  FastRobot robot;
+  int stands_from = 60;
+  Nanoseconds back{}, stamp{};
+  JointVelocity<6> last{};
+  Heard wait(State<6>& state) noexcept {
+    const Heard heard = robot.wait(state);
+    if (robot.waits < stands_from) {
+      stamp = state.time;
+    } else {
+      const Nanoseconds until = Stopwatch::now() + 2ms;
+      while (Stopwatch::now() < until) {
+      }
+      state.time = stamp - back;
+    }
+    return heard;
+  }
+  bool send(const JointCommand<6>& command) noexcept {
+    last = command.velocity;
+    return robot.send(command);
+  }
+  void stop() noexcept { robot.stop(); }
+};
+}  // namespace
+
+TEST_CASE(
+    "loop: states whose clock stands or goes back grow old by this computer's clock, and the arm rests") {
+  for (const Nanoseconds back : {Nanoseconds(0), Nanoseconds(40s)}) {
+    StandingRobot robot;
+    robot.back = back;
+    const auto scene = reaching_scene();
+    auto memory = std::make_unique<Scene::Memory>();
+    OneTouch skin{{}, &robot.robot};
+    Status last;
+    double fastest = 0;
+    const auto report = run_loop(
+        scene, *memory, robot, skin, {.cycles = 260, .period = 2ms},
+        [](auto& input, auto&) {
+          input.has_goal = input.now <= 24ms;
+          input.goal.q_g = home_position() + JointPosition<6>::constant(0.5);
+          input.goal.duration = 2s;
+          return true;
+        },
+        [&](const auto&, const auto& out, const auto&) {
+          last = out.status;
+          for (std::size_t i = 0; i < 6; ++i) fastest = std::max(fastest, std::abs(out.command.velocity[i]));
+        });
+    CHECK(report.stood > 150);
+    CHECK(fastest > 0.05);
+    CHECK(last.has(Reason::state_stale));
+    for (std::size_t i = 0; i < 6; ++i) CHECK(robot.last[i] == 0);
+  }
+}
+
+namespace {
 /// Droops by `droop` at its first joint, and says where it was told to be.
 struct DroopingRobot {
   FastRobot robot;

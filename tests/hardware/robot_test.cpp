@@ -17,18 +17,12 @@ struct Throws {
   bool send(const JointCommand<6>&) noexcept { return true; }
   void stop() noexcept {}
 };
-struct Gripper {
-  void open() noexcept {}
-  void close() noexcept {}
-  bool busy() noexcept { return false; }
-};
 }  // namespace
 
 static_assert(RobotDriver<Complete, 6, double>);
 static_assert(!RobotDriver<Complete, 7, double>, "another number of joints");
 static_assert(!RobotDriver<Throws, 6, double>, "a driver that may throw in the loop");
 static_assert(SkinSource<NoSkin> && !SkinSource<Complete>);
-static_assert(GripperDriver<Gripper> && !GripperDriver<NoSkin>);
 
 TEST_CASE("drivers: a robot without skin has no samples") {
   NoSkin skin;

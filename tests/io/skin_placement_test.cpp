@@ -6,6 +6,8 @@
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/urdf.hpp"
 #include "skinctl/kinematics/poses.hpp"
+#include "skinctl/tactile/contact_skin.hpp"
+#include "skinctl/tactile/trusted_skin.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "tests/support/urdf_robots.hpp"
 
@@ -197,4 +199,150 @@ TEST_CASE(
     const auto* w = wrenches.data[2];
     CHECK(std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) == doctest::Approx(expected[c]).epsilon(1e-3));
   }
+}
+
+TEST_CASE("Skin on a robot: a masked cell is no part of what feels, and is filled in by its neighbours") {
+  SkinFile file = ur5_skin_file<60>(gains);
+  auto& cells = file.patches[2].cells;
+  const auto placed = place_skin<ur5::Ros2Links>(file);
+  using Skin = SkinOf<ur5::Model, double, 64>;
+  // All cells are heard; those around the masked one are pressed alike, so that it counts as they do.
+  const auto heard = [&](const auto& skin, auto memory, typename Skin::Wrenches& w) {
+    for (int k = 1; k <= 100; ++k) {
+      std::vector<CellSample> samples;
+      for (const auto& patch : file.patches)
+        for (const auto& cell : patch.cells) {
+          const float f = &patch == &file.patches[2] && k > 50 ? 0.1f : 0.0f;
+          samples.push_back({.time = k * 4ms, .cell = cell.id, .force = {f, f, f}});
+          samples.back().acceleration[0] = float(k % 7);
+        }
+      skin.receive(memory, samples, (k - 1) * 4ms, k * 4ms, 1, &w);
+    }
+    return memory;
+  };
+  TrustSettings trust;
+  trust.lone_force = {std::numeric_limits<double>::infinity()};
+  trust.follow_rest = trust.find_faults = false;
+  typename Skin::Wrenches all, left, filled;
+  {
+    const Skin skin(skin_patches(file, placed));
+    const auto m = heard(skin, skin.start(0ns), all);
+    CHECK(skin.usable(m) == 60);
+    CHECK(skin.coverage(m).least == 1);
+  }
+  cells[1].masked = "dead since May";
+  const Skin skin(skin_patches(file, placed));
+  const auto m = heard(skin, skin.start(0ns), left);
+  CHECK(skin.silent(m) == 0);
+  CHECK(skin.usable(m) == 59);
+  CHECK(skin.coverage(m).usable == 59);
+  CHECK(skin.coverage(m).cells == 60);
+  CHECK(skin.coverage(m).least == doctest::Approx(1 - 1.0 / double(cells.size())));
+  const TrustedSkin trusted(skin, trust, FillIn(cell_graph(file, placed)), skin_patches(file, placed));
+  const auto t = heard(trusted, trusted.start(0ns), filled);
+  CHECK(trusted.usable(t) == 59);
+  CHECK(trusted.coverage(t).usable == 59);
+  CHECK(trusted.mask(t, trusted.index(cells[1].id)) == 1);
+  double without = 0, difference = 0;
+  for (std::size_t r = 0; r < 6; ++r) {
+    without += std::abs(all.data[2][r] - left.data[2][r]);
+    difference += std::abs(all.data[2][r] - filled.data[2][r]);
+  }
+  CHECK(without > 5);
+  CHECK(difference <= 0.02 * without);
+  std::size_t pressed = 0;
+  double push = 0;
+  trusted.each_pressed(t, [&](std::size_t, double f) { ++pressed, push += f; });
+  CHECK(pressed == cells.size());
+  CHECK(push == doctest::Approx(double(cells.size()) * 50 * (0.3 - 0.08)).epsilon(0.01));
+}
+
+TEST_CASE("Skin on a robot: neighbours are those at the ports of the file, or those near by") {
+  SkinFile file = ur5_skin_file<60>(gains);
+  const auto placed = place_skin<ur5::Ros2Links>(file);
+  const CellGraph by_port = cell_graph(file, placed);
+  std::map<std::uint32_t, std::size_t> index;
+  std::vector<const SkinFile::Cell*> cells;
+  for (const auto& patch : file.patches)
+    for (const auto& cell : patch.cells) index[cell.id] = cells.size(), cells.push_back(&cell);
+  REQUIRE(by_port.size() == cells.size());
+  std::size_t named = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    std::size_t n = 0;
+    for (const std::uint32_t id : cells[i]->neighbours)
+      if (id != SkinFile::nobody) {
+        ++n;
+        CHECK(by_port.joined(i, index[id]));
+      }
+    CHECK(by_port.neighbours(i).size() == n);
+    named += n;
+  }
+  CHECK(named > 40);
+  // A cut cable: two cells that lie side by side are no neighbours, because the file says so.
+  auto& a = file.patches[2].cells[0];
+  const auto port = std::find_if(a.neighbours.begin(), a.neighbours.end(),
+                                 [](std::uint32_t id) { return id != SkinFile::nobody; });
+  REQUIRE(port != a.neighbours.end());
+  const std::uint32_t other = *port;
+  *port = SkinFile::nobody;
+  for (auto& cell : file.patches[2].cells)
+    if (cell.id == other)
+      std::replace(cell.neighbours.begin(), cell.neighbours.end(), a.id, SkinFile::nobody);
+  CHECK_FALSE(cell_graph(file, placed).joined(index[a.id], index[other]));
+  for (auto& patch : file.patches)
+    for (auto& cell : patch.cells) cell.neighbours.clear();
+  const SkinOf<ur5::Model, double, 64> skin(skin_patches(file, placed));
+  CHECK(cell_graph(file, placed) == CellGraph(skin.places()));
+}
+
+TEST_CASE("Skin on a robot: a region that is pressed harder than its force_limit stops the robot") {
+  SkinFile file = ur5_skin_file<60>(gains);
+  auto& cells = file.patches[2].cells;  // forearm: 50 N
+  // Each counts half in the law; the limit is of newtons all the same.
+  file.regions = {{"elbow", {cells[0].id, cells[1].id}, 0.5, 20, 0}};
+  const auto placed = place_skin<ur5::Ros2Links>(file);
+  const SkinOf<ur5::Model, double, 64> skin(skin_patches(file, placed));
+  TrustSettings trust;
+  trust.lone_force = {std::numeric_limits<double>::infinity()};
+  trust.follow_rest = false;
+  const TrustedSkin trusted(skin, trust, FillIn(cell_graph(file, placed)), skin_patches(file, placed));
+  const auto stops = [&](const auto& felt, std::size_t cell, double newtons) {
+    auto m = std::make_unique<typename std::remove_cvref_t<decltype(felt)>::Memory>(felt.start(0ns));
+    const auto f = static_cast<float>((newtons / 50 + 0.08) / 3);
+    const CellSample sample{.time = 2ms, .cell = cells[cell].id, .force = {f, f, f}};
+    SkinOf<ur5::Model, double, 64>::Wrenches mean;
+    felt.receive(*m, {&sample, 1}, 0ns, 4ms, 1, &mean);
+    return felt.receive(*m, {}, 4ms, 8ms, 1, &mean).has(Reason::contact_force);
+  };
+  const ContactSkin plain(skin, cell_graph(file, placed), regions_of(file));
+  const ContactSkin judged(trusted, cell_graph(file, placed), regions_of(file));
+  for (const bool both : {false, true})
+    for (const std::size_t cell : {std::size_t(0), std::size_t(1)}) {
+      CHECK_FALSE((both ? stops(judged, cell, 19.8) : stops(plain, cell, 19.8)));
+      CHECK((both ? stops(judged, cell, 20.2) : stops(plain, cell, 20.2)));
+    }
+  CHECK_FALSE(stops(plain, 2, 45));  // beside it
+  file.regions[0].weight = 0;
+  CHECK(complaint([&] { static_cast<void>(regions_of(file)); }).find("region \"elbow\" of weight 0") !=
+        std::string::npos);
+}
+
+TEST_CASE("Skin on a robot: how far off a cell may be, from the covariances of its file") {
+  SkinFile::Patch patch;
+  SkinFile::Cell cell;
+  cell.X_RootCell.p = {0.0, 0.2, 0.0};
+  const auto exact = place_deviation(patch, cell);
+  CHECK(exact.place == 0);
+  CHECK(exact.direction == 0);
+  const auto diagonal = [](std::array<double, 6> sigma) {
+    std::vector<double> C;
+    for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t j = i; j < 6; ++j) C.push_back(i == j ? sigma[i] * sigma[i] : 0);
+    return C;
+  };
+  patch.covariance = diagonal({0.001, 0.003, 0.002, 0.01, 0.0, 0.0});
+  cell.covariance = diagonal({0.0, 0.0, 0.004, 0.0, 0.02, 0.0});
+  const auto off = place_deviation(patch, cell);
+  CHECK(off.place == doctest::Approx(std::hypot(0.003 + 0.2 * 0.01, 0.004)));
+  CHECK(off.direction == doctest::Approx(std::hypot(0.01, 0.02)));
 }

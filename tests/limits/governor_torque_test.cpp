@@ -72,7 +72,8 @@ State<6> run(const Governors* with, State<6> s, const JointTorque<6>& drive, Wal
     wish.torque = limits.within(hold + drive, s.dq);
     Status status;
     if (with != nullptr) {
-      const auto out = with->step_torque(memory, wish, hold, stopping, s, wall.push(s.q), nobody_near, dt);
+      const auto out = with->step_torque(memory, wish, wish, hold, stopping, false, 50, s, wall.push(s.q),
+                                         nobody_near, dt);
       wish.torque = stopping ? out.hold : out.command.torque;
       status = out.status;
     }
@@ -116,16 +117,17 @@ TEST_CASE("Governor of torques: what keeps all limits passes to the bit, and wha
   const JointTorque<6> hold = gravity_torque(Arm{}, s.q);
   wish.torque = hold;
   wish.torque[4] += 0.05;
-  auto out = governor.step_torque(memory, wish, hold, false, s, Touch{}, nobody_near, dt);
+  auto out = governor.step_torque(memory, wish, wish, hold, false, false, 50, s, Touch{}, nobody_near, dt);
   CHECK_FALSE(out.altered);
   CHECK_FALSE(out.status.any());
   CHECK(out.command.torque == wish.torque);
   CHECK(out.hold == hold);
   wish.torque[0] = std::nan("");
-  out = governor.step_torque(memory, wish, hold, false, s, Touch{}, nobody_near, dt);
+  out = governor.step_torque(memory, wish, wish, hold, false, false, 50, s, Touch{}, nobody_near, dt);
   CHECK_FALSE(out.altered);  // the guard refuses it
   wish.torque[0] = 0;
-  CHECK_FALSE(governor.step_torque(memory, wish, hold, false, s, Touch{}, nobody_near, 0.0).altered);
+  CHECK_FALSE(
+      governor.step_torque(memory, wish, wish, hold, false, false, 50, s, Touch{}, nobody_near, 0.0).altered);
 }
 
 TEST_CASE("Governor of torques: no drive makes the tool faster than its limit, and it gets near it") {
@@ -225,7 +227,8 @@ TEST_CASE(
     Touch touch;
     for (double& x : touch.data[0]) x = any(random() % 2 == 0 ? 0.0 : uniform(random, -30.0, 30.0));
     const std::array<double, 1> nearest{any(0.5)};
-    const auto out = governor.step_torque(memory, wish, hold, random() % 4 == 0, s, touch, nearest, dt);
+    const auto out = governor.step_torque(memory, wish, wish, hold, random() % 4 == 0, random() % 50 == 0, 50,
+                                          s, touch, nearest, dt);
     for (std::size_t i = 0; i < 6; ++i) {
       if (out.altered) CHECK(std::abs(out.command.torque[i]) <= limits.torque()[i]);
       if (!out.altered)

@@ -11,6 +11,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -90,26 +91,66 @@ TEST_CASE("MotionLimits: leaves a robot that keeps them alone, to the bit") {
   CHECK_FALSE(a.status.has(Reason::velocity_limited));
 }
 
-TEST_CASE_TEMPLATE("MotionLimits: every velocity is answered, the nearest that can still stop", T, float,
-                   double) {
+// Of one step: what it does to a torque, asked of a model that shares no line with it.
+TEST_CASE_TEMPLATE(
+    "MotionLimits: only joints that would break a limit lose torque, towards the inside, within its rate", T,
+    float, double) {
+  using M = StaticModel<ur5::Description>;
   auto v = limits_of<ur5::Description, T>(T(15)).values();
   v.lower = JointPosition<6, T>::constant(T(-1));
   v.upper = JointPosition<6, T>::constant(T(1));
   const JointLimits<6, T> limit(v);
-  const MotionLimits<ur5::Model, T> motion(ur5::Model{});
-  for (const T q : {T(-2), T(-1), T(0), T(0.999), T(1), T(3)})
-    for (const T u : {T(-9), T(-1), T(0), T(0.5), T(9)}) {
-      Status status;
-      const auto kept = motion.within(limit, JointPosition<6, T>::constant(q),
-                                      JointVelocity<6, T>::constant(u), T(0.008), status);
-      CAPTURE(q);
-      CAPTURE(u);
-      const T k = kept[0];
-      CHECK(k * u >= T(0));
-      CHECK(std::abs(k) <= std::abs(u));
-      CHECK(std::abs(k) <= limit.velocity()[0]);
-      if (k > T(0)) CHECK(k * T(0.008) + k * k / T(30) <= (T(1) - q) * T(1.0001));
-      if (k < T(0)) CHECK(-k * T(0.008) + k * k / T(30) <= (q + T(1)) * T(1.0001));
-      CHECK((k == u) == !status.any());
+  const MotionLimits<M, T> motion(M{});
+  Random random = seeded(5);
+  int bound = 0, kept = 0;
+  for (int k = 0; k < 300; ++k) {
+    State<6, T> s;
+    JointTorque<6, T> asked;
+    for (std::size_t i = 0; i < 6; ++i) {
+      s.q[i] = uniform(random, T(-1.02), T(1.02));
+      s.dq[i] = uniform(random, T(-3), T(3));
+      asked[i] = (random() % 2 == 0 ? T(1) : T(0.05)) * uniform(random, T(-1), T(1)) * limit.torque()[i];
     }
+    const T ahead = T(0.01);
+    const JointAngles<M, T> angles(M{}, s.q);
+    const auto mass = mass_matrix(M{}, angles);
+    typename MotionLimits<M, T>::Memory m{};
+    const auto out = motion.within(m, limit, mass, bias_torque(M{}, angles, s.dq), s, asked, asked, ahead,
+                                   T(0.002), T(1e6));
+    const auto given = forward_dynamics(M{}, s.q, s.dq, out.torque).acceleration;
+    kept += !out.altered;
+    if (!out.altered) CHECK(out.torque == asked);
+    for (std::size_t i = 0; i < 6; ++i) {
+      CAPTURE(k);
+      CAPTURE(i);
+      const T u = s.dq[i] + ahead * given[i], lost = asked[i] - out.torque[i];
+      const T up = std::min(T(3.14159274), speed_to_stop(T(T(1) - s.q[i]), T(4) * ahead, T(15)));
+      const T down = std::min(T(3.14159274), speed_to_stop(T(s.q[i] + T(1)), T(4) * ahead, T(15)));
+      const bool saturated = std::abs(out.torque[i]) >= limit.torque()[i];
+      const T slack = T(std::is_same_v<T, float> ? 0.02 : 1e-5);
+      if (!saturated) CHECK(u <= up + slack);
+      if (!saturated) CHECK(u >= -down - slack);
+      // Torque is lost at a bound only, and towards the inside.
+      if (lost > T(0) && !saturated) CHECK(u >= up - slack);
+      if (lost < T(0) && !saturated) CHECK(u <= -down + slack);
+      bound += lost != T(0);
+    }
+    // A guard that turns torques slowly: no step beyond it.
+    const auto slow = motion.within(m, limit, mass, bias_torque(M{}, angles, s.dq), s, asked, asked, ahead,
+                                    T(0.002), T(10));
+    for (std::size_t i = 0; i < 6; ++i)
+      CHECK(std::abs(slow.torque[i] - asked[i]) <= T(0.02001) * limit.torque()[i]);
+  }
+  CHECK(bound > 100);
+  CHECK(kept > 0);
+  // What cannot be predicted passes.
+  State<6, T> s;
+  s.q[2] = std::numeric_limits<T>::quiet_NaN();
+  typename MotionLimits<M, T>::Memory m{};
+  const auto asked = JointTorque<6, T>::constant(T(3));
+  const JointAngles<M, T> angles(M{}, s.q);
+  const auto out = motion.within(m, limit, mass_matrix(M{}, angles), bias_torque(M{}, angles, s.dq), s, asked,
+                                 asked, T(0.01), T(0.002), T(50));
+  CHECK_FALSE(out.altered);
+  CHECK(out.torque == asked);
 }

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/testing/robots.hpp"
 

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <complex>
 
 #include "skinctl/testing/allocation_guard.hpp"

@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "skinctl/testing/closed_loop.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <string>
 
@@ -19,6 +20,21 @@ static_assert(std::is_trivially_copyable_v<Robot<double>::Memory>);
 template <class T>
 RobotConfiguration<6, T> configuration() {
   return {.limits = limits_of<ur5::Description, T>(), .period = 2ms};
+}
+/// The friction of a torque that is held for 2 ms, `(B^-1 + 3/2 h M^-1)^-1 dq`.
+template <class T>
+Eigen::Matrix<double, 6, 1> held_drag(const JointTorque<6, T>& b, const State<6, T>& s) {
+  const auto mass = mass_matrix(ur5::Model{}, s.q);
+  Eigen::Matrix<double, 6, 6> M, B;
+  Eigen::Matrix<double, 6, 1> dq;
+  B.setZero();
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto r = static_cast<Eigen::Index>(i);
+    B(r, r) = double(b[i]);
+    dq[r] = double(s.dq[i]);
+    for (std::size_t j = 0; j < 6; ++j) M(r, static_cast<Eigen::Index>(j)) = double(mass(i, j));
+  }
+  return (B.inverse() + 0.003 * M.inverse()).inverse() * dq;
 }
 template <class T>
 State<6, T> at(Nanoseconds time) {
@@ -69,9 +85,9 @@ TEST_CASE_TEMPLATE(
   CHECK(out.command.time == 2ms);
   CHECK(out.command.position == s.q);
   CHECK(law.evaluations == 1);
+  const auto drag = held_drag(c.viscous_friction, s);
   for (std::size_t i = 0; i < 6; ++i) {
-    const double b = double(c.viscous_friction[i]), own = double(mass_matrix(ur5::Model{}, s.q)(i, i));
-    const double want = double(push[i]) + double(gravity[i]) - b / (1 + 0.003 * b / own) * double(s.dq[i]);
+    const double want = double(push[i]) + double(gravity[i]) - drag[static_cast<Eigen::Index>(i)];
     CHECK(double(out.command.torque[i]) == doctest::Approx(want).epsilon(1e-6));
     CHECK(double(out.fallback[i]) == doctest::Approx(want - double(push[i])).epsilon(1e-5));
   }
@@ -97,9 +113,9 @@ TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, gravity is h
   Yield::Memory law;
   const auto holds = [&](const auto& out, double friction = 2) {
     const auto gravity = gravity_torque(ur5::Model{}, at<T>(0ns).q);
+    const auto drag = held_drag(c.viscous_friction, at<T>(0ns));
     for (std::size_t i = 0; i < 6; ++i) {
-      const double own = double(mass_matrix(ur5::Model{}, at<T>(0ns).q)(i, i));
-      const double want = double(gravity[i]) - friction / (1 + 0.006 / own) * double(at<T>(0ns).dq[i]);
+      const double want = double(gravity[i]) - (friction > 0 ? drag[static_cast<Eigen::Index>(i)] : 0.0);
       CHECK(double(out.command.torque[i]) == doctest::Approx(want).epsilon(1e-5));
     }
   };

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <deque>
 #include <memory>
 
@@ -214,7 +215,7 @@ TEST_CASE("CellHealth: the scan's statistics are those of a cell alone, computed
       if (!k.heard) k.x = x, k.heard = true, k.gap = s;  // the first sample has no predecessor
       const double d = x - k.x, a = d * per, b = (d - k.d) * per, share = std::min(k.gap / 0.2, 1.0);
       k.first += share * (a * a - k.first), k.second += share * (b * b - k.second);
-      k.capped += share * (std::min(b * b, 256.0) - k.capped);
+      k.capped += share * ((d * k.d < 0 ? std::min(b * b, 256.0) : 0.0) - k.capped);
       if (std::abs(a) > 6) k.still = 0;
       k.x = x, k.d = d, k.gap = 0;
     }

@@ -23,7 +23,7 @@ const auto base = ur5_skin<260>(fault_gains);
 using Plain = std::remove_cvref_t<decltype(base)>;
 using Trusted = TrustedSkin<Plain>;
 static_assert(std::is_trivially_copyable_v<Trusted::Memory>);
-static_assert(sizeof(Trusted::Memory) <= sizeof(Plain::Memory) + 260 * 140 + 12000);
+static_assert(sizeof(Trusted::Memory) <= sizeof(Plain::Memory) + 260 * 144 + 12000);
 
 /// Trusts every cell that has no fault: nothing is taken off, nothing capped.
 TrustSettings trusting() {
@@ -127,6 +127,63 @@ TEST_CASE("TrustedSkin: one faulty cell does not move the arm, whatever its faul
         CAPTURE(seed);
         CHECK(r.motion == 0);
         CHECK(r.way == 0);
+      }
+}
+
+TEST_CASE("TrustedSkin: many cells that fail at once do not move the arm, next to each other or not") {
+  for (const CellFault fault :
+       {CellFault::stuck, CellFault::saturated, CellFault::blinking, CellFault::noisy})
+    for (const double share : {0.1, 1.0}) {
+      SkinFaultRun many;
+      many.fault = {.fault = fault, .whole = share == 1};
+      many.share = share, many.touched = false, many.moves = true;
+      many.begins = 300ms, many.length = sanitized ? 500ms : 1s;
+      const SkinFaultResult r = run(many);
+      CAPTURE(name(fault));
+      CAPTURE(share);
+      CHECK(r.motion == 0);
+      CHECK(r.plain > 0.5);
+    }
+}
+
+TEST_CASE(
+    "TrustedSkin: a fast touch is felt at once: seen, however fast; unseen, if it takes more than a sample") {
+  const auto pitch = patch_pitches(places);
+  const auto impulse = [&](std::uint64_t seed, Nanoseconds rise, bool seen, Nanoseconds doubt) {
+    SkinSignals signals(places, {}, seed);
+    Normal normal(seed + 100);
+    const std::size_t i = 40 + normal.bits()() % 215;
+    signals.touches.push_back({.link = places[i].link,
+                               .place = places[i].place,
+                               .radius = 1.6 * pitch[places[i].patch],
+                               .reading = normal.between(0.1, 0.9),
+                               .from = 100ms,
+                               .until = 2s,
+                               .rise = rise,
+                               .seen = seen});
+    TrustSettings settings = fault_trust(signals.settings(), places);
+    settings.health.doubt = doubt;
+    const Trusted trusted(base, settings, patches);
+    const auto m = std::make_unique<Trusted::Memory>(trusted.start(0ns));
+    std::vector<CellSample> samples;
+    double sum = 0;
+    for (Nanoseconds to = 8ms; to <= 600ms; to += 8ms) {
+      Plain::Wrenches w;
+      signals.samples(to, samples);
+      trusted.receive(*m, samples, to - 8ms, to, 1, &w);
+      sum += size_of(w);
+    }
+    return sum;
+  };
+  for (std::uint64_t seed = 1; seed <= (sanitized ? 1 : 3); ++seed)
+    for (const Nanoseconds rise : {2ms, 4ms, 8ms, 16ms, 80ms})
+      for (const bool seen : {true, false}) {
+        const double without = impulse(seed, rise, seen, 0ns), with = impulse(seed, rise, seen, 500ms);
+        CAPTURE(seed);
+        CAPTURE(rise.count());
+        CAPTURE(seen);
+        if (seen) CHECK(with == without);
+        if (!seen && rise >= 8ms) CHECK(with >= 0.97 * without);
       }
 }
 

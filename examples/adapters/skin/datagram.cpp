@@ -13,6 +13,11 @@ U little(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
   for (std::size_t k = sizeof(U); k > 0; --k) x = static_cast<U>((x << 8) | bytes[at + k - 1]);
   return x;
 }
+template <class U>
+std::size_t put(std::span<std::uint8_t> bytes, std::size_t at, U x) noexcept {
+  for (std::size_t k = 0; k < sizeof(U); ++k) bytes[at + k] = static_cast<std::uint8_t>(x >> (8 * k));
+  return at + sizeof(U);
+}
 float real(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
   return std::bit_cast<float>(little<std::uint32_t>(bytes, at));
 }
@@ -47,6 +52,27 @@ skinctl::CellSample Datagram::sample(std::size_t i) const noexcept {
   for (std::size_t k = 0; k < 3; ++k) s.acceleration[k] = real(bytes, 28 + 4 * k);
   s.temperature = real(bytes, 40);
   return s;
+}
+
+std::size_t write(std::span<std::uint8_t> buffer, std::uint32_t sequence, skinctl::Nanoseconds sent,
+                  std::span<const skinctl::CellSample> samples) noexcept {
+  const std::size_t size = header_size + samples.size() * sample_size;
+  if (samples.size() > max_samples || buffer.size() < size) return 0;
+  for (std::size_t k = 0; k < 4; ++k) buffer[k] = static_cast<std::uint8_t>("SKIN"[k]);
+  std::size_t at = put(buffer, 4, std::uint16_t{1});
+  at = put(buffer, at, static_cast<std::uint16_t>(samples.size()));
+  at = put(buffer, at, sequence);
+  at = put(buffer, at, static_cast<std::uint64_t>(sent.count()));
+  const auto put_real = [&](float x) { at = put(buffer, at, std::bit_cast<std::uint32_t>(x)); };
+  for (const skinctl::CellSample& s : samples) {
+    at = put(buffer, at, s.cell);
+    at = put(buffer, at, static_cast<std::uint64_t>(s.time.count()));
+    for (const float x : s.force) put_real(x);
+    put_real(s.proximity);
+    for (const float x : s.acceleration) put_real(x);
+    put_real(s.temperature);
+  }
+  return size;
 }
 
 bool plausible(const skinctl::CellSample& s, const Datagram& datagram, skinctl::Nanoseconds oldest) noexcept {

@@ -27,6 +27,12 @@ struct Datagram {
 /// False for bytes that are no datagram of version 1 or 2: wrong magic, version, count or length.
 bool parse(std::span<const std::uint8_t> bytes, Datagram& out) noexcept;
 
+/// Writes a datagram of version 1 with at most `max_samples` samples, whose times and `sent` are of one clock, and
+/// returns its size; 0 where the buffer or the number does not allow it.
+[[nodiscard]] std::size_t write(std::span<std::uint8_t> buffer, std::uint32_t sequence,
+                                skinctl::Nanoseconds sent,
+                                std::span<const skinctl::CellSample> samples) noexcept;
+
 /// Whether a sample may be used: finite, in the sensors' ranges, and not from after the time of sending or
 /// more than `oldest` before it.
 bool plausible(const skinctl::CellSample& sample, const Datagram& datagram,

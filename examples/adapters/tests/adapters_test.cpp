@@ -81,7 +81,7 @@ TEST_CASE("RTDE: an impossible size breaks the stream; random bytes never do wor
 }
 
 TEST_CASE("reverse socket: the message is eight big-endian integers, in millionths") {
-  const auto bytes = ur5::Driver::message(100, {1, -1.5, 0, 0.0000005, 1e9, std::nan("")}, 1);
+  const auto bytes = ur5::message(100, {1, -1.5, 0, 0.0000005, 1e9, std::nan("")}, 1);
   const auto at = [&](std::size_t k) {
     return static_cast<std::int32_t>((std::uint32_t(bytes[4 * k]) << 24) |
                                      (std::uint32_t(bytes[4 * k + 1]) << 16) |
@@ -97,7 +97,7 @@ TEST_CASE("reverse socket: the message is eight big-endian integers, in milliont
 }
 
 TEST_CASE("program: names the address and port it was given, and stops by itself") {
-  const auto text = ur5::Driver::program("10.0.0.7", 50001, 125);
+  const auto text = ur5::program({.address = "10.0.0.7", .port = 50001, .rate = 125});
   CHECK(text.find("socket_open(\"10.0.0.7\", 50001, \"reverse_socket\")") != std::string::npos);
   CHECK(text.find("steptime = 0.008") != std::string::npos);
   CHECK(text.find("stopj(4.0)") != std::string::npos);
@@ -107,7 +107,7 @@ TEST_CASE("program: names the address and port it was given, and stops by itself
 TEST_CASE("driver: settings that cannot work are refused") {
   ur5::DriverConfig config;
   config.interface = skinctl::Interface::torque;
-  CHECK_THROWS(ur5::Driver(config));
+  CHECK_THROWS_WITH(ur5::Driver{config}, doctest::Contains("500 1/s"));
   config = {};
   config.rate = 0;
   CHECK_THROWS(ur5::Driver(config));

@@ -5,17 +5,21 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "examples/adapters/socket.hpp"
-#include "examples/adapters/ur5/rtde.hpp"
+#include "examples/adapters/ur5/fault.hpp"
+#include "examples/adapters/ur5/program.hpp"
+#include "examples/adapters/ur5/rtde_client.hpp"
 #include "skinctl/hardware/robot.hpp"
 
 namespace adapters::ur5 {
 
-/// `lookahead_time` of the program's servoj, the least there is [s]: by position the arm comes behind its
-/// commands by a lag of that beside the drive's own, by velocity it does not.
-inline constexpr double servoj_lookahead = 0.03;
+/// How power and brakes are reached.
+enum class PanelKind : unsigned char {
+  automatic,  ///< by the controller's version: REST with PolyScope X, else the dashboard
+  dashboard,
+  rest
+};
 
 /// Where the robot is, and how to talk to it.
 struct DriverConfig {
@@ -23,30 +27,38 @@ struct DriverConfig {
   std::uint16_t rtde_port = 30004;
   std::uint16_t script_port = 30002;
   std::uint16_t dashboard_port = 29999;
+  std::uint16_t rest_port = 80;
   std::uint16_t reverse_port = 0;  ///< on this computer; 0: any
   std::string reverse_address;     ///< address of this computer that the robot can reach; empty: find out
-  double rate = 125;               ///< of states and commands: 125 on CB3, up to 500 on e-Series [1/s]
+  std::uint16_t told_port = 0;  ///< that the robot is told, where another one is forwarded here; 0: the same
+  double rate = 125;            ///< of states and commands: 125 on CB3, up to 500 on e-Series [1/s]
   skinctl::Interface interface = skinctl::Interface::position;
-  bool power_up = true;  ///< switch the arm on and release its brakes by the dashboard
+  PanelKind panel = PanelKind::automatic;
+  bool power_up = true;  ///< switch the arm on and release its brakes
+  bool unlock = false;   ///< the user's consent to release a protective stop while connecting
+  TorqueSettings torque{};
   Timeout connect_timeout{5000};
   Timeout silence{40};          ///< without a state for so long: a cycle on the last one
   Timeout give_up{500};         ///< without a state for so long: lost
   Timeout robot_patience{100};  ///< without a command for so long the robot stops by itself
+  bool real_time = true;        ///< false: a simulation whose clock need not agree with this computer's
 };
 
 /// A `RobotDriver` for six joints. Everything that can fail before the loop throws `ConnectionError`; in the
-/// loop the reason is kept in `error()`.
+/// loop the reason is kept in `fault()` and `error()`: see fault.hpp.
 ///
-/// The robot runs our own program (see `program()`): it connects back and obeys each message for at most
+/// The robot runs our own program (see program.hpp): it connects back and obeys each message for at most
 /// `robot_patience`; then it stops with `stopj`, whatever has become of this computer.
 class Driver {
  public:
+  /// Throws `ConfigurationError`.
   explicit Driver(const DriverConfig& config);
   ~Driver();
   Driver(const Driver&) = delete;
   Driver& operator=(const Driver&) = delete;
 
-  /// Connects, powers up, subscribes, uploads the program and waits until the robot has connected back.
+  /// Connects, powers up, subscribes, uploads the program and waits until the robot has connected back. After a loss
+  /// it may be called again, which is the user's consent to go on.
   void connect();
 
   skinctl::Heard wait(skinctl::State<6>& state) noexcept;
@@ -58,44 +70,60 @@ class Driver {
     return skinctl::JointPosition<6>(report_.told);
   }
 
-  /// Why the robot was lost; empty while it is there.
+  /// Why the robot was lost.
+  [[nodiscard]] Fault fault() const noexcept { return fault_; }
+  /// The same in words; empty while it is there.
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
   /// The newest report of the robot.
   [[nodiscard]] const Report& report() const noexcept { return report_; }
   /// The robot's clock at the newest report, in whole microseconds.
   [[nodiscard]] skinctl::Nanoseconds clock() const noexcept;
   /// Version of the controller, as it says.
-  [[nodiscard]] const std::string& controller() const noexcept { return controller_; }
+  [[nodiscard]] const Version& controller() const noexcept { return rtde_.version(); }
   /// Packages that said nothing we could use.
   [[nodiscard]] std::uint64_t nonsense() const noexcept { return nonsense_; }
+  /// Packages whose time stamp was not later than the one before: repeated, out of order, or of a clock that stands.
+  [[nodiscard]] std::uint64_t stood() const noexcept { return stood_; }
 
-  /// The URScript program for an arm at `rate` that connects to `address:port`.
-  [[nodiscard]] static std::string program(const std::string& address, std::uint16_t port, double rate);
-  /// The message of the reverse socket: read timeout [ms], six numbers in millionths, mode.
-  [[nodiscard]] static std::array<std::uint8_t, 32> message(std::int32_t timeout_ms,
-                                                            const std::array<double, 6>& values,
-                                                            std::int32_t mode) noexcept;
+  /// The share of full speed that trajectories of the controller get, 0 to 1. False if it could not be sent.
+  bool set_speed_slider(double share) noexcept;
+  /// 0 to 7 standard, 8 to 15 configurable, 16 and 17 at the tool; read back in `report().digital_outputs`.
+  bool set_digital_output(unsigned output, bool on) noexcept;
+  /// What the flange carries [kg], and its centre of mass in the flange's frame [m]. Runs beside the program.
+  bool set_payload(double mass, const std::array<double, 3>& centre);
+  /// Releases a protective stop: only ever on this request. Throws `ConnectionError` with the robot's answer, such as that
+  /// five seconds have not passed yet.
+  void unlock_protective_stop();
 
  private:
   void power_up();
-  void negotiate();
+  void refresh();
+  void act(const char* dashboard_command, const char* rest_action);
   void upload();
-  std::string ask(const std::string& line);
-  Package expect(std::uint8_t type, const char* what);
-  /// Reads until a package is there; false when the time is over or the stream is lost (`error_` says which).
-  bool read_package(Package& package, Timeout timeout) noexcept;
-  skinctl::Heard fail(const std::string& what) noexcept;
+  [[nodiscard]] bool by_rest() const noexcept;
+  [[nodiscard]] bool is_state(const Package& package, Report& report) const noexcept;
+  [[nodiscard]] Fault halted() noexcept;
+  [[nodiscard]] bool clocks_agree() noexcept;
+  [[nodiscard]] std::string explanation() const;
+  skinctl::Heard fail(Fault fault, const std::string& detail = {}) noexcept;
 
   DriverConfig config_;
   boost::asio::io_context io_;
-  Stream rtde_, dashboard_, script_, reverse_;
-  Framer framer_;
-  std::uint8_t recipe_ = 0;
+  RtdeClient rtde_;
+  Stream script_, reverse_;
+  std::uint8_t recipe_ = 0, inputs_ = 0;
   Report report_;
-  std::string controller_, error_, dashboard_rest_;
-  std::uint64_t nonsense_ = 0;
+  std::string error_;
+  Fault fault_ = Fault::none;
+  std::uint64_t nonsense_ = 0, stood_ = 0;
+  std::array<double, 6> sent_{}, sent_before_{};  ///< the last two commands
   bool running_ = false;
-  bool silent_ = false;  ///< the last wait ended without a state
+  bool silent_ = false;                                 ///< the last wait ended without a state
+  bool playing_ = false;                                ///< our program has been seen to run
+  double started_ = 0, slider_up_ = 0, finite_at_ = 0;  ///< by the controller's clock [s]
+  std::chrono::steady_clock::time_point window_{};
+  double window_stamp_ = 0;
+  int wrong_windows_ = 0;
 };
 
 }  // namespace adapters::ur5

@@ -1,6 +1,7 @@
 #include "examples/adapters/ur5/rtde.hpp"
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 namespace adapters::ur5 {
@@ -70,7 +71,14 @@ bool Report::decode(std::span<const std::uint8_t> payload) noexcept {
   runtime_state = in.u32();
   digital_outputs = in.u64();
   for (double& x : told) x = in.f64();
+  slider = in.f64();
+  for (double& x : wrench) x = in.f64();
   return in.ok();
+}
+bool Report::finite() const noexcept {
+  bool all = true;
+  for (std::size_t i = 0; i < 6; ++i) all = all && std::isfinite(q[i]) && std::isfinite(dq[i]);
+  return all;
 }
 
 std::string describe_robot_mode(std::int32_t mode) {

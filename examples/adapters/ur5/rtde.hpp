@@ -19,7 +19,9 @@ class PackageWriter {
   void u32(std::uint32_t x) { u16(static_cast<std::uint16_t>(x >> 16)), u16(static_cast<std::uint16_t>(x)); }
   void i32(std::int32_t x) { u32(static_cast<std::uint32_t>(x)); }
   void f64(double x);
-  void text(const std::string& s) { bytes_.insert(bytes_.end(), s.begin(), s.end()); }
+  void text(const std::string& s) {
+    for (const char c : s) u8(static_cast<std::uint8_t>(c));
+  }
   /// The whole package, its size filled in.
   [[nodiscard]] const std::vector<std::uint8_t>& finish();
 
@@ -80,12 +82,18 @@ struct Report {
   std::int32_t safety_mode = 0;     ///< 1: normal, 2: reduced; 3 and more: stopped
   std::uint32_t runtime_state = 0;  ///< 2: a program is playing
   std::uint64_t digital_outputs = 0;
-  std::array<double, 6> told{};  ///< where the controller was told to be [rad]
+  std::array<double, 6> told{};    ///< where the controller was told to be [rad]
+  double slider = 1;               ///< where the speed slider stands, 0 to 1
+  std::array<double, 6> wrench{};  ///< at the tool, as the controller estimates or measures it [N], [N m]
 
   static constexpr const char* recipe =
-      "timestamp,actual_q,actual_qd,robot_mode,safety_mode,runtime_state,actual_digital_output_bits,target_q";
-  static constexpr const char* types = "DOUBLE,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,UINT64,VECTOR6D";
-  static constexpr std::size_t bytes = 8 + 48 + 48 + 4 + 4 + 4 + 8 + 48;
+      "timestamp,actual_q,actual_qd,robot_mode,safety_mode,runtime_state,actual_digital_output_bits,target_q,"
+      "target_speed_fraction,actual_TCP_force";
+  static constexpr const char* types =
+      "DOUBLE,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,UINT64,VECTOR6D,DOUBLE,VECTOR6D";
+  static constexpr std::size_t bytes = 8 + 48 + 48 + 4 + 4 + 4 + 8 + 48 + 8 + 48;
+  /// Whether the measured joints are numbers.
+  [[nodiscard]] bool finite() const noexcept;
   /// From a data package's payload behind the recipe id; false if it is too short.
   bool decode(std::span<const std::uint8_t> payload) noexcept;
 };

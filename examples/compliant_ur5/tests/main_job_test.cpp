@@ -1,6 +1,7 @@
 // The main job as its users run it: in step with the simulation, in real time, and when things go wrong.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
@@ -12,6 +13,7 @@
 
 #include "examples/compliant_ur5/run.hpp"
 #include "examples/compliant_ur5/scene.hpp"
+#include "examples/compliant_ur5/tests/beside.hpp"
 #include "examples/simulated_ur5/scenario.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
@@ -21,76 +23,11 @@ namespace ip = boost::asio::ip;
 
 namespace {
 
-Settings settings() {
-  Settings s;
-  s.scenario = COMPLIANT_UR5_SCENARIO;
-  s.quiet = true;
-  read_scenario(s.scenario, s);
-  return s;
-}
-
 std::string fact(const RunLog& log, const std::string& name) {
   for (const auto& f : log.result)
     if (f.name == name) return f.value;
   return "";
 }
-
-/// A port on which nobody listens just now.
-std::uint16_t free_udp_port() {
-  boost::asio::io_context io;
-  return ip::udp::socket(io, ip::udp::endpoint(ip::address_v4::loopback(), 0)).local_endpoint().port();
-}
-
-/// A simulated robot beside the program, as a real one would stand there.
-class Beside {
- public:
-  explicit Beside(Settings& s) {
-    const auto add = [&]<std::size_t I, std::size_t N>(simulated_ur5::Config& to,
-                                                       const skinctl::Patch<I, N>& patch) {
-      for (const auto& c : patch.placed()) {
-        const auto p = c.X_LC.origin(), n = c.X_LC.axis_z();
-        simulated_ur5::SkinCell cell;
-        cell.id = c.id;
-        cell.link = I;
-        cell.position = {p.x, p.y, p.z};
-        cell.normal = {n.x, n.y, n.z};
-        simulated_ur5::complete(cell);
-        to.controller.cells.push_back(cell);
-      }
-    };
-    simulated_ur5::Config config;
-    simulated_ur5::read_scenario(s.scenario, config);
-    config.controller.powered = false;  // the program has to switch it on
-    config.controller.power_on_time = config.controller.brake_release_time = 0.1;
-    config.controller.touches.clear();
-    std::apply([&](const auto&... patch) { (add(config, patch), ...); },
-               skinctl::ur5::skin_patches<compliant_ur5::cells>());
-    config.ports = {0, 0, 0, 0};
-    config.speed = 1;
-    s.skin_port = free_udp_port();
-    config.skin_port = s.skin_port;
-    s.robot = "127.0.0.1";
-    s.speed = 1;
-    s.compare = false;
-    robot = std::make_unique<simulated_ur5::SimulatedUr5>(config);
-    robot->start();
-    s.rtde_port = robot->ports().rtde;
-    s.script_port = robot->ports().secondary;
-    s.dashboard_port = robot->ports().dashboard;
-  }
-  /// Whether all joints stand still within two seconds.
-  bool comes_to_rest() {
-    for (int k = 0; k < 40; ++k) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      const auto now = robot->snapshot();
-      double speed = 0;
-      for (const double v : now.true_dq) speed = std::max(speed, std::abs(v));
-      if (speed < 1e-6) return true;
-    }
-    return false;
-  }
-  std::unique_ptr<simulated_ur5::SimulatedUr5> robot;
-};
 
 /// Runs the job in a thread, lets `disturb` happen after it has moved for a while, and gives how it ended.
 template <class F>
@@ -263,12 +200,24 @@ TEST_CASE(
   REQUIRE(run(s, false, soft) == Outcome::fine);
   REQUIRE(soft.touches.size() == 1);
   CHECK(soft.touches[0].deflection > 0.02);
+  // Every tenth cell of the forearm is masked: its neighbours fill it in. All of them: the robot is blind there.
+  for (auto& patch : file.patches)
+    for (std::size_t c = 0; c < patch.cells.size(); c += 10)
+      if (patch.name == "forearm") patch.cells[c].masked = "as a test";
+  skinctl::write_skin_file(file, path.string());
+  REQUIRE(run(s, false, masked) == Outcome::fine);
+  CHECK(masked.peak_force < 1.3 * soft.peak_force);
   for (auto& patch : file.patches)
     for (auto& cell : patch.cells)
       if (patch.name == "forearm") cell.masked = "as a test";
   skinctl::write_skin_file(file, path.string());
-  REQUIRE(run(s, false, masked) == Outcome::fine);
-  CHECK(masked.peak_force > 3 * soft.peak_force);  // the arm does not give way there
+  RunLog blind;
+  CHECK(run(s, false, blind) == Outcome::blind);
+  file = shipped;
+  file.regions = {{"elbow", {file.patches[2].cells[0].id}, 1, 65, 0}};
+  skinctl::write_skin_file(file, path.string());
+  CHECK_THROWS_WITH_AS(static_cast<void>(run(s, false, blind)), doctest::Contains("force_limit = 65"),
+                       skinctl::ConfigurationError);
 
   RunLog log;
   file = shipped;

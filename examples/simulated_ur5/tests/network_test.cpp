@@ -16,7 +16,7 @@ namespace {
 
 Config quiet(double speed = 1) {
   Config c;
-  c.ports = {0, 0, 0, 0};
+  c.ports = {0, 0, 0, 0, 0};
   c.speed = speed;
   c.controller.powered = true;
   return c;

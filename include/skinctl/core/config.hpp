@@ -37,9 +37,9 @@
   }
 
 /// For operators, lambdas and recursion in the loop: GCC's own choice of inlining is four times slower there.
-/// Define SKINCTL_NO_FORCED_INLINE where compile time and readable stack traces matter more: debug and
-/// sanitizer builds.
-#if defined(SKINCTL_NO_FORCED_INLINE)
+/// Define SKINCTL_NO_FORCED_INLINE where compile time and readable stack traces matter more: sanitizer builds.
+/// Without optimisation nothing is forced: it would take three times as long to compile.
+#if defined(SKINCTL_NO_FORCED_INLINE) || !defined(__OPTIMIZE__)
 #define SKINCTL_INLINE inline
 #define SKINCTL_INLINE_LAMBDA
 #else

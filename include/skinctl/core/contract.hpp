@@ -42,20 +42,23 @@ inline ErrorHandler set_error_handler(ErrorHandler handler) noexcept {
 }
 
 /// Throws `ConfigurationError(what)`, or calls the handler where exceptions are off.
-[[noreturn]] inline void refuse(const std::string& what) {
+[[noreturn]] SKINCTL_COLD inline void refuse(const char* what) {
 #if defined(__cpp_exceptions)
   throw ConfigurationError(what);
 #else
-  detail::error_handler()(what.c_str());
+  detail::error_handler()(what);
   detail::abort_with("skinctl: the error handler returned");
 #endif
+}
+[[noreturn]] inline void refuse(const std::string& what) {
+  refuse(what.c_str());
 }
 
 namespace detail {
 [[noreturn]] SKINCTL_COLD inline void refuse_value(const char* name, double value, const char* range) {
-  char number[32];
-  std::snprintf(number, sizeof number, "%.9g", value);
-  refuse(std::string("skinctl: ") + name + " = " + number + ", allowed: " + range);
+  char text[512];
+  std::snprintf(text, sizeof text, "skinctl: %s = %.9g, allowed: %s", name, value, range);
+  refuse(text);
 }
 }  // namespace detail
 

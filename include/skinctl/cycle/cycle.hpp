@@ -343,15 +343,14 @@ class Cycle {
       std::array<scalar, Resolver::stiff_groups> spans;
       Resolver::each([&](auto k) { spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
       return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
-                            guard_.waits(m.guard), resolved.status.has(Reason::state_stale), m.robot.measured,
-                            pressed, nearest, spans, dt);
+                            guard_.waits(m.guard), resolved.status.has(Reason::state_stale),
+                            scalar(guard_.settings().torque_rate), m.robot.measured, pressed, nearest, spans,
+                            dt);
     } else if constexpr (Resolver::interface == Interface::torque) {
-      // An old velocity is no basis for braking.
-      if (resolved.status.has(Reason::state_stale))
-        return GovernedTorque<joints, scalar>{{resolved.command, {}, false}, resolved.fallback};
-      return governor_.step_torque(m.governor, resolved.command, resolved.fallback,
-                                   guard_.waits(m.guard) || pauses(m), m.robot.measured, pressed, nearest,
-                                   dt);
+      return governor_.step_torque(
+          m.governor, m.guard.command, resolved.command, resolved.fallback,
+          guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
+          scalar(guard_.settings().torque_rate), m.robot.measured, pressed, nearest, dt);
     } else {
       return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, pressed, nearest,
                             dt);

@@ -88,7 +88,8 @@ template <class Resolver>
   } else if constexpr (requires { requires Resolver::has_driven; }) {
     using M = std::remove_cvref_t<decltype(r.model())>;
     return make_group_governor<typename Resolver::JointSets>(
-        r.limits(), MotionLimits<M, typename Resolver::scalar>(r.model()));
+        r.limits(),
+        MotionLimits<M, typename Resolver::scalar, typename Resolver::JointSets::Driven>(r.model()));
   } else {
     return NoGovernor{};
   }
@@ -160,8 +161,14 @@ template <class Resolver, class... Made>
     using M = std::remove_cvref_t<decltype(r.model())>;
     return std::apply(
         [&](const auto&... p) {
-          return make_group_governor<typename Resolver::JointSets>(
-              r.limits(), p..., MotionLimits<M, typename Resolver::scalar>(r.model()));
+          using Sets = typename Resolver::JointSets;
+          if constexpr (Resolver::has_driven) {
+            return make_group_governor<Sets>(
+                r.limits(), p...,
+                MotionLimits<M, typename Resolver::scalar, typename Sets::Driven>(r.model()));
+          } else {
+            return make_group_governor<Sets>(r.limits(), p...);
+          }
         },
         made);
   } else {

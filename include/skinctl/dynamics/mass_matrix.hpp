@@ -88,31 +88,11 @@ SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles,
   }
 }
 
-/// Computes the rows and columns of `M` for the subtree of link `I`, and returns the subtree as one body in
-/// the frame of the link.
-template <std::size_t I, Scalar T, RobotModel M, class Angles>
-SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
-                                           MassMatrix<M::joints, T>& m) noexcept {
-  constexpr auto carried = children<M, int(I)>;
-  const auto with = [&](const auto& own, auto child) SKINCTL_INLINE_LAMBDA {
-    return carrying(own, joint_frame<child.value>(model, angles),
-                    subtree_mass<child.value, T>(model, angles, m));
-  };
-  const auto body = [&]() SKINCTL_INLINE_LAMBDA {
-    const auto own = link_composite<I, T>(model);
-    if constexpr (carried.size() == 0) {
-      return own;
-    } else if constexpr (carried.size() == 1) {
-      return with(own, std::integral_constant<std::size_t, carried[0]>{});
-    } else {
-      auto sum = dense_composite<T>(own);
-      for_each_link<carried>([&](auto child)
-                                 SKINCTL_INLINE_LAMBDA { sum = dense_composite<T>(with(sum, child)); });
-      return sum;
-    }
-  }();
-
-  // The wrench of a unit acceleration of joint I alone.
+/// Writes the rows and columns of `M` that the wrench of a unit acceleration of joint `I` alone fills; `body` is the
+/// subtree of link `I` as one body in the frame of the link.
+template <std::size_t I, Scalar T, RobotModel M, class Angles, class Body>
+SKINCTL_INLINE constexpr void write_mass(const M& model, const Angles& angles, const Body& body,
+                                         MassMatrix<M::joints, T>& m) noexcept {
   if constexpr (M::kinds[I] == JointKind::revolute) {
     const auto inertia = body.xx + body.yy;
     m(I, I) = T(inertia);
@@ -123,7 +103,32 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
     carry_wrench<I>(model, angles, Triple{TypedConstant<0>{}, TypedConstant<0>{}, body.mass},
                     Triple{body.h.y, -body.h.x, TypedConstant<0>{}}, I, m);
   }
-  return body;
+}
+
+/// Computes the rows and columns of `M` for the subtree of link `I`, and returns the subtree as one body in
+/// the frame of the link.
+template <std::size_t I, Scalar T, RobotModel M, class Angles>
+SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
+                                           MassMatrix<M::joints, T>& m) noexcept {
+  constexpr auto carried = children<M, int(I)>;
+  const auto own = link_composite<I, T>(model);
+  if constexpr (carried.size() == 0) {
+    write_mass<I>(model, angles, own, m);
+    return own;
+  } else if constexpr (carried.size() == 1) {
+    const auto body =
+        carrying(own, joint_frame<carried[0]>(model, angles), subtree_mass<carried[0], T>(model, angles, m));
+    write_mass<I>(model, angles, body, m);
+    return body;
+  } else {
+    auto body = dense_composite<T>(own);
+    for_each_link<carried>([&](auto child) SKINCTL_INLINE_LAMBDA {
+      body = dense_composite<T>(carrying(body, joint_frame<child.value>(model, angles),
+                                         subtree_mass<child.value, T>(model, angles, m)));
+    });
+    write_mass<I>(model, angles, body, m);
+    return body;
+  }
 }
 
 /// In a chain all joints are coupled and every entry is written; other trees have zeros.

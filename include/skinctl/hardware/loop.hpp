@@ -31,8 +31,9 @@ template <class C>
 struct LoopReport {
   LoopEnd ended = LoopEnd::finished;
   std::uint64_t cycles = 0;
-  std::uint64_t silent = 0;   ///< cycles without a new state
-  std::uint64_t missed = 0;   ///< cycles whose state came later than 1.5 periods after the one before
+  std::uint64_t silent = 0;  ///< cycles without a new state
+  std::uint64_t stood = 0;   ///< cycles whose state came, but brought no later time for more than 1.5 periods
+  std::uint64_t missed = 0;  ///< cycles whose state came later than 1.5 periods after the one before
   std::uint64_t samples = 0;  ///< from the skin
   std::array<Histogram, stage_count> stages;
   Histogram whole;
@@ -113,7 +114,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     cycle.start(memory, input.measured);
   }
   static_cast<void>(skin.poll());  // samples from before the start are old
-  Nanoseconds heard_at = Stopwatch::now();
+  Nanoseconds heard_at = Stopwatch::now(), later_at = heard_at;
 
   for (;;) {
     if (options.stop && options.stop->load()) {
@@ -132,8 +133,15 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     if (heard == Heard::silent) {
       ++report.silent;
       input.now += options.period;  // the robot's clock goes on without a state
+      later_at = now;
     } else if (report.cycles == 0 || input.measured.time > input.now) {
       input.now = input.measured.time;
+      later_at = now;
+    } else if (2 * (now - later_at) > 3 * options.period) {
+      // Its clock stands or went back: by this computer's, so that the state grows old and the guard brakes.
+      ++report.stood;
+      input.now += options.period;
+      later_at += options.period;
     }
     input.samples = skin.poll();
     report.samples += input.samples.size();

@@ -1,4 +1,4 @@
-// Concepts of drivers: a robot, a skin, a gripper.
+// Concepts of drivers: a robot, a skin.
 #pragma once
 
 #include <concepts>
@@ -41,14 +41,6 @@ concept RobotDriver = requires(R& robot, State<N, T>& state, const JointCommand<
 template <class S>
 concept SkinSource = requires(S& skin) {
   { skin.poll() } noexcept -> std::same_as<std::span<const CellSample>>;
-};
-
-/// A gripper: `open()` and `close()` start a motion, `busy()` says whether it is still under way.
-template <class G>
-concept GripperDriver = requires(G& gripper) {
-  { gripper.open() } noexcept;
-  { gripper.close() } noexcept;
-  { gripper.busy() } noexcept -> std::same_as<bool>;
 };
 
 SKINCTL_END_NAMESPACE

@@ -1,11 +1,16 @@
 // Skin files on robots: cells in the frames of a model's links. Needs no parser.
 #pragma once
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <unordered_map>
 
 #include "skinctl/io/skin_contents.hpp"
 #include "skinctl/io/urdf_tree.hpp"
 #include "skinctl/model/named_links.hpp"
+#include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/region.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -76,8 +81,8 @@ template <NamesLinks D>
 }
 
 /// The placed patches for a `SkinOf`: each cell with its patch's gains times its own `gain` and the weights of
-/// the regions that have it, and with its threshold, below which its force readings are 0. Masked cells get
-/// gains of 0: they are heard and do not push.
+/// the regions that have it, and with its threshold, below which its force readings are 0. Masked cells neither push
+/// nor count as usable; a `TrustedSkin` fills them in.
 [[nodiscard]] SKINCTL_COLD inline std::vector<SkinPatch> skin_patches(
     const SkinFile& file, const std::vector<PlacedSkinPatch>& placed) {
   std::unordered_map<std::uint32_t, double> weights;
@@ -91,14 +96,83 @@ template <NamesLinks D>
       const SkinFile::Cell& cell = patch.cells[c];
       SkinCell made{.id = cell.id, .X_LC = on.cells[c].X_LC};
       const auto region = weights.find(cell.id);
-      const double factor =
-          cell.masked.empty() ? cell.gain * (region == weights.end() ? 1 : region->second) : 0;
+      const double factor = cell.gain * (region == weights.end() ? 1 : region->second);
+      made.masked = !cell.masked.empty();
       if (factor != 1) made.gains = {patch.gains.force * factor, patch.gains.proximity * factor};
       if (cell.threshold) made.force = EventGate<>::dead_band(*cell.threshold);
       to.cells.push_back(made);
     }
   }
   return out;
+}
+
+/// Which cells are neighbours, by index in the order of `skin_patches`: those that the file names at its ports, on the
+/// same link; in patches for which it names none, those of `CellGraph(places)`.
+[[nodiscard]] SKINCTL_COLD inline CellGraph cell_graph(const SkinFile& file,
+                                                       const std::vector<PlacedSkinPatch>& placed) {
+  std::vector<CellPlace> places;
+  std::vector<const SkinFile::Cell*> cells;
+  std::unordered_map<std::uint32_t, CellGraph::Index> index;
+  for (const PlacedSkinPatch& on : placed)
+    for (std::size_t c = 0; c < on.cells.size(); ++c) {
+      const auto& X_LC = on.cells[c].X_LC;
+      index[on.cells[c].id] = static_cast<CellGraph::Index>(cells.size());
+      cells.push_back(&file.patches[on.patch].cells[c]);
+      places.push_back(
+          {on.link, static_cast<std::size_t>(&on - placed.data()), X_LC.origin(), X_LC.axis_z()});
+    }
+  const CellGraph near(places);
+  std::vector<std::vector<CellGraph::Index>> lists(cells.size());
+  const auto named = [&](std::size_t i) { return !cells[i]->neighbours.empty(); };
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    for (const CellGraph::Index j : near.neighbours(i))
+      if (!named(i) && !named(j)) lists[i].push_back(j);
+    for (const std::uint32_t id : cells[i]->neighbours)
+      if (id != SkinFile::nobody && places[index.at(id)].link == places[i].link)
+        lists[i].push_back(index.at(id));
+  }
+  return CellGraph(std::move(lists));
+}
+
+/// The file's regions for a `ContactSkin`, which stops a robot when one is pressed harder than its `force_limit`. The
+/// weight is in the gains of `skin_patches`; it is taken off again, for the limit to be of newtons. Where regions
+/// overlap, a cell keeps the other's weight. Throws `ConfigurationError` for a limit of a region of weight 0, and for more
+/// than 32 regions.
+[[nodiscard]] SKINCTL_COLD inline Regions regions_of(const SkinFile& file) {
+  std::vector<Region> out;
+  for (const SkinFile::Region& r : file.regions)
+    if (r.weight > 0) {
+      out.push_back({r.name, r.cells, 1 / r.weight, r.force_limit});
+    } else {
+      require(!(r.force_limit < std::numeric_limits<double>::infinity()),
+              ("region " + detail::skin_quoted(r.name) + " of weight 0, which feels nothing: force_limit").c_str(),
+              r.force_limit, "none");
+    }
+  return Regions(std::move(out));
+}
+
+/// How far off a cell may be, one standard deviation in the worst direction: an upper bound from the file's
+/// covariances of its patch and its own pose. What is not given counts as exact.
+struct PlaceDeviation {
+  double place = 0;      ///< [m]
+  double direction = 0;  ///< [rad]
+};
+[[nodiscard]] SKINCTL_COLD inline PlaceDeviation place_deviation(const SkinFile::Patch& patch,
+                                                                 const SkinFile::Cell& cell) {
+  const auto most = [](const std::vector<double>& C, std::size_t from) {
+    if (C.size() != 21) return 0.0;
+    const auto at = [&](std::size_t i, std::size_t j) { return C[i * 6 - i * (i + 1) / 2 + j]; };
+    Eigen::Matrix3d block;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = i; j < 3; ++j)
+        block(static_cast<int>(i), static_cast<int>(j)) = block(static_cast<int>(j), static_cast<int>(i)) =
+            at(from + i, from + j);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(block, Eigen::EigenvaluesOnly);
+    return std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
+  };
+  const double lever = std::sqrt(dot(cell.X_RootCell.p, cell.X_RootCell.p));
+  return {std::hypot(most(patch.covariance, 0) + lever * most(patch.covariance, 3), most(cell.covariance, 0)),
+          std::hypot(most(patch.covariance, 3), most(cell.covariance, 3))};
 }
 
 SKINCTL_END_NAMESPACE

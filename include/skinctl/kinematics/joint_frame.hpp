@@ -13,12 +13,17 @@ SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
 
-/// Calls `f` with the index of each link of `L` (an array), in order.
+/// Calls `f` with the index of each link of `L` (an array), in order. What is called through it is a whole subtree,
+/// which the compiler copies at every call that it inlines: so one call for a chain.
 template <auto L, class F>
 SKINCTL_INLINE constexpr void for_each_link(F&& f) {
-  [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
-    (f(std::integral_constant<std::size_t, L[K]>{}), ...);
-  }(std::make_index_sequence<L.size()>{});
+  if constexpr (L.size() == 1) {
+    f(std::integral_constant<std::size_t, L[0]>{});
+  } else {
+    [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
+      (f(std::integral_constant<std::size_t, L[K]>{}), ...);
+    }(std::make_index_sequence<L.size()>{});
+  }
 }
 
 /// Whether a joint of `Mask` is of the given kind.

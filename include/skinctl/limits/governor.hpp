@@ -75,6 +75,7 @@ class Governor {
     JointPosition<N, T> position, carry;   ///< the last command's position, and its rounding error
     [[no_unique_address]] typename Contact::Memory contact;
     [[no_unique_address]] typename Watch::Memory watch;
+    [[no_unique_address]] typename Range::Memory motion;
   };
 
   SKINCTL_COLD Governor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
@@ -177,59 +178,73 @@ class Governor {
   ///
   /// @param hold      the torque that holds the robot: gravity compensation, with friction if it has some.
   /// @param stopping  whether the guard waits for consent: then hold with damping.
+  /// @param stale     whether the measured velocity is too old to brake by: then the wish passes.
+  /// @param rate      fastest change of a torque that the guard allows: see `MotionLimits`.
   /// The other parameters are those of `step`.
   template <class Touch, class Nearest>
-  SKINCTL_NOINLINE GovernedTorque<N, T> step_torque(Memory& m, const JointCommand<N, T>& wish,
-                                                    const JointTorque<N, T>& hold, bool stopping,
-                                                    const State<N, T>& measured, const Touch& touch,
-                                                    const Nearest& nearest, const T& dt) const noexcept {
+  SKINCTL_NOINLINE GovernedTorque<N, T> step_torque(Memory& m, const JointCommand<N, T>& last,
+                                                    const JointCommand<N, T>& wish,
+                                                    const JointTorque<N, T>& hold, bool stopping, bool stale,
+                                                    const T& rate, const State<N, T>& measured,
+                                                    const Touch& touch, const Nearest& nearest,
+                                                    const T& dt) const noexcept {
     static_assert(!has_jerk, "a torque interface has no motion whose jerk could be limited");
     GovernedTorque<N, T> out{{wish, {}, false}, hold};
-    if (!wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) || !(dt > T(0))) return out;
-    const auto mass = mass_matrix(model(), measured.q);
-    const math::Ldlt<N, T> factors(mass.data);
-    if (!factors.positive_definite()) return out;
+    if (stale || !wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) || !(dt > T(0))) {
+      if constexpr (has_motion) m.motion.known = false;
+      return out;
+    }
+    const JointAngles<std::remove_cvref_t<decltype(model())>, T> angles(model(), measured.q);
+    const auto mass = mass_matrix(model(), angles);
     T ahead = T(braking_cycles) * dt;
     // A guard turns a torque over its whole range in 20 ms: at high rates braking begins earlier than that.
     if (has_motion && ahead < T(0.01)) ahead = T(0.01);
     const JointTorque<N, T> asked = limits_.within(wish.torque, measured.dq);
-    JointTorque<N, T> drive = asked - limits_.within(hold, measured.dq);
-    if constexpr (has_motion)
-      drive -= coriolis_torque(
-          model(), JointAngles<std::remove_cvref_t<decltype(model())>, T>(model(), measured.q), measured.dq);
-    JointAcceleration<N, T> given;
-    factors.solve(drive.data, given.data);
-    const JointVelocity<N, T> u = integrate(measured.dq, given, ahead);
-    T share(1);
-    if constexpr (has_contact) {
-      const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
-      out.status |= verdict.status;
-      share = verdict.scale;
-      stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
+    JointTorque<N, T> braked = asked;
+    if constexpr (has_contact || has_watch || has_tool || has_clearance) {
+      const math::Ldlt<N, T> factors(mass.data);
+      if (!factors.positive_definite()) return out;
+      JointTorque<N, T> drive = asked - limits_.within(hold, measured.dq);
+      if constexpr (has_motion) drive -= coriolis_torque(model(), angles, measured.dq);
+      JointAcceleration<N, T> given;
+      factors.solve(drive.data, given.data);
+      const JointVelocity<N, T> u = integrate(measured.dq, given, ahead);
+      T share(1);
+      if constexpr (has_contact) {
+        const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
+        out.status |= verdict.status;
+        share = verdict.scale;
+        stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
+      }
+      if constexpr (has_watch) {
+        const T slow = watch_.share(m.watch, u);
+        if (slow < share) share = slow;
+      }
+      if constexpr (has_tool) {
+        const T tool = tool_.share(measured.q, u, ahead);
+        if (tool < T(1)) out.status |= Reason::tool_speed_limited;
+        if (tool < share) share = tool;
+      }
+      if constexpr (has_clearance) {
+        const T clear = clearance_.share(measured.q, u, ahead);
+        if (clear < T(1)) out.status |= Reason::clearance_kept;
+        if (clear < share) share = clear;
+      }
+      if (share < T(1)) {
+        braked = asked - momentum_of<AllJoints<N>>(mass, u - share * u) * T(T(1) / ahead);
+        out.altered = true;
+      }
     }
-    if constexpr (has_watch) {
-      const T slow = watch_.share(m.watch, u);
-      if (slow < share) share = slow;
+    if constexpr (has_motion) {
+      const auto kept = motion_.within(m.motion, limits_, mass, bias_torque(model(), angles, measured.dq),
+                                       measured, last.torque, braked, ahead, dt, rate);
+      out.status |= kept.status;
+      if (kept.altered) braked = kept.torque, out.altered = true;
     }
-    if constexpr (has_tool) {
-      const T tool = tool_.share(measured.q, u, ahead);
-      if (tool < T(1)) out.status |= Reason::tool_speed_limited;
-      if (tool < share) share = tool;
-    }
-    if constexpr (has_clearance) {
-      const T clear = clearance_.share(measured.q, u, ahead);
-      if (clear < T(1)) out.status |= Reason::clearance_kept;
-      if (clear < share) share = clear;
-    }
-    JointVelocity<N, T> kept = share < T(1) ? share * u : u;
-    if constexpr (has_motion) kept = motion_.within(limits_, measured.q, kept, ahead, out.status);
-    if (!(kept == u)) {
-      const JointTorque<N, T> braked = asked - momentum(mass, u - kept) * T(T(1) / ahead);
-      out.command.torque = limits_.within(braked, measured.dq);
-      out.altered = true;
-    }
+    if (out.altered) out.command.torque = limits_.within(braked, measured.dq);
     if (stopping)
-      out.hold = limits_.within(hold - momentum(mass, measured.dq) * T(T(1) / ahead), measured.dq);
+      out.hold =
+          limits_.within(hold - momentum_of<AllJoints<N>>(mass, measured.dq) * T(T(1) / ahead), measured.dq);
     return out;
   }
 
@@ -270,14 +285,6 @@ class Governor {
       return motion_.model();
     }
   }
-  static SKINCTL_INLINE JointTorque<N, T> momentum(const MassMatrix<N, T>& mass,
-                                                   const JointVelocity<N, T>& u) noexcept {
-    JointTorque<N, T> p;  // M u [N m s]
-    for (std::size_t i = 0; i < N; ++i)
-      for (std::size_t j = 0; j < N; ++j) p[i] = p[i] + mass(i, j) * u[j];
-    return p;
-  }
-
   /// The displacement from the last command to the velocity `v` after `dt`.
   static SKINCTL_INLINE JointPosition<N, T> half_way(const JointCommand<N, T>& last,
                                                      const JointVelocity<N, T>& v, const T& dt) noexcept {

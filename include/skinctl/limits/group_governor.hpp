@@ -21,11 +21,7 @@ template <class Set, std::size_t N, Real T>
 /// joints (and of jerk), and the latter by less torque. Jerk is limited where motion is commanded; of a joint by
 /// torque it is the world's as well, and its number in `MaxJerk` is not read.
 ///
-/// **Position and speed of joints by torque** are limited one by one, as a hand's light links would have it:
-/// `least <= tau <= most`, `most = hold + r + M_ii (u_most - dq) / t`, u_most the velocity limit or the speed from
-/// which the joint stops before its end, t the time of the prediction. r is what has resisted the torque in the
-/// last cycles, `tau - hold - M_ii ddq`: a finger that moves freely stays below its speed, one that holds
-/// something has its whole torque.
+/// Position and speed of joints by torque are limited by `MotionLimits`, as in a `Governor`.
 ///
 /// @tparam Sets  `JointGroups`.
 template <class Sets, std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range>
@@ -82,10 +78,7 @@ class GroupGovernor {
   struct Memory {
     typename All::Memory stiff;
     [[no_unique_address]] typename Contact::Memory contact;
-    JointVelocity<N, T> dq;        ///< of joints by torque in the last cycle
-    JointTorque<N, T> hold;        ///< the torque that would have held them
-    JointTorque<N, T> resists[3];  ///< what resisted their torques in the last cycles
-    bool moved = false;            ///< the above are valid
+    [[no_unique_address]] typename Range::Memory motion;
   };
 
   SKINCTL_COLD GroupGovernor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
@@ -107,14 +100,15 @@ class GroupGovernor {
   /// @param hold      the torque that holds the joints by torque.
   /// @param stopping  whether the guard waits for consent: then hold with damping.
   /// @param stale     whether the measured velocities are too old to brake by.
+  /// @param rate      fastest change of a torque that the guard allows, see `MotionLimits`.
   /// @param spans     the time to the command of each group by position or velocity [s].
   /// @param dt        seconds since the last cycle.
   template <class Touch, class Nearest>
   SKINCTL_NOINLINE GovernedTorque<N, T> step(Memory& m, const JointCommand<N, T>& last,
                                              const JointCommand<N, T>& wish, const JointTorque<N, T>& hold,
-                                             bool stopping, bool stale, const State<N, T>& measured,
-                                             const Touch& touch, const Nearest& nearest,
-                                             const std::array<T, stiff_groups>& spans,
+                                             bool stopping, bool stale, const T& rate,
+                                             const State<N, T>& measured, const Touch& touch,
+                                             const Nearest& nearest, const std::array<T, stiff_groups>& spans,
                                              const T& dt) const noexcept {
     GovernedTorque<N, T> out{{wish, {}, false}, hold};
     if (!last.valid || !wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) ||
@@ -127,15 +121,28 @@ class GroupGovernor {
     if (ahead < T(0.01)) ahead = T(0.01);
     JointVelocity<N, T> u = wish.velocity, from = last.velocity;
     JointPosition<N, T> q = last.position;
-    [[maybe_unused]] JointTorque<N, T> inertia;
+    [[maybe_unused]] MassMatrix<N, T> mass;
     if constexpr (has_driven) {
       Driven::put(Driven::of(measured.q), q);
       Driven::put(Driven::of(stale ? JointVelocity<N, T>{} : measured.dq), from);
       Driven::put(Driven::of(from), u);
       if (stale) {
-        m.moved = false;
+        m.motion.known = false;
       } else {
-        bound(m, last, measured, hold, ahead, dt, inertia, u, out);
+        const JointAngles<std::remove_cvref_t<decltype(motion_.model())>, T> angles(motion_.model(),
+                                                                                    measured.q);
+        mass = mass_matrix(motion_.model(), angles);
+        const auto kept =
+            motion_.within(m.motion, limits_, mass, bias_torque(motion_.model(), angles, measured.dq),
+                           measured, Driven::of(last.torque),
+                           Driven::of(limits_.within(out.command.torque, measured.dq)), ahead, dt, rate);
+        Driven::put(kept.u, u);
+        out.status |= kept.status;
+        if (kept.altered) {
+          Driven::put(kept.torque, out.command.torque);
+          out.command.torque = limits_.within(out.command.torque, measured.dq);
+          out.altered = true;
+        }
       }
     }
     const JointVelocity<N, T> predicted = u;
@@ -175,13 +182,11 @@ class GroupGovernor {
     }
     if constexpr (has_driven) {
       if (stale) return out;
-      for (const std::size_t i : Driven::index) {
-        if (!(u[i] == predicted[i])) {
-          out.command.torque[i] = out.command.torque[i] - inertia[i] * (predicted[i] - u[i]) / ahead;
-          out.altered = true;
-        }
-        if (stopping) out.hold[i] = out.hold[i] - inertia[i] * measured.dq[i] / ahead;
+      if (slowed) {
+        brake(mass, predicted - u, ahead, measured.dq, out.command.torque);
+        out.altered = true;
       }
+      if (stopping) brake(mass, measured.dq, ahead, measured.dq, out.hold);
     }
     return out;
   }
@@ -193,48 +198,6 @@ class GroupGovernor {
   }
 
  private:
-  /// Limits the torques of the driven joints for their own positions and velocities; `u` receives the velocities
-  /// to which they lead in `ahead` seconds.
-  SKINCTL_INLINE void bound(Memory& m, const JointCommand<N, T>& last, const State<N, T>& measured,
-                            const JointTorque<N, T>& hold, const T& ahead, const T& dt,
-                            JointTorque<N, T>& inertia, JointVelocity<N, T>& u,
-                            GovernedTorque<N, T>& out) const noexcept {
-    const auto mass = mass_matrix(motion_.model(), measured.q);
-    const JointTorque<N, T> asked = limits_.within(out.command.torque, measured.dq);
-    m.resists[2] = m.resists[1];
-    m.resists[1] = m.resists[0];
-    for (const std::size_t i : Driven::index) {
-      inertia[i] = mass(i, i);
-      if (!(inertia[i] > T(0))) continue;
-      m.resists[0][i] =
-          m.moved ? T(last.torque[i] - m.hold[i] - inertia[i] * (measured.dq[i] - m.dq[i]) / dt) : T(0);
-      T above(0), below(0);  // the least of the last cycles, to either side
-      for (int k = 0; k < 3; ++k) {
-        const T r = m.resists[k][i];
-        above = k == 0 || r < above ? r : above;
-        below = k == 0 || r > below ? r : below;
-      }
-      if (above < T(0)) above = T(0);
-      if (below > T(0)) below = T(0);
-      // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without overshoot.
-      const T V = limits_.velocity()[i], a = limits_.acceleration()[i], reaction = T(4) * ahead;
-      const T up = speed_to_stop(limits_.upper()[i] - measured.q[i], reaction, a),
-              down = speed_to_stop(measured.q[i] - limits_.lower()[i], reaction, a);
-      const T most = hold[i] + above + inertia[i] * ((up < V ? up : V) - measured.dq[i]) / ahead;
-      const T least = hold[i] + below - inertia[i] * ((down < V ? down : V) + measured.dq[i]) / ahead;
-      const T given = asked[i] > most ? most : (asked[i] < least ? least : asked[i]);
-      if (given != asked[i]) {
-        out.command.torque[i] = given;
-        out.altered = true;
-        out.status |=
-            (given < asked[i] ? up : down) < V ? Reason::position_limited : Reason::velocity_limited;
-      }
-      u[i] = measured.dq[i] + ahead * (given - hold[i] - (given > hold[i] ? above : below)) / inertia[i];
-    }
-    m.dq = measured.dq;
-    m.hold = hold;
-    m.moved = true;
-  }
   /// The commands of the stiff joints towards the velocities `u`.
   template <bool Smooth>
   SKINCTL_INLINE void follow(Memory& m, const JointCommand<N, T>& last, const JointVelocity<N, T>& u,
@@ -249,6 +212,13 @@ class GroupGovernor {
       out.altered = true;
       put_part<S>(part.command, out.command);
     });
+  }
+  /// Takes the velocity `u` of the driven joints from them in `ahead` seconds.
+  SKINCTL_INLINE void brake(const MassMatrix<N, T>& mass, const JointVelocity<N, T>& u, const T& ahead,
+                            const JointVelocity<N, T>& dq, JointTorque<N, T>& torque) const noexcept {
+    const auto p = momentum_of<Driven>(mass, u);
+    for (std::size_t i = 0; i < Driven::count; ++i) torque[Driven::index[i]] -= p[i] / ahead;
+    torque = limits_.within(torque, dq);
   }
   template <std::size_t K>
   [[nodiscard]] static SKINCTL_INLINE typename Part<K>::Memory& memory(Memory& m) noexcept {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "skinctl/limits/body_region.hpp"
-#include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/cell_place.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -1,55 +1,184 @@
-// Limits of position and speed for a robot that takes torques.
+// Limits of position and speed for joints that take torques.
 #pragma once
 
 #include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/core/joint_subset.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/limits/detail/nearest_in_box.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/robot/virtual_mass.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Position and velocity limits of the joints of a robot by torque, as a part of a governor; a scene by
-/// torque has them unless it is built without.
+/// Position and velocity limits of the joints by torque, as a part of a governor; a scene with such joints
+/// has them unless it is built without.
 ///
-/// The motion of such a robot is not commanded, so the limits act on the velocity to which the torque leads
-/// in a few cycles, `u = dq + t M^-1 (tau - hold - C dq)`. Each joint's u is kept below its velocity limit and below
-/// the speed from which its acceleration limit stops it before its end, by the torque `-M (u - u_kept) / t`.
-/// Beyond an end, and above the limit, a joint is only braked. External forces beyond the joints' torques
-/// prevail.
-template <RobotModel M, Real T = double>
+/// The motion of these joints is not commanded, so the limits act on the velocity to which the torque leads
+/// in a few cycles, `u = dq + t M^-1 (tau - C dq - G - r)`. Each joint has a largest u to either side: its velocity
+/// limit, or the speed from which its acceleration limit stops it before its end. A joint that would exceed
+/// it loses torque, and only such a joint does, and only towards the inside: the stops of `nearest_in_box`.
+/// So the joints of a light finger do not turn each other, and beyond an end, and above the limit, a joint is
+/// only braked. External forces beyond the joints' torques prevail.
+///
+/// r is what resisted the motion in the last cycles, the least of `tau - M ddq - C dq - G`: friction, or
+/// an object in the hand. A joint that moves freely stays below its speed, one that holds something has its
+/// whole torque. What pushes a joint on counts only above its limit: a touch is not resisted before. An object that
+/// breaks sets free what r counted: the joint then exceeds its speed until its torque, turned back by the
+/// guard at its rate, has braked it.
+///
+/// @tparam Set  the joints by torque.
+template <RobotModel M, Real T = double, class Set = AllJoints<M::joints>>
 class MotionLimits {
+  static constexpr std::size_t n = Set::count;
+
  public:
   static constexpr std::size_t joints = M::joints;
   using MotionPart = void;
+  using Torque = JointTorque<n, T>;
+
+  /// What resisted in the last cycles. Trivially copyable.
+  struct Memory {
+    JointVelocity<n, T> dq;  ///< in the last cycle
+    Torque resists[3];       ///< r of the last cycles, newest first
+    bool known = false;      ///< the above are valid
+  };
+  /// The torque that keeps the limits, the velocity to which it leads, and the limits that acted.
+  struct Kept {
+    Torque torque;
+    JointVelocity<n, T> u;
+    Status status;
+    bool altered = false;
+  };
 
   explicit MotionLimits(const M& model) : model_(model) {}
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
-  /// The velocity nearest to `u` that each joint at `q` may have `ahead` seconds from now, and the limits
-  /// that acted.
-  [[nodiscard]] SKINCTL_INLINE JointVelocity<joints, T> within(const JointLimits<joints, T>& limits,
-                                                               const JointPosition<joints, T>& q,
-                                                               const JointVelocity<joints, T>& u,
-                                                               const T& ahead,
-                                                               Status& status) const noexcept {
-    const auto room = limits.room(q);
-    JointVelocity<joints, T> kept;
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T V = limits.velocity()[i], a = limits.acceleration()[i];
-      // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without overshoot.
-      const T reaction = T(4) * ahead, above = speed_to_stop(room.above[i], reaction, a),
-              below = speed_to_stop(room.below[i], reaction, a);
-      const T up = above < V ? above : V, down = below < V ? below : V;
-      kept[i] = detail::clamp(u[i], T(-down), up);
-      if (kept[i] == u[i]) continue;
-      const bool by_position = u[i] > T(0) ? above < V : below < V;
-      status |= by_position ? Reason::position_limited : Reason::velocity_limited;
+  /// The torques of the joints of `Set` nearest to `asked` that keep the limits.
+  ///
+  /// @param mass   M(q) of all joints; if it is not positive definite (a link without inertia, a NaN), the
+  ///               motion cannot be predicted and the torque passes.
+  /// @param bias   `C dq + G` of all joints.
+  /// @param last   the torque that acted since the last cycle.
+  /// @param ahead  the time t of the prediction [s].
+  /// @param dt     seconds since the last cycle, > 0.
+  /// @param rate   fastest change of a torque that the guard allows, in units of its limit per second. A joint that
+  ///               cannot be braked as fast as it should be keeps what it has, and the others are braked for
+  ///               that: cut afterwards, joint by joint, their torques would no longer suit each other.
+  [[nodiscard]] SKINCTL_NOINLINE Kept within(Memory& m, const JointLimits<joints, T>& limits,
+                                             const MassMatrix<joints, T>& mass,
+                                             const JointTorque<joints, T>& bias,
+                                             const State<joints, T>& measured, const Torque& last,
+                                             const Torque& asked, const T& ahead, const T& dt,
+                                             const T& rate) const noexcept {
+    const JointVelocity<n, T> dq = Set::of(measured.dq);
+    Kept out{asked, dq, {}, false};
+    const auto& own = block_of<Set>(mass);
+    // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without overshoot.
+    const T reaction = T(4) * ahead;
+    JointVelocity<n, T> lower, upper;
+    Torque from, least, most;
+    bool by_position[2][n];
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t k = Set::index[i];
+      const T V = limits.velocity()[k], a = limits.acceleration()[k],
+              above = speed_to_stop(T(limits.upper()[k] - measured.q[k]), reaction, a),
+              below = speed_to_stop(T(measured.q[k] - limits.lower()[k]), reaction, a);
+      by_position[0][i] = below < V;
+      by_position[1][i] = above < V;
+      lower[i] = below < V ? T(-below) : T(-V);
+      upper[i] = above < V ? above : V;
+      const T limit = limits.torque()[k], step = rate * dt * limit;
+      least[i] = detail::clamp(T(last[i] - step), T(-limit), limit);
+      most[i] = detail::clamp(T(last[i] + step), T(-limit), limit);
+      from[i] = detail::clamp(asked[i], least[i], most[i]);
     }
-    return kept;
+    const Torque still = Set::of(bias);
+    resist(m, own, still, dq, last, dt);
+    Torque net;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t k = Set::index[i];
+      const T d = from[i] - still[i], V = limits.velocity()[k];
+      net[i] = d > T(0) ? left(m, i, T(1), d, upper[i], dq[i], V, T(measured.q[k] - limits.upper()[k]))
+                        : T(-left(m, i, T(-1), T(-d), T(-lower[i]), T(-dq[i]), V,
+                                  T(limits.lower()[k] - measured.q[k])));
+    }
+    m.dq = dq;
+    m.known = true;
+    const math::Ldlt<n, T> factors(own.data);
+    if (!factors.positive_definite()) return out;
+    const auto lead_to = [&] {
+      JointAcceleration<n, T> given;
+      factors.solve(net.data, given.data);
+      return integrate(dq, given, ahead);
+    };
+    out.u = lead_to();
+    bool keeps = true;
+    for (std::size_t i = 0; i < n; ++i) keeps = keeps && out.u[i] >= lower[i] && out.u[i] <= upper[i];
+    if (keeps) return out;
+    bool again = true;
+    for (int pass = 0; pass < 3 && again; ++pass) {
+      const auto bounded = detail::nearest_in_box(own, lead_to(), lower, upper);
+      out.u = bounded.u;
+      again = false;
+      for (std::size_t i = 0; i < n; ++i) {
+        const T p = bounded.impulse[i];
+        const T torque = p > T(0) || p < T(0) ? T(from[i] - p / ahead) : from[i];
+        out.torque[i] = detail::clamp(torque, least[i], most[i]);
+        if (p > T(0) || p < T(0))
+          out.status |= by_position[p > T(0)][i] ? Reason::position_limited : Reason::velocity_limited;
+        if (out.torque[i] == torque) continue;
+        net[i] += out.torque[i] - from[i];
+        from[i] = out.torque[i];
+        upper[i] = std::numeric_limits<T>::max();
+        lower[i] = -upper[i];
+        again = true;
+      }
+    }
+    out.altered = true;
+    return out;
   }
 
  private:
+  /// Takes down what has resisted the last torque.
+  SKINCTL_INLINE void resist(Memory& m, const MassMatrix<n, T>& own, const Torque& still,
+                             const JointVelocity<n, T>& dq, const Torque& last, const T& dt) const noexcept {
+    m.resists[2] = m.resists[1];
+    m.resists[1] = m.resists[0];
+    m.resists[0] = {};
+    if (!m.known) return;
+    for (std::size_t i = 0; i < n; ++i) {
+      T r = last[i] - still[i];
+      for (std::size_t j = 0; j < n; ++j) r -= own(i, j) * (dq[j] - m.dq[j]) / dt;
+      m.resists[0][i] = r;
+    }
+  }
+  /// What resistance leaves of the drive `d` > 0 of a joint to the side `to`: it can stop it, not turn it.
+  ///
+  /// Resistance is taken to grow with speed: of a joint that is too fast only the part counts that it would have at
+  /// `may`, or the joint would push on through friction beyond its end; and none of it 1 ms at full speed
+  /// behind the end.
+  ///
+  /// @param may     the largest speed to that side, `v` the present one, `V` the limit.
+  /// @param beyond  the distance behind the end; negative before it.
+  [[nodiscard]] static SKINCTL_INLINE T left(const Memory& m, std::size_t i, const T& to, const T& d,
+                                             const T& may, const T& v, const T& V, const T& beyond) noexcept {
+    const T excess = v - may, creep = V / T(128), deepest = T(1e-3) * V;
+    T least = to * m.resists[0][i], most = least;
+    for (int k = 1; k < 3; ++k) {
+      const T r = to * m.resists[k][i];
+      least = r < least ? r : least;
+      most = r > most ? r : most;
+    }
+    if (most < T(0))  // it pushes on
+      return excess > T(0) ? T(d - most * (excess < creep ? T(excess / creep) : T(1))) : d;
+    if (!(least > T(0)) || beyond >= deepest) return d;
+    T r = excess > T(0) ? T(least * ((may + creep) / (v + creep))) : least;
+    if (beyond > T(0)) r = r * (T(1) - beyond / deepest);
+    return d > r ? T(d - r) : T(0);
+  }
+
   [[no_unique_address]] M model_;
 };
 

@@ -1,6 +1,7 @@
 // The stiffest contact that a scene may meet: a part of a robot's description, checked where a scene is built.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <vector>

@@ -249,11 +249,11 @@ class GroupResolver {
   /// The friction added to the driven joints; zero for the others.
   [[nodiscard]] Torque friction(const State<joints, T>& s) const noexcept {
     Torque drag;
-    if (!has_friction_) return drag;
-    const auto mass = mass_matrix(model_, s.q);
-    const T h = seconds<T>(period());
-    for (const std::size_t i : Driven::index)
-      drag[i] = detail::held_friction(shape_.viscous[i], mass(i, i), h, s.dq[i]);
+    if constexpr (has_driven)
+      if (has_friction_)
+        Driven::put(detail::held_friction<Driven>(shape_.viscous, mass_matrix(model_, s.q), s.dq,
+                                                  seconds<T>(period())),
+                    drag);
     return drag;
   }
   /// The command of all groups.

@@ -25,8 +25,8 @@ struct TorqueResolverMemory {
 ///
 /// Of the configuration it uses the limits of torque, period, longest interval, stale age, and of the virtual
 /// dynamics the viscous friction, which the robot then shows in addition to its own; other virtual dynamics
-/// are refused. A torque is held for a period, so friction that would stop a joint in less time would shake
-/// it: the friction applied is `B / (1 + 3/2 h B/M_ii)`. There is no virtual robot: positions and velocities
+/// are refused. A torque is held for a period, so friction that would stop a motion in less time would shake
+/// it: the friction applied is `(B^-1 + 3/2 h M^-1)^-1 dq`. There is no virtual robot: positions and velocities
 /// are not limited here. While the state is stale, during a stop, and if the law's torque is not finite, the
 /// command is `fallback`: gravity compensation with friction; without friction while the state is stale, as
 /// the velocity is unknown.
@@ -261,13 +261,9 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     return Reason::tank_empty;
   }
   SKINCTL_INLINE JointTorque<joints, T> friction(const State<joints, T>& robot) const noexcept {
-    JointTorque<joints, T> drag;
-    if (!viscous_) return drag;
-    const auto mass = mass_matrix(model_, robot.q);
-    const T h = seconds<T>(p_.period);
-    for (std::size_t i = 0; i < joints; ++i)
-      drag[i] = detail::held_friction(p_.shape.viscous[i], mass(i, i), h, robot.dq[i]);
-    return drag;
+    if (!viscous_) return {};
+    return detail::held_friction<AllJoints<joints>>(p_.shape.viscous, mass_matrix(model_, robot.q), robot.dq,
+                                                    seconds<T>(p_.period));
   }
 
   [[no_unique_address]] M model_;

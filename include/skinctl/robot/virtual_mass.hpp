@@ -20,6 +20,16 @@ template <class S, std::size_t N, Real T>
   return m;
 }
 
+/// `M u` of the joints of a subset while the others rest [N m s]: the impulse that stops them.
+template <class S, std::size_t N, Real T>
+[[nodiscard]] SKINCTL_INLINE JointTorque<S::count, T> momentum_of(const MassMatrix<N, T>& mass,
+                                                                  const JointVelocity<N, T>& u) noexcept {
+  JointTorque<S::count, T> p;
+  for (std::size_t i = 0; i < S::count; ++i)
+    for (std::size_t j = 0; j < S::count; ++j) p[i] = p[i] + mass(S::index[i], S::index[j]) * u[S::index[j]];
+  return p;
+}
+
 /// What a robot by torque adds to its model: the limits of its torques.
 template <std::size_t N, Real T = double>
 class RealMass {

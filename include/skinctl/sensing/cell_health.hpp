@@ -41,6 +41,8 @@ struct CellHealthSettings {
   Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< of masks
   Nanoseconds hold = 2s, hold_blinking = 10s;    ///< a mask stays for so long after the last finding
   Nanoseconds witnessed_within = 12ms;           ///< before or after a jump
+  Nanoseconds doubt =
+      500ms;  ///< a force that steps is no touch for so long: until the rules have found its fault
 
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD void check() const {
@@ -55,6 +57,7 @@ struct CellHealthSettings {
     time(saturated_for, "CellHealth: saturated_for"), time(fade_in, "CellHealth: fade_in");
     time(fade_out, "CellHealth: fade_out"), time(hold, "CellHealth: hold");
     time(hold_blinking, "CellHealth: hold_blinking"), time(witnessed_within, "CellHealth: witnessed_within");
+    require(doubt >= 0ns && doubt <= 60s, "CellHealth: doubt", milliseconds(doubt), "0 ms to 60 s");
   }
 };
 
@@ -78,7 +81,7 @@ struct MessageRecord {
 /// | stuck      | one force sensor sends n equal readings, n = 23 / -ln erf(1/(2 sqrt2 noise)): 1 in 1e10 by chance. At 0 only where its rest is above 4 noise + 1 step, at the top only without witness. Or `equal_messages` |
 /// | saturated  | a force sensor at its top for `saturated_for`, without witness (else it is an overload)      |
 /// | blinking   | jumps by max(12 sigma, 0.1 of the range) in 6 ms, no witness moving within 12 ms: more than 2.5, leaking over 1 s |
-/// | noisy      | squared second differences over 0.2 s, each capped at (16 sigma)^2: > 48 sigma^2, and uncapped > 1.5 times the squared first differences |
+/// | noisy      | squared second differences over 0.2 s where the force turns, each capped at (16 sigma)^2: > 40 sigma^2, and uncapped > 1.5 times the squared first differences |
 ///
 /// Cross-talk needs other cells: `detail/cross_talk.hpp`. A discharge is a matter of the rest level, a cell that is
 /// not heard one of its age. Masks fade in over `fade_in`, and out over `fade_out` after `hold` without finding.
@@ -106,6 +109,7 @@ class CellHealth {
   struct Witness {
     bool moved = false;    ///< one of them has moved within the last 24 ms
     bool touched = false;  ///< one of them is touched, too
+    bool seen = false;     ///< a proximity saw it come
   };
 
   /// @param noise  of each cell, or one for all. Throws `ConfigurationError` for a number out of its range.
@@ -193,6 +197,9 @@ class CellHealth {
     m.time = until;
     detail::HealthStep k;
     k.dt = seconds<float>(dt), k.leak = std::exp(-k.dt), k.saturated = seconds<float>(s_.saturated_for);
+    k.doubt = seconds<float>(s_.doubt);
+    // What a cell that sends changes has not sent has not moved.
+    if (s_.delta > 0) k.per_gap = 0;
     k.rise = k.dt / seconds<float>(s_.fade_in), k.fall = k.dt / seconds<float>(s_.fade_out);
     for (std::size_t b = 0; b < rows; ++b) {
       const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k);
@@ -248,7 +255,7 @@ class CellHealth {
     }
     if (s_.equal_messages > 0 && r.messages >= s_.equal_messages) found |= CellFault::stuck;
     if (row.top[k] >= seconds<float>(s_.saturated_for) && !witness.touched) found |= CellFault::saturated;
-    if (row.capped[k] > 48 && row.second[k] > 1.5f * row.first[k]) found |= CellFault::noisy;
+    if (row.capped[k] > 40 && row.second[k] > 1.5f * row.first[k]) found |= CellFault::noisy;
     if (row.jumps[k] > 2.5f) found |= CellFault::blinking;
     if (row.hold[k] == 0) r.faults = {};
     for (const CellFault f : {CellFault::stuck, CellFault::saturated, CellFault::blinking, CellFault::noisy})

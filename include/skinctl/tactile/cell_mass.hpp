@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "skinctl/dynamics/operational_inertia.hpp"
-#include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/cell_place.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

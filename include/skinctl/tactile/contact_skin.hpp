@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/tactile/detail/room.hpp"
 #include "skinctl/tactile/skin_contact.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -24,7 +25,7 @@ class ContactSkin : public S {
 
   /// That of the skin, the contacts, and the pressed areas. Trivially copyable.
   struct Memory : S::Memory {
-    SkinContactMemory<S::cells, Most, scalar> contacts;
+    SkinContactMemory<detail::most_cells_of<S>, Most, scalar> contacts;
     typename S::Pressed areas;
   };
 
@@ -38,7 +39,7 @@ class ContactSkin : public S {
     for (std::size_t k = 0; k < regions_.size(); ++k) {
       std::vector<std::size_t> indices;
       for (const std::uint32_t id : regions_[k].cells) {
-        require(skin.index(id) < S::cells, "ContactSkin: id of a region's cell", double(id),
+        require(skin.index(id) < skin.size(), "ContactSkin: id of a region's cell", double(id),
                 "a cell of the skin");
         indices.push_back(skin.index(id));
       }

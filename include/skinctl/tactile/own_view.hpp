@@ -1,6 +1,7 @@
 // What proximity cells see of the robot itself and of known objects.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -8,7 +9,7 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/tactile/capsule.hpp"
-#include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/cell_place.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -35,8 +35,9 @@ struct AnyCell {
 
 SKINCTL_COLD inline void require_patch(const std::vector<AnyCell>& placed, std::size_t cells,
                                        const CellGains& gains) {
-  require(placed.size() == cells, "Patch: number of cells", double(placed.size()),
-          std::to_string(cells).c_str());
+  char wanted[24];
+  std::snprintf(wanted, sizeof wanted, "%zu", cells);
+  require(placed.size() == cells, "Patch: number of cells", double(placed.size()), wanted);
   require(gains.force >= 0 && gains.force - gains.force == 0, "Patch: gain of force", gains.force, ">= 0 N");
   require(gains.proximity >= 0 && gains.proximity - gains.proximity == 0, "Patch: gain of proximity",
           gains.proximity, ">= 0 N");

@@ -1,8 +1,6 @@
 // Pressed areas: cells of one link that are pressed from about the same side, close together.
 #pragma once
 
-#include <algorithm>
-
 #include "skinctl/tactile/link_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -52,8 +50,8 @@ class PressedAreas {
   static constexpr std::size_t most_of_a_link = 4, most_extra = 6;
   static constexpr std::size_t most = [] {
     const auto skinned = static_cast<std::size_t>(std::popcount(Skinned));
-    return std::clamp<std::size_t>(skinned + most_extra, 1,
-                                   std::max<std::size_t>(1, most_of_a_link * skinned));
+    const std::size_t full = skinned == 0 ? 1 : most_of_a_link * skinned;
+    return skinned + most_extra < full ? skinned + most_extra : full;
   }();
   static constexpr double patch_size = 0.1;  ///< [m]
 

@@ -18,6 +18,7 @@ struct SkinCell {
   std::optional<CellGains> gains{};        ///< none: those of its patch
   std::optional<EventGate<>> force{};      ///< on the sum of its forces; none: that of `SkinSettings`
   std::optional<EventGate<>> proximity{};  ///< none: that of `SkinSettings`
+  bool masked = false;                     ///< it is no part of what feels, whatever it sends
 };
 
 /// Cells on link `link` with common gains. See `Patch`, which has its link and size in its type.
@@ -51,14 +52,14 @@ SKINCTL_COLD void add_patches(SkinTables<T, Tuned>& tables, const std::vector<Sk
     tables.add(placed, most, patch.link, Wrenches::slot(patch.link));
     for (const SkinCell& cell : patch.cells) {
       if constexpr (Tuned) {
-        const CellGains own = cell.gains.value_or(patch.gains);
+        const CellGains own = cell.masked ? CellGains{0, 0} : cell.gains.value_or(patch.gains);
         tables.tune(cell.force.value_or(tables.settings.force),
                     cell.proximity.value_or(tables.settings.proximity),
                     most.force > 0 ? own.force / most.force : 1,
                     most.proximity > 0 ? own.proximity / most.proximity : 1);
       } else {
-        require(!cell.gains && !cell.force && !cell.proximity,
-                "skin: cell with gains or thresholds of its own", double(cell.id),
+        require(!cell.gains && !cell.force && !cell.proximity && !cell.masked,
+                "skin: cell with gains, thresholds or a mask of its own", double(cell.id),
                 "none in a skin whose type is not `Tuned`");
       }
     }
@@ -84,7 +85,7 @@ inline std::size_t count_sums(const std::vector<SkinPatch>& patches) noexcept {
 /// **Of each cell.** A threshold of its own, counted as in `EventGate::counted`; and gains of its own, as
 /// shares of the largest gain in its patch, in steps of 2^-15. A share that is no whole step is off by at most
 /// 2^-16, and a shared reading by half a count more. Where all cells of a patch have one gain nothing is
-/// rounded.
+/// rounded. One that is masked, or has no gain, neither pushes nor counts as `usable`: it does not feel.
 ///
 /// The memory is sized for `Capacity`, 17 bytes a cell, and 128 bytes a patch, whatever is used of it. A
 /// robot's link without cells has a wrench of zero, and `nearest` on it is 1: nothing is known of it.

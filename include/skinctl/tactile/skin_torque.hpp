@@ -33,6 +33,21 @@ SKINCTL_INLINE constexpr auto own_load(const LinkWrenches<M, Skinned, T>& wrench
   }
 }
 
+/// Writes `tau[I]` from the skin's wrench on the subtree of link `I`, and returns that wrench about the parent's
+/// origin along the parent's axes.
+template <std::size_t I, RobotModel M, class T, LinkMask A, class F, class N>
+SKINCTL_INLINE constexpr auto hand_down_load(const M& model, const JointAngles<M, T, A>& angles,
+                                             const Load<F, N>& load, T* tau) noexcept {
+  if constexpr (M::kinds[I] == JointKind::revolute) {
+    tau[I] = T(load.moment.z);
+  } else {
+    tau[I] = T(load.force.z);
+  }
+  const auto frame = joint_frame<I>(model, angles);
+  const auto f = frame.to_parent(load.force);
+  return Load{f, frame.to_parent(load.moment) + cross(frame.p, f)};
+}
+
 /// Writes `tau` for the subtree of link `I` and returns the skin's wrench on the subtree, about the parent's
 /// origin along the parent's axes. A subtree without skin gives typed zeros, which leave no code.
 template <std::size_t I, RobotModel M, class T, LinkMask A, Topology B, LinkMask Skinned>
@@ -41,18 +56,18 @@ SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, 
   if constexpr ((subtree<M>(I) & Skinned) == 0) {
     return Load{ZeroTriple{}, ZeroTriple{}};
   } else {
-    const auto load = [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
-      return (own_load<I>(wrenches) + ... +
-              subtree_load<children<M, int(I)>[K]>(model, angles, wrenches, tau));
-    }(std::make_index_sequence<children<M, int(I)>.size()>{});
-    if constexpr (M::kinds[I] == JointKind::revolute) {
-      tau[I] = T(load.moment.z);
+    constexpr auto carried = children<M, int(I)>;
+    if constexpr (carried.size() == 0) {
+      return hand_down_load<I>(model, angles, own_load<I>(wrenches), tau);
+    } else if constexpr (carried.size() == 1) {
+      return hand_down_load<I>(
+          model, angles, own_load<I>(wrenches) + subtree_load<carried[0]>(model, angles, wrenches, tau), tau);
     } else {
-      tau[I] = T(load.force.z);
+      const auto load = [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
+        return (own_load<I>(wrenches) + ... + subtree_load<carried[K]>(model, angles, wrenches, tau));
+      }(std::make_index_sequence<carried.size()>{});
+      return hand_down_load<I>(model, angles, load, tau);
     }
-    const auto frame = joint_frame<I>(model, angles);
-    const auto f = frame.to_parent(load.force);
-    return Load{f, frame.to_parent(load.moment) + cross(frame.p, f)};
   }
 }
 

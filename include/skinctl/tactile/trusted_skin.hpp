@@ -1,6 +1,8 @@
 // A skin whose faulty cells do not move the robot.
 #pragma once
 
+#include <algorithm>
+
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/trust_core.hpp"
 
@@ -14,6 +16,10 @@ SKINCTL_BEGIN_NAMESPACE
 ///   faulty cell does not move an arm whose dry friction holds that force. Witnesses are its own proximity, if it
 ///   has come up without a jump, and a neighbour that is not masked and feels `answer` of its force, or sees
 ///   something. A cell that has lost its witness fades to `lone_force` within 0.1 s.
+/// - **Many at once.** All cells without a witness share one lone force: the sum of their pushes, each as a share of
+///   its own F_1, is at most 1, so that however many there are give no joint more than one alone may. A cell whose force
+///   steps within one sample, as no body presses (`CellHealth`), and which saw nothing come, is nobody's witness for
+///   `doubt`, and its neighbours' forces are not its own: cells that fail together do not vouch for each other.
 /// - **Filling in.** A cell that is masked, or silent, counts as `FillIn` makes it from its neighbours.
 ///
 /// Everything is a function of the samples and the intervals: a recording is replayed bit for bit. Per call, time is
@@ -115,6 +121,23 @@ class TrustedSkin : private detail::TrustCore<S> {
     });
     return areas;
   }
+  /// Calls `f(i, push)` for each cell that is pressed or filled in, with its push > 0 [N].
+  template <class F>
+  void each_pressed(const Memory& m, F&& f) const noexcept {
+    const auto filled_in = [&](std::size_t i, double share) {
+      return T(share * cell_[i].force_gain * CellCounts::force_unit * this->template filled<true>(m, i));
+    };
+    skin_.each_pressed(m.skin, [&](std::size_t i, const T& push) {
+      const double share = this->share_filled(m, i);
+      f(i, share > 0 ? T(push + filled_in(i, share)) : push);
+    });
+    this->each_filled(m, [&](std::size_t i, double share) {
+      if (skin_.held(m.skin, i).force > 0 && !cell_[i].masked) return;  // above
+      if (const T push = filled_in(i, share); push > T(0)) f(i, push);
+    });
+  }
+  /// The places of all cells, in the order of the patches.
+  [[nodiscard]] SKINCTL_COLD std::vector<CellPlace> places() const { return skin_.places(); }
   template <class F>
   void each_cell(F&& f, std::size_t most = cells) const {
     skin_.each_cell(std::forward<F>(f), most);
@@ -163,7 +186,7 @@ class TrustedSkin : private detail::TrustCore<S> {
 
   /// 0: the cell counts; 1: it does not.
   [[nodiscard]] float mask(const Memory& m, std::size_t i) const noexcept {
-    return Health::mask(m.health, i);
+    return cell_[i].masked ? 1.0f : Health::mask(m.health, i);
   }
   /// What is found of cell `i`, silence included; empty: healthy.
   [[nodiscard]] CellFaults faults(const Memory& m, std::size_t i) const noexcept {

@@ -1,6 +1,7 @@
 // A UR5 as it comes, run under a cycle with skin, and its twin that is declared truly.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "skinctl/testing/as_it_comes_robot.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "skinctl/sensing/cell_sample.hpp"
-#include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/cell_place.hpp"
 
 namespace skinctl::testing {
 

@@ -41,6 +41,7 @@ struct SkinTouch {
   Nanoseconds from{0}, until{};                               ///< of the touch
   Nanoseconds rise = 80ms;                                    ///< and fall
   double tremor = 0.05;  ///< share of the force that trembles at about 8 Hz
+  double pulse = 50;     ///< of the tremor [rad/s]
   bool seen = true;      ///< infrared light sees it, from 0.3 s before it touches until 0.3 s after
 };
 
@@ -78,7 +79,7 @@ class SkinSignals {
       const double since = seconds<double>(t - touch.from), left = seconds<double>(touch.until - t);
       const double on = ramp(std::min(since, left) / seconds<double>(touch.rise));
       sum += touch.reading * on * std::sqrt(part) *
-             (1 + touch.tremor * std::sin(50 * since) * std::sin(7 * since + 1));
+             (1 + touch.tremor * std::sin(touch.pulse * since) * std::sin(7 * since + 1));
     }
     return std::min(sum, 1 - s_.rest);
   }

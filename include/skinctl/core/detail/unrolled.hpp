@@ -10,14 +10,17 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
+template <std::size_t... I, class F>
+SKINCTL_INLINE constexpr void call_with(std::index_sequence<I...>, F& f) {
+  (f(std::integral_constant<std::size_t, I>{}), ...);
+}
+
 /// Calls `f(0)` to `f(N - 1)`, the index an integral constant. Compilers also unroll a loop of known length,
 /// but only after deciding that its arrays stay in memory; GCC vectorises it before, and its vector loads
 /// then wait for the scalar stores that filled the array.
 template <std::size_t N, class F>
 SKINCTL_INLINE constexpr void unrolled(F&& f) {
-  [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-    (f(std::integral_constant<std::size_t, I>{}), ...);
-  }(std::make_index_sequence<N>{});
+  call_with(std::make_index_sequence<N>{}, f);
 }
 
 /// The same up to the joints of a hand; a loop beyond, where straight-line code costs too much compile time.

@@ -120,6 +120,49 @@ struct Recursion {
   T* tau;
 };
 
+/// The motion of a link in its own axes: angular velocity, the same of reference, angular acceleration of
+/// reference, and acceleration of its origin.
+template <class W, class R, class A, class L>
+struct ReferenceMotion {
+  W w;
+  R w_r;
+  A alpha;
+  L a;
+};
+template <class W, class R, class A, class L>
+ReferenceMotion(W, R, A, L) -> ReferenceMotion<W, R, A, L>;
+
+/// The motion of link `I`; the parent's angular motion and the acceleration of the parent at the joint are in the
+/// axes of the link.
+template <std::size_t I, class C, class W, class R, class A, class L>
+SKINCTL_INLINE constexpr auto reference_motion(const C& c, const W& w_in, const R& w_r_in, const A& alpha_in,
+                                               const L& a_in) noexcept {
+  using M = std::remove_cvref_t<decltype(c.model)>;
+  const auto dq = c.dq.template get<I>();
+  const auto dq_r = c.dq_r.template get<I>();
+  const auto ddq_r = c.ddq_r.template get<I>();
+  constexpr UnitZ z{};
+  if constexpr (M::kinds[I] == JointKind::revolute) {
+    return ReferenceMotion{by_component(w_in + dq * z), by_component(w_r_in + dq_r * z),
+                           by_component(alpha_in + ddq_r * z + dq_r * cross(w_in, z)), by_component(a_in)};
+  } else {
+    // d/dt of v_r + w_r x r + dq_r z, with dr/dt = w x r + dq z.
+    return ReferenceMotion{by_component(w_in), by_component(w_r_in), by_component(alpha_in),
+                           by_component(a_in + ddq_r * z + dq * cross(w_r_in, z) + dq_r * cross(w_in, z))};
+  }
+}
+
+/// Writes `tau[I]` from the wrench of the subtree of link `I`, and returns that wrench in the parent's axes about
+/// the parent's origin.
+template <std::size_t I, class C, class Frame, class Total>
+SKINCTL_INLINE constexpr auto hand_down(const C& c, const Frame& frame, const Total& total) noexcept {
+  using M = std::remove_cvref_t<decltype(c.model)>;
+  using T = std::remove_cvref_t<decltype(*c.tau)>;
+  c.tau[I] = M::kinds[I] == JointKind::revolute ? T(total.n.z) : T(total.f.z);
+  const auto f = frame.to_parent(total.f);
+  return ForceMoment{by_component(f), frame.to_parent(total.n) + cross(frame.p, f)};
+}
+
 /// Computes the motion of link `I`, adds its children's wrenches to its own, writes `tau[I]`, and returns the
 /// wrench in the parent's axes about the parent's origin.
 template <std::size_t I, class C, class W, class R, class A, class E, class L>
@@ -129,48 +172,27 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
   using M = std::remove_cvref_t<decltype(c.model)>;
   using T = std::remove_cvref_t<decltype(*c.tau)>;
   const auto frame = joint_frame<I>(c.model, c.angles);
-  const auto dq = c.dq.template get<I>();
-  const auto dq_r = c.dq_r.template get<I>();
-  const auto ddq_r = c.ddq_r.template get<I>();
-  constexpr UnitZ z{};
-
-  const auto a_at_p = a_parent + spin_parent * frame.p;
-  const auto w_in = frame.to_link(w_parent);
-  const auto w_r_in = frame.to_link(w_r_parent);
-  const auto alpha_in = frame.to_link(alpha_parent);
-
-  // The wrench of the link and its subtree, from its motion.
-  const auto add_up = [&](const auto& w, const auto& w_r, const auto& alpha, const auto& a)
-                          SKINCTL_INLINE_LAMBDA {
-                            const auto spin = make_spin(w, w_r, alpha);
-                            const auto own = c.bodies.template wrench<I, T>(spin, a);
-                            if constexpr (children<M, int(I)>.size() == 0) {
-                              return own;
-                            } else {
-                              auto f = dense<T>(own.f);
-                              auto n = dense<T>(own.n);
-                              for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-                                const auto wrench = subtree_wrench<child.value>(c, w, w_r, alpha, spin, a);
-                                assign(f, f + wrench.f);
-                                assign(n, n + wrench.n);
-                              });
-                              return ForceMoment{by_component(f), by_component(n)};
-                            }
-                          };
-
-  const auto total = [&]() SKINCTL_INLINE_LAMBDA {
-    if constexpr (M::kinds[I] == JointKind::revolute) {
-      return add_up(w_in + dq * z, w_r_in + dq_r * z, alpha_in + ddq_r * z + dq_r * cross(w_in, z),
-                    frame.to_link(a_at_p));
-    } else {
-      // d/dt of v_r + w_r x r + dq_r z, with dr/dt = w x r + dq z.
-      const auto a = frame.to_link(a_at_p) + ddq_r * z + dq * cross(w_r_in, z) + dq_r * cross(w_in, z);
-      return add_up(w_in, w_r_in, alpha_in, a);
-    }
-  }();
-  c.tau[I] = M::kinds[I] == JointKind::revolute ? T(total.n.z) : T(total.f.z);
-  const auto f = frame.to_parent(total.f);
-  return ForceMoment{by_component(f), frame.to_parent(total.n) + cross(frame.p, f)};
+  const auto m =
+      reference_motion<I>(c, frame.to_link(w_parent), frame.to_link(w_r_parent), frame.to_link(alpha_parent),
+                          frame.to_link(a_parent + spin_parent * frame.p));
+  const auto spin = make_spin(m.w, m.w_r, m.alpha);
+  const auto own = c.bodies.template wrench<I, T>(spin, m.a);
+  constexpr auto carried = children<M, int(I)>;
+  if constexpr (carried.size() == 0) {
+    return hand_down<I>(c, frame, own);
+  } else if constexpr (carried.size() == 1) {
+    const auto part = subtree_wrench<carried[0]>(c, m.w, m.w_r, m.alpha, spin, m.a);
+    return hand_down<I>(c, frame, ForceMoment{dense<T>(own.f) + part.f, dense<T>(own.n) + part.n});
+  } else {
+    auto f = dense<T>(own.f);
+    auto n = dense<T>(own.n);
+    for_each_link<carried>([&](auto child) SKINCTL_INLINE_LAMBDA {
+      const auto wrench = subtree_wrench<child.value>(c, m.w, m.w_r, m.alpha, spin, m.a);
+      assign(f, f + wrench.f);
+      assign(n, n + wrench.n);
+    });
+    return hand_down<I>(c, frame, ForceMoment{by_component(f), by_component(n)});
+  }
 }
 
 /// Runs the recursion from the base over links with the given inertias; `a0` is the acceleration of the base

@@ -9,12 +9,29 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `B dq` for a joint of friction `b` and inertia `own` whose torque is held for `period` seconds. Friction
-/// that would stop the joint in less time would shake it: the friction applied is `B / (1 + 3/2 h B/M_ii)`.
-template <Real T>
-[[nodiscard]] SKINCTL_INLINE T held_friction(const T& b, const T& own, const T& period,
-                                             const T& dq) noexcept {
-  return own > T(0) ? T(b * own / (own + T(1.5) * period * b) * dq) : T(0);
+/// Viscous friction `B dq` of the joints of `S` by a torque that is held for `period` seconds. Friction that would
+/// stop a motion in less time would shake it: the friction applied is `(B^-1 + 3/2 h M^-1)^-1 dq`, which is
+/// at most `2/(3 h) M dq` in every direction, and B dq where the masses are large. The light links of a finger are
+/// coupled: divided joint by joint by `1 + 3/2 h B/M_ii` it would shake them.
+///
+/// @param b     of all joints; those that are not in `S` are left out.
+/// @param mass  of all joints. Zero where it could not be factorised.
+template <class S, std::size_t N, Real T>
+[[nodiscard]] SKINCTL_NOINLINE JointTorque<S::count, T> held_friction(const JointTorque<N, T>& b,
+                                                                      const MassMatrix<N, T>& mass,
+                                                                      const JointVelocity<N, T>& dq,
+                                                                      const T& period) noexcept {
+  constexpr std::size_t n = S::count;
+  JointTorque<n, T> drag;
+  MassMatrix<n, T> slowed = block_of<S>(mass);
+  const auto p = momentum_of<S>(mass, dq);  // (M + 3/2 h B) v = M dq, the drag is B v
+  for (std::size_t i = 0; i < n; ++i) slowed(i, i) += T(1.5) * period * b[S::index[i]];
+  const math::Ldlt<n, T> factors(slowed.data);
+  if (!factors.positive_definite()) return drag;
+  T after[n];
+  factors.solve(p.data, after);
+  for (std::size_t i = 0; i < n; ++i) drag[i] = b[S::index[i]] * after[i];
+  return drag;
 }
 
 /// The torque of the joints of `S` against the damping of contacts, held for `period` seconds: each

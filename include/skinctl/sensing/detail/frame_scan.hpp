@@ -32,6 +32,7 @@ struct alignas(64) HealthRow {
   Row seen{};                       ///< for so long the proximity has been above 0.1; -10 at a jump
   Row hold{}, mask{};               ///< time left for the mask; the mask, 0 to 1
   Row trust{};                      ///< 1: witnessed, 0: not for 0.1 s
+  Row doubt{};                      ///< time left for which a step of the force is no touch
 };
 /// Constants of the cells of a row.
 struct alignas(64) HealthLimitsRow {
@@ -42,7 +43,8 @@ struct alignas(64) HealthLimitsRow {
 /// What a frame of length `dt` multiplies with.
 struct HealthStep {
   float dt = 0, leak = 1, rise = 0, fall = 0;  ///< of the jumps' count, and of the masks
-  float saturated = 0.2f;
+  float saturated = 0.2f, doubt = 0.5f;
+  float per_gap = 1 / 0.006f;  ///< how much more a cell may move in a longer gap [1/s]
 };
 
 /// A bit for each of 16 cells.
@@ -55,9 +57,13 @@ struct HealthBits {
 /// Moves 16 cells on by one frame.
 ///
 /// Differences `d` of samples that follow each other and their differences `dd` are averaged over 0.2 s:
-/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>` in units of sigma^2. White noise gives 2, 6,
-/// 6. A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in
+/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>`, where the force
+/// turns, in units of sigma^2. White noise gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom. A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in
 /// 6 ms has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
+///
+/// A force that rises by a jump in a single sample, and neither before nor after it by a tenth as much, does so as no
+/// body does that is pressed on: it is in doubt for a while. One that moves on with the next sample, up by a tenth
+/// or down by a tenth to seven, is not.
 SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k) noexcept {
   using L = Lane<float>;
   HealthBits bits;
@@ -65,15 +71,21 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const auto get = [i](const HealthRow::Row& row) SKINCTL_INLINE_LAMBDA { return L::load(row.data() + i); };
     const L dt(k.dt), zero(0.0f), one(1.0f);
     const auto fresh = get(r.fresh) > zero;
-    const L gap = get(r.gap) + dt, slow = max(gap * L(1 / 0.006f), one), share = min(gap * L(5.0f), one);
+    const L gap = get(r.gap) + dt, slow = max(gap * L(k.per_gap), one), share = min(gap * L(5.0f), one);
 
     const L force = get(r.force), d = select(fresh, force - get(r.last), zero), size = abs(d);
     const L before = get(r.change), per = get(c.per_sigma), a = d * per, b = (d - before) * per;
     const L aa = a * a, bb = b * b, first = get(r.first), second = get(r.second), capped = get(r.capped);
     const L now_first = select(fresh, first + share * (aa - first), first);
     const L now_second = select(fresh, second + share * (bb - second), second);
-    const L now_capped = select(fresh, capped + share * (min(bb, L(256.0f)) - capped), capped);
-    const auto jumped = size > get(c.jump) * slow;
+    const L now_capped = select(
+        fresh, capped + share * (select(a * before < zero, min(bb, L(256.0f)), zero) - capped), capped);
+    // What goes on as fast as before is a fast movement, and no jump.
+    const auto jumped = (size > get(c.jump) * slow) & (before * d < L(0.25f) * d * d);
+    const auto steps = (d > get(c.jump) * slow) & (before < L(0.1f) * d);
+    const auto moves_on = fresh & (before > get(c.jump)) &
+                          ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
+    const L doubt = select(steps, L(k.doubt), select(moves_on, zero, max(get(r.doubt) - dt, zero)));
     const L still = select(abs(a) > L(6.0f), zero, min(get(r.still) + dt, L(100.0f)));
 
     const L p = get(r.proximity), dp = select(fresh, abs(p - get(r.last_proximity)), zero);
@@ -86,7 +98,7 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const L was = get(r.pending), pending = max(was - dt, zero);
     const L hold = max(get(r.hold) - dt, zero);
     const L mask = get(r.mask) + select(hold > zero, L(k.rise), L(-k.fall));
-    const auto noisy = (now_capped > L(48.0f)) & (now_second > L(1.5f) * now_first);
+    const auto noisy = (now_capped > L(40.0f)) & (now_second > L(1.5f) * now_first);
     const auto expired = (was > zero) & !(pending > zero);
     const auto look = jumped | expired | noisy | (top >= L(k.saturated)) | (hold > zero);
 
@@ -100,7 +112,7 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     top.store(r.top.data() + i), pending.store(r.pending.data() + i),
         (get(r.jumps) * L(k.leak)).store(r.jumps.data() + i);
     hold.store(r.hold.data() + i), max(min(mask, one), zero).store(r.mask.data() + i);
-    max(get(r.trust) - dt * L(10.0f), zero).store(r.trust.data() + i);
+    max(get(r.trust) - dt * L(10.0f), zero).store(r.trust.data() + i), doubt.store(r.doubt.data() + i);
 
     if (any(look))
       for (std::size_t lane = 0; lane < L::lanes; ++lane)

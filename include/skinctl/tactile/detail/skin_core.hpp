@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/cell_place.hpp"
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
@@ -187,13 +187,16 @@ class SkinCore {
 
   /// Number of silent cells: never received, or not within `max_age`.
   [[nodiscard]] std::size_t silent(const Memory& memory) const noexcept { return size() - memory.heard; }
-  /// Number of cells whose readings count: received within `max_age`.
-  [[nodiscard]] std::size_t usable(const Memory& memory) const noexcept { return memory.heard; }
+  /// Number of cells that feel: received within `max_age`, and with a gain.
+  [[nodiscard]] std::size_t usable(const Memory& memory) const noexcept {
+    return memory.heard - numb(memory, 0, size());
+  }
   /// How much of the skin feels, also of its worst patch (of 8192 cells of a larger one).
   [[nodiscard]] Coverage coverage(const Memory& memory) const noexcept {
     Coverage out;
     for (const PatchRow<T>& patch : tables_.patches)
-      out.add(memory.heard_from(patch.first, patch.count), patch.count);
+      out.add(memory.heard_from(patch.first, patch.count) - numb(memory, patch.first, patch.count),
+              patch.count);
     return out;
   }
   /// Upper bound of the proximity readings in [0, 1] of the cells on link `I`: at least the gate's opening
@@ -244,6 +247,13 @@ class SkinCore {
   SkinTables<T, Tuned> tables_;
 
  private:
+  /// Of `count` cells from `first` on those that are heard and have no gain.
+  [[nodiscard]] std::size_t numb(const Memory& memory, std::size_t first, std::size_t count) const noexcept {
+    std::size_t n = 0;
+    for (const std::uint32_t i : tables_.numb)
+      n += i >= first && i - first < count && memory.hears(i) ? 1u : 0u;
+    return n;
+  }
   /// The front end that was given, or the last argument.
   template <class Front, class... Rest>
   static SKINCTL_INLINE auto& either(Front& front, Rest&...) noexcept {

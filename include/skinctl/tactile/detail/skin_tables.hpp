@@ -61,8 +61,9 @@ struct SkinTables {
   GatePair gates;
   std::vector<PatchRow<T>> patches;
   CellTable cells;
-  std::vector<CellTuning> tuning;  ///< of each cell, if `Tuned`
-  std::uint32_t given = 0;         ///< number of patches that were added
+  std::vector<CellTuning> tuning;   ///< of each cell, if `Tuned`
+  std::vector<std::uint32_t> numb;  ///< cells without gains: they are heard, and do not feel
+  std::uint32_t given = 0;          ///< number of patches that were added
 
   SkinTables(const SkinSettings& s, std::size_t count) : settings(s), cells(count) {
     common.set(s.force.counted(CellCounts::force_unit), s.proximity.counted(CellCounts::proximity_unit));
@@ -95,6 +96,8 @@ struct SkinTables {
     const auto seen = proximity.counted(CellCounts::proximity_unit);
     tuning.emplace_back().set(force.counted(CellCounts::force_unit), seen);
     tuning.back().share = {steps(force_share), steps(proximity_share)};
+    if (tuning.back().share == CellCounts{0, 0})
+      numb.push_back(static_cast<std::uint32_t>(tuning.size() - 1));
     std::int32_t& hidden = patches[cells.seat(tuning.size() - 1).sums].hidden;
     hidden = seen.opens_at() > hidden ? seen.opens_at() : hidden;
   }

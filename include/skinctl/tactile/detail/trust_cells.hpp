@@ -21,12 +21,13 @@ struct TrustCell {
   EventGate<std::int32_t> force_gate, proximity_gate;  ///< on counts
   double lone = 0;                                     ///< F_1 [N]
   float rest = 0;                                      ///< where its rest level begins [steps]
+  bool masked = false;                                 ///< for good: by the skin's file
 };
-/// Whether one body hardly touches both.
+/// Whether one body hardly touches both: they are on two links, or farther apart than a hand is long.
 [[nodiscard]] inline bool apart(const TrustCell& a, const TrustCell& b) noexcept {
   float square = 0;
   for (std::size_t k = 0; k < 3; ++k) square += (a.place[k] - b.place[k]) * (a.place[k] - b.place[k]);
-  return a.link != b.link || square > 0.01f;
+  return a.link != b.link || square > 0.04f;
 }
 /// Collects the cells of a trusted skin, patch by patch.
 class TrustCells {
@@ -37,7 +38,7 @@ class TrustCells {
   }
   template <class Pose>
   SKINCTL_COLD void add(std::uint32_t id, std::size_t link, const Pose& X_LC, const CellGains& gains,
-                        const EventGate<>& force, const EventGate<>& proximity) {
+                        const EventGate<>& force, const EventGate<>& proximity, bool masked = false) {
     const auto one = [&](const auto& list) { return list[list.size() == 1 ? 0 : out_.size()]; };
     require(out_.size() < cells_, "TrustedSkin: cells of the patches", double(out_.size() + 1),
             "those of the skin");
@@ -55,7 +56,8 @@ class TrustCells {
          force.counted(CellCounts::force_unit),
          proximity.counted(CellCounts::proximity_unit),
          one(trust_.lone_force),
-         3 * one(trust_.noise).rest});
+         3 * one(trust_.noise).rest,
+         masked});
   }
   void end_patch() noexcept { ++patch_; }
   [[nodiscard]] SKINCTL_COLD std::vector<TrustCell> take() {
@@ -92,7 +94,7 @@ template <std::size_t... I, std::size_t... N>
   for (const SkinPatch& patch : patches) {
     for (const SkinCell& cell : patch.cells)
       all.add(cell.id, patch.link, cell.X_LC, cell.gains.value_or(patch.gains),
-              cell.force.value_or(skin.force), cell.proximity.value_or(skin.proximity));
+              cell.force.value_or(skin.force), cell.proximity.value_or(skin.proximity), cell.masked);
     all.end_patch();
   }
   return all.take();

@@ -6,6 +6,7 @@
 
 #include "skinctl/sensing/detail/cross_talk.hpp"
 #include "skinctl/sensing/evidence.hpp"
+#include "skinctl/tactile/detail/room.hpp"
 #include "skinctl/tactile/detail/trust_cells.hpp"
 #include "skinctl/tactile/fill_in.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
@@ -13,23 +14,6 @@
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
-
-template <class S>
-inline constexpr std::size_t most_cells_of = [] {
-  if constexpr (requires { S::capacity; }) {
-    return S::capacity;
-  } else {
-    return S::cells;
-  }
-}();
-template <class S>
-inline constexpr std::size_t most_patches_of = [] {
-  if constexpr (requires { S::most_patches; }) {
-    return S::most_patches;
-  } else {
-    return S::patches;
-  }
-}();
 
 /// See `TrustedSkin`.
 template <class S>
@@ -54,6 +38,7 @@ class TrustCore {
         median{};  ///< of what the cells of a patch read above their rest levels [steps]
     Nanoseconds median_at = Nanoseconds::min();
     Nanoseconds newest = Nanoseconds::min();  ///< stamp of a sample
+    float lone_share = 1;                     ///< of its lone force that each cell without witness has
     Touch filled{};                           ///< wrenches of the cells that are filled in
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
       const auto bits = [](const auto& x) {
@@ -61,7 +46,7 @@ class TrustCore {
       };
       return a.skin == b.skin && a.health == b.health && bits(a.rest) == bits(b.rest) && a.cross == b.cross &&
              a.pushing == b.pushing && bits(a.median) == bits(b.median) && a.median_at == b.median_at &&
-             a.newest == b.newest && a.filled == b.filled;
+             a.newest == b.newest && a.lone_share == b.lone_share && a.filled == b.filled;
     }
   };
 
@@ -74,7 +59,9 @@ class TrustCore {
         rest_(settings.rest),
         cell_(std::move(cell)),
         levels_(rows),
-        per_step_(static_cast<float>(settings.health.step / CellCounts::force_unit)) {
+        masked_(rows),
+        per_step_(static_cast<float>(settings.health.step / CellCounts::force_unit)),
+        talk_unit_(std::min(1.0f, static_cast<float>(Cross::most * settings.health.step / 3))) {
     require(fill.graph().size() == size(), "TrustedSkin: cells of the graph", double(fill.graph().size()),
             "those of the skin");
     for (std::size_t i = 0; i < size(); ++i) {
@@ -86,6 +73,7 @@ class TrustCore {
       low_proximity_ =
           std::min(low_proximity_, static_cast<float>(cell_[i].proximity_gate.closes_below() - 1) / 65536.0f);
       if (cell_[i].patch >= first_.size()) first_.push_back(i);
+      if (cell_[i].masked) masked_[i / 16] = true;
     }
     first_.push_back(size());
   }
@@ -113,19 +101,26 @@ class TrustCore {
 
   [[nodiscard]] std::size_t size() const noexcept { return cell_.size(); }
   [[nodiscard]] auto near(std::size_t i) const noexcept { return fill_.graph().neighbours(i); }
-  [[nodiscard]] static bool counts(const Memory& m, std::size_t i) noexcept {
-    return m.skin.hears(i) && Health::mask(m.health, i) < 0.5f;
+  [[nodiscard]] bool counts(const Memory& m, std::size_t i) const noexcept {
+    return m.skin.hears(i) && Health::mask(m.health, i) < 0.5f && !cell_[i].masked;
   }
-  /// What cell `i` would read after the gates, from its neighbours, in counts.
+  /// What cell `i` would read after the gates, from its neighbours, in counts. What they count without a witness is
+  /// not passed on: it would be more than their lone force.
   template <bool Force>
   [[nodiscard]] double filled(const Memory& m, std::size_t i) const noexcept {
     return fill_.filled(
         i,
         [&](std::size_t n) {
           const CellCounts c = skin_.held(m.skin, n);
-          return Force ? c.force : c.proximity;
+          return (has_lone(n) ? double(quantised(m.health.row[n / 16].trust[n % 16])) : 1.0) *
+                 static_cast<double>(Force ? c.force : c.proximity);
         },
         [&](std::size_t n) { return counts(m, n); });
+  }
+  /// How much of cell `i` is filled in, 0 to 1.
+  [[nodiscard]] double share_filled(const Memory& m, std::size_t i) const noexcept {
+    const bool heard = m.skin.hears(i) && !cell_[i].masked;
+    return heard ? double(quantised(Health::mask(m.health, i))) : 1.0;
   }
   /// Calls `f(i, share)` for the cells that are filled in, wholly or in part: masked or silent ones.
   template <class F>
@@ -133,10 +128,11 @@ class TrustCore {
     for (std::size_t b = 0; 16 * b < size(); ++b) {
       bool whole = m.skin.hears_all_from(16 * b, 16 * b + 16 < size() ? 16 : size() - 16 * b);
       for (const float x : m.health.row[b].mask) whole = whole && !(x > 0);
+      whole = whole && !masked_[b];
       if (whole) continue;
       for (std::size_t k = 0; k < 16 && 16 * b + k < size(); ++k) {
-        const float share = m.skin.hears(16 * b + k) ? quantised(m.health.row[b].mask[k]) : 1.0f;
-        if (share > 0) f(16 * b + k, double(share));
+        const double share = share_filled(m, 16 * b + k);
+        if (share > 0) f(16 * b + k, share);
       }
     }
   }
@@ -172,16 +168,15 @@ class TrustCore {
     follow(m, now);
     health_.scan(m.health, now, [&](std::size_t i) { return witness(m, i); }, s_.find_faults);
     if (!s_.find_faults) return;
-    const auto force = [&](std::size_t i) { return above(m, i); };
-    const auto sigma = [&](std::size_t i) { return health_.sigma(i); };
+    const auto force = [&](std::size_t i) { return talk_unit_ * above(m, i); };
+    const auto sigma = [&](std::size_t i) { return talk_unit_ * health_.sigma(i); };
     Cross::note(m.cross, now, force, sigma);
     const std::size_t found = Cross::look(
         m.cross, sigma,
         [&](std::size_t i) {
-          const HealthRow& row = m.health.row[i / 16];
-          if (s_.proximity && row.seen[i % 16] >= seconds<float>(s_.seen_for)) return 0.0f;
-          return static_cast<float>(s_.proximity && row.proximity[i % 16] < 0.05f ? s_.explained_far
-                                                                                  : s_.explained);
+          return static_cast<float>(s_.proximity && m.health.row[i / 16].proximity[i % 16] < 0.05f
+                                        ? s_.explained_far
+                                        : s_.explained);
         },
         [&](std::size_t i, std::size_t j) {
           return Health::mask(m.health, j) < 0.5f && apart(cell_[i], cell_[j]);
@@ -210,6 +205,12 @@ class TrustCore {
     }
   }
 
+  /// Whether a cell's force has stepped, with nothing seen before: nobody's witness, and in need of one itself.
+  [[nodiscard]] SKINCTL_INLINE bool in_doubt(const HealthRow& row, std::size_t k) const noexcept {
+    return row.doubt[k] > 0 &&
+           !(s_.proximity && row.seen[k] >= seconds<float>(s_.seen_for) && row.proximity[k] > 0.1f);
+  }
+
   /// What others say of cell `i`.
   [[nodiscard]] typename Health::Witness witness(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& own = m.health.row[i / 16];
@@ -219,7 +220,7 @@ class TrustCore {
     typename Health::Witness w;
     if (s_.proximity) {
       w.moved = own.still_proximity[k] < within;
-      w.touched = own.seen[k] >= seen && own.proximity[k] > 0.1f;
+      w.seen = own.seen[k] >= seen && own.proximity[k] > 0.1f;
     }
     for (const std::size_t n : near(i)) {
       if (!counts(m, n)) continue;
@@ -227,19 +228,24 @@ class TrustCore {
       const std::size_t l = n % 16;
       const float other = above(m, n);
       w.moved = w.moved || row.still[l] < within || (s_.proximity && row.still_proximity[l] < within);
-      w.touched =
-          w.touched || (other > 6 * health_.sigma(n) && other >= static_cast<float>(s_.answer) * force) ||
-          (s_.proximity && row.seen[l] >= seen && row.proximity[l] > static_cast<float>(s_.other_proximity));
+      w.touched = w.touched || (other > 6 * health_.sigma(n) &&
+                                other >= static_cast<float>(s_.answer) * force && !in_doubt(row, l));
+      w.seen = w.seen || (s_.proximity && row.seen[l] >= seen &&
+                          row.proximity[l] > static_cast<float>(s_.other_proximity));
     }
+    w.touched = w.touched || w.seen;
     return w;
   }
 
-  /// What the newest sample of cell `i` counts: above its rest level, less its mask, and at most its lone force as
-  /// far as it is not witnessed.
+  [[nodiscard]] SKINCTL_INLINE bool has_lone(std::size_t i) const noexcept {
+    return cell_[i].lone < std::numeric_limits<double>::infinity();
+  }
+  /// What the newest sample of cell `i` counts: above its rest level, less its mask, and at most its part of the lone
+  /// force as far as it is not witnessed.
   [[nodiscard]] CellCounts worth(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& row = m.health.row[i / 16];
     const std::size_t k = i % 16;
-    const float left = 1 - quantised(row.mask[k]);
+    const float left = cell_[i].masked ? 0 : 1 - quantised(row.mask[k]);
     const float f = above(m, i) * per_step_ + 0.5f, p = row.proximity[k] * 65536.0f + 0.5f;
     std::int32_t force = static_cast<std::int32_t>(f < 65535.0f ? f : 65535.0f);
     std::int32_t proximity = static_cast<std::int32_t>(p < 65535.0f ? p : 65535.0f);
@@ -251,10 +257,9 @@ class TrustCore {
     if (trust < 1) {
       const TrustCell& c = cell_[i];
       const std::int32_t df = c.force_gate.pass(force, true), dp = c.proximity_gate.pass(proximity, true);
-      const double push =
-          CellCounts::force_unit * c.force_gain * df + CellCounts::proximity_unit * c.proximity_gain * dp;
-      if (push > c.lone) {
-        const double share = double(trust) + (1 - double(trust)) * c.lone / push;
+      const double push = push_of(c, df, dp);
+      if (const double most = std::min(push, c.lone) * double(m.lone_share); push > most) {
+        const double share = double(trust) + (1 - double(trust)) * most / push;
         force = static_cast<std::int32_t>(share * df) + (df > 0 ? c.force_gate.subtract() : 0);
         proximity = static_cast<std::int32_t>(share * dp) + (dp > 0 ? c.proximity_gate.subtract() : 0);
       }
@@ -276,26 +281,68 @@ class TrustCore {
     return {raw(c.force, cell_[i].force_gate), raw(c.proximity, cell_[i].proximity_gate)};
   }
 
-  template <class Revise>
-  void settle(Memory& m, const Revise& revise) const noexcept {
+  [[nodiscard]] static SKINCTL_INLINE double push_of(const TrustCell& c, std::int32_t force,
+                                                     std::int32_t proximity) noexcept {
+    return CellCounts::force_unit * c.force_gain * force +
+           CellCounts::proximity_unit * c.proximity_gain * proximity;
+  }
+  /// The push of cell `i` as far as nobody witnesses it, as a share of its lone force, up to 1.
+  [[nodiscard]] double alone(const Memory& m, std::size_t i) const noexcept {
+    const HealthRow& row = m.health.row[i / 16];
+    const std::size_t k = i % 16;
+    const TrustCell& c = cell_[i];
+    if (!has_lone(i) || !(row.trust[k] < 1) || !(c.lone > 0) || c.masked) return 0;
+    const auto left = double(1 - quantised(row.mask[k]));
+    const auto raw = [&](float x) {
+      return static_cast<std::int32_t>(left * std::min(double(x) + 0.5, 65535.0));
+    };
+    const double push = push_of(c, c.force_gate.pass(raw(above(m, i) * per_step_), true),
+                                c.proximity_gate.pass(raw(row.proximity[k] * 65536.0f), true));
+    return (1 - double(quantised(row.trust[k]))) * std::min(push / c.lone, 1.0);
+  }
+  /// Says which cells are trusted, and shares one lone force between those that are not: as many as there are give a
+  /// joint no more than one alone may.
+  void trust(Memory& m) const noexcept {
+    double all = 0;
     for (std::size_t b = 0; b < rows; ++b) {
-      const HealthRow& row = m.health.row[b];
+      HealthRow& row = m.health.row[b];
       std::uint32_t active = m.pushing[b];
       for (std::size_t k = 0; k < 16; ++k)
         active |= row.force[k] - m.rest[b].whole[k] > low_force_ || row.proximity[k] > low_proximity_
                       ? 1u << k
                       : 0u;
+      m.pushing[b] = static_cast<std::uint16_t>(active);
       for (std::uint32_t rest = active; rest != 0; rest &= rest - 1) {
         const auto k = static_cast<std::size_t>(std::countr_zero(rest));
         const std::size_t i = 16 * b + k;
         if (i >= size()) break;
-        if (witness(m, i).touched) m.health.row[b].trust[k] = 1;
+        const typename Health::Witness w = witness(m, i);
+        if (w.seen || (w.touched && !in_doubt(row, k))) {
+          row.trust[k] = 1;
+        } else if (in_doubt(row, k)) {
+          row.trust[k] = 0;
+        }
+        all += alone(m, i);
+      }
+    }
+    m.lone_share = all > 1 ? static_cast<float>((1 - 1e-6) / all) : 1.0f;
+  }
+
+  template <class Revise>
+  void settle(Memory& m, const Revise& revise) const noexcept {
+    trust(m);
+    for (std::size_t b = 0; b < rows; ++b) {
+      const HealthRow& row = m.health.row[b];
+      for (std::uint32_t rest = m.pushing[b]; rest != 0; rest &= rest - 1) {
+        const auto k = static_cast<std::size_t>(std::countr_zero(rest));
+        const std::size_t i = 16 * b + k;
+        if (i >= size()) break;
         const CellCounts c = worth(m, i);
         revise(i, c);
         const auto bit = static_cast<std::uint16_t>(1u << k);
         m.pushing[b] =
             static_cast<std::uint16_t>(c == CellCounts{} ? m.pushing[b] & ~bit : m.pushing[b] | bit);
-        if (row.still[k] < 0.02f) Cross::follow(m.cross, i, above(m, i));
+        if (row.still[k] < 0.02f) Cross::follow(m.cross, i, talk_unit_ * above(m, i));
       }
     }
     m.filled = {};
@@ -311,8 +358,10 @@ class TrustCore {
   }
 
   std::vector<RestLevelsRow> levels_;
-  std::vector<std::size_t> first_;                 ///< cell of each patch
-  float per_step_;                                 ///< counts in a step
+  std::vector<bool> masked_;        ///< a cell of a row is, for good
+  std::vector<std::size_t> first_;  ///< cell of each patch
+  float per_step_;                  ///< counts in a step
+  float talk_unit_;  ///< units of cross-talk's products in a step: readings are below its `most`
   float low_force_ = 1e9f, low_proximity_ = 1e9f;  ///< below these no cell counts [steps], of 0 to 1
 };
 

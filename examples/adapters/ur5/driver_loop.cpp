@@ -1,0 +1,177 @@
+// What the driver does in every cycle.
+#include <cmath>
+
+#include "examples/adapters/ur5/driver.hpp"
+
+namespace adapters::ur5 {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using skinctl::Heard;
+using skinctl::Interface;
+
+constexpr double allowed = 0.1;                   // of a slider at zero and of states that are no numbers [s]
+constexpr double program_starts = 1;              // until our program is seen to run [s]
+constexpr auto window = std::chrono::seconds(1);  // over which the clocks are compared
+
+Timeout left_until(Clock::time_point deadline) {
+  return std::max(Timeout(0), std::chrono::ceil<Timeout>(deadline - Clock::now()));
+}
+
+}  // namespace
+
+Heard Driver::fail(Fault fault, const std::string& detail) noexcept {
+  if (fault_ == Fault::none) {
+    fault_ = fault;
+    error_ = row(fault).words + (detail.empty() ? "" : ": " + detail);
+    if (!rtde_.said().empty()) error_ += "; the robot says: " + rtde_.said();
+  }
+  return Heard::lost;
+}
+
+/// What the states tell of a protective stop.
+std::string Driver::explanation() const {
+  char text[160];
+  const double force = std::hypot(report_.wrench[0], report_.wrench[1], report_.wrench[2]);
+  std::size_t farthest = 0;
+  for (std::size_t i = 1; i < 6; ++i)
+    if (std::abs(sent_[i] - sent_before_[i]) > std::abs(sent_[farthest] - sent_before_[farthest]))
+      farthest = i;
+  const double step = std::abs(sent_[farthest] - sent_before_[farthest]);
+  if (force > 50) {
+    std::snprintf(text, sizeof text, "%.0f N at the tool: it has hit something", force);
+  } else if (config_.interface == Interface::position && step * config_.rate > 3.2) {
+    std::snprintf(text, sizeof text, "the last command moved joint %zu by %.3f rad in a cycle", farthest + 1,
+                  step);
+  } else {
+    std::size_t beside = 0;
+    for (std::size_t i = 1; i < 6; ++i)
+      if (std::abs(report_.q[i] - report_.told[i]) > std::abs(report_.q[beside] - report_.told[beside]))
+        beside = i;
+    std::snprintf(text, sizeof text,
+                  "joint %zu stands %.3f rad from where it was told to be and %.0f N act at the tool; see "
+                  "the log at the panel",
+                  beside + 1, report_.q[beside] - report_.told[beside], force);
+  }
+  return text;
+}
+
+Fault Driver::halted() noexcept {
+  const Report& r = report_;
+  if (r.safety_mode == 3) return Fault::protective_stop;
+  if (r.safety_mode > 3) return Fault::safety_stop;
+  if (r.robot_mode != 7) return Fault::not_running;
+  if (r.runtime_state == 2 || r.runtime_state == 5) playing_ = true;
+  if (playing_ || r.timestamp - started_ > program_starts) {
+    if (r.runtime_state == 3 || r.runtime_state == 4) return Fault::paused;
+    if (r.runtime_state <= 1) return Fault::program_ended;
+  }
+  if (r.slider >= 0.01) slider_up_ = r.timestamp;  // not of NaN either
+  if (!(r.timestamp - slider_up_ <= allowed)) return Fault::slider_at_zero;
+  if (r.finite()) finite_at_ = r.timestamp;
+  if (!(r.timestamp - finite_at_ <= allowed)) return Fault::not_a_number;
+  return Fault::none;
+}
+
+bool Driver::clocks_agree() noexcept {
+  const auto now = Clock::now();
+  if (!config_.real_time || now - window_ < window) return true;
+  const double here = std::chrono::duration<double>(now - window_).count(),
+               there = report_.timestamp - window_stamp_;
+  wrong_windows_ = there < 0.5 * here || there > 2 * here ? wrong_windows_ + 1 : 0;
+  window_ = now;
+  window_stamp_ = report_.timestamp;
+  return wrong_windows_ < 2;
+}
+
+Heard Driver::wait(skinctl::State<6>& state) noexcept {
+  if (!running_) return fail(Fault::unreachable, "it is not connected");
+  const auto begin = Clock::now();
+  const auto silent_at = begin + config_.silence, lost_at = begin + config_.give_up;
+  const std::uint64_t nonsense_before = nonsense_, stood_before = stood_;
+  for (bool fresh = false; !fresh;) {
+    // One cycle on the last state, then the rest of the patience.
+    const auto now = Clock::now();
+    if (now >= lost_at) {
+      const Fault why = stood_ != stood_before         ? Fault::clock_stands
+                        : nonsense_ != nonsense_before ? Fault::nonsense
+                                                       : Fault::silent;
+      return fail(why, "for " + std::to_string(config_.give_up.count()) + " ms");
+    }
+    if (now >= silent_at && !silent_) {
+      silent_ = true;
+      return Heard::silent;
+    }
+    Package p{};
+    const RtdeEnd end = rtde_.read(p, left_until(silent_ ? lost_at : silent_at));
+    if (end == RtdeEnd::closed) return fail(Fault::stream_closed);
+    if (end == RtdeEnd::nonsense) return fail(Fault::nonsense, "a package of impossible size");
+    if (end == RtdeEnd::time_over) continue;
+    // The newest of what has come counts; time is the controller's, so that skipped packages lose nothing.
+    for (std::optional<Package> next = p; next; next = rtde_.next()) {
+      Report newer;
+      if (next->type == package::message) {
+        rtde_.hear(next->payload);
+      } else if (!is_state(*next, newer) || !std::isfinite(newer.timestamp)) {
+        ++nonsense_;
+      } else if (newer.timestamp > report_.timestamp) {
+        report_ = newer;
+        fresh = true;
+      } else {
+        ++stood_;
+      }
+    }
+  }
+  silent_ = false;
+  if (const Fault why = halted(); why != Fault::none) {
+    if (why == Fault::protective_stop) return fail(why, explanation());
+    if (why == Fault::safety_stop) return fail(why, describe_safety_mode(report_.safety_mode));
+    if (why == Fault::not_running) return fail(why, describe_robot_mode(report_.robot_mode));
+    return fail(why);
+  }
+  if (!clocks_agree()) return fail(Fault::clock_runs_wrong);
+  state.time = clock();
+  for (std::size_t i = 0; i < 6; ++i) {
+    state.q[i] = report_.q[i];
+    state.dq[i] = report_.dq[i];
+  }
+  return Heard::state;
+}
+
+skinctl::Nanoseconds Driver::clock() const noexcept {
+  // Whole microseconds: a double of seconds after a boot long ago is not much finer, and equal intervals stay
+  // equal.
+  return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000;
+}
+
+bool Driver::send(const skinctl::JointCommand<6>& command) noexcept {
+  std::int32_t how = mode::servoj;
+  if (config_.interface == Interface::velocity) how = mode::speedj;
+  if (config_.interface == Interface::torque) how = mode::torque;
+  sent_before_ = sent_;
+  for (std::size_t i = 0; i < 6; ++i)
+    sent_[i] = how == mode::servoj   ? command.position[i]
+               : how == mode::speedj ? command.velocity[i]
+                                     : command.torque[i];
+  const auto patience = static_cast<std::int32_t>(config_.robot_patience.count());
+  if (reverse_.write(message(patience, sent_, how), Timeout(20))) return true;
+  // A program that has ended closes the socket, and the states may not have told yet why.
+  skinctl::State<6> last;
+  const auto deadline = Clock::now() + 4 * config_.silence;
+  while (fault_ == Fault::none && Clock::now() < deadline)
+    if (wait(last) != Heard::state) break;
+  static_cast<void>(fail(Fault::commands_refused));
+  return false;
+}
+
+void Driver::stop() noexcept {
+  if (!running_) return;
+  running_ = false;
+  const auto patience = static_cast<std::int32_t>(config_.robot_patience.count());
+  static_cast<void>(reverse_.write(message(patience, {}, mode::stopped), Timeout(20)));
+  reverse_.close();
+  script_.close();
+  rtde_.close();
+}
+
+}  // namespace adapters::ur5

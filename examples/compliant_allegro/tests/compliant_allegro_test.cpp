@@ -1,0 +1,124 @@
+// The hand's job against simulated hands, and its program.
+#include <doctest/doctest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "examples/compliant_allegro/run.hpp"
+#include "skinctl/core/contract.hpp"
+#include "skinctl/testing/sanitized.hpp"
+
+using namespace compliant_allegro;
+using examples::job::Exit;
+
+namespace {
+
+RunLog ran(Generation g, Side side, bool udp = false) {
+  Settings s;
+  default_task(s);
+  s.quiet = true;
+  s.generation = g;
+  s.side = side;
+  s.simulate_udp = udp;
+  RunLog log;
+  REQUIRE(run(s, false, log) == Exit::fine);
+  return log;
+}
+
+/// Runs the program with these arguments; its exit code. A signal after `ms`, if not 0.
+int program(std::vector<const char*> arguments, int signal = 0, int ms = 0) {
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    arguments.insert(arguments.begin(), COMPLIANT_ALLEGRO_PROGRAM);
+    arguments.push_back(nullptr);
+    if (std::freopen("/dev/null", "w", stdout) == nullptr ||
+        std::freopen("/dev/null", "w", stderr) == nullptr)
+      ::_exit(99);
+    ::execv(COMPLIANT_ALLEGRO_PROGRAM, const_cast<char* const*>(arguments.data()));
+    ::_exit(98);
+  }
+  if (signal != 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+    ::kill(child, signal);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+}  // namespace
+
+TEST_CASE("The hand gives way to touches, comes back, and closes with all fingers on a ball") {
+  double with_cells = 0, without = 0;
+  for (const Generation g : {Generation::v5_sense, Generation::v4}) {
+    for (const Side side : {Side::right, Side::left}) {
+      if (skinctl::testing::sanitized && side == Side::left) continue;
+      CAPTURE(int(g));
+      CAPTURE(int(side));
+      const RunLog log = ran(g, side, side == Side::left && g == Generation::v5_sense);
+      REQUIRE(log.touches.size() == 2);
+      CHECK(log.touches[0].cell == 3);
+      CHECK(log.touches[1].cell == 10);
+      for (const TouchSummary& t : log.touches) {
+        CHECK(t.moved > 5e-3);
+        CHECK(t.moved < 40e-3);
+        CHECK(t.after >= 0);
+        CHECK(t.after < 0.1);  // the finger itself takes 0.1 s to its full force
+        CHECK(t.return_error < 3e-3);
+      }
+      (g == Generation::v4 ? without : with_cells) += log.touches[0].moved;
+      for (const double n : log.ball) CHECK(n > 0.3);
+      CHECK(log.incomplete == 0);
+      CHECK(log.silent == 0);
+      const bool udp = side == Side::left && g == Generation::v5_sense;
+      CHECK(log.last.servo == udp);  // whose protocol has no servo off
+      CHECK(log.last.torque == PerJoint{});
+      double speed = 0;
+      for (const LogEntry& e : log.entries) {
+        for (std::size_t i = 0; i < 16; ++i) CHECK(std::isfinite(e.q[i] + e.torque[i]));
+        if (e.time > 16.5)
+          for (std::size_t i = 0; i < 16; ++i)
+            speed = std::max(speed, double(std::abs(e.q[i] - log.entries.back().q[i])));
+      }
+      CHECK(speed < 0.02);  // at rest again
+    }
+  }
+  CHECK(with_cells > 1.5 * without);  // cells add to what friction and springs give way by themselves
+}
+
+TEST_CASE("The report is whole, says what happened and needs nothing else") {
+  const RunLog log = ran(Generation::v5_sense, Side::right);
+  const std::string page = report(log);
+  CHECK(page.find("gave way to 2 touches") != std::string::npos);
+  CHECK(page.find("Index, tip") != std::string::npos);
+  CHECK(page.find("nan") == std::string::npos);
+  CHECK(page.find("http") == page.npos);
+  CHECK(page.ends_with("</main></body></html>\n"));
+  std::size_t figures = 0, closed = 0;
+  for (std::size_t at = page.find("<figure"); at != page.npos; at = page.find("<figure", at + 1)) ++figures;
+  for (std::size_t at = page.find("</figure>"); at != page.npos; at = page.find("</figure>", at + 1))
+    ++closed;
+  CHECK(figures == 6);
+  CHECK(closed == 6);
+  RunLog empty;
+  empty.reason = "<b>lost</b>";
+  CHECK(report(empty).find("<b>") == std::string::npos);
+}
+
+TEST_CASE("The program: help, wrong options, no device, signals") {
+  CHECK(program({"--help"}) == 0);
+  CHECK(program({"--no-such-option"}) == 2);
+  CHECK(program({"--generation", "v3"}) == 2);
+  CHECK(program({"--simulate", "--can", "can0"}) == 2);
+  CHECK(program({"--simulate-udp", "--generation", "v5"}) == 2);
+  CHECK(program({"--can", "no_such_interface"}) == 1);
+  CHECK(program({"--can", "/dev/no_such_tty"}) == 1);
+  CHECK(program({"--duration", "0.5", "--quiet", "--generation", "v5"}) == 0);
+  CHECK(program({"--speed", "1"}, SIGINT, 700) == 130);
+  CHECK(program({"--speed", "1"}, SIGTERM, 700) == 130);
+}

@@ -1,0 +1,103 @@
+// compliant_arm_and_hand: a UR5 by velocity and an Allegro hand by torque in one process.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <map>
+
+#include "examples/compliant_allegro/run.hpp"
+#include "examples/compliant_arm_and_hand/pair.hpp"
+#include "examples/compliant_ur5/run.hpp"
+#include "skinctl/core/contract.hpp"
+
+namespace {
+
+using arm_and_hand::End;
+using arm_and_hand::Exit;
+
+int run(int argc, char** argv) {
+  compliant_ur5::Settings arm;
+  compliant_allegro::Settings hand;
+  compliant_allegro::default_task(hand);
+  arm.scenario = COMPLIANT_UR5_SCENARIO;
+  arm.interface = skinctl::Interface::velocity;
+  arm.compare = false;
+  CLI::App app{
+      "A UR5 by velocity with its skin, and an Allegro hand by torque, each in its own loop at its own rate. "
+      "Without "
+      "addresses both are simulated. When one ends badly, both stop."};
+  app.footer(examples::job::exit_help());
+  using adapters::allegro::Generation;
+  const std::map<std::string, Generation> generations{
+      {"v4", Generation::v4}, {"v5", Generation::v5}, {"v5_sense", Generation::v5_sense}};
+  std::string robot;
+  bool simulate = false, quiet = false;
+  double duration = 10, speed = 1;
+  app.add_flag("--simulate", simulate, "both simulated (the default)");
+  app.add_option("--robot", robot, "a real UR5: its address");
+  app.add_option("--can", hand.can, "a real hand: CAN interface or tty of an slcan adapter");
+  app.add_option("--udp", hand.udp, "a real V5 Sense on Ethernet: its IPv4 address");
+  app.add_option("--generation", hand.generation, "v4, v5 or v5_sense")
+      ->transform(CLI::CheckedTransformer(generations, CLI::ignore_case));
+  app.add_option("--duration", duration, "[s]")->check(CLI::Range(0.1, 1e6));
+  app.add_option("--rate", arm.rate, "of the arm [1/s]")->check(CLI::Range(1.0, 500.0));
+  app.add_option("--speed", speed, "of simulated devices: 1 real time, 0 as fast as each goes")
+      ->check(CLI::IsMember({0.0, 1.0}));
+  app.add_option("--hand-unplugged-at", hand.faults.unplug_at,
+                 "simulated: the hand's link goes at this time [s]");
+  app.add_flag("--quiet", quiet, "print errors only");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
+  }
+  if (simulate && !(robot.empty() && hand.can.empty() && hand.udp.empty()))
+    throw skinctl::ConfigurationError("--simulate and a real device's address: one of them");
+  if (!robot.empty()) arm.robot = robot;
+  compliant_ur5::read_scenario(arm.scenario, arm);
+  arm.speed = hand.speed = speed;
+  arm.cycles = static_cast<std::uint64_t>(duration * arm.rate);
+  hand.duration = duration;
+  arm.quiet = hand.quiet = true;
+
+  const examples::job::StopSignals signals;
+  compliant_ur5::RunLog arm_log;
+  compliant_allegro::RunLog hand_log;
+  const auto ran = arm_and_hand::run_both(
+      [&](const std::atomic<bool>& stop) {
+        return static_cast<Exit>(static_cast<int>(compliant_ur5::run(arm, stop, arm_log)));
+      },
+      [&](const std::atomic<bool>& stop) { return compliant_allegro::run(hand, stop, hand_log); },
+      signals.asked());
+
+  if (!quiet) {
+    const auto say = [](const char* who, const End& end, std::size_t cycles, std::size_t touches,
+                        const std::string& why) {
+      std::printf("%-5s %6zu cycles, %zu touches: %s%s%s\n", who, cycles, touches,
+                  end.stopped_with_other ? "stopped with the other one" : examples::job::words(end.exit),
+                  why.empty() && end.words.empty() ? "" : ": ", (why.empty() ? end.words : why).c_str());
+    };
+    say("arm", ran.arm, arm_log.entries.size(), arm_log.touches.size(), "");
+    for (const auto& fact : arm_log.result)
+      std::printf("      %-40s %s\n", fact.name.c_str(), fact.value.c_str());
+    say("hand", ran.hand, hand_log.entries.size(), hand_log.touches.size(), hand_log.reason);
+    for (const auto& fact : hand_log.facts)
+      std::printf("      %-40s %s\n", fact.name.c_str(), fact.value.c_str());
+  }
+  if (ran.exit() != Exit::fine)
+    std::fprintf(stderr, "compliant_arm_and_hand: %s%s%s\n", examples::job::words(ran.exit()),
+                 hand_log.reason.empty() ? "" : ": the hand: ", hand_log.reason.c_str());
+  return examples::job::code(ran.exit());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const skinctl::ConfigurationError& e) {
+    std::fprintf(stderr, "compliant_arm_and_hand: %s\n", e.what());
+    return examples::job::code(Exit::refused);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "compliant_arm_and_hand: %s\n", e.what());
+    return examples::job::code(Exit::lost);
+  }
+}

@@ -1,0 +1,77 @@
+// Two jobs in one process, and the program with a simulated UR5 and a simulated hand on loopback.
+#include <doctest/doctest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <stdexcept>
+#include <vector>
+
+#include "examples/compliant_arm_and_hand/pair.hpp"
+
+using namespace arm_and_hand;
+using namespace std::chrono_literals;
+
+namespace {
+
+Exit until_stopped(const std::atomic<bool>& stop) {
+  for (int k = 0; k < 5000 && !stop; ++k) std::this_thread::sleep_for(1ms);
+  return stop ? Exit::interrupted : Exit::fine;
+}
+/// Runs a job for 20 ms.
+auto ends(Exit exit) {
+  return [exit](const std::atomic<bool>&) {
+    std::this_thread::sleep_for(20ms);
+    return exit;
+  };
+}
+
+int program(std::vector<const char*> arguments, int signal = 0, int ms = 0) {
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    arguments.insert(arguments.begin(), ARM_AND_HAND_PROGRAM);
+    arguments.push_back(nullptr);
+    if (std::freopen("/dev/null", "w", stdout) == nullptr ||
+        std::freopen("/dev/null", "w", stderr) == nullptr)
+      ::_exit(99);
+    ::execv(ARM_AND_HAND_PROGRAM, const_cast<char* const*>(arguments.data()));
+    ::_exit(98);
+  }
+  if (signal != 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+    ::kill(child, signal);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+}  // namespace
+
+TEST_CASE("Two jobs: both end well, one fails, one throws, both are interrupted") {
+  const std::atomic<bool> nobody{false}, somebody{true};
+  CHECK(run_both(ends(Exit::fine), ends(Exit::fine), nobody).exit() == Exit::fine);
+  for (const bool arm_fails : {true, false}) {
+    const auto ran = arm_fails ? run_both(ends(Exit::halted), until_stopped, nobody)
+                               : run_both(until_stopped, ends(Exit::halted), nobody);
+    CHECK(ran.exit() == Exit::halted);
+    CHECK((arm_fails ? ran.hand : ran.arm).exit == Exit::interrupted);
+    CHECK((arm_fails ? ran.hand : ran.arm).stopped_with_other);
+  }
+  const auto thrown = run_both(
+      until_stopped, [](const std::atomic<bool>&) -> Exit { throw std::runtime_error("no hand"); }, nobody);
+  CHECK(thrown.exit() == Exit::lost);
+  CHECK(thrown.hand.words == "no hand");
+  CHECK(run_both(until_stopped, until_stopped, somebody).exit() == Exit::interrupted);
+}
+
+TEST_CASE("The program: arm and hand simulated, a hand that leaves, a signal, wrong options") {
+  CHECK(program({"--help"}) == 0);
+  CHECK(program({"--simulate", "--can", "can0"}) == 2);
+  CHECK(program({"--can", "no_such_interface"}) == 1);
+  CHECK(program({"--duration", "1.5", "--speed", "0"}) == 0);
+  CHECK(program({"--duration", "20", "--hand-unplugged-at", "0.3"}) == 1);
+  CHECK(program({"--duration", "20"}, SIGINT, 1500) == 130);
+}

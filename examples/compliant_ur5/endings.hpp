@@ -1,0 +1,91 @@
+// How the main job ends: one table, from which the program, its `--help` and its README take reaction, time and words.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "examples/adapters/ur5/fault.hpp"
+
+namespace compliant_ur5 {
+
+/// Ends that the job finds itself; those of the robot's connection are `adapters::ur5::Fault`.
+enum class Ending : unsigned char {
+  finished,
+  interrupted,
+  refused,
+  displaced,     ///< at the start
+  skin_unheard,  ///< never
+  skin_silent,   ///< no longer
+  skin_deaf,     ///< too few cells report, though the sender lives
+  stuck,         ///< a joint that is told to move stands, and nothing touches the skin
+  late,          ///< the arm follows later than declared
+  broken,
+  count
+};
+
+/// As `adapters::ur5::FaultRow`.
+struct EndingRow {
+  Ending ending;
+  const char *name, *seen, *reaction;
+  int rest_ms;
+  examples::job::Exit exit;
+  const char *words, *way_back;
+};
+
+inline constexpr std::array<EndingRow, static_cast<std::size_t>(Ending::count)> endings{{
+    {Ending::finished, "finished", "all cycles have run", "the robot is told to stop", 1000,
+     examples::job::Exit::fine, "finished", "-"},
+    {Ending::interrupted, "interrupted", "a signal", "the robot is told to stop", 1000,
+     examples::job::Exit::interrupted, "interrupted", "start again"},
+    {Ending::refused, "refused", "an option, file or number", "nothing is moved", 0,
+     examples::job::Exit::refused, "a setting is wrong", "see the words"},
+    {Ending::displaced, "displaced", "the first state", "nothing is moved", 0,
+     examples::job::Exit::not_following, "the arm stands too far from where it was told to be",
+     "let it stand free; start again"},
+    {Ending::skin_unheard, "skin_unheard", "too few cells for skin_patience (2 s) from the start",
+     "nothing has moved", 0, examples::job::Exit::blind, "the skin was never heard",
+     "see the sender's address and port; start again"},
+    {Ending::skin_silent, "skin_silent", "no datagram for 100 ms",
+     "brakes (30 rad/s^2) and holds 0.5 s; then the robot is told to stop", 700, examples::job::Exit::blind,
+     "the skin has fallen silent", "mend the skin; start again"},
+    {Ending::skin_deaf, "skin_deaf", "too few cells of a patch report",
+     "brakes (30 rad/s^2) and holds 0.5 s; then the robot is told to stop", 700, examples::job::Exit::blind,
+     "the skin is blind, though its sender lives", "mend the skin; start again"},
+    {Ending::stuck, "stuck", "a joint stands beside its commands for 0.3 s, untouched",
+     "brakes and holds 0.5 s; then the robot is told to stop", 2500, examples::job::Exit::not_following,
+     "a joint does not follow its commands", "free the joint; start again"},
+    {Ending::late, "late", "the measured lag exceeds the declared one by 40 ms",
+     "brakes and holds 0.5 s; then the robot is told to stop", 3500, examples::job::Exit::not_following,
+     "the arm follows later than declared", "measure with identify_robot; declare [control] delay and lag"},
+    {Ending::broken, "broken", "the limits of every command, and allocations", "the run is not believed", 0,
+     examples::job::Exit::broken, "a promise was broken: see the figures above", "report it"},
+}};
+static_assert(
+    [] {
+      for (std::size_t k = 0; k < endings.size(); ++k)
+        if (endings[k].ending != static_cast<Ending>(k) || endings[k].name == nullptr) return false;
+      return true;
+    }(),
+    "endings: one row for each, in the order of the enumeration");
+
+[[nodiscard]] constexpr const EndingRow& row(Ending ending) noexcept {
+  return endings[ending < Ending::count ? static_cast<std::size_t>(ending) : 0];
+}
+
+/// Both tables in the README's form.
+[[nodiscard]] inline std::string endings_as_markdown() {
+  std::string out =
+      "| end | seen by | reaction | at rest within | exit code | way back |\n|---|---|---|---|---|---|\n";
+  const auto add = [&](const auto& r) {
+    out += std::string("| ") + r.words + " | " + r.seen + " | " + r.reaction + " | " +
+           (r.rest_ms > 0 ? std::to_string(r.rest_ms) + " ms" : std::string("-")) + " | " +
+           std::to_string(examples::job::code(r.exit)) + " | " + r.way_back + " |\n";
+  };
+  for (const EndingRow& r : endings) add(r);
+  for (const auto& r : adapters::ur5::faults)
+    if (r.fault != adapters::ur5::Fault::none) add(r);
+  return out;
+}
+
+}  // namespace compliant_ur5

@@ -1,0 +1,85 @@
+// A simulated robot beside the program, as a real one would stand there.
+#pragma once
+
+#include <boost/asio/ip/udp.hpp>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <thread>
+
+#include "examples/compliant_ur5/run.hpp"
+#include "examples/compliant_ur5/skin.hpp"
+#include "examples/simulated_ur5/scenario.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
+
+namespace compliant_ur5 {
+
+inline Settings settings() {
+  Settings s;
+  s.scenario = COMPLIANT_UR5_SCENARIO;
+  s.quiet = true;
+  read_scenario(s.scenario, s);
+  return s;
+}
+
+/// A port on which nobody listens just now.
+inline std::uint16_t free_udp_port() {
+  boost::asio::io_context io;
+  return boost::asio::ip::udp::socket(
+             io, boost::asio::ip::udp::endpoint(boost::asio::ip::address_v4::loopback(), 0))
+      .local_endpoint()
+      .port();
+}
+
+/// A simulated robot beside the program, as a real one would stand there.
+class Beside {
+ public:
+  explicit Beside(Settings& s) {
+    const auto add = [&]<std::size_t I, std::size_t N>(simulated_ur5::Config& to,
+                                                       const skinctl::Patch<I, N>& patch) {
+      for (const auto& c : patch.placed()) {
+        const auto p = c.X_LC.origin(), n = c.X_LC.axis_z();
+        simulated_ur5::SkinCell cell;
+        cell.id = c.id;
+        cell.link = I;
+        cell.position = {p.x, p.y, p.z};
+        cell.normal = {n.x, n.y, n.z};
+        simulated_ur5::complete(cell);
+        to.controller.cells.push_back(cell);
+      }
+    };
+    simulated_ur5::Config config;
+    simulated_ur5::read_scenario(s.scenario, config);
+    config.controller.powered = false;  // the program has to switch it on
+    config.controller.power_on_time = config.controller.brake_release_time = 0.1;
+    config.controller.touches.clear();
+    std::apply([&](const auto&... patch) { (add(config, patch), ...); },
+               skinctl::ur5::skin_patches<compliant_ur5::cells>());
+    std::memset(static_cast<void*>(&config.ports), 0, sizeof config.ports);  // any that are free
+    config.speed = 1;
+    s.skin_port = free_udp_port();
+    config.skin_port = s.skin_port;
+    s.robot = "127.0.0.1";
+    s.speed = 1;
+    s.compare = false;
+    robot = std::make_unique<simulated_ur5::SimulatedUr5>(config);
+    robot->start();
+    s.rtde_port = robot->ports().rtde;
+    s.script_port = robot->ports().secondary;
+    s.dashboard_port = robot->ports().dashboard;
+  }
+  /// Whether all joints stand still within two seconds.
+  bool comes_to_rest() {
+    for (int k = 0; k < 40; ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      const auto now = robot->snapshot();
+      double speed = 0;
+      for (const double v : now.true_dq) speed = std::max(speed, std::abs(v));
+      if (speed < 1e-6) return true;
+    }
+    return false;
+  }
+  std::unique_ptr<simulated_ur5::SimulatedUr5> robot;
+};
+
+}  // namespace compliant_ur5

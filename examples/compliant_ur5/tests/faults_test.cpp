@@ -1,0 +1,214 @@
+// Everything that can happen between the main job and its robot: what it does, how soon the arm rests, and how it ends.
+#include "examples/simulated_ur5/faults.hpp"
+
+#include <doctest/doctest.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <cstdio>
+#include <functional>
+
+#include "examples/compliant_ur5/tests/beside.hpp"
+
+using namespace compliant_ur5;
+using simulated_ur5::FaultyWire;
+namespace change = simulated_ur5::change;
+using Cable = FaultyWire::Cable;
+using skinctl::Interface;
+
+namespace {
+
+std::uint16_t free_tcp_port() {
+  boost::asio::io_context io;
+  namespace ip = boost::asio::ip;
+  return ip::tcp::acceptor(io, ip::tcp::endpoint(ip::address_v4::loopback(), 0)).local_endpoint().port();
+}
+
+double fastest(const simulated_ur5::Snapshot& now) {
+  double speed = 0;
+  for (const double v : now.true_dq) speed = std::max(speed, std::abs(v));
+  return speed;
+}
+
+/// A run that is disturbed while the arm moves.
+struct Run {
+  Settings s = settings();
+  Beside beside{s};
+  FaultyWire rtde{s.rtde_port, true};
+#ifndef BEFORE
+  FaultyWire reverse{s.reverse_port = free_tcp_port(), false};  // here the robot is the client
+#endif
+  RunLog log;
+  int exit = -1;
+  double rest = -1;  ///< from the disturbance until the arm stands [ms]; -1: it did not
+  double took = 0;   ///< from the disturbance until the job has ended [ms]
+  double went = 0;   ///< farthest joint, from the disturbance until rest [rad]
+  std::string words;
+
+  Run(Interface interface, const std::function<void(Run&)>& disturb) {
+    using Clock = std::chrono::steady_clock;
+    const auto ms = [](Clock::duration t) { return std::chrono::duration<double, std::milli>(t).count(); };
+    s.interface = interface;
+    s.rtde_port = rtde.port();
+#ifndef BEFORE
+    s.told_port = reverse.port();
+#endif
+    s.cycles = 500;
+    s.task = {{.at = 0.1, .q = {0.7, -1.0, 1.2, -1.7, -1.57, 0.3}, .duration = 2}};
+    std::atomic<bool> stop = false, over = false;
+    std::thread job([&] {
+      try {
+        exit = static_cast<int>(run(s, stop, log));
+      } catch (const std::exception& e) {
+        exit = 1;
+        words = e.what();
+      }
+      over = true;
+    });
+    const auto begun = Clock::now();
+    while (fastest(beside.robot->snapshot()) < 0.2 && !over && Clock::now() - begun < std::chrono::seconds(6))
+      std::this_thread::sleep_for(std::chrono::milliseconds(4));
+    const auto from = Clock::now();
+    const auto where = beside.robot->snapshot().true_q;
+    disturb(*this);
+    auto stood_since = Clock::now();
+    bool stands = false;
+    while (Clock::now() - from < std::chrono::milliseconds(5500)) {
+      const auto now = beside.robot->snapshot();
+      if (fastest(now) > 1e-6) {
+        stands = false;
+      } else if (!stands) {
+        stands = true;
+        stood_since = Clock::now();
+      }
+      if (!stands || rest < 0)
+        for (std::size_t i = 0; i < 6; ++i) went = std::max(went, std::abs(now.true_q[i] - where[i]));
+      rest = stands ? ms(stood_since - from) : -1;
+      if (over && took == 0) took = ms(Clock::now() - from);
+      if (over && stands && Clock::now() - stood_since > std::chrono::milliseconds(150)) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(4));
+    }
+    stop = true;
+    job.join();
+#ifndef BEFORE
+    if (words.empty()) words = log.words;
+#endif
+  }
+};
+
+struct Case {
+  const char* name;
+  std::function<void(Run&)> disturb;
+  int exit;
+  double rest;  ///< at most [ms]; 0: the job goes on to its end
+  const char* words;
+};
+
+void check(const std::vector<Case>& cases) {
+  std::vector<std::pair<Interface, const Case*>> all;
+  for (const Case& c : cases)
+    for (const Interface i : {Interface::position, Interface::velocity}) all.emplace_back(i, &c);
+  // Four at a time: they wait for clocks, not for the processor.
+  for (std::size_t first = 0; first < all.size(); first += 4) {
+    std::vector<std::unique_ptr<Run>> runs(std::min<std::size_t>(4, all.size() - first));
+    std::vector<std::thread> threads;
+    for (std::size_t k = 0; k < runs.size(); ++k)
+      threads.emplace_back(
+          [&, k] { runs[k] = std::make_unique<Run>(all[first + k].first, all[first + k].second->disturb); });
+    for (auto& t : threads) t.join();
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      const Run& r = *runs[k];
+      const Case& c = *all[first + k].second;
+      const char* by = all[first + k].first == Interface::position ? "position" : "velocity";
+      std::printf("| %-32s | %-8s | exit %3d | rest after %5.0f ms, %.3f rad | ended after %5.0f ms | %s\n",
+                  c.name, by, r.exit, r.rest, r.went, r.took, r.words.c_str());
+      std::fflush(stdout);
+      CAPTURE(c.name);
+      CAPTURE(by);
+      CAPTURE(r.words);
+      CHECK(r.exit == c.exit);
+      CHECK(r.rest >= 0);
+      if (c.rest > 0) CHECK(r.rest <= c.rest);
+      CHECK(r.words.find(c.words) != std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("main job: a robot that is halted by others ends it with words and code 5") {
+  check({
+      {"paused at the panel", [](Run& r) { r.beside.robot->call([](auto& c) { c.pause(); }); }, 5, 1000,
+       "paused"},
+      {"program stopped at the panel",
+       [](Run& r) { r.beside.robot->call([](auto& c) { c.stop_program(); }); }, 5, 1000, "has ended"},
+      {"speed slider to 0",
+       [](Run& r) {
+         r.beside.robot->call([](auto& c) {
+           c.inputs().speed_slider_mask = 1;
+           c.inputs().speed_slider_fraction = 0;
+           c.inputs_written({.slider = true});
+         });
+       },
+       5, 1100, "speed slider"},
+      {"protective stop", [](Run& r) { r.beside.robot->call([](auto& c) { c.protective_stop("a test"); }); },
+       5, 500, "protective stop: "},
+      {"emergency stop", [](Run& r) { r.beside.robot->call([](auto& c) { c.emergency_stop(); }); }, 5, 500,
+       "safety"},
+  });
+}
+
+TEST_CASE("main job: states that cannot be end it with words and code 7") {
+  check({
+      {"joint 3 is NaN", [](Run& r) { r.rtde.set(change::not_a_number(2)); }, 7, 1000, "no numbers"},
+      {"the robot's clock stands", [](Run& r) { r.rtde.set(change::frozen_clock()); }, 7, 1200, "clock"},
+      {"the robot's clock goes back 5 s", [](Run& r) { r.rtde.set(change::clock_back(5)); }, 7, 1200,
+       "clock"},
+      {"the robot's clock runs at a third", [](Run& r) { r.rtde.set(change::clock_rate(0.3)); }, 7, 3400,
+       "clock"},
+  });
+}
+
+TEST_CASE("main job: a joint that does not follow, or an arm that follows late, ends it with code 6") {
+  check({
+      {"joint 2 reports to stand still", [](Run& r) { r.rtde.set(change::stuck(1)); }, 6, 2500, "joint 2"},
+      {"states are 92 ms late", [](Run& r) { r.rtde.set(change::late(11)); }, 6, 3500, "later than declared"},
+  });
+}
+
+TEST_CASE("main job: a connection that is lost in any way ends it with code 1") {
+  check({
+      {"cable out",
+       [](Run& r) {
+         r.rtde.set(Cable::cut);
+#ifndef BEFORE
+         r.reverse.set(Cable::cut);
+#endif
+       },
+       1, 1200, "no state"},
+      {"states: half open", [](Run& r) { r.rtde.set(Cable::to_robot); }, 1, 1200, "no state"},
+#ifndef BEFORE
+      {"commands: half open", [](Run& r) { r.reverse.set(Cable::to_robot); }, 5, 1000, "has ended"},
+      {"commands: reset", [](Run& r) { r.reverse.set(Cable::reset); }, 5, 1000, "ended"},
+#endif
+      {"states: reset", [](Run& r) { r.rtde.set(Cable::reset); }, 1, 1000, "closed"},
+      {"garbled states", [](Run& r) { r.rtde.set(change::garbled()); }, 1, 1200, "nonsense"},
+      {"truncated states", [](Run& r) { r.rtde.set(change::truncated(9)); }, 1, 1200, "nonsense"},
+      {"half of the states, then none",
+       [](Run& r) {
+         r.rtde.set(change::lost(0.5));
+         std::this_thread::sleep_for(std::chrono::milliseconds(300));
+         r.rtde.set(change::lost(1));
+       },
+       1, 1500, "no state"},
+  });
+}
+
+TEST_CASE(
+    "main job: what TCP may do with bytes, repeated and reordered states, and lost ones do not end it") {
+  check({
+      {"byte by byte", [](Run& r) { r.rtde.set_pieces(1, 0); }, 0, 0, ""},
+      {"every state twice", [](Run& r) { r.rtde.set(change::repeated()); }, 0, 0, ""},
+      {"states out of order", [](Run& r) { r.rtde.set(change::reordered()); }, 0, 0, ""},
+      {"a tenth of the states is lost", [](Run& r) { r.rtde.set(change::lost(0.1)); }, 0, 0, ""},
+  });
+}

@@ -1,0 +1,231 @@
+// skin_bridge: takes a skin from a ROS 1 bag, from iCub's CAN or from datagrams, and passes it on as datagrams or into
+// a bag.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "examples/adapters/allegro/can_link.hpp"
+#include "examples/adapters/skin/bag.hpp"
+#include "examples/adapters/skin/icub_can.hpp"
+#include "examples/adapters/skin/receiver.hpp"
+#include "examples/adapters/skin/ros1.hpp"
+#include "examples/adapters/skin/sender.hpp"
+#include "examples/support/job.hpp"
+#include "skinctl/core/contract.hpp"
+
+namespace {
+
+using namespace adapters;
+using namespace std::chrono_literals;
+namespace job = examples::job;
+using Clock = std::chrono::steady_clock;
+using skinctl::CellSample;
+using skinctl::Nanoseconds;
+
+/// One period's samples, by this computer's clock.
+using Sink = std::function<void(std::span<const CellSample>, Nanoseconds now)>;
+Nanoseconds now() {
+  return Clock::now().time_since_epoch();
+}
+
+struct Counters {
+  std::uint64_t samples = 0, messages = 0, refused = 0;
+};
+
+struct Options {
+  std::string from, to, topic, key_file;
+  double speed = 1, seconds = 0;
+  bool quiet = false;
+};
+
+std::pair<std::string, std::uint16_t> host_and_port(const std::string& text, const char* option) {
+  const auto colon = text.rfind(':');
+  const std::string port = text.substr(colon == std::string::npos ? 0 : colon + 1);
+  const bool digits =
+      !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos;
+  const int number = digits ? std::stoi(port) : -1;
+  if (number < 0 || number > 65535)
+    skinctl::refuse(std::string(option) + " '" + text + "': expected HOST:PORT or PORT");
+  return {colon == std::string::npos ? "127.0.0.1" : text.substr(0, colon),
+          static_cast<std::uint16_t>(number)};
+}
+
+/// A message whenever its time has come; stamps of the cells move to this computer's clock with it.
+job::Exit from_bag(const std::string& file, const Options& o, const Sink& sink, Counters& count,
+                   const std::function<bool()>& ended) {
+  skin::BagReader bag(file);
+  skin::BagMessage message;
+  std::vector<CellSample> samples;
+  std::optional<Nanoseconds> first;
+  const auto start = now();
+  while (bag.next(message)) {
+    if (o.topic.empty() ? !message.type.ends_with("SkinCellDataArray") : message.topic != o.topic) continue;
+    samples.clear();
+    if (!skin::parse_ros1(message.bytes, samples)) {
+      ++count.refused;
+      continue;
+    }
+    if (!first) first = message.time;
+    const auto since = std::chrono::duration_cast<Nanoseconds>((message.time - *first) / o.speed);
+    while (now() - start < since) {
+      if (ended()) return job::Exit::interrupted;
+      std::this_thread::sleep_for(std::min<Nanoseconds>(since - (now() - start), 2ms));
+    }
+    if (ended()) return job::Exit::interrupted;
+    const auto t = now();
+    for (CellSample& s : samples) {  // as long before now as they were before their recording
+      const auto age = message.time - s.time;
+      s.time = age >= 0ns && age < 100ms ? t - age : t;
+    }
+    ++count.messages;
+    count.samples += samples.size();
+    sink(samples, t);
+  }
+  if (bag.cut_short())
+    std::fprintf(stderr, "skin_bridge: %s ends within a record; what came before was read\n", file.c_str());
+  return job::Exit::fine;
+}
+
+template <allegro::CanLink Link>
+job::Exit from_can(Link link, const Sink& sink, Counters& count, const std::function<bool()>& ended) {
+  std::vector<CellSample> samples;
+  while (!ended()) {
+    samples.clear();
+    const auto until = Clock::now() + 4ms;
+    allegro::Frame frame;
+    Read read = Read::nothing;
+    while (samples.size() < 4096 && (read = link.read(frame, until)) == Read::some) {
+      ++count.messages;
+      const auto triangle = skin::parse_icub(frame.id, {frame.data.data(), frame.size});
+      if (!triangle || frame.remote) {
+        ++count.refused;
+        continue;
+      }
+      for (std::size_t k = 0; k < triangle->count; ++k) samples.push_back(triangle->sample(k, now()));
+    }
+    count.samples += samples.size();
+    sink(samples, now());
+    if (read == Read::closed) return job::Exit::lost;
+  }
+  return job::Exit::interrupted;
+}
+
+job::Exit from_datagrams(const std::string& at, const Options& o, const Sink& sink, Counters& count,
+                         const std::function<bool()>& ended) {
+  const auto [host, port] = host_and_port(at, "--from udp:");
+  skin::ReceiverConfig config;
+  config.address = host;
+  config.port = port;
+  if (!o.key_file.empty()) config.key = skin::Key::read(o.key_file);
+  skin::Receiver receiver(config);
+  std::printf("ready port=%u\n", unsigned{receiver.port()});
+  std::fflush(stdout);
+  while (!ended()) {
+    const auto t = now();
+    const auto samples = receiver.poll(t);
+    count.samples += samples.size();
+    count.messages = receiver.statistics().datagrams;
+    count.refused = receiver.statistics().stray() + receiver.statistics().bad_samples;
+    if (!samples.empty()) sink(samples, t);
+    std::this_thread::sleep_for(4ms);
+  }
+  return job::Exit::interrupted;
+}
+
+job::Exit run(const Options& o) {
+  const job::StopSignals signals;
+  job::Progress progress(o.quiet);
+  const auto start = Clock::now();
+  Counters count;
+  bool over = false;
+  const auto ended = [&] {
+    const double t = std::chrono::duration<double>(Clock::now() - start).count();
+    if (progress.due(t))
+      progress.show("%8.1f s  %llu messages, %llu samples", t,
+                    static_cast<unsigned long long>(count.messages),
+                    static_cast<unsigned long long>(count.samples));
+    over = o.seconds > 0 && t > o.seconds;
+    return over || signals.asked();
+  };
+  const auto after = [](const std::string& text, const char* kind) {
+    return text.starts_with(kind) ? std::optional(text.substr(std::string_view(kind).size())) : std::nullopt;
+  };
+  Sink sink;
+  std::unique_ptr<skin::Sender> sender;
+  std::unique_ptr<skin::BagWriter> writer;
+  if (const auto to = after(o.to, "udp:")) {
+    const auto [host, port] = host_and_port(*to, "--to udp:");
+    std::optional<skin::Key> key;
+    if (!o.key_file.empty() && !o.from.starts_with("udp:")) key = skin::Key::read(o.key_file);
+    sender = std::make_unique<skin::Sender>(host, port, key);
+    sink = [&](auto samples, Nanoseconds t) { sender->send(samples, t); };
+  } else if (const auto file = after(o.to, "bag:")) {
+    writer =
+        std::make_unique<skin::BagWriter>(*file, o.topic.empty() ? "/skin" : o.topic, skin::skin_message_type,
+                                          skin::skin_message_definition, skin::skin_message_md5);
+    const auto real =
+        std::chrono::system_clock::now().time_since_epoch() - std::chrono::duration_cast<Nanoseconds>(now());
+    sink = [&writer, real, shifted = std::vector<CellSample>()](auto samples, Nanoseconds t) mutable {
+      shifted.assign(samples.begin(), samples.end());
+      for (CellSample& s : shifted) s.time += real;  // a bag counts from 1970
+      writer->write(t + real, skin::ros1_message(shifted));
+    };
+  } else {
+    skinctl::refuse("--to '" + o.to + "': expected udp:HOST:PORT or bag:FILE");
+  }
+  job::Exit exit = job::Exit::fine;
+  if (const auto bag = after(o.from, "bag:"))
+    exit = from_bag(*bag, o, sink, count, ended);
+  else if (const auto can = after(o.from, "icub:"))
+    exit = can->starts_with("/") ? from_can(allegro::SlcanLink::open(*can), sink, count, ended)
+                                 : from_can(allegro::FrameSocket::open(*can), sink, count, ended);
+  else if (const auto port = after(o.from, "udp:"))
+    exit = from_datagrams(*port, o, sink, count, ended);
+  else
+    skinctl::refuse("--from '" + o.from +
+                    "': expected bag:FILE, icub:INTERFACE, icub:/dev/TTY or udp:[HOST:]PORT");
+  if (writer) writer->close();
+  progress.clear();
+  std::printf("%llu messages, %llu samples, %llu refused\n", static_cast<unsigned long long>(count.messages),
+              static_cast<unsigned long long>(count.samples), static_cast<unsigned long long>(count.refused));
+  return over ? job::Exit::fine : exit;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Carries a skin from one language to another."};
+  app.footer(job::exit_help());
+  Options o;
+  app.add_option("--from", o.from,
+                 "bag:FILE (ROS 1), icub:INTERFACE or icub:/dev/TTY (taxels on CAN, by an slcan adapter) or "
+                 "udp:[HOST:]PORT (datagrams)")
+      ->required();
+  app.add_option("--to", o.to, "udp:HOST:PORT (datagrams) or bag:FILE (ROS 1)")->required();
+  app.add_option("--topic", o.topic,
+                 "of the bag; without it every topic of type SkinCellDataArray; written: /skin");
+  app.add_option("--key", o.key_file, "file with the key of sealed datagrams")->check(CLI::ExistingFile);
+  app.add_option("--speed", o.speed, "of a bag, times real time")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  app.add_option("--seconds", o.seconds, "ends after so long; 0: at the end or a signal [s]")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("-q,--quiet", o.quiet, "no progress");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? job::code(job::Exit::fine) : job::code(job::Exit::refused);
+  }
+  try {
+    return job::code(run(o));
+  } catch (const ConnectionError& e) {
+    std::fprintf(stderr, "skin_bridge: %s\n", e.what());
+    return job::code(job::Exit::lost);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "skin_bridge: %s\n", e.what());
+    return job::code(job::Exit::refused);
+  }
+}

@@ -1,0 +1,154 @@
+// The bridge as a user runs it: a bag becomes datagrams, datagrams become a bag.
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include "examples/adapters/skin/bag.hpp"
+#include "examples/adapters/skin/receiver.hpp"
+#include "examples/adapters/skin/ros1.hpp"
+#include "examples/adapters/skin/sender.hpp"
+
+using namespace std::chrono_literals;
+using namespace adapters::skin;
+using skinctl::CellSample;
+using skinctl::Nanoseconds;
+
+namespace {
+
+struct Program {
+  explicit Program(const std::string& arguments)
+      : pipe(::popen(
+            (std::string("timeout 30 ") + SKIN_BRIDGE_PROGRAM + " -q " + arguments + " 2>&1").c_str(), "r")) {
+    REQUIRE(pipe);
+  }
+  std::string line() {
+    std::array<char, 256> chunk{};
+    return std::fgets(chunk.data(), chunk.size(), pipe) ? chunk.data() : "";
+  }
+  int end() { return WEXITSTATUS(::pclose(pipe)); }
+  std::FILE* pipe;
+};
+std::string temporary(const char* name) {
+  return (std::filesystem::temp_directory_path() / ("skinctl_bridge_" + std::to_string(::getpid()) + name))
+      .string();
+}
+std::vector<CellSample> touch(int k, Nanoseconds time) {
+  std::vector<CellSample> out(40);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i].cell = static_cast<std::uint32_t>(i);
+    out[i].time = time - 2ms;
+    out[i].force[0] = static_cast<float>(k) / 64;
+  }
+  return out;
+}
+Nanoseconds now() {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+}  // namespace
+
+TEST_CASE("skin_bridge: a bag of a touch arrives as datagrams, at its pace") {
+  const std::string file = temporary("in.bag");
+  {
+    BagWriter writer(file, "/arm/skin", skin_message_type, skin_message_definition, skin_message_md5);
+    for (int k = 0; k < 30; ++k) writer.write(1000s + k * 10ms, ros1_message(touch(k, 1000s + k * 10ms)));
+  }
+  Receiver receiver({.clock = {.gather = 0ns}});
+  Program bridge("--from bag:" + file + " --to udp:127.0.0.1:" + std::to_string(receiver.port()) +
+                 " --speed 2");
+  std::size_t heard = 0;
+  float last = 0;
+  Nanoseconds begin{}, end{};
+  for (const auto start = now(); now() - start < 10s && heard < 30 * 40;) {
+    for (const CellSample& s : receiver.poll(now())) {
+      CHECK(s.force[0] >= last);
+      last = s.force[0];
+      ++heard;
+      end = now();
+      if (heard == 1) begin = end;
+    }
+    std::this_thread::sleep_for(1ms);
+  }
+  CHECK(bridge.line() == "30 messages, 1200 samples, 0 refused\n");
+  CHECK(bridge.end() == 0);
+  CHECK(heard == 30 * 40);
+  CHECK(last == 29.0f / 64);
+  CHECK(end - begin > 100ms);  // 0.29 s of bag at twice its pace
+  CHECK(receiver.statistics().lost == 0);
+  CHECK(receiver.statistics().bad_samples == 0);
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("skin_bridge: datagrams become a bag") {
+  const std::string file = temporary("out.bag");
+  Program bridge("--from udp:0 --to bag:" + file + " --topic /arm/skin --seconds 0.8");
+  const std::string ready = bridge.line();
+  REQUIRE(ready.starts_with("ready port="));
+  Sender sender("127.0.0.1", static_cast<std::uint16_t>(std::stoi(ready.substr(11))));
+  for (int k = 0; k < 60; ++k) {  // the receiver first listens for a tenth of a second
+    sender.send(touch(k, now()), now());
+    std::this_thread::sleep_for(5ms);
+  }
+  CHECK(bridge.line().find("0 refused") != std::string::npos);
+  CHECK(bridge.end() == 0);
+  BagReader bag(file);
+  BagMessage m;
+  std::vector<CellSample> samples;
+  while (bag.next(m)) {
+    CHECK(m.topic == "/arm/skin");
+    CHECK(m.time > 1'500'000'000s);  // counted from 1970
+    REQUIRE(parse_ros1(m.bytes, samples));
+    CHECK(std::abs((samples.back().time - m.time).count()) < 100'000'000);
+  }
+  CHECK_FALSE(bag.cut_short());
+  CHECK(samples.size() > 500);
+  CHECK(samples.back().force[0] == 59.0f / 64);
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("skin_bridge: iCub's taxels come through an adapter at a serial line") {
+  const int adapter = ::posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE(adapter >= 0);
+  REQUIRE(::grantpt(adapter) == 0);
+  REQUIRE(::unlockpt(adapter) == 0);
+  const std::string line = ::ptsname(adapter);
+  Receiver receiver({.clock = {.gather = 0ns}});
+  Program bridge("--from icub:" + line + " --to udp:127.0.0.1:" + std::to_string(receiver.port()) +
+                 " --seconds 0.6");
+  const std::string frames = "t35284000FFFFFFFFFFFF\rt3528C0FFFFFFFF7F0000\rt1238C0FFFFFFFF7F0000\r";
+  std::array<bool, 12> heard{};
+  for (const auto start = now(); now() - start < 600ms;) {
+    std::this_thread::sleep_for(20ms);
+    CHECK(::write(adapter, frames.data(), frames.size()) == static_cast<ssize_t>(frames.size()));
+    for (const CellSample& s : receiver.poll(now())) {
+      REQUIRE(s.cell / 12 == 5 * 16 + 2);
+      heard[s.cell % 12] = true;
+      CHECK(s.force[0] == (s.cell % 12 == 0 ? 1.0f : s.cell % 12 == 11 ? 128.0f / 255 : 0.0f));
+    }
+  }
+  for (const bool h : heard) CHECK(h);
+  bridge.line();
+  CHECK(bridge.end() == 0);
+  ::close(adapter);
+}
+
+TEST_CASE("skin_bridge: what cannot be has words and an exit code") {
+  for (const auto& [arguments, exit, words] : {std::tuple{"--from bag:/nowhere --to udp:1", 2, "is no bag"},
+                                               {"--from magic:1 --to udp:1", 2, "expected bag:FILE"},
+                                               {"--from udp:0 --to tcp:1", 2, "expected udp:"},
+                                               {"--from udp:0 --to udp:99999", 2, "expected HOST:PORT"},
+                                               {"--from icub:nocan0 --to udp:1", 1, "CAN"},
+                                               {"--from icub:/nowhere --to udp:1", 1, "/nowhere"}}) {
+    Program bridge(arguments);
+    const std::string said = bridge.line();
+    CHECK_MESSAGE(said.find(words) != std::string::npos, said);
+    CHECK(bridge.end() == exit);
+  }
+}

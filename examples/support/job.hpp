@@ -1,0 +1,155 @@
+// What the programs that move a device share: exit codes with words, a clean stop on signals, progress lines.
+#pragma once
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cstdarg>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+namespace examples::job {
+
+/// How a job ended: the exit code of its program. A job that ended otherwise than it should is never 0.
+enum class Exit : int {
+  fine = 0,
+  lost = 1,
+  refused = 2,
+  broken = 3,
+  blind = 4,
+  halted = 5,
+  not_following = 6,
+  implausible = 7,
+  interrupted = 130
+};
+
+struct ExitRow {
+  Exit exit;
+  const char* name;   ///< as the enumerator
+  const char* words;  ///< for logs and `--help`
+};
+inline constexpr std::array<ExitRow, 9> exits{{
+    {Exit::fine, "fine", "ended as asked"},
+    {Exit::lost, "lost", "a device went away, cannot be reached, or talked nonsense"},
+    {Exit::refused, "refused", "an option, file or number is wrong; nothing has moved"},
+    {Exit::broken, "broken",
+     "a promise was broken: a command beyond its limits, an allocation in the loop, a replay that differs"},
+    {Exit::blind, "blind", "too little of the skin reports"},
+    {Exit::halted, "halted",
+     "the device was halted: paused or stopped by its operator, or by its own safety functions"},
+    {Exit::not_following, "not_following",
+     "the joints do not do what they are told, or come later than declared"},
+    {Exit::implausible, "implausible",
+     "states that cannot be: not a number, or a clock that stands or goes back"},
+    {Exit::interrupted, "interrupted", "SIGINT, SIGTERM or SIGHUP"},
+}};
+
+[[nodiscard]] constexpr const ExitRow& row(Exit exit) noexcept {
+  for (const ExitRow& r : exits)
+    if (r.exit == exit) return r;
+  return exits[1];
+}
+[[nodiscard]] constexpr const char* words(Exit exit) noexcept {
+  return row(exit).words;
+}
+[[nodiscard]] constexpr int code(Exit exit) noexcept {
+  return static_cast<int>(exit);
+}
+/// The table, for the end of `--help`.
+[[nodiscard]] inline std::string exit_help() {
+  std::string out = "Exit codes:\n";
+  for (const ExitRow& r : exits) {
+    char line[160];
+    std::snprintf(line, sizeof line, "  %3d  %s\n", code(r.exit), r.words);
+    out += line;
+  }
+  return out;
+}
+
+namespace detail {
+inline std::atomic<bool> stop_asked{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
+}  // namespace detail
+
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP sets `asked()`, and a second one ends the process as usual;
+/// a reader of standard output that goes away does not end a program that has a device to stop. One at a time.
+class StopSignals {
+ public:
+  StopSignals() {
+    detail::stop_asked = false;
+    struct sigaction stop{};
+    stop.sa_handler = [](int) { detail::stop_asked = true; };
+    stop.sa_flags = static_cast<int>(SA_RESETHAND);
+    for (std::size_t k = 0; k < caught.size(); ++k) install(caught[k], stop, before_[k]);
+    struct sigaction ignore{};
+    ignore.sa_handler = SIG_IGN;
+    install(SIGPIPE, ignore, pipe_before_);
+  }
+  ~StopSignals() {
+    for (std::size_t k = 0; k < caught.size(); ++k) ::sigaction(caught[k], &before_[k], nullptr);
+    ::sigaction(SIGPIPE, &pipe_before_, nullptr);
+  }
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+
+  [[nodiscard]] const std::atomic<bool>& asked() const noexcept { return detail::stop_asked; }
+
+ private:
+  static constexpr std::array<int, 3> caught{SIGINT, SIGTERM, SIGHUP};
+  static void install(int number, const struct sigaction& action, struct sigaction& before) {
+    if (::sigaction(number, &action, &before) != 0)
+      throw std::runtime_error("cannot catch signal " + std::to_string(number));
+  }
+  std::array<struct sigaction, caught.size()> before_{};
+  struct sigaction pipe_before_{};
+};
+
+/// One line that is written over on a terminal, and a line now and then elsewhere. Nothing when quiet.
+class Progress {
+ public:
+  /// @param every  seconds of the job's time between two lines on a terminal; ten times that elsewhere.
+  explicit Progress(bool quiet, double every = 1, std::FILE* out = stdout)
+      : out_(quiet ? nullptr : out),
+        terminal_(!quiet && ::isatty(::fileno(out)) == 1),
+        every_(terminal_ ? every : 10 * every) {}
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Whether a line is due at `t` seconds: then format one.
+  [[nodiscard]] bool due(double t) noexcept {
+    if (out_ == nullptr || t < next_) return false;
+    next_ = t + every_;
+    return true;
+  }
+  /// As printf.
+  __attribute__((format(printf, 2, 3))) void show(const char* format, ...) noexcept {
+    if (out_ == nullptr) return;
+    char text[100];
+    va_list values;
+    va_start(values, format);
+    std::vsnprintf(text, sizeof text, format, values);
+    va_end(values);
+    if (terminal_)
+      std::fprintf(out_, "\r%-78.78s", text);
+    else
+      std::fprintf(out_, "%s\n", text);
+    std::fflush(out_);
+    shown_ = terminal_;
+  }
+  /// Takes the line away, before others are written.
+  void clear() noexcept {
+    if (shown_) std::fprintf(out_, "\r%78s\r", "");
+    shown_ = false;
+  }
+
+ private:
+  std::FILE* out_;
+  bool terminal_, shown_ = false;
+  double every_, next_ = 0;
+};
+
+}  // namespace examples::job

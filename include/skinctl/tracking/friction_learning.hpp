@@ -1,0 +1,145 @@
+// Friction that nobody compensates: a tracking law that learns it, and comes to rest at its target.
+#pragma once
+
+#include "skinctl/tracking/tracking.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Rate, bounds and dead zone of the learning.
+template <std::size_t N, Real T = double>
+struct FrictionLearningSettings {
+  /// g [1/s^2], > 0 and at most `lambda^2 / 4`: beyond it the answer to a step of friction oscillates.
+  T rate = T(100);
+  JointTorque<N, T> bound;  ///< of the learnt torque [N m]: the friction that is left over, with a margin
+  /// e_0 [rad]: a joint that rests within this of its target is left alone. Above the encoder's noise, and above
+  /// half of the slip that stiction makes.
+  T dead_zone = T(0.0008);
+  /// Rate [1/s] at which S_q is smoothed before it is compared with the dead zone.
+  T smoothing = T(40);
+};
+
+/// A tracking law `L` whose torque has f added, learnt by
+///
+///     df_i = -g M_ii S_q_i    outside of the dead zone,  |S_q_i| (smoothed) > K_c e_0,
+///     df_i = 0                inside,
+///
+/// and kept within `+-bound`. By itself `K_d S_q` balances Coulomb friction only with an error of
+/// `friction / (lambda M K_c)`: the dead zone that a torque-controlled arm shows. An integral takes it away, and hunts
+/// around the target for ever; here it stops inside of the dead zone, and dry friction holds what it has reached. At
+/// rest the error is at most `e_0` in each joint. While the skin pushes against the law f stands, and numbers that are
+/// not finite do not enter.
+///
+/// The integrals of the law itself have no dead zone: set `K_i1 = K_i2 = 0` in its settings.
+template <class L>
+class FrictionLearning : public Composable {
+ public:
+  static constexpr std::size_t N = L::N;
+  static constexpr std::size_t joints = N;
+  using scalar = typename L::scalar;
+  using T = typename L::T;
+  using Goal = typename L::Goal;
+  using Surface = typename L::Surface;
+  using Settings = FrictionLearningSettings<N, T>;
+  static constexpr Needs needs = L::needs | Needs{.mass = true};
+  static constexpr LawRole role = L::role;
+  static constexpr const char* name = "friction learning";
+  struct Memory {
+    typename L::Memory law;
+    JointTorque<N, T> friction;  ///< f [N m]
+    JointVelocity<N, T> smooth;  ///< S_q, smoothed [rad/s]
+  };
+
+  /// Throws `ConfigurationError`. @param K_c  of the law's settings, and `lambda`.
+  FrictionLearning(const L& law, const JointControlSettings<N, T>& of_law, const Settings& settings)
+      : law_(law), settings_(settings), dead_(of_law.K_c * settings.dead_zone) {
+    const T most = T(0.25) * of_law.lambda * of_law.lambda;
+    require(settings.rate > T(0) && settings.rate <= most, "rate of friction learning",
+            static_cast<double>(settings.rate), "> 0, <= lambda^2 / 4, in 1/s^2");
+    for (const T& b : settings.bound)
+      require(b >= T(0) && b <= T(1e6), "bound of friction", static_cast<double>(b), "0 to 1e6 N m");
+    require(settings.dead_zone > T(0) && settings.dead_zone <= T(0.1), "dead zone",
+            static_cast<double>(settings.dead_zone), "> 0, <= 0.1 rad");
+    require(settings.smoothing > T(0) && settings.smoothing <= T(1e4), "smoothing",
+            static_cast<double>(settings.smoothing), "> 0, <= 1e4 1/s");
+    require(of_law.K_i1 == T(0) && of_law.K_i2 == T(0), "K_i1 + K_i2 beside friction learning",
+            static_cast<double>(of_law.K_i1 + of_law.K_i2), "0: they have no dead zone");
+  }
+  [[nodiscard]] const L& law() const noexcept { return law_; }
+  /// Throws `ConfigurationError` where the law's settings are not those of the robot.
+  template <class Terms>
+  void check_for(const Terms& robot) const {
+    detail::check_law_for(law_, robot);
+  }
+
+  template <class K>
+  [[nodiscard]] Memory start(const K& known) const noexcept {
+    return {law_.start(known), {}, {}};
+  }
+  template <class K>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
+                                         const Goal& goal) const noexcept {
+    const auto answer = law_.receive(memory.law, known, goal);
+    return {{answer.memory, memory.friction, memory.smooth}, answer.status};
+  }
+  template <class K>
+  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const Goal& goal) const noexcept
+    requires requires(const L& law) { law.follow(memory.law, known, goal); }
+  {
+    const auto answer = law_.follow(memory.law, known, goal);
+    return {{answer.memory, memory.friction, memory.smooth}, answer.status};
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
+    return law_.now(memory.law, known);
+  }
+  template <GravityTerm G = GravityTerm::included, class K>
+  [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known, const LawShare<T>& share,
+                                         const Surface& at_t) const noexcept {
+    return law_.template torque<G>(memory.law, known, share, at_t) + share.feed_forward * memory.friction;
+  }
+  template <GravityTerm G = GravityTerm::included, class K>
+  [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known,
+                                         const LawShare<T>& share = {}) const noexcept {
+    return torque<G>(memory, known, share, now(memory, known));
+  }
+  template <class K>
+  [[nodiscard]] Memory advance(const Memory& memory, const K& known, const T& dt, Opposition opposition,
+                               const Surface& at_t) const noexcept {
+    Memory next{law_.advance(memory.law, known, dt, opposition, at_t), memory.friction, memory.smooth};
+    const T fast = dt * settings_.smoothing, part = fast / (T(1) + fast);
+    const auto& M = known.mass_matrix();
+    for (std::size_t i = 0; i < N; ++i) {
+      const T s = at_t.S_q[i];
+      if (!(s - s == T(0))) continue;
+      next.smooth[i] = memory.smooth[i] + part * (s - memory.smooth[i]);
+      const T size = next.smooth[i] < T(0) ? T(-next.smooth[i]) : next.smooth[i];
+      if (opposition == Opposition::lasting || size <= dead_) continue;
+      const T b = settings_.bound[i], f = memory.friction[i] - dt * settings_.rate * M(i, i) * s;
+      if (f - f == T(0)) next.friction[i] = f > b ? b : (f < -b ? T(-b) : f);
+    }
+    return next;
+  }
+  template <class K>
+  [[nodiscard]] Memory advance(const Memory& memory, const K& known, const T& dt,
+                               Opposition opposition) const noexcept {
+    return advance(memory, known, dt, opposition, now(memory, known));
+  }
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
+    return law_.settled(memory.law, known, still);
+  }
+  /// See `Tracking::with_target`.
+  template <class Target>
+  [[nodiscard]] static Memory with_target(Memory memory, const Target& target) noexcept {
+    memory.law = L::with_target(memory.law, target);
+    return memory;
+  }
+  [[nodiscard]] Status status(const Memory& memory) const noexcept { return law_.status(memory.law); }
+
+ private:
+  L law_;
+  Settings settings_;
+  T dead_;
+};
+
+SKINCTL_END_NAMESPACE
