@@ -20,13 +20,13 @@ namespace simulated_allegro {
 using adapters::ConnectionError;
 using adapters::Read;
 using adapters::Timeout;
-using adapters::allegro::Descriptor;
-using adapters::allegro::FrameSocket;
-using adapters::allegro::SlcanLink;
+using adapters::can::Descriptor;
+using adapters::can::FrameSocket;
+using adapters::can::SlcanLink;
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-adapters::allegro::FrameSocket SimulatedHand::pair() {
+adapters::can::FrameSocket SimulatedHand::pair() {
   auto ends = FrameSocket::pair();
   thread_ = std::thread([this, link = std::move(ends[0])]() mutable { serve_can(std::move(link)); });
   return std::move(ends[1]);
@@ -140,7 +140,7 @@ void SimulatedHand::serve_udp(Descriptor fd) {
       const auto n =
           ::recvfrom(fd.get(), buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
       if (n < 0) {
-        if (!adapters::allegro::wait_for(fd.get(), POLLIN, until)) break;
+        if (!adapters::can::wait_for(fd.get(), POLLIN, until)) break;
         continue;
       }
       const bool before = face.talks();

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <thread>
 
-#include "examples/adapters/allegro/can_link.hpp"
+#include "examples/adapters/can/link.hpp"
 #include "examples/simulated_allegro/body.hpp"
 
 namespace simulated_allegro {
@@ -19,7 +19,7 @@ class SimulatedHand {
   SimulatedHand& operator=(const SimulatedHand&) = delete;
 
   /// The computer's end of a socket pair that carries `struct can_frame`.
-  [[nodiscard]] adapters::allegro::FrameSocket pair();
+  [[nodiscard]] adapters::can::FrameSocket pair();
   /// The name of a pseudo-terminal with an slcan adapter.
   [[nodiscard]] std::string terminal();
   /// On an interface of the kernel, such as vcan0.
@@ -36,7 +36,7 @@ class SimulatedHand {
  private:
   template <class Link>
   void serve_can(Link link);
-  void serve_udp(adapters::allegro::Descriptor fd);
+  void serve_udp(adapters::can::Descriptor fd);
   void show() {
     const std::lock_guard lock(mutex_);
     shown_ = body_.snapshot();
@@ -46,7 +46,7 @@ class SimulatedHand {
   mutable std::mutex mutex_;
   Snapshot shown_;
   std::atomic<bool> stop_{false};
-  adapters::allegro::Descriptor other_end_;  ///< of a pseudo-terminal: kept open, so that it may come and go
+  adapters::can::Descriptor other_end_;  ///< of a pseudo-terminal: kept open, so that it may come and go
   std::thread thread_;
 };
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include "examples/adapters/allegro/can_link.hpp"
+#include "examples/adapters/can/link.hpp"
 #include "examples/adapters/skin/bag.hpp"
 #include "examples/adapters/skin/icub_can.hpp"
 #include "examples/adapters/skin/receiver.hpp"
@@ -89,13 +89,13 @@ job::Exit from_bag(const std::string& file, const Options& o, const Sink& sink, 
   return job::Exit::fine;
 }
 
-template <allegro::CanLink Link>
+template <can::CanLink Link>
 job::Exit from_can(Link link, const Sink& sink, Counters& count, const std::function<bool()>& ended) {
   std::vector<CellSample> samples;
   while (!ended()) {
     samples.clear();
     const auto until = Clock::now() + 4ms;
-    allegro::Frame frame;
+    can::Frame frame;
     Read read = Read::nothing;
     while (samples.size() < 4096 && (read = link.read(frame, until)) == Read::some) {
       ++count.messages;
@@ -180,8 +180,8 @@ job::Exit run(const Options& o) {
   if (const auto bag = after(o.from, "bag:"))
     exit = from_bag(*bag, o, sink, count, ended);
   else if (const auto can = after(o.from, "icub:"))
-    exit = can->starts_with("/") ? from_can(allegro::SlcanLink::open(*can), sink, count, ended)
-                                 : from_can(allegro::FrameSocket::open(*can), sink, count, ended);
+    exit = can->starts_with("/") ? from_can(can::SlcanLink::open(*can), sink, count, ended)
+                                 : from_can(can::FrameSocket::open(*can), sink, count, ended);
   else if (const auto port = after(o.from, "udp:"))
     exit = from_datagrams(*port, o, sink, count, ended);
   else

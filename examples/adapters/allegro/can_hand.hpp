@@ -4,8 +4,12 @@
 #include "examples/adapters/allegro/guardian.hpp"
 #include "examples/adapters/allegro/hand.hpp"
 #include "examples/adapters/allegro/position_set.hpp"
+#include "examples/adapters/can/link.hpp"
 
 namespace adapters::allegro {
+
+using can::CanLink;
+using can::Deadline;
 
 template <CanLink Link>
 class CanHand {

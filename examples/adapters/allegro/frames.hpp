@@ -6,10 +6,12 @@
 #include <numbers>
 #include <variant>
 
+#include "examples/adapters/can/frame.hpp"
 #include "skinctl/model/allegro.hpp"
 
 namespace adapters::allegro {
 
+using can::Frame;
 using Side = skinctl::allegro::Side;
 
 /// Generations of the hand; their frames have the same ids, and different numbers in them.
@@ -17,15 +19,6 @@ enum class Generation : std::uint8_t {
   v4,       ///< torque as PWM; encoder steps of 333.3/65536 degrees
   v5,       ///< torque as a current; encoder steps of 0.088 degrees
   v5_sense  ///< V5 with 16 tactile values and measured currents
-};
-
-/// One classic CAN frame with an 11-bit id.
-struct Frame {
-  std::uint16_t id = 0;
-  bool remote = false;    ///< a request without data
-  std::uint8_t size = 0;  ///< 0 to 8
-  std::array<std::uint8_t, 8> data{};
-  friend bool operator==(const Frame&, const Frame&) = default;
 };
 
 /// Messages; the id of a frame is `message << 2 | hand`, with the hand's number 0 to 3 on its bus.

@@ -5,10 +5,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "examples/adapters/allegro/can_link.hpp"
 #include "examples/adapters/allegro/datagrams.hpp"
+#include "examples/adapters/allegro/frames.hpp"
+#include "examples/adapters/can/link.hpp"
 
 namespace adapters::allegro {
+
+using can::Descriptor;
+using can::FrameSocket;
+using can::SlcanCodec;
+using can::SlcanLink;
 
 /// A hand keeps its last torque when its computer falls silent: no time-out of the maker's is known. Signals and
 /// exceptions stop it through the driver; this covers SIGKILL and crashes. A second process shares the link's

@@ -3,11 +3,15 @@
 
 #include <string>
 
-#include "examples/adapters/allegro/can_link.hpp"
 #include "examples/adapters/allegro/guardian.hpp"
 #include "examples/adapters/allegro/hand.hpp"
+#include "examples/adapters/can/link.hpp"
 
 namespace adapters::allegro {
+
+using can::Deadline;
+using can::Descriptor;
+using can::wait_for;
 
 /// Datagrams of others than the hand's address are dropped by the kernel. Samples that are not newer than the last
 /// one (duplicates, late ones) are counted and dropped; time is the hand's, period times number of the sample.

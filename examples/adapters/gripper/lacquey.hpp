@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "examples/adapters/allegro/can_link.hpp"
+#include "examples/adapters/can/link.hpp"
 #include "examples/adapters/gripper/binary.hpp"
 #include "examples/adapters/socket.hpp"
 
@@ -57,9 +57,9 @@ class LacqueyServer {
 enum class LacqueySide : std::uint8_t { left = 64, right = 65 };
 
 /// The frame that closes (100 %) or opens (-100 %) it: a little-endian float.
-[[nodiscard]] inline allegro::Frame lacquey_frame(LacqueySide side, bool closed) noexcept {
+[[nodiscard]] inline can::Frame lacquey_frame(LacqueySide side, bool closed) noexcept {
   const auto bits = std::bit_cast<std::uint32_t>(closed ? 100.0f : -100.0f);
-  allegro::Frame out;
+  can::Frame out;
   out.id = static_cast<std::uint16_t>(side);
   out.size = 4;
   for (std::size_t k = 0; k < 4; ++k) out.data[k] = static_cast<std::uint8_t>(bits >> (8 * k));
@@ -67,7 +67,7 @@ enum class LacqueySide : std::uint8_t { left = 64, right = 65 };
 }
 
 /// A `GripperLine` over a CAN bus.
-template <allegro::CanLink Link>
+template <can::CanLink Link>
 class LacqueyCan {
  public:
   LacqueyCan(Link& link, LacqueySide side) : link_(link), side_(side) {}

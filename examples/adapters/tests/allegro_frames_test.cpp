@@ -6,12 +6,13 @@
 #include <string_view>
 #include <vector>
 
-#include "examples/adapters/allegro/can_link.hpp"
 #include "examples/adapters/allegro/datagrams.hpp"
 #include "examples/adapters/allegro/frames.hpp"
 #include "examples/adapters/allegro/position_set.hpp"
+#include "examples/adapters/can/link.hpp"
 
 using namespace adapters::allegro;
+using adapters::can::SlcanCodec;
 using namespace std::chrono_literals;
 
 namespace {

@@ -10,6 +10,7 @@
 
 #include "examples/compliant_allegro/run.hpp"
 #include "examples/simulated_allegro/simulated_hand.hpp"
+#include "examples/support/run_program.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
@@ -30,27 +31,8 @@ RunLog ran(Generation g, Side side, bool udp = false) {
   return log;
 }
 
-/// Runs the program with these arguments; its exit code. A signal after `ms`, if not 0.
 int program(std::vector<const char*> arguments, int signal = 0, int ms = 0) {
-  std::fflush(nullptr);
-  const pid_t child = ::fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    arguments.insert(arguments.begin(), COMPLIANT_ALLEGRO_PROGRAM);
-    arguments.push_back(nullptr);
-    if (std::freopen("/dev/null", "w", stdout) == nullptr ||
-        std::freopen("/dev/null", "w", stderr) == nullptr)
-      ::_exit(99);
-    ::execv(COMPLIANT_ALLEGRO_PROGRAM, const_cast<char* const*>(arguments.data()));
-    ::_exit(98);
-  }
-  if (signal != 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
-    ::kill(child, signal);
-  }
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  return examples::run_and_signal(COMPLIANT_ALLEGRO_PROGRAM, std::move(arguments), signal, ms);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "examples/compliant_arm_and_hand/pair.hpp"
+#include "examples/support/run_program.hpp"
 
 using namespace arm_and_hand;
 using namespace std::chrono_literals;
@@ -28,25 +29,7 @@ auto ends(Exit exit) {
 }
 
 int program(std::vector<const char*> arguments, int signal = 0, int ms = 0) {
-  std::fflush(nullptr);
-  const pid_t child = ::fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    arguments.insert(arguments.begin(), ARM_AND_HAND_PROGRAM);
-    arguments.push_back(nullptr);
-    if (std::freopen("/dev/null", "w", stdout) == nullptr ||
-        std::freopen("/dev/null", "w", stderr) == nullptr)
-      ::_exit(99);
-    ::execv(ARM_AND_HAND_PROGRAM, const_cast<char* const*>(arguments.data()));
-    ::_exit(98);
-  }
-  if (signal != 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
-    ::kill(child, signal);
-  }
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  return examples::run_and_signal(ARM_AND_HAND_PROGRAM, std::move(arguments), signal, ms);
 }
 
 }  // namespace

@@ -141,7 +141,7 @@ TEST_CASE("Modbus: frames byte for byte") {
 TEST_CASE("Lacquey: words and frames") {
   CHECK(lacquey_words(true) == std::array<std::uint8_t, 8>{0, 0, 0, 20, 0, 0, 0, 23});
   CHECK(lacquey_words(false) == std::array<std::uint8_t, 8>{0, 0, 0, 20, 0, 0, 0, 22});
-  const adapters::allegro::Frame close = lacquey_frame(LacqueySide::right, true);
+  const adapters::can::Frame close = lacquey_frame(LacqueySide::right, true);
   CHECK(close.id == 65);
   CHECK(close.size == 4);
   CHECK(close.data[3] == 0x42);  // 100.0f = 0x42c80000

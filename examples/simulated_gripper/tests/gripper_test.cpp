@@ -282,12 +282,12 @@ TEST_CASE("Lacquey: words go out, and time tells the opening") {
 }
 
 TEST_CASE("Lacquey by CAN, and digital outputs") {
-  auto [here, there] = adapters::allegro::FrameSocket::pair();
+  auto [here, there] = adapters::can::FrameSocket::pair();
   LacqueyCan can(here, LacqueySide::left);
   BinaryGripper by_can(can, {.travel = 10ms});
   by_can.move(closed(by_can.range(), 20));
   CHECK(by_can.poll(1s).moving);
-  adapters::allegro::Frame frame;
+  adapters::can::Frame frame;
   REQUIRE(there.read(frame, std::chrono::steady_clock::now() + 1s) == adapters::Read::some);
   CHECK(frame == lacquey_frame(LacqueySide::left, true));
   CHECK_FALSE(by_can.poll(2s).moving);

@@ -8,10 +8,10 @@
 #include <span>
 #include <string>
 
-#include "examples/adapters/allegro/frames.hpp"
+#include "examples/adapters/can/frame.hpp"
 #include "examples/adapters/socket.hpp"
 
-namespace adapters::allegro {
+namespace adapters::can {
 
 using Deadline = std::chrono::steady_clock::time_point;
 
@@ -112,4 +112,4 @@ class SlcanLink {
   bool opened_ = false;  ///< by us: to be closed by us
 };
 
-}  // namespace adapters::allegro
+}  // namespace adapters::can

@@ -1,4 +1,4 @@
-#include "examples/adapters/allegro/can_link.hpp"
+#include "examples/adapters/can/link.hpp"
 
 #include <fcntl.h>
 #include <linux/can.h>
@@ -13,7 +13,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace adapters::allegro {
+namespace adapters::can {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -260,4 +260,4 @@ void SlcanLink::close() noexcept {
   fd_.close();
 }
 
-}  // namespace adapters::allegro
+}  // namespace adapters::can
