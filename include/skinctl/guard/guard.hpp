@@ -90,7 +90,7 @@ class Guard {
       : limits_(robot.limits),
         period_(robot.period),
         longest_(robot.longest()),
-        stale_after_(c.stale_after.value_or(25 * robot.period)),
+        stale_after_(c.stale_after.value_or(robot.period < 400ms ? 25 * robot.period : Nanoseconds(10s))),
         settings_(c),
         lead_(c.lead),
         torque_rate_(c.torque_rate),
@@ -217,15 +217,24 @@ class Guard {
   SKINCTL_INLINE bool can_send(const Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
                                const T& dt, Status& status) const noexcept {
     const T cycle = seconds<T>(period_);
-    if (I != Interface::position || !(dt > cycle)) [[likely]]
-      return can_reach(m, wish, measured, dt, status);
-    Status at_once;
+    T span = dt;
+    if (I == Interface::position && dt > cycle && !within_period(m, wish, cycle)) [[unlikely]]
+      span = cycle;
+    for (;; span = cycle) {  // all of the time, or a period of it
+      Status found;
+      if (can_reach(m, wish, measured, span, found)) [[likely]]
+        return true;
+      if (I != Interface::position || !(span > cycle)) return status |= found, false;
+    }
+  }
+  /// Whether the command is no farther from the last one than the joints get in a period.
+  SKINCTL_COLD bool within_period(const Memory& m, const JointCommand<N, T>& wish,
+                                  const T& cycle) const noexcept {
     using R = detail::Row<N, T>;
     const R from = m.command.position, moved = R(wish.position) - from,
             eps = std::numeric_limits<T>::epsilon();
     const R most = T(cycle * slack()) * R(limits_.velocity()) + T(16) * eps * magnitude(from);
-    if (all(magnitude(moved) <= most) && can_reach(m, wish, measured, dt, at_once)) return true;
-    return can_reach(m, wish, measured, cycle, status);
+    return all(magnitude(moved) <= most);
   }
 
   /// Whether a motion within the limits leads from the last command to `wish` in `dt`, and leaves room to

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
@@ -11,13 +12,18 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Largest speed from which a joint that brakes with `deceleration` > 0 after `reaction` >= 0 seconds stops
-/// within `distance`: the root of `u^2 / (2 a) + u t = d`. Zero for distances <= 0.
+/// within `distance`: the root of `u^2 / (2 a) + u t = d`. Zero for distances <= 0 and NaN, and where the numbers leave
+/// the range of `T` on the way: never more than the root, never NaN.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T speed_to_stop(const T& distance, const T& reaction,
                                              const T& deceleration) noexcept {
   using std::sqrt;
-  if (!(distance > T(0))) return T(0);
-  return T(2) * distance / (reaction + sqrt(reaction * reaction + T(2) * distance / deceleration));
+  // Farther than this, twice the distance may overflow: any such speed stops within it.
+  constexpr T far = std::numeric_limits<T>::max_exponent10 < 100 ? T(1e18) : T(1e150);
+  const T d = distance < far ? distance : far;
+  const T square = T(2) * d / deceleration;
+  const T time = reaction + sqrt(reaction * reaction + square);
+  return distance > T(0) && square >= std::numeric_limits<T>::min() ? T(T(2) * d / time) : T(0);
 }
 
 /// The share of the acceleration limit used to plan braking before a position limit; the remainder covers

@@ -41,7 +41,7 @@ SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measured,
                                                       const Position& told) const noexcept -> Memory {
   const Row gap = Row(measured.q) - told;
-  if (any(!(magnitude(gap) <= Row(largest_gap<T>)))) return {};
+  if (any(!(magnitude(gap) <= Row(p_.largest_gap)))) return {};
   Memory m = start(State<N, T>{measured.time, told, measured.dq});
   gap.store(m.gap);
   return m;
@@ -94,6 +94,8 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::end(Memory& m, const Begun& 
   if (m.mode == ResolverMode::blocked) status |= Reason::blocked;
   if (m.mode == ResolverMode::displaced) status |= Reason::displaced;
   if (m.stop) status |= Reason::stopping;
+  if (begun.correction.lags) [[unlikely]]
+    status |= Reason::lead_limited;
   if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;
   return status | publish(m, begun.correction, begun.before, torque, begun.dt);
 }
