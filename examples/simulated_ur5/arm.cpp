@@ -48,6 +48,14 @@ void check(const ArmConfig& c) {
     require(c.lower[i] >= -1000 && c.lower[i] < c.upper[i], "lower joint limit", c.lower[i],
             "below the upper one");
     require(c.upper[i] <= 1000, "upper joint limit", c.upper[i], "<= 1000 rad");
+    require(c.drives.rotor_inertia[i] >= 1e-3 && c.drives.rotor_inertia[i] <= 100, "rotor inertia",
+            c.drives.rotor_inertia[i], "1e-3 to 100 kg m^2");
+    require(c.drives.viscous[i] >= 0 && c.drives.viscous[i] <= 1000, "viscous friction", c.drives.viscous[i],
+            "0 to 1000 N m s/rad");
+    require(c.drives.coulomb[i] >= 0 && c.drives.coulomb[i] <= 1000, "Coulomb friction", c.drives.coulomb[i],
+            "0 to 1000 N m");
+    require(c.torque_limit[i] > 0 && c.torque_limit[i] <= 1e4, "torque limit", c.torque_limit[i],
+            "> 0 to 1e4 N m");
     require(c.home[i] >= c.lower[i] && c.home[i] <= c.upper[i], "home position", c.home[i],
             "within the joint limits");
   }
@@ -69,6 +77,7 @@ Arm::Arm(const ArmConfig& config, Nanoseconds cycle)
 }
 
 void Arm::servo(const Joints& q, double lookahead, double gain) {
+  if (mode_ == Mode::torque) back_to_position_control();
   if (mode_ != Mode::servo) last_command_ = ahead_ = target_q_;
   command_ = q;
   mode_ = Mode::servo;
@@ -77,6 +86,7 @@ void Arm::servo(const Joints& q, double lookahead, double gain) {
 }
 
 void Arm::speed(const Joints& dq, double acceleration) {
+  if (mode_ == Mode::torque) back_to_position_control();
   command_ = dq;
   acceleration_ = std::isfinite(acceleration) && acceleration > 0 ? acceleration : 40;
   mode_ = Mode::speed;
@@ -84,12 +94,17 @@ void Arm::speed(const Joints& dq, double acceleration) {
 }
 
 void Arm::stop(double deceleration) {
+  if (mode_ == Mode::torque) {
+    mode_ = Mode::stop;
+    back_to_position_control();
+  }
   deceleration_ = std::isfinite(deceleration) && deceleration > 0 ? deceleration : 4;
   mode_ = Mode::stop;
   lag_ = config_.lag;
 }
 
 void Arm::move(const Joints& q, double acceleration, double velocity, double duration) {
+  if (mode_ == Mode::torque) back_to_position_control();
   path_ = Path{};
   path_.from = target_q_;
   path_.to = q;
@@ -210,6 +225,7 @@ void Arm::plan_move(double fraction) {
 Violation Arm::plan(double speed_fraction) {
   const double fraction = std::clamp(speed_fraction, 0.0, 1.0);
   Violation violation = Violation::none;
+  if (mode_ == Mode::torque && !torque_is_fresh_) stop(config_.protective_deceleration);
   switch (mode_) {
     case Mode::stop:
       plan_stop();
@@ -222,6 +238,9 @@ Violation Arm::plan(double speed_fraction) {
       break;
     case Mode::move:
       plan_move(fraction);
+      break;
+    case Mode::torque:
+      violation = plan_torque();
       break;
   }
   if (violation != Violation::none) {
@@ -253,6 +272,7 @@ Joints Arm::delayed_target(Nanoseconds t) const {
 }
 
 void Arm::advance(const Joints& load) {
+  if (mode_ == Mode::torque) return advance_under_torque(load);
   const Joints u0 = delayed_target(now_);
   now_ += plant_step;
   const Joints u1 = delayed_target(now_);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "examples/simulated_ur5/geometry.hpp"
+#include "examples/simulated_ur5/joint_dynamics.hpp"
 #include "examples/simulated_ur5/random.hpp"
 
 namespace simulated_ur5 {
@@ -44,9 +45,11 @@ struct ArmConfig {
   double integral_time = rigid;
   /// Mass at the flange that the controller does not know of [kg], 0 to 20: the arm droops by its weight.
   double unknown_payload = 0;
-  double position_noise = 2e-5;                             ///< standard deviation of the encoders [rad]
-  double velocity_noise = 5e-4;                             ///< of the measured velocity [rad/s]
-  double protective_deceleration = 20;                      ///< of a protective stop [rad/s^2]
+  JointDrives drives;                                 ///< under direct torque; the position loop overcomes it
+  Joints torque_limit = {150, 150, 150, 28, 28, 28};  ///< of the motors at the joints [N m]
+  double position_noise = 2e-5;                       ///< standard deviation of the encoders [rad]
+  double velocity_noise = 5e-4;                       ///< of the measured velocity [rad/s]
+  double protective_deceleration = 20;                ///< of a protective stop [rad/s^2]
   Joints home = {0, -pi / 2, -pi / 2, -pi / 2, pi / 2, 0};  ///< where the arm stands at the start [rad]
 };
 
@@ -77,6 +80,11 @@ class Arm {
   /// `velocity`; a `duration` > 0 [s] replaces them.
   void move(const Joints& q, double acceleration, double velocity, double duration);
 
+  /// direct_torque: the joints move freely under `tau` [N m] for one cycle. The controller adds what holds the arm's
+  /// weight, and of the friction these shares (0 to 1), by the measured speed. Without a new command in the next
+  /// cycle the arm comes to rest under position control.
+  void torque(const Joints& tau, const Joints& viscous_scale, const Joints& coulomb_scale);
+
   /// Target of the end of the coming cycle. A speed fraction below 1 slows every motion but stops.
   Violation plan(double speed_fraction);
   /// Moves the joints by one plant step; call `cycle / plant_step` times after each `plan`.
@@ -85,6 +93,11 @@ class Arm {
 
   /// True if neither target nor joints move: a stop or move has ended.
   bool at_rest() const;
+  /// True under commands that come cycle by cycle: servoj, speedj, direct_torque.
+  bool streamed() const { return mode_ == Mode::servo || mode_ == Mode::speed || mode_ == Mode::torque; }
+  bool under_torque() const { return mode_ == Mode::torque; }
+  /// What the motors give under direct torque, compensation included [N m].
+  const Joints& motor_torque() const { return motor_torque_; }
   /// True while a movej is under way.
   bool moving() const { return mode_ == Mode::move; }
   /// Draws new encoder noise; call once per cycle.
@@ -101,7 +114,7 @@ class Arm {
   const ArmConfig& config() const { return config_; }
 
  private:
-  enum class Mode { stop, servo, speed, move };
+  enum class Mode { stop, servo, speed, move, torque };
   struct Path {
     Joints from{}, to{};
     double length = 0;   ///< of the leading axis [rad]
@@ -115,19 +128,24 @@ class Arm {
   Violation plan_speed(double fraction);
   void plan_stop();
   void plan_move(double fraction);
+  Violation plan_torque();
+  void advance_under_torque(const Joints& load);
+  void back_to_position_control();
   Joints delayed_target(Nanoseconds t) const;
 
   ArmConfig config_;
   Nanoseconds cycle_;
   double dt_;
   Mode mode_ = Mode::stop;
-  Joints command_{};       ///< servo: position; speed: velocity
+  Joints command_{};       ///< servo: position; speed: velocity; torque: torque
   Joints last_command_{};  ///< servo: the command of the cycle before
   Joints ahead_{};         ///< servo: the command behind its lookahead
   double lookahead_ = 0;   ///< [s]
   double deceleration_ = 4;
   double acceleration_ = 40;
   double lag_;
+  bool torque_is_fresh_ = false;
+  Joints viscous_scale_{}, coulomb_scale_{}, motor_torque_{}, dry_friction_{};
   Path path_;
   Joints target_q_, target_dq_{}, target_ddq_{};
   Joints q_, dq_{}, measured_q_, measured_dq_{};

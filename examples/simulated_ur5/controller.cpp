@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "examples/simulated_ur5/kinematics.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace simulated_ur5 {
@@ -10,8 +11,8 @@ namespace {
 // Torque per current at the joint [N m/A]: of the order of what such gears and motors give; not the maker's
 // numbers.
 constexpr Joints torque_constant = {12.5, 12.5, 12.5, 9, 9, 9};
-constexpr std::size_t most_pending = 64;
-constexpr double pause_deceleration = 4;
+/// A real controller stops when target and joints are about so far apart [rad]; here it is told, not acted on.
+constexpr double stopping_deviation = 0.6;
 
 std::array<double, 6> six(Vec3 a, Vec3 b) {
   return {a.x, a.y, a.z, b.x, b.y, b.z};
@@ -61,6 +62,8 @@ Controller::Controller(ControllerConfig config)
   }
   const Pose tool = forward_kinematics(arm_.q()).flange;
   tool_before_ = tool_before_that_ = tool.origin;
+  stop_for_safety_ = [this](const std::string& why) { protective_stop(why); };
+  if (!on_notice) on_notice = [](const Notice&) {};
   if (config_.scenario_at_boot) start_scenario();
   publish();
 }
@@ -148,7 +151,7 @@ void Controller::protective_stop(const std::string& why, std::int32_t code) {
   ++counters_.protective_stops;
   popup_ = true;
   arm_.stop(config_.arm.protective_deceleration);
-  if (phase_ == Phase::connecting || phase_ == Phase::streaming || phase_ == Phase::straight) {
+  if (phase_ == Phase::connecting || phase_ == Phase::streaming || phase_ == Phase::interpreted) {
     state_.runtime_state = RuntimeState::paused;
     pause_requested_ = false;
   }
@@ -173,342 +176,6 @@ bool Controller::unlock_protective_stop() {
 void Controller::restart_safety() {
   power_off();
   state_.safety_mode = SafetyMode::normal;
-}
-
-// ---- programs
-// ---------------------------------------------------------------------------------------------------
-
-void Controller::load(std::string name, std::string script) {
-  loaded_name_ = std::move(name);
-  loaded_script_ = std::move(script);
-}
-
-bool Controller::play() {
-  if (state_.robot_mode != RobotMode::running || state_.safety_mode != SafetyMode::normal) return false;
-  if (state_.runtime_state == RuntimeState::paused || state_.runtime_state == RuntimeState::pausing) {
-    pause_requested_ = false;
-    state_.runtime_state = RuntimeState::playing;
-    deadline_ = 0;  // the read that was under way starts anew
-    watchdog_fed_at_ = now_;
-    return true;
-  }
-  if (phase_ == Phase::stopping) return false;
-  if (phase_ != Phase::none) return true;
-  return !loaded_script_.empty() && run(loaded_script_).empty();
-}
-
-bool Controller::pause() {
-  if (state_.runtime_state != RuntimeState::playing) return false;
-  state_.runtime_state = RuntimeState::pausing;
-  pause_requested_ = true;
-  return true;
-}
-
-bool Controller::stop_program() {
-  if (phase_ == Phase::none) return true;
-  end_program("stopped at the panel");
-  return true;
-}
-
-std::string Controller::run(const std::string& script) {
-  Program program = recognise(script, seconds(cycle()));
-  const std::string name = program.name.empty() ? "script" : program.name;
-  for (const std::string& w : program.warnings) say(name + ": " + w);
-  if (!program.error.empty()) {
-    say(name + " refused: " + program.error);
-    return program.error;
-  }
-  if (program.secondary) {
-    for (const Statement& s : program.statements) {
-      const bool moves = s.kind == Statement::Kind::move || s.kind == Statement::Kind::speed ||
-                         s.kind == Statement::Kind::stop || s.kind == Statement::Kind::sleep ||
-                         s.kind == Statement::Kind::halt;
-      if (moves) {
-        say(name + ": secondary programs must not move or wait; skipped");
-        continue;
-      }
-      run_statement(s);
-    }
-    return {};
-  }
-  if (state_.robot_mode != RobotMode::running) {
-    const std::string why = "the robot is not running: power on and release the brakes first";
-    say(name + " refused: " + why);
-    return why;
-  }
-  if (state_.safety_mode != SafetyMode::normal && state_.safety_mode != SafetyMode::reduced) {
-    const std::string why = "the robot is stopped for safety";
-    say(name + " refused: " + why);
-    return why;
-  }
-  if (phase_ != Phase::none) {
-    end_program("replaced by " + name);
-    finish_program();
-  }
-  program_ = std::move(program);
-  ++counters_.programs;
-  phase_ = program_.streams() ? Phase::connecting : Phase::straight;
-  state_.runtime_state = RuntimeState::playing;
-  pause_requested_ = false;
-  connected_ = peer_gone_ = first_message_ = joining_ = ends_after_stop_ = false;
-  mode_ = -1;
-  deadline_ = 0;
-  pending_.clear();
-  next_statement_ = 0;
-  waiting_ = false;
-  watchdog_fed_at_ = now_;
-  tell_program("PROGRAM_XXX_STARTED");
-  return {};
-}
-
-const Program* Controller::wants_sockets() const {
-  const bool open = (phase_ == Phase::connecting || phase_ == Phase::streaming) && !peer_gone_;
-  return open ? &program_ : nullptr;
-}
-
-void Controller::sockets_opened() {
-  if (phase_ == Phase::connecting) {
-    phase_ = Phase::streaming;
-    connected_ = true;
-  }
-}
-
-void Controller::sockets_failed() {
-  if (phase_ == Phase::connecting) end_program("cannot reach the address that the program opens");
-}
-
-void Controller::reverse_closed() {
-  if (phase_ == Phase::streaming) peer_gone_ = true;
-}
-
-void Controller::reverse_message(const ReverseMessage& message) {
-  if (phase_ != Phase::streaming) return;
-  ++counters_.reverse_messages;
-  if (pending_.size() == most_pending) pending_.pop_front();
-  pending_.push_back(message);
-}
-
-bool Controller::awaits_command() const {
-  const bool reads =
-      phase_ == Phase::connecting || (phase_ == Phase::streaming && !(joining_ && ends_after_stop_));
-  return reads && !peer_gone_ && state_.runtime_state == RuntimeState::playing;
-}
-
-void Controller::end_program(const std::string& why) {
-  if (phase_ == Phase::none || phase_ == Phase::stopping) return;
-  say((program_.name.empty() ? "script" : program_.name) + ": " + why);
-  arm_.stop(state_.safety_mode == SafetyMode::protective_stop ? config_.arm.protective_deceleration
-                                                              : program_.stop_deceleration);
-  phase_ = Phase::stopping;
-  pending_.clear();
-  state_.runtime_state = RuntimeState::stopping;
-}
-
-void Controller::finish_program() {
-  if (phase_ != Phase::none) tell_program("PROGRAM_XXX_STOPPED");
-  phase_ = Phase::none;
-  program_ = Program{};
-  state_.runtime_state = RuntimeState::stopped;
-}
-
-void Controller::leave_motion(std::int32_t next_mode) {
-  // The motion thread ends with a stopj, which the main thread waits for before it starts the next one.
-  const bool moved = mode_ == 1 || mode_ == 2;
-  if (moved && next_mode != mode_) {
-    arm_.stop(program_.stop_deceleration);
-    joining_ = true;
-  }
-}
-
-void Controller::apply(const ReverseMessage& m) {
-  Joints v{};
-  for (std::size_t i = 0; i < joint_count; ++i) v[i] = m.values[i] / program_.multiplier;
-  if (m.mode == 1) {
-    arm_.servo(v, program_.servo_lookahead, program_.servo_gain);
-  } else if (m.mode == 2) {
-    arm_.speed(v, program_.speed_acceleration);
-  } else if (m.mode != 0 && m.mode != mode_) {
-    say("mode " + std::to_string(m.mode) + " of the reverse socket is not known here; the arm stands still");
-  }
-  mode_ = m.mode;
-  if (!scenario_runs_ && (m.mode == 1 || m.mode == 2)) start_scenario();
-}
-
-void Controller::run_stream() {
-  if (joining_) {
-    if (!pending_.empty()) {
-      latest_ = pending_.back();
-      pending_.clear();
-    }
-    if (!arm_.at_rest()) return;
-    joining_ = false;
-    if (ends_after_stop_) {
-      end_program("stopped by its commander");
-      return;
-    }
-    deadline_ = latest_.read_timeout_ms > 0 ? now_ + Nanoseconds{latest_.read_timeout_ms} * 1'000'000 : 0;
-    if (latest_.mode == -2)
-      end_program("stopped by its commander");
-    else
-      apply(latest_);
-    return;
-  }
-  if (pending_.empty()) {
-    if (peer_gone_) {
-      end_program("the reverse socket was closed");
-      return;
-    }
-    if (first_message_) ++counters_.cycles_without_message;
-    if (deadline_ > 0 && now_ >= deadline_) {
-      ++counters_.read_timeouts;
-      end_program("no command within the read timeout");
-    }
-    return;
-  }
-  while (!pending_.empty()) {
-    latest_ = pending_.front();
-    pending_.pop_front();
-    first_message_ = true;
-    if (latest_.mode != mode_) {
-      leave_motion(latest_.mode);
-      if (joining_) {
-        ends_after_stop_ = latest_.mode == -2;
-        return;
-      }
-    }
-    if (latest_.mode == -2) {
-      end_program("stopped by its commander");
-      return;
-    }
-    apply(latest_);
-  }
-  deadline_ = latest_.read_timeout_ms > 0 ? now_ + Nanoseconds{latest_.read_timeout_ms} * 1'000'000 : 0;
-}
-
-bool Controller::run_statement(const Statement& s) {
-  using Kind = Statement::Kind;
-  switch (s.kind) {
-    case Kind::stop:
-      if (!waiting_) arm_.stop(s.number);
-      return arm_.at_rest();
-    case Kind::move:
-      if (!waiting_) {
-        if (!arm_.at_rest()) {
-          arm_.stop(program_.stop_deceleration);
-          next_statement_ -= 1;  // come back to it at rest
-          wait_until_ = 0;
-          return true;
-        }
-        arm_.move(s.joints, s.acceleration, s.velocity, s.duration);
-        return false;
-      }
-      return !arm_.moving();
-    case Kind::speed:
-      if (!waiting_) {
-        arm_.speed(s.joints, s.acceleration);
-        wait_until_ = now_ + nanoseconds(std::clamp(s.duration, 0.0, 3600.0));
-        return false;
-      }
-      return now_ >= wait_until_;
-    case Kind::sleep:
-      if (!waiting_) {
-        wait_until_ = now_ + nanoseconds(s.number);
-        return false;
-      }
-      return now_ >= wait_until_;
-    case Kind::digital_output: {
-      const std::uint64_t bit = std::uint64_t{1} << s.index;
-      state_.digital_outputs = s.flag ? state_.digital_outputs | bit : state_.digital_outputs & ~bit;
-      return true;
-    }
-    case Kind::text:
-      say(s.text);
-      tell({Notice::Kind::text, s.text});
-      return true;
-    case Kind::popup:
-      popup_ = true;
-      say("Popup: " + s.text);
-      tell({Notice::Kind::popup, s.text});
-      return true;
-    case Kind::integer_register:
-      state_.outputs.integers[s.index] =
-          static_cast<std::int32_t>(std::clamp(s.number, -2147483648.0, 2147483647.0));
-      return true;
-    case Kind::double_register:
-      state_.outputs.doubles[s.index] = s.number;
-      return true;
-    case Kind::bit_register:
-      state_.outputs.bits[s.index] = s.flag;
-      return true;
-    case Kind::halt:
-      next_statement_ = program_.statements.size();
-      return true;
-  }
-  return true;
-}
-
-void Controller::run_straight() {
-  // Statements that take no time run at once, up to a bound per cycle.
-  for (int i = 0; i < 100; ++i) {
-    if (next_statement_ >= program_.statements.size()) {
-      end_program("finished");
-      return;
-    }
-    const std::size_t at = next_statement_++;
-    const bool done = run_statement(program_.statements[at]);
-    if (!done) {
-      waiting_ = true;
-      next_statement_ = at;
-      return;
-    }
-    waiting_ = false;
-    if (next_statement_ == at) return;  // it wants to come back
-  }
-}
-
-const std::string& Controller::watched_input() const {
-  static const std::string none;
-  return program_.watchdog ? program_.watchdog->variable : none;
-}
-
-void Controller::check_watchdog() {
-  if (!program_.watchdog || state_.runtime_state != RuntimeState::playing) return;
-  if (phase_ != Phase::streaming && phase_ != Phase::straight) return;
-  if (seconds(now_ - watchdog_fed_at_) * program_.watchdog->min_frequency <= 1) return;
-  if (program_.watchdog->stops) {
-    end_program("RTDE watchdog: " + program_.watchdog->variable + " was not written in time");
-  } else {
-    say("RTDE watchdog: " + program_.watchdog->variable + " was not written in time; paused");
-    pause();
-  }
-}
-
-void Controller::run_program() {
-  if (state_.runtime_state == RuntimeState::pausing) {
-    if (pause_requested_) {
-      arm_.stop(pause_deceleration);
-      pause_requested_ = false;
-      waiting_ = false;
-    }
-    if (arm_.at_rest()) state_.runtime_state = RuntimeState::paused;
-    return;
-  }
-  if (state_.runtime_state == RuntimeState::paused) return;
-  check_watchdog();
-  switch (phase_) {
-    case Phase::streaming:
-      run_stream();
-      break;
-    case Phase::straight:
-      run_straight();
-      break;
-    case Phase::stopping:
-      if (arm_.at_rest()) finish_program();
-      break;
-    case Phase::connecting:
-    case Phase::none:
-      break;
-  }
 }
 
 // ---- inputs and the cycle
@@ -568,6 +235,7 @@ void Controller::step() {
 void Controller::publish() {
   RobotState& s = state_;
   s.timestamp = seconds(now_);
+  s.control_step = counters_.cycles;
   s.target_q = arm_.target_q();
   s.target_dq = arm_.target_dq();
   s.target_ddq = arm_.target_ddq();
@@ -579,17 +247,20 @@ void Controller::publish() {
   const Joints load = load_at(actual);
   for (std::size_t i = 0; i < joint_count; ++i) {
     s.target_current[i] = s.target_moment[i] / torque_constant[i];
-    s.actual_current[i] = s.power_on ? (held[i] - load[i]) / torque_constant[i] : 0;
+    s.torque[i] = !s.power_on ? 0 : arm_.under_torque() ? arm_.motor_torque()[i] : held[i] - load[i];
+    s.actual_current[i] = s.torque[i] / torque_constant[i];
     s.control_output[i] = s.power_on ? s.target_current[i] : 0;
     s.temperatures[i] = 28;
     s.joint_voltage[i] = s.power_on ? 48 : 0;
   }
-  const Vec3 tool = actual.flange.origin;
-  s.actual_tcp_pose = six(tool, rotation_vector(actual.flange));
-  s.target_tcp_pose = six(target.flange.origin, rotation_vector(target.flange));
+  const Pose offset = pose_of(s.tcp_offset), actual_tool = actual.flange * offset,
+             target_tool = target.flange * offset;
+  const Vec3 tool = actual_tool.origin;
+  s.actual_tcp_pose = six_of(actual_tool);
+  s.target_tcp_pose = six_of(target_tool);
   s.actual_tcp_speed =
       six(point_velocity(actual, 5, tool, s.actual_dq), angular_velocity(actual, 5, s.actual_dq));
-  s.target_tcp_speed = six(point_velocity(target, 5, target.flange.origin, s.target_dq),
+  s.target_tcp_speed = six(point_velocity(target, 5, target_tool.origin, s.target_dq),
                            angular_velocity(target, 5, s.target_dq));
   const Vec3 force = world_.force();
   s.actual_tcp_force = six(force, world_.moment_about(tool));
@@ -605,6 +276,13 @@ void Controller::publish() {
   s.elbow_velocity = point_velocity(actual, 1, s.elbow_position, s.actual_dq);
   s.momentum = 18.4 * norm(Vec3{s.actual_tcp_speed[0], s.actual_tcp_speed[1], s.actual_tcp_speed[2]}) / 3;
   s.execution_time = 0.2;
+  double deviation = 0;
+  for (std::size_t i = 0; i < joint_count; ++i)
+    deviation = std::max(deviation, std::abs(s.target_q[i] - s.actual_q[i]));
+  s.position_deviation = std::min(1.0, deviation / stopping_deviation);
+  s.collision = config_.protective_force > 0 ? std::min(1.0, s.tcp_force / config_.protective_force) : 0;
+  if (arm_.under_torque() || s.control_mode == ControlMode::torque)
+    s.control_mode = arm_.under_torque() ? ControlMode::torque : ControlMode::position;
   switch (s.robot_mode) {
     case RobotMode::running:
       s.joint_mode = 253;

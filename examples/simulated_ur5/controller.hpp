@@ -14,6 +14,7 @@
 #include "examples/simulated_ur5/script.hpp"
 #include "examples/simulated_ur5/skin.hpp"
 #include "examples/simulated_ur5/state.hpp"
+#include "examples/simulated_ur5/urscript/machine.hpp"
 #include "examples/simulated_ur5/version.hpp"
 
 namespace simulated_ur5 {
@@ -122,7 +123,13 @@ class Controller {
   /// True while a program runs that reads commands, from its start on, and is not paused.
   bool awaits_command() const;
   /// True if a message has come that the next `step` will take.
-  bool has_command() const { return !pending_.empty(); }
+  bool has_command() const;
+  /// The sockets of a program that is interpreted.
+  urscript::Sockets& sockets() { return sockets_; }
+  /// A global variable of such a program, as text; empty: there is none.
+  std::string variable(std::string_view name) const {
+    return machine_ ? machine_->variable(name) : std::string();
+  }
 
   // Inputs from RTDE.
   RobotInputs& inputs() { return state_.inputs; }
@@ -138,7 +145,7 @@ class Controller {
   const std::string& watched_input() const;
 
  private:
-  enum class Phase { none, connecting, streaming, straight, stopping };
+  enum class Phase { none, connecting, streaming, interpreted, stopping };
   void say(const std::string& text);
   void tell(const Notice& notice);
   void tell_program(const char* event);
@@ -146,8 +153,11 @@ class Controller {
   void finish_program();
   void run_program();
   void run_stream();
-  void run_straight();
-  bool run_statement(const Statement& s);
+  void run_interpreted();
+  void run_secondary(urscript::Code code);
+  void start(Program program, urscript::Code code);
+  void tell_problem(const urscript::Problem& problem);
+  urscript::Robot robot_of_program();
   void leave_motion(std::int32_t next_mode);
   void apply(const ReverseMessage& m);
   void check_watchdog();
@@ -184,10 +194,11 @@ class Controller {
   Nanoseconds deadline_{};  ///< of the next message; 0: none
   std::deque<ReverseMessage> pending_;
   ReverseMessage latest_;
-  // Straight line.
-  std::size_t next_statement_ = 0;
-  bool waiting_ = false;
-  Nanoseconds wait_until_{};
+  // Interpreted.
+  std::optional<urscript::Machine> machine_;
+  urscript::Sockets sockets_;
+  urscript::Line line_;
+  std::function<void(const std::string&)> stop_for_safety_;
   Nanoseconds watchdog_fed_at_{};
 
   // Scenario.

@@ -1,5 +1,8 @@
 #include "examples/simulated_ur5/dashboard.hpp"
 
+#include <cctype>
+#include <optional>
+
 #include "examples/simulated_ur5/version.hpp"
 
 namespace simulated_ur5 {
@@ -90,91 +93,203 @@ bool DashboardSession::receive(std::span<const std::uint8_t> bytes, std::string&
   return true;
 }
 
-std::string DashboardSession::reply(std::string_view line, bool& close) {
-  const RobotState& s = controller_.state();
-  const auto argument = [&](std::string_view command) { return trimmed(line.substr(command.size())); };
-  const auto failed = [&] { return "Failed to execute: " + printable(line); };
-  const auto program = [&] {
-    return controller_.loaded_name().empty() ? std::string("<unnamed>") : controller_.loaded_name();
-  };
-  const bool e_series = controller_.config().series == Series::e_series;
+/// A line of the guide: `word`, alone or with an argument behind it.
+struct DashboardSession::Command {
+  std::string_view word;
+  enum { both, cb3, e_series } since;
+  bool argument;
+  std::string (*answer)(DashboardSession&, std::string_view argument);
+};
 
-  if (line == "power on") return controller_.power_on() ? "Powering on" : failed();
-  if (line == "power off") {
-    controller_.power_off();
-    return "Powering off";
+namespace {
+
+constexpr std::string_view roles[] = {"PROGRAMMER", "OPERATOR", "NONE", "LOCKED", "RESTRICTED"};
+constexpr std::string_view operational_modes[] = {"MANUAL", "AUTOMATIC"};
+
+/// The one of `words` that `text` is, capitals or not.
+template <std::size_t N>
+std::optional<std::string> one_of(const std::string_view (&words)[N], std::string_view text) {
+  std::string upper(text);
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (const std::string_view w : words)
+    if (w == upper) return upper;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string DashboardSession::loaded_name() const {
+  const std::string& name = controller_.loaded_name();
+  return name.empty() ? "<unnamed>" : name.substr(name.rfind('/') + 1);
+}
+
+std::string DashboardSession::program_state() const {
+  switch (controller_.state().runtime_state) {
+    case RuntimeState::stopped:
+    case RuntimeState::stopping:
+      return "STOPPED";
+    case RuntimeState::paused:
+    case RuntimeState::pausing:
+      return "PAUSED";
+    default:
+      return "PLAYING";
   }
-  if (line == "brake release") return controller_.brake_release() ? "Brake releasing" : failed();
-  if (line == "play") return controller_.play() ? "Starting program" : failed();
-  if (line == "stop") return controller_.stop_program() ? "Stopped" : failed();
-  if (line == "pause") return controller_.pause() ? "Pausing program" : failed();
-  if (line == "robotmode") return "Robotmode: " + std::string(name_of(s.robot_mode));
-  if (line == "safetymode") return "Safetymode: " + std::string(name_of(s.safety_mode));
-  if (line == "safetystatus") return "Safetystatus: " + std::string(name_of(s.safety_mode));
-  if (line == "running") return std::string("Program running: ") + (s.program_running ? "true" : "false");
-  if (line == "programState") {
-    const char* state = s.runtime_state == RuntimeState::stopped    ? "STOPPED "
-                        : s.runtime_state == RuntimeState::stopping ? "STOPPED "
-                        : s.runtime_state == RuntimeState::paused   ? "PAUSED "
-                        : s.runtime_state == RuntimeState::pausing  ? "PAUSED "
-                                                                    : "PLAYING ";
-    return state + program();
-  }
-  if (line == "unlock protective stop")
-    return controller_.unlock_protective_stop() ? "Protective stop releasing"
-                                                : "Cannot unlock protective stop until 5s after occurrence. "
-                                                  "Always inspect cause of protective stop "
-                                                  "before unlocking";
-  if (line == "close safety popup") {
-    controller_.close_popup();
-    return "closing safety popup";
-  }
-  if (line == "close popup") {
-    controller_.close_popup();
-    return "closing popup";
-  }
-  if (line.starts_with("popup ")) {
-    controller_.show_popup();
-    return "showing popup";
-  }
-  if (line == "restart safety") {
-    controller_.restart_safety();
-    return "Restarting safety";
-  }
-  if (line.starts_with("load installation "))
-    return "Loading installation: " + printable(argument("load installation "));
-  if (line.starts_with("load ")) {
-    const std::string_view name = argument("load ");
-    const auto found = programs_.find(name);
-    if (found == programs_.end()) return "File not found: " + printable(name);
-    controller_.stop_program();
-    controller_.load(found->first, found->second);
-    return "Loading program: " + printable(name);
-  }
-  if (line == "get loaded program")
-    return controller_.loaded_name().empty() ? "No program loaded"
-                                             : "Loaded program: " + controller_.loaded_name();
-  if (line == "isProgramSaved") return "true " + program();
-  if (line.starts_with("addToLog ")) {
-    if (controller_.on_message) controller_.on_message("Log: " + printable(argument("addToLog ")));
-    return "Added log message";
-  }
-  const Version version = controller_.version();
-  if (line == "PolyscopeVersion")
-    return "URSoftware " + dotted(version) + (e_series ? " (Dec 05 2022)" : " (Mar 14 2023)");
-  if (line == "version" && e_series) return dotted(version);
-  if (line == "get robot model") return "UR5";
-  if (line == "get serial number") return e_series ? "20185500001" : "2015350001";
-  if (line == "is in remote control" && e_series) return "true";
-  if (line == "get operational mode" && e_series) return "NONE";
-  if (line == "quit") {
-    close = true;
-    return "Disconnected";
-  }
-  if (line == "shutdown") {
-    close = true;
-    shutdown_ = true;
-    return "Shutting down";
+}
+
+std::string DashboardSession::load(std::string_view name) {
+  // By its whole path, else by the file's name.
+  auto found = programs_.find(name);
+  if (found == programs_.end()) found = programs_.find(name.substr(name.rfind('/') + 1));
+  if (found == programs_.end()) return "File not found: " + printable(name);
+  controller_.stop_program();
+  controller_.load(std::string(name), found->second);
+  return "Loading program: " + printable(name);
+}
+
+// Empty: the controller is in no state for it.
+std::span<const DashboardSession::Command> DashboardSession::commands() {
+  using S = DashboardSession;
+  using Text = std::string;
+  using View = std::string_view;
+  static constexpr Command table[] = {
+      {"power on", Command::both, false,
+       [](S& s, View) -> Text { return s.controller_.power_on() ? "Powering on" : ""; }},
+      {"power off", Command::both, false,
+       [](S& s, View) -> Text {
+         s.controller_.power_off();
+         return "Powering off";
+       }},
+      {"brake release", Command::both, false,
+       [](S& s, View) -> Text { return s.controller_.brake_release() ? "Brake releasing" : ""; }},
+      {"play", Command::both, false,
+       [](S& s, View) -> Text { return s.controller_.play() ? "Starting program" : ""; }},
+      {"stop", Command::both, false,
+       [](S& s, View) -> Text { return s.controller_.stop_program() ? "Stopped" : ""; }},
+      {"pause", Command::both, false,
+       [](S& s, View) -> Text { return s.controller_.pause() ? "Pausing program" : ""; }},
+      {"robotmode", Command::both, false,
+       [](S& s, View) -> Text { return "Robotmode: " + Text(name_of(s.controller_.state().robot_mode)); }},
+      {"safetymode", Command::both, false,
+       [](S& s, View) -> Text { return "Safetymode: " + Text(name_of(s.controller_.state().safety_mode)); }},
+      {"safetystatus", Command::both, false,
+       [](S& s, View) -> Text {
+         return "Safetystatus: " + Text(name_of(s.controller_.state().safety_mode));
+       }},
+      {"running", Command::both, false,
+       [](S& s, View) -> Text {
+         const auto state = s.controller_.state().runtime_state;
+         const bool runs = state == RuntimeState::playing || state == RuntimeState::resuming ||
+                           state == RuntimeState::pausing;
+         return Text("Program running: ") + (runs ? "true" : "false");
+       }},
+      {"programState", Command::both, false,
+       [](S& s, View) -> Text { return s.program_state() + " " + s.loaded_name(); }},
+      {"unlock protective stop", Command::both, false,
+       [](S& s, View) -> Text {
+         return s.controller_.unlock_protective_stop() ? "Protective stop releasing"
+                                                       : "Cannot unlock protective stop until 5s after "
+                                                         "occurrence. Always inspect cause of protective "
+                                                         "stop before unlocking";
+       }},
+      {"close safety popup", Command::both, false,
+       [](S& s, View) -> Text {
+         s.controller_.close_popup();
+         return "closing safety popup";
+       }},
+      {"close popup", Command::both, false,
+       [](S& s, View) -> Text {
+         s.controller_.close_popup();
+         return "closing popup";
+       }},
+      {"popup", Command::both, true,
+       [](S& s, View) -> Text {
+         s.controller_.show_popup();
+         return "showing popup";
+       }},
+      {"restart safety", Command::both, false,
+       [](S& s, View) -> Text {
+         s.controller_.restart_safety();
+         return "Restarting safety";
+       }},
+      {"load installation", Command::both, true,
+       [](S&, View name) -> Text { return "Loading installation: " + printable(name); }},
+      {"load", Command::both, true, [](S& s, View name) -> Text { return s.load(name); }},
+      {"get loaded program", Command::both, false,
+       [](S& s, View) -> Text {
+         const Text& name = s.controller_.loaded_name();
+         return name.empty() ? "No program loaded" : "Loaded program: " + name;
+       }},
+      {"isProgramSaved", Command::both, false, [](S& s, View) -> Text { return "true " + s.loaded_name(); }},
+      {"addToLog", Command::both, true,
+       [](S& s, View text) -> Text {
+         if (s.controller_.on_message) s.controller_.on_message("Log: " + printable(text));
+         return "Added log message";
+       }},
+      {"saveLog", Command::both, false, [](S&, View) -> Text { return "Log saved to disk"; }},
+      {"generate flight report", Command::both, true,
+       [](S& s, View) -> Text {
+         return "Flight Report generated with id: " + std::to_string(s.controller_.now() / 1'000'000);
+       }},
+      {"generate support file", Command::both, true,
+       [](S&, View folder) -> Text {
+         return "Completed successfully: " + printable(folder) + "/support.zip";
+       }},
+      {"PolyscopeVersion", Command::both, false,
+       [](S& s, View) -> Text {
+         const Version v = s.controller_.version();
+         return "URSoftware " + dotted(v) + (v.major >= 5 ? " (Dec 05 2022)" : " (Mar 14 2023)");
+       }},
+      {"version", Command::e_series, false,
+       [](S& s, View) -> Text { return dotted(s.controller_.version()); }},
+      {"get robot model", Command::both, false, [](S&, View) -> Text { return "UR5"; }},
+      {"get serial number", Command::both, false,
+       [](S& s, View) -> Text {
+         return s.controller_.config().series == Series::e_series ? "20185500001" : "2015350001";
+       }},
+      {"is in remote control", Command::e_series, false, [](S&, View) -> Text { return "true"; }},
+      {"get operational mode", Command::e_series, false,
+       [](S& s, View) -> Text { return s.panel_.operational_mode; }},
+      {"set operational mode", Command::e_series, true,
+       [](S& s, View mode) -> Text {
+         const auto known = one_of(operational_modes, mode);
+         if (!known) return "";
+         s.panel_.operational_mode = *known;
+         return "Operational mode " + printable(mode) + " is set";
+       }},
+      {"clear operational mode", Command::e_series, false,
+       [](S& s, View) -> Text {
+         s.panel_.operational_mode = "NONE";
+         return "No longer controlling the operational mode. Current operational mode: 'NONE'.";
+       }},
+      {"setUserRole", Command::cb3, true,
+       [](S& s, View role) -> Text {
+         const auto known = one_of(roles, role);
+         if (!known) return "Failed setting user role: " + printable(role);
+         s.panel_.user_role = *known;
+         return "Setting user role: " + printable(role);
+       }},
+      {"getUserRole", Command::cb3, false, [](S& s, View) -> Text { return s.panel_.user_role; }},
+      {"quit", Command::both, false, [](S&, View) -> Text { return "Disconnected"; }},
+      {"shutdown", Command::both, false,
+       [](S& s, View) -> Text {
+         s.shutdown_ = true;
+         return "Shutting down";
+       }},
+  };
+  return table;
+}
+
+std::string DashboardSession::reply(std::string_view line, bool& close) {
+  const bool e_series = controller_.config().series == Series::e_series;
+  for (const Command& c : commands()) {
+    const bool alone = line == c.word;
+    const bool with =
+        c.argument && line.size() > c.word.size() && line.starts_with(c.word) && line[c.word.size()] == ' ';
+    if (!alone && !with) continue;
+    if (c.since != Command::both && (c.since == Command::e_series) != e_series) continue;
+    const std::string answer = c.answer(*this, trimmed(line.substr(c.word.size())));
+    close = c.word == "quit" || c.word == "shutdown";
+    return answer.empty() ? "Failed to execute: " + printable(line) : answer;
   }
   return "could not understand: '" + printable(line) + "'";
 }

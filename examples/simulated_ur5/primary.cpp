@@ -196,19 +196,12 @@ struct Part {
   enum { always, first, e_series } when;
   void (*write)(Sized&, const RobotState&);
 };
-constexpr Part parts[] = {{0, Part::always, robot_mode},
-                          {1, Part::always, joints},
-                          {2, Part::always, tool},
-                          {3, Part::always, masterboard},
-                          {4, Part::always, cartesian},
-                          {5, Part::first, kinematics},
-                          {6, Part::first, configuration},
-                          {7, Part::always, force_mode},
-                          {8, Part::always, additional},
-                          {9, Part::always, calibration},
-                          {10, Part::always, safety},
-                          {11, Part::e_series, tool_communication},
-                          {12, Part::e_series, tool_mode}};
+constexpr Part parts[] = {
+    {0, Part::always, robot_mode},   {1, Part::always, joints},     {2, Part::always, tool},
+    {3, Part::always, masterboard},  {4, Part::always, cartesian},  {5, Part::first, kinematics},
+    {6, Part::first, configuration}, {7, Part::always, force_mode}, {8, Part::always, additional},
+    {9, Part::always, calibration},  {10, Part::always, safety},    {11, Part::e_series, tool_communication},
+    {12, Part::e_series, tool_mode}};
 
 }  // namespace
 

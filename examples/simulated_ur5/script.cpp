@@ -21,6 +21,7 @@ struct Token {
 
 constexpr std::size_t most_arguments = 32;
 constexpr std::size_t farthest_argument = 600;  ///< tokens that one call may span
+constexpr int most_evaluated = 200;             ///< calls of a program that are looked at
 constexpr int deepest_expression = 24;
 
 bool starts_name(char c) {
@@ -114,14 +115,6 @@ struct Call {
     const Value* v = argument(i, by_name);
     const std::string* s = v ? std::get_if<std::string>(v) : nullptr;
     return s ? *s : otherwise;
-  }
-  std::optional<Joints> joints(std::size_t i, std::string_view by_name) const {
-    const Value* v = argument(i, by_name);
-    const auto* list = v ? std::get_if<std::vector<double>>(v) : nullptr;
-    if (!list || list->size() != joint_count) return std::nullopt;
-    Joints out{};
-    std::copy(list->begin(), list->end(), out.begin());
-    return out;
   }
 };
 
@@ -291,126 +284,6 @@ std::uint16_t as_port(const Value* value) {
                                                              : std::uint16_t{0};
 }
 
-std::optional<std::size_t> as_index(double number, std::size_t count) {
-  if (!(number >= 0) || number >= static_cast<double>(count) || number != std::floor(number))
-    return std::nullopt;
-  return static_cast<std::size_t>(number);
-}
-
-/// The statement of a call in a straight-line script. Nothing: it needs no action. `problem` says what is
-/// wrong.
-std::optional<Statement> as_statement(const Call& call, std::string& problem) {
-  using Kind = Statement::Kind;
-  Statement s;
-  const auto output = [&](std::size_t first, std::size_t count) -> std::optional<Statement> {
-    const auto n = as_index(call.number(0, "n", -1), count);
-    const Value* on = call.argument(1, "b");
-    const bool* flag = on ? std::get_if<bool>(on) : nullptr;
-    if (!n || !flag) {
-      problem =
-          std::string(call.name) + " needs a number below " + std::to_string(count) + " and True or False";
-      return std::nullopt;
-    }
-    s.kind = Kind::digital_output;
-    s.index = first + *n;
-    s.flag = *flag;
-    return s;
-  };
-  if (call.name == "stopj" || call.name == "stopl") {
-    s.kind = Kind::stop;
-    s.number = call.number(0, "a", 4);
-    return s;
-  }
-  if (call.name == "movej") {
-    const auto q = call.joints(0, "q");
-    if (!q) {
-      problem = "movej needs six constant joint positions";
-      return std::nullopt;
-    }
-    s.kind = Kind::move;
-    s.joints = *q;
-    s.acceleration = call.number(1, "a", 1.4);
-    s.velocity = call.number(2, "v", 1.05);
-    s.duration = call.number(3, "t", 0);
-    return s;
-  }
-  if (call.name == "speedj") {
-    const auto dq = call.joints(0, "qd");
-    if (!dq) {
-      problem = "speedj needs six constant joint speeds";
-      return std::nullopt;
-    }
-    s.kind = Kind::speed;
-    s.joints = *dq;
-    s.acceleration = call.number(1, "a", 40);
-    s.duration = call.number(2, "t", 0);
-    return s;
-  }
-  if (call.name == "set_standard_digital_out") return output(0, 8);
-  if (call.name == "set_configurable_digital_out") return output(8, 8);
-  if (call.name == "set_tool_digital_out") return output(16, 2);
-  if (call.name == "set_digital_out") return output(0, 8);
-  if (call.name == "sleep") {
-    s.kind = Kind::sleep;
-    s.number = std::clamp(call.number(0, "t", 0), 0.0, 86400.0);
-    return s;
-  }
-  if (call.name == "sync") {
-    s.kind = Kind::sleep;
-    return s;
-  }
-  if (call.name == "textmsg" || call.name == "popup") {
-    s.kind = call.name == "popup" ? Kind::popup : Kind::text;
-    for (const Value& v : call.positional) {
-      if (const auto* text = std::get_if<std::string>(&v)) s.text += *text;
-      if (const auto* number = std::get_if<double>(&v)) s.text += std::to_string(*number);
-    }
-    return s;
-  }
-  if (call.name == "write_output_integer_register" || call.name == "write_output_float_register") {
-    const auto n = as_index(call.number(0, "address", -1), 48);
-    if (!n) {
-      problem = std::string(call.name) + " needs an address below 48";
-      return std::nullopt;
-    }
-    s.kind = call.name == "write_output_integer_register" ? Kind::integer_register : Kind::double_register;
-    s.index = *n;
-    s.number = call.number(1, "value", 0);
-    return s;
-  }
-  if (call.name == "write_output_boolean_register") {
-    const auto n = as_index(call.number(0, "address", -1), 128);
-    const Value* on = call.argument(1, "value");
-    const bool* flag = on ? std::get_if<bool>(on) : nullptr;
-    if (!n || !flag) {
-      problem = "write_output_boolean_register needs an address below 128 and True or False";
-      return std::nullopt;
-    }
-    s.kind = Kind::bit_register;
-    s.index = *n;
-    s.flag = *flag;
-    return s;
-  }
-  if (call.name == "halt") return s;
-  constexpr std::string_view harmless[] = {"set_payload",
-                                           "set_tcp",
-                                           "set_gravity",
-                                           "set_tool_voltage",
-                                           "get_steptime",
-                                           "socket_close",
-                                           "d2r",
-                                           "rtde_set_watchdog",
-                                           "socket_open",
-                                           "set_target_payload",
-                                           "enable_external_ft_sensor",
-                                           "zero_ftsensor",
-                                           "set_tool_communication"};
-  if (std::find(std::begin(harmless), std::end(harmless), call.name) != std::end(harmless))
-    return std::nullopt;
-  problem = std::string(call.name.substr(0, 60)) + " is unknown here and was skipped";
-  return std::nullopt;
-}
-
 }  // namespace
 
 bool ScriptReader::feed(std::span<const std::uint8_t> bytes, std::vector<std::string>& programs) {
@@ -448,9 +321,8 @@ Program recognise(std::string_view text, double steptime) {
     double count = 0;
   };
   std::vector<Read> reads;
-  bool branches = false;
-  int definitions = 0;
-  bool has_servo = false, has_speed = false, has_stop = false;
+  int definitions = 0, evaluated = 0;
+  bool torques = false, has_servo = false, has_speed = false, has_stop = false;
 
   for (std::size_t i = 0; i < tokens.size(); ++i) {
     const Token& t = tokens[i];
@@ -459,12 +331,10 @@ Program recognise(std::string_view text, double steptime) {
       if (++definitions == 1) {
         if (i + 1 < tokens.size() && tokens[i + 1].kind == Token::Kind::name)
           out.name = std::string(tokens[i + 1].text.substr(0, 64));
-        out.secondary = t.text == "sec";
       }
       ++i;  // the name that follows is no call
       continue;
     }
-    if (t.text == "if" || t.text == "while") branches = true;
     const bool begins_line = i == 0 || tokens[i - 1].kind == Token::Kind::line_end ||
                              tokens[i - 1].is("global") || tokens[i - 1].is("local");
     if (begins_line && i + 2 < tokens.size() && tokens[i + 1].is("=") && !tokens[i + 2].is("=")) {
@@ -474,9 +344,15 @@ Program recognise(std::string_view text, double steptime) {
       continue;
     }
     if (i + 1 >= tokens.size() || !tokens[i + 1].is("(")) continue;
+    constexpr std::string_view told[] = {"socket_open", "socket_read_binary_integer", "servoj", "speedj",
+                                         "stopj",       "rtde_set_watchdog"};
+    const bool tells = std::find(std::begin(told), std::end(told), t.text) != std::end(told);
+    torques = torques || t.text == "direct_torque";
+    // Each look spans a bounded stretch, and so do all of them.
+    if (!tells || ++evaluated > most_evaluated) continue;
     const Call call = evaluate.call(i);
 
-    if (call.name == "socket_open" || call.name.find("connect_socket") != std::string_view::npos) {
+    if (call.name == "socket_open") {
       SocketOpen socket{call.text(0, "address"), call.text(2, "socket_name", "socket_0"),
                         as_port(call.argument(1, "port"))};
       const bool known = std::any_of(out.sockets.begin(), out.sockets.end(),
@@ -497,54 +373,22 @@ Program recognise(std::string_view text, double steptime) {
       has_stop = true;
       out.stop_deceleration = call.number(0, "a", 4);
     } else if (call.name == "rtde_set_watchdog") {
-      Program::Watchdog dog;
+      urscript::Watchdog dog;
       dog.variable = call.text(0, "variable_name");
       dog.min_frequency = call.number(1, "min_frequency", 10);
       dog.stops = call.text(2, "action", "pause") == "stop";
       if (dog.min_frequency > 0 && dog.min_frequency <= 1000) out.watchdog = dog;
-    }
-    if (out.statements.size() < 10000) {
-      std::string problem;
-      if (auto statement = as_statement(call, problem)) out.statements.push_back(std::move(*statement));
-      if (!problem.empty() && out.warnings.size() < 20) out.warnings.push_back(std::move(problem));
     }
   }
   if (const auto m = evaluate.constants.find("MULT_jointstate"); m != evaluate.constants.end())
     if (const double* x = std::get_if<double>(&m->second); x && std::isfinite(*x) && *x > 0)
       out.multiplier = *x;
 
-  if (!reads.empty() && !out.sockets.empty()) {
-    // Which socket carries commands: the one called reverse_socket, else the first that is read 8 at a time.
-    const auto read_from = [&](const SocketOpen& s, bool by_name) {
-      return std::any_of(reads.begin(), reads.end(), [&](const Read& r) {
-        return r.socket == s.name && (by_name ? s.name == "reverse_socket" : r.count == 8);
-      });
-    };
-    std::optional<std::size_t> found;
-    for (const bool by_name : {true, false})
-      for (std::size_t i = 0; i < out.sockets.size() && !found; ++i)
-        if (read_from(out.sockets[i], by_name)) found = i;
-    if (!found) {
-      out.error = "the program reads no socket that it opens with 8 integers at a time";
-    } else {
-      out.reverse = *found;
-      for (const Read& r : reads)
-        if (r.socket == out.sockets[*found].name && r.count != 8 && r.count != 0)
-          out.error = "the program reads " +
-                      std::to_string(static_cast<long long>(std::clamp(r.count, -1e9, 1e9))) +
-                      " integers at a time; this controller knows messages of 8";
-    }
-    out.statements.clear();
-    out.warnings.clear();
-    return out;
-  }
-  out.sockets.clear();
-  if (!reads.empty()) {
-    out.error = "the program reads a socket whose address and port are not constants";
-  } else if (branches || definitions > 1) {
-    out.error =
-        "branches, loops, threads and functions run here only in programs that read commands from a socket";
-  }
+  const bool streams = out.sockets.size() == 1 && !reads.empty() && !torques &&
+                       std::all_of(reads.begin(), reads.end(), [&](const Read& r) {
+                         return r.socket == out.sockets[0].name && r.count == 8;
+                       });
+  if (!streams) out.sockets.clear();
   return out;
 }
 

@@ -1,5 +1,4 @@
-// URScript as far as the simulated controller understands it: streams over a socket, and straight-line
-// scripts.
+// Uploaded text: cut into programs, and those recognised that do nothing but stream commands from one socket.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "examples/simulated_ur5/geometry.hpp"
+#include "examples/simulated_ur5/urscript/builtin.hpp"
 
 namespace simulated_ur5 {
 
@@ -33,66 +33,30 @@ class ScriptReader {
   int depth_ = 0;
 };
 
-/// What one statement of a straight-line script does.
-struct Statement {
-  enum class Kind {
-    stop,            ///< stopj(number)
-    move,            ///< movej(joints, a, v, t)
-    speed,           ///< speedj(joints, a, t)
-    digital_output,  ///< bit `index` of all outputs becomes `flag`
-    sleep,           ///< number seconds
-    text,            ///< textmsg
-    popup,
-    integer_register,  ///< output register `index` becomes number
-    double_register,
-    bit_register,
-    halt
-  };
-  Kind kind = Kind::halt;
-  Joints joints{};
-  double number = 0;  ///< deceleration, seconds or value
-  double acceleration = 0, velocity = 0, duration = 0;
-  std::size_t index = 0;
-  bool flag = false;
-  std::string text;
-};
-
 /// A socket that a program opens.
 struct SocketOpen {
   std::string host, name;
   std::uint16_t port = 0;
 };
 
-/// What was understood of a program.
+/// What was found in a program.
 struct Program {
   std::string name;
-  bool secondary = false;  ///< `sec`: runs beside the main program and must not move the robot
-
-  /// A program that opens sockets and reads 8 integers at a time from one of them: the robot then obeys the
-  /// reverse protocol. Empty for a straight-line script.
+  /// One socket from which the program reads 8 integers at a time and nothing else: the robot then obeys the reverse
+  /// protocol as our own driver's program does, to the cycle. Empty for all others, which are interpreted.
   std::vector<SocketOpen> sockets;
-  std::size_t reverse = 0;       ///< which of them carries commands
-  double servo_lookahead = 0.1;  ///< [s]; URScript's defaults where the program gives no number
+  static constexpr std::size_t reverse = 0;  ///< which of them carries commands
+  double servo_lookahead = 0.1;              ///< [s]; URScript's defaults where the program gives no number
   double servo_gain = 300;
   double speed_acceleration = 40;  ///< [rad/s^2]
   double stop_deceleration = 4;    ///< [rad/s^2]
   double multiplier = 1e6;         ///< integers per rad or rad/s
   bool streams() const { return !sockets.empty(); }
 
-  /// rtde_set_watchdog(variable, min_frequency, action).
-  struct Watchdog {
-    std::string variable;
-    double min_frequency = 10;
-    bool stops = false;  ///< else pauses
-  };
-  std::optional<Watchdog> watchdog;
-
-  std::vector<Statement> statements;
-  std::vector<std::string> warnings;  ///< what was not understood and is skipped
-  std::string error;                  ///< not empty: the program cannot run
+  std::optional<urscript::Watchdog> watchdog;
 };
 
-/// Recognises a program.
+/// Recognises a program that streams. Linear in the text.
 /// @param steptime  value of `get_steptime()` [s].
 Program recognise(std::string_view text, double steptime);
 

@@ -17,6 +17,7 @@
 #include "examples/simulated_ur5/primary_commands.hpp"
 #include "examples/simulated_ur5/realtime.hpp"
 #include "examples/simulated_ur5/reverse.hpp"
+#include "examples/simulated_ur5/script_sockets.hpp"
 #include "examples/simulated_ur5/version.hpp"
 #include "skinctl/core/contract.hpp"
 
@@ -73,6 +74,9 @@ class SimulatedUr5::Network {
         timer_(io_),
         patience_(io_),
         connect_timer_(io_),
+        script_sockets_(
+            io_, config_.reach_out, [this] { script_heard(); },
+            [this](const std::string& text) { log(LogLevel::info, text); }),
         skin_socket_(io_) {
     skin_address_ = numeric_address(config_.skin_host, "skin host");
     skin_port_ = config_.skin_port;
@@ -268,7 +272,7 @@ class SimulatedUr5::Network {
 
   void accept_dashboard(tcp::socket socket) {
     auto connection = admit(dashboard_, std::move(socket), text_queue, "dashboard");
-    auto session = std::make_shared<DashboardSession>(controller_, config_.programs);
+    auto session = std::make_shared<DashboardSession>(controller_, config_.programs, panel_);
     Connection* raw = connection.get();
     connection->on_bytes = [this, session, raw](std::span<const std::uint8_t> bytes) {
       std::string out;
@@ -368,8 +372,9 @@ class SimulatedUr5::Network {
   // ---- the program's own sockets
   // --------------------------------------------------------------------------------
 
-  /// Opens or closes sockets as the program wants them.
+  /// Opens, serves and closes sockets as the program wants them.
   void follow_program() {
+    script_sockets_.follow(controller_.sockets());
     const Program* wanted = controller_.wants_sockets();
     const std::uint64_t number = wanted ? controller_.program_number() : 0;
     if (number == followed_program_) return;
@@ -379,6 +384,12 @@ class SimulatedUr5::Network {
       attempts_left_ = connect_attempts;
       connect_next();
     }
+  }
+
+  /// Something came, opened or closed on a socket of an interpreted program.
+  void script_heard() {
+    impatient_ = false;
+    if (!waiting_ || controller_.has_command() || !holds_time()) go_on();
   }
 
   void drop_program_sockets() {
@@ -636,6 +647,7 @@ class SimulatedUr5::Network {
     timer_.cancel();
     patience_.cancel();
     drop_program_sockets();
+    script_sockets_.close();
     for (Server* server : servers()) {
       if (server->acceptor) server->acceptor->close(ignored);
       for (const auto& c : server->clients) c->close("the controller shut down");
@@ -647,6 +659,7 @@ class SimulatedUr5::Network {
   Config config_;
   Controller controller_;
   rtde::InputOwners owners_;
+  PanelState panel_;
   asio::io_context io_;
   asio::steady_timer timer_, patience_, connect_timer_;
   Server dashboard_, primary_, secondary_, rtde_, realtime_;
@@ -659,6 +672,7 @@ class SimulatedUr5::Network {
   std::vector<std::shared_ptr<Connection>> program_sockets_;
   std::uint64_t followed_program_ = 0;
   int attempts_left_ = 0;
+  ScriptSockets script_sockets_;
 
   Clock::time_point next_;
   bool waiting_ = false, impatient_ = false, closing_ = false;

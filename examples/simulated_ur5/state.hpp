@@ -98,6 +98,7 @@ struct RobotState {
   Joints torque{};                          ///< that the motors give at the joints [N m]
   double position_deviation = 0;            ///< share of the deviation that would stop the robot
   double collision = 0;                     ///< share of the force that would stop the robot
+  std::uint64_t control_step = 0;           ///< cycles since the controller started
   std::uint32_t script_line = 0;            ///< of the main program
   struct Limits {
     Joints lower{}, upper{}, speed{}, acceleration{};

@@ -357,7 +357,7 @@ TEST_CASE("Controller: from the first command on everything is a function of see
 TEST_CASE("Scripts: movej, outputs, registers and texts run line by line") {
   Controller c(exact());
   std::vector<std::string> said;
-  c.on_message = [&](const std::string& text) { said.push_back(text); };
+  c.on_notice = [&](const Notice& n) { said.push_back(n.text); };
   REQUIRE(c.run("def f():\n"
                 "  set_standard_digital_out(2, True)\n"
                 "  movej([0.3,-1.5,-1.5,-1.5,1.5,0.1], a=3, v=1)\n"

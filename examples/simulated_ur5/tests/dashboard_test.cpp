@@ -16,7 +16,7 @@ struct Bench {
     config.series = series;
     controller = std::make_unique<Controller>(config);
     programs["stream.urp"] = raw::stream_program(50001);
-    session = std::make_unique<DashboardSession>(*controller, programs);
+    session = std::make_unique<DashboardSession>(*controller, programs, panel);
   }
   std::string ask(const std::string& line) {
     std::string out;
@@ -32,6 +32,7 @@ struct Bench {
   ControllerConfig config;
   std::unique_ptr<Controller> controller;
   ProgramLibrary programs;
+  PanelState panel;
   std::unique_ptr<DashboardSession> session;
   bool open = true;
 };
@@ -112,6 +113,40 @@ TEST_CASE("Dashboard: versions, models, small talk and the end") {
   CHECK_FALSE(e.session->shutdown());
   CHECK(cb3.ask("shutdown") == "Shutting down");
   CHECK(cb3.session->shutdown());
+}
+
+TEST_CASE("Dashboard: what the makers' client expects: roles, modes, reports, states that hold at once") {
+  Bench cb3(Series::cb3), e;
+  CHECK(cb3.ask("setUserRole OPERATOR") == "Setting user role: OPERATOR");
+  CHECK(cb3.ask("getUserRole") == "OPERATOR");
+  CHECK(cb3.ask("setUserRole RESTRICTED") == "Setting user role: RESTRICTED");
+  CHECK(cb3.ask("setUserRole king") == "Failed setting user role: king");
+  CHECK(cb3.ask("getUserRole") == "RESTRICTED");
+  CHECK(e.ask("getUserRole").find("could not understand") == 0);
+  CHECK(e.ask("get operational mode") == "NONE");
+  CHECK(e.ask("set operational mode manual") == "Operational mode manual is set");
+  CHECK(e.ask("get operational mode") == "MANUAL");
+  CHECK(e.ask("set operational mode fast") == "Failed to execute: set operational mode fast");
+  CHECK(e.ask("clear operational mode").find("No longer controlling the operational mode. ") == 0);
+  CHECK(e.ask("get operational mode") == "NONE");
+  CHECK(e.ask("generate flight report controller").find("Flight Report generated with id:") == 0);
+  CHECK(e.ask("generate flight report").find("Flight Report generated with id:") == 0);
+  CHECK(e.ask("generate support file .").find("Completed successfully:") == 0);
+  CHECK(e.ask("saveLog") == "Log saved to disk");
+  CHECK(e.ask("popup") == "showing popup");
+  // A program by its path; the state names the file. Every answer holds in the cycle of its question.
+  CHECK(e.ask("load /programs/deep/stream.urp") == "Loading program: /programs/deep/stream.urp");
+  CHECK(e.ask("programState") == "STOPPED stream.urp");
+  CHECK(e.ask("isProgramSaved") == "true stream.urp");
+  e.ask("brake release");
+  e.run(3);
+  CHECK(e.ask("play") == "Starting program");
+  CHECK(e.ask("programState") == "PLAYING stream.urp");
+  CHECK(e.ask("running") == "Program running: true");
+  CHECK(e.ask("stop") == "Stopped");
+  CHECK(e.ask("programState") == "STOPPED stream.urp");
+  CHECK(e.ask("running") == "Program running: false");
+  CHECK(e.ask("loads of nothing").find("could not understand") == 0);
 }
 
 TEST_CASE("Dashboard: random lines are answered line by line or end the session") {

@@ -40,9 +40,8 @@ std::map<int, raw::Bytes> parts(const Message& state) {
     REQUIRE(size >= 5);
     REQUIRE(at + size <= state.body.size());
     CHECK(out.count(state.body[at + 4]) == 0);
-    out[state.body[at + 4]] =
-        raw::Bytes(state.body.begin() + static_cast<std::ptrdiff_t>(at + 5),
-                   state.body.begin() + static_cast<std::ptrdiff_t>(at + size));
+    out[state.body[at + 4]] = raw::Bytes(state.body.begin() + static_cast<std::ptrdiff_t>(at + 5),
+                                         state.body.begin() + static_cast<std::ptrdiff_t>(at + size));
     at += size;
   }
   return out;
@@ -126,21 +125,21 @@ TEST_CASE("Primary: configuration and kinematics say what a UR5 is") {
   next(tcp);
   const auto all = parts(next(tcp));
   const raw::Bytes& c = all.at(6);
-  CHECK(raw::take_double(c, 0) == doctest::Approx(-6.283185307));   // lower limit of the base
-  CHECK(raw::take_double(c, 8) == doctest::Approx(6.283185307));    // upper
-  CHECK(raw::take_double(c, 96) == doctest::Approx(3.14159265));    // speed limit
-  CHECK(raw::take_double(c, 96 + 8) == doctest::Approx(40));        // acceleration limit
-  CHECK(raw::take_double(c, 192) == doctest::Approx(1.05));         // defaults of movej
+  CHECK(raw::take_double(c, 0) == doctest::Approx(-6.283185307));  // lower limit of the base
+  CHECK(raw::take_double(c, 8) == doctest::Approx(6.283185307));   // upper
+  CHECK(raw::take_double(c, 96) == doctest::Approx(3.14159265));   // speed limit
+  CHECK(raw::take_double(c, 96 + 8) == doctest::Approx(40));       // acceleration limit
+  CHECK(raw::take_double(c, 192) == doctest::Approx(1.05));        // defaults of movej
   CHECK(raw::take_double(c, 200) == doctest::Approx(1.4));
-  CHECK(raw::take_double(c, 232 + 8) == doctest::Approx(-0.425));   // a2
-  CHECK(raw::take_double(c, 280) == doctest::Approx(0.089159));     // d1
-  CHECK(raw::take(c, 424 + 8, 4) == 1);                             // robot type UR5
+  CHECK(raw::take_double(c, 232 + 8) == doctest::Approx(-0.425));  // a2
+  CHECK(raw::take_double(c, 280) == doctest::Approx(0.089159));    // d1
+  CHECK(raw::take(c, 424 + 8, 4) == 1);                            // robot type UR5
   const raw::Bytes& k = all.at(5);
-  CHECK(raw::take(k, 0, 4) != 0);                                   // a checksum for each joint
+  CHECK(raw::take(k, 0, 4) != 0);  // a checksum for each joint
   CHECK(raw::take(k, 0, 4) != raw::take(k, 4, 4));
-  CHECK(raw::take_double(k, 24 + 48 + 16) == doctest::Approx(-0.39225));      // a3
-  CHECK(raw::take_double(k, 24 + 96 + 40) == doctest::Approx(0.0823));        // d6
-  CHECK(raw::take_double(k, 24 + 144 + 32) == doctest::Approx(-1.570796327)); // alpha5
+  CHECK(raw::take_double(k, 24 + 48 + 16) == doctest::Approx(-0.39225));       // a3
+  CHECK(raw::take_double(k, 24 + 96 + 40) == doctest::Approx(0.0823));         // d6
+  CHECK(raw::take_double(k, 24 + 144 + 32) == doctest::Approx(-1.570796327));  // alpha5
   // The pose that Cartesian info tells follows from these parameters and the joints.
   const raw::Bytes& joints = all.at(1);
   double z = 0, reach = 0;
@@ -148,8 +147,8 @@ TEST_CASE("Primary: configuration and kinematics say what a UR5 is") {
     // Arm at home: base 0, shoulder, elbow and wrist bent by right angles; only heights are looked at.
     const double q2 = raw::take_double(joints, 41), q3 = raw::take_double(joints, 82),
                  q4 = raw::take_double(joints, 123), q5 = raw::take_double(joints, 164);
-    z = 0.089159 + 0.425 * -std::sin(q2) + 0.39225 * -std::sin(q2 + q3) -
-        0.09465 * std::cos(q2 + q3 + q4) - 0.0823 * std::sin(q2 + q3 + q4) * std::sin(q5);
+    z = 0.089159 + 0.425 * -std::sin(q2) + 0.39225 * -std::sin(q2 + q3) - 0.09465 * std::cos(q2 + q3 + q4) -
+        0.0823 * std::sin(q2 + q3 + q4) * std::sin(q5);
     reach = raw::take_double(all.at(4), 16);
   }
   CHECK(reach == doctest::Approx(z).epsilon(2e-3));
@@ -206,13 +205,13 @@ TEST_CASE("Realtime: a packet of the guide's size in each cycle, and the fields 
       const double t = raw::take_double(p, 4);
       if (i > 0) CHECK(t - last == doctest::Approx(cycle).epsilon(0.01));
       last = t;
-      CHECK(raw::take_double(p, 12 + 8) == doctest::Approx(-1.5708).epsilon(1e-3));     // target q2
-      CHECK(raw::take_double(p, 252 + 8) == doctest::Approx(-1.5708).epsilon(1e-3));    // actual q2
-      CHECK(raw::take_double(p, 756) == 7);   // robot mode
-      CHECK(raw::take_double(p, 764) == 253); // joint mode: running
-      CHECK(raw::take_double(p, 812) == 1);   // safety mode: normal
-      CHECK(raw::take_double(p, 1052) == 1);  // program: stopped
-      CHECK(raw::take_double(p, 1108) == 1);  // safety status
+      CHECK(raw::take_double(p, 12 + 8) == doctest::Approx(-1.5708).epsilon(1e-3));   // target q2
+      CHECK(raw::take_double(p, 252 + 8) == doctest::Approx(-1.5708).epsilon(1e-3));  // actual q2
+      CHECK(raw::take_double(p, 756) == 7);                                           // robot mode
+      CHECK(raw::take_double(p, 764) == 253);                                         // joint mode: running
+      CHECK(raw::take_double(p, 812) == 1);                                           // safety mode: normal
+      CHECK(raw::take_double(p, 1052) == 1);                                          // program: stopped
+      CHECK(raw::take_double(p, 1108) == 1);                                          // safety status
     }
   }
 }

@@ -45,7 +45,6 @@ TEST_CASE("Script: programs are cut at their end, however the text arrives") {
 
 TEST_CASE("Script: a stream's address, port, parameters and mode of reading are found") {
   const Program p = only(raw::stream_program(50001));
-  CHECK(p.error.empty());
   CHECK(p.name == "stream");
   REQUIRE(p.streams());
   REQUIRE(p.sockets.size() == 1);
@@ -59,8 +58,8 @@ TEST_CASE("Script: a stream's address, port, parameters and mode of reading are 
   CHECK(p.multiplier == 1e6);
 }
 
-TEST_CASE("Script: constants, several sockets, retries and watchdogs of drivers in use") {
-  const Program p = only(
+TEST_CASE("Script: constants and watchdogs of a stream; what does more is none") {
+  const std::string text =
       "def driver():\n"
       "  HOST = \"192.168.56.1\"\n"
       "  PORT = 50000 + 1\n"
@@ -68,25 +67,17 @@ TEST_CASE("Script: constants, several sockets, retries and watchdogs of drivers 
       "  STOPJ_ACCELERATION = 3.5\n"
       "  N = 8\n"
       "  rtde_set_watchdog(\"input_int_register_0\", 5, \"stop\")\n"
-      "  def connect_socket_with_retry(host, port, name, max_attempts=5, dt=0.2):\n"
-      "    return socket_open(host, port, name)\n"
-      "  end\n"
-      "  ok = connect_socket_with_retry(HOST, 50003, \"trajectory_socket\")\n"
-      "  if not connect_socket_with_retry(HOST, PORT, \"reverse_socket\"):\n"
-      "    popup(\"no\", title='x', blocking=True)\n"
-      "  end\n"
-      "  raw = socket_read_binary_integer(21, \"trajectory_socket\")\n"
+      "  socket_open(HOST, PORT)\n"
       "  servoj(q, t=get_steptime(), gain=600, lookahead_time=0.05)\n"
       "  speedj(qd, 2*10, get_steptime())\n"
-      "  p = socket_read_binary_integer(N, \"reverse_socket\", read_timeout)\n"
+      "  p = socket_read_binary_integer(N)\n"
       "  stopj(STOPJ_ACCELERATION)\n"
-      "end\n");
-  CHECK(p.error.empty());
-  REQUIRE(p.sockets.size() == 2);
-  CHECK(p.sockets[0].port == 50003);
-  CHECK(p.reverse == 1);
-  CHECK(p.sockets[1].host == "192.168.56.1");
-  CHECK(p.sockets[1].port == 50001);
+      "end\n";
+  const Program p = only(text);
+  REQUIRE(p.sockets.size() == 1);
+  CHECK(p.sockets[0].host == "192.168.56.1");
+  CHECK(p.sockets[0].port == 50001);
+  CHECK(p.sockets[0].name == "socket_0");  // a name that is left out
   CHECK(p.servo_gain == 600);
   CHECK(p.servo_lookahead == 0.05);
   CHECK(p.speed_acceleration == 20);
@@ -96,64 +87,18 @@ TEST_CASE("Script: constants, several sockets, retries and watchdogs of drivers 
   CHECK(p.watchdog->variable == "input_int_register_0");
   CHECK(p.watchdog->min_frequency == 5);
   CHECK(p.watchdog->stops);
-}
-
-TEST_CASE("Script: what cannot run says why") {
-  CHECK(
-      only(
-          "def f():\n socket_open(\"127.0.0.1\", 5, \"a\")\n x = socket_read_binary_integer(6, \"a\")\nend\n")
-          .error.find("8") != std::string::npos);
-  CHECK(only("def f():\n socket_open(host, port)\n x = socket_read_binary_integer(8)\nend\n")
-            .error.find("constants") != std::string::npos);
-  CHECK(only("def f():\n while True:\n  stopj(1)\n end\nend\n").error.find("loops") != std::string::npos);
-  CHECK(only("def f():\n socket_open(\"127.0.0.1\", 70000, \"a\")\n x = socket_read_binary_integer(8, "
-             "\"a\")\nend\n")
-            .error.size() > 0);
-  // A socket whose name is left out is socket_0.
-  const Program p =
-      only("def f():\n socket_open(\"127.0.0.1\", 5)\n x = socket_read_binary_integer(8)\nend\n");
-  CHECK(p.error.empty());
-  CHECK(p.sockets.at(0).name == "socket_0");
-}
-
-TEST_CASE("Script: straight-line statements") {
-  using Kind = Statement::Kind;
-  const Program p = only(
-      "def f():\n"
-      "  home = [0, -d2r(90), -1.5, -pi_half, 1.5, 0]\n"
-      "  movej([0.1, -1.5, 1e-1, -.5, 2*0.5, -(1+1)], a=1.2, v=0.9)\n"
-      "  set_standard_digital_out(3, True)\n"
-      "  set_tool_digital_out(1, False)\n"
-      "  set_configurable_digital_out(0, True)\n"
-      "  set_standard_digital_out(9, True)\n"
-      "  sleep(0.5)\n"
-      "  write_output_integer_register(4, -7)\n"
-      "  textmsg(\"a # b\", 3)\n"
-      "  movej(home)\n"
-      "  frobnicate(1)\n"
-      "  stopj(2)\n"
-      "  halt\n"
-      "end\n");
-  CHECK(p.error.empty());
-  CHECK_FALSE(p.streams());
-  REQUIRE(p.statements.size() == 8);
-  CHECK(p.statements[0].kind == Kind::move);
-  CHECK(p.statements[0].joints == Joints{0.1, -1.5, 0.1, -0.5, 1, -2});
-  CHECK(p.statements[0].acceleration == 1.2);
-  CHECK(p.statements[0].velocity == 0.9);
-  CHECK(p.statements[1].index == 3);
-  CHECK(p.statements[1].flag);
-  CHECK(p.statements[2].index == 17);
-  CHECK_FALSE(p.statements[2].flag);
-  CHECK(p.statements[3].index == 8);
-  CHECK(p.statements[4].number == 0.5);
-  CHECK(p.statements[5].number == -7);
-  CHECK(p.statements[6].text == "a # b3.000000");
-  CHECK(p.statements[7].kind == Kind::stop);
-  // Digital output 9, the movej with an unknown constant, and frobnicate were skipped.
-  REQUIRE(p.warnings.size() == 3);
-  CHECK(p.warnings[2].find("frobnicate") != std::string::npos);
-  CHECK(only("sec s():\n set_standard_digital_out(0, True)\nend\n").secondary);
+  // A second socket, another size of message, an address that is computed, torques, no socket: interpreted.
+  for (const auto& [from, to] : {std::pair{"  N = 8\n", "  socket_open(HOST, 7, \"b\")\n  N = 8\n"},
+                                 std::pair{"  N = 8\n", "  N = 6\n"},
+                                 std::pair{"socket_open(HOST, PORT)", "socket_open(host(), PORT)"},
+                                 std::pair{"socket_open(HOST, PORT)", "socket_open(HOST, 70000)"},
+                                 std::pair{"  N = 8\n", "  N = 8\n  direct_torque(q)\n"},
+                                 std::pair{"  socket_open(HOST, PORT)\n", ""}}) {
+    std::string other = text;
+    other.replace(other.find(from), std::string(from).size(), to);
+    CAPTURE(other);
+    CHECK_FALSE(only(other).streams());
+  }
 }
 
 TEST_CASE("Script: hostile text is read to its end, in bounded time and memory") {
@@ -168,8 +113,6 @@ TEST_CASE("Script: hostile text is read to its end, in bounded time and memory")
     text += "\n";
     const Program p = only(text);
     CHECK(p.sockets.size() <= 8);
-    CHECK(p.statements.size() <= 10000);
-    CHECK(p.warnings.size() <= 20);
   }
   Random random(11);
   const std::string_view words[] = {"def",

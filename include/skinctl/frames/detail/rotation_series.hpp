@@ -134,12 +134,12 @@ inline constexpr T far_around = std::numeric_limits<T>::max_exponent10 < 100 ? T
 
 /// Unit vector along `phi` and its length, however long; NaN for an infinity or a NaN.
 template <Real T>
-struct Turn {
+struct AxisAngle {
   Xyz<T> axis;
   T angle;
 };
 template <Real T>
-[[nodiscard]] SKINCTL_NOINLINE Turn<T> turn_of(const Xyz<T>& phi) noexcept {
+[[nodiscard]] SKINCTL_NOINLINE AxisAngle<T> turn_of(const Xyz<T>& phi) noexcept {
   T most(0);
   for (const T& x : {phi.x, phi.y, phi.z}) {
     const T size = x < T(0) ? T(-x) : x;

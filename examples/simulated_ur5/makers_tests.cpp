@@ -1,0 +1,131 @@
+// Runs the integration tests of the makers' C++ client, where a user has them built, against the simulated UR5.
+// Nothing of that client is in this repository: its tests are programs in a folder that the user names. Each is run
+// with `--robot_ip 127.0.0.1` beside a fresh simulator on the standard ports, and what it prints is counted.
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+/// A child process whose standard output is read line by line.
+class Child {
+ public:
+  explicit Child(const Arguments& arguments) {
+    int pipe_ends[2];
+    if (::pipe2(pipe_ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+    id_ = ::fork();
+    if (id_ == 0) {
+      ::dup2(pipe_ends[1], 1);
+      std::vector<char*> raw;
+      for (const auto& a : arguments) raw.push_back(const_cast<char*>(a.c_str()));
+      raw.push_back(nullptr);
+      ::execv(raw[0], raw.data());
+      ::_exit(127);
+    }
+    ::close(pipe_ends[1]);
+    out_ = ::fdopen(pipe_ends[0], "r");
+    if (id_ < 0 || !out_) throw std::runtime_error("cannot run " + arguments[0]);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    ::kill(id_, SIGTERM);
+    if (!ended_) ::waitpid(id_, nullptr, 0);
+    std::fclose(out_);
+  }
+  bool line(std::string& text) {
+    std::array<char, 4096> buffer{};
+    if (!std::fgets(buffer.data(), static_cast<int>(buffer.size()), out_)) return false;
+    text = buffer.data();
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+    return true;
+  }
+  /// Waits for the end; false: not with 0.
+  bool succeeded() {
+    int status = 0;
+    ::waitpid(id_, &status, 0);
+    ended_ = true;
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  }
+
+ private:
+  pid_t id_ = -1;
+  std::FILE* out_ = nullptr;
+  bool ended_ = false;
+};
+
+struct Count {
+  int passed = 0, skipped = 0;
+  std::vector<std::string> failed;
+};
+
+/// What follows a mark of Google Test's output: the test's name, up to a blank or comma.
+bool marked(std::string_view line, std::string_view mark, std::string& name) {
+  if (!line.starts_with(mark)) return false;
+  name = std::string(line.substr(mark.size(), line.find_first_of(" ,", mark.size()) - mark.size()));
+  return name.find('.') != std::string::npos;
+}
+
+void run(const fs::path& test, const Arguments& simulator, Count& count) {
+  Child robot(simulator);
+  std::string line, name;
+  if (!robot.line(line) || !line.starts_with("ready"))
+    throw std::runtime_error("the simulator does not start");
+  Child child({test.string(), "--robot_ip", "127.0.0.1"});
+  std::vector<std::string> failed;
+  while (child.line(line)) {
+    if (marked(line, "[       OK ] ", name)) ++count.passed;
+    if (marked(line, "[  SKIPPED ] ", name)) ++count.skipped;
+    if (marked(line, "[  FAILED  ] ", name) && std::find(failed.begin(), failed.end(), name) == failed.end())
+      failed.push_back(name);
+  }
+  if (!child.succeeded() && failed.empty()) failed.push_back("ended before its tests");
+  for (const auto& f : failed) count.failed.push_back(test.filename().string() + ": " + f);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 4) {
+    std::printf(
+        "usage: %s SIMULATED_UR5 FOLDER WAIT_PROGRAM [cb3|e-series] [NAME...]\n"
+        "FOLDER has the test programs of the makers' client; WAIT_PROGRAM is a script that waits for ever\n",
+        argv[0]);
+    return 2;
+  }
+  try {
+    const std::string series = argc > 4 ? argv[4] : "e-series", wait = argv[3];
+    const Arguments simulator{argv[1], "--series",  series,      "--log",
+                              "off",   "--powered", "--program", "wait_program.urp=" + wait};
+    Count count;
+    for (const auto& entry : fs::directory_iterator(argv[2])) {
+      const bool program = entry.is_regular_file() && ::access(entry.path().c_str(), X_OK) == 0;
+      const bool wanted =
+          argc <= 5 || std::find(argv + 5, argv + argc, entry.path().filename()) != argv + argc;
+      if (program && wanted) run(entry.path(), simulator, count);
+    }
+    const auto all = static_cast<std::size_t>(count.passed) + count.failed.size();
+    for (const auto& f : count.failed) std::printf("failed  %s\n", f.c_str());
+    std::printf("%d of %zu of the makers' tests pass, %d skip themselves\n", count.passed, all,
+                count.skipped);
+    return count.failed.empty() && all > 0 ? 0 : 1;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "makers_tests: %s\n", e.what());
+    return 2;
+  }
+}
