@@ -157,7 +157,7 @@ class Cycle {
     start_rest(m, measured);
   }
   /// Takes over a robot by position that was told to be at `told`, as its controller reports it (the target of a
-  /// UR), and that stands beside it by no more than 0.15 rad: it does not step, and the gap needs no consent.
+  /// UR), and that stands beside it by no more than `RobotConfiguration::largest_gap`: it does not step, and the gap needs no consent.
   [[nodiscard]] Memory start(const State<joints, scalar>& measured,
                              const JointPosition<joints, scalar>& told) const noexcept
     requires detail::takes_positions<Resolver>
@@ -360,7 +360,7 @@ class Cycle {
       std::array<scalar, Resolver::stiff_groups> spans;
       Resolver::each([&](auto k) { spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
       return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
-                            guard_.waits(m.guard), resolved.status.has(Reason::state_stale),
+                            guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
                             scalar(guard_.settings().torque_rate), m.robot.measured, pressed, nearest, spans,
                             dt);
     } else if constexpr (Resolver::interface == Interface::torque) {

@@ -64,16 +64,12 @@ template <class T, class X, class Y, class Z>
 template <Real T>
 [[nodiscard]] constexpr T rotation_error(const Rotation<T>& R) noexcept {
   T worst(0);
-  const auto note = [&worst](const T& e) {
+  const T errors[] = {dot(R.x, R.x) - T(1), dot(R.y, R.y) - T(1), dot(R.z, R.z) - T(1),
+                      dot(R.x, R.y),        dot(R.y, R.z),        dot(R.z, R.x)};
+  for (const T& e : errors) {
     const T size = e < T(0) ? T(-e) : e;
     if (worst == worst && !(size <= worst)) worst = size;
-  };
-  note(dot(R.x, R.x) - T(1));
-  note(dot(R.y, R.y) - T(1));
-  note(dot(R.z, R.z) - T(1));
-  note(dot(R.x, R.y));
-  note(dot(R.y, R.z));
-  note(dot(R.z, R.x));
+  }
   return dot(cross(R.x, R.y), R.z) < T(0) ? T(worst + T(1)) : worst;
 }
 
