@@ -22,7 +22,9 @@ inline constexpr double servoj_lookahead = 0.03;
 /// What the controller compensates under direct torque, beside gravity.
 struct TorqueSettings {
   bool friction = true;  ///< false: none
-  /// Shares of the controller's own model of friction, 0 to 1; only where the version takes them.
+  /// Shares of the controller's own model of friction, 0 to 1; only where the version takes them. Dry friction it
+  /// compensates by the measured speed: not at rest, and at once when a joint slips, so that a law that learns friction
+  /// (`FrictionLearning`) hunts beside it: give it `coulomb` 0.
   std::array<double, 6> viscous{0.9, 0.9, 0.8, 0.9, 0.9, 0.9}, coulomb{0.8, 0.8, 0.7, 0.8, 0.8, 0.8};
 };
 
