@@ -85,7 +85,8 @@ void law_row(const std::string& name, const L& law, Begin begin) {
         const Scenes<T> scenes;
         const ur5::Model model;
         using Known = Quantities<ur5::Model, L::needs, T, Touch<T>>;
-        const auto first = begin(law, Known(model, scenes[0].state, T(dt), scenes[0].touch));
+        const auto first = bench::prepared(
+            [&] { return begin(law, Known(model, scenes[0].state, T(dt), scenes[0].touch)); });
         auto memory = first;
         std::size_t k = 0;
         const bench::CountAllocations counted(state);

@@ -57,7 +57,7 @@ void run(benchmark::State& state, const Scene& scene, std::size_t cells) {
   auto memory = std::make_unique<typename Scene::Memory>();
   State<6, T> measured;
   measured.q = JointPosition<6, T>{T(0), T(-1.2), T(1.4), T(-1.8), T(-1.57), T(0.3)};
-  scene.start(*memory, measured);
+  bench::prepared([&] { scene.start(*memory, measured); });
   oracle::Random random(1);
   const std::size_t per_cycle = cells * 65 / 1000;
   std::vector<CellSample> samples(64 * per_cycle + 1);
@@ -74,8 +74,7 @@ void run(benchmark::State& state, const Scene& scene, std::size_t cells) {
     for (auto& s : batch) s.time = now;
     typename Scene::Input input;
     input.now = now;
-    input.measured = measured;
-    input.measured.time = now;
+    input.measured = {now, measured.q, measured.dq};
     input.samples = batch;
     const auto out = scene.step(*memory, input);
     measured.q = out.command.position;
@@ -93,17 +92,19 @@ void run_dense(benchmark::State& state, const Law& control) {
       },
       ur5::skin_patches<Cells>());
   using Dense = std::remove_cvref_t<decltype(skin)>;
-  const auto robot = resolver<T>();
+  const auto robot = bench::prepared([] { return resolver<T>(); });
   auto frame = std::make_unique<typename Dense::Frame>();
   for (std::size_t i = 0; i < ur5::skin_cells<Cells>[2]; ++i)
     frame->template at<2>(i) = static_cast<typename Dense::Stored>(0.001 * static_cast<double>(i % 7));
   State<6, T> measured;
   measured.q = JointPosition<6, T>{T(0), T(-1.2), T(1.4), T(-1.8), T(-1.57), T(0.3)};
-  auto memory = robot.start(measured);
+  auto memory = bench::prepared([&] { return robot.start(measured); });
   typename Dense::Wrenches touch = skin.wrenches(*frame);
   const auto start = robot.state(memory);
-  auto law_memory = control.start(
-      robot.template known<std::remove_cvref_t<decltype(control)>>(start, robot.planned_step(), touch));
+  auto law_memory = bench::prepared([&] {
+    return control.start(
+        robot.template known<std::remove_cvref_t<decltype(control)>>(start, robot.planned_step(), touch));
+  });
   Nanoseconds now{};
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
@@ -127,11 +128,15 @@ void skinctl_rows() {
         ("cycle/evaluation/ur5-" + std::to_string(Cells) + end).c_str(), [](benchmark::State& s) {
           SkinSettings skin;
           skin.max_age = 10s;
-          run<T>(s, Cycle(resolver<T>(), ur5_skin<Cells, T>({}, skin), law<T>()), Cells);
+          run<T>(s, bench::prepared([&] {
+                   return Cycle(resolver<T>(), ur5_skin<Cells, T>({}, skin), law<T>());
+                 }),
+                 Cells);
         });
   };
-  benchmark::RegisterBenchmark(("cycle/evaluation/ur5" + end).c_str(),
-                               [](benchmark::State& s) { run<T>(s, Cycle(resolver<T>(), law<T>()), 0); });
+  benchmark::RegisterBenchmark(("cycle/evaluation/ur5" + end).c_str(), [](benchmark::State& s) {
+    run<T>(s, bench::prepared([] { return Cycle(resolver<T>(), law<T>()); }), 0);
+  });
   with(std::integral_constant<std::size_t, 260>{});
   with(std::integral_constant<std::size_t, 1260>{});
   using Policy = std::conditional_t<std::is_same_v<T, double>, DoubleSum, FloatSum>;

@@ -48,21 +48,21 @@ RobotConfiguration<6, T> configuration(Interface interface, Nanoseconds period) 
 template <Interface I, class T, class Integrator, class Touch = NoTouch, class Keeper = Passivity<>>
 void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanoseconds lead = {},
             const Keeper& keeper = Keeper()) {
-  auto c = configuration<T>(I, period);
-  c.lead = lead;
-  if (I != Interface::torque) c.coulomb_friction = JointTorque<6, T>::constant(coulomb);
-  const auto resolver = [&] {
+  const auto resolver = bench::prepared([&] {
+    auto c = configuration<T>(I, period);
+    c.lead = lead;
+    if (I != Interface::torque) c.coulomb_friction = JointTorque<6, T>::constant(coulomb);
     if constexpr (I == Interface::torque) {
       return Resolver<I, ur5::Model, T, Integrator>(ur5::Model{}, c);
     } else {
       return Resolver<I, ur5::Model, T, Integrator, 32, Keeper>(ur5::Model{}, c, keeper);
     }
-  }();
+  });
   std::mt19937_64 rng(1);
   std::uniform_real_distribution<double> angle(-2, 2);
   State<6, T> measured;
   for (auto& q : measured.q) q = T(angle(rng));
-  auto memory = resolver.start(measured);
+  auto memory = bench::prepared([&] { return resolver.start(measured); });
   const auto gravity = gravity_torque(ur5::Model{}, measured.q);
   Constant<T> law{gravity};
   typename Constant<T>::Memory law_memory;
@@ -98,11 +98,13 @@ void shaped(benchmark::State& state) {
     s.mass[i][i] = i < 3 ? T(6) : T(0.3);
     s.damping[i][i] = i < 3 ? T(40) : T(2);
   }
-  const Resolver<Interface::position, ur5::Model, T, CrankNicolson, 32, Passivity<>, Shape> resolver(
-      ur5::Model{}, configuration<T>(Interface::position, 2ms), Shape(s));
+  const auto resolver = bench::prepared([&] {
+    return Resolver<Interface::position, ur5::Model, T, CrankNicolson, 32, Passivity<>, Shape>(
+        ur5::Model{}, configuration<T>(Interface::position, 2ms), Shape(s));
+  });
   State<6, T> measured;
   measured.q = {T(0.1), T(-1.2), T(1.4), T(-1.0), T(1.2), T(0.3)};
-  auto memory = resolver.start(measured);
+  auto memory = bench::prepared([&] { return resolver.start(measured); });
   Constant<T> law{};
   typename Constant<T>::Memory law_memory;
   NoTouch touches[max_substeps];

@@ -103,8 +103,8 @@ void tell(const AsItComes& c) {
 void print(const char* name, const AsItComesResult& r) {
   std::printf(
       "  %s: untouched %.4f rad (%.4f beyond), force %.1f N then %.1f N, goal %.4f, last speed %.4f, "
-      "furthest %.3f, consents %d:",
-      name, r.moved, r.beyond, r.early, r.late, r.goal_error, r.last_speed, r.outside, r.consents);
+      "furthest %.3f, alone %.3f, consents %d:",
+      name, r.moved, r.beyond, r.early, r.late, r.goal_error, r.last_speed, r.outside, r.alone, r.consents);
   r.reasons.for_each([](Reason reason) { std::printf(" [%s]", skinctl::name(reason)); });
   std::printf("\n");
 }
@@ -143,11 +143,15 @@ int main(int argc, char** argv) {
   int by_reason[static_cast<int>(Reason::count)] = {};
   std::vector<double> ratios[scenes], forces[scenes], twin_forces[scenes];
   std::vector<std::string> bad;
+  int led_further = 0;
+  double most_alone = 0;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
     const AsItComes c(seed);
     const auto r = run_as_it_comes(c, false), twin = run_as_it_comes(c, true);
     const AsItComesVerdict v(c, r, twin);
     all.add(v, r);
+    led_further += v.led_further;
+    most_alone = std::max(most_alone, r.alone);
     twins.add(AsItComesVerdict(c, twin, twin), twin);
     by_scene[static_cast<int>(c.scene)].add(v, r);
     for (std::size_t k = 0; k < std::size(causes); ++k)
@@ -198,6 +202,10 @@ int main(int argc, char** argv) {
   for (int k = 0; k < static_cast<int>(Reason::count); ++k)
     if (by_reason[k] > 0)
       std::printf("| %s | %d |\n", skinctl::describe(static_cast<Reason>(k)), by_reason[k]);
+  std::printf(
+      "\nmost way of a joint on which no hand led it: %.3f rad; led by more than 0.5 rad further than the "
+      "twin: %d\n",
+      most_alone, led_further);
   if (!bad.empty()) {
     std::printf("\nnot as promised (%zu):", bad.size());
     for (std::size_t k = 0; k < bad.size() && k < 1000; ++k)

@@ -30,12 +30,8 @@ inline auto make_scene(const Settings& s, Side side, const adapters::allegro::To
   springs.space.max_velocity = JointVelocity<16>::constant(1.5);
   SkinSettings touch;
   touch.force = EventGate<>::dead_band(s.threshold);
-  return Cycle(
-      hand, HandSkin(adapters::allegro::skin_patches(side, s.force_gain), touch),
-      JointImpedance<16>(springs) + SkinJointControl{} + GravityControl{},
-      // The motors' inertia, far above that of the links, is in no model of the hand: limits of motion that
-      // think the fingers that light would take nearly all torque away.
-      NoGovernor{});
+  return Cycle(hand, HandSkin(adapters::allegro::skin_patches(side, s.force_gain), touch),
+               JointImpedance<16>(springs) + SkinJointControl{} + GravityControl{});
 }
 
 }  // namespace compliant_allegro

@@ -39,6 +39,7 @@ struct FaultyWire::State {
   std::mutex mutex;
   Cable cable = Cable::whole;
   Change change;
+  std::function<void(bool, bool)> observer;
   std::size_t piece = 0;
   int pause_ms = 0;
   std::atomic<bool> end{false};
@@ -112,6 +113,11 @@ void FaultyWire::set_pieces(std::size_t bytes, int pause_ms) {
   state_->pause_ms = pause_ms;
 }
 
+void FaultyWire::set_observer(std::function<void(bool, bool)> observer) {
+  const std::lock_guard lock(state_->mutex);
+  state_->observer = std::move(observer);
+}
+
 void FaultyWire::run() {
   while (!state_->end) {
     std::vector<pollfd> entries{{state_->listener, POLLIN, 0}};
@@ -168,6 +174,7 @@ void FaultyWire::pass(Session& s, bool from_robot) {
   }
   if (!passes) return;
   chunk.resize(static_cast<std::size_t>(n));
+  if (state_->observer) state_->observer(from_robot, false);
   Bytes out;
   if (!rtde_) {
     out = std::move(chunk);
@@ -195,6 +202,7 @@ void FaultyWire::pass(Session& s, bool from_robot) {
   if (s.open && !send_all(from_robot ? s.program : s.robot, out, from_robot ? state_->piece : 0,
                           from_robot ? state_->pause_ms : 0))
     s.close();
+  if (state_->observer) state_->observer(from_robot, true);
 }
 
 }  // namespace simulated_ur5

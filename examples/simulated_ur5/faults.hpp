@@ -79,6 +79,8 @@ class FaultyWire {
   void set(Change change);
   /// Bytes of the robot pass one by one, or in bursts, each after `pause_ms`.
   void set_pieces(std::size_t bytes, int pause_ms);
+  /// Called on the wire's thread: when bytes have come in, and when they have been sent on.
+  void set_observer(std::function<void(bool from_target, bool sent_on)> observer);
 
  private:
   struct Session;

@@ -75,7 +75,8 @@ static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler")
 }  // namespace detail
 
 /// While it lives, the first SIGINT, SIGTERM or SIGHUP sets `asked()`, and a second one ends the process as usual;
-/// a reader of standard output that goes away does not end a program that has a device to stop. One at a time.
+/// a reader of standard output that goes away does not end a program that has a device to stop, nor later, when the
+/// rest of the output is written at exit. One at a time.
 class StopSignals {
  public:
   StopSignals() {
@@ -90,7 +91,6 @@ class StopSignals {
   }
   ~StopSignals() {
     for (std::size_t k = 0; k < caught.size(); ++k) ::sigaction(caught[k], &before_[k], nullptr);
-    ::sigaction(SIGPIPE, &pipe_before_, nullptr);
   }
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;

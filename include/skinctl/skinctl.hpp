@@ -160,6 +160,7 @@
 
 #include "skinctl/tracking/adaptation.hpp"
 #include "skinctl/tracking/damping.hpp"
+#include "skinctl/tracking/friction_learning.hpp"
 #include "skinctl/tracking/joint_space.hpp"
 #include "skinctl/tracking/operational_space.hpp"
 #include "skinctl/tracking/orientation_error.hpp"

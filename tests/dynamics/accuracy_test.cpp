@@ -1,3 +1,4 @@
+// not sanitized: the compiler takes minutes for so many models and digits
 #include "tests/support/digits.hpp"
 #if SKINCTL_MANY_DIGITS
 

@@ -298,3 +298,43 @@ TEST_CASE("loop: packets that never came brake the scene, and it goes on by itse
   CHECK(awaited == 0);
   CHECK_FALSE(last);
 }
+
+namespace {
+/// A robot that keeps the loop waiting, by this computer's clock; keeps what it was sent.
+struct PacedRobot {
+  FastRobot robot;
+  std::vector<JointPosition<6>> sent;
+  Heard wait(State<6>& state) noexcept {
+    std::this_thread::sleep_for(2ms);
+    return robot.wait(state);
+  }
+  bool send(const JointCommand<6>& command) noexcept {
+    sent.push_back(command.position);
+    return robot.send(command);
+  }
+  void stop() noexcept { robot.stop(); }
+};
+std::pair<std::vector<JointPosition<6>>, std::uint64_t> paced(Nanoseconds warm) {
+  PacedRobot robot;
+  robot.sent.reserve(200);
+  const auto scene = reaching_scene();
+  auto memory = std::make_unique<Scene::Memory>();
+  OneTouch skin{{}, &robot.robot};
+  const auto report = run_loop(
+      scene, *memory, robot, skin, {.cycles = 150, .period = 2ms, .warm = warm},
+      [](auto&, auto&) { return true; }, [](const auto&, const auto&, const auto&) {});
+  CHECK(report.cycles == 150);
+  return {robot.sent, report.warmed};
+}
+}  // namespace
+
+TEST_CASE("loop: a dry step before each state changes no command") {
+  const auto [cold, none] = paced(0ns);
+  const auto [warmed, most] = paced(200us);
+  CHECK(none == 0);
+  CHECK(most > 140);
+  REQUIRE(cold.size() == warmed.size());
+  for (std::size_t k = 0; k < cold.size(); ++k) CHECK(cold[k] == warmed[k]);
+  CHECK_FALSE(cold.front() == cold.back());           // it has been touched
+  CHECK(run({}, {.cycles = 50}).report.warmed == 0);  // nobody waits for this robot
+}

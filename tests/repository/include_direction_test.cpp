@@ -1,3 +1,4 @@
+// not sanitized: it reads the tree, and runs nothing of the library
 #include "tests/support/include_direction.hpp"
 
 #include <doctest/doctest.h>

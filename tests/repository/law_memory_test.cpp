@@ -1,3 +1,4 @@
+// not sanitized: it reads the tree, and runs nothing of the library
 // No law reads or writes the memory of another: what others may know of it are members of the law.
 #include <doctest/doctest.h>
 

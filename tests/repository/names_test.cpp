@@ -1,3 +1,5 @@
+// compiled alone: its names must be global
+// not sanitized: it is about compiling
 // A user's file with names of its own for common things, after `using namespace skinctl`: none is taken.
 #include <doctest/doctest.h>
 

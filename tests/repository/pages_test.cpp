@@ -1,3 +1,4 @@
+// not sanitized: it reads the tree, and runs nothing of the library
 #include <doctest/doctest.h>
 
 #include <cstdlib>

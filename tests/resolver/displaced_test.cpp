@@ -169,6 +169,29 @@ TEST_CASE("Displaced robot: to a gap of more than 0.15 rad nobody can agree") {
   CHECK(std::abs(loop.joints.q()[1] - pose[1]) < 1e-9);
 }
 
+TEST_CASE("Displaced robot: the largest gap to which a user can agree is a number of its description") {
+  JointTruth<6> truth;
+  truth.delay = truth.lag = 0.008;
+  truth.gap[1] = 0.1;
+  for (const double most : {0.0, 0.08, 0.12, 0.5}) {
+    auto c = declared();
+    c.largest_gap = most;
+    Loop<Interface::position> loop(c, truth);
+    loop.run(1);
+    REQUIRE(loop.status.has(Reason::displaced));
+    loop.robot.resume(loop.memory);
+    loop.run(1);
+    CHECK(loop.status.has(Reason::displaced) == (most < 0.1));
+    Loop<Interface::position> fresh(c, truth);
+    CHECK(fresh.robot.start(fresh.measure(0ns), JointPosition<6>(pose)).started == (most >= 0.1));
+  }
+  for (const double wrong : {-0.01, 0.51, std::nan("")}) {
+    auto c = declared();
+    c.largest_gap = wrong;
+    CHECK_THROWS_AS(Loop<Interface::position>(c, truth), ConfigurationError);
+  }
+}
+
 TEST_CASE("Displaced robot: a servo that droops lets the arm down by its droop, not for ever") {
   for (const double stiffness : {500.0, 2000.0, 10000.0}) {
     JointTruth<6> truth;

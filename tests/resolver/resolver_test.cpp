@@ -110,7 +110,7 @@ TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothin
   std::uniform_real_distribution<double> unit(-1, 1);
   int at_end = 0, at_speed = 0;
   long cycles = 0, altered = 0;
-  for (int scene = 0; scene < (sanitized ? 30 : 100); ++scene) {
+  for (int scene = 0; scene < (sanitized ? 30 : 50); ++scene) {
     auto c = configuration<T>(scene % 2 == 0 ? 8ms : 2ms);
     const T a = T(std::pow(10, 1.5 + 0.7 * unit(rng)));
     c.limits = limits_of<ur5::Description, T>(a);

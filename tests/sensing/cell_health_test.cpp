@@ -12,6 +12,7 @@
 
 using namespace skinctl;
 using namespace skinctl::testing;
+using skinctl::SensorNoise;
 
 namespace {
 

@@ -12,6 +12,7 @@
 
 using namespace skinctl;
 using namespace skinctl::testing;
+using skinctl::testing::SensorNoise;
 
 TEST_CASE("Recorded grasps, held and tapped: no taxel loses its contact, at 20 to 1000 Hz and by events") {
   const char* data = std::getenv("SKINCTL_DATA_DIR");

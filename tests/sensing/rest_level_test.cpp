@@ -13,6 +13,7 @@
 
 using namespace skinctl;
 using namespace skinctl::testing;
+using skinctl::testing::SensorNoise;
 
 namespace {
 

@@ -23,11 +23,13 @@ struct Wave {
 template <class B, class Library>
 constexpr unsigned row(const Library& library) {
   const auto& r = hana::at_key(library, hana::type_c<B>);
-  using namespace controller;
-  return (loads<Joint>(r) ? 0b1000000u : 0) | (loads<SplineJoint>(r) ? 0b0100000u : 0) |
-         (loads<Operational>(r) ? 0b0010000u : 0) | (loads<SplineOperational>(r) ? 0b0001000u : 0) |
-         (loads<SkinJoint>(r) ? 0b0000100u : 0) | (loads<SkinCartesian>(r) ? 0b0000010u : 0) |
-         (loads<Gravity>(r) ? 0b0000001u : 0);
+  return (loads<controller::Joint>(r) ? 0b1000000u : 0) |
+         (loads<controller::SplineJoint>(r) ? 0b0100000u : 0) |
+         (loads<controller::Operational>(r) ? 0b0010000u : 0) |
+         (loads<controller::SplineOperational>(r) ? 0b0001000u : 0) |
+         (loads<controller::SkinJoint>(r) ? 0b0000100u : 0) |
+         (loads<controller::SkinCartesian>(r) ? 0b0000010u : 0) |
+         (loads<controller::Gravity>(r) ? 0b0000001u : 0);
 }
 }  // namespace
 

@@ -1,3 +1,4 @@
+// not sanitized: for tests that read the tree
 #include "tests/support/include_direction.hpp"
 
 #include <algorithm>

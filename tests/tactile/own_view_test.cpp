@@ -176,3 +176,53 @@ TEST_CASE("OwnViewSkin: an arm that sees its own table does not flee from it, an
   CHECK(stays < 1e-12);
   CHECK(hand > 1e-3);
 }
+
+TEST_CASE("OwnViewSkin: samples that come late are compared with the view from where the robot was") {
+  auto capsules = tubes();
+  const JointPosition<6> q{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
+  const auto at = places_at(q);
+  const auto plain = ur5_skin<120>(CellGains{40, 10}, {.max_age = 10s});
+  const auto places = plain.places();
+  std::size_t cell = 0;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (places[i].link == 2) cell = i;
+  const Placed& X = at[2];
+  const Xyz<double> centre = X.origin + X.axes * places[cell].place + 0.16 * (X.axes * places[cell].normal);
+  capsules.push_back({LinkCapsule::fixed, {centre, centre, 0.06}});
+  const OwnView<Arm> view(Arm{}, places, capsules);
+  const OwnViewSkin skin(plain, view);
+  const auto joints = [&](Nanoseconds t) {
+    JointPosition<6> p = q;
+    p[1] += 1.0 * (seconds<double>(t) - 0.16), p[2] -= 0.8 * (seconds<double>(t) - 0.16);
+    return p;
+  };
+  const auto own = [&](const JointPosition<6>& p) {
+    auto out = skin.start(0ns).own;
+    view.look(p, out);
+    return out;
+  };
+  const auto difference = [](const auto& a, const auto& b) {
+    int most = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(int(a[i]) - int(b[i])));
+    return most;
+  };
+  for (const Nanoseconds late : {Nanoseconds(0), Nanoseconds(20ms), Nanoseconds(41ms)}) {
+    auto m = std::make_unique<typename decltype(skin)::Memory>(skin.start(0ns));
+    int worst = 0, without = 0;
+    for (int k = 1; k <= 25; ++k) {
+      const Nanoseconds now = k * Nanoseconds(8ms);
+      State<6> state{now, joints(now), {}};
+      const CellSample sample{.time = now - late, .cell = std::uint32_t(cell + 1)};
+      typename decltype(skin)::Wrenches w;
+      // It is heard every other cycle only.
+      skin.receive(*m, std::span(&sample, k % 2 == 1 && late < now ? 1u : 0u), {}, state, now - 8ms, now, 1,
+                   &w);
+      if (k < 10) continue;
+      worst = std::max(worst, difference(m->own, own(joints(now - late))));
+      without = std::max(without, difference(own(joints(now)), own(joints(now - late))));
+    }
+    CAPTURE(late.count());
+    CHECK(worst <= 1);
+    if (late > 0ns) CHECK(without > 1000);
+  }
+}

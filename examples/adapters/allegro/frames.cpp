@@ -7,7 +7,7 @@ namespace {
 
 Frame frame(std::uint16_t message, unsigned hand) noexcept {
   Frame f;
-  f.id = static_cast<std::uint16_t>(((message << 2) | (hand & 3u)) & 0x7ffu);
+  f.id = static_cast<std::uint16_t>(((unsigned{message} << 2) | (hand & 3u)) & 0x7ffu);
   return f;
 }
 

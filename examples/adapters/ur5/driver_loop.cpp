@@ -10,9 +10,10 @@ using Clock = std::chrono::steady_clock;
 using skinctl::Heard;
 using skinctl::Interface;
 
-constexpr double allowed = 0.1;                   // of a slider at zero and of states that are no numbers [s]
-constexpr double program_starts = 1;              // until our program is seen to run [s]
-constexpr auto window = std::chrono::seconds(1);  // over which the clocks are compared
+constexpr double allowed = 0.1;       // of a slider at zero and of states that are no numbers [s]
+constexpr double program_starts = 1;  // until our program is seen to run [s]
+constexpr auto window = std::chrono::milliseconds(250);  // over which the clocks are compared
+constexpr int windows = 3;                               // in a row that must disagree
 
 Timeout left_until(Clock::time_point deadline) {
   return std::max(Timeout(0), std::chrono::ceil<Timeout>(deadline - Clock::now()));
@@ -81,7 +82,7 @@ bool Driver::clocks_agree() noexcept {
   wrong_windows_ = there < 0.5 * here || there > 2 * here ? wrong_windows_ + 1 : 0;
   window_ = now;
   window_stamp_ = report_.timestamp;
-  return wrong_windows_ < 2;
+  return wrong_windows_ < windows;
 }
 
 Heard Driver::wait(skinctl::State<6>& state) noexcept {

@@ -83,7 +83,7 @@ inline constexpr std::array<FaultRow, static_cast<std::size_t>(Fault::count)> fa
      "a cycle on the last state; then the robot's program stops it", 1200, examples::job::Exit::implausible,
      "the robot's clock stands still or went back", "restart the controller; start again"},
     {Fault::clock_runs_wrong, "clock_runs_wrong",
-     "less than half or more than twice this computer's time, for 2 s", "the robot is told to stop", 1000,
+     "less than half or more than twice this computer's time, for 0.75 s", "the robot is told to stop", 1500,
      examples::job::Exit::implausible, "the robot's clock does not agree with this computer's",
      "restart the controller; start again"},
     {Fault::not_a_number, "not_a_number", "states that are not finite for 100 ms",

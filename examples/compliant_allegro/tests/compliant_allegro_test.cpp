@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "examples/compliant_allegro/run.hpp"
+#include "examples/simulated_allegro/simulated_hand.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
@@ -31,6 +32,7 @@ RunLog ran(Generation g, Side side, bool udp = false) {
 
 /// Runs the program with these arguments; its exit code. A signal after `ms`, if not 0.
 int program(std::vector<const char*> arguments, int signal = 0, int ms = 0) {
+  std::fflush(nullptr);
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
@@ -119,6 +121,17 @@ TEST_CASE("The program: help, wrong options, no device, signals") {
   CHECK(program({"--can", "no_such_interface"}) == 1);
   CHECK(program({"--can", "/dev/no_such_tty"}) == 1);
   CHECK(program({"--duration", "0.5", "--quiet", "--generation", "v5"}) == 0);
+  simulated_allegro::Config
+      config;  // by a real address: a line with an slcan adapter, over which the guardian watches
+  config.generation = Generation::v4;
+  simulated_allegro::SimulatedHand hand(config);
+  const std::string line = hand.terminal();
+  CHECK(program({"--can", line.c_str(), "--generation", "v4", "--duration", "0.4", "--quiet"}) == 0);
+  CHECK(hand.snapshot().torques > 20);
+  for (int k = 0; k < 500 && hand.snapshot().servo; ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK_FALSE(hand.snapshot().servo);
+  CHECK(program({"--can", line.c_str(), "--generation", "v4", "--side", "left"}) == 1);
   CHECK(program({"--speed", "1"}, SIGINT, 700) == 130);
   CHECK(program({"--speed", "1"}, SIGTERM, 700) == 130);
 }

@@ -28,6 +28,7 @@ auto ends(Exit exit) {
 }
 
 int program(std::vector<const char*> arguments, int signal = 0, int ms = 0) {
+  std::fflush(nullptr);
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {

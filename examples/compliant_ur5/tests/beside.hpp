@@ -1,6 +1,7 @@
 // A simulated robot beside the program, as a real one would stand there.
 #pragma once
 
+#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cmath>
 #include <cstring>
@@ -23,6 +24,11 @@ inline Settings settings() {
 }
 
 /// A port on which nobody listens just now.
+inline std::uint16_t free_tcp_port() {
+  boost::asio::io_context io;
+  namespace ip = boost::asio::ip;
+  return ip::tcp::acceptor(io, ip::tcp::endpoint(ip::address_v4::loopback(), 0)).local_endpoint().port();
+}
 inline std::uint16_t free_udp_port() {
   boost::asio::io_context io;
   return boost::asio::ip::udp::socket(
@@ -50,6 +56,7 @@ class Beside {
     };
     simulated_ur5::Config config;
     simulated_ur5::read_scenario(s.scenario, config);
+    config.controller.series = s.rate > 125 ? simulated_ur5::Series::e_series : simulated_ur5::Series::cb3;
     config.controller.powered = false;  // the program has to switch it on
     config.controller.power_on_time = config.controller.brake_release_time = 0.1;
     config.controller.touches.clear();

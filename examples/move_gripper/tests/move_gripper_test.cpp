@@ -1,21 +1,13 @@
 // The program as a user runs it: what it prints and its exit codes.
 #include <doctest/doctest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <string>
+
+#include "examples/support/run_program.hpp"
 
 namespace {
 std::string run(const std::string& arguments, int expected) {
-  const std::string command = std::string("timeout 30 ") + MOVE_GRIPPER_PROGRAM + " " + arguments + " 2>&1";
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  REQUIRE(pipe);
-  std::string out;
-  std::array<char, 256> chunk;
-  while (std::fgets(chunk.data(), chunk.size(), pipe)) out += chunk.data();
-  CHECK_MESSAGE(WEXITSTATUS(::pclose(pipe)) == expected, out);
-  return out;
+  return examples::run_program(MOVE_GRIPPER_PROGRAM, arguments, expected);
 }
 bool has(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;

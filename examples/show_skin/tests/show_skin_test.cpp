@@ -1,12 +1,10 @@
 // What show_skin draws.
 #include <doctest/doctest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <set>
 
 #include "examples/show_skin/screen.hpp"
+#include "examples/support/run_program.hpp"
 #include "skinctl/io/skin_export.hpp"
 
 using namespace show_skin;
@@ -32,14 +30,7 @@ skinctl::SkinFile small() {
   return file;
 }
 std::string run(const std::string& arguments, int expected) {
-  std::FILE* pipe =
-      ::popen((std::string("timeout 20 ") + SHOW_SKIN_PROGRAM + " " + arguments + " 2>&1").c_str(), "r");
-  REQUIRE(pipe);
-  std::string out;
-  std::array<char, 256> chunk;
-  while (std::fgets(chunk.data(), chunk.size(), pipe)) out += chunk.data();
-  CHECK_MESSAGE(WEXITSTATUS(::pclose(pipe)) == expected, out);
-  return out;
+  return examples::run_program(SHOW_SKIN_PROGRAM, arguments, expected);
 }
 
 }  // namespace

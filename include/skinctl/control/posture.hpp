@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/contract.hpp"
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/kinematics/damped_inverse.hpp"
 
@@ -32,11 +33,9 @@ class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, I, P, T, What>>
   [[nodiscard]] JointTorque<N, T> torque(const K& known) const noexcept {
     const auto J = known.template jacobian<I>(X_LP_);
     const auto inverse = damped_inverse<What>(J, singularities_);
-    JointAcceleration<N, T> a;
-    for (std::size_t i = 0; i < N; ++i) {
-      const T pull = w_ * w_ * (known.q()[i] - posture_[i]);
-      a[i] = -limit_ * pull / (limit_ + detail::magnitude(pull)) - T(2) * w_ * known.dq()[i];
-    }
+    using R = detail::Row<N, T>;
+    const R pull = T(w_ * w_) * (R(known.q()) - posture_), limit = limit_;
+    const JointAcceleration<N, T> a(-limit * pull / (limit + magnitude(pull)) - T(T(2) * w_) * R(known.dq()));
     const auto seen = inverse.solve(J * a);
     return known.mass() * (a - seen);
   }

@@ -64,7 +64,7 @@ namespace detail {
 
 /// Refuses `name = value` with the allowed range in words, e.g. `require(k > 0, "K_p", k, "> 0 1/s")`.
 /// A NaN never satisfies a comparison, so it is refused as well.
-inline void require(bool allowed, const char* name, double value, const char* range) {
+SKINCTL_COLD inline void require(bool allowed, const char* name, double value, const char* range) {
   if (!allowed) detail::refuse_value(name, value, range);
 }
 

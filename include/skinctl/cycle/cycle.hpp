@@ -1,6 +1,7 @@
 // A whole cycle as one pure function: from measurements and samples to a command.
 #pragma once
 
+#include <cstring>
 #include <span>
 #include <type_traits>
 
@@ -156,7 +157,7 @@ class Cycle {
     start_rest(m, measured);
   }
   /// Takes over a robot by position that was told to be at `told`, as its controller reports it (the target of a
-  /// UR), and that stands beside it by no more than 0.15 rad: it does not step, and the gap needs no consent.
+  /// UR), and that stands beside it by no more than `RobotConfiguration::largest_gap`: it does not step, and the gap needs no consent.
   [[nodiscard]] Memory start(const State<joints, scalar>& measured,
                              const JointPosition<joints, scalar>& told) const noexcept
     requires detail::takes_positions<Resolver>
@@ -183,8 +184,24 @@ class Cycle {
 
   /// The same in place, for the loop. No allocation, lock, exception or system call.
   template <class Watch = NoStopwatch>
-  Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
+  SKINCTL_NOINLINE Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
     return run(m, input, watch, detail::NoChange{});
+  }
+  /// A step that nobody sees, on a copy of `memory` in `scratch`, as if the next state came `after` later than
+  /// `input`: afterwards the processor has the next step's code and data at hand, which it loses while it waits for a
+  /// state. Nothing but `scratch` changes. Only a step with the same type of stopwatch runs the same code.
+  ///
+  /// A loop calls it shortly before a state is due: `run_loop` does, see `LoopOptions::warm`.
+  template <class Watch = NoStopwatch>
+  void warm(Memory& scratch, const Memory& memory, const Input& input, Nanoseconds after,
+            Watch&& watch = {}) const noexcept {
+    std::memcpy(static_cast<void*>(&scratch), &memory, sizeof memory);
+    Input next = input;
+    next.now += after;
+    next.measured.time += after;
+    next.request = CycleRequest::none;
+    next.has_goal = false;
+    static_cast<void>(step(scratch, next, watch));
   }
 
  private:
@@ -343,7 +360,7 @@ class Cycle {
       std::array<scalar, Resolver::stiff_groups> spans;
       Resolver::each([&](auto k) { spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
       return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
-                            guard_.waits(m.guard), resolved.status.has(Reason::state_stale),
+                            guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
                             scalar(guard_.settings().torque_rate), m.robot.measured, pressed, nearest, spans,
                             dt);
     } else if constexpr (Resolver::interface == Interface::torque) {

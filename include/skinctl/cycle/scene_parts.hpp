@@ -114,12 +114,12 @@ template <class Resolver, std::size_t I, Real T>
 }
 template <class Resolver>
 [[nodiscard]] auto made_for(const Resolver& r, const SkinWatch& watch) {
-  return CoverageLimits<Resolver::joints, typename Resolver::scalar>(r.parameters().limits, watch);
+  return CoverageLimits<Resolver::joints, typename Resolver::scalar>(r.limits(), watch);
 }
 template <class Resolver>
 [[nodiscard]] auto made_for(const Resolver& r, const Clearance& clearance) {
   using M = std::remove_cvref_t<decltype(r.model())>;
-  return ClearanceLimits<M, typename Resolver::scalar>(r.model(), r.parameters().limits, clearance);
+  return ClearanceLimits<M, typename Resolver::scalar>(r.model(), r.limits(), clearance);
 }
 template <class Part>
 inline constexpr bool is_link_contact = false;

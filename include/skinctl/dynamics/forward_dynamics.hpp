@@ -29,7 +29,8 @@ class MassFactors {
     if (!positive_definite_) [[unlikely]] {
       const MassFactors careful = without_bad_pivots(mass);
       for_each_entry([&](auto i, auto j) SKINCTL_INLINE_LAMBDA { l_(i, j) = careful.l_(i, j); });
-      detail::unrolled<joints>([&](auto i) SKINCTL_INLINE_LAMBDA { inverse_[i] = careful.inverse_[i]; });
+      detail::unrolled<joints>([&](std::size_t i)
+                                   SKINCTL_INLINE_LAMBDA { inverse_[i] = careful.inverse_[i]; });
     }
   }
 
@@ -37,7 +38,7 @@ class MassFactors {
   [[nodiscard]] SKINCTL_INLINE JointAcceleration<joints, T> solve(
       const JointTorque<joints, T>& tau) const noexcept {
     JointAcceleration<joints, T> x;
-    detail::unrolled<joints>([&](auto i) SKINCTL_INLINE_LAMBDA { x[i] = tau[i]; });
+    detail::unrolled<joints>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { x[i] = tau[i]; });
     for_each_pair_from_the_tips([&](auto k, auto carriers) SKINCTL_INLINE_LAMBDA {
       for_each_bit<carriers.value>(
           [&](auto j) SKINCTL_INLINE_LAMBDA { x[j.value] = x[j.value] - l_(k.value, j.value) * x[k.value]; });

@@ -91,9 +91,14 @@ template <Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque_from(const M& model, const Angles& angles) noexcept {
   return JointTorque<M::joints, T>::written([&](T* tau) SKINCTL_INLINE_LAMBDA {
     const auto g = model.template gravity<T>();
-    for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-      static_cast<void>(subtree_gravity<child.value, T>(model, angles, g, tau));
-    });
+    constexpr auto roots = children<M, -1>;
+    if constexpr (roots.size() == 1) {
+      static_cast<void>(subtree_gravity<roots[0], T>(model, angles, g, tau));
+    } else {
+      for_each_link<roots>([&](auto child) SKINCTL_INLINE_LAMBDA {
+        static_cast<void>(subtree_gravity<child.value, T>(model, angles, g, tau));
+      });
+    }
   });
 }
 

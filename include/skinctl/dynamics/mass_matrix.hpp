@@ -39,7 +39,8 @@ struct MassMatrix {
     const auto row = [&](std::size_t i) SKINCTL_INLINE_LAMBDA {
       T sum(0);
       if constexpr (N <= 8) {
-        detail::unrolled<N>([&](auto j) SKINCTL_INLINE_LAMBDA { sum = sum + data[i * N + j] * ddq[j]; });
+        detail::unrolled<N>([&](std::size_t j)
+                                SKINCTL_INLINE_LAMBDA { sum = sum + data[i * N + j] * ddq[j]; });
       } else {
         for (std::size_t j = 0; j < N; ++j) sum = sum + data[i * N + j] * ddq[j];
       }
@@ -157,9 +158,14 @@ template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<M::joints, T> mass_matrix(
     const M& model, const JointAngles<M, T, Mask>& angles) noexcept {
   MassMatrix<M::joints, T> m = detail::empty_mass<T, M>();
-  detail::for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-    static_cast<void>(detail::subtree_mass<child.value, T>(model, angles, m));
-  });
+  constexpr auto roots = children<M, -1>;
+  if constexpr (roots.size() == 1) {
+    static_cast<void>(detail::subtree_mass<roots[0], T>(model, angles, m));
+  } else {
+    detail::for_each_link<roots>([&](auto child) SKINCTL_INLINE_LAMBDA {
+      static_cast<void>(detail::subtree_mass<child.value, T>(model, angles, m));
+    });
+  }
   return m;
 }
 template <RobotModel M, Scalar T>

@@ -64,16 +64,12 @@ template <class T, class X, class Y, class Z>
 template <Real T>
 [[nodiscard]] constexpr T rotation_error(const Rotation<T>& R) noexcept {
   T worst(0);
-  const auto note = [&worst](const T& e) {
+  const T errors[] = {dot(R.x, R.x) - T(1), dot(R.y, R.y) - T(1), dot(R.z, R.z) - T(1),
+                      dot(R.x, R.y),        dot(R.y, R.z),        dot(R.z, R.x)};
+  for (const T& e : errors) {
     const T size = e < T(0) ? T(-e) : e;
     if (worst == worst && !(size <= worst)) worst = size;
-  };
-  note(dot(R.x, R.x) - T(1));
-  note(dot(R.y, R.y) - T(1));
-  note(dot(R.z, R.z) - T(1));
-  note(dot(R.x, R.y));
-  note(dot(R.y, R.z));
-  note(dot(R.z, R.x));
+  }
   return dot(cross(R.x, R.y), R.z) < T(0) ? T(worst + T(1)) : worst;
 }
 
@@ -96,10 +92,13 @@ template <Scalar T>
   return R;
 }
 
-/// The rotation by `|phi|` [rad] about `phi`: Rodrigues' formula. Accurate to a few units in the last place
-/// for every length, 0 included; a NaN gives NaNs.
+/// The rotation by `|vector|` [rad] about `vector`: Rodrigues' formula. Accurate to a few units in the last place
+/// for every length that `T` can represent, 0 included; a NaN or an infinity gives NaNs.
 template <Real T>
-[[nodiscard]] Rotation<T> exp_so3(const Xyz<T>& phi) noexcept {
+[[nodiscard]] Rotation<T> exp_so3(const Xyz<T>& vector) noexcept {
+  Xyz<T> phi = vector;
+  if (!(dot(phi, phi) <= detail::far_around<T>)) [[unlikely]]
+    phi = detail::within_a_turn(vector);
   const auto f = detail::exp_factors(phi);
   const Xyz<T> a = f.sine * phi;
   const Xyz<T> b = f.cosine * phi;
@@ -162,6 +161,8 @@ template <Real T>
 /// `omega = J_l(phi) dphi`: the angular velocity, in the axes of the outer frame, of `R = exp_so3(phi)`.
 template <Real T>
 [[nodiscard]] Xyz<T> left_jacobian_so3(const Xyz<T>& phi, const Xyz<T>& dphi) noexcept {
+  if (!(dot(phi, phi) <= detail::far_around<T>)) [[unlikely]]
+    return detail::left_jacobian_far_around(phi, dphi);
   const Xyz<T> once = cross(phi, dphi);
   return dphi + detail::exp_factors(phi).cosine * once + detail::cubic_factor(phi) * cross(phi, once);
 }

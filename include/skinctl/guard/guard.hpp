@@ -90,7 +90,7 @@ class Guard {
       : limits_(robot.limits),
         period_(robot.period),
         longest_(robot.longest()),
-        stale_after_(c.stale_after.value_or(25 * robot.period)),
+        stale_after_(c.stale_after.value_or(robot.period < 400ms ? 25 * robot.period : Nanoseconds(10s))),
         settings_(c),
         lead_(c.lead),
         torque_rate_(c.torque_rate),
@@ -217,15 +217,24 @@ class Guard {
   SKINCTL_INLINE bool can_send(const Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
                                const T& dt, Status& status) const noexcept {
     const T cycle = seconds<T>(period_);
-    if (I != Interface::position || !(dt > cycle)) [[likely]]
-      return can_reach(m, wish, measured, dt, status);
-    Status at_once;
+    T span = dt;
+    if (I == Interface::position && dt > cycle && !within_period(m, wish, cycle)) [[unlikely]]
+      span = cycle;
+    for (;; span = cycle) {  // all of the time, or a period of it
+      Status found;
+      if (can_reach(m, wish, measured, span, found)) [[likely]]
+        return true;
+      if (I != Interface::position || !(span > cycle)) return status |= found, false;
+    }
+  }
+  /// Whether the command is no farther from the last one than the joints get in a period.
+  SKINCTL_COLD bool within_period(const Memory& m, const JointCommand<N, T>& wish,
+                                  const T& cycle) const noexcept {
     using R = detail::Row<N, T>;
     const R from = m.command.position, moved = R(wish.position) - from,
             eps = std::numeric_limits<T>::epsilon();
     const R most = T(cycle * slack()) * R(limits_.velocity()) + T(16) * eps * magnitude(from);
-    if (all(magnitude(moved) <= most) && can_reach(m, wish, measured, dt, at_once)) return true;
-    return can_reach(m, wish, measured, cycle, status);
+    return all(magnitude(moved) <= most);
   }
 
   /// Whether a motion within the limits leads from the last command to `wish` in `dt`, and leaves room to
@@ -242,14 +251,14 @@ class Guard {
     const R most = a * R(T(dt * slack())) + T(4) * eps * limit;
     auto steps = (magnitude(u) > limit * wide) & (magnitude(u) > magnitude(u0));
     steps = steps | (magnitude(du) > most);
-    const R stop = u * u / (T(2) * a) / wide - T(16) * eps * (R(T(1)) + q);
+    const R stop = T(T(1) / slack()) * limits_.stopping_distance(u) - T(16) * eps * (R(T(1)) + q);
     const auto rushes = !(magnitude(u) <= magnitude(u0) - (T(2) * a * R(dt) - most));
     auto outside = rushes & (((u > zero) & (stop > above)) | ((u < zero) & (stop > below)));
     if constexpr (I == Interface::position) {
       // Within its acceleration limit, a joint reaches this far to both sides of the position of the mean
       // speed.
       const R moved = to - from, straight = R(T(T(0.5) * dt)) * (u0 + u);
-      const R aside = T(0.25) * (a * R(T(dt * dt * slack())) - du * du / a);
+      const R aside = T(0.25) * (a * R(T(dt * dt * slack()))) - T(0.5) * limits_.stopping_distance(du);
       steps = steps | (magnitude(moved - straight) > select(aside > zero, aside, zero) + rounding);
       outside =
           outside | ((above < -rounding) & (moved > rounding)) | ((below < -rounding) & (-moved > rounding));

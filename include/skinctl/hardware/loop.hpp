@@ -5,6 +5,8 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "skinctl/cycle/cycle.hpp"
@@ -35,6 +37,7 @@ struct LoopReport {
   std::uint64_t stood = 0;   ///< cycles whose state came, but brought no later time for more than 1.5 periods
   std::uint64_t missed = 0;  ///< cycles whose state came later than 1.5 periods after the one before
   std::uint64_t samples = 0;  ///< from the skin
+  std::uint64_t warmed = 0;   ///< cycles before which a dry step was made
   std::array<Histogram, stage_count> stages;
   Histogram whole;
   Histogram period;                ///< between states, by this computer's clock
@@ -55,11 +58,15 @@ struct LoopReport {
 
 /// Options of a loop.
 struct LoopOptions {
-  std::uint64_t cycles = 0;                 ///< 0: until it is stopped
-  Nanoseconds period = 8ms;                 ///< planned; a state later than 1.5 periods is a miss
-  std::size_t max_samples = 8192;           ///< of one cycle, kept in the copy of the worst cycle
-  std::optional<TimeBudget> budget = {};    ///< of the load; see `TimeBudget` for the reaction to overruns
-  PacketWatch packets{};                    ///< for a robot that numbers its packets
+  std::uint64_t cycles = 0;               ///< 0: until it is stopped
+  Nanoseconds period = 8ms;               ///< planned; a state later than 1.5 periods is a miss
+  std::size_t max_samples = 8192;         ///< of one cycle, kept in the copy of the worst cycle
+  std::optional<TimeBudget> budget = {};  ///< of the load; see `TimeBudget` for the reaction to overruns
+  PacketWatch packets{};                  ///< for a robot that numbers its packets
+  /// So long before a state is due a dry step brings the cycle's code and data back into the processor's caches (see
+  /// `Cycle::warm`); 0: never. The loop sleeps until then. A robot that does not keep the loop waiting for at least
+  /// three times as long gets none.
+  Nanoseconds warm = 300us;
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };
 
@@ -116,10 +123,29 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
   static_cast<void>(skin.poll());  // samples from before the start are old
   Nanoseconds heard_at = Stopwatch::now(), later_at = heard_at;
 
+  const auto rehearsal = std::make_unique<typename C::Memory>();
+  std::vector<CellSample> rehearsed;  // the last samples, as new ones
+  rehearsed.reserve(options.max_samples);
+  Stopwatch unseen;
+  Nanoseconds pace = options.period, idle{};  // of the last cycle
+  Nanoseconds done_at = heard_at;             // when the loop began to wait
+
   for (;;) {
     if (options.stop && options.stop->load()) {
       report.ended = LoopEnd::interrupted;
       break;
+    }
+    if (options.warm > 0ns && idle > 3 * options.warm && report.cycles > 0) {
+      const Nanoseconds left = heard_at + pace - options.warm - Stopwatch::now();
+      if (left > 0ns) std::this_thread::sleep_for(left);
+      rehearsed.assign(input.samples.begin(),
+                       input.samples.begin() +
+                           static_cast<std::ptrdiff_t>(std::min(input.samples.size(), options.max_samples)));
+      for (CellSample& s : rehearsed) s.time += pace;
+      const auto samples = std::exchange(input.samples, rehearsed);
+      cycle.warm(*rehearsal, memory, input, pace, unseen);
+      input.samples = samples;
+      ++report.warmed;
     }
     heard = robot.wait(input.measured);
     if (heard == Heard::lost) {
@@ -127,6 +153,8 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
       break;
     }
     const Nanoseconds now = Stopwatch::now();
+    idle = now - done_at;
+    pace = std::min(options.period, now - heard_at);
     report.period.record(now - heard_at);
     if (2 * (now - heard_at) > 3 * options.period) ++report.missed;
     heard_at = now;
@@ -196,6 +224,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
       break;
     }
     if (options.cycles != 0 && report.cycles >= options.cycles) break;
+    done_at = Stopwatch::now();
   }
   robot.stop();
   return report;

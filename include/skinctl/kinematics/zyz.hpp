@@ -34,12 +34,14 @@ template <Scalar T>
           {cf * st, sf * st, ct}};
 }
 
-/// The angle of the same direction in [-pi, pi], for |angle| up to about 1e6 [rad].
+/// The angle of the same direction in [-pi, pi] (pi as `T` rounds it), accurate to a unit in the last place of pi
+/// for any finite angle; one that lies there already is returned as it is. NaN for an infinity.
 template <Real T>
 [[nodiscard]] T wrapped(const T& angle) noexcept {
-  using std::atan2, std::floor;
-  const T turn = T(2) * atan2(T(0), T(-1));
-  return angle - turn * floor(angle / turn + T(0.5));
+  using std::atan2, std::cos, std::sin;
+  const T half_turn = atan2(T(0), T(-1));
+  if (angle >= -half_turn && angle <= half_turn) return angle;
+  return atan2(T(sin(angle)), T(cos(angle)));
 }
 /// `a - b`, each difference wrapped to the shortest angle.
 template <Real T>

@@ -173,6 +173,13 @@ class ClearanceLimits {
                                             const JointRoom<joints, T>& room) const noexcept {
     return at(q).keeps(u, moved, room);
   }
+  /// `u` without what closes, and of that the share from which the robot can stop after `time` seconds at it.
+  [[nodiscard]] Kept braked(const Position& q, const Velocity& u, const T& time) const noexcept {
+    if (share(q, u, time) == T(1)) [[likely]]
+      return {u, false};
+    const Velocity aside = at(q).slid(u);
+    return {share(q, aside, time) * aside, true};
+  }
   /// The share in [0, 1] of `u` from which the robot can stop after `time` seconds at it. 0 for NaN.
   [[nodiscard]] SKINCTL_NOINLINE T share(const Position& q, const Velocity& u, const T& time) const noexcept {
     const Here here = at(q);

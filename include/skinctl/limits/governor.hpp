@@ -50,7 +50,8 @@ struct GovernedTorque : Governed<N, T> {
 /// **Torques.** The motion under external forces is unknown, so the speed is braked: `braking_cycles` cycles
 /// ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which a share s keeps all limits.
 /// `tau - (1 - s) M u / T` leads to s u: drive that would make the robot too fast, or press harder than a
-/// region allows, is removed, and a robot that is pushed too fast is damped. It sets in without a jump (s = 1
+/// region allows, is removed, and a robot that is pushed too fast is damped; with `MotionLimits`, what pushes it (their r)
+/// counts as well for the tool's speed and the clearances. It sets in without a jump (s = 1
 /// leaves the torque to the bit), and never exceeds the joints' torques. A robot stopped for a contact is
 /// held with damping `M / T`. There is no limit of jerk.
 template <std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range = detail::NoPart,
@@ -201,45 +202,59 @@ class Governor {
     if (has_motion && ahead < T(0.01)) ahead = T(0.01);
     const JointTorque<N, T> asked = limits_.within(wish.torque, measured.dq);
     JointTorque<N, T> braked = asked;
+    [[maybe_unused]] JointTorque<N, T> bias;
+    if constexpr (has_motion) {
+      bias = bias_torque(model(), angles, measured.dq);
+      motion_.observe(m.motion, mass, bias, measured, last.torque, dt);
+    }
     if constexpr (has_contact || has_watch || has_tool || has_clearance) {
       const math::Ldlt<N, T> factors(mass.data);
       if (!factors.positive_definite()) return out;
+      const auto lead_to = [&](const JointVelocity<N, T>& from, const JointTorque<N, T>& net) {
+        JointAcceleration<N, T> given;
+        factors.solve(net.data, given.data);
+        return integrate(from, given, ahead);
+      };
       JointTorque<N, T> drive = asked - limits_.within(hold, measured.dq);
       if constexpr (has_motion) drive -= coriolis_torque(model(), angles, measured.dq);
-      JointAcceleration<N, T> given;
-      factors.solve(drive.data, given.data);
-      const JointVelocity<N, T> u = integrate(measured.dq, given, ahead);
-      T share(1);
+      JointVelocity<N, T> u = lead_to(measured.dq, drive), kept = u;
       if constexpr (has_contact) {
         const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
         out.status |= verdict.status;
-        share = verdict.scale;
+        if (verdict.scale < T(1)) kept = verdict.scale * u;
         stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
       }
+      // What the world does beside the torque: not for a contact, whose force it would hide.
+      if constexpr (has_motion && (has_tool || has_clearance)) {
+        const JointVelocity<N, T> world = lead_to({}, T(-1) * motion_.resistance(m.motion));
+        u += world, kept += world;
+      }
+      T share(1);
       if constexpr (has_watch) {
-        const T slow = watch_.share(m.watch, u);
+        const T slow = watch_.share(m.watch, kept);
         if (slow < share) share = slow;
       }
       if constexpr (has_tool) {
-        const T tool = tool_.share(measured.q, u, ahead);
+        const T tool = tool_.share(measured.q, kept, ahead);
         if (tool < T(1)) out.status |= Reason::tool_speed_limited;
         if (tool < share) share = tool;
       }
+      if (share < T(1)) kept = share * kept;
       if constexpr (has_clearance) {
-        const T clear = clearance_.share(measured.q, u, ahead);
-        if (clear < T(1)) out.status |= Reason::clearance_kept;
-        if (clear < share) share = clear;
+        const auto clear = clearance_.braked(measured.q, kept, ahead);
+        if (clear.limited) out.status |= Reason::clearance_kept;
+        kept = clear.velocity;
       }
-      if (share < T(1)) {
-        braked = asked - momentum_of<AllJoints<N>>(mass, u - share * u) * T(T(1) / ahead);
+      if (!(kept == u)) {
+        braked = asked - momentum_of<AllJoints<N>>(mass, u - kept) * T(T(1) / ahead);
         out.altered = true;
       }
     }
     if constexpr (has_motion) {
-      const auto kept = motion_.within(m.motion, limits_, mass, bias_torque(model(), angles, measured.dq),
-                                       measured, last.torque, braked, ahead, dt, rate);
-      out.status |= kept.status;
-      if (kept.altered) braked = kept.torque, out.altered = true;
+      const auto within =
+          motion_.within(m.motion, limits_, mass, bias, measured, last.torque, braked, ahead, dt, rate);
+      out.status |= within.status;
+      if (within.altered) braked = within.torque, out.altered = true;
     }
     if (out.altered) out.command.torque = limits_.within(braked, measured.dq);
     if (stopping)
@@ -324,26 +339,18 @@ class Governor {
 /// A governor from its parts, in any order; `limits` are those of resolver and guard.
 template <std::size_t N, Real T, class... Parts>
 [[nodiscard]] auto make_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
-  using namespace detail;
   static_assert(sizeof...(Parts) > 0, "a governor without parts: leave it out of the cycle");
-  static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts> || MotionPart<Parts> ||
-                  WatchPart<Parts> || ClearancePart<Parts>) &&
-                 ...),
-                "a governor takes JerkLimits, ToolSpeed, ClearanceLimits, ContactLimits, MotionLimits and "
-                "CoverageLimits");
-  static_assert(((int(JerkPart<Parts>) + ... + 0) <= 1) && ((int(ToolPart<Parts>) + ... + 0) <= 1) &&
-                    ((int(ContactPart<Parts>) + ... + 0) <= 1) && ((int(WatchPart<Parts>) + ... + 0) <= 1) &&
-                    ((int(ClearancePart<Parts>) + ... + 0) <= 1),
-                "a governor takes each part once; contact limits of all links belong into one");
-  return [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch,
-             const auto& clearance) {
-    using std::remove_cvref_t;
-    return Governor<N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
-                    remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>,
-                    remove_cvref_t<decltype(watch)>, remove_cvref_t<decltype(clearance)>>(
-        limits, jerk, tool, contact, motion, watch, clearance);
-  }(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...), pick<IsMotion>(parts...),
-         pick<IsWatch>(parts...), pick<IsClearance>(parts...));
+  detail::check_parts<Parts...>();
+  return detail::with_parts(
+      [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch,
+          const auto& clearance) {
+        using std::remove_cvref_t;
+        return Governor<N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
+                        remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>,
+                        remove_cvref_t<decltype(watch)>, remove_cvref_t<decltype(clearance)>>(
+            limits, jerk, tool, contact, motion, watch, clearance);
+      },
+      parts...);
 }
 
 SKINCTL_END_NAMESPACE

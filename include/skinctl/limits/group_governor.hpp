@@ -24,7 +24,8 @@ template <class Set, std::size_t N, Real T>
 /// Position and speed of joints by torque are limited by `MotionLimits`, as in a `Governor`.
 ///
 /// @tparam Sets  `JointGroups`.
-template <class Sets, std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range>
+template <class Sets, std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range, class Watch,
+          class Clear>
 class GroupGovernor {
   using Driven = typename Sets::Driven;
   using Groups = typename Sets::StiffGroups;
@@ -39,6 +40,8 @@ class GroupGovernor {
   static constexpr bool has_jerk = !std::is_same_v<Jerk, detail::NoPart>;
   static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
   static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
+  static constexpr bool has_watch = !std::is_same_v<Watch, detail::NoPart>;
+  static constexpr bool has_clearance = !std::is_same_v<Clear, detail::NoPart>;
   static constexpr bool has_driven = Driven::count > 0;
   /// The number of cycles of the prediction of torques, and of braking by them.
   static constexpr int braking_cycles = 4;
@@ -78,22 +81,28 @@ class GroupGovernor {
   struct Memory {
     typename All::Memory stiff;
     [[no_unique_address]] typename Contact::Memory contact;
+    [[no_unique_address]] typename Watch::Memory watch;
     [[no_unique_address]] typename Range::Memory motion;
   };
 
   SKINCTL_COLD GroupGovernor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
-                             const Contact& contact, const Range& motion)
+                             const Contact& contact, const Range& motion, const Watch& watch,
+                             const Clear& clearance)
       : limits_(limits),
         jerk_(jerk),
         tool_(tool),
         contact_(contact),
         motion_(motion),
+        watch_(watch),
+        clearance_(clearance),
         parts_(All::make(limits, jerk)) {}
 
   [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
   [[nodiscard]] const Jerk& jerk() const noexcept { return jerk_; }
   [[nodiscard]] const Tool& tool() const noexcept { return tool_; }
   [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
+  [[nodiscard]] const Watch& watch() const noexcept { return watch_; }
+  [[nodiscard]] const Clear& clearance() const noexcept { return clearance_; }
 
   /// The command in place of `wish`, as `Governor::step` and `Governor::step_torque`.
   ///
@@ -132,9 +141,11 @@ class GroupGovernor {
         const JointAngles<std::remove_cvref_t<decltype(motion_.model())>, T> angles(motion_.model(),
                                                                                     measured.q);
         mass = mass_matrix(motion_.model(), angles);
+        const auto bias = bias_torque(motion_.model(), angles, measured.dq);
+        const auto acted = Driven::of(last.torque);
+        motion_.observe(m.motion, mass, bias, measured, acted, dt);
         const auto kept =
-            motion_.within(m.motion, limits_, mass, bias_torque(motion_.model(), angles, measured.dq),
-                           measured, Driven::of(last.torque),
+            motion_.within(m.motion, limits_, mass, bias, measured, acted,
                            Driven::of(limits_.within(out.command.torque, measured.dq)), ahead, dt, rate);
         Driven::put(kept.u, u);
         out.status |= kept.status;
@@ -153,6 +164,10 @@ class GroupGovernor {
       if (verdict.scale < T(1)) slowed = true, u = verdict.scale * u;
       stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
     }
+    if constexpr (has_watch) {
+      const T share = watch_.share(m.watch, u);
+      if (share < T(1)) slowed = true, u = share * u;
+    }
     const auto room = limits_.room(q);
     if constexpr (has_tool) {
       JointVelocity<N, T> reached = u;
@@ -161,21 +176,43 @@ class GroupGovernor {
       u = kept.velocity;
       if (kept.limited) out.status |= Reason::tool_speed_limited, slowed = true;
     }
+    if constexpr (has_clearance) {
+      if constexpr (has_driven) {  // they follow their torques later than the others their commands
+        const T share = clearance_.share(q, u, ahead);
+        if (share < T(1)) out.status |= Reason::clearance_kept, slowed = true, u = share * u;
+      }
+      JointVelocity<N, T> reached = u;
+      if (slowed) reached = limits_.move(room, from, u, dt).velocity;
+      const auto kept = clearance_.within(q, room, from, reached, dt, [&](const JointVelocity<N, T>& v) {
+        if constexpr (has_tool) {
+          return tool_.keeps(q, v, integrate(JointPosition<N, T>(), from + v, T(T(0.5) * dt)), room);
+        } else {
+          return true;
+        }
+      });
+      u = kept.velocity;
+      if (kept.limited) out.status |= Reason::clearance_kept, slowed = true;
+    }
     if (has_jerk || slowed) {
       const Memory before = m;
       const Status given = out.status;
       follow<has_jerk>(m, last, u, spans, out);
-      if constexpr (has_tool && has_jerk) {
-        // A jerk limit that would make the tool too fast gives way.
+      if constexpr ((has_tool || has_clearance) && has_jerk) {
+        // A jerk limit that would make the tool too fast, or bring links too close, gives way.
         JointPosition<N, T> way = integrate(JointPosition<N, T>(), from + u, T(T(0.5) * dt));
         JointVelocity<N, T> v = u;
         each([&](auto k) {
           Set<k.value>::put(Set<k.value>::of(out.command.position - last.position), way);
           Set<k.value>::put(Set<k.value>::of(out.command.velocity), v);
         });
-        if (!tool_.keeps(q, v, way, room)) {
+        Status lost;
+        if constexpr (has_tool)
+          if (!tool_.keeps(q, v, way, room)) lost |= Reason::tool_speed_limited;
+        if constexpr (has_clearance)
+          if (!clearance_.keeps(q, v, way, room)) lost |= Reason::clearance_kept;
+        if (lost.any()) {
           m.stiff = before.stiff;
-          out.status = given | Reason::tool_speed_limited | Status(Reason::jerk_exceeded);
+          out.status = given | lost | Status(Reason::jerk_exceeded);
           follow<false>(m, last, u, spans, out);
         }
       }
@@ -236,24 +273,25 @@ class GroupGovernor {
   [[no_unique_address]] Tool tool_;
   [[no_unique_address]] Contact contact_;
   [[no_unique_address]] Range motion_;
+  [[no_unique_address]] Watch watch_;
+  [[no_unique_address]] Clear clearance_;
   typename All::Parts parts_;
 };
 
 /// As `make_governor`, for a robot in groups; for joints by torque `parts` hold their `MotionLimits`.
 template <class Sets, std::size_t N, Real T, class... Parts>
 [[nodiscard]] auto make_group_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
-  using namespace detail;
-  static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts> || MotionPart<Parts>) && ...),
-                "a governor takes JerkLimits, ToolSpeed, ContactLimits and MotionLimits");
-  static_assert(((int(JerkPart<Parts>) + ... + 0) <= 1) && ((int(ToolPart<Parts>) + ... + 0) <= 1) &&
-                    ((int(ContactPart<Parts>) + ... + 0) <= 1),
-                "a governor takes each part once; contact limits of all links belong into one");
-  return [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion) {
-    using std::remove_cvref_t;
-    return GroupGovernor<Sets, N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
-                         remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>>(
-        limits, jerk, tool, contact, motion);
-  }(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...), pick<IsMotion>(parts...));
+  detail::check_parts<Parts...>();
+  return detail::with_parts(
+      [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch,
+          const auto& clearance) {
+        using std::remove_cvref_t;
+        return GroupGovernor<Sets, N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
+                             remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>,
+                             remove_cvref_t<decltype(watch)>, remove_cvref_t<decltype(clearance)>>(
+            limits, jerk, tool, contact, motion, watch, clearance);
+      },
+      parts...);
 }
 
 SKINCTL_END_NAMESPACE

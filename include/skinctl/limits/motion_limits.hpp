@@ -55,18 +55,43 @@ class MotionLimits {
   explicit MotionLimits(const M& model) : model_(model) {}
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
+  /// Takes down, once a cycle, what has resisted the last torque; the parameters are those of `within`.
+  SKINCTL_INLINE void observe(Memory& m, const MassMatrix<joints, T>& mass,
+                              const JointTorque<joints, T>& bias, const State<joints, T>& measured,
+                              const Torque& last, const T& dt) const noexcept {
+    const JointVelocity<n, T> dq = Set::of(measured.dq);
+    m.resists[2] = m.resists[1];
+    m.resists[1] = m.resists[0];
+    m.resists[0] = {};
+    if (m.known) {
+      const Torque gained = momentum_of<Set>(mass, measured.dq - whole(m.dq)), still = Set::of(bias);
+      for (std::size_t i = 0; i < n; ++i) m.resists[0][i] = last[i] - still[i] - gained[i] / dt;
+    }
+    m.dq = dq;
+    m.known = true;
+  }
+  /// r: the least of the last cycles that resists or pushes, 0 if it did both.
+  [[nodiscard]] SKINCTL_INLINE Torque resistance(const Memory& m) const noexcept {
+    Torque r;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto [least, most] = spread(m, i, T(1));
+      r[i] = least > T(0) ? least : (most < T(0) ? most : T(0));
+    }
+    return r;
+  }
+
   /// The torques of the joints of `Set` nearest to `asked` that keep the limits.
   ///
   /// @param mass   M(q) of all joints; if it is not positive definite (a link without inertia, a NaN), the
   ///               motion cannot be predicted and the torque passes.
   /// @param bias   `C dq + G` of all joints.
-  /// @param last   the torque that acted since the last cycle.
+  /// @param last   the torque that acted since the last cycle. `observe` has been told.
   /// @param ahead  the time t of the prediction [s].
   /// @param dt     seconds since the last cycle, > 0.
   /// @param rate   fastest change of a torque that the guard allows, in units of its limit per second. A joint that
   ///               cannot be braked as fast as it should be keeps what it has, and the others are braked for
   ///               that: cut afterwards, joint by joint, their torques would no longer suit each other.
-  [[nodiscard]] SKINCTL_NOINLINE Kept within(Memory& m, const JointLimits<joints, T>& limits,
+  [[nodiscard]] SKINCTL_NOINLINE Kept within(const Memory& m, const JointLimits<joints, T>& limits,
                                              const MassMatrix<joints, T>& mass,
                                              const JointTorque<joints, T>& bias,
                                              const State<joints, T>& measured, const Torque& last,
@@ -95,7 +120,6 @@ class MotionLimits {
       from[i] = detail::clamp(asked[i], least[i], most[i]);
     }
     const Torque still = Set::of(bias);
-    resist(m, own, still, dq, last, dt);
     Torque net;
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t k = Set::index[i];
@@ -104,8 +128,6 @@ class MotionLimits {
                         : T(-left(m, i, T(-1), T(-d), T(-lower[i]), T(-dq[i]), V,
                                   T(limits.lower()[k] - measured.q[k])));
     }
-    m.dq = dq;
-    m.known = true;
     const math::Ldlt<n, T> factors(own.data);
     if (!factors.positive_definite()) return out;
     const auto lead_to = [&] {
@@ -141,18 +163,24 @@ class MotionLimits {
   }
 
  private:
-  /// Takes down what has resisted the last torque.
-  SKINCTL_INLINE void resist(Memory& m, const MassMatrix<n, T>& own, const Torque& still,
-                             const JointVelocity<n, T>& dq, const Torque& last, const T& dt) const noexcept {
-    m.resists[2] = m.resists[1];
-    m.resists[1] = m.resists[0];
-    m.resists[0] = {};
-    if (!m.known) return;
-    for (std::size_t i = 0; i < n; ++i) {
-      T r = last[i] - still[i];
-      for (std::size_t j = 0; j < n; ++j) r -= own(i, j) * (dq[j] - m.dq[j]) / dt;
-      m.resists[0][i] = r;
+  [[nodiscard]] static SKINCTL_INLINE JointVelocity<joints, T> whole(
+      const JointVelocity<n, T>& part) noexcept {
+    JointVelocity<joints, T> out;
+    Set::put(part, out);
+    return out;
+  }
+  struct Spread {
+    T least, most;
+  };
+  /// Of the last cycles' r of a joint towards the side `to`.
+  [[nodiscard]] static SKINCTL_INLINE Spread spread(const Memory& m, std::size_t i, const T& to) noexcept {
+    Spread out{T(to * m.resists[0][i]), T(to * m.resists[0][i])};
+    for (int k = 1; k < 3; ++k) {
+      const T r = to * m.resists[k][i];
+      out.least = r < out.least ? r : out.least;
+      out.most = r > out.most ? r : out.most;
     }
+    return out;
   }
   /// What resistance leaves of the drive `d` > 0 of a joint to the side `to`: it can stop it, not turn it.
   ///
@@ -165,12 +193,7 @@ class MotionLimits {
   [[nodiscard]] static SKINCTL_INLINE T left(const Memory& m, std::size_t i, const T& to, const T& d,
                                              const T& may, const T& v, const T& V, const T& beyond) noexcept {
     const T excess = v - may, creep = V / T(128), deepest = T(1e-3) * V;
-    T least = to * m.resists[0][i], most = least;
-    for (int k = 1; k < 3; ++k) {
-      const T r = to * m.resists[k][i];
-      least = r < least ? r : least;
-      most = r > most ? r : most;
-    }
+    const auto [least, most] = spread(m, i, to);
     if (most < T(0))  // it pushes on
       return excess > T(0) ? T(d - most * (excess < creep ? T(excess / creep) : T(1))) : d;
     if (!(least > T(0)) || beyond >= deepest) return d;

@@ -83,22 +83,26 @@ class Ldlt {
   }
 
  private:
+  static constexpr std::size_t few = 8;
   /// `f` of the indices below `k`, and of those above it: straight-line code for a few unknowns.
   template <class K, class F>
   static SKINCTL_INLINE constexpr void below(K k, F&& f) noexcept {
     if constexpr (std::is_same_v<K, std::size_t>) {
       for (std::size_t i = 0; i < k; ++i) f(i);
+    } else if constexpr (K::value > few) {
+      for (std::size_t i = 0; i < K::value; ++i) f(i);
     } else {
-      skinctl::detail::for_each_of_few<K::value>(f);
+      skinctl::detail::call_with(std::make_index_sequence<K::value>{}, f);
     }
   }
   template <class K, class F>
   static SKINCTL_INLINE constexpr void above(K k, F&& f) noexcept {
     if constexpr (std::is_same_v<K, std::size_t>) {
       for (std::size_t i = k + 1; i < N; ++i) f(i);
+    } else if constexpr (N - 1 - K::value > few) {
+      for (std::size_t i = K::value + 1; i < N; ++i) f(i);
     } else {
-      skinctl::detail::for_each_of_few<N - 1 - K::value>([&](std::size_t i)
-                                                             SKINCTL_INLINE_LAMBDA { f(K::value + 1 + i); });
+      skinctl::detail::call_with<K::value + 1>(std::make_index_sequence<N - 1 - K::value>{}, f);
     }
   }
   static SKINCTL_INLINE constexpr bool all_of(const auto& good) noexcept {

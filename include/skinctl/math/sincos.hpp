@@ -82,21 +82,21 @@ template <std::size_t N, class Policy = Fast, Scalar T>
 SKINCTL_INLINE void sincos(const T* x, T* sin, T* cos) noexcept {
   using skinctl::detail::unrolled;
   if constexpr (std::is_same_v<Policy, Libm> || N == 1 || !(detail::has_kernel<T> || is_lane<T>)) {
-    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA {
+    unrolled<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
       const SinCos<T> y = sincos<Policy>(x[i]);
       sin[i] = y.sin;
       cos[i] = y.cos;
     });
   } else if constexpr (is_lane<T>) {
     T sines[N], cosines[N], angles[N];
-    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { angles[i] = x[i]; });
+    unrolled<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { angles[i] = x[i]; });
     detail::sincos_lanes(angles, sines, cosines);
-    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { sin[i] = sines[i], cos[i] = cosines[i]; });
+    unrolled<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { sin[i] = sines[i], cos[i] = cosines[i]; });
   } else if constexpr (constexpr std::size_t W = detail::row_lanes<T, N>; N < W) {
     T angles[W] = {}, sines[W], cosines[W];
-    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { angles[i] = x[i]; });
+    unrolled<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { angles[i] = x[i]; });
     sincos<W>(angles, sines, cosines);
-    unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { sin[i] = sines[i], cos[i] = cosines[i]; });
+    unrolled<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { sin[i] = sines[i], cos[i] = cosines[i]; });
   } else {
     detail::sincos_row<N>(
         [&](std::size_t start) SKINCTL_INLINE_LAMBDA { return Lane<T, W>::load(x + start); }, sin, cos);

@@ -146,6 +146,12 @@ class GroupResolver {
     m.stop = true;
     each([&](auto k) { m.template group<k.value>().stop = true; });
   }
+  [[nodiscard]] static bool stops(const Memory& m) noexcept { return m.stop; }
+  /// Ends a stop that was not the user's: displaced joints wait on.
+  static void go_on(Memory& m) noexcept {
+    m.stop = false;
+    each([&](auto k) { m.template group<k.value>().stop = false; });
+  }
   /// Ends a stop; as `Resolver::resume` for a displaced robot.
   void resume(Memory& m) const noexcept {
     m.stop = false;

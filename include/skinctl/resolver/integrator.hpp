@@ -24,10 +24,10 @@ struct CrankNicolson {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.middle = true};
   static constexpr bool midpoint = true;
-  /// Of a number, or of a row of joints.
+  /// Of numbers, or of rows of joints: `b = h B` >= 0, `m` = M > 0. With one division: it is waited for.
   template <class Z>
-  static SKINCTL_INLINE Z weight(const Z& z) noexcept {
-    return (z * (z + Z(2)) + Z(3)) / (z * (z + Z(3)) + Z(6));
+  static SKINCTL_INLINE Z weight(const Z& b, const Z& m) noexcept {
+    return (b * (b + Z(2) * m) + Z(3) * (m * m)) / (b * (b + Z(3) * m) + Z(6) * (m * m));
   }
 };
 
@@ -38,7 +38,7 @@ struct ImplicitFriction {
   static constexpr Needs needs{.angles = true};
   static constexpr bool midpoint = false;
   template <class Z>
-  static SKINCTL_INLINE Z weight(const Z&) noexcept {
+  static SKINCTL_INLINE Z weight(const Z&, const Z&) noexcept {
     return Z(1);
   }
 };
@@ -51,9 +51,9 @@ struct SemiImplicitEuler {
   static constexpr Needs needs{.angles = true};
   static constexpr bool midpoint = false;
   template <class Z>
-  static SKINCTL_INLINE Z weight(const Z& z) noexcept {
-    const auto fast = z > Z(1);
-    return select(fast, Z(1) - Z(1) / select(fast, z, Z(1)), Z(0.0));
+  static SKINCTL_INLINE Z weight(const Z& b, const Z& m) noexcept {
+    const auto fast = b > m;
+    return select(fast, Z(1) - m / select(fast, b, Z(1)), Z(0.0));
   }
 };
 
@@ -97,6 +97,19 @@ SKINCTL_NOINLINE void add_damping(const ContactDamping<N, T>& damping, const T& 
       impulse[i] = impulse[i] - r * speed;
       for (std::size_t j = 0; j < S::count; ++j) m(i, j) = m(i, j) + r * damping.row[k][S::index[j]];
     }
+  }
+}
+
+/// The velocities `v` of all joints, those of `S` changed by `dv`.
+template <class S, std::size_t N, Real T>
+[[nodiscard]] SKINCTL_INLINE JointVelocity<N, T> moved_by(const JointVelocity<N, T>& v,
+                                                          const Row<S::count, T>& dv) noexcept {
+  if constexpr (S::is_all) {
+    return JointVelocity<N, T>(Row<N, T>(v) + dv);
+  } else {
+    JointVelocity<N, T> out = v;
+    S::put(JointVelocity<S::count, T>(Row<S::count, T>(S::of(v)) + dv), out);
+    return out;
   }
 }
 
@@ -159,7 +172,9 @@ template <class Policy, class S, class K, Real T>
 }
 
 /// The velocity after `h` seconds of `m dv = tau - bias - B v - tau_c(v) + m pull`; see `step_velocity`.
-/// `more(m, impulse)` adds further friction.
+///
+/// `pull` and the damping in proportion to `m` move all joints from v to `v + free`, whatever `m` is; forces and
+/// friction act from there, so that no product with `m` is needed. `more(m, impulse, free)` adds further friction.
 template <class Policy, std::size_t n, Real T, class More>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<n, T> solve_step(MassMatrix<n, T>& m, const JointTorque<n, T>& bias,
                                                            const JointVelocity<n, T>& v,
@@ -167,32 +182,34 @@ template <class Policy, std::size_t n, Real T, class More>
                                                            bool has_coulomb, const JointTorque<n, T>& tau,
                                                            const JointAcceleration<n, T>& pull, const T& h,
                                                            const More& more) noexcept {
-  // h times the acceleration that does not depend on M
-  const JointAcceleration<n, T> free(h * (pull - shape.damping * Row<n, T>(v)));
-  JointTorque<n, T> impulse = m * free;
-  const T decayed = T(1) + Policy::weight(T(h * shape.damping)) * (h * shape.damping);
   using R = Row<n, T>;
-  const R b = h * R(shape.viscous), own = R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return m(i, i); });
-  const auto moves = own > R(T(0));
-  const R kept = Policy::weight(select(moves, b / select(moves, own, T(1)), T(0))) * b;
-  const R driven = h * (R(tau) - R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return bias[i]; })) - b * R(v);
+  const T decay = h * shape.damping, decayed = T(1) + Policy::weight(decay, T(1)) * decay;
+  const R free = T(h / decayed) * (R(pull) - shape.damping * R(v)), begin = R(v) + free;
+  const R b = h * R(shape.viscous);
+  T kept[n];  // joint by joint: the tip's inertia is known long before that of the base
   for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-    impulse[i] = impulse[i] + driven[i];
+    const T own = m(i, i) > T(0) ? m(i, i) : T(1);
+    kept[i] = Policy::weight(b[i], own) * b[i];
+  });
+  const R driven = h * (R(tau) - R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return bias[i]; })) - b * R(v);
+  JointTorque<n, T> impulse(driven - R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return kept[i]; }) * free);
+  for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     for_each_index<n>([&](std::size_t j) SKINCTL_INLINE_LAMBDA { m(i, j) = m(i, j) * decayed; });
     m(i, i) = m(i, i) + kept[i];
   });
-  more(m, impulse);
-  VelocityStep<n, T> out;
+  more(m, impulse, free);
   const math::detail::OneSystem<n, T> factors(m.data);
-  out.singular = !factors.positive_definite();
-  if (out.singular) [[unlikely]] {
-    out.velocity = v;
-  } else {
-    T dv[n];
-    factors.solve(impulse.data, dv);
-    out.velocity = JointVelocity<n, T>(R(v) + R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return dv[i]; }));
-    if (has_coulomb) stick_or_slip(m, h * shape.coulomb, impulse, v, out.velocity);
-  }
+  if (!factors.positive_definite()) [[unlikely]]
+    return {v, true};
+  T dv[n];
+  factors.solve(impulse.data, dv);
+  const R moved = begin + R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return dv[i]; });
+  if (!has_coulomb) return {JointVelocity<n, T>(moved), false};
+  // On copies: what a call may read cannot stay in registers above.
+  const MassMatrix<n, T> mass = m;
+  const JointTorque<n, T> whole = impulse;
+  VelocityStep<n, T> out{JointVelocity<n, T>(moved), false};
+  stick_or_slip(mass, h * shape.coulomb, whole, JointVelocity<n, T>(begin), out.velocity);
   return out;
 }
 
@@ -226,12 +243,12 @@ template <class Policy, class S, class K, Real T, class Tool>
     if constexpr (!S::is_all) terms.coriolis += reaction;
     const JointTorque<n, T> drag = terms.friction * JointAcceleration<n, T>(h * Row<n, T>(v));
     return solve_step<Policy>(terms.mass, terms.coriolis, v, shape, has_coulomb, tau, pull, h,
-                              [&](auto& mass, auto& impulse) SKINCTL_INLINE_LAMBDA {
-                                impulse -= drag;
+                              [&](auto& mass, auto& impulse, const auto& free) SKINCTL_INLINE_LAMBDA {
+                                impulse -= drag + terms.implicit * JointAcceleration<n, T>(free);
                                 for (std::size_t i = 0; i < n * n; ++i)
                                   mass.data[i] = mass.data[i] + terms.implicit.data[i];
                                 if (damping != nullptr)
-                                  add_damping<S>(*damping, h, known.dq(), mass, impulse);
+                                  add_damping<S>(*damping, h, moved_by<S>(known.dq(), free), mass, impulse);
                               });
   };
   if constexpr (Policy::midpoint) {
@@ -264,6 +281,8 @@ template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
     if (!has_coulomb && damping == nullptr && runge_kutta<S>(known, shape, tau, pull, driven, out.velocity))
       return out;
   }
+  JointTorque<n, T> bias;
+  if constexpr (!shaped) bias = S::of(bias_where<Policy, S, K, T>(known, last));
   MassMatrix<K::joints, T> whole = mass_where<Policy, shaped>(known);
   JointTorque<n, T> reaction;
   if constexpr (!S::is_all)
@@ -273,12 +292,11 @@ template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
     if constexpr (shaped) {
       return step_shaped<Policy, S>(known, shape, has_coulomb, tau, pull, last, damping, tool, m, reaction);
     } else {
-      JointTorque<n, T> bias = S::of(bias_where<Policy, S, K, T>(known, last));
       if constexpr (!S::is_all) bias += reaction;
       return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, h,
-                                [&](auto& mass, auto& impulse) SKINCTL_INLINE_LAMBDA {
+                                [&](auto& mass, auto& impulse, const auto& free) SKINCTL_INLINE_LAMBDA {
                                   if (damping != nullptr)
-                                    add_damping<S>(*damping, h, known.dq(), mass, impulse);
+                                    add_damping<S>(*damping, h, moved_by<S>(known.dq(), free), mass, impulse);
                                 });
     }
   };

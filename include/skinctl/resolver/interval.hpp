@@ -20,7 +20,9 @@ struct Interval {
 
   /// Begin of sub-step `j`; `at(substeps)` is the end.
   [[nodiscard]] constexpr Nanoseconds at(unsigned j) const noexcept {
-    return substeps == 0 ? to : from + (to - from) / substeps * j + (to - from) % substeps * j / substeps;
+    if (j >= substeps) return to;  // most cycles have few sub-steps: without the divisions
+    if (j == 0) return from;
+    return from + (to - from) / substeps * j + (to - from) % substeps * j / substeps;
   }
 };
 

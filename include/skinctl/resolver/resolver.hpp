@@ -21,6 +21,11 @@ struct Resolved {
   Status status;
   std::array<JointTorque<N, T>, Terms> shares;
   JointTorque<N, T> fallback;
+
+  /// Member by member: GCC would first zero an aggregate of this size, by an instruction that starts slowly.
+  SKINCTL_INLINE Resolved(const JointCommand<N, T>& given, Status found,
+                          const std::array<JointTorque<N, T>, Terms>& parts) noexcept
+      : command(given.copy()), status(found), shares(parts) {}
 };
 
 /// In place of pressed areas: the resolver takes the contacts from the wrenches of the touch.
@@ -54,7 +59,7 @@ struct Asked {
 ///   does not change. It ends when the robot is back with q^ and is no longer pushed in the blocked
 ///   direction, or after `retry`.
 /// - A robot that stands beside its commands by a gap that they do not explain is displaced: v is braked to
-///   zero and the law's memory does not change until `resume`, which takes the gap, up to 0.15 rad, off the
+///   zero and the law's memory does not change until `resume`, which takes the gap, up to `largest_gap`, off the
 ///   measurements.
 /// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory does not change.
 /// - `Keeper` names further parts that watch over energy and contacts: see `Passivity`.
@@ -124,7 +129,7 @@ class Resolver {
   }
   /// The same of a robot that was told to be at `told` and stands beside it (a servo that droops, encoders that
   /// are off): the first command is `told`, so that the robot does not step, and the gap is taken off the
-  /// measurements. More than 0.15 rad of one joint: the memory has not been started.
+  /// measurements. More than `largest_gap` of one joint: the memory has not been started.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured,
                                           const JointPosition<joints, T>& told) const noexcept
     requires(I == Interface::position)
@@ -207,6 +212,7 @@ class Resolver {
   template <class Pressed>
   SKINCTL_INLINE Status watch(Memory& m, const Pressed& pressed, const T& dt) const noexcept;
   SKINCTL_INLINE bool affords(const Memory& m, Velocity& v) const noexcept;
+  Torque weight(const Memory& m) const noexcept;
   template <class L, class Touch>
   Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
                   const State<joints, T>& state, const JointAcceleration<joints, T>& pull, const T& h,

@@ -22,6 +22,9 @@ struct CommandsUnderWay {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
   Nanoseconds now{};            ///< time for which `reached` has been computed
+  Nanoseconds span{};           ///< the last step of `reached`: most are alike
+  T lag = T(0);                 ///< by which it followed then
+  T decay = T(1);               ///< of that lag in that step
   JointPosition<N, T> reached;  ///< position of the declared robot at `now`
 };
 
@@ -112,10 +115,14 @@ class JointServo {
     const T dt = seconds<T>(end - m.now);
     // Below a ten-thousandth of the step a lag cannot be told from none.
     const bool lags = lag_ * T(1e4) > dt;
-    const T decay = lags ? T(exp(-dt / lag_)) : T(0);
+    if (end - m.now != m.span || lag_ != m.lag) {
+      m.span = end - m.now;
+      m.lag = lag_;
+      m.decay = lags ? T(exp(-dt / lag_)) : T(0);
+    }
     const T behind = lags ? lag_ : T(0);
     const R last_goal = goal - slope * dt, lead = slope * behind;
-    (goal - lead + (m.reached - last_goal + lead) * decay).store(m.reached);
+    (goal - lead + (m.reached - last_goal + lead) * m.decay).store(m.reached);
     m.now = end;
   }
 

@@ -115,7 +115,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
       const Interval& interval, std::span<const Touch> touches, const Check& check = {},
       [[maybe_unused]] const Pressed& pressed = {}) const noexcept {
-    Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
+    Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}};
     if (!m.started) return out;
     if (interval.substeps == 0) {
       m.odd = detail::odd_time_of(interval);

@@ -212,7 +212,7 @@ template <Interface I, LinkMask ByTorque, Real T, RobotModel M, class... Parts>
   driven.viscous_friction = c.viscous;
   driven.substep = c.stiff.substep;
   driven.longest_interval = c.stiff.longest_interval;
-  driven.stale_after = c.stiff.stale_after.value_or(5 * c.stiff.total_delay());
+  driven.stale_after = c.stiff.stale();
   driven.torque_rate = c.stiff.torque_rate;
   return by_groups(model, JointGroup<I, Driven::Others::set, T>{c.stiff},
                    JointGroup<Interface::torque, ByTorque, T>{driven}, parts...);

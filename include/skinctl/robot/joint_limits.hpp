@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
@@ -11,13 +12,18 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Largest speed from which a joint that brakes with `deceleration` > 0 after `reaction` >= 0 seconds stops
-/// within `distance`: the root of `u^2 / (2 a) + u t = d`. Zero for distances <= 0.
+/// within `distance`: the root of `u^2 / (2 a) + u t = d`. Zero for distances <= 0 and NaN, and where the numbers leave
+/// the range of `T` on the way: never more than the root, never NaN.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T speed_to_stop(const T& distance, const T& reaction,
                                              const T& deceleration) noexcept {
   using std::sqrt;
-  if (!(distance > T(0))) return T(0);
-  return T(2) * distance / (reaction + sqrt(reaction * reaction + T(2) * distance / deceleration));
+  // Farther than this, twice the distance may overflow: any such speed stops within it.
+  constexpr T far = std::numeric_limits<T>::max_exponent10 < 100 ? T(1e18) : T(1e150);
+  const T d = distance < far ? distance : far;
+  const T square = T(2) * d / deceleration;
+  const T time = reaction + sqrt(reaction * reaction + square);
+  return distance > T(0) && square >= std::numeric_limits<T>::min() ? T(T(2) * d / time) : T(0);
 }
 
 /// The share of the acceleration limit used to plan braking before a position limit; the remainder covers
@@ -75,6 +81,7 @@ class JointLimits {
             "> 0 N m, finite");
       check(values.power[i] > T(0), "power limit", values.power[i], "> 0 W");
       has_power_ = has_power_ || values.power[i] <= big;
+      stop_per_square_[i] = T(1) / (T(2) * values.acceleration[i]);
     }
   }
 
@@ -89,6 +96,11 @@ class JointLimits {
   [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque() const noexcept { return values_.torque; }
   [[nodiscard]] SKINCTL_INLINE const JointPower<N, T>& power() const noexcept { return values_.power; }
   [[nodiscard]] const Values& values() const noexcept { return values_; }
+  /// The distances in which joints stop from the speeds `u` at their acceleration limits, `u^2 / (2 a)`.
+  [[nodiscard]] SKINCTL_INLINE detail::Row<N, T> stopping_distance(
+      const detail::Row<N, T>& u) const noexcept {
+    return u * u * stop_per_square_;
+  }
 
   /// Distances from `q` to the position limits.
   [[nodiscard]] SKINCTL_INLINE JointRoom<N, T> room(const JointPosition<N, T>& q) const noexcept {
@@ -128,15 +140,16 @@ class JointLimits {
                                                         const T& h) const noexcept {
     using R = detail::Row<N, T>;
     const R limit = values_.velocity, a = values_.acceleration, from = u0, zero = T(0);
-    const R dv = a * R(h), half = T(0.5) * h, brake = a * R(braking_share<T>);
+    const R dv = a * R(h), half = T(0.5) * h, rounding = T(1) / braking_share<T>;
     const R wish = select(R(target) == R(target), target, zero);
     R u = clamp(wish, -limit, limit);
     JointMotion<N, T> out;
     if (any(u != wish)) out.status |= Reason::velocity_limited;
     // Braking is computed only where the highest speed that this step can reach may not stop in time.
     const R up = from + dv, down = dv - from, above = room.above, below = room.below;
-    const auto near_above = (up > zero) & !(half * (from + up) + up * up / (T(2) * brake) < above);
-    const auto near_below = (down > zero) & !(half * (down - from) + down * down / (T(2) * brake) < below);
+    const auto near_above = (up > zero) & !(half * (from + up) + rounding * stopping_distance(up) < above);
+    const auto near_below =
+        (down > zero) & !(half * (down - from) + rounding * stopping_distance(down) < below);
     if (any(near_above | near_below)) [[unlikely]] {
       u.store(out.velocity);
       out.braked = slow_down(near_above.bits(), near_below.bits(), room, u0, h, out.velocity);
@@ -146,7 +159,7 @@ class JointLimits {
     const R reached = clamp(u, from - dv, up);
     if (any(reached != u)) out.status |= Reason::acceleration_limited;
     // A joint that stops within the step may stop earlier than at the end of a straight velocity profile.
-    const R stop = from * from / (T(2) * a);
+    const R stop = stopping_distance(from);
     const R most = select((from > zero) & (stop > above), stop, select(above > zero, above, zero));
     const R least = select((from < zero) & (stop > below), stop, select(below > zero, below, zero));
     clamp(half * (from + reached), -least, most).store(out.displacement);
@@ -179,6 +192,8 @@ class JointLimits {
   }
 
   Values values_;
+  JointAcceleration<N, T>
+      stop_per_square_;  ///< 1 / (2 a) [s^2/rad]: of a speed, to the distance in which it stops
   bool has_power_ = false;
 };
 

@@ -61,6 +61,9 @@ struct RobotConfiguration {
   /// The largest rate of the torque that laws ask for by themselves, in torque limits per second; torques that
   /// answer touch are not delayed.
   T torque_rate = T(50);
+  /// The largest gap between commands and measurements [rad] to which a user can agree, and from which a scene can
+  /// start; 0 to 0.5. A displaced robot with a larger one holds until it has been mended.
+  T largest_gap = T(0.15);
 
   /// The virtual inertia, damping and friction together.
   [[nodiscard]] VirtualDynamics<N, T> virtual_dynamics() const noexcept {
@@ -76,6 +79,11 @@ struct RobotConfiguration {
   [[nodiscard]] constexpr Nanoseconds total_delay() const noexcept { return delay + lag + period; }
   [[nodiscard]] constexpr Nanoseconds longest() const noexcept {
     return longest_interval.value_or(5 * period);
+  }
+  /// After how long without a state the robot brakes: `stale_after`, or five times T, 10 s at most.
+  [[nodiscard]] constexpr Nanoseconds stale() const noexcept {
+    const Nanoseconds usual = 5 * total_delay();
+    return stale_after.value_or(usual < Nanoseconds(10s) ? usual : Nanoseconds(10s));
   }
   /// e_max [rad].
   [[nodiscard]] JointPosition<N, T> largest_lead() const noexcept {
@@ -118,11 +126,12 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(c.max_lead >= T(1.2) && c.max_lead <= T(100), "max_lead", number(c.max_lead), "1.2 to 100 v_max T");
   require(c.torque_rate > T(0) && c.torque_rate <= T(1e6), "torque rate", number(c.torque_rate),
           "> 0, <= 1e6 torque limits per second");
+  require(c.largest_gap >= T(0) && c.largest_gap <= T(0.5), "largest gap", number(c.largest_gap),
+          "0 to 0.5 rad");
   require(c.retry > 0ns && c.retry <= 3600s, "retry", seconds<double>(c.retry), "> 0, <= 3600 s");
   require(c.longest() >= c.period && c.longest() <= 1s + 10 * c.period, "longest interval", ms(c.longest()),
           ">= period, <= 1 s + 10 periods, in ms");
-  const Nanoseconds stale = c.stale_after.value_or(5 * total);
-  require(stale >= c.period && stale <= 10s, "stale after", ms(stale), ">= period, <= 10 000 ms");
+  require(c.stale() >= c.period && c.stale() <= 10s, "stale after", ms(c.stale()), ">= period, <= 10 000 ms");
   require(c.virtual_damping >= T(0) && c.virtual_damping <= T(1e4), "virtual damping",
           number(c.virtual_damping), "0 to 1e4 1/s");
   const JointPosition<N, T> band = c.tolerance_of_lag(), lead = c.largest_lead();

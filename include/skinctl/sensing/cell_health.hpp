@@ -4,10 +4,13 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <span>
 #include <vector>
 
 #include "skinctl/core/contract.hpp"
+#include "skinctl/core/detail/lane_vector.hpp"
 #include "skinctl/sensing/cell_fault.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/detail/frame_scan.hpp"
@@ -64,14 +67,23 @@ struct CellHealthSettings {
 namespace detail {
 /// The last message of a cell, and how often it has come.
 struct MessageRecord {
-  std::array<std::uint16_t, 3> force{};  ///< in steps
-  std::array<std::uint16_t, 3> equal{};  ///< so many times in a row
-  std::uint32_t message = 0;             ///< a hash of the other five numbers
-  std::uint16_t messages = 0;            ///< all eight equal for so many times in a row
+  /// In steps, of the three force sensors; a hash of all eight numbers.
+  std::array<std::uint16_t, 4> last{};
+  std::array<std::uint16_t, 4> equal{};  ///< each of these for so many times in a row
   CellFaults faults;                     ///< found, while the mask is held
   bool known = false;                    ///< a sample has come
   friend bool operator==(const MessageRecord&, const MessageRecord&) noexcept = default;
 };
+/// Four whole numbers in a register; on a target without, the compiler takes them one by one.
+typedef std::int32_t FourNumbers __attribute__((vector_size(16)));
+[[nodiscard]] SKINCTL_INLINE FourNumbers four_numbers(const std::array<std::uint16_t, 4>& from) noexcept {
+  typedef std::uint16_t Shorts __attribute__((vector_size(8)));
+  return __builtin_convertvector(std::bit_cast<Shorts>(from), FourNumbers);
+}
+[[nodiscard]] SKINCTL_INLINE std::array<std::uint16_t, 4> short_numbers(FourNumbers n) noexcept {
+  typedef std::uint16_t Shorts __attribute__((vector_size(8)));
+  return std::bit_cast<std::array<std::uint16_t, 4>>(__builtin_convertvector(n, Shorts));
+}
 }  // namespace detail
 
 /// Finds faulty cells of a skin with `Cells` cells. sigma is that of the sum of the force sensors, with rounding.
@@ -96,9 +108,12 @@ class CellHealth {
     std::array<detail::HealthRow, rows> row{};
     std::array<detail::MessageRecord, rows * 16> record{};
     std::array<std::uint16_t, rows> suspect{};  ///< cells whose messages repeat
+    std::array<std::uint16_t, rows> fresh{};    ///< a sample has come since the last frame
+    std::array<std::uint16_t, rows> at_top{};   ///< a force sensor is at its top
     Nanoseconds time = Nanoseconds::min();      ///< end of the last frame
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
-      return a.time == b.time && a.record == b.record && a.suspect == b.suspect &&
+      return a.time == b.time && a.record == b.record && a.suspect == b.suspect && a.fresh == b.fresh &&
+             a.at_top == b.at_top &&
              std::equal(a.row.begin(), a.row.end(), b.row.begin(), [](const auto& x, const auto& y) {
                return std::bit_cast<std::array<std::uint32_t, sizeof(x) / 4>>(x) ==
                       std::bit_cast<std::array<std::uint32_t, sizeof(y) / 4>>(y);
@@ -137,6 +152,7 @@ class CellHealth {
       cell_[i] = {static_cast<float>(sigma), static_cast<std::uint16_t>(needed < 60000 ? needed : 65535),
                   double(n.rest) > 4 * double(n.force) + 1};
     }
+    most_messages_ = s_.equal_messages > 0 ? static_cast<std::int32_t>(s_.equal_messages) : 65535;
     per_step_ = static_cast<float>(1 / s_.step),
     top_ = static_cast<std::uint16_t>(std::ceil(s_.top / s_.step - 1e-9));
   }
@@ -148,7 +164,7 @@ class CellHealth {
 
   /// Whether cell `i` has spoken since the last frame: then the frame is to be scanned before its next sample.
   [[nodiscard]] static bool spoke(const Memory& m, std::size_t i) noexcept {
-    return m.row[i / 16].fresh[i % 16] > 0;
+    return ((m.fresh[i / 16] >> (i % 16)) & 1u) != 0;
   }
   /// The sum of a sample's forces [steps].
   [[nodiscard]] float steps(const CellSample& s) const noexcept {
@@ -160,38 +176,43 @@ class CellHealth {
     detail::MessageRecord& r = m.record[i];
     detail::HealthRow& row = m.row[i / 16];
     const std::size_t k = i % 16;
-    std::uint32_t hash = std::bit_cast<std::uint32_t>(s.proximity);
-    for (const float x : s.acceleration) hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 0x9E3779B1u;
-    hash = (hash ^ std::bit_cast<std::uint32_t>(s.temperature)) * 0x85EBCA6Bu;
-    bool same = hash == r.message, suspect = false, top = false;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto n = static_cast<std::uint16_t>(s.force[c] * per_step_ + 0.5f);
-      const bool equal = n == r.force[c] && r.known;
-      same = same && equal;
-      r.equal[c] = static_cast<std::uint16_t>(!equal ? 1 : r.equal[c] < 65534 ? r.equal[c] + 1 : r.equal[c]);
-      r.force[c] = n;
-      suspect = suspect || r.equal[c] >= cell_[i].equal;
-      top = top || n >= top_;
-    }
-    r.message = hash;
-    r.messages = static_cast<std::uint16_t>(!same ? 1 : r.messages < 65534 ? r.messages + 1 : r.messages);
-    suspect = suspect || (s_.equal_messages > 0 && r.messages >= s_.equal_messages);
-    const auto bit = static_cast<std::uint16_t>(1u << k);
-    m.suspect[i / 16] =
-        static_cast<std::uint16_t>(suspect ? m.suspect[i / 16] | bit : m.suspect[i / 16] & ~bit);
-    row.force[k] = steps(s), row.proximity[k] = s.proximity, row.at_top[k] = top ? 1.0f : 0.0f;
-    row.fresh[k] = 1;
+    // All eight numbers lie side by side: see `CellSample`.
+    typedef float Four __attribute__((vector_size(16)));
+    std::array<std::uint64_t, 4> words;
+    std::memcpy(words.data(), reinterpret_cast<const char*>(&s) + offsetof(CellSample, force), sizeof words);
+    const auto mix = [](std::uint64_t x, std::uint64_t y)
+                         SKINCTL_INLINE_LAMBDA { return ((x ^ (x >> 32)) + y) * 0xD6E8FEB86659FD93u; };
+    const std::uint64_t hash = mix(mix(mix(words[0] * 0x9E3779B97F4A7C15u, words[1]), words[2]), words[3]);
+    const Four x = {s.force[0], s.force[1], s.force[2], 0.0f};
+    detail::FourNumbers n = __builtin_convertvector(x * per_step_ + 0.5f, detail::FourNumbers);
+    n[3] = static_cast<std::int32_t>(hash >> 48);
+    const detail::FourNumbers more = detail::four_numbers(r.equal) + 1;
+    const auto same = n == detail::four_numbers(r.last);
+    const detail::FourNumbers equal = same ? (more < 65534 ? more : more * 0 + 65534) : more * 0 + 1;
+    r.last = detail::short_numbers(n), r.equal = detail::short_numbers(equal);
+    const std::int32_t stuck = cell_[i].equal, messages = equal[3];
+    const auto repeats = equal >= detail::FourNumbers{stuck, stuck, stuck, most_messages_};
+    const auto highest = n >= detail::FourNumbers{top_, top_, top_, 65536};
+    const std::uint32_t suspect = detail::any_bit(repeats) ? 1u : 0u,
+                        top = detail::any_bit(highest) ? 1u : 0u;
+    const std::size_t b = i / 16;
+    const auto set = [k](std::uint16_t& bits, std::uint32_t value) {
+      bits = static_cast<std::uint16_t>((bits & ~(1u << k)) | (value << k));
+    };
+    set(m.suspect[b], suspect), set(m.at_top[b], top), set(m.fresh[b], 1);
+    row.force[k] = steps(s), row.proximity[k] = s.proximity;
     // A message that repeats sees nothing, and the first one after a silence has no predecessor.
-    if (s_.equal_messages > 0 && r.messages >= 3) row.seen[k] = 0;
+    if (s_.equal_messages > 0 && messages >= 3) row.seen[k] = 0;
     if (!r.known || row.gap[k] > 0.5f)
       row.last[k] = row.force[k], row.last_proximity[k] = s.proximity, row.change[k] = 0, row.gap[k] = 0;
     r.known = true;
   }
 
   /// Ends a frame at `until`. `witness(i) -> Witness` is asked for the few cells that are worth a look.
-  /// Without `judges` it keeps its statistics, and finds nothing.
+  /// Without `judges` it keeps its statistics, and finds nothing. The skin has `count` cells, up to `Cells`.
   template <class Ask>
-  void scan(Memory& m, Nanoseconds until, const Ask& witness, bool judges = true) const noexcept {
+  void scan(Memory& m, Nanoseconds until, const Ask& witness, bool judges = true,
+            std::size_t count = Cells) const noexcept {
     const bool begun = m.time != Nanoseconds::min() && until > m.time;
     const Nanoseconds dt = !begun ? 0ns : until - m.time < 1s ? until - m.time : Nanoseconds(1s);
     m.time = until;
@@ -201,12 +222,13 @@ class CellHealth {
     // What a cell that sends changes has not sent has not moved.
     if (s_.delta > 0) k.per_gap = 0;
     k.rise = k.dt / seconds<float>(s_.fade_in), k.fall = k.dt / seconds<float>(s_.fade_out);
-    for (std::size_t b = 0; b < rows; ++b) {
-      const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k);
+    for (std::size_t b = 0; 16 * b < count; ++b) {
+      const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k, m.fresh[b], m.at_top[b]);
+      m.fresh[b] = 0;
       if (!judges) continue;
       for (std::uint32_t look = bits.look | m.suspect[b]; look != 0; look &= look - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(look));
-        if (16 * b + lane < Cells)
+        if (16 * b + lane < count)
           judge(m, 16 * b + lane, ((bits.jumped >> lane) & 1u) != 0, ((bits.expired >> lane) & 1u) != 0,
                 witness);
       }
@@ -249,11 +271,11 @@ class CellHealth {
     if (jumped) row.pending[k] = seconds<float>(s_.witnessed_within);
     CellFaults found;
     for (std::size_t c = 0; c < 3; ++c) {
-      const bool zero = r.force[c] == 0, top = r.force[c] >= top_;
+      const bool zero = r.last[c] == 0, top = r.last[c] >= top_;
       if (r.equal[c] >= cell_[i].equal && (!zero || cell_[i].rests_above_zero) && !(top && witness.touched))
         found |= CellFault::stuck;
     }
-    if (s_.equal_messages > 0 && r.messages >= s_.equal_messages) found |= CellFault::stuck;
+    if (r.equal[3] >= most_messages_) found |= CellFault::stuck;
     if (row.top[k] >= seconds<float>(s_.saturated_for) && !witness.touched) found |= CellFault::saturated;
     if (row.capped[k] > 40 && row.second[k] > 1.5f * row.first[k]) found |= CellFault::noisy;
     if (row.jumps[k] > 2.5f) found |= CellFault::blinking;
@@ -267,6 +289,7 @@ class CellHealth {
   std::vector<Constants> cell_;
   float per_step_ = 1024;
   std::uint16_t top_ = 1004;
+  std::int32_t most_messages_ = 65535;  ///< equal ones in a row; 65535: never
 };
 
 SKINCTL_END_NAMESPACE

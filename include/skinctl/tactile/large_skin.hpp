@@ -1,6 +1,7 @@
 // LargeSkin: up to a million cells, received beside the cycle, and the touch that a cycle takes from it.
 #pragma once
 
+#include "skinctl/tactile/detail/heap_store.hpp"
 #include "skinctl/tactile/detail/summand.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 

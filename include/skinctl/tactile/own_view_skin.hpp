@@ -4,6 +4,7 @@
 #include <array>
 
 #include "skinctl/core/state.hpp"
+#include "skinctl/sensing/joint_history.hpp"
 #include "skinctl/tactile/own_view.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -21,8 +22,11 @@ class OwnViewSkin : public S {
   using scalar = typename S::scalar;
   using Sensed = NothingSensed;
 
+  using Joints = JointHistory<M::joints, scalar>;
   /// That of the skin, the raw reading of each cell and its prediction: six bytes a cell. Trivially copyable.
   struct Memory : S::Memory {
+    typename Joints::Memory joints;
+    Nanoseconds late{0};  ///< of the newest sample's stamp, behind the measured state
     std::array<CellCounts, S::cells> raw{};
     std::array<std::uint16_t, S::cells> own{};
   };
@@ -33,15 +37,23 @@ class OwnViewSkin : public S {
             "those of the skin");
   }
   [[nodiscard]] const OwnView<M, scalar>& view() const noexcept { return view_; }
-  [[nodiscard]] Memory start(Nanoseconds now) const noexcept { return {S::start(now), {}, {}}; }
+  [[nodiscard]] Memory start(Nanoseconds now) const noexcept { return {S::start(now), {}, 0ns, {}, {}}; }
 
-  /// See `S::receive`; the prediction is made for the state `measured`.
+  /// See `S::receive`; the prediction is made for where the robot was at the stamp of the newest sample, up to 16 states
+  /// before `measured`; without a sample, for as long ago as last time.
   template <class Means>
   Status receive(Memory& memory, std::span<const CellSample> samples, const Sensed&,
                  const State<M::joints, scalar>& measured, Nanoseconds from, Nanoseconds to,
                  std::size_t parts, Means* means) const noexcept {
     const auto before = memory.own;
-    view_.look(measured.q, memory.own);
+    Nanoseconds newest = Nanoseconds::min();
+    for (const CellSample& s : samples)
+      if (s.time > newest && s.time <= to) newest = s.time;
+    if (newest > Nanoseconds::min()) memory.late = newest < measured.time ? measured.time - newest : 0ns;
+    // A state that is no later than the last one stands for itself.
+    const bool known = joints_.add(memory.joints, measured) == Status{} && memory.late > 0ns;
+    view_.look(known ? joints_.at(memory.joints, measured.time - memory.late).state.q : measured.q,
+               memory.own);
     return S::receive(memory, samples, from, to, parts, means, Front{view_, memory, before});
   }
   /// See `S::recomputed`.
@@ -70,6 +82,7 @@ class OwnViewSkin : public S {
     }
   };
   OwnView<M, scalar> view_;
+  Joints joints_{8ms};
 };
 
 SKINCTL_END_NAMESPACE

@@ -88,9 +88,14 @@ template <RobotModel M, class T, LinkMask A, Topology B, LinkMask Skinned>
   static_assert((closure<M>(Skinned) & ~all_links(JointAngles<M, T, A>::count)) == 0,
                 "the angles of a joint that carries skin are missing");
   JointTorque<M::joints, T> tau;
-  detail::for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-    static_cast<void>(detail::subtree_load<child.value>(model, angles, wrenches, tau.data));
-  });
+  constexpr auto roots = children<M, -1>;
+  if constexpr (roots.size() == 1) {
+    static_cast<void>(detail::subtree_load<roots[0]>(model, angles, wrenches, tau.data));
+  } else {
+    detail::for_each_link<roots>([&](auto child) SKINCTL_INLINE_LAMBDA {
+      static_cast<void>(detail::subtree_load<child.value>(model, angles, wrenches, tau.data));
+    });
+  }
   return tau;
 }
 template <RobotModel M, class T, Topology B, LinkMask Skinned>

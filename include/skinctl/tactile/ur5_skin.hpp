@@ -83,22 +83,23 @@ template <std::size_t Cells>
 inline constexpr std::array<std::size_t, 6> skin_cells = detail::share_cells(Cells);
 
 namespace detail {
-template <std::size_t Cells, std::size_t... I>
-SKINCTL_COLD auto make_patches(const std::array<CellGains, 6>& gains, std::index_sequence<I...>) {
-  std::uint32_t id = 1;
-  const auto one = [&](auto link) {
-    constexpr std::size_t i = link.value, n = skin_cells<Cells>[i];
-    const std::uint32_t first = id;
-    id += static_cast<std::uint32_t>(n);
-    return Patch<i, n>(skinctl::detail::cover_any(tube_pose(tubes[i]), surface<i>(), n, first), gains[i]);
-  };
-  return std::tuple{one(std::integral_constant<std::size_t, I>{})...};
+/// The patch of link `I`; its first id follows the last one of the link before.
+template <std::size_t Cells, std::size_t I>
+SKINCTL_COLD auto make_patch(const CellGains& gains) {
+  static_assert(Cells >= 6, "at least one cell a link");
+  constexpr std::size_t n = skin_cells<Cells>[I];
+  std::uint32_t first = 1;
+  for (std::size_t i = 0; i < I; ++i) first += static_cast<std::uint32_t>(skin_cells<Cells>[i]);
+  return Patch<I, n>(skinctl::detail::cover_any(tube_pose(tubes[I]), surface<I>(), n, first), gains);
 }
 template <class M, class T, std::size_t Cells, class I>
 struct SkinType;
 template <class M, class T, std::size_t Cells, std::size_t... I>
 struct SkinType<M, T, Cells, std::index_sequence<I...>> {
   using type = Skin<M, T, Patch<I, skin_cells<Cells>[I]>...>;
+  static type make(const std::array<CellGains, 6>& gains, const SkinSettings& settings) {
+    return type(make_patch<Cells, I>(gains[I])..., settings);
+  }
 };
 }  // namespace detail
 
@@ -108,8 +109,9 @@ struct SkinType<M, T, Cells, std::index_sequence<I...>> {
 /// @param gains  of each link's cells: lower gains where the skin has a long lever keep the contact calm.
 template <std::size_t Cells>
 [[nodiscard]] auto skin_patches(const std::same_as<std::array<CellGains, 6>> auto& gains) {
-  static_assert(Cells >= 6, "at least one cell a link");
-  return detail::make_patches<Cells>(gains, std::make_index_sequence<6>{});
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::tuple{detail::make_patch<Cells, I>(gains[I])...};
+  }(std::make_index_sequence<6>{});
 }
 template <std::size_t Cells>
 [[nodiscard]] auto skin_patches(const CellGains& gains = {}) {
@@ -126,8 +128,7 @@ using Ur5Skin = typename ur5::detail::SkinType<M, T, Cells, std::make_index_sequ
 template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
 [[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const std::same_as<std::array<CellGains, 6>> auto& gains,
                                             const SkinSettings& settings = {}) {
-  return std::apply([&](const auto&... patch) { return Ur5Skin<Cells, T, M>(patch..., settings); },
-                    ur5::skin_patches<Cells>(gains));
+  return ur5::detail::SkinType<M, T, Cells, std::make_index_sequence<6>>::make(gains, settings);
 }
 template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
 [[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const CellGains& gains = {}, const SkinSettings& settings = {}) {

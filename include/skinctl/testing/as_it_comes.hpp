@@ -18,6 +18,9 @@ struct AsItComesResult {
   double goal_error = 0;  ///< at the end, less gap and droop [rad]; without goal 0
   double last_speed = 0;  ///< of any joint in the last half second [rad/s]
   double outside = 0;     ///< furthest from the pose of the start in the whole run [rad]
+  double alone =
+      0;  ///< most way of a joint in one go on which no hand led it, less the same slack [rad]: the hands did
+          ///< no work on it, or their work was below a tenth of force times way; without goal
   Status reasons;
   bool valid = true;  ///< every command was
   int consents = 0;
@@ -27,7 +30,7 @@ struct AsItComesResult {
 struct AsItComesVerdict {
   static constexpr double late_bound = 1.5;
   double early_ratio = 0, late_ratio = 0;
-  bool moved, early, late, goal, away, silent = false;
+  bool moved, early, late, goal, away, led_further, silent = false;
 
   /// No harder than `late_bound` times its twin; while gaps are met and agreed to, in the first 10 s of guided
   /// motion, and while the arm is blocked: no harder than a rigid one.
@@ -40,7 +43,11 @@ struct AsItComesVerdict {
     early = r.early > std::max(rigid, late_bound * twin.early);
     late = late_ratio > late_bound && (c.scene != AsItComesScene::blocked || r.late > rigid);
     goal = r.goal_error > 0.01;
-    away = r.beyond > 0.1 || r.outside > twin.outside + 0.5 || !r.valid;
+    // Alone: further than the greatest lead of the virtual robot (0.36 rad for 60 ms) and a little coasting. A hand may
+    // lead an arm as far as it likes; it slides along a smooth finger, so twins part.
+    led_further = r.outside > twin.outside + 0.5;
+    away =
+        r.beyond > 0.1 || r.alone > 0.4 || (c.scene == AsItComesScene::held_goal && led_further) || !r.valid;
     const Status everyday =
         Status(Reason::sample_stale) | Reason::opposed | Reason::bumpless_transfer | Reason::goal_stretched;
     silent = !good() && (r.reasons.bits() & ~everyday.bits()) == 0;
@@ -86,7 +93,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   const auto q0 = joints.q();
   // What explains that a joint which nobody touches moves: gap, droop, friction and encoder, and what its servo
   // makes of a step by its gap.
-  std::array<double, 6> slack{}, rest = q0, alone_to = q0;
+  std::array<double, 6> slack{}, rest = q0, led = q0, alone_to = q0;
   const auto load = world.torque(detail::TruePoses(q0), {});
   for (std::size_t i = 0; i < 6; ++i) {
     slack[i] = std::abs(truth.gap[i]) + (std::abs(load[i]) + truth.stiction[i]) / truth.stiffness[i] +
@@ -136,6 +143,16 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
         const auto f = static_cast<float>(std::min(1.0, forces[k] / (3 * world.newtons)));
         samples.push_back({.time = now, .cell = world.cell(k).id, .force = {f, f, f}});
       }
+    // Who moves it? A hand that presses on a robot that slides along it leads it too.
+    const auto pressed = world.torque(poses, forces), weight = world.torque(poses, {});
+    double power = 0, size = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double p = (pressed[i] - weight[i]) * joints.dq()[i];
+      power += p, size += std::abs(p);
+    }
+    if (power > 0.1 * size || to_goals || ms == 1) led = joints.q();
+    for (std::size_t i = 0; i < 6; ++i)
+      out.alone = std::max(out.alone, std::abs(joints.q()[i] - led[i]) - slack[i]);
     const bool before = t<world.begins, after = t> world.leaves + 1.5;
     if (t <= world.leaves + 1.5) rest = joints.q();
     for (std::size_t i = 0; i < 6; ++i) {

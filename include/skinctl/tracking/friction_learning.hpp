@@ -107,7 +107,7 @@ class FrictionLearning : public Composable {
                                const Surface& at_t) const noexcept {
     Memory next{law_.advance(memory.law, known, dt, opposition, at_t), memory.friction, memory.smooth};
     const T fast = dt * settings_.smoothing, part = fast / (T(1) + fast);
-    const auto& M = known.mass_matrix();
+    const auto& M = known.mass();
     for (std::size_t i = 0; i < N; ++i) {
       const T s = at_t.S_q[i];
       if (!(s - s == T(0))) continue;

@@ -21,7 +21,10 @@ struct Integrals {
     using R = detail::Row<N, T>;
     const R step = dt * R(rate);
     R total(sum), rest(carry);
-    math::add_compensated(total, rest, select(step - step == R(T(0)), step, T(0)));
+    const R added = select(step - step == R(T(0)), step, T(0));
+    R::each_block([&](auto k) SKINCTL_INLINE_LAMBDA {
+      math::add_compensated(total.block[k], rest.block[k], added.block[k]);
+    });
     Integrals next;
     total.store(next.sum);
     rest.store(next.carry);

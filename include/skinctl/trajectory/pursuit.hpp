@@ -55,7 +55,9 @@ struct Pursuit {
     const T k_a = T(3) * k;
     const T far = length(e);
     const bool good = far - far == T(0) && length(v_t) - length(v_t) == T(0);
-    const T root = sqrt(T(1) + T(2) * k * k * far / b);
+    // Where V is beyond any limit, it may as well be that of this distance.
+    const T counted = far < T(1e18) ? far : T(1e18);
+    const T root = sqrt(T(1) + T(2) * k * k * counted / b);
     const T speed = b / k * (root - T(1));
     const T slope = k / root;                        // dV/de
     const T part = far > T(0) ? T(speed / far) : k;  // V/e
@@ -94,7 +96,15 @@ struct Pursuit {
     using std::sqrt;
     T square(0);
     for (const T& y : x) square = square + y * y;
-    return sqrt(square);
+    if (square - square == T(0)) [[likely]]
+      return sqrt(square);
+    T most(0), ratios(0);  // too far or too fast for a square
+    for (const T& y : x) {
+      const T size = y < T(0) ? T(-y) : y;
+      if (!(size <= most)) most = size;
+    }
+    for (const T& y : x) ratios = ratios + (y / most) * (y / most);
+    return most * sqrt(ratios);
   }
   static void cut(T (&x)[D], const T& most) noexcept {
     const T size = length(x);

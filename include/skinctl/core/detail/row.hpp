@@ -67,7 +67,7 @@ struct RowShape {
     } else if constexpr (2 * Held == width && Held > 1) {
       Lane<T, Held>(half<T, width>(block.vector(), Lower{})).store(to);
     } else {
-      unrolled<Held>([&](auto i) SKINCTL_INLINE_LAMBDA { to[i] = block[i]; });
+      unrolled<Held>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { to[i] = block[i]; });
     }
   }
   /// Whether the mask holds for one of the first `Held` numbers.
@@ -129,8 +129,14 @@ class RowMask {
   template <class F>
   static SKINCTL_INLINE RowMask made(F&& f) noexcept {
     RowMask mask;
-    unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA { mask.block[k] = f(k); });
+    mask.fill(f, std::make_index_sequence<Shape::blocks>{});
     return mask;
+  }
+
+ private:
+  template <class F, std::size_t... K>
+  SKINCTL_INLINE void fill(F& f, std::index_sequence<K...>) noexcept {
+    ((block[K] = f(std::integral_constant<std::size_t, K>{})), ...);
   }
 };
 
@@ -147,7 +153,8 @@ class Row {
   Row() = default;
   /// The same number everywhere.
   SKINCTL_INLINE Row(const T& x) noexcept {
-    unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA { block[k] = typename Shape::Block(x); });
+    unrolled<Shape::blocks>([&](std::size_t k)
+                                SKINCTL_INLINE_LAMBDA { block[k] = typename Shape::Block(x); });
   }
   SKINCTL_INLINE explicit Row(const T* from) noexcept {
     unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA {
@@ -247,12 +254,25 @@ class Row {
     });
   }
 
+  /// Calls `f(k)` for the index k of each block: for functions that write more than one row. Through references to
+  /// rows GCC would copy whole rows, and such a load waits for the stores of the blocks.
+  template <class F>
+  static SKINCTL_INLINE void each_block(F&& f) noexcept {
+    unrolled<Shape::blocks>(f);
+  }
+
   /// The blocks `f(0)`, `f(1)`, ...
   template <class F>
   static SKINCTL_INLINE Row made(F&& f) noexcept {
     Row row;
-    unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA { row.block[k] = f(k); });
+    row.fill(f, std::make_index_sequence<Shape::blocks>{});
     return row;
+  }
+
+ private:
+  template <class F, std::size_t... K>
+  SKINCTL_INLINE void fill(F& f, std::index_sequence<K...>) noexcept {
+    ((block[K] = f(std::integral_constant<std::size_t, K>{})), ...);
   }
 };
 template <class Kind, std::size_t N, Real T>

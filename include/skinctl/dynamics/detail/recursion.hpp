@@ -204,9 +204,14 @@ SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& b
   const Recursion<M, Bodies, Angles, V, R, A, T> c{model, bodies, angles, dq, dq_r, ddq_r, tau};
   const ZeroTriple zero{};
   const auto spin = make_spin(zero, zero, zero);
-  for_each_link<children<M, -1>>([&](auto child) SKINCTL_INLINE_LAMBDA {
-    static_cast<void>(subtree_wrench<child.value>(c, zero, zero, zero, spin, a0));
-  });
+  constexpr auto roots = children<M, -1>;
+  if constexpr (roots.size() == 1) {
+    static_cast<void>(subtree_wrench<roots[0]>(c, zero, zero, zero, spin, a0));
+  } else {
+    for_each_link<roots>([&](auto child) SKINCTL_INLINE_LAMBDA {
+      static_cast<void>(subtree_wrench<child.value>(c, zero, zero, zero, spin, a0));
+    });
+  }
 }
 /// The same with the model's own links.
 template <Scalar T, RobotModel M, class Angles, class V, class R, class A, class L>

@@ -128,5 +128,41 @@ template <Real T>
   return dot(e, e) < dot(d, d) ? other : phi;
 }
 
+/// Square of the length [rad^2] beyond which products of the factors and the vector lose digits or overflow.
+template <class T>
+inline constexpr T far_around = std::numeric_limits<T>::max_exponent10 < 100 ? T(1e18) : T(1e150);
+
+/// Unit vector along `phi` and its length, however long; NaN for an infinity or a NaN.
+template <Real T>
+struct AxisAngle {
+  Xyz<T> axis;
+  T angle;
+};
+template <Real T>
+[[nodiscard]] SKINCTL_NOINLINE AxisAngle<T> turn_of(const Xyz<T>& phi) noexcept {
+  T most(0);
+  for (const T& x : {phi.x, phi.y, phi.z}) {
+    const T size = x < T(0) ? T(-x) : x;
+    if (!(size <= most)) most = size;
+  }
+  const Xyz<T> part{phi.x / most, phi.y / most, phi.z / most};
+  const T length = norm(part);
+  return {Xyz<T>{part.x / length, part.y / length, part.z / length}, most * length};
+}
+/// The rotation vector of the same rotation with at most half a turn.
+template <Real T>
+[[nodiscard]] SKINCTL_NOINLINE Xyz<T> within_a_turn(const Xyz<T>& phi) noexcept {
+  using std::atan2, std::cos, std::sin;
+  const auto [axis, angle] = turn_of(phi);
+  return T(atan2(T(sin(angle)), T(cos(angle)))) * axis;
+}
+template <Real T>
+[[nodiscard]] SKINCTL_NOINLINE Xyz<T> left_jacobian_far_around(const Xyz<T>& phi,
+                                                               const Xyz<T>& dphi) noexcept {
+  using std::cos, std::sin;
+  const auto [axis, angle] = turn_of(phi);
+  const Xyz<T> once = cross(axis, dphi);
+  return dphi + T((T(1) - cos(angle)) / angle) * once + T(T(1) - sin(angle) / angle) * cross(axis, once);
+}
 }  // namespace detail
 SKINCTL_END_NAMESPACE

@@ -65,5 +65,25 @@ constexpr auto pick(const First& first, const Rest&... rest) noexcept {
   }
 }
 
+/// Whether these are parts of a governor, each at most once.
+template <class... Parts>
+consteval void check_parts() {
+  static_assert(((JerkPart<Parts> || ToolPart<Parts> || ContactPart<Parts> || MotionPart<Parts> ||
+                  WatchPart<Parts> || ClearancePart<Parts>) &&
+                 ...),
+                "a governor takes JerkLimits, ToolSpeed, ClearanceLimits, ContactLimits, MotionLimits and "
+                "CoverageLimits");
+  static_assert(((int(JerkPart<Parts>) + ... + 0) <= 1) && ((int(ToolPart<Parts>) + ... + 0) <= 1) &&
+                    ((int(ContactPart<Parts>) + ... + 0) <= 1) && ((int(WatchPart<Parts>) + ... + 0) <= 1) &&
+                    ((int(ClearancePart<Parts>) + ... + 0) <= 1),
+                "a governor takes each part once; contact limits of all links belong into one");
+}
+/// `make` of the parts in their order, `NoPart` for those that are not there.
+template <class Make, class... Parts>
+[[nodiscard]] auto with_parts(const Make& make, const Parts&... parts) {
+  return make(pick<IsJerk>(parts...), pick<IsTool>(parts...), pick<IsContact>(parts...),
+              pick<IsMotion>(parts...), pick<IsWatch>(parts...), pick<IsClearance>(parts...));
+}
+
 }  // namespace detail
 SKINCTL_END_NAMESPACE

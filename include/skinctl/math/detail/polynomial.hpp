@@ -13,7 +13,7 @@ namespace math::detail {
 template <Scalar L, class T, std::size_t N>
 [[nodiscard]] SKINCTL_INLINE L polynomial(L z, const T (&coefficients)[N]) noexcept {
   L y(coefficients[N - 1]);
-  skinctl::detail::unrolled<N - 1>([&](auto i)
+  skinctl::detail::unrolled<N - 1>([&](std::size_t i)
                                        SKINCTL_INLINE_LAMBDA { y = y * z + L(coefficients[N - 2 - i]); });
   return y;
 }

@@ -95,11 +95,11 @@ template <class T, std::size_t W, std::size_t B>
 SKINCTL_INLINE void sincos_beyond(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B],
                                   Lane<T, W> (&cos)[B]) noexcept {
   T angles[B * W], sines[B * W], cosines[B * W];
-  skinctl::detail::unrolled<B>([&](auto i) SKINCTL_INLINE_LAMBDA {
+  skinctl::detail::unrolled<B>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     x[i].store(angles + W * i), sin[i].store(sines + W * i), cos[i].store(cosines + W * i);
   });
   sincos_beyond(angles, sines, cosines, B * W);
-  skinctl::detail::unrolled<B>([&](auto i) SKINCTL_INLINE_LAMBDA {
+  skinctl::detail::unrolled<B>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     sin[i] = Lane<T, W>::load(sines + W * i), cos[i] = Lane<T, W>::load(cosines + W * i);
   });
 }
@@ -110,7 +110,7 @@ SKINCTL_INLINE void sincos_lanes(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B],
                                  Lane<T, W> (&cos)[B]) noexcept {
   using L = Lane<T, W>;
   L largest(T(0));
-  skinctl::detail::unrolled<B>([&](auto i) SKINCTL_INLINE_LAMBDA {
+  skinctl::detail::unrolled<B>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     sincos_kernel(x[i], sin[i], cos[i]);
     largest = max(largest, abs(x[i]));
   });

@@ -109,7 +109,7 @@ auto SKINCTL_GROUPS_CLASS::step(Memory& m, const L& law, typename L::Memory& law
                                 const State<joints, T>& measured, const Interval& interval,
                                 std::span<const Touch> touches, const Check& check,
                                 const Pressed& pressed) const noexcept -> Resolved<joints, T, terms_of<L>> {
-  Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}, {}};
+  Resolved<joints, T, terms_of<L>> out{m.command, interval.status, {}};
   if (!m.started) return out;
   if (interval.substeps == 0) {
     each([&](auto k) { m.template group<k.value>().odd = detail::odd_time_of(interval); });

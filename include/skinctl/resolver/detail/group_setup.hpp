@@ -39,7 +39,7 @@ SKINCTL_COLD SKINCTL_GROUPS_CLASS::GroupResolver(const M& model, const std::tupl
       require(c.virtual_damping == T(0), "virtual damping", number(c.virtual_damping),
               "0 for joints by torque");
       driven_torque_rate_ = c.torque_rate;
-      stale_after_ = c.stale_after.value_or(5 * c.total_delay());
+      stale_after_ = c.stale();
     } else {
       for (const T& x : c.coulomb_friction) has_coulomb_ = has_coulomb_ || x > T(0);
       require(c.virtual_damping == shape_.damping, "virtual damping of a group", number(c.virtual_damping),

@@ -18,6 +18,7 @@ struct ResolverParameters {
   T settle;               ///< time in which a robot's answer shows in full [s]
   T forgets;              ///< share of what came before that is left after a period
   T torque_rate;          ///< [1/s]
+  T largest_gap;          ///< to which a user can agree [rad]
   T lag, total_delay, per_delay, L1, L2, lead, drift, retry, catch_up;
   bool has_coulomb = false;
 
@@ -38,6 +39,7 @@ struct ResolverParameters {
         longest_interval(c.longest()),
         cycle(seconds<T>(c.period)),
         torque_rate(c.torque_rate),
+        largest_gap(c.largest_gap),
         lag(seconds<T>(c.lag)),
         lead(seconds<T>(c.lead)),
         retry(seconds<T>(c.retry)) {
@@ -47,7 +49,7 @@ struct ResolverParameters {
     settle = T(10) * total_delay;
     forgets = settle / (settle + seconds<T>(c.period));
     fresh_for = c.total_delay() + period / 2;
-    stale_after = c.stale_after.value_or(5 * c.total_delay());
+    stale_after = c.stale();
     const T w = c.observer.value_or(T(0.3) / total_delay);
     L1 = T(2) * w;
     L2 = w * w;

@@ -57,6 +57,12 @@ SKINCTL_INLINE bool SKINCTL_RESOLVER_CLASS::affords(const Memory& m, Velocity& v
   }
 }
 
+// With the angles of all joints, as the laws have them: a blocked robot needs no code of its own.
+SKINCTL_RESOLVER
+SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::weight(const Memory& m) const noexcept -> Torque {
+  return gravity_torque(model_, JointAngles<M, T>(model_, m.q.value));
+}
+
 // One function for the sub-steps and for a blocked robot: the law is the largest part of a cycle's code.
 SKINCTL_RESOLVER
 template <class L, class Touch>
@@ -114,7 +120,7 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
     -> Resolved<joints, T, terms_of<L>> {
   if (!m.started || interval.substeps == 0) [[unlikely]] {
     m.odd = detail::odd_time_of(interval);
-    return {m.command, interval.status, {}, {}};
+    return {m.command, interval.status, {}};
   }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   std::array<Torque, terms_of<L>> shares{};
@@ -156,11 +162,11 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
     status |= Reason::blocked;
     if (!driven.status.has(Reason::torque_not_finite)) {
       torque = driven.torque;
-      virtual_.try_to_leave(m, begun.correction, torque - gravity_torque(model_, m.q.value));
+      virtual_.try_to_leave(m, begun.correction, torque - weight(m));
     }
   }
   status |= virtual_.end(m, begun, torque);
-  return {m.command, status, shares, {}};
+  return {m.command, status, shares};
 }
 
 SKINCTL_RESOLVER

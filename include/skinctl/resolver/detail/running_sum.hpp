@@ -28,7 +28,9 @@ struct RunningPosition {
   /// All joints at once.
   SKINCTL_INLINE void add(const Row<N, T>& step) noexcept {
     Row<N, T> sum(value), left(rest);
-    math::add_compensated(sum, left, step);
+    Row<N, T>::each_block([&](auto k) SKINCTL_INLINE_LAMBDA {
+      math::add_compensated(sum.block[k], left.block[k], step.block[k]);
+    });
     sum.store(value);
     left.store(rest);
   }

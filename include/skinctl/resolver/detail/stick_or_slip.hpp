@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/math/ldlt.hpp"
+#include "skinctl/math/detail/block_ldlt.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -52,7 +52,7 @@ SKINCTL_NOINLINE void stick_or_slip(const MassMatrix<N, T>& m, const JointTorque
       }
     }
     JointVelocity<N, T> best;
-    const math::Ldlt<N, T> factors(moving.data);
+    const math::detail::OneSystem<N, T> factors(moving.data);
     if (!factors.positive_definite()) return;
     factors.solve(rest.data, best.data);
     T part(1);

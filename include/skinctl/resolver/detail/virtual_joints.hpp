@@ -9,10 +9,6 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Largest gap between commands and measurements to which a user can agree [rad].
-template <Real T>
-inline constexpr T largest_gap = T(0.15);
-
 /// The resolver's treatment of joints that take positions or velocities, without the laws: the observer with
 /// the declared delay and lag, limits and max lead, the modes, the command. It has no model, so that it
 /// serves a part of a robot's joints while the others take torques.
@@ -32,6 +28,7 @@ class VirtualJoints {
     JointAcceleration<N, T> pull;  ///< L2 rho
     bool off = false;              ///< rho is not zero
     bool gap = false;              ///< the robot stands beside its commands
+    bool lags = false;  ///< it follows later than declared: the correction holds the virtual one back
     struct Speed {
       Velocity least, most;
     };

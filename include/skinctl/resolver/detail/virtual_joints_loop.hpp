@@ -41,7 +41,7 @@ SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measured,
                                                       const Position& told) const noexcept -> Memory {
   const Row gap = Row(measured.q) - told;
-  if (any(!(magnitude(gap) <= Row(largest_gap<T>)))) return {};
+  if (any(!(magnitude(gap) <= Row(p_.largest_gap)))) return {};
   Memory m = start(State<N, T>{measured.time, told, measured.dq});
   gap.store(m.gap);
   return m;
@@ -94,6 +94,8 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::end(Memory& m, const Begun& 
   if (m.mode == ResolverMode::blocked) status |= Reason::blocked;
   if (m.mode == ResolverMode::displaced) status |= Reason::displaced;
   if (m.stop) status |= Reason::stopping;
+  if (begun.correction.lags) [[unlikely]]
+    status |= Reason::lead_limited;
   if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;
   return status | publish(m, begun.correction, begun.before, torque, begun.dt);
 }
@@ -120,12 +122,17 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
     v = clamp(v, c.speed.least, c.speed.most);
   }
   if (any((v > most) | (v < least))) status |= Reason::lead_limited;
-  const auto own = p_.limits.move(room, m.v, Velocity(clamp(v, least, most)), h);
-  auto motion = own;
+  auto motion = p_.limits.move(room, m.v, Velocity(clamp(v, least, most)), h);
+  const Row last = m.v, own = motion.velocity;
+  ((own - last) * T(T(1) / h)).store(m.last);
+  own.store(m.v);
+  Status found = motion.status;
+  std::uint64_t braked = motion.braked;
   if constexpr (I == Interface::position) {
-    if (off || !(m.rate == m.v)) {
-      const Row corrected = Row(own.velocity) + rate;
-      motion = p_.limits.move(room, m.rate, Velocity(clamp(corrected, least, most)), h);
+    if (off || any(last != m.rate)) {
+      motion = p_.limits.move(room, m.rate, Velocity(clamp(own + rate, least, most)), h);
+      found |= motion.status;
+      braked |= motion.braked;
     }
     const Row q = m.q.value, lower = p_.limits.lower(), upper = p_.limits.upper();
     m.q.add(motion.displacement);
@@ -148,12 +155,9 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
       }
     }
   }
-  ((Row(own.velocity) - m.v) * T(T(1) / h)).store(m.last);
-  copy_row(own.velocity, m.v);
   copy_row(motion.velocity, m.rate);
-  const std::uint64_t braked = own.braked | motion.braked;
   const std::uint64_t lead_acts = I == Interface::position && braked != 0 ? by_lead.bits() : 0;
-  status |= Status::from_bits((own.status | motion.status).bits() & ~Status(Reason::position_limited).bits());
+  status |= Status::from_bits(found.bits() & ~Status(Reason::position_limited).bits());
   if ((braked & lead_acts) != 0) status |= Reason::lead_limited;
   if ((braked & ~lead_acts) != 0) status |= Reason::position_limited;
   return status;

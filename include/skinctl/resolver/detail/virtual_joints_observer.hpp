@@ -35,7 +35,7 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds
   const Row rho = r - clamp(r, -dead_band, dead_band);
   const auto off = rho != Row(T(0));
   if (fresh) select(off, Row(m.off_for) + dt, T(0)).store(m.off_for);
-  Correction c{Velocity(p_.L1 * rho), JointAcceleration<N, T>(p_.L2 * rho), any(off), false, {}};
+  Correction c{Velocity(p_.L1 * rho), JointAcceleration<N, T>(p_.L2 * rho), any(off), false, false, {}};
   if (c.off || m.watched) [[unlikely]]
     watch(m, c, Position(r), Position(rho), dt);
   if constexpr (I == Interface::position) {
@@ -103,6 +103,7 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, 
         (m.off_for[i] >= T(4) * p_.total_delay && told <= T(-0.05) * w.size && moved <= T(0.5) * told)) {
       begin();
       m.off_for[i] = T(0);
+      c.lags = true;
     }
     if constexpr (I == Interface::position) {
       c.gap = c.gap || (moved >= T(0.4) * w.size && far > T(0.7) * w.size);
@@ -125,7 +126,7 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::resume(Memory& m) const noexcept
   m.stop = false;
   if (m.mode != ResolverMode::displaced) return;
   const Row gap = Row(m.gap) + m.residual;
-  if (any(!(magnitude(gap) <= Row(largest_gap<T>)))) return;
+  if (any(!(magnitude(gap) <= Row(p_.largest_gap)))) return;
   gap.store(m.gap);
   m.measured.q -= m.residual;
   m.residual = {};

@@ -57,8 +57,8 @@ SKINCTL_NOINLINE bool ToolShape<L, Rows, T>::terms(const M& model, const Angles&
   detail::real_of_inverse(mobility, a_, Z);
 
   // M_rest = M_0 - W' Z W, and the matrix that includes its friction.
-  const T rate = s_.rest_decay, rest_weight = Policy::weight(T(h * rate)) * h * rate;
-  const T weight = h * Policy::weight(T(h * fastest_));
+  const T rate = s_.rest_decay, rest_weight = Policy::weight(T(h * rate), T(1)) * h * rate;
+  const T weight = h * Policy::weight(T(h * fastest_), T(1));
   Joints J[Rows], WJ[Rows];  // rows of J and of W
   Space mass[Rows], damping[Rows];
   rows_of(s_.mass, mass), rows_of(s_.damping, damping);
@@ -99,7 +99,7 @@ SKINCTL_NOINLINE bool ToolShape<L, Rows, T>::terms(const M& model, const Angles&
 namespace detail {
 struct NoWeight {
   template <Real T>
-  static T weight(const T&) noexcept {
+  static T weight(const T&, const T&) noexcept {
     return T(0);
   }
 };

@@ -20,13 +20,12 @@ struct alignas(64) HealthRow {
     for (float& x : row) x = std::numeric_limits<float>::quiet_NaN();
     return row;
   }();
-  Row fresh{};  ///< 1: a sample has come since the last frame
   Row force = nothing, last = nothing,
       change{};  ///< the newest reading, NaN: none; that of the frame before; their difference
   Row proximity{}, last_proximity{};
   Row gap{};                        ///< since the last sample
   Row first{}, second{}, capped{};  ///< leaky means of squared differences, in sigma^2: see `frame_scan`
-  Row at_top{}, top{};              ///< 1: a force sensor is at its top; for so long
+  Row top{};                        ///< for so long a force sensor has been at its top
   Row jumps{}, pending{};           ///< leaky count of jumps without witness; time left for its witness
   Row still{}, still_proximity{};   ///< since the force moved, since the proximity moved
   Row seen{};                       ///< for so long the proximity has been above 0.1; -10 at a jump
@@ -54,23 +53,38 @@ struct HealthBits {
   std::uint32_t look = 0;     ///< worth a look: one of these, or a mask, noise, a sensor at its top
 };
 
+/// The lanes of the lowest bits.
+template <std::size_t W = native_lanes<float>>
+[[nodiscard]] SKINCTL_INLINE LaneMask<float, W> lanes_of(std::uint32_t bits) noexcept {
+  if constexpr (W == 1) {
+    return LaneMask<float, W>((bits & 1u) != 0);
+  } else {
+    typename LaneMask<float, W>::Bits lane{};
+    for (std::size_t k = 0; k < W; ++k) lane[k] = 1 << k;
+    return LaneMask<float, W>((lane & static_cast<std::int32_t>(bits)) != 0);
+  }
+}
+
 /// Moves 16 cells on by one frame.
 ///
+/// @param spoke, at_top  a bit for each cell: a sample has come since the last frame; a force sensor is at its top.
+///
 /// Differences `d` of samples that follow each other and their differences `dd` are averaged over 0.2 s:
-/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>`, where the force
-/// turns, in units of sigma^2. White noise gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom. A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in
-/// 6 ms has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
+/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>`, where the force turns, in units of sigma^2. White
+/// noise gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom. A force moves by 6 sigma, a proximity by
+/// 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in 6 ms has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
 ///
 /// A force that rises by a jump in a single sample, and neither before nor after it by a tenth as much, does so as no
 /// body does that is pressed on: it is in doubt for a while. One that moves on with the next sample, up by a tenth
 /// or down by a tenth to seven, is not.
-SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k) noexcept {
+SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k,
+                                     std::uint32_t spoke, std::uint32_t at_top) noexcept {
   using L = Lane<float>;
   HealthBits bits;
   for (std::size_t i = 0; i < HealthRow::cells; i += L::lanes) {
     const auto get = [i](const HealthRow::Row& row) SKINCTL_INLINE_LAMBDA { return L::load(row.data() + i); };
     const L dt(k.dt), zero(0.0f), one(1.0f);
-    const auto fresh = get(r.fresh) > zero;
+    const auto fresh = lanes_of(spoke >> i);
     const L gap = get(r.gap) + dt, slow = max(gap * L(k.per_gap), one), share = min(gap * L(5.0f), one);
 
     const L force = get(r.force), d = select(fresh, force - get(r.last), zero), size = abs(d);
@@ -80,21 +94,25 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const L now_second = select(fresh, second + share * (bb - second), second);
     const L now_capped = select(
         fresh, capped + share * (select(a * before < zero, min(bb, L(256.0f)), zero) - capped), capped);
-    // What goes on as fast as before is a fast movement, and no jump.
-    const auto jumped = (size > get(c.jump) * slow) & (before * d < L(0.25f) * d * d);
-    const auto steps = (d > get(c.jump) * slow) & (before < L(0.1f) * d);
-    const auto moves_on = fresh & (before > get(c.jump)) &
-                          ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
-    const L doubt = select(steps, L(k.doubt), select(moves_on, zero, max(get(r.doubt) - dt, zero)));
-    const L still = select(abs(a) > L(6.0f), zero, min(get(r.still) + dt, L(100.0f)));
-
+    const L limit = get(c.jump) * slow, held = get(r.doubt);
+    auto jumped = size > limit;
+    L doubt = max(held - dt, zero);
+    if (any(jumped | (before > get(c.jump)))) [[unlikely]] {
+      const auto steps = jumped & (d > zero) & (before < L(0.1f) * d);
+      const auto moves_on = fresh & (before > get(c.jump)) &
+                            ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
+      doubt = select(steps, L(k.doubt), select(moves_on, zero, doubt));
+      // What goes on as fast as before is a fast movement, and no jump.
+      jumped = jumped & (before * d < L(0.25f) * d * d);
+    }
     const L p = get(r.proximity), dp = select(fresh, abs(p - get(r.last_proximity)), zero);
     const auto p_moved = (dp > get(c.proximity)) & (dp <= L(0.3f) * slow);
-    const L p_still = select(p_moved, zero, min(get(r.still_proximity) + dt, L(100.0f)));
-    const L seen = select(fresh & (p < L(0.1f)), zero,
-                          select(dp > L(0.1f) * slow, L(-10.0f), min(get(r.seen) + dt, L(100.0f))));
+    const L still = select(abs(a) > L(6.0f), zero, get(r.still) + dt);
+    const L p_still = select(p_moved, zero, get(r.still_proximity) + dt);
+    const L seen =
+        select(fresh & (p < L(0.1f)), zero, select(dp > L(0.1f) * slow, L(-10.0f), get(r.seen) + dt));
 
-    const L top = select(get(r.at_top) > zero, min(get(r.top) + dt, L(100.0f)), zero);
+    const L top = select(lanes_of(at_top >> i), get(r.top) + dt, zero);
     const L was = get(r.pending), pending = max(was - dt, zero);
     const L hold = max(get(r.hold) - dt, zero);
     const L mask = get(r.mask) + select(hold > zero, L(k.rise), L(-k.fall));
@@ -106,7 +124,7 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
         now_capped.store(r.capped.data() + i);
     select(fresh, d, before).store(r.change.data() + i), force.store(r.last.data() + i),
         p.store(r.last_proximity.data() + i);
-    select(fresh, zero, gap).store(r.gap.data() + i), zero.store(r.fresh.data() + i);
+    select(fresh, zero, gap).store(r.gap.data() + i);
     still.store(r.still.data() + i), p_still.store(r.still_proximity.data() + i),
         seen.store(r.seen.data() + i);
     top.store(r.top.data() + i), pending.store(r.pending.data() + i),

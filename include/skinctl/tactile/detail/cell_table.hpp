@@ -158,11 +158,8 @@ class CellTable {
  public:
   static constexpr std::uint32_t highest_id = (1u << 20) - 1;
 
-  explicit CellTable(std::size_t cells) {
-    units_.reserve(cells);
-    places_.reserve(cells);
-    seats_.reserve(cells);
-  }
+  /// Room for `cells` cells, to be added.
+  SKINCTL_COLD explicit CellTable(std::size_t cells) : units_(cells), places_(cells), seats_(cells) {}
 
   /// Adds `count` <= 8192 cells that share one sum.
   SKINCTL_COLD void add(const AnyCell* cells, std::size_t count, std::size_t sums, std::size_t slot) {
@@ -180,19 +177,19 @@ class CellTable {
       require(cell->id <= highest_id, "Skin: cell id", double(cell->id), "< 2^20");
       if (cell->id + 1 >= keys_.size()) keys_.resize(cell->id + 2);  // the last one is of no cell
       require(keys_[cell->id] == CellKey{}, "Skin: cell id", double(cell->id), "ids that occur once");
-      keys_[cell->id] = {static_cast<std::uint32_t>(units_.size()), seat};
+      keys_[cell->id] = {static_cast<std::uint32_t>(size_), seat};
       const auto u = unit_wrench(cell->X_LC);
       const auto whole = [](double x, int exponent) {
         return static_cast<float>(std::ldexp(std::round(std::ldexp(x, 24 - exponent)), exponent - 24));
       };
       const Xyz<double>& p = cell->X_LC.origin();
-      places_.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-      units_.push_back({{whole(u.force.x, 0), whole(u.force.y, 0), whole(u.force.z, 0),
-                         whole(u.moment.x, reach), whole(u.moment.y, reach), whole(u.moment.z, reach)}});
-      seats_.push_back(seat);
+      places_[size_] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+      units_[size_] = {{whole(u.force.x, 0), whole(u.force.y, 0), whole(u.force.z, 0),
+                        whole(u.moment.x, reach), whole(u.moment.y, reach), whole(u.moment.z, reach)}};
+      seats_[size_++] = seat;
     }
   }
-  [[nodiscard]] std::size_t size() const noexcept { return units_.size(); }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
   /// Of the cell `id`; the key of an unknown cell has an index beyond all cells.
   SKINCTL_INLINE CellKey key(std::uint32_t id) const noexcept { return keys().of(id); }
   /// The keys by id, for a loop: ids beyond the highest one share the last key, of no cell.
@@ -212,11 +209,12 @@ class CellTable {
 
   /// Bytes that the table takes [B].
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return units_.size() * (sizeof(CellUnit) + sizeof(places_[0]) + sizeof(CellSeat)) +
+    return size_ * (sizeof(CellUnit) + sizeof(places_[0]) + sizeof(CellSeat)) +
            keys_.size() * sizeof(CellKey);
   }
 
  private:
+  std::size_t size_ = 0;
   std::vector<CellUnit> units_;
   std::vector<std::array<float, 3>> places_;
   std::vector<CellSeat> seats_;

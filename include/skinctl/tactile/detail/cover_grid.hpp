@@ -91,9 +91,8 @@ SKINCTL_COLD std::vector<Transform<Surface, Cell>> cover_capsule(double radius, 
   // The rings begin at the edge of the cylinder's last row, which ends within its length.
   const double first = std::asin(std::min(1.0, corner(y) / radius));
   cover_half_sphere(radius, -0.5 * length, -1.0, first, y, below);
-  cells.assign(below.rbegin(), below.rend());
-  const auto side = cover_cylinder<Surface>(radius, length, x, y);
-  cells.insert(cells.end(), side.begin(), side.end());
+  for (std::size_t k = below.size(); k-- > 0;) cells.push_back(below[k]);
+  for (const auto& cell : cover_cylinder<Surface>(radius, length, x, y)) cells.push_back(cell);
   cover_half_sphere(radius, 0.5 * length, 1.0, first, y, cells);
   return cells;
 }

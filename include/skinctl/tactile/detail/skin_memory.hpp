@@ -3,7 +3,6 @@
 
 #include <array>
 #include <bit>
-#include <vector>
 
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/tactile/detail/cell_table.hpp"
@@ -116,23 +115,6 @@ struct FixedStore {
   static constexpr bool fixed = true;
   void make_room(std::size_t, std::size_t) noexcept {}
   friend bool operator==(const FixedStore&, const FixedStore&) noexcept = default;
-};
-
-/// Room for a number that is known at run time, on the heap.
-struct HeapStore {
-  std::vector<ExactSums> sums;
-  std::vector<Nanoseconds> oldest;
-  std::vector<BlockStates> states;
-  std::vector<CellRecord> records;
-  static constexpr std::size_t fetch_ahead = 12;
-  static constexpr bool fixed = false;
-  SKINCTL_COLD void make_room(std::size_t cells, std::size_t number_of_sums) {
-    sums.resize(number_of_sums);
-    oldest.assign((cells + 63) / 64, Nanoseconds::max());
-    states.resize((cells + 63) / 64);
-    records.resize(cells);
-  }
-  friend bool operator==(const HeapStore&, const HeapStore&) noexcept = default;
 };
 
 /// See `Skin::Memory`.

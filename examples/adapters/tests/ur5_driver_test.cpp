@@ -1,0 +1,249 @@
+// The UR driver against the simulated robot: connecting, power, protective stops, inputs, reconnection, versions.
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <thread>
+
+#include "examples/adapters/ur5/driver.hpp"
+#include "examples/adapters/ur5/panel.hpp"
+#include "examples/adapters/ur5/round_trip.hpp"
+#include "examples/simulated_ur5/faults.hpp"
+#include "examples/simulated_ur5/simulated_ur5.hpp"
+#include "skinctl/core/contract.hpp"
+
+using namespace adapters;
+using namespace adapters::ur5;
+using simulated_ur5::SimulatedUr5;
+using skinctl::Heard;
+
+namespace {
+
+simulated_ur5::Config robot_config(bool powered, simulated_ur5::Series series = simulated_ur5::Series::cb3) {
+  simulated_ur5::Config c;
+  std::memset(static_cast<void*>(&c.ports), 0, sizeof c.ports);  // any that are free
+  c.controller.series = series;
+  c.controller.powered = powered;
+  c.controller.power_on_time = c.controller.brake_release_time = 0.1;
+  c.controller.unlock_time = 0.3;
+  return c;
+}
+DriverConfig driver_config(const SimulatedUr5& robot) {
+  DriverConfig c;
+  c.rtde_port = robot.ports().rtde;
+  c.script_port = robot.ports().secondary;
+  c.dashboard_port = robot.ports().dashboard;
+  c.connect_timeout = Timeout(2000);
+  return c;
+}
+/// Holds the arm where it is for so many cycles; the last state.
+Heard hold(Driver& driver, int cycles) {
+  skinctl::State<6> state;
+  skinctl::JointCommand<6> command;
+  Heard heard = Heard::state;
+  for (int k = 0; k < cycles && heard != Heard::lost; ++k) {
+    heard = driver.wait(state);
+    command.position = driver.told();
+    if (heard != Heard::lost && !driver.send(command)) return Heard::lost;
+  }
+  return heard;
+}
+/// A controller that reports another version, on the wire.
+simulated_ur5::Change reports(const Version& v) {
+  return [v](simulated_ur5::Bytes p, const simulated_ur5::RtdeLayout&) {
+    if (p.size() == 19 && p[2] == 118) {
+      const std::uint32_t numbers[4] = {v.major, v.minor, v.bugfix, v.build};
+      for (std::size_t k = 0; k < 16; ++k)
+        p[3 + k] = static_cast<std::uint8_t>(numbers[k / 4] >> (24 - 8 * (k % 4)));
+    }
+    return std::vector<simulated_ur5::Bytes>{p};
+  };
+}
+
+/// Answers one HTTP request after the other, each on a connection of its own, with what `answer(request)` gives.
+class Web {
+ public:
+  explicit Web(std::function<std::string(const std::string&)> answer)
+      : acceptor_(listen(io_, "127.0.0.1", 0)), thread_([this, answer = std::move(answer)] {
+          while (!end_) {
+            Stream stream;
+            try {
+              stream.accept(acceptor_, {}, "a client", Timeout(50));
+            } catch (const ConnectionError&) {
+              continue;
+            }
+            std::string request;
+            std::array<std::uint8_t, 2048> block{};
+            std::size_t n = 0;
+            const auto whole = [&] {
+              const auto end = request.find("\r\n\r\n");
+              return end != std::string::npos &&
+                     (request.rfind("GET", 0) == 0 || request.find('}', end) != std::string::npos);
+            };
+            while (!whole() && stream.read_some(block, n, Timeout(300)) == Read::some)
+              request.append(block.begin(), block.begin() + static_cast<std::ptrdiff_t>(n));
+            const std::string out = answer(request);
+            stream.write({reinterpret_cast<const std::uint8_t*>(out.data()), out.size()}, Timeout(300));
+          }
+        }) {}
+  ~Web() {
+    end_ = true;
+    thread_.join();
+  }
+  std::uint16_t port() { return acceptor_.local_endpoint().port(); }
+
+ private:
+  boost::asio::io_context io_;
+  boost::asio::ip::tcp::acceptor acceptor_;
+  std::atomic<bool> end_{false};
+  std::thread thread_;
+};
+std::string http(const std::string& status, const std::string& body) {
+  return "HTTP/1.1 " + status +
+         "\r\nContent-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" +
+         body;
+}
+
+}  // namespace
+
+TEST_CASE("UR driver: powers up by the dashboard, sets slider, outputs and payload, and measures the way") {
+  SimulatedUr5 robot(robot_config(false));
+  robot.start();
+  Driver driver(driver_config(robot));
+  driver.connect();
+  CHECK(driver.controller().major == 3);
+  REQUIRE(hold(driver, 20) == Heard::state);
+  CHECK(driver.set_digital_output(1, true));
+  CHECK(driver.set_digital_output(9, true));
+  CHECK(driver.set_digital_output(17, true));
+  CHECK_FALSE(driver.set_digital_output(18, true));
+  CHECK(driver.set_speed_slider(0.5));
+  CHECK_FALSE(driver.set_speed_slider(1.5));
+  CHECK(driver.set_payload(1.2, {0, 0, 0.05}));
+  CHECK_THROWS_AS(driver.set_payload(-1, {0, 0, 0}), skinctl::ConfigurationError);
+  REQUIRE(hold(driver, 15) == Heard::state);
+  CHECK((driver.report().digital_outputs & 0x20202) == 0x20202);
+  CHECK(driver.report().slider == doctest::Approx(0.5));
+  CHECK(driver.set_digital_output(1, false));
+  REQUIRE(hold(driver, 15) == Heard::state);
+  CHECK((driver.report().digital_outputs & 0x20202) == 0x20200);
+
+  const RoundTrip trip = measure_round_trip("127.0.0.1", robot.ports().rtde, 125, 10);
+  CHECK(trip.echoes == 10);
+  CHECK(trip.controller_median >= std::chrono::milliseconds(8));
+  CHECK(trip.controller_median <= std::chrono::milliseconds(16));
+  CHECK(trip.median <= std::chrono::milliseconds(40));
+}
+
+TEST_CASE("UR driver: a protective stop is explained, and released on request only") {
+  SimulatedUr5 robot(robot_config(true));
+  robot.start();
+  auto config = driver_config(robot);
+  Driver driver(config);
+  driver.connect();
+  REQUIRE(hold(driver, 5) == Heard::state);
+  robot.call([](auto& c) { c.protective_stop("a test"); });
+  CHECK(hold(driver, 20) == Heard::lost);
+  CHECK(driver.fault() == Fault::protective_stop);
+  CHECK(driver.error().find("protective stop: ") == 0);
+  driver.stop();
+  CHECK_THROWS_WITH_AS(driver.connect(), doctest::Contains("protective stop: clear that first"),
+                       ConnectionError);
+  CHECK(robot.snapshot().state.safety_mode == simulated_ur5::SafetyMode::protective_stop);
+  config.unlock = true;
+  Driver consented(config);
+  std::this_thread::sleep_for(std::chrono::milliseconds(350));
+  consented.connect();
+  CHECK(robot.snapshot().state.safety_mode == simulated_ur5::SafetyMode::normal);
+  CHECK(hold(consented, 5) == Heard::state);
+}
+
+TEST_CASE("UR driver: after a controller restart it connects again, and only then goes on") {
+  auto robot = std::make_unique<SimulatedUr5>(robot_config(true));
+  robot->start();
+  const auto ports = robot->ports();
+  Driver driver(driver_config(*robot));
+  driver.connect();
+  REQUIRE(hold(driver, 5) == Heard::state);
+  robot->stop();
+  CHECK(hold(driver, 20) == Heard::lost);
+  CHECK(driver.fault() == Fault::stream_closed);
+  skinctl::State<6> state;
+  CHECK(driver.wait(state) == Heard::lost);
+  auto again = robot_config(true);
+  again.ports = ports;
+  robot = std::make_unique<SimulatedUr5>(again);
+  robot->start();
+  CHECK(driver.wait(state) == Heard::lost);  // not by itself
+  driver.connect();
+  CHECK(driver.fault() == Fault::none);
+  CHECK(driver.error().empty());
+  CHECK(hold(driver, 10) == Heard::state);
+}
+
+TEST_CASE("UR driver: torques from the version on that takes them, with friction as that version wants it") {
+  ProgramSettings s{
+      .address = "10.0.0.7", .port = 50001, .rate = 500, .interface = skinctl::Interface::torque};
+  s.version = {5, 23, 0, 0};
+  CHECK(program(s).find("direct_torque(q, friction_comp=True)") != std::string::npos);
+  s.torque.friction = false;
+  CHECK(program(s).find("direct_torque(q, friction_comp=False)") != std::string::npos);
+  s.torque.friction = true;
+  for (const Version v : {Version{5, 25, 1, 0}, Version{10, 12, 1, 0}}) {
+    s.version = v;
+    CHECK(program(s).find("direct_torque(q, viscous_scale=[0.900, 0.900, 0.800, 0.900, 0.900, 0.900], "
+                          "coulomb_scale=[0.800, 0.800, 0.700, 0.800, 0.800, 0.800])") != std::string::npos);
+  }
+  s.interface = skinctl::Interface::position;
+  CHECK(program(s).find("direct_torque") == std::string::npos);
+  CHECK_FALSE(Version{5, 22, 9, 9}.takes_torques());
+  CHECK_FALSE(Version{10, 10, 0, 0}.takes_torques());
+  CHECK(Version{10, 11, 0, 0}.takes_torques());
+  CHECK_FALSE(Version{5, 25, 0, 0}.takes_friction_scales());
+  CHECK_FALSE(Version{10, 12, 0, 0}.takes_friction_scales());
+
+  SimulatedUr5 robot(robot_config(true, simulated_ur5::Series::e_series));
+  robot.start();
+  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
+  auto config = driver_config(robot);
+  config.rtde_port = wire.port();
+  config.interface = skinctl::Interface::torque;
+  config.rate = 500;
+  wire.set(reports({5, 22, 1, 0}));
+  Driver refused(config);
+  CHECK_THROWS_WITH_AS(refused.connect(), doctest::Contains("5.22.1.0 takes no torques: 5.23 or later"),
+                       ConnectionError);
+  CHECK(refused.fault() == Fault::unreachable);
+  config.torque.coulomb[2] = 1.1;
+  CHECK_THROWS_AS(Driver{config}, skinctl::ConfigurationError);
+}
+
+TEST_CASE("UR driver: PolyScope X is powered by REST, and a refusal is told") {
+  SimulatedUr5 robot(robot_config(false, simulated_ur5::Series::e_series));
+  robot.start();
+  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
+  wire.set(reports({10, 12, 1, 0}));
+  std::vector<std::string> asked;
+  Web web([&](const std::string& request) {
+    asked.push_back(request);
+    if (request.find("POWER_ON") != std::string::npos) robot.call([](auto& c) { c.power_on(); });
+    if (request.find("BRAKE_RELEASE") != std::string::npos) robot.call([](auto& c) { c.brake_release(); });
+    if (request.find("robotmode") != std::string::npos) return http("200 OK", R"({"mode": "RUNNING"})");
+    if (request.find("UNLOCK") != std::string::npos) return http("409 Conflict", "not in this state");
+    return http("200 OK", R"({"message": "done"})");
+  });
+  auto config = driver_config(robot);
+  config.rtde_port = wire.port();
+  config.dashboard_port = 1;  // there is none
+  config.rest_port = web.port();
+  config.rate = 500;
+  Driver driver(config);
+  driver.connect();
+  CHECK(hold(driver, 20) == Heard::state);
+  REQUIRE(asked.size() == 2);
+  CHECK(asked[0].rfind("PUT /universal-robots/robot-api/robotstate/v1/state HTTP/1.1\r\n", 0) == 0);
+  CHECK(asked[0].find(R"({"action": "POWER_ON"})") != std::string::npos);
+  Rest rest("127.0.0.1", web.port(), Timeout(500));
+  CHECK(rest.get("robotmode") == "RUNNING");
+  CHECK_THROWS_WITH_AS(rest.act("UNLOCK_PROTECTIVE_STOP"), doctest::Contains("409 not in this state"),
+                       ConnectionError);
+}

@@ -1,0 +1,111 @@
+// From a state on the wire to the command on the wire, of the main job at 500 Hz on loopback, beside an echo.
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+
+#include "examples/adapters/socket.hpp"
+#include "examples/compliant_ur5/tests/beside.hpp"
+#include "examples/simulated_ur5/faults.hpp"
+#include "skinctl/hardware/histogram.hpp"
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using skinctl::Histogram;
+
+void print(const char* what, const Histogram& h) {
+  const auto us = [](skinctl::Nanoseconds t) { return 1e-3 * static_cast<double>(t.count()); };
+  std::printf("| %s | %llu | %.0f | %.0f | %.0f | %.0f |\n", what, static_cast<unsigned long long>(h.count()),
+              us(h.percentile(0.5)), us(h.percentile(0.99)), us(h.percentile(0.999)), us(h.max()));
+}
+
+/// A state's bytes there, a command's bytes back, 500 times a second, by the same sockets.
+Histogram echo(double seconds) {
+  boost::asio::io_context io;
+  auto acceptor = adapters::listen(io, "127.0.0.1", 0);
+  adapters::Stream near, far;
+  near.connect("127.0.0.1", acceptor.local_endpoint().port(), "an echo", adapters::Timeout(1000));
+  far.accept(acceptor, {}, "a client", adapters::Timeout(1000));
+  std::atomic<bool> end = false;
+  std::thread answering([&] {
+    std::array<std::uint8_t, 256> block{};
+    std::size_t n = 0;
+    while (!end)
+      if (far.read_some(block, n, adapters::Timeout(50)) == adapters::Read::some)
+        far.write(std::span(block).first(32), adapters::Timeout(50));
+  });
+  Histogram times;
+  std::array<std::uint8_t, 240> state{};
+  std::array<std::uint8_t, 64> answer{};
+  auto next = Clock::now();
+  for (int k = 0; k < static_cast<int>(500 * seconds); ++k) {
+    next += std::chrono::milliseconds(2);
+    std::this_thread::sleep_until(next);
+    near.write(state, adapters::Timeout(50));
+    const auto sent = Clock::now();
+    std::size_t n = 0;
+    if (near.read_some(answer, n, adapters::Timeout(50)) == adapters::Read::some)
+      times.record(Clock::now() - sent);
+  }
+  end = true;
+  answering.join();
+  return times;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double seconds = argc > 1 ? std::atof(argv[1]) : 10;
+  if (!(seconds >= 1 && seconds <= 3600)) {
+    std::fprintf(stderr, "ur5_latency [SECONDS]: 1 to 3600, 10 by default\n");
+    return 2;
+  }
+  using namespace compliant_ur5;
+  Settings s;
+  s.scenario = COMPLIANT_UR5_SCENARIO;
+  s.quiet = true;
+  read_scenario(s.scenario, s);
+  s.rate = 500;
+  s.interface = skinctl::Interface::velocity;
+  std::atomic<std::int64_t> left{0};
+  Histogram times;
+  std::uint64_t late = 0;  // commands that came after the next state was due
+  Beside beside(s);
+  simulated_ur5::FaultyWire rtde(s.rtde_port, true);
+  s.reverse_port = free_tcp_port();
+  simulated_ur5::FaultyWire reverse(s.reverse_port, false);
+  s.rtde_port = rtde.port();
+  s.told_port = reverse.port();
+  s.cycles = static_cast<std::uint64_t>(500 * seconds);
+  s.task = {{.at = 0.5, .q = {0.5, -1.0, 1.2, -1.7, -1.57, 0.3}, .duration = 0.5 * seconds}};
+  // A state leaves one wire, its command comes in at the other, where the robot is the client.
+  const auto now = [] { return Clock::now().time_since_epoch().count(); };
+  rtde.set_observer([&](bool from_robot, bool sent_on) {
+    if (from_robot && sent_on) left = now();
+  });
+  reverse.set_observer([&](bool from_job, bool sent_on) {
+    if (!from_job || sent_on) return;
+    if (const std::int64_t since = left.exchange(0); since != 0) {
+      const skinctl::Nanoseconds took(now() - since);
+      times.record(took);
+      late += took > std::chrono::milliseconds(2);
+    }
+  });
+  RunLog log;
+  const Outcome outcome = run(s, false, log);
+  const Histogram beside_it = echo(seconds);
+  std::printf("| on loopback [us] | exchanges | median | p99 | p99.9 | max |\n|---|---|---|---|---|---|\n");
+  print("echo, a state's bytes there and a command's back", beside_it);
+  print("state to command", times);
+  for (const auto& t : log.times)
+    if (t.stage == "whole cycle")
+      std::printf("| of these the cycle | %llu | %.0f | %.0f | %.0f | %.0f |\n",
+                  static_cast<unsigned long long>(s.cycles), t.median, t.p99, t.p999, t.max);
+  std::printf("\ncommands later than 2 ms after their state: %llu of %llu\n",
+              static_cast<unsigned long long>(late), static_cast<unsigned long long>(times.count()));
+  for (const auto& f : log.result)
+    if (f.name == "missed deadlines")
+      std::printf("states that came more than 3 ms after the one before: %s\n", f.value.c_str());
+  std::printf("the run: %s\n", log.words.c_str());
+  return examples::job::code(outcome);
+}
