@@ -57,6 +57,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool is_open() const { return open_; }
   /// When the last bytes came.
   std::chrono::steady_clock::time_point heard_at() const { return heard_at_; }
+  /// The peer has not read for so long, though there is something for it.
+  bool stuck(std::chrono::steady_clock::duration longest) const {
+    return queued() > 0 && std::chrono::steady_clock::now() - moved_at_ > longest;
+  }
   std::size_t queued() const { return writing_.size() + waiting_.size(); }
 
  private:
@@ -78,6 +82,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void write() {
     if (!writing_.empty() || waiting_.empty()) return;
     std::swap(writing_, waiting_);
+    moved_at_ = std::chrono::steady_clock::now();
     boost::asio::async_write(
         socket_, boost::asio::buffer(writing_),
         [self = shared_from_this()](const boost::system::error_code& error, std::size_t) {
@@ -97,7 +102,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::array<std::uint8_t, 4096> chunk_{};
   std::vector<std::uint8_t> writing_, waiting_;
   bool open_ = true, closing_ = false;
-  std::chrono::steady_clock::time_point heard_at_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point heard_at_ = std::chrono::steady_clock::now(), moved_at_ = heard_at_;
 };
 
 }  // namespace simulated_ur5

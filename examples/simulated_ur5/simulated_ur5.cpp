@@ -298,6 +298,8 @@ class SimulatedUr5::Network {
   /// A client of a port that takes scripts: primary, secondary or realtime.
   void accept_script(tcp::socket socket, Server& server) {
     const char* name = &server == &primary_ ? "primary" : &server == &secondary_ ? "secondary" : "realtime";
+    ErrorCode ignored;
+    socket.set_option(tcp::socket::send_buffer_size(static_cast<int>(rtde_kernel_queue)), ignored);
     auto connection = admit(server, std::move(socket), text_queue, name);
     auto reader = std::make_shared<ScriptReader>();
     connection->on_bytes = [this, reader, name](std::span<const std::uint8_t> bytes) {
@@ -599,13 +601,17 @@ class SimulatedUr5::Network {
     send_to(secondary_);
     close_unfinished();
   }
-  /// Closes clients that began a message or program and left it at that.
+  /// Closes clients that began a message or program and left it at that, and those that do not read.
   void close_unfinished() {
     const auto longest = std::chrono::nanoseconds(nanoseconds(config_.unfinished_time));
     for (Server* server : servers())
-      for (const auto& c : std::vector(server->clients))
-        if (c->is_open() && c->unfinished && c->unfinished() && Clock::now() - c->heard_at() > longest)
+      for (const auto& c : std::vector(server->clients)) {
+        if (!c->is_open()) continue;
+        if (c->stuck(longest))
+          c->close("it stopped reading");
+        else if (c->unfinished && c->unfinished() && Clock::now() - c->heard_at() > longest)
           c->close("it left a message unfinished");
+      }
   }
   std::array<Server*, 5> servers() { return {&dashboard_, &primary_, &secondary_, &rtde_, &realtime_}; }
   std::int64_t cycles_per_state() const { return nanoseconds(0.1) / controller_.cycle(); }

@@ -2,6 +2,8 @@
 // servoj, speedj, torques, trajectories by points and by splines, script commands. Raw bytes only.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <thread>
 
@@ -271,15 +273,22 @@ struct Driver {
     command.emplace(command_server.accept());
     reverse.emplace(reverse_server.accept());
   }
-  void send(int mode, const std::array<double, 6>& values, std::int32_t timeout = 200) {
+  void send(int mode, const std::array<double, 6>& values, std::int32_t timeout = 2000) {
     reverse->send(raw::reverse_message(timeout, values, mode));
   }
-  /// Keeps sending for a while.
-  void hold(int mode, const std::array<double, 6>& values, double time) {
-    for (int i = 0; i < static_cast<int>(time * 250); ++i) {
+  /// Keeps sending until the robot is as expected; false: it was not within `limit` seconds.
+  template <class Condition>
+  bool hold_until(int mode, const std::array<double, 6>& values, Condition&& as_expected, double limit = 10) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
+    do {
       send(mode, values);
       std::this_thread::sleep_for(std::chrono::milliseconds(4));
-    }
+      if (as_expected(now())) return true;
+    } while (std::chrono::steady_clock::now() < end);
+    return false;
+  }
+  void hold(int mode, const std::array<double, 6>& values, double time) {
+    hold_until(mode, values, [](const Snapshot&) { return false; }, time);
   }
   /// Numbers that are no joint values: mode 3 with its action and count.
   void send_whole(std::int32_t timeout, std::int32_t first, std::int32_t second, int mode) {
@@ -305,6 +314,18 @@ struct Driver {
     trajectory->send(b);
   }
   Snapshot now() { return robot.snapshot(); }
+  /// The program ends and the arm stands.
+  bool comes_to_rest(double limit = 10) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
+    while (std::chrono::steady_clock::now() < end) {
+      const Snapshot s = now();
+      double v = 0;
+      for (const double x : s.true_dq) v = std::max(v, std::abs(x));
+      if (!s.state.program_running && v < 1e-6) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  }
   bool running() { return now().state.program_running; }
 
   raw::Listener reverse_server, trajectory_server, command_server;
@@ -325,38 +346,34 @@ Config config(Series series = Series::e_series) {
 TEST_CASE("External control: connects, servos, speeds, torques, and stops when told") {
   CHECK(external_control(1, 2, 3).size() > 44'000);
   Driver d(config());
-  d.hold(idle, {}, 0.05);
+  d.hold(idle, {}, 0.02);
   CHECK(d.running());
   const auto home = d.now().true_q;
   std::array<double, 6> goal = home;
-  for (int i = 0; i < 100; ++i) {
-    goal[0] += 0.001;
+  for (int i = 0; i < 20; ++i) {
+    goal[0] += 0.005;
     d.hold(servo, goal, 0.004);
   }
-  d.hold(servo, goal, 0.4);
-  CHECK(d.now().true_q[0] == doctest::Approx(home[0] + 0.1).epsilon(1e-3));
-  d.hold(speed, {0, 0, 0, 0, 0.3, 0}, 0.4);
-  CHECK(d.now().true_dq[4] == doctest::Approx(0.3).epsilon(0.02));
-  d.hold(torque, {10, 0, 0, 0, 0, 0}, 0.3);
-  CHECK(d.now().true_dq[0] > 0.1);
-  CHECK(d.now().state.control_mode == ControlMode::torque);
-  d.hold(freedrive, {}, 0.8);
-  CHECK(d.now().state.control_mode == ControlMode::teach);
+  CHECK(d.hold_until(servo, goal, [&](const Snapshot& s) { return std::abs(s.true_q[0] - goal[0]) < 1e-4; }));
+  CHECK(d.hold_until(speed, {0, 0, 0, 0, 0.3, 0},
+                     [](const Snapshot& s) { return std::abs(s.true_dq[4] - 0.3) < 1e-3; }));
+  CHECK(d.hold_until(torque, {10, 0, 0, 0, 0, 0}, [](const Snapshot& s) {
+    return s.true_dq[0] > 0.1 && s.state.control_mode == ControlMode::torque;
+  }));
+  CHECK(d.hold_until(freedrive, {},
+                     [](const Snapshot& s) { return s.state.control_mode == ControlMode::teach; }));
   CHECK(d.running());
   d.send(stopped, {});
-  CHECK(d.reverse->closes());
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  CHECK_FALSE(d.running());
-  for (const double v : d.now().true_dq) CHECK(std::abs(v) < 1e-6);
+  CHECK(d.reverse->closes(10));
+  CHECK(d.comes_to_rest());
 }
 
 TEST_CASE("External control: a commander that falls silent ends the program and the motion") {
   Driver d(config(Series::cb3));
-  d.hold(speed, {0.3, 0, 0, 0, 0, 0}, 0.3);
-  CHECK(d.now().true_dq[0] == doctest::Approx(0.3).epsilon(0.02));
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));
-  CHECK_FALSE(d.running());
-  CHECK(std::abs(d.now().true_dq[0]) < 1e-6);
+  CHECK(d.hold_until(speed, {0.3, 0, 0, 0, 0, 0},
+                     [](const Snapshot& s) { return std::abs(s.true_dq[0] - 0.3) < 1e-3; }));
+  d.send(speed, {0.3, 0, 0, 0, 0, 0}, 100);
+  CHECK(d.comes_to_rest());
 }
 
 TEST_CASE("External control: trajectories of points and splines arrive and say so; a cancelled one too") {
@@ -368,35 +385,35 @@ TEST_CASE("External control: trajectories of points and splines arrive and say s
   b[4] -= 0.1;
   const auto follow = [&](double limit) -> std::int32_t {
     for (int i = 0; i < static_cast<int>(limit * 100); ++i) {
-      d.send_whole(200, 0, 0, forward);
+      d.send_whole(2000, 0, 0, forward);
       const raw::Bytes answer = d.trajectory->receive(4, 0.01);
       if (answer.size() == 4) return static_cast<std::int32_t>(raw::take(answer, 0, 4));
     }
     return -1;
   };
-  d.send_whole(200, 1, 2, forward);
+  d.send_whole(2000, 1, 2, forward);
   d.point(a, {}, 3, 1.5, 0, 0);
   d.point(b, {}, 3, 1.5, 0, 0);
-  CHECK(follow(4) == 0);
+  CHECK(follow(10) == 0);
   for (std::size_t i = 0; i < 6; ++i) CHECK(d.now().true_q[i] == doctest::Approx(b[i]).epsilon(1e-3));
   // Cubic splines there and on, each in half a second.
-  d.send_whole(200, 1, 2, forward);
+  d.send_whole(2000, 1, 2, forward);
   d.point(a, {0.1, 0, 0, 0, 0.1, 0}, 0, 0, 0.5, 51);
   d.point(home, {}, 0, 0, 0.5, 52);
-  CHECK(follow(4) == 0);
+  CHECK(follow(10) == 0);
   for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(d.now().true_q[i] - home[i]) < 0.02);
   // Cancelled on its way.
   auto far = home;
   far[0] += 1;
-  d.send_whole(200, 1, 1, forward);
+  d.send_whole(2000, 1, 1, forward);
   d.point(far, {}, 1, 0.5, 0, 0);
-  CHECK(follow(0.4) == -1);
-  d.send_whole(200, -1, 0, forward);
-  CHECK(follow(2) == 1);
+  CHECK(follow(0.2) == -1);
+  d.send_whole(2000, -1, 0, forward);
+  CHECK(follow(10) == 1);
   CHECK(d.now().true_q[0] < home[0] + 0.9);
   // Points that do not come are told.
-  d.send_whole(200, 1, 1, forward);
-  CHECK(follow(2) == 2);
+  d.send_whole(2000, 1, 1, forward);
+  CHECK(follow(10) == 2);
   CHECK(d.running());
 }
 
@@ -413,8 +430,7 @@ TEST_CASE("External control: script commands set payload and tool") {
   };
   command(1, {1.5, 0.01, 0.02, 0.03});
   command(10, {0, 0, 0.2, 0, 0, 0});
-  d.hold(idle, {}, 0.1);
+  CHECK(d.hold_until(idle, {}, [](const Snapshot& s) { return s.state.tcp_offset[2] == 0.2; }));
   CHECK(d.now().state.payload == 1.5);
   CHECK(d.now().state.payload_cog.z == 0.03);
-  CHECK(d.now().state.tcp_offset[2] == 0.2);
 }

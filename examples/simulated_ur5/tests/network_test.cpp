@@ -423,7 +423,8 @@ TEST_CASE("Network: random bytes on every port, and the controller goes on") {
   Random random(51);
   const Ports ports = robot.ports();
   for (int n = 0; n < 60; ++n) {
-    for (const std::uint16_t port : {ports.rtde, ports.primary, ports.secondary, ports.dashboard}) {
+    for (const std::uint16_t port :
+         {ports.rtde, ports.primary, ports.secondary, ports.realtime, ports.dashboard}) {
       raw::Tcp tcp(port);
       raw::Bytes noise(static_cast<std::size_t>(random.uniform() * 3000));
       for (auto& b : noise) b = static_cast<std::uint8_t>(random.bits() % (n % 2 == 0 ? 256 : 128));

@@ -106,7 +106,8 @@ TEST_CASE("Primary: the first state has all sub-packages with the guide's sizes,
       const auto all = parts(first);
       CHECK(all.size() == expected.size());
       for (const auto& [type, size] : expected) {
-        CAPTURE(type);
+        const int which = type;
+        CAPTURE(which);
         REQUIRE(all.count(type) == 1);
         CHECK(all.at(type).size() + 5 == size);
       }
@@ -227,4 +228,15 @@ TEST_CASE("Primary: who leaves a program half told is closed, who only listens i
   CHECK(half.closes(2));
   CHECK(line.closes(2));
   CHECK_FALSE(listener.closes(0.5));
+}
+
+TEST_CASE("Realtime: a client that stops reading is closed, and the others go on") {
+  Config c = config(Series::e_series);
+  c.unfinished_time = 0.3;
+  SimulatedUr5 robot(c);
+  robot.start();
+  raw::Tcp slow(robot.ports().realtime, 4096), brisk(robot.ports().realtime);
+  for (int i = 0; i < 1000; ++i) CHECK(raw::take(brisk.exactly(1220), 0, 4) == 1220);
+  CHECK(slow.closes(5));
+  CHECK(raw::take(brisk.exactly(1220), 0, 4) == 1220);
 }

@@ -70,8 +70,8 @@ std::uint16_t port_of(const std::string& ready, const std::string& name) {
 }
 
 const std::vector<std::string> any_ports{
-    "--rtde-port",      "0", "--primary-port", "0",  "--secondary-port", "0",
-    "--dashboard-port", "0", "--realtime-port", "0", "--log", "off"};
+    "--rtde-port",     "0", "--primary-port", "0",  "--secondary-port", "0", "--dashboard-port", "0",
+    "--realtime-port", "0", "--log",          "off"};
 
 std::vector<std::string> with(std::vector<std::string> more) {
   std::vector<std::string> all = any_ports;
@@ -116,9 +116,8 @@ TEST_CASE("Program: exit codes tell a wrong configuration from a taken port") {
   CHECK(Child(with({"--program", "x"})).exit_code() == 2);
   Child first(any_ports);
   const std::string taken = std::to_string(port_of(first.line(), "rtde"));
-  Child second(
-      {"--rtde-port", taken, "--primary-port", "0", "--secondary-port", "0", "--dashboard-port", "0",
-       "--realtime-port", "0"});
+  Child second({"--rtde-port", taken, "--primary-port", "0", "--secondary-port", "0", "--dashboard-port", "0",
+                "--realtime-port", "0"});
   CHECK(second.line().find("cannot listen") != std::string::npos);
   CHECK(second.exit_code() == 3);
 }

@@ -247,6 +247,39 @@ TEST_CASE("RTDE: unknown names are NOT_FOUND and make the recipe invalid; a trai
   CHECK(client.ask(inputs_request("input_bit_register_64")).text(1) == "BOOL");
 }
 
+TEST_CASE("RTDE: the outputs of later guides have their types, and what a program sets comes out") {
+  Bench bench;
+  Bench::Client client(bench);
+  client.version_2();
+  raw::Package reply = client.ask(raw::outputs_request(
+      500,
+      "actual_current_as_torque,joint_position_deviation_ratio,collision_detection_ratio,time_scale_source,"
+      "tool_output_mode,tool_digital_output0_mode,tool_digital_output1_mode,ft_raw_wrench,"
+      "wrench_calc_from_currents,payload_inertia,target_gravity,target_base_acceleration,target_base_wrench,"
+      "control_step,actual_robot_energy_consumed,actual_robot_braking_energy_dissipated,encoder0_raw,"
+      "encoder1_raw"));
+  CHECK(reply.payload.at(0) == 1);
+  CHECK(
+      reply.text(1) ==
+      "VECTOR6D,DOUBLE,DOUBLE,INT32,UINT8,UINT8,UINT8,VECTOR6D,VECTOR6D,VECTOR6D,VECTOR3D,VECTOR6D,VECTOR6D,"
+      "UINT64,DOUBLE,DOUBLE,INT32,INT32");
+  CHECK(bench.controller
+            .run("sec set():\n  set_payload(2, [0.1, 0.2, 0.3], [1, 2, 3, 4, 5, 6])\n"
+                 "  set_tcp(p[0, 0, 0.2, 0, 0, 0])\n  set_tool_voltage(24)\nend\n")
+            .empty());
+  client.ask(raw::outputs_request(
+      500, "payload,payload_cog,payload_inertia,tcp_offset,tool_output_voltage,control_step"));
+  client.say(raw::package('S'));
+  bench.controller.step();
+  const Bytes data = client.cycle().at(0).payload;
+  CHECK(raw::take_double(data, 1) == 2);
+  CHECK(raw::take_double(data, 9 + 16) == 0.3);
+  CHECK(raw::take_double(data, 33 + 40) == 6);
+  CHECK(raw::take_double(data, 81 + 16) == 0.2);
+  CHECK(raw::take(data, 129, 4) == 24);
+  CHECK(raw::take(data, 133, 8) == 1);
+}
+
 TEST_CASE("RTDE: an input belongs to one client until it leaves") {
   Bench bench;
   Bench::Client first(bench);

@@ -88,12 +88,13 @@ TEST_CASE("Script: constants and watchdogs of a stream; what does more is none")
   CHECK(p.watchdog->min_frequency == 5);
   CHECK(p.watchdog->stops);
   // A second socket, another size of message, an address that is computed, torques, no socket: interpreted.
-  for (const auto& [from, to] : {std::pair{"  N = 8\n", "  socket_open(HOST, 7, \"b\")\n  N = 8\n"},
-                                 std::pair{"  N = 8\n", "  N = 6\n"},
-                                 std::pair{"socket_open(HOST, PORT)", "socket_open(host(), PORT)"},
-                                 std::pair{"socket_open(HOST, PORT)", "socket_open(HOST, 70000)"},
-                                 std::pair{"  N = 8\n", "  N = 8\n  direct_torque(q)\n"},
-                                 std::pair{"  socket_open(HOST, PORT)\n", ""}}) {
+  for (const auto& [from, to] :
+       {std::pair{"  N = 8\n", "  socket_open(HOST, 7, \"b\")\n  N = 8\n"},
+        std::pair{"  N = 8\n", "  N = 6\n"}, std::pair{"  N = 8\n", "  N = 8\n  direct_torque(q)\n"},
+        std::pair{"socket_open(HOST, PORT)", "socket_open(host(), PORT)"},
+        std::pair{"socket_open(HOST, PORT)", "socket_open(HOST, 70000)"},
+        std::pair{"  N = 8\n", "  N = 8\n  direct_torque(q)\n"},
+        std::pair{"  socket_open(HOST, PORT)\n", ""}}) {
     std::string other = text;
     other.replace(other.find(from), std::string(from).size(), to);
     CAPTURE(other);

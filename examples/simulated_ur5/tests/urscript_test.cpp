@@ -1,10 +1,11 @@
 // URScript as the makers' manual describes it: small programs, and what they leave in the output registers.
 #include <doctest/doctest.h>
 
-#include <chrono>
+#include <ctime>
 
 #include "examples/simulated_ur5/controller.hpp"
 #include "examples/simulated_ur5/random.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 using namespace simulated_ur5;
 
@@ -170,9 +171,16 @@ TEST_CASE("URScript: errors end the program with line and column") {
   CHECK(r.exception() == "2:3 compile_error_name_not_found:calldoesntexist:");
   r.run("  x = unknown_variable + 1\n");
   CHECK(r.exception() == "2:7 compile_error_name_not_found:unknown_variable:");
+  // A motion that is not known is no motion left out; one of the maker's that is not simulated ends what calls it.
+  r.run("  moveq([0, 0, 0, 0, 0, 0])\n");
+  CHECK(r.exception() == "2:3 compile_error_name_not_found:moveq:");
   r.run(
-      "  movec(p[0,0,0,0,0,0], p[0,0,0,0,0,0])\n");  // a motion that is not known here is no motion left out
-  CHECK(r.exception().find("name_not_found:movec:") != std::string::npos);
+      "  def later():\n    movec(p[0,0,0,0,0,0], p[0,0,0,0,0,0], mode=1)\n  end\n"
+      "  write_output_integer_register(6, 5)\n");
+  CHECK(r.exception() == "");
+  CHECK(r.integer(6) == 5);
+  r.run("  movec(p[0,0,0,0,0,0], p[0,0,0,0,0,0])\n");
+  CHECK(r.exception() == "2:3 runtime_error_not_simulated:movec:");
   r.run(
       "  write_output_integer_register(7, 1)\n  a = [1, 2]\n  b = a[2]\n  write_output_integer_register(7, "
       "2)\n");
@@ -249,10 +257,11 @@ TEST_CASE("URScript: protective_stop, set_payload, tcp and register functions re
 TEST_CASE("URScript: hostile programs end or go on in bounded time, memory and depth") {
   const auto seconds_of = [](const std::string& text) {
     Robot r;
-    const auto begin = std::chrono::steady_clock::now();
+    const auto begin = std::clock();  // of the processor: others may be busy
     r.c.run(text);
     for (int i = 0; i < 5; ++i) r.c.step();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC /
+           (skinctl::testing::sanitized ? 20 : 1);
   };
   const auto repeated = [](const std::string& piece, std::size_t size = 250'000) {
     std::string text;
@@ -266,8 +275,8 @@ TEST_CASE("URScript: hostile programs end or go on in bounded time, memory and d
   for (const std::string_view part : pieces) {
     const std::string piece(part);
     CAPTURE(piece);
-    CHECK(seconds_of("def f():\n" + repeated(piece) + "\nend\n") < 0.25);
-    CHECK(seconds_of(repeated(piece) + "\n") < 0.25);
+    CHECK(seconds_of("def f():\n" + repeated(piece) + "\nend\n") < 0.1);
+    CHECK(seconds_of(repeated(piece) + "\n") < 0.1);
   }
   // Loops without waiting, lists that grow, recursion, threads without end.
   for (const char* lines :

@@ -7,8 +7,9 @@ namespace simulated_ur5::urscript {
 const Builtin* find_builtin(std::string_view name, const Version& version) {
   static const auto all = [] {
     std::map<std::string_view, const Builtin*> out;
-    for (const auto table : {arithmetic_functions(), text_functions(), pose_functions(), socket_functions(),
-                             state_functions(), setting_functions(), motion_functions()})
+    for (const auto table :
+         {arithmetic_functions(), text_functions(), pose_functions(), socket_functions(), state_functions(),
+          setting_functions(), motion_functions(), unsimulated_functions()})
       for (const Builtin& b : table) out[b.name] = &b;
     return out;
   }();

@@ -51,6 +51,7 @@ enum class Outcome {
 
 /// One call under way.
 struct Call {
+  std::string_view name;
   Robot& robot;
   std::span<const Value> arguments;  ///< by parameter; empty values were not given
   bool first;                        ///< false: it said `again`
@@ -88,7 +89,7 @@ struct Builtin {
   std::string_view parameters;  ///< names, blank between
   Outcome (*act)(Call&);
   bool moves = false;       ///< moves or waits: not for secondary programs
-  bool any_number = false;  ///< takes more arguments than it names
+  bool any_number = false;  ///< takes arguments beside those that it names
   Version since{};
 };
 
@@ -104,5 +105,6 @@ std::span<const Builtin> socket_functions();
 std::span<const Builtin> state_functions();
 std::span<const Builtin> setting_functions();
 std::span<const Builtin> motion_functions();
+std::span<const Builtin> unsimulated_functions();
 
 }  // namespace simulated_ur5::urscript

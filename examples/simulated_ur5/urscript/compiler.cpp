@@ -132,8 +132,7 @@ void Compiler::link(CallSite& site) {
     std::int32_t to = -1;
     for (std::size_t p = 0; p < parameters.size(); ++p)
       if (site.names[i].empty() ? p == i : parameters[p] == site.names[i]) to = static_cast<std::int32_t>(p);
-    if (to < 0 && site.builtin && site.builtin->any_number && site.names[i].empty())
-      to = static_cast<std::int32_t>(i);
+    if (to < 0 && site.builtin && site.builtin->any_number) to = static_cast<std::int32_t>(i);
     if (to < 0 || !taken.insert(to).second)
       return fail(site.at, "compile_error_arguments:" + site.name + ":");
     site.target.push_back(to);

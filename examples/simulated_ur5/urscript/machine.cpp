@@ -270,7 +270,7 @@ bool Machine::call_builtin(Thread& t, const CallSite& site, Robot& robot) {
     t.since = robot.now;
     t.stage = 0;
   }
-  Call call{robot, arguments, !t.waits, t.since, t.stage};
+  Call call{site.name, robot, arguments, !t.waits, t.since, t.stage};
   const Outcome outcome = site.builtin->act(call);
   t.waits = outcome == Outcome::again;
   switch (outcome) {

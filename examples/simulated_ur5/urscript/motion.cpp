@@ -126,8 +126,8 @@ Outcome movel(Call& c) {
 /// Motions without a time: their fourth argument is a blend.
 template <Outcome (*Move)(Call&)>
 Outcome untimed(Call& c) {
-  Call shorter{c.robot, c.arguments.first(std::min<std::size_t>(3, c.arguments.size())), c.first, c.since,
-               c.stage};
+  Call shorter{c.name,  c.robot, c.arguments.first(std::min<std::size_t>(3, c.arguments.size())),
+               c.first, c.since, c.stage};
   const Outcome outcome = Move(shorter);
   c.error = shorter.error;
   return outcome;
