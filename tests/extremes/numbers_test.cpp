@@ -57,7 +57,7 @@ TEST_CASE_TEMPLATE("extremes: exp_so3 is a rotation for every length, and NaN be
     }
   // Just below and beyond the change of formula the rotation is the same.
   for (const T x :
-       {std::sqrt(detail::far_around<T>) * T(0.999), std::sqrt(detail::far_around<T>) * T(1.001)}) {
+       {std::sqrt(detail::far_around<T>()) * T(0.999), std::sqrt(detail::far_around<T>()) * T(1.001)}) {
     const Xyz<T> phi{T(0.6) * x, T(0), T(-0.8) * x};
     const T angle = norm(phi);
     const T trace = 1 + 2 * std::cos(angle);

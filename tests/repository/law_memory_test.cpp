@@ -20,10 +20,18 @@ namespace {
 /// holds: `m.blend.elapsed`, `memory.law.plan`.
 std::vector<std::string> reaches(const std::string& name, const std::string& text) {
   static const std::regex member(R"((?:typename\s+)?([A-Za-z_]\w*)::Memory\s+(\w+)\s*(?:=[^;]*)?;)");
-  static const std::set<std::string> no_laws{
-      "Space", "OppositionDetector", "ContactDetector", "Keeper", "Watchman",
-      "Skin",  "Overseer",           "Resolver",        "Sign",   "Health",
-      "S"};
+  static const std::set<std::string> no_laws{"Space",
+                                             "OppositionDetector",
+                                             "ContactDetector",
+                                             "Keeper",
+                                             "Watchman",
+                                             "Skin",
+                                             "Overseer",
+                                             "Resolver",
+                                             "Sign",
+                                             "Health",
+                                             "S",
+                                             "Range"};
   std::set<std::string> names;
   for (std::sregex_iterator i(text.begin(), text.end(), member), end; i != end; ++i)
     if (no_laws.count((*i)[1]) == 0) names.insert((*i)[2]);

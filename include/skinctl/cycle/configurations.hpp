@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstring>
 
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/cycle/detail/carrying_law.hpp"
@@ -156,6 +157,19 @@ class Configurations {
     if (input.configuration == m.configuration) [[likely]]
       return scenes_[m.configuration].step(m, input, watch);
     return change(m, input, watch);
+  }
+  /// A step that nobody sees: see `Cycle::warm`. The configuration stays.
+  template <class Watch = NoStopwatch>
+  void warm(Memory& scratch, const Memory& memory, const Input& input, Nanoseconds after,
+            Watch&& watch = {}) const noexcept {
+    std::memcpy(static_cast<void*>(&scratch), &memory, sizeof memory);
+    Input next = input;
+    next.now += after;
+    next.measured.time += after;
+    next.request = CycleRequest::none;
+    next.has_goal = false;
+    next.configuration = memory.configuration;
+    static_cast<void>(step(scratch, next, watch));
   }
 
  private:

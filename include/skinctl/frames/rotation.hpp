@@ -97,7 +97,7 @@ template <Scalar T>
 template <Real T>
 [[nodiscard]] Rotation<T> exp_so3(const Xyz<T>& vector) noexcept {
   Xyz<T> phi = vector;
-  if (!(dot(phi, phi) <= detail::far_around<T>)) [[unlikely]]
+  if (!(dot(phi, phi) <= detail::far_around<T>())) [[unlikely]]
     phi = detail::within_a_turn(vector);
   const auto f = detail::exp_factors(phi);
   const Xyz<T> a = f.sine * phi;
@@ -161,7 +161,7 @@ template <Real T>
 /// `omega = J_l(phi) dphi`: the angular velocity, in the axes of the outer frame, of `R = exp_so3(phi)`.
 template <Real T>
 [[nodiscard]] Xyz<T> left_jacobian_so3(const Xyz<T>& phi, const Xyz<T>& dphi) noexcept {
-  if (!(dot(phi, phi) <= detail::far_around<T>)) [[unlikely]]
+  if (!(dot(phi, phi) <= detail::far_around<T>())) [[unlikely]]
     return detail::left_jacobian_far_around(phi, dphi);
   const Xyz<T> once = cross(phi, dphi);
   return dphi + detail::exp_factors(phi).cosine * once + detail::cubic_factor(phi) * cross(phi, once);

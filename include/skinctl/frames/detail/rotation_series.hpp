@@ -130,7 +130,9 @@ template <Real T>
 
 /// Square of the length [rad^2] beyond which products of the factors and the vector lose digits or overflow.
 template <class T>
-inline constexpr T far_around = std::numeric_limits<T>::max_exponent10 < 100 ? T(1e18) : T(1e150);
+[[nodiscard]] SKINCTL_INLINE constexpr T far_around() noexcept {
+  return std::numeric_limits<T>::max_exponent10 < 100 ? T(1e18) : T(1e150);
+}
 
 /// Unit vector along `phi` and its length, however long; NaN for an infinity or a NaN.
 template <Real T>
