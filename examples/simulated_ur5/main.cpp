@@ -40,7 +40,8 @@ void split_target(const std::string& text, simulated_ur5::Config& config) {
 simulated_ur5::Version read_version(const std::string& text) {
   simulated_ur5::Version v;
   char rest = 0;
-  const int parts = std::sscanf(text.c_str(), "%3u.%3u.%3u.%9u%c", &v.major, &v.minor, &v.bugfix, &v.build, &rest);
+  const int parts =
+      std::sscanf(text.c_str(), "%3u.%3u.%3u.%9u%c", &v.major, &v.minor, &v.bugfix, &v.build, &rest);
   if ((parts != 3 && parts != 4) || (v.major != 3 && v.major != 5))
     throw CLI::ValidationError("--polyscope", "expected 3.x.y or 5.x.y, got '" + text + "'");
   return v;
@@ -70,7 +71,8 @@ int main(int argc, char** argv) {
   app.add_option("--series", series, "cb3 (125 Hz, the default) or e-series (500 Hz)")
       ->check(CLI::IsMember({"cb3", "e-series"}));
   app.add_option("--polyscope", polyscope,
-                 "version that the controller says it is, as 5.25.1; joint torques need 5.23, their friction scales 5.25.1");
+                 "version that the controller says it is, as 5.25.1; joint torques need 5.23, their friction "
+                 "scales 5.25.1");
   app.add_option("--bind", config.address, "numeric address that the servers bind")->capture_default_str();
   app.add_option("--rtde-port", config.ports.rtde, "0: the system chooses")->capture_default_str();
   app.add_option("--primary-port", config.ports.primary)->capture_default_str();

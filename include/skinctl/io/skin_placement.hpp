@@ -145,7 +145,8 @@ template <NamesLinks D>
       out.push_back({r.name, r.cells, 1 / r.weight, r.force_limit});
     } else {
       require(!(r.force_limit < std::numeric_limits<double>::infinity()),
-              ("region " + detail::skin_quoted(r.name) + " of weight 0, which feels nothing: force_limit").c_str(),
+              ("region " + detail::skin_quoted(r.name) + " of weight 0, which feels nothing: force_limit")
+                  .c_str(),
               r.force_limit, "none");
     }
   return Regions(std::move(out));
