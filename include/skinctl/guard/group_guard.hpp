@@ -180,7 +180,8 @@ class GroupGuard {
   }
   template <class S>
   [[nodiscard]] static GuardSettings<S::count, T> part(const Settings& s) {
-    return {.stale_after = s.stale_after,
+    // GCC 12 sees an empty one's value copied.
+    return {.stale_after = s.stale_after ? std::optional(*s.stale_after) : std::nullopt,
             .lead = S::of(s.lead),
             .torque_rate = s.torque_rate,
             .beyond = s.beyond,
