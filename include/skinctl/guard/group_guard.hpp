@@ -180,14 +180,14 @@ class GroupGuard {
   }
   template <class S>
   [[nodiscard]] static GuardSettings<S::count, T> part(const Settings& s) {
-    // GCC 12 sees an empty one's value copied.
-    return {.stale_after = s.stale_after ? std::optional(*s.stale_after) : std::nullopt,
-            .lead = S::of(s.lead),
-            .torque_rate = s.torque_rate,
-            .beyond = s.beyond,
-            .overspeed = s.overspeed,
-            .brakes_on = s.brakes_on,
-            .consent = s.consent};
+    GuardSettings<S::count, T> out{.lead = S::of(s.lead),
+                                   .torque_rate = s.torque_rate,
+                                   .beyond = s.beyond,
+                                   .overspeed = s.overspeed,
+                                   .brakes_on = s.brakes_on,
+                                   .consent = s.consent};
+    if (s.stale_after) out.stale_after = *s.stale_after;  // GCC 12 takes a copy of an empty one for a use
+    return out;
   }
   template <class F>
   static SKINCTL_INLINE void each(F&& f) noexcept {
