@@ -53,7 +53,7 @@ Given run_groups(const RandomScene& scene, const Parts&... parts) {
     const double from = seconds<double>(now - period);
     int j = 0;
     const auto push_at = [&](const JointPosition<6>& q, const JointVelocity<6>& dq, double t) {
-      testing::JointTouch touch;
+      testing::SceneTouch touch;
       std::array<double, 6> x{}, v{};
       for (std::size_t i = 0; i < 6; ++i) x[i] = q[i], v[i] = dq[i];
       for (const Obstacle& o : scene.obstacles) {
@@ -82,10 +82,10 @@ Given run_groups(const RandomScene& scene, const Parts&... parts) {
       out.by_arm = std::max(out.by_arm, by_arm);
     }
     state = {now, plant.q(), plant.dq()};
-    const testing::JointTouch touch = push_at(plant.q(), plant.dq(), seconds<double>(now));
+    const testing::SceneTouch touch = push_at(plant.q(), plant.dq(), seconds<double>(now));
     const auto virtual_before = robot.state(memory);
     const auto result = robot.step(memory, law, law_memory, state, robot.interval(memory, now),
-                                   std::span<const testing::JointTouch>(&touch, 1));
+                                   std::span<const testing::SceneTouch>(&touch, 1));
     const auto moved = robot.state(memory).q - virtual_before.q;
     // What laws are read at: the virtual arm, and the wrist as measured now.
     auto seen = virtual_before.q;
