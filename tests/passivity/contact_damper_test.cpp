@@ -77,7 +77,7 @@ TEST_CASE("ContactDamper: slow pushes, single blows, what dies out, and noise ar
 }
 
 TEST_CASE(
-    "ContactDamper: a little slower, or a little calmer, is a little less damping: nothing hangs by a hair") {
+    "ContactDamper: a little slower is a little less damping: nothing hangs by a hair") {
   // A finger that drives on: the push overshoots and swings once more. Then it is held.
   const ContactDamper<> damper({.max = 100});
   const auto highest = [&](double half_period, double rise) {

@@ -25,8 +25,8 @@ struct ContactDamping {
 /// tenth of the push, or the reverse. A contact rings if turns come within `slowest` of each other and do not
 /// die out quickly (each swing at least 0.4 of the last one); so does one that bounces, however long the robot
 /// flies, if it returns by itself. The third turn in a row raises the damping along the contact to a sixteenth
-/// of `max`, and each further one triples it (`contact_damped`). Turns count in full up to 7/8 of `slowest` and from
-/// 0.6 of the last swing on, and less and less towards those limits. The damping is at least `always` while the
+/// of `max`, and each further one triples it (`contact_damped`). Turns count in full up to 7/8 of `slowest`,
+/// and less and less from there to `slowest`. The damping is at least `always` while the
 /// contact lasts, at most `always + max`, rises and falls smoothly, and falls once the contact has ended, with
 /// the time constant `calm`. No damping is added for a robot that is not touched, for a push that takes longer
 /// than `slowest` from peak to trough, and for taps on a robot that rests or gives way.
@@ -148,11 +148,10 @@ class ContactDamper {
       w.extreme = force;
     } else if (back > bound) {
       const T swing = w.rising ? T(w.extreme - w.last) : T(w.last - w.extreme);
-      // How much the row of turns goes on with this one: no limit is hard, or a hair would decide between damping
+      // How much the row of turns goes on with this one: the limit is not hard, or a hair would decide between damping
       // and none, and a finger that drives on feels the whole of it.
       T row(0);
-      if (w.swing > T(0))
-        row = part(T(8) * (T(1) - w.since / slowest_)) * part(T(5) * (swing / w.swing - T(0.4)));
+      if (w.swing > T(0) && swing >= T(0.4) * w.swing) row = part(T(8) * (T(1) - w.since / slowest_));
       w.turns = row * w.turns + T(1);
       if (w.turns > T(3)) w.turns = T(3);
       if (w.turns > T(2)) {
