@@ -215,7 +215,7 @@ void held(double share) {
   const double sizes[] = {0.05, 0.1, 0.3, 1, 4}, rises[] = {0.01, 0.3, 1, 10};
   const double hour = std::max(600.0, 3600 * share);
   Patch patch(rest, 20, 250, freeze, float(threshold));
-  SensorNoise noise(sigma, 21);
+  ReadingNoise noise(sigma, 21);
   const auto contact = [&](std::size_t i) {
     return SkinContact{2, 1e5, threshold * sizes[i / 4], rises[i % 4], true, 0};
   };
@@ -261,7 +261,7 @@ void drifts(double share) {
       Seeded rng(31);
       for (int k = 0; k < trials; ++k) {
         Patch patch(rest, 64, 50, freeze, float(threshold));
-        SensorNoise noise(sigma, std::uint64_t(k));
+        ReadingNoise noise(sigma, std::uint64_t(k));
         const SkinDrift drift = random_drift(rng, kind, threshold, 5);
         const double bias = rng.between(-1.5, 1.5);
         std::array<double, 64> part{};
@@ -346,7 +346,7 @@ void touches(double share) {
       for (auto& patch : patches) patch.start(i, 300, 25);
       if (touched) all[above] += 1, blinds[above] += contact[i].blind;
     }
-    SensorNoise noise(sigma, std::uint64_t(k));
+    ReadingNoise noise(sigma, std::uint64_t(k));
     at_rate(20, 0, 3600, [&](double t) {
       for (std::size_t i = 0; i < 64; ++i) {
         const SkinContact& c = contact[i];
@@ -414,7 +414,7 @@ void recordings(double share, const std::string& folder) {
     drift.size = touched * rng.between(1.5, 4), drift.rate *= 0.1;
     double since = 0;
     bool judged = false;
-    SensorNoise noise(0.4, g);
+    ReadingNoise noise(0.4, g);
     at_rate(20, 0, hour, [&](double t) {
       for (std::size_t i = 0; i < 60; ++i) {
         // A second at rest, and half a second to the first frame.
@@ -533,7 +533,7 @@ void others(double share, const std::string& pictures) {
     const float freeze = float(rest.freeze_level(sigma, nanoseconds(1 / rate)));
     Patch with(rest, 64, rate, freeze, float(threshold)), without = with;
     for (std::size_t i = 0; i < 64; ++i) with.start(i, 300, 25), without.start(i, 300, 25);
-    SensorNoise noise(sigma, 5);
+    ReadingNoise noise(sigma, 5);
     std::vector<double> x(64);
     std::array<double, 4> wrong{};
     const bool drawn = rate == 50;

@@ -76,8 +76,7 @@ TEST_CASE("ContactDamper: slow pushes, single blows, what dies out, and noise ar
   CHECK(calm([](double t) { return 1000 + 40 * std::sin(30 * t); }));  // a few per cent
 }
 
-TEST_CASE(
-    "ContactDamper: a little slower is a little less damping: nothing hangs by a hair") {
+TEST_CASE("ContactDamper: a little slower is a little less damping: nothing hangs by a hair") {
   // A finger that drives on: the push overshoots and swings once more. Then it is held.
   const ContactDamper<> damper({.max = 100});
   const auto highest = [&](double half_period, double rise) {

@@ -12,7 +12,7 @@
 
 using namespace skinctl;
 using namespace skinctl::testing;
-using skinctl::testing::SensorNoise;
+using skinctl::testing::ReadingNoise;
 
 TEST_CASE("Recorded grasps, held and tapped: no taxel loses its contact, at 20 to 1000 Hz and by events") {
   const char* data = std::getenv("SKINCTL_DATA_DIR");
@@ -35,7 +35,7 @@ TEST_CASE("Recorded grasps, held and tapped: no taxel loses its contact, at 20 t
       const double rest = grasp.rest[i];
       // Two taps of 60 steps, one of them on the held taxel.
       const SkinContact taps[] = {tap(rng.between(0.2, 0.8), 60), tap(rng.between(5, 15), 60)};
-      SensorNoise noise(0.3, g);
+      ReadingNoise noise(0.3, g);
       const auto clean = [&](double t) {
         const double up = std::min(1.0, std::max(0.0, 2 * (t - 1)));
         return rest + up * (grasp.reading(i, t - 1.5) - rest) + taps[0].force(t) + taps[1].force(t);

@@ -13,7 +13,7 @@
 
 using namespace skinctl;
 using namespace skinctl::testing;
-using skinctl::testing::SensorNoise;
+using skinctl::testing::ReadingNoise;
 
 namespace {
 
@@ -209,7 +209,7 @@ TEST_CASE("RestLevel: a contact of an hour, from 0.05 thresholds on, loses less 
   const double hour = sanitized ? 300 : 3600, rate = 50, sigma = 0.7;
   const float freeze = float(rest.freeze_level(sigma, 20ms));
   RestRow row = at_rest(rest, 200);
-  SensorNoise noise(sigma, 7);
+  ReadingNoise noise(sigma, 7);
   const auto contact = [](std::size_t i) {
     return SkinContact{5, 7200, touch * 0.05 * std::pow(1.35, double(i)), i % 2 == 0 ? 0.01 : 0.3, true, 0};
   };
@@ -290,7 +290,7 @@ TEST_CASE("RestLevel: in float, at 1 kHz, b follows to less than a thousandth of
 TEST_CASE("RestLevel: whole steps are taken off, and noise does not move them to and fro") {
   const RestLevel rest;
   RestRow row = at_rest(rest, 100.5f);
-  SensorNoise noise(1, 3);
+  ReadingNoise noise(1, 3);
   float whole[16];
   for (std::size_t i = 0; i < 16; ++i) whole[i] = row.whole[i];
   int changes = 0;

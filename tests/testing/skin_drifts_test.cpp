@@ -64,7 +64,7 @@ TEST_CASE("A contact is seen before it is felt, unless it is blind, and warms") 
 }
 
 TEST_CASE("Noise has its deviation, whole steps and no negative readings") {
-  SensorNoise noise(3, 5);
+  ReadingNoise noise(3, 5);
   double sum = 0, square = 0;
   const int n = 40000;
   for (int k = 0; k < n; ++k) {

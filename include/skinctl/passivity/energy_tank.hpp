@@ -39,8 +39,11 @@ template <Real T>
 /// correction) is charged at the next sub-step.
 ///
 /// A torque interface has no virtual robot: the port is the real one, `Held` its memory, and work is computed
-/// from the robot's displacement under the torque that was held. An external push can make a cycle cost more
-/// than predicted: then the tank is in debt, and there is no active torque until braking has paid it back.
+/// from the robot's displacement under the torque that was held. What moves a joint further than predicted
+/// (a push, the recoil of other joints, a limit that cuts the motion) makes a sub-step cost more: so every joint's
+/// largest such surprise is remembered, fades over some 500 sub-steps, and a torque must be payable with twice
+/// that. A thousandth of `max` is for a surprise larger than any so far, and no torque draws on it knowingly. If
+/// even that leaves a debt, only what fills the tank in spite of surprises is active until it is paid back.
 template <Real T = double>
 class EnergyTank {
  public:
@@ -49,6 +52,14 @@ class EnergyTank {
     T start = T(1);      ///< initial energy [J], >= 0
     T max = T(5);        ///< capacity [J], >= start
     T port_gain = T(1);  ///< weight with which the law takes the contacts' torque; another one is active
+  };
+  /// How far joints move, and how wrong that was.
+  template <std::size_t N>
+  struct Foresight {
+    JointPosition<N, T> ahead;  ///< the motion that the last sub-step is to make [rad]
+    JointPosition<N, T>
+        surprise;        ///< how far joints have gone beyond such a motion, the largest, fading [rad]
+    bool valid = false;  ///< `ahead` is
   };
   template <std::size_t N>
   struct Memory {
@@ -60,6 +71,7 @@ class EnergyTank {
     MassMatrix<N, T> mass;     ///< of the last sub-step
     bool counts = false;       ///< the values above are valid
     bool paid = false;         ///< a sub-step is to be charged
+    Foresight<N> foresight;
   };
   /// For a torque interface: the torque that the real robot holds, and its parts when it was sent.
   template <std::size_t N>
@@ -70,6 +82,7 @@ class EnergyTank {
     JointTorque<N, T> gravity;
     JointTorque<N, T> active;  ///< the remainder
     bool counts = false;       ///< the values above are valid
+    Foresight<N> foresight;
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
@@ -115,7 +128,8 @@ class EnergyTank {
   [[nodiscard]] SKINCTL_INLINE T pay(Memory<N>& memory, const JointTorque<N, T>& port,
                                      const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
                                      JointVelocity<N, T>& v1, const T& h, Without&& without) const noexcept {
-    const T share = share_of(memory.energy, active, v, v1, h, without);
+    const T share =
+        share_of(T(memory.energy - reserve * s_.max), memory.foresight, active, v, v1, h, without);
     memory.port = s_.port_gain * port;
     memory.active = share * active;
     memory.paid = true;
@@ -130,6 +144,7 @@ class EnergyTank {
     memory.counts = memory.counts && memory.paid;
     if (!memory.paid) return;
     memory.paid = false;
+    learn(memory.foresight, memory.active, dq);
     T input(0), drawn(0), friction(0);
     for (std::size_t i = 0; i < N; ++i) {
       input = input + memory.port[i] * dq[i];
@@ -158,6 +173,7 @@ class EnergyTank {
   SKINCTL_INLINE void book(Held<N>& memory, const JointPosition<N, T>& dq, const JointTorque<N, T>& port,
                            const JointTorque<N, T>& gravity) const noexcept {
     if (!memory.counts) return;
+    learn(memory.foresight, memory.active, dq);
     T drawn(0), res(0);
     for (std::size_t i = 0; i < N; ++i) {
       drawn = drawn + memory.active[i] * dq[i];
@@ -173,11 +189,12 @@ class EnergyTank {
   ///
   /// @param passive  `port_gain port + gravity` less friction.
   template <std::size_t N, class Move>
-  [[nodiscard]] SKINCTL_INLINE T pay(const Held<N>& memory, const JointTorque<N, T>& passive,
+  [[nodiscard]] SKINCTL_INLINE T pay(Held<N>& memory, const JointTorque<N, T>& passive,
                                      const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
                                      const T& h, Move&& move) const noexcept {
     JointVelocity<N, T> v1 = move(passive + active);
-    return share_of(memory.energy, active, v, v1, h, [&] { return move(passive); });
+    return share_of(T(memory.energy - reserve * s_.max), memory.foresight, active, v, v1, h,
+                    [&] { return move(passive); });
   }
   /// The torque that is sent, after limits and guard.
   template <std::size_t N>
@@ -186,30 +203,53 @@ class EnergyTank {
     memory.passive = passive;
     memory.port = port;
     memory.gravity = gravity;
-    sent(memory, torque);
+    memory.active = torque - passive;
+    memory.counts = true;
   }
-  /// Another torque was sent instead.
+  /// Another torque was sent instead: what it moves was not predicted.
   template <std::size_t N>
   SKINCTL_INLINE void sent(Held<N>& memory, const JointTorque<N, T>& torque) const noexcept {
     memory.active = torque - memory.passive;
     memory.counts = true;
+    memory.foresight.valid = false;
   }
 
  private:
-  /// The share that is paid for, and the velocity to which it leads in place of `v1`.
+  static constexpr T fading = T(0.998), headroom = T(2), reserve = T(1e-3);
+
+  /// The joints moved by `dq` under the torque `active`: how far beyond what was predicted, along that torque.
+  template <std::size_t N>
+  static SKINCTL_INLINE void learn(Foresight<N>& foresight, const JointTorque<N, T>& active,
+                                   const JointPosition<N, T>& dq) noexcept {
+    if (!foresight.valid) return;
+    foresight.valid = false;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T off = active[i] < T(0) ? T(foresight.ahead[i] - dq[i]) : T(dq[i] - foresight.ahead[i]);
+      const T faded = fading * foresight.surprise[i];
+      foresight.surprise[i] = off > faded ? off : faded;
+    }
+  }
+
+  /// The share for which `energy` pays, surprises included, and the velocity to which it leads in place of `v1`.
   template <std::size_t N, class Without>
-  static SKINCTL_INLINE T share_of(const T& energy, const JointTorque<N, T>& active,
+  static SKINCTL_INLINE T share_of(const T& energy, Foresight<N>& foresight, const JointTorque<N, T>& active,
                                    const JointVelocity<N, T>& v, JointVelocity<N, T>& v1, const T& h,
                                    Without&& without) noexcept {
-    T cost(0);
-    for (std::size_t i = 0; i < N; ++i) cost = cost + T(0.5) * h * active[i] * (v[i] + v1[i]);
-    if (cost <= energy || cost <= T(0)) [[likely]]
-      return T(1);
-    const JointVelocity<N, T> v0 = without();
-    T w1(0);
-    for (std::size_t i = 0; i < N; ++i) w1 = w1 + T(0.5) * h * active[i] * (v[i] + v0[i]);
-    const T share = affordable_share(w1, T(cost - w1), energy);
-    for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
+    T cost(0), margin(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      cost = cost + T(0.5) * h * active[i] * (v[i] + v1[i]);
+      margin = margin + headroom * (active[i] < T(0) ? T(-active[i]) : active[i]) * foresight.surprise[i];
+    }
+    T share(1);
+    if (!(cost + margin <= energy || cost + margin <= T(0))) [[unlikely]] {
+      const JointVelocity<N, T> v0 = without();
+      T w1(0);
+      for (std::size_t i = 0; i < N; ++i) w1 = w1 + T(0.5) * h * active[i] * (v[i] + v0[i]);
+      share = affordable_share(T(w1 + margin), T(cost - w1), energy);
+      for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
+    }
+    for (std::size_t i = 0; i < N; ++i) foresight.ahead[i] = T(0.5) * h * (v[i] + v1[i]);
+    foresight.valid = true;
     return share;
   }
 

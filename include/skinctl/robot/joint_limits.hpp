@@ -19,7 +19,7 @@ template <Real T>
                                              const T& deceleration) noexcept {
   using std::sqrt;
   // Farther than this, twice the distance may overflow: any such speed stops within it.
-  constexpr T far = std::numeric_limits<T>::max_exponent10 < 100 ? T(1e18) : T(1e150);
+  const T far = std::numeric_limits<T>::max_exponent10 < 100 ? T(1e18) : T(1e150);
   const T d = distance < far ? distance : far;
   const T square = T(2) * d / deceleration;
   const T time = reaction + sqrt(reaction * reaction + square);

@@ -14,22 +14,22 @@ namespace skinctl::testing {
 
 /// Contacts along fixed directions of joint space, exactly conservative, and what is seen but not touched, in
 /// place of a skin.
-struct JointTouch {
+struct SceneTouch {
   Contacts<6, double, 2> contacts;
   JointTorque<6> seen;
 };
 template <class M, class A>
-JointTorque<6> skin_torque(const M&, const A&, const JointTouch& touch) noexcept {
+JointTorque<6> skin_torque(const M&, const A&, const SceneTouch& touch) noexcept {
   JointTorque<6> tau = touch.seen;
   for (const auto& c : touch.contacts)
     for (std::size_t i = 0; i < 6; ++i) tau[i] -= c.force * c.row[i];
   return tau;
 }
-inline JointTouch contact_part(const JointTouch& touch) noexcept {
+inline SceneTouch contact_part(const SceneTouch& touch) noexcept {
   return {touch.contacts, {}};
 }
 template <class M>
-Contacts<6, double, 2> contacts_of(const M&, const JointPosition<6>&, const JointTouch& touch) noexcept {
+Contacts<6, double, 2> contacts_of(const M&, const JointPosition<6>&, const SceneTouch& touch) noexcept {
   return touch.contacts;
 }
 
@@ -198,8 +198,8 @@ Energies run(const RandomScene& scene, const Keeper& keeper, const Shape&... too
     const double t = seconds<double>(now);
     joints.advance(t);
     const bool at_end = now >= 2s;
-    JointTouch next;
-    JointTouch parts[max_substeps];
+    SceneTouch next;
+    SceneTouch parts[max_substeps];
     const auto interval = robot.interval(memory, now);
     for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
       const Obstacle& o = scene.obstacles[k];
@@ -237,7 +237,7 @@ Energies run(const RandomScene& scene, const Keeper& keeper, const Shape&... too
     measured.dq = JointVelocity<6>(joints.dq());
     const auto before = memory.q.value;
     const auto result = robot.step(memory, law, law_memory, measured, interval,
-                                   std::span<const JointTouch>(parts, interval.substeps));
+                                   std::span<const SceneTouch>(parts, interval.substeps));
     for (std::size_t i = 0; i < 6; ++i) {
       double tau = 0;
       for (unsigned j = 0; j < interval.substeps; ++j)

@@ -54,10 +54,14 @@ class GroupedPlant {
         ddq[i] = (after[i] - dq_[i]) / h;
       }
       if constexpr (Driven::count > 0) {
-        const JointAngles<M, double> angles(model_, q_);
+        // Drift, kick, drift: the displacement is that of the mean velocity, so that the work of a held torque is
+        // exact, and a contact neither gains nor loses.
+        JointPosition<joints> q = q_;
+        for (const std::size_t i : Driven::index) q[i] += 0.5 * h * dq_[i];
+        const JointAngles<M, double> angles(model_, q);
         const auto mass = mass_matrix(model_, angles);
         const auto bias = bias_torque(model_, angles, dq_);
-        const JointTorque<joints> pushed = push(q_, dq_);
+        const JointTorque<joints> pushed = push(q, dq_);
         JointTorque<Driven::count> net;
         MassMatrix<Driven::count> own;
         for (std::size_t i = 0; i < Driven::count; ++i) {
@@ -71,7 +75,7 @@ class GroupedPlant {
         for (std::size_t i = 0; i < Driven::count; ++i) {
           const std::size_t I = Driven::index[i];
           after[I] = dq_[I] + h * given[i];
-          next[I] = q_[I] + h * after[I];
+          next[I] = q[I] + 0.5 * h * after[I];
         }
       }
       q_ = next;

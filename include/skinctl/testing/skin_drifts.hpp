@@ -102,10 +102,10 @@ struct ContactShares {
 
 /// Noise and steps of a sensor: near to normal, from four uniform numbers, so within +-3.46 deviations and the
 /// same on every machine.
-class SensorNoise {
+class ReadingNoise {
  public:
   /// @param sigma  standard deviation before rounding [steps].
-  explicit SensorNoise(double sigma, std::uint64_t seed = 1)
+  explicit ReadingNoise(double sigma, std::uint64_t seed = 1)
       : random_(seed), scale_(sigma * std::sqrt(3.0)) {}
   /// What the sensor says of `x` [steps]: with noise, rounded to whole steps, at least 0.
   [[nodiscard]] double operator()(double x) {

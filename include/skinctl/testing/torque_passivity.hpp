@@ -36,7 +36,7 @@ TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
   double given = 0;
   const double h = 1e-4;
   for (Nanoseconds now = period; now < 2s; now += period) {
-    JointTouch touch;
+    SceneTouch touch;
     const double from = seconds<double>(now - period);
     const auto steps = static_cast<int>(period / 100us);
     for (int j = 0; j <= steps; ++j) {
@@ -66,7 +66,7 @@ TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
     }
     state.time = now;
     const auto result = robot.step(memory, law, law_memory, state, robot.interval(memory, now),
-                                   std::span<const JointTouch>(&touch, 1));
+                                   std::span<const SceneTouch>(&touch, 1));
     tau = result.command.torque;
     out.finite = out.finite && power(tau, state.dq) - power(tau, state.dq) == 0;
     out.status |= result.status;

@@ -43,7 +43,7 @@ std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointP
   for (Nanoseconds now = c.period; now < nanoseconds(seconds_long); now += c.period) {
     joints.advance(seconds<double>(now));
     const auto interval = robot.interval(memory, now);
-    JointTouch parts[max_substeps];
+    SceneTouch parts[max_substeps];
     for (std::size_t k = 0; k < K; ++k) {
       double x = -kick;
       for (std::size_t i = 0; i < 6; ++i) x += rows[k][i] * (joints.q()[i] - q0[i]);
@@ -66,7 +66,7 @@ std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointP
     measured.time = now;
     measured.q = JointPosition<6>(joints.q());
     const auto out = robot.step(memory, law, law_memory, measured, interval,
-                                std::span<const JointTouch>(parts, interval.substeps));
+                                std::span<const SceneTouch>(parts, interval.substeps));
     SimulatedJoints<6>::Row command;
     for (std::size_t i = 0; i < 6; ++i) command[i] = out.command.position[i];
     joints.command(seconds<double>(now), command);

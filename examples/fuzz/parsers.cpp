@@ -1,0 +1,194 @@
+#include "examples/fuzz/parsers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "examples/adapters/allegro/datagrams.hpp"
+#include "examples/adapters/allegro/frames.hpp"
+#include "examples/adapters/can/link.hpp"
+#include "examples/adapters/gripper/lines.hpp"
+#include "examples/adapters/gripper/modbus.hpp"
+#include "examples/adapters/gripper/robotiq.hpp"
+#include "examples/adapters/skin/datagram.hpp"
+#include "examples/adapters/skin/icub_can.hpp"
+#include "examples/adapters/skin/ros1.hpp"
+#include "examples/adapters/ur5/rtde.hpp"
+#include "examples/simulated_gripper/device.hpp"
+#include "examples/simulated_ur5/controller.hpp"
+#include "examples/simulated_ur5/dashboard.hpp"
+#include "examples/simulated_ur5/primary_commands.hpp"
+#include "examples/simulated_ur5/rtde_session.hpp"
+#include "examples/simulated_ur5/urscript/code.hpp"
+#include "skinctl/io/skin_file.hpp"
+#include "skinctl/io/skin_xml.hpp"
+#include "skinctl/io/ur_calibration.hpp"
+#include "skinctl/io/urdf.hpp"
+
+namespace fuzz {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+std::string_view text(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+/// A parser of files: it throws `ConfigurationError` for what it refuses, and nothing else.
+template <class F>
+void allow_refusal(F&& f) {
+  try {
+    static_cast<void>(f());
+  } catch (const skinctl::ConfigurationError&) {
+  }
+}
+/// In pieces of 1 to 16 bytes, as a stream may bring them.
+template <class F>
+void in_pieces(Bytes bytes, F&& take) {
+  for (std::size_t n = 1; !bytes.empty(); n = 1 + (5 * n + bytes[0]) % 16) {
+    const auto piece = bytes.first(std::min(n, bytes.size()));
+    if (!take(piece)) return;
+    bytes = bytes.subspan(piece.size());
+  }
+}
+
+void rtde_answers(Bytes bytes) {
+  adapters::ur5::Framer framer;
+  in_pieces(bytes, [&](Bytes piece) {
+    const auto room = framer.room();
+    std::copy_n(piece.begin(), std::min(piece.size(), room.size()), room.begin());
+    framer.received(std::min(piece.size(), room.size()));
+    while (const auto package = framer.next()) {
+      adapters::ur5::Report report;
+      static_cast<void>(report.decode(package->payload));
+    }
+    return !framer.broken();
+  });
+}
+void rtde_requests(Bytes bytes) {
+  simulated_ur5::Controller controller{simulated_ur5::ControllerConfig{}};
+  simulated_ur5::rtde::InputOwners owners;
+  simulated_ur5::rtde::Session session(controller, owners, {}, 1);
+  std::vector<std::uint8_t> out;
+  in_pieces(bytes, [&](Bytes piece) { return session.receive(piece, out); });
+  session.publish(out, false);
+}
+void dashboard(Bytes bytes) {
+  simulated_ur5::Controller controller{simulated_ur5::ControllerConfig{}};
+  const simulated_ur5::ProgramLibrary programs;
+  simulated_ur5::PanelState panel;
+  simulated_ur5::DashboardSession session(controller, programs, panel);
+  std::string out;
+  in_pieces(bytes, [&](Bytes piece) { return session.receive(piece, out); });
+}
+void primary_commands(Bytes bytes) {
+  simulated_ur5::Controller controller{simulated_ur5::ControllerConfig{}};
+  simulated_ur5::primary::obey(text(bytes), controller);
+}
+void urscript(Bytes bytes) {
+  simulated_ur5::urscript::Code code;
+  static_cast<void>(simulated_ur5::urscript::compile(text(bytes), {}, code));
+}
+void skin_datagram(Bytes bytes) {
+  adapters::skin::Datagram d;
+  if (!adapters::skin::parse(bytes, d)) return;
+  for (std::size_t i = 0; i < d.count(); ++i)
+    static_cast<void>(adapters::skin::plausible(d.sample(i), d, std::chrono::milliseconds(100)));
+}
+void ros1(Bytes bytes) {
+  std::vector<skinctl::CellSample> samples;
+  adapters::skin::parse_ros1(bytes, samples);
+}
+void icub(Bytes bytes) {
+  if (bytes.size() < 2) return;
+  const auto frame =
+      adapters::skin::parse_icub(static_cast<std::uint32_t>(bytes[0] << 8 | bytes[1]), bytes.subspan(2));
+  if (!frame) return;
+  for (std::size_t k = 0; k < frame->count; ++k) static_cast<void>(frame->sample(k, {}));
+}
+void allegro_can(Bytes bytes) {
+  adapters::can::SlcanCodec codec;
+  for (const std::uint8_t c : bytes)
+    if (const auto frame = codec.take(static_cast<char>(c)))
+      for (const auto g : {adapters::allegro::Generation::v4, adapters::allegro::Generation::v5,
+                           adapters::allegro::Generation::v5_sense})
+        static_cast<void>(adapters::allegro::decode(*frame, g));
+}
+void allegro_udp(Bytes bytes) {
+  const auto d = adapters::allegro::parse(bytes);
+  if (!d) return;
+  static_cast<void>(adapters::allegro::telemetry(*d));
+  static_cast<void>(adapters::allegro::hello_answer(*d));
+  static_cast<void>(adapters::allegro::serial_answer(*d));
+  static_cast<void>(adapters::allegro::fault_mask(*d));
+  static_cast<void>(adapters::allegro::motor_error(*d));
+}
+void modbus(Bytes bytes) {
+  simulated_gripper::OnRobotDevice device;
+  adapters::gripper::modbus::Frame frame;
+  std::size_t size = 0;
+  double now = 0;
+  while (adapters::gripper::modbus::find_frame(bytes, frame, size) ==
+         adapters::gripper::modbus::Found::frame) {
+    static_cast<void>(device.answer(frame, now += 0.01));
+    std::array<std::uint16_t, 2> registers{};
+    static_cast<void>(adapters::gripper::modbus::registers_of(frame, registers));
+    bytes = bytes.subspan(size);
+  }
+}
+void robotiq(Bytes bytes) {
+  simulated_gripper::RobotiqDevice device(true);
+  adapters::gripper::Lines lines;
+  double now = 0;
+  in_pieces(bytes, [&](Bytes piece) {
+    const auto room = lines.room();
+    std::copy_n(piece.begin(), std::min(piece.size(), room.size()), room.begin());
+    lines.wrote(std::min(piece.size(), room.size()));
+    for (std::string_view line; lines.next(line);) {
+      static_cast<void>(adapters::gripper::parse_robotiq(line));
+      static_cast<void>(device.answer(line, now += 0.01));
+    }
+    return true;
+  });
+}
+void skin_file(Bytes bytes) {
+  allow_refusal([&] { return skinctl::parse_skin_file(text(bytes)); });
+}
+void skin_xml(Bytes bytes) {
+  allow_refusal([&] { return skinctl::parse_skin_xml(text(bytes), "patch"); });
+}
+void urdf(Bytes bytes) {
+  allow_refusal([&] { return skinctl::parse_urdf(text(bytes)); });
+}
+void ur_calibration(Bytes bytes) {
+  allow_refusal([&] { return skinctl::parse_ur_calibration(text(bytes), "calibration"); });
+}
+
+constexpr std::array all{Parser{"rtde_answers", rtde_answers},
+                         Parser{"rtde_requests", rtde_requests},
+                         Parser{"dashboard", dashboard},
+                         Parser{"primary_commands", primary_commands},
+                         Parser{"urscript", urscript},
+                         Parser{"skin_datagram", skin_datagram},
+                         Parser{"ros1", ros1},
+                         Parser{"icub", icub},
+                         Parser{"allegro_can", allegro_can},
+                         Parser{"allegro_udp", allegro_udp},
+                         Parser{"modbus", modbus},
+                         Parser{"robotiq", robotiq},
+                         Parser{"skin_file", skin_file},
+                         Parser{"skin_xml", skin_xml},
+                         Parser{"urdf", urdf},
+                         Parser{"ur_calibration", ur_calibration}};
+
+}  // namespace
+
+std::span<const Parser> parsers() {
+  return all;
+}
+void feed(Bytes input) {
+  if (!input.empty()) all[input[0] % all.size()].feed(input.subspan(1));
+}
+
+}  // namespace fuzz
