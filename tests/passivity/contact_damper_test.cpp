@@ -76,6 +76,27 @@ TEST_CASE("ContactDamper: slow pushes, single blows, what dies out, and noise ar
   CHECK(calm([](double t) { return 1000 + 40 * std::sin(30 * t); }));  // a few per cent
 }
 
+TEST_CASE("ContactDamper: a little slower is a little less damping: nothing hangs by a hair") {
+  // A finger that drives on: the push overshoots and swings once more. Then it is held.
+  const ContactDamper<> damper({.max = 100});
+  const auto highest = [&](double half_period, double rise) {
+    const double level[] = {0, 9, 9 - 5.5, 9 - 5.5 + rise, 6};
+    const auto push = [&](double t) {
+      const auto k = static_cast<std::size_t>(t / half_period);
+      if (k >= 4) return level[4];
+      const double part = 0.5 - 0.5 * std::cos(M_PI * (t / half_period - double(k)));
+      return level[k] + part * (level[k + 1] - level[k]);
+    };
+    return watch(damper, 2, push, 0, 0.001).highest;
+  };
+  for (int ms = 150; ms < 280; ++ms) {
+    CAPTURE(ms);
+    CHECK(std::abs(highest(1e-3 * ms, 6.1) - highest(1e-3 * (ms + 1), 6.1)) < 0.8);  // 6.2 by a hard limit
+  }
+  CHECK(highest(0.15, 6.1) > 6);
+  CHECK(highest(0.26, 6.1) == 0);
+}
+
 TEST_CASE("ContactDamper: a robot that bounces is damped, however long it flies; one that is tapped is not") {
   const ContactDamper<> damper({.max = 100});
   const auto bouncing = [](double t) {

@@ -91,7 +91,7 @@ double moved(const RunLog& log) {
 
 }  // namespace
 
-TEST_CASE("main job: gives way to every touch, returns, and is four times softer than a rigid arm") {
+TEST_CASE("main job: gives way to every touch, returns, and is five times softer than a rigid arm") {
   Settings s = settings();
   RunLog soft, rigid;
   const std::atomic<bool> stop = false;
@@ -116,7 +116,7 @@ TEST_CASE("main job: gives way to every touch, returns, and is four times softer
   int stood = 0;          // two of the seven press while the arm moves to its goal
   for (const auto& t : rigid.touches) stood += t.deflection < 0.001;
   CHECK(stood >= 5);
-  CHECK(rigid.peak_force >= 4 * soft.peak_force);
+  CHECK(rigid.peak_force >= 5 * soft.peak_force);  // 4.2 while a hair decided whether the seventh was damped
   CHECK(fact(soft, "allocations in the loop") == "0");
   CHECK(fact(soft, "cycles") == "7500");
 }

@@ -25,7 +25,8 @@ struct ContactDamping {
 /// tenth of the push, or the reverse. A contact rings if turns come within `slowest` of each other and do not
 /// die out quickly (each swing at least 0.4 of the last one); so does one that bounces, however long the robot
 /// flies, if it returns by itself. The third turn in a row raises the damping along the contact to a sixteenth
-/// of `max`, and each further one triples it (`contact_damped`). The damping is at least `always` while the
+/// of `max`, and each further one triples it (`contact_damped`). Turns count in full up to 7/8 of `slowest`,
+/// and less and less from there to `slowest`. The damping is at least `always` while the
 /// contact lasts, at most `always + max`, rises and falls smoothly, and falls once the contact has ended, with
 /// the time constant `calm`. No damping is added for a robot that is not touched, for a push that takes longer
 /// than `slowest` from peak to trough, and for taps on a robot that rests or gives way.
@@ -49,7 +50,7 @@ class ContactDamper {
     T swing = T(0);                                                  ///< of the last turn [N]
     T since = T(0);                                                  ///< time since the last turn [s]
     T away = T(0);                                                   ///< time without contact [s]
-    int turns = 0;                                                   ///< in a row
+    T turns = T(0);                                                  ///< in a row, up to 3
     bool rising = false;
     bool touched = false;
     T wish = T(0);   ///< wanted damping, in parts of `max`
@@ -128,6 +129,8 @@ class ContactDamper {
     return best;
   }
 
+  [[nodiscard]] static T part(const T& x) noexcept { return x < T(0) ? T(0) : x < T(1) ? x : T(1); }
+
   void watch(Watch& w, const T& force, const T& speed, const T& dt) const noexcept {
     using std::exp;
     w.touched = true;
@@ -145,11 +148,15 @@ class ContactDamper {
       w.extreme = force;
     } else if (back > bound) {
       const T swing = w.rising ? T(w.extreme - w.last) : T(w.last - w.extreme);
-      w.turns = w.since <= slowest_ && w.swing > T(0) && swing >= T(0.4) * w.swing ? w.turns + 1 : 1;
-      if (w.turns >= 3) {
-        const T more = w.wish < T(0.03125) ? T(0.0625) : T(3) * w.wish;
-        w.wish = more < T(1) ? more : T(1);
-        w.turns = 3;
+      // How much the row of turns goes on with this one: the limit is not hard, or a hair would decide between damping
+      // and none, and a finger that drives on feels the whole of it.
+      T row(0);
+      if (w.swing > T(0) && swing >= T(0.4) * w.swing) row = part(T(8) * (T(1) - w.since / slowest_));
+      w.turns = row * w.turns + T(1);
+      if (w.turns > T(3)) w.turns = T(3);
+      if (w.turns > T(2)) {
+        const T wish = w.wish < T(0.03125) ? T(0.0625) : T(3) * w.wish;
+        w.wish = w.wish + (w.turns - T(2)) * ((wish < T(1) ? wish : T(1)) - w.wish);
       }
       w.swing = swing;
       w.last = w.extreme;
@@ -157,7 +164,7 @@ class ContactDamper {
       w.rising = !w.rising;
       w.since = T(0);
     }
-    if (w.since > slowest_) w.turns = 0;
+    if (w.since > slowest_) w.turns = T(0);
     if (!(force > T(0))) w.wish = w.wish * exp(-dt / calm_);  // what has rung would ring again
     const T rise = T(1) - exp(-dt / (T(0.1) * calm_));
     w.level = w.level + rise * (w.wish - w.level);
