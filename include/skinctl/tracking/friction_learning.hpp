@@ -49,7 +49,8 @@ class FrictionLearning : public Composable {
     JointVelocity<N, T> smooth;  ///< S_q, smoothed [rad/s]
   };
 
-  /// Throws `ConfigurationError`. @param K_c  of the law's settings, and `lambda`.
+  /// Throws `ConfigurationError` for a rate, bound, dead zone or smoothing out of range.
+  /// @param of_law  the law's own settings: `K_c` and `lambda` are read.
   FrictionLearning(const L& law, const JointControlSettings<N, T>& of_law, const Settings& settings)
       : law_(law), settings_(settings), dead_(of_law.K_c * settings.dead_zone) {
     const T most = T(0.25) * of_law.lambda * of_law.lambda;
