@@ -46,7 +46,8 @@ void allow_refusal(F&& f) {
 /// In pieces of 1 to 16 bytes, as a stream may bring them.
 template <class F>
 void in_pieces(Bytes bytes, F&& take) {
-  for (std::size_t n = 1; !bytes.empty(); n = 1 + (5 * n + bytes[0]) % 16) {
+  for (std::size_t n = 1; !bytes.empty();) {
+    n = 1 + (5 * n + bytes[0]) % 16;
     const auto piece = bytes.first(std::min(n, bytes.size()));
     if (!take(piece)) return;
     bytes = bytes.subspan(piece.size());

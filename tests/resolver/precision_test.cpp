@@ -1,3 +1,4 @@
+// not sanitized: fifty digits take minutes there
 #include <doctest/doctest.h>
 
 #include "skinctl/testing/closed_loop.hpp"
