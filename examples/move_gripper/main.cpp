@@ -30,11 +30,11 @@ struct Wish {
 };
 
 skinctl::GripperGoal goal_of(const Wish& wish, const skinctl::GripperRange& range) {
-  const double force = wish.force.value_or(range.least_force);
+  const double force = wish.force.value_or(range.min_force);
   skinctl::GripperGoal goal = wish.open ? opened(range) : closed(range, force);
   if (wish.opening) goal.opening = *wish.opening;
   goal.force = force;
-  goal.speed = wish.speed.value_or(range.greatest_speed);
+  goal.speed = wish.speed.value_or(range.max_speed);
   return goal;
 }
 
@@ -43,8 +43,8 @@ job::Exit run(G& gripper, const Wish& wish) {
   const job::StopSignals signals;
   job::Progress progress(wish.quiet, 0.1);
   const auto range = gripper.range();
-  std::printf("opens to %.1f mm, %.0f to %.0f N, %.0f to %.0f mm/s\n", 1000 * range.opening,
-              range.least_force, range.greatest_force, 1000 * range.least_speed, 1000 * range.greatest_speed);
+  std::printf("opens to %.1f mm, %.0f to %.0f N, %.0f to %.0f mm/s\n", 1000 * range.opening, range.min_force,
+              range.max_force, 1000 * range.min_speed, 1000 * range.max_speed);
   const auto start = std::chrono::steady_clock::now();
   const auto deadline =
       start + std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(wish.time));

@@ -4,13 +4,14 @@
 
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <limits>
 
 using namespace skinctl;
 
 namespace {
 constexpr GripperRange range{
-    .opening = 0.085, .least_force = 20, .greatest_force = 235, .least_speed = 0.02, .greatest_speed = 0.15};
+    .opening = 0.085, .min_force = 20, .max_force = 235, .min_speed = 0.02, .max_speed = 0.15};
 }
 
 static_assert(limited(GripperGoal{0.04, 50, 0.1}, range) == GripperGoal{0.04, 50, 0.1});

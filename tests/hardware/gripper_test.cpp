@@ -6,9 +6,7 @@ using namespace skinctl;
 
 namespace {
 struct Complete {
-  GripperRange range() const noexcept {
-    return {.opening = 0.1, .greatest_force = 40, .greatest_speed = 0.2};
-  }
+  GripperRange range() const noexcept { return {.opening = 0.1, .max_force = 40, .max_speed = 0.2}; }
   bool move(const GripperGoal&) noexcept { return true; }
   GripperState poll(Nanoseconds) noexcept { return {}; }
   void stop() noexcept {}

@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
@@ -81,4 +82,27 @@ TEST_CASE("Adaptive: stands still against the skin and before numbers that are n
   auto bad = deviations(model, 0.5);
   bad.data[3] = -1;
   CHECK_THROWS_AS(Learning(SplineJoint<6>({.dt = 4ms}), {1.0, bad}), ConfigurationError);
+}
+
+TEST_CASE("Adaptive: a streamed target is followed as the law alone follows it") {
+  const JointControl<6> alone({.dt = 4ms});
+  const Adaptive<JointControl<6>> law(alone, {0.0, deviations(model, 0.5)});
+  State<6> x{0ns, JointPosition<6>::constant(0.5), {}};
+  auto memory = law.start(K(model, x, 0.004, none));
+  auto plain = alone.start(K(model, x, 0.004, none));
+  JointTorque<6> first{}, last{};
+  for (int k = 0; k < 100; ++k) {
+    const K known(model, x, 0.004, none);
+    const JointControl<6>::Goal sample{
+        JointPosition<6>::constant(0.5 + 0.002 * k), JointVelocity<6>::constant(0.5), {}};
+    memory = law.follow(memory, known, sample).memory;
+    plain = alone.follow(plain, known, sample).memory;
+    memory = law.advance(memory, known, 0.004, Opposition::none);
+    plain = alone.advance(plain, known, 0.004, Opposition::none);
+    last = law.torque(memory, known);
+    if (k == 0) first = last;
+    const auto expected = alone.torque(plain, known);
+    for (std::size_t i = 0; i < 6; ++i) CHECK(last[i] == expected[i]);
+  }
+  CHECK_FALSE(first == last);
 }

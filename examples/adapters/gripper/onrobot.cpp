@@ -14,9 +14,8 @@ using skinctl::Nanoseconds;
 OnRobot::OnRobot(const OnRobotConfig& config) : config_(config), dialogue_(config.patience) {
   skinctl::require(config.range.opening > 0 && config.range.opening <= 6.5, "the opening of an RG gripper",
                    config.range.opening, "above 0, at most 6.5 m");
-  skinctl::require(config.range.greatest_force > 0 && config.range.greatest_force <= 6500,
-                   "the greatest force of an RG gripper", config.range.greatest_force,
-                   "above 0, at most 6500 N");
+  skinctl::require(config.range.max_force > 0 && config.range.max_force <= 6500,
+                   "the greatest force of an RG gripper", config.range.max_force, "above 0, at most 6500 N");
 }
 
 bool OnRobot::tell(const modbus::Bytes& bytes) noexcept {

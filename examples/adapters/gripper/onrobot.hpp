@@ -25,10 +25,10 @@ struct OnRobotConfig {
   std::string host = "127.0.0.1";
   std::uint16_t port = 502;
   skinctl::GripperRange range{.opening = 0.11,  ///< of an RG2; its speed cannot be chosen
-                              .least_force = 3,
-                              .greatest_force = 40,
-                              .least_speed = 0.1,
-                              .greatest_speed = 0.1};
+                              .min_force = 3,
+                              .max_force = 40,
+                              .min_speed = 0.1,
+                              .max_speed = 0.1};
   /// A gripper that does not report a motion so long after a goal has none to make.
   skinctl::Nanoseconds begins_within = std::chrono::milliseconds(150);
   Timeout connect_timeout{2000};

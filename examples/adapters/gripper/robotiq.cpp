@@ -50,8 +50,7 @@ Robotiq::Counts Robotiq::counts(const skinctl::GripperGoal& goal) const noexcept
   const double share = 1 - goal.opening / r.opening;
   return {
       config_.count_open + static_cast<int>(std::lround(share * (config_.count_closed - config_.count_open))),
-      scaled(goal.speed, r.least_speed, r.greatest_speed),
-      scaled(goal.force, r.least_force, r.greatest_force)};
+      scaled(goal.speed, r.min_speed, r.max_speed), scaled(goal.force, r.min_force, r.max_force)};
 }
 
 bool Robotiq::tell(std::string_view line) noexcept {

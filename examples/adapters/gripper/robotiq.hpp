@@ -17,10 +17,10 @@ struct RobotiqConfig {
   std::string host = "127.0.0.1";
   std::uint16_t port = 63352;
   skinctl::GripperRange range{.opening = 0.085,  ///< of a 2F-85
-                              .least_force = 20,
-                              .greatest_force = 235,
-                              .least_speed = 0.02,
-                              .greatest_speed = 0.15};
+                              .min_force = 20,
+                              .max_force = 235,
+                              .min_speed = 0.02,
+                              .max_speed = 0.15};
   int count_open = 0;      ///< POS with open fingers
   int count_closed = 255;  ///< POS with closed fingers: 226 to 230 for some pads
   /// A gripper that is not active is activated: its fingers open and close all the way.

@@ -97,7 +97,7 @@ void work(G& gripper, Server& server, double resolution) {
   settled(gripper);
   CHECK(gripper.move(closed(range, 25)));
   poll(gripper, [&](const GripperState& x) { return x.opening < 0.8 * range.opening; });
-  CHECK(gripper.move({0.9 * range.opening, 25, range.greatest_speed}));
+  CHECK(gripper.move({0.9 * range.opening, 25, range.max_speed}));
   s = settled(gripper);
   CHECK(std::abs(s.opening - 0.9 * range.opening) <= 2 * resolution);
 

@@ -1,44 +1,40 @@
 // What a gripper is asked for, and what it reports.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "skinctl/core/time.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a gripper can do; the largest opening, and the ranges of force and speed. A gripper that only opens and
-/// closes has one force and one speed.
+/// The largest opening of a gripper, and its ranges of force and speed. One that only opens and closes has one force
+/// and one speed.
 struct GripperRange {
-  double opening = 0;         ///< largest distance of the fingers [m]
-  double least_force = 0;     ///< [N]
-  double greatest_force = 0;  ///< [N]
-  double least_speed = 0;     ///< of the opening [m/s]
-  double greatest_speed = 0;  ///< [m/s]
+  double opening = 0;    ///< largest distance of the fingers [m]
+  double min_force = 0;  ///< [N]
+  double max_force = 0;  ///< [N]
+  double min_speed = 0;  ///< of the opening [m/s]
+  double max_speed = 0;  ///< [m/s]
 };
 
-/// Where the fingers shall go, and with how much force and speed at most. Numbers beyond the gripper's range are
-/// taken to its ends.
+/// The opening that the fingers shall reach, the force with which they shall hold an object that is in the way, and
+/// their speed. A number beyond the gripper's range counts as the end of the range.
 struct GripperGoal {
   double opening = 0;  ///< [m]
-  double force = 0;    ///< that it holds an object with [N]
+  double force = 0;    ///< on an object [N]
   double speed = 0;    ///< [m/s]
 
   friend bool operator==(const GripperGoal&, const GripperGoal&) noexcept = default;
 };
 
-namespace detail {
-[[nodiscard]] constexpr double limited(double x, double least, double greatest) noexcept {
-  return x < least ? least : x > greatest ? greatest : x;
-}
-}  // namespace detail
-/// The goal within the gripper's range.
+/// The goal with each number brought into the gripper's range.
 [[nodiscard]] constexpr GripperGoal limited(const GripperGoal& goal, const GripperRange& range) noexcept {
-  return {detail::limited(goal.opening, 0, range.opening),
-          detail::limited(goal.force, range.least_force, range.greatest_force),
-          detail::limited(goal.speed, range.least_speed, range.greatest_speed)};
+  return {std::clamp(goal.opening, 0.0, range.opening),
+          std::clamp(goal.force, range.min_force, range.max_force),
+          std::clamp(goal.speed, range.min_speed, range.max_speed)};
 }
-/// Whether the goal has three numbers.
+/// Whether no number of the goal is NaN or infinite.
 [[nodiscard]] constexpr bool finite(const GripperGoal& goal) noexcept {
   return (goal.opening - goal.opening) + (goal.force - goal.force) + (goal.speed - goal.speed) == 0;
 }
@@ -72,16 +68,16 @@ enum class GripperError : unsigned char {
 struct GripperState {
   Nanoseconds time{};  ///< when it was heard, on the clock that `poll` was given
   double opening = 0;  ///< [m]
-  /// With which it holds an object [N]; 0 while it holds none. Most grippers do not measure it: then it is the force
-  /// of the goal.
+  /// Force on the object that it holds [N]; 0 while it holds none. A gripper that does not measure it reports the force
+  /// of its goal.
   double force = 0;
-  bool heard = false;    ///< since the connection; before that, nothing else here counts
-  bool moving = false;   ///< on its way to the newest goal
+  bool heard = false;   ///< it has answered since it was connected; until then the other members mean nothing
+  bool moving = false;  ///< on its way to the newest goal
   bool holding = false;  ///< the fingers stand still because an object is between them
-  bool measured =
-      false;  ///< the opening comes from a sensor; otherwise it is what the time since the goal gives
+  /// The opening comes from a sensor. Otherwise it is an estimate from the time since the last goal.
+  bool measured = false;
   GripperError error = GripperError::none;
-  std::uint16_t code = 0;  ///< of a fault, as the maker counts them
+  std::uint16_t code = 0;  ///< the maker's number of the fault
 };
 
 SKINCTL_END_NAMESPACE

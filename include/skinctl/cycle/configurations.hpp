@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstring>
 
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/cycle/detail/carrying_law.hpp"
@@ -158,18 +157,13 @@ class Configurations {
       return scenes_[m.configuration].step(m, input, watch);
     return change(m, input, watch);
   }
-  /// A step that nobody sees: see `Cycle::warm`. The configuration stays.
+  /// Warms the configuration that runs: see `Cycle::warm`.
   template <class Watch = NoStopwatch>
   void warm(Memory& scratch, const Memory& memory, const Input& input, Nanoseconds after,
             Watch&& watch = {}) const noexcept {
-    std::memcpy(static_cast<void*>(&scratch), &memory, sizeof memory);
-    Input next = input;
-    next.now += after;
-    next.measured.time += after;
-    next.request = CycleRequest::none;
-    next.has_goal = false;
-    next.configuration = memory.configuration;
-    static_cast<void>(step(scratch, next, watch));
+    Input same = input;
+    same.configuration = memory.configuration;
+    detail::dry_step(*this, scratch, memory, same, after, watch);
   }
 
  private:

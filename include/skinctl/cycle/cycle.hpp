@@ -1,13 +1,13 @@
 // A whole cycle as one pure function: from measurements and samples to a command.
 #pragma once
 
-#include <cstring>
 #include <span>
 #include <type_traits>
 
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/cycle/detail/check_scene.hpp"
+#include "skinctl/cycle/detail/dry_step.hpp"
 #include "skinctl/cycle/detail/scene_traits.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/stage.hpp"
@@ -187,21 +187,16 @@ class Cycle {
   SKINCTL_NOINLINE Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
     return run(m, input, watch, detail::NoChange{});
   }
-  /// A step that nobody sees, on a copy of `memory` in `scratch`, as if the next state came `after` later than
-  /// `input`: afterwards the processor has the next step's code and data at hand, which it loses while it waits for a
-  /// state. Nothing but `scratch` changes. Only a step with the same type of stopwatch runs the same code.
+  /// Brings the code and the data of the next step into the processor's caches, from which other programs push them
+  /// while a loop waits for a state: makes a step on a copy of `memory` in `scratch`, as if the next state came `after`
+  /// later than `input`, and throws its output away. Only `scratch` changes. A step with another type of stopwatch is
+  /// other code, and stays cold.
   ///
-  /// A loop calls it shortly before a state is due: `run_loop` does, see `LoopOptions::warm`.
+  /// Call it shortly before a state is due; `run_loop` does (`LoopOptions::warm`).
   template <class Watch = NoStopwatch>
   void warm(Memory& scratch, const Memory& memory, const Input& input, Nanoseconds after,
             Watch&& watch = {}) const noexcept {
-    std::memcpy(static_cast<void*>(&scratch), &memory, sizeof memory);
-    Input next = input;
-    next.now += after;
-    next.measured.time += after;
-    next.request = CycleRequest::none;
-    next.has_goal = false;
-    static_cast<void>(step(scratch, next, watch));
+    detail::dry_step(*this, scratch, memory, input, after, watch);
   }
 
  private:

@@ -9,12 +9,12 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// A gripper on the other end of a driver. Nothing here blocks: a loop calls `poll` once a cycle.
 ///
-/// - `range()` is what it can do.
-/// - `move(goal)` asks for a new goal, whatever it does at the time; the newest goal counts. False: the goal is not
-///   finite, or the gripper is lost.
-/// - `poll(now)` exchanges what is due and gives the newest state. A gripper that does not answer is `silent`,
-///   later `lost`; no state is older than the driver's time limit without saying so.
-/// - `stop()` halts the fingers where they are, as far as the gripper can.
+/// - `range()` gives its largest opening, forces and speeds.
+/// - `move(goal)` replaces the goal, also during a motion. It returns false for a goal that is not finite and for a
+///   gripper that is lost.
+/// - `poll(now)` sends and receives what is due, and returns the newest state. A gripper that does not answer within
+///   the driver's time limit is reported as `silent`, later as `lost`.
+/// - `stop()` halts the fingers where they are, if the gripper can.
 template <class G>
 concept GripperDriver = requires(G& gripper, const G& same, const GripperGoal& goal, Nanoseconds now) {
   { same.range() } noexcept -> std::same_as<GripperRange>;
@@ -23,12 +23,13 @@ concept GripperDriver = requires(G& gripper, const G& same, const GripperGoal& g
   { gripper.stop() } noexcept;
 };
 
-/// A goal with the largest opening; with the least: an object of any size is held with `force` [N].
+/// The goal of open fingers.
 [[nodiscard]] constexpr GripperGoal opened(const GripperRange& range) noexcept {
-  return {range.opening, range.greatest_force, range.greatest_speed};
+  return {range.opening, range.max_force, range.max_speed};
 }
+/// The goal of closed fingers: an object between them is held with `force` [N].
 [[nodiscard]] constexpr GripperGoal closed(const GripperRange& range, double force) noexcept {
-  return {0, force, range.greatest_speed};
+  return {0, force, range.max_speed};
 }
 
 SKINCTL_END_NAMESPACE

@@ -37,7 +37,7 @@ struct LoopReport {
   std::uint64_t stood = 0;   ///< cycles whose state came, but brought no later time for more than 1.5 periods
   std::uint64_t missed = 0;  ///< cycles whose state came later than 1.5 periods after the one before
   std::uint64_t samples = 0;  ///< from the skin
-  std::uint64_t warmed = 0;   ///< cycles before which a dry step was made
+  std::uint64_t warmed = 0;   ///< cycles before which the caches were warmed
   std::array<Histogram, stage_count> stages;
   Histogram whole;
   Histogram period;                ///< between states, by this computer's clock
@@ -63,9 +63,8 @@ struct LoopOptions {
   std::size_t max_samples = 8192;         ///< of one cycle, kept in the copy of the worst cycle
   std::optional<TimeBudget> budget = {};  ///< of the load; see `TimeBudget` for the reaction to overruns
   PacketWatch packets{};                  ///< for a robot that numbers its packets
-  /// So long before a state is due a dry step brings the cycle's code and data back into the processor's caches (see
-  /// `Cycle::warm`); 0: never. The loop sleeps until then. A robot that does not keep the loop waiting for at least
-  /// three times as long gets none.
+  /// How long before a state is due the loop calls `Cycle::warm`; it sleeps until then. 0: it never does. Nor does it
+  /// for a robot whose states come within three times this time after a cycle.
   Nanoseconds warm = 300us;
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "skinctl/dynamics/regressor.hpp"
-#include "skinctl/tracking/tracking.hpp"
+#include "skinctl/tracking/detail/learning_law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -31,6 +31,13 @@ template <Real T = double, RobotModel M>
   return bound;
 }
 
+namespace detail {
+template <std::size_t N, Real T>
+struct LearntDeviation {
+  InertialParameters<N, T> deviation;  ///< D [kg, kg m, kg m^2]
+};
+}  // namespace detail
+
 /// A tracking law `L` with `Y_r (Theta + D)` in place of `Y_r Theta`. The deviation D from the model is
 /// learnt by `dD = -Gamma Y_r' S_q` (Slotine and Li) and kept within `+-bound` by projection: a step across
 /// the bound is cut off, which never slows the decrease of the Lyapunov function. Y_r is that of the state at
@@ -40,95 +47,43 @@ template <Real T = double, RobotModel M>
 /// Learning needs motion: D converges only in the parameters that the motion excites, which is enough for
 /// tracking.
 template <class L>
-class Adaptive : public Composable {
+class Adaptive : public detail::LearningLaw<Adaptive<L>, L, detail::LearntDeviation<L::N, typename L::T>> {
+  using Base = detail::LearningLaw<Adaptive<L>, L, detail::LearntDeviation<L::N, typename L::T>>;
+
  public:
-  static constexpr std::size_t N = L::N;
-  static constexpr std::size_t joints = N;
-  using scalar = typename L::scalar;
-  using T = typename L::T;
-  using Goal = typename L::Goal;
-  using Surface = typename L::Surface;
+  using Base::N;
+  using typename Base::Memory;
+  using typename Base::Surface;
+  using typename Base::T;
   using Settings = AdaptationSettings<N, T>;
-  static constexpr Needs needs = L::needs;
-  static constexpr LawRole role = L::role;
-  struct Memory {
-    typename L::Memory law;
-    InertialParameters<N, T> deviation;  ///< D [kg, kg m, kg m^2]
-  };
 
   /// Throws `ConfigurationError` for a gamma or bounds that are negative or not finite.
-  Adaptive(const L& law, const Settings& settings) : law_(law), settings_(settings) {
+  Adaptive(const L& law, const Settings& settings) : Base(law), settings_(settings) {
     require(settings.gamma >= T(0) && settings.gamma <= T(1e6), "gamma of the adaptation",
             static_cast<double>(settings.gamma), "0 to 1e6");
     for (const T& b : settings.bound.data)
       require(b >= T(0) && b <= T(1e6), "bound of a parameter", static_cast<double>(b), "0 to 1e6");
   }
-  [[nodiscard]] const L& law() const noexcept { return law_; }
-  /// Throws `ConfigurationError` where the law's settings are not those of the robot.
-  template <class Terms>
-  void check_for(const Terms& robot) const {
-    detail::check_law_for(law_, robot);
-  }
 
   template <class K>
-  [[nodiscard]] Memory start(const K& known) const noexcept {
-    return {law_.start(known), {}};
+  [[nodiscard]] JointTorque<N, T> learnt_torque(const Memory& memory, const K& known,
+                                                const Surface& at_t) const noexcept {
+    return regressor_product(known.model(), known.q(), known.dq(), at_t.dq_r, at_t.ddq_r, memory.deviation);
   }
   template <class K>
-  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
-                                         const Goal& goal) const noexcept {
-    const auto answer = law_.receive(memory.law, known, goal);
-    return {{answer.memory, memory.deviation}, answer.status};
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
-    return law_.now(memory.law, known);
-  }
-  template <GravityTerm G = GravityTerm::included, class K>
-  [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known, const LawShare<T>& share,
-                                         const Surface& at_t) const noexcept {
-    const auto learnt =
-        regressor_product(known.model(), known.q(), known.dq(), at_t.dq_r, at_t.ddq_r, memory.deviation);
-    return law_.template torque<G>(memory.law, known, share, at_t) + share.feed_forward * learnt;
-  }
-  template <GravityTerm G = GravityTerm::included, class K>
-  [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known,
-                                         const LawShare<T>& share = {}) const noexcept {
-    return torque<G>(memory, known, share, now(memory, known));
-  }
-  template <class K>
-  [[nodiscard]] Memory advance(const Memory& memory, const K& known, const T& dt, Opposition opposition,
-                               const Surface& at_t) const noexcept {
-    Memory next{law_.advance(memory.law, known, dt, opposition, at_t), memory.deviation};
-    if (opposition == Opposition::lasting) return next;
+  void learn(Memory& memory, const K& known, const T& dt, Opposition opposition,
+             const Surface& at_t) const noexcept {
+    if (opposition == Opposition::lasting) return;
     const auto slope =
         regressor_transposed_product(known.model(), known.q(), known.dq(), at_t.dq_r, at_t.ddq_r, at_t.S_q);
     for (std::size_t k = 0; k < InertialParameters<N, T>::size; ++k) {
       const T b = settings_.bound.data[k];
-      const T d = memory.deviation.data[k] - dt * settings_.gamma * b * b * slope.data[k];
-      if (d - d == T(0)) next.deviation.data[k] = d > b ? b : (d < -b ? T(-b) : d);
+      T& d = memory.deviation.data[k];
+      d = Base::kept(d - dt * settings_.gamma * b * b * slope.data[k], b, d);
     }
-    return next;
   }
-  template <class K>
-  [[nodiscard]] Memory advance(const Memory& memory, const K& known, const T& dt,
-                               Opposition opposition) const noexcept {
-    return advance(memory, known, dt, opposition, now(memory, known));
-  }
-  template <class K>
-  [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
-    return law_.settled(memory.law, known, still);
-  }
-  /// See `Tracking::with_target`.
-  template <class Target>
-  [[nodiscard]] static Memory with_target(Memory memory, const Target& target) noexcept {
-    memory.law = L::with_target(memory.law, target);
-    return memory;
-  }
-  [[nodiscard]] Status status(const Memory& memory) const noexcept { return law_.status(memory.law); }
 
  private:
-  L law_;
   Settings settings_;
 };
 

@@ -1,7 +1,7 @@
 // Friction that nobody compensates: a tracking law that learns it, and comes to rest at its target.
 #pragma once
 
-#include "skinctl/tracking/tracking.hpp"
+#include "skinctl/tracking/detail/learning_law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -18,6 +18,14 @@ struct FrictionLearningSettings {
   T smoothing = T(40);
 };
 
+namespace detail {
+template <std::size_t N, Real T>
+struct LearntFriction {
+  JointTorque<N, T> friction;  ///< f [N m]
+  JointVelocity<N, T> smooth;  ///< S_q, smoothed [rad/s]
+};
+}  // namespace detail
+
 /// A tracking law `L` whose torque has f added, learnt by
 ///
 ///     df_i = -g M_ii S_q_i    outside of the dead zone,  |S_q_i| (smoothed) > K_c e_0,
@@ -31,28 +39,23 @@ struct FrictionLearningSettings {
 ///
 /// The integrals of the law itself have no dead zone: set `K_i1 = K_i2 = 0` in its settings.
 template <class L>
-class FrictionLearning : public Composable {
+class FrictionLearning
+    : public detail::LearningLaw<FrictionLearning<L>, L, detail::LearntFriction<L::N, typename L::T>> {
+  using Base = detail::LearningLaw<FrictionLearning<L>, L, detail::LearntFriction<L::N, typename L::T>>;
+
  public:
-  static constexpr std::size_t N = L::N;
-  static constexpr std::size_t joints = N;
-  using scalar = typename L::scalar;
-  using T = typename L::T;
-  using Goal = typename L::Goal;
-  using Surface = typename L::Surface;
+  using Base::N;
+  using typename Base::Memory;
+  using typename Base::Surface;
+  using typename Base::T;
   using Settings = FrictionLearningSettings<N, T>;
   static constexpr Needs needs = L::needs | Needs{.mass = true};
-  static constexpr LawRole role = L::role;
   static constexpr const char* name = "friction learning";
-  struct Memory {
-    typename L::Memory law;
-    JointTorque<N, T> friction;  ///< f [N m]
-    JointVelocity<N, T> smooth;  ///< S_q, smoothed [rad/s]
-  };
 
   /// Throws `ConfigurationError` for a rate, bound, dead zone or smoothing out of range.
   /// @param of_law  the law's own settings: `K_c` and `lambda` are read.
   FrictionLearning(const L& law, const JointControlSettings<N, T>& of_law, const Settings& settings)
-      : law_(law), settings_(settings), dead_(of_law.K_c * settings.dead_zone) {
+      : Base(law), settings_(settings), dead_(of_law.K_c * settings.dead_zone) {
     const T most = T(0.25) * of_law.lambda * of_law.lambda;
     require(settings.rate > T(0) && settings.rate <= most, "rate of friction learning",
             static_cast<double>(settings.rate), "> 0, <= lambda^2 / 4, in 1/s^2");
@@ -65,80 +68,29 @@ class FrictionLearning : public Composable {
     require(of_law.K_i1 == T(0) && of_law.K_i2 == T(0), "K_i1 + K_i2 beside friction learning",
             static_cast<double>(of_law.K_i1 + of_law.K_i2), "0: they have no dead zone");
   }
-  [[nodiscard]] const L& law() const noexcept { return law_; }
-  /// Throws `ConfigurationError` where the law's settings are not those of the robot.
-  template <class Terms>
-  void check_for(const Terms& robot) const {
-    detail::check_law_for(law_, robot);
-  }
 
   template <class K>
-  [[nodiscard]] Memory start(const K& known) const noexcept {
-    return {law_.start(known), {}, {}};
+  [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& learnt_torque(const Memory& memory, const K&,
+                                                                      const Surface&) const noexcept {
+    return memory.friction;
   }
   template <class K>
-  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
-                                         const Goal& goal) const noexcept {
-    const auto answer = law_.receive(memory.law, known, goal);
-    return {{answer.memory, memory.friction, memory.smooth}, answer.status};
-  }
-  template <class K>
-  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const Goal& goal) const noexcept
-    requires requires(const L& law) { law.follow(memory.law, known, goal); }
-  {
-    const auto answer = law_.follow(memory.law, known, goal);
-    return {{answer.memory, memory.friction, memory.smooth}, answer.status};
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
-    return law_.now(memory.law, known);
-  }
-  template <GravityTerm G = GravityTerm::included, class K>
-  [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known, const LawShare<T>& share,
-                                         const Surface& at_t) const noexcept {
-    return law_.template torque<G>(memory.law, known, share, at_t) + share.feed_forward * memory.friction;
-  }
-  template <GravityTerm G = GravityTerm::included, class K>
-  [[nodiscard]] JointTorque<N, T> torque(const Memory& memory, const K& known,
-                                         const LawShare<T>& share = {}) const noexcept {
-    return torque<G>(memory, known, share, now(memory, known));
-  }
-  template <class K>
-  [[nodiscard]] Memory advance(const Memory& memory, const K& known, const T& dt, Opposition opposition,
-                               const Surface& at_t) const noexcept {
-    Memory next{law_.advance(memory.law, known, dt, opposition, at_t), memory.friction, memory.smooth};
+  void learn(Memory& memory, const K& known, const T& dt, Opposition opposition,
+             const Surface& at_t) const noexcept {
     const T fast = dt * settings_.smoothing, part = fast / (T(1) + fast);
     const auto& M = known.mass();
     for (std::size_t i = 0; i < N; ++i) {
       const T s = at_t.S_q[i];
       if (!(s - s == T(0))) continue;
-      next.smooth[i] = memory.smooth[i] + part * (s - memory.smooth[i]);
-      const T size = next.smooth[i] < T(0) ? T(-next.smooth[i]) : next.smooth[i];
+      memory.smooth[i] = memory.smooth[i] + part * (s - memory.smooth[i]);
+      const T size = memory.smooth[i] < T(0) ? T(-memory.smooth[i]) : memory.smooth[i];
       if (opposition == Opposition::lasting || size <= dead_) continue;
-      const T b = settings_.bound[i], f = memory.friction[i] - dt * settings_.rate * M(i, i) * s;
-      if (f - f == T(0)) next.friction[i] = f > b ? b : (f < -b ? T(-b) : f);
+      T& f = memory.friction[i];
+      f = Base::kept(f - dt * settings_.rate * M(i, i) * s, settings_.bound[i], f);
     }
-    return next;
   }
-  template <class K>
-  [[nodiscard]] Memory advance(const Memory& memory, const K& known, const T& dt,
-                               Opposition opposition) const noexcept {
-    return advance(memory, known, dt, opposition, now(memory, known));
-  }
-  template <class K>
-  [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
-    return law_.settled(memory.law, known, still);
-  }
-  /// See `Tracking::with_target`.
-  template <class Target>
-  [[nodiscard]] static Memory with_target(Memory memory, const Target& target) noexcept {
-    memory.law = L::with_target(memory.law, target);
-    return memory;
-  }
-  [[nodiscard]] Status status(const Memory& memory) const noexcept { return law_.status(memory.law); }
 
  private:
-  L law_;
   Settings settings_;
   T dead_;
 };
