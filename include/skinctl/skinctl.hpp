@@ -240,6 +240,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/cycle/cycle_bytes.hpp"
 #include "skinctl/cycle/each_number.hpp"
+#include "skinctl/cycle/groups.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/recording.hpp"

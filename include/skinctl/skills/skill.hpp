@@ -117,4 +117,39 @@ enum class SkillPhase : unsigned char {
   failed     ///< a failure condition has been met: the fallback skill follows
 };
 
+/// Why a request for a skill has failed.
+enum class SkillFailure : unsigned char {
+  none,
+  conditions,  ///< refused: the conditions under which the skill may start did not hold
+  goal,        ///< refused: a controller did not take the goal
+  timeout,     ///< not finished in time
+  touch,       ///< the skin's torque has exceeded `max_touch`
+  next         ///< the next skill of its sequence might not start
+};
+[[nodiscard]] constexpr const char* describe(SkillFailure failure) noexcept {
+  switch (failure) {
+    case SkillFailure::none:
+      return "has not failed";
+    case SkillFailure::conditions:
+      return "its conditions to start did not hold";
+    case SkillFailure::goal:
+      return "its goal was refused";
+    case SkillFailure::timeout:
+      return "not finished in time";
+    case SkillFailure::touch:
+      return "touched too hard";
+    case SkillFailure::next:
+      return "the next skill might not start";
+  }
+  return "";
+}
+
+/// What has become of a request, by the number that it carried (`SkillRequest::ticket`).
+struct SkillReport {
+  std::uint16_t ticket = 0;  ///< of the request that the report is about; 0: of none
+  SkillPhase phase = SkillPhase::loading;
+  SkillFailure failure = SkillFailure::none;  ///< if it has failed
+  friend constexpr bool operator==(const SkillReport&, const SkillReport&) noexcept = default;
+};
+
 SKINCTL_END_NAMESPACE

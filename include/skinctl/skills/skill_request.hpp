@@ -62,13 +62,22 @@ struct SkillRequest {
   enum class Kind : unsigned char { start, goal, report };
   unsigned char kind = static_cast<unsigned char>(Kind::goal);
   std::uint8_t skill = 0;
+  std::uint16_t ticket = 0;  ///< a number by which `SkillSet::report_of` tells what becomes of the request
   SkillSwitches reported;
   detail::Goals<G...> goals;
+
+  /// The request under a number of its sender's choice; 0 is no number.
+  [[nodiscard]] constexpr SkillRequest with_ticket(std::uint16_t number) const noexcept {
+    SkillRequest out = *this;
+    out.ticket = number;
+    return out;
+  }
 
   template <class F>
   friend void each_number(SkillRequest& r, F&& f) {
     f(r.kind);
     f(r.skill);
+    f(r.ticket);
     f(r.reported.which);
     f(r.reported.on);
     each_number(r.goals, f);

@@ -85,7 +85,10 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     Nanoseconds held{};           ///< how long its finish condition has held
     std::uint8_t skill = 0;
     SkillPhase phase = SkillPhase::loading;
-    bool waits = false;                         ///< for the end of a change
+    SkillReport told;      ///< of the request that the skill, or the one that failed last, serves
+    SkillReport refused;   ///< of the last request that was refused
+    bool waits = false;    ///< for the end of a change
+    bool goes_on = false;  ///< what waits is the next skill of a sequence, or the fallback
     bool touched = false, was_touched = false;  ///< as the skill's `touch` says; and since it began to run
   };
 
@@ -138,6 +141,17 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   [[nodiscard]] const Skill<controllers>& now(const Memory& m) const noexcept { return skills_[m.skill]; }
   /// The commanded values of the discrete controls.
   [[nodiscard]] static const SkillSwitches& commanded(const Memory& m) noexcept { return m.commanded; }
+
+  /// What has become of the request with this number. One that nothing is known of (not received, waiting for the end
+  /// of a change, replaced by a later one) gives a report with the number 0.
+  ///
+  /// The numbers of a sequence of skills and of a fallback are those of the request that began them: a failure stays
+  /// reported, with its reason, while the fallback runs, until another request begins.
+  [[nodiscard]] static SkillReport report_of(const Memory& m, std::uint16_t ticket) noexcept {
+    if (ticket == 0) return {};
+    if (m.told.ticket == ticket) return m.told;
+    return m.refused.ticket == ticket ? m.refused : SkillReport{};
+  }
 
   /// The contacts that a skin with contacts feels at `now`: a `Cycle` tells them before each evaluation.
   template <class Contacts>
@@ -252,7 +266,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   template <class K, class Torque>
   SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Torque& touched,
                                   Nanoseconds dt) const noexcept;
-  void end(Memory& m, SkillPhase phase, std::uint8_t next) const noexcept;
+  void end(Memory& m, SkillFailure failure, std::uint8_t next) const noexcept;
   [[nodiscard]] Nanoseconds within(double time) const noexcept {
     const Nanoseconds asked = time < 1e6 ? nanoseconds(time) : settings_.longest;
     return asked > settings_.longest             ? settings_.longest
@@ -272,6 +286,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   SKINCTL_COLD Status arrive(Memory& m, const K& known) const noexcept {
     Status status;
     m.phase = SkillPhase::running;
+    if (m.told.phase == SkillPhase::loading) m.told.phase = SkillPhase::running;
     deliver(m, known, m.request, status, true);
     return status;
   }

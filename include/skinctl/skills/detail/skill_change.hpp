@@ -12,21 +12,29 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
     const Memory& memory, const K& known, const Goal& request) const noexcept -> Received<Memory> {
   using Kind = typename Goal::Kind;
   Received<Memory> out{memory, {}};
+  const auto refused = [&](Reason reason, SkillFailure failure) {
+    out = {memory, reason};
+    if (request.ticket != 0) out.memory.refused = {request.ticket, SkillPhase::failed, failure};
+    return out;
+  };
   if (request.kind == static_cast<unsigned char>(Kind::report)) {
     out.memory.reported = out.memory.reported.then(request.reported);
     out.memory.reporting |= request.reported.which;
     return out;
   }
   if (request.kind == static_cast<unsigned char>(Kind::goal)) {
-    if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
+    if (!fits(memory, known, request, memory.skill, out.status))
+      return refused(Reason::goal_refused, SkillFailure::goal);
     deliver(out.memory, known, request, out.status);
     out.memory.held = 0ns;
     if (memory.phase == SkillPhase::finished) out.memory.phase = SkillPhase::running;
+    if (request.ticket != 0) out.memory.told = {request.ticket, out.memory.phase, SkillFailure::none};
     return out;
   }
   if (request.kind != static_cast<unsigned char>(Kind::start) || request.skill >= skills)
-    return {memory, Reason::goal_refused};
-  if (!may_start(memory, skills_[request.skill])) return {memory, Reason::skill_refused};
+    return refused(Reason::goal_refused, SkillFailure::goal);
+  if (!may_start(memory, skills_[request.skill]))
+    return refused(Reason::skill_refused, SkillFailure::conditions);
   if (!Blend::moves(memory.blend)) {
     if (memory.phase == SkillPhase::loading) out.status |= arrive(out.memory, known);
     auto change = begun(out.memory, known, request);
@@ -35,6 +43,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
   }
   out.memory.waiting = request;
   out.memory.waits = true;
+  out.memory.goes_on = false;
   return out;
 }
 
@@ -84,9 +93,17 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
   Received<Memory> out{memory, {}};
   Memory& m = out.memory;
   m.waits = false;
+  const bool goes_on = m.goes_on;
+  m.goes_on = false;
   bool any = false;
   each_goal(request, request.skill, [&](auto, const auto&) { any = true; });
-  if (any && !fits(m, known, request, request.skill, out.status)) return out;
+  if (any && !fits(m, known, request, request.skill, out.status)) {
+    if (goes_on)
+      m.told = {m.told.ticket, SkillPhase::failed, SkillFailure::goal};
+    else if (request.ticket != 0)
+      m.refused = {request.ticket, SkillPhase::failed, SkillFailure::goal};
+    return out;
+  }
   const auto& next = skills_[request.skill];
   m.blend = blend_.change(m.blend, known, BlendWeights<controllers>{next.weights}).memory;
   stretch(m.blend, known);
@@ -97,6 +114,7 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
   // An old report does not count for switches that are only beginning.
   m.reported.which &= ~next.switches.which;
   m.phase = SkillPhase::loading;
+  if (!goes_on) m.told = {request.ticket, SkillPhase::loading, SkillFailure::none};
   m.since = m.held = 0ns;
   m.touched = m.was_touched = false;
   return out;
@@ -161,8 +179,8 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
   for (const auto& x : touched) square += static_cast<double>(x) * static_cast<double>(x);
   m.touch = std::sqrt(square);
   if (m.phase == SkillPhase::failed || m.phase == SkillPhase::finished) return;
-  if (c.max_touch > 0 && m.touch > c.max_touch) return end(m, SkillPhase::failed, 0);
-  if (c.timeout > 0ns && m.since >= c.timeout) return end(m, SkillPhase::failed, 0);
+  if (c.max_touch > 0 && m.touch > c.max_touch) return end(m, SkillFailure::touch, 0);
+  if (c.timeout > 0ns && m.since >= c.timeout) return end(m, SkillFailure::timeout, 0);
   if (m.phase == SkillPhase::loading || c.finish == SkillFinish::never) return;
   bool holds = true;
   if (c.finish == SkillFinish::switched) {
@@ -182,23 +200,27 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
                           known, static_cast<typename K::scalar>(c.still));
     });
   m.held = holds ? later(m.held, dt) : 0ns;
-  if (holds && m.held >= c.hold) end(m, SkillPhase::finished, s.next);
+  if (holds && m.held >= c.hold) end(m, SkillFailure::none, s.next);
 }
 
 template <class... Behaviour, Sum P, class... L>
-void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::end(Memory& m, SkillPhase phase,
+void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::end(Memory& m, SkillFailure failure,
                                                              std::uint8_t next) const noexcept {
-  m.phase = phase;
-  if (next == m.skill && phase == SkillPhase::finished) return;
-  if (phase == SkillPhase::finished && !may_start(m, skills_[next])) {
-    m.phase = SkillPhase::failed;
-    next = 0;
+  const bool last = next == m.skill;
+  if (failure == SkillFailure::none && !last && !may_start(m, skills_[next])) failure = SkillFailure::next;
+  if (failure != SkillFailure::none) next = 0;
+  m.phase = failure == SkillFailure::none ? SkillPhase::finished : SkillPhase::failed;
+  if (last || failure != SkillFailure::none) {  // else the sequence goes on
+    // A failure stays told while the fallback runs.
+    if (m.told.phase != SkillPhase::failed) m.told = {m.told.ticket, m.phase, failure};
   }
+  if (last && failure == SkillFailure::none) return;
   m.waiting = m.request;
   m.waiting.kind = static_cast<unsigned char>(Goal::Kind::start);
   m.waiting.skill = next;
   if (m.phase == SkillPhase::failed) m.waiting.goals = {};
   m.waits = true;
+  m.goes_on = true;
 }
 
 /// One evaluation of the sum, and of the skill beside it.

@@ -1,0 +1,54 @@
+// The activity of a hand, since when, and whether it has stood long enough to be relied upon.
+#pragma once
+
+#include "skinctl/semantics/rules.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// An activity as recognised.
+struct Recognised {
+  Activity activity = Activity::unknown;
+  Nanoseconds since{};  ///< when it began: the stamp of the event that decided, before the decision
+  bool sure = false;    ///< it has stood for `settle` since it was first said
+  friend bool operator==(const Recognised&, const Recognised&) noexcept = default;
+};
+
+/// Says what a hand does: the word of a classifier of features, `Rules` or a `DecisionTree`, with its beginning.
+///
+/// A word is said at once. `sure` follows after `settle`: a motion is known 40 to 60 ms after it began, and until
+/// then the word before it stands.
+template <class Classifier = Rules>
+class Recogniser {
+ public:
+  struct Memory {
+    Recognised said{};
+    Nanoseconds decided{};  ///< when the word was first said
+    bool started = false;
+  };
+
+  /// Throws `ConfigurationError` unless `settle` is in [0, 10] s.
+  SKINCTL_COLD explicit Recogniser(const Classifier& classifier = {}, Nanoseconds settle = 60ms)
+      : classifier_(classifier), settle_(settle) {
+    require(settle >= 0ns && settle <= 10s, "Recogniser: settle", milliseconds(settle), "0 to 1e4 ms");
+  }
+  [[nodiscard]] const Classifier& classifier() const noexcept { return classifier_; }
+
+  Recognised step(Memory& m, const Features& f) const noexcept {
+    const Activity word = classifier_(f);
+    if (!m.started || word != m.said.activity) {
+      // The event behind a new word is not before the word that it ends.
+      const Nanoseconds since = word == Activity::unknown || f.event > f.time ? f.time : f.event;
+      m.said = {word, m.started && since < m.said.since ? m.said.since : since, false};
+      m.decided = f.time;
+      m.started = true;
+    }
+    m.said.sure = word != Activity::unknown && f.time - m.decided >= settle_;
+    return m.said;
+  }
+
+ private:
+  Classifier classifier_;
+  Nanoseconds settle_;
+};
+
+SKINCTL_END_NAMESPACE
