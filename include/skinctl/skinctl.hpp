@@ -246,6 +246,7 @@
 
 #include "skinctl/skills/behaviours.hpp"
 #include "skinctl/skills/library.hpp"
+#include "skinctl/skills/one_gripper.hpp"
 #include "skinctl/skills/skill.hpp"
 #include "skinctl/skills/skill_request.hpp"
 #include "skinctl/skills/skill_set.hpp"

@@ -115,6 +115,13 @@ void each_number(WrenchSample& s, F&& f) {
   for (double& x : s.moment) f(x);
 }
 template <class F>
+void each_number(GripperState& s, F&& f) {
+  each_number(s.time, f);
+  auto error = static_cast<std::uint8_t>(s.error);
+  f(s.opening), f(s.force), f(s.heard), f(s.moving), f(s.holding), f(s.measured), f(error), f(s.code);
+  s.error = static_cast<GripperError>(error);
+}
+template <class F>
 void each_number(NoGoal&, F&&) {}
 template <class G, class F>
   requires requires(G& g) {
@@ -204,6 +211,7 @@ class Recording {
       for (const WrenchSample& s : input.sensed.wrenches) write(s);
     }
     if constexpr (has_motors) write(input.sensed.motor_torque);
+    if constexpr (has_gripper) write(input.gripper);
     write(command);
     ++cycles_;
   }
@@ -263,6 +271,7 @@ class Recording {
   }
 
  private:
+  static constexpr bool has_gripper = requires { requires C::has_gripper; };
   static constexpr bool configured = requires(const Input& input) { input.configuration; };
   static constexpr bool has_wrenches = requires(const Input& input) { input.sensed.wrenches; };
   static constexpr bool has_motors = requires(const Input& input) { input.sensed.motor_torque; };
@@ -326,6 +335,7 @@ class Recording {
       input.sensed.wrenches = samples.wrenches;
     }
     if constexpr (has_motors) read(reader, input.sensed.motor_torque);
+    if constexpr (has_gripper) read(reader, input.gripper);
     read(reader, command);
   }
   void check(const std::string& path) const {
@@ -341,11 +351,12 @@ class Recording {
     if (seen != cycles_ || reader.short_of_bytes() || reader.left() != 0)
       SKINCTL_THROW("skinctl: the recording " + path + " is damaged or cut short");
   }
-  /// Magic (its last letter: with or without configurations, wrenches and motor torques), byte order, sizes
+  /// Magic (its last letter: with or without configurations, wrenches, motor torques and a gripper), byte order, sizes
   /// that must agree, number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    constexpr char kind = "3XNDEyne"[(configured ? 4 : 0) + (has_motors ? 2 : 0) + (has_wrenches ? 1 : 0)];
+    constexpr char kind = "3XNDEyneGhijklmo"[(has_gripper ? 8 : 0) + (configured ? 4 : 0) +
+                                             (has_motors ? 2 : 0) + (has_wrenches ? 1 : 0)];
     for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', kind}) w.put(c);
     w.put(std::uint32_t(0x01020304));
     w.put(static_cast<std::uint32_t>(C::joints));
