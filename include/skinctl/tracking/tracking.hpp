@@ -206,7 +206,8 @@ class Tracking : public Composable {
   };
   template <class K>
   [[nodiscard]] Distance distance(const K& known, const Goal& goal) const noexcept {
-    const auto& at = space_.where(space_.site(known));
+    const auto site = space_.site(known);
+    const auto& at = space_.where(site);
     if constexpr (requires { goal.X_BP; }) {
       return {norm(Xyz<T>(goal.X_BP.origin() - at.origin())),
               norm(log_so3(goal.X_BP.axes() * at.axes().transpose())), T(0)};
