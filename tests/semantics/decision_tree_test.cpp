@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "skinctl/semantics/activity_tree.hpp"
+#include "skinctl/semantics/recogniser.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
