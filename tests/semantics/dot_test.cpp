@@ -42,7 +42,7 @@ bool well_formed(const std::string& xml) {
 }  // namespace
 
 TEST_CASE("to_dot: every step, and every edge that there is") {
-  const auto dot = to_dot(packing, words);
+  const auto dot = to_dot(packing_oranges, words);
   CHECK(dot.find("s5 [label=\"put orange & \\\"co\\\", box\"]") != std::string::npos);
   CHECK(count(dot, "[style=dashed, label=no]") == 2);
   CHECK(count(dot, " -> ") == 9 + 9 + 2);
@@ -51,7 +51,7 @@ TEST_CASE("to_dot: every step, and every edge that there is") {
 }
 
 TEST_CASE("to_behaviour_tree: a loop over the steps, each an action with its ports") {
-  const auto xml = to_behaviour_tree(packing, words);
+  const auto xml = to_behaviour_tree(packing_oranges, words);
   CHECK(well_formed(xml));
   CHECK(count(xml, "<IfThenElse _skipIf=\"step != ") == 9);
   CHECK(xml.find("step := answer ? 5 : 7") != std::string::npos);
@@ -62,10 +62,10 @@ TEST_CASE("to_behaviour_tree: a loop over the steps, each an action with its por
 
 TEST_CASE("to_svg: one box a step, one line an edge") {
   constexpr auto asks = task("ask <once>", {}, step_of<activity::Look>({.failed = ask_person}));
-  CHECK(well_formed(to_svg(packing, words)));
+  CHECK(well_formed(to_svg(packing_oranges, words)));
   CHECK(well_formed(to_svg(asks)));
-  CHECK(count(to_svg(packing, words), "<rect") == 9 + 2);
-  CHECK(count(to_svg(packing, words), "marker-end") == 20);
+  CHECK(count(to_svg(packing_oranges, words), "<rect") == 9 + 2);
+  CHECK(count(to_svg(packing_oranges, words), "marker-end") == 20);
   CHECK(count(to_svg(asks), "ask a person") == 1);
   CHECK(to_dot(asks).find("s0 -> ask") != std::string::npos);
 }

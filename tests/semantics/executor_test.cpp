@@ -15,7 +15,7 @@ using namespace skinctl;
 using namespace skinctl::testing;
 
 namespace {
-using Packing = Executor<packing.steps_count>;
+using Packing = Executor<packing_oranges.steps_count>;
 using Kind = StepRequest::Kind;
 constexpr auto cycle = 4ms;
 
@@ -27,7 +27,7 @@ class Robot {
   StepRequest step() {
     now_ += cycle;
     StepInput in{now_, {fact::in_hand, in_hand ? fact::in_hand : fact::none}, skill, answer, granted, resume};
-    if (packing.steps[m_.step].no == nowhere) in.answer = true;  // only who decides says no
+    if (packing_oranges.steps[m_.step].no == nowhere) in.answer = true;  // only who decides says no
     const auto before = m_;
     const auto out = executor_.step(m_, in);
     CHECK(executor_.step(before, in).memory == out.memory);  // pure
@@ -35,8 +35,8 @@ class Robot {
     const auto& r = out.request;
     if (r.kind == Kind::start && r.ticket != skill.ticket) {
       story.push_back(r.does->name);
-      CHECK(
-          (r.does == &activity::Reverse::rule || m_.facts.has(r.does->needs | packing.steps[r.step].needs)));
+      CHECK((r.does == &activity::Reverse::rule ||
+             m_.facts.has(r.does->needs | packing_oranges.steps[r.step].needs)));
       skill = {r.ticket, deaf ? SkillPhase::loading : SkillPhase::running, SkillFailure::none};
       since_ = now_;
     }
@@ -79,7 +79,7 @@ class Robot {
   Nanoseconds now_{}, since_{};
 };
 using Story = std::vector<std::string>;
-const Packing executor(packing);
+const Packing executor(packing_oranges);
 static_assert(sizeof(Packing::Memory) == 24);
 }  // namespace
 
@@ -216,7 +216,7 @@ TEST_CASE(
       const auto out = executor.step(m, in);
       const auto& r = out.request;
       const bool proved = r.kind != Kind::start || r.does == &activity::Reverse::rule ||
-                          out.memory.facts.has(r.does->needs | packing.steps[r.step].needs);
+                          out.memory.facts.has(r.does->needs | packing_oranges.steps[r.step].needs);
       if (!proved) FAIL_CHECK("a step begins without its needs");
       begun += r.kind == Kind::start ? 1 : 0;
       m = out.memory;
@@ -228,12 +228,12 @@ TEST_CASE(
       for (auto& b : bytes) b = static_cast<unsigned char>(random());
       std::memcpy(static_cast<void*>(&m), bytes, sizeof m);
       const auto out = executor.step(m, {.now = 1s});
-      CHECK(out.request.step < packing.steps_count);
+      CHECK(out.request.step < packing_oranges.steps_count);
     }
   }
   CHECK(guard.count() == 0);
   CHECK(begun > 10000);
-  CHECK_THROWS_AS(Packing(packing, {.lost = -1ns}), ConfigurationError);
-  CHECK_THROWS_AS(Packing(packing, {.confirm = 11s}), ConfigurationError);
+  CHECK_THROWS_AS(Packing(packing_oranges, {.lost = -1ns}), ConfigurationError);
+  CHECK_THROWS_AS(Packing(packing_oranges, {.confirm = 11s}), ConfigurationError);
   CHECK(std::string(describe(StepFailure::place)) == "the place was not granted");
 }

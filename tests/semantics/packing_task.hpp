@@ -11,7 +11,7 @@ enum : std::uint8_t { look, above, reach, take, squeeze, to_box, let_go, to_bin,
 inline constexpr ObjectClass orange = 1;
 inline constexpr std::uint8_t box = 0, bin = 1;
 
-inline constexpr auto packing = [] {
+inline constexpr auto packing_oranges = [] {
   using namespace packing_step;
   return task("pack oranges", {},                                                          //
               step_of<activity::Look>({.role = orange, .done = above, .no = finish}),      //

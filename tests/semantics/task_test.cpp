@@ -13,13 +13,14 @@ using namespace skinctl::testing;
 // Wrong tasks do not compile: tests/compile_fail/semantics.
 
 TEST_CASE("task: the fixed point proves what holds before each step") {
-  static_assert(packing.holds[packing_step::look] == fact::none);
-  static_assert(packing.holds[packing_step::take] == (fact::seen | fact::around));
-  static_assert(packing.holds[packing_step::to_box] == (fact::in_hand | fact::good));
-  static_assert(packing.holds[packing_step::to_bin] == (fact::in_hand | fact::bad));
-  static_assert(packing.may_hold[packing_step::look] == fact::placed);  // around the loop, or the first time
-  static_assert(packing.ends == fact::none);                            // it may end before the first orange
-  CHECK(packing.steps.size() == 9);
+  static_assert(packing_oranges.holds[packing_step::look] == fact::none);
+  static_assert(packing_oranges.holds[packing_step::take] == (fact::seen | fact::around));
+  static_assert(packing_oranges.holds[packing_step::to_box] == (fact::in_hand | fact::good));
+  static_assert(packing_oranges.holds[packing_step::to_bin] == (fact::in_hand | fact::bad));
+  static_assert(packing_oranges.may_hold[packing_step::look] ==
+                fact::placed);                        // around the loop, or the first time
+  static_assert(packing_oranges.ends == fact::none);  // it may end before the first orange
+  CHECK(packing_oranges.steps.size() == 9);
 }
 
 TEST_CASE("process: tasks one after the other are a task, proved again") {
@@ -33,9 +34,9 @@ TEST_CASE("process: tasks one after the other are a task, proved again") {
   static_assert(both.steps.size() == 6 && both.ends == fact::placed);
   static_assert(both.steps[3].done == 4 && both.steps[4].done == 5 && both.steps[5].done == finish);
   static_assert(both.steps[4].failed == ask_person && both.steps[2].failed == 0);
-  constexpr auto three = process("three", one, two, packing);
+  constexpr auto three = process("three", one, two, packing_oranges);
   static_assert(three.steps.size() == 15 && three.steps[14].done == 6);
-  CHECK(three.ends == packing.ends);
+  CHECK(three.ends == packing_oranges.ends);
 }
 
 namespace {
@@ -55,7 +56,7 @@ constexpr auto robot = boost::hana::make_map(
 }  // namespace
 
 TEST_CASE("skill_map: each activity has the index of its behaviour's skill") {
-  constexpr auto skills = skill_map<Robot>(robot, packing);
+  constexpr auto skills = skill_map<Robot>(robot, packing_oranges);
   static_assert(skills(&activity::Reach::rule) == 0 && skills(&activity::Put::rule) == 1);
   static_assert(skills(&activity::Squeeze::rule) == 2 && skills(nullptr) == skills.none);
   CHECK(skills.rows.size() == 8);
