@@ -238,6 +238,7 @@
 
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/groups.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/recording.hpp"

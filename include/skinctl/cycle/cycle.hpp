@@ -40,8 +40,7 @@ struct ChangeFrom;
 /// The resolver builds `Quantities` from the union of the needs of law and integrator, at compile time;
 /// nothing else of the model is computed.
 template <class Resolver, class GivenLaw, class GivenSkin = NoSkin,
-          class Watchman = typename detail::GuardOf<Resolver>::type,
-          class Overseer = detail::DefaultGovernor<Resolver>>
+          class Watchman = detail::DefaultGuard<Resolver>, class Overseer = detail::DefaultGovernor<Resolver>>
 class Cycle {
   using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
   static_assert(sizeof(detail::SaySkin<Scene::skin_fault, GivenSkin>) > 0);
@@ -442,7 +441,7 @@ template <class R, detail::SkinLike S, class L, detail::GuardLike G>
 Cycle(const R&, const S&, const L&, const G&) -> Cycle<detail::ResolverFor<R>, L, S, G>;
 template <class R, detail::SkinLike S, class L, detail::GovernorLike O>
 Cycle(const R&, const S&, const L&, const O&)
-    -> Cycle<detail::ResolverFor<R>, L, S, typename detail::GuardOf<detail::ResolverFor<R>>::type, O>;
+    -> Cycle<detail::ResolverFor<R>, L, S, detail::DefaultGuard<detail::ResolverFor<R>>, O>;
 template <class R, detail::SkinLike S, class L, class G, class O>
 Cycle(const R&, const S&, const L&, const G&, const O&) -> Cycle<detail::ResolverFor<R>, L, S, G, O>;
 template <class R, class L>
@@ -454,7 +453,7 @@ Cycle(const R&, const L&, const G&) -> Cycle<detail::ResolverFor<R>, L, NoSkin, 
 template <class R, class L, detail::GovernorLike O>
   requires(!detail::SkinLike<L>)
 Cycle(const R&, const L&, const O&)
-    -> Cycle<detail::ResolverFor<R>, L, NoSkin, typename detail::GuardOf<detail::ResolverFor<R>>::type, O>;
+    -> Cycle<detail::ResolverFor<R>, L, NoSkin, detail::DefaultGuard<detail::ResolverFor<R>>, O>;
 template <class R, class L, class G, detail::GovernorLike O>
   requires(!detail::SkinLike<L>)
 Cycle(const R&, const L&, const G&, const O&) -> Cycle<detail::ResolverFor<R>, L, NoSkin, G, O>;

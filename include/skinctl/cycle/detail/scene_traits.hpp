@@ -12,8 +12,6 @@ template <class Overseer>
 inline constexpr bool is_governor = false;
 template <std::size_t N, Real T, class... Parts>
 inline constexpr bool is_governor<Governor<N, T, Parts...>> = true;
-template <class Sets, std::size_t N, Real T, class... Parts>
-inline constexpr bool is_governor<GroupGovernor<Sets, N, T, Parts...>> = true;
 template <class Overseer>
 inline constexpr bool limits_jerk = requires { requires Overseer::has_jerk; };
 /// Whether a governor suits a robot's joints and scalar.

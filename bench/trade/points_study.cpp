@@ -1,0 +1,4 @@
+#include "bench/trade/point.hpp"
+namespace trade {
+std::vector<Point> study_points() { return {}; }
+}
