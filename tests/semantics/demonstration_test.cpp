@@ -93,6 +93,23 @@ TEST_CASE("Demonstration: goals are where the robot was left alone, not where it
   CHECK(norm(Xyz<double>(again.origin() - expected.origin())) < 0.0002);
 }
 
+TEST_CASE("Demonstration: where an arm glides to after a push on its switch is no goal") {
+  Led led;
+  led.lead({0.5, 0, 0.3}, 1s);
+  led.let_go();
+  led.stay(300ms);
+  led.lead({0.5, 0.02, 0.3}, 200ms);
+  led.closed = true;
+  led.let_go();
+  led.stay(8ms);
+  led.X = Hand::translation_xyz(0.5, 0.08, 0.3);
+  led.stay(500ms);
+  const auto taught = segment(led.samples, objects());
+  REQUIRE(taught.size() == 2);
+  CHECK(taught[0].X_WH.origin().y == doctest::Approx(0));
+  CHECK(taught[1].activity == Activity::take);
+}
+
 TEST_CASE("Demonstration: a goal of force is the median over a squeeze") {
   Led led;
   led.closed = true;
@@ -139,5 +156,6 @@ TEST_CASE(
   CHECK(segment(std::vector<LedSample<>>{}, objects()).empty());
   CHECK_THROWS_AS(DemonstrationReader<>({.still = 0}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.least = 0ns}), ConfigurationError);
+  CHECK_THROWS_AS(DemonstrationReader<>({.led = -1ns}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.apart = -1}), ConfigurationError);
 }

@@ -39,6 +39,7 @@ struct DemonstrationSettings {
   double still = 0.02;        ///< slower than this is at rest [m/s]
   double untouched = 0.5;     ///< touched with less than this is left alone [N]
   Nanoseconds least = 200ms;  ///< for at least this long
+  Nanoseconds led = 300ms;    ///< after it was touched for this long in one go, since the last goal or switch
   double apart = 0.05;        ///< from the last goal [m]
   double near_object = 0.08;  ///< a goal nearer than this to an object is relative to it [m]
   SpeedEstimate<>::Settings speed{};
@@ -67,7 +68,8 @@ namespace detail {
 
 /// Reads a demonstration, cycle by cycle, into goals.
 ///
-/// - A goal is where the robot was left alone: at rest and untouched for `least`, at least `apart` from the last one.
+/// - A goal is where the robot was led and then left alone: touched for `led` in one go (a push on a switch is shorter,
+///   and the arm may glide on from it), then at rest and untouched for `least`, at least `apart` from the last one.
 ///   Its pose is the median of the positions, and the mean of the rotations, of the stretch, which ends when the robot
 ///   is touched, moves, is switched or squeezes: the push on the switch moves the arm. A hand that waits on the robot makes no
 ///   goal.
@@ -85,6 +87,7 @@ class DemonstrationReader {
     require(s.still > 0 && s.still <= 10, "Demonstration: still", s.still, "> 0, <= 10 m/s");
     require(s.untouched > 0 && s.untouched <= 1e3, "Demonstration: untouched", s.untouched, "> 0, <= 1e3 N");
     require(s.least > 0ns && s.least <= 60s, "Demonstration: least", milliseconds(s.least), "> 0, <= 6e4 ms");
+    require(s.led >= 0ns && s.led <= 60s, "Demonstration: led", milliseconds(s.led), "0 to 6e4 ms");
     require(s.apart >= 0 && s.apart <= 10, "Demonstration: apart", s.apart, "0 to 10 m");
     require(s.near_object >= 0 && s.near_object <= 10, "Demonstration: near_object", s.near_object,
             "0 to 10 m");
@@ -99,6 +102,8 @@ class DemonstrationReader {
     const bool alone =
         norm(m_.v) < s_.still && x.touch < s_.untouched && !switched && x.said != Activity::squeeze;
     if (!alone) close(objects, held);
+    if (!started_ || !(x.touch >= s_.untouched)) touched_ = x.time;
+    led_ = (led_ && !switched) || x.time - touched_ >= s_.led;
     if (alone) {
       if (stretch_.empty()) begin_ = x.time;
       stretch_.push_back(x.X_WH);
@@ -121,7 +126,7 @@ class DemonstrationReader {
   /// The end of a stretch.
   template <class Objects>
   void close(const Objects& objects, std::uint8_t held) {
-    if (!stretch_.empty() && last_ - begin_ >= s_.least) {
+    if (!stretch_.empty() && led_ && last_ - begin_ >= s_.least) {
       std::vector<double> x, y, z;
       std::vector<Rotation<double>> R;
       for (const auto& X : stretch_) {
@@ -138,6 +143,7 @@ class DemonstrationReader {
         relate(goal, objects, held);
         goal_ = goal;
         any_ = true;
+        led_ = false;
         taught_.push_back(goal);
       }
     }
@@ -189,7 +195,8 @@ class DemonstrationReader {
   std::vector<Taught<W>> taught_;
   Taught<W> goal_{};
   Nanoseconds begin_{}, last_{}, squeezed_{};
-  bool any_ = false, closed_ = false, started_ = false;
+  Nanoseconds touched_{};  ///< when nobody touched it last
+  bool led_ = false, any_ = false, closed_ = false, started_ = false;
 };
 
 /// What a recording teaches, among objects that stay where they are: a range of `LedSample<W>`, one of `Object<W>`.
