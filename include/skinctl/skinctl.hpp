@@ -181,6 +181,7 @@
 #include "skinctl/control/clearance_control.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/friction_control.hpp"
+#include "skinctl/control/grasp_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
