@@ -181,6 +181,7 @@
 #include "skinctl/control/clearance_control.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/friction_control.hpp"
+#include "skinctl/control/grasp_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
@@ -249,6 +250,7 @@
 
 #include "skinctl/skills/behaviours.hpp"
 #include "skinctl/skills/library.hpp"
+#include "skinctl/skills/one_gripper.hpp"
 #include "skinctl/skills/skill.hpp"
 #include "skinctl/skills/skill_request.hpp"
 #include "skinctl/skills/skill_set.hpp"
