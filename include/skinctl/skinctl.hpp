@@ -87,6 +87,7 @@
 
 #include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/robot/preset.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
