@@ -53,6 +53,13 @@ skinctl::JointTorque<M::joints, T> coriolis_torque(const M&, const skinctl::Join
   return {};
 }
 
+template <skinctl::RobotModel M, skinctl::Scalar T, skinctl::LinkMask Mask>
+  requires(M::abridgement == Abridgement::no_coriolis)
+skinctl::JointTorque<M::joints, T> bias_torque(const M& model, const skinctl::JointAngles<M, T, Mask>& angles,
+                                               const skinctl::JointVelocity<M::joints, T>&) noexcept {
+  return skinctl::gravity_torque(model, angles);
+}
+
 /// `SkinJointControl` by the angles of a cycle's first sub-step of four.
 struct SkinOnceACycle : skinctl::Composable {
   static constexpr skinctl::Needs needs = {.angles = true, .touch = true};

@@ -26,6 +26,7 @@
 #include "skinctl/core/version.hpp"
 
 #include "skinctl/math/exact_sum.hpp"
+#include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/math/policy.hpp"
