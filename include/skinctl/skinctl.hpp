@@ -26,6 +26,7 @@
 #include "skinctl/core/version.hpp"
 
 #include "skinctl/math/exact_sum.hpp"
+#include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/math/policy.hpp"
@@ -87,6 +88,7 @@
 
 #include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/robot/preset.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
