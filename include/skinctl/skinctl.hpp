@@ -25,6 +25,8 @@
 #include "skinctl/core/triple.hpp"
 #include "skinctl/core/version.hpp"
 
+#include "skinctl/math/bound.hpp"
+#include "skinctl/math/enclosure.hpp"
 #include "skinctl/math/exact_sum.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
@@ -32,6 +34,9 @@
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
+#include "skinctl/math/tape.hpp"
+#include "skinctl/math/traced.hpp"
+#include "skinctl/math/traced_output.hpp"
 
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"
