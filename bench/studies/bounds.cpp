@@ -216,7 +216,7 @@ int main(int argc, char** argv) {
   any |= run("ur10e", Static<ur10e::Description>{});
   any |= run("allegro", Hand{});
 #endif
-  if (std::strcmp(robot, "ur5") == 0) print_one_cycle();
+  if (std::strcmp(robot, "ur5") == 0 && seconds >= 60) print_one_cycle();
   if (!any) std::printf("no such robot: %s\n", robot);
   return any ? 0 : 1;
 }

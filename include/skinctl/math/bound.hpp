@@ -124,10 +124,10 @@ class Bound {
     return rounded(sqrt(a.value_), std::fmin(e, std::sqrt(a.error_)));
   }
   friend Bound sin(const Bound& a) noexcept {
-    return {sin(a.value_), detail::upper(a.error_ + detail::kernel_error<R>::sine)};
+    return turned(sin(a.value_), a.error_);
   }
   friend Bound cos(const Bound& a) noexcept {
-    return {cos(a.value_), detail::upper(a.error_ + detail::kernel_error<R>::cosine)};
+    return turned(cos(a.value_), a.error_);
   }
   friend Bound tanh(const Bound& a) noexcept {
     return {tanh(a.value_), detail::upper(a.error_ + detail::kernel_error<R>::tanh)};
@@ -171,6 +171,11 @@ class Bound {
   /// An exact value, and the error of what is rounded in its place.
   static Bound rounded(const Enclosure& v, double e) noexcept {
     return {v, detail::upper(e + detail::half_ulp<R>(v.largest() + e))};
+  }
+  static Bound turned(const Enclosure& v, double e) noexcept {
+    const double own =
+        detail::turning_error(detail::kernel_error<R>::turning, v.smallest() - e, std::fmin(v.largest() + e, 1.0));
+    return {v, detail::upper(e + own)};
   }
   constexpr bool is(double x) const noexcept { return error_ == 0 && value_.low == x && value_.high == x; }
   constexpr bool is_number() const noexcept { return value_.low == value_.low && value_.high == value_.high; }

@@ -108,7 +108,7 @@ class TracedOutput {
     result_ = at(place[at(node)]);
     values_.resize(first_ + steps_.size());
     adjoints_.resize(values_.size());
-    units_.resize(values_.size());
+    units_.resize(values_.size()), in_double_.resize(values_.size());
     // Which inputs a value, or an adjoint, depends on at most: the first so many.
     reach_.assign(values_.size(), 0), seen_.assign(values_.size(), 0);
     for (std::size_t k = 0; k < inputs_.size(); ++k) reach_[k] = k + 1;
@@ -176,19 +176,17 @@ class TracedOutput {
     reached_.assign(adjoints_.size(), 0);
     adjoints_[result_].set({L(1.0), L(1.0)}, 0);
     reached_[result_] = 1;
-    L units(0.0), kernels_float(0.0), kernels_double(0.0);
+    for (ErrorSum* sum : {&units_sum_, &float_sum_, &double_sum_}) sum->clear(n);
     for (std::size_t k = steps_.size(); k-- > 0;) {
       const std::size_t i = first_ + k;
       if (!carries_[i] || !reached_[i]) continue;
       const auto& a = adjoints_[i];
       if (steps_[k].rounded) {
-        const Step& s = steps_[k];
-        const L most = a.largest();
-        if (const Kernel& kernel = kernel_of(s.op); kernel.in_float > 0) {
-          kernels_float = kernels_float + L(kernel.in_float) * most;
-          kernels_double = kernels_double + L(kernel.in_double) * most;
+        if (is_kernel(steps_[k].op)) {
+          float_sum_.add(a, units_[i], seen_[i]);
+          double_sum_.add(a, in_double_[i], seen_[i]);
         } else {
-          units = units + most * units_[i];
+          units_sum_.add(a, units_[i], seen_[i]);
         }
       }
       backward(k);
@@ -197,16 +195,15 @@ class TracedOutput {
     for (std::size_t k = n; k < first_; ++k) {
       if (!reached_[k]) continue;
       const auto& a = adjoints_[k];
-      kernels_float = kernels_float + a.largest() * L(constants_[k - n].in_float.error());
-      kernels_double = kernels_double + a.largest() * L(constants_[k - n].in_double.error());
+      float_sum_.add(a, L(constants_[k - n].in_float.error()), seen_[k]);
+      double_sum_.add(a, L(constants_[k - n].in_double.error()), seen_[k]);
       endless = endless + abs(a.range.low) + abs(a.range.high) + abs(a.centre) + a.radius;
     }
     const auto bounded = endless < L(1e250);
-    const auto sum = [&](const L& others, double u) {
-      return select(bounded, (units * L(u) + others) * L(1 + 0x1p-40),
-                    L(std::numeric_limits<double>::infinity()));
+    const auto total = [&](const ErrorSum& others, double u) {
+      return select(bounded, largest(units_sum_, u, others, n), L(std::numeric_limits<double>::infinity()));
     };
-    return {sum(kernels_float, unit<float>), sum(kernels_double, unit<double>)};
+    return {total(float_sum_, unit<float>), total(double_sum_, unit<double>)};
   }
 
  private:
@@ -217,26 +214,54 @@ class TracedOutput {
     bool rounded;
     std::int32_t a, b;
   };
+  /// `sum_k |adjoint_k| delta_k`: term by term, and as a form over the inputs, because the terms are not all largest
+  /// at the same place of the box. Where an adjoint changes its sign, a chord is above its magnitude.
+  struct ErrorSum {
+    L plain, centre, rest;
+    std::vector<L> slope;
+
+    void clear(std::size_t n) {
+      plain = centre = rest = L(0.0);
+      slope.assign(n, L(0.0));
+    }
+    void add(const detail::LaneForm<L>& a, const L& delta, std::size_t n) noexcept {
+      const L zero(0.0), one(1.0), low = a.range.low, high = a.range.high;
+      plain = plain + delta * a.largest();
+      const auto positive = low >= zero, negative = high <= zero;
+      const L sign = select(positive, one, select(negative, -one, (high + low) / (high - low)));
+      const L above = select(positive | negative, zero, high * (one - sign) * L(1 + 0x1p-48));
+      centre = centre + delta * (sign * a.centre + above);
+      rest = rest + delta * abs(sign) * a.rest;
+      const L by = delta * sign;
+      for (std::size_t i = 0; i < n; ++i) slope[i] = slope[i] + by * a.slope[i];
+    }
+  };
+  /// The largest of `u` times the one sum plus the other, in the box.
+  static L largest(const ErrorSum& a, double u, const ErrorSum& b, std::size_t n) noexcept {
+    const L plain = L(u) * a.plain + b.plain;
+    L form = L(u) * (a.centre + a.rest) + (b.centre + b.rest);
+    for (std::size_t i = 0; i < n; ++i) form = form + abs(L(u) * a.slope[i] + b.slope[i]);
+    // The sums' own rounding is relative to their terms' magnitudes.
+    return min(plain * L(1 + 0x1p-40), form + plain * L(0x1p-38) + (L(u) * a.rest + b.rest) * L(0x1p-38));
+  }
   template <class R>
   static constexpr double unit = 0.5 * static_cast<double>(std::numeric_limits<R>::epsilon());
   /// What an underflow may lose, in units of the scalar's rounding; the float is the larger.
   static constexpr double eta = static_cast<double>(std::numeric_limits<float>::min()) / unit<double>;
-  struct Kernel {
-    double in_float = 0, in_double = 0;
-  };
-  [[nodiscard]] static Kernel kernel_of(TapeOp op) noexcept {
-    using In = detail::kernel_error<float>;
-    using Id = detail::kernel_error<double>;
-    switch (op) {
-      case TapeOp::sin:
-        return {In::sine, Id::sine};
-      case TapeOp::cos:
-        return {In::cosine, Id::cosine};
-      case TapeOp::tanh:
-        return {In::tanh, Id::tanh};
-      default:
-        return {};
+  [[nodiscard]] static constexpr bool is_kernel(TapeOp op) noexcept {
+    return op == TapeOp::sin || op == TapeOp::cos || op == TapeOp::tanh;
+  }
+  /// `turning_error` in lanes.
+  [[nodiscard]] static L turning(const double (&error)[detail::turning_steps], const E& v) noexcept {
+    const L zero(0.0), high = v.largest();
+    const L low = select((v.low <= zero) & (v.high >= zero), zero, min(abs(v.low), abs(v.high)));
+    L most(0.0);
+    for (std::size_t i = 0; i < detail::turning_steps; ++i) {
+      const auto meets =
+          (low <= L(detail::turning_ends[i + 1] + 0.0005)) & (high >= L(detail::turning_ends[i] - 0.0005));
+      most = max(most, select(meets, L(error[i]), zero));
     }
+    return most;
   }
   struct Fixed {
     Bound<float> in_float;
@@ -354,8 +379,13 @@ class TracedOutput {
     }
     if (!s.rounded) return;
     // The enclosures have room for the program in float; that in double lies within.
-    if (const Kernel kernel = kernel_of(s.op); kernel.in_float > 0) {
-      v.widen(L(kernel.in_float));
+    if (is_kernel(s.op)) {
+      const bool turns = s.op != TapeOp::tanh;
+      using In = detail::kernel_error<float>;
+      using Id = detail::kernel_error<double>;
+      units_[first_ + k] = turns ? turning(In::turning, v.range) : L(In::tanh);
+      in_double_[first_ + k] = turns ? turning(Id::turning, v.range) : L(Id::tanh);
+      v.widen(units_[first_ + k]);
     } else {
       L& units = units_[first_ + k];
       units = power_of_two_below(v.largest()) + L(eta);
@@ -468,7 +498,9 @@ class TracedOutput {
   std::vector<Decision> decisions_;
   std::vector<char> carries_;  // whether an error can come from there
   std::vector<F> values_, adjoints_;
-  std::vector<L> units_, slopes_;
+  ErrorSum units_sum_, float_sum_, double_sum_;
+  std::vector<L> units_, in_double_;  // an operation's own error: in units, or of a kernel
+  std::vector<L> slopes_;
   std::vector<std::size_t> reach_, seen_;
   std::vector<char> reached_;  // whether an adjoint is written
   F product_, sum_;
