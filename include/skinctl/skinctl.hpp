@@ -25,6 +25,8 @@
 #include "skinctl/core/triple.hpp"
 #include "skinctl/core/version.hpp"
 
+#include "skinctl/math/bound.hpp"
+#include "skinctl/math/enclosure.hpp"
 #include "skinctl/math/exact_sum.hpp"
 #include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
@@ -33,6 +35,9 @@
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
+#include "skinctl/math/tape.hpp"
+#include "skinctl/math/traced.hpp"
+#include "skinctl/math/traced_output.hpp"
 
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"
