@@ -14,7 +14,7 @@ build() {
   cmake --build --preset "$preset" -j "$jobs"
 }
 
-install_packages build library tests peers benchmark examples urdf docs
+install_packages build library tests peers benchmark examples dds urdf docs
 phase "build, GCC" build release "-DCMAKE_CXX_FLAGS=${SKINCTL_CXX_FLAGS:-}"
 # Compiled once and run once: line numbers cost an eighth of this build. The preset without this flag has them, to look into a
 # report.
