@@ -3,8 +3,6 @@
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/asio/strand.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -13,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <thread>
 #include <vector>
@@ -190,6 +189,7 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
       reply.set(http::field::sec_websocket_protocol, chosen);
     }));
     stream_.read_message_max(largest_request);
+    stream_.auto_fragment(false);
     stream_.async_accept(r, [self = shared_from_this()](beast::error_code e) {
       if (e) return self->leave();
       self->begin();

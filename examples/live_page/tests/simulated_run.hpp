@@ -1,0 +1,122 @@
+// A UR5 with 260 cells under two pressing hands, streamed to a live view: what the tests of the page look at.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "examples/adapters/live/live_view.hpp"
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/io/skin_export.hpp"
+#include "skinctl/io/skin_file.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/testing/pressing.hpp"
+
+namespace live_page {
+
+/// The tubes of the UR5 as a URDF to look at.
+inline std::string picture_urdf(const std::vector<std::string>& links) {
+  using namespace skinctl;
+  std::string out = "<robot name=\"ur5\">";
+  char text[512];
+  for (std::size_t i = 0; i < links.size() && i < ur5::tubes.size(); ++i) {
+    const auto& t = ur5::tubes[i];
+    const NamedLink& frame = ur5::Ros2Links::named_links[i];
+    const Xyz<double> m = 0.5 * (t.from + t.to) - frame.p, d = t.to - t.from;
+    const double length = std::sqrt(dot(d, d)), yaw = std::atan2(d.y, d.x), pitch = std::acos(d.z / length);
+    std::snprintf(text, sizeof text,
+                  "<link name=\"%s\"><visual><origin xyz=\"%g %g %g\" rpy=\"0 %g %g\"/><geometry><capsule "
+                  "radius=\"%g\" "
+                  "length=\"%g\"/></geometry></visual></link>",
+                  links[i].c_str(), m.x, m.y, m.z, pitch, yaw, t.radius - 0.004, length);
+    out += text;
+  }
+  return out + "</robot>";
+}
+
+inline auto scene() {
+  using namespace skinctl;
+  const auto arm =
+      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
+  return Cycle(arm, ur5_skin<260>({.force = 20}), SkinJointControl{} + GravityControl{});
+}
+using Scene = decltype(scene());
+
+/// Runs the scene at its pace, in the caller's thread, with a robot that follows perfectly.
+class SimulatedRun {
+ public:
+  SimulatedRun() {
+    using namespace skinctl;
+    const SkinFile file = ur5_skin_file<260>({});
+    for (std::size_t i = 0; i < 6; ++i) links_.push_back(ur5::Ros2Links::named_links[i].name);
+    cells_ = std::make_unique<adapters::live::PlacedCells>(file, links_);
+    contacts_ = std::make_unique<adapters::live::ContactPicture>(*cells_, 20, 0.3);
+    layout_ = skin_file_text(file);
+  }
+  [[nodiscard]] skinctl::RunDescription description() const {
+    using namespace skinctl;
+    RunDescription run;
+    for (int i = 0; i < 6; ++i) run.joints.push_back("joint " + std::to_string(i));
+    run.laws = {"skin joint", "gravity"};
+    run.urdf = picture_urdf(links_);
+    run.layout = layout_;
+    run.links = links_;
+    run.places = [base = places_of(ur5::Model{})](const std::vector<double>& q,
+                                                  std::vector<LinkPlace>& places) {
+      base(q, places);
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        const NamedLink& frame = ur5::Ros2Links::named_links[i];
+        places[i] = {places[i].R * frame.R, places[i].p + places[i].R * frame.p};
+      }
+    };
+    run.cells = cells_->cells;
+    run.newtons = 20;
+    return run;
+  }
+  [[nodiscard]] adapters::live::ContactPicture* contacts() noexcept { return contacts_.get(); }
+
+  /// @param pace  of the cycles in real time; 0ns: as fast as possible.
+  void run(std::size_t cycles, std::chrono::nanoseconds pace, skinctl::CycleThread<Scene>& thread,
+           adapters::live::Requests& requests, const std::atomic<bool>& stop) {
+    using namespace skinctl;
+    const Scene cycle = scene();
+    State<6> at{8ms, {0.4, -1.1, 1.2, -1.6, -1.4, 0.0}, {}};
+    auto memory = std::make_unique<Scene::Memory>(cycle.start(at));
+    thread.start(at);
+    const auto places = cell_places(ur5::skin_patches<260>({}));
+    Scene::Input input;
+    Stopwatch watch;
+    auto due = std::chrono::steady_clock::now();
+    for (std::size_t k = 0; k < cycles && !stop; ++k) {
+      const double t = 0.008 * double(k);
+      const std::array<testing::Pressing, 2> hands = {
+          testing::Pressing{places[60].link, places[60].place, places[60].normal, 0.05,
+                            14 * std::max(0.0, std::sin(1.5 * t))},
+          testing::Pressing{places[180].link, places[180].place, places[180].normal, 0.04,
+                            9 * std::max(0.0, std::sin(1.1 * t + 2))}};
+      at.time += 8ms;
+      input.now = at.time;
+      input.measured = at;
+      const auto samples = testing::pushed_samples(testing::pushes(places, hands), 20, at.time);
+      input.samples = samples;
+      input.request = requests.take();
+      const auto out = cycle.step(*memory, input, watch);
+      if (out.command.valid) at.q = out.command.position, at.dq = out.command.velocity;
+      thread(input, out, watch);
+      due += pace;
+      if (pace.count() > 0) std::this_thread::sleep_until(due);
+    }
+  }
+
+ private:
+  std::vector<std::string> links_;
+  std::unique_ptr<adapters::live::PlacedCells> cells_;
+  std::unique_ptr<adapters::live::ContactPicture> contacts_;
+  std::string layout_;
+};
+
+}  // namespace live_page
