@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "skinctl/model/ur5_links.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
@@ -21,7 +22,7 @@ RunDescription description() {
   run.laws = {"reach", "skin", "gravity"};
   run.urdf = "<robot/>";
   run.layout = "{}";
-  for (int i = 1; i <= 6; ++i) run.links.push_back("link" + std::to_string(i));
+  run.frames = frames_of<ur5::Ros2Links>();
   run.places = places_of(ur5::Model{});
   for (std::uint32_t i = 0; i < 60; ++i) run.cells.push_back({i, i / 10, {0.01f * float(i), 0, 0.05f}});
   return run;

@@ -90,6 +90,8 @@ class CycleHandOver {
       cycle(static_cast<const CycleRecord<C>&>(record));
     });
   }
+  /// Share of the ring that is not given back yet; for the loop's thread.
+  [[nodiscard]] double used() const noexcept { return double(ring_.used()) / double(ring_.bytes()); }
   /// Cycles that found no room.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return ring_.dropped(); }
 

@@ -34,12 +34,15 @@ class CycleMessages {
   void take(const CycleRecord<C>& r) noexcept {
     for (const CellSample& s : r.input.samples) static_cast<void>(cloud_.set(s));
   }
-  /// `/tf`: every link in the base, by the measured positions. Empty without names of links.
+  /// `/tf`: every frame in the base, by the measured positions. Empty without frames.
   [[nodiscard]] Bytes tf(const CycleRecord<C>& r) {
     find_places(r);
     std::vector<ros::StampedTransform> all;
-    for (std::size_t i = 0; i < places_.size() && i < run_.links.size(); ++i)
-      all.push_back({r.input.now, run_.base, run_.links[i], places_[i].p, places_[i].R});
+    for (const RunFrame& f : run_.frames) {
+      if (f.link >= places_.size()) continue;
+      const LinkPlace& l = places_[f.link];
+      all.push_back({r.input.now, run_.base, f.name, l.R * f.in_link.p + l.p, l.R * f.in_link.R});
+    }
     return all.empty() ? Bytes() : encoded(ros::Transforms{all});
   }
   /// `/skin/cells` as of this cycle; lies in this object until the next call. Empty without cells.

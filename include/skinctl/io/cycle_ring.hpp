@@ -81,6 +81,10 @@ class CycleRing {
   }
   /// Records that found no room. Any thread.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+  /// Producer: bytes that the consumer has not given back yet.
+  [[nodiscard]] std::size_t used() const noexcept {
+    return static_cast<std::size_t>(head_ - tail_.load(std::memory_order_acquire));
+  }
   [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(Word); }
 
  private:

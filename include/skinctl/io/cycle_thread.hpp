@@ -51,6 +51,10 @@ class CycleThread {
                   const Watch& watch) noexcept {
     hand_over_(input, out, watch);
   }
+  /// For a simulation that runs faster than its time, never for a robot: waits until there is room.
+  void wait() const {
+    while (hand_over_.used() > 0.5) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   /// After the loop: what is still in the ring is handed out, the thread ends.
   void finish() {
     ending_.store(true, std::memory_order_release);

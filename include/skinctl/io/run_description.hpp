@@ -7,6 +7,7 @@
 
 #include "skinctl/io/skin_cloud.hpp"
 #include "skinctl/kinematics/poses.hpp"
+#include "skinctl/model/named_links.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -16,6 +17,13 @@ struct LinkPlace {
   Xyz<double> p{0, 0, 0};
 };
 
+/// A frame of `/tf`: a named link, where it is in the model's link that carries it.
+struct RunFrame {
+  std::string name;
+  std::size_t link = 0;  ///< an index into the places
+  LinkPlace in_link{};
+};
+
 /// A run in words and places, the same for a file, a stream and DDS. Only the joints are needed.
 struct RunDescription {
   std::vector<std::string> joints;  ///< names, one for each joint
@@ -23,13 +31,22 @@ struct RunDescription {
   std::string urdf;                 ///< `/robot_description`; empty: none is sent
   std::string layout;               ///< `/skin/layout`, a skin file in JSON; empty: none is sent
   std::string base = "base_link";
-  std::vector<std::string> links;  ///< names of the frames in `/tf`, one for each link; empty: none is sent
+  std::vector<RunFrame> frames;  ///< of `/tf`; empty: none is sent
   /// The places of all links at these joint positions; see `places_of`.
   std::function<void(const std::vector<double>& q, std::vector<LinkPlace>& places)> places;
   std::vector<SkinCloud::Cell> cells;  ///< of `/skin/cells`; a cell's link is an index into the places
   float newtons = 1;                   ///< of a sum of readings of 1
   Nanoseconds max_age = 100ms;         ///< older cells are marked as stale
 };
+
+/// The links of `D` that move, as frames.
+template <NamesLinks D>
+[[nodiscard]] std::vector<RunFrame> frames_of() {
+  std::vector<RunFrame> out;
+  for (const NamedLink& l : D::named_links)
+    if (l.link >= 0) out.push_back({l.name, static_cast<std::size_t>(l.link), {l.R, l.p}});
+  return out;
+}
 
 /// The places of a model's links, for `RunDescription::places`. The model is copied.
 template <RobotModel M>

@@ -182,11 +182,12 @@ struct Summary {
         o.push_back(static_cast<unsigned char>(g[0]));
         put(o, g[1]), put(o, g[2]);
       });
-    record(out, Op::footer, [&](Bytes& o) {
-      put(o, end + from);
-      put(o, end + offsets);
-      put(o, crc32(View(o).subspan(from)));
-    });
+    // The CRC is over the footer as well, its length included.
+    out.push_back(static_cast<unsigned char>(Op::footer));
+    put(out, std::uint64_t(8 + 8 + 4));
+    put(out, end + from);
+    put(out, end + offsets);
+    put(out, crc32(View(out).subspan(from)));
     put(out, View(magic));
     return out;
   }
