@@ -4,8 +4,8 @@
 #include <atomic>
 #include <optional>
 
+#include "examples/adapters/live/contact_picture.hpp"
 #include "examples/adapters/live/foxglove_server.hpp"
-#include "examples/adapters/live/skin_view.hpp"
 #include "skinctl/io/cycle_messages.hpp"
 #include "skinctl/io/cycle_thread.hpp"
 

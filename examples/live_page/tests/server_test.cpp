@@ -322,8 +322,9 @@ TEST_CASE("FoxgloveServer: nonsense is answered or ends that client only, and th
   CHECK(bad->text("serviceCallFailure")["message"] == "no such service");
   CHECK(s.stops == 0);
   REQUIRE(bad->frame(1, "{\"op\":\"\xff\xfe\"}"));  // no UTF-8: RFC 6455 ends the connection
-  const auto closed = bad->next();
-  CHECK((closed && closed->op == 8));
+  auto last = bad->next();
+  while (last && last->op != 8) last = bad->next();
+  CHECK(last.has_value());
   bad->stream.close();
   CHECK(s.until([&] { return s.server->statistics().clients == 1; }));
   // Frames that are none, a message too long, half a request, random bytes.

@@ -51,29 +51,26 @@ class SimulatedRun {
  public:
   SimulatedRun() {
     using namespace skinctl;
-    const SkinFile file = ur5_skin_file<260>({});
-    for (std::size_t i = 0; i < 6; ++i) links_.push_back(ur5::Ros2Links::named_links[i].name);
-    cells_ = std::make_unique<adapters::live::PlacedCells>(file, links_);
-    contacts_ = std::make_unique<adapters::live::ContactPicture>(*cells_, 20, 0.3);
-    layout_ = skin_file_text(file);
+    std::vector<std::uint32_t> ids;
+    for (std::uint32_t id = 1; id <= 260; ++id) ids.push_back(id);
+    contacts_ = std::make_unique<adapters::live::ContactPicture>(places_, ids, 20, 0.3);
   }
   [[nodiscard]] skinctl::RunDescription description() const {
     using namespace skinctl;
     RunDescription run;
     for (int i = 0; i < 6; ++i) run.joints.push_back("joint " + std::to_string(i));
     run.laws = {"skin joint", "gravity"};
-    run.urdf = picture_urdf(links_);
-    run.layout = layout_;
-    run.links = links_;
-    run.places = [base = places_of(ur5::Model{})](const std::vector<double>& q,
-                                                  std::vector<LinkPlace>& places) {
-      base(q, places);
-      for (std::size_t i = 0; i < places.size(); ++i) {
-        const NamedLink& frame = ur5::Ros2Links::named_links[i];
-        places[i] = {places[i].R * frame.R, places[i].p + places[i].R * frame.p};
-      }
-    };
-    run.cells = cells_->cells;
+    run.frames = frames_of<ur5::Ros2Links>();
+    run.places = places_of(ur5::Model{});
+    run.urdf = picture_urdf(
+        {"shoulder_link", "upper_arm_link", "forearm_link", "wrist_1_link", "wrist_2_link", "wrist_3_link"});
+    run.layout = skin_file_text(ur5_skin_file<260>({}));
+    for (std::uint32_t i = 0; i < 260; ++i) {
+      const auto& p = places_[i].place;
+      run.cells.push_back({i + 1,
+                           static_cast<std::uint32_t>(places_[i].link),
+                           {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}});
+    }
     run.newtons = 20;
     return run;
   }
@@ -87,21 +84,20 @@ class SimulatedRun {
     State<6> at{8ms, {0.4, -1.1, 1.2, -1.6, -1.4, 0.0}, {}};
     auto memory = std::make_unique<Scene::Memory>(cycle.start(at));
     thread.start(at);
-    const auto places = cell_places(ur5::skin_patches<260>({}));
     Scene::Input input;
     Stopwatch watch;
     auto due = std::chrono::steady_clock::now();
     for (std::size_t k = 0; k < cycles && !stop; ++k) {
       const double t = 0.008 * double(k);
       const std::array<testing::Pressing, 2> hands = {
-          testing::Pressing{places[60].link, places[60].place, places[60].normal, 0.05,
+          testing::Pressing{places_[60].link, places_[60].place, places_[60].normal, 0.05,
                             14 * std::max(0.0, std::sin(1.5 * t))},
-          testing::Pressing{places[180].link, places[180].place, places[180].normal, 0.04,
+          testing::Pressing{places_[180].link, places_[180].place, places_[180].normal, 0.04,
                             9 * std::max(0.0, std::sin(1.1 * t + 2))}};
       at.time += 8ms;
       input.now = at.time;
       input.measured = at;
-      const auto samples = testing::pushed_samples(testing::pushes(places, hands), 20, at.time);
+      const auto samples = testing::pushed_samples(testing::pushes(places_, hands), 20, at.time);
       input.samples = samples;
       input.request = requests.take();
       const auto out = cycle.step(*memory, input, watch);
@@ -113,10 +109,8 @@ class SimulatedRun {
   }
 
  private:
-  std::vector<std::string> links_;
-  std::unique_ptr<adapters::live::PlacedCells> cells_;
+  std::vector<skinctl::CellPlace> places_ = skinctl::cell_places(skinctl::ur5::skin_patches<260>({}));
   std::unique_ptr<adapters::live::ContactPicture> contacts_;
-  std::string layout_;
 };
 
 }  // namespace live_page
