@@ -25,13 +25,19 @@
 #include "skinctl/core/triple.hpp"
 #include "skinctl/core/version.hpp"
 
+#include "skinctl/math/bound.hpp"
+#include "skinctl/math/enclosure.hpp"
 #include "skinctl/math/exact_sum.hpp"
+#include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/math/policy.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
+#include "skinctl/math/tape.hpp"
+#include "skinctl/math/traced.hpp"
+#include "skinctl/math/traced_output.hpp"
 
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"
@@ -87,6 +93,7 @@
 
 #include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/robot/preset.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
@@ -181,6 +188,7 @@
 #include "skinctl/control/clearance_control.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/friction_control.hpp"
+#include "skinctl/control/grasp_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
@@ -249,6 +257,7 @@
 
 #include "skinctl/skills/behaviours.hpp"
 #include "skinctl/skills/library.hpp"
+#include "skinctl/skills/one_gripper.hpp"
 #include "skinctl/skills/skill.hpp"
 #include "skinctl/skills/skill_request.hpp"
 #include "skinctl/skills/skill_set.hpp"

@@ -151,7 +151,7 @@ class Recording {
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
     const auto [order, input_kind, joints, scalar, goal] = Format::kind();
-    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', "3XNDEyne"[input_kind]}) w.put(c);
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', "3XNDEyneGhijklmo"[input_kind]}) w.put(c);
     for (const std::uint32_t number : {order, joints, scalar, goal}) w.put(number);
     w.put(cycles);
     return w.bytes();
