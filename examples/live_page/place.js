@@ -1,7 +1,7 @@
 // The placing page: a patch of cells is dragged onto a link by hand, snapped to its tube, and saved as a skin file.
 import {decode} from './cdr.js';
-import {RobotView, shapesOf} from './robot.js';
-import {compose, inverse, minus, multiply, plus, rotate, size, times} from './skin.js';
+import {onKnown, RobotView, shapesOf} from './robot.js';
+import {compose, inverse, minus, multiply, plus, rotate, size} from './skin.js';
 import {Stream} from './stream.js';
 import {asPatch, capsules, hexagons, lay, nearest} from './surface.js';
 
@@ -54,14 +54,15 @@ function show() {
 function feed(topic, type, time, bytes) {
   const value = decode(type, bytes);
   if (topic === '/robot_description') {
-    place.tubes = capsules(shapesOf(value));
+    place.shapes = shapesOf(value);
     if (place.view) place.view.robot(value); else place.urdf = value;
   } else if (topic === '/skin/layout') {
     place.layout = JSON.parse(value);
     const last = Math.max(0, ...place.layout.patches.flatMap(p => p.cells.map(c => c.id)));
     if (!place.known) $('first').value = last + 1, place.known = true;
-  } else if (topic === '/tf' && place.frames.size === 0) {  // the robot of the page stands still
+  } else if (topic === '/tf' && place.frames.size === 0 && place.shapes) {  // the robot of the page stands still
     for (const f of value) place.frames.set(f.child, {p: f.p, q: f.q});
+    place.tubes = capsules(onKnown(place.shapes, place.frames));
     $('link').textContent = `${place.tubes.size} links`, $('link').className = 'chip good';
     snap();
   }

@@ -1,22 +1,38 @@
 // The robot in three dimensions: links, cells as one mesh coloured from one texture, contacts as arrows.
-import {cellsOf, rotate} from './skin.js';
+import {cellsOf, compose, inverse, multiply, rotate} from './skin.js';
 
 const numbers = (text, otherwise) => (text || otherwise).trim().split(/\s+/).map(Number);
 
-/// The shapes of a URDF: [{link, kind, size, p, rpy}].
+const turned = ([roll, pitch, yaw]) => {
+  const h = [roll, pitch, yaw].map(a => [Math.sin(a / 2), Math.cos(a / 2)]);
+  return multiply([0, 0, h[2][0], h[2][1]], multiply([0, h[1][0], 0, h[1][1]], [h[0][0], 0, 0, h[0][1]]));
+};
+const poseOf = e => ({p: numbers(e && e.getAttribute('xyz'), '0 0 0'), q: turned(numbers(e && e.getAttribute('rpy'), '0 0 0'))});
+
+/// The shapes of a URDF: {shapes: [{link, kind, size, X}], fixed: [{parent, child, X}]}.
 export function shapesOf(urdf) {
-  const out = [], tree = new DOMParser().parseFromString(urdf, 'text/xml');
+  const shapes = [], fixed = [], tree = new DOMParser().parseFromString(urdf, 'text/xml');
   for (const link of tree.querySelectorAll('robot > link'))
     for (const visual of link.querySelectorAll(':scope > visual')) {
-      const origin = visual.querySelector('origin'), shape = visual.querySelector('geometry > *');
+      const shape = visual.querySelector('geometry > *');
       if (!shape) continue;
       const get = name => Number(shape.getAttribute(name));
       const size = {cylinder: () => [get('radius'), get('length')], capsule: () => [get('radius'), get('length')],
         sphere: () => [get('radius'), 0], box: () => numbers(shape.getAttribute('size'), '0 0 0')}[shape.tagName];
-      if (size) out.push({link: link.getAttribute('name'), kind: shape.tagName, size: size(),
-        p: numbers(origin && origin.getAttribute('xyz'), '0 0 0'), rpy: numbers(origin && origin.getAttribute('rpy'), '0 0 0')});
+      if (size) shapes.push({link: link.getAttribute('name'), kind: shape.tagName, size: size(), X: poseOf(visual.querySelector('origin'))});
     }
-  return out;
+  for (const joint of tree.querySelectorAll('robot > joint[type=fixed]'))
+    fixed.push({parent: joint.querySelector('parent').getAttribute('link'), child: joint.querySelector('child').getAttribute('link'),
+      X: poseOf(joint.querySelector('origin'))});
+  return {shapes, fixed};
+}
+/// The shapes on links that frames are known of: one on another link is told in a known link that is fixed to it.
+export function onKnown({shapes, fixed}, known) {
+  return shapes.flatMap(s => {
+    if (known.has(s.link)) return [s];
+    const f = fixed.find(j => j.parent === s.link && known.has(j.child));
+    return f ? [{...s, link: f.child, X: compose(inverse(f.X), s.X)}] : [];
+  });
 }
 
 export class RobotView {
@@ -59,11 +75,13 @@ export class RobotView {
     if (!g) this.shapes.set(link, g = new this.THREE.Group()), this.scene.add(g);
     return g;
   }
-  robot(urdf) {
+  /// Its links are drawn once their frames are known.
+  robot(urdf) { this.urdf = shapesOf(urdf); }
+  dress(known) {
     const T = this.THREE, material = new T.MeshLambertMaterial({color: 0x9aa3ad});
-    for (const s of shapesOf(urdf)) {
+    for (const s of onKnown(this.urdf, known)) {
       const body = new T.Group();
-      const add = (geometry, y = 0) => { const m = new T.Mesh(geometry, material); m.position.y = y; body.add(m); };
+      const add = geometry => body.add(new T.Mesh(geometry, material));
       if (s.kind === 'box') add(new T.BoxGeometry(...s.size));
       else if (s.kind === 'sphere') add(new T.SphereGeometry(s.size[0], 24, 16));
       else {
@@ -74,12 +92,10 @@ export class RobotView {
         tube.rotation.x = Math.PI / 2;
         body.add(tube);
       }
-      const [roll, pitch, yaw] = s.rpy;
-      body.position.set(...s.p);
-      body.rotation.set(roll, pitch, yaw, 'ZYX');
+      body.position.set(...s.X.p), body.quaternion.set(...s.X.q);
       this.group(s.link).add(body);
     }
-    this.moved = true;
+    this.urdf = null;
   }
   layout(skin) {
     const T = this.THREE;
@@ -134,6 +150,7 @@ export class RobotView {
   }
   tf(list) {
     const T = this.THREE;
+    if (this.urdf) this.dress(new Set(list.map(f => f.child)));
     for (const f of list) {
       const m = this.frames.get(f.child) || this.frames.set(f.child, new T.Matrix4()).get(f.child);
       m.compose(new T.Vector3(...f.p), new T.Quaternion(...f.q), new T.Vector3(1, 1, 1));

@@ -52,15 +52,13 @@ export function hexagons(rows, columns, pitch, first) {
       out.push({id: first + out.length, x: pitch * (c - (columns - 1) / 2 + (r % 2 ? 0.5 : 0)), y: pitch * 0.8660254037844386 * (r - (rows - 1) / 2)});
   return out;
 }
-/// The links' tubes of a URDF's shapes (see robot.js): the longest of each, as {from, to, radius} in the link.
+/// The links' tubes of shapes (see robot.js): the longest of each, as {from, to, radius} in the link.
 export function capsules(shapes) {
   const out = new Map();
   for (const s of shapes) {
     if (s.kind !== 'cylinder' && s.kind !== 'capsule') continue;
-    const [radius, length] = s.size, [roll, pitch, yaw] = s.rpy, h = [roll, pitch, yaw].map(a => [Math.sin(a / 2), Math.cos(a / 2)]);
-    const q = multiply([0, 0, h[2][0], h[2][1]], multiply([0, h[1][0], 0, h[1][1]], [h[0][0], 0, 0, h[0][1]]));
-    const half = rotate(q, [0, 0, length / 2]), known = out.get(s.link);
-    const tube = {from: minus(s.p, half), to: plus(s.p, half), radius};
+    const [radius, length] = s.size, half = rotate(s.X.q, [0, 0, length / 2]), known = out.get(s.link);
+    const tube = {from: minus(s.X.p, half), to: plus(s.X.p, half), radius};
     if (!known || size(minus(known.to, known.from)) < length) out.set(s.link, tube);
   }
   return out;

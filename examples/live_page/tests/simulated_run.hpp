@@ -13,30 +13,11 @@
 #include "skinctl/hardware/stopwatch.hpp"
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
+#include "skinctl/io/urdf_writer.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/pressing.hpp"
 
 namespace live_page {
-
-/// The tubes of the UR5 as a URDF to look at.
-inline std::string picture_urdf(const std::vector<std::string>& links) {
-  using namespace skinctl;
-  std::string out = "<robot name=\"ur5\">";
-  char text[512];
-  for (std::size_t i = 0; i < links.size() && i < ur5::tubes.size(); ++i) {
-    const auto& t = ur5::tubes[i];
-    const NamedLink& frame = ur5::Ros2Links::named_links[i];
-    const Xyz<double> m = 0.5 * (t.from + t.to) - frame.p, d = t.to - t.from;
-    const double length = std::sqrt(dot(d, d)), yaw = std::atan2(d.y, d.x), pitch = std::acos(d.z / length);
-    std::snprintf(text, sizeof text,
-                  "<link name=\"%s\"><visual><origin xyz=\"%g %g %g\" rpy=\"0 %g %g\"/><geometry><capsule "
-                  "radius=\"%g\" "
-                  "length=\"%g\"/></geometry></visual></link>",
-                  links[i].c_str(), m.x, m.y, m.z, pitch, yaw, t.radius - 0.004, length);
-    out += text;
-  }
-  return out + "</robot>";
-}
 
 inline auto scene() {
   using namespace skinctl;
@@ -62,8 +43,11 @@ class SimulatedRun {
     run.laws = {"skin joint", "gravity"};
     run.frames = frames_of<ur5::Ros2Links>();
     run.places = places_of(ur5::Model{});
-    run.urdf = picture_urdf(
-        {"shoulder_link", "upper_arm_link", "forearm_link", "wrist_1_link", "wrist_2_link", "wrist_3_link"});
+    UrdfDress dress{.name = "ur5"};
+    for (std::size_t i = 0; i < 6; ++i)
+      dress.capsules.push_back({i, {ur5::tubes[i].from, ur5::tubes[i].to, ur5::tubes[i].radius}});
+    dress.named_links.assign(ur5::Ros2Links::named_links.begin(), ur5::Ros2Links::named_links.end());
+    run.urdf = urdf_text(ur5::Model{}, dress);
     run.layout = skin_file_text(ur5_skin_file<260>({}));
     for (std::uint32_t i = 0; i < 260; ++i) {
       const auto& p = places_[i].place;
