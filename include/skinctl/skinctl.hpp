@@ -146,6 +146,7 @@
 #include "skinctl/tactile/trusted_skin.hpp"
 #include "skinctl/tactile/unit_wrenches.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/tactile/weighted_skin.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
 
 #include "skinctl/trajectory/gain_schedule.hpp"

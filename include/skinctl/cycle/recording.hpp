@@ -212,6 +212,7 @@ class Recording {
     }
     if constexpr (has_motors) write(input.sensed.motor_torque);
     if constexpr (has_gripper) write(input.gripper);
+    if constexpr (has_weights) write(input.sensed.patch_weights);
     write(command);
     ++cycles_;
   }
@@ -272,6 +273,7 @@ class Recording {
 
  private:
   static constexpr bool has_gripper = requires { requires C::has_gripper; };
+  static constexpr bool has_weights = requires(const Input& input) { input.sensed.patch_weights; };
   static constexpr bool configured = requires(const Input& input) { input.configuration; };
   static constexpr bool has_wrenches = requires(const Input& input) { input.sensed.wrenches; };
   static constexpr bool has_motors = requires(const Input& input) { input.sensed.motor_torque; };
@@ -336,6 +338,7 @@ class Recording {
     }
     if constexpr (has_motors) read(reader, input.sensed.motor_torque);
     if constexpr (has_gripper) read(reader, input.gripper);
+    if constexpr (has_weights) read(reader, input.sensed.patch_weights);
     read(reader, command);
   }
   void check(const std::string& path) const {
@@ -351,12 +354,13 @@ class Recording {
     if (seen != cycles_ || reader.short_of_bytes() || reader.left() != 0)
       SKINCTL_THROW("skinctl: the recording " + path + " is damaged or cut short");
   }
-  /// Magic (its last letter: with or without configurations, wrenches, motor torques and a gripper), byte order, sizes
+  /// Magic (its last letter: with or without configurations, wrenches, motor torques, a gripper and weights of patches), byte order, sizes
   /// that must agree, number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    constexpr char kind = "3XNDEyneGhijklmo"[(has_gripper ? 8 : 0) + (configured ? 4 : 0) +
-                                             (has_motors ? 2 : 0) + (has_wrenches ? 1 : 0)];
+    constexpr char kind = "3XNDEyneGhijklmo4YOFAzpqHIJKLMPQ"[(has_weights ? 16 : 0) + (has_gripper ? 8 : 0) +
+                                                             (configured ? 4 : 0) + (has_motors ? 2 : 0) +
+                                                             (has_wrenches ? 1 : 0)];
     for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', kind}) w.put(c);
     w.put(std::uint32_t(0x01020304));
     w.put(static_cast<std::uint32_t>(C::joints));
