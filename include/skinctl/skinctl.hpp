@@ -187,6 +187,7 @@
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/joint_limits.hpp"
+#include "skinctl/control/on_joints.hpp"
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/posture.hpp"
 #include "skinctl/control/reactive_control.hpp"

@@ -84,7 +84,7 @@ class LearningLaw : public Composable {
   }
   template <class K, class G>
   [[nodiscard]] auto distance(const K& known, const G& goal) const noexcept
-    requires requires { law_.distance(known, goal); }
+    requires requires(const L& law) { law.distance(known, goal); }
   {
     return law_.distance(known, goal);
   }
