@@ -25,13 +25,19 @@
 #include "skinctl/core/triple.hpp"
 #include "skinctl/core/version.hpp"
 
+#include "skinctl/math/bound.hpp"
+#include "skinctl/math/enclosure.hpp"
 #include "skinctl/math/exact_sum.hpp"
+#include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/math/policy.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
+#include "skinctl/math/tape.hpp"
+#include "skinctl/math/traced.hpp"
+#include "skinctl/math/traced_output.hpp"
 
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"
@@ -87,6 +93,7 @@
 
 #include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/robot/preset.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
@@ -241,6 +248,8 @@
 
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/cycle_bytes.hpp"
+#include "skinctl/cycle/each_number.hpp"
 #include "skinctl/cycle/groups.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
