@@ -56,7 +56,8 @@ class OnJoints : public detail::LearningLaw<OnJoints<Set, L>, L, detail::Nothing
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
     using Space = std::remove_cvref_t<decltype(this->law().space())>;
-    return !memory.law.held && Space::stands(this->law().reference(memory.law)) &&
+    return !this->law().status(memory.law).has(Reason::opposed) &&
+           Space::stands(this->law().reference(memory.law)) &&
            detail::slower(Driven::of(known.dq()), still) &&
            detail::slower(Driven::of(this->now(memory, known).dq_r), still);
   }
