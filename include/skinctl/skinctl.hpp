@@ -25,6 +25,8 @@
 #include "skinctl/core/triple.hpp"
 #include "skinctl/core/version.hpp"
 
+#include "skinctl/math/bound.hpp"
+#include "skinctl/math/enclosure.hpp"
 #include "skinctl/math/exact_sum.hpp"
 #include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
@@ -33,6 +35,9 @@
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
+#include "skinctl/math/tape.hpp"
+#include "skinctl/math/traced.hpp"
+#include "skinctl/math/traced_output.hpp"
 
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"
@@ -183,6 +188,7 @@
 #include "skinctl/control/clearance_control.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/friction_control.hpp"
+#include "skinctl/control/grasp_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
@@ -240,6 +246,9 @@
 
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/cycle_bytes.hpp"
+#include "skinctl/cycle/each_number.hpp"
+#include "skinctl/cycle/groups.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/recording.hpp"
@@ -248,6 +257,7 @@
 
 #include "skinctl/skills/behaviours.hpp"
 #include "skinctl/skills/library.hpp"
+#include "skinctl/skills/one_gripper.hpp"
 #include "skinctl/skills/skill.hpp"
 #include "skinctl/skills/skill_request.hpp"
 #include "skinctl/skills/skill_set.hpp"
