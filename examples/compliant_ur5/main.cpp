@@ -71,6 +71,8 @@ int run(int argc, char** argv) {
                "readings count as they come: nothing is masked, no rest level is followed");
   app.add_option("--cycles", s.cycles, "end after so many cycles (0: as long as the scenario lasts)");
   app.add_option("--rate", s.rate, "cycles a second")->check(CLI::IsMember({125.0, 500.0}));
+  app.add_option("--preset", s.preset, "speed against accuracy: sub-steps and messages of the simulated skin")
+      ->check(CLI::IsMember({"balanced", "fast"}));
   app.add_option("--interface", interface, "what is commanded")
       ->check(CLI::IsMember({"position", "velocity"}));
   app.add_option("--speed", s.speed, "of the simulation: 0 as fast as possible, in step; 1 real time")

@@ -54,6 +54,8 @@ struct Settings {
   std::string skin_key;                    ///< file with the key of authenticated skin datagrams; empty: none
   std::uint64_t cycles = 0;                ///< 0: as long as the scenario lasts
   double rate = 125;
+  std::string preset =
+      "balanced";    ///< or "fast": `skinctl::preset`; here in double, as the robot's states are
   double speed = 0;  ///< of the simulation: 0: lock-step, 1: real time
   skinctl::Interface interface = skinctl::Interface::position;
   std::string touch_profile;     ///< CSV that replaces the scenario's touches
