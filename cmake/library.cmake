@@ -17,3 +17,12 @@ target_sources(skinctl
 set_target_properties(skinctl PROPERTIES
   VERIFY_INTERFACE_HEADER_SETS ${PROJECT_IS_TOP_LEVEL}
   INTERFACE_HEADER_SETS_TO_VERIFY HEADERS)
+
+# The same bits at every level of optimisation, on every instruction set, from GCC and Clang: no fused multiplication and addition.
+# The definition enters the library's inline namespace, so that files built with and without it do not meet.
+add_library(skinctl_exact INTERFACE)
+add_library(skinctl::exact ALIAS skinctl_exact)
+set_target_properties(skinctl_exact PROPERTIES EXPORT_NAME exact)
+target_link_libraries(skinctl_exact INTERFACE skinctl)
+target_compile_options(skinctl_exact INTERFACE -ffp-contract=off)
+target_compile_definitions(skinctl_exact INTERFACE SKINCTL_NO_CONTRACT)
