@@ -129,6 +129,8 @@ void check(const std::vector<Case>& cases, std::size_t together = skinctl::testi
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("main job: a robot that is halted by others ends it with words and code 5") {
   check({
       {"paused at the panel", [](Run& r) { r.beside.robot->call([](auto& c) { c.pause(); }); }, 5, 1000,
@@ -208,3 +210,5 @@ TEST_CASE(
       },
       2);
 }
+
+TEST_SUITE_END();
