@@ -94,6 +94,7 @@ class SkinCheck {
     const double shift = full.norm();
     full.diagonal().array() += shift;
     const Eigen::JacobiSVD<Eigen::Matrix<double, 6, 6>, Eigen::NoQRPreconditioner> solver(full);
+    if (solver.info() != Eigen::Success) fail("covariance: no finite numbers");
     const double least = solver.singularValues().minCoeff() - shift;
     const double most = solver.singularValues().maxCoeff() - shift;
     if (!(least >= -1e-9 * std::max(most, 0.0)))
