@@ -78,8 +78,8 @@ int run(int argc, char** argv) {
   app.add_flag("--rigid", s.rigid, "the skin does not act: what a stiff arm does to the finger");
   app.add_flag("!--no-compare", s.compare, "do not run the scenario rigid as well");
   app.add_flag("--quiet", s.quiet, "print errors only");
-  app.add_option("--record", s.record, "write every input and command to a file");
-  app.add_option("--replay", s.replay, "run a recording again and compare every command")
+  app.add_option("--record", s.record, "write the run to an MCAP file: it replays, and viewers show it");
+  app.add_option("--replay", s.replay, "run a recorded file again and compare every command")
       ->check(CLI::ExistingFile);
   app.add_option("--report", s.report, "HTML report with plots (empty: none)");
   app.add_option("--json", s.json, "summary as JSON");

@@ -238,6 +238,8 @@
 
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/cycle_bytes.hpp"
+#include "skinctl/cycle/each_number.hpp"
 #include "skinctl/cycle/groups.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"

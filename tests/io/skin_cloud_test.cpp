@@ -135,6 +135,20 @@ TEST_CASE("SkinCloud: what cannot be is refused at construction") {
   CHECK(SkinCloud(Cells{}).encode(1s).size() == 397);
 }
 
+TEST_CASE("SkinCloud: small ids, with holes among them, find their cells, and others none") {
+  std::vector<SkinCloud::Cell> some;
+  for (std::uint32_t i = 0; i < 40; ++i) some.push_back({3 * i + 5, 0, {}});
+  SkinCloud cloud(some);
+  for (std::uint32_t id = 0; id < 3000; ++id)
+    CHECK(cloud.set(sample(id, 1s)) == (id >= 5 && id <= 122 && (id - 5) % 3 == 0));
+  CHECK_FALSE(cloud.set(sample(0xffffffff, 1s)));
+  const auto p = taken_apart(cloud.encode(1s), 1s);
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    CHECK(p.at<std::uint32_t>(i, "cell") == 3 * i + 5);
+    CHECK(p.at<std::uint32_t>(i, "status") == 0);
+  }
+}
+
 TEST_CASE("SkinCloudReader: the samples come out as they went in, each once") {
   SkinCloud cloud(cells(300));
   SkinCloudReader reader(300);

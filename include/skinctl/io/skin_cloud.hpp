@@ -90,7 +90,8 @@ class SkinCloud {
   bool mask(std::uint32_t id, bool masked) noexcept {
     const std::size_t i = index(id);
     if (i == none) return false;
-    masked_[i] = masked ? std::uint32_t(SkinPoint::masked) : 0u;
+    SkinPoint& point = points()[i];
+    point.status = (point.status & SkinPoint::stale) | (masked ? std::uint32_t(SkinPoint::masked) : 0u);
     return true;
   }
   /// The link `link` has its axes and its origin there in the base [m]; links without cells are ignored.
@@ -114,7 +115,8 @@ class SkinCloud {
     for (std::size_t i = 0; i < times_.size(); ++i) {
       const std::int64_t age = std::clamp(at - times_[i], -most, most);
       points[i].age = static_cast<std::int32_t>(age);
-      points[i].status = masked_[i] | (age > limit ? std::uint32_t(SkinPoint::stale) : 0u);
+      points[i].status =
+          (points[i].status & SkinPoint::masked) | (age > limit ? std::uint32_t(SkinPoint::stale) : 0u);
     }
     return bytes();
   }
@@ -132,6 +134,11 @@ class SkinCloud {
   /// A time whose difference from another one does not overflow: 73 years on either side.
   static std::int64_t held(Nanoseconds t) noexcept { return std::clamp(t.count(), never, -never); }
   SKINCTL_INLINE std::size_t index(std::uint32_t id) const noexcept {
+    if (id < direct_.size()) [[likely]]
+      return direct_[id] == free_slot ? none : direct_[id];
+    return direct_.empty() ? hashed(id) : none;
+  }
+  std::size_t hashed(std::uint32_t id) const noexcept {
     for (std::size_t k = id * 0x9e3779b1u >> shift_;; k = (k + 1) & (slots_.size() - 1)) {
       const Slot slot = slots_[k];  // half of the slots are free: it ends
       if (slot.index == free_slot) return none;
@@ -149,8 +156,8 @@ class SkinCloud {
   Options options_;
   std::vector<std::array<float, 3>> homes_;
   std::vector<std::int64_t> times_;
-  std::vector<std::uint32_t> masked_;
   std::vector<Range> links_;
+  std::vector<std::uint32_t> direct_;  // the place of each id, if ids are small; else `slots_`
   std::vector<Slot> slots_;
   unsigned shift_ = 31;
   std::vector<Line> lines_;      // the message; every point has a cache line of its own

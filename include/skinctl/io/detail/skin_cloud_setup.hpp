@@ -20,7 +20,7 @@ SKINCTL_COLD inline SkinCloud::SkinCloud(const std::vector<Cell>& cells, const O
   std::vector<SkinPoint> points(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Cell& c = cells[i];
-    require(index(c.id) == none, "SkinCloud: id of a cell", double(c.id), "given once");
+    require(hashed(c.id) == none, "SkinCloud: id of a cell", double(c.id), "given once");
     require(c.link < most_cells, "SkinCloud: link of a cell", double(c.link), "0 to 2^20 - 1");
     const float sum = c.position[0] + c.position[1] + c.position[2];
     require(std::isfinite(sum), "SkinCloud: place of a cell", double(sum), "finite m");
@@ -36,8 +36,13 @@ SKINCTL_COLD inline SkinCloud::SkinCloud(const std::vector<Cell>& cells, const O
     points[i].position = c.position;
     homes_.push_back(c.position);
   }
+  std::uint32_t highest = 0;
+  for (const Cell& c : cells) highest = std::max(highest, c.id);
+  if (highest < 8 * cells.size() + 1024) {
+    direct_.assign(highest + 1, free_slot);
+    for (std::size_t i = 0; i < cells.size(); ++i) direct_[cells[i].id] = static_cast<std::uint32_t>(i);
+  }
   times_.assign(cells.size(), never);
-  masked_.assign(cells.size(), 0);
 
   const std::span<const unsigned char> as_bytes(reinterpret_cast<const unsigned char*>(points.data()),
                                                 points.size() * sizeof(SkinPoint));
