@@ -38,6 +38,12 @@ std::vector<Point> study_points() {
   add("readings", "8 bits", {.event = 0, .bits = 8}, with<Skin>());
   add("unit wrenches", "float: 6e-8", {.event = 0, .gain = 1 + 6e-8}, with<Skin>());
   add("unit wrenches", "16 bits: 1.5e-5", {.event = 0, .gain = 1 + 1.53e-5}, with<Skin>());
+  const auto sign = [&](const char* value, const auto& make) {
+    points.push_back(
+        {.scene = "UR5", .policy = "sign", .value = value, .choices = {.event = 0}, .make = make});
+  };
+  sign("saturation", [](const Choices& c) { return bare_arm<double, SaturationSign>(c); });
+  sign("implicit", [](const Choices& c) { return bare_arm<double, ImplicitSign>(c); });
   return points;
 }
 

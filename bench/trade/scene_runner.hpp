@@ -5,34 +5,11 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "bench/support/cold.hpp"
 #include "bench/trade/world.hpp"
-
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
-extern "C" {
-extern const char __executable_start, etext;  // NOLINT: the linker's names
-}
 
 namespace trade {
 
-/// Pushes this program's code, and `bytes` from `data` on, out of all caches.
-inline void flush(const void* data, std::size_t bytes) {
-#if defined(__x86_64__)
-  const auto lines = [](const char* from, const char* to) {
-    for (const char* p = from; p < to; p += 64) _mm_clflush(p);
-  };
-  lines(&__executable_start, &etext);
-  const char* begin = static_cast<const char*>(data);
-  lines(begin, begin + bytes);
-  _mm_mfence();
-#else
-  static std::vector<char> much(std::size_t(64) << 20);
-  for (std::size_t i = 0; i < much.size(); i += 64) ++much[i];
-  static_cast<void>(data), static_cast<void>(bytes);
-#endif
-}
 /// Calls `f` from a function by whose short name callgrind knows what to count.
 template <class F>
 inline void call(const void* f) {
@@ -106,8 +83,8 @@ class SceneRunner : public Runner {
     for (std::size_t k = 0; k < n; ++k) {
       const auto input = record_.input(k);
       if (k % 2 == 1) {
-        flush(memory_.get(), sizeof(typename Scene::Memory));
-        flush(scene_.get(), sizeof(Scene));
+        bench::flush(memory_.get(), sizeof(typename Scene::Memory));
+        bench::flush(scene_.get(), sizeof(Scene));
         auto a = now();
         nothing.push_back(1e-3 * double((now() - a).count()));
         a = now();

@@ -50,6 +50,7 @@ TEST_CASE("SendOnDelta: after a press and its release nothing is left unsaid for
   // Half a sine's square over 0.3 s, measured at 250 Hz; coarse deltas.
   SendOnDelta::Deltas deltas;
   deltas.force = 0.02f;
+  deltas.fine = 1.0f / 1024;
   const auto push = [](int k) {
     const double s = k < 75 ? std::sin(3.14159265358979 * k / 75) : 0;
     return static_cast<float>(0.313 * s * s);
