@@ -207,7 +207,8 @@ TEST_CASE("A real accelerometer on an arm: 18 mg, its labels' lateness, and a le
     }
     char lever[64];
     std::snprintf(lever, sizeof lever, "  lever to %.0f mm", r.lever_deviation * 1e3);
-    MESSAGE(text + lever);
+    text += lever;
+    MESSAGE(text);
   };
   for (const Arm& arm : arms) {
     print("gravity alone:", fit({arm}, false, false, false, false, false));

@@ -193,10 +193,6 @@ class CellFit {
       const CellFit before = *this;
       move(g, cell_g);
       CellEquations next = equations();
-#ifdef LINES_TRACE
-      std::printf("    step %d damping %.1e cost %.6f -> %.6f, late %.5f largest %.2e of motion\n", steps,
-                  damping, now.cost, next.cost, g(motion.unknowns() - 1), g.cwiseAbs().maxCoeff());
-#endif
       if (next.cost < now.cost) {
         const double gain = now.cost - next.cost;
         now = std::move(next);

@@ -163,6 +163,11 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
     const Eigen::Matrix<double, 12, 12> C = covariance.cell(k);
     Eigen::Matrix<double, 6, 6> P;
     P << C.block<3, 3>(3, 3), C.block<3, 3>(3, 0), C.block<3, 3>(0, 3), C.block<3, 3>(0, 0);
+    // What cross-axis sensitivity does is common to all blocks: no residual shows it.
+    const AxisLine& axis = fit.motion.lines[std::size_t(fit.cells[k].body)];
+    const double lever = axis.direction.cross(fit.cells[k].p - axis.point).norm();
+    P.diagonal().head<3>().array() += std::pow(s.cross_axis * lever, 2);
+    P.diagonal().tail<3>().array() += s.cross_axis * s.cross_axis;
     return P;
   };
   std::vector<bool> known(fit.cells.size());
