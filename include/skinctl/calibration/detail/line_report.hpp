@@ -221,6 +221,11 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
     line.position_deviation = largest(C.bottomRightCorner<2, 2>());
     line.known = line.direction_deviation <= s.known_turn && line.position_deviation <= s.known_position;
   }
+  // No residual shows it: the same motion errs in the same way each time.
+  if (!torque)
+    out.unobservable.push_back({"compliance of the joints, which no covariance holds then",
+                                std::numeric_limits<double>::infinity(), "rad/(N m)",
+                                "record the torques at the joints' outputs"});
   for (std::size_t j = 0; j < out.lines.size(); ++j) {
     const std::string joint = "joint " + std::to_string(j) + ": ";
     const bool fitted = std::find(start.joints.begin(), start.joints.end(), int(j)) != start.joints.end();
