@@ -6,9 +6,9 @@
 // Accelerometers of a BMA250 (bias 40 mg, scale 1.5 %, noise 9 mg, steps of 1/256 g, 0.3 % across axes), a hundred samples in each
 // of eight poses, joined ports 0.1 mm off. Each pair of numbers: median and worst over the seeds.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 
 #include "skinctl/testing/skin_at_rest.hpp"
 
@@ -27,8 +27,9 @@ struct Pair {
   }
 };
 
+// Of this program alone: others may use the processor as well.
 double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
 }  // namespace
@@ -41,8 +42,8 @@ int main(int argc, char** argv) {
     std::size_t cells;
     double radius, length, misalignment;
   };
-  for (const Row row : {Row{500, 0.06, 0.93, 0.2}, Row{20, 0.04, 0.12, 0.7}, Row{100, 0.05, 0.3, 0.7},
-                        Row{500, 0.06, 0.93, 0.7}}) {
+  for (const Row row : {Row{500, 0.06, 0.97, 0.2}, Row{20, 0.04, 0.12, 0.7}, Row{100, 0.05, 0.3, 0.7},
+                        Row{500, 0.06, 0.97, 0.7}}) {
     Pair chain_p, chain_r, p, r, consistency, time, steps;
     for (int seed = 1; seed <= seeds; ++seed) {
       auto rng = seeded(std::uint64_t(seed));

@@ -153,6 +153,7 @@
 #include "skinctl/tactile/trusted_skin.hpp"
 #include "skinctl/tactile/unit_wrenches.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/tactile/weighted_skin.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
 
 #include "skinctl/trajectory/gain_schedule.hpp"
@@ -193,6 +194,7 @@
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/joint_limits.hpp"
+#include "skinctl/control/on_joints.hpp"
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/posture.hpp"
 #include "skinctl/control/reactive_control.hpp"

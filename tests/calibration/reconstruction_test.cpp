@@ -25,7 +25,7 @@ struct Scene {
   }
   Random rng;
   SimulatedAccelerometer sensor{};
-  TruePatch patch;
+  PatchAtRest patch;
   std::vector<Eigen::Vector3d> up;
   RestReadings y;
 };

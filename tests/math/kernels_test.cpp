@@ -52,14 +52,19 @@ TEST_CASE_TEMPLATE("kernels: the errors of sincos are proven, by the size of the
       const double reduced = gappa(sincos_reduction<T>(to, fused));
       const double sine = gappa(sincos_polynomial<T>(true, from, to, fused)) + sine_method * std::sin(to) +
                           reduced * std::cos(from);
-      const double cosine = gappa(sincos_polynomial<T>(false, from, to, fused)) + cosine_method + reduced * std::sin(to);
+      const double cosine =
+          gappa(sincos_polynomial<T>(false, from, to, fused)) + cosine_method + reduced * std::sin(to);
       CAPTURE(from);
       CAPTURE(sine);
       CAPTURE(cosine);
-      CHECK(sine <= math::detail::turning_error(Proven::turning, std::sin(from) + 0.001, std::sin(to) - 0.001));
-      CHECK(cosine <= math::detail::turning_error(Proven::turning, std::cos(to) + 0.001, std::cos(from) - 0.001));
+      CHECK(sine <=
+            math::detail::turning_error(Proven::turning, std::sin(from) + 0.001, std::sin(to) - 0.001));
+      CHECK(cosine <=
+            math::detail::turning_error(Proven::turning, std::cos(to) + 0.001, std::cos(from) - 0.001));
       CHECK(std::max(sine, cosine) <= Proven::sine);
-      MESSAGE(std::string(sizeof(T) == 4 ? "float" : "double"), std::string(fused == Fused::yes ? ", fused, " : ", "), from, " to ", to, ": sine ", sine, ", cosine ", cosine);
+      MESSAGE(std::string(sizeof(T) == 4 ? "float" : "double"),
+              std::string(fused == Fused::yes ? ", fused, " : ", "), from, " to ", to, ": sine ", sine,
+              ", cosine ", cosine);
     }
   }
 }
@@ -77,7 +82,8 @@ TEST_CASE_TEMPLATE("kernels: the errors of tanh are proven", T, float, double) {
     const double reduced = gappa(tanh_reduction<T>(fused));
     for (int k = 0; k <= most; k = k < 4 ? k + 1 : 2 * k) {
       // The formula's slope over w, and that of w over h is at most 1.
-      const double a = std::ldexp(1.0, k), at = (a + 1) - (a - 1) * 0.1718, slope = k == 0 ? 1 : 4 * a / (at * at);
+      const double a = std::ldexp(1.0, k), at = (a + 1) - (a - 1) * 0.1718,
+                   slope = k == 0 ? 1 : 4 * a / (at * at);
       const double error =
           (k == 0 ? 0 : gappa(tanh_formula<T>(k, fused))) + (polynomial + (k == 0 ? 0 : reduced)) * slope;
       CAPTURE(k);

@@ -233,6 +233,9 @@ TEST_CASE(
   }
   CHECK(guard.count() == 0);
   CHECK(begun > 10000);
+  // Tickets begin anew, without 0.
+  m = executor.start(0ns, 0xffff);
+  CHECK(executor.step(m, {.now = 1s}).request.ticket == 1);
   CHECK_THROWS_AS(Packing(packing_oranges, {.lost = -1ns}), ConfigurationError);
   CHECK_THROWS_AS(Packing(packing_oranges, {.confirm = 11s}), ConfigurationError);
   CHECK(std::string(describe(StepFailure::place)) == "the place was not granted");

@@ -255,6 +255,8 @@ TEST_CASE("main job: a recording replays bit for bit") {
   std::filesystem::remove(s.record);
 }
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("main job: in real time beside a robot that has to be switched on, until it is interrupted") {
   Settings s = settings();
   Beside beside(s);
@@ -414,3 +416,5 @@ TEST_CASE("main job: nobody there, or somebody who does not speak the protocol: 
                        std::runtime_error);
   server.join();
 }
+
+TEST_SUITE_END();

@@ -123,12 +123,8 @@ class Bound {
     const double e = a.error_ == 0 ? 0 : (down > 0 ? a.error_ / down : std::sqrt(a.error_));
     return rounded(sqrt(a.value_), std::fmin(e, std::sqrt(a.error_)));
   }
-  friend Bound sin(const Bound& a) noexcept {
-    return turned(sin(a.value_), a.error_);
-  }
-  friend Bound cos(const Bound& a) noexcept {
-    return turned(cos(a.value_), a.error_);
-  }
+  friend Bound sin(const Bound& a) noexcept { return turned(sin(a.value_), a.error_); }
+  friend Bound cos(const Bound& a) noexcept { return turned(cos(a.value_), a.error_); }
   friend Bound tanh(const Bound& a) noexcept {
     return {tanh(a.value_), detail::upper(a.error_ + detail::kernel_error<R>::tanh)};
   }
@@ -173,8 +169,8 @@ class Bound {
     return {v, detail::upper(e + detail::half_ulp<R>(v.largest() + e))};
   }
   static Bound turned(const Enclosure& v, double e) noexcept {
-    const double own =
-        detail::turning_error(detail::kernel_error<R>::turning, v.smallest() - e, std::fmin(v.largest() + e, 1.0));
+    const double own = detail::turning_error(detail::kernel_error<R>::turning, v.smallest() - e,
+                                             std::fmin(v.largest() + e, 1.0));
     return {v, detail::upper(e + own)};
   }
   constexpr bool is(double x) const noexcept { return error_ == 0 && value_.low == x && value_.high == x; }

@@ -43,6 +43,9 @@ class OneGripper {
     m.state = state;
     m.answered = state.heard && state.time > m.asked;
   }
+  [[nodiscard]] static const GripperCommand& command(const Memory& m) noexcept { return m.command; }
+  /// Whether something is between the fingers.
+  [[nodiscard]] static bool holds(const Memory& m) noexcept { return m.answered && m.state.holding; }
   /// Whether the fingers have stopped, for this goal.
   [[nodiscard]] static bool stands(const Memory& m) noexcept {
     return m.answered && !m.state.moving && m.state.error == GripperError::none;

@@ -178,7 +178,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip> {
   [[nodiscard]] static GripperCommand gripper(const Memory& m) noexcept
     requires has_gripper
   {
-    return m.gripper.command;
+    return Grip::command(m.gripper);
   }
   /// The contacts that a skin with contacts feels at `now`: a `Cycle` tells them before each evaluation.
   template <class Contacts>

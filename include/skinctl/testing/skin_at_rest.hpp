@@ -23,15 +23,15 @@ namespace skinctl::testing {
 }
 
 /// Where a cell truly is, and its accelerometer.
-struct TrueCell {
+struct CellAtRest {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   AccelerometerErrors errors{};
   Eigen::Matrix3d cross_axis = Eigen::Matrix3d::Identity();
 };
-struct TruePatch {
+struct PatchAtRest {
   PatchGraph graph;
-  std::vector<TrueCell> cells;  ///< in the order of `graph.ids`
+  std::vector<CellAtRest> cells;  ///< in the order of `graph.ids`
 };
 
 /// The accelerometer of a BMA250, as it is in a cell.
@@ -41,20 +41,20 @@ struct SimulatedAccelerometer {
   double cross_axis = 3e-3;
   AccelerometerPrior prior{};
 
-  void draw(Random& rng, TrueCell& cell) const {
+  void draw(Random& rng, CellAtRest& cell) const {
     cell.errors = {normal3(rng, prior.bias), normal3(rng, prior.scale), normal3(rng, prior.misalignment)};
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         if (i != j) cell.cross_axis(i, j) = cross_axis * uniform<double>(rng);
   }
   /// One sample where the specific force in the cell's outer frame is `f` [g].
-  [[nodiscard]] Eigen::Vector3d sample(Random& rng, const TrueCell& cell, const Eigen::Vector3d& f) const {
+  [[nodiscard]] Eigen::Vector3d sample(Random& rng, const CellAtRest& cell, const Eigen::Vector3d& f) const {
     Eigen::Vector3d y = cell.cross_axis * reading(cell.R, cell.errors, f) + normal3(rng, noise);
     for (int i = 0; i < 3; ++i) y(i) = std::round(y(i) / step) * step;
     return y;
   }
   /// The mean of a hundred samples.
-  [[nodiscard]] Eigen::Vector3d rest(Random& rng, const TrueCell& cell, const Eigen::Vector3d& up) const {
+  [[nodiscard]] Eigen::Vector3d rest(Random& rng, const CellAtRest& cell, const Eigen::Vector3d& up) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int k = 0; k < 100; ++k) sum += sample(rng, cell, up);
     return sum / 100;
@@ -63,8 +63,8 @@ struct SimulatedAccelerometer {
 
 /// A patch of cells with these poses, joined where their ports meet to within half a millimetre, by ids from 1 in another
 /// order than the cells'. Only the piece that the first cell is in.
-[[nodiscard]] inline TruePatch joined(const std::vector<TrueCell>& cells, const CellPorts& ports,
-                                      Random& rng) {
+[[nodiscard]] inline PatchAtRest joined(const std::vector<CellAtRest>& cells, const CellPorts& ports,
+                                        Random& rng) {
   std::vector<CellNames> names(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) names[i].id = std::uint16_t(i + 1);
   for (std::size_t i = cells.size(); i > 1; --i) std::swap(names[i - 1].id, names[rng() % i].id);
@@ -78,7 +78,7 @@ struct SimulatedAccelerometer {
           names[i].neighbours[a] = {names[j].id, b}, names[j].neighbours[b] = {names[i].id, a};
         }
     }
-  TruePatch out;
+  PatchAtRest out;
   out.graph = skin_graph(names).patches.front();
   for (const auto id : out.graph.ids)
     for (std::size_t i = 0; i < cells.size(); ++i)
@@ -87,12 +87,12 @@ struct SimulatedAccelerometer {
 }
 
 /// A tube around z with skin; ports miss each other by `gap` [m].
-[[nodiscard]] inline TruePatch tube(double radius, double length, std::size_t most,
-                                    const SimulatedAccelerometer& sensor, Random& rng, double gap = 7e-5) {
-  std::vector<TrueCell> cells;
+[[nodiscard]] inline PatchAtRest tube(double radius, double length, std::size_t most,
+                                      const SimulatedAccelerometer& sensor, Random& rng, double gap = 7e-5) {
+  std::vector<CellAtRest> cells;
   for (const auto& X : full_cover(CylinderSurface{radius, length})) {
     if (cells.size() == most) break;
-    TrueCell cell;
+    CellAtRest cell;
     cell.R = X.rotation();
     cell.p = X.translation() + normal3(rng, gap / std::sqrt(2.0));
     sensor.draw(rng, cell);
@@ -111,7 +111,7 @@ struct SimulatedAccelerometer {
   return up;
 }
 
-[[nodiscard]] inline RestReadings rest_readings(const TruePatch& patch,
+[[nodiscard]] inline RestReadings rest_readings(const PatchAtRest& patch,
                                                 const std::vector<Eigen::Vector3d>& up,
                                                 const SimulatedAccelerometer& sensor, Random& rng) {
   RestReadings out;
@@ -129,7 +129,7 @@ struct ShapeError {
   double nees = 0;  ///< mean of the cells' normalised squared errors, over 6
   std::size_t known = 0;
 };
-[[nodiscard]] inline ShapeError shape_error(const Reconstruction& found, const TruePatch& truth) {
+[[nodiscard]] inline ShapeError shape_error(const Reconstruction& found, const PatchAtRest& truth) {
   ShapeError out;
   // The rigid motion that makes the weighted errors smallest: a few Gauss-Newton steps.
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();

@@ -3,16 +3,33 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <vector>
 
 #include "skinctl/calibration/detail/block_means.hpp"
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/calibration/turn.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-namespace detail {
+namespace detail::fit {
+
+/// The rotation R that maximises `trace(R' B)`, by Horn's quaternion.
+inline Eigen::Matrix3d nearest_turn(const Eigen::Matrix3d& B) {
+  const Eigen::Matrix3d S = B.transpose();
+  Eigen::Matrix4d K;
+  K << S.trace(), S(1, 2) - S(2, 1), S(2, 0) - S(0, 2), S(0, 1) - S(1, 0), 0, S(0, 0) - S(1, 1) - S(2, 2),
+      S(0, 1) + S(1, 0), S(2, 0) + S(0, 2), 0, 0, S(1, 1) - S(0, 0) - S(2, 2), S(1, 2) + S(2, 1), 0, 0, 0,
+      S(2, 2) - S(0, 0) - S(1, 1);
+  for (int i = 1; i < 4; ++i)
+    for (int j = 0; j < i; ++j) K(i, j) = K(j, i);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(K);
+  const Eigen::Vector4d q = eigen.eigenvectors().col(3);
+  const Eigen::Vector3d v(q(1), q(2), q(3));
+  return (q(0) * q(0) - v.squaredNorm()) * Eigen::Matrix3d::Identity() + 2 * v * v.transpose() +
+         2 * q(0) * cross_matrix(v);
+}
 
 /// The specific force on a body that sits at `p` is `A + S p` [g], in the body's axes. A row per block: A, S row by row,
 /// 1, and then the derivatives of A and S by each unknown of the motion, twelve columns an unknown.
@@ -52,9 +69,8 @@ struct CellFitSettings {
   double tie_turn = 0.0175;                 ///< [rad]
   double weak_position = 1, weak_turn = 1;  ///< about the start: what the data do not show stays [m], [rad]
   int steps = 30;
-  double decrease = 1e-3;  ///< of the cost [variances]
-  double window = 1;       ///< of the jackknife [s]
-  std::function<void(Eigen::VectorXd&)> hold{};  ///< adds information to the diagonal of the motion's unknowns
+  double decrease = 0.1;  ///< of the cost [variances]
+  double window = 1;      ///< of the jackknife [s]
 };
 
 using Cell12 = Eigen::Matrix<double, 12, 1>;
@@ -143,7 +159,7 @@ struct CellWeights {
   }
 };
 
-/// @tparam Motion  `int unknowns()`, `Motion moved(VectorXd)`, `std::vector<BodySignals> signals(const BlockMeans&)`.
+/// @tparam Motion  `int unknowns()`, `void hold(VectorXd& information, VectorXd& gradient)` for its priors, `Motion moved(VectorXd)`, `std::vector<BodySignals> signals(const BlockMeans&)`.
 template <class Motion>
 class CellFit {
  public:
@@ -178,7 +194,8 @@ class CellFit {
       move(g, cell_g);
       CellEquations next = equations();
 #ifdef LINES_TRACE
-      std::printf("    step %d damping %.1e cost %.6f -> %.6f, late %.5f largest %.2e of motion\n", steps, damping, now.cost, next.cost, g(motion.unknowns()-1), g.cwiseAbs().maxCoeff());
+      std::printf("    step %d damping %.1e cost %.6f -> %.6f, late %.5f largest %.2e of motion\n", steps,
+                  damping, now.cost, next.cost, g(motion.unknowns() - 1), g.cwiseAbs().maxCoeff());
 #endif
       if (next.cost < now.cost) {
         const double gain = now.cost - next.cost;
@@ -343,11 +360,11 @@ CellEquations CellFit<Motion>::equations() const {
   }
   const Index own = motion.unknowns();
   e.H.diagonal().head(own).array() += 1 / (settings.weak_position * settings.weak_position);
-  if (settings.hold) {
-    Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(own);
-    settings.hold(diagonal);
-    e.H.diagonal().head(own) += diagonal;
-  }
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(own), gradient = diagonal;
+  motion.hold(diagonal, gradient);
+  e.H.diagonal().head(own) += diagonal;
+  e.g.head(own) += gradient;
+  e.cost += 0.5 * (gradient.array().square() / diagonal.array().max(1e-300)).sum();
   for (std::size_t k = 0; k < patches.size(); ++k)
     e.H.diagonal().segment<6>(own + 6 * Index(k)).array() += 1e-6;
   return e;
@@ -428,5 +445,5 @@ Eigen::MatrixXd CellFit<Motion>::jackknife(const CellSolver& solver) const {
   return out;
 }
 
-}  // namespace detail
+}  // namespace detail::fit
 SKINCTL_END_NAMESPACE

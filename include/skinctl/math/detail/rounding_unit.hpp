@@ -45,7 +45,8 @@ inline constexpr double turning_ends[turning_steps + 1] = {0,      0.1247, 0.247
 constexpr double turning_error(const double (&error)[turning_steps], double low, double high) noexcept {
   double most = 0;
   for (std::size_t i = 0; i < turning_steps; ++i)
-    if (low <= turning_ends[i + 1] + 0.0005 && high >= turning_ends[i] - 0.0005 && error[i] > most) most = error[i];
+    if (low <= turning_ends[i + 1] + 0.0005 && high >= turning_ends[i] - 0.0005 && error[i] > most)
+      most = error[i];
   return most;
 }
 
@@ -57,13 +58,13 @@ struct kernel_error;
 template <>
 struct kernel_error<double> {
   static constexpr double sine = 2.1e-16, cosine = 2.1e-16, tanh = 2.9e-16;
-  static constexpr double turning[turning_steps] = {2.9e-17,  4.4e-17, 9.0e-17,  1.71e-16, 1.74e-16,
+  static constexpr double turning[turning_steps] = {2.9e-17,  4.4e-17,  9.0e-17,  1.71e-16, 1.74e-16,
                                                     2.10e-16, 1.65e-16, 1.04e-16, 6.8e-17};
 };
 template <>
 struct kernel_error<float> {
   static constexpr double sine = 1.13e-7, cosine = 1.13e-7, tanh = 1.54e-7;
-  static constexpr double turning[turning_steps] = {1.18e-8, 1.63e-8, 4.9e-8,  9.3e-8, 9.5e-8,
+  static constexpr double turning[turning_steps] = {1.18e-8, 1.63e-8, 4.9e-8, 9.3e-8, 9.5e-8,
                                                     1.13e-7, 8.9e-8,  5.6e-8, 3.5e-8};
 };
 

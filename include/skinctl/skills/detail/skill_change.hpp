@@ -209,8 +209,7 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::
     if (c.finish == SkillFinish::gripped || c.finish == SkillFinish::opened) {
       if (Grip::broken(m.gripper)) return end(m, SkillFailure::gripper, 0);
       holds = Grip::stands(m.gripper);
-      if (c.finish == SkillFinish::gripped && holds && !m.gripper.state.holding &&
-          later(m.held, dt) >= c.hold)
+      if (c.finish == SkillFinish::gripped && holds && !Grip::holds(m.gripper) && later(m.held, dt) >= c.hold)
         return end(m, SkillFailure::empty, 0);
     }
   }
