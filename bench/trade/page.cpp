@@ -97,8 +97,7 @@ void judge(std::vector<Row>& rows) {
     }
     double others = 1e300, bytes = 1e300;
     for (const Row& o : rows) {
-      if (&o == &r || o.scene != r.scene || o.policy == "reference" ||
-          !(error(o) <= error(r) * 1.0001 + 1e-9))
+      if (&o == &r || o.scene != r.scene || o.policy == "reference" || !(error(o) <= error(r) * 1.1 + 1e-9))
         continue;
       if (o.policy == r.policy && o.value == r.value) continue;
       // The same choices under another name are no competitor.
@@ -215,7 +214,7 @@ std::string as_markdown(const std::vector<Row>& rows) {
         << number(r.instructions, "%.0f") << " | " << number(r.code / 1024, "%.1f") << " | "
         << number(r.bytes, "%.0f") << " | " << number(r.samples, "%.1f") << " | " << number(r.mm, "%.2g")
         << " | " << number(r.mm_stiff, "%.2g") << " | " << number(r.N, "%.2g") << " | " << number(r.J, "%.2g")
-        << " | ";
+        << " |";
   };
   const char* heads =
       "hot [us] | cold [us] | instructions | code [KB] | memory [B] | samples a cycle | forces given [mm] | "
