@@ -51,6 +51,7 @@ struct Paced {
   void stop() noexcept {}
 };
 struct Cells {
+  explicit Cells(const Paced* paced) : robot(paced) {}
   const Paced* robot;
   std::array<CellSample, samples_a_cycle> samples{};
   std::uint32_t first = 0;
@@ -80,7 +81,7 @@ template <class Scene>
 Times measure(const Scene& scene, Nanoseconds period, Nanoseconds warm, double seconds_long) {
   Paced robot;
   robot.period = period;
-  Cells cells{&robot};
+  Cells cells(&robot);
   auto memory = std::make_unique<typename Scene::Memory>();
   const auto cycles =
       period.count() > 0 ? static_cast<std::uint64_t>(seconds_long * 1e9 / double(period.count())) : 100000;
@@ -174,7 +175,7 @@ auto main_job_scene(Nanoseconds period) {
 template <class Scene>
 void run_cycles(const Scene& scene, std::uint64_t cycles) {
   Paced robot;
-  Cells cells{&robot};
+  Cells cells(&robot);
   const auto memory = std::make_unique<typename Scene::Memory>();
   static_cast<void>(run_loop(
       scene, *memory, robot, cells, {.cycles = cycles, .warm = 0ns}, [](auto&, auto&) { return true; },

@@ -23,7 +23,7 @@ RobotConfiguration<6> arm(Nanoseconds substep, double viscous) {
                           .lag = 8ms,
                           .virtual_damping = 4};
   c.viscous_friction = JointTorque<6>::constant(viscous);
-  c.dead_band = JointPosition<6>::constant(0.5);
+  c.dead_band = JointPosition<6>::constant(0.02);
   c.substep = substep;
   return c;
 }
@@ -86,8 +86,7 @@ void stiff_contact() {
        {Nanoseconds(500us), Nanoseconds(1ms), Nanoseconds(2ms), Nanoseconds(4ms), Nanoseconds(8ms)}) {
     double found[2];
     for (int damped = 0; damped < 2; ++damped) {
-      auto c = arm(h, 2);
-      c.dead_band = JointPosition<6>::constant(0.02);
+      const auto c = arm(h, 2);
       double low = 10, high = 1e5;
       while (high / low > 1.01) {
         const double middle = std::sqrt(low * high);

@@ -47,12 +47,12 @@ std::vector<Point> offered(const std::string& scene, const D& in_double, const F
   }
   add("combination", "float, 4 ms" + std::string(has_skin ? ", 0.1 N" : ""), 4ms, 0.1, impatient, in_float);
   if (has_skin) {
-    add("combination", "float, 8 ms, 0.1 N", 8ms, 0.1, impatient, in_float);
     add("combination", "double, 8 ms, 0.1 N", 8ms, 0.1, impatient, in_double);
     add("combination", "float, 8 ms, 0.5 N", 8ms, 0.5, impatient, in_float);
+    add("combination", "float, 8 ms, 0.5 N, patience 8 ms", 8ms, 0.5, 8ms, in_float);
   }
-  add("combination", "float, 8 ms" + std::string(has_skin ? ", 0.5 N, patience 8 ms" : ""), Fast::substep,
-      Fast::event, Fast::patience, in_float, Fast::name);
+  add("combination", "float, 8 ms" + std::string(has_skin ? ", 0.1 N" : ""), Fast::substep, Fast::event,
+      Fast::patience, in_float, Fast::name);
   add("combination", "double, 2 ms" + std::string(has_skin ? ", 0.1 N" : ""), Balanced::substep,
       Balanced::event, Balanced::patience, in_double, Balanced::name);
   return points;

@@ -97,8 +97,7 @@ void judge(std::vector<Row>& rows) {
     }
     double others = 1e300, bytes = 1e300;
     for (const Row& o : rows) {
-      if (&o == &r || o.scene != r.scene || o.policy == "reference" ||
-          !(error(o) <= error(r) * 1.0001 + 1e-9))
+      if (&o == &r || o.scene != r.scene || o.policy == "reference" || !(error(o) <= error(r) * 1.1 + 1e-9))
         continue;
       if (o.policy == r.policy && o.value == r.value) continue;
       // The same choices under another name are no competitor.
@@ -210,20 +209,40 @@ void write_page(const std::vector<Row>& rows, const std::string& file) {
 
 std::string as_markdown(const std::vector<Row>& rows) {
   std::ostringstream out;
-  for (const std::string& scene : scenes_of(rows)) {
-    out << "\n**" << scene
-        << "**\n\n| choice | hot [us] | cold [us] | instructions | code [KB] | memory [B] | samples a cycle "
-        << "| path, forces given [mm] | path, stiff finger [mm] | force [N] | energy [J] | verdict |\n"
-        << "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-    for (const Row& r : rows) {
-      if (r.scene != scene) continue;
-      out << "| " << (r.preset.empty() ? "" : "**" + r.preset + "**: ") << r.policy << ": " << r.value
-          << " | " << number(r.hot, "%.2f") << " | " << number(r.cold, "%.1f") << " | "
-          << number(r.instructions, "%.0f") << " | " << number(r.code / 1024, "%.1f") << " | "
-          << number(r.bytes, "%.0f") << " | " << number(r.samples, "%.1f") << " | " << number(r.mm, "%.2g")
-          << " | " << number(r.mm_stiff, "%.2g") << " | " << number(r.N, "%.2g") << " | "
-          << number(r.J, "%.2g") << " | " << r.verdict << " |\n";
-    }
+  const auto figures = [&](const Row& r) {
+    out << " | " << number(r.hot, "%.2f") << " | " << number(r.cold, "%.1f") << " | "
+        << number(r.instructions, "%.0f") << " | " << number(r.code / 1024, "%.1f") << " | "
+        << number(r.bytes, "%.0f") << " | " << number(r.samples, "%.1f") << " | " << number(r.mm, "%.2g")
+        << " | " << number(r.mm_stiff, "%.2g") << " | " << number(r.N, "%.2g") << " | " << number(r.J, "%.2g")
+        << " |";
+  };
+  const char* heads =
+      "hot [us] | cold [us] | instructions | code [KB] | memory [B] | samples a cycle | forces given [mm] | "
+      "stiff "
+      "finger [mm] | force [N] | energy [J] |";
+  const std::vector<std::string> scenes = scenes_of(rows);
+  out << "| scene | preset | " << heads << "\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const Row& r : rows) {
+    if (r.preset.empty()) continue;
+    out << "| " << r.scene << " | " << r.preset;
+    figures(r);
+    out << '\n';
+  }
+  // All choices of the scene that has most of them.
+  std::string widest;
+  std::ptrdiff_t most = 0;
+  for (const std::string& scene : scenes) {
+    const auto n = std::count_if(rows.begin(), rows.end(), [&](const Row& r) { return r.scene == scene; });
+    if (n > most) most = n, widest = scene;
+  }
+  out << "\n"
+      << widest << ":\n\n| choice | " << heads
+      << " moves the front? |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const Row& r : rows) {
+    if (r.scene != widest || !r.preset.empty()) continue;
+    out << "| " << r.policy << ": " << r.value;
+    figures(r);
+    out << " " << r.verdict << " |\n";
   }
   return out.str();
 }

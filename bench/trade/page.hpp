@@ -14,7 +14,7 @@ enum class Clock { hot, cold };
 /// The larger of the errors of both worlds [mm].
 [[nodiscard]] double error(const Row& row);
 
-/// Sets each row's verdict. A choice is real if it moves its scene's Pareto front by 5 %: whoever needs its accuracy pays
+/// Sets each row's verdict. A choice is real if it moves its scene's Pareto front by 5 %: whoever needs its accuracy (to 10 %) pays
 /// that much more without it, in instructions (in time where they were not counted), or in bytes.
 void judge(std::vector<Row>& rows);
 /// Whether a row may answer a question: a preset, or a real choice.

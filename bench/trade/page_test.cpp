@@ -202,6 +202,13 @@ TEST_CASE("Trade: the shipped rows are of four scenes with their presets, and fa
   }
 }
 
+TEST_CASE("Trade: the tables of the README are those of the shipped rows") {
+  std::ifstream in(BENCH_README);
+  std::ostringstream text;
+  text << in.rdbuf();
+  CHECK(text.str().find(as_markdown(read_csv(TRADE_RESULTS))) != std::string::npos);
+}
+
 int main(int argc, char** argv) {
   browser = find_browser();
   const int failed = doctest::Context(argc, argv).run();

@@ -90,6 +90,7 @@ int main(int argc, char** argv) {
   std::vector<Row> rows;
   if (!from.empty()) {
     rows = read_csv(from);
+    judge(rows);
   } else {
     if (valgrind.empty())
       std::fprintf(stderr, "skinctl_trade: no --valgrind: instructions and code are not counted\n");
@@ -113,6 +114,11 @@ int main(int argc, char** argv) {
       r.samples = double(given.samples) / double(given.tool.size());
       if (!valgrind.empty()) {
         const Counted counted = count(valgrind, argv[0], {"--cycles", name_of(p)}, runner->count());
+        if (!(counted.instructions > 0))
+          std::fprintf(
+              stderr,
+              "skinctl_trade: callgrind gave no count for \"%s\" (an instruction that it does not know?)\n",
+              name_of(p).c_str());
         r.instructions = counted.instructions;
         r.code = counted.code;
       }
