@@ -22,19 +22,19 @@ struct Promised {
 constexpr Promised promised(Quantity q) {
   switch (q) {
     case Quantity::pose:
-      return {3.1e-6, 5.7e-15};
+      return {2.9e-6, 5.4e-15};
     case Quantity::jacobian:
-      return {1.7e-6, 3.1e-15};
+      return {1.6e-6, 2.9e-15};
     case Quantity::gravity:
-      return {3.2e-5, 5.1e-14};
+      return {3.0e-5, 4.7e-14};
     case Quantity::inverse_dynamics:
-      return {8.2e-4, 1.5e-12};
+      return {8.5e-4, 1.6e-12};
     case Quantity::yr_theta:
-      return {1.1e-3, 1.9e-12};
+      return {1.2e-3, 2.1e-12};
     case Quantity::mass:
-      return {4.1e-6, 7.2e-15};
+      return {3.9e-6, 6.9e-15};
     case Quantity::forward_dynamics:
-      return {1.1e-3, 1.9e-12};
+      return {1.2e-3, 2.1e-12};
   }
   return {};
 }
