@@ -23,14 +23,16 @@ inline std::string quoted(const std::string& word) {
 }
 
 /// Runs `program words... cycles` under callgrind, which collects only inside of `trade_step`. All NaN where it fails.
-inline Counted count(const std::string& valgrind, const std::string& program, const std::vector<std::string>& words,
-                     std::size_t cycles) {
+inline Counted count(const std::string& valgrind, const std::string& program,
+                     const std::vector<std::string>& words, std::size_t cycles) {
   Counted out;
   char name[] = "/tmp/skinctl_trade_XXXXXX";
   const int file = mkstemp(name);
   if (file < 0) return out;
-  std::string command = quoted(valgrind) + " --tool=callgrind --dump-instr=yes --compress-pos=no --compress-strings=no "
-                        "--toggle-collect='*trade_step*' --callgrind-out-file=" + name + " " + quoted(program);
+  std::string command = quoted(valgrind) +
+                        " --tool=callgrind --dump-instr=yes --compress-pos=no --compress-strings=no "
+                        "--toggle-collect='trade::trade_step*' --callgrind-out-file=" +
+                        name + " " + quoted(program);
   for (const std::string& w : words) command += " " + quoted(w);
   command += " " + std::to_string(cycles) + " >/dev/null 2>&1";
   if (std::system(command.c_str()) == 0) {

@@ -24,17 +24,24 @@ std::vector<Point> offered(const std::string& scene, const D& in_double, const F
   using preset::Balanced, preset::Fast;
   std::vector<Point> points;
   const auto impatient = Nanoseconds::max();
-  const auto add = [&](const char* policy, const std::string& value, Nanoseconds step, double newtons, Nanoseconds patience,
-                       const auto& make, const char* preset = "") {
-    points.push_back({.scene = scene, .policy = policy, .value = value, .choices = {.substep = step, .event = newtons, .patience = patience}, .make = make, .preset = preset});
+  const auto add = [&](const char* policy, const std::string& value, Nanoseconds step, double newtons,
+                       Nanoseconds patience, const auto& make, const char* preset = "") {
+    points.push_back({.scene = scene,
+                      .policy = policy,
+                      .value = value,
+                      .choices = {.substep = step, .event = newtons, .patience = patience},
+                      .make = make,
+                      .preset = preset});
   };
   const double every = 0;  // a sample at every change
   add("reference", "double, 0.5 ms, every change", 500us, every, impatient, in_double);
-  for (const Nanoseconds step : {Nanoseconds(500us), Nanoseconds(1ms), Nanoseconds(2ms), Nanoseconds(4ms), Nanoseconds(8ms)})
+  for (const Nanoseconds step :
+       {Nanoseconds(500us), Nanoseconds(1ms), Nanoseconds(2ms), Nanoseconds(4ms), Nanoseconds(8ms)})
     add("sub-step", in_words(step), step, every, impatient, in_double);
   add("scalar", "float", 2ms, every, impatient, in_float);
   if (has_skin) {
-    for (const double newtons : {0.1, 0.5, 2.0}) add("events", in_words(newtons), 2ms, newtons, impatient, in_double);
+    for (const double newtons : {0.1, 0.5, 2.0})
+      add("events", in_words(newtons), 2ms, newtons, impatient, in_double);
     for (const double newtons : {0.5, 2.0})
       add("events", in_words(newtons) + ", patience 8 ms", 2ms, newtons, 8ms, in_double);
   }
@@ -44,10 +51,10 @@ std::vector<Point> offered(const std::string& scene, const D& in_double, const F
     add("combination", "double, 8 ms, 0.1 N", 8ms, 0.1, impatient, in_double);
     add("combination", "float, 8 ms, 0.5 N", 8ms, 0.5, impatient, in_float);
   }
-  add("combination", "float, 8 ms" + std::string(has_skin ? ", 0.5 N, patience 8 ms" : ""), Fast::substep, Fast::event,
-      Fast::patience, in_float, Fast::name);
-  add("combination", "double, 2 ms" + std::string(has_skin ? ", 0.1 N" : ""), Balanced::substep, Balanced::event,
-      Balanced::patience, in_double, Balanced::name);
+  add("combination", "float, 8 ms" + std::string(has_skin ? ", 0.5 N, patience 8 ms" : ""), Fast::substep,
+      Fast::event, Fast::patience, in_float, Fast::name);
+  add("combination", "double, 2 ms" + std::string(has_skin ? ", 0.1 N" : ""), Balanced::substep,
+      Balanced::event, Balanced::patience, in_double, Balanced::name);
   return points;
 }
 

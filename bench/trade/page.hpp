@@ -21,10 +21,11 @@ void judge(std::vector<Row>& rows);
 [[nodiscard]] bool offered(const Row& row);
 
 /// "I have `us`": the most accurate offered row of the scene that costs at most that; null: there is none.
-[[nodiscard]] const Row* within_time(const std::vector<Row>& rows, const std::string& scene, Clock clock, double us);
+[[nodiscard]] const Row* within_time(const std::vector<Row>& rows, const std::string& scene, Clock clock,
+                                     double us);
 /// "I need `mm` and `N`": the cheapest offered row of the scene that is off by at most that; null: there is none.
-[[nodiscard]] const Row* within_error(const std::vector<Row>& rows, const std::string& scene, Clock clock, double mm,
-                                      double N);
+[[nodiscard]] const Row* within_error(const std::vector<Row>& rows, const std::string& scene, Clock clock,
+                                      double mm, double N);
 
 /// Throw `std::runtime_error` with file and line where a file cannot be read or written.
 void write_csv(const std::vector<Row>& rows, const std::string& file);
@@ -32,7 +33,8 @@ void write_csv(const std::vector<Row>& rows, const std::string& file);
 void write_page(const std::vector<Row>& rows, const std::string& file);
 [[nodiscard]] std::string page(const std::vector<Row>& rows);
 [[nodiscard]] std::string as_markdown(const std::vector<Row>& rows);
-/// Cost against error of one scene, for a README.
+/// Cost against error of one scene, for a README; all of them as `cost_and_error_K.svg` in a folder that is there.
 [[nodiscard]] std::string picture(const std::vector<Row>& rows, const std::string& scene);
+void write_pictures(const std::vector<Row>& rows, const std::string& folder);
 
 }  // namespace trade

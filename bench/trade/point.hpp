@@ -47,8 +47,8 @@ struct Choices {
   skinctl::Nanoseconds substep = std::chrono::milliseconds(2);
   double event = 0.1;  ///< [N]
   skinctl::Nanoseconds patience = skinctl::Nanoseconds::max();
-  double bits = 0;     ///< readings are rounded to so many bits before they are sent; 0: as they are
-  double gain = 1;     ///< of all readings: a relative error of the skin's wrenches
+  double bits = 0;  ///< readings are rounded to so many bits before they are sent; 0: as they are
+  double gain = 1;  ///< of all readings: a relative error of the skin's wrenches
 };
 
 /// A scene and its choices, ready to run.
@@ -59,8 +59,8 @@ struct Runner {
   virtual Course stiff() = 0;
   /// The first world's cycles again, from its record.
   virtual void cycles(std::size_t count) = 0;
-  virtual double hot() = 0;   ///< median time of a cycle right after another [us]
-  virtual double cold() = 0;  ///< with code and data flushed from the caches [us]
+  virtual double hot() = 0;                             ///< median time of a cycle right after another [us]
+  virtual double cold() = 0;                            ///< with code and data flushed from the caches [us]
   [[nodiscard]] virtual std::size_t bytes() const = 0;  ///< of configuration and memory
   [[nodiscard]] virtual std::size_t count() const = 0;  ///< cycles of the record
 };

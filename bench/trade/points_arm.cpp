@@ -5,10 +5,12 @@
 namespace trade {
 
 std::vector<Point> arm_points() {
-  auto points = offered("UR5", [](const Choices& c) { return bare_arm<double>(c); },
-                        [](const Choices& c) { return bare_arm<float>(c); }, false);
-  for (auto& p : offered("UR5, 260 cells", [](const Choices& c) { return pressed_ur5<double>(c); },
-                         [](const Choices& c) { return pressed_ur5<float>(c); }, true))
+  auto points = offered(
+      "UR5", [](const Choices& c) { return bare_arm<double>(c); },
+      [](const Choices& c) { return bare_arm<float>(c); }, false);
+  for (auto& p : offered(
+           "UR5, 260 cells", [](const Choices& c) { return pressed_ur5<double>(c); },
+           [](const Choices& c) { return pressed_ur5<float>(c); }, true))
     points.push_back(std::move(p));
   return points;
 }

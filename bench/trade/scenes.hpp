@@ -21,12 +21,15 @@ inline constexpr std::array<double, 6> arm_home = {0.0, -1.2, 1.4, -1.8, -1.57, 
 /// forearm, as stiff as the main job's.
 inline World pressed_arm() {
   const auto side = [](std::size_t link, const Xyz<double>& place, double force, double from, double to) {
-    return Press{{.link = link, .place = place, .normal = {0.0, 1.0, 0.0}, .radius = 0.045, .force = force}, from, to};
+    return Press{
+        {.link = link, .place = place, .normal = {0.0, 1.0, 0.0}, .radius = 0.045, .force = force}, from, to};
   };
-  return {{side(1, {-0.12, 0.054, 0.13585}, 113, 0.1, 0.25), side(2, {-0.2, 0.04, 0.0165}, 25, 0.8, 0.95)}, 1.6};
+  return {{side(1, {-0.12, 0.054, 0.13585}, 113, 0.1, 0.25), side(2, {-0.2, 0.04, 0.0165}, 25, 0.8, 0.95)},
+          1.6};
 }
 inline World arm_with_stiff_finger(double stiffness = 3000) {
-  Press finger{{.link = 2, .place = {-0.2, 0.04, 0.0165}, .normal = {0.0, 1.0, 0.0}, .radius = 0.045}, 0.1, 1.1};
+  Press finger{
+      {.link = 2, .place = {-0.2, 0.04, 0.0165}, .normal = {0.0, 1.0, 0.0}, .radius = 0.045}, 0.1, 1.1};
   finger.stiffness = stiffness;
   finger.depth = 0.02;
   return {{finger}, 1.6};
@@ -52,14 +55,14 @@ inline Places<ur5::Model, 5> arm_places() {
 }
 
 /// A UR5 without skin goes to a goal.
-template <class T, class M = ur5::Model, class... Parts>
+template <class T, class Sign = TanhSign, class M = ur5::Model, class... Parts>
 std::unique_ptr<Runner> bare_arm(const Choices& c, const Parts&... parts) {
   const auto arm = by_position<T>(M{}, configuration<T>(limits_of<ur5::Description, T>(T(15)), c), parts...);
   auto settings = JointControlSettings<6, T>{.dt = 8ms};
   settings.lambda = T(12);
   settings.K_c = T(2);
   settings.virtual_dynamics = arm.virtual_dynamics();
-  const Cycle scene(arm, NoSkin{}, SplineJoint<6, T>(settings) + GravityControl{});
+  const Cycle scene(arm, NoSkin{}, SplineJoint<6, T, InertialDamping<T>, Sign>(settings) + GravityControl{});
   const auto goal = [](auto& input, double t) {
     if (t > 0.099 || t < 0.091) return;
     input.has_goal = true;
@@ -73,9 +76,10 @@ std::unique_ptr<Runner> bare_arm(const Choices& c, const Parts&... parts) {
 template <class T, class M = ur5::Model, class Law = SkinJointControl, class... Parts>
 std::unique_ptr<Runner> pressed_ur5(const Choices& c, const Parts&... parts) {
   const auto arm = by_position<T>(M{}, configuration<T>(limits_of<ur5::Description, T>(T(15)), c), parts...);
-  const Cycle scene(arm, ur5_skin<260, T, M>({.force = newtons_per_unit}, open_skin()), Law{} + GravityControl{});
-  return runner(scene, arm_home, cell_places(ur5::skin_patches<260>()), newtons_per_unit, c, arm_places(), no_goal,
-                pressed_arm(), arm_with_stiff_finger());
+  const Cycle scene(arm, ur5_skin<260, T, M>({.force = newtons_per_unit}, open_skin()),
+                    Law{} + GravityControl{});
+  return runner(scene, arm_home, cell_places(ur5::skin_patches<260>()), newtons_per_unit, c, arm_places(),
+                no_goal, pressed_arm(), arm_with_stiff_finger());
 }
 
 /// A UR5 that carries a hand, 22 joints by position, with 1260 cells on the arm.
@@ -94,14 +98,15 @@ std::unique_ptr<Runner> pressed_arm_and_hand(const Choices& c, const Parts&... p
     home[i] = arm_home[i];
   }
   for (std::size_t i = 6; i < 22; ++i) home[i] = 0.3;
-  const auto robot = by_position<T>(ur5_allegro::arm_with_hand<T>(), configuration<T>(JointLimits<22, T>(v), c), parts...);
+  const auto robot =
+      by_position<T>(ur5_allegro::arm_with_hand<T>(), configuration<T>(JointLimits<22, T>(v), c), parts...);
   const Cycle scene(robot, ur5_skin<1260, T, M>({.force = newtons_per_unit}, open_skin()),
                     SkinJointControl{} + GravityControl{});
   const auto& flange = ur5::Description::flange;
   const Places<ur5_allegro::Model<double>, 5> places{ur5_allegro::arm_with_hand<double>(),
                                                      {flange[0], flange[1], flange[2]}};
-  return runner(scene, home, cell_places(ur5::skin_patches<1260>()), newtons_per_unit, c, places, no_goal, pressed_arm(),
-                arm_with_stiff_finger());
+  return runner(scene, home, cell_places(ur5::skin_patches<1260>()), newtons_per_unit, c, places, no_goal,
+                pressed_arm(), arm_with_stiff_finger());
 }
 
 /// Twelve cells on the inside of a fingertip.
@@ -127,18 +132,24 @@ std::unique_ptr<Runner> pressed_hand(const Choices& c, const Parts&... parts) {
   configured.viscous_friction = JointTorque<16, T>::constant(T(0.05));
   configured.virtual_inertia = JointTorque<16, T>::constant(T(0.003));
   const auto robot = by_position<T>(allegro::hand<T>(allegro::Side::right), configured, parts...);
-  const auto tips = std::tuple(fingertip<3>(1, newtons), fingertip<7>(13, newtons), fingertip<11>(25, newtons),
-                               fingertip<15>(37, newtons));
-  const auto skin = std::apply([](const auto&... p) {
-    return Skin<M, T, std::remove_cvref_t<decltype(p)>...>(p..., open_skin()); }, tips);
+  const auto tips = std::tuple(fingertip<3>(1, newtons), fingertip<7>(13, newtons),
+                               fingertip<11>(25, newtons), fingertip<15>(37, newtons));
+  const auto skin = std::apply(
+      [](const auto&... p) { return Skin<M, T, std::remove_cvref_t<decltype(p)>...>(p..., open_skin()); },
+      tips);
   const Cycle scene(robot, skin, SkinJointControl{} + GravityControl{});
   std::array<double, 16> home{};
   home.fill(0.5);
-  Press push{{.link = 3, .place = {0.012, 0.0, 0.0075}, .normal = {1.0, 0.0, 0.0}, .radius = 0.015, .force = 2}, 0.1, 0.5};
+  Press push{
+      {.link = 3, .place = {0.012, 0.0, 0.0075}, .normal = {1.0, 0.0, 0.0}, .radius = 0.015, .force = 2},
+      0.1,
+      0.5};
   Press finger = push;
   finger.to = 0.9, finger.stiffness = 500, finger.depth = 0.015;
-  const Places<CalibratedModel<allegro::Tree, double>, 3> places{allegro::hand<double>(allegro::Side::right), {0.0, 0.0, 0.0}};
-  return runner(scene, home, cell_places(tips), newtons, c, places, no_goal, World{{push}, 1}, World{{finger}, 1});
+  const Places<CalibratedModel<allegro::Tree, double>, 3> places{allegro::hand<double>(allegro::Side::right),
+                                                                 {0.0, 0.0, 0.0}};
+  return runner(scene, home, cell_places(tips), newtons, c, places, no_goal, World{{push}, 1},
+                World{{finger}, 1});
 }
 
 }  // namespace trade

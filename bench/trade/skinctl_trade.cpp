@@ -1,6 +1,6 @@
 // Speed against accuracy: what each choice costs, and how far it is off at the task.
 //
-//     skinctl_trade [--csv FILE] [--page FILE] [--readme] [--only TEXT] [--valgrind PROGRAM]
+//     skinctl_trade [--csv FILE] [--page FILE] [--pictures FOLDER] [--readme] [--only TEXT] [--valgrind PROGRAM]
 //     skinctl_trade --cycles POINT COUNT      runs one point's cycles: what callgrind counts
 //     skinctl_trade --from FILE --page FILE   the page of an earlier run's CSV
 //
@@ -27,7 +27,9 @@ std::vector<Point> all_points() {
     for (Point& p : more()) points.push_back(std::move(p));
   return points;
 }
-std::string name_of(const Point& p) { return p.scene + "|" + p.policy + "|" + p.value; }
+std::string name_of(const Point& p) {
+  return p.scene + "|" + p.policy + "|" + p.value;
+}
 
 /// How far the tool was from where it began [m].
 double travel(const Course& c) {
@@ -51,7 +53,7 @@ int run_cycles(const std::string& name, std::size_t count) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string csv, page, only, valgrind, from;
+  std::string csv, page, pictures, only, valgrind, from;
   bool readme = false;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -62,17 +64,26 @@ int main(int argc, char** argv) {
       }
       return argv[++i];
     };
-    if (word == "--csv") csv = next();
-    else if (word == "--page") page = next();
-    else if (word == "--only") only = next();
-    else if (word == "--valgrind") valgrind = next();
-    else if (word == "--from") from = next();
-    else if (word == "--readme") readme = true;
+    if (word == "--csv")
+      csv = next();
+    else if (word == "--page")
+      page = next();
+    else if (word == "--pictures")
+      pictures = next();
+    else if (word == "--only")
+      only = next();
+    else if (word == "--valgrind")
+      valgrind = next();
+    else if (word == "--from")
+      from = next();
+    else if (word == "--readme")
+      readme = true;
     else if (word == "--cycles") {
       const std::string name = next();
       return run_cycles(name, std::strtoul(next().c_str(), nullptr, 10));
     } else {
-      std::fprintf(stderr, "skinctl_trade: %s: see the first lines of bench/trade/skinctl_trade.cpp\n", word.c_str());
+      std::fprintf(stderr, "skinctl_trade: %s: see the first lines of bench/trade/skinctl_trade.cpp\n",
+                   word.c_str());
       return 2;
     }
   }
@@ -80,10 +91,12 @@ int main(int argc, char** argv) {
   if (!from.empty()) {
     rows = read_csv(from);
   } else {
-    if (valgrind.empty()) std::fprintf(stderr, "skinctl_trade: no --valgrind: instructions and code are not counted\n");
+    if (valgrind.empty())
+      std::fprintf(stderr, "skinctl_trade: no --valgrind: instructions and code are not counted\n");
     std::map<std::string, std::pair<Course, Course>> references;
     for (const Point& p : all_points()) {
-      const bool reference = p.policy == "reference", asked = only.empty() || name_of(p).find(only) != std::string::npos;
+      const bool reference = p.policy == "reference",
+                 asked = only.empty() || name_of(p).find(only) != std::string::npos;
       if (!asked && !(reference && only.rfind(p.scene, 0) == 0)) continue;
       const auto runner = p.make(p.choices);
       const Course given = runner->given(), stiff = runner->stiff();
@@ -105,17 +118,20 @@ int main(int argc, char** argv) {
       }
       r.command = "skinctl_trade --only '" + name_of(p) + "'";
       rows.push_back(r);
-      std::printf("%-26s %-12s %-28s %-9s hot %6.2f us  cold %6.2f us  %7.0f instructions  %5.1f KB code  %6.0f B  %5.1f samples  "
-                  "%.3g mm  %.3g mm  %.3g N  %.3g J  (peak %.0f, %.0f N, travel %.0f, %.0f mm)\n",
-                  r.scene.c_str(), r.policy.c_str(), r.value.c_str(), r.preset.c_str(), r.hot, r.cold, r.instructions,
-                  r.code / 1024, r.bytes, r.samples, r.mm, r.mm_stiff, r.N, r.J, given.peak, stiff.peak,
-                  1e3 * travel(given), 1e3 * travel(stiff));
+      std::printf(
+          "%-26s %-12s %-28s %-9s hot %6.2f us  cold %6.2f us  %7.0f instructions  %5.1f KB code  %6.0f B  "
+          "%5.1f samples  "
+          "%.3g mm  %.3g mm  %.3g N  %.3g J  (peak %.0f, %.0f N, travel %.0f, %.0f mm)\n",
+          r.scene.c_str(), r.policy.c_str(), r.value.c_str(), r.preset.c_str(), r.hot, r.cold, r.instructions,
+          r.code / 1024, r.bytes, r.samples, r.mm, r.mm_stiff, r.N, r.J, given.peak, stiff.peak,
+          1e3 * travel(given), 1e3 * travel(stiff));
       std::fflush(stdout);
     }
     judge(rows);
   }
   if (!csv.empty()) write_csv(rows, csv);
   if (!page.empty()) write_page(rows, page);
+  if (!pictures.empty()) write_pictures(rows, pictures);
   if (readme) std::fputs(as_markdown(rows).c_str(), stdout);
   return 0;
 }

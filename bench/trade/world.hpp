@@ -21,9 +21,10 @@ using namespace skinctl;
 
 /// A press on link `link`: a round body on its cells.
 struct Press {
-  testing::Pressing body;  ///< its force is the largest [N]
+  testing::Pressing body;   ///< its force is the largest [N]
   double from = 0, to = 0;  ///< [s]
-  double stiffness = 0;    ///< of a finger that moves `depth` [m] into the link and back [N/m]; 0: forces are given
+  double stiffness =
+      0;  ///< of a finger that moves `depth` [m] into the link and back [N/m]; 0: forces are given
   double depth = 0;
 };
 struct World {
@@ -144,7 +145,8 @@ Course run(const Scene& scene, const World& world, const std::array<double, Scen
       s.cell = static_cast<std::uint32_t>(i + 1);
       s.time = now;
       double reading = std::min(1.0, choices.gain * push[i] / (3 * newtons));
-      if (choices.bits > 0) reading = std::round(std::ldexp(reading, int(choices.bits))) / std::exp2(choices.bits);
+      if (choices.bits > 0)
+        reading = std::round(std::ldexp(reading, int(choices.bits))) / std::exp2(choices.bits);
       for (float& f : s.force) f = static_cast<float>(reading);
       if (cell.send(sent[i], s)) arrived.push_back(s);
     }

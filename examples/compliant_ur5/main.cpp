@@ -71,6 +71,8 @@ int run(int argc, char** argv) {
                "readings count as they come: nothing is masked, no rest level is followed");
   app.add_option("--cycles", s.cycles, "end after so many cycles (0: as long as the scenario lasts)");
   app.add_option("--rate", s.rate, "cycles a second")->check(CLI::IsMember({125.0, 500.0}));
+  app.add_option("--preset", s.preset, "speed against accuracy: sub-steps and messages of the simulated skin")
+      ->check(CLI::IsMember({"balanced", "fast"}));
   app.add_option("--interface", interface, "what is commanded")
       ->check(CLI::IsMember({"position", "velocity"}));
   app.add_option("--speed", s.speed, "of the simulation: 0 as fast as possible, in step; 1 real time")
@@ -81,6 +83,11 @@ int run(int argc, char** argv) {
   app.add_option("--record", s.record, "write the run to an MCAP file: it replays, and viewers show it");
   app.add_option("--replay", s.replay, "run a recorded file again and compare every command")
       ->check(CLI::ExistingFile);
+  app.add_flag("--live", s.live,
+               "serve a page on this computer that shows robot, cells, contacts and torques while it runs; "
+               "at real-time pace");
+  app.add_option("--live-port", s.live_port, "of the page (0: any)")->capture_default_str();
+  app.add_flag("--allow-control", s.allow_control, "who sees the page may resume; stop is always allowed");
   app.add_option("--report", s.report, "HTML report with plots (empty: none)");
   app.add_option("--json", s.json, "summary as JSON");
   app.add_option("--picture", picture, "one SVG of force and deflection");
@@ -109,6 +116,7 @@ int run(int argc, char** argv) {
     return 0;
   }
   if (!robot.empty()) s.robot = robot;
+  if (s.live && app.count("--speed") == 0) s.speed = 1;
   s.interface = interface == "position" ? skinctl::Interface::position : skinctl::Interface::velocity;
   compliant_ur5::read_scenario(s.scenario, s);
   if (!s.replay.empty()) return static_cast<int>(compliant_ur5::replay(s));
@@ -120,6 +128,7 @@ int run(int argc, char** argv) {
     compliant_ur5::Settings rigid = s;
     rigid.rigid = rigid.quiet = true;
     rigid.record.clear();
+    rigid.live = false;
     compliant_ur5::RunLog stiff;
     const auto other = compliant_ur5::run(rigid, signals.asked(), stiff);
     if (other == compliant_ur5::Outcome::fine) {

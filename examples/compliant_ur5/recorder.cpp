@@ -6,11 +6,22 @@
 #include "skinctl/io/detail/read_text.hpp"
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
+#include "skinctl/io/urdf_writer.hpp"
 #include "skinctl/model/ur5_links.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
 
 namespace compliant_ur5 {
 
 using namespace skinctl;
+
+namespace {
+
+UrdfDress::Limit limits_of_joint(const Settings& s, std::size_t i) {
+  using D = ur5::Description;
+  return {D::lower[i], D::upper[i], s.control.velocity_limit, D::max_torque[i]};
+}
+
+}  // namespace
 
 RunDescription run_description(const Settings& s) {
   RunDescription run;
@@ -19,6 +30,15 @@ RunDescription run_description(const Settings& s) {
   run.laws = {"spline joint", "skin joint", "gravity"};
   run.frames = frames_of<ur5::Ros2Links>();
   run.places = places_of(ur5::Model{});
+  UrdfDress dress{.name = "ur5", .joints = run.joints};
+  for (std::size_t i = 0; i < 6; ++i) {
+    dress.links.push_back("joint_" + std::to_string(i + 1) +
+                          "_body");  // the maker's names are those of its frames
+    dress.limits.push_back(limits_of_joint(s, i));
+    dress.capsules.push_back({i, {ur5::tubes[i].from, ur5::tubes[i].to, ur5::tubes[i].radius}});
+  }
+  dress.named_links.assign(ur5::Ros2Links::named_links.begin(), ur5::Ros2Links::named_links.end());
+  run.urdf = urdf_text(ur5::Model{}, dress);
   run.newtons = static_cast<float>(s.newtons_per_reading);
   for (const SkinPatch& patch : skin_patches(s))
     for (const SkinCell& cell : patch.cells) {

@@ -11,6 +11,7 @@
 #include "examples/adapters/ur5/round_trip.hpp"
 #include "examples/compliant_ur5/endings.hpp"
 #include "examples/compliant_ur5/following_judge.hpp"
+#include "examples/compliant_ur5/live.hpp"
 #include "examples/compliant_ur5/recorder.hpp"
 #include "examples/compliant_ur5/scene.hpp"
 #include "examples/compliant_ur5/simulation.hpp"
@@ -125,7 +126,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   const std::uint64_t planned = s.cycles != 0 ? s.cycles : static_cast<std::uint64_t>(s.duration * s.rate);
   log.entries.reserve(planned);
   const auto memory = std::make_unique<typename Scene::Memory>();
-  JobRecorder<Scene> recording(s);
+  LivePage<Scene> live(s);
+  JobRecorder<Scene> recording(s, live.consumers());
 
   const auto limit = limits(s);
   Ending ending = Ending::finished;
@@ -145,6 +147,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
     if (first == 0ns) first = input.now;
     const double t = seconds<double>(input.now - first);
+    input.request = live.take();
     if (!recording_started) {
       // The scene was started at the state before this one: that is what a replay starts from.
       if constexpr (I == Interface::position) {

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "skinctl/cycle/configurations.hpp"
+#include "skinctl/fusion/blended.hpp"
 #include "skinctl/model/ur5_links.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/robot_table.hpp"
@@ -14,7 +16,23 @@ using namespace skinctl::testing;
 
 namespace {
 
-using Scene = decltype(reaching_scene());
+/// Goals, weights of a blended sum, two configurations, touches: everything that a run can be told.
+auto changing_scene(double force_gain = 40) {
+  JointControlSettings<6> gains;
+  gains.dt = 2500us;
+  gains.lambda = 25;
+  gains.K_c = 5;
+  gains.tb = 4s;
+  gains.virtual_dynamics = shape<double>(SceneSettings{});
+  const auto scene = [&](double force) {
+    SceneSettings s;
+    s.force_gain = force;
+    return make_scene<Interface::position, 260, double>(
+        blended(1.0 * SkinJointControl{} + 1.0 * SplineJoint<6>(gains) + GravityControl{}), s);
+  };
+  return Configurations(scene(force_gain), scene(3 * force_gain));
+}
+using Scene = decltype(changing_scene());
 
 RunDescription description() {
   RunDescription run;
@@ -37,6 +55,8 @@ void run(const Scene& scene, int cycles, Start&& start, After&& after) {
   start(robot.state());
   oracle::Random random(5);
   std::array<CellSample, 40> samples;
+  std::uint32_t configuration = 0, changes = 0;
+  Status all;
   for (int k = 1; k <= cycles; ++k) {
     Scene::Input input;
     input.now = k * 8ms;
@@ -47,16 +67,30 @@ void run(const Scene& scene, int cycles, Start&& start, After&& after) {
            .cell = static_cast<std::uint32_t>(random.index(261)),
            .force = {static_cast<float>(random.uniform(0, 0.4)), 0, 0}};
     input.samples = std::span(samples).first(static_cast<std::size_t>(k % 40));
+    input.has_goal = k % 100 == 0 || k % 150 == 0;
     if (k % 100 == 0) {
-      input.has_goal = true;
-      input.goal.q_g = home_position();
-      input.goal.q_g[0] += 0.2;
+      input.goal.has_goal = true;
+      input.goal.goal.q_g = home_position();
+      input.goal.goal.q_g[0] += 0.2;
     }
+    if (k % 150 == 0) {
+      input.goal.has_weights = true;
+      input.goal.weights.of = {k % 300 == 0 ? 1.0 : 0.3, 0.7, 1};
+    }
+    input.configuration = static_cast<std::uint32_t>(k / 130 % 2);
+    changes += input.configuration != configuration;
+    configuration = input.configuration;
     input.request = k == 200 ? CycleRequest::stop : k == 220 ? CycleRequest::resume : CycleRequest::none;
     const auto out = scene.step(*memory, input);
+    all |= out.status;
     after(input, out);
     robot.command(input.now, out.command.position);
   }
+  if (cycles < 500) return;
+  CHECK(changes == 4);
+  for (const Reason r : {Reason::stopping, Reason::bumpless_transfer, Reason::state_not_finite})
+    CHECK(all.has(r));
+  CHECK_FALSE(all.has(Reason::configuration_refused));
 }
 std::string path_of(const char* name) {
   return (std::filesystem::temp_directory_path() / (std::string("skinctl_run_") + name + ".mcap")).string();
@@ -75,7 +109,7 @@ std::string words_of(const std::string& path, const RunIdentity& identity) {
 TEST_CASE(
     "McapRecorder: what the loop hands over replays from the file to the bit, and nothing is allocated "
     "there") {
-  const auto scene = reaching_scene();
+  const auto scene = changing_scene();
   const auto path = path_of("recorder");
   const RunIdentity identity{"reaching, force gain 40"};
   McapRecorder<Scene> recorder(path, identity, description());
@@ -102,9 +136,7 @@ TEST_CASE(
   const auto again = replay(scene, loaded.recording);
   CHECK(again.cycles == 600);
   CHECK(again.different == 0);
-  SceneSettings other;
-  other.force_gain = 41;
-  CHECK(replay(reaching_scene(other), loaded.recording).different > 0);
+  CHECK(replay(changing_scene(41), loaded.recording).different > 0);
 
   SUBCASE("every topic is there, at its rate") {
     std::map<std::string, std::size_t> counts, sizes;
@@ -136,11 +168,11 @@ TEST_CASE(
               "gain 41");
     CHECK(words_of(path, {identity.scene, "GCC 1"}).find("another build:\n  there skinctl 0.1.0, ") !=
           std::string::npos);
-    const auto by_torque = [&] {
+    const auto single = [&] {
       static_cast<void>(
           load_run<decltype(reaching_scene<Interface::position, 260, float>())>(path, identity));
     };
-    CHECK_THROWS_WITH_AS(by_torque(), doctest::Contains("32-bit numbers"), ConfigurationError);
+    CHECK_THROWS_WITH_AS(single(), doctest::Contains("32-bit numbers"), ConfigurationError);
     CHECK(words_of("/nowhere/at/all", identity) == "skinctl: /nowhere/at/all: No such file or directory");
   }
   SUBCASE("a file that was cut replays as far as it goes") {
@@ -185,7 +217,7 @@ TEST_CASE(
   const auto path = path_of("gap");
   const RunIdentity identity{"gap"};
   McapRecorder<Scene> recorder(path, identity, description());
-  const auto scene = reaching_scene();
+  const auto scene = changing_scene();
   {
     CycleThread<Scene> thread({&slow, &recorder}, 1 << 16);
     int k = 0;

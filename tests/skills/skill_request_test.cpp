@@ -24,7 +24,7 @@ TEST_CASE("SkillRequest: all its numbers are walked, so that a recording holds a
   request.goals.of<JointReference<6>>().goal.dq_d[5] = 0.5;
   std::vector<double> numbers;
   each_number(request, [&](const auto& x) { numbers.push_back(static_cast<double>(x)); });
-  CHECK(numbers.size() == 5 + 1 + 7 + 1 + 18);
+  CHECK(numbers.size() == 5 + 3 + 1 + 7 + 1 + 18);
   Asked copy;
   std::size_t k = 0;
   each_number(copy, [&](auto& x) { x = static_cast<std::remove_cvref_t<decltype(x)>>(numbers[k++]); });

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The bytes of the cycles of `C`; in this order, without padding, as they lie in memory: now, measured state, request,
 /// observed status, goal, configuration (if `C` has several), cell samples, wrenches and motor torques (if its skin
-/// takes them), command.
+/// takes them), gripper (if its law moves one), weights of patches (of a `WeightedSkin`), command.
 template <class C>
 class CycleBytes {
  public:
@@ -24,6 +24,8 @@ class CycleBytes {
   static constexpr bool configured = requires(const Input& input) { input.configuration; };
   static constexpr bool has_wrenches = requires(const Input& input) { input.sensed.wrenches; };
   static constexpr bool has_motors = requires(const Input& input) { input.sensed.motor_torque; };
+  static constexpr bool has_gripper = requires { requires C::has_gripper; };
+  static constexpr bool has_weights = requires(const Input& input) { input.sensed.patch_weights; };
   static constexpr std::size_t sample_size = 8 + 4 + 8 * 4, wrench_size = 8 + 6 * 8;
 
   /// The samples of an input that was read.
@@ -64,6 +66,8 @@ class CycleBytes {
       for (const WrenchSample& s : input.sensed.wrenches) numbers(out, s);
     }
     if constexpr (has_motors) numbers(out, input.sensed.motor_torque);
+    if constexpr (has_gripper) numbers(out, input.gripper);
+    if constexpr (has_weights) numbers(out, input.sensed.patch_weights);
     numbers(out, command);
   }
   template <class Out>
@@ -88,6 +92,8 @@ class CycleBytes {
       input.sensed.wrenches = samples.wrenches;
     }
     if constexpr (has_motors) read_numbers(in, input.sensed.motor_torque);
+    if constexpr (has_gripper) read_numbers(in, input.gripper);
+    if constexpr (has_weights) read_numbers(in, input.sensed.patch_weights);
     read_numbers(in, command);
   }
   [[nodiscard]] static Beginning read_beginning(detail::ByteReader& in) {
@@ -100,7 +106,9 @@ class CycleBytes {
   /// Which kind of scene writes such bytes: its first number tells byte orders apart, the others kinds of input,
   /// joints, scalars and goals.
   [[nodiscard]] static std::array<std::uint32_t, 5> kind() noexcept {
-    return {0x01020304, (configured ? 4u : 0u) + (has_motors ? 2u : 0u) + (has_wrenches ? 1u : 0u),
+    return {0x01020304,
+            (has_weights ? 16u : 0u) + (has_gripper ? 8u : 0u) + (configured ? 4u : 0u) +
+                (has_motors ? 2u : 0u) + (has_wrenches ? 1u : 0u),
             static_cast<std::uint32_t>(C::joints), static_cast<std::uint32_t>(sizeof(typename C::scalar)),
             static_cast<std::uint32_t>(sizeof(typename C::Goal))};
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "skinctl/core/command.hpp"
+#include "skinctl/core/gripper.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/frames/transform.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
@@ -51,6 +52,13 @@ void each_number(WrenchSample& s, F&& f) {
   each_number(s.time, f);
   for (double& x : s.force) f(x);
   for (double& x : s.moment) f(x);
+}
+template <class F>
+void each_number(GripperState& s, F&& f) {
+  each_number(s.time, f);
+  auto error = static_cast<std::uint8_t>(s.error);
+  f(s.opening), f(s.force), f(s.heard), f(s.moving), f(s.holding), f(s.measured), f(error), f(s.code);
+  s.error = static_cast<GripperError>(error);
 }
 template <class F>
 void each_number(NoGoal&, F&&) {}

@@ -146,12 +146,13 @@ class Recording {
     if (seen != cycles_ || reader.short_of_bytes() || reader.left() != 0)
       SKINCTL_THROW("skinctl: the recording " + path + " is damaged or cut short");
   }
-  /// Magic (its last letter: with or without configurations, wrenches and motor torques), byte order, sizes
+  /// Magic (its last letter: with or without configurations, wrenches, motor torques, a gripper and weights of patches), byte order, sizes
   /// that must agree, number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
     const auto [order, input_kind, joints, scalar, goal] = Format::kind();
-    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', "3XNDEyne"[input_kind]}) w.put(c);
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', "3XNDEyneGhijklmo4YOFAzpqHIJKLMPQ"[input_kind]})
+      w.put(c);
     for (const std::uint32_t number : {order, joints, scalar, goal}) w.put(number);
     w.put(cycles);
     return w.bytes();

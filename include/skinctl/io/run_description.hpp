@@ -26,17 +26,17 @@ struct RunFrame {
 
 /// A run in words and places, the same for a file, a stream and DDS. Only the joints are needed.
 struct RunDescription {
-  std::vector<std::string> joints;  ///< names, one for each joint
-  std::vector<std::string> laws;    ///< one for each torque share; missing ones are numbered
-  std::string urdf;                 ///< `/robot_description`; empty: none is sent
-  std::string layout;               ///< `/skin/layout`, a skin file in JSON; empty: none is sent
+  std::vector<std::string> joints{};  ///< names, one for each joint
+  std::vector<std::string> laws{};    ///< one for each torque share; missing ones are numbered
+  std::string urdf{};                 ///< `/robot_description`; empty: none is sent
+  std::string layout{};               ///< `/skin/layout`, a skin file in JSON; empty: none is sent
   std::string base = "base_link";
-  std::vector<RunFrame> frames;  ///< of `/tf`; empty: none is sent
+  std::vector<RunFrame> frames{};  ///< of `/tf`; empty: none is sent
   /// The places of all links at these joint positions; see `places_of`.
   std::function<void(const std::vector<double>& q, std::vector<LinkPlace>& places)> places;
-  std::vector<SkinCloud::Cell> cells;  ///< of `/skin/cells`; a cell's link is an index into the places
-  float newtons = 1;                   ///< of a sum of readings of 1
-  Nanoseconds max_age = 100ms;         ///< older cells are marked as stale
+  std::vector<SkinCloud::Cell> cells{};  ///< of `/skin/cells`; a cell's link is an index into the places
+  float newtons = 1;                     ///< of a sum of readings of 1
+  Nanoseconds max_age = 100ms;           ///< older cells are marked as stale
 };
 
 /// The links of `D` that move, as frames.

@@ -127,7 +127,7 @@ class Executor {
         confirm(m, in, rule);
         break;
       case Phase::begin_reverse:
-        ++m.ticket;
+        number(m);
         to(m, in.now, Phase::reverse);
         break;
       case Phase::reverse:
@@ -151,6 +151,10 @@ class Executor {
     m.phase = phase;
     m.since = now;
     m.unseen = 0;
+  }
+  /// The next number of a request; 0 is none.
+  static void number(Memory& m) noexcept {
+    m.ticket = m.ticket == 0xffff ? std::uint16_t(1) : std::uint16_t(m.ticket + 1);
   }
   static void enter(Memory& m, Nanoseconds now, std::uint8_t step) noexcept {
     m.step = step;
@@ -200,7 +204,7 @@ class Executor {
       if (in.now - m.since >= s_.place) fail(m, in, StepFailure::place, false);
       return;
     }
-    ++m.ticket;
+    number(m);
     to(m, in.now, Phase::run);
   }
   void run(Memory& m, const StepInput& in, const ActivityRule& rule) const noexcept {

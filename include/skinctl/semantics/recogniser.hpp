@@ -8,8 +8,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// An activity as recognised.
 struct Recognised {
   Activity activity = Activity::unknown;
-  Nanoseconds since{};  ///< when it began: the stamp of the event that decided, before the decision
-  bool sure = false;    ///< it has stood for `settle` since it was first said
+  Nanoseconds
+      since{};        ///< when it began: the stamp of the change of a bit that decided, else of the decision
+  bool sure = false;  ///< it has stood for `settle` since it was first said
   friend bool operator==(const Recognised&, const Recognised&) noexcept = default;
 };
 
@@ -23,6 +24,7 @@ class Recogniser {
   struct Memory {
     Recognised said{};
     Nanoseconds decided{};  ///< when the word was first said
+    Nanoseconds event{};    ///< newest change of a bit
     bool started = false;
   };
 
@@ -36,12 +38,14 @@ class Recogniser {
   Recognised step(Memory& m, const Features& f) const noexcept {
     const Activity word = classifier_(f);
     if (!m.started || word != m.said.activity) {
-      // The event behind a new word is not before the word that it ends.
-      const Nanoseconds since = word == Activity::unknown || f.event > f.time ? f.time : f.event;
+      // A bit that changed now dates the word, but not before the word that it ends.
+      const bool by_event = word != Activity::unknown && f.event != m.event && f.event <= f.time;
+      const Nanoseconds since = by_event ? f.event : f.time;
       m.said = {word, m.started && since < m.said.since ? m.said.since : since, false};
       m.decided = f.time;
       m.started = true;
     }
+    m.event = f.event;
     m.said.sure = word != Activity::unknown && f.time - m.decided >= settle_;
     return m.said;
   }

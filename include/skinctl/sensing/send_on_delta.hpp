@@ -23,7 +23,7 @@ class SendOnDelta {
     float proximity = 0.004f;
     float acceleration = 1;    ///< each axis [m/s^2]
     float temperature = 0.5f;  ///< [C]
-    float fine = 1.0f / 1024;  ///< each of the three forces, after `patience`
+    float fine = 2.0f / 1024;  ///< each of the three forces, after `patience`; above the noise
   };
   /// The last sample sent; none in `Memory{}`. One per cell.
   struct Memory {
@@ -52,7 +52,8 @@ class SendOnDelta {
     bool changed = !memory.any || now.time - last.time >= keep_alive_ ||
                    differ(now.proximity, last.proximity, deltas_.proximity) ||
                    differ(now.temperature, last.temperature, deltas_.temperature);
-    const float force = now.time - last.time >= patience_ && deltas_.fine < deltas_.force ? deltas_.fine : deltas_.force;
+    const float force =
+        now.time - last.time >= patience_ && deltas_.fine < deltas_.force ? deltas_.fine : deltas_.force;
     for (std::size_t k = 0; k < 3; ++k)
       changed = changed || differ(now.force[k], last.force[k], force) ||
                 differ(now.acceleration[k], last.acceleration[k], deltas_.acceleration);

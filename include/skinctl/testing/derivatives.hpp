@@ -20,7 +20,7 @@ class JacobianOf {
     residual.tail(r.size()) = r;
     jacobian.conservativeResize(at + r.size(), unknowns_);
     jacobian.bottomRows(r.size()).setZero();
-    const auto put = [&](const auto& b) {
+    [[maybe_unused]] const auto put = [&](const auto& b) {
       if (b.column >= 0) jacobian.block(at, b.column, r.size(), b.matrix.cols()) += b.matrix;
     };
     (put(by), ...);

@@ -90,6 +90,9 @@ template <bool Contacts, class Skin, class Touch>
     return contact_part(touch);
   }
 }
+/// Whether a law has a gripper: a `SkillSet` with `OneGripper`.
+template <class L>
+inline constexpr bool has_gripper = requires { requires L::has_gripper; };
 /// What the touch of a scene adds to its input: nothing for cells, see `TouchSensor`.
 template <class Skin>
 struct SensedBy {
