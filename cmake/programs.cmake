@@ -59,7 +59,7 @@ endfunction()
 
 # skinctl_in_the_loop(<source>...): what a robot's cycle calls, in a folder that is compiled with less.
 function(skinctl_in_the_loop)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O3>;$<$<CONFIG:Sanitized>:-O1>")
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
 endfunction()
 
 # skinctl_target_name(<variable> <source>): tests/core/real_test.cpp -> core_real_test
