@@ -12,6 +12,7 @@
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
+#include "skinctl/tracking/friction_learning.hpp"
 
 namespace compliant_ur5 {
 
@@ -68,9 +69,39 @@ skinctl::RobotConfiguration<6> configuration(const Settings& s) {
           .dead_band = JointPosition<6>::constant(0.02)};
 }
 
-/// From skin and state to commands for `I`: every number of it comes from the settings.
+/// The same by torque: no virtual arm, no lag; the motors' inertia is known.
+template <>
+inline skinctl::RobotConfiguration<6> configuration<skinctl::Interface::torque>(const Settings& s) {
+  using namespace skinctl;
+  return {.limits = limits(s),
+          .period = nanoseconds(1 / s.rate),
+          .delay = nanoseconds(std::max(s.network_delay, 0.0)),
+          .viscous_friction = JointTorque<6>(s.torque.viscous),
+          .virtual_inertia = JointTorque<6>(s.torque.motor_inertia)};
+}
+
+/// The controller holds the weight; the friction that it leaves over is learnt, so that the arm comes back to its task.
+inline auto scene_by_torque(const Settings& s) {
+  using namespace skinctl;
+  const auto arm =
+      by_torque(ur5::Model{}, configuration<Interface::torque>(s), RobotHoldsGravity{},
+                RobotCompensatesFriction{}, ContactDamper<>({.max = s.torque.damping, .calm = 200ms}));
+  auto t = tracking_settings(arm);
+  t.lambda = s.torque.lambda;
+  t.K_c = s.torque.K_c;
+  t.K_i1 = t.K_i2 = 0;  // they have no dead zone
+  t.tb = {};
+  t.max_velocity = JointVelocity<6>::constant(s.control.max_velocity);
+  const FrictionLearning<SplineJoint<6>> reach(SplineJoint<6>(t), t,
+                                               {.rate = s.torque.learning,
+                                                .bound = JointTorque<6>(s.torque.most_friction),
+                                                .dead_zone = s.torque.dead_zone});
+  return Cycle(arm, trusted_skin(s), reach + SkinJointControl{});
+}
+
+/// A virtual arm gives way, and its motion is commanded.
 template <skinctl::Interface I>
-auto make_scene(const Settings& s) {
+auto scene_by_motion(const Settings& s) {
   using namespace skinctl;
   const auto robot = configuration<I>(s);
   const auto skin = trusted_skin(s);
@@ -80,6 +111,17 @@ auto make_scene(const Settings& s) {
   const auto arm =
       robot_by<I>(ur5::Model{}, robot, ContactDamper<>({.max = damping, .calm = 200ms}), stiffest);
   return Cycle(arm, skin, SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
+}
+
+/// From skin and state to commands for `I`: every number of it comes from the settings.
+template <skinctl::Interface I>
+auto make_scene(const Settings& s) {
+  using namespace skinctl;
+  if constexpr (I == Interface::torque) {
+    return scene_by_torque(s);
+  } else {
+    return scene_by_motion<I>(s);
+  }
 }
 
 /// The same, as the job runs it: it does not move before its skin is heard, and stops when a patch falls silent.
