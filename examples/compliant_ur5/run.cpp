@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "examples/adapters/allegro/palm.hpp"
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/adapters/ur5/round_trip.hpp"
@@ -35,18 +36,32 @@ std::string in_words(const Coverage& c) {
 struct SkinOnRobotClock {
   adapters::skin::Receiver& receiver;
   const adapters::ur5::Driver& driver;
-  std::span<const CellSample> poll() noexcept { return receiver.poll(driver.clock()); }
+  adapters::allegro::Palm* palm = nullptr;
+  std::vector<CellSample> both{};  ///< room for the receiver's and the palm's
+
+  std::span<const CellSample> poll() noexcept {
+    const auto now = driver.clock();
+    const auto received = receiver.poll(now);
+    if (palm == nullptr) return received;
+    const std::size_t n = std::min(received.size(), both.size() - 1);
+    std::copy_n(received.begin(), n, both.begin());
+    const auto felt = palm->take(palm_cell, now);
+    if (felt) both[n] = *felt;
+    return {both.data(), n + (felt ? 1 : 0)};
+  }
 };
 
 /// The driver, which remembers how the scene was started: a recording begins there.
 struct RecordedDriver {
   adapters::ur5::Driver& driver;
+  bool by_torque = false;
   State<6> measured{};
   JointPosition<6> began_told{};
   State<6> began{};
+  Heard heard = Heard::state;
 
   Heard wait(State<6>& state) noexcept {
-    const Heard heard = driver.wait(state);
+    heard = driver.wait(state);
     measured = state;
     return heard;
   }
@@ -54,7 +69,11 @@ struct RecordedDriver {
     began = measured;
     return began_told = driver.told();
   }
-  bool send(const JointCommand<6>& command) noexcept { return driver.send(command); }
+  bool send(const JointCommand<6>& command) noexcept {
+    // A torque for a state that nobody knows accelerates: the robot's program brakes by itself instead.
+    if (by_torque && heard == Heard::silent) return true;
+    return driver.send(command);
+  }
   void stop() noexcept { driver.stop(); }
 };
 
@@ -134,6 +153,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   }
   adapters::ur5::Driver driver(config);
   driver.connect();
+  if (s.hand && !driver.set_payload(s.hand->mass, s.hand->centre))
+    throw adapters::ConnectionError("the robot does not take the payload");
   if (!s.quiet) {
     std::printf("connected to %s, controller %s, %.0f Hz, %s\n",
                 s.robot ? s.robot->c_str() : "the simulated UR5", driver.controller().text().c_str(), s.rate,
@@ -167,7 +188,11 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
 
   examples::job::Progress progress(s.quiet);
   SkinOnRobotClock skin{receiver, driver};
-  RecordedDriver robot{driver};
+  if (s.hand && s.hand->palm_gain > 0 && s.hand->reading != nullptr) {
+    skin.palm = s.hand->reading;
+    skin.both.resize(16385);  // most of one poll, and one
+  }
+  RecordedDriver robot{driver, by_torque};
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
     if (first == 0ns) first = input.now;
     const double t = seconds<double>(input.now - first);

@@ -51,6 +51,13 @@ inline auto trusted_skin(const Settings& s) {
   trust.health.delta = 2;  // of the simulated cells, and of TUM's
   trust.answer = 0.05;     // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
   const auto patches = skin_patches(s);
+  if (!s.trust_all_cells && s.hand) {  // a palm has one cell: nobody else can be its witness
+    std::vector<double> lone;
+    for (const SkinPatch& patch : patches)
+      for (const SkinCell& cell : patch.cells)
+        lone.push_back(cell.id == palm_cell ? std::numeric_limits<double>::infinity() : 0.0);
+    trust.lone_force = lone;
+  }
   return TrustedSkin(UrSkin(patches, settings), trust, FillIn(skin_graph(s, patches)), patches);
 }
 

@@ -9,6 +9,10 @@
 
 #include "skinctl/core/command.hpp"
 
+namespace adapters::allegro {
+class Palm;
+}
+
 namespace compliant_ur5 {
 
 /// One number per joint, or per link; in a file one number stands for six.
@@ -59,6 +63,16 @@ struct TorqueControl {
   double patience = 0.04;  ///< after so long without a command the robot stops by itself [s]
 };
 
+/// A hand at the flange.
+struct CarriedHand {
+  double mass = 0;                    ///< of all that hangs there [kg]
+  std::array<double, 3> centre{};     ///< its centre of mass in the flange's frame [m]
+  double palm_gain = 0;               ///< [N per unit of the three readings]; 0: its palm feels nothing
+  std::array<double, 3> palm{};       ///< place of the palm's cell in link 5 [m]
+  std::array<double, 9> palm_axes{};  ///< its axes x, y, z there; z is the outward normal
+  adapters::allegro::Palm* reading = nullptr;  ///< lives as long as the run
+};
+
 struct Settings {
   std::string scenario;                    ///< TOML file
   std::optional<std::string> robot;        ///< host of a real robot; none: the simulated one
@@ -88,6 +102,7 @@ struct Settings {
   double rest_reading = 0.004;      ///< of each force sensor, likewise
   ControlSettings control;
   TorqueControl torque;
+  std::optional<CarriedHand> hand;
   std::vector<Goal> task;
 };
 

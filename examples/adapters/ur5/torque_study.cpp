@@ -1,12 +1,26 @@
 // ur5_torque_study: a simulated UR5 by direct torque, with the friction that its controller leaves over: how near to its
 // target it rests, and what targets in steps do to it. In step with the simulation, some ten seconds.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "examples/adapters/tests/under_torque.hpp"
+#include "examples/support/job.hpp"
 
 using namespace under_torque;
 
-int main() {
+int main(int argc, char** argv) {
+  namespace job = examples::job;
+  CLI::App app{
+      "Rests and follows by direct torque on a simulated UR5 with dry friction, with and without learning "
+      "it."};
+  app.footer(job::exit_help());
+  bool simulate = false;
+  app.add_flag("--simulate", simulate, "a simulated UR5 (there is no other)");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
+  }
   std::printf(
       "| compensated by the controller | learning | farthest joint at rest [deg] | moves there by [deg] "
       "|\n|---|---|---|---|\n");
