@@ -88,6 +88,11 @@ int run(int argc, char** argv) {
           adapters::allegro::Palm& palm;
           ~Leave() { palm.leave(); }
         } when_it_ends{palm};
+        // A hand takes its time until it speaks; an arm that starts before would call its palm silent.
+        for (int ms = 0; feels && !palm.heard() && ms < 20000; ms += 5) {
+          if (stop) return Exit::interrupted;
+          std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
         return static_cast<Exit>(static_cast<int>(compliant_ur5::run(arm, stop, arm_log)));
       },
       [&](const std::atomic<bool>& stop) { return compliant_allegro::run(hand, stop, hand_log); },

@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
     std::atomic<std::size_t> at{0};
   };
   std::vector<Lane> lanes(std::min(together, std::max<std::size_t>(cases.size(), 1)));
-  std::atomic<std::size_t> next{0}, done{0}, ended{0};
+  std::atomic<std::size_t> next{0}, done{0}, ended{0}, repeated{0};
   std::vector<std::thread> threads;
   for (Lane& lane : lanes)
     threads.emplace_back([&] {
@@ -78,6 +78,11 @@ int main(int argc, char** argv) {
         lane.since = Clock::now().time_since_epoch().count();
         try {
           rows[k] = cases[k].run();
+          // On a machine that is busy a robot and its program may miss each other: what is not so again was not so.
+          for (int again = 0; again < 2 && !rows[k].expected && !signals.asked(); ++again, ++repeated) {
+            lane.since = Clock::now().time_since_epoch().count();
+            rows[k] = cases[k].run();
+          }
         } catch (const std::exception& e) {
           rows[k] = {
               .device = cases[k].device, .fault = e.what(), .expected = false, .otherwise = "no exception"};
@@ -116,6 +121,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "not as expected: %s, %s: should have been %s\n", r.device.c_str(), r.fault.c_str(),
                  r.otherwise.c_str());
   }
-  std::printf("\n%zu cases, %zu otherwise than they should be\n", rows.size(), odd);
+  std::printf("\n%zu cases, %zu otherwise than they should be; %zu times a case was run again\n", rows.size(),
+              odd, repeated.load());
   return job::code(odd == 0 ? job::Exit::fine : job::Exit::broken);
 }

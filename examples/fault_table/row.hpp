@@ -18,11 +18,10 @@ struct Row {
 };
 using Rows = std::vector<Row>;
 
-/// A case that has yet to run. Cases that `wait` only (for clocks, not for the processor) may run side by side.
+/// A case that has yet to run.
 struct Case {
   std::string device;
   std::function<Row()> run;
-  bool waits = true;
 };
 using Cases = std::vector<Case>;
 

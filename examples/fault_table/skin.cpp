@@ -181,7 +181,7 @@ std::vector<Fault> faults() {
 
 Cases skin_cases() {
   Cases out;
-  for (const Fault& f : faults()) out.push_back({"skin", [f] { return suffer(f); }, false});
+  for (const Fault& f : faults()) out.push_back({"skin", [f] { return suffer(f); }});
   return out;
 }
 

@@ -38,6 +38,9 @@ Eigen::Matrix<double, 6, 1> held_drag(const JointTorque<6, T>& b, const State<6,
   }
   return (B.inverse() + 0.003 * M.inverse()).inverse() * dq;
 }
+struct Asks {
+  static constexpr Needs needs = {.mass = true};
+};
 template <class T>
 State<6, T> at(Nanoseconds time) {
   return {time, {T(0.1), T(-1.5), T(1.2), T(-1), T(-1.5), T(0.3)}, {T(0.5), T(0), T(-0.2), T(0), T(0), T(1)}};
@@ -111,9 +114,6 @@ TEST_CASE_TEMPLATE("Resolver for torques: laws and friction know the motors, whi
           doctest::Approx(double(gravity[i]) - drag[static_cast<Eigen::Index>(i)]).epsilon(1e-5));
   CHECK(drag[5] > 3.5);  // of 4 N m at 1 rad/s
   CHECK(double(gravity[5] - too_little[5]) < 1);
-  struct Asks {
-    static constexpr Needs needs = {.mass = true};
-  };
   const NoTouch none;
   const auto known = robot.template known<Asks>(s, T(0.002), none);
   const auto links = mass_matrix(ur5::Model{}, s.q);

@@ -15,6 +15,8 @@ class Palm {
  public:
   using Clock = std::chrono::steady_clock;
 
+  /// Whether the hand has spoken.
+  [[nodiscard]] bool heard() const noexcept { return number_ > 1; }
   /// By the arm's job when it has ended: nobody feels the palm any more.
   void leave() noexcept { left_ = true; }
   [[nodiscard]] bool left() const noexcept { return left_; }

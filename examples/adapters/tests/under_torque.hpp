@@ -83,11 +83,11 @@ inline JointControlSettings<6> settings(const Arm& arm) {
 }
 /// All of the friction, whatever share of it the controller takes.
 inline FrictionLearningSettings<6> learning(bool learns) {
-  return {.rate = learns ? 300 : 1e-9, .bound = {20, 20, 15, 6, 6, 6}, .dead_zone = 0.05 * degree};
+  return {.rate = learns ? 900 : 1e-9, .bound = {20, 20, 15, 6, 6, 6}, .dead_zone = 0.05 * degree};
 }
 
 struct Rest {
-  double error = 0;    ///< of the farthest joint in the last 1.8 s of 6 [rad]
+  double error = 0;    ///< of the farthest joint in the last 2.4 s of 8 [rad]
   double hunting = 0;  ///< its motion in that time [rad]
   double moved = 0;    ///< from the start [rad]
   std::string lost;
@@ -106,7 +106,7 @@ inline Rest rest(bool learns, double coulomb_scale) {
                    high = JointPosition<6>::constant(-1e9);
   for (double& q : goal) q += 0.3;
   auto memory = law.start(arm.known());
-  constexpr int cycles = 3000;
+  constexpr int cycles = 4000;
   for (int i = 0; i < cycles; ++i) {
     const auto known = arm.known();
     if (i % 10 == 0) memory = law.receive(memory, known, {goal, {}, {}}).memory;

@@ -45,6 +45,14 @@ TEST_CASE("Two jobs: both end well, one fails, one throws, both are interrupted"
     CHECK((arm_fails ? ran.hand : ran.arm).exit == Exit::interrupted);
     CHECK((arm_fails ? ran.hand : ran.arm).stopped_with_other);
   }
+  // The hand fails first, and the arm fails because of that.
+  const auto both = run_both(
+      [](const std::atomic<bool>& stop) {
+        until_stopped(stop);
+        return Exit::blind;
+      },
+      ends(Exit::lost), nobody);
+  CHECK(both.exit() == Exit::lost);
   const auto thrown = run_both(
       until_stopped, [](const std::atomic<bool>&) -> Exit { throw std::runtime_error("no hand"); }, nobody);
   CHECK(thrown.exit() == Exit::lost);

@@ -34,13 +34,14 @@ struct Disturbed {
   double went = 0;   ///< farthest joint, from the disturbance until rest [rad]
   std::string words;
 
-  Disturbed(skinctl::Interface interface, const std::function<void(Disturbed&)>& disturb)
+  /// @param share  of the usual number of cycles: where few states come, cycles take longer.
+  Disturbed(skinctl::Interface interface, const std::function<void(Disturbed&)>& disturb, double share = 1)
       : s(settings_by(interface)), beside_(std::make_unique<Beside>(s)), beside(*beside_) {
     using Clock = std::chrono::steady_clock;
     const auto ms = [](Clock::duration t) { return std::chrono::duration<double, std::milli>(t).count(); };
     s.rtde_port = rtde.port();
     s.told_port = reverse.port();
-    s.cycles = static_cast<std::uint64_t>(2.64 * s.rate);
+    s.cycles = static_cast<std::uint64_t>(2.64 * share * s.rate);
     s.task = {{.at = 0.1, .q = {0.7, -1.0, 1.2, -1.7, -1.57, 0.3}, .duration = 2}};
     std::atomic<bool> stop = false, over = false;
     std::thread job([&] {

@@ -31,7 +31,7 @@ struct LearntFriction {
 ///     df_i = -g M_ii S_q_i    outside of the dead zone,  |S_q_i| (smoothed) > K_c e_0,
 ///     df_i = 0                inside,
 ///
-/// and kept within `+-bound`. `lambda^2` stands in place of g while f drives the joint beyond its reference,
+/// and kept within `+-bound`. `4 lambda^2` stands in place of g while f drives the joint beyond its reference,
 /// `f S_q > 0`: a joint that breaks loose rubs less than at rest (stiction; a controller that compensates friction by
 /// the measured speed), and the torque that broke it loose must not carry it across the target and back for ever.
 ///
@@ -60,7 +60,7 @@ class FrictionLearning
   FrictionLearning(const L& law, const JointControlSettings<N, T>& of_law, const Settings& settings)
       : Base(law),
         settings_(settings),
-        release_(of_law.lambda * of_law.lambda),
+        release_(T(4) * of_law.lambda * of_law.lambda),
         dead_(of_law.K_c * settings.dead_zone) {
     const T most = T(0.25) * of_law.lambda * of_law.lambda;
     require(settings.rate > T(0) && settings.rate <= most, "rate of friction learning",
