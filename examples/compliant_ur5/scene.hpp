@@ -53,10 +53,16 @@ inline auto trusted_skin(const Settings& s) {
   const auto patches = skin_patches(s);
   if (!s.trust_all_cells && s.hand) {  // a palm has one cell: nobody else can be its witness
     std::vector<double> lone;
+    std::vector<SensorNoise> noise;
     for (const SkinPatch& patch : patches)
-      for (const SkinCell& cell : patch.cells)
-        lone.push_back(cell.id == palm_cell ? std::numeric_limits<double>::infinity() : 0.0);
+      for (const SkinCell& cell : patch.cells) {
+        const bool palm = cell.id == palm_cell;
+        lone.push_back(palm ? std::numeric_limits<double>::infinity() : 0.0);
+        noise.push_back(palm ? SensorNoise{.force = 20}
+                             : trust.noise[0]);  // of 1/255, equal readings are no fault
+      }
     trust.lone_force = lone;
+    trust.noise = noise;
   }
   return TrustedSkin(UrSkin(patches, settings), trust, FillIn(skin_graph(s, patches)), patches);
 }

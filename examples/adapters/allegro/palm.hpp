@@ -41,8 +41,12 @@ class Palm {
     if (number_.load(std::memory_order_relaxed) != before) return std::nullopt;
     taken_ = before;
     const skinctl::Nanoseconds age = Clock::now() - at;
-    return skinctl::CellSample{
-        .time = age > skinctl::Nanoseconds(0) ? now - age : now, .cell = cell, .force = {f, f, f}};
+    // Its readings are numbered: one that repeats is of a palm that lives. The number stands where this cell has no
+    // accelerometer.
+    return skinctl::CellSample{.time = age > skinctl::Nanoseconds(0) ? now - age : now,
+                               .cell = cell,
+                               .force = {f, f, f},
+                               .acceleration = {static_cast<float>(before / 2 % 256), 0, 0}};
   }
 
  private:
