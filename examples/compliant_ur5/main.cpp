@@ -73,6 +73,8 @@ int run(int argc, char** argv) {
   app.add_option("--cycles", s.cycles, "end after so many cycles (0: as long as the scenario lasts)");
   auto* rate = app.add_option("--rate", s.rate, "cycles a second; by torque 500")
                    ->check(CLI::IsMember({125.0, 500.0}));
+  app.add_option("--preset", s.preset, "speed against accuracy: sub-steps and messages of the simulated skin")
+      ->check(CLI::IsMember({"balanced", "fast"}));
   app.add_option("--interface", interface,
                  "what is commanded; torque: from PolyScope 5.23 or PolyScope X 10.11 on")
       ->check(CLI::IsMember({"position", "velocity", "torque"}));
@@ -81,9 +83,14 @@ int run(int argc, char** argv) {
   app.add_flag("--rigid", s.rigid, "the skin does not act: what a stiff arm does to the finger");
   app.add_flag("!--no-compare", s.compare, "do not run the scenario rigid as well");
   app.add_flag("--quiet", s.quiet, "print errors only");
-  app.add_option("--record", s.record, "write every input and command to a file");
-  app.add_option("--replay", s.replay, "run a recording again and compare every command")
+  app.add_option("--record", s.record, "write the run to an MCAP file: it replays, and viewers show it");
+  app.add_option("--replay", s.replay, "run a recorded file again and compare every command")
       ->check(CLI::ExistingFile);
+  app.add_flag("--live", s.live,
+               "serve a page on this computer that shows robot, cells, contacts and torques while it runs; "
+               "at real-time pace");
+  app.add_option("--live-port", s.live_port, "of the page (0: any)")->capture_default_str();
+  app.add_flag("--allow-control", s.allow_control, "who sees the page may resume; stop is always allowed");
   app.add_option("--report", s.report, "HTML report with plots (empty: none)");
   app.add_option("--json", s.json, "summary as JSON");
   app.add_option("--picture", picture, "one SVG of force and deflection");
@@ -112,6 +119,7 @@ int run(int argc, char** argv) {
     return 0;
   }
   if (!robot.empty()) s.robot = robot;
+  if (s.live && app.count("--speed") == 0) s.speed = 1;
   if (interface == "velocity") s.interface = skinctl::Interface::velocity;
   if (interface == "torque") {
     s.interface = skinctl::Interface::torque;
@@ -127,6 +135,7 @@ int run(int argc, char** argv) {
     compliant_ur5::Settings rigid = s;
     rigid.rigid = rigid.quiet = true;
     rigid.record.clear();
+    rigid.live = false;
     compliant_ur5::RunLog stiff;
     const auto other = compliant_ur5::run(rigid, signals.asked(), stiff);
     if (other == compliant_ur5::Outcome::fine) {

@@ -12,12 +12,13 @@
 #include "examples/adapters/ur5/round_trip.hpp"
 #include "examples/compliant_ur5/endings.hpp"
 #include "examples/compliant_ur5/following_judge.hpp"
+#include "examples/compliant_ur5/live.hpp"
+#include "examples/compliant_ur5/recorder.hpp"
 #include "examples/compliant_ur5/scene.hpp"
 #include "examples/compliant_ur5/simulation.hpp"
 #include "examples/compliant_ur5/skin_session.hpp"
 #include "examples/compliant_ur5/summary.hpp"
 #include "examples/compliant_ur5/touch_observer.hpp"
-#include "skinctl/cycle/recording.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
@@ -166,7 +167,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   const std::uint64_t planned = s.cycles != 0 ? s.cycles : static_cast<std::uint64_t>(s.duration * s.rate);
   log.entries.reserve(planned);
   const auto memory = std::make_unique<typename Scene::Memory>();
-  Recording<Scene> recording(s.record.empty() ? 4096 : planned * 2048 + (std::size_t(64) << 20));
+  LivePage<Scene> live(s);
+  JobRecorder<Scene> recording(s, live.consumers());
 
   const auto limit = limits(s);
   Ending ending = Ending::finished;
@@ -196,7 +198,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
     if (first == 0ns) first = input.now;
     const double t = seconds<double>(input.now - first);
-    if (!recording_started && !s.record.empty()) {
+    input.request = live.take();
+    if (!recording_started) {
       // The scene was started at the state before this one: that is what a replay starts from.
       if constexpr (I == Interface::position) {
         recording.start(robot.began, robot.began_told);
@@ -238,7 +241,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     return true;
   };
   const auto after = [&](const typename Scene::Input& input, const typename Scene::Output& out,
-                         const Stopwatch&) {
+                         const Stopwatch& watch) {
     const double t = seconds<double>(input.now - first);
     const auto& reach = std::get<0>(scene.law().laws());
     const auto& reached = Scene::law_type::template memory<0>(memory->law);
@@ -280,7 +283,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     last_velocity = out.command.velocity;
     last_time = out.command.time;
     if (log.entries.size() < log.entries.capacity()) log.entries.push_back(entry);
-    if (!s.record.empty()) recording.add(input, out.command);
+    recording(input, out, watch);
     if (progress.due(t))
       progress.show("%5.0f s  force %5.1f N  deflection %6.3f rad  touches %zu", t, observer.force(),
                     entry.deflection, observer.touches().size());
@@ -347,8 +350,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   std::string noted;
   all.for_each([&](Reason r) { noted += (noted.empty() ? "" : "; ") + std::string(describe(r)); });
   log.result.push_back({"noted", noted.empty() ? "nothing" : noted});
+  recording.finish(log);
   print(s, log);
-  if (!s.record.empty()) recording.save(s.record);
 
   if (report.ended == LoopEnd::displaced) ending = Ending::displaced;
   if (report.ended == LoopEnd::interrupted) ending = Ending::interrupted;
@@ -376,10 +379,17 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
 }
 
 template <Interface I>
-Outcome replay_with(const Settings& s) {
+Outcome replay_with(const Settings& given) {
+  Settings s = given;
+  s.control.delay += std::max(s.network_delay, 0.0);
   const auto scene = make_watched_scene<I>(s);
   using Scene = std::remove_cvref_t<decltype(scene)>;
-  const auto result = skinctl::replay(scene, Recording<Scene>::load(s.replay));
+  const auto run = load_run<Scene>(s.replay, run_identity(s));
+  if (!run.whole) std::printf("%s was cut: its last second may be missing\n", s.replay.c_str());
+  if (run.missing > 0)
+    std::printf("%llu cycles found no room when it was recorded: replayed up to the first of them\n",
+                static_cast<unsigned long long>(run.missing));
+  const auto result = skinctl::replay(scene, run.recording);
   std::printf("replayed %llu cycles: ", static_cast<unsigned long long>(result.cycles));
   if (result.different == 0) {
     std::printf("every command is the same to the bit\n");

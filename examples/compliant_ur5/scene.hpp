@@ -11,6 +11,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
+#include "skinctl/robot/preset.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
 #include "skinctl/tracking/friction_learning.hpp"
 
@@ -79,7 +80,8 @@ skinctl::RobotConfiguration<6> configuration(const Settings& s) {
           .lag = nanoseconds(s.control.lag + ahead),
           .virtual_damping = s.control.decay,
           .viscous_friction = JointTorque<6>(s.control.viscous),
-          .dead_band = JointPosition<6>::constant(0.02)};
+          .dead_band = JointPosition<6>::constant(0.02),
+          .substep = s.preset == preset::Fast::name ? preset::Fast::substep : preset::Balanced::substep};
 }
 
 /// The same by torque: no virtual arm, no lag; the motors' inertia is known.

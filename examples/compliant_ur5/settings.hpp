@@ -83,6 +83,8 @@ struct Settings {
   std::string skin_key;                    ///< file with the key of authenticated skin datagrams; empty: none
   std::uint64_t cycles = 0;                ///< 0: as long as the scenario lasts
   double rate = 125;
+  std::string preset =
+      "balanced";    ///< or "fast": `skinctl::preset`; here in double, as the robot's states are
   double speed = 0;  ///< of the simulation: 0: lock-step, 1: real time
   skinctl::Interface interface = skinctl::Interface::position;
   std::string touch_profile;     ///< CSV that replaces the scenario's touches
@@ -91,6 +93,9 @@ struct Settings {
   bool rigid = false;            ///< the skin does not act
   bool compare = true;           ///< simulated: run the scenario rigid as well
   bool quiet = false;
+  bool live = false;                         ///< a page shows the run while it runs
+  std::uint16_t live_port = 8765;            ///< of the page; 0: any
+  bool allow_control = false;                ///< who sees the page may resume
   std::string record, replay, report, json;  ///< files; empty: none
   std::uint16_t rtde_port = 30004, script_port = 30002, dashboard_port = 29999, rest_port = 80;
   std::uint16_t reverse_port = 0;   ///< of this computer, where the robot's program connects; 0: any

@@ -8,10 +8,12 @@
 #include "examples/compliant_ur5/summary.hpp"
 #include "examples/simulated_ur5/scenario.hpp"
 #include "examples/simulated_ur5/skin_faults.hpp"
+#include "skinctl/robot/preset.hpp"
 
 namespace compliant_ur5 {
 
 using skinctl::Interface;
+namespace preset = skinctl::preset;
 
 std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s, std::uint16_t skin_port,
                                                               const std::optional<adapters::skin::Key>& key,
@@ -22,6 +24,10 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
   config.controller.cells = simulated_cells(skin_patches(s));
   if (!s.skin_faults.empty())
     config.controller.skin.faults = simulated_ur5::read_skin_faults(s.skin_faults, config.controller.cells);
+  if (s.preset == preset::Fast::name) {
+    config.controller.skin.force_delta = preset::Fast::event / (3 * s.newtons_per_reading);
+    config.controller.skin.force_patience = preset::Fast::patience.count();
+  }
   config.controller.powered = true;
   if (s.hand) {
     config.controller.arm.unknown_payload = s.hand->mass;

@@ -98,6 +98,8 @@ void check(const SkinConfig& c) {
   require(c.acceleration_noise >= 0 && c.acceleration_noise <= 100, "acceleration noise",
           c.acceleration_noise, "0 to 100 m/s^2");
   require(c.force_delta >= 0, "force delta", c.force_delta, ">= 0");
+  require(c.force_fine >= 0, "fine force delta", c.force_fine, ">= 0");
+  require(c.force_patience >= 0, "force patience", seconds(c.force_patience), ">= 0 s");
   require(c.proximity_delta >= 0, "proximity delta", c.proximity_delta, ">= 0");
   require(c.acceleration_delta >= 0, "acceleration delta", c.acceleration_delta, ">= 0 m/s^2");
 }
@@ -182,8 +184,11 @@ const std::vector<SkinSample>& Skin::sample(Nanoseconds t, const Links& links, c
     bool due = !m.ever_sent || t - m.sent_at >= config_.keep_alive;
     // Cells take turns, so that keep-alives do not come all at once.
     if (static_cast<std::int64_t>(i) % rotation == ticks_ % rotation) due = true;
+    const bool patient = config_.force_patience == 0 || t - m.sent_at < config_.force_patience;
+    const auto force =
+        static_cast<float>(patient ? config_.force_delta : std::min(config_.force_fine, config_.force_delta));
     for (std::size_t a = 0; a < 3; ++a) {
-      if (std::abs(s.force[a] - m.sent.force[a]) >= static_cast<float>(config_.force_delta)) due = true;
+      if (std::abs(s.force[a] - m.sent.force[a]) >= force) due = true;
       if (std::abs(s.acceleration[a] - m.sent.acceleration[a]) >=
           static_cast<float>(config_.acceleration_delta))
         due = true;

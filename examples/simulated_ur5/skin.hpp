@@ -46,6 +46,8 @@ struct SkinConfig {
   double proximity_distance = 0.01;  ///< of a finger that gives reading 0.5 [m]
   double temperature = 30;           ///< [C]
   double force_delta = 2.0 / 1024;   ///< a reading that changed by this much is new data
+  double force_fine = 2.0 / 1024;    ///< the same after `force_patience`; above the noise
+  Nanoseconds force_patience = 0;    ///< silence after which a smaller change is sent too; 0: never
   double proximity_delta = 0.004;
   double acceleration_delta = 1;  ///< [m/s^2]
   Nanoseconds clock_offset{};     ///< added to the controller's time: the skin has its own clock

@@ -11,6 +11,8 @@
 using namespace compliant_allegro;
 using namespace compliant_allegro::faults;
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("Faults of hand and link: reaction, time to rest, exit code") {
   if (skinctl::testing::sanitized) return;  // deadlines of 100 ms mean nothing there
   const auto all = rows();
@@ -63,3 +65,5 @@ TEST_CASE("A mute hand is refused in time, before anything moves") {
   CHECK_THROWS_AS(static_cast<void>(run(s, false, log)), adapters::ConnectionError);
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5));  // three times 1 s
 }
+
+TEST_SUITE_END();

@@ -35,6 +35,8 @@ int program(std::vector<const char*> arguments, int signal = 0, int ms = 0) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("Two jobs: both end well, one fails, one throws, both are interrupted") {
   const std::atomic<bool> nobody{false}, somebody{true};
   CHECK(run_both(ends(Exit::fine), ends(Exit::fine), nobody).exit() == Exit::fine);
@@ -86,3 +88,5 @@ TEST_CASE("The program: arm and hand simulated, a hand that leaves, a signal, wr
   CHECK(program({"--duration", "20", "--hand-unplugged-at", "0.3"}) == 1);
   CHECK(program({"--duration", "20"}, SIGINT, 1500) == 130);
 }
+
+TEST_SUITE_END();

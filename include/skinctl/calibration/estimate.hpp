@@ -1,7 +1,11 @@
-// The result of an identification: a number and how well it is known.
+// The result of an identification: a value, how well it is known, and what the data do not show of it.
 #pragma once
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "skinctl/core/config.hpp"
 
@@ -14,5 +18,39 @@ struct Estimate {
 
   [[nodiscard]] bool known() const noexcept { return deviation < std::numeric_limits<double>::infinity(); }
 };
+
+/// Something that the data do not show, or not well enough to be used.
+struct Unobservable {
+  std::string name;  ///< of it, in the words of the domain: "height of the base"
+  double deviation = std::numeric_limits<double>::infinity();  ///< predicted, in `unit`; infinite: not at all
+  std::string unit{};                                          ///< "m", "rad"
+  std::string remedy{};  ///< what would show it: "tilt the base"; empty: nothing that the method knows
+
+  friend bool operator==(const Unobservable&, const Unobservable&) = default;
+};
+
+/// A value of any type with the covariance of its error, and what the data do not show of it.
+///
+/// @tparam Value  number, vector or pose; the docstring of the function that returns it says which error the
+///                covariance is of (for a pose: position [m] in the outer frame, then rotation vector [rad] in its own axes,
+///                unless said otherwise).
+template <class Value, int N = Eigen::Dynamic>
+struct EstimateOf {
+  Value value{};
+  Eigen::Matrix<double, N, N> covariance{};
+  std::vector<Unobservable> unobservable{};  ///< empty: all of it is known
+
+  [[nodiscard]] bool known() const noexcept { return unobservable.empty(); }
+};
+
+/// Normalised estimation error squared, `e' C^-1 e`: of a covariance that tells the truth its mean is the length of `e`.
+/// NaN if `C` is not positive definite.
+template <class Error, class Covariance>
+[[nodiscard]] double nees(const Eigen::MatrixBase<Error>& e, const Eigen::MatrixBase<Covariance>& C) {
+  const Eigen::LLT<Eigen::MatrixXd> llt(C);
+  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::VectorXd white = llt.matrixL().solve(Eigen::VectorXd(e));
+  return white.squaredNorm();
+}
 
 SKINCTL_END_NAMESPACE

@@ -165,6 +165,8 @@ template <RobotModel M, Scalar T>
   return MassFactors<M, T>::solved(mass_matrix(model, angles), free);
 }
 // clang-format off
+template <RobotModel M, Scalar T> requires(is_fixed_point<T>)
+void forward_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointTorque<M::joints, T>&) = delete;  // its pivots lose their digits in fixed point: forward dynamics need float
 template <RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void forward_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointTorque<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
 template <RobotModel M, class... Q> requires(any_eigen<Q...>)

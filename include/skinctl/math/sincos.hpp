@@ -70,6 +70,10 @@ template <class Policy = Fast, Scalar T>
   } else if constexpr (detail::has_kernel<T> && !std::is_same_v<Policy, Libm>) {
     const auto y = sincos(Lane<T, detail::narrow_lanes<T>>(x));
     return {y.sin[0], y.cos[0]};
+  } else if constexpr (is_fixed_point<T>) {
+    T s, c;
+    sin_cos(x, s, c);
+    return {s, c};
   } else {
     using std::sin, std::cos;
     return {sin(x), cos(x)};

@@ -1,0 +1,213 @@
+// Masses, inertias and friction of a robot from its torques, such as bodies can have them.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "skinctl/calibration/base_parameters.hpp"
+#include "skinctl/calibration/detail/eigen_only.hpp"
+#include "skinctl/calibration/detail/pseudo_inertia.hpp"
+#include "skinctl/calibration/detail/torque_equations.hpp"
+#include "skinctl/calibration/estimate.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+struct InertialFitSettings {
+  double prior = 4;     ///< lambda, 0.01 to 1000: the prior's masses are off by 1/sqrt(lambda), relatively
+  double reach = 0.15;  ///< size of a link, for the prior's first and second moments [m]
+  bool rotors = true;   ///< fit I_a, too
+  int steps = 60;
+};
+
+/// The result. `theta` is that of bodies: each has a density. Friction and rotors are not negative.
+template <std::size_t N>
+struct InertialFit {
+  InertialParameters<N> theta;
+  std::array<double, N> viscous{}, coulomb{}, rotor{};  ///< [N m s/rad], [N m], [kg m^2]
+  std::array<double, N> presliding{};                   ///< way in which friction turns round [rad]
+  std::array<double, N> noise{};                        ///< standard deviation of a torque from the fit [N m]
+  std::array<double, N> explained{};                    ///< R^2 of each joint, of torques less their means
+  BaseParameters base;
+  EstimateOf<Eigen::VectorXd>
+      base_values;                      ///< theta_base and its covariance, of least squares with the prior
+  InertialParameters<N> least_squares;  ///< what ordinary least squares gives: no body need have it
+  std::array<double, N> ls_viscous{}, ls_coulomb{}, ls_rotor{};  ///< the same
+  int steps = 0;
+  bool converged = false;
+};
+
+/// Bodies of the links for a start without a drawing: cylinders of 2700 kg/m^3 along each link, to the next joint, half filled.
+template <RobotModel M>
+[[nodiscard]] InertialParameters<M::joints> cylinder_prior(const M& model, double radius = 0.05) {
+  constexpr std::size_t N = M::joints;
+  using detail::fit::operator+, detail::fit::operator-, detail::fit::operator*,
+      detail::fit::operator/;  // of Eigen alone
+  InertialParameters<N> theta;
+  std::array<LinkParameters<double>, N> links;
+  detail::unrolled<N>([&](auto i) { links[i] = numbers_of<i, double>(model); });
+  for (std::size_t i = 0; i < N; ++i) {
+    Eigen::Vector3d end(0, 0, 0.08);
+    for (std::size_t k = 0; k < N; ++k)
+      if (M::parents[k] == int(i))
+        end = {links[k][LinkParameter::p_x], links[k][LinkParameter::p_y], links[k][LinkParameter::p_z]};
+    const double length = std::max(end.norm(), 0.08),
+                 mass = 0.5 * 2700 * 3.14159265 * radius * radius * length;
+    const Eigen::Vector3d d =
+        end.norm() > 1e-3 ? Eigen::Vector3d(end.normalized()) : Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d c = 0.5 * length * d;
+    Eigen::Matrix4d P;
+    P.topLeftCorner<3, 3>() =
+        mass * (length * length / 12 * d * d.transpose() +
+                radius * radius / 4 * (Eigen::Matrix3d::Identity() - d * d.transpose()) + c * c.transpose());
+    P.topRightCorner<3, 1>() = mass * c, P.bottomLeftCorner<1, 3>() = mass * c.transpose(), P(3, 3) = mass;
+    const auto t = detail::fit::parameters_of(P);
+    for (std::size_t k = 0; k < 10; ++k) theta.data[10 * i + k] = t(Eigen::Index(k));
+  }
+  return theta;
+}
+
+/// A link's numbers with another inertia.
+[[nodiscard]] inline LinkParameters<double> with_inertia(LinkParameters<double> link, const double* theta) {
+  using P = LinkParameter;
+  const Eigen::Map<const detail::fit::Inertia10> t(theta);
+  const Eigen::Matrix4d Q = detail::fit::pseudo_inertia(t);
+  const Eigen::Vector3d c = Q.topRightCorner<3, 1>() / t(0);
+  const Eigen::Matrix3d S = Q.topLeftCorner<3, 3>() - t(0) * c * c.transpose();
+  link[P::mass] = t(0);
+  link[P::c_x] = c.x(), link[P::c_y] = c.y(), link[P::c_z] = c.z();
+  link[P::s_xx] = S(0, 0), link[P::s_yy] = S(1, 1), link[P::s_zz] = S(2, 2);
+  link[P::s_xy] = S(0, 1), link[P::s_xz] = S(0, 2), link[P::s_yz] = S(1, 2);
+  return link;
+}
+
+/// Identifies `tau = Y theta + F_v dq + F_c z + I_a ddq + o`, an offset `o` per joint and recording; `z` is the friction's
+/// side with presliding, `z <- s - (s - z) exp(-|step|/x0)`.
+///
+/// Bodies by their pseudo-inertia `P = U U'`, friction and rotors by logarithms; the prior is drawn in with `lambda`. Residuals
+/// of each joint are weighted by their variance and count less where they are alike in time.
+///
+/// Throws `ConfigurationError` for recordings that are too short or damaged, and if a joint stands still in all of them: its
+/// friction cannot be known.
+///
+/// @param model  its placements and gravity are read.
+/// @param prior  `inertial_parameters(model)` of a drawing, or `cylinder_prior(model)`.
+template <RobotModel M>
+[[nodiscard]] InertialFit<M::joints> fit_inertia(const M& model,
+                                                 const std::vector<TorqueRecording>& recordings,
+                                                 const InertialParameters<M::joints>& prior,
+                                                 const InertialFitSettings& s = {}) {
+  constexpr std::size_t N = M::joints;
+  using detail::fit::operator+, detail::fit::operator-, detail::fit::operator*,
+      detail::fit::operator/;  // of Eigen alone
+  constexpr Eigen::Index bodies = 10 * Eigen::Index(N), all = bodies + 3 * Eigen::Index(N);
+  require(s.prior >= 0.01 && s.prior <= 1000, "lambda of the prior", s.prior, "0.01 to 1000");
+  require(s.reach > 0.01 && s.reach < 10, "reach of the prior", s.reach, "0.01 to 10 m");
+  detail::fit::TorqueEquations<M> equations(model, recordings);
+  InertialFit<N> out;
+  out.base = base_parameters(model);
+
+  Eigen::VectorXd prior_weight = Eigen::VectorXd::Zero(all), theta0 = Eigen::VectorXd::Zero(all);
+  std::array<detail::fit::BodyFactor, N> body;
+  // A little of the divergence tr(P0^-1 P) - log det P, too: it is convex, and keeps the factor away from the edge of what
+  // bodies can be, where steps stall.
+  const double barrier = 0.25 * s.prior;
+  Eigen::VectorXd divergence = Eigen::VectorXd::Zero(all);
+  for (std::size_t i = 0; i < N; ++i) {
+    const Eigen::Map<const detail::fit::Inertia10> t(prior.data + 10 * i);
+    const double m = std::max(t(0), 0.05), r = s.reach;
+    theta0.segment<10>(10 * Eigen::Index(i)) = t;
+    auto w = prior_weight.segment<10>(10 * Eigen::Index(i));
+    w << 1 / m, 1 / (m * r), 1 / (m * r), 1 / (m * r), 1 / (m * r * r), 1 / (m * r * r), 1 / (m * r * r),
+        1 / (m * r * r), 1 / (m * r * r), 1 / (m * r * r);
+    w = s.prior * w.cwiseAbs2();
+    body[i] = detail::fit::BodyFactor::of(t, s.reach);
+    const Eigen::Matrix4d inverse = detail::fit::pseudo_inertia(body[i].parameters()).inverse();
+    for (int k = 0; k < 10; ++k)
+      divergence(10 * Eigen::Index(i) + k) =
+          barrier * (inverse * detail::fit::pseudo_inertia(detail::fit::Inertia10::Unit(k))).trace();
+  }
+  Eigen::VectorXd logs = Eigen::VectorXd::Zero(3 * Eigen::Index(N));
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto k = Eigen::Index(i);
+    logs(k) = std::log(1.0), logs(k + Eigen::Index(N)) = std::log(1.0),
+    logs(k + 2 * Eigen::Index(N)) = std::log(s.rotors ? 0.1 : 1e-9);
+  }
+  const auto parameters = [&](const auto& bodies_now, const Eigen::VectorXd& logs_now) {
+    Eigen::VectorXd x(all);
+    for (std::size_t i = 0; i < N; ++i) x.segment<10>(10 * Eigen::Index(i)) = bodies_now[i].parameters();
+    x.tail(3 * Eigen::Index(N)) = logs_now.array().exp();
+    return x;
+  };
+  Eigen::VectorXd linear = equations.least_squares(out.base, s.rotors);
+  for (int round = 0; round < 3; ++round) {
+    equations.refine(round == 0 ? linear : parameters(body, logs));
+    const Eigen::MatrixXd H = equations.H() + Eigen::MatrixXd(prior_weight.asDiagonal());
+    const Eigen::VectorXd b = equations.b() + prior_weight.cwiseProduct(theta0) - divergence;
+    const auto cost = [&](const auto& bodies_now, const Eigen::VectorXd& logs_now) {
+      const Eigen::VectorXd x = parameters(bodies_now, logs_now);
+      double edge = 0;
+      for (std::size_t i = 0; i < N; ++i) edge += 2 * bodies_now[i].x.template head<4>().sum();
+      return 0.5 * x.dot(H * x) - b.dot(x) - barrier * edge;
+    };
+    double damping = 1e-3, now = cost(body, logs);
+    out.converged = false;
+    for (int step = 0, refused = 0; step < s.steps && refused < 15; ++step, ++out.steps) {
+      const Eigen::VectorXd x = parameters(body, logs);
+      Eigen::MatrixXd J = Eigen::MatrixXd::Zero(all, all);
+      for (std::size_t i = 0; i < N; ++i)
+        J.block<10, 10>(10 * Eigen::Index(i), 10 * Eigen::Index(i)) = body[i].derivative();
+      J.diagonal().tail(3 * Eigen::Index(N)) = x.tail(3 * Eigen::Index(N));
+      Eigen::MatrixXd A = J.transpose() * H * J;
+      if (!s.rotors) A.rightCols(Eigen::Index(N)).setZero(), A.bottomRows(Eigen::Index(N)).setZero();
+      Eigen::VectorXd g = J.transpose() * (b - H * x);
+      if (!s.rotors) g.tail(Eigen::Index(N)).setZero();
+      for (Eigen::Index i = 0; i < Eigen::Index(N); ++i) {
+        g.segment<4>(10 * i).array() += 2 * barrier;
+        A.diagonal().segment<4>(10 * i).array() += 4 * barrier;
+        A.diagonal().segment<6>(10 * i + 4).array() += 2 * barrier;
+      }
+      A.diagonal() += damping * A.diagonal() +
+                      Eigen::VectorXd::Constant(all, 1e-9 * A.diagonal().maxCoeff() * 1e-3 + 1e-12);
+      const Eigen::VectorXd d = A.ldlt().solve(g).cwiseMax(-2).cwiseMin(2);
+      auto next_body = body;
+      for (std::size_t i = 0; i < N; ++i) next_body[i].x += d.segment<10>(10 * Eigen::Index(i));
+      const Eigen::VectorXd next_logs = (logs + d.tail(3 * Eigen::Index(N))).cwiseMax(-25).cwiseMin(12);
+      const double next = cost(next_body, next_logs);
+      if (next < now) {
+        const bool done = now - next < 1e-4;
+        body = next_body, logs = next_logs, now = next;
+        damping = std::max(1e-9, damping / 5), refused = 0;
+        if (done) {
+          out.converged = true;
+          break;
+        }
+      } else {
+        damping *= 10, ++refused;
+        out.converged = next - now < 1e-6;
+      }
+    }
+    if (round == 0) equations.set_presliding(parameters(body, logs));
+    if (round == 1) linear = equations.least_squares(out.base, s.rotors);
+  }
+  const Eigen::VectorXd x = parameters(body, logs);
+  equations.refine(x);
+  for (std::size_t k = 0; k < 10 * N; ++k)
+    out.theta.data[k] = x(Eigen::Index(k)), out.least_squares.data[k] = linear(Eigen::Index(k));
+  for (std::size_t i = 0; i < N; ++i) {
+    const Eigen::Index at = bodies + Eigen::Index(i), n = Eigen::Index(N);
+    out.viscous[i] = x(at), out.coulomb[i] = x(at + n), out.rotor[i] = s.rotors ? x(at + 2 * n) : 0;
+    out.ls_viscous[i] = linear(at), out.ls_coulomb[i] = linear(at + n), out.ls_rotor[i] = linear(at + 2 * n);
+    out.presliding[i] = equations.presliding()[i];
+    out.noise[i] = equations.noise()[i], out.explained[i] = equations.explained()[i];
+  }
+  const Eigen::MatrixXd H = equations.H() + Eigen::MatrixXd(prior_weight.asDiagonal());
+  const Eigen::MatrixXd C = H.ldlt().solve(Eigen::MatrixXd::Identity(all, all));
+  out.base_values.value = out.base.K * x.head(bodies);
+  out.base_values.covariance = out.base.K * C.topLeftCorner(bodies, bodies) * out.base.K.transpose();
+  return out;
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,122 @@
+// Nonlinear least squares on manifolds: Levenberg-Marquardt with robust losses.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+
+#include "skinctl/calibration/normal_equations.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Why a fit ended.
+enum class FitEnd {
+  converged,   ///< a further step would lower the cost by less than `FitSettings::decrease`
+  steps_used,  ///< it was still improving after `FitSettings::steps`
+  stuck,  ///< no step lowers the cost: the derivatives do not belong to the residuals, or rounding is reached
+  not_finite  ///< the cost at the start is no number
+};
+[[nodiscard]] constexpr std::string_view name(FitEnd end) noexcept {
+  constexpr std::string_view names[] = {"converged", "steps used", "stuck", "not finite"};
+  return names[std::size_t(end)];
+}
+
+struct FitSettings {
+  int steps = 50;          ///< at most, 1 to 10000
+  double decrease = 1e-6;  ///< of the cost, which is in units of variance: far below what noise does to it
+  double first_damping = 1e-4;  ///< relative to the diagonal of `H`, 1e-12 to 1e6
+};
+
+template <class State, class Normal>
+struct Fit {
+  State state;
+  Normal normal;  ///< at `state`, without damping: its inverse is the covariance
+  double cost = 0;
+  double first_cost = 0;
+  int steps = 0;
+  FitEnd end = FitEnd::not_finite;
+
+  [[nodiscard]] bool converged() const noexcept { return end == FitEnd::converged; }
+};
+
+/// What `least_squares` minimises. `terms` calls `sum.add(loss, residual, Partial{column, derivative}...)` for each
+/// term; where `Sum::derivatives` is false these may be empty. `plus` moves a state by a tangent vector of `unknowns()`.
+template <class P>
+concept LeastSquaresProblem =
+    requires(const P& p, const typename P::State& x, const Eigen::VectorXd& d, DenseNormal& sum) {
+      { p.unknowns() } -> std::convertible_to<int>;
+      { p.plus(x, d) } -> std::convertible_to<typename P::State>;
+      p.terms(x, sum);
+    };
+
+/// Minimises `sum rho(|r|^2) / 2` from `start`, by Levenberg-Marquardt with Marquardt's scaling and Nielsen's damping. A step
+/// that does not lower the cost is not taken, so that the result is never worse than the start. Residuals that are
+/// not finite there end it at once.
+///
+/// @tparam Normal  `DenseNormal` or `SparseNormal`.
+template <class Normal = DenseNormal, LeastSquaresProblem P>
+[[nodiscard]] Fit<typename P::State, Normal> least_squares(const P& problem, typename P::State start,
+                                                           const FitSettings& settings = {}) {
+  require(settings.steps >= 1 && settings.steps <= 10000, "fit: steps", settings.steps, "1 to 10000");
+  require(settings.first_damping >= 1e-12 && settings.first_damping <= 1e6, "fit: first_damping",
+          settings.first_damping, "1e-12 to 1e6");
+  require(settings.decrease > 0, "fit: decrease", settings.decrease, "> 0");
+  Fit<typename P::State, Normal> fit{std::move(start), {}};
+  const int n = problem.unknowns();
+  const auto sum_up = [&] {
+    fit.normal.start(n);
+    problem.terms(fit.state, fit.normal);
+    fit.cost = fit.normal.cost();
+  };
+  sum_up();
+  fit.first_cost = fit.cost;
+  if (!(fit.cost < std::numeric_limits<double>::infinity()) || !fit.normal.gradient().allFinite()) return fit;
+  double damping = settings.first_damping, growth = 2;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+  CostOnly trial;
+  fit.end = FitEnd::steps_used;
+  int refused = 0;
+  while (fit.steps < settings.steps) {
+    const Eigen::VectorXd diagonal = fit.normal.diagonal();
+    // What no term names gets damping all the same, and then stays where it is.
+    const double least = std::max(1e-12 * (n > 0 ? diagonal.maxCoeff() : 0), 1e-30);
+    const Eigen::VectorXd D = damping * diagonal.cwiseMax(least);
+    double predicted = -1;
+    if (fit.normal.solve(D, step)) predicted = 0.5 * step.dot(D.cwiseProduct(step) - fit.normal.gradient());
+    if (predicted >= 0 && predicted <= settings.decrease && damping <= 1) {
+      fit.end = FitEnd::converged;
+      break;
+    }
+    double cost = std::numeric_limits<double>::infinity();
+    if (predicted >= 0) {
+      auto state = problem.plus(fit.state, step);
+      trial.start(n);
+      problem.terms(state, trial);
+      cost = trial.cost();
+      if (cost < fit.cost) {
+        const double gain = (fit.cost - cost) / predicted, below = 2 * gain - 1;
+        fit.state = std::move(state);
+        sum_up();
+        ++fit.steps;
+        refused = 0;
+        damping = std::max(1e-12, damping * std::max(1.0 / 3, 1 - below * below * below));
+        growth = 2;
+        continue;
+      }
+    }
+    // Rounding: the cost cannot tell the two apart.
+    if (predicted >= 0 && cost < fit.cost * (1 + 1e-12) && predicted < 1e-10 * fit.cost) {
+      fit.end = FitEnd::converged;
+      break;
+    }
+    if (++refused > 30) {
+      fit.end = FitEnd::stuck;
+      break;
+    }
+    damping = std::min(1e30, damping * growth);
+    growth *= 2;
+  }
+  return fit;
+}
+
+SKINCTL_END_NAMESPACE

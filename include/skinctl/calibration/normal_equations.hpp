@@ -1,0 +1,235 @@
+// The normal equations of a least squares fit, summed term by term: dense, sparse, or the cost alone.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "skinctl/core/contract.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// How much a residual counts: `rho(|r|^2) / 2`, of residuals in units of their standard deviation.
+struct Loss {
+  enum class Kind { square, huber, cauchy };
+  Kind kind = Kind::square;
+  double width = 1;  ///< of |r|, from which it counts less than by its square
+
+  /// rho and its derivative by |r|^2, the weight.
+  struct Value {
+    double rho, weight;
+  };
+  [[nodiscard]] Value at(double squared) const noexcept {
+    const double w2 = width * width;
+    switch (kind) {
+      case Kind::huber:
+        if (squared > w2) return {2 * width * std::sqrt(squared) - w2, width / std::sqrt(squared)};
+        break;
+      case Kind::cauchy:
+        return {w2 * std::log1p(squared / w2), 1 / (1 + squared / w2)};
+      case Kind::square:
+        break;
+    }
+    return {squared, 1};
+  }
+};
+
+/// Derivative of a residual by the unknowns from `column` on. `column < 0`: these are held, and it does not count.
+template <class J>
+struct Partial {
+  int column;
+  const J& matrix;
+};
+template <class J>
+Partial(int, const J&) -> Partial<J>;
+
+/// The cost alone. Like the other two: `start`, then `add` for each term, of residuals in units of their deviation.
+class CostOnly {
+ public:
+  static constexpr bool derivatives = false;
+  void start(int /*unknowns*/) noexcept { cost_ = 0; }
+  template <class R, class... J>
+  void add(const Loss& loss, const Eigen::MatrixBase<R>& r, const Partial<J>&... /*by*/) noexcept {
+    cost_ += 0.5 * loss.at(r.squaredNorm()).rho;
+  }
+  [[nodiscard]] double cost() const noexcept { return cost_; }
+
+ private:
+  double cost_ = 0;
+};
+
+/// A covariance of what the data show, and the directions that they do not.
+struct Observed {
+  Eigen::MatrixXd covariance;  ///< 0 along the unseen directions
+  Eigen::MatrixXd unseen;      ///< unit columns, of unknowns in units of their scale; the least known first
+  Eigen::VectorXd deviation;   ///< of these, in units of their scale; infinite: not at all
+};
+
+/// `H = sum J'J` and `g = sum J'r` as dense matrices: to about a thousand unknowns.
+class DenseNormal {
+ public:
+  static constexpr bool derivatives = true;
+  void start(int unknowns) {
+    H_.setZero(unknowns, unknowns);
+    g_.setZero(unknowns);
+    cost_ = 0;
+  }
+  template <class R, class... J>
+  void add(const Loss& loss, const Eigen::MatrixBase<R>& r, const Partial<J>&... by) {
+    const auto value = loss.at(r.squaredNorm());
+    cost_ += 0.5 * value.rho;
+    (row(value.weight, r, by, by...), ...);
+  }
+  [[nodiscard]] double cost() const noexcept { return cost_; }
+  [[nodiscard]] const Eigen::VectorXd& gradient() const noexcept { return g_; }
+  [[nodiscard]] Eigen::VectorXd diagonal() const { return H_.diagonal(); }
+  [[nodiscard]] const Eigen::MatrixXd& information() const noexcept { return H_; }
+
+  /// `step = -(H + diag(damping))^-1 g`; false if that is not positive definite.
+  [[nodiscard]] bool solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
+    Eigen::MatrixXd A = H_;
+    A.diagonal() += damping;
+    const Eigen::LLT<Eigen::MatrixXd> llt(A);
+    if (llt.info() != Eigen::Success) return false;
+    step = -llt.solve(g_);
+    return step.allFinite();
+  }
+
+  /// The inverse, apart from directions worse known than `limit` times the unknowns' `scale`. These are left out
+  /// of it: what is a gauge is not known badly, it is a choice.
+  [[nodiscard]] Observed observed(const Eigen::VectorXd& scale, double limit) const {
+    const Eigen::MatrixXd A = scale.asDiagonal() * H_ * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+    const auto n = A.rows();
+    Eigen::VectorXd inverse = Eigen::VectorXd::Zero(n);
+    std::vector<Eigen::Index> unseen;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double value = eigen.eigenvalues()(k);
+      if (value * limit * limit > 1)
+        inverse(k) = 1 / value;
+      else
+        unseen.push_back(k);
+    }
+    Observed out;
+    const Eigen::MatrixXd V = scale.asDiagonal() * eigen.eigenvectors();
+    out.covariance = V * inverse.asDiagonal() * V.transpose();
+    out.unseen.resize(n, Eigen::Index(unseen.size()));
+    out.deviation.resize(Eigen::Index(unseen.size()));
+    for (std::size_t k = 0; k < unseen.size(); ++k) {
+      const double value = eigen.eigenvalues()(unseen[k]);
+      out.unseen.col(Eigen::Index(k)) = eigen.eigenvectors().col(unseen[k]);
+      out.deviation(Eigen::Index(k)) =
+          value > 0 ? 1 / std::sqrt(value) : std::numeric_limits<double>::infinity();
+    }
+    return out;
+  }
+
+ private:
+  template <class R, class A, class... B>
+  void row(double weight, const Eigen::MatrixBase<R>& r, const Partial<A>& a, const Partial<B>&... all) {
+    if (a.column < 0) return;
+    g_.segment(a.column, a.matrix.cols()).noalias() += weight * (a.matrix.transpose() * r);
+    const auto with = [&](const auto& b) {
+      if (b.column < 0) return;
+      H_.block(a.column, b.column, a.matrix.cols(), b.matrix.cols()).noalias() +=
+          weight * (a.matrix.transpose() * b.matrix);
+    };
+    (with(all), ...);
+  }
+
+  Eigen::MatrixXd H_;
+  Eigen::VectorXd g_;
+  double cost_ = 0;
+};
+
+/// The same as a sparse matrix, of blocks as the terms name them: to tens of thousands of unknowns.
+class SparseNormal {
+ public:
+  static constexpr bool derivatives = true;
+  using Matrix = Eigen::SparseMatrix<double>;
+  using Solver = Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::AMDOrdering<int>>;
+
+  void start(int unknowns) {
+    g_.setZero(unknowns);
+    for (Block& block : blocks_) block.value.setZero();
+    cost_ = 0;
+  }
+  template <class R, class... J>
+  void add(const Loss& loss, const Eigen::MatrixBase<R>& r, const Partial<J>&... by) {
+    const auto value = loss.at(r.squaredNorm());
+    cost_ += 0.5 * value.rho;
+    (row(value.weight, r, by, by...), ...);
+  }
+  [[nodiscard]] double cost() const noexcept { return cost_; }
+  [[nodiscard]] const Eigen::VectorXd& gradient() const noexcept { return g_; }
+  [[nodiscard]] Eigen::VectorXd diagonal() const {
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(g_.size());
+    for (const Block& b : blocks_)
+      if (b.row == b.column) d.segment(b.row, std::min(b.value.rows(), b.value.cols())) += b.value.diagonal();
+    return d;
+  }
+  /// The lower triangle of H.
+  [[nodiscard]] Matrix information() const {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (const Block& b : blocks_)
+      for (int j = 0; j < b.value.cols(); ++j)
+        for (int i = 0; i < b.value.rows(); ++i)
+          if (b.row + i >= b.column + j) entries.emplace_back(b.row + i, b.column + j, b.value(i, j));
+    for (int i = 0; i < g_.size(); ++i) entries.emplace_back(i, i, 0);  // the damping's place
+    Matrix H(g_.size(), g_.size());
+    H.setFromTriplets(entries.begin(), entries.end());
+    return H;
+  }
+  [[nodiscard]] bool solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
+    Matrix A = information();
+    A.diagonal() += damping;
+    if (!solver_) solver_ = std::make_unique<Solver>();
+    if (A.nonZeros() != analysed_) solver_->analyzePattern(A), analysed_ = A.nonZeros();
+    solver_->factorize(A);
+    if (solver_->info() != Eigen::Success || !(solver_->vectorD().minCoeff() > 0)) return false;
+    step = -solver_->solve(g_);
+    return step.allFinite();
+  }
+
+ private:
+  struct Block {
+    int row, column;
+    Eigen::MatrixXd value;
+  };
+  template <class R, class A, class... B>
+  void row(double weight, const Eigen::MatrixBase<R>& r, const Partial<A>& a, const Partial<B>&... all) {
+    if (a.column < 0) return;
+    g_.segment(a.column, a.matrix.cols()).noalias() += weight * (a.matrix.transpose() * r);
+    const auto with = [&](const auto& b) {
+      // A pair of blocks is met twice; it is kept where its rows are the lower ones.
+      if (b.column < 0 || b.column > a.column) return;
+      of_block(a.column, b.column, int(a.matrix.cols()), int(b.matrix.cols())).noalias() +=
+          weight * (a.matrix.transpose() * b.matrix);
+    };
+    (with(all), ...);
+  }
+  Eigen::MatrixXd& of_block(int row, int column, int rows, int columns) {
+    const std::uint64_t key = std::uint64_t(row) << 40 | std::uint64_t(column) << 16 |
+                              std::uint64_t(rows & 0xff) << 8 | std::uint64_t(columns & 0xff);
+    const auto [at, fresh] = index_.try_emplace(key, blocks_.size());
+    if (fresh) blocks_.push_back({row, column, Eigen::MatrixXd::Zero(rows, columns)});
+    return blocks_[at->second].value;
+  }
+
+  std::unordered_map<std::uint64_t, std::size_t> index_;
+  std::vector<Block> blocks_;
+  Eigen::VectorXd g_;
+  std::unique_ptr<Solver> solver_;  // it cannot be moved
+  Eigen::Index analysed_ = -1;
+  double cost_ = 0;
+};
+
+SKINCTL_END_NAMESPACE
