@@ -26,6 +26,8 @@ struct Fault {
   bool by_hand = false;  ///< only a person at the panel can put it right
   bool dead = false;     ///< the simulation has ended, and nobody sees how the arm comes to rest
   double share = 1;      ///< of the usual number of cycles
+  /// By torque the robot waits 40 ms for a command: a busy computer that gets half of the states may be too late once.
+  bool may_be_late = false;
 };
 
 Row suffer(const Fault& f, Interface by) {
@@ -41,8 +43,8 @@ Row suffer(const Fault& f, Interface by) {
   } else {
     row.recovery = run.starts_again(f.mend) ? "start again" : "none";
   }
-  row.expected = run.exit == f.exit && (run.rest >= 0 || f.dead) && (f.rest <= 0 || run.rest <= f.rest) &&
-                 row.recovery != "none";
+  row.expected = (run.exit == f.exit || (f.may_be_late && by == Interface::torque && run.exit == 5)) &&
+                 (run.rest >= 0 || f.dead) && (f.rest <= 0 || run.rest <= f.rest) && row.recovery != "none";
   row.otherwise = text("exit %d, rest within %.0f ms, and start again", f.exit, f.rest);
   return row;
 }
@@ -106,6 +108,7 @@ std::vector<Fault> faults() {
   };
   for (const double share : {0.01, 0.05, 0.2, 0.5})
     out.push_back({text("%.0f %% of the states lost", 100 * share), rtde(change::lost(share)), 0, 0});
+  out.back().may_be_late = true;
   return out;
 }
 

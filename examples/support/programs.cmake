@@ -30,7 +30,8 @@ foreach(entry IN LISTS PROGRAMS)
     continue()
   endif()
   # A machine that is busy may take long until a program listens to signals: then it dies of this one, and is tried again.
-  foreach(after IN ITEMS 1 5 20)
+  foreach(wait IN ITEMS 1 5 20)
+    set(after ${wait})
     execute_process(COMMAND "${TIMEOUT}" --preserve-status -s TERM -k 30 ${after} "${program}" ${arguments}
       RESULT_VARIABLE code OUTPUT_QUIET ERROR_QUIET)
     if(NOT code EQUAL 143)
