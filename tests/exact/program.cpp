@@ -49,7 +49,8 @@ void quantities(Hash& hash) {
     const auto poses = link_poses(model, q);
     const auto at = poses.template place<5>();
     hash.add(at.p.x), hash.add(at.p.y), hash.add(at.p.z), hash.add(at.x.x), hash.add(at.z.z);
-    jacobian<5>(poses).for_each([&](auto, const auto& column) { hash.add(column.linear.x), hash.add(column.linear.z); });
+    jacobian<5>(poses).for_each(
+        [&](auto, const auto& column) { hash.add(column.linear.x), hash.add(column.linear.z); });
     for (const T& x : gravity_torque(model, q)) hash.add(x);
     for (const T& x : forward_dynamics(model, q, dq, tau).acceleration) hash.add(x);
     T y[6];
@@ -70,7 +71,8 @@ void whole(Hash& hash) {
   CellSample sample;
   for (int k = 1; k <= 500; ++k) {
     input->now = state.time = k * 8ms;
-    sample = {.time = input->now - 1ms, .cell = static_cast<std::uint32_t>(20 + k / 3), .force = {0.4f, 0, 0}};
+    sample = {
+        .time = input->now - 1ms, .cell = static_cast<std::uint32_t>(20 + k / 3), .force = {0.4f, 0, 0}};
     input->measured = state;
     input->samples = {&sample, 1};
     const auto out = scene.step(*memory, *input);
