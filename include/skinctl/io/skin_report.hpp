@@ -201,8 +201,8 @@ struct CellLook {
   const double width = std::max(x, 760.0);
   double at = gap;
   std::string legend;
-  const auto entry = [&](CellFaults faults, bool unexplained, const std::string& label) {
-    const auto look = detail::look_of(faults, unexplained);
+  const auto entry = [&](CellFaults found, bool unexplained, const std::string& label) {
+    const auto look = detail::look_of(found, unexplained);
     legend += detail::formatted(
         "<rect x=\"%.1f\" y=\"%.1f\" width=\"16\" height=\"16\" fill=\"%s\" stroke=\"#777777\"/>\n", at,
         height + 24, look.fill);
