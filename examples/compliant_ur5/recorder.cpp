@@ -83,7 +83,24 @@ RunIdentity run_identity(const Settings& s) {
                                 {"velocity limit", c.velocity_limit},
                                 {"acceleration limit", c.acceleration_limit},
                                 {"delay", c.delay},
-                                {"lag", c.lag}};
+                                {"lag", c.lag},
+                                {"preset", s.preset}};
+  if (s.interface == Interface::torque) {
+    const auto& t = s.torque;
+    all["torque"] = {{"lambda", t.lambda},
+                     {"K_c", t.K_c},
+                     {"viscous", t.viscous},
+                     {"motor inertia", t.motor_inertia},
+                     {"viscous scale", t.viscous_scale},
+                     {"Coulomb scale", t.coulomb_scale},
+                     {"learning", t.learning},
+                     {"most friction", t.most_friction},
+                     {"dead zone", t.dead_zone},
+                     {"damping", t.damping},
+                     {"patience", t.patience}};
+  }
+  if (s.hand.mass > 0)
+    all["hand"] = {{"mass", s.hand.mass}, {"centre", s.hand.centre}, {"palm gain", s.hand.palm_gain}};
   if (!s.skin.empty()) all["skin"] = skinctl::detail::sha256(skinctl::detail::read_text(s.skin));
   return {all.dump()};
 }
