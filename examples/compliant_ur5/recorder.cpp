@@ -99,8 +99,8 @@ RunIdentity run_identity(const Settings& s) {
                      {"damping", t.damping},
                      {"patience", t.patience}};
   }
-  if (s.hand.mass > 0)
-    all["hand"] = {{"mass", s.hand.mass}, {"centre", s.hand.centre}, {"palm gain", s.hand.palm_gain}};
+  if (s.hand)
+    all["hand"] = {{"mass", s.hand->mass}, {"centre", s.hand->centre}, {"palm gain", s.hand->palm_gain}};
   if (!s.skin.empty()) all["skin"] = skinctl::detail::sha256(skinctl::detail::read_text(s.skin));
   return {all.dump()};
 }
