@@ -14,7 +14,7 @@ build() {
   cmake --build --preset "$preset" -j "$jobs"
 }
 
-install_packages build library tests peers benchmark examples dds urdf docs
+install_packages build library tests peers benchmark examples dds python ros urdf docs
 # GCC frees memory only above 1 GB a file: an eighth less time, at most 3 GB a compiler.
 phase "build, GCC" build release "-DCMAKE_CXX_FLAGS=${SKINCTL_CXX_FLAGS:-} --param=ggc-min-heapsize=1000000"
 # Compiled once and run once: line numbers cost an eighth of this build. The preset without this flag has them, to look into a

@@ -22,7 +22,7 @@ constexpr ToolUse uses[] = {{thing::knife, thing::bread, "cut"},
                             {thing::bottle, thing::pan, "pour"},
                             {thing::spatula, thing::pan, "turn over"}};
 
-LedRun led(LedTask task, std::uint64_t seed) {
+LedRun simulated(LedTask task, std::uint64_t seed) {
   auto random = seeded(seed);
   const Person person = Person::any(random);
   return led_run(task, person, random());
@@ -97,17 +97,17 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
-    if (live->parsed()) return finish(tell(record(led(tasks.at(task), seed), seed + 1), speed));
+    if (live->parsed()) return finish(tell(record(simulated(tasks.at(task), seed), seed + 1), speed));
     if (record_to->parsed()) {
-      write(record(led(tasks.at(task), seed), seed + 1), file);
+      write(record(simulated(tasks.at(task), seed), seed + 1), file);
       return 0;
     }
     if (from->parsed()) return finish(tell(read(file), 0));
     Score defined, meant;
     for (int i = 0; i < people; ++i)
       for (const auto& [name, which] : tasks) {
-        const auto out =
-            play(record(led(which, seed + static_cast<std::uint64_t>(i)), seed + 1), [](const auto&...) {});
+        const auto out = play(record(simulated(which, seed + static_cast<std::uint64_t>(i)), seed + 1),
+                              [](const auto&...) {});
         defined.add(out.by_definition);
         meant.add(out.by_intent);
       }

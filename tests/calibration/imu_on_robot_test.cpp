@@ -1,6 +1,9 @@
 // A real accelerometer on a real arm (`imu_on_robot`): one pose of the sensor for two recordings, from the arm's own report of its pose.
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -81,7 +84,8 @@ struct FlangeMotion {
                                                     const Eigen::Vector2d& lean) const {
     const auto R = [&](double at) -> Eigen::Matrix3d {
       const Eigen::VectorXd q = motion.at(at).q;
-      return Eigen::Quaterniond(q(3), q(4), q(5), q(6)).normalized().toRotationMatrix();
+      // As stored it turns the base into the flange.
+      return Eigen::Quaterniond(q(3), -q(4), -q(5), -q(6)).normalized().toRotationMatrix();
     };
     constexpr double h = 0.01;
     const Eigen::Matrix3d now = R(t), ddR = (R(t + h) - 2 * now + R(t - h)) / (h * h);
@@ -207,7 +211,8 @@ TEST_CASE("A real accelerometer on an arm: 18 mg, its labels' lateness, and a le
     }
     char lever[64];
     std::snprintf(lever, sizeof lever, "  lever to %.0f mm", r.lever_deviation * 1e3);
-    MESSAGE(text + lever);
+    text += lever;
+    MESSAGE(text);
   };
   for (const Arm& arm : arms) {
     print("gravity alone:", fit({arm}, false, false, false, false, false));

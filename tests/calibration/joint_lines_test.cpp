@@ -5,7 +5,7 @@
 #include "skinctl/calibration/excitation.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/moved_skin.hpp"
-#include "skinctl/testing/robots.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;
@@ -179,7 +179,7 @@ TEST_CASE("Lines from motion: what lies, is silent or is cut short gives words")
   r.cells[6].time.clear(), r.cells[6].y.resize(3, 0);
   r.cells[7].y.setConstant(0.3);  // stuck
   const JointLines found = find_joint_lines(r);
-  for (const std::size_t c : {5, 6, 7}) {
+  for (const std::size_t c : {std::size_t(5), std::size_t(6), std::size_t(7)}) {
     CHECK(!found.cells[c].known);
     CHECK(!found.cells[c].reason.empty());
   }
@@ -187,16 +187,16 @@ TEST_CASE("Lines from motion: what lies, is silent or is cut short gives words")
   CHECK(found.cells[8].known);
   MotionRecording brief = r;
   brief.joints.time.resize(20), brief.joints.q.conservativeResize(20, 6);
-  CHECK_THROWS_AS(find_joint_lines(brief), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(find_joint_lines(brief)), ConfigurationError);
   MotionRecording odd = r;
   odd.places.resize(3);
-  CHECK_THROWS_AS(find_joint_lines(odd), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(find_joint_lines(odd)), ConfigurationError);
   MotionRecording none = r;
   none.cells.clear();
-  CHECK_THROWS_AS(find_joint_lines(none), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(find_joint_lines(none)), ConfigurationError);
   // A joint that moves with the others only: which cells it carries cannot be told.
   MotionRecording hidden = r;
   for (std::size_t k = 0; k < hidden.joints.time.size(); ++k)
     if (hidden.joints.time[k] < 12) hidden.joints.q(Eigen::Index(k), 2) = home(2);
-  CHECK_THROWS_AS(find_joint_lines(hidden), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(find_joint_lines(hidden)), ConfigurationError);
 }

@@ -5,7 +5,7 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/robots.hpp"
+#include "skinctl/testing/robot_table.hpp"
 #include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;

@@ -139,7 +139,7 @@ TEST_CASE(
   for (const double s : {-1.0, 1.0})
     for (const Xyz<double>& v : {Xyz<double>{0.3, 0, 0}, Xyz<double>{0, 0.2, 0.1}, Xyz<double>{0, 0, 0}})
       all.push_back(about * exp_so3(Xyz<double>(s * v)));
-  CHECK(norm(log_so3(about.transpose() * detail::mean_rotation(all))) < 1e-9);
+  CHECK(norm(log_so3(about.transpose() * skinctl::detail::mean_rotation(all))) < 1e-9);
   Led led;
   led.lead({0.3, 0.3, 0.3}, 1s);
   led.let_go();

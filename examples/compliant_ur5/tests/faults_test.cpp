@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "examples/compliant_ur5/tests/beside.hpp"
+#include "examples/compliant_ur5/tests/disturbed.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
 using namespace compliant_ur5;
@@ -17,78 +17,7 @@ using skinctl::Interface;
 
 namespace {
 
-double fastest(const simulated_ur5::Snapshot& now) {
-  double speed = 0;
-  for (const double v : now.true_dq) speed = std::max(speed, std::abs(v));
-  return speed;
-}
-
-/// A run that is disturbed while the arm moves.
-struct Run {
-  Settings s = settings();
-  Beside beside{s};
-  FaultyWire rtde{s.rtde_port, true};
-#ifndef BEFORE
-  FaultyWire reverse{s.reverse_port = free_tcp_port(), false};  // here the robot is the client
-#endif
-  RunLog log;
-  int exit = -1;
-  double rest = -1;  ///< from the disturbance until the arm stands [ms]; -1: it did not
-  double took = 0;   ///< from the disturbance until the job has ended [ms]
-  double went = 0;   ///< farthest joint, from the disturbance until rest [rad]
-  std::string words;
-
-  Run(Interface interface, const std::function<void(Run&)>& disturb) {
-    using Clock = std::chrono::steady_clock;
-    const auto ms = [](Clock::duration t) { return std::chrono::duration<double, std::milli>(t).count(); };
-    s.interface = interface;
-    s.rtde_port = rtde.port();
-#ifndef BEFORE
-    s.told_port = reverse.port();
-#endif
-    s.cycles = 330;
-    s.task = {{.at = 0.1, .q = {0.7, -1.0, 1.2, -1.7, -1.57, 0.3}, .duration = 2}};
-    std::atomic<bool> stop = false, over = false;
-    std::thread job([&] {
-      try {
-        exit = static_cast<int>(run(s, stop, log));
-      } catch (const std::exception& e) {
-        exit = 1;
-        words = e.what();
-      }
-      over = true;
-    });
-    const auto begun = Clock::now();
-    while (fastest(beside.robot->snapshot()) < 0.2 && !over && Clock::now() - begun < std::chrono::seconds(6))
-      std::this_thread::sleep_for(std::chrono::milliseconds(4));
-    const auto from = Clock::now();
-    const auto where = beside.robot->snapshot().true_q;
-    disturb(*this);
-    auto stood_since = Clock::now();
-    bool stands = false;
-    while (Clock::now() - from < std::chrono::milliseconds(5500)) {
-      const auto now = beside.robot->snapshot();
-      if (fastest(now) > 1e-6) {
-        stands = false;
-      } else if (!stands) {
-        stands = true;
-        stood_since = Clock::now();
-      }
-      if (!stands || rest < 0)
-        for (std::size_t i = 0; i < 6; ++i) went = std::max(went, std::abs(now.true_q[i] - where[i]));
-      rest = stands ? ms(stood_since - from) : -1;
-      if (over && took == 0) took = ms(Clock::now() - from);
-      if (over && stands && Clock::now() - stood_since > std::chrono::milliseconds(150)) break;
-      std::this_thread::sleep_for(std::chrono::milliseconds(4));
-    }
-    stop = true;
-    job.join();
-#ifndef BEFORE
-    if (words.empty()) words = log.words;
-#endif
-  }
-};
-
+using Run = Disturbed;
 struct Case {
   const char* name;
   std::function<void(Run&)> disturb;
@@ -177,16 +106,12 @@ TEST_CASE("main job: a connection that is lost in any way ends it with code 1") 
       {"cable out",
        [](Run& r) {
          r.rtde.set(Cable::cut);
-#ifndef BEFORE
          r.reverse.set(Cable::cut);
-#endif
        },
        1, 1200, "no state"},
       {"states: half open", [](Run& r) { r.rtde.set(Cable::to_robot); }, 1, 1200, "no state"},
-#ifndef BEFORE
       {"commands: half open", [](Run& r) { r.reverse.set(Cable::to_robot); }, 5, 1000, "has ended"},
       {"commands: reset", [](Run& r) { r.reverse.set(Cable::reset); }, 5, 1000, "ended"},
-#endif
       {"states: reset", [](Run& r) { r.rtde.set(Cable::reset); }, 1, 1000, "closed"},
       {"garbled states", [](Run& r) { r.rtde.set(change::garbled()); }, 1, 1200, "nonsense"},
       {"truncated states", [](Run& r) { r.rtde.set(change::truncated(9)); }, 1, 1200, "nonsense"},

@@ -22,7 +22,7 @@ struct BaseParameters {
   [[nodiscard]] int count() const noexcept { return int(columns.size()); }
 };
 
-/// By a pivoted QR of the column-scaled regressor at 200 random states. A UR5 has 36 of 60 (with rotors 42 of 66).
+/// By a pivoted QR of the column-scaled regressor at 200 random states. A UR5 has 36 of 60.
 template <RobotModel M>
 [[nodiscard]] BaseParameters base_parameters(const M& model, double tolerance = 1e-7) {
   constexpr std::size_t N = M::joints;

@@ -31,10 +31,12 @@ struct MotionRecording {
 };
 
 struct JointLinesSettings {
-  double block = 0.04;            ///< length of the means that are fitted [s], 0.005 to 0.1
-  double gravity = 9.80665;       ///< [m/s^2]
-  double bias = 0.040;            ///< of the accelerometers, standard deviation [g]
-  double scale = 0.015;           ///< of the accelerometers, standard deviation
+  double block = 0.04;       ///< length of the means that are fitted [s], 0.005 to 0.1
+  double gravity = 9.80665;  ///< [m/s^2]
+  double bias = 0.040;       ///< of the accelerometers, standard deviation [g]
+  double scale = 0.015;      ///< of the accelerometers, standard deviation
+  double cross_axis =
+      0.003;  ///< of the accelerometers, standard deviation; not fitted, but in the covariances
   double tie_position = 5e-4;     ///< of a cell in its patch, standard deviation [m]
   double tie_turn = 0.0175;       ///< of a cell in its patch, with its sensor's misalignment [rad]
   double known_position = 0.020;  ///< what is worse known counts as not observed [m]

@@ -152,5 +152,20 @@ class Tape {
   bool exactly_ = false;
 };
 
+/// Whether two recordings hold the same operations on the same numbers: then one bounds the errors of both.
+[[nodiscard]] inline bool same_program(const Tape& a, const Tape& b) {
+  const auto &x = a.nodes(), &y = b.nodes();
+  if (x.size() != y.size() || a.decisions().size() != b.decisions().size()) return false;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (x[i].op != y[i].op || x[i].a != y[i].a || x[i].b != y[i].b || x[i].number != y[i].number ||
+        (x[i].op != TapeOp::constant && x[i].rounded != y[i].rounded))
+      return false;
+  for (std::size_t i = 0; i < a.decisions().size(); ++i) {
+    const auto &d = a.decisions()[i], &e = b.decisions()[i];
+    if (d.a != e.a || d.b != e.b || d.less != e.less) return false;
+  }
+  return true;
+}
+
 }  // namespace math
 SKINCTL_END_NAMESPACE

@@ -25,7 +25,7 @@ struct LedDemonstration {
   std::vector<MeantGoal> goals;
 };
 
-namespace detail {
+namespace led {
 inline constexpr auto led_period = 8ms;
 inline constexpr double led_reach = 0.05;
 inline std::vector<PlacedCell<5>> led_cells() {
@@ -45,18 +45,18 @@ inline auto led_scene() {
                                                       .virtual_damping = 8});
   return Cycle(arm, open_skin(Patch<5, 6>(led_cells(), open_gains)), SkinJointControl{} + GravityControl{});
 }
-}  // namespace detail
+}  // namespace led
 
 /// The arm: skin around its tool, kinesthetic teaching (gives way to touch, holds gravity), 125 Hz, servos with 8 ms of
 /// delay and 12 ms of lag. Its base is the world.
 class LedArm {
  public:
-  static constexpr auto period = detail::led_period;
+  static constexpr auto period = led::led_period;
 
   explicit LedArm(std::uint64_t seed)
       : random_(seeded(seed)),
-        scene_(detail::led_scene()),
-        arm_(scene_, detail::led_cells(), pose(), 0.008, 0.012) {}
+        scene_(led::led_scene()),
+        arm_(scene_, led::led_cells(), pose(), 0.008, 0.012) {}
 
   /// Three goals, one after the other: led there with a stop on the way, held until the person is content, left alone,
   /// switched (a push of 4 to 10 N that moves the arm), led on.
@@ -112,7 +112,7 @@ class LedArm {
  private:
   double in(double low, double high) { return uniform(random_, low, high); }
   static std::array<double, 6> pose() { return {0.2, -1.5, 1.7, -1.8, -1.57, 0.3}; }
-  using Scene = decltype(detail::led_scene());
+  using Scene = decltype(led::led_scene());
 
   [[nodiscard]] Transform<World, Tool> tool() const {
     const ur5::Model model;

@@ -45,7 +45,7 @@ struct LedRun {
   [[nodiscard]] double lasts() const { return hand.now(); }
 };
 
-namespace detail {
+namespace led {
 class LedActor {
  public:
   LedActor(LedRun& run) : r_(run), h_(run.hand) {}  // NOLINT
@@ -118,12 +118,12 @@ class LedActor {
   std::uint8_t held_ = 0;
   Xyz<double> offset_{0, 0, 0};
 };
-}  // namespace detail
+}  // namespace led
 
 /// The task, done once. Places, speeds, pauses and forces differ from run to run.
 [[nodiscard]] inline LedRun led_run(LedTask task, const Person& person, std::uint64_t seed) {
   LedRun run{LedHand(person, seed, {0.4, 0, 0.35}), {}, {}};
-  detail::LedActor act(run);
+  led::LedActor act(run);
   using P = Xyz<double>;
   const auto put = [&](std::size_t i, ObjectClass kind, const P& p) {
     run.things[i] = {kind, act.near(p, 0.04)};

@@ -163,6 +163,11 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
     const Eigen::Matrix<double, 12, 12> C = covariance.cell(k);
     Eigen::Matrix<double, 6, 6> P;
     P << C.block<3, 3>(3, 3), C.block<3, 3>(3, 0), C.block<3, 3>(0, 3), C.block<3, 3>(0, 0);
+    // What cross-axis sensitivity does is common to all blocks: no residual shows it.
+    const AxisLine& axis = fit.motion.lines[std::size_t(fit.cells[k].body)];
+    const double lever = axis.direction.cross(fit.cells[k].p - axis.point).norm();
+    P.diagonal().head<3>().array() += std::pow(s.cross_axis * lever, 2);
+    P.diagonal().tail<3>().array() += s.cross_axis * s.cross_axis;
     return P;
   };
   std::vector<bool> known(fit.cells.size());
@@ -216,6 +221,11 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
     line.position_deviation = largest(C.bottomRightCorner<2, 2>());
     line.known = line.direction_deviation <= s.known_turn && line.position_deviation <= s.known_position;
   }
+  // No residual shows it: the same motion errs in the same way each time.
+  if (!torque)
+    out.unobservable.push_back({"compliance of the joints, which no covariance holds then",
+                                std::numeric_limits<double>::infinity(), "rad/(N m)",
+                                "record the torques at the joints' outputs"});
   for (std::size_t j = 0; j < out.lines.size(); ++j) {
     const std::string joint = "joint " + std::to_string(j) + ": ";
     const bool fitted = std::find(start.joints.begin(), start.joints.end(), int(j)) != start.joints.end();

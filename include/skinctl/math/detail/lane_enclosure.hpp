@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/lane.hpp"
+#include "skinctl/math/detail/rounding_unit.hpp"
 #include "skinctl/math/enclosure.hpp"
 #include "skinctl/math/sincos.hpp"
 
@@ -71,6 +72,37 @@ SKINCTL_INLINE void sincos(const LaneEnclosure<L>& x, LaneEnclosure<L>& sin, Lan
   };
   sin = ends(from.sin, to.sin, (from.cos >= zero) & (to.cos <= zero), (from.cos <= zero) & (to.cos >= zero));
   cos = ends(from.cos, to.cos, (from.sin <= zero) & (to.sin >= zero), (from.sin >= zero) & (to.sin <= zero));
+}
+
+/// Each lane by the enclosure of one number.
+template <class L, class F>
+LaneEnclosure<L> each_lane(const LaneEnclosure<L>& a, F&& f) noexcept {
+  double low[L::lanes], high[L::lanes];
+  a.low.store(low), a.high.store(high);
+  for (std::size_t i = 0; i < L::lanes; ++i) {
+    const Enclosure y = f(Enclosure(low[i], high[i]));
+    low[i] = y.low, high[i] = y.high;
+  }
+  return {L::load(low), L::load(high)};
+}
+/// As that of a number.
+template <std::size_t W>
+SKINCTL_INLINE Lane<double, W> power_of_two_below(const Lane<double, W>& x) noexcept {
+  using Word = typename skinctl::detail::LaneTypes<double, 1>::Word;
+  return skinctl::detail::to_lane<double, W>(skinctl::detail::to_bits<double, W>(x.vector()) &
+                                             Word(0x7ff0000000000000));
+}
+/// `turning_error` in lanes.
+template <class L>
+[[nodiscard]] L turning(const double (&error)[turning_steps], const LaneEnclosure<L>& v) noexcept {
+  const L zero(0.0), high = v.largest();
+  const L low = select((v.low <= zero) & (v.high >= zero), zero, min(abs(v.low), abs(v.high)));
+  L most(0.0);
+  for (std::size_t i = 0; i < turning_steps; ++i) {
+    const auto meets = (low <= L(turning_ends[i + 1] + 0.0005)) & (high >= L(turning_ends[i] - 0.0005));
+    most = max(most, select(meets, L(error[i]), zero));
+  }
+  return most;
 }
 
 }  // namespace math::detail
