@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The main job: a stiff arm gives way to a touch. On a fresh Debian 12 it installs what is missing. Without arguments: the scripted
-# minute as fast as the machine can, then eight seconds of it at real-time pace. Arguments go to the program; `./cmake/demo.sh --help`
+# minute as fast as the machine can, then eight seconds of it at real-time pace. With --live a page shows the run. Arguments go to the program; `./cmake/demo.sh --help`
 # lists them.
 set -euo pipefail
 cd "$(dirname "$0")/.."

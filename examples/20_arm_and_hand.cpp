@@ -8,9 +8,8 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/groups.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/guard/group_guard.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/model/ur5_allegro.hpp"
 #include "skinctl/tactile/skin.hpp"

@@ -2,10 +2,14 @@
 //
 //     scenes            prints the names of the scenes, one a line
 //     scenes I N        evaluates the I-th scene N times
+//     scenes I time     prints what the I-th scene requires, its bytes, and its times: hot, and cold with code and data flushed
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
+#include <string>
 
+#include "bench/support/cold.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
@@ -28,25 +32,70 @@ void keep(V& value) {
   asm volatile("" : : "g"(&value) : "memory");
 }
 
+/// What a scene requires, its data, and its times.
+struct Found {
+  std::string terms;
+  std::size_t bytes = 0;
+  double hot = 0, cold = 0;  ///< [us]
+};
+Found found;
+bool timed = false;
+
+std::string links(const char* what, LinkMask mask) {
+  if (mask == 0) return "";
+  std::string out = std::string(what) + " of";
+  for (int i = 0; i < 6; ++i)
+    if ((mask >> i & 1u) != 0) out += " " + std::to_string(i + 1);
+  return out + ", ";
+}
+/// The quantities in words.
+std::string in_words(const Needs& n) {
+  std::string out =
+      links("poses", n.poses) + links("Jacobians", n.jacobians) + links("their rates", n.jacobian_rates);
+  const std::pair<bool, const char*> flags[] = {{n.angles, "angles"},
+                                                {n.gravity, "G"},
+                                                {n.mass, "M"},
+                                                {n.mass_factors, "factors of M"},
+                                                {n.coriolis, "C dq"},
+                                                {n.momentum, "M dq"},
+                                                {n.kinetic_energy, "kinetic energy"},
+                                                {n.centre_of_mass, "centre of mass"},
+                                                {n.touch, "touch"},
+                                                {n.middle, "angles half a step ahead"}};
+  for (const auto& [wanted, name] : flags)
+    if (wanted) out += std::string(name) + ", ";
+  return out.empty() ? "-" : out.substr(0, out.size() - 2);
+}
+
+/// Runs `once` so many times, or times it; `data` is what it reads and writes.
+template <class F>
+void repeat(int times, const void* data, std::size_t bytes, const std::string& terms, F&& once) {
+  if (!timed) {
+    for (int i = 0; i < times; ++i) once();
+    return;
+  }
+  found = {terms, bytes, bench::hot(once), bench::cold(once, data, bytes)};
+}
+
 /// What a law that asks for `Asked` costs, and nothing else.
 template <Needs Asked>
 void known(int times) {
   State<6> state{1ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {0.1, 0.2, -0.3, 0.1, 0.2, -0.1}};
   const NoTouch touch;
-  for (int i = 0; i < times; ++i) {
+  repeat(times, &state, sizeof state, in_words(complete<Arm>(Asked)), [&] {
     keep(state);
     const Quantities<Arm, Asked> all(arm, state, 0.002, touch);
     keep(all);
-  }
+  });
 }
 template <class F>
 void each(int times, F&& f) {
   State<6> state{1ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {0.1, 0.2, -0.3, 0.1, 0.2, -0.1}};
-  for (int i = 0; i < times; ++i) {
+  repeat(times, &state, sizeof state, "angles", [&] {
     keep(state);
     const auto result = f(state);
     keep(result);
-  }
+  });
 }
 
 /// Cycles at 500 Hz without a new sample: one evaluation of the laws, one sub-step, the guard.
@@ -62,17 +111,21 @@ void cycles(int times, const L& law, const Skin& skin, const Parts&... parts) {
     }
   }();
   using Scene = decltype(cycle);
-  auto memory = std::make_unique<typename Scene::Memory>();
+  struct Both {
+    Scene cycle;
+    typename Scene::Memory memory;
+  };
+  const auto both = std::make_unique<Both>(Both{cycle, {}});
   State<6> state{1ms, {0.3, -1.2, 1.4, -1.8, -1.57, 0.3}, {}};
-  cycle.start(*memory, state);
+  cycle.start(both->memory, state);
   typename Scene::Input input{};
-  for (int i = 0; i < times; ++i) {
+  repeat(times, both.get(), sizeof(Both), in_words(Scene::Known::needs), [&] {
     state.time += 2ms;
     input.now = state.time;
     input.measured = state;
-    const auto out = cycle.step(*memory, input);
+    const auto out = both->cycle.step(both->memory, input);
     keep(out);
-  }
+  });
 }
 
 struct Scene {
@@ -137,11 +190,13 @@ int main(int count, char** words) {
     return 0;
   }
   const auto i = count == 3 ? std::strtoul(words[1], nullptr, 10) : std::size(scenes);
+  timed = count == 3 && std::strcmp(words[2], "time") == 0;
   const auto times = count == 3 ? std::strtol(words[2], nullptr, 10) : 0;
   if (i >= std::size(scenes) || times < 0 || times > 1000000) {
     std::fprintf(stderr, "scenes [I N]: the I-th of %zu scenes, N <= 1000000 times\n", std::size(scenes));
     return 2;
   }
   scenes[i].run(static_cast<int>(times));
+  if (timed) std::printf("%s|%zu|%.3f|%.2f\n", found.terms.c_str(), found.bytes, found.hot, found.cold);
   return 0;
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "skinctl/model/ur5_allegro.hpp"
-#include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/resolver/group_resolver.hpp"
 
 using namespace skinctl;
 

@@ -41,8 +41,8 @@ struct Arm {
   explicit Arm(Random& rng) {
     const Theta cad = inertial_parameters(ur5::Model{});
     for (std::size_t i = 0; i < 6; ++i) {
-      const Eigen::Map<const detail::Inertia10> t(cad.data + 10 * i);
-      auto body = detail::BodyFactor::of(t, 0.15);
+      const Eigen::Map<const detail::fit::Inertia10> t(cad.data + 10 * i);
+      auto body = detail::fit::BodyFactor::of(t, 0.15);
       for (int k = 0; k < 10; ++k)
         body.x(k) +=
             k < 3 ? uniform(rng, -0.15, 0.15)

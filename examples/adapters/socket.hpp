@@ -1,6 +1,7 @@
 // A TCP stream with deadlines: what both ends of a robot's protocols need and no more.
 #pragma once
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <chrono>
@@ -19,6 +20,10 @@ class ConnectionError : public std::runtime_error {
 };
 
 using Timeout = std::chrono::milliseconds;
+/// What is left of it, at least 0.
+inline Timeout left_until(std::chrono::steady_clock::time_point deadline) {
+  return std::max(Timeout(0), std::chrono::ceil<Timeout>(deadline - std::chrono::steady_clock::now()));
+}
 
 /// How reading from a stream ended.
 enum class Read { some, nothing, closed };

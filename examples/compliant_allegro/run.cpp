@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "examples/adapters/allegro/driver.hpp"
+#include "examples/adapters/allegro/palm.hpp"
 #include "examples/compliant_allegro/scene.hpp"
 #include "examples/compliant_allegro/touches.hpp"
 #include "examples/simulated_allegro/simulated_hand.hpp"
@@ -76,7 +77,7 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
   log.entries.reserve(planned);
   examples::job::Progress progress(s.quiet);
   Nanoseconds first{}, felt_at{};
-  std::uint64_t felt = 0;
+  std::uint64_t felt = 0, passed_on = 0;
   std::size_t next_goal = 0;
   Status all;
   bool blind = false;
@@ -96,6 +97,7 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
   };
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory&) {
     if (first == 0ns) first = felt_at = input.now;
+    if (s.palm != nullptr && s.palm->left()) return false;
     const double t = seconds<double>(input.now - first);
     if (const auto number = driver.condition().tactile_number; number != felt)
       felt = number, felt_at = input.now;
@@ -125,6 +127,10 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
       e.target[i] = static_cast<float>(goal[i]);
       e.torque[i] = static_cast<float>(out.command.torque[i]);
       e.cell[i] = static_cast<float>(std::min(1.0, driver.condition().tactile[i] / 1020.0));
+    }
+    if (s.palm != nullptr && driver.condition().tactile_number != passed_on) {
+      passed_on = driver.condition().tactile_number;
+      s.palm->put(std::max(0.0F, e.cell[0] - skin.level));  // what it holds is no touch
     }
     if (e.time > opens - 1 && e.time < opens) {
       ++squeezed;

@@ -10,6 +10,10 @@
 #include "examples/simulated_allegro/body.hpp"
 #include "examples/support/job.hpp"
 
+namespace adapters::allegro {
+class Palm;
+}
+
 namespace compliant_allegro {
 
 using PerJoint = std::array<double, 16>;
@@ -43,6 +47,8 @@ struct Settings {
   bool quiet = false;
   std::string report, json;  ///< files; empty: none
   std::vector<Goal> task;
+  /// V5 Sense: where the palm's readings go to, for an arm that carries it; the job ends when the arm's has.
+  adapters::allegro::Palm* palm = nullptr;
   simulated_allegro::PlantConfig plant;
   simulated_allegro::Faults faults;
 };

@@ -19,14 +19,18 @@ struct End {
   Exit exit = Exit::fine;
   std::string words;                ///< of an exception
   bool stopped_with_other = false;  ///< it was stopped because the other one had ended badly
+  int order = 0;                    ///< 1: it ended first
 };
 
 struct Pair {
   End arm, hand;
-  /// The worse of the two; one that was stopped because of the other is not the reason.
+  /// Of the one that ended badly first: a hand that is lost makes the arm blind, too. One that was stopped because of
+  /// the other is not the reason.
   [[nodiscard]] Exit exit() const noexcept {
-    if (arm.exit != Exit::fine && !arm.stopped_with_other) return arm.exit;
-    if (hand.exit != Exit::fine && !hand.stopped_with_other) return hand.exit;
+    const auto reason = [](const End& e) { return e.exit != Exit::fine && !e.stopped_with_other; };
+    if (reason(arm) && reason(hand)) return arm.order < hand.order ? arm.exit : hand.exit;
+    if (reason(arm)) return arm.exit;
+    if (reason(hand)) return hand.exit;
     return arm.exit != Exit::fine ? arm.exit : hand.exit;
   }
 };
@@ -38,7 +42,7 @@ template <class Arm, class Hand>
 Pair run_both(Arm&& arm, Hand&& hand, const std::atomic<bool>& asked) {
   Pair out;
   std::atomic<bool> stop{false};
-  std::atomic<int> ended{0};
+  std::atomic<int> ended{0}, order{0};
   std::atomic<bool> failed{false};
   const auto one = [&](auto& job, End& end) {
     try {
@@ -48,6 +52,7 @@ Pair run_both(Arm&& arm, Hand&& hand, const std::atomic<bool>& asked) {
       end.words = e.what();
     }
     const bool interrupted = end.exit == Exit::interrupted;
+    end.order = ++order;
     end.stopped_with_other = interrupted && failed;
     if (end.exit != Exit::fine && !interrupted) failed = true;
     if (end.exit != Exit::fine) stop = true;

@@ -52,7 +52,9 @@ inline constexpr std::array<EndingRow, static_cast<std::size_t>(Ending::count)> 
     {Ending::skin_deaf, "skin_deaf", "too few cells of a patch report",
      "brakes (30 rad/s^2) and holds 0.5 s; then the robot is told to stop", 700, examples::job::Exit::blind,
      "the skin is blind, though its sender lives", "mend the skin; start again"},
-    {Ending::stuck, "stuck", "a joint stands beside its commands for 0.3 s, untouched",
+    {Ending::stuck, "stuck",
+     "a joint stands beside its commands for 0.3 s, untouched; by torque beside its target for 3 s, or 0.3 s "
+     "under twice its friction",
      "brakes and holds 0.5 s; then the robot is told to stop", 2500, examples::job::Exit::not_following,
      "a joint does not follow its commands", "free the joint; start again"},
     {Ending::late, "late", "the measured lag exceeds the declared one by 40 ms",

@@ -1,7 +1,9 @@
 // Does the arm do what it is told? A joint that stands, and a lag beyond the declared one.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "skinctl/core/status.hpp"
 #include "skinctl/resolver/following_monitor.hpp"
@@ -28,7 +30,8 @@ class FollowingJudge {
 
   /// @param force  that the skin feels [N].
   template <class RobotMemory>
-  void cycle(double t, double dt, const RobotMemory& robot, skinctl::Status status, double force) noexcept {
+  void cycle(double t, double dt, const RobotMemory& robot, skinctl::Status status, double force,
+             const skinctl::JointPosition<N>&) noexcept {
     monitor_.step(memory_, robot);
     if (force > 1) touched_at_ = t;
     const bool free = t - touched_at_ > untouched;
@@ -85,6 +88,54 @@ class FollowingJudge {
   std::array<double, N> stood_{};
   double touched_at_ = -1e9, next_look_ = 0, began_ = -1, blocked_for_ = 0, from_ = 0;
   std::size_t blocked_ = 0;
+};
+
+/// The same of an arm by torque, which is told no position: a joint that stands away from its target, and nothing
+/// touches the skin. What it is told too late shakes the arm; the robot stops it then.
+template <std::size_t N>
+class StandingJudge {
+ public:
+  static constexpr double hopeless = 3;     ///< for so long [s]: what friction is left over is learnt sooner
+  static constexpr double standing = 0.3;   ///< for so long under twice the torque of friction [s]
+  static constexpr double away = 0.03;      ///< [rad]
+  static constexpr double untouched = 0.5;  ///< since the last touch [s]
+  static constexpr double still = 0.01;     ///< [rad/s]
+  static constexpr double uncertain = 0;
+
+  /// @param friction  the most that holds a joint [N m].
+  explicit StandingJudge(const skinctl::JointTorque<N>& friction) noexcept : friction_(friction) {
+    lag_.lag_deviation = std::numeric_limits<double>::infinity();
+  }
+  /// @param robot   the resolver's memory.
+  /// @param force   that the skin feels [N].
+  /// @param target  of the task [rad].
+  template <class RobotMemory>
+  void cycle(double t, double dt, const RobotMemory& robot, skinctl::Status, double force,
+             const skinctl::JointPosition<N>& target) noexcept {
+    if (force > 1) touched_at_ = t;
+    const bool free = t - touched_at_ > untouched;
+    for (std::size_t i = 0; i < N; ++i) {
+      const bool stands =
+          free && std::abs(robot.measured.dq[i]) < still && std::abs(robot.measured.q[i] - target[i]) > away;
+      const bool pulled = std::abs(robot.command.torque[i]) > 2 * friction_[i];
+      stood_[i] = stands ? stood_[i] + dt : 0;
+      resisted_[i] = stands && pulled ? resisted_[i] + dt : 0;
+    }
+  }
+  /// 1 to N, or 0: none.
+  [[nodiscard]] std::size_t stuck_joint() const noexcept {
+    for (std::size_t i = 0; i < N; ++i)
+      if (stood_[i] > hopeless || resisted_[i] > standing) return i + 1;
+    return 0;
+  }
+  [[nodiscard]] bool late() const noexcept { return false; }
+  [[nodiscard]] const skinctl::Following<N>& following() const noexcept { return lag_; }
+
+ private:
+  skinctl::JointTorque<N> friction_;
+  skinctl::Following<N> lag_{};
+  std::array<double, N> stood_{}, resisted_{};
+  double touched_at_ = -1e9;
 };
 
 }  // namespace compliant_ur5

@@ -1,7 +1,9 @@
 // From a state on the wire to the command on the wire, of the main job at 500 Hz on loopback, beside an echo.
+#include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 
 #include "examples/adapters/socket.hpp"
 #include "examples/compliant_ur5/tests/beside.hpp"
@@ -17,6 +19,13 @@ void print(const char* what, const Histogram& h) {
   const auto us = [](skinctl::Nanoseconds t) { return 1e-3 * static_cast<double>(t.count()); };
   std::printf("| %s | %llu | %.0f | %.0f | %.0f | %.0f |\n", what, static_cast<unsigned long long>(h.count()),
               us(h.percentile(0.5)), us(h.percentile(0.99)), us(h.percentile(0.999)), us(h.max()));
+}
+
+/// How many threads wanted a processor in the last minute.
+std::string load_average() {
+  std::string out = "unknown";
+  std::ifstream("/proc/loadavg") >> out;
+  return out;
 }
 
 /// A state's bytes there, a command's bytes back, 500 times a second, by the same sockets.
@@ -55,11 +64,24 @@ Histogram echo(double seconds) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const double seconds = argc > 1 ? std::atof(argv[1]) : 10;
-  if (!(seconds >= 1 && seconds <= 3600)) {
-    std::fprintf(stderr, "ur5_latency [SECONDS]: 1 to 3600, 10 by default\n");
-    return 2;
+  namespace job = examples::job;
+  double seconds = 10;
+  bool simulate = false;
+  CLI::App app{
+      "Measures from a state on the wire to its command on the wire: the main job by velocity at 500 Hz "
+      "against a "
+      "simulated UR5, beside an echo on the same sockets. What else the machine does shows: run it alone."};
+  app.footer(job::exit_help());
+  app.add_option("seconds", seconds, "of the run; of the echo a fifth")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+  app.add_flag("--simulate", simulate, "a simulated UR5 (there is no other)");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
   }
+  const job::StopSignals signals;
   using namespace compliant_ur5;
   Settings s;
   s.scenario = COMPLIANT_UR5_SCENARIO;
@@ -92,8 +114,11 @@ int main(int argc, char** argv) {
     }
   });
   RunLog log;
-  const Outcome outcome = run(s, false, log);
-  const Histogram beside_it = echo(seconds);
+  const std::string busy_before = load_average();
+  const Outcome outcome = run(s, signals.asked(), log);
+  const Histogram beside_it = echo(outcome == Outcome::interrupted ? 0 : std::max(1.0, 0.2 * seconds));
+  std::printf("load average before and after: %s, %s; %u processors\n\n", busy_before.c_str(),
+              load_average().c_str(), std::thread::hardware_concurrency());
   std::printf("| on loopback [us] | exchanges | median | p99 | p99.9 | max |\n|---|---|---|---|---|---|\n");
   print("echo, a state's bytes there and a command's back", beside_it);
   print("state to command", times);

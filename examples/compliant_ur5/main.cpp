@@ -44,7 +44,8 @@ int run(int argc, char** argv) {
   std::string interface = "position", robot, picture;
   bool simulate = false, endings = false;
   CLI::App app(
-      "A position- or velocity-commanded UR5 with skin gives way to touch and goes back to its task.");
+      "A UR5 with skin, commanded by position, velocity or torque, gives way to touch and goes back to its "
+      "task.");
   auto* host = app.add_option("--robot", robot,
                               "host of a real UR5; without it a simulated one is started in this process");
   app.add_flag("--simulate", simulate, "a simulated UR5 in this process (the default)")->excludes(host);
@@ -70,17 +71,26 @@ int run(int argc, char** argv) {
   app.add_flag("--trust-all-cells", s.trust_all_cells,
                "readings count as they come: nothing is masked, no rest level is followed");
   app.add_option("--cycles", s.cycles, "end after so many cycles (0: as long as the scenario lasts)");
-  app.add_option("--rate", s.rate, "cycles a second")->check(CLI::IsMember({125.0, 500.0}));
-  app.add_option("--interface", interface, "what is commanded")
-      ->check(CLI::IsMember({"position", "velocity"}));
+  auto* rate = app.add_option("--rate", s.rate, "cycles a second; by torque 500")
+                   ->check(CLI::IsMember({125.0, 500.0}));
+  app.add_option("--preset", s.preset, "speed against accuracy: balanced has sub-steps of 2 ms, fast of 8 ms")
+      ->check(CLI::IsMember({"balanced", "fast"}));
+  app.add_option("--interface", interface,
+                 "what is commanded; torque: from PolyScope 5.23 or PolyScope X 10.11 on")
+      ->check(CLI::IsMember({"position", "velocity", "torque"}));
   app.add_option("--speed", s.speed, "of the simulation: 0 as fast as possible, in step; 1 real time")
       ->check(CLI::Range(0.0, 100.0));
   app.add_flag("--rigid", s.rigid, "the skin does not act: what a stiff arm does to the finger");
   app.add_flag("!--no-compare", s.compare, "do not run the scenario rigid as well");
   app.add_flag("--quiet", s.quiet, "print errors only");
-  app.add_option("--record", s.record, "write every input and command to a file");
-  app.add_option("--replay", s.replay, "run a recording again and compare every command")
+  app.add_option("--record", s.record, "write the run to an MCAP file: it replays, and viewers show it");
+  app.add_option("--replay", s.replay, "run a recorded file again and compare every command")
       ->check(CLI::ExistingFile);
+  app.add_flag("--live", s.live,
+               "serve a page on this computer that shows robot, cells, contacts and torques while it runs; "
+               "at real-time pace");
+  app.add_option("--live-port", s.live_port, "of the page (0: any)")->capture_default_str();
+  app.add_flag("--allow-control", s.allow_control, "who sees the page may resume; stop is always allowed");
   app.add_option("--report", s.report, "HTML report with plots (empty: none)");
   app.add_option("--json", s.json, "summary as JSON");
   app.add_option("--picture", picture, "one SVG of force and deflection");
@@ -109,7 +119,12 @@ int run(int argc, char** argv) {
     return 0;
   }
   if (!robot.empty()) s.robot = robot;
-  s.interface = interface == "position" ? skinctl::Interface::position : skinctl::Interface::velocity;
+  if (s.live && app.count("--speed") == 0) s.speed = 1;
+  if (interface == "velocity") s.interface = skinctl::Interface::velocity;
+  if (interface == "torque") {
+    s.interface = skinctl::Interface::torque;
+    if (rate->count() == 0) s.rate = 500;
+  }
   compliant_ur5::read_scenario(s.scenario, s);
   if (!s.replay.empty()) return static_cast<int>(compliant_ur5::replay(s));
 
@@ -120,6 +135,7 @@ int run(int argc, char** argv) {
     compliant_ur5::Settings rigid = s;
     rigid.rigid = rigid.quiet = true;
     rigid.record.clear();
+    rigid.live = false;
     compliant_ur5::RunLog stiff;
     const auto other = compliant_ur5::run(rigid, signals.asked(), stiff);
     if (other == compliant_ur5::Outcome::fine) {

@@ -6,17 +6,19 @@
 #include <memory>
 #include <optional>
 
+#include "examples/adapters/allegro/palm.hpp"
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/adapters/ur5/round_trip.hpp"
 #include "examples/compliant_ur5/endings.hpp"
 #include "examples/compliant_ur5/following_judge.hpp"
+#include "examples/compliant_ur5/live.hpp"
+#include "examples/compliant_ur5/recorder.hpp"
 #include "examples/compliant_ur5/scene.hpp"
 #include "examples/compliant_ur5/simulation.hpp"
 #include "examples/compliant_ur5/skin_session.hpp"
 #include "examples/compliant_ur5/summary.hpp"
 #include "examples/compliant_ur5/touch_observer.hpp"
-#include "skinctl/cycle/recording.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
@@ -35,18 +37,32 @@ std::string in_words(const Coverage& c) {
 struct SkinOnRobotClock {
   adapters::skin::Receiver& receiver;
   const adapters::ur5::Driver& driver;
-  std::span<const CellSample> poll() noexcept { return receiver.poll(driver.clock()); }
+  adapters::allegro::Palm* palm = nullptr;
+  std::vector<CellSample> both{};  ///< room for the receiver's and the palm's
+
+  std::span<const CellSample> poll() noexcept {
+    const auto now = driver.clock();
+    const auto received = receiver.poll(now);
+    if (palm == nullptr) return received;
+    const std::size_t n = std::min(received.size(), both.size() - 1);
+    std::copy_n(received.begin(), n, both.begin());
+    const auto felt = palm->take(palm_cell, now);
+    if (felt) both[n] = *felt;
+    return {both.data(), n + (felt ? 1 : 0)};
+  }
 };
 
 /// The driver, which remembers how the scene was started: a recording begins there.
 struct RecordedDriver {
   adapters::ur5::Driver& driver;
+  bool by_torque = false;
   State<6> measured{};
   JointPosition<6> began_told{};
   State<6> began{};
+  Heard heard = Heard::state;
 
   Heard wait(State<6>& state) noexcept {
-    const Heard heard = driver.wait(state);
+    heard = driver.wait(state);
     measured = state;
     return heard;
   }
@@ -54,13 +70,31 @@ struct RecordedDriver {
     began = measured;
     return began_told = driver.told();
   }
-  bool send(const JointCommand<6>& command) noexcept { return driver.send(command); }
+  bool send(const JointCommand<6>& command) noexcept {
+    // A torque for a state that nobody knows accelerates: the robot's program brakes by itself instead.
+    if (by_torque && heard == Heard::silent) return true;
+    return driver.send(command);
+  }
   void stop() noexcept { driver.stop(); }
 };
 
 struct Largest {
-  double step_velocity = 0, step_acceleration = 0;  ///< in units of their limits
+  double step_velocity = 0, step_acceleration = 0, torque = 0;  ///< in units of their limits
 };
+
+constexpr const char* in_words(Interface i) {
+  return i == Interface::position ? "position" : (i == Interface::velocity ? "velocity" : "torque");
+}
+
+/// The target of the task, and the torque of friction that the tracking law has learnt; by torque only.
+template <class Law, class Memory>
+auto target_of(const Law& law, const Memory& memory) {
+  if constexpr (requires { law.law(); }) {
+    return law.law().reference(memory.law).q_d;
+  } else {
+    return law.reference(memory).q_d;
+  }
+}
 
 /// What the way to the robot and back takes beyond one cycle, which the declared delay has in it [s].
 double network_delay(const Settings& s, RunLog& log) {
@@ -76,6 +110,7 @@ double network_delay(const Settings& s, RunLog& log) {
 template <Interface I>
 Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& log) {
   Settings s = given;
+  constexpr bool by_torque = I == Interface::torque;
   s.network_delay = network_delay(s, log);
   s.control.delay += s.network_delay;
   const auto scene = make_watched_scene<I>(s);
@@ -101,6 +136,11 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   config.reverse_port = s.reverse_port;
   config.told_port = s.told_port;
   config.unlock = s.unlock;
+  if constexpr (by_torque) {
+    config.torque.viscous = s.torque.viscous_scale;
+    config.torque.coulomb = s.torque.coulomb_scale;
+    config.robot_patience = adapters::Timeout(static_cast<int>(std::lround(1000 * s.torque.patience)));
+  }
   config.real_time = s.robot || s.speed == 1;
   if (s.robot) {
     config.host = *s.robot;
@@ -114,10 +154,12 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   }
   adapters::ur5::Driver driver(config);
   driver.connect();
+  if (s.hand && !driver.set_payload(s.hand->mass, s.hand->centre))
+    throw adapters::ConnectionError("the robot does not take the payload");
   if (!s.quiet) {
     std::printf("connected to %s, controller %s, %.0f Hz, %s\n",
                 s.robot ? s.robot->c_str() : "the simulated UR5", driver.controller().text().c_str(), s.rate,
-                I == Interface::position ? "position" : "velocity");
+                in_words(I));
     if (s.speed != 0 || s.robot) std::printf("%s", request_real_time().report.c_str());
   }
 
@@ -125,12 +167,19 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   const std::uint64_t planned = s.cycles != 0 ? s.cycles : static_cast<std::uint64_t>(s.duration * s.rate);
   log.entries.reserve(planned);
   const auto memory = std::make_unique<typename Scene::Memory>();
-  Recording<Scene> recording(s.record.empty() ? 4096 : planned * 2048 + (std::size_t(64) << 20));
+  LivePage<Scene> live(s);
+  JobRecorder<Scene> recording(s, live.consumers());
 
   const auto limit = limits(s);
   Ending ending = Ending::finished;
   std::string detail;  // of the ending
-  FollowingJudge<6> judge(configuration<I>(s));
+  auto judge = [&] {
+    if constexpr (by_torque) {
+      return StandingJudge<6>(JointTorque<6>(s.torque.most_friction));
+    } else {
+      return FollowingJudge<6>(configuration<I>(s));
+    }
+  }();
   Nanoseconds first{}, braking_since{};
   std::size_t next_goal = 0;
   Largest largest;
@@ -141,11 +190,16 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
 
   examples::job::Progress progress(s.quiet);
   SkinOnRobotClock skin{receiver, driver};
-  RecordedDriver robot{driver};
+  if (s.hand && s.hand->palm_gain > 0 && s.hand->reading != nullptr) {
+    skin.palm = s.hand->reading;
+    skin.both.resize(16385);  // most of one poll, and one
+  }
+  RecordedDriver robot{driver, by_torque};
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
     if (first == 0ns) first = input.now;
     const double t = seconds<double>(input.now - first);
-    if (!recording_started && !s.record.empty()) {
+    input.request = live.take();
+    if (!recording_started) {
       // The scene was started at the state before this one: that is what a replay starts from.
       if constexpr (I == Interface::position) {
         recording.start(robot.began, robot.began_told);
@@ -187,13 +241,14 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     return true;
   };
   const auto after = [&](const typename Scene::Input& input, const typename Scene::Output& out,
-                         const Stopwatch&) {
+                         const Stopwatch& watch) {
     const double t = seconds<double>(input.now - first);
     const auto& reach = std::get<0>(scene.law().laws());
-    const auto target = reach.reference(Scene::law_type::template memory<0>(memory->law)).q_d;
+    const auto& reached = Scene::law_type::template memory<0>(memory->law);
+    const auto target = target_of(reach, reached);
     observer.cycle(t, input.samples, input.measured.q, target);
     const double passed = last_time == 0ns ? 0 : seconds<double>(input.now - last_time);
-    judge.cycle(t, passed, memory->robot, out.status, observer.force());
+    judge.cycle(t, passed, memory->robot, out.status, observer.force(), target);
     all |= out.status;
     last_status = out.status;
     LogEntry entry;
@@ -205,7 +260,16 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
       entry.target[i] = static_cast<float>(target[i]);
       entry.velocity[i] = static_cast<float>(out.command.velocity[i]);
       entry.deflection = std::max(entry.deflection, std::abs(input.measured.q[i] - target[i]));
-      for (std::size_t k = 0; k < 3; ++k) entry.shares[k][i] = static_cast<float>(out.shares[k][i]);
+      for (std::size_t k = 0; k < out.shares.size(); ++k)
+        entry.shares[k][i] = static_cast<float>(out.shares[k][i]);
+      if constexpr (by_torque) {
+        entry.shares[2][i] = static_cast<float>(reached.friction[i]);
+        largest.torque = std::max(largest.torque, std::abs(out.command.torque[i]) / limit.torque()[i]);
+        entry.velocity[i] = static_cast<float>(input.measured.dq[i]);
+        largest.step_velocity =
+            std::max(largest.step_velocity, std::abs(input.measured.dq[i]) / limit.velocity()[i]);
+        continue;  // no motion is commanded
+      }
       largest.step_velocity =
           std::max(largest.step_velocity, std::abs(out.command.velocity[i]) / limit.velocity()[i]);
       if (dt > 0) {
@@ -219,7 +283,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     last_velocity = out.command.velocity;
     last_time = out.command.time;
     if (log.entries.size() < log.entries.capacity()) log.entries.push_back(entry);
-    if (!s.record.empty()) recording.add(input, out.command);
+    recording(input, out, watch);
     if (progress.due(t))
       progress.show("%5.0f s  force %5.1f N  deflection %6.3f rad  touches %zu", t, observer.force(),
                     entry.deflection, observer.touches().size());
@@ -258,9 +322,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   }
   const bool real_time = s.robot || s.speed == 1;
   log.title = std::string(s.rigid ? "Rigid" : "Compliant") + " UR5, " + (s.robot ? *s.robot : "simulated") +
-              ", " + text("%.0f Hz, ", s.rate) + (I == Interface::position ? "position" : "velocity") +
-              " interface";
-  log.laws = {"spline joint", "skin joint", "gravity"};
+              ", " + text("%.0f Hz, ", s.rate) + in_words(I) + " interface";
+  log.laws = {"spline joint", "skin joint", by_torque ? "of these learnt friction" : "gravity"};
   for (std::size_t i = 0; i < 6; ++i) {
     log.velocity_limit[i] = limit.velocity()[i];
     log.acceleration_limit[i] = limit.acceleration()[i];
@@ -271,8 +334,10 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
       {"missed deadlines", real_time ? std::to_string(report.missed) + " of " + std::to_string(report.cycles)
                                      : "not at real-time pace"},
       {"allocations in the loop", std::to_string(allocations)},
-      {"fastest command", text("%.1f %% of its limit", 100 * largest.step_velocity)},
-      {"largest command step", text("%.1f %% of its limit", 100 * largest.step_acceleration)},
+      by_torque ? Fact{"largest torque", text("%.1f %% of its limit", 100 * largest.torque)}
+                : Fact{"fastest command", text("%.1f %% of its limit", 100 * largest.step_velocity)},
+      by_torque ? Fact{"fastest joint", text("%.1f %% of its limit", 100 * largest.step_velocity)}
+                : Fact{"largest command step", text("%.1f %% of its limit", 100 * largest.step_acceleration)},
       {"lag beyond the declared one", judge.following().lag_deviation < judge.uncertain
                                           ? text("%.1f ms", 1e3 * judge.following().lag)
                                           : "not known"},
@@ -285,8 +350,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   std::string noted;
   all.for_each([&](Reason r) { noted += (noted.empty() ? "" : "; ") + std::string(describe(r)); });
   log.result.push_back({"noted", noted.empty() ? "nothing" : noted});
+  recording.finish(log);
   print(s, log);
-  if (!s.record.empty()) recording.save(s.record);
 
   if (report.ended == LoopEnd::displaced) ending = Ending::displaced;
   if (report.ended == LoopEnd::interrupted) ending = Ending::interrupted;
@@ -295,7 +360,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     detail = "the arm did not move";
   }
   const double slack = 1 + 1e-9;
-  const bool kept = allocations == 0 && largest.step_velocity <= slack && largest.step_acceleration <= slack;
+  const bool kept = allocations == 0 && largest.torque <= slack &&
+                    (by_torque || (largest.step_velocity <= slack && largest.step_acceleration <= slack));
   if (ending == Ending::finished && report.ended == LoopEnd::finished && !kept) ending = Ending::broken;
   Outcome outcome = row(ending).exit;
   if (report.ended == LoopEnd::lost || report.ended == LoopEnd::no_state) {
@@ -313,10 +379,17 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
 }
 
 template <Interface I>
-Outcome replay_with(const Settings& s) {
+Outcome replay_with(const Settings& given) {
+  Settings s = given;
+  s.control.delay += std::max(s.network_delay, 0.0);
   const auto scene = make_watched_scene<I>(s);
   using Scene = std::remove_cvref_t<decltype(scene)>;
-  const auto result = skinctl::replay(scene, Recording<Scene>::load(s.replay));
+  const auto run = load_run<Scene>(s.replay, run_identity(s));
+  if (!run.whole) std::printf("%s was cut: its last second may be missing\n", s.replay.c_str());
+  if (run.missing > 0)
+    std::printf("%llu cycles found no room when it was recorded: replayed up to the first of them\n",
+                static_cast<unsigned long long>(run.missing));
+  const auto result = skinctl::replay(scene, run.recording);
   std::printf("replayed %llu cycles: ", static_cast<unsigned long long>(result.cycles));
   if (result.different == 0) {
     std::printf("every command is the same to the bit\n");
@@ -331,13 +404,25 @@ Outcome replay_with(const Settings& s) {
 }  // namespace
 
 Outcome run(const Settings& settings, const std::atomic<bool>& stop, RunLog& log) {
-  return settings.interface == Interface::position ? run_with<Interface::position>(settings, stop, log)
-                                                   : run_with<Interface::velocity>(settings, stop, log);
+  switch (settings.interface) {
+    case Interface::position:
+      return run_with<Interface::position>(settings, stop, log);
+    case Interface::velocity:
+      return run_with<Interface::velocity>(settings, stop, log);
+    default:
+      return run_with<Interface::torque>(settings, stop, log);
+  }
 }
 
 Outcome replay(const Settings& settings) {
-  return settings.interface == Interface::position ? replay_with<Interface::position>(settings)
-                                                   : replay_with<Interface::velocity>(settings);
+  switch (settings.interface) {
+    case Interface::position:
+      return replay_with<Interface::position>(settings);
+    case Interface::velocity:
+      return replay_with<Interface::velocity>(settings);
+    default:
+      return replay_with<Interface::torque>(settings);
+  }
 }
 
 }  // namespace compliant_ur5

@@ -11,7 +11,9 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
+#include "skinctl/robot/preset.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
+#include "skinctl/tracking/friction_learning.hpp"
 
 namespace compliant_ur5 {
 
@@ -50,6 +52,19 @@ inline auto trusted_skin(const Settings& s) {
   trust.health.delta = 2;  // of the simulated cells, and of TUM's
   trust.answer = 0.05;     // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
   const auto patches = skin_patches(s);
+  if (!s.trust_all_cells && s.hand) {  // a palm has one cell: nobody else can be its witness
+    std::vector<double> lone;
+    std::vector<SensorNoise> noise;
+    for (const SkinPatch& patch : patches)
+      for (const SkinCell& cell : patch.cells) {
+        const bool palm = cell.id == palm_cell;
+        lone.push_back(palm ? std::numeric_limits<double>::infinity() : 0.0);
+        noise.push_back(palm ? SensorNoise{.force = 20}
+                             : trust.noise[0]);  // of 1/255, equal readings are no fault
+      }
+    trust.lone_force = lone;
+    trust.noise = noise;
+  }
   return TrustedSkin(UrSkin(patches, settings), trust, FillIn(skin_graph(s, patches)), patches);
 }
 
@@ -65,12 +80,43 @@ skinctl::RobotConfiguration<6> configuration(const Settings& s) {
           .lag = nanoseconds(s.control.lag + ahead),
           .virtual_damping = s.control.decay,
           .viscous_friction = JointTorque<6>(s.control.viscous),
-          .dead_band = JointPosition<6>::constant(0.02)};
+          .dead_band = JointPosition<6>::constant(0.02),
+          .substep = s.preset == preset::Fast::name ? preset::Fast::substep : preset::Balanced::substep};
 }
 
-/// From skin and state to commands for `I`: every number of it comes from the settings.
+/// The same by torque: no virtual arm, no lag; the motors' inertia is known.
+template <>
+inline skinctl::RobotConfiguration<6> configuration<skinctl::Interface::torque>(const Settings& s) {
+  using namespace skinctl;
+  return {.limits = limits(s),
+          .period = nanoseconds(1 / s.rate),
+          .delay = nanoseconds(std::max(s.network_delay, 0.0)),
+          .viscous_friction = JointTorque<6>(s.torque.viscous),
+          .virtual_inertia = JointTorque<6>(s.torque.motor_inertia)};
+}
+
+/// The controller holds the weight; the friction that it leaves over is learnt, so that the arm comes back to its task.
+inline auto scene_by_torque(const Settings& s) {
+  using namespace skinctl;
+  const auto arm =
+      by_torque(ur5::Model{}, configuration<Interface::torque>(s), RobotHoldsGravity{},
+                RobotCompensatesFriction{}, ContactDamper<>({.max = s.torque.damping, .calm = 200ms}));
+  auto t = tracking_settings(arm);
+  t.lambda = s.torque.lambda;
+  t.K_c = s.torque.K_c;
+  t.K_i1 = t.K_i2 = 0;  // they have no dead zone
+  t.tb = {};
+  t.max_velocity = JointVelocity<6>::constant(s.control.max_velocity);
+  const FrictionLearning<SplineJoint<6>> reach(SplineJoint<6>(t), t,
+                                               {.rate = s.torque.learning,
+                                                .bound = JointTorque<6>(s.torque.most_friction),
+                                                .dead_zone = s.torque.dead_zone});
+  return Cycle(arm, trusted_skin(s), reach + SkinJointControl{});
+}
+
+/// A virtual arm gives way, and its motion is commanded.
 template <skinctl::Interface I>
-auto make_scene(const Settings& s) {
+auto scene_by_motion(const Settings& s) {
   using namespace skinctl;
   const auto robot = configuration<I>(s);
   const auto skin = trusted_skin(s);
@@ -80,6 +126,17 @@ auto make_scene(const Settings& s) {
   const auto arm =
       robot_by<I>(ur5::Model{}, robot, ContactDamper<>({.max = damping, .calm = 200ms}), stiffest);
   return Cycle(arm, skin, SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
+}
+
+/// From skin and state to commands for `I`: every number of it comes from the settings.
+template <skinctl::Interface I>
+auto make_scene(const Settings& s) {
+  using namespace skinctl;
+  if constexpr (I == Interface::torque) {
+    return scene_by_torque(s);
+  } else {
+    return scene_by_motion<I>(s);
+  }
 }
 
 /// The same, as the job runs it: it does not move before its skin is heard, and stops when a patch falls silent.

@@ -94,6 +94,22 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("lag", c.lag);
     t.done();
   }
+  if (const auto* torque = root["torque"].as_table()) {
+    Table t(file, *torque);
+    auto& c = settings.torque;
+    t.number("lambda", c.lambda);
+    t.number("K_c", c.K_c);
+    t.one_or_six("viscous", c.viscous);
+    t.one_or_six("motor_inertia", c.motor_inertia);
+    t.one_or_six("viscous_scale", c.viscous_scale);
+    t.one_or_six("coulomb_scale", c.coulomb_scale);
+    t.number("learning", c.learning);
+    t.one_or_six("most_friction", c.most_friction);
+    t.number("dead_zone", c.dead_zone);
+    t.number("damping", c.damping);
+    t.number("patience", c.patience);
+    t.done();
+  }
   if (const auto* skin =
           root["skin"].as_table()) {  // the simulation reads the same table and checks its keys
     settings.newtons_per_reading = (*skin)["newtons_per_reading"].value_or(settings.newtons_per_reading);
@@ -116,6 +132,8 @@ void read_scenario(const std::string& file, Settings& settings) {
                    "> 0, <= 86400 s");
   skinctl::require(settings.control.skin_patience >= 0.5 && settings.control.skin_patience <= 3600,
                    "control.skin_patience", settings.control.skin_patience, "0.5 to 3600 s");
+  skinctl::require(settings.torque.patience >= 0.004 && settings.torque.patience <= 2, "torque.patience",
+                   settings.torque.patience, "0.004 to 2 s");
   skinctl::require(settings.newtons_per_reading > 0, "skin.newtons_per_reading", settings.newtons_per_reading,
                    "> 0 N");
 }

@@ -9,6 +9,10 @@
 
 #include "skinctl/core/command.hpp"
 
+namespace adapters::allegro {
+class Palm;
+}
+
 namespace compliant_ur5 {
 
 /// One number per joint, or per link; in a file one number stands for six.
@@ -44,6 +48,31 @@ struct ControlSettings {
   double lag = 0.008;              ///< declared: of the robot's drives [s]; servoj's lookahead comes on top
 };
 
+/// The same by torque, where the arm itself is the one that gives way.
+struct TorqueControl {
+  double lambda = 60;  ///< `K_d = lambda (M + motors)` [1/s]
+  double K_c = 4;      ///< [1/s]
+  PerJoint viscous =
+      same(10);              ///< friction that the arm shows besides what its controller leaves [N m s/rad]
+  PerJoint motor_inertia{};  ///< at the joints; those of a wrist outweigh its links [kg m^2]
+  PerJoint viscous_scale{}, coulomb_scale{};  ///< shares of friction that the controller compensates
+  double learning = 300;                      ///< of the friction that is left over [1/s^2]
+  PerJoint most_friction{};                   ///< of what is learnt [N m]
+  double dead_zone = 0.0009;                  ///< [rad]
+  double damping = 0;                         ///< of contacts that ring [N s/m]
+  double patience = 0.04;  ///< after so long without a command the robot stops by itself [s]
+};
+
+/// A hand at the flange.
+struct CarriedHand {
+  double mass = 0;                    ///< of all that hangs there [kg]
+  std::array<double, 3> centre{};     ///< its centre of mass in the flange's frame [m]
+  double palm_gain = 0;               ///< [N per unit of the three readings]; 0: its palm feels nothing
+  std::array<double, 3> palm{};       ///< place of the palm's cell in link 5 [m]
+  std::array<double, 9> palm_axes{};  ///< its axes x, y, z there; z is the outward normal
+  adapters::allegro::Palm* reading = nullptr;  ///< lives as long as the run
+};
+
 struct Settings {
   std::string scenario;                    ///< TOML file
   std::optional<std::string> robot;        ///< host of a real robot; none: the simulated one
@@ -54,6 +83,8 @@ struct Settings {
   std::string skin_key;                    ///< file with the key of authenticated skin datagrams; empty: none
   std::uint64_t cycles = 0;                ///< 0: as long as the scenario lasts
   double rate = 125;
+  std::string preset =
+      "balanced";    ///< or "fast": `skinctl::preset`; here in double, as the robot's states are
   double speed = 0;  ///< of the simulation: 0: lock-step, 1: real time
   skinctl::Interface interface = skinctl::Interface::position;
   std::string touch_profile;     ///< CSV that replaces the scenario's touches
@@ -62,6 +93,9 @@ struct Settings {
   bool rigid = false;            ///< the skin does not act
   bool compare = true;           ///< simulated: run the scenario rigid as well
   bool quiet = false;
+  bool live = false;                         ///< a page shows the run while it runs
+  std::uint16_t live_port = 8765;            ///< of the page; 0: any
+  bool allow_control = false;                ///< who sees the page may resume
   std::string record, replay, report, json;  ///< files; empty: none
   std::uint16_t rtde_port = 30004, script_port = 30002, dashboard_port = 29999, rest_port = 80;
   std::uint16_t reverse_port = 0;   ///< of this computer, where the robot's program connects; 0: any
@@ -72,10 +106,12 @@ struct Settings {
   double newtons_per_reading = 20;  ///< of the skin, from the scenario's [skin]
   double rest_reading = 0.004;      ///< of each force sensor, likewise
   ControlSettings control;
+  TorqueControl torque;
+  std::optional<CarriedHand> hand;
   std::vector<Goal> task;
 };
 
-/// Reads the tables `[run]`, `[control]`, `[skin]` and `[[goal]]` of a scenario; others are the simulation's.
+/// Reads the tables `[run]`, `[control]`, `[torque]`, `[skin]` and `[[goal]]` of a scenario; others are the simulation's.
 /// Throws `skinctl::ConfigurationError` with file and line for unknown keys of its own tables and wrong
 /// types.
 void read_scenario(const std::string& file, Settings& settings);

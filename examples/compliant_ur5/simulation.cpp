@@ -23,6 +23,10 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
   if (!s.skin_faults.empty())
     config.controller.skin.faults = simulated_ur5::read_skin_faults(s.skin_faults, config.controller.cells);
   config.controller.powered = true;
+  if (s.hand) {
+    config.controller.arm.unknown_payload = s.hand->mass;
+    config.controller.arm.payload_centre = {s.hand->centre[0], s.hand->centre[1], s.hand->centre[2]};
+  }
   config.ports = {0, 0, 0, 0, 0};  // any that are free
   config.speed = s.speed;
   config.skin_host = s.skin_address;

@@ -26,6 +26,13 @@ std::vector<SkinPatch> skin_patches(const Settings& s) {
     };
     std::apply([&](const auto&... patch) { (add(patch), ...); }, ur5::skin_patches<cells>());
   }
+  if (s.hand && s.hand->palm_gain > 0) {
+    const auto& a = s.hand->palm_axes;
+    SkinCell cell{.id = palm_cell,
+                  .X_LC = {Rotation<double>{{a[0], a[1], a[2]}, {a[3], a[4], a[5]}, {a[6], a[7], a[8]}},
+                           {s.hand->palm[0], s.hand->palm[1], s.hand->palm[2]}}};
+    out.push_back({5, {.force = s.hand->palm_gain, .proximity = 0}, {cell}});
+  }
   if (!s.rigid) return out;
   for (SkinPatch& patch : out) {
     patch.gains = {.force = 0, .proximity = 0};
@@ -51,6 +58,7 @@ std::vector<ObservedCell> observed_cells(const std::vector<SkinPatch>& patches) 
 std::vector<simulated_ur5::SkinCell> simulated_cells(const std::vector<SkinPatch>& patches) {
   std::vector<simulated_ur5::SkinCell> out;
   for (const ObservedCell& c : observed_cells(patches)) {
+    if (c.id == palm_cell) continue;  // the hand's, which has its own simulation
     simulated_ur5::SkinCell cell;
     cell.id = c.id;
     cell.link = static_cast<std::size_t>(c.link);

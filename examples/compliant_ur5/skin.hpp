@@ -16,8 +16,10 @@ inline constexpr std::size_t cells = 260;       ///< of the generated skin
 inline constexpr std::size_t most_cells = 512;  ///< of a file: 383 of TUM's size find room
 using UrSkin = skinctl::SkinOf<skinctl::ur5::Model, double, most_cells>;
 
+inline constexpr std::uint32_t palm_cell = 60000;  ///< id of the cell of a carried hand's palm
+
 /// The patches of `ur5_skin<260>` with the gains of the settings, or those of the file `Settings::skin`. On a
-/// rigid arm all gains are 0. Throws `skinctl::ConfigurationError`.
+/// rigid arm all gains are 0. The palm of a carried hand is one more. Throws `skinctl::ConfigurationError`.
 std::vector<skinctl::SkinPatch> skin_patches(const Settings& settings);
 
 /// Which of these cells are neighbours: as the file says, else those near by.

@@ -82,9 +82,13 @@ void damage(Bytes& bytes, std::mt19937& rng) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "fuzz_parsers CORPUS [ROUNDS | --unpack FOLDER | --pack FOLDER]\n");
-    return 2;
+  const bool help = argc == 2 && std::strcmp(argv[1], "--help") == 0;
+  if (argc < 2 || help) {
+    std::fprintf(
+        help ? stdout : stderr,
+        "fuzz_parsers CORPUS [ROUNDS | --unpack FOLDER | --pack FOLDER]\n"
+        "Exit codes: 0 every parser has returned from every input, 1 a parser has no corpus, 2 usage\n");
+    return help ? 0 : 2;
   }
   const fs::path corpus = argv[1];
   const auto all = fuzz::parsers();

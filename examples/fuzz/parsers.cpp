@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,9 @@
 #include "examples/simulated_ur5/primary_commands.hpp"
 #include "examples/simulated_ur5/rtde_session.hpp"
 #include "examples/simulated_ur5/urscript/code.hpp"
+#include "examples/skinctl_record/csv.hpp"
+#include "skinctl/io/mcap_reader.hpp"
+#include "skinctl/io/skin_cloud_reader.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/skin_xml.hpp"
 #include "skinctl/io/ur_calibration.hpp"
@@ -165,6 +169,27 @@ void urdf(Bytes bytes) {
 void ur_calibration(Bytes bytes) {
   allow_refusal([&] { return skinctl::parse_ur_calibration(text(bytes), "calibration"); });
 }
+/// Files of others: every topic of them as a table.
+void mcap(Bytes bytes) {
+  std::vector<std::string> topics;
+  const auto contents = skinctl::read_mcap(bytes, [](const skinctl::McapMessage&) {});
+  for (const auto& channel : contents.summary.channels) topics.push_back(channel.topic);
+  if (topics.size() > 8) topics.resize(8);
+  for (const std::string& topic : topics)
+    allow_refusal([&] {
+      std::ostringstream table;
+      return skinctl_record::write_csv(bytes, topic, table);
+    });
+}
+/// Several messages, each with its length before it.
+void skin_cloud(Bytes bytes) {
+  skinctl::SkinCloudReader reader(16);
+  while (bytes.size() >= 2) {
+    const std::size_t n = std::min<std::size_t>(bytes[0] + 256u * bytes[1], bytes.size() - 2);
+    static_cast<void>(reader.read(bytes.subspan(2, n)));
+    bytes = bytes.subspan(2 + n);
+  }
+}
 
 constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"rtde_requests", rtde_requests},
@@ -181,7 +206,9 @@ constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"skin_file", skin_file},
                          Parser{"skin_xml", skin_xml},
                          Parser{"urdf", urdf},
-                         Parser{"ur_calibration", ur_calibration}};
+                         Parser{"ur_calibration", ur_calibration},
+                         Parser{"mcap", mcap},
+                         Parser{"skin_cloud", skin_cloud}};
 
 }  // namespace
 

@@ -1,11 +1,13 @@
 // Identifies how an arm answers position commands: delay, lag, stiffness of its servos, gap and resolution of its
 // encoders. Moves a UR5 gently, real or simulated, or reads a log.
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <cstdio>
 #include <fstream>
 
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/identify_robot/result.hpp"
+#include "examples/support/job.hpp"
 #include "skinctl/calibration/response_motion.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
@@ -52,7 +54,9 @@ Log simulate(const ResponseMotion<6>::Settings& settings, const Truth& told) {
   return log;
 }
 
-Log move(const std::string& host, double rate, const ResponseMotion<6>::Settings& settings) {
+/// Empty when it was interrupted; the robot is told to stop then, as at any end.
+Log move(const std::string& host, double rate, const ResponseMotion<6>::Settings& settings,
+         const std::atomic<bool>& stop) {
   adapters::ur5::DriverConfig config;
   config.host = host;
   config.rate = rate;
@@ -66,7 +70,13 @@ Log move(const std::string& host, double rate, const ResponseMotion<6>::Settings
   for (std::size_t i = 0; i < 6; ++i) start[i] = state.q[i];
   const ResponseMotion<6> motion(start, settings);
   Log log;
+  examples::job::Progress progress(false);
   for (double t = 0; t < settings.duration;) {
+    if (stop) {
+      driver.stop();
+      return {};
+    }
+    if (progress.due(t)) progress.show("%4.0f of %.0f s", t, settings.duration);
     const auto q = motion.at(t);
     skinctl::JointCommand<6> command;
     command.valid = true;
@@ -84,12 +94,14 @@ Log move(const std::string& host, double rate, const ResponseMotion<6>::Settings
     }
   }
   driver.stop();
+  progress.clear();
   return log;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  namespace job = examples::job;
   CLI::App app(
       "Identifies how a UR5 answers position commands: delay, lag, stiffness, gap, resolution, jitter.\n"
       "Without --robot and --log it moves a simulated arm.");
@@ -116,7 +128,15 @@ int main(int argc, char** argv) {
   app.add_option("--resolution", truth.resolution, "of its encoders [rad]")->check(CLI::Range(0.0, 0.1));
   app.add_option("--skipped", truth.skipped, "share of its measurements that are lost")
       ->check(CLI::Range(0.0, 0.9));
-  CLI11_PARSE(app, argc, argv);
+  bool simulated = false;
+  app.add_flag("--simulate", simulated, "a simulated arm (the default)")->excludes(host);
+  app.footer(job::exit_help());
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
+  }
+  const job::StopSignals signals;
   try {
     if (robot.empty() && read.empty()) std::printf("a simulated arm moves for %.0f s\n\n", motion.duration);
     if (!robot.empty()) {
@@ -125,7 +145,9 @@ int main(int argc, char** argv) {
       std::fflush(stdout);
     }
     const Log log = !read.empty() ? read_log(read)
-                                  : (robot.empty() ? simulate(motion, truth) : move(robot, rate, motion));
+                                  : (robot.empty() ? simulate(motion, truth)
+                                                   : move(robot, rate, motion, signals.asked()));
+    if (signals.asked()) return job::code(job::Exit::interrupted);
     if (!save.empty()) write_log(save, log);
     const Response found = identify(log);
     std::fputs(in_words(found).c_str(), stdout);
@@ -135,9 +157,12 @@ int main(int argc, char** argv) {
         throw skinctl::ConfigurationError(output + ": cannot be written");
       std::printf("written to %s\n", output.c_str());
     }
-    return 0;
+    return job::code(job::Exit::fine);
+  } catch (const skinctl::ConfigurationError& e) {
+    std::fprintf(stderr, "identify_robot: %s\n", e.what());
+    return job::code(job::Exit::refused);
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-    return 1;
+    std::fprintf(stderr, "identify_robot: %s\n", e.what());
+    return job::code(job::Exit::lost);
   }
 }

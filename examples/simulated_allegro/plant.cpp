@@ -60,7 +60,7 @@ Plant::Plant(const PlantConfig& config)
     if (config.side == Side::left) config_.ball->centre[1] *= -1;
   }
   for (const Touch& t : config.touches) {
-    require(t.cell >= 1 && t.cell <= 15, "cell of a touch", static_cast<double>(t.cell), "1 to 15");
+    require(t.cell <= 15, "cell of a touch", static_cast<double>(t.cell), "0 to 15");
     require(t.duration > 0 && std::abs(t.force) <= 100, "force of a touch", t.force,
             "up to 100 N, for > 0 s");
   }

@@ -25,7 +25,8 @@ struct Ball {
 
 /// A finger that pushes on a cell along its inward normal: `force` [N], ramped up and down within 0.1 s.
 struct Touch {
-  std::size_t cell = 3;            ///< on the wire: 1 to 15 (the palm, 0, gives way to nothing)
+  std::size_t cell =
+      3;  ///< on the wire: 0 to 15 (the palm, 0, feels it and stays: what carries it gives way)
   double start = 1, duration = 1;  ///< [s]
   double force = 1;
 };

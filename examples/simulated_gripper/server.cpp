@@ -2,8 +2,10 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <chrono>
+#include <random>
 #include <thread>
 #include <vector>
 
@@ -19,7 +21,7 @@ constexpr std::size_t longest_request = 512, most_clients = 8;
 struct Server::Network {
   /// One client: read, answer, read.
   struct Client : std::enable_shared_from_this<Client> {
-    Client(Server& s, tcp::socket k) : server(s), socket(std::move(k)) {}
+    Client(Server& s, tcp::socket k) : server(s), socket(std::move(k)), later(socket.get_executor()) {}
     void read() {
       socket.async_read_some(boost::asio::buffer(chunk),
                              [self = shared_from_this()](const boost::system::error_code& e, std::size_t n) {
@@ -31,6 +33,10 @@ struct Server::Network {
       in.append(chunk.data(), n);
       out.clear();
       auto& wrong = server.misbehaviour_;
+      if (std::uniform_real_distribution<>(0, 1)(random) < wrong.lose) {
+        in.clear();
+        return read();
+      }
       const bool good = server.answer(in, out) && in.size() < longest_request;
       if (wrong.hang_up || !good) {
         boost::system::error_code ignored;
@@ -39,6 +45,18 @@ struct Server::Network {
       }
       if (wrong.silent) out.clear();
       if (wrong.twice) out += out;
+      if (wrong.cut_short) out.resize(out.size() / 2);
+      if (wrong.other_version && out.size() > 3) {
+        if (server.config_.kind == Kind::onrobot) out[3] = 1;  // Modbus is protocol 0
+        if (server.config_.kind == Kind::robotiq) out = "v2 " + out;
+      }
+      if (const int ms = wrong.late_ms; ms > 0) {
+        later.expires_after(std::chrono::milliseconds(ms));
+        later.async_wait([self = shared_from_this()](const boost::system::error_code& e) {
+          if (!e) self->write(0);
+        });
+        return;
+      }
       if (wrong.garbage)
         for (char& c : out)
           if (c != '\n') c = static_cast<char>(c ^ 0x5a);
@@ -55,6 +73,8 @@ struct Server::Network {
     }
     Server& server;
     tcp::socket socket;
+    boost::asio::steady_timer later;
+    std::mt19937 random{1};
     std::array<char, 256> chunk{};
     std::string in, out;
   };

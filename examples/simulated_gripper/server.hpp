@@ -16,11 +16,15 @@ enum class Kind { robotiq, onrobot, lacquey };
 
 /// What a server does wrong, for tests; may be changed while it runs.
 struct Misbehaviour {
-  std::atomic<bool> silent{false};        ///< it hears and does not answer
-  std::atomic<bool> byte_by_byte{false};  ///< each byte in a packet of its own
-  std::atomic<bool> garbage{false};       ///< bytes that mean nothing instead of answers
-  std::atomic<bool> twice{false};         ///< each answer two times
-  std::atomic<bool> hang_up{false};       ///< closes instead of answering
+  std::atomic<bool> silent{false};         ///< it hears and does not answer
+  std::atomic<bool> byte_by_byte{false};   ///< each byte in a packet of its own
+  std::atomic<bool> garbage{false};        ///< bytes that mean nothing instead of answers
+  std::atomic<bool> twice{false};          ///< each answer two times
+  std::atomic<bool> hang_up{false};        ///< closes instead of answering
+  std::atomic<bool> cut_short{false};      ///< half of each answer
+  std::atomic<bool> other_version{false};  ///< answers of another version of the protocol
+  std::atomic<double> lose{0};             ///< this share of requests is not heard: no effect, no answer
+  std::atomic<int> late_ms{0};             ///< each answer after so long
 };
 
 struct ServerConfig {

@@ -43,8 +43,10 @@ struct ArmConfig {
   Joints stiffness = {rigid, rigid, rigid, rigid, rigid, rigid};
   /// The loop's integral takes the droop back with this time constant [s], 0.01 to infinite (none).
   double integral_time = rigid;
-  /// Mass at the flange that the controller does not know of [kg], 0 to 20: the arm droops by its weight.
+  /// Mass at the flange that the controller does not know of [kg], 0 to 20: the arm droops by its weight, or under
+  /// torque sinks, until a program tells it (`set_payload`).
   double unknown_payload = 0;
+  Vec3 payload_centre{};                              ///< its centre of mass in the flange's frame [m]
   JointDrives drives;                                 ///< under direct torque; the position loop overcomes it
   Joints torque_limit = {150, 150, 150, 28, 28, 28};  ///< of the motors at the joints [N m]
   double position_noise = 2e-5;                       ///< standard deviation of the encoders [rad]

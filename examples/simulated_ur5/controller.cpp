@@ -195,9 +195,12 @@ void Controller::inputs_written(const InputEffects& effects) {
 }
 
 Joints Controller::load_at(const Links& links) const {
-  const double weight = 9.81 * config_.arm.unknown_payload;
-  Joints load = torque_of_force(links, 5, links.flange.origin, {0, 0, -weight});
-  for (std::size_t i = 0; i < joint_count; ++i) load[i] += world_.load()[i];
+  // What hangs at the flange, less what the controller has been told of and holds.
+  Joints load = torque_of_force(links, 5, links.flange.point(config_.arm.payload_centre),
+                                {0, 0, -9.81 * config_.arm.unknown_payload});
+  const Joints held =
+      torque_of_force(links, 5, links.flange.point(state_.payload_cog), {0, 0, -9.81 * state_.payload});
+  for (std::size_t i = 0; i < joint_count; ++i) load[i] += world_.load()[i] - held[i];
   return load;
 }
 

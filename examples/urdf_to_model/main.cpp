@@ -46,7 +46,12 @@ int main(int argc, char** argv) try {
                "Limits beyond two turns and speeds beyond 60 rad/s are meant, and no degrees");
   app.add_option("--snap", settings.snap, "Angles this close to a right one become exact [rad]")
       ->check(CLI::Range(0.0, 1e-3));
-  CLI11_PARSE(app, argc, argv);
+  app.footer("Exit codes: 0 written, 1 the file cannot be read or written, 2 an option is wrong");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
   for (std::size_t k = 0; k < gravity.size(); ++k) settings.gravity[k] = gravity[k];
 
   for (const std::string& lock : locks) add_lock(options, lock);

@@ -1,6 +1,9 @@
 // A real accelerometer on a real arm (`imu_on_robot`): one pose of the sensor for two recordings, from the arm's own report of its pose.
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -11,8 +14,8 @@
 #include "skinctl/calibration/joint_motion.hpp"
 
 using namespace skinctl;
-using skinctl::detail::BlockMeans;
-using skinctl::detail::BodySignals;
+using skinctl::detail::fit::BlockMeans;
+using skinctl::detail::fit::BodySignals;
 
 namespace {
 
@@ -44,7 +47,8 @@ Arm read(const std::string& file) {
       for (std::size_t k = 3; k < 7 && same < 0; ++k) pose[k] = -pose[k];
     }
     if (poses.empty() || pose != poses.back()) poses.push_back(pose), out.pose.time.push_back(v[0]);
-    if (v[1] != 0 || v[2] != 0 || v[3] != 0) readings.push_back({v[1], v[2], v[3]}), out.imu.time.push_back(v[0]);
+    if (v[1] != 0 || v[2] != 0 || v[3] != 0)
+      readings.push_back({v[1], v[2], v[3]}), out.imu.time.push_back(v[0]);
   }
   out.pose.q.resize(Eigen::Index(poses.size()), 7);
   for (std::size_t k = 0; k < poses.size(); ++k)
@@ -63,8 +67,12 @@ struct FlangeMotion {
   std::vector<std::size_t> recording;
   Eigen::Vector2d tilt = Eigen::Vector2d::Zero();
   std::vector<double> late;
-  bool accelerates = true;
+  bool accelerates = true, tilts = true, shifts = true;
 
+  void hold(Eigen::VectorXd& information, Eigen::VectorXd&) const {
+    if (!tilts) information.head(2).array() += 1e14;
+    if (!shifts) information.tail(Eigen::Index(late.size())).array() += 1e14;
+  }
   [[nodiscard]] int unknowns() const { return 2 + int(late.size()); }
   [[nodiscard]] FlangeMotion moved(const Eigen::VectorXd& d) const {
     FlangeMotion out = *this;
@@ -72,10 +80,12 @@ struct FlangeMotion {
     for (std::size_t r = 0; r < late.size(); ++r) out.late[r] += d(2 + Eigen::Index(r));
     return out;
   }
-  [[nodiscard]] Eigen::Matrix<double, 12, 1> signal(const MeasuredMotion& motion, double t, const Eigen::Vector2d& lean) const {
+  [[nodiscard]] Eigen::Matrix<double, 12, 1> signal(const MeasuredMotion& motion, double t,
+                                                    const Eigen::Vector2d& lean) const {
     const auto R = [&](double at) -> Eigen::Matrix3d {
       const Eigen::VectorXd q = motion.at(at).q;
-      return Eigen::Quaterniond(q(3), q(4), q(5), q(6)).normalized().toRotationMatrix();
+      // As stored it turns the base into the flange.
+      return Eigen::Quaterniond(q(3), -q(4), -q(5), -q(6)).normalized().toRotationMatrix();
     };
     constexpr double h = 0.01;
     const Eigen::Matrix3d now = R(t), ddR = (R(t + h) - 2 * now + R(t - h)) / (h * h);
@@ -101,7 +111,8 @@ struct FlangeMotion {
         auto row = out.columns.row(Eigen::Index(k));
         row.head<12>() += 0.2 * now.transpose();
         for (int i = 0; i < 2; ++i)
-          row.segment<12>(13 + 12 * i) += 0.2 / step * (signal(motion, t, tilt + step * Eigen::Vector2d::Unit(i)) - now).transpose();
+          row.segment<12>(13 + 12 * i) +=
+              0.2 / step * (signal(motion, t, tilt + step * Eigen::Vector2d::Unit(i)) - now).transpose();
         row.segment<12>(37 + 12 * Eigen::Index(recording[k])) +=
             0.2 / time_step * (signal(motion, t - time_step, tilt) - now).transpose();
       }
@@ -117,18 +128,20 @@ struct Result {
 };
 
 // `recordings` share one pose of the sensor.
-Result fit(const std::vector<Arm>& arms, bool biases, bool scales, bool lateness, bool accelerates, bool tilts) {
+Result fit(const std::vector<Arm>& arms, bool biases, bool scales, bool lateness, bool accelerates,
+           bool tilts) {
   std::vector<MeasuredMotion> motions;
   for (const Arm& arm : arms) motions.emplace_back(arm.pose, 0.2);
   FlangeMotion motion;
   motion.recordings = &motions;
-  motion.accelerates = accelerates;
+  motion.accelerates = accelerates, motion.tilts = tilts, motion.shifts = lateness;
   BlockMeans all;
   all.length = block;
   std::vector<Eigen::Vector3d> y;
   for (std::size_t r = 0; r < arms.size(); ++r) {
     motion.late.push_back(0);
-    const BlockMeans own = skinctl::detail::block_means({arms[r].imu}, motions[r].start() + 0.5, motions[r].end() - 0.5, block);
+    const BlockMeans own = skinctl::detail::fit::block_means({arms[r].imu}, motions[r].start() + 0.5,
+                                                             motions[r].end() - 0.5, block);
     for (Eigen::Index k = 0; k < own.blocks(); ++k) {
       if (own.missing(k, 0) || motions[r].gap_within(own.middle(k) - 0.5, own.middle(k) + 0.5)) continue;
       motion.times.push_back(own.middle(k)), motion.recording.push_back(r);
@@ -142,19 +155,13 @@ Result fit(const std::vector<Arm>& arms, bool biases, bool scales, bool lateness
   Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < y.size(); ++k)
     B += motion.signal(motions[motion.recording[k]], motion.times[k], {0, 0}).head<3>() * y[k].transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  skinctl::detail::FittedCell cell;
-  cell.Q = svd.matrixU() * Eigen::Vector3d(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant()).asDiagonal() *
-           svd.matrixV().transpose();
+  skinctl::detail::fit::FittedCell cell;
+  cell.Q = skinctl::detail::fit::nearest_turn(B);
   cell.deviation = 0.02;
-  skinctl::detail::CellFitSettings settings;
-  settings.steps = 60;
+  skinctl::detail::fit::CellFitSettings settings;
+  settings.steps = 60, settings.decrease = 1e-3;
   settings.bias = biases ? 0.1 : 1e-7, settings.scale = scales ? 0.05 : 1e-7;
-  settings.hold = [=](Eigen::VectorXd& information) {
-    if (!tilts) information.head(2).array() += 1e14;
-    if (!lateness) information.segment(2, Eigen::Index(arms.size())).array() += 1e14;
-  };
-  skinctl::detail::CellFit<FlangeMotion> fitted(all, motion, {cell}, {}, settings);
+  skinctl::detail::fit::CellFit<FlangeMotion> fitted(all, motion, {cell}, {}, settings);
   fitted.run();
   fitted.weigh();
   fitted.run();
@@ -167,7 +174,7 @@ Result fit(const std::vector<Arm>& arms, bool biases, bool scales, bool lateness
     out.rms[at] += r.row(k).squaredNorm(), count[at] += 3;
   }
   for (std::size_t k = 0; k < arms.size(); ++k) out.rms[k] = std::sqrt(out.rms[k] / count[k]);
-  skinctl::detail::CellSolver solver;
+  skinctl::detail::fit::CellSolver solver;
   REQUIRE(solver.factorise(fitted.equations(), 0));
   const Eigen::MatrixXd C = solver.motion_covariance(), D = fitted.jackknife(solver);
   for (std::size_t k = 0; k < arms.size(); ++k) {
@@ -192,17 +199,20 @@ TEST_CASE("A real accelerometer on an arm: 18 mg, its labels' lateness, and a le
     return;
   }
   const std::string folder = std::string(data) + "/imu_on_robot/";
-  const std::vector<Arm> arms = {read(folder + "V_300_Sequencia1_LSM9DS0.csv"), read(folder + "V_300_Sequencia3_LSM9DS0.csv")};
+  const std::vector<Arm> arms = {read(folder + "V_300_Sequencia1_LSM9DS0.csv"),
+                                 read(folder + "V_300_Sequencia3_LSM9DS0.csv")};
   const auto print = [](const char* what, const Result& r) {
     std::string text = what;
     for (std::size_t k = 0; k < r.rms.size(); ++k) {
       char part[120];
-      std::snprintf(part, sizeof part, "  %.1f mg, late %.1f ms (%.1f)", r.rms[k] * 1e3, r.late[k] * 1e3, r.late_deviation[k] * 1e3);
+      std::snprintf(part, sizeof part, "  %.1f mg, late %.1f ms (%.1f)", r.rms[k] * 1e3, r.late[k] * 1e3,
+                    r.late_deviation[k] * 1e3);
       text += part;
     }
     char lever[64];
     std::snprintf(lever, sizeof lever, "  lever to %.0f mm", r.lever_deviation * 1e3);
-    MESSAGE(text + lever);
+    text += lever;
+    MESSAGE(text);
   };
   for (const Arm& arm : arms) {
     print("gravity alone:", fit({arm}, false, false, false, false, false));
@@ -217,7 +227,10 @@ TEST_CASE("A real accelerometer on an arm: 18 mg, its labels' lateness, and a le
   CHECK(std::abs(both.late[0] - both.late[1]) < 0.005);
   CHECK(std::abs(0.5 * (both.late[0] + both.late[1]) - 0.085) < 0.01);
   CHECK(both.lever_deviation > 0.020);  // counts as not observed
-  Eigen::Matrix3d known;  // of the data's own note
+  Eigen::Matrix3d known;                // of the data's own note
   known << -.086, .996, 0, -.996, -.086, .02, .02, 0, 1;
-  MESSAGE("against the known rotation: " << 57.3 * std::min(turn_vector(straightened(known) * both.Q).norm(), turn_vector(straightened(known).transpose() * both.Q).norm()) << " deg");
+  MESSAGE("against the known rotation: "
+          << 57.3 * std::min(turn_vector(straightened(known) * both.Q).norm(),
+                             turn_vector(straightened(known).transpose() * both.Q).norm())
+          << " deg");
 }

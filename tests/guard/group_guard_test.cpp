@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "skinctl/control/gravity_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/groups.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/arm_with_finger.hpp"
 

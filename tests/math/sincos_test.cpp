@@ -23,11 +23,11 @@ template <class T>
 struct Promise;
 template <>
 struct Promise<double> {
-  static constexpr double limit = 1e6, ulp = 2.5, absolute = 2e-16, near_zero = 2e-31;
+  static constexpr double limit = 1e6, ulp = 2.5, absolute = 2.1e-16, near_zero = 2e-31;
 };
 template <>
 struct Promise<float> {
-  static constexpr double limit = 800, ulp = 2.5, absolute = 1.1e-7, near_zero = 4e-14;
+  static constexpr double limit = 800, ulp = 2.5, absolute = 1.13e-7, near_zero = 4e-14;
 };
 
 template <class T>

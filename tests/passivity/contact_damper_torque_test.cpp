@@ -1,7 +1,7 @@
 // Contacts that ring, of joints by torque.
 #include <doctest/doctest.h>
 
-#include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/resolver/group_resolver.hpp"
 #include "skinctl/testing/arm_with_finger.hpp"
 #include "skinctl/testing/grouped_plant.hpp"
 

@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/limits/group_governor.hpp"
-#include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/resolver/group_resolver.hpp"
 #include "skinctl/testing/contact_scene.hpp"
 #include "skinctl/testing/grouped_plant.hpp"
 #include "tests/support/digits.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/resolver/group_resolver.hpp"
 #include "skinctl/testing/arm_with_finger.hpp"
 #include "skinctl/testing/grouped_plant.hpp"
 

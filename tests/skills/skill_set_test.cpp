@@ -187,6 +187,60 @@ TEST_CASE("SkillSet: what means nothing is refused, and of requests during a cha
   CHECK(std::string(now(run)) == "reach_joint");
 }
 
+TEST_CASE("SkillSet: a ticket tells what has become of its request, and why it failed") {
+  Run run(set, dt, 9);
+  run.ask(Set::report(opened()));
+  const auto told = [&](std::uint16_t ticket) { return Set::report_of(run.memory(), ticket); };
+  const auto failed = [](std::uint16_t ticket, SkillFailure why) {
+    return SkillReport{ticket, SkillPhase::failed, why};
+  };
+  CHECK(told(0) == SkillReport{});
+  run.ask(Set::start_skill<ReachJointGoal>(near(run, 0.02)).with_ticket(11));
+  CHECK(told(11) == SkillReport{11, SkillPhase::loading, SkillFailure::none});
+  CHECK(told(12) == SkillReport{});
+  run_for(run, 0.05);
+  run.ask(Set::start_skill<Careful>(near(run, 0.05)).with_ticket(12));  // waits for the end of the change
+  CHECK(told(12) == SkillReport{});
+  CHECK(told(11).ticket == 11);
+  run_for(run, 0.5);
+  CHECK(told(12) == SkillReport{12, SkillPhase::running, SkillFailure::none});
+  CHECK(told(11) == SkillReport{});
+  // Refused requests leave the skill and its report alone.
+  run.ask(Set::start_skill<Carry>().with_ticket(13));
+  CHECK(told(13) == failed(13, SkillFailure::conditions));
+  auto far = near(run, 0.1);
+  far.q_g[2] = std::numeric_limits<double>::quiet_NaN();
+  run.ask(Set::goal(far).with_ticket(14));
+  CHECK(told(14) == failed(14, SkillFailure::goal));
+  CHECK(told(12).phase == SkillPhase::running);
+  run_for(run, 4);
+  CHECK(told(12) == SkillReport{12, SkillPhase::finished, SkillFailure::none});
+  // Another goal for the same skill is another request.
+  run.ask(Set::goal(near(run, 0.3)).with_ticket(15));
+  CHECK(told(15).phase == SkillPhase::running);
+  run.touch(60);
+  for (int k = 0; k < 200 && told(15).phase != SkillPhase::failed; ++k) run.step();
+  CHECK(told(15) == failed(15, SkillFailure::touch));
+  run.release();
+  run_for(run, 1);
+  CHECK(std::string(now(run)) == "kinesthetic_joint");
+  CHECK(told(15) == failed(15, SkillFailure::touch));  // the fallback runs, the reason stays
+  // A sequence is one request: finished when its last skill is, failed with the reason of any.
+  run.ask(Set::start_skill<Grasp>(near(run, 0.05)).with_ticket(16));
+  run_for(run, 0.5);
+  CHECK(told(16).phase == SkillPhase::running);
+  run_for(run, 0.6);
+  CHECK(told(16) == failed(16, SkillFailure::timeout));
+  run_for(run, 0.3);
+  run.ask(Set::start_skill<Grasp>(near(run, 0.05)).with_ticket(17));
+  run.ask(Set::report(closed()));
+  run_for(run, 0.5);
+  CHECK(std::string(now(run)) == "carry");
+  CHECK(told(17).phase == SkillPhase::running);
+  run_for(run, 5);
+  CHECK(told(17).phase == SkillPhase::finished);
+}
+
 TEST_CASE("SkillSet: refuses settings that cannot work") {
   auto rows = std::array<Skill<4>, 6>{};
   for (std::uint8_t i = 0; i < 6; ++i) rows[i] = set.skill(i);

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/groups.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"

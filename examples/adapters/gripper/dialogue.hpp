@@ -11,6 +11,7 @@ namespace adapters::gripper {
 struct Patience {
   skinctl::Nanoseconds silent = std::chrono::milliseconds(100);  ///< then its state is said to be old
   skinctl::Nanoseconds lost = std::chrono::seconds(2);           ///< then it is given up
+  skinctl::Nanoseconds again = std::chrono::milliseconds(200);   ///< then what was not answered is said again
 };
 
 /// Whose turn it is to speak. Times are those of `poll`.
@@ -20,14 +21,20 @@ class Dialogue {
 
   /// The first call starts the clock.
   void at(skinctl::Nanoseconds now) noexcept {
-    if (!started_) heard_ = now;
+    if (!started_) heard_ = asked_ = now;
     started_ = true;
     now_ = now;
   }
   /// From now on times are of another clock.
   void change_clock() noexcept { started_ = false; }
   [[nodiscard]] bool waiting() const noexcept { return waiting_; }
-  void asked() noexcept { waiting_ = true; }
+  void asked() noexcept {
+    waiting_ = true;
+    asked_ = now_;
+  }
+  /// Whether the last words should be said again: they, or the answer to them, were lost.
+  [[nodiscard]] bool overdue() const noexcept { return waiting_ && now_ - asked_ > patience_.again; }
+  void give_up_waiting() noexcept { waiting_ = false; }
   void heard() noexcept {
     waiting_ = false;
     heard_ = now_;
@@ -42,7 +49,7 @@ class Dialogue {
 
  private:
   Patience patience_;
-  skinctl::Nanoseconds heard_{}, now_{};
+  skinctl::Nanoseconds heard_{}, now_{}, asked_{};
   bool started_ = false, waiting_ = false;
 };
 

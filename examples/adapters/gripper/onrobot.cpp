@@ -65,6 +65,8 @@ void OnRobot::stop() noexcept {
 
 void OnRobot::ask() noexcept {
   ++transaction_;
+  told_halt_ = halt_;
+  told_ = !halt_ && pending_;
   if (halt_) {
     const std::uint16_t word[] = {rg::halt};
     if (tell(modbus::write_request(transaction_, rg::unit, rg::target_force + 2, word))) halt_ = false;
@@ -141,6 +143,13 @@ skinctl::GripperState OnRobot::poll(Nanoseconds now) noexcept {
   if (connected_) {
     dialogue_.at(now);
     listen(now);
+    if (dialogue_.overdue()) {  // a goal or a stop that was not acknowledged may not have been heard
+      dialogue_.give_up_waiting();
+      if (told_halt_)
+        halt_ = !pending_;
+      else if (told_)
+        pending_ = true;
+    }
     if (!dialogue_.waiting()) ask();
     if (!stream_.is_open() || dialogue_.error() == GripperError::lost) {
       stream_.close();

@@ -65,6 +65,7 @@ class OnRobot {
   skinctl::Nanoseconds since_{};  ///< when the newest goal was acknowledged
   std::uint16_t transaction_ = 0;
   bool pending_ = false, halt_ = false, acknowledged_ = true, seen_busy_ = true;
+  bool told_ = false, told_halt_ = false;  ///< the last words were a goal, a stop
   bool connected_ = false;
   std::uint64_t nonsense_ = 0;
 };

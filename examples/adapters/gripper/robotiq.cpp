@@ -194,6 +194,10 @@ skinctl::GripperState Robotiq::poll(skinctl::Nanoseconds now) noexcept {
     dialogue_.at(now);
     std::string_view line;
     for (int k = 0; k < 16 && next_line(line, Timeout(0)); ++k) hear(line, now);
+    if (dialogue_.overdue()) {  // a goal or a stop that was not acknowledged may not have been heard
+      dialogue_.give_up_waiting();
+      if (told_ && !pending_) (halted_ ? halt_ : pending_) = true;
+    }
     if (!dialogue_.waiting()) ask();
     if (!stream_.is_open() || dialogue_.error() == skinctl::GripperError::lost) {
       stream_.close();

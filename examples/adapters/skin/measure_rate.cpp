@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "examples/adapters/skin/receiver.hpp"
+#include "examples/support/job.hpp"
 
 using namespace adapters::skin;
 using Clock = std::chrono::steady_clock;
@@ -40,7 +42,7 @@ double busy_of_this_thread() {
 
 /// Sends `total` datagrams of `samples` samples at a steady rate; gives how many it sent late by 5 ms and more.
 std::uint64_t send_all(std::uint16_t port, std::uint64_t total, std::size_t samples, double a_second,
-                       const std::optional<Key>& key) {
+                       const std::optional<Key>& key, const std::atomic<bool>& stop) {
   sockaddr_in to{};
   to.sin_family = AF_INET;
   to.sin_port = htons(port);
@@ -56,7 +58,7 @@ std::uint64_t send_all(std::uint16_t port, std::uint64_t total, std::size_t samp
   const auto start = Clock::now();
   std::uint64_t sent = 0, late = 0;
   std::uint32_t cell = 0;
-  while (sent < total) {
+  while (sent < total && !stop) {
     const double t = std::chrono::duration<double>(Clock::now() - start).count();
     const auto due = std::min<std::uint64_t>(total, static_cast<std::uint64_t>(t * a_second) + 1);
     if (due <= sent) {
@@ -99,13 +101,23 @@ std::uint64_t send_all(std::uint16_t port, std::uint64_t total, std::size_t samp
 }  // namespace
 
 int main(int argc, char** argv) {
-  const double seconds = argc > 1 ? std::atof(argv[1]) : 60, rate = argc > 2 ? std::atof(argv[2]) : 1e6;
-  const bool sealed = argc > 3 && std::atoi(argv[3]) != 0;
-  if (!(seconds > 0 && seconds <= 3600 && rate >= 1e3 && rate <= 1e8)) {
-    std::fprintf(stderr,
-                 "skin_receiver_rate [seconds, > 0, <= 3600] [samples a second, 1e3 to 1e8] [sealed]\n");
-    return 2;
+  namespace job = examples::job;
+  double seconds = 60, rate = 1e6;
+  bool sealed = false, simulate = false;
+  CLI::App app{
+      "Measures how many samples a second the skin's receiver takes from a sender on loopback without a "
+      "loss."};
+  app.footer(job::exit_help());
+  app.add_option("seconds", seconds)->check(CLI::Range(1e-3, 3600.0))->capture_default_str();
+  app.add_option("rate", rate, "samples a second")->check(CLI::Range(1e3, 1e8))->capture_default_str();
+  app.add_option("sealed", sealed, "1: authenticated datagrams");
+  app.add_flag("--simulate", simulate, "a simulated skin (there is no other)");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
   }
+  const job::StopSignals signals;
   std::optional<Key> key;
   if (sealed) key.emplace(std::array<std::uint8_t, Key::size>{1, 2, 3});
   const std::size_t samples = sealed ? max_sealed_samples : max_samples;
@@ -117,7 +129,7 @@ int main(int argc, char** argv) {
   std::atomic<bool> sending = true;
   std::uint64_t late = 0;
   std::thread sender([&] {
-    late = send_all(receiver.port(), total, samples, a_second, key);
+    late = send_all(receiver.port(), total, samples, a_second, key, signals.asked());
     sending = false;
   });
   double checksum = 0, longest = 0;
@@ -135,6 +147,7 @@ int main(int argc, char** argv) {
   const double took = std::chrono::duration<double>(Clock::now() - start).count();
   const double used = busy_of_this_thread() - busy;
   sender.join();
+  if (signals.asked()) return job::code(job::Exit::interrupted);
 
   const Statistics& s = receiver.statistics();
   const std::uint64_t missing = total - s.datagrams;

@@ -105,6 +105,8 @@ std::string http(const std::string& status, const std::string& body) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("UR driver: powers up by the dashboard, sets slider, outputs and payload, and measures the way") {
   SimulatedUr5 robot(robot_config(false));
   robot.start();
@@ -247,3 +249,5 @@ TEST_CASE("UR driver: PolyScope X is powered by REST, and a refusal is told") {
   CHECK_THROWS_WITH_AS(rest.act("UNLOCK_PROTECTIVE_STOP"), doctest::Contains("409 not in this state"),
                        ConnectionError);
 }
+
+TEST_SUITE_END();

@@ -15,10 +15,6 @@ constexpr double program_starts = 1;  // until our program is seen to run [s]
 constexpr auto window = std::chrono::milliseconds(250);  // over which the clocks are compared
 constexpr int windows = 3;                               // in a row that must disagree
 
-Timeout left_until(Clock::time_point deadline) {
-  return std::max(Timeout(0), std::chrono::ceil<Timeout>(deadline - Clock::now()));
-}
-
 }  // namespace
 
 Heard Driver::fail(Fault fault, const std::string& detail) noexcept {

@@ -5,10 +5,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-Timeout left_until(Clock::time_point deadline) {
-  return std::max(Timeout(0), std::chrono::ceil<Timeout>(deadline - Clock::now()));
-}
-
 }  // namespace
 
 void RtdeClient::connect(const std::string& host, std::uint16_t port, Timeout timeout) {

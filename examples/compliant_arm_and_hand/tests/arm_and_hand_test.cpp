@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "examples/compliant_arm_and_hand/pair.hpp"
@@ -34,6 +35,8 @@ int program(std::vector<const char*> arguments, int signal = 0, int ms = 0) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("Two jobs: both end well, one fails, one throws, both are interrupted") {
   const std::atomic<bool> nobody{false}, somebody{true};
   CHECK(run_both(ends(Exit::fine), ends(Exit::fine), nobody).exit() == Exit::fine);
@@ -44,11 +47,37 @@ TEST_CASE("Two jobs: both end well, one fails, one throws, both are interrupted"
     CHECK((arm_fails ? ran.hand : ran.arm).exit == Exit::interrupted);
     CHECK((arm_fails ? ran.hand : ran.arm).stopped_with_other);
   }
+  // The hand fails first, and the arm fails because of that.
+  const auto both = run_both(
+      [](const std::atomic<bool>& stop) {
+        until_stopped(stop);
+        return Exit::blind;
+      },
+      ends(Exit::lost), nobody);
+  CHECK(both.exit() == Exit::lost);
   const auto thrown = run_both(
       until_stopped, [](const std::atomic<bool>&) -> Exit { throw std::runtime_error("no hand"); }, nobody);
   CHECK(thrown.exit() == Exit::lost);
   CHECK(thrown.hand.words == "no hand");
   CHECK(run_both(until_stopped, until_stopped, somebody).exit() == Exit::interrupted);
+}
+
+TEST_CASE("The program: a press on the palm moves the arm, which carries the hand's weight") {
+  const std::string command = std::string(ARM_AND_HAND_PROGRAM) + " --duration 4 --palm-touch-at 1.5 2>&1";
+  std::FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::string said;
+  char line[512];
+  while (std::fgets(line, sizeof line, pipe) != nullptr) said += line;
+  CHECK(pclose(pipe) == 0);
+  CAPTURE(said);
+  const auto at = said.find("palm pressed at");
+  REQUIRE(at != std::string::npos);
+  double time = 0, moved = 0;
+  REQUIRE(std::sscanf(said.c_str() + at, "palm pressed at %lf s: the arm gave way by %lf mm", &time,
+                      &moved) == 2);
+  CHECK(moved > 3);
+  CHECK(said.find("carries 0.95 kg") != std::string::npos);
 }
 
 TEST_CASE("The program: arm and hand simulated, a hand that leaves, a signal, wrong options") {
@@ -59,3 +88,5 @@ TEST_CASE("The program: arm and hand simulated, a hand that leaves, a signal, wr
   CHECK(program({"--duration", "20", "--hand-unplugged-at", "0.3"}) == 1);
   CHECK(program({"--duration", "20"}, SIGINT, 1500) == 130);
 }
+
+TEST_SUITE_END();

@@ -71,6 +71,8 @@ Ran run(std::vector<std::string> words, int number = 0, bool deaf = false) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("program: --help tells every exit code, --endings the table that the README shows") {
   const Ran help = run({"--help"});
   CHECK(help.exit == 0);
@@ -105,3 +107,5 @@ TEST_CASE("program: wrong options are refused, a robot that is not there is told
   CHECK(nobody.out.find("cannot reach the robot's RTDE") != std::string::npos);
   CHECK(run({"--cycles", "250", "--no-compare", "--report", ""}, 0, true).exit == 0);
 }
+
+TEST_SUITE_END();

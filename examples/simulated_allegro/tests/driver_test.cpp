@@ -84,6 +84,8 @@ void goes(Link link, SimulatedHand& hand, const HandOptions& o, Side side) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("Driver: every generation and side over every link; the servo is off at the end") {
   for (const Generation g : {Generation::v4, Generation::v5, Generation::v5_sense}) {
     for (const Side side : {Side::right, Side::left}) {
@@ -270,3 +272,5 @@ TEST_CASE("Tactile cells: a touch shows on its cell only, over CAN and UDP, with
     }
   }
 }
+
+TEST_SUITE_END();

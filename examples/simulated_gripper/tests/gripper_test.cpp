@@ -164,6 +164,8 @@ void suffer(G& gripper, Server& server) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("Robotiq: works") {
   Server server({.kind = Kind::robotiq, .speed = fast});
   Robotiq gripper = robotiq_at(server);
@@ -325,3 +327,5 @@ TEST_CASE("Lacquey by CAN, and digital outputs") {
   CHECK(gripper.poll(4600ms).error == GripperError::fault);
   CHECK_THROWS_AS(BinaryGripper(valve, {.travel = 0ms}), skinctl::ConfigurationError);
 }
+
+TEST_SUITE_END();

@@ -158,6 +158,9 @@ TEST_CASE("A payload that the controller does not know of lets a soft arm droop 
   const double reach = 0.425 + 0.39225;  // the wrist hangs beside: levers of the maker's table
   CHECK(c.arm().q()[1] == doctest::Approx(5 * 9.81 * reach / 2000).epsilon(0.15));
   CHECK(c.arm().q()[0] == doctest::Approx(0).scale(1));
+  c.run("sec told():\n  set_payload(5, [0, 0, 0])\nend\n");
+  for (int i = 0; i < 500; ++i) c.step();
+  CHECK(std::abs(c.arm().q()[1]) < 1e-3);
 }
 
 TEST_CASE("Stream: of several messages in one cycle the last counts") {

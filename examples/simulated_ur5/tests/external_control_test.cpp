@@ -343,6 +343,8 @@ Config config(Series series = Series::e_series) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("External control: connects, servos, speeds, torques, and stops when told") {
   CHECK(external_control(1, 2, 3).size() > 44'000);
   Driver d(config());
@@ -434,3 +436,5 @@ TEST_CASE("External control: script commands set payload and tool") {
   CHECK(d.now().state.payload == 1.5);
   CHECK(d.now().state.payload_cog.z == 0.03);
 }
+
+TEST_SUITE_END();

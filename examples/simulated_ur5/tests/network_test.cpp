@@ -45,6 +45,8 @@ double speed_of(const Snapshot& s) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("Network: RTDE streams at the controller's rate and answers in order") {
   for (const Series series : {Series::cb3, Series::e_series}) {
     Config config = quiet();
@@ -518,3 +520,5 @@ TEST_CASE("Primary: clients get a version and robot states ten times a second") 
   CHECK(versions == 1);
   CHECK(states == 11);
 }
+
+TEST_SUITE_END();

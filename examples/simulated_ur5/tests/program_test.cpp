@@ -81,6 +81,8 @@ std::vector<std::string> with(std::vector<std::string> more) {
 
 }  // namespace
 
+TEST_SUITE_BEGIN("real time");
+
 TEST_CASE("Program: says its ports, serves, and ends cleanly on SIGINT and SIGTERM") {
   for (const int number : {SIGINT, SIGTERM}) {
     Child child(with({"--powered", "--series", "e-series", "--speed", "2"}));
@@ -121,3 +123,5 @@ TEST_CASE("Program: exit codes tell a wrong configuration from a taken port") {
   CHECK(second.line().find("cannot listen") != std::string::npos);
   CHECK(second.exit_code() == 3);
 }
+
+TEST_SUITE_END();

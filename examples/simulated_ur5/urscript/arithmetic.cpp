@@ -105,7 +105,7 @@ Outcome bits_to_integer(Call& c) {
   return c.give(static_cast<std::int64_t>(static_cast<std::int32_t>(word)));
 }
 
-constexpr Builtin table[] = {
+constexpr Builtin arithmetic_table[] = {
     {"sqrt", "f", of_number<std_sqrt>},
     {"sin", "f", of_number<std_sin>},
     {"cos", "f", of_number<std_cos>},
@@ -133,7 +133,7 @@ constexpr Builtin table[] = {
 }  // namespace
 
 std::span<const Builtin> arithmetic_functions() {
-  return table;
+  return arithmetic_table;
 }
 
 }  // namespace simulated_ur5::urscript

@@ -65,6 +65,12 @@ struct Call {
     return i < arguments.size() ? arguments[i] : none;
   }
   double number(std::size_t i, double otherwise) const { return (*this)[i].number().value_or(otherwise); }
+  /// The first argument as a place among `count`; none if it lies outside.
+  std::optional<std::size_t> index(std::size_t count) const {
+    const double i = number(0, -1);
+    if (!(i >= 0 && i < static_cast<double>(count))) return std::nullopt;
+    return static_cast<std::size_t>(i);
+  }
   std::string text(std::size_t i, std::string otherwise = {}) const {
     const auto* s = (*this)[i].as<std::string>();
     return s ? *s : otherwise;

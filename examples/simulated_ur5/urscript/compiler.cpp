@@ -3,12 +3,6 @@
 #include "examples/simulated_ur5/urscript/builtin.hpp"
 
 namespace simulated_ur5::urscript {
-namespace {
-
-constexpr std::string_view until_end[] = {"end"};
-
-}  // namespace
-
 Problem compile(std::string_view text, const Version& version, Code& code) {
   code = Code{};
   return Compiler(tokens_of(text), version, code).run();

@@ -12,6 +12,9 @@ namespace simulated_ur5::urscript {
 inline constexpr int deepest_nesting = 100;
 inline constexpr std::size_t most_instructions = 200'000, most_arguments = 64, most_variables = 2000;
 
+/// What ends a block.
+inline constexpr std::string_view until_end[] = {"end"};
+
 class Compiler {
  public:
   Compiler(std::vector<Token> tokens, const Version& version, Code& code)

@@ -207,7 +207,7 @@ Outcome tool_contact(Call& c) {
   return c.give(against > 0 && c.robot.state.tcp_force > 5 ? 1 : 0);
 }
 
-constexpr Builtin table[] = {
+constexpr Builtin motion_table[] = {
     {"movej", "q a v t r", movej, true},
     {"optimovej", "q a v r", untimed<movej>, true, false, {5, 21, 0, 0}},
     {"movel", "pose a v t r", movel, true},
@@ -229,7 +229,7 @@ constexpr Builtin table[] = {
 }  // namespace
 
 std::span<const Builtin> motion_functions() {
-  return table;
+  return motion_table;
 }
 
 }  // namespace simulated_ur5::urscript

@@ -53,7 +53,7 @@ Outcome forward(Call& c) {
   return c.give(Value(six_of(forward_kinematics(q).flange * tool)));
 }
 
-constexpr Builtin table[] = {
+constexpr Builtin pose_table[] = {
     {"pose_trans", "p_from p_from_to", translate},
     {"pose_add", "p_1 p_2", add},
     {"pose_inv", "p_from", inverted},
@@ -69,7 +69,7 @@ constexpr Builtin table[] = {
 }  // namespace
 
 std::span<const Builtin> pose_functions() {
-  return table;
+  return pose_table;
 }
 
 }  // namespace simulated_ur5::urscript

@@ -4,11 +4,6 @@
 namespace simulated_ur5::urscript {
 namespace {
 
-std::optional<std::size_t> index(const Call& c, std::size_t count) {
-  const double i = c.number(0, -1);
-  if (!(i >= 0 && i < static_cast<double>(count))) return std::nullopt;
-  return static_cast<std::size_t>(i);
-}
 Vec3 vector(const Value& v, Vec3 otherwise) {
   const auto n = v.numbers();
   return n && n->size() == 3 ? Vec3{(*n)[0], (*n)[1], (*n)[2]} : otherwise;
@@ -16,7 +11,7 @@ Vec3 vector(const Value& v, Vec3 otherwise) {
 
 template <std::size_t First, std::size_t Count>
 Outcome digital_output(Call& c) {
-  const auto i = index(c, Count);
+  const auto i = c.index(Count);
   if (!i) return c.fail("runtime_error_index");
   const std::uint64_t bit = std::uint64_t{1} << (First + *i);
   auto& outputs = c.robot.state.digital_outputs;
@@ -24,26 +19,26 @@ Outcome digital_output(Call& c) {
   return Outcome::done;
 }
 Outcome analog_output(Call& c) {
-  const auto i = index(c, 2);
+  const auto i = c.index(2);
   if (!i) return c.fail("runtime_error_index");
   c.robot.state.inputs.standard_analog_output[*i] = std::clamp(c.number(1, 0), 0.0, 1.0);
   return Outcome::done;
 }
 Outcome write_boolean(Call& c) {
-  const auto i = index(c, bit_registers);
+  const auto i = c.index(bit_registers);
   if (!i) return c.fail("runtime_error_index");
   c.robot.state.outputs.bits[*i] = c[1].truth();
   return Outcome::done;
 }
 Outcome write_integer(Call& c) {
-  const auto i = index(c, number_registers);
+  const auto i = c.index(number_registers);
   if (!i) return c.fail("runtime_error_index");
   c.robot.state.outputs.integers[*i] =
       static_cast<std::int32_t>(std::clamp(c.number(1, 0), -2147483648.0, 2147483647.0));
   return Outcome::done;
 }
 Outcome write_float(Call& c) {
-  const auto i = index(c, number_registers);
+  const auto i = c.index(number_registers);
   if (!i) return c.fail("runtime_error_index");
   c.robot.state.outputs.doubles[*i] = c.number(1, 0);
   return Outcome::done;
@@ -81,7 +76,7 @@ Outcome nothing(Call&) {
   return Outcome::done;
 }
 
-constexpr Builtin table[] = {
+constexpr Builtin setting_table[] = {
     {"set_standard_digital_out", "n b", digital_output<0, 8>},
     {"set_digital_out", "n b", digital_output<0, 8>},
     {"set_configurable_digital_out", "n b", digital_output<8, 8>},
@@ -132,7 +127,7 @@ constexpr Builtin table[] = {
 }  // namespace
 
 std::span<const Builtin> setting_functions() {
-  return table;
+  return setting_table;
 }
 
 }  // namespace simulated_ur5::urscript

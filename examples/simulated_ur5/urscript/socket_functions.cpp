@@ -94,7 +94,7 @@ Outcome read_text(Call& c, std::size_t name, double timeout) {
   return c.give(Value(s.substr(0, longest_string)));
 }
 
-constexpr Builtin table[] = {
+constexpr Builtin socket_table[] = {
     {"socket_open", "address port socket_name", open, true},
     {"socket_close", "socket_name", close},
     {"socket_send_string", "str socket_name", [](Call& c) { return send_text(c, ""); }},
@@ -111,7 +111,7 @@ constexpr Builtin table[] = {
 }  // namespace
 
 std::span<const Builtin> socket_functions() {
-  return table;
+  return socket_table;
 }
 
 }  // namespace simulated_ur5::urscript

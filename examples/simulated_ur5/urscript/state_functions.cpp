@@ -8,14 +8,9 @@ namespace {
 Value vector(Vec3 v) {
   return list_of(std::array<double, 3>{v.x, v.y, v.z});
 }
-std::optional<std::size_t> index(const Call& c, std::size_t count) {
-  const double i = c.number(0, -1);
-  if (!(i >= 0 && i < static_cast<double>(count))) return std::nullopt;
-  return static_cast<std::size_t>(i);
-}
 template <class Registers>
 Outcome entry(Call& c, const Registers& registers) {
-  const auto i = index(c, registers.size());
+  const auto i = c.index(registers.size());
   if (!i) return c.fail("runtime_error_index");
   if constexpr (std::is_same_v<std::decay_t<decltype(registers[0])>, std::int32_t>)
     return c.give(static_cast<std::int64_t>(registers[*i]));
@@ -23,11 +18,11 @@ Outcome entry(Call& c, const Registers& registers) {
     return c.give(Value(registers[*i]));
 }
 Outcome bit(Call& c, std::uint64_t word, std::size_t first, std::size_t count) {
-  const auto i = index(c, count);
+  const auto i = c.index(count);
   return i ? c.give((word >> (first + *i) & 1u) != 0) : c.fail("runtime_error_index");
 }
 
-constexpr Builtin table[] = {
+constexpr Builtin state_table[] = {
     {"get_steptime", "", [](Call& c) { return c.give(seconds(c.robot.cycle)); }},
     {"get_actual_joint_positions", "", [](Call& c) { return c.give(list_of(c.robot.arm.measured_q())); }},
     {"get_joint_positions", "", [](Call& c) { return c.give(list_of(c.robot.arm.measured_q())); }},
@@ -88,7 +83,7 @@ constexpr Builtin table[] = {
 }  // namespace
 
 std::span<const Builtin> state_functions() {
-  return table;
+  return state_table;
 }
 
 }  // namespace simulated_ur5::urscript

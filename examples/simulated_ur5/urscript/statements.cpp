@@ -4,7 +4,6 @@
 namespace simulated_ur5::urscript {
 namespace {
 
-constexpr std::string_view until_end[] = {"end"};
 constexpr std::string_view until_branch[] = {"end", "elif", "else"};
 
 }  // namespace

@@ -58,7 +58,7 @@ Outcome popup(Call& c) {
   return Outcome::done;
 }
 
-constexpr Builtin table[] = {
+constexpr Builtin text_table[] = {
     {"textmsg", "s1 s2", message},
     {"popup", "s title warning error blocking", popup},
     {"to_str", "val", [](Call& c) { return give_text(c, c[0].text()); }},
@@ -74,7 +74,7 @@ constexpr Builtin table[] = {
 }  // namespace
 
 std::span<const Builtin> text_functions() {
-  return table;
+  return text_table;
 }
 
 }  // namespace simulated_ur5::urscript

@@ -12,7 +12,7 @@ Outcome refuse(Call& c) {
 constexpr Builtin named(std::string_view name) {
   return {name, "", refuse, true, true};
 }
-constexpr Builtin table[] = {
+constexpr Builtin unsimulated_table[] = {
     named("movec"),
     named("servoc"),
     named("conveyor_pulse_decode"),
@@ -51,7 +51,7 @@ constexpr Builtin table[] = {
 }  // namespace
 
 std::span<const Builtin> unsimulated_functions() {
-  return table;
+  return unsimulated_table;
 }
 
 }  // namespace simulated_ur5::urscript

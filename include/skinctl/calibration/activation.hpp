@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "skinctl/calibration/detail/block_means.hpp"
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/calibration/joint_motion.hpp"
 #include "skinctl/calibration/turn.hpp"
 
@@ -53,7 +54,7 @@ struct Activation {
   }
 };
 
-namespace detail {
+namespace detail::fit {
 
 inline constexpr double gauss_place[3] = {-0.3872983346207417, 0,
                                           0.3872983346207417};  // in lengths of an interval
@@ -145,11 +146,12 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
   return rest;
 }
 
-}  // namespace detail
+}  // namespace detail::fit
 
 /// Finds which joints move which cells from blocks in which single joints move while the others stand at home, the
 /// positions at the start of the recording.
-[[nodiscard]] inline Activation find_activation(const detail::BlockMeans& data, const MeasuredMotion& motion,
+[[nodiscard]] inline Activation find_activation(const detail::fit::BlockMeans& data,
+                                                const MeasuredMotion& motion,
                                                 const ActivationSettings& settings = {}) {
   Activation out;
   const int joints = motion.joints();
@@ -161,10 +163,10 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
   for (int late = -4; late <= 16; ++late) {
     double squares = 0;
     for (int j = 0; j < joints; ++j) {
-      const auto alone = detail::alone_blocks(data, motion, out.home, j, 0.01 * late, settings);
+      const auto alone = detail::fit::alone_blocks(data, motion, out.home, j, 0.01 * late, settings);
       JointSignature s;
       for (Eigen::Index c = 0; c < cells; c += stride) {
-        const double rest = detail::signature(data, alone, c, settings, s);
+        const double rest = detail::fit::signature(data, alone, c, settings, s);
         if (s.measured) squares += rest / double(alone.blocks.size());
       }
     }
@@ -172,10 +174,10 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
   }
   out.cells.assign(std::size_t(cells), std::vector<JointSignature>(std::size_t(joints)));
   for (int j = 0; j < joints; ++j) {
-    const auto alone = detail::alone_blocks(data, motion, out.home, j, out.lateness, settings);
+    const auto alone = detail::fit::alone_blocks(data, motion, out.home, j, out.lateness, settings);
     out.alone.push_back(double(alone.blocks.size()) * data.length >= 1);
     for (Eigen::Index c = 0; c < cells; ++c)
-      detail::signature(data, alone, c, settings, out.cells[std::size_t(c)][std::size_t(j)]);
+      detail::fit::signature(data, alone, c, settings, out.cells[std::size_t(c)][std::size_t(j)]);
   }
   return out;
 }

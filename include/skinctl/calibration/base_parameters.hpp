@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/core/eigen.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 
@@ -21,10 +22,12 @@ struct BaseParameters {
   [[nodiscard]] int count() const noexcept { return int(columns.size()); }
 };
 
-/// By a pivoted QR of the column-scaled regressor at 200 random states. A UR5 has 36 of 60 (with rotors 42 of 66).
+/// By a pivoted QR of the column-scaled regressor at 200 random states. A UR5 has 36 of 60.
 template <RobotModel M>
 [[nodiscard]] BaseParameters base_parameters(const M& model, double tolerance = 1e-7) {
   constexpr std::size_t N = M::joints;
+  using detail::fit::operator+, detail::fit::operator-, detail::fit::operator*,
+      detail::fit::operator/;  // of Eigen alone
   std::mt19937_64 rng(1);
   const auto random = [&](double size) { return size * (double(rng() >> 11) * 0x1p-52 - 1); };
   Eigen::MatrixXd A(200 * Eigen::Index(N), 10 * Eigen::Index(N));

@@ -40,7 +40,7 @@ class DynamicsExcitation : public Excitation {
     const BaseParameters base = base_parameters(model);
     std::mt19937_64 rng(s.seed);
     double best = -1e300;
-    std::vector<std::vector<detail::RisingSines>> kept;
+    std::vector<std::vector<detail::fit::RisingSines>> kept;
     for (int k = 0; k < s.tries; ++k) {
       // Later ones are near the best.
       const double mix = k < s.tries / 2 || kept.empty() ? 1 : 0.3;
@@ -64,11 +64,11 @@ class DynamicsExcitation : public Excitation {
   double information_ = 0;
 
   void draw(std::mt19937_64& rng, const ExcitationLimits& limits, const Settings& s,
-            const std::vector<std::vector<detail::RisingSines>>& near, double mix) {
+            const std::vector<std::vector<detail::fit::RisingSines>>& near, double mix) {
     const auto random = [&] { return double(rng() >> 11) * 0x1p-52 - 1; };
     parts_.assign(std::size_t(home_.size()), {});
     for (Eigen::Index j = 0; j < home_.size(); ++j) {
-      detail::RisingSines f{0, duration_, std::min(1.0, s.period / 4), {}, {}, {}};
+      detail::fit::RisingSines f{0, duration_, std::min(1.0, s.period / 4), {}, {}, {}};
       for (int k = 1; k <= 5; ++k) {
         const double rate = 6.283185307179586 * k / s.period, size = 1 / std::sqrt(double(k));
         f.rate.push_back(rate), f.sine.push_back(size * random()), f.cosine.push_back(size * random());

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/calibration/joint_motion.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
@@ -40,7 +41,7 @@ struct Announcement {
   std::string text;
 };
 
-namespace detail {
+namespace detail::fit {
 /// A sum of sines that rises and ends at rest.
 struct RisingSines {
   double from = 0, to = 1, rise = 1;
@@ -70,7 +71,7 @@ struct RisingSines {
     return {w.x * f.x, w.v * f.x + w.x * f.v, w.a * f.x + 2 * w.v * f.v + w.x * f.a};
   }
 };
-}  // namespace detail
+}  // namespace detail::fit
 
 /// A planned motion: sums of sines about home, each of which begins and ends at rest.
 class Excitation {
@@ -128,7 +129,7 @@ class Excitation {
  protected:
   Eigen::VectorXd home_;
   double duration_ = 0;
-  std::vector<std::vector<detail::RisingSines>> parts_;
+  std::vector<std::vector<detail::fit::RisingSines>> parts_;
   std::vector<Announcement> announcements_;
 
   static void check(const Eigen::VectorXd& home, const ExcitationLimits& limits) {
@@ -204,7 +205,7 @@ class SkinExcitation : public Excitation {
       const double phase = 2.399963 * double(j);
       const double room = s.share * std::min(home(j) - limits.lower(j), limits.upper(j) - home(j));
       const auto part = [&](double from, double to, double rise, double slow, double fast) {
-        detail::RisingSines out{from, to, rise, {two_pi * slow, two_pi * fast}, {0, 0}, {0, 0}};
+        detail::fit::RisingSines out{from, to, rise, {two_pi * slow, two_pi * fast}, {0, 0}, {0, 0}};
         const double quick = std::min({s.wiggle, 0.5 * s.share * limits.velocity(j),
                                        0.75 * s.share * limits.acceleration(j) / out.rate[1]}) /
                              out.rate[1];

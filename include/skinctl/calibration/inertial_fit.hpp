@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "skinctl/calibration/base_parameters.hpp"
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/calibration/detail/pseudo_inertia.hpp"
 #include "skinctl/calibration/detail/torque_equations.hpp"
 #include "skinctl/calibration/estimate.hpp"
@@ -42,6 +43,8 @@ struct InertialFit {
 template <RobotModel M>
 [[nodiscard]] InertialParameters<M::joints> cylinder_prior(const M& model, double radius = 0.05) {
   constexpr std::size_t N = M::joints;
+  using detail::fit::operator+, detail::fit::operator-, detail::fit::operator*,
+      detail::fit::operator/;  // of Eigen alone
   InertialParameters<N> theta;
   std::array<LinkParameters<double>, N> links;
   detail::unrolled<N>([&](auto i) { links[i] = numbers_of<i, double>(model); });
@@ -60,7 +63,7 @@ template <RobotModel M>
         mass * (length * length / 12 * d * d.transpose() +
                 radius * radius / 4 * (Eigen::Matrix3d::Identity() - d * d.transpose()) + c * c.transpose());
     P.topRightCorner<3, 1>() = mass * c, P.bottomLeftCorner<1, 3>() = mass * c.transpose(), P(3, 3) = mass;
-    const auto t = detail::parameters_of(P);
+    const auto t = detail::fit::parameters_of(P);
     for (std::size_t k = 0; k < 10; ++k) theta.data[10 * i + k] = t(Eigen::Index(k));
   }
   return theta;
@@ -69,8 +72,8 @@ template <RobotModel M>
 /// A link's numbers with another inertia.
 [[nodiscard]] inline LinkParameters<double> with_inertia(LinkParameters<double> link, const double* theta) {
   using P = LinkParameter;
-  const Eigen::Map<const detail::Inertia10> t(theta);
-  const Eigen::Matrix4d Q = detail::pseudo_inertia(t);
+  const Eigen::Map<const detail::fit::Inertia10> t(theta);
+  const Eigen::Matrix4d Q = detail::fit::pseudo_inertia(t);
   const Eigen::Vector3d c = Q.topRightCorner<3, 1>() / t(0);
   const Eigen::Matrix3d S = Q.topLeftCorner<3, 3>() - t(0) * c * c.transpose();
   link[P::mass] = t(0);
@@ -97,32 +100,34 @@ template <RobotModel M>
                                                  const InertialParameters<M::joints>& prior,
                                                  const InertialFitSettings& s = {}) {
   constexpr std::size_t N = M::joints;
+  using detail::fit::operator+, detail::fit::operator-, detail::fit::operator*,
+      detail::fit::operator/;  // of Eigen alone
   constexpr Eigen::Index bodies = 10 * Eigen::Index(N), all = bodies + 3 * Eigen::Index(N);
   require(s.prior >= 0.01 && s.prior <= 1000, "lambda of the prior", s.prior, "0.01 to 1000");
   require(s.reach > 0.01 && s.reach < 10, "reach of the prior", s.reach, "0.01 to 10 m");
-  detail::TorqueEquations<M> equations(model, recordings);
+  detail::fit::TorqueEquations<M> equations(model, recordings);
   InertialFit<N> out;
   out.base = base_parameters(model);
 
   Eigen::VectorXd prior_weight = Eigen::VectorXd::Zero(all), theta0 = Eigen::VectorXd::Zero(all);
-  std::array<detail::BodyFactor, N> body;
+  std::array<detail::fit::BodyFactor, N> body;
   // A little of the divergence tr(P0^-1 P) - log det P, too: it is convex, and keeps the factor away from the edge of what
   // bodies can be, where steps stall.
   const double barrier = 0.25 * s.prior;
   Eigen::VectorXd divergence = Eigen::VectorXd::Zero(all);
   for (std::size_t i = 0; i < N; ++i) {
-    const Eigen::Map<const detail::Inertia10> t(prior.data + 10 * i);
+    const Eigen::Map<const detail::fit::Inertia10> t(prior.data + 10 * i);
     const double m = std::max(t(0), 0.05), r = s.reach;
     theta0.segment<10>(10 * Eigen::Index(i)) = t;
     auto w = prior_weight.segment<10>(10 * Eigen::Index(i));
     w << 1 / m, 1 / (m * r), 1 / (m * r), 1 / (m * r), 1 / (m * r * r), 1 / (m * r * r), 1 / (m * r * r),
         1 / (m * r * r), 1 / (m * r * r), 1 / (m * r * r);
     w = s.prior * w.cwiseAbs2();
-    body[i] = detail::BodyFactor::of(t, s.reach);
-    const Eigen::Matrix4d inverse = detail::pseudo_inertia(body[i].parameters()).inverse();
+    body[i] = detail::fit::BodyFactor::of(t, s.reach);
+    const Eigen::Matrix4d inverse = detail::fit::pseudo_inertia(body[i].parameters()).inverse();
     for (int k = 0; k < 10; ++k)
       divergence(10 * Eigen::Index(i) + k) =
-          barrier * (inverse * detail::pseudo_inertia(detail::Inertia10::Unit(k))).trace();
+          barrier * (inverse * detail::fit::pseudo_inertia(detail::fit::Inertia10::Unit(k))).trace();
   }
   Eigen::VectorXd logs = Eigen::VectorXd::Zero(3 * Eigen::Index(N));
   for (std::size_t i = 0; i < N; ++i) {

@@ -1,6 +1,8 @@
 // The lines of a robot's joints and the poses of its cells, from a motion that all of them feel.
 #pragma once
 
+#include <optional>
+
 #include "skinctl/calibration/detail/line_report.hpp"
 #include "skinctl/calibration/detail/line_start.hpp"
 #include "skinctl/calibration/joint_lines_types.hpp"
@@ -23,7 +25,8 @@ SKINCTL_BEGIN_NAMESPACE
           double(recording.places.size()), "one per cell, or none");
   require(s.block >= 0.005 && s.block <= 0.1, "length of a block", s.block, "0.005 to 0.1 s");
   const double slack = 0.2;  // for the lateness
-  auto data = detail::block_means(recording.cells, motion.start() + slack, motion.end() - slack, s.block);
+  auto data =
+      detail::fit::block_means(recording.cells, motion.start() + slack, motion.end() - slack, s.block);
   for (Eigen::Index k = 0; k < data.blocks(); ++k)
     if (motion.gap_within(data.middle(k) - slack, data.middle(k) + slack)) {
       data.missing.row(k).setConstant(true);
@@ -35,25 +38,34 @@ SKINCTL_BEGIN_NAMESPACE
   activation.gravity = s.gravity;
   out.activation = find_activation(data, motion, activation);
   out.home = out.activation.home;
-  detail::refuse_hidden_motion(motion, out.activation);
-  const detail::LineStart start = detail::start_lines(out.activation, recording.places, data);
+  detail::fit::refuse_hidden_motion(motion, out.activation);
+  detail::fit::LineStart start = detail::fit::start_lines(out.activation, recording.places, data);
   out.joints = start.joints;
   require(!start.joints.empty() && !start.cells.empty(), "joints that move a cell, alone and from home", 0,
           ">= 1");
 
-  detail::CellFitSettings fit_settings;
+  std::optional<MeasuredMotion> torque;
+  if (recording.torque.size() > 0) {
+    require(recording.torque.rows() == recording.joints.q.rows() &&
+                recording.torque.cols() == recording.joints.q.cols(),
+            "rows of torques", double(recording.torque.rows()), "one per stamp, a column per joint");
+    torque.emplace(JointRecording{recording.joints.time, recording.torque}, 0.1);
+  }
+  detail::fit::CellFitSettings fit_settings;
   fit_settings.bias = s.bias, fit_settings.scale = s.scale, fit_settings.steps = s.steps;
   fit_settings.tie_position = s.tie_position, fit_settings.tie_turn = s.tie_turn;
-  const detail::BlockMeans used = detail::only_cells(data, start.used);
-  detail::CellFit<detail::LineMotion> fit(
+  detail::fit::BlockMeans used = detail::fit::only_cells(data, start.used);
+  detail::fit::CellFit<detail::fit::LineMotion> fit(
       used,
-      detail::LineMotion(motion, start.joints, out.home, start.lines, out.activation.lateness, s.gravity),
+      detail::fit::LineMotion(motion, start.joints, out.home, start.lines, out.activation.lateness, s.gravity,
+                              torque ? &*torque : nullptr),
       start.cells, start.patches, fit_settings);
   fit.run();
   fit.weigh();
+  detail::fit::leave_out_liars(fit, used, start);
   fit.run();
   fit.weigh();
-  detail::report_lines(fit, start, recording.places, s, out);
+  detail::fit::report_lines(fit, start, s, torque.has_value(), out);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/core/contract.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -22,7 +23,7 @@ struct JointPoint {
   Eigen::VectorXd q, dq, ddq;
 };
 
-namespace detail {
+namespace detail::fit {
 
 /// The six quintic B-splines of a knot interval at `u`, 0 to 1 within it, and their derivatives by u.
 struct QuinticBasis {
@@ -64,7 +65,7 @@ inline void solve_banded(Eigen::MatrixXd& band, Eigen::MatrixXd& B) {
   }
 }
 
-}  // namespace detail
+}  // namespace detail::fit
 
 /// A quintic B-spline through positions of joints, by least squares. With knots every 60 ms, encoders of 125 Hz and
 /// 1e-5 rad the acceleration is good to 0.02 rad/s^2.
@@ -110,7 +111,7 @@ class MeasuredMotion {
   /// The motion at `t` [s], limited to the recording.
   void at(double t, JointPoint& p) const {
     const auto [first, u] = place(t);
-    const detail::QuinticBasis b(u);
+    const detail::fit::QuinticBasis b(u);
     const auto c = coefficients_.middleRows<6>(first);
     using Row = Eigen::Map<const Eigen::Matrix<double, 1, 6>>;
     p.q.noalias() = (Row(b.value) * c).transpose();
@@ -141,7 +142,7 @@ class MeasuredMotion {
     coefficients_ = Eigen::MatrixXd::Zero(n, recording.q.cols());
     for (std::size_t k = 0; k < recording.time.size(); ++k) {
       const auto [first, u] = place(recording.time[k]);
-      const detail::QuinticBasis b(u);
+      const detail::fit::QuinticBasis b(u);
       for (int i = 0; i < 6; ++i) {
         for (int j = 0; j <= i; ++j) band(i - j, first + i) += b.value[i] * b.value[j];
         coefficients_.row(first + i) += b.value[i] * recording.q.row(Eigen::Index(k));
@@ -153,7 +154,7 @@ class MeasuredMotion {
     for (Eigen::Index k = 0; k + 3 < n; ++k)
       for (int i = 0; i < 4; ++i)
         for (int j = 0; j <= i; ++j) band(i - j, k + i) += weight * d[i] * d[j];
-    detail::solve_banded(band, coefficients_);
+    detail::fit::solve_banded(band, coefficients_);
     noise_ = Eigen::VectorXd::Zero(recording.q.cols());
     JointPoint p;
     for (std::size_t k = 0; k < recording.time.size(); ++k) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/calibration/detail/line_motion.hpp"
 #include "skinctl/model/dh.hpp"
 #include "skinctl/model/model.hpp"
@@ -54,7 +55,7 @@ struct LineModel {
   }
 };
 
-namespace detail {
+namespace detail::fit {
 /// The feet of the common normal on two lines; of parallel ones at the first's `point`.
 struct CommonNormal {
   Eigen::Vector3d first, second, x;
@@ -82,7 +83,7 @@ inline double angle_about(const Eigen::Vector3d& axis, const Eigen::Vector3d& fr
                           const Eigen::Vector3d& to) {
   return std::atan2(axis.dot(from.cross(to)), from.dot(to));
 }
-}  // namespace detail
+}  // namespace detail::fit
 
 /// @param lines  of the joints at home, any point of each.
 /// @param home   positions of the joints there [rad].
@@ -91,6 +92,8 @@ template <std::size_t N>
                                       const std::array<double, N>& home) {
   static_assert(N >= 2, "a single axis has no common normal");
   using Vec = Eigen::Vector3d;
+  using detail::fit::operator+, detail::fit::operator-, detail::fit::operator*,
+      detail::fit::operator/;  // of Eigen alone
   LineModel<N> out;
   std::array<Vec, N> x, origin;
   // Frames of the links: x normal to the own axis and the next, origins at the feet of common normals.
@@ -101,11 +104,11 @@ template <std::size_t N>
     AxisLine here = lines[i];
     if (i > 0) here.point = origin[i];
     if (i + 1 == N) {
-      x[i] = detail::turned(x[i - 1] - z * z.dot(x[i - 1]), z, std::cos(home[i]), std::sin(home[i]))
+      x[i] = detail::fit::turned(x[i - 1] - z * z.dot(x[i - 1]), z, std::cos(home[i]), std::sin(home[i]))
                  .normalized();
       break;
     }
-    const auto normal = detail::common_normal(here, lines[i + 1]);
+    const auto normal = detail::fit::common_normal(here, lines[i + 1]);
     if (i == 0) origin[0] = normal.parallel ? here.point : normal.first;
     origin[i + 1] = normal.second;
     // Exactly normal to both, also where they are almost parallel.
@@ -115,7 +118,7 @@ template <std::size_t N>
   const Vec& z0 = lines[0].direction;
   const Vec up = Vec::UnitZ();
   // The base: x along the first link's at zero, as upright as the base of the lines.
-  const Vec x0 = detail::turned(x[0], z0, std::cos(home[0]), -std::sin(home[0]));
+  const Vec x0 = detail::fit::turned(x[0], z0, std::cos(home[0]), -std::sin(home[0]));
   Eigen::Matrix3d B;
   const Vec bx =
       (x0 - up * up.dot(x0)).norm() > 1e-3 ? Vec((x0 - up * up.dot(x0)).normalized()) : up.unitOrthogonal();
@@ -132,12 +135,13 @@ template <std::size_t N>
     if (i == 0) {  // any direction: gamma
       const Vec n = up.cross(z);
       if (n.norm() > 1e-9) turned_x = n.normalized();
-      placement.gamma = Angle::radians(detail::angle_about(up, parent.col(0), turned_x));
+      placement.gamma = Angle::radians(detail::fit::angle_about(up, parent.col(0), turned_x));
     }
-    placement.alpha = Angle::radians(detail::angle_about(turned_x, parent.col(2), z));
+    placement.alpha = Angle::radians(detail::fit::angle_about(turned_x, parent.col(2), z));
     const Vec p = parent.transpose() * (origin[i] - parent_origin);
     for (Eigen::Index k = 0; k < 3; ++k) placement.p[k] = p(k);
-    placement.offset = std::remainder(detail::angle_about(z, turned_x, x[i]) - home[i], 6.283185307179586);
+    placement.offset =
+        std::remainder(detail::fit::angle_about(z, turned_x, x[i]) - home[i], 6.283185307179586);
     out.links[i] = make_link(placement, {});
     Eigen::Matrix3d R;
     R << x[i], z.cross(x[i]), z;
@@ -157,14 +161,14 @@ template <std::size_t N>
     }
     AxisLine here = lines[i];
     here.point = foot;
-    const auto normal = detail::common_normal(here, lines[i + 1]);
+    const auto normal = detail::fit::common_normal(here, lines[i + 1]);
     row.parallel = normal.parallel;
-    const double offset =
-        std::remainder(detail::angle_about(z, last - z * z.dot(last), normal.x) - home[i], 6.283185307179586);
+    const double offset = std::remainder(
+        detail::fit::angle_about(z, last - z * z.dot(last), normal.x) - home[i], 6.283185307179586);
     row.theta = i == 0 ? 0 : offset;
     row.d = normal.parallel ? 0 : z.dot(normal.first - foot);
     row.a = (normal.second - normal.first).dot(normal.x);
-    row.alpha = detail::angle_about(normal.x, z, lines[i + 1].direction);
+    row.alpha = detail::fit::angle_about(normal.x, z, lines[i + 1].direction);
     last = normal.x, foot = normal.second;
   }
   return out;

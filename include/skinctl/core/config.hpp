@@ -12,21 +12,26 @@
 
 /// Files compiled for different instruction sets hold different code under the same name, and a linker would
 /// keep either of them. The inline namespace is named after the instruction set, so that such files do not
-/// merge.
-#if defined(__AVX512F__)
-#define SKINCTL_ABI avx512
-#elif defined(__AVX2__) && defined(__FMA__)
-#define SKINCTL_ABI avx2_fma
-#elif defined(__AVX2__)
-#define SKINCTL_ABI avx2
-#elif defined(__AVX__)
-#define SKINCTL_ABI avx
-#elif defined(__SSE2__)
-#define SKINCTL_ABI sse2
-#elif defined(__ARM_NEON)
-#define SKINCTL_ABI neon
+/// merge; and after `exact` (see SKINCTL_NO_CONTRACT), whose results differ in their last bits.
+#if defined(SKINCTL_NO_CONTRACT)
+#define SKINCTL_ABI_OF(set) set##_exact
 #else
-#define SKINCTL_ABI generic
+#define SKINCTL_ABI_OF(set) set
+#endif
+#if defined(__AVX512F__)
+#define SKINCTL_ABI SKINCTL_ABI_OF(avx512)
+#elif defined(__AVX2__) && defined(__FMA__)
+#define SKINCTL_ABI SKINCTL_ABI_OF(avx2_fma)
+#elif defined(__AVX2__)
+#define SKINCTL_ABI SKINCTL_ABI_OF(avx2)
+#elif defined(__AVX__)
+#define SKINCTL_ABI SKINCTL_ABI_OF(avx)
+#elif defined(__SSE2__)
+#define SKINCTL_ABI SKINCTL_ABI_OF(sse2)
+#elif defined(__ARM_NEON)
+#define SKINCTL_ABI SKINCTL_ABI_OF(neon)
+#else
+#define SKINCTL_ABI SKINCTL_ABI_OF(generic)
 #endif
 
 #define SKINCTL_BEGIN_NAMESPACE \
@@ -57,8 +62,9 @@
 #define SKINCTL_COLD __attribute__((noinline, cold))
 
 /// In the body of an operator: lets the compiler fuse a multiplication with an addition of another operator,
-/// as GCC does by default; Clang would otherwise fuse only within one expression. Define SKINCTL_NO_CONTRACT
-/// to forbid this fusion.
+/// as GCC does by default; Clang would otherwise fuse only within one expression. SKINCTL_NO_CONTRACT forbids
+/// this fusion; with the compilers' own -ffp-contract=off beside it every level of optimisation, every instruction set
+/// and both compilers give the same bits: the CMake target `skinctl::exact` sets both.
 #if defined(__clang__) && !defined(SKINCTL_NO_CONTRACT)
 #define SKINCTL_CONTRACT _Pragma("clang fp contract(fast)")
 #else

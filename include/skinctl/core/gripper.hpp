@@ -28,6 +28,17 @@ struct GripperGoal {
   friend bool operator==(const GripperGoal&, const GripperGoal&) noexcept = default;
 };
 
+/// What a cycle asks of a gripper: the goal is a new one when `count` has changed; 0: there has been none.
+struct GripperCommand {
+  GripperGoal goal{};
+  std::uint32_t count = 0;
+};
+
+/// A scene or a set of skills without a gripper.
+struct NoGripper {
+  struct Memory {};
+};
+
 /// The goal with each number brought into the gripper's range.
 [[nodiscard]] constexpr GripperGoal limited(const GripperGoal& goal, const GripperRange& range) noexcept {
   return {std::clamp(goal.opening, 0.0, range.opening),

@@ -17,6 +17,10 @@ concept Real = std::numeric_limits<T>::is_specialized && !std::numeric_limits<T>
 template <class T>
 inline constexpr bool is_lane = false;
 
+/// True for fixed-point numbers (math/fixed.hpp), in which not everything can be computed.
+template <class T>
+inline constexpr bool is_fixed_point = false;
+
 /// The scalars of the algorithms: a real or a lane of reals.
 template <class T>
 concept Scalar = Real<T> || is_lane<T>;

@@ -25,6 +25,8 @@ struct CarryingScene {
 };
 template <class R, class L, class S, class G, class O>
 struct CarryingScene<Cycle<R, L, S, G, O>> {
+  static_assert(!Cycle<R, L, S, G, O>::has_gripper,
+                "Configurations: a set of skills with a gripper has one configuration");
   using Law = CarryingLaw<R::joints, typename Cycle<R, L, S, G, O>::law_type, typename R::scalar>;
   using type = Cycle<R, Law, S, G, O>;
 };

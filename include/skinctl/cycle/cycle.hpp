@@ -16,11 +16,12 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The output of one cycle.
-template <std::size_t N, Scalar T, std::size_t Terms>
+template <std::size_t N, Scalar T, std::size_t Terms, class Gripper = NoGripper>
 struct CycleOutput {
   JointCommand<N, T> command;                   ///< the command to send, if it is valid
   Status status;                                ///< reasons for limits, holds and refusals
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
+  [[no_unique_address]] Gripper gripper{};      ///< what the gripper is asked for, where the law has one
 };
 
 template <class C, std::size_t Count>
@@ -39,8 +40,7 @@ struct ChangeFrom;
 /// The resolver builds `Quantities` from the union of the needs of law and integrator, at compile time;
 /// nothing else of the model is computed.
 template <class Resolver, class GivenLaw, class GivenSkin = NoSkin,
-          class Watchman = typename detail::GuardOf<Resolver>::type,
-          class Overseer = detail::DefaultGovernor<Resolver>>
+          class Watchman = detail::DefaultGuard<Resolver>, class Overseer = detail::DefaultGovernor<Resolver>>
 class Cycle {
   using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
   static_assert(sizeof(detail::SaySkin<Scene::skin_fault, GivenSkin>) > 0);
@@ -71,8 +71,11 @@ class Cycle {
   using law_type = L;
   using Goal = typename detail::GoalType<L>::type;
   using Sensed = typename detail::SensedBy<Skin>::type;
-  using Input = CycleInput<joints, scalar, Goal, Sensed>;
-  using Output = CycleOutput<joints, scalar, terms_of<L>>;
+  static constexpr bool has_gripper = detail::has_gripper<L>;
+  using Input =
+      CycleInput<joints, scalar, Goal, Sensed, std::conditional_t<has_gripper, GripperState, NoGripper>>;
+  using Output =
+      CycleOutput<joints, scalar, terms_of<L>, std::conditional_t<has_gripper, GripperCommand, NoGripper>>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
   static constexpr bool watches_contacts =
@@ -247,6 +250,7 @@ class Cycle {
     }
     if constexpr (requires { law_.feel(m.law, skin_.contacts(m.skin), interval.to); })
       law_.feel(m.law, skin_.contacts(m.skin), interval.to);
+    if constexpr (has_gripper) law_.grip(m.law, input.gripper, interval.to);
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);
@@ -289,6 +293,7 @@ class Cycle {
       if (guarded.altered && detail::commands_motion<Resolver>) governor_.sent(m.governor, guarded.command);
     }
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
+    if constexpr (has_gripper) out.gripper = L::gripper(m.law);
     watch.end(CycleStage::guard);
     return out;
   }
@@ -436,7 +441,7 @@ template <class R, detail::SkinLike S, class L, detail::GuardLike G>
 Cycle(const R&, const S&, const L&, const G&) -> Cycle<detail::ResolverFor<R>, L, S, G>;
 template <class R, detail::SkinLike S, class L, detail::GovernorLike O>
 Cycle(const R&, const S&, const L&, const O&)
-    -> Cycle<detail::ResolverFor<R>, L, S, typename detail::GuardOf<detail::ResolverFor<R>>::type, O>;
+    -> Cycle<detail::ResolverFor<R>, L, S, detail::DefaultGuard<detail::ResolverFor<R>>, O>;
 template <class R, detail::SkinLike S, class L, class G, class O>
 Cycle(const R&, const S&, const L&, const G&, const O&) -> Cycle<detail::ResolverFor<R>, L, S, G, O>;
 template <class R, class L>
@@ -448,7 +453,7 @@ Cycle(const R&, const L&, const G&) -> Cycle<detail::ResolverFor<R>, L, NoSkin, 
 template <class R, class L, detail::GovernorLike O>
   requires(!detail::SkinLike<L>)
 Cycle(const R&, const L&, const O&)
-    -> Cycle<detail::ResolverFor<R>, L, NoSkin, typename detail::GuardOf<detail::ResolverFor<R>>::type, O>;
+    -> Cycle<detail::ResolverFor<R>, L, NoSkin, detail::DefaultGuard<detail::ResolverFor<R>>, O>;
 template <class R, class L, class G, detail::GovernorLike O>
   requires(!detail::SkinLike<L>)
 Cycle(const R&, const L&, const G&, const O&) -> Cycle<detail::ResolverFor<R>, L, NoSkin, G, O>;

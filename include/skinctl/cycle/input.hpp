@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "skinctl/core/gripper.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
@@ -24,7 +25,9 @@ struct NoSensors {};
 
 /// The input of one cycle. Any bit pattern is allowed in it: unusable values are refused with a reason.
 /// @tparam Sensed  what the sensors of the scene read besides cells, such as `WristInput`.
-template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors>
+/// @tparam Gripper  `GripperState` where the law has a gripper, see `OneGripper`.
+template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors,
+          class Gripper = NoGripper>
 struct CycleInput {
   Nanoseconds now{};                    ///< the robot's clock: the end of the interval that is integrated
   State<N, T> measured;                 ///< the newest state, with its own stamp
@@ -34,6 +37,7 @@ struct CycleInput {
   bool has_goal = false;
   Goal goal{};  ///< read if `has_goal`: a goal, or the next sample of a moving target
   [[no_unique_address]] Sensed sensed{};
+  [[no_unique_address]] Gripper gripper{};  ///< what the gripper reported last
 };
 
 SKINCTL_END_NAMESPACE

@@ -4,66 +4,14 @@
 #include <bit>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/sensing/wrench_sample.hpp"
+#include "skinctl/cycle/cycle_bytes.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
-
-/// Appends plain values to bytes reserved before: never allocates.
-class ByteWriter {
- public:
-  explicit ByteWriter(std::size_t capacity) { bytes_.reserve(capacity); }
-  [[nodiscard]] bool fits(std::size_t n) const noexcept { return bytes_.capacity() - bytes_.size() >= n; }
-  template <class V>
-  void put(const V& value) noexcept {
-    static_assert(std::is_arithmetic_v<V>);
-    const std::size_t at = bytes_.size();
-    bytes_.resize(at + sizeof value);  // within the capacity, else the record is dropped: see `fits`
-    std::memcpy(bytes_.data() + at, &value, sizeof value);
-  }
-  [[nodiscard]] const std::vector<unsigned char>& bytes() const noexcept { return bytes_; }
-  void clear() noexcept { bytes_.clear(); }
-
- private:
-  std::vector<unsigned char> bytes_;
-};
-
-/// Reads plain values from bytes; past the end it gives zeros and sets a flag.
-class ByteReader {
- public:
-  explicit ByteReader(const std::vector<unsigned char>& bytes) noexcept : bytes_(bytes) {}
-  template <class V>
-  V get() noexcept {
-    static_assert(std::is_arithmetic_v<V>);
-    V value{};
-    if (bytes_.size() - at_ < sizeof value) {
-      short_ = true;
-      at_ = bytes_.size();
-      return value;
-    }
-    if constexpr (std::is_same_v<V, bool>) {
-      value = bytes_[at_] != 0;
-    } else {
-      std::memcpy(&value, bytes_.data() + at_, sizeof value);
-    }
-    at_ += sizeof value;
-    return value;
-  }
-  [[nodiscard]] std::size_t left() const noexcept { return bytes_.size() - at_; }
-  [[nodiscard]] bool short_of_bytes() const noexcept { return short_; }
-
- private:
-  const std::vector<unsigned char>& bytes_;
-  std::size_t at_ = 0;
-  bool short_ = false;
-};
 
 template <class C, class... Begin>
 concept StartsWith = requires(const C& cycle, typename C::Memory& memory, const Begin&... begin) {
@@ -72,112 +20,18 @@ concept StartsWith = requires(const C& cycle, typename C::Memory& memory, const 
 
 }  // namespace detail
 
-/// Calls `f(number)` for each plain number of a value. For goals of your own laws, overload
-/// `each_number(goal, f)` in their namespace. A duration is a whole number of nanoseconds.
-template <class F>
-void each_number(Nanoseconds& t, F&& f) {
-  std::int64_t count = t.count();
-  f(count);
-  t = Nanoseconds(count);
-}
-template <class K, std::size_t N, class T, class F>
-void each_number(JointVector<K, N, T>& v, F&& f) {
-  for (T& x : v) f(x);
-}
-template <std::size_t N, class T, class F>
-void each_number(State<N, T>& s, F&& f) {
-  each_number(s.time, f);
-  each_number(s.q, f);
-  each_number(s.dq, f);
-}
-template <std::size_t N, class T, class F>
-void each_number(JointCommand<N, T>& c, F&& f) {
-  each_number(c.time, f);
-  each_number(c.position, f);
-  each_number(c.velocity, f);
-  each_number(c.acceleration, f);
-  each_number(c.torque, f);
-  f(c.valid);
-}
-template <class F>
-void each_number(CellSample& s, F&& f) {
-  each_number(s.time, f);
-  f(s.cell);
-  for (float& x : s.force) f(x);
-  f(s.proximity);
-  for (float& x : s.acceleration) f(x);
-  f(s.temperature);
-}
-template <class F>
-void each_number(WrenchSample& s, F&& f) {
-  each_number(s.time, f);
-  for (double& x : s.force) f(x);
-  for (double& x : s.moment) f(x);
-}
-template <class F>
-void each_number(NoGoal&, F&&) {}
-template <class G, class F>
-  requires requires(G& g) {
-    g.q_g;
-    g.duration;
-  }
-void each_number(G& goal, F&& f) {
-  each_number(goal.q_g, f);
-  each_number(goal.duration, f);
-}
-template <class G, class F>
-  requires requires(G& g) {
-    g.q_d;
-    g.dq_d;
-  }
-void each_number(G& goal, F&& f) {
-  each_number(goal.q_d, f);
-  each_number(goal.dq_d, f);
-  if constexpr (requires { goal.ddq_d; }) each_number(goal.ddq_d, f);
-}
-
-template <class T, class F>
-void each_number(Xyz<T>& v, F&& f) {
-  f(v.x), f(v.y), f(v.z);
-}
-template <Frame A, Frame B, class T, class F>
-void each_number(Transform<A, B, T>& X, F&& f) {
-  auto R = X.axes();
-  auto p = X.origin();
-  for (Xyz<T>* v : {&R.x, &R.y, &R.z, &p}) each_number(*v, f);
-  X = Transform<A, B, T>::trusted(R, p);
-}
-template <class G, class F>
-  requires requires(G& g) { g.X_BP; }
-void each_number(G& goal, F&& f) {
-  each_number(goal.X_BP, f);
-  if constexpr (requires { goal.duration; }) each_number(goal.duration, f);
-  if constexpr (requires { goal.V; }) {
-    for (auto* v : {&goal.V.linear, &goal.V.angular, &goal.A.linear, &goal.A.angular}) each_number(*v, f);
-  }
-}
-template <class G, class F>
-  requires requires(G& g) {
-    g.direction;
-    g.force;
-  }
-void each_number(G& goal, F&& f) {
-  each_number(goal.direction, f);
-  f(goal.force);
-}
-
 /// A recorded run of `C`: the state at its start, then every input with its command.
 template <class C>
 class Recording {
  public:
-  using State = skinctl::State<C::joints, typename C::scalar>;
-  using Input = typename C::Input;
-  using Command = JointCommand<C::joints, typename C::scalar>;
+  using Format = CycleBytes<C>;
+  using State = typename Format::State;
+  using Input = typename Format::Input;
+  using Command = typename Format::Command;
+  using Position = typename Format::Position;
 
-  /// Room for `bytes` bytes; a cycle of a six-joint arm takes about 400 and a sample 48.
+  /// Room for `bytes` bytes; a cycle of a six-joint arm takes about 400 and a sample 44.
   explicit Recording(std::size_t bytes = std::size_t(64) << 20) : bytes_(bytes) {}
-
-  using Position = JointPosition<C::joints, typename C::scalar>;
 
   /// The scene starts at `measured`. Discards the earlier recording.
   void start(const State& measured) noexcept { start(measured, nullptr); }
@@ -186,26 +40,35 @@ class Recording {
   /// Adds a cycle; nothing is allocated. Without enough room the cycle and all following ones are dropped:
   /// see `full()`.
   void add(const Input& input, const Command& command) noexcept {
-    std::size_t size = fixed_size + input.samples.size() * sample_size;
-    if constexpr (has_wrenches) size += input.sensed.wrenches.size() * wrench_size;
-    full_ = full_ || !bytes_.fits(size);
+    full_ = full_ || !bytes_.fits(Format::most(input));
     if (full_) return;
-    bytes_.put(input.now.count());
-    write(input.measured);
-    bytes_.put(static_cast<std::uint8_t>(input.request));
-    bytes_.put(input.observed.bits());
-    bytes_.put(input.has_goal);
-    write(input.goal);
-    if constexpr (configured) bytes_.put(input.configuration);
-    bytes_.put(static_cast<std::uint32_t>(input.samples.size()));
-    for (const CellSample& s : input.samples) write(s);
-    if constexpr (has_wrenches) {
-      bytes_.put(static_cast<std::uint32_t>(input.sensed.wrenches.size()));
-      for (const WrenchSample& s : input.sensed.wrenches) write(s);
-    }
-    if constexpr (has_motors) write(input.sensed.motor_torque);
-    write(command);
+    Format::write(bytes_, input, command);
     ++cycles_;
+  }
+  /// The start from bytes that `CycleBytes` wrote. Discards the earlier recording; false, and nothing is left of it,
+  /// for bytes that are no start.
+  bool start(std::span<const unsigned char> bytes) {
+    detail::ByteReader reader(bytes);
+    static_cast<void>(Format::read_beginning(reader));
+    bytes_.clear();
+    cycles_ = 0;
+    full_ = !bytes_.fits(bytes.size());
+    if (full_ || reader.short_of_bytes() || reader.left() != 0) return false;
+    bytes_.put(bytes.data(), bytes.size());
+    return true;
+  }
+  /// Adds a cycle from bytes that `CycleBytes` wrote; false for bytes that are no cycle, which are left out.
+  bool add(std::span<const unsigned char> bytes) {
+    detail::ByteReader reader(bytes);
+    Input input;
+    Command command;
+    typename Format::Samples samples;
+    Format::read(reader, input, samples, command);
+    full_ = full_ || !bytes_.fits(bytes.size());
+    if (full_ || reader.short_of_bytes() || reader.left() != 0) return false;
+    bytes_.put(bytes.data(), bytes.size());
+    ++cycles_;
+    return true;
   }
   [[nodiscard]] std::uint64_t cycles() const noexcept { return cycles_; }
   [[nodiscard]] bool full() const noexcept { return full_; }
@@ -238,7 +101,7 @@ class Recording {
                     " is no recording of this scene (other robot, goals, scalar or version)");
     Recording out(all.size());
     std::memcpy(&out.cycles_, all.data() + head.size() - counted, counted);
-    for (std::size_t i = head.size(); i < all.size(); ++i) out.bytes_.put(all[i]);
+    out.bytes_.put(all.data() + head.size(), all.size() - head.size());
     out.check(path);
     return out;
   }
@@ -247,110 +110,50 @@ class Recording {
   template <class Start, class Each>
   void visit(Start&& start, Each&& each) const {
     detail::ByteReader reader(bytes());
-    const Beginning begin = read_start(reader);
+    const typename Format::Beginning begin = Format::read_beginning(reader);
     if (begin.has_told) {
       start(begin.measured, begin.told);
     } else {
       start(begin.measured);
     }
-    Samples samples;
+    typename Format::Samples samples;
     for (std::uint64_t k = 0; k < cycles_ && !reader.short_of_bytes(); ++k) {
       Input input;
       Command command;
-      read_cycle(reader, input, samples, command);
+      Format::read(reader, input, samples, command);
       each(static_cast<const Input&>(input), static_cast<const Command&>(command));
     }
   }
 
  private:
-  static constexpr bool configured = requires(const Input& input) { input.configuration; };
-  static constexpr bool has_wrenches = requires(const Input& input) { input.sensed.wrenches; };
-  static constexpr bool has_motors = requires(const Input& input) { input.sensed.motor_torque; };
-  static constexpr std::size_t sample_size = 8 + 4 + 8 * 4, wrench_size = 8 + 6 * 8;
-  /// The samples of the input that was read last.
-  struct Samples {
-    std::vector<CellSample> cells;
-    std::vector<WrenchSample> wrenches;
-  };
-  static constexpr std::size_t fixed_size = sizeof(Input) + sizeof(Command) + 64;
-
-  struct Beginning {
-    State measured;
-    bool has_told = false;
-    Position told;
-  };
   void start(const State& measured, const Position* told) noexcept {
     bytes_.clear();
     cycles_ = 0;
-    full_ = !bytes_.fits(fixed_size);
+    full_ = !bytes_.fits(Format::fixed_size);
     if (full_) return;
-    write(measured);
-    bytes_.put(told != nullptr);
-    if (told != nullptr) write(*told);
-  }
-  static Beginning read_start(detail::ByteReader& reader) {
-    Beginning begin;
-    read(reader, begin.measured);
-    begin.has_told = reader.get<bool>();
-    if (begin.has_told) read(reader, begin.told);
-    return begin;
-  }
-
-  template <class V>
-  void write(V value) noexcept {
-    each_number(value, [this](const auto& x) { bytes_.put(x); });
-  }
-  template <class V>
-  static void read(detail::ByteReader& reader, V& value) {
-    each_number(value, [&](auto& x) { x = reader.get<std::remove_cvref_t<decltype(x)>>(); });
-  }
-  template <class Sample>
-  static void read_samples(detail::ByteReader& reader, std::size_t size, std::vector<Sample>& samples) {
-    const std::size_t count = reader.get<std::uint32_t>();
-    samples.resize(count <= reader.left() / size ? count : 0);
-    for (Sample& s : samples) read(reader, s);
-  }
-  static void read_cycle(detail::ByteReader& reader, Input& input, Samples& samples, Command& command) {
-    read(reader, input.now);
-    read(reader, input.measured);
-    const auto request = reader.get<std::uint8_t>();
-    input.request = request <= 2 ? static_cast<CycleRequest>(request) : CycleRequest::none;
-    input.observed = Status::from_bits(reader.get<std::uint64_t>());
-    input.has_goal = reader.get<bool>();
-    read(reader, input.goal);
-    if constexpr (configured) input.configuration = reader.get<std::uint32_t>();
-    read_samples(reader, sample_size, samples.cells);
-    input.samples = samples.cells;
-    if constexpr (has_wrenches) {
-      read_samples(reader, wrench_size, samples.wrenches);
-      input.sensed.wrenches = samples.wrenches;
-    }
-    if constexpr (has_motors) read(reader, input.sensed.motor_torque);
-    read(reader, command);
+    Format::write(bytes_, measured, told);
   }
   void check(const std::string& path) const {
     detail::ByteReader reader(bytes());
-    static_cast<void>(read_start(reader));
-    Samples samples;
+    static_cast<void>(Format::read_beginning(reader));
+    typename Format::Samples samples;
     std::uint64_t seen = 0;
     for (; seen < cycles_ && !reader.short_of_bytes(); ++seen) {
       Input input;
       Command command;
-      read_cycle(reader, input, samples, command);
+      Format::read(reader, input, samples, command);
     }
     if (seen != cycles_ || reader.short_of_bytes() || reader.left() != 0)
       SKINCTL_THROW("skinctl: the recording " + path + " is damaged or cut short");
   }
-  /// Magic (its last letter: with or without configurations, wrenches and motor torques), byte order, sizes
+  /// Magic (its last letter: with or without configurations, wrenches, motor torques, a gripper and weights of patches), byte order, sizes
   /// that must agree, number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    constexpr char kind = "3XNDEyne"[(configured ? 4 : 0) + (has_motors ? 2 : 0) + (has_wrenches ? 1 : 0)];
-    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', kind}) w.put(c);
-    w.put(std::uint32_t(0x01020304));
-    w.put(static_cast<std::uint32_t>(C::joints));
-    w.put(static_cast<std::uint32_t>(sizeof(typename C::scalar)));
-    w.put(static_cast<std::uint32_t>(sizeof(typename C::Goal)));
+    const auto [order, input_kind, joints, scalar, goal] = Format::kind();
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', "3XNDEyneGhijklmo4YOFAzpqHIJKLMPQ"[input_kind]})
+      w.put(c);
+    for (const std::uint32_t number : {order, joints, scalar, goal}) w.put(number);
     w.put(cycles);
     return w.bytes();
   }

@@ -2,9 +2,8 @@
 // hand with that description.
 #pragma once
 
-#include "skinctl/guard/group_guard.hpp"
 #include "skinctl/guard/guard.hpp"
-#include "skinctl/limits/group_governor.hpp"
+#include "skinctl/limits/governor.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -32,70 +31,60 @@ namespace detail {
 template <class R>
 concept Described = requires { typename ResolverOf<R>::type; };
 
-/// The guard of a resolver whose joints are all of one kind; with `Smooth`, one that brakes within limits of
-/// jerk.
-template <class Resolver, class Smooth = NoPart>
-struct GuardOf {
-  using type = GroupGuard<Resolver, !std::is_same_v<Smooth, NoPart>>;
-};
-template <class Resolver, class Smooth>
-  requires requires { Resolver::interface; }
-struct GuardOf<Resolver, Smooth> {
-  using type = Guard<Resolver::interface, Resolver::joints, typename Resolver::scalar, Smooth>;
+/// Guard and governor of a robot whose joints are all of one kind. Those of a robot in groups: `cycle/groups.hpp`.
+template <class Resolver>
+struct SceneParts {
+  static constexpr std::size_t joints = Resolver::joints;
+  using T = typename Resolver::scalar;
+  /// With `Smooth`, a guard that brakes within limits of jerk.
+  template <class Smooth = NoPart>
+  using Guard = skinctl::Guard<Resolver::interface, joints, T, Smooth>;
+
+  /// @param more  settings of the guard, then limits of jerk.
+  template <class Smooth = NoPart, class... More>
+  [[nodiscard]] static Guard<Smooth> guard(const Resolver& r, const More&... more) {
+    const auto& p = r.parameters();
+    return Guard<Smooth>(
+        RobotConfiguration<joints, T>{
+            .limits = p.limits, .period = p.period, .longest_interval = p.longest_interval},
+        more...);
+  }
+  /// By torque the limits of the motion are added.
+  template <class... Limits>
+  [[nodiscard]] static auto governor(const Resolver& r, const Limits&... limits) {
+    if constexpr (Resolver::interface == Interface::torque) {
+      using M = std::remove_cvref_t<decltype(r.model())>;
+      return make_governor(r.limits(), limits..., MotionLimits<M, T>(r.model()));
+    } else if constexpr (sizeof...(Limits) > 0) {
+      return make_governor(r.limits(), limits...);
+    } else {
+      return NoGovernor{};
+    }
+  }
 };
 
-/// Limits, period and longest interval of a resolver as a guard reads them.
 template <class Resolver>
-[[nodiscard]] auto as_configuration(const Resolver& r) {
-  return RobotConfiguration<Resolver::joints, typename Resolver::scalar>{
-      .limits = r.parameters().limits,
-      .period = r.parameters().period,
-      .longest_interval = r.parameters().longest_interval};
-}
-/// The default guard of a resolver's robot.
+using DefaultGuard = typename SceneParts<Resolver>::template Guard<>;
 template <class Resolver>
 [[nodiscard]] auto default_guard(const Resolver& r) {
-  using G = typename GuardOf<Resolver>::type;
-  if constexpr (requires { Resolver::interface; }) {
-    return G(as_configuration(r));
-  } else {
-    return G(r);
-  }
+  return SceneParts<Resolver>::guard(r);
 }
+template <class Resolver>
+[[nodiscard]] auto default_governor(const Resolver& r) {
+  return SceneParts<Resolver>::governor(r);
+}
+template <class Resolver>
+using DefaultGovernor = decltype(default_governor(std::declval<const Resolver&>()));
 /// A guard with these settings; it brakes within the limits of jerk of `limits`, if that governor has some.
 template <class Resolver, class Settings, class Limits>
 [[nodiscard]] auto guard_for(const Resolver& r, const Settings& settings, const Limits& limits) {
   if constexpr (requires { requires Limits::has_jerk; }) {
     using Smooth = std::remove_cvref_t<decltype(limits.jerk())>;
-    if constexpr (requires { Resolver::interface; }) {
-      return typename GuardOf<Resolver, Smooth>::type(as_configuration(r), settings, limits.jerk());
-    } else {
-      return typename GuardOf<Resolver, Smooth>::type(r, settings, limits.jerk().jerk());
-    }
-  } else if constexpr (requires { Resolver::interface; }) {
-    return typename GuardOf<Resolver>::type(as_configuration(r), settings);
+    return SceneParts<Resolver>::template guard<Smooth>(r, settings, limits.jerk());
   } else {
-    return typename GuardOf<Resolver>::type(r, settings);
+    return SceneParts<Resolver>::guard(r, settings);
   }
 }
-
-/// The default governor of a resolver's robot: by torque, the limits of its motion.
-template <class Resolver>
-[[nodiscard]] auto default_governor(const Resolver& r) {
-  if constexpr (requires { requires Resolver::interface == Interface::torque; }) {
-    using M = std::remove_cvref_t<decltype(r.model())>;
-    return make_governor(r.limits(), MotionLimits<M, typename Resolver::scalar>(r.model()));
-  } else if constexpr (requires { requires Resolver::has_driven; }) {
-    using M = std::remove_cvref_t<decltype(r.model())>;
-    return make_group_governor<typename Resolver::JointSets>(
-        r.limits(),
-        MotionLimits<M, typename Resolver::scalar, typename Resolver::JointSets::Driven>(r.model()));
-  } else {
-    return NoGovernor{};
-  }
-}
-template <class Resolver>
-using DefaultGovernor = decltype(default_governor(std::declval<const Resolver&>()));
 
 // A part of `with`, built for this robot. A part that is built already passes.
 template <class Resolver, class Part>
@@ -145,35 +134,10 @@ template <class Settings, class First, class... Rest>
   }
 }
 
-/// A governor of the parts, the contacts of the links joined into one; `NoGovernor` without parts.
+/// A governor of the parts, the contacts of the links joined into one.
 template <class Resolver, class... Made>
 [[nodiscard]] auto governor_of(const Resolver& r, const std::tuple<Made...>& made) {
-  if constexpr (sizeof...(Made) == 0) {
-    return default_governor(r);
-  } else if constexpr (requires { requires Resolver::interface == Interface::torque; }) {
-    using M = std::remove_cvref_t<decltype(r.model())>;
-    return std::apply(
-        [&](const auto&... p) {
-          return make_governor(r.limits(), p..., MotionLimits<M, typename Resolver::scalar>(r.model()));
-        },
-        made);
-  } else if constexpr (requires { Resolver::has_driven; }) {
-    using M = std::remove_cvref_t<decltype(r.model())>;
-    return std::apply(
-        [&](const auto&... p) {
-          using Sets = typename Resolver::JointSets;
-          if constexpr (Resolver::has_driven) {
-            return make_group_governor<Sets>(
-                r.limits(), p...,
-                MotionLimits<M, typename Resolver::scalar, typename Sets::Driven>(r.model()));
-          } else {
-            return make_group_governor<Sets>(r.limits(), p...);
-          }
-        },
-        made);
-  } else {
-    return std::apply([&](const auto&... p) { return make_governor(r.limits(), p...); }, made);
-  }
+  return std::apply([&](const auto&... p) { return SceneParts<Resolver>::governor(r, p...); }, made);
 }
 
 /// Faults of a guard that is given by hand.

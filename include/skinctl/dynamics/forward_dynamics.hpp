@@ -155,7 +155,8 @@ class MassFactors {
 /// The result is the exact acceleration under a torque that differs from `tau` by some 20 units in the last
 /// place of the links' torques. The error of the acceleration is that times the condition number of M: some
 /// 500 units for a UR5, 1200 for two arms with hands; where light links carry masses 1e12 times their own the
-/// accelerations keep 8 digits in double and none in float.
+/// accelerations keep 8 digits in double and none in float. For a UR5 with rates within 3 rad/s and 3 rad/s^2 that torque
+/// is within 2.1e-12 N m (float: 1.2e-3) of `tau` (proven, `bench/studies/bounds`; found: 6e-14, 3.2e-5).
 template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE ForwardDynamics<M::joints, T> forward_dynamics(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,
@@ -165,6 +166,8 @@ template <RobotModel M, Scalar T>
   return MassFactors<M, T>::solved(mass_matrix(model, angles), free);
 }
 // clang-format off
+template <RobotModel M, Scalar T> requires(is_fixed_point<T>)
+void forward_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointTorque<M::joints, T>&) = delete;  // its pivots lose their digits in fixed point: forward dynamics need float
 template <RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void forward_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointTorque<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
 template <RobotModel M, class... Q> requires(any_eigen<Q...>)

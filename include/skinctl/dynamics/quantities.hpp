@@ -100,7 +100,7 @@ class Quantities {
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
         mass_([&](auto) SKINCTL_INLINE_LAMBDA {
           auto m = mass_matrix(model_, angles());
-          if constexpr (is_virtual) added.add_to(m, model_, angles());
+          if constexpr (has_torque_limits) added.add_to(m, model_, angles());
           return m;
         }),
         factors_([&](auto) SKINCTL_INLINE_LAMBDA { return MassFactors<M, T>(mass()); }),

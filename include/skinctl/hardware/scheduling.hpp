@@ -23,7 +23,7 @@ struct Scheduling {
 };
 
 /// Requests SCHED_FIFO at `priority` (1 to 99; others are cut to that range) for the calling thread and locks
-/// the process's memory. A refusal is not an error: the loop runs, with occasional delays, and `report` says
+/// the process's memory. Threads that it starts later are ordinary ones: a writer of files must not displace the loop. A refusal is not an error: the loop runs, with occasional delays, and `report` says
 /// so. Call before the loop: it makes system calls and allocates.
 inline Scheduling request_real_time(int priority = 80) {
   Scheduling got;
@@ -31,7 +31,11 @@ inline Scheduling request_real_time(int priority = 80) {
   sched_param wanted{};
   const int low = sched_get_priority_min(SCHED_FIFO), high = sched_get_priority_max(SCHED_FIFO);
   wanted.sched_priority = priority < low ? low : priority > high ? high : priority;
-  if (sched_setscheduler(0, SCHED_FIFO, &wanted) == 0) {
+  int policy = SCHED_FIFO;
+#if defined(SCHED_RESET_ON_FORK)
+  policy |= SCHED_RESET_ON_FORK;
+#endif
+  if (sched_setscheduler(0, policy, &wanted) == 0) {
     got.real_time = true;
     got.report = "real-time priority " + std::to_string(wanted.sched_priority) + " granted\n";
   } else {

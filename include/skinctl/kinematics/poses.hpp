@@ -66,6 +66,9 @@ SKINCTL_INLINE constexpr auto known_or(const Xyz<T>& v, std::type_identity<Tripl
 /// `X_BaseLink` of the links in `Mask`, eq. (2), computed at construction; nothing else is stored, and joints
 /// that carry none of these links are not read. Trivially copyable.
 ///
+/// Of a UR5 every number of the tool's pose is within 5.4e-15 (float: 2.9e-6) of the exact one at every state
+/// (1, m; proven, `bench/studies/bounds`).
+///
 /// The axes are orthonormal to within the rounding of the sines and cosines times the depth of the tree. A
 /// NaN in q gives NaN poses of the links that the joint carries.
 template <RobotModel M, LinkMask Mask, Scalar T = double>

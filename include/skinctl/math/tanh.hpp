@@ -16,8 +16,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
-/// tanh x, any x. The error of `Fast` is at most 2.5 units in the last place, also for tiny x, and 2e-16
-/// (1e-7 in float).
+/// tanh x, any x. The error of `Fast` is at most 2.5 units in the last place, also for tiny x; found are
+/// 2e-16 (1e-7 in float), proven 2.9e-16 (1.54e-7).
 ///
 /// Odd to the last bit, -0 included. Exactly 1 from 20 on (10 in float) and never beyond; infinity gives 1,
 /// NaN gives NaN. Monotonic except for adjacent numbers between 0.17 and 0.9, where the smaller argument may

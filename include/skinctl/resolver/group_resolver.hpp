@@ -4,7 +4,7 @@
 #include "skinctl/resolver/detail/affordable.hpp"
 #include "skinctl/resolver/detail/group_memory.hpp"
 #include "skinctl/resolver/detail/held_friction.hpp"
-#include "skinctl/resolver/resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -293,6 +293,34 @@ class GroupResolver {
   [[no_unique_address]] Keeper keeper_;
   [[no_unique_address]] Tool tool_;
 };
+
+namespace detail {
+
+template <RobotModel M, Real T, class Groups, class... Parts>
+struct GroupResolverOf<GroupsDescription<M, T, Groups, Parts...>> {
+  using Robot = GroupsDescription<M, T, Groups, Parts...>;
+  using Chosen = ChosenParts<Parts...>;
+  using Tool = typename Chosen::Tool;
+  static_assert(
+      Chosen::template count<RobotHoldsGravity> + Chosen::template count<RobotCompensatesFriction> +
+              Chosen::template count<FrictionUncompensated> + Chosen::template count<StiffestContactPart> ==
+          0,
+      "of a robot in groups laws compensate gravity and friction, and its stiffest contact cannot be "
+      "checked yet: leave RobotHoldsGravity, RobotCompensatesFriction, FrictionUncompensated and "
+      "StiffestContact out");
+  using type = GroupResolver<M, T, typename Robot::Sets, typename Chosen::Integrator,
+                             Chosen::History::commands, typename Chosen::Keeper::type, Tool>;
+  static type make(const Robot& robot) {
+    const auto keeper = Chosen::Keeper::of(robot.parts());
+    if constexpr (Chosen::template count<ToolShapePart> == 1) {
+      return type(robot.model(), robot.groups(), keeper, std::get<Tool>(robot.parts()));
+    } else {
+      return type(robot.model(), robot.groups(), keeper);
+    }
+  }
+};
+
+}  // namespace detail
 
 SKINCTL_END_NAMESPACE
 

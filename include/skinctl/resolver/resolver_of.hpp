@@ -2,11 +2,13 @@
 #pragma once
 
 #include "skinctl/model/weightless.hpp"
-#include "skinctl/resolver/group_resolver.hpp"
 #include "skinctl/resolver/resolver.hpp"
 #include "skinctl/resolver/torque_resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+
+template <RobotModel M, Real T, class Groups, class... Parts>
+class GroupsDescription;
 
 /// A part of a description: room for this many commands under way, for a robot whose delay is longer than 30
 /// periods. 32 by default.
@@ -66,6 +68,12 @@ struct ChosenParts {
 
 template <class Robot>
 struct ResolverOf;
+/// In `group_resolver.hpp`.
+template <class Robot>
+struct GroupResolverOf {
+  static_assert(!std::is_same_v<Robot, Robot>,
+                "a robot in groups of joints: #include \"skinctl/cycle/groups.hpp\"");
+};
 template <Interface I, RobotModel M, Real T, class... Parts>
 struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
   using Chosen = ChosenParts<Parts...>;
@@ -90,28 +98,8 @@ struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
 };
 
 template <RobotModel M, Real T, class Groups, class... Parts>
-struct ResolverOf<GroupsDescription<M, T, Groups, Parts...>> {
-  using Robot = GroupsDescription<M, T, Groups, Parts...>;
-  using Chosen = ChosenParts<Parts...>;
-  using Tool = typename Chosen::Tool;
-  static_assert(
-      Chosen::template count<RobotHoldsGravity> + Chosen::template count<RobotCompensatesFriction> +
-              Chosen::template count<FrictionUncompensated> + Chosen::template count<StiffestContactPart> ==
-          0,
-      "of a robot in groups laws compensate gravity and friction, and its stiffest contact cannot be "
-      "checked yet: leave RobotHoldsGravity, RobotCompensatesFriction, FrictionUncompensated and "
-      "StiffestContact out");
-  using type = GroupResolver<M, T, typename Robot::Sets, typename Chosen::Integrator,
-                             Chosen::History::commands, typename Chosen::Keeper::type, Tool>;
-  static type make(const Robot& robot) {
-    const auto keeper = Chosen::Keeper::of(robot.parts());
-    if constexpr (Chosen::template count<ToolShapePart> == 1) {
-      return type(robot.model(), robot.groups(), keeper, std::get<Tool>(robot.parts()));
-    } else {
-      return type(robot.model(), robot.groups(), keeper);
-    }
-  }
-};
+struct ResolverOf<GroupsDescription<M, T, Groups, Parts...>>
+    : GroupResolverOf<GroupsDescription<M, T, Groups, Parts...>> {};
 
 }  // namespace detail
 

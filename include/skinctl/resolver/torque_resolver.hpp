@@ -24,8 +24,8 @@ struct TorqueResolverMemory {
 /// For robots that take torques: `tau = law(measured state) - B dq`, cut to the limits of torque and power.
 ///
 /// Of the configuration it uses the limits of torque, period, longest interval, stale age, and of the virtual
-/// dynamics the viscous friction, which the robot then shows in addition to its own; other virtual dynamics
-/// are refused. A torque is held for a period, so friction that would stop a motion in less time would shake
+/// dynamics the viscous friction, which the robot then shows in addition to its own, and the inertia, here that of the
+/// motors, which real joints have beside the model's links; other virtual dynamics are refused. A torque is held for a period, so friction that would stop a motion in less time would shake
 /// it: the friction applied is `(B^-1 + 3/2 h M^-1)^-1 dq`. There is no virtual robot: positions and velocities
 /// are not limited here. While the state is stale, during a stop, and if the law's torque is not finite, the
 /// command is `fallback`: gravity compensation with friction; without friction while the state is stale, as
@@ -66,8 +66,6 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
       viscous_ = viscous_ || p_.shape.viscous[i] > T(0);
       require(p_.shape.coulomb[i] == T(0), "Coulomb friction", static_cast<double>(p_.shape.coulomb[i]),
               "0 for a robot by torque");
-      require(p_.shape.inertia[i] == T(0), "virtual inertia", static_cast<double>(p_.shape.inertia[i]),
-              "0 for a robot by torque");
     }
   }
 
@@ -98,7 +96,8 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   template <class L, class Touch>
   [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
                                                      const Touch& touch) const noexcept {
-    return Knows<L, Touch>(model_, state, dt, touch, RealMass<joints, T>(p_.limits.torque()));
+    return Knows<L, Touch>(model_, state, dt, touch,
+                           RealMass<joints, T>(p_.limits.torque(), p_.shape.inertia));
   }
 
   /// The time since the last cycle as one sub-step: a torque is held, not integrated.
@@ -235,7 +234,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     const bool rings = keeper_.template get<ContactDamper<T>>().observe(
         m.damper, contacts_of(model_, m.measured.q, pressed), m.measured.dq, dt);
     if (m.damper.damping.any && !stale)
-      drag += detail::held_damping<AllJoints<joints>>(m.damper.damping, mass_matrix(model_, m.measured.q),
+      drag += detail::held_damping<AllJoints<joints>>(m.damper.damping, real_mass(m.measured.q),
                                                       m.measured.dq, seconds<T>(p_.period));
     return rings ? Status(Reason::contact_damped) : Status();
   }
@@ -262,8 +261,14 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   }
   SKINCTL_INLINE JointTorque<joints, T> friction(const State<joints, T>& robot) const noexcept {
     if (!viscous_) return {};
-    return detail::held_friction<AllJoints<joints>>(p_.shape.viscous, mass_matrix(model_, robot.q), robot.dq,
+    return detail::held_friction<AllJoints<joints>>(p_.shape.viscous, real_mass(robot.q), robot.dq,
                                                     seconds<T>(p_.period));
+  }
+  /// Of links and motors.
+  SKINCTL_INLINE MassMatrix<joints, T> real_mass(const JointPosition<joints, T>& q) const noexcept {
+    MassMatrix<joints, T> m = mass_matrix(model_, q);
+    for (std::size_t i = 0; i < joints; ++i) m(i, i) = m(i, i) + p_.shape.inertia[i];
+    return m;
   }
 
   [[no_unique_address]] M model_;

@@ -28,7 +28,8 @@ struct RobotConfiguration {
   /// by torque.
   JointTorque<N, T> viscous_friction = {};
   JointTorque<N, T> coulomb_friction = {};  ///< of the virtual robot, per joint [N m]
-  JointTorque<N, T> virtual_inertia = {};   ///< added to each joint of the virtual robot [kg m^2]
+  /// Added to each joint [kg m^2]: of the virtual robot, or by torque that of the real motors behind their gears.
+  JointTorque<N, T> virtual_inertia = {};
   /// r_tol: dead band of the difference [rad] between measured and expected position, inside of which the
   /// robot counts as following. It covers the parts of lag and gap that are not declared: three times the
   /// encoder's standard deviation, the top speed times the uncertainty of the delay, the droop of the servo.

@@ -124,8 +124,8 @@ template <Real T = double, RobotModel M, class... Parts>
                                const Parts&... parts) {
   return detail::describe_robot<Interface::velocity, T>(model, configuration, parts...);
 }
-/// A robot that takes torques. It has no virtual robot: of the virtual dynamics only the viscous friction is
-/// used, added to its own friction.
+/// A robot that takes torques. It has no virtual robot: of the virtual dynamics the viscous friction is used, added to
+/// its own friction, and the inertia, that of its motors.
 template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_torque(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                              const Parts&... parts) {

@@ -30,19 +30,28 @@ template <class S, std::size_t N, Real T>
   return p;
 }
 
-/// What a robot by torque adds to its model: the limits of its torques.
+/// What a robot by torque adds to its model: the limits of its torques, and the inertia of its motors at the joints,
+/// which outweighs that of a wrist's links.
 template <std::size_t N, Real T = double>
 class RealMass {
  public:
   static constexpr bool is_virtual = false;
-  SKINCTL_INLINE explicit RealMass(const JointTorque<N, T>& torque_limits) noexcept
-      : torque_limits_(torque_limits) {}
+  /// Both must outlive this object.
+  /// @param motors  inertia of the motors, seen at the joints [kg m^2], >= 0.
+  SKINCTL_INLINE RealMass(const JointTorque<N, T>& torque_limits, const JointTorque<N, T>& motors) noexcept
+      : torque_limits_(torque_limits), motors_(motors) {}
   [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque_limits() const noexcept {
     return torque_limits_;
+  }
+  /// M of links and motors in place of the links' `m`.
+  template <class M, class Angles>
+  SKINCTL_INLINE void add_to(MassMatrix<N, T>& m, const M&, const Angles&) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) m(i, i) = m(i, i) + motors_[i];
   }
 
  private:
   const JointTorque<N, T>& torque_limits_;
+  const JointTorque<N, T>& motors_;
 };
 
 /// What a virtual robot's inertia has besides M(q) of its model: the virtual inertia of its joints, and the

@@ -11,6 +11,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// A cell measures at its own rate and sends a sample if one of its numbers differs from the last one sent by
 /// at least its delta, or if it has been silent for `keep_alive`. So the receiver's value has an error of
 /// less than a delta, and an age of at most `keep_alive`.
+///
+/// What was left unsaid below a delta stands until the next message: after a release it pushes on. With a
+/// `patience` a cell that has been silent for so long sends a smaller change of force too, from `fine` on: a fast
+/// change at once, a slow one at the rate of patience, the last bit of each soon after it.
 class SendOnDelta {
  public:
   /// The smallest changes that trigger a message.
@@ -19,6 +23,7 @@ class SendOnDelta {
     float proximity = 0.004f;
     float acceleration = 1;    ///< each axis [m/s^2]
     float temperature = 0.5f;  ///< [C]
+    float fine = 2.0f / 1024;  ///< each of the three forces, after `patience`; above the noise
   };
   /// The last sample sent; none in `Memory{}`. One per cell.
   struct Memory {
@@ -26,13 +31,17 @@ class SendOnDelta {
     bool any = false;
   };
 
-  /// Throws `ConfigurationError` unless every delta is > 0 and `keep_alive` > 0.
-  explicit SendOnDelta(const Deltas& deltas, Nanoseconds keep_alive = 100ms)
-      : deltas_(deltas), keep_alive_(keep_alive) {
+  /// @param patience  of a cell that sends fine changes as well; none by default.
+  /// Throws `ConfigurationError` unless every delta, `keep_alive` and `patience` are > 0.
+  explicit SendOnDelta(const Deltas& deltas, Nanoseconds keep_alive = 100ms,
+                       Nanoseconds patience = Nanoseconds::max())
+      : deltas_(deltas), keep_alive_(keep_alive), patience_(patience) {
     require(deltas.force > 0, "SendOnDelta: force", double(deltas.force), "> 0");
     require(deltas.proximity > 0, "SendOnDelta: proximity", double(deltas.proximity), "> 0");
     require(deltas.acceleration > 0, "SendOnDelta: acceleration", double(deltas.acceleration), "> 0 m/s^2");
     require(deltas.temperature > 0, "SendOnDelta: temperature", double(deltas.temperature), "> 0 C");
+    require(deltas.fine > 0, "SendOnDelta: fine", double(deltas.fine), "> 0");
+    require(patience > 0ns, "SendOnDelta: patience", milliseconds(patience), "> 0 ms");
     require(keep_alive > 0ns, "SendOnDelta: keep_alive", milliseconds(keep_alive), "> 0 ms");
   }
 
@@ -43,8 +52,10 @@ class SendOnDelta {
     bool changed = !memory.any || now.time - last.time >= keep_alive_ ||
                    differ(now.proximity, last.proximity, deltas_.proximity) ||
                    differ(now.temperature, last.temperature, deltas_.temperature);
+    const float force =
+        now.time - last.time >= patience_ && deltas_.fine < deltas_.force ? deltas_.fine : deltas_.force;
     for (std::size_t k = 0; k < 3; ++k)
-      changed = changed || differ(now.force[k], last.force[k], deltas_.force) ||
+      changed = changed || differ(now.force[k], last.force[k], force) ||
                 differ(now.acceleration[k], last.acceleration[k], deltas_.acceleration);
     if (changed) memory = {now, true};
     return changed;
@@ -53,7 +64,7 @@ class SendOnDelta {
  private:
   static bool differ(float a, float b, float delta) noexcept { return !(std::abs(a - b) < delta); }
   Deltas deltas_;
-  Nanoseconds keep_alive_;
+  Nanoseconds keep_alive_, patience_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -73,22 +73,28 @@ struct SkillRecipe {
   std::array<double, sizeof...(C)> weights;
   SkillSwitches switches;
   SkillConditions conditions;
+  bool grips = false;
+  GripperGoal grip{};
 
   [[nodiscard]] constexpr SkillRecipe when(const SkillConditions& c) const noexcept {
-    return {weights, switches, c};
+    return {weights, switches, c, grips, grip};
   }
   [[nodiscard]] constexpr SkillRecipe switching(const SkillSwitches& s) const noexcept {
-    return {weights, s, conditions};
+    return {weights, s, conditions, grips, grip};
+  }
+  /// The gripper of the set gets this goal when the skill starts, unless the request brings one.
+  [[nodiscard]] constexpr SkillRecipe gripping(const GripperGoal& goal) const noexcept {
+    return {weights, switches, conditions, true, goal};
   }
   /// The recipe followed by `N`.
   template <class N>
   [[nodiscard]] constexpr SkillRecipe<N, C...> then() const noexcept {
-    return {weights, switches, conditions};
+    return {weights, switches, conditions, grips, grip};
   }
 };
 template <class... C>
 [[nodiscard]] constexpr SkillRecipe<void, C...> recipe(const Load<C>&... controllers) noexcept {
-  return {{controllers.weight...}, {}, {}};
+  return {{controllers.weight...}, {}, {}, false, {}};
 }
 
 /// An entry of a library, which is a map of Hana from behaviours to recipes.

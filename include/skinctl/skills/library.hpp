@@ -51,6 +51,8 @@ constexpr Skill<Bank::size> row(const char* name, std::size_t own,
   s.name = name;
   s.switches = r.switches;
   s.conditions = r.conditions;
+  s.grips = r.grips;
+  s.grip = r.grip;
   std::size_t k = 0;
   const auto one = [&](std::size_t i) {
     s.order[k] = static_cast<std::uint8_t>(i);
@@ -65,19 +67,13 @@ constexpr Skill<Bank::size> row(const char* name, std::size_t own,
   }
   return s;
 }
-}  // namespace detail
 
-/// The skills of `library` whose controllers are all given, as a law:
-///
-///     skill_set<First>(library, settings, skill_controller<controller::SplineJoint>(law), ...)
-///
-/// `First` is the initial behaviour and the fallback. Throws `ConfigurationError` for numbers out of range.
-template <class First, class Library, class... Name, class... L>
-[[nodiscard]] auto skill_set(const Library& library, const SkillSettings& settings,
-                             const SkillController<Name, L>&... controllers) {
+template <class First, class Grip, class Library, class... Name, class... L>
+[[nodiscard]] auto skill_set_with(const Grip& gripper, const Library& library, const SkillSettings& settings,
+                                  const SkillController<Name, L>&... controllers) {
   namespace hana = boost::hana;
-  static_assert(((sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0) && ...));
-  using Bank = detail::Bank<Name...>;
+  static_assert(((sizeof(Say<fault_in_members<L>(), L>) > 0) && ...));
+  using Bank = Bank<Name...>;
   const auto known = hana::filter(hana::to_tuple(library), [](const auto& entry) {
     return hana::bool_c<Bank::template can<Library>(
         static_cast<std::remove_cvref_t<decltype(hana::second(entry))>*>(nullptr))>;
@@ -93,16 +89,33 @@ template <class First, class Library, class... Name, class... L>
       using Names = Behaviours<typename decltype(b)::type...>;
       static_assert(Names::count == sizeof...(entry),
                     "the first skill is not in the library, or lacks a controller");
-      using Fusion = Fused<Sum::normalised, detail::complete_law<L>...>;
+      using Fusion = Fused<Sum::normalised, complete_law<L>...>;
       const Fusion sum(typename Fusion::Laws(controllers.law...), {((void)controllers, 1.0)...});
-      return SkillSet<Names, Fusion>(
+      return SkillSet<Names, Fusion, Grip>(
           sum,
-          {detail::row<Bank, Names>(decltype(b)::type::name,
-                                    Names::template index<typename decltype(b)::type>,
-                                    hana::at_key(library, b))...},
-          settings);
+          {row<Bank, Names>(decltype(b)::type::name, Names::template index<typename decltype(b)::type>,
+                            hana::at_key(library, b))...},
+          settings, gripper);
     });
   });
+}
+}  // namespace detail
+
+/// The skills of `library` whose controllers are all given, as a law:
+///
+///     skill_set<First>(library, settings, skill_controller<controller::SplineJoint>(law), ...)
+///
+/// `First` is the initial behaviour and the fallback. Throws `ConfigurationError` for numbers out of range.
+template <class First, class Library, class... Name, class... L>
+[[nodiscard]] auto skill_set(const Library& library, const SkillSettings& settings,
+                             const SkillController<Name, L>&... controllers) {
+  return detail::skill_set_with<First>(NoGripper{}, library, settings, controllers...);
+}
+/// The same with a gripper: `skill_set<First>(library, settings, OneGripper(range), skill_controller...)`.
+template <class First, class Library, class... Name, class... L>
+[[nodiscard]] auto skill_set(const Library& library, const SkillSettings& settings, const OneGripper& gripper,
+                             const SkillController<Name, L>&... controllers) {
+  return detail::skill_set_with<First>(gripper, library, settings, controllers...);
 }
 
 SKINCTL_END_NAMESPACE

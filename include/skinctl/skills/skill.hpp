@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "skinctl/core/time.hpp"
+#include "skinctl/core/gripper.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -36,8 +36,11 @@ struct SkillSwitches {
 
 /// The condition under which a skill is finished.
 enum class SkillFinish : unsigned char {
-  never,     ///< it goes on until another one is requested
-  settled,   ///< the targets of its tracking laws are at rest, and so is the robot
+  never,  ///< it goes on until another one is requested
+  settled,  ///< the targets of its tracking laws are at rest, and so is the robot; with a tolerance: the robot is
+            ///< within it of the goals of its request, at rest or not
+  gripped,   ///< the gripper has stopped at an object; fails if it stops without one
+  opened,    ///< the gripper has stopped at its goal, or at an object
   switched,  ///< its switches are reported in their new positions; without reports after `hold`
   touched,   ///< a contact as `touch` says presses
   released,  ///< one has pressed since the skill began to run, and none does any more
@@ -62,16 +65,30 @@ struct TouchCondition {
   }
 };
 
+/// How near to its goals a skill has to be to be finished; 0: not asked. See `SkillFinish::settled`.
+struct GoalTolerance {
+  double position = 0;     ///< of a pose [m]
+  double orientation = 0;  ///< of a pose [rad]
+  double joint = 0;        ///< of each joint [rad]
+
+  [[nodiscard]] constexpr bool any() const noexcept { return position > 0 || orientation > 0 || joint > 0; }
+  template <class F>
+  friend void each_number(GoalTolerance& t, F&& f) {
+    f(t.position), f(t.orientation), f(t.joint);
+  }
+};
+
 /// Conditions under which a skill may start, is finished, or has failed.
 struct SkillConditions {
   bool untouched = false;  ///< starts only while nothing touches the robot
   SkillSwitches needs{};   ///< starts only with these values, as reported or else as last commanded
   SkillFinish finish = SkillFinish::never;
-  Nanoseconds hold = 100ms;  ///< the time for which the finish condition must hold
-  TouchCondition touch{};    ///< of `touched` and `released`
-  double still = 0.01;       ///< settled: largest speed of any joint and of its reference [rad/s]
-  Nanoseconds timeout{};     ///< fails if it is not finished after this; 0: never
-  double max_touch = 0;      ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never
+  Nanoseconds hold = 100ms;   ///< the time for which the finish condition must hold
+  TouchCondition touch{};     ///< of `touched` and `released`
+  double still = 0.01;        ///< settled: largest speed of any joint and of its reference [rad/s]
+  Nanoseconds timeout{};      ///< fails if it is not finished after this; 0: never
+  GoalTolerance tolerance{};  ///< of `settled`, unless a request has its own
+  double max_touch = 0;       ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never
 };
 
 /// A skill as the loop reads it, for a sum of `Terms` controllers.
@@ -84,6 +101,8 @@ struct Skill {
   std::uint8_t next = 0;                    ///< index of the next skill when it is finished; its own: none
   SkillSwitches switches{};                 ///< switched when it starts
   SkillConditions conditions{};
+  bool grips = false;  ///< the gripper gets a goal when it starts ...
+  GripperGoal grip{};  ///< ... this one, unless a request has its own
 };
 
 /// The effect of a change of skill on the controllers, in this order: new ones load as the new recipe lists
@@ -115,6 +134,47 @@ enum class SkillPhase : unsigned char {
   running,   ///< it works
   finished,  ///< it has finished and holds
   failed     ///< a failure condition has been met: the fallback skill follows
+};
+
+/// Why a request for a skill has failed.
+enum class SkillFailure : unsigned char {
+  none,
+  conditions,  ///< refused: the conditions under which the skill may start did not hold
+  goal,        ///< refused: a controller did not take the goal
+  timeout,     ///< not finished in time
+  touch,       ///< the skin's torque has exceeded `max_touch`
+  empty,       ///< the gripper has closed on nothing, or lost what it held
+  gripper,     ///< the gripper reports an error
+  next         ///< the next skill of its sequence might not start
+};
+[[nodiscard]] constexpr const char* describe(SkillFailure failure) noexcept {
+  switch (failure) {
+    case SkillFailure::none:
+      return "has not failed";
+    case SkillFailure::conditions:
+      return "its conditions to start did not hold";
+    case SkillFailure::goal:
+      return "its goal was refused";
+    case SkillFailure::timeout:
+      return "not finished in time";
+    case SkillFailure::touch:
+      return "touched too hard";
+    case SkillFailure::empty:
+      return "nothing is in the gripper";
+    case SkillFailure::gripper:
+      return "the gripper does not work";
+    case SkillFailure::next:
+      return "the next skill might not start";
+  }
+  return "";
+}
+
+/// What has become of a request, by the number that it carried (`SkillRequest::ticket`).
+struct SkillReport {
+  std::uint16_t ticket = 0;  ///< of the request that the report is about; 0: of none
+  SkillPhase phase = SkillPhase::loading;
+  SkillFailure failure = SkillFailure::none;  ///< if it has failed
+  friend constexpr bool operator==(const SkillReport&, const SkillReport&) noexcept = default;
 };
 
 SKINCTL_END_NAMESPACE

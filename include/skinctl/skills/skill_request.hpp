@@ -62,18 +62,41 @@ struct SkillRequest {
   enum class Kind : unsigned char { start, goal, report };
   unsigned char kind = static_cast<unsigned char>(Kind::goal);
   std::uint8_t skill = 0;
+  std::uint16_t ticket = 0;  ///< a number by which `SkillSet::report_of` tells what becomes of the request
   SkillSwitches reported;
+  GoalTolerance tolerance;  ///< 0: the skill's own
   detail::Goals<G...> goals;
+
+  /// The request under a number of its sender's choice; 0 is no number.
+  [[nodiscard]] constexpr SkillRequest with_ticket(std::uint16_t number) const noexcept {
+    SkillRequest out = *this;
+    out.ticket = number;
+    return out;
+  }
+  /// The request whose skill is finished this near to its goals.
+  [[nodiscard]] constexpr SkillRequest within(const GoalTolerance& near) const noexcept {
+    SkillRequest out = *this;
+    out.tolerance = near;
+    return out;
+  }
 
   template <class F>
   friend void each_number(SkillRequest& r, F&& f) {
     f(r.kind);
     f(r.skill);
+    f(r.ticket);
     f(r.reported.which);
     f(r.reported.on);
+    each_number(r.tolerance, f);
     each_number(r.goals, f);
   }
 };
+
+/// The goal of a gripper as a part of a request.
+template <class F>
+void each_number(GripperGoal& g, F&& f) {
+  f(g.opening), f(g.force), f(g.speed);
+}
 
 namespace detail {
 /// The goals that laws take, each type once.

@@ -5,6 +5,7 @@
 
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/skills/detail/rate_bound.hpp"
+#include "skinctl/skills/one_gripper.hpp"
 #include "skinctl/skills/skill_request.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -34,8 +35,11 @@ struct SkillSettings {
 /// - A request during a change waits for its end; of several the last counts.
 /// - A finished skill holds, or goes on to its `next`; a failed one falls back to the first of the set.
 ///
+/// - With a gripper (`OneGripper`) requests may bring it a goal, and `Input::gripper` its state: a skill can wait
+///   until it holds something.
+///
 /// @tparam Names  `Behaviours<...>`: the compile-time names of the skills, in the order of their indices.
-template <class Names, class Fusion>
+template <class Names, class Fusion, class Grip = NoGripper>
 class SkillSet;
 template <class... Behaviour>
 struct Behaviours {
@@ -50,14 +54,17 @@ struct Behaviours {
   }();
 };
 
-template <class... Behaviour, Sum P, class... L>
-class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
+template <class... Behaviour, Sum P, class... L, class Grip>
+class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip> {
  public:
   using Names = Behaviours<Behaviour...>;
   using Fusion = Fused<P, L...>;
   using Laws = std::tuple<L...>;
   using Blend = Blended<Fusion>;
-  using Goal = typename detail::GoalTypes<SkillRequest<>, L...>::type;
+  static constexpr bool has_gripper = !std::is_same_v<Grip, NoGripper>;
+  using Goal =
+      typename detail::GoalTypes<std::conditional_t<has_gripper, SkillRequest<GripperGoal>, SkillRequest<>>,
+                                 L...>::type;
   static constexpr std::size_t controllers = Fusion::terms;
   static constexpr std::size_t terms = controllers + 1;  ///< with the carried difference
   static constexpr auto roles = detail::roles_with_carried<Fusion>;
@@ -85,18 +92,23 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
     Nanoseconds held{};           ///< how long its finish condition has held
     std::uint8_t skill = 0;
     SkillPhase phase = SkillPhase::loading;
-    bool waits = false;                         ///< for the end of a change
+    [[no_unique_address]] typename Grip::Memory gripper;
+    SkillReport told;      ///< of the request that the skill, or the one that failed last, serves
+    SkillReport refused;   ///< of the last request that was refused
+    bool waits = false;    ///< for the end of a change
+    bool goes_on = false;  ///< what waits is the next skill of a sequence, or the fallback
     bool touched = false, was_touched = false;  ///< as the skill's `touch` says; and since it began to run
   };
 
   /// @param rows  the first is the initial skill and the fallback. Throws `ConfigurationError` for numbers
   ///              out of their range.
   SkillSet(const Fusion& sum, const std::array<Skill<controllers>, skills>& rows,
-           const SkillSettings& settings = {})
+           const SkillSettings& settings = {}, const Grip& gripper = {})
       : blend_(sum.opposed_by(settings.opposition), rows[0].weights,
                BlendSettings{settings.bumpless_transfer, {}}),
         skills_(rows),
-        settings_(settings) {
+        settings_(settings),
+        gripper_(gripper) {
     require(settings.max_rate > 0 && settings.max_rate <= 1e9, "max_rate", settings.max_rate, "> 0 N m/s");
     require(settings.longest >= settings.bumpless_transfer, "longest", seconds<double>(settings.longest),
             ">= bumpless_transfer, in s");
@@ -108,6 +120,12 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
       require(c.still > 0 && c.still <= 1e3, "still", c.still, "> 0 rad/s");
       require(c.touch.force >= 0 && c.touch.force <= 1e6 && c.touch.lasts >= 0ns, "touch: force",
               c.touch.force, "0 to 1e6 N, for at least 0 s");
+      require(c.tolerance.position >= 0 && c.tolerance.orientation >= 0 && c.tolerance.joint >= 0,
+              "tolerance", -1, ">= 0 m or rad");
+      require(!s.grips || (has_gripper && finite(s.grip)), "goal of a gripper", s.grip.opening,
+              "finite, in a set with a gripper");
+      require(has_gripper || (c.finish != SkillFinish::gripped && c.finish != SkillFinish::opened),
+              "skills that wait for a gripper", 1, "in a set with a gripper");
       require(c.max_touch >= 0 && c.max_touch <= 1e9, "max_touch", c.max_touch, ">= 0 N m");
       for (std::size_t i = 0; i < controllers; ++i)
         require(Fusion::roles[i] == LawRole::gravity ? s.weights[i] == 1
@@ -139,6 +157,29 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   /// The commanded values of the discrete controls.
   [[nodiscard]] static const SkillSwitches& commanded(const Memory& m) noexcept { return m.commanded; }
 
+  /// What has become of the request with this number. One that nothing is known of (not received, waiting for the end
+  /// of a change, replaced by a later one) gives a report with the number 0.
+  ///
+  /// The numbers of a sequence of skills and of a fallback are those of the request that began them: a failure stays
+  /// reported, with its reason, while the fallback runs, until another request begins.
+  [[nodiscard]] static SkillReport report_of(const Memory& m, std::uint16_t ticket) noexcept {
+    if (ticket == 0) return {};
+    if (m.told.ticket == ticket) return m.told;
+    return m.refused.ticket == ticket ? m.refused : SkillReport{};
+  }
+
+  /// The gripper's state, as a `Cycle` was told it at `now`, before each evaluation.
+  void grip(Memory& m, const GripperState& state, Nanoseconds now) const noexcept
+    requires has_gripper
+  {
+    Grip::hear(m.gripper, state, now);
+  }
+  /// What the gripper is asked for.
+  [[nodiscard]] static GripperCommand gripper(const Memory& m) noexcept
+    requires has_gripper
+  {
+    return Grip::command(m.gripper);
+  }
   /// The contacts that a skin with contacts feels at `now`: a `Cycle` tells them before each evaluation.
   template <class Contacts>
   void feel(Memory& m, const Contacts& contacts, Nanoseconds now) const noexcept {
@@ -252,7 +293,22 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   template <class K, class Torque>
   SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Torque& touched,
                                   Nanoseconds dt) const noexcept;
-  void end(Memory& m, SkillPhase phase, std::uint8_t next) const noexcept;
+  /// The goal of a request, or else of its skill, to the gripper.
+  void ask_gripper(Memory& m, const Goal& request, std::uint8_t skill, bool starts) const noexcept {
+    if constexpr (has_gripper) {
+      const auto& part = request.goals.template of<GripperGoal>();
+      const auto& own = skills_[skill];
+      if (part.has)
+        gripper_.ask(m.gripper, part.goal);
+      else if (starts && own.grips)
+        gripper_.ask(m.gripper, own.grip);
+    }
+  }
+  /// Whether the robot is within the tolerance of each goal of its request that has a distance.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD bool near(const Memory& m, const K& known,
+                                       const GoalTolerance& t) const noexcept;
+  void end(Memory& m, SkillFailure failure, std::uint8_t next) const noexcept;
   [[nodiscard]] Nanoseconds within(double time) const noexcept {
     const Nanoseconds asked = time < 1e6 ? nanoseconds(time) : settings_.longest;
     return asked > settings_.longest             ? settings_.longest
@@ -272,6 +328,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   SKINCTL_COLD Status arrive(Memory& m, const K& known) const noexcept {
     Status status;
     m.phase = SkillPhase::running;
+    if (m.told.phase == SkillPhase::loading) m.told.phase = SkillPhase::running;
     deliver(m, known, m.request, status, true);
     return status;
   }
@@ -298,6 +355,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>> {
   Blend blend_;
   std::array<Skill<controllers>, skills> skills_;
   SkillSettings settings_;
+  [[no_unique_address]] Grip gripper_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -35,7 +35,7 @@ template <std::size_t I, RobotModel M, Real T>
 ///
 /// The defaults are for an arm that stands still, or whose motion is known at the rate of the cells. On a real one that
 /// moves at 0.3 m/s, predicted from poses at 15 Hz, up to 10 m/s^2 are left and it vibrates 290 times as much as at
-/// rest (`touch_motion_test`): ask at rest, or set `impact` and `slip` from recordings of the arm.
+/// rest (`touch_motion_test`): ask at rest, or set `impact` and `slip` from a recording of the arm (`MotionThresholds`).
 ///
 /// Second differences allow for samples that come irregularly; a gap of more than `window` begins anew.
 template <Real T = double>
@@ -114,6 +114,42 @@ class TouchMotion {
   }
   Settings s_;
   T window_, learn_;
+};
+
+/// Thresholds of `TouchMotion` for an arm that shakes or whose motion is predicted late: what nobody touched, times
+/// a margin. Fed with a recording of the arm's own motion (a minute of all that it will do, untouched).
+template <Real T = double>
+class MotionThresholds {
+ public:
+  /// @param like  the settings but for `impact` and `slip`.
+  SKINCTL_COLD explicit MotionThresholds(const typename TouchMotion<T>::Settings& like = {})
+      : settings_(like), judge_(like) {}
+
+  /// As `TouchMotion::take`.
+  void take(Nanoseconds time, const Xyz<T>& reading, const Xyz<T>& predicted) noexcept {
+    const auto felt = judge_.take(memory_, time, reading, predicted);
+    residual_ = felt.residual > residual_ ? felt.residual : residual_;
+    vibration_ = felt.vibration > vibration_ ? felt.vibration : vibration_;
+  }
+  /// Another cell, or another recording: the clock and the calm level begin anew.
+  void begin() noexcept { memory_ = {}; }
+
+  /// `margin` times the largest residual and vibration taken, but never below the settings given.
+  /// Throws `ConfigurationError` for a margin below 1, or above 100.
+  [[nodiscard]] SKINCTL_COLD typename TouchMotion<T>::Settings settings(const T& margin = T(1.5)) const {
+    require(margin >= T(1) && margin <= T(100), "MotionThresholds: margin", static_cast<double>(margin),
+            ">= 1, <= 100");
+    auto s = settings_;
+    s.impact = margin * residual_ > s.impact ? margin * residual_ : s.impact;
+    s.slip = margin * vibration_ > s.slip ? margin * vibration_ : s.slip;
+    return s;
+  }
+
+ private:
+  typename TouchMotion<T>::Settings settings_;
+  TouchMotion<T> judge_;
+  typename TouchMotion<T>::Memory memory_;
+  T residual_ = T(0), vibration_ = T(0);
 };
 
 SKINCTL_END_NAMESPACE

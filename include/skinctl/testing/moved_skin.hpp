@@ -28,17 +28,20 @@ struct TrueCell {
 
 /// How the sensors of a moved skin err.
 struct MovedSkinSettings {
-  double noise = 0.009, step = 1.0 / 256;              ///< of an axis [g]
-  double bias = 0.040, scale = 0.015;                  ///< standard deviations [g], [1]
-  double misalignment = 0.2 * 0.0174532925;            ///< of a sensor in its cell, an axis [rad]
-  double cross_axis = 0.003;                           ///< standard deviation
-  double vibration = 0.020;                            ///< of a link, 8 to 15 Hz, amplitude [g]
-  double compliance = 5e-5;                            ///< of the joints [rad/(N m)]
-  double late = 0.007;                                 ///< labels [s]
-  double encoder_rate = 125;                           ///< [Hz]; cells have 250 Hz
-  double encoder_noise = 1e-5;                         ///< [rad]
-  double gravity = 9.80665;                            ///< [m/s^2]
-  double loss = 0;                                     ///< share of the samples that do not come
+  double noise = 0.009, step = 1.0 / 256;    ///< of an axis [g]
+  double bias = 0.040, scale = 0.015;        ///< standard deviations [g], [1]
+  double misalignment = 0.2 * 0.0174532925;  ///< of a sensor in its cell, an axis [rad]
+  double cross_axis = 0.003;                 ///< standard deviation
+  double vibration = 0.020;                  ///< of a link, 8 to 15 Hz, amplitude [g]
+  double compliance = 5e-5;                  ///< of the joints [rad/(N m)]
+  double late = 0.007;                       ///< labels [s]
+  double encoder_rate = 125;                 ///< [Hz]; cells have 250 Hz
+  double encoder_noise = 1e-5;               ///< [rad]
+  bool torques = true;                       ///< they are recorded, too
+  double torque_error = 0.1,
+         torque_noise = 0.5;  ///< standard deviations: of a joint's factor, of a sample [N m]
+  double gravity = 9.80665;   ///< [m/s^2]
+  double loss = 0;            ///< share of the samples that do not come
   Eigen::Matrix3d base = Eigen::Matrix3d::Identity();  ///< axes of the robot's base in the upright world
 
   /// Sensors without any error on a stiff robot.
@@ -82,7 +85,9 @@ template <RobotModel M, class Motion>
   const auto grid = std::size_t((duration + 2 * before) / tick);
   std::vector<std::array<Pose, N>> poses(grid);
   MotionRecording out;
-  std::vector<Eigen::VectorXd> encoders;
+  std::vector<Eigen::VectorXd> encoders, torques;
+  Eigen::VectorXd factor(N);
+  for (double& x : factor) x = 1 + s.torque_error * normal(rng);
   const auto per_encoder = std::size_t(std::lround(1 / (tick * s.encoder_rate)));
   for (std::size_t i = 0; i < grid; ++i) {
     const double t = tick * double(i) - before;
@@ -99,6 +104,11 @@ template <RobotModel M, class Motion>
     }
     if (s.compliance > 0) {
       const auto tau = yr_theta(model, q, dq, dq, ddq);
+      if (i % per_encoder == 0) {
+        torques.emplace_back(N);
+        for (std::size_t j = 0; j < N; ++j)
+          torques.back()(Eigen::Index(j)) = factor(Eigen::Index(j)) * tau[j] + s.torque_noise * normal(rng);
+      }
       for (std::size_t j = 0; j < N; ++j) q[j] -= s.compliance * tau[j];
     }
     const auto at = link_poses(model, q);
@@ -110,6 +120,10 @@ template <RobotModel M, class Motion>
   for (std::size_t k = 0; k < encoders.size(); ++k)
     out.joints.q.row(Eigen::Index(k)) = encoders[k].transpose();
 
+  if (s.torques && !torques.empty()) {
+    out.torque.resize(out.joints.q.rows(), Eigen::Index(N));
+    for (std::size_t k = 0; k < torques.size(); ++k) out.torque.row(Eigen::Index(k)) = torques[k].transpose();
+  }
   struct Shake {
     double rate, phase, sway;
     Eigen::Vector3d direction;

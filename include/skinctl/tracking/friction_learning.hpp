@@ -31,11 +31,14 @@ struct LearntFriction {
 ///     df_i = -g M_ii S_q_i    outside of the dead zone,  |S_q_i| (smoothed) > K_c e_0,
 ///     df_i = 0                inside,
 ///
-/// and kept within `+-bound`. By itself `K_d S_q` balances Coulomb friction only with an error of
-/// `friction / (lambda M K_c)`: the dead zone that a torque-controlled arm shows. An integral takes it away, and hunts
-/// around the target for ever; here it stops inside of the dead zone, and dry friction holds what it has reached. At
-/// rest the error is at most `e_0` in each joint. While the skin pushes against the law f stands, and numbers that are
-/// not finite do not enter.
+/// and kept within `+-bound`. `4 lambda^2` stands in place of g while f drives the joint beyond its reference,
+/// `f S_q > 0`: a joint that breaks loose rubs less than at rest (stiction; a controller that compensates friction by
+/// the measured speed), and the torque that broke it loose must not carry it across the target and back for ever.
+///
+/// By itself `K_d S_q` balances Coulomb friction only with an error of `friction / (lambda M K_c)`: the dead zone that
+/// a torque-controlled arm shows. An integral takes it away, and hunts around the target for ever; here it stops
+/// inside of the dead zone, and dry friction holds what it has reached. At rest the error is at most `e_0` in each
+/// joint. While the skin pushes against the law f stands, and numbers that are not finite do not enter.
 ///
 /// The integrals of the law itself have no dead zone: set `K_i1 = K_i2 = 0` in its settings.
 template <class L>
@@ -55,7 +58,10 @@ class FrictionLearning
   /// Throws `ConfigurationError` for a rate, bound, dead zone or smoothing out of range.
   /// @param of_law  the law's own settings: `K_c` and `lambda` are read.
   FrictionLearning(const L& law, const JointControlSettings<N, T>& of_law, const Settings& settings)
-      : Base(law), settings_(settings), dead_(of_law.K_c * settings.dead_zone) {
+      : Base(law),
+        settings_(settings),
+        release_(T(4) * of_law.lambda * of_law.lambda),
+        dead_(of_law.K_c * settings.dead_zone) {
     const T most = T(0.25) * of_law.lambda * of_law.lambda;
     require(settings.rate > T(0) && settings.rate <= most, "rate of friction learning",
             static_cast<double>(settings.rate), "> 0, <= lambda^2 / 4, in 1/s^2");
@@ -86,12 +92,14 @@ class FrictionLearning
       const T size = memory.smooth[i] < T(0) ? T(-memory.smooth[i]) : memory.smooth[i];
       if (opposition == Opposition::lasting || size <= dead_) continue;
       T& f = memory.friction[i];
-      f = Base::kept(f - dt * settings_.rate * M(i, i) * s, settings_.bound[i], f);
+      const T rate = f * s > T(0) ? release_ : settings_.rate;
+      f = Base::kept(f - dt * rate * M(i, i) * s, settings_.bound[i], f);
     }
   }
 
  private:
   Settings settings_;
+  T release_;
   T dead_;
 };
 

@@ -199,6 +199,32 @@ class Tracking : public Composable {
     return !memory.held && Space::stands(reference(memory)) && detail::slower(known.dq(), still) &&
            detail::slower(now(memory, known).dq_r, still);
   }
+  /// The distance of the robot from a goal, or from a target as it is now: of poses in position [m] and orientation
+  /// [rad], else the largest of a joint [rad].
+  struct Distance {
+    T position = T(0), orientation = T(0), joint = T(0);
+  };
+  template <class K>
+  [[nodiscard]] Distance distance(const K& known, const Goal& goal) const noexcept {
+    const auto site = space_.site(known);
+    const auto& at = space_.where(site);
+    if constexpr (requires { goal.X_BP; }) {
+      return {norm(Xyz<T>(goal.X_BP.origin() - at.origin())),
+              norm(log_so3(goal.X_BP.axes() * at.axes().transpose())), T(0)};
+    } else {
+      Distance d;
+      for (std::size_t i = 0; i < N; ++i) {
+        T off(0);
+        if constexpr (requires { goal.q_g; })
+          off = goal.q_g[i] - at[i];
+        else
+          off = goal.q_d[i] - at[i];
+        off = off < T(0) ? T(-off) : off;
+        d.joint = off <= d.joint ? d.joint : off;
+      }
+      return d;
+    }
+  }
   /// The present reference: a point of the spline, or the last target, extrapolated.
   [[nodiscard]] auto reference(const Memory& memory) const noexcept {
     return memory.plan.at(T(0), settings_);

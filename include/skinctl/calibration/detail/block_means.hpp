@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/core/contract.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -17,7 +18,7 @@ struct CellReadings {
   Eigen::Matrix3Xd y;        ///< readings along the sensor's axes, a column per label [g]
 };
 
-namespace detail {
+namespace detail::fit {
 
 /// Blocks of equal length; in each of them the reading of a cell at the block's middle, of a straight line through
 /// the block's samples. A cell's phase of sampling then does not matter, and no band below 1/length is lost.
@@ -89,6 +90,6 @@ inline BlockMeans block_means(const std::vector<CellReadings>& cells, double fro
   return out;
 }
 
-}  // namespace detail
+}  // namespace detail::fit
 
 SKINCTL_END_NAMESPACE

@@ -1,149 +1,16 @@
 // Poses of accelerometers on bodies whose motion depends on a few unknowns: the least squares of `joint_lines.hpp`.
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <vector>
 
-#include "skinctl/calibration/detail/block_means.hpp"
-#include "skinctl/calibration/turn.hpp"
+#include "skinctl/calibration/detail/cell_equations.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-namespace detail {
+namespace detail::fit {
 
-/// The specific force on a body that sits at `p` is `A + S p` [g], in the body's axes. A row per block: A, S row by row,
-/// 1, and then the derivatives of A and S by each unknown of the motion, twelve columns an unknown.
-struct BodySignals {
-  static constexpr Eigen::Index own = 13, each = 12;
-  std::vector<int> unknowns;  ///< numbers of those on which the body's motion depends
-  Eigen::MatrixXd columns;
-};
-
-/// A cell: its pose in the body's axes and origin, its sensor's errors, what it is tied to.
-struct FittedCell {
-  Eigen::Matrix3d Q = Eigen::Matrix3d::Identity();  ///< axes of the sensor
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< [m]
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();      ///< [g]
-  Eigen::Vector3d s = Eigen::Vector3d::Zero();
-  int body = 0;
-  double deviation = 0.005;                            ///< of a block's mean [g]
-  int patch = -1;                                      ///< it is tied to; -1: none
-  Eigen::Matrix3d R_PC = Eigen::Matrix3d::Identity();  ///< its pose in the patch
-  Eigen::Vector3d p_PC = Eigen::Vector3d::Zero();
-
-  [[nodiscard]] FittedCell moved(const Eigen::Matrix<double, 12, 1>& d) const {
-    FittedCell out = *this;
-    out.Q = straightened(Q * turn(d.head<3>()));
-    out.p += d.segment<3>(3), out.b += d.segment<3>(6), out.s += d.tail<3>();
-    return out;
-  }
-};
-struct FittedPatch {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();
-};
-
-struct CellFitSettings {
-  double bias = 0.040, scale = 0.015;       ///< priors
-  double tie_position = 0.5e-3;             ///< of a cell to its place in the patch [m]
-  double tie_turn = 0.0175;                 ///< [rad]
-  double weak_position = 1, weak_turn = 1;  ///< about the start: what the data do not show stays [m], [rad]
-  int steps = 30;
-  double decrease = 1e-3;  ///< of the cost [variances]
-  double window = 1;       ///< of the jackknife [s]
-  std::function<void(Eigen::VectorXd&)> hold{};  ///< adds information to the diagonal of the motion's unknowns
-};
-
-using Cell12 = Eigen::Matrix<double, 12, 1>;
-
-/// The unknowns: those of the motion, six a patch, twelve a cell; the cells are eliminated.
-struct CellEquations {
-  Eigen::MatrixXd H;  ///< of motion and patches
-  Eigen::VectorXd g;
-  std::vector<Eigen::Matrix<double, 12, 12>> cell_H;
-  std::vector<Cell12> cell_g;
-  std::vector<Eigen::MatrixXd> cross;  ///< motion and patches by cell
-  double cost = 0;
-  std::vector<double> squares;  ///< sum of squares of a cell's residuals [g^2]
-};
-
-/// `H x = g` by elimination of the cells; factorised once.
-class CellSolver {
- public:
-  bool factorise(const CellEquations& e, double damping) {
-    const auto n = e.H.rows();
-    Eigen::MatrixXd S = e.H;
-    S.diagonal() += damping * (e.H.diagonal().array() + 1e-12).matrix();
-    cells_.resize(e.cell_H.size());
-    through_.resize(e.cell_H.size());
-    for (std::size_t c = 0; c < cells_.size(); ++c) {
-      Eigen::Matrix<double, 12, 12> A = e.cell_H[c];
-      A.diagonal() += damping * A.diagonal();
-      cells_[c].compute(A);
-      if (cells_[c].info() != Eigen::Success) return false;
-      through_[c] = cells_[c].solve(e.cross[c].transpose());  // 12 x n
-      S.noalias() -= e.cross[c] * through_[c];
-    }
-    S = 0.5 * (S + S.transpose()).eval();
-    schur_.compute(S);
-    return n == 0 || (schur_.info() == Eigen::Success);
-  }
-  /// Of one right side: the motion's part in `g`, cells in `cell_g`; both are overwritten by the solution.
-  void solve(Eigen::VectorXd& g, std::vector<Cell12>& cell_g) const {
-    for (std::size_t c = 0; c < cells_.size(); ++c) g.noalias() -= through_[c].transpose() * cell_g[c];
-    if (g.size() > 0) g = schur_.solve(g);
-    for (std::size_t c = 0; c < cells_.size(); ++c)
-      cell_g[c] = (cells_[c].solve(cell_g[c]) - through_[c] * g).eval();
-  }
-  [[nodiscard]] Eigen::MatrixXd motion_covariance() const {
-    return schur_.solve(Eigen::MatrixXd::Identity(schur_.rows(), schur_.cols()));
-  }
-  [[nodiscard]] Eigen::Matrix<double, 12, 12> cell_covariance(std::size_t c,
-                                                              const Eigen::MatrixXd& motion) const {
-    const Eigen::Matrix<double, 12, 12> own = cells_[c].solve(Eigen::Matrix<double, 12, 12>::Identity());
-    return own + through_[c] * motion * through_[c].transpose();
-  }
-
- private:
-  std::vector<Eigen::LLT<Eigen::Matrix<double, 12, 12>>> cells_;
-  std::vector<Eigen::MatrixXd> through_;
-  Eigen::LLT<Eigen::MatrixXd> schur_;
-};
-
-/// What a cell reads along its three axes as weights of a body's first 13 columns, and their derivatives by the cell.
-struct CellWeights {
-  Eigen::Matrix<double, 13, 1> c[3];
-  Eigen::Matrix<double, 13, 12> by_cell[3];
-
-  explicit CellWeights(const FittedCell& cell) {
-    Eigen::Matrix<double, 13, 3> q = Eigen::Matrix<double, 13, 3>::Zero();  // of Q' (A + S p)
-    for (int k = 0; k < 3; ++k)
-      for (int a = 0; a < 3; ++a) {
-        q(a, k) = cell.Q(a, k);
-        for (int b = 0; b < 3; ++b) q(3 + 3 * a + b, k) = cell.Q(a, k) * cell.p(b);
-      }
-    for (int k = 0; k < 3; ++k) {
-      const double scale = 1 + cell.s(k);
-      c[k] = scale * q.col(k);
-      c[k](12) += cell.b(k);
-      auto& D = by_cell[k];
-      D.setZero();
-      // A turn d of the sensor: Q'f x d.
-      const int next = (k + 1) % 3, last = (k + 2) % 3;
-      D.col(last) = scale * q.col(next);
-      D.col(next) = -scale * q.col(last);
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) D(3 + 3 * a + b, 3 + b) = scale * cell.Q(a, k);
-      D(12, 6 + k) = 1;
-      D.col(9 + k) = q.col(k);
-    }
-  }
-};
-
-/// @tparam Motion  `int unknowns()`, `Motion moved(VectorXd)`, `std::vector<BodySignals> signals(const BlockMeans&)`.
+/// @tparam Motion  `int unknowns()`, `void hold(VectorXd& information, VectorXd& gradient)` for its priors, `Motion moved(VectorXd)`, `std::vector<BodySignals> signals(const BlockMeans&)`.
 template <class Motion>
 class CellFit {
  public:
@@ -177,9 +44,6 @@ class CellFit {
       const CellFit before = *this;
       move(g, cell_g);
       CellEquations next = equations();
-#ifdef LINES_TRACE
-      std::printf("    step %d damping %.1e cost %.6f -> %.6f, late %.5f largest %.2e of motion\n", steps, damping, now.cost, next.cost, g(motion.unknowns()-1), g.cwiseAbs().maxCoeff());
-#endif
       if (next.cost < now.cost) {
         const double gain = now.cost - next.cost;
         now = std::move(next);
@@ -343,11 +207,11 @@ CellEquations CellFit<Motion>::equations() const {
   }
   const Index own = motion.unknowns();
   e.H.diagonal().head(own).array() += 1 / (settings.weak_position * settings.weak_position);
-  if (settings.hold) {
-    Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(own);
-    settings.hold(diagonal);
-    e.H.diagonal().head(own) += diagonal;
-  }
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(own), gradient = diagonal;
+  motion.hold(diagonal, gradient);
+  e.H.diagonal().head(own) += diagonal;
+  e.g.head(own) += gradient;
+  e.cost += 0.5 * (gradient.array().square() / diagonal.array().max(1e-300)).sum();
   for (std::size_t k = 0; k < patches.size(); ++k)
     e.H.diagonal().segment<6>(own + 6 * Index(k)).array() += 1e-6;
   return e;
@@ -428,5 +292,5 @@ Eigen::MatrixXd CellFit<Motion>::jackknife(const CellSolver& solver) const {
   return out;
 }
 
-}  // namespace detail
+}  // namespace detail::fit
 SKINCTL_END_NAMESPACE

@@ -7,6 +7,7 @@
 
 #include "skinctl/calibration/activation.hpp"
 #include "skinctl/calibration/detail/cell_fit.hpp"
+#include "skinctl/calibration/detail/eigen_only.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -16,7 +17,7 @@ struct AxisLine {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< of it, any [m]
 };
 
-namespace detail {
+namespace detail::fit {
 
 /// `v` turned by an angle about a unit axis.
 inline Eigen::Vector3d turned(const Eigen::Vector3d& v, const Eigen::Vector3d& axis, double c,
@@ -54,23 +55,39 @@ struct LinkState {
   }
 };
 
-/// The unknowns: four per line (two turns of the direction, two shifts of the point), the lateness of the labels.
-/// Joints of `joints` are fitted; links are counted by them.
+/// The unknowns: four per line (two turns of the direction, two shifts of the point), a compliance per joint, the lateness of
+/// the labels. Joints of `joints` are fitted; links are counted by them. A joint stands at `q - compliance tau`.
 class LineMotion {
  public:
   LineMotion(const MeasuredMotion& motion, std::vector<int> joints, const Eigen::VectorXd& home,
-             std::vector<AxisLine> start, double late, double gravity)
+             std::vector<AxisLine> start, double late, double gravity, const MeasuredMotion* torque = nullptr)
       : lines(std::move(start)),
+        compliance(lines.size(), 0.0),
         lateness(late),
+        torque_(torque),
         motion_(&motion),
         joints_(std::move(joints)),
         home_(home),
-        gravity_(gravity) {}
+        gravity_(gravity) {
+    if (torque_ != nullptr) torque_home_ = torque_->at(torque_->start()).q;
+  }
 
   std::vector<AxisLine> lines;
-  double lateness;  ///< of labels [s]
+  std::vector<double> compliance;  ///< [rad/(N m)]
+  double lateness;                 ///< of labels [s]
 
-  [[nodiscard]] int unknowns() const noexcept { return 4 * int(lines.size()) + 1; }
+  /// Standard deviation of a compliance, before the data.
+  static constexpr double usual_compliance = 1e-4;
+
+  [[nodiscard]] int unknowns() const noexcept { return 5 * int(lines.size()) + 1; }
+  /// Information of the compliances' prior.
+  void hold(Eigen::VectorXd& information, Eigen::VectorXd& gradient) const {
+    const auto n = Eigen::Index(lines.size());
+    // Without torques they are 0.
+    const double weight = 1 / (usual_compliance * usual_compliance) * (torque_ == nullptr ? 1e6 : 1.0);
+    information.segment(4 * n, n).array() += weight;
+    for (Eigen::Index j = 0; j < n; ++j) gradient(4 * n + j) -= weight * compliance[std::size_t(j)];
+  }
   [[nodiscard]] static Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& direction) noexcept {
     Eigen::Matrix<double, 3, 2> out;
     out.col(0) = direction.unitOrthogonal();
@@ -85,6 +102,8 @@ class LineMotion {
     LineMotion out = *this;
     for (std::size_t j = 0; j < lines.size(); ++j)
       out.lines[j] = moved(lines[j], d.segment<4>(4 * Eigen::Index(j)));
+    for (std::size_t j = 0; j < lines.size(); ++j)
+      out.compliance[j] += d(4 * Eigen::Index(lines.size()) + Eigen::Index(j));
     out.lateness += d(unknowns() - 1);
     return out;
   }
@@ -105,42 +124,54 @@ class LineMotion {
     std::vector<BodySignals> out(n);
     for (std::size_t l = 0; l < n; ++l) {
       for (int k = 0; k < 4 * int(l + 1); ++k) out[l].unknowns.push_back(k);
+      if (torque_ != nullptr)
+        for (int k = 0; k < int(l + 1); ++k) out[l].unknowns.push_back(4 * int(n) + k);
       out[l].unknowns.push_back(unknowns() - 1);
-      out[l].columns.setZero(data.blocks(), BodySignals::own + BodySignals::each * Eigen::Index(4 * l + 5));
+      out[l].columns.setZero(data.blocks(),
+                             BodySignals::own + BodySignals::each * Eigen::Index(out[l].unknowns.size()));
       out[l].columns.col(12).setOnes();
     }
-    constexpr double step = 1e-6, time_step = 1e-4;
+    constexpr double step = 1e-6, soft_step = 1e-8, time_step = 1e-4;
     std::vector<AxisLine> changed;
     for (std::size_t j = 0; j < n; ++j)
       for (int k = 0; k < 4; ++k) changed.push_back(moved(lines[j], step * Eigen::Vector4d::Unit(k)));
     std::vector<LinkState> states(n), late(n);
-    std::vector<Angle> angles(n), late_angles(n);
+    std::vector<Angle> angles(n), softer(n), late_angles(n);
     std::vector<Eigen::Matrix<double, 12, 1>> signal(n);
-    JointPoint p;
     for (Eigen::Index block = 0; block < data.blocks(); ++block)
       for (int g = 0; g < 3; ++g) {
         const double t = data.middle(block) + gauss_place[g] * data.length - lateness;
         const double weight = gauss_weight[g];
-        motion_->at(t - time_step, p);
-        chain(p, late_angles, late);
-        motion_->at(t, p);
-        chain(p, angles, states);
+        angles_at(t - time_step, 0, late_angles);
+        chain(late_angles, late);
+        angles_at(t, 0, angles);
+        chain(angles, states);
         for (std::size_t l = 0; l < n; ++l) {
           signal[l] = states[l].signal();
           auto row = out[l].columns.row(block);
           row.head<12>() += weight * signal[l].transpose();
           row.tail<12>() += weight / time_step * (late[l].signal() - signal[l]).transpose();
         }
-        for (std::size_t j = 0; j < n; ++j)
-          for (int k = 0; k < 4; ++k) {
-            LinkState s = j == 0 ? LinkState{} : states[j - 1];
-            for (std::size_t l = j; l < n; ++l) {
-              const Angle& a = angles[l];
-              s = s.next(l == j ? changed[4 * j + std::size_t(k)] : lines[l], a.c, a.s, a.dq, a.ddq);
-              out[l].columns.row(block).segment<12>(13 + 12 * Eigen::Index(4 * j + std::size_t(k))) +=
-                  weight / step * (s.signal() - signal[l]).transpose();
-            }
+        // Joint j changed: its line in four ways, or its compliance.
+        const auto change = [&](std::size_t j, const AxisLine& line, const Angle& angle, double per,
+                                const auto& column) {
+          LinkState s =
+              (j == 0 ? LinkState{} : states[j - 1]).next(line, angle.c, angle.s, angle.dq, angle.ddq);
+          for (std::size_t l = j; l < n; ++l) {
+            if (l > j) s = s.next(lines[l], angles[l].c, angles[l].s, angles[l].dq, angles[l].ddq);
+            out[l].columns.row(block).segment<12>(13 + 12 * column(l)) +=
+                weight / per * (s.signal() - signal[l]).transpose();
           }
+        };
+        for (std::size_t j = 0; j < n; ++j)
+          for (std::size_t k = 0; k < 4; ++k)
+            change(j, changed[4 * j + k], angles[j], step,
+                   [&](std::size_t) { return Eigen::Index(4 * j + k); });
+        if (torque_ == nullptr) continue;
+        angles_at(t, soft_step, softer);
+        for (std::size_t j = 0; j < n; ++j)
+          change(j, lines[j], softer[j], soft_step,
+                 [&](std::size_t l) { return Eigen::Index(4 * (l + 1) + j); });
       }
     return out;
   }
@@ -149,22 +180,34 @@ class LineMotion {
   struct Angle {
     double c, s, dq, ddq;
   };
-  void chain(const JointPoint& p, std::vector<Angle>& angles, std::vector<LinkState>& states) const {
-    LinkState state;
+  /// Of all joints with compliances that are greater by `softer`.
+  void angles_at(double t, double softer, std::vector<Angle>& angles) const {
+    motion_->at(t, p_);
+    if (torque_ != nullptr) torque_->at(t, tau_);
     for (std::size_t j = 0; j < lines.size(); ++j) {
       const int i = joints_[j];
-      const double q = p.q(i) - home_(i);
-      angles[j] = {std::cos(q), std::sin(q), p.dq(i) / std::sqrt(gravity_), p.ddq(i) / gravity_};
-      state = state.next(lines[j], angles[j].c, angles[j].s, angles[j].dq, angles[j].ddq);
-      states[j] = state;
+      double q = p_.q(i) - home_(i), dq = p_.dq(i), ddq = p_.ddq(i);
+      if (torque_ != nullptr) {
+        const double c = compliance[j] + softer;
+        q -= c * (tau_.q(i) - torque_home_(i)), dq -= c * tau_.dq(i), ddq -= c * tau_.ddq(i);
+      }
+      angles[j] = {std::cos(q), std::sin(q), dq / std::sqrt(gravity_), ddq / gravity_};
     }
   }
+  void chain(const std::vector<Angle>& angles, std::vector<LinkState>& states) const {
+    LinkState state;
+    for (std::size_t j = 0; j < lines.size(); ++j)
+      states[j] = state = state.next(lines[j], angles[j].c, angles[j].s, angles[j].dq, angles[j].ddq);
+  }
 
+  const MeasuredMotion* torque_ = nullptr;
+  Eigen::VectorXd torque_home_{};
   const MeasuredMotion* motion_;
   std::vector<int> joints_;
   Eigen::VectorXd home_;
   double gravity_;
+  mutable JointPoint p_{}, tau_{};
 };
 
-}  // namespace detail
+}  // namespace detail::fit
 SKINCTL_END_NAMESPACE

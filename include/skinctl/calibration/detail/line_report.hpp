@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/calibration/detail/line_start.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-namespace detail {
+namespace detail::fit {
 
 /// Covariances of a fit: those of white residuals and of the jackknife together, with shifts of the base and its turn about the
 /// vertical projected out, such that the cells of `anchors` do not move as a whole.
@@ -81,8 +82,11 @@ class LineCovariance {
     const Eigen::Index at = 4 * Eigen::Index(j);
     return with_gauge_out(motion_.block<4, 4>(at, at), at, 4);
   }
-  [[nodiscard]] double lateness() const {
-    const Eigen::Index at = fit_.motion.unknowns() - 1;
+  [[nodiscard]] double lateness() const { return deviation(fit_.motion.unknowns() - 1); }
+  [[nodiscard]] double compliance(std::size_t j) const {
+    return deviation(4 * Eigen::Index(fit_.motion.lines.size()) + Eigen::Index(j));
+  }
+  [[nodiscard]] double deviation(Eigen::Index at) const {
     return std::sqrt(motion_(at, at) + shifts_.row(at).squaredNorm());
   }
 
@@ -147,9 +151,8 @@ inline void name_unobserved(const JointLines& in, int joint, const JointLinesSet
   name(y, true, "tilt of its cells about " + words(y), tilt);
 }
 
-inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
-                         const std::vector<CellInPatch>& places, const JointLinesSettings& s,
-                         JointLines& out) {
+inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start, const JointLinesSettings& s,
+                         bool torque, JointLines& out) {
   const CellEquations e = fit.equations();
   CellSolver solver;
   if (!solver.factorise(e, 0)) refuse("skinctl: the fit of the joints' lines is singular");
@@ -160,6 +163,11 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
     const Eigen::Matrix<double, 12, 12> C = covariance.cell(k);
     Eigen::Matrix<double, 6, 6> P;
     P << C.block<3, 3>(3, 3), C.block<3, 3>(3, 0), C.block<3, 3>(0, 3), C.block<3, 3>(0, 0);
+    // What cross-axis sensitivity does is common to all blocks: no residual shows it.
+    const AxisLine& axis = fit.motion.lines[std::size_t(fit.cells[k].body)];
+    const double lever = axis.direction.cross(fit.cells[k].p - axis.point).norm();
+    P.diagonal().head<3>().array() += std::pow(s.cross_axis * lever, 2);
+    P.diagonal().tail<3>().array() += s.cross_axis * s.cross_axis;
     return P;
   };
   std::vector<bool> known(fit.cells.size());
@@ -194,21 +202,30 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
                     largest(placed.covariance.bottomRightCorner<3, 3>()));
       placed.reason = text;
     }
+    if (!start.reason[c].empty()) {
+      placed.known = known[k] = false;
+      continue;
+    }
     squares += e.squares[k], count += 3 * double(fit.data().present(Eigen::Index(k)));
   }
   for (std::size_t c = 0; c < start.reason.size(); ++c)
     if (!start.reason[c].empty()) out.cells[c].reason = start.reason[c];
-  static_cast<void>(places);
   out.residual = std::sqrt(squares / std::max(count, 1.0));
   out.lateness = {fit.motion.lateness, covariance.lateness()};
   for (std::size_t k = 0; k < start.joints.size(); ++k) {
     CalibratedLine& line = out.lines[std::size_t(start.joints[k])];
     line.line = fit.motion.lines[k];
     const Eigen::Matrix4d C = covariance.line(k);
+    if (torque) line.compliance = {fit.motion.compliance[k], covariance.compliance(k)};
     line.direction_deviation = largest(C.topLeftCorner<2, 2>());
     line.position_deviation = largest(C.bottomRightCorner<2, 2>());
     line.known = line.direction_deviation <= s.known_turn && line.position_deviation <= s.known_position;
   }
+  // No residual shows it: the same motion errs in the same way each time.
+  if (!torque)
+    out.unobservable.push_back({"compliance of the joints, which no covariance holds then",
+                                std::numeric_limits<double>::infinity(), "rad/(N m)",
+                                "record the torques at the joints' outputs"});
   for (std::size_t j = 0; j < out.lines.size(); ++j) {
     const std::string joint = "joint " + std::to_string(j) + ": ";
     const bool fitted = std::find(start.joints.begin(), start.joints.end(), int(j)) != start.joints.end();
@@ -231,5 +248,5 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
   }
 }
 
-}  // namespace detail
+}  // namespace detail::fit
 SKINCTL_END_NAMESPACE

@@ -1,14 +1,16 @@
 // The start of the fit of lines: each joint's line as cells of the last link see it, upright; others match these lines.
 #pragma once
 
-#include <Eigen/SVD>
+#include <algorithm>
+#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/calibration/joint_lines_types.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-namespace detail {
+namespace detail::fit {
 
 /// A joint that is not seen alone but moves all the same would be taken for an error of the others.
 inline void refuse_hidden_motion(const MeasuredMotion& motion, const Activation& activation) {
@@ -80,9 +82,7 @@ inline void align(CellGroup& group, const std::vector<int>& joints, const std::v
     const auto& line = group.lines[std::size_t(joints[k])];
     B += std::min(line.certainty * line.certainty, 1e4) * lines[k].direction * line.axis.transpose();
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  group.R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  group.R = nearest_turn(B);
   Eigen::Matrix3d A = least * Eigen::Matrix3d::Identity();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < joints.size() && joints[k] <= group.joint; ++k) {
@@ -145,8 +145,10 @@ struct LineStart {
       reference = &group;
   }
   if (reference == nullptr) return out;
+  const Eigen::Vector3d across = reference->up.cross(Eigen::Vector3d::UnitZ());
+  const double sine = across.norm(), angle = std::atan2(sine, reference->up.z());
   const Eigen::Matrix3d upright =
-      Eigen::Quaterniond::FromTwoVectors(reference->up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      turn(sine > 1e-9 ? Eigen::Vector3d(across * (angle / sine)) : Eigen::Vector3d(angle, 0, 0));
   for (const int j : out.joints) {
     const auto& line = reference->lines[std::size_t(j)];
     out.lines.push_back({(upright * line.axis).normalized(), upright * line.point});
@@ -184,5 +186,35 @@ struct LineStart {
   return out;
 }
 
-}  // namespace detail
+/// Cells whose residuals are four times those of the median do not read what they would read anywhere on the robot; those that
+/// stand apart from their patch by six deviations are not where it says.
+inline void leave_out_liars(CellFit<LineMotion>& fit, BlockMeans& data, LineStart& start) {
+  std::vector<double> sorted;
+  for (const FittedCell& cell : fit.cells) sorted.push_back(cell.deviation);
+  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  for (std::size_t k = 0; k < fit.cells.size(); ++k) {
+    FittedCell& cell = fit.cells[k];
+    char text[120] = "";
+    if (cell.deviation > 4 * usual && cell.deviation > 0.002) {
+      std::snprintf(text, sizeof text, "its readings do not fit any place: %.3g mg, others %.3g",
+                    cell.deviation * 1e3, usual * 1e3);
+    } else if (cell.patch >= 0) {
+      const FittedPatch& patch = fit.patches[std::size_t(cell.patch)];
+      const double off = (cell.p - patch.p - patch.R * cell.p_PC).norm() / fit.settings.tie_position;
+      const double turned_off =
+          turn_vector((patch.R * cell.R_PC).transpose() * cell.Q).norm() / fit.settings.tie_turn;
+      if (off > 6 || turned_off > 6)
+        std::snprintf(text, sizeof text, "it is not where its patch says, by %.2g mm, %.2g rad",
+                      1e3 * off * fit.settings.tie_position, turned_off * fit.settings.tie_turn);
+    }
+    if (text[0] == 0) continue;
+    start.reason[start.used[k]] = text;
+    cell.patch = -1, cell.deviation = 1;
+    data.missing.col(Eigen::Index(k)).setConstant(true);
+    data.y.middleCols<3>(3 * Eigen::Index(k)).setZero();
+  }
+}
+
+}  // namespace detail::fit
 SKINCTL_END_NAMESPACE

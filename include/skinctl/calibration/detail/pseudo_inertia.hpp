@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/core/config.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-namespace detail {
+namespace detail::fit {
 
 using Inertia10 = Eigen::Matrix<double, 10, 1>;
 
@@ -80,5 +81,5 @@ struct BodyFactor {
   }
 };
 
-}  // namespace detail
+}  // namespace detail::fit
 SKINCTL_END_NAMESPACE

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "skinctl/calibration/base_parameters.hpp"
+#include "skinctl/calibration/detail/eigen_only.hpp"
 #include "skinctl/calibration/joint_motion.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -19,7 +20,7 @@ struct TorqueRecording {
   Eigen::MatrixXd torque;  ///< a row per stamp of `joints`, a column per joint [N m]
 };
 
-namespace detail {
+namespace detail::fit {
 
 /// Rows of one joint: regressor (10 N), dq, z, ddq; means of each recording taken out.
 template <RobotModel M>
@@ -209,5 +210,5 @@ class TorqueEquations {
   std::array<double, N> presliding_{}, noise_{}, alike_{}, explained_{};
 };
 
-}  // namespace detail
+}  // namespace detail::fit
 SKINCTL_END_NAMESPACE

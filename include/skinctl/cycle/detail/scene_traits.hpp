@@ -12,8 +12,6 @@ template <class Overseer>
 inline constexpr bool is_governor = false;
 template <std::size_t N, Real T, class... Parts>
 inline constexpr bool is_governor<Governor<N, T, Parts...>> = true;
-template <class Sets, std::size_t N, Real T, class... Parts>
-inline constexpr bool is_governor<GroupGovernor<Sets, N, T, Parts...>> = true;
 template <class Overseer>
 inline constexpr bool limits_jerk = requires { requires Overseer::has_jerk; };
 /// Whether a governor suits a robot's joints and scalar.
@@ -92,6 +90,9 @@ template <bool Contacts, class Skin, class Touch>
     return contact_part(touch);
   }
 }
+/// Whether a law has a gripper: a `SkillSet` with `OneGripper`.
+template <class L>
+inline constexpr bool has_gripper = requires { requires L::has_gripper; };
 /// What the touch of a scene adds to its input: nothing for cells, see `TouchSensor`.
 template <class Skin>
 struct SensedBy {

@@ -11,6 +11,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {
 
+/// The largest reduced argument of rounding to nearest, and some room (proven: 0.7855).
+inline constexpr float most_reduced = 0.7857f;
+
 /// Constants by type. `half_pi` is pi/2 in parts, the first two so short that their product with a count of
 /// quarter turns up to `limit` is exact, with FMA or without. The polynomials are minimax on |r| <= 0.7856,
 /// rounded coefficient by coefficient: sin r = r + r^3 p(r^2), cos r = 1 - r^2 / 2 + r^4 p(r^2).
@@ -46,8 +49,10 @@ struct SinCosTable<float> {
   static constexpr float cos[] = {-0.5f, 0x1.55554ap-5f, -0x1.6c0c1ap-10f, 0x1.99e0eep-16f};
 };
 
+/// Returns the reduced argument: above `most_reduced` the results are not accurate. That happens beyond the limit,
+/// and where the thread does not round to nearest, so that the count of quarter turns is one off.
 template <class T, std::size_t W>
-SKINCTL_INLINE void sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos) noexcept {
+SKINCTL_INLINE Lane<T, W> sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos) noexcept {
   using Table = SinCosTable<T>;
   using L = Lane<T, W>;
   using Bits = skinctl::detail::LaneBits<T, W>;
@@ -77,13 +82,16 @@ SKINCTL_INLINE void sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos
   const Bits swapped = (s ^ c) & -(quadrant & one);
   sin = skinctl::detail::to_lane<T, W>(s ^ swapped ^ ((quadrant << to_sign) & sign));
   cos = skinctl::detail::to_lane<T, W>(c ^ swapped ^ (((quadrant + one) << to_sign) & sign));
+  return r;
 }
 
-/// Recomputes the results of arguments beyond the polynomial's limit. Cold: joint angles are within it.
+/// Recomputes the results of arguments beyond the polynomial's limit, or all of them. Cold: joint angles are within
+/// it, and threads round to nearest.
 template <class T>
-[[gnu::cold, gnu::noinline]] inline void sincos_beyond(const T* x, T* sin, T* cos, std::size_t n) noexcept {
+[[gnu::cold, gnu::noinline]] inline void sincos_beyond(const T* x, T* sin, T* cos, std::size_t n,
+                                                       bool all) noexcept {
   for (std::size_t i = 0; i < n; ++i) {
-    if (!(std::abs(x[i]) > SinCosTable<T>::limit)) continue;
+    if (!all && !(std::abs(x[i]) > SinCosTable<T>::limit)) continue;
     sin[i] = std::sin(x[i]);
     cos[i] = std::cos(x[i]);
   }
@@ -92,13 +100,13 @@ template <class T>
 /// The same for `B` lanes. Function arguments passed by address stay in memory; the copy keeps the originals
 /// in registers.
 template <class T, std::size_t W, std::size_t B>
-SKINCTL_INLINE void sincos_beyond(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B],
-                                  Lane<T, W> (&cos)[B]) noexcept {
+SKINCTL_INLINE void sincos_beyond(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B], Lane<T, W> (&cos)[B],
+                                  bool all) noexcept {
   T angles[B * W], sines[B * W], cosines[B * W];
   skinctl::detail::unrolled<B>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     x[i].store(angles + W * i), sin[i].store(sines + W * i), cos[i].store(cosines + W * i);
   });
-  sincos_beyond(angles, sines, cosines, B * W);
+  sincos_beyond(angles, sines, cosines, B * W, all);
   skinctl::detail::unrolled<B>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
     sin[i] = Lane<T, W>::load(sines + W * i), cos[i] = Lane<T, W>::load(cosines + W * i);
   });
@@ -109,13 +117,15 @@ template <class T, std::size_t W, std::size_t B>
 SKINCTL_INLINE void sincos_lanes(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B],
                                  Lane<T, W> (&cos)[B]) noexcept {
   using L = Lane<T, W>;
-  L largest(T(0));
+  L largest(T(0)), reduced(T(0));
   skinctl::detail::unrolled<B>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-    sincos_kernel(x[i], sin[i], cos[i]);
+    reduced = max(reduced, abs(sincos_kernel(x[i], sin[i], cos[i])));
     largest = max(largest, abs(x[i]));
   });
-  if (any(largest > L(SinCosTable<T>::limit))) [[unlikely]]
-    sincos_beyond(x, sin, cos);
+  const auto beyond = largest > L(SinCosTable<T>::limit);
+  const auto off = reduced > L(T(most_reduced));
+  if (any(beyond | off)) [[unlikely]]
+    sincos_beyond(x, sin, cos, any(off & !beyond));
 }
 
 }  // namespace math::detail

@@ -1,6 +1,7 @@
 // The hyperbolic tangent of a lane.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "skinctl/core/lane.hpp"
@@ -38,6 +39,16 @@ struct TanhTable<float> {
   static constexpr float tanh[] = {-0x1.55554ep-2f, 0x1.110594p-3f, -0x1.afd7fap-5f};
 };
 
+/// Recomputes all results where the thread does not round to nearest: k is then one off, and h beyond the
+/// polynomial's range.
+template <class T, std::size_t W>
+[[gnu::cold, gnu::noinline]] inline Lane<T, W> tanh_by_library(Lane<T, W> x) noexcept {
+  T values[W];
+  x.store(values);
+  for (T& value : values) value = std::tanh(value);
+  return Lane<T, W>::load(values);
+}
+
 /// With |x| = k ln(2)/2 + h, a = 2^k and w = tanh h, e^(2|x|) = a (1 + w) / (1 - w), so that
 ///
 ///     tanh |x| = ((a - 1) + (a + 1) w) / ((a + 1) + (a - 1) w),
@@ -63,6 +74,8 @@ template <class T, std::size_t W>
   const auto far = k >= L(T(3));
   const L numerator = select(far, two * w - two, (a + one) * w + (a - one));
   const L denominator = (a - one) * w + (a + one);
+  if (any(abs(h) > L(T(0.174)))) [[unlikely]]  // 0.1734 when rounded to nearest
+    return tanh_by_library(x);
   return copysign(select(far, one, L(T(0))) + numerator / denominator, x);
 }
 

@@ -4,29 +4,45 @@
 #include "skinctl/skills/skill_set.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+template <class L, class K>
+inline constexpr bool tells_distance = requires(const L& law, const K& known, const typename L::Goal& goal) {
+  law.distance(known, goal).position;
+};
+}  // namespace detail
 
 /// Carries a request out, lets it wait, or refuses it.
-template <class... Behaviour, Sum P, class... L>
+template <class... Behaviour, Sum P, class... L, class Grip>
 template <class K>
-SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
+SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::receive(
     const Memory& memory, const K& known, const Goal& request) const noexcept -> Received<Memory> {
   using Kind = typename Goal::Kind;
   Received<Memory> out{memory, {}};
+  const auto refused = [&](Reason reason, SkillFailure failure) {
+    out = {memory, reason};
+    if (request.ticket != 0) out.memory.refused = {request.ticket, SkillPhase::failed, failure};
+    return out;
+  };
   if (request.kind == static_cast<unsigned char>(Kind::report)) {
     out.memory.reported = out.memory.reported.then(request.reported);
     out.memory.reporting |= request.reported.which;
     return out;
   }
   if (request.kind == static_cast<unsigned char>(Kind::goal)) {
-    if (!fits(memory, known, request, memory.skill, out.status)) return {memory, Reason::goal_refused};
+    if (!fits(memory, known, request, memory.skill, out.status))
+      return refused(Reason::goal_refused, SkillFailure::goal);
     deliver(out.memory, known, request, out.status);
+    ask_gripper(out.memory, request, memory.skill, false);
+    out.memory.request.tolerance = request.tolerance;
     out.memory.held = 0ns;
     if (memory.phase == SkillPhase::finished) out.memory.phase = SkillPhase::running;
+    if (request.ticket != 0) out.memory.told = {request.ticket, out.memory.phase, SkillFailure::none};
     return out;
   }
   if (request.kind != static_cast<unsigned char>(Kind::start) || request.skill >= skills)
-    return {memory, Reason::goal_refused};
-  if (!may_start(memory, skills_[request.skill])) return {memory, Reason::skill_refused};
+    return refused(Reason::goal_refused, SkillFailure::goal);
+  if (!may_start(memory, skills_[request.skill]))
+    return refused(Reason::skill_refused, SkillFailure::conditions);
   if (!Blend::moves(memory.blend)) {
     if (memory.phase == SkillPhase::loading) out.status |= arrive(out.memory, known);
     auto change = begun(out.memory, known, request);
@@ -35,16 +51,15 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::receive(
   }
   out.memory.waiting = request;
   out.memory.waits = true;
+  out.memory.goes_on = false;
   return out;
 }
 
 /// Whether controllers of a skill accept the request's goals: at least one, and none refuses.
-template <class... Behaviour, Sum P, class... L>
+template <class... Behaviour, Sum P, class... L, class Grip>
 template <class K>
-SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::fits(const Memory& m, const K& known,
-                                                                           const Goal& request,
-                                                                           std::uint8_t skill,
-                                                                           Status& status) const noexcept
+SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::fits(
+    const Memory& m, const K& known, const Goal& request, std::uint8_t skill, Status& status) const noexcept
     -> bool {
   bool taken = false;
   each_goal(request, skill, [&](auto i, const auto& goal) {
@@ -54,21 +69,27 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::fits(const
         law.receive(on ? Blend::template memory<i.value>(m.blend) : law.start(known), known, goal).status;
     taken = true;
   });
+  if constexpr (has_gripper) {
+    const auto& part = request.goals.template of<GripperGoal>();
+    taken = taken || part.has;
+    if (part.has && !finite(part.goal)) status |= Reason::goal_refused;
+  }
   return taken && !status.has(Reason::goal_refused);
 }
 
 /// The request's goals to the controllers that are loaded; the others get them once they are.
-template <class... Behaviour, Sum P, class... L>
+template <class... Behaviour, Sum P, class... L, class Grip>
 template <class K>
-SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::deliver(Memory& m, const K& known,
-                                                                              const Goal& request,
-                                                                              Status& status,
-                                                                              bool arrived) const noexcept {
+SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::deliver(
+    Memory& m, const K& known, const Goal& request, Status& status, bool arrived) const noexcept {
   each_goal(request, m.skill, [&](auto i, const auto& goal) {
     if (Blend::comes(m.blend, i)) {
       m.request.goals.template of<std::remove_cvref_t<decltype(goal)>>() =
           request.goals.template of<std::remove_cvref_t<decltype(goal)>>();
     } else if (!arrived || Blend::is_new(m.blend, i)) {
+      auto& kept = m.request.goals.template of<std::remove_cvref_t<decltype(goal)>>();
+      kept.has = true;
+      kept.goal = goal;
       const auto answer = blend_.template receive<i.value>(m.blend, known, goal);
       m.blend = answer.memory;
       status |= answer.status;
@@ -77,26 +98,37 @@ SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::deliver(Me
 }
 
 /// The change to another skill begins.
-template <class... Behaviour, Sum P, class... L>
+template <class... Behaviour, Sum P, class... L, class Grip>
 template <class K>
-SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
+SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::begun(
     const Memory& memory, const K& known, const Goal& request) const noexcept -> Received<Memory> {
   Received<Memory> out{memory, {}};
   Memory& m = out.memory;
   m.waits = false;
+  const bool goes_on = m.goes_on;
+  m.goes_on = false;
   bool any = false;
   each_goal(request, request.skill, [&](auto, const auto&) { any = true; });
-  if (any && !fits(m, known, request, request.skill, out.status)) return out;
+  if constexpr (has_gripper) any = any || request.goals.template of<GripperGoal>().has;
+  if (any && !fits(m, known, request, request.skill, out.status)) {
+    if (goes_on)
+      m.told = {m.told.ticket, SkillPhase::failed, SkillFailure::goal};
+    else if (request.ticket != 0)
+      m.refused = {request.ticket, SkillPhase::failed, SkillFailure::goal};
+    return out;
+  }
   const auto& next = skills_[request.skill];
   m.blend = blend_.change(m.blend, known, BlendWeights<controllers>{next.weights}).memory;
   stretch(m.blend, known);
   m.skill = request.skill;
   m.request = request;
   deliver(m, known, request, out.status);
+  ask_gripper(m, request, request.skill, true);
   m.commanded = m.commanded.then(next.switches);
   // An old report does not count for switches that are only beginning.
   m.reported.which &= ~next.switches.which;
   m.phase = SkillPhase::loading;
+  if (!goes_on) m.told = {request.ticket, SkillPhase::loading, SkillFailure::none};
   m.since = m.held = 0ns;
   m.touched = m.was_touched = false;
   return out;
@@ -106,10 +138,10 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::begun(
 /// the torque of the other skill at this state, and then, where the feedback of a tracking law fades in, to
 /// its torque against the skin. The latter changes at up to `1.7 |tau_skin| sqrt(lambda / T)`, with 100 1/s
 /// for lambda.
-template <class... Behaviour, Sum P, class... L>
+template <class... Behaviour, Sum P, class... L, class Grip>
 template <class K>
-SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::stretch(typename Blend::Memory& m,
-                                                                              const K& known) const noexcept {
+SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::stretch(
+    typename Blend::Memory& m, const K& known) const noexcept {
   const auto there = Blend::arrived(m);
   const auto from = run(m, known, known.dt(), Opposition::none);
   const auto to = run(there, known, known.dt(), Opposition::none);
@@ -123,9 +155,9 @@ SKINCTL_COLD void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::stretch(ty
 
 /// The torque to add to the torque `own` of all laws but the skin's, so that none changes by more than
 /// `most`.
-template <class... Behaviour, Sum P, class... L>
+template <class... Behaviour, Sum P, class... L, class Grip>
 template <class Torque, class Shares, class T>
-SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::bounded(
+SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::bounded(
     detail::RateBound<joints>& bound, const typename Blend::Memory& before, typename Blend::Memory& next,
     const Torque& own, Shares shares, const T& most) const noexcept -> Torque {
   // The change of the skin's torque by its weights until the next cycle, under a constant touch.
@@ -150,9 +182,9 @@ SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::bounded(
 }
 
 /// The phase of the skill after `dt`, and its consequences.
-template <class... Behaviour, Sum P, class... L>
+template <class... Behaviour, Sum P, class... L, class Grip>
 template <class K, class Torque>
-SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::supervise(
+SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::supervise(
     Memory& m, const K& known, const Torque& touched, Nanoseconds dt) const noexcept {
   const auto& s = skills_[m.skill];
   const auto& c = s.conditions;
@@ -161,8 +193,8 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
   for (const auto& x : touched) square += static_cast<double>(x) * static_cast<double>(x);
   m.touch = std::sqrt(square);
   if (m.phase == SkillPhase::failed || m.phase == SkillPhase::finished) return;
-  if (c.max_touch > 0 && m.touch > c.max_touch) return end(m, SkillPhase::failed, 0);
-  if (c.timeout > 0ns && m.since >= c.timeout) return end(m, SkillPhase::failed, 0);
+  if (c.max_touch > 0 && m.touch > c.max_touch) return end(m, SkillFailure::touch, 0);
+  if (c.timeout > 0ns && m.since >= c.timeout) return end(m, SkillFailure::timeout, 0);
   if (m.phase == SkillPhase::loading || c.finish == SkillFinish::never) return;
   bool holds = true;
   if (c.finish == SkillFinish::switched) {
@@ -172,7 +204,18 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
   m.was_touched = m.was_touched || m.touched;
   if (c.finish == SkillFinish::touched) holds = m.touched;
   if (c.finish == SkillFinish::released) holds = m.was_touched && !m.touched;
-  if (c.finish == SkillFinish::settled)
+  const GoalTolerance& tolerance = m.request.tolerance.any() ? m.request.tolerance : c.tolerance;
+  if constexpr (has_gripper) {
+    if (c.finish == SkillFinish::gripped || c.finish == SkillFinish::opened) {
+      if (Grip::broken(m.gripper)) return end(m, SkillFailure::gripper, 0);
+      holds = Grip::stands(m.gripper);
+      if (c.finish == SkillFinish::gripped && holds && !Grip::holds(m.gripper) && later(m.held, dt) >= c.hold)
+        return end(m, SkillFailure::empty, 0);
+    }
+  }
+  if (c.finish == SkillFinish::settled && tolerance.any())
+    holds = near(m, known, tolerance);
+  else if (c.finish == SkillFinish::settled)
     detail::each_index<controllers>([&](auto i) {
       using Law = law_at<i.value>;
       if constexpr (Law::role == LawRole::tracking)
@@ -182,32 +225,57 @@ SKINCTL_NOINLINE void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::superv
                           known, static_cast<typename K::scalar>(c.still));
     });
   m.held = holds ? later(m.held, dt) : 0ns;
-  if (holds && m.held >= c.hold) end(m, SkillPhase::finished, s.next);
+  if (holds && m.held >= c.hold) end(m, SkillFailure::none, s.next);
 }
 
-template <class... Behaviour, Sum P, class... L>
-void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::end(Memory& m, SkillPhase phase,
-                                                             std::uint8_t next) const noexcept {
-  m.phase = phase;
-  if (next == m.skill && phase == SkillPhase::finished) return;
-  if (phase == SkillPhase::finished && !may_start(m, skills_[next])) {
-    m.phase = SkillPhase::failed;
-    next = 0;
+template <class... Behaviour, Sum P, class... L, class Grip>
+template <class K>
+SKINCTL_COLD auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::near(
+    const Memory& m, const K& known, const GoalTolerance& t) const noexcept -> bool {
+  bool any = false, all = true;
+  each_goal(m.request, m.skill, [&](auto i, const auto& goal) {
+    using Law = law_at<i.value>;
+    if constexpr (detail::tells_distance<Law, K>) {
+      const auto d = std::get<i.value>(blend_.sum().laws()).distance(known, goal);
+      const auto within = [](const auto& x, double most) {
+        return !(most > 0) || static_cast<double>(x) <= most;
+      };
+      any = true;
+      all = all && within(d.position, t.position) && within(d.orientation, t.orientation) &&
+            within(d.joint, t.joint);
+    }
+  });
+  return any && all;
+}
+
+template <class... Behaviour, Sum P, class... L, class Grip>
+void SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::end(Memory& m, SkillFailure failure,
+                                                                   std::uint8_t next) const noexcept {
+  const bool last = next == m.skill;
+  if (failure == SkillFailure::none && !last && !may_start(m, skills_[next])) failure = SkillFailure::next;
+  if (failure != SkillFailure::none) next = 0;
+  m.phase = failure == SkillFailure::none ? SkillPhase::finished : SkillPhase::failed;
+  if (last || failure != SkillFailure::none) {  // else the sequence goes on
+    // A failure stays told while the fallback runs.
+    if (m.told.phase != SkillPhase::failed) m.told = {m.told.ticket, m.phase, failure};
   }
+  if (last && failure == SkillFailure::none) return;
   m.waiting = m.request;
   m.waiting.kind = static_cast<unsigned char>(Goal::Kind::start);
   m.waiting.skill = next;
-  if (m.phase == SkillPhase::failed) m.waiting.goals = {};
+  if (m.phase == SkillPhase::failed) {
+    m.waiting.goals = {};
+    m.waiting.tolerance = {};
+  }
   m.waits = true;
+  m.goes_on = true;
 }
 
 /// One evaluation of the sum, and of the skill beside it.
-template <class... Behaviour, Sum P, class... L>
+template <class... Behaviour, Sum P, class... L, class Grip>
 template <class K>
-SKINCTL_INLINE auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>>::step(const Memory& memory,
-                                                                             const K& known,
-                                                                             const typename K::scalar& dt,
-                                                                             Opposition given) const noexcept
+SKINCTL_INLINE auto SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>::step(
+    const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept
     -> Evaluation<K::joints, typename K::scalar, Memory, terms> {
   Evaluation<K::joints, typename K::scalar, Memory, terms> out{{}, memory, {}, {}};
   Memory& m = out.memory;

@@ -69,9 +69,11 @@ struct GatePair {
 
   /// What passes of `raw`, when `old` passed last. Without a branch: readings come as they like.
   [[nodiscard]] SKINCTL_INLINE CountPair pass(CountPair raw, CountPair old) const noexcept {
-    const auto above = opens.row() - (less.row() & (old.row() > 0));
-    const auto rest = raw.row() - subtract.row();
-    return CountPair(rest & (raw.row() > above) & (rest > 0));
+    // As rows: where `int32_t` is `long`, a comparison gives vectors of `int`, with which no `long` can be compared.
+    using Row = std::remove_cvref_t<decltype(raw.row())>;
+    const Row was_open = __builtin_bit_cast(Row, old.row() > 0);
+    const Row above = opens.row() - (less.row() & was_open), rest = raw.row() - subtract.row();
+    return CountPair(rest & __builtin_bit_cast(Row, raw.row() > above) & __builtin_bit_cast(Row, rest > 0));
   }
 };
 

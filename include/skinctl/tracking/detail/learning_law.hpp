@@ -82,6 +82,12 @@ class LearningLaw : public Composable {
   [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
     return law_.settled(memory.law, known, still);
   }
+  template <class K, class G>
+  [[nodiscard]] auto distance(const K& known, const G& goal) const noexcept
+    requires requires(const L& law) { law.distance(known, goal); }
+  {
+    return law_.distance(known, goal);
+  }
   /// See `Tracking::with_target`.
   template <class Target>
   [[nodiscard]] static Memory with_target(Memory memory, const Target& target) noexcept {

@@ -1,0 +1,15 @@
+# `cpack -G DEB` in a build folder: libskinctl-dev, the headers with their CMake package. Builds without a network.
+set(CPACK_PACKAGE_NAME libskinctl-dev)
+set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
+set(CPACK_PACKAGE_CONTACT "skinctl <skinctl@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "header-only C++20 library: stiff robot arms give way where their skin is touched")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_GENERATOR DEB)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libtinyxml2-dev, nlohmann-json3-dev")
+set(CPACK_COMPONENTS_ALL Unspecified)  # not the tools of a build that has them
+set(CPACK_DEB_COMPONENT_INSTALL OFF)
+include(CPack)

@@ -1,0 +1,91 @@
+#include "examples/compliant_ur5/recorder.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "examples/compliant_ur5/skin.hpp"
+#include "skinctl/io/detail/read_text.hpp"
+#include "skinctl/io/skin_export.hpp"
+#include "skinctl/io/skin_file.hpp"
+#include "skinctl/io/urdf_writer.hpp"
+#include "skinctl/model/ur5_links.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
+
+namespace compliant_ur5 {
+
+using namespace skinctl;
+
+namespace {
+
+UrdfDress::Limit limits_of_joint(const Settings& s, std::size_t i) {
+  using D = ur5::Description;
+  return {D::lower[i], D::upper[i], s.control.velocity_limit, D::max_torque[i]};
+}
+
+}  // namespace
+
+RunDescription run_description(const Settings& s) {
+  RunDescription run;
+  run.joints = {"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
+                "wrist_1_joint",      "wrist_2_joint",       "wrist_3_joint"};
+  run.laws = {"spline joint", "skin joint", "gravity"};
+  run.frames = frames_of<ur5::Ros2Links>();
+  run.places = places_of(ur5::Model{});
+  UrdfDress dress{.name = "ur5", .joints = run.joints};
+  for (std::size_t i = 0; i < 6; ++i) {
+    dress.links.push_back("joint_" + std::to_string(i + 1) +
+                          "_body");  // the maker's names are those of its frames
+    dress.limits.push_back(limits_of_joint(s, i));
+    dress.capsules.push_back({i, {ur5::tubes[i].from, ur5::tubes[i].to, ur5::tubes[i].radius}});
+  }
+  dress.named_links.assign(ur5::Ros2Links::named_links.begin(), ur5::Ros2Links::named_links.end());
+  run.urdf = urdf_text(ur5::Model{}, dress);
+  run.newtons = static_cast<float>(s.newtons_per_reading);
+  for (const SkinPatch& patch : skin_patches(s))
+    for (const SkinCell& cell : patch.cells) {
+      const auto& p = cell.X_LC.origin();
+      run.cells.push_back({cell.id,
+                           static_cast<std::uint32_t>(patch.link),
+                           {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}});
+    }
+  std::stable_sort(run.cells.begin(), run.cells.end(),
+                   [](const auto& a, const auto& b) { return a.link < b.link; });
+  std::array<CellGains, 6> gains;
+  for (std::size_t i = 0; i < 6; ++i)
+    gains[i] = {.force = s.control.force_gain[i], .proximity = s.control.proximity_gain};
+  run.layout =
+      s.skin.empty() ? skin_file_text(ur5_skin_file<cells>(gains)) : skinctl::detail::read_text(s.skin);
+  return run;
+}
+
+RunIdentity run_identity(const Settings& s) {
+  const auto& c = s.control;
+  nlohmann::ordered_json all = {{"robot", "UR5"},
+                                {"interface", s.interface == Interface::position   ? "position"
+                                              : s.interface == Interface::velocity ? "velocity"
+                                                                                   : "torque"},
+                                {"rate", s.rate},
+                                {"rigid", s.rigid},
+                                {"trust all cells", s.trust_all_cells},
+                                {"newtons per reading", s.newtons_per_reading},
+                                {"rest reading", s.rest_reading},
+                                {"lambda", c.lambda},
+                                {"K_c", c.K_c},
+                                {"K_i1", c.K_i1},
+                                {"K_i2", c.K_i2},
+                                {"decay", c.decay},
+                                {"viscous", c.viscous},
+                                {"force gain", c.force_gain},
+                                {"stiffest contact", c.stiffest_contact},
+                                {"proximity gain", c.proximity_gain},
+                                {"force threshold", c.force_threshold},
+                                {"skin enough", c.skin_enough},
+                                {"max velocity", c.max_velocity},
+                                {"velocity limit", c.velocity_limit},
+                                {"acceleration limit", c.acceleration_limit},
+                                {"delay", c.delay},
+                                {"lag", c.lag}};
+  if (!s.skin.empty()) all["skin"] = skinctl::detail::sha256(skinctl::detail::read_text(s.skin));
+  return {all.dump()};
+}
+
+}  // namespace compliant_ur5

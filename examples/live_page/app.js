@@ -1,0 +1,189 @@
+// The page: what comes from a running job or a file, at the present instant or an earlier one.
+import {decode} from './cdr.js';
+import {bars, colour, lines} from './charts.js';
+import {readMcap} from './replay.js';
+import {RobotView} from './robot.js';
+import {Stream} from './stream.js';
+import {Timeline} from './timeline.js';
+
+const $ = id => document.getElementById(id);
+const topics = ['/joint_states', '/skinctl/torque_shares', '/skinctl/status', '/skin/cells', '/skin/contacts', '/tf', '/robot_description', '/skin/layout'];
+const window_s = 90, shown_s = 10;
+const state = {timeline: new Timeline(window_s), live: true, file: null, at: 0, view: null, control: false, names: [], laws: [], errors: 0};
+window.skinctl = state;  // for tests and the curious
+
+function chip(text, good) { $('link').textContent = text; $('link').className = 'chip ' + (good ? 'good' : 'bad'); }
+
+/// Takes a message; clouds are kept as they came, small ones decoded.
+function feed(topic, type, time, bytes) {
+  if (!topics.includes(topic)) return;
+  let value;
+  try { value = decode(type, bytes); } catch (e) { ++state.errors; return; }
+  if (value === undefined) return;
+  if (topic === '/robot_description') { if (state.view) state.view.robot(value); else state.urdf = value; return; }
+  if (topic === '/skin/layout') {
+    try { state.layout = JSON.parse(value); } catch (e) { ++state.errors; return; }
+    if (state.view) state.view.layout(state.layout);
+    return;
+  }
+  if (topic === '/skinctl/status') { try { value = JSON.parse(value); } catch (e) { ++state.errors; return; } }
+  if (topic === '/skin/cells') {  // a third of its bytes are drawn
+    const {view, step, fields, count} = value, small = new DataView(new ArrayBuffer(16 * count));
+    for (let i = 0; i < count; ++i)
+      ['force', 'proximity', 'cell', 'status'].forEach((f, k) => small.setUint32(16 * i + 4 * k, view.getUint32(i * step + fields[f], true), true));
+    value = {view: small, step: 16, fields: {force: 0, proximity: 4, cell: 8, status: 12}, count};
+  }
+  state.timeline.add(topic, time, value);
+}
+
+function legend(element, names, from = 0) {
+  element.replaceChildren(...names.map((name, k) => {
+    const item = document.createElement('span'), key = document.createElement('span');
+    key.className = 'key', key.style.background = colour(k + from);
+    item.append(key, ' ' + name);
+    return item;
+  }));
+}
+
+const words = {};  // of reasons: as the server names them
+const reason = r => words[r] || r.replaceAll('_', ' ');
+
+function show() {
+  const t = state.timeline, now = state.live ? t.last : state.at;
+  if (Number.isFinite(now)) {
+    $('clock').textContent = now.toFixed(2) + ' s';
+    const joints = t.at('/joint_states', now), shares = t.at('/skinctl/torque_shares', now), status = t.at('/skinctl/status', now);
+    if (joints && joints.names.join() !== state.names.join()) { state.names = joints.names; legend($('joint-names'), state.names); }
+    if (shares) {
+      const laws = shares.dims[0].label.split(','), n = shares.dims[1].size;
+      if (laws.join() !== state.laws.join()) { state.laws = laws; legend($('laws'), laws); $('laws').append('line: their sum'); }
+      bars($('torque'), Array.from({length: n}, (_, j) => laws.map((_, k) => shares.data[k * n + j])), Array.from({length: n}, (_, j) => String(j)));
+    }
+    const begin = Math.max(t.first, t.last - (state.live || now > t.last - shown_s ? shown_s : Infinity)), from = state.live ? begin : Math.min(begin, now - shown_s / 2);
+    const to = state.live ? t.last : Math.min(t.last, Math.max(now + shown_s / 2, from + shown_s));
+    const part = (topic, f) => {
+      const list = t.list(topic), a = Math.max(0, t.index(topic, from)), b = t.index(topic, to) + 1, every = Math.max(1, Math.floor((b - a) / 600)), out = [];
+      for (let i = a; i < b; i += every) out.push([list[i].time, f(list[i].value)]);
+      return out;
+    };
+    lines($('joints'), state.names.map((_, j) => ({k: j, points: part('/joint_states', v => v.position[j])})), from, to, now, 'rad');
+    const total = c => { let sum = 0; for (let i = 0; i < c.count; ++i) sum += Math.hypot(...['fx', 'fy', 'fz'].map(f => c.view.getFloat32(i * c.step + c.fields[f], true))); return sum; };
+    lines($('force'), [{k: 5, points: part('/skin/contacts', total)}], from, to, now, 'N', 0);
+    const stages = status ? Object.keys(status.times_us) : [];
+    if (stages.length) {
+      if (stages.join() !== (state.stages || []).join()) { state.stages = stages; legend($('stages'), stages); }
+      lines($('time'), stages.map((s, k) => ({k, points: part('/skinctl/status', v => v.times_us[s])})), from, to, now, 'µs', 0);
+    }
+    if (status) {
+      $('reasons').textContent = status.reasons.length ? status.reasons.map(reason).join('; ') : 'nothing limited, nothing held';
+      const facts = [['cycle', status.cycle], ['cycles dropped on the way', status.dropped]];
+      if (state.errors) facts.push(['messages that could not be read', state.errors]);
+      $('facts').replaceChildren(...facts.flatMap(([k, v]) => { const a = document.createElement('dt'), b = document.createElement('dd'); a.textContent = k, b.textContent = v; return [a, b]; }));
+    }
+    if (state.view) {
+      const tf = t.at('/tf', now), cells = t.at('/skin/cells', now), contacts = t.at('/skin/contacts', now);
+      if (tf) state.view.tf(tf);
+      if (cells && cells !== state.drawn_cells) state.view.readings(cells), state.drawn_cells = cells;
+      if (contacts) state.view.contacts(contacts);
+    }
+    const range = Math.max(0.01, t.last - t.first);
+    $('scrub').min = (-range).toFixed(2);
+    if (state.live) $('scrub').value = 0;
+    $('when').textContent = state.live ? 'now' : (now - t.last).toFixed(2) + ' s';
+  }
+  if (state.view) state.view.draw(getComputedStyle(document.documentElement).getPropertyValue('--paper').trim() || '#fff');
+}
+
+let next = 0;
+function frame(time) {
+  if (time >= next) next = time + 33, show();
+  requestAnimationFrame(frame);
+}
+
+function setLive(on) {
+  state.live = on;
+  $('live').setAttribute('aria-pressed', String(on));
+  if (!on) state.at = state.timeline.last + Number($('scrub').value);
+}
+function ask(question) {
+  $('question').textContent = question;
+  $('ask').returnValue = 'no';
+  $('ask').showModal();
+  return new Promise(done => $('ask').addEventListener('close', () => done($('ask').returnValue === 'yes'), {once: true}));
+}
+async function stop() { const a = await state.stream.call('/skinctl/stop'); $('reasons').textContent = a.done ? 'stop asked: ' + a.words : 'not stopped: ' + a.words; }
+async function resume() {
+  if (!await ask('The robot will move again. Is everybody clear of it?')) return;
+  const a = await state.stream.call('/skinctl/resume');
+  $('reasons').textContent = a.done ? 'resume asked: ' + a.words : 'not resumed: ' + a.words;
+}
+
+function parameters(list) {
+  for (const p of list) {
+    let input = document.getElementById('p-' + p.name);
+    if (!input) {
+      const label = document.createElement('label'), name = document.createElement('span'), value = document.createElement('output');
+      input = Object.assign(document.createElement('input'), {type: 'range', min: 0, max: 1, step: 0.01, id: 'p-' + p.name, disabled: !state.control});
+      name.textContent = p.name;
+      input.addEventListener('input', () => { value.textContent = Number(input.value).toFixed(2); });
+      input.addEventListener('change', async () => {
+        if (await ask(`Set ${p.name} to ${input.value}? The robot's behaviour changes.`)) state.stream.set(p.name, Number(input.value));
+        else input.value = input.dataset.known, value.textContent = Number(input.value).toFixed(2);
+      });
+      label.append(name, input, value);
+      $('weights').append(label);
+      $('sliders').hidden = false;
+    }
+    input.value = p.value, input.dataset.known = p.value, input.parentElement.querySelector('output').textContent = Number(p.value).toFixed(2);
+  }
+}
+
+async function open(file) {
+  const buffer = await file.arrayBuffer();
+  if (state.stream) state.stream.on.message = () => {};
+  state.timeline = new Timeline(Infinity), state.live = false, state.errors = 0, state.file = file.name;
+  const result = readMcap(buffer, feed);
+  chip(`${file.name}: ${result.words}`, result.messages > 0 && !result.cut);
+  for (const id of ['stop', 'resume']) $(id).disabled = true;
+  state.at = state.timeline.last;
+  $('scrub').value = 0, $('live').setAttribute('aria-pressed', 'false');
+}
+
+function control(allowed) {
+  state.control = allowed;
+  $('resume').disabled = !allowed;
+  $('resume').title = allowed ? 'Asks first (key R)' : 'Not allowed: start with --allow-control';
+  for (const input of document.querySelectorAll('#weights input')) input.disabled = !allowed;
+}
+
+RobotView.create($('robot')).then(view => {
+  state.view = view;
+  if (state.urdf) view.robot(state.urdf);
+  if (state.layout) view.layout(state.layout);
+}, error => {
+  $('robot').hidden = true, $('no3d').hidden = false;
+  $('no3d').textContent = /WebGL/.test(error.message) ? `No picture of the robot: ${error.message}.` : 'No picture of the robot: three.js is missing. On Debian: sudo apt-get install libjs-three';
+  state.no3d = error.message;
+});
+if (location.protocol.startsWith('http')) {
+  state.stream = new Stream(`ws://${location.host}/`, topics, {
+    state: chip, channels: () => {}, message: feed, status: text => { $('reasons').textContent = text; },
+    services: () => {}, parameters, control});
+} else {
+  chip('open an .mcap file', false);
+}
+$('stop').addEventListener('click', stop);
+$('resume').addEventListener('click', resume);
+$('scrub').addEventListener('input', () => setLive(Number($('scrub').value) >= -0.005 && !state.file));
+$('live').addEventListener('click', () => { if (state.file) location.reload(); else setLive(true); });
+$('file').addEventListener('change', e => { if (e.target.files[0]) open(e.target.files[0]); });
+addEventListener('dragover', e => { e.preventDefault(); document.body.classList.add('drop'); });
+addEventListener('dragleave', () => document.body.classList.remove('drop'));
+addEventListener('drop', e => { e.preventDefault(); document.body.classList.remove('drop'); if (e.dataTransfer.files[0]) open(e.dataTransfer.files[0]); });
+addEventListener('keydown', e => {
+  if (e.target.tagName === 'INPUT' || $('ask').open || e.ctrlKey || e.metaKey || e.altKey) return;
+  if (e.key === 's' || e.key === 'S') stop();
+  if ((e.key === 'r' || e.key === 'R') && !$('resume').disabled) resume();
+});
+state.open = open;
+requestAnimationFrame(frame);

@@ -1,0 +1,215 @@
+// The robot in three dimensions: links, cells as one mesh coloured from one texture, contacts as arrows.
+import {cellsOf, compose, inverse, multiply, rotate} from './skin.js';
+
+const numbers = (text, otherwise) => (text || otherwise).trim().split(/\s+/).map(Number);
+
+const turned = ([roll, pitch, yaw]) => {
+  const h = [roll, pitch, yaw].map(a => [Math.sin(a / 2), Math.cos(a / 2)]);
+  return multiply([0, 0, h[2][0], h[2][1]], multiply([0, h[1][0], 0, h[1][1]], [h[0][0], 0, 0, h[0][1]]));
+};
+const poseOf = e => ({p: numbers(e && e.getAttribute('xyz'), '0 0 0'), q: turned(numbers(e && e.getAttribute('rpy'), '0 0 0'))});
+
+/// The shapes of a URDF: {shapes: [{link, kind, size, X}], fixed: [{parent, child, X}]}.
+export function shapesOf(urdf) {
+  const shapes = [], fixed = [], tree = new DOMParser().parseFromString(urdf, 'text/xml');
+  for (const link of tree.querySelectorAll('robot > link'))
+    for (const visual of link.querySelectorAll(':scope > visual')) {
+      const shape = visual.querySelector('geometry > *');
+      if (!shape) continue;
+      const get = name => Number(shape.getAttribute(name));
+      const size = {cylinder: () => [get('radius'), get('length')], capsule: () => [get('radius'), get('length')],
+        sphere: () => [get('radius'), 0], box: () => numbers(shape.getAttribute('size'), '0 0 0')}[shape.tagName];
+      if (size) shapes.push({link: link.getAttribute('name'), kind: shape.tagName, size: size(), X: poseOf(visual.querySelector('origin'))});
+    }
+  for (const joint of tree.querySelectorAll('robot > joint[type=fixed]'))
+    fixed.push({parent: joint.querySelector('parent').getAttribute('link'), child: joint.querySelector('child').getAttribute('link'),
+      X: poseOf(joint.querySelector('origin'))});
+  return {shapes, fixed};
+}
+/// The shapes on links that frames are known of: one on another link is told in a known link that is fixed to it.
+export function onKnown({shapes, fixed}, known) {
+  return shapes.flatMap(s => {
+    if (known.has(s.link)) return [s];
+    const f = fixed.find(j => j.parent === s.link && known.has(j.child));
+    return f ? [{...s, link: f.child, X: compose(inverse(f.X), s.X)}] : [];
+  });
+}
+
+export class RobotView {
+  static async create(canvas) {
+    const THREE = await import('three');
+    const {OrbitControls} = await import('three/addons/controls/OrbitControls.js');
+    return new RobotView(canvas, THREE, OrbitControls);
+  }
+  constructor(canvas, THREE, OrbitControls) {
+    this.THREE = THREE, this.canvas = canvas, this.frames = new Map(), this.shapes = new Map(), this.cells = [];
+    const context = canvas.getContext('webgl2', {antialias: true});
+    if (!context) throw new Error('this browser has no WebGL 2');
+    this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: true});
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(40, 1, 0.05, 20);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(1.5, -1.5, 1.1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.target.set(0, 0, 0.3);
+    this.controls.update();
+    this.controls.addEventListener('change', () => { this.moved = true; });
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x666677, 1.1));
+    const sun = new THREE.DirectionalLight(0xffffff, 0.7);
+    sun.position.set(2, -1, 3);
+    this.scene.add(sun);
+    const grid = new THREE.GridHelper(2, 20, 0x888888, 0x888888);
+    grid.rotation.x = Math.PI / 2;
+    grid.material.opacity = 0.25, grid.material.transparent = true;
+    this.scene.add(grid);
+    this.arrows = [];
+    for (let i = 0; i < 64; ++i) {
+      const arrow = new THREE.ArrowHelper(new THREE.Vector3(0, 0, 1), new THREE.Vector3(), 0.1, 0xcc79a7, 0.03, 0.02);
+      arrow.visible = false;
+      this.scene.add(arrow), this.arrows.push(arrow);
+    }
+    this.moved = true;
+  }
+  group(link) {
+    let g = this.shapes.get(link);
+    if (!g) this.shapes.set(link, g = new this.THREE.Group()), this.scene.add(g);
+    return g;
+  }
+  /// Its links are drawn once their frames are known.
+  robot(urdf) { this.urdf = shapesOf(urdf); }
+  dress(known) {
+    const T = this.THREE, material = new T.MeshLambertMaterial({color: 0x9aa3ad});
+    for (const s of onKnown(this.urdf, known)) {
+      const body = new T.Group();
+      const add = geometry => body.add(new T.Mesh(geometry, material));
+      if (s.kind === 'box') add(new T.BoxGeometry(...s.size));
+      else if (s.kind === 'sphere') add(new T.SphereGeometry(s.size[0], 24, 16));
+      else {
+        const tube = new T.Group();  // three's cylinders stand along y, those of a URDF along z
+        const [r, l] = s.size;
+        tube.add(new T.Mesh(new T.CylinderGeometry(r, r, l, 28), material));
+        if (s.kind === 'capsule') for (const y of [-l / 2, l / 2]) { const m = new T.Mesh(new T.SphereGeometry(r, 24, 12), material); m.position.y = y; tube.add(m); }
+        tube.rotation.x = Math.PI / 2;
+        body.add(tube);
+      }
+      body.position.set(...s.X.p), body.quaternion.set(...s.X.q);
+      this.group(s.link).add(body);
+    }
+    this.urdf = null;
+  }
+  layout(skin) {
+    const T = this.THREE;
+    this.cells = cellsOf(skin);
+    this.index = new Map(this.cells.map((c, i) => [c.id, i]));
+    this.links = [...new Set(this.cells.map(c => c.link))];
+    const n = this.cells.length, width = 64, height = Math.ceil(n / width) || 1;
+    this.values = new Float32Array(4 * width * height);
+    this.texture = new T.DataTexture(this.values, width, height, T.RGBAFormat, T.FloatType);
+    this.texture.minFilter = this.texture.magFilter = T.NearestFilter;
+    // A hexagon of 14 mm, two vertices to a corner of two triangles and a bit of air: 6 vertices as two triangles' fan.
+    const place = new Float32Array(6 * n * 3), corner = new Float32Array(6 * n * 2), cell = new Float32Array(6 * n), link = new Float32Array(6 * n), index = [];
+    const r = 0.0125;
+    this.cells.forEach((c, i) => {
+      for (let k = 0; k < 6; ++k) {
+        const a = k * Math.PI / 3, p = rotate(c.q, [r * Math.cos(a), r * Math.sin(a), 0.0015]);
+        place.set([c.p[0] + p[0], c.p[1] + p[1], c.p[2] + p[2]], 3 * (6 * i + k));
+        corner.set([Math.cos(a), Math.sin(a)], 2 * (6 * i + k));
+        cell[6 * i + k] = i, link[6 * i + k] = this.links.indexOf(c.link);
+      }
+      for (let k = 1; k < 5; ++k) index.push(6 * i, 6 * i + k, 6 * i + k + 1);
+    });
+    const geometry = new T.BufferGeometry();
+    const attribute = (name, data, each) => { const a = new T.BufferAttribute(data, each); geometry.setAttribute ? geometry.setAttribute(name, a) : geometry.addAttribute(name, a); };
+    attribute('position', place, 3), attribute('corner', corner, 2), attribute('cell', cell, 1), attribute('link', link, 1);
+    geometry.setIndex(index);
+    this.matrices = this.links.map(() => new T.Matrix4());
+    const material = new T.ShaderMaterial({
+      uniforms: {links: {value: this.matrices}, readings: {value: this.texture}, size: {value: new T.Vector2(width, height)}},
+      side: T.DoubleSide,
+      vertexShader: `attribute float cell; attribute float link; attribute vec2 corner; uniform mat4 links[${this.links.length || 1}];
+        uniform sampler2D readings; uniform vec2 size; varying vec4 reading; varying vec2 at;
+        void main() {
+          reading = texture2D(readings, (vec2(mod(cell, size.x), floor(cell / size.x)) + 0.5) / size);
+          at = corner;
+          gl_Position = projectionMatrix * viewMatrix * links[int(link + 0.5)] * vec4(position, 1.0);
+        }`,
+      fragmentShader: `varying vec4 reading; varying vec2 at;
+        void main() {
+          vec3 rest = vec3(0.16, 0.32, 0.30), near = vec3(0.0, 0.45, 0.85), hot = vec3(0.90, 0.42, 0.0);
+          vec3 colour = mix(rest, near, clamp(reading.y, 0.0, 1.0));
+          colour = mix(colour, hot, clamp(reading.x, 0.0, 1.0));
+          if (reading.z > 0.5) colour = vec3(0.62);
+          if (length(at) > 0.93) colour *= 0.6;
+          gl_FragColor = vec4(colour, 1.0);
+        }`});
+    if (this.mesh) this.scene.remove(this.mesh);
+    this.mesh = new T.Mesh(geometry, material);
+    this.mesh.frustumCulled = false;
+    this.scene.add(this.mesh);
+    this.moved = true;
+  }
+  tf(list) {
+    const T = this.THREE;
+    if (this.urdf) this.dress(new Set(list.map(f => f.child)));
+    for (const f of list) {
+      const m = this.frames.get(f.child) || this.frames.set(f.child, new T.Matrix4()).get(f.child);
+      m.compose(new T.Vector3(...f.p), new T.Quaternion(...f.q), new T.Vector3(1, 1, 1));
+      const g = this.shapes.get(f.child);
+      if (g) g.matrixAutoUpdate = false, g.matrix.copy(m);
+    }
+    if (!this.aimed && list.length > 0) {  // at the middle of the robot, from where all of it is seen
+      this.aimed = true;
+      const box = new T.Box3();
+      for (const f of list) box.expandByPoint(new T.Vector3(...f.p));
+      box.expandByPoint(new T.Vector3());
+      const middle = box.getCenter(new T.Vector3()), far = 0.35 + 1.35 * box.getSize(new T.Vector3()).length();
+      this.controls.target.copy(middle);
+      this.camera.position.copy(middle).add(new T.Vector3(0.62, -0.66, 0.42).multiplyScalar(far * Math.max(1, 1.1 / this.camera.aspect)));
+      this.controls.update();
+    }
+    (this.links || []).forEach((name, i) => { const m = this.frames.get(name); if (m) this.matrices[i].copy(m); });
+    this.moved = true;
+  }
+  /// `full` is the force of a cell that is fully coloured [N].
+  readings(cloud, full = 3) {
+    if (!this.index) return;
+    const {view, step, fields, count} = cloud;
+    for (let i = 0; i < count; ++i) {
+      const at = i * step, k = this.index.get(view.getUint32(at + fields.cell, true));
+      if (k === undefined) continue;
+      this.values[4 * k] = view.getFloat32(at + fields.force, true) / full;
+      this.values[4 * k + 1] = view.getFloat32(at + fields.proximity, true);
+      this.values[4 * k + 2] = view.getUint32(at + fields.status, true) !== 0 ? 1 : 0;
+    }
+    this.texture.needsUpdate = true;
+    this.moved = true;
+  }
+  /// Arrows with their tips on the surface.
+  contacts(cloud) {
+    const T = this.THREE, {view, step, fields, count} = cloud, get = (i, f) => view.getFloat32(i * step + fields[f], true);
+    this.arrows.forEach((arrow, i) => {
+      arrow.visible = i < count;
+      if (i >= count) return;
+      const F = new T.Vector3(get(i, 'fx'), get(i, 'fy'), get(i, 'fz')), n = F.length(), long = 0.05 + 0.004 * Math.min(n, 60);
+      const way = n > 0 ? F.clone().multiplyScalar(1 / n) : new T.Vector3(0, 0, -1);
+      arrow.position.set(get(i, 'x'), get(i, 'y'), get(i, 'z')).addScaledVector(way, -long);
+      arrow.setDirection(way), arrow.setLength(long, 0.03, 0.02);
+    });
+    this.moved = true;
+  }
+  /// Draws if anything has moved.
+  draw(background) {
+    const w = this.canvas.clientWidth, h = this.canvas.clientHeight;
+    if (w !== this.w || h !== this.h) {
+      this.w = w, this.h = h, this.moved = true;
+      this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+      this.renderer.setSize(w, h, false);
+      this.camera.aspect = w / Math.max(1, h), this.camera.updateProjectionMatrix();
+    }
+    if (!this.moved) return;
+    this.moved = false;
+    this.renderer.setClearColor(background, 1);
+    this.renderer.render(this.scene, this.camera);
+    this.drawn = (this.drawn || 0) + 1;
+  }
+}

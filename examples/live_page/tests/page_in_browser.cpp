@@ -1,0 +1,267 @@
+// Looks at the live page and the placing page in headless Chromium, on a run that goes on: what is drawn, stop, resume,
+// scrubbing, a cut file, a patch laid by hand; at the width of a phone nothing overflows; no error of a script. Ends
+// with 77 (ctest: skipped) without Chromium. `--keep FOLDER` leaves screenshots behind; `--serve` serves until it is
+// interrupted, for people.
+#define DOCTEST_CONFIG_IMPLEMENT
+#include <doctest/doctest.h>
+
+#include <cstdio>
+
+#include "examples/live_page/page.hpp"
+#include "examples/live_page/tests/simulated_run.hpp"
+#include "examples/support/devtools.hpp"
+#include "skinctl/io/mcap_recorder.hpp"
+
+using namespace skinctl;
+using namespace live_page;
+namespace browser = examples::browser;
+
+namespace {
+
+constexpr int skipped = 77;
+std::string chromium;
+std::filesystem::path keep;
+
+/// Elements beyond the window's width, and buttons that a finger misses.
+constexpr char overflow[] = R"js((() => {
+  const out = [];
+  for (const e of document.body.querySelectorAll('*')) {
+    if (!e.getClientRects().length || e.closest('.file')) continue;
+    const r = e.getBoundingClientRect();
+    if (r.left < -0.5 || r.right > innerWidth + 0.5) out.push(`outside: ${e.tagName} ${e.id}`);
+    if (e.tagName === 'BUTTON' && r.height < 43) out.push(`small: ${e.id}`);
+  }
+  if (document.documentElement.scrollWidth > innerWidth) out.push('the page scrolls sideways');
+  return out.join('; ');
+})())js";
+/// The number of painted points of a chart.
+std::string painted(const char* chart) {
+  return "(() => { const k = document.getElementById('" + std::string(chart) +
+         "'), p = k.getContext('2d').getImageData(0, 0, k.width, k.height).data; let n = 0; for (let i = 3; "
+         "i < p.length; "
+         "i += 4) n += p[i] > 0; return n; })()";
+}
+const std::string last_reasons = "skinctl.timeline.list('/skinctl/status').slice(-1)[0].value.reasons";
+
+/// A server with the pages, and a run behind it.
+struct Served {
+  explicit Served(bool control, std::map<std::string, adapters::live::PageFile> more = {}) {
+    adapters::live::ServerOptions o;
+    o.allow_control = control;
+    put_page(o);
+    for (auto& f : more) o.files.insert(f);
+    server = std::make_unique<adapters::live::FoxgloveServer>(std::move(o));
+    view = std::make_unique<adapters::live::LiveView<Scene>>(*server, requests, run.description(),
+                                                             run.contacts());
+    server->start();
+    loop = std::thread([this] {
+      CycleThread<Scene> thread({view.get()});
+      run.run(1'000'000, std::chrono::milliseconds(8), thread, requests, stop);
+      thread.finish();
+    });
+  }
+  ~Served() {
+    stop = true;
+    loop.join();
+  }
+  std::atomic<bool> stop{false};
+  adapters::live::Requests requests;
+  SimulatedRun run;
+  std::unique_ptr<adapters::live::FoxgloveServer> server;
+  std::unique_ptr<adapters::live::LiveView<Scene>> view;
+  std::thread loop;
+};
+
+/// Four seconds of a run as a file.
+std::string recorded(const browser::Folder& folder) {
+  const std::string path = (folder.path / "run.mcap").string();
+  SimulatedRun run;
+  adapters::live::Requests requests;
+  const std::atomic<bool> stop{false};
+  McapRecorder<Scene> recorder(path, RunIdentity{"test"}, run.description());
+  CycleThread<Scene> thread({&recorder});
+  run.run(500, {}, thread, requests, stop);
+  thread.finish();
+  REQUIRE(recorder.finish());
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+TEST_CASE(
+    "The live page: drawn, stopped, resumed, scrubbed, replayed, on a phone and on a desk, in light and "
+    "dark") {
+  const browser::Folder folder;
+  Served served(true, {{"/run.mcap", {"application/octet-stream", recorded(folder)}}});
+  browser::Page page(chromium, folder);
+  for (const auto& [name, width, height, dark] :
+       {std::tuple("phone", 360, 1500, true), std::tuple("dark", 1400, 1000, true),
+        std::tuple("live", 1400, 1000, false)}) {
+    CAPTURE(name);
+    page.window(width, height, dark);
+    page.go(served.server->url());
+    REQUIRE(page.until("skinctl.timeline.list('/joint_states').length > 150"));
+    REQUIRE(page.until("(skinctl.view && skinctl.view.drawn > 5 && skinctl.layout) || skinctl.no3d"));
+    REQUIRE(page.until("skinctl.timeline.list('/skin/contacts').some(c => c.value.count > 0)"));
+    CHECK(page.evaluate("skinctl.errors") == 0);
+    CHECK(page.evaluate(overflow) == "");
+    for (const char* chart : {"torque", "joints", "force", "time"})
+      CHECK(page.evaluate(painted(chart)) > 300);
+    if (page.evaluate("!!skinctl.no3d") == true) {
+      MESSAGE("no picture of the robot: " << page.evaluate("skinctl.no3d").dump());
+    } else {
+      CHECK(page.evaluate("skinctl.view.cells.length") == 260);
+      CHECK(page.evaluate("skinctl.view.renderer.info.programs.every(p => !p.diagnostics)") == true);
+    }
+    if (!keep.empty()) page.picture(keep / (std::string(name) + ".png"));
+  }
+  // Stop is obeyed at once, resume asks.
+  page.evaluate("document.getElementById('stop').click()");
+  CHECK(page.until(last_reasons + ".includes('stopping')"));
+  CHECK(page.until("/stop/.test(document.getElementById('reasons').textContent)"));
+  page.key("r");
+  CHECK(page.evaluate("document.getElementById('ask').open") == true);
+  page.evaluate("document.querySelector('#ask button[value=no]').click()");
+  ::usleep(400'000);
+  CHECK(page.evaluate(last_reasons + ".includes('stopping')") == true);
+  page.evaluate("document.getElementById('resume').click()");
+  page.evaluate("document.querySelector('#ask button[value=yes]').click()");
+  CHECK(page.until("!" + last_reasons + ".includes('stopping')"));
+  // One second back the page stays there while the run goes on.
+  page.evaluate(
+      "(() => { const s = document.getElementById('scrub'); s.value = -1; s.dispatchEvent(new "
+      "Event('input')); })()");
+  const double at = page.evaluate("skinctl.at");
+  CHECK(page.until("skinctl.timeline.last > " + std::to_string(at) + " + 1.5"));
+  CHECK(page.evaluate("skinctl.at") == at);
+  CHECK(page.evaluate("!skinctl.live && document.getElementById('when').textContent.startsWith('-')") ==
+        true);
+  page.evaluate("document.getElementById('live').click()");
+  CHECK(page.evaluate("skinctl.live") == true);
+  // A file, whole, cut inside a chunk, and rubbish.
+  const auto opened = [&](const std::string& part) {
+    page.evaluate("fetch('/run.mcap').then(r => r.arrayBuffer()).then(b => skinctl.open(new File([" + part +
+                  "], 'run.mcap')))");
+    MESSAGE(page.evaluate("document.getElementById('link').textContent").dump());
+    return page.evaluate("skinctl.timeline.list('/joint_states').length").get<int>();
+  };
+  CHECK(opened("b") == 500);
+  const int cut = opened("b.slice(0, Math.floor(0.7 * b.byteLength))");
+  CHECK(cut > 50);
+  CHECK(cut < 500);
+  CHECK(opened("new ArrayBuffer(400)") == 0);
+  CHECK(page.errors() == "");
+}
+
+TEST_CASE("The live page: without consent of the server nothing is controlled but the stop") {
+  const browser::Folder folder;
+  Served served(false);
+  browser::Page page(chromium, folder);
+  page.window(1000, 800);
+  page.go(served.server->url());
+  REQUIRE(page.until("skinctl.timeline.list('/skinctl/status').length > 2"));
+  CHECK(page.evaluate("document.getElementById('resume').disabled") == true);
+  CHECK(page.evaluate("skinctl.stream.call('/skinctl/resume').then(a => a.done)") == false);
+  page.key("s");
+  CHECK(page.until(last_reasons + ".includes('stopping')"));
+  CHECK(page.errors() == "");
+}
+
+TEST_CASE("The placing page: a patch is dragged onto a link, laid onto its tube, and saved as a skin file") {
+  const browser::Folder folder;
+  Served served(true);
+  browser::Page page(chromium, folder);
+  for (const auto& [width, height] : {std::pair(360, 1200), std::pair(1400, 900)}) {
+    page.window(width, height);
+    page.go(served.server->url() + "place.html");
+    REQUIRE(page.until(
+        "skinctl.laid && ((skinctl.view && skinctl.handle) || !document.getElementById('no3d').hidden)"));
+    CHECK(page.evaluate(overflow) == "");
+    // Over the middle of the forearm, as by hand.
+    page.evaluate(R"js(import('/skin.js').then(({compose, plus, rotate}) => {
+      const X = skinctl.frames.get('forearm_link'), t = skinctl.tubes.get('forearm_link');
+      const m = t.from.map((v, i) => 0.5 * (v + t.to[i]));
+      skinctl.moveTo({p: plus(plus(X.p, rotate(X.q, m)), [0, -0.03, 0.06]), q: X.q});
+    }))js");
+    CHECK(page.evaluate("skinctl.laid.link") == "forearm_link");
+    const double off = page.evaluate(
+        R"js(Promise.all([import('/skin.js'), import('/surface.js')]).then(([{minus, size}, {nearest}]) =>
+      Math.max(...skinctl.laid.cells.map(c => size(minus(nearest(skinctl.tubes.get('forearm_link'), c.X.p).p, c.X.p))))))js");
+    CHECK(off < 1e-12);
+    const std::string before = page.evaluate("JSON.stringify(skinctl.laid.root.p)");
+    page.key("ArrowLeft");
+    CHECK(page.until("JSON.stringify(skinctl.laid.root.p) != '" + before + "'", 5));
+    if (!keep.empty() && width > 1000) ::usleep(500'000), page.picture(keep / "place.png");
+    // The library takes the file; neighbours keep their distance but for the bend of the tube.
+    const SkinFile file =
+        parse_skin_file(page.evaluate("JSON.stringify(skinctl.skin())").get<std::string>(), "placed");
+    REQUIRE(file.patches.size() == 1);
+    REQUIRE(file.patches[0].cells.size() == 20);
+    CHECK(file.patches[0].link == "forearm_link");
+    double low = 1, high = 0;
+    const auto& cells = file.patches[0].cells;
+    for (const auto& [a, b] :
+         {std::pair(0, 1), std::pair(1, 2), std::pair(6, 7), std::pair(0, 5), std::pair(12, 17)}) {
+      const Xyz<double> way = cells[std::size_t(a)].X_RootCell.p - cells[std::size_t(b)].X_RootCell.p;
+      const double d = std::sqrt(dot(way, way));
+      low = std::min(low, d), high = std::max(high, d);
+    }
+    MESSAGE("neighbours " << 1e3 * low << " to " << 1e3 * high << " mm apart, of 27.8");
+    CHECK(low > 0.024);
+    CHECK(high < 0.0285);
+  }
+  // Dragged by the mouse: by one of the three arrows.
+  if (page.evaluate("!!(skinctl.view && skinctl.handle)") == true) {
+    const std::string before = page.evaluate("JSON.stringify(skinctl.pose.p)");
+    bool moved = false;
+    for (const char* axis : {"1, 0, 0", "0, 1, 0", "0, 0, 1"}) {
+      if (moved) break;
+      // Where an arrow's head is on the screen, and its way.
+      const auto at = page.evaluate(
+          std::string(
+              "(() => { const T = skinctl.view.THREE, h = skinctl.handle, c = skinctl.view.camera, r = "
+              "skinctl.view.canvas.getBoundingClientRect(); const far = h.position.distanceTo("
+              "c.position) * Math.tan(c.fov * Math.PI / 360) * 0.7 / 4.2 * 2; const on = s => { const v = "
+              "h.localToWorld(new "
+              "T.Vector3(") +
+          axis +
+          ").multiplyScalar(s * far)).project(c); return [r.left + (v.x + 1) / 2 * r.width, "
+          "r.top + (1 - v.y) / 2 * r.height]; }; return [on(0.8), on(1.3)]; })()");
+      page.mouse("mouseMoved", at[0][0], at[0][1]);
+      ::usleep(100'000);
+      page.mouse("mousePressed", at[0][0], at[0][1]);
+      for (const double s : {0.3, 0.6, 1.0}) {
+        const double x0 = at[0][0], y0 = at[0][1], x1 = at[1][0], y1 = at[1][1];
+        page.mouse("mouseMoved", x0 + s * (x1 - x0), y0 + s * (y1 - y0));
+        ::usleep(60'000);
+      }
+      page.mouse("mouseReleased", at[1][0], at[1][1]);
+      moved = page.evaluate("JSON.stringify(skinctl.pose.p)") != before;
+    }
+    CHECK(moved);
+  }
+  CHECK(page.errors() == "");
+}
+
+int main(int argc, char** argv) {
+  doctest::Context context(argc, argv);
+  bool serve = false;
+  for (int i = 1; i < argc; ++i) {
+    if (argv[i] == std::string("--keep") && i + 1 < argc) keep = argv[i + 1];
+    serve = serve || argv[i] == std::string("--serve");
+  }
+  if (serve) {
+    Served served(true);
+    std::printf("%s\n", served.server->url().c_str());
+    std::fflush(stdout);
+    served.loop.join();
+    return 0;
+  }
+  chromium = browser::find();
+  if (chromium.empty()) {
+    std::printf("skipped: no Chromium; the live page was not looked at\n");
+    return skipped;
+  }
+  return context.run();
+}

@@ -1,0 +1,369 @@
+// The live view's server against clients written here byte by byte: hand-shake, hosts and origins, messages, services,
+// parameters, nonsense, clients that do not read.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "examples/adapters/live/foxglove_server.hpp"
+#include "examples/adapters/socket.hpp"
+#include "skinctl/testing/random.hpp"
+
+using namespace adapters;
+using namespace adapters::live;
+using nlohmann::json;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// A client that knows HTTP and WebSocket frames by their documents (RFC 7230, 6455) only.
+struct Client {
+  Stream stream;
+  std::vector<std::uint8_t> in;
+
+  explicit Client(std::uint16_t port) { stream.connect("127.0.0.1", port, "server", 2000ms); }
+  bool send(const std::string& text) {
+    return stream.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, 2000ms);
+  }
+  bool more(Timeout wait) {
+    std::uint8_t part[65536];
+    std::size_t n = 0;
+    const Read read = stream.read_some(part, n, wait);
+    in.insert(in.end(), part, part + n);
+    return read != Read::closed;
+  }
+  /// Head and, of a file, body of a reply.
+  std::string reply(bool whole = false) {
+    const auto late = std::chrono::steady_clock::now() + 10s;
+    for (bool open = true; std::chrono::steady_clock::now() < late;) {
+      const std::string text(in.begin(), in.end());
+      const auto end = text.find("\r\n\r\n");
+      if (end != std::string::npos && !whole) {
+        in.erase(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(end + 4));
+        return text.substr(0, end);
+      }
+      if (!open) return text;
+      open = more(100ms);
+    }
+    return {};
+  }
+  static std::string get(const std::string& path, const std::string& host, const std::string& more = {}) {
+    return "GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\n" + more + "\r\n";
+  }
+  static std::string upgrade(const std::string& protocol, const std::string& more = {}) {
+    return "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
+           "dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+           (protocol.empty() ? "" : "Sec-WebSocket-Protocol: " + protocol + "\r\n") + more;
+  }
+  /// A masked frame, as clients send them.
+  bool frame(int op, const std::string& payload) {
+    std::string out{static_cast<char>(0x80 | op)};
+    if (payload.size() < 126) {
+      out += static_cast<char>(0x80 | payload.size());
+    } else {
+      out += static_cast<char>(0x80 | 126);
+      out += static_cast<char>(payload.size() >> 8);
+      out += static_cast<char>(payload.size() & 0xff);
+    }
+    const char mask[4] = {1, 2, 3, 4};
+    out.append(mask, 4);
+    for (std::size_t i = 0; i < payload.size(); ++i) out += static_cast<char>(payload[i] ^ mask[i % 4]);
+    return send(out);
+  }
+  bool say(const json& text) { return frame(1, text.dump()); }
+  struct Frame {
+    int op = 0;
+    std::string payload;
+  };
+  std::optional<Frame> next(Timeout wait = 10s) {
+    const auto late = std::chrono::steady_clock::now() + wait;
+    for (;;) {
+      if (in.size() >= 2) {
+        std::size_t length = in[1] & 0x7f, head = 2;
+        if (length == 126 && in.size() >= 4) length = std::size_t(in[2]) << 8 | in[3], head = 4;
+        if (length == 127 && in.size() >= 10) {
+          length = 0, head = 10;
+          for (std::size_t i = 2; i < 10; ++i) length = length << 8 | in[i];
+        }
+        if (length < 126 || head > 2)
+          if (in.size() >= head + length) {
+            Frame f{in[0] & 0x0f, std::string(in.begin() + std::ptrdiff_t(head),
+                                              in.begin() + std::ptrdiff_t(head + length))};
+            in.erase(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(head + length));
+            return f;
+          }
+      }
+      if (std::chrono::steady_clock::now() > late || !more(50ms)) return {};
+    }
+  }
+  /// The next text with this op; binary ones before it are kept in `data`.
+  json text(const std::string& op) {
+    for (;;) {
+      const auto f = next();
+      if (!f) return {};
+      if (f->op == 2) data.push_back(f->payload);
+      if (f->op != 1) continue;
+      const json m = json::parse(f->payload);
+      if (m["op"] == op) return m;
+    }
+  }
+  std::string binary() {
+    if (!data.empty()) {
+      const std::string first = data.front();
+      data.erase(data.begin());
+      return first;
+    }
+    for (;;) {
+      const auto f = next();
+      if (!f) return {};
+      if (f->op == 2) return f->payload;
+    }
+  }
+  std::vector<std::string> data;
+};
+
+struct Served {
+  explicit Served(bool control = true, std::size_t queued = std::size_t(1) << 20, std::size_t clients = 32) {
+    ServerOptions o;
+    o.allow_control = control;
+    o.queued = queued;
+    o.clients = clients;
+    o.files["/"] = {"text/html; charset=utf-8", "<p>page</p>"};
+    o.folders["/folder/"] = "/usr/include";
+    server = std::make_unique<FoxgloveServer>(std::move(o));
+    channel = server->add({"/a", "cdr", "std_msgs/msg/String", "string data\n", "ros2msg", false});
+    latched = server->add({"/b", "cdr", "std_msgs/msg/String", "string data\n", "ros2msg", true});
+    server->add(Service{"/stop", false, [this] { return ++stops, Answer{true, "stopped"}; }});
+    server->add(Service{"/resume", true, [this] { return ++resumes, Answer{true, "resumed"}; }});
+    server->add(Parameter{"weight", 0.25, 0, 1, [this](double w) { weight = w; }});
+    server->start();
+    host = "127.0.0.1:" + std::to_string(server->port());
+  }
+  [[nodiscard]] std::string handshake(const std::string& more = {}) const {
+    return Client::get("/", host, Client::upgrade("foxglove.websocket.v1", more));
+  }
+  /// A client that has heard what is offered.
+  std::unique_ptr<Client> connected(json* channels = nullptr) const {
+    auto c = std::make_unique<Client>(server->port());
+    REQUIRE(c->send(handshake()));
+    REQUIRE(c->reply().find("101") != std::string::npos);
+    const json info = c->text("serverInfo");
+    CHECK(info["supportedEncodings"][0] == "cdr");
+    const json offered = c->text("advertise");
+    if (channels != nullptr) *channels = offered["channels"];
+    CHECK(c->text("advertiseServices")["services"].size() == 2);
+    return c;
+  }
+  void publish(std::uint32_t to, const std::string& bytes, skinctl::Nanoseconds time = 1500ms) {
+    server->publish(to, time, {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()});
+  }
+  bool until(auto&& what) const {
+    for (int k = 0; k < 400; ++k, std::this_thread::sleep_for(10ms))
+      if (what()) return true;
+    return false;
+  }
+  std::unique_ptr<FoxgloveServer> server;
+  std::uint32_t channel = 0, latched = 0;
+  std::atomic<int> stops{0}, resumes{0};
+  std::atomic<double> weight{-1};
+  std::string host;
+};
+
+std::string call_of(std::uint32_t service, std::uint32_t call, const std::string& encoding = "cdr") {
+  std::string out(13, '\0');
+  out[0] = 2;
+  const auto length = static_cast<std::uint32_t>(encoding.size());
+  std::memcpy(out.data() + 1, &service, 4), std::memcpy(out.data() + 5, &call, 4),
+      std::memcpy(out.data() + 9, &length, 4);
+  return out + encoding + std::string("\0\1\0\0\0", 5);
+}
+
+}  // namespace
+
+TEST_CASE("FoxgloveServer: the page, and nothing outside its folders") {
+  const Served s;
+  const auto status = [&](const std::string& path) {
+    Client c(s.server->port());
+    REQUIRE(c.send(Client::get(path, s.host)));
+    const std::string r = c.reply(true);
+    return r.substr(9, 3) + (r.find("\r\n\r\n") == std::string::npos ? "" : r.substr(r.find("\r\n\r\n") + 4));
+  };
+  CHECK(status("/") == "200<p>page</p>");
+  CHECK(status("/?x=1") == "200<p>page</p>");
+  CHECK(status("/folder/stdio.h").size() > 1000);
+  for (const char* path : {"/folder/../../etc/passwd", "/folder//etc/passwd", "/folder/..%2f..%2fetc/passwd",
+                           "/folder/", "/nothing", "/folder/a..b", "/folder/bits"})
+    CHECK(status(path).substr(0, 3) == "404");
+}
+
+TEST_CASE("FoxgloveServer: other hosts, origins and sub-protocols are refused") {
+  const Served s;
+  const auto status = [&](const std::string& request) {
+    Client c(s.server->port());
+    REQUIRE(c.send(request));
+    return c.reply().substr(9, 3);
+  };
+  const std::string port = std::to_string(s.server->port());
+  CHECK(status(s.handshake()) == "101");
+  CHECK(status(s.handshake("Origin: http://127.0.0.1:" + port + "\r\n")) == "101");
+  CHECK(status(s.handshake("Origin: http://localhost:" + port + "\r\n")) == "101");
+  CHECK(status(s.handshake("Origin: https://app.foxglove.dev\r\n")) == "101");
+  for (const std::string& origin :
+       {std::string("http://evil.example"), "http://127.0.0.1.evil.example:" + port, std::string("null"),
+        "https://127.0.0.1:" + port, std::string("http://127.0.0.1:1")})
+    CHECK(status(s.handshake("Origin: " + origin + "\r\n")) == "403");
+  for (const std::string& host :
+       {std::string("evil.example"), "evil.example:" + port, std::string("127.0.0.1:1"), std::string()})
+    CHECK(status(Client::get("/", host, Client::upgrade("foxglove.websocket.v1"))) == "403");
+  CHECK(status(Client::get("/", s.host, Client::upgrade(""))) == "400");
+  CHECK(status(Client::get("/", s.host, Client::upgrade("chat"))) == "400");
+  CHECK(status(Client::get("/", s.host, Client::upgrade("chat, foxglove.sdk.v1"))) == "101");
+  CHECK(s.until([&] { return s.server->statistics().refused == 11; }));
+}
+
+TEST_CASE(
+    "FoxgloveServer: the hand-shake of RFC 6455, topics, messages as they are documented, latched ones at "
+    "once") {
+  Served s;
+  {
+    Client c(s.server->port());
+    REQUIRE(c.send(s.handshake()));
+    CHECK(c.reply().find("s3pPLMBiTxaQ9kYGzzhZRbK+xOo=") != std::string::npos);
+  }
+  s.publish(s.latched, "before");
+  json channels;
+  const auto c = s.connected(&channels);
+  REQUIRE(channels.size() == 2);
+  CHECK(channels[0]["topic"] == "/a");
+  CHECK(channels[0]["schemaEncoding"] == "ros2msg");
+  CHECK(!s.server->wanted(s.channel));
+  CHECK(c->say(
+      {{"op", "subscribe"},
+       {"subscriptions",
+        {{{"id", 7}, {"channelId", channels[0]["id"]}}, {{"id", 9}, {"channelId", channels[1]["id"]}}}}}));
+  // 01, the subscription, the time in nanoseconds, the bytes.
+  CHECK(c->binary() == std::string("\1\11\0\0\0\0\x2f\x68\x59\0\0\0\0before", 19));
+  REQUIRE(s.until([&] { return s.server->wanted(s.channel); }));
+  s.publish(s.channel, "now");
+  CHECK(c->binary() == std::string("\1\7\0\0\0\0\x2f\x68\x59\0\0\0\0now", 16));
+  CHECK(c->say({{"op", "unsubscribe"}, {"subscriptionIds", {7}}}));
+  CHECK(s.until([&] { return !s.server->wanted(s.channel); }));
+}
+
+TEST_CASE("FoxgloveServer: services and parameters, with and without consent") {
+  for (const bool control : {true, false}) {
+    CAPTURE(control);
+    Served s(control);
+    const auto c = s.connected();
+    for (const std::uint32_t service : {1u, 2u}) {
+      REQUIRE(c->frame(2, call_of(service, 40 + service)));
+      const std::string reply = c->binary();
+      const bool done = service == 1 || control;
+      REQUIRE(reply.size() > 29);
+      CHECK(reply[0] == 3);
+      CHECK(static_cast<unsigned>(reply[1]) == service);
+      CHECK(static_cast<unsigned>(reply[5]) == 40 + service);
+      CHECK(reply.substr(9, 7) == std::string("\3\0\0\0cdr", 7));
+      CHECK(reply.substr(16, 4) == std::string("\0\1\0\0", 4));
+      CHECK((reply[20] == 1) == done);
+      std::uint32_t length = 0;
+      std::memcpy(&length, reply.data() + 24, 4);
+      CHECK(length == reply.size() - 28);
+      CHECK(reply.back() == '\0');
+    }
+    CHECK(s.stops == 1);
+    CHECK(s.resumes == (control ? 1 : 0));
+    CHECK(c->say({{"op", "subscribeParameterUpdates"}, {"parameterNames", {"weight"}}}));
+    CHECK(c->say(
+        {{"op", "setParameters"}, {"parameters", {{{"name", "weight"}, {"value", 0.5}}}}, {"id", "x"}}));
+    if (control) {
+      CHECK(c->text("parameterValues")["parameters"][0]["value"] == 0.5);
+      CHECK(s.weight == 0.5);
+      CHECK(c->text("parameterValues")["id"] == "x");
+      CHECK(c->say({{"op", "setParameters"}, {"parameters", {{{"name", "weight"}, {"value", 1.5}}}}}));
+      CHECK(c->text("status")["message"].get<std::string>().find("1.5") != std::string::npos);
+      CHECK(s.weight == 0.5);
+    } else {
+      CHECK(c->text("status")["level"] == 2);
+      CHECK(s.weight == -1);
+    }
+    s.server->set_parameter("weight", 0.75);
+    for (json m = c->text("parameterValues"); m["parameters"][0]["value"] != 0.75;
+         m = c->text("parameterValues"))
+      REQUIRE(!m.is_null());
+  }
+}
+
+TEST_CASE("FoxgloveServer: nonsense is answered or ends that client only, and the others hear everything") {
+  Served s;
+  const auto good = s.connected();
+  REQUIRE(good->say({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", 1}}}}}));
+  REQUIRE(s.until([&] { return s.server->wanted(s.channel); }));
+  const auto bad = s.connected();
+  for (const std::string& text :
+       {std::string("{"), std::string("[]"), std::string("{\"op\":7}"), std::string("{\"op\":\"subscribe\"}"),
+        std::string(R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":99999999999999999999}]})"),
+        std::string(R"({"op":"subscribe","subscriptions":7})"),
+        std::string(R"({"op":"fetchAsset","uri":"file:///etc/passwd"})"),
+        std::string(R"({"op":"setParameters","parameters":[{"name":"weight","value":"much"}]})"),
+        std::string(5000, '[')}) {
+    REQUIRE(bad->frame(1, text));
+    CHECK(bad->text("status")["level"] == 2);
+  }
+  for (const std::string& bytes :
+       {std::string(), std::string("\2"), std::string(13, '\2'), call_of(9, 1), call_of(1, 1, "json")})
+    REQUIRE(bad->frame(2, bytes));
+  CHECK(bad->text("serviceCallFailure")["callId"] == 0x02020202);
+  CHECK(bad->text("serviceCallFailure")["message"] == "no such service");
+  CHECK(s.stops == 0);
+  REQUIRE(bad->frame(1, "{\"op\":\"\xff\xfe\"}"));  // no UTF-8: RFC 6455 ends the connection
+  auto last = bad->next();
+  while (last && last->op != 8) last = bad->next();
+  CHECK(last.has_value());
+  bad->stream.close();
+  CHECK(s.until([&] { return s.server->statistics().clients == 1; }));
+  // Frames that are none, a message too long, half a request, random bytes.
+  auto rng = skinctl::testing::seeded(12);
+  for (int k = 0; k < 60; ++k) {
+    Client c(s.server->port());
+    std::string bytes = k % 3 == 0 ? "" : s.handshake();
+    for (int i = 0; i < 300; ++i) bytes += static_cast<char>(skinctl::testing::uniform(rng, 0.0, 255.9));
+    if (k % 5 == 0) bytes.resize(bytes.size() / 3);
+    static_cast<void>(c.send(bytes));
+  }
+  for (int k = 0; k < 20; ++k) s.publish(s.channel, std::to_string(k));
+  for (int k = 0; k < 20; ++k) CHECK(good->binary().substr(13) == std::to_string(k));
+}
+
+TEST_CASE(
+    "FoxgloveServer: who does not read loses messages and delays nobody; too many clients are refused") {
+  Served s(true, 200'000, 3);
+  const auto reads = s.connected(), sleeps = s.connected();
+  for (Client* c : {reads.get(), sleeps.get()})
+    REQUIRE(c->say({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", 1}}}}}));
+  REQUIRE(s.until([&] { return s.server->wanted(s.channel); }));
+  std::this_thread::sleep_for(100ms);
+  const std::string large(20'000, 'x');
+  int heard = 0;
+  for (int k = 0; k < 400; ++k) {
+    s.publish(s.channel, large);
+    if (reads->binary().size() == 13 + large.size()) ++heard;
+  }
+  CHECK(heard == 400);
+  CHECK(s.server->statistics().dropped > 100);
+  const auto third = s.connected();
+  Client fourth(s.server->port());
+  REQUIRE(fourth.send(s.handshake()));
+  CHECK(fourth.reply().substr(9, 3) == "503");
+  // Who leaves makes room.
+  third->stream.close();
+  CHECK(s.until([&] { return s.server->statistics().clients == 2; }));
+  static_cast<void>(s.connected());
+  s.server->stop();
+  s.server->stop();
+}

@@ -1,0 +1,183 @@
+// Several fingertips hold an object between them with a given internal force.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <tuple>
+
+#include "skinctl/dynamics/quantities.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// How hard the fingertips press on what is between them.
+template <Scalar T = double>
+struct GraspGoal {
+  T internal{0};  ///< mean force of a fingertip [N]; negative: the fingers open
+
+  template <class F>
+  friend void each_number(GraspGoal& g, F&& f) {
+    f(g.internal);
+  }
+};
+
+/// Settings of `GraspControl`.
+template <Real T = double>
+struct GraspSettings {
+  T damping = T(40);   ///< of the closing of the fingertips [N s/m]: free fingers close at force over damping
+  T max_rate = T(20);  ///< of the force [N/s]
+  T max_force = T(20);  ///< largest internal force [N]
+};
+
+/// Joint torques with which fingertips on the links `I...` press on an object between them, and nothing else:
+///
+///     f_i = -F (p_i - c) / s,   c = mean of p_i,   s = mean of |p_i - c|,   tau = sum J_i' f_i
+///
+/// The forces point at the centroid of the fingertips, in proportion to their distance from it. They add up to no
+/// force and no moment on the object whatever its shape and whatever the number of fingers; so an arm, gravity
+/// compensation or a touch that move the hand are not disturbed. F follows the goal at `max_rate`, and
+/// `damping ds/dt` is added, which damps the closing of the fingers and nothing else.
+///
+/// The object stays between the fingers if the centroid sees each fingertip within its friction cone. F goes to zero
+/// below 1 mm of s.
+///
+/// @tparam N  joints of the robot.  @tparam I  two or more links, one a finger.
+template <std::size_t N, Real T, std::size_t... I>
+class GraspControl : public Composable {
+  static_assert(sizeof...(I) >= 2, "a grasp needs two fingertips");
+
+ public:
+  using Goal = GraspGoal<T>;
+  using scalar = T;
+  using Settings = GraspSettings<T>;
+  static constexpr std::size_t joints = N;
+  static constexpr std::size_t fingers = sizeof...(I);
+  static constexpr Needs needs = {.jacobians = (link_bit<I> | ...)};
+  static constexpr LawRole role = LawRole::reactive;
+  static constexpr const char* name = "grasp";
+  struct Memory {
+    T force = T(0);  ///< now [N]
+    T goal = T(0);   ///< [N]
+  };
+
+  /// @param p_LP  the point of each fingertip that touches, in its link [m], in the order of `I`.
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD explicit GraspControl(const std::array<Xyz<T>, fingers>& p_LP, const Settings& s = {})
+      : s_(s) {
+    for (std::size_t k = 0; k < fingers; ++k) {
+      require(dot(p_LP[k], p_LP[k]) <= T(1), "GraspControl: |p_LP|^2",
+              static_cast<double>(dot(p_LP[k], p_LP[k])), "<= 1 m^2");
+      X_LP_[k] = p_LP[k];
+    }
+    require(s.damping >= T(0) && s.damping <= T(1e5), "GraspControl: damping", static_cast<double>(s.damping),
+            "0 to 1e5 N s/m");
+    require(s.max_rate > T(0) && s.max_rate <= T(1e6), "GraspControl: max_rate",
+            static_cast<double>(s.max_rate), "> 0, <= 1e6 N/s");
+    require(s.max_force > T(0) && s.max_force <= T(1e4), "GraspControl: max_force",
+            static_cast<double>(s.max_force), "> 0, <= 1e4 N");
+  }
+  [[nodiscard]] const Settings& settings() const noexcept { return s_; }
+
+  template <class K>
+  [[nodiscard]] static Memory start(const K&) noexcept {
+    return {};
+  }
+  /// Another force; refused if it is not finite, cut off at `max_force`.
+  template <class K>
+  [[nodiscard]] Received<Memory> receive(const Memory& m, const K&, const Goal& goal) const noexcept {
+    if (!(goal.internal - goal.internal == T(0))) return {m, Reason::goal_refused};
+    const T most = s_.max_force;
+    return {{m.force, goal.internal > most ? most : goal.internal < -most ? T(-most) : goal.internal}, {}};
+  }
+
+  /// Where the fingertips are, their mean distance from their centroid, and how fast it grows.
+  struct Shape {
+    Xyz<T> p[fingers];  ///< in the base [m]
+    Xyz<T> centroid{T(0), T(0), T(0)};
+    T size = T(0);  ///< [m]
+    T rate = T(0);  ///< [m/s]
+  };
+  template <class K>
+  [[nodiscard]] Shape shape(const K& known) const noexcept {
+    return shape_of(known, jacobians(known));
+  }
+
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& m, const K& known) const noexcept {
+    const auto J = jacobians(known);
+    const Shape s = shape_of(known, J);
+    JointTorque<N, T> tau;
+    if (!(s.size > T(1e-6))) return tau;
+    const T fade = s.size < T(1e-3) ? T(s.size * T(1e3)) : T(1);
+    const T per = fade * (m.force + s_.damping * s.rate) / s.size;
+    const auto one = [&](const auto& J_k, std::size_t k) SKINCTL_INLINE_LAMBDA {
+      typename std::remove_cvref_t<decltype(J_k)>::Load F;
+      F.force = T(-per) * (s.p[k] - s.centroid);
+      F.moment = {T(0), T(0), T(0)};
+      tau += transpose(J_k) * F;
+    };
+    std::apply(
+        [&](const auto&... J_k) SKINCTL_INLINE_LAMBDA {
+          std::size_t k = 0;
+          (one(J_k, k++), ...);
+        },
+        J);
+    return tau;
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& m, const K&, const T& dt,
+                                              Opposition) const noexcept {
+    const T step = s_.max_rate * dt, off = m.goal - m.force;
+    return {off > step ? m.force + step : off < -step ? m.force - step : m.goal, m.goal};
+  }
+  /// The force is the goal's, and the fingertips have come to rest against each other.
+  template <class K>
+  [[nodiscard]] bool settled(const Memory& m, const K& known, const T& still) const noexcept {
+    const T rate = shape(known).rate;
+    return m.force == m.goal && rate <= still && -rate <= still;
+  }
+
+ private:
+  template <std::size_t L>
+  static constexpr std::size_t place() noexcept {
+    constexpr std::size_t links[] = {I...};
+    std::size_t k = 0;
+    while (links[k] != L) ++k;
+    return k;
+  }
+  template <std::size_t L>
+  [[nodiscard]] SKINCTL_INLINE Transform<Link<L>, Tool, T> tip() const noexcept {
+    const Xyz<T>& p = X_LP_[place<L>()];
+    return Transform<Link<L>, Tool, T>::translation_xyz(p.x, p.y, p.z);
+  }
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE auto jacobians(const K& known) const noexcept {
+    return std::tuple{known.template jacobian<I>(tip<I>())...};
+  }
+  template <class K, class Jacobians>
+  [[nodiscard]] SKINCTL_INLINE Shape shape_of(const K& known, const Jacobians& J) const noexcept {
+    Shape s;
+    Xyz<T> v[fingers], mean{T(0), T(0), T(0)};
+    constexpr T share = T(1) / T(static_cast<int>(fingers));
+    std::size_t k = 0;
+    const auto one = [&](const auto& X_BP, const auto& J_k) SKINCTL_INLINE_LAMBDA {
+      s.p[k] = X_BP.origin();
+      v[k] = (J_k * known.dq()).linear;
+      s.centroid = s.centroid + share * s.p[k];
+      mean = mean + share * v[k];
+      ++k;
+    };
+    (one(known.template pose<I>() * tip<I>(), std::get<place<I>()>(J)), ...);
+    for (k = 0; k < fingers; ++k) {
+      const Xyz<T> away = s.p[k] - s.centroid;
+      const T far = norm(away);
+      s.size = s.size + share * far;
+      if (far > T(1e-9)) s.rate = s.rate + share * dot(away, Xyz<T>(v[k] - mean)) / far;
+    }
+    return s;
+  }
+
+  std::array<Xyz<T>, fingers> X_LP_;
+  Settings s_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,115 @@
+// The plain numbers of states, commands, samples and goals, one by one.
+#pragma once
+
+#include <cstdint>
+
+#include "skinctl/core/command.hpp"
+#include "skinctl/core/gripper.hpp"
+#include "skinctl/cycle/input.hpp"
+#include "skinctl/frames/transform.hpp"
+#include "skinctl/sensing/wrench_sample.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Calls `f(number)` for each plain number of a value. For goals of your own laws, overload
+/// `each_number(goal, f)` in their namespace. A duration is a whole number of nanoseconds.
+template <class F>
+void each_number(Nanoseconds& t, F&& f) {
+  std::int64_t count = t.count();
+  f(count);
+  t = Nanoseconds(count);
+}
+template <class K, std::size_t N, class T, class F>
+void each_number(JointVector<K, N, T>& v, F&& f) {
+  for (T& x : v) f(x);
+}
+template <std::size_t N, class T, class F>
+void each_number(State<N, T>& s, F&& f) {
+  each_number(s.time, f);
+  each_number(s.q, f);
+  each_number(s.dq, f);
+}
+template <std::size_t N, class T, class F>
+void each_number(JointCommand<N, T>& c, F&& f) {
+  each_number(c.time, f);
+  each_number(c.position, f);
+  each_number(c.velocity, f);
+  each_number(c.acceleration, f);
+  each_number(c.torque, f);
+  f(c.valid);
+}
+template <class F>
+void each_number(CellSample& s, F&& f) {
+  each_number(s.time, f);
+  f(s.cell);
+  for (float& x : s.force) f(x);
+  f(s.proximity);
+  for (float& x : s.acceleration) f(x);
+  f(s.temperature);
+}
+template <class F>
+void each_number(WrenchSample& s, F&& f) {
+  each_number(s.time, f);
+  for (double& x : s.force) f(x);
+  for (double& x : s.moment) f(x);
+}
+template <class F>
+void each_number(GripperState& s, F&& f) {
+  each_number(s.time, f);
+  auto error = static_cast<std::uint8_t>(s.error);
+  f(s.opening), f(s.force), f(s.heard), f(s.moving), f(s.holding), f(s.measured), f(error), f(s.code);
+  s.error = static_cast<GripperError>(error);
+}
+template <class F>
+void each_number(NoGoal&, F&&) {}
+template <class G, class F>
+  requires requires(G& g) {
+    g.q_g;
+    g.duration;
+  }
+void each_number(G& goal, F&& f) {
+  each_number(goal.q_g, f);
+  each_number(goal.duration, f);
+}
+template <class G, class F>
+  requires requires(G& g) {
+    g.q_d;
+    g.dq_d;
+  }
+void each_number(G& goal, F&& f) {
+  each_number(goal.q_d, f);
+  each_number(goal.dq_d, f);
+  if constexpr (requires { goal.ddq_d; }) each_number(goal.ddq_d, f);
+}
+
+template <class T, class F>
+void each_number(Xyz<T>& v, F&& f) {
+  f(v.x), f(v.y), f(v.z);
+}
+template <Frame A, Frame B, class T, class F>
+void each_number(Transform<A, B, T>& X, F&& f) {
+  auto R = X.axes();
+  auto p = X.origin();
+  for (Xyz<T>* v : {&R.x, &R.y, &R.z, &p}) each_number(*v, f);
+  X = Transform<A, B, T>::trusted(R, p);
+}
+template <class G, class F>
+  requires requires(G& g) { g.X_BP; }
+void each_number(G& goal, F&& f) {
+  each_number(goal.X_BP, f);
+  if constexpr (requires { goal.duration; }) each_number(goal.duration, f);
+  if constexpr (requires { goal.V; }) {
+    for (auto* v : {&goal.V.linear, &goal.V.angular, &goal.A.linear, &goal.A.angular}) each_number(*v, f);
+  }
+}
+template <class G, class F>
+  requires requires(G& g) {
+    g.direction;
+    g.force;
+  }
+void each_number(G& goal, F&& f) {
+  each_number(goal.direction, f);
+  f(goal.force);
+}
+
+SKINCTL_END_NAMESPACE

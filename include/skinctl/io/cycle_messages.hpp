@@ -1,0 +1,122 @@
+// A cycle as ROS 2 messages: joint states, torque shares, status. What files, streams and DDS send alike.
+#pragma once
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "skinctl/guard/faults.hpp"
+#include "skinctl/io/cycle_hand_over.hpp"
+#include "skinctl/io/run_description.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Encodes the topics of a cycle into bytes that stay until the next call. For the thread beside the loop.
+template <class C>
+class CycleMessages {
+ public:
+  using Bytes = std::span<const unsigned char>;
+
+  /// Throws `ConfigurationError` for another number of names than joints, and where `SkinCloud` does.
+  explicit CycleMessages(RunDescription run)
+      : run_(std::move(run)), cloud_(run_.cells, {run_.base, run_.newtons, run_.max_age}) {
+    require(run_.joints.size() == C::joints, "RunDescription: joints", double(run_.joints.size()),
+            "one name for each joint");
+    for (std::size_t k = 0; k < laws; ++k) {
+      if (k >= run_.laws.size()) run_.laws.push_back("law " + std::to_string(k + 1));
+      label_ += (k > 0 ? "," : "") + run_.laws[k];
+    }
+  }
+  [[nodiscard]] const RunDescription& run() const noexcept { return run_; }
+
+  /// Takes the samples of a cycle; to be called for each one before its messages.
+  void take(const CycleRecord<C>& r) noexcept {
+    for (const CellSample& s : r.input.samples) static_cast<void>(cloud_.set(s));
+  }
+  /// `/tf`: every frame in the base, by the measured positions. Empty without frames.
+  [[nodiscard]] Bytes tf(const CycleRecord<C>& r) {
+    find_places(r);
+    std::vector<ros::StampedTransform> all;
+    for (const RunFrame& f : run_.frames) {
+      if (f.link >= places_.size()) continue;
+      const LinkPlace& l = places_[f.link];
+      all.push_back({r.input.now, run_.base, f.name, l.R * f.in_link.p + l.p, l.R * f.in_link.R});
+    }
+    return all.empty() ? Bytes() : encoded(ros::Transforms{all});
+  }
+  /// `/skin/cells` as of this cycle; lies in this object until the next call. Empty without cells.
+  [[nodiscard]] Bytes cells(const CycleRecord<C>& r) {
+    if (cloud_.cells() == 0) return {};
+    find_places(r);
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      cloud_.place(static_cast<std::uint32_t>(i), places_[i].R, places_[i].p);
+    return cloud_.encode(r.input.now);
+  }
+  /// Where the links were at the last `tf` or `cells`.
+  [[nodiscard]] const std::vector<LinkPlace>& places() const noexcept { return places_; }
+  [[nodiscard]] SkinCloud& cloud() noexcept { return cloud_; }
+  /// `/joint_states`: measured positions and velocities, commanded torques where the command has them.
+  [[nodiscard]] Bytes joint_states(const CycleRecord<C>& r) {
+    std::vector<double> q(C::joints), dq(C::joints), tau(C::joints);
+    for (std::size_t i = 0; i < C::joints; ++i) {
+      q[i] = static_cast<double>(r.input.measured.q[i]);
+      dq[i] = static_cast<double>(r.input.measured.dq[i]);
+      tau[i] = static_cast<double>(r.command.torque[i]);
+    }
+    return encoded(ros::JointState{r.input.measured.time, "", run_.joints, q, dq, tau});
+  }
+  /// `/skinctl/torque_shares`: a row for each law [N m].
+  [[nodiscard]] Bytes torque_shares(const CycleRecord<C>& r) {
+    std::vector<double> all;
+    for (const auto& share : r.shares)
+      for (std::size_t i = 0; i < C::joints; ++i) all.push_back(static_cast<double>(share[i]));
+    return encoded(ros::Matrix{{label_, "joint"}, laws, C::joints, all});
+  }
+  /// `/skinctl/status`: JSON with the cycle's number, the names of reasons, the stages' times [us] and the cycles that
+  /// found no room.
+  [[nodiscard]] Bytes status(const CycleRecord<C>& r, Status since_last, std::uint64_t dropped) {
+    std::string text = "{\"cycle\":" + std::to_string(r.number) + ",\"reasons\":[";
+    const char* between = "";
+    since_last.for_each([&](Reason reason) {
+      text += between + ("\"" + std::string(name(reason)) + "\"");
+      between = ",";
+    });
+    text += "],\"times_us\":{";
+    char number[48];
+    for (std::size_t s = 0; s < stage_count; ++s) {
+      std::snprintf(number, sizeof number, "%.3f", 1e-3 * static_cast<double>(r.times[s].count()));
+      text += std::string(s > 0 ? "," : "") + "\"" + name(static_cast<CycleStage>(s)) + "\":" + number;
+    }
+    text += "},\"dropped\":" + std::to_string(dropped) + "}";
+    return encoded(ros::String{text});
+  }
+  /// Any message; it lies in this object until the next one.
+  template <class M>
+  [[nodiscard]] Bytes encoded(const M& message) {
+    for (;;) {
+      CdrWriter writer(bytes_);
+      ros::encode(writer, message);
+      if (writer.fits()) return writer.bytes();
+      bytes_.resize(writer.size());
+    }
+  }
+
+ private:
+  static constexpr std::size_t laws = std::tuple_size_v<decltype(C::Output::shares)>;
+  void find_places(const CycleRecord<C>& r) {
+    if (!run_.places) return;
+    q_.assign(C::joints, 0);
+    for (std::size_t i = 0; i < C::joints; ++i) q_[i] = static_cast<double>(r.input.measured.q[i]);
+    run_.places(q_, places_);
+  }
+
+  RunDescription run_;
+  SkinCloud cloud_;
+  std::string label_;
+  std::vector<double> q_;
+  std::vector<LinkPlace> places_;
+  std::vector<unsigned char> bytes_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,65 @@
+// What a viewer has to know of a run: names, robot, skin, and where the links are.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "skinctl/io/skin_cloud.hpp"
+#include "skinctl/kinematics/poses.hpp"
+#include "skinctl/model/named_links.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Axes and origin of a link in the base.
+struct LinkPlace {
+  Rotation<double> R;
+  Xyz<double> p{0, 0, 0};
+};
+
+/// A frame of `/tf`: a named link, where it is in the model's link that carries it.
+struct RunFrame {
+  std::string name;
+  std::size_t link = 0;  ///< an index into the places
+  LinkPlace in_link{};
+};
+
+/// A run in words and places, the same for a file, a stream and DDS. Only the joints are needed.
+struct RunDescription {
+  std::vector<std::string> joints{};  ///< names, one for each joint
+  std::vector<std::string> laws{};    ///< one for each torque share; missing ones are numbered
+  std::string urdf{};                 ///< `/robot_description`; empty: none is sent
+  std::string layout{};               ///< `/skin/layout`, a skin file in JSON; empty: none is sent
+  std::string base = "base_link";
+  std::vector<RunFrame> frames{};  ///< of `/tf`; empty: none is sent
+  /// The places of all links at these joint positions; see `places_of`.
+  std::function<void(const std::vector<double>& q, std::vector<LinkPlace>& places)> places;
+  std::vector<SkinCloud::Cell> cells{};  ///< of `/skin/cells`; a cell's link is an index into the places
+  float newtons = 1;                     ///< of a sum of readings of 1
+  Nanoseconds max_age = 100ms;           ///< older cells are marked as stale
+};
+
+/// The links of `D` that move, as frames.
+template <NamesLinks D>
+[[nodiscard]] std::vector<RunFrame> frames_of() {
+  std::vector<RunFrame> out;
+  for (const NamedLink& l : D::named_links)
+    if (l.link >= 0) out.push_back({l.name, static_cast<std::size_t>(l.link), {l.R, l.p}});
+  return out;
+}
+
+/// The places of a model's links, for `RunDescription::places`. The model is copied.
+template <RobotModel M>
+[[nodiscard]] auto places_of(const M& model) {
+  return [model](const std::vector<double>& q, std::vector<LinkPlace>& places) {
+    JointPosition<M::joints> at;
+    for (std::size_t i = 0; i < M::joints && i < q.size(); ++i) at[i] = q[i];
+    const auto poses = link_poses(model, at);
+    places.resize(M::joints);
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      ((places[I] = {poses.template get<I>().axes(), poses.template get<I>().origin()}), ...);
+    }(std::make_index_sequence<M::joints>());
+  };
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,171 @@
+// The cells of a skin as a point cloud: prepared once, each cycle writes what changed.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/io/ros_messages.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// One cell of `/skin/cells`, as it lies there: a place, and a whole `CellSample`, so that another computer can control
+/// with it.
+struct SkinPoint {
+  enum Status : std::uint32_t {
+    stale = 1,  ///< older than `SkinCloud::max_age`, or never heard
+    masked = 2  ///< its readings do not count
+  };
+  std::array<float, 3> position{};  ///< in the base [m]
+  float force = 0;         ///< sum of the readings, times the scale [N]; without a scale the readings
+  float proximity = 0;     ///< in [0, 1]
+  float temperature = 0;   ///< [C]
+  std::uint32_t cell = 0;  ///< id
+  std::uint32_t status = stale;
+  std::array<float, 3> forces{};        ///< the readings, each in [0, 1]
+  std::int32_t age = 0;                 ///< of the sample at the message's stamp [ns]; held at both ends
+  std::array<float, 3> acceleration{};  ///< [m/s^2]
+  float zero = 0;
+
+  static constexpr std::array<ros::PointField, 15> fields = {{{"x", 0},
+                                                              {"y", 4},
+                                                              {"z", 8},
+                                                              {"force", 12},
+                                                              {"proximity", 16},
+                                                              {"temperature", 20},
+                                                              {"cell", 24, ros::PointNumber::u32},
+                                                              {"status", 28, ros::PointNumber::u32},
+                                                              {"force1", 32},
+                                                              {"force2", 36},
+                                                              {"force3", 40},
+                                                              {"age", 44, ros::PointNumber::i32},
+                                                              {"ax", 48},
+                                                              {"ay", 52},
+                                                              {"az", 56}}};
+};
+static_assert(std::is_standard_layout_v<SkinPoint> && sizeof(SkinPoint) == 64);
+
+/// A skin as a message that stays prepared: `set` writes a sample, `place` moves the cells of a link, `encode` stamps.
+/// Nothing is allocated after the construction; not for several threads at once.
+class SkinCloud {
+ public:
+  /// A cell: where it is in its link [m], and the number of that link for `place`.
+  struct Cell {
+    std::uint32_t id = 0;
+    std::uint32_t link = 0;
+    std::array<float, 3> position{};
+  };
+  struct Options {
+    std::string frame = "base_link";
+    float newtons = 1;            ///< of a sum of readings of 1; 1: `force` is the sum itself
+    Nanoseconds max_age = 100ms;  ///< older samples are marked as stale
+  };
+
+  /// The cells of a link must be neighbours in the list. Throws `ConfigurationError` for more than 2^20 cells, an id
+  /// that occurs twice, links that come twice, a place that is not finite, a scale or age that is not above 0.
+  explicit SkinCloud(const std::vector<Cell>& cells) : SkinCloud(cells, Options()) {}
+  SkinCloud(const std::vector<Cell>& cells, const Options& options);
+
+  [[nodiscard]] static const MessageType& type() { return ros::PointCloud::type(); }
+  [[nodiscard]] std::size_t cells() const noexcept { return homes_.size(); }
+
+  /// The newest sample of a cell. False for an id that the skin does not have; then nothing changes.
+  SKINCTL_INLINE bool set(const CellSample& s) noexcept {
+    const std::size_t i = index(s.cell);
+    if (i == none) return false;
+    SkinPoint& point = points()[i];
+    const float sum = s.force[0] + s.force[1] + s.force[2];
+    point.force = options_.newtons * sum;
+    point.proximity = s.proximity;
+    point.temperature = s.temperature;
+    point.forces = s.force;
+    point.acceleration = s.acceleration;
+    times_[i] = held(s.time);
+    return true;
+  }
+  /// Whether the readings of a cell count. False for an unknown id.
+  bool mask(std::uint32_t id, bool masked) noexcept {
+    const std::size_t i = index(id);
+    if (i == none) return false;
+    SkinPoint& point = points()[i];
+    point.status = (point.status & SkinPoint::stale) | (masked ? std::uint32_t(SkinPoint::masked) : 0u);
+    return true;
+  }
+  /// The link `link` has its axes and its origin there in the base [m]; links without cells are ignored.
+  void place(std::uint32_t link, const Rotation<double>& R, const Xyz<double>& p) noexcept {
+    if (link >= links_.size()) return;
+    const auto f = [](double x) { return static_cast<float>(x); };
+    const float x[3] = {f(R.x.x), f(R.x.y), f(R.x.z)}, y[3] = {f(R.y.x), f(R.y.y), f(R.y.z)},
+                z[3] = {f(R.z.x), f(R.z.y), f(R.z.z)}, o[3] = {f(p.x), f(p.y), f(p.z)};
+    SkinPoint* const points = this->points();
+    for (std::size_t i = links_[link].first; i < links_[link].last; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        points[i].position[k] = x[k] * homes_[i][0] + y[k] * homes_[i][1] + z[k] * homes_[i][2] + o[k];
+  }
+  /// The message with the stamp `now`: ages and staleness of all cells are as of then. Valid until the next call.
+  [[nodiscard]] std::span<const unsigned char> encode(Nanoseconds now) noexcept {
+    CdrWriter stamp(std::span<unsigned char>(bytes()).first(cdr_header_size + 8));
+    ros::encode(stamp, now);
+    SkinPoint* const points = this->points();
+    const std::int64_t at = held(now), limit = options_.max_age.count();
+    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      const std::int64_t age = std::clamp(at - times_[i], -most, most);
+      points[i].age = static_cast<std::int32_t>(age);
+      points[i].status =
+          (points[i].status & SkinPoint::masked) | (age > limit ? std::uint32_t(SkinPoint::stale) : 0u);
+    }
+    return bytes();
+  }
+
+ private:
+  static constexpr std::size_t none = ~std::size_t(0), most_cells = std::size_t(1) << 20;
+  static constexpr std::int64_t never = -(std::int64_t(1) << 61);
+  struct Range {
+    std::size_t first = 0, last = 0;
+  };
+  struct alignas(64) Line {
+    unsigned char bytes[64];
+  };
+
+  /// A time whose difference from another one does not overflow: 73 years on either side.
+  static std::int64_t held(Nanoseconds t) noexcept { return std::clamp(t.count(), never, -never); }
+  SKINCTL_INLINE std::size_t index(std::uint32_t id) const noexcept {
+    if (id < direct_.size()) [[likely]]
+      return direct_[id] == free_slot ? none : direct_[id];
+    return direct_.empty() ? hashed(id) : none;
+  }
+  std::size_t hashed(std::uint32_t id) const noexcept {
+    for (std::size_t k = id * 0x9e3779b1u >> shift_;; k = (k + 1) & (slots_.size() - 1)) {
+      const Slot slot = slots_[k];  // half of the slots are free: it ends
+      if (slot.index == free_slot) return none;
+      if (slot.id == id) return slot.index;
+    }
+  }
+  [[nodiscard]] std::span<unsigned char> bytes() noexcept { return {lines_.front().bytes + before_, size_}; }
+  [[nodiscard]] SkinPoint* points() noexcept { return reinterpret_cast<SkinPoint*>(&lines_[first_point_]); }
+
+  struct Slot {
+    std::uint32_t id = 0, index = free_slot;
+  };
+  static constexpr std::uint32_t free_slot = ~std::uint32_t(0);
+
+  Options options_;
+  std::vector<std::array<float, 3>> homes_;
+  std::vector<std::int64_t> times_;
+  std::vector<Range> links_;
+  std::vector<std::uint32_t> direct_;  // the place of each id, if ids are small; else `slots_`
+  std::vector<Slot> slots_;
+  unsigned shift_ = 31;
+  std::vector<Line> lines_;      // the message; every point has a cache line of its own
+  std::size_t before_ = 0;       // bytes before the message
+  std::size_t size_ = 0;         // of the message
+  std::size_t first_point_ = 0;  // its line
+};
+
+SKINCTL_END_NAMESPACE
+
+#include "skinctl/io/detail/skin_cloud_setup.hpp"

@@ -1,0 +1,211 @@
+// Goals from a demonstration: where a led robot was left alone, and how hard it was told to squeeze.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "skinctl/semantics/activity.hpp"
+#include "skinctl/semantics/speed_estimate.hpp"
+#include "skinctl/semantics/world.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// One cycle of a demonstration.
+template <Frame W = World>
+struct LedSample {
+  Nanoseconds time{};
+  Transform<W, Tool> X_WH{};
+  double touch = 0;                   ///< all that touches the robot, as a sum of forces [N]
+  double force = 0;                   ///< of the fingers [N]
+  bool closed = false;                ///< the switch by which the person closes and opens the hand
+  Activity said = Activity::unknown;  ///< a recogniser's word, for force goals; `unknown`: none
+};
+
+/// What was taught: a step for a plan.
+template <Frame W = World>
+struct Taught {
+  Activity activity = Activity::unknown;  ///< reach or put: a goal; take, release, squeeze: done there
+  std::uint8_t object = no_object;        ///< the goal is relative to this object; `no_object`: to the world
+  ObjectClass role = 0;                   ///< its class
+  Transform<W, Tool> X_WH{};              ///< pose of the hand
+  Transform<ObjectFrame, Tool> X_OH{};    ///< in the object's frame, if it is relative to one
+  double force = 0;                       ///< to squeeze with [N]
+  Nanoseconds begin{}, end{};             ///< the stretch that it was taken from
+};
+
+/// Numbers of the segmentation.
+struct DemonstrationSettings {
+  double still = 0.02;        ///< slower than this is at rest [m/s]
+  double untouched = 0.5;     ///< touched with less than this is left alone [N]
+  Nanoseconds least = 200ms;  ///< for at least this long
+  Nanoseconds led = 300ms;    ///< after it was touched for this long in one go, since the last goal or switch
+  double apart = 0.05;        ///< from the last goal [m]
+  double near_object = 0.08;  ///< a goal nearer than this to an object is relative to it [m]
+  SpeedEstimate<>::Settings speed{};
+};
+
+namespace detail {
+[[nodiscard]] inline double median(std::vector<double>& x) {
+  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
+  std::nth_element(x.begin(), middle, x.end());
+  if (x.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(x.begin(), middle));
+}
+/// The rotation with the least sum of squared angles to all of these (Karcher), which are near each other.
+[[nodiscard]] inline Rotation<double> mean_rotation(const std::vector<Rotation<double>>& all) {
+  Rotation<double> mean = all[all.size() / 2];
+  for (int i = 0; i < 5; ++i) {
+    Xyz<double> off{0, 0, 0};
+    for (const auto& R : all)
+      off = off + (1.0 / static_cast<double>(all.size())) * log_so3(mean.transpose() * R);
+    mean = normalised(mean * exp_so3(off));
+    if (norm(off) < 1e-12) break;
+  }
+  return mean;
+}
+}  // namespace detail
+
+/// Reads a demonstration, cycle by cycle, into goals.
+///
+/// - A goal is where the robot was led and then left alone: touched for `led` in one go (a push on a switch is shorter,
+///   and the arm may glide on from it), then at rest and untouched for `least`, at least `apart` from the last one.
+///   Its pose is the median of the positions, and the mean of the rotations, of the stretch, which ends when the robot
+///   is touched, moves, is switched or squeezes: the push on the switch moves the arm. A hand that waits on the robot makes no
+///   goal.
+/// - With the hand open it is one to reach, else one to put to. A switch after it is what was done there: take or
+///   release.
+/// - A goal near an object, other than the one in hand, is relative to it: it moves with it.
+/// - A stretch of the word squeeze gives its median force.
+///
+/// It keeps the samples of a stretch: it allocates, and belongs beside the loop.
+template <Frame W = World>
+class DemonstrationReader {
+ public:
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD explicit DemonstrationReader(const DemonstrationSettings& s = {}) : s_(s), speed_(s.speed) {
+    require(s.still > 0 && s.still <= 10, "Demonstration: still", s.still, "> 0, <= 10 m/s");
+    require(s.untouched > 0 && s.untouched <= 1e3, "Demonstration: untouched", s.untouched, "> 0, <= 1e3 N");
+    require(s.least > 0ns && s.least <= 60s, "Demonstration: least", milliseconds(s.least), "> 0, <= 6e4 ms");
+    require(s.led >= 0ns && s.led <= 60s, "Demonstration: led", milliseconds(s.led), "0 to 6e4 ms");
+    require(s.apart >= 0 && s.apart <= 10, "Demonstration: apart", s.apart, "0 to 10 m");
+    require(s.near_object >= 0 && s.near_object <= 10, "Demonstration: near_object", s.near_object,
+            "0 to 10 m");
+  }
+
+  /// Takes a sample, with the objects as they are known then (a range of `Object<W>`) and the number of the one in
+  /// hand. A sample that is not finite or not later than the last one is ignored.
+  template <class Objects>
+  void take(const LedSample<W>& x, const Objects& objects, std::uint8_t held = no_object) {
+    if (speed_.step(m_, x.time, x.X_WH.origin()).any() || (started_ && x.time <= last_)) return;
+    const bool switched = started_ && x.closed != closed_;
+    const bool alone =
+        norm(m_.v) < s_.still && x.touch < s_.untouched && !switched && x.said != Activity::squeeze;
+    if (!alone) close(objects, held);
+    if (!started_ || !(x.touch >= s_.untouched)) touched_ = x.time;
+    led_ = (led_ && !switched) || x.time - touched_ >= s_.led;
+    if (alone) {
+      if (stretch_.empty()) begin_ = x.time;
+      stretch_.push_back(x.X_WH);
+    }
+    if (switched) was_switched(x);
+    squeeze(x);
+    last_ = x.time;
+    closed_ = x.closed;
+    started_ = true;
+  }
+  /// The end of the demonstration: what was taught, in order.
+  template <class Objects>
+  [[nodiscard]] std::vector<Taught<W>> finish(const Objects& objects, std::uint8_t held = no_object) {
+    close(objects, held);
+    squeeze({});
+    return std::move(taught_);
+  }
+
+ private:
+  /// The end of a stretch.
+  template <class Objects>
+  void close(const Objects& objects, std::uint8_t held) {
+    if (!stretch_.empty() && led_ && last_ - begin_ >= s_.least) {
+      std::vector<double> x, y, z;
+      std::vector<Rotation<double>> R;
+      for (const auto& X : stretch_) {
+        x.push_back(X.origin().x), y.push_back(X.origin().y), z.push_back(X.origin().z);
+        R.push_back(X.axes());
+      }
+      Taught<W> goal;
+      goal.X_WH = Transform<W, Tool>::trusted(detail::mean_rotation(R),
+                                              {detail::median(x), detail::median(y), detail::median(z)});
+      goal.activity = closed_ ? Activity::put : Activity::reach;
+      goal.begin = begin_;
+      goal.end = last_;
+      if (!any_ || norm(Xyz<double>(goal.X_WH.origin() - goal_.X_WH.origin())) >= s_.apart) {
+        relate(goal, objects, held);
+        goal_ = goal;
+        any_ = true;
+        led_ = false;
+        taught_.push_back(goal);
+      }
+    }
+    stretch_.clear();
+  }
+  template <class Objects>
+  void relate(Taught<W>& goal, const Objects& objects, std::uint8_t held) const {
+    double nearest = s_.near_object;
+    std::uint8_t i = 0;
+    for (const Object<W>& o : objects) {
+      const double d = norm(Xyz<double>(o.X_WO.origin() - goal.X_WH.origin()));
+      if (o.known && i != held && d < nearest) {
+        nearest = d;
+        goal.object = i;
+        goal.role = o.kind;
+        goal.X_OH = o.X_WO.inverse() * goal.X_WH;
+      }
+      ++i;
+    }
+  }
+  /// Take or release, where the robot was left alone last.
+  void was_switched(const LedSample<W>& x) {
+    Taught<W> done = goal_;
+    if (!any_) done.X_WH = x.X_WH;
+    done.activity = x.closed ? Activity::take : Activity::release;
+    done.begin = done.end = x.time;
+    taught_.push_back(done);
+  }
+  void squeeze(const LedSample<W>& x) {
+    if (x.said == Activity::squeeze) {
+      if (forces_.empty()) squeezed_ = x.time;
+      forces_.push_back(x.force);
+    } else if (!forces_.empty()) {
+      Taught<W> done = goal_;
+      done.activity = Activity::squeeze;
+      done.begin = squeezed_;
+      done.end = last_;
+      done.force = detail::median(forces_);
+      if (done.end - done.begin >= s_.least) taught_.push_back(done);
+      forces_.clear();
+    }
+  }
+
+  DemonstrationSettings s_;
+  SpeedEstimate<> speed_;
+  SpeedEstimate<>::Memory m_{};
+  std::vector<Transform<W, Tool>> stretch_;
+  std::vector<double> forces_;
+  std::vector<Taught<W>> taught_;
+  Taught<W> goal_{};
+  Nanoseconds begin_{}, last_{}, squeezed_{};
+  Nanoseconds touched_{};  ///< when nobody touched it last
+  bool led_ = false, any_ = false, closed_ = false, started_ = false;
+};
+
+/// What a recording teaches, among objects that stay where they are: a range of `LedSample<W>`, one of `Object<W>`.
+template <Frame W = World, class Samples, class Objects>
+[[nodiscard]] std::vector<Taught<W>> segment(const Samples& recording, const Objects& objects,
+                                             const DemonstrationSettings& settings = {}) {
+  DemonstrationReader<W> reader(settings);
+  for (const LedSample<W>& x : recording) reader.take(x, objects);
+  return reader.finish(objects);
+}
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,61 @@
+// The gripper of a set of skills: its goal as requests and skills give it, its state as the cycle is told it.
+#pragma once
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/gripper.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A gripper with this range. Goals are brought into the range before they are given on.
+class OneGripper {
+ public:
+  struct Memory {
+    GripperCommand command{};
+    GripperState state{};
+    Nanoseconds asked{};    ///< when the goal was first there
+    bool answered = false;  ///< the state is newer than the goal
+    bool dated = false;     ///< `asked` is known
+  };
+
+  /// Throws `ConfigurationError` for a range that is none.
+  SKINCTL_COLD explicit OneGripper(const GripperRange& range) : range_(range) {
+    require(range.opening > 0 && range.opening <= 10, "OneGripper: opening", range.opening, "> 0, <= 10 m");
+    require(range.min_force >= 0 && range.min_force <= range.max_force && range.max_force <= 1e5,
+            "OneGripper: largest force", range.max_force, ">= the least one, <= 1e5 N");
+    require(range.min_speed >= 0 && range.min_speed <= range.max_speed && range.max_speed <= 1e3,
+            "OneGripper: largest speed", range.max_speed, ">= the least one, <= 1e3 m/s");
+  }
+  [[nodiscard]] const GripperRange& range() const noexcept { return range_; }
+
+  /// A goal; one that is not finite is none, and the last one stays.
+  void ask(Memory& m, const GripperGoal& goal) const noexcept {
+    if (!finite(goal)) return;
+    m.command.goal = limited(goal, range_);
+    ++m.command.count;
+    m.answered = m.dated = false;
+  }
+  /// The state at `now`. One that was heard before the goal was there says nothing about it.
+  static void hear(Memory& m, const GripperState& state, Nanoseconds now) noexcept {
+    if (!m.dated) {
+      m.asked = now;
+      m.dated = true;
+    }
+    m.state = state;
+    m.answered = state.heard && state.time > m.asked;
+  }
+  [[nodiscard]] static const GripperCommand& command(const Memory& m) noexcept { return m.command; }
+  /// Whether something is between the fingers.
+  [[nodiscard]] static bool holds(const Memory& m) noexcept { return m.answered && m.state.holding; }
+  /// Whether the fingers have stopped, for this goal.
+  [[nodiscard]] static bool stands(const Memory& m) noexcept {
+    return m.answered && !m.state.moving && m.state.error == GripperError::none;
+  }
+  [[nodiscard]] static bool broken(const Memory& m) noexcept {
+    return m.answered && m.state.error != GripperError::none && m.state.error != GripperError::silent;
+  }
+
+ private:
+  GripperRange range_;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,30 @@
+# Builds PROGRAM for a Cortex-M3 or M4 and runs it in an emulator whose clock goes on by a nanosecond an instruction. With MOST
+# the mean instructions of a cycle that it prints must not be more. ARM EMULATOR PROGRAM CORE MOST FOLDER INCLUDE OUTPUT
+if(CORE STREQUAL "cortex-m4")
+  set(core -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16)
+  set(machine mps2-an386)
+else()
+  set(core -mcpu=cortex-m3 -mfloat-abi=soft)
+  set(machine mps2-an385)
+endif()
+get_filename_component(name "${PROGRAM}" NAME_WE)
+file(MAKE_DIRECTORY "${OUTPUT}")
+execute_process(COMMAND "${ARM}" -std=c++20 -O3 -fno-exceptions -fno-rtti -Wno-psabi -I${INCLUDE} "${PROGRAM}" "${FOLDER}/start.cpp"
+  -mthumb ${core} -ffunction-sections -fdata-sections -Wl,--gc-sections --specs=rdimon.specs -T "${FOLDER}/memory.ld"
+  -o "${OUTPUT}/${name}.elf" COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX REPLACE "g\\+\\+(-[0-9]+)?$" "size" size "${ARM}")
+execute_process(COMMAND "${size}" "${OUTPUT}/${name}.elf")
+execute_process(COMMAND "${EMULATOR}" -M ${machine} -icount shift=0 -nographic -semihosting -kernel "${OUTPUT}/${name}.elf"
+  RESULT_VARIABLE status OUTPUT_VARIABLE printed ERROR_VARIABLE printed TIMEOUT 120)
+message("${printed}")
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "${name} failed on the ${CORE}: ${status}")
+endif()
+if(MOST)
+  if(NOT printed MATCHES "instructions a cycle: mean ([0-9]+)")
+    message(FATAL_ERROR "${name} prints no instructions")
+  endif()
+  if(CMAKE_MATCH_1 GREATER MOST)
+    message(FATAL_ERROR "${CMAKE_MATCH_1} instructions a cycle, at most ${MOST} are promised")
+  endif()
+endif()

@@ -1,0 +1,92 @@
+#include "skinctl/calibration/excitation.hpp"
+
+#include <doctest/doctest.h>
+
+#include "skinctl/calibration/dynamics_excitation.hpp"
+#include "skinctl/model/ur5.hpp"
+
+using namespace skinctl;
+
+namespace {
+
+ExcitationLimits limits() {
+  ExcitationLimits l;
+  l.lower = Eigen::VectorXd::Constant(6, -6.2), l.upper = Eigen::VectorXd::Constant(6, 6.2);
+  l.velocity = Eigen::VectorXd::Constant(6, 3.0), l.acceleration = Eigen::VectorXd::Constant(6, 20);
+  l.torque = Eigen::VectorXd::Constant(6, 150);
+  l.torque.tail(3).setConstant(28);
+  return l;
+}
+const Eigen::VectorXd home = (Eigen::VectorXd(6) << 0.2, -1.3, 1.2, -1.2, -1.4, 0.3).finished();
+
+// At rest at home at both ends; velocities and accelerations are derivatives; no jump.
+void check_motion(const Excitation& motion) {
+  for (const double t : {-1.0, 0.0, motion.duration(), motion.duration() + 1}) {
+    const JointPoint p = motion.at(t);
+    CHECK(p.q == motion.home());
+    CHECK(p.dq.norm() == 0);
+  }
+  const double h = 1e-5;
+  for (double t = 0.013; t < motion.duration(); t += 0.173) {
+    const JointPoint a = motion.at(t - h), p = motion.at(t), b = motion.at(t + h);
+    for (Eigen::Index j = 0; j < 6; ++j) {
+      CHECK((b.q(j) - a.q(j)) / (2 * h) == doctest::Approx(p.dq(j)).epsilon(1e-6).scale(1));
+      CHECK((b.dq(j) - a.dq(j)) / (2 * h) == doctest::Approx(p.ddq(j)).epsilon(1e-4).scale(20));
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Excitation of a skin: within every limit, each joint alone, then all, and announced") {
+  const SkinExcitation motion(home, limits(), {}, ur5::Model{});
+  check_motion(motion);
+  CHECK(motion.largest_share(limits()) <= 0.9 + 1e-9);
+  CHECK(motion.torque_share(ur5::Model{}, limits().torque) <= 0.9);
+  REQUIRE(motion.announcements().size() == 7);
+  for (int j = 0; j < 6; ++j) {
+    const Announcement& a = motion.announcements()[std::size_t(j)];
+    CHECK(a.joint == j);
+    double moved = 0;
+    for (double t = a.from; t < a.to; t += 0.01) {
+      const JointPoint p = motion.at(t);
+      for (int i = 0; i < 6; ++i)
+        if (i != j) CHECK(p.q(i) == home(i));
+      moved = std::max(moved, std::abs(p.q(j) - home(j)));
+    }
+    CHECK(moved > 0.3);
+  }
+  CHECK(motion.announcements().back().joint == -1);
+}
+
+TEST_CASE("Excitation of a skin: a slow robot in a narrow place still moves within its limits") {
+  ExcitationLimits narrow = limits();
+  narrow.velocity.setConstant(0.3), narrow.acceleration.setConstant(1);
+  for (Eigen::Index j = 0; j < 6; ++j) narrow.lower(j) = home(j) - 0.2, narrow.upper(j) = home(j) + 0.15;
+  const SkinExcitation motion(home, narrow);
+  check_motion(motion);
+  CHECK(motion.largest_share(narrow) <= 0.9 + 1e-9);
+  CHECK(motion.largest_share(narrow) > 0.5);
+  narrow.lower(3) = home(3) - 0.05;
+  CHECK_THROWS_AS(SkinExcitation(home, narrow), ConfigurationError);
+  SkinExcitation::Settings brief;
+  brief.duration = 5;
+  CHECK_THROWS_AS(SkinExcitation(home, limits(), brief), ConfigurationError);
+}
+
+TEST_CASE("Excitation of masses: within every limit, and better than the first draw") {
+  DynamicsExcitation::Settings s;
+  s.tries = 1, s.periods = 1;
+  const DynamicsExcitation first(ur5::Model{}, home, limits(), s);
+  s.tries = 16;
+  const DynamicsExcitation motion(ur5::Model{}, home, limits(), s);
+  check_motion(motion);
+  CHECK(motion.largest_share(limits()) <= 0.9 + 1e-3);
+  CHECK(motion.torque_share(ur5::Model{}, limits().torque) <= 0.95);
+  CHECK(motion.information() > first.information());
+  s.range = 0.35;
+  CHECK(DynamicsExcitation(ur5::Model{}, home, limits(), s).information() < motion.information());
+  ExcitationLimits weak = limits();
+  weak.torque.setConstant(0.1);
+  CHECK_THROWS_AS(DynamicsExcitation(ur5::Model{}, home, weak, s), ConfigurationError);
+}

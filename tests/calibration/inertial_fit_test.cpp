@@ -1,0 +1,181 @@
+#include "skinctl/calibration/inertial_fit.hpp"
+
+#include <doctest/doctest.h>
+
+#include "skinctl/calibration/dynamics_excitation.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/random.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+using Theta = InertialParameters<6>;
+const Eigen::VectorXd home = (Eigen::VectorXd(6) << 0.2, -1.3, 1.2, -1.2, -1.4, 0.3).finished();
+
+ExcitationLimits limits() {
+  ExcitationLimits l;
+  l.lower = Eigen::VectorXd::Constant(6, -6.2), l.upper = Eigen::VectorXd::Constant(6, 6.2);
+  l.velocity = Eigen::VectorXd::Constant(6, 3.0), l.acceleration = Eigen::VectorXd::Constant(6, 20);
+  l.torque = Eigen::VectorXd::Constant(6, 150);
+  l.torque.tail(3).setConstant(28);
+  return l;
+}
+// Heavier than the maker says, with friction, rotors and an offset.
+Theta heavier() {
+  Theta theta = inertial_parameters(ur5::Model{});
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t k = 0; k < 10; ++k) theta.data[10 * i + k] *= 1.1 + 0.05 * double(i % 3);
+  return theta;
+}
+TorqueRecording record(const Excitation& motion, double noise, double stop = 1e9) {
+  auto rng = seeded(2);
+  std::normal_distribution<double> normal;
+  const auto model = calibrated_from<ur5::Description>();
+  const Theta theta = heavier();
+  TorqueRecording out;
+  const auto n = Eigen::Index(std::min(stop, motion.duration()) * 125);
+  out.joints.q.resize(n, 6), out.torque.resize(n, 6);
+  double z[6] = {}, last[6] = {};
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double t = 0.008 * double(k);
+    const JointPoint p = motion.at(t);
+    JointPosition<6> q;
+    JointVelocity<6> dq;
+    JointAcceleration<6> ddq;
+    for (std::size_t i = 0; i < 6; ++i)
+      q[i] = p.q(Eigen::Index(i)), dq[i] = p.dq(Eigen::Index(i)), ddq[i] = p.ddq(Eigen::Index(i));
+    const auto tau = regressor_product(model, q, dq, dq, ddq, theta);
+    out.joints.time.push_back(t);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double step = k == 0 ? 0 : q[i] - last[i], side = step > 0 ? 1 : -1;
+      last[i] = q[i];
+      z[i] = side - (side - z[i]) * std::exp(-std::abs(step) / 1.4e-3);
+      out.joints.q(k, Eigen::Index(i)) = q[i] + 1e-6 * normal(rng);
+      out.torque(k, Eigen::Index(i)) =
+          tau[i] + 5 * dq[i] + 4 * z[i] + 0.2 * ddq[i] + 1.5 + noise * normal(rng);
+    }
+  }
+  return out;
+}
+// Of M(q), relative, over poses; and how many of them are not positive definite.
+struct Compared {
+  double error = 0;
+  int bad = 0;
+};
+Compared compare(const Theta& theta, double rotor, const Theta& truth, double true_rotor, int poses) {
+  auto rng = seeded(9);
+  const auto model = calibrated_from<ur5::Description>();
+  const auto mass = [&](const Theta& th, double I_a, const JointPosition<6>& q) {
+    Eigen::Matrix<double, 6, 6> M;
+    const JointVelocity<6> none{};
+    const auto g = regressor_product(model, q, none, none, JointAcceleration<6>{}, th);
+    for (std::size_t k = 0; k < 6; ++k) {
+      JointAcceleration<6> unit{};
+      unit[k] = 1;
+      const auto column = regressor_product(model, q, none, none, unit, th);
+      for (std::size_t i = 0; i < 6; ++i)
+        M(Eigen::Index(i), Eigen::Index(k)) = column[i] - g[i] + (i == k ? I_a : 0);
+    }
+    return M;
+  };
+  Compared out;
+  for (int k = 0; k < poses; ++k) {
+    const JointPosition<6> q(random_array<6, double>(rng, 3.0));
+    const auto A = mass(theta, rotor, q), B = mass(truth, true_rotor, q);
+    double square = 0;
+    for (Eigen::Index i = 0; i < 36; ++i) square += std::pow(A.data()[i] - B.data()[i], 2);
+    out.error += std::sqrt(square) / B.norm() / poses;
+    out.bad += Eigen::LLT<Eigen::Matrix<double, 6, 6>>(A).info() != Eigen::Success;
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("Base parameters of a UR5: 36, and what they say of a torque is all") {
+  const auto base = base_parameters(ur5::Model{});
+  CHECK(base.count() == 36);
+  auto rng = seeded(4);
+  for (int k = 0; k < 20; ++k) {
+    const JointPosition<6> q(random_array<6, double>(rng, 3.0));
+    const JointVelocity<6> dq(random_array<6, double>(rng, 2.0));
+    const JointAcceleration<6> ddq(random_array<6, double>(rng, 5.0));
+    const auto Y = as_eigen(regressor(ur5::Model{}, q, dq, dq, ddq));
+    for (Eigen::Index row = 0; row < 6; ++row)
+      for (Eigen::Index c = 0; c < 60; ++c) {
+        double sum = 0;
+        for (int b = 0; b < base.count(); ++b) sum += Y(row, base.columns[std::size_t(b)]) * base.K(b, c);
+        CHECK(sum == doctest::Approx(Y(row, c)).epsilon(1e-7).scale(1));
+      }
+  }
+}
+
+TEST_CASE("Masses and friction from torques: M to 2.5 %, bodies that can be; also from a range of 0.35 rad") {
+  DynamicsExcitation::Settings s;
+  s.tries = 8, s.periods = 2;
+  const Theta prior = inertial_parameters(ur5::Model{});
+  const auto model = calibrated_from<ur5::Description>();
+  const auto fit =
+      fit_inertia(model, {record(DynamicsExcitation(ur5::Model{}, home, limits(), s), 0.3)}, prior);
+  const Compared wide = compare(fit.theta, fit.rotor[1], heavier(), 0.2, 200);
+  MESSAGE("M off by " << 100 * wide.error << " %, of the maker's "
+                      << 100 * compare(prior, 0, heavier(), 0.2, 50).error << " %; R^2 " << fit.explained[0]
+                      << ", noise " << fit.noise[0] << " N m");
+  CHECK(wide.error < 0.025);
+  CHECK(wide.bad == 0);
+  for (std::size_t i = 0; i < 6; ++i) {
+    CHECK(fit.viscous[i] == doctest::Approx(5).epsilon(0.03));
+    CHECK(fit.coulomb[i] == doctest::Approx(4).epsilon(0.05));
+    CHECK(fit.explained[i] > 0.99);
+    CHECK(fit.noise[i] == doctest::Approx(0.3).epsilon(0.1));
+    // A link of these numbers is accepted by a model.
+    const auto link = with_inertia(model.link(i), fit.theta.data + 10 * i);
+    CHECK_NOTHROW(check_link(link));
+  }
+  s.range = 0.35, s.periods = 1;
+  const auto few =
+      fit_inertia(model, {record(DynamicsExcitation(ur5::Model{}, home, limits(), s), 1.5)}, prior);
+  const Compared narrow = compare(few.theta, few.rotor[1], heavier(), 0.2, 200),
+                 plain = compare(few.least_squares, few.ls_rotor[1], heavier(), 0.2, 200);
+  MESSAGE("0.35 rad: M off by " << 100 * narrow.error << " %, by least squares " << 100 * plain.error
+                                << " %, not > 0 in " << plain.bad << " of 200");
+  CHECK(narrow.bad == 0);
+  CHECK(narrow.error < 0.5 * plain.error);
+}
+
+TEST_CASE("Masses from torques: what is too short, damaged or does not move is refused") {
+  DynamicsExcitation::Settings s;
+  s.tries = 1, s.periods = 1;
+  const DynamicsExcitation motion(ur5::Model{}, home, limits(), s);
+  const Theta prior = inertial_parameters(ur5::Model{});
+  const auto model = calibrated_from<ur5::Description>();
+  CHECK_THROWS_AS(static_cast<void>(fit_inertia(model, {}, prior)), ConfigurationError);
+  CHECK_THROWS_AS(static_cast<void>(fit_inertia(model, {record(motion, 0, 1)}, prior)), ConfigurationError);
+  auto nan = record(motion, 0, 4);
+  nan.torque(9, 2) = std::nan("");
+  CHECK_THROWS_AS(static_cast<void>(fit_inertia(model, {nan}, prior)), ConfigurationError);
+  auto still = record(motion, 0, 4);
+  still.joints.q.col(4).setConstant(1);
+  CHECK_THROWS_AS(static_cast<void>(fit_inertia(model, {still}, prior)), ConfigurationError);
+}
+
+TEST_CASE("Bodies: any ten free numbers are a body, and a body's numbers come back") {
+  auto rng = seeded(8);
+  for (int k = 0; k < 200; ++k) {
+    detail::fit::BodyFactor body;
+    for (int i = 0; i < 10; ++i) body.x(i) = uniform(rng, -3.0, 3.0);
+    const auto t = body.parameters();
+    CHECK(Eigen::LLT<Eigen::Matrix4d>(detail::fit::pseudo_inertia(t)).info() == Eigen::Success);
+    LinkParameters<double> link = with_inertia(make_link({}, {}), t.data());
+    CHECK(density_defect(link) < 1e-9);
+  }
+  const auto cylinders = cylinder_prior(ur5::Model{});
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Eigen::Map<const detail::fit::Inertia10> t(cylinders.data + 10 * i);
+    const auto back = detail::fit::BodyFactor::of(t, 0.15).parameters();
+    for (Eigen::Index n = 0; n < 10; ++n) CHECK(back(n) == doctest::Approx(t(n)).epsilon(1e-9).scale(1e-3));
+    CHECK(t(0) > 0.1);
+  }
+}

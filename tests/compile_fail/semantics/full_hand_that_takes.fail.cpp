@@ -1,0 +1,8 @@
+// expect: a_step_may_begin_with_a_fact_that_it_forbids
+#include "skinctl/semantics/task.hpp"
+
+using namespace skinctl;
+
+const auto wrong =
+    task("take two", {}, step_of<activity::Look>({.done = 1}), step_of<activity::ReachAbove>({.done = 2}),
+         step_of<activity::Reach>({.done = 3}), step_of<activity::Take>({.done = 0, .no = finish}));

@@ -1,0 +1,7 @@
+// expect: a_step_lacks_a_fact_that_it_needs
+#include "skinctl/semantics/task.hpp"
+
+using namespace skinctl;
+
+const auto wrong = task("take", {}, step_of<activity::Look>({.done = 1}),
+                        step_of<activity::ReachAbove>({.done = 2}), step_of<activity::Take>({}));

@@ -1,0 +1,103 @@
+// The rounding errors that docstrings promise for a UR5: a sample of what bench/studies/bounds proves.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "bench/studies/bounds/quantities.hpp"
+#include "skinctl/math/traced.hpp"
+#include "skinctl/math/traced_output.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/robot_table.hpp"
+
+using namespace skinctl;
+using namespace skinctl::bounds;
+namespace {
+
+/// What the docstrings say.
+struct Promised {
+  double in_float, in_double;
+};
+constexpr Promised promised(Quantity q) {
+  switch (q) {
+    case Quantity::pose:
+      return {2.9e-6, 5.4e-15};
+    case Quantity::jacobian:
+      return {1.6e-6, 2.9e-15};
+    case Quantity::gravity:
+      return {3.0e-5, 4.7e-14};
+    case Quantity::inverse_dynamics:
+      return {8.5e-4, 1.6e-12};
+    case Quantity::yr_theta:
+      return {1.2e-3, 2.1e-12};
+    case Quantity::mass:
+      return {3.9e-6, 6.9e-15};
+    case Quantity::forward_dynamics:
+      return {1.2e-3, 2.1e-12};
+  }
+  return {};
+}
+
+/// Bounds in random boxes, errors in random states within, and what is promised: in this order.
+template <Quantity Q>
+void check() {
+  const ur5::Model model;
+  constexpr std::size_t stride = 1 + (Q == Quantity::inverse_dynamics ? 2 : Q == Quantity::yr_theta ? 3 : 0);
+  constexpr std::size_t inputs = 6 * stride;
+  math::Tape tape, other;
+  std::vector<math::TracedOutput> outputs;
+  const auto record = [&]<class R>(math::Tape& on, R) {
+    const math::Tape::Recording recording(on);
+    std::vector<math::Traced<R>> x;
+    for (std::size_t i = 0; i < inputs; ++i) x.push_back(math::Traced<R>::input({-3.2, 3.2}));
+    std::vector<std::int32_t> nodes;
+    for (const auto& y : computed<Q>(model, x.data())) nodes.push_back(y.node());
+    return nodes;
+  };
+  math::undecided() = 0;
+  record(other, 0.0);
+  for (const auto node : record(tape, 0.0f)) outputs.emplace_back(tape, node);
+  CHECK(math::undecided() == 0);
+  CHECK(math::same_program(tape, other));
+  oracle::Random random(7);
+  double proven = 0;
+  for (int k = 0; k < 60; ++k) {
+    double low[inputs], high[inputs];
+    float x[inputs];
+    double wide[inputs];
+    for (std::size_t i = 0; i < inputs; ++i) {
+      const bool angle = i % stride == 0;
+      const double middle = random.uniform(-3, 3);
+      low[i] = angle ? middle - 0.02 : 0.9 * middle - 0.3,
+      high[i] = angle ? middle + 0.02 : 0.9 * middle + 0.3;
+      x[i] = static_cast<float>(middle * (angle ? 1 : 0.9));
+      wide[i] = x[i];
+    }
+    const auto rounded = computed<Q>(model, x);
+    const auto exact = computed<Q>(model, wide);
+    for (std::size_t n = 0; n < outputs.size(); ++n) {
+      std::vector<math::TracedOutput::L> from, to;
+      for (const std::size_t i : outputs[n].inputs()) from.push_back(low[i]), to.push_back(high[i]);
+      const auto bound = outputs[n](from.data(), to.data());
+      CHECK(std::abs(static_cast<double>(rounded[n]) - exact[n]) <= bound.in_float[0]);
+      CHECK(bound.in_float[0] <= promised(Q).in_float);
+      CHECK(bound.in_double[0] <= promised(Q).in_double);
+      proven = std::max(proven, bound.in_float[0]);
+    }
+  }
+  CHECK(proven > promised(Q).in_float / 30);  // the promise is not idle
+}
+
+}  // namespace
+
+TEST_CASE("proven errors: of poses, Jacobian and M of a UR5") {
+  check<Quantity::pose>();
+  check<Quantity::jacobian>();
+  check<Quantity::mass>();
+}
+TEST_CASE("proven errors: of G, inverse dynamics and Y_r Theta of a UR5") {
+  check<Quantity::gravity>();
+  check<Quantity::inverse_dynamics>();
+  check<Quantity::yr_theta>();
+}

@@ -1,0 +1,109 @@
+// A sample of the study `recognition`: bounds as the issue demands them, on a few runs.
+#include "skinctl/testing/recognition.hpp"
+
+#include <doctest/doctest.h>
+
+#include "skinctl/semantics/activity_tree.hpp"
+#include "skinctl/testing/sanitized.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+constexpr int people = sanitized ? 2 : 4;
+const FeatureExtractor<> extractor([] {
+  FeatureSettings s;
+  s.tools = thing::tools;
+  return s;
+}());
+
+/// Each of the tasks by each person, once.
+template <class F>
+void each(std::uint64_t seed, F&& f) {
+  for (int person = 0; person < people; ++person) {
+    auto random = seeded(seed + static_cast<std::uint64_t>(person));
+    const Person who = Person::any(random);
+    for (const LedTask task : {LedTask::packing, LedTask::pancake, LedTask::sandwich, LedTask::table})
+      f(led_run(task, who, random()), random());
+  }
+}
+Score score(std::uint64_t seed, const SensingOptions& o, std::vector<double>& delays) {
+  Score s;
+  each(seed, [&](const LedRun& run, std::uint64_t own) {
+    const auto r = recognise(run, Recogniser<>(), extractor, o, own);
+    s.add(compare(r.said, words_by_definition(run), run.lasts()));
+    delays.insert(delays.end(), r.contact_delays.begin(), r.contact_delays.end());
+  });
+  return s;
+}
+}  // namespace
+
+TEST_CASE("Recognition: a led robot's hand by definition, and in time, at every rate") {
+  double rates[3] = {100, 250, 1000}, online[3];
+  for (int i = 0; i < 3; ++i) {
+    SensingOptions o;
+    o.rate = rates[i];
+    std::vector<double> delays;
+    const auto s = score(500, o, delays);
+    CAPTURE(o.rate);
+    online[i] = s.online();
+    CHECK(s.online() > 0.90);
+    CHECK(s.later() > 0.95);
+    CHECK(s.by_segments() > 0.96);
+    CHECK(s.unknown == 0);
+    CHECK(delays.size() == static_cast<std::size_t>(people) * 10);
+    for (const double d : delays) CHECK(d < 0.03);
+  }
+  CHECK(std::abs(online[0] - online[2]) < 0.015);
+  CHECK(std::abs(online[1] - online[2]) < 0.01);
+}
+
+TEST_CASE("Recognition: a hand that only a camera sees is unknown, not wrong") {
+  SensingOptions o;
+  o.rate = 30;
+  o.sigma = 0.005;
+  std::vector<double> delays;
+  const auto s = score(600, o, delays);
+  CHECK(s.unknown == doctest::Approx(s.time));
+}
+
+TEST_CASE("Recognition: the labels are what they say") {
+  LedHand hand({.speed = 0.5,
+                .patience = 1,
+                .tremor = 0,
+                .grip = 4,
+                .squeeze = 2,
+                .rise = 0.05,
+                .bend = 0,
+                .hesitates = 0},
+               1, {0, 0, 0});
+  LedRun run{hand, {}, {}};
+  auto& h = run.hand;
+  run.things[0] = {thing::orange, {0.3, 0, 0}};
+  h.wait(0.5);
+  h.means(Activity::reach);
+  const double begins = h.now();
+  h.go({0.3, 0, 0});
+  const double arrives = h.now();
+  h.means(Activity::take);
+  h.close();
+  h.wait(0.5);
+  const double ends = h.now();
+  h.means(Activity::idle);
+  const auto truth = words_by_definition(run);
+  CHECK(word_at(truth, 0.5 * begins) == Activity::idle);
+  CHECK(word_at(truth, 0.5 * (begins + arrives)) == Activity::reach);
+  CHECK(word_at(truth, ends - 0.05) == Activity::take);
+  CHECK(word_at(words_by_intent(run), begins + 0.001) == Activity::reach);
+  // By definition a reach begins later and ends earlier than it is meant to.
+  REQUIRE(truth.size() == 4);
+  CHECK(truth[1].begin > begins);
+  CHECK(truth[2].begin < arrives);
+  // What says the truth is right; what says it late is right later.
+  std::vector<Said> said;
+  for (const auto& w : truth) said.push_back({w.begin + 0.05, w.begin, w.word});
+  const auto s = compare(said, truth, ends);
+  CHECK(s.later() == 1);
+  CHECK(s.online() == doctest::Approx(1 - 3 * 0.05 / s.time).epsilon(0.01));
+  CHECK(s.by_segments() == 1);
+}
