@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <ctime>
 
+#include "skinctl/calibration/reconstruction.hpp"
 #include "skinctl/testing/skin_at_rest.hpp"
 
 using namespace skinctl;

@@ -1,12 +1,16 @@
 // What the uncertainty of cells' poses does to the torque of the skin, and which cells it makes useless.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <vector>
 
-#include "skinctl/calibration/sighting.hpp"
+#include "skinctl/calibration/sighting_types.hpp"
+#include "skinctl/calibration/turn.hpp"
+#include "skinctl/core/contract.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

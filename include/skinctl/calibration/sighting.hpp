@@ -3,60 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <string>
-#include <vector>
 
-#include "skinctl/calibration/estimate.hpp"
 #include "skinctl/calibration/least_squares.hpp"
+#include "skinctl/calibration/sighting_types.hpp"
 #include "skinctl/calibration/turn.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// A pose of a fit, `X_AB`: axes of B in A, and B's origin.
-struct FitPose {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< [m]
-
-  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& v) const { return R * v + p; }
-  [[nodiscard]] FitPose operator*(const FitPose& X) const { return {R * X.R, R * X.p + p}; }
-  [[nodiscard]] FitPose inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
-};
-
-/// A camera without distortion: z looks out of it, x to the right, y down.
-struct PinholeCamera {
-  double fx = 1000, fy = 1000, cx = 640, cy = 480;  ///< [pixels]
-};
-
-/// A light that was seen, and whose it is by the code that it blinks. Codes are misread, and lamps look like cells.
-struct Sighting {
-  std::size_t patch = 0, cell = 0;  ///< index in the patch
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-};
-/// What the camera saw of one pose of the robot.
-struct CameraView {
-  std::vector<FitPose> X_BaseLink;  ///< of the link of each patch
-  std::vector<Sighting> seen;
-};
-
-struct SightingSettings {
-  double pixel = 0.5;          ///< deviation of a light's place [pixels]
-  double wrong = 3;            ///< deviations from which a sighting counts less
-  std::size_t polished = 4;    ///< hypotheses of the camera that are fitted to the end, 1 to 100
-  double place_limit = 0.010;  ///< what is known worse is not observed [m]
-  double turn_limit = 0.05;    ///< [rad]
-  std::size_t least = 8;       ///< sightings of a patch that agree, below which its pose is not taken
-};
-
-/// The result. Covariances are of errors of position in the link's (the base's) axes [m], then of the turn in the patch's
-/// (the camera's) own [rad].
-struct SightingFit {
-  EstimateOf<FitPose, 6> X_BaseCam;
-  std::vector<EstimateOf<FitPose, 6>> X_LinkRoot;  ///< of each patch
-  std::vector<std::size_t> agreeing;               ///< sightings of each patch within `wrong` deviations
-  std::size_t disagreeing = 0;
-  double residual = 0;         ///< rms of those that agree [pixels]
-  std::size_t hypothesis = 0;  ///< that won
-};
 
 namespace detail {
 

@@ -1,10 +1,12 @@
 // Patches of skin with known shapes, and what their accelerometers read at rest.
 #pragma once
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 #include <vector>
 
-#include "skinctl/calibration/reconstruction.hpp"
+#include "skinctl/calibration/reconstruction_types.hpp"
 #include "skinctl/tactile/cover.hpp"
 #include "skinctl/testing/random.hpp"
 

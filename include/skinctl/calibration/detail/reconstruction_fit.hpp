@@ -1,8 +1,13 @@
 // The fit behind `reconstruct`.
 #pragma once
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
 #include "skinctl/calibration/least_squares.hpp"
 #include "skinctl/calibration/reconstruction.hpp"
+#include "skinctl/calibration/sparse_inverse.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
