@@ -1,3 +1,4 @@
+// not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
 #include "skinctl/calibration/excitation.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
 // A real accelerometer on a real arm (`imu_on_robot`): one pose of the sensor for two recordings, from the arm's own report of its pose.
 #include <doctest/doctest.h>
 

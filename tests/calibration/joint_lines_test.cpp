@@ -1,3 +1,4 @@
+// not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
 #include "skinctl/calibration/joint_lines.hpp"
 
 #include <doctest/doctest.h>
