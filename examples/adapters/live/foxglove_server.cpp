@@ -250,7 +250,7 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
          {"capabilities", capabilities},
          {"supportedEncodings", {"cdr"}},
          {"metadata", {{"control", control ? "allowed" : "refused"}}}});
-    json channels = json::array();
+    json topics = json::array();
     for (std::size_t i = 0; i < server_.channels.size(); ++i) {
       const Channel& c = server_.channels[i];
       json one = {{"id", i + 1},
@@ -259,10 +259,10 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
                   {"schemaName", c.schema_name},
                   {"schema", c.schema}};
       if (!c.schema_encoding.empty()) one["schemaEncoding"] = c.schema_encoding;
-      channels.push_back(std::move(one));
+      topics.push_back(std::move(one));
     }
-    say({{"op", "advertise"}, {"channels", channels}});
-    json services = json::array();
+    say({{"op", "advertise"}, {"channels", topics}});
+    json offered = json::array();
     for (std::size_t i = 0; i < server_.services.size(); ++i) {
       const json request = {{"encoding", "cdr"},
                             {"schemaName", "std_srvs/srv/Trigger_Request"},
@@ -272,13 +272,13 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
                              {"schemaName", "std_srvs/srv/Trigger_Response"},
                              {"schemaEncoding", "ros2msg"},
                              {"schema", "bool success\nstring message\n"}};
-      services.push_back({{"id", i + 1},
-                          {"name", server_.services[i].name},
-                          {"type", "std_srvs/srv/Trigger"},
-                          {"request", request},
-                          {"response", response}});
+      offered.push_back({{"id", i + 1},
+                         {"name", server_.services[i].name},
+                         {"type", "std_srvs/srv/Trigger"},
+                         {"request", request},
+                         {"response", response}});
     }
-    say({{"op", "advertiseServices"}, {"services", services}});
+    say({{"op", "advertiseServices"}, {"services", offered}});
     read();
   }
   void read() {

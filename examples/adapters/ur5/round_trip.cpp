@@ -9,20 +9,20 @@ namespace adapters::ur5 {
 
 RoundTrip measure_round_trip(const std::string& host, std::uint16_t rtde_port, double rate, int echoes,
                              Timeout timeout) {
-  using Clock = std::chrono::steady_clock;
+  using Steady = std::chrono::steady_clock;
   RtdeClient rtde;
   rtde.connect(host, rtde_port, timeout);
   const std::uint8_t in = rtde.inputs("input_int_register_24");
   const std::uint8_t out = rtde.outputs(rate, "timestamp,input_int_register_24", "DOUBLE,INT32");
   rtde.start();
   std::vector<skinctl::Nanoseconds> times, stamps;
-  const auto deadline = Clock::now() + timeout;
-  auto sent = Clock::now();
+  const auto deadline = Steady::now() + timeout;
+  auto sent = Steady::now();
   double sent_stamp = 0;
   std::int32_t number = 0;
   Package p{};
   while (static_cast<int>(times.size()) < echoes) {
-    if (Clock::now() > deadline || rtde.read(p, Timeout(500)) != RtdeEnd::none)
+    if (Steady::now() > deadline || rtde.read(p, Timeout(500)) != RtdeEnd::none)
       throw ConnectionError("the robot did not echo a number within " + std::to_string(timeout.count()) +
                             " ms");
     if (p.type != package::data || p.payload.size() != 13 || p.payload[0] != out) continue;
@@ -31,7 +31,7 @@ RoundTrip measure_round_trip(const std::string& host, std::uint16_t rtde_port, d
     const std::int32_t shown = reader.i32();
     if (number != 0) {
       if (shown != number) continue;
-      times.push_back(Clock::now() - sent);
+      times.push_back(Steady::now() - sent);
       stamps.push_back(skinctl::nanoseconds(stamp - sent_stamp));
     } else if (shown != 0) {
       number = shown & 0xffff;  // of an earlier client
@@ -40,7 +40,7 @@ RoundTrip measure_round_trip(const std::string& host, std::uint16_t rtde_port, d
     PackageWriter write(package::data);
     write.u8(in);
     write.i32(number);
-    sent = Clock::now();
+    sent = Steady::now();
     sent_stamp = stamp;
     if (!rtde.write(write.finish(), Timeout(100))) throw ConnectionError("the robot's RTDE hung up");
   }
