@@ -95,9 +95,10 @@ TEST_CASE(
   const browser::Folder folder;
   Served served(true, {{"/run.mcap", {"application/octet-stream", recorded(folder)}}});
   browser::Page page(chromium, folder);
-  for (const auto& [name, width, height, dark] :
-       {std::tuple("phone", 360, 1500, true), std::tuple("dark", 1400, 1000, true),
-        std::tuple("live", 1400, 1000, false)}) {
+  for (const auto& view : {std::tuple("phone", 360, 1500, true), std::tuple("dark", 1400, 1000, true),
+                           std::tuple("live", 1400, 1000, false)}) {
+    const auto [n, width, height, dark] = view;
+    const char* name = n;
     CAPTURE(name);
     page.window(width, height, dark);
     page.go(served.server->url());
