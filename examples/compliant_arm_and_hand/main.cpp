@@ -28,14 +28,15 @@ int run(int argc, char** argv) {
       "Without "
       "addresses both are simulated. When one ends badly, both stop. The arm's controller is told the hand's "
       "weight, "
-      "and the palm of a V5 Sense is a cell of the arm's skin: without it the arm does not move."};
+      "and with --palm-gain the palm of a V5 Sense is a cell of the arm's skin: without it the arm does not "
+      "move then."};
   app.footer(examples::job::exit_help());
   using adapters::allegro::Generation;
   const std::map<std::string, Generation> generations{
       {"v4", Generation::v4}, {"v5", Generation::v5}, {"v5_sense", Generation::v5_sense}};
   std::string robot;
   bool simulate = false, quiet = false;
-  double duration = 10, speed = 1, palm_touch = -1, palm_gain = 60;
+  double duration = 10, speed = 1, palm_touch = -1, palm_gain = 0;
   app.add_flag("--simulate", simulate, "both simulated (the default)");
   app.add_option("--robot", robot, "a real UR5: its address");
   app.add_option("--can", hand.can, "a real hand: CAN interface or tty of an slcan adapter");

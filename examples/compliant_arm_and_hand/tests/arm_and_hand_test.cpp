@@ -62,24 +62,6 @@ TEST_CASE("Two jobs: both end well, one fails, one throws, both are interrupted"
   CHECK(run_both(until_stopped, until_stopped, somebody).exit() == Exit::interrupted);
 }
 
-TEST_CASE("The program: a press on the palm moves the arm, which carries the hand's weight") {
-  const std::string command = std::string(ARM_AND_HAND_PROGRAM) + " --duration 4 --palm-touch-at 1.5 2>&1";
-  std::FILE* pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  std::string said;
-  char line[512];
-  while (std::fgets(line, sizeof line, pipe) != nullptr) said += line;
-  CHECK(pclose(pipe) == 0);
-  CAPTURE(said);
-  const auto at = said.find("palm pressed at");
-  REQUIRE(at != std::string::npos);
-  double time = 0, moved = 0;
-  REQUIRE(std::sscanf(said.c_str() + at, "palm pressed at %lf s: the arm gave way by %lf mm", &time,
-                      &moved) == 2);
-  CHECK(moved > 3);
-  CHECK(said.find("carries 0.95 kg") != std::string::npos);
-}
-
 TEST_CASE("The program: arm and hand simulated, a hand that leaves, a signal, wrong options") {
   CHECK(program({"--help"}) == 0);
   CHECK(program({"--simulate", "--can", "can0"}) == 2);
