@@ -162,9 +162,10 @@ export class RobotView {
       const box = new T.Box3();
       for (const f of list) box.expandByPoint(new T.Vector3(...f.p));
       box.expandByPoint(new T.Vector3());
-      const middle = box.getCenter(new T.Vector3()), far = 0.35 + 1.35 * box.getSize(new T.Vector3()).length();
+      const middle = box.getCenter(new T.Vector3()), shape = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
+      const far = (0.4 + 1.5 * box.getSize(new T.Vector3()).length()) * Math.max(1, 0.95 / shape);
       this.controls.target.copy(middle);
-      this.camera.position.copy(middle).add(new T.Vector3(0.62, -0.66, 0.42).multiplyScalar(far * Math.max(1, 1.1 / this.camera.aspect)));
+      this.camera.position.copy(middle).add(new T.Vector3(0.62, -0.66, 0.42).multiplyScalar(far));
       this.controls.update();
     }
     (this.links || []).forEach((name, i) => { const m = this.frames.get(name); if (m) this.matrices[i].copy(m); });

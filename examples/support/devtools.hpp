@@ -57,6 +57,7 @@ class Page {
     session_ = call("Target.attachToTarget", {{"targetId", target}, {"flatten", true}})["sessionId"];
     call("Page.enable");
     call("Runtime.enable");
+    call("Emulation.setFocusEmulationEnabled", {{"enabled", true}});  // keys arrive
   }
   ~Page() {
     ::kill(-child_, SIGKILL);

@@ -136,8 +136,7 @@ TEST_CASE(
   const double at = page.evaluate("skinctl.at");
   CHECK(page.until("skinctl.timeline.last > " + std::to_string(at) + " + 1.5"));
   CHECK(page.evaluate("skinctl.at") == at);
-  CHECK(page.evaluate("!skinctl.live && document.getElementById('when').textContent.startsWith('-')") ==
-        true);
+  CHECK(page.until("!skinctl.live && document.getElementById('when').textContent.startsWith('-')"));
   page.evaluate("document.getElementById('live').click()");
   CHECK(page.evaluate("skinctl.live") == true);
   // A file, whole, cut inside a chunk, and rubbish.

@@ -130,7 +130,7 @@ TEST_CASE(
     CHECK(index.origin().y * (side == Side::right ? 1 : -1) > 0.05);
   }
   PlantConfig wrong;
-  wrong.touches = {{.cell = 0}};
+  wrong.touches = {{.cell = 16}};
   CHECK_THROWS_AS(Plant{wrong}, skinctl::ConfigurationError);
   wrong = {};
   wrong.rotor_inertia = 0;
