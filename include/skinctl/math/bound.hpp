@@ -196,6 +196,7 @@ class Bound {
 }  // namespace math
 SKINCTL_END_NAMESPACE
 
+/// @cond
 template <class R>
 struct std::numeric_limits<skinctl::math::Bound<R>> {
   using Of = std::numeric_limits<R>;
@@ -213,3 +214,4 @@ struct std::numeric_limits<skinctl::math::Bound<R>> {
   static constexpr T quiet_NaN() noexcept { return Of::quiet_NaN(); }
   static constexpr T denorm_min() noexcept { return Of::denorm_min(); }
 };
+/// @endcond

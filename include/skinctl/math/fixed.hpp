@@ -164,6 +164,7 @@ inline constexpr bool is_fixed_point<math::Fixed<Fraction>> = true;
 
 SKINCTL_END_NAMESPACE
 
+/// @cond
 template <int Fraction>
 struct std::numeric_limits<skinctl::math::Fixed<Fraction>> {
   using T = skinctl::math::Fixed<Fraction>;
@@ -178,3 +179,4 @@ struct std::numeric_limits<skinctl::math::Fixed<Fraction>> {
   static constexpr T infinity() noexcept { return max(); }
   static constexpr T quiet_NaN() noexcept { return {}; }
 };
+/// @endcond

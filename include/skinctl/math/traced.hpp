@@ -134,6 +134,7 @@ class Traced {
 }  // namespace math
 SKINCTL_END_NAMESPACE
 
+/// @cond
 template <class R>
 struct std::numeric_limits<skinctl::math::Traced<R>> {
   using Of = std::numeric_limits<R>;
@@ -151,3 +152,4 @@ struct std::numeric_limits<skinctl::math::Traced<R>> {
   static constexpr T quiet_NaN() noexcept { return Of::quiet_NaN(); }
   static constexpr T denorm_min() noexcept { return Of::denorm_min(); }
 };
+/// @endcond

@@ -59,7 +59,7 @@ class TracedOutput : private detail::TapeSlice {
   /// The bound of the error of `lanes` boxes; infinite where there is none, or where a decision of the program
   /// may come out differently.
   ///
-  /// @param box  `lanes` enclosures per input, `inputs().size()` rows: lower ends, then upper ends.
+  /// @param lows, highs  ends of `lanes` enclosures for each input, in `inputs().size()` rows.
   [[nodiscard]] Errors operator()(const L* lows, const L* highs) noexcept {
     const std::size_t n = inputs_.size();
     for (std::size_t k = 0; k < n; ++k) {

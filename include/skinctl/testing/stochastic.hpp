@@ -104,6 +104,7 @@ class Stochastic {
 
 }  // namespace skinctl::testing
 
+/// @cond
 template <class R>
 struct std::numeric_limits<skinctl::testing::Stochastic<R>> {
   using Of = std::numeric_limits<R>;
@@ -121,3 +122,4 @@ struct std::numeric_limits<skinctl::testing::Stochastic<R>> {
   static constexpr T quiet_NaN() noexcept { return Of::quiet_NaN(); }
   static constexpr T denorm_min() noexcept { return Of::denorm_min(); }
 };
+/// @endcond
