@@ -11,5 +11,6 @@ set(CPACK_DEBIAN_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libtinyxml2-dev, nlohmann-json3-dev")
 set(CPACK_COMPONENTS_ALL Unspecified)  # not the tools of a build that has them
-set(CPACK_DEB_COMPONENT_INSTALL OFF)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING ALL_COMPONENTS_IN_ONE)
 include(CPack)
