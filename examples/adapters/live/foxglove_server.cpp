@@ -55,6 +55,13 @@ Bytes trigger_response(const Answer& answer) {
   return out;
 }
 
+/// A number of 32 bits; throws what a wrong type throws for any other value.
+std::uint32_t id_of(const json& value) {
+  const auto n = value.is_number_unsigned() ? value.get<std::uint64_t>() : ~std::uint64_t(0);
+  if (n > 0xffffffffu) static_cast<void>(json::object().at("an id of 32 bits"));  // throws
+  return static_cast<std::uint32_t>(n);
+}
+
 std::string type_of(const std::filesystem::path& file) {
   const std::string e = file.extension().string();
   if (e == ".js") return "text/javascript; charset=utf-8";
@@ -306,7 +313,7 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
     try {
       if (op == "subscribe") return subscribe(m.at("subscriptions"));
       if (op == "unsubscribe") {
-        for (const json& id : m.at("subscriptionIds")) unsubscribe(id.get<std::uint32_t>());
+        for (const json& id : m.at("subscriptionIds")) unsubscribe(id_of(id));
         return;
       }
       if (op == "getParameters") {
@@ -338,8 +345,8 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
   }
   void subscribe(const json& wanted) {
     for (const json& s : wanted) {
-      const auto id = s.at("id").get<std::uint32_t>();
-      const auto channel = s.at("channelId").get<std::uint64_t>();
+      const auto id = id_of(s.at("id"));
+      const auto channel = id_of(s.at("channelId"));
       if (channel < 1 || channel > server_.channels.size() || subscriptions_.count(id) > 0 ||
           subscriptions_.size() >= most_subscriptions) {
         complain("subscription " + std::to_string(id) + " to channel " + std::to_string(channel) +

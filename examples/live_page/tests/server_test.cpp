@@ -332,7 +332,8 @@ TEST_CASE("FoxgloveServer: nonsense is answered or ends that client only, and th
   for (int k = 0; k < 60; ++k) {
     Client c(s.server->port());
     std::string bytes = k % 3 == 0 ? "" : s.handshake();
-    for (int i = 0; i < 300; ++i) bytes += static_cast<char>(skinctl::testing::uniform(rng, 0.0, 255.9));
+    for (int i = 0; i < 300; ++i)
+      bytes += static_cast<char>(static_cast<unsigned char>(skinctl::testing::uniform(rng, 0.0, 255.9)));
     if (k % 5 == 0) bytes.resize(bytes.size() / 3);
     static_cast<void>(c.send(bytes));
   }

@@ -113,7 +113,7 @@ json write_file(const std::string& path) {
     };
     send(tf, "/tf", t, k, ros::Transforms{std::span(two).first(std::size_t(k % 3))},
          {{"transforms", k % 3 == 0   ? json::array()
-                         : k % 3 == 1 ? json{one("base_link", "tool0", p, 0.5, 0.5)}
+                         : k % 3 == 1 ? json::array({one("base_link", "tool0", p, 0.5, 0.5)})
                                       : json{one("base_link", "tool0", p, 0.5, 0.5),
                                              one("tool0", "tip", {0, 0, 0}, 0, 1)}}});
 

@@ -98,12 +98,14 @@ class GraspControl : public Composable {
   };
   template <class K>
   [[nodiscard]] Shape shape(const K& known) const noexcept {
-    return shape_of(known, jacobians(known));
+    const auto X_LP = tips();
+    return shape_of(known, jacobians(known, X_LP));
   }
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& m, const K& known) const noexcept {
-    const auto J = jacobians(known);
+    const auto X_LP = tips();  // the Jacobians refer to them
+    const auto J = jacobians(known, X_LP);
     const Shape s = shape_of(known, J);
     JointTorque<N, T> tau;
     if (!(s.size > T(1e-6))) return tau;
@@ -149,9 +151,10 @@ class GraspControl : public Composable {
     const Xyz<T>& p = X_LP_[place<L>()];
     return Transform<Link<L>, Tool, T>::translation_xyz(p.x, p.y, p.z);
   }
+  [[nodiscard]] SKINCTL_INLINE auto tips() const noexcept { return std::tuple{tip<I>()...}; }
   template <class K>
-  [[nodiscard]] SKINCTL_INLINE auto jacobians(const K& known) const noexcept {
-    return std::tuple{known.template jacobian<I>(tip<I>())...};
+  [[nodiscard]] SKINCTL_INLINE auto jacobians(const K& known, const auto& X_LP) const noexcept {
+    return std::tuple{known.template jacobian<I>(std::get<place<I>()>(X_LP))...};
   }
   template <class K, class Jacobians>
   [[nodiscard]] SKINCTL_INLINE Shape shape_of(const K& known, const Jacobians& J) const noexcept {
