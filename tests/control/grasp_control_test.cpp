@@ -62,9 +62,10 @@ TEST_CASE("GraspControl: fingertips that stick to an object press on it with the
   for (double t = 0; t < 1.5; t += dt) {
     const K known(hand, x, dt, NoTouch{});
     const auto s = law.shape(known);
-    const std::tuple J{known.jacobian<3>(Transform<Link<3>, Tool>::translation_xyz(0.03, 0, 0)),
-                       known.jacobian<7>(Transform<Link<7>, Tool>::translation_xyz(0.03, 0, 0)),
-                       known.jacobian<15>(Transform<Link<15>, Tool>::translation_xyz(0.03, 0.01, 0))};
+    const auto index = Transform<Link<3>, Tool>::translation_xyz(0.03, 0, 0);
+    const auto middle = Transform<Link<7>, Tool>::translation_xyz(0.03, 0, 0);
+    const auto thumb = Transform<Link<15>, Tool>::translation_xyz(0.03, 0.01, 0);
+    const std::tuple J{known.jacobian<3>(index), known.jacobian<7>(middle), known.jacobian<15>(thumb)};
     auto tau = law.torque(m, known) + known.gravity();
     const auto push = [&](const auto& J_k, std::size_t k) {
       typename std::remove_cvref_t<decltype(J_k)>::Load F;
