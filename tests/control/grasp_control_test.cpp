@@ -106,13 +106,14 @@ TEST_CASE("GraspControl: goals are cut off or refused, fingertips in one place p
   using Law = GraspControl<16, double, 3, 7>;
   const Law law({Xyz<double>{0.03, 0, 0}, Xyz<double>{0.03, 0, 0}}, {.max_force = 5});
   using K = Quantities<M, Law::needs, double>;
-  const K known(hand, State<16>{}, 0.001, NoTouch{});
+  const State<16> rest;
+  const K known(hand, rest, 0.001, NoTouch{});
   CHECK(law.receive({}, known, {9}).memory.goal == 5);
   CHECK(law.receive({}, known, {-9}).memory.goal == -5);
   CHECK(law.receive({}, known, {std::numeric_limits<double>::quiet_NaN()}).status.has(Reason::goal_refused));
   using Same = GraspControl<16, double, 3, 2>;
   const Same none({Xyz<double>{0, 0, 0}, Xyz<double>{0, 0, 0}});
-  const Quantities<M, Same::needs, double> other(hand, State<16>{}, 0.001, NoTouch{});
+  const Quantities<M, Same::needs, double> other(hand, rest, 0.001, NoTouch{});
   const auto s = none.shape(other);
   const Same same({Xyz<double>{0, 0, 0}, turn_back(other.pose<2>().axes(), Xyz<double>(s.p[0] - s.p[1]))});
   for (const double t : same.torque({5, 5}, other)) CHECK(std::abs(t) < 1e-3);
