@@ -4,7 +4,6 @@
 #include "bench/trade/page.hpp"
 
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -14,52 +13,24 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "examples/support/browser.hpp"
+
 using namespace trade;
-namespace fs = std::filesystem;
+using examples::browser::Folder;
 
 namespace {
 
 std::string browser;
 
-std::string find_browser() {
-  if (const char* named = std::getenv("CHROMIUM")) return named;
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    for (const char* name : {"chromium", "chromium-browser"})
-      if (::access((folder + '/' + name).c_str(), X_OK) == 0) return folder + '/' + name;
-  return {};
-}
-
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "trade_page_XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
-std::string output(const std::string& command) {
-  std::string text;
-  FILE* pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  char block[65536];
-  while (const std::size_t n = std::fread(block, 1, sizeof block, pipe)) text.append(block, n);
-  CHECK(pclose(pipe) == 0);
-  return text;
-}
-/// The page after its script has run; what went wrong in it is on the console, behind "CONSOLE".
+/// The page after its script has run; nothing may be on the console.
 std::string browsed(const Folder& folder, const std::string& file, const std::string& query) {
-  return output("timeout 60 '" + browser +
-                "' --headless --no-sandbox --disable-gpu --no-first-run --disable-dev-shm-usage "
-                "--disable-background-networking --user-data-dir='" +
-                (folder.path / "profile").string() +
-                "' --enable-logging=stderr --virtual-time-budget=3000 --dump-dom 'file://" + file + "?" +
-                query + "' 2>&1");
+  const auto outcome =
+      examples::browser::browse(browser, folder,
+                                {"--disable-gpu", "--enable-logging=stderr", "--virtual-time-budget=3000",
+                                 "--dump-dom", "file://" + file + "?" + query});
+  CHECK(outcome.code == 0);
+  CHECK(examples::browser::console(outcome.err) == "");
+  return outcome.out;
 }
 std::string answer(const std::string& dom, const std::string& id) {
   const auto at = dom.find("id=\"" + id + "\""), value = dom.find("data-value=\"", at);
@@ -149,7 +120,6 @@ TEST_CASE("Trade: the browser's answers are the cheapest and the most accurate o
       query << "scene=" << plain(scene) << "&clock=" << q.clock << "&us=" << q.us << "&mm=" << q.mm
             << "&N=" << q.N;
       const std::string dom = browsed(folder, file, query.str());
-      CHECK(dom.find("CONSOLE") == std::string::npos);
       const Clock clock = q.clock == std::string("hot") ? Clock::hot : Clock::cold;
       // By brute force over the rows, not by the functions that the program uses.
       const Row *have = nullptr, *need = nullptr;
@@ -210,7 +180,7 @@ TEST_CASE("Trade: the tables of the README are those of the shipped rows") {
 }
 
 int main(int argc, char** argv) {
-  browser = find_browser();
+  browser = examples::browser::find();
   const int failed = doctest::Context(argc, argv).run();
   if (failed == 0 && browser.empty()) {
     std::fprintf(

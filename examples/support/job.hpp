@@ -7,7 +7,9 @@
 #include <array>
 #include <atomic>
 #include <cstdarg>
+#include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <stdexcept>
 #include <string>
 
@@ -71,19 +73,33 @@ inline constexpr std::array<ExitRow, 9> exits{{
 
 namespace detail {
 inline std::atomic<bool> stop_asked{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
+/// When the first signal came, by the monotonic clock [ns]; 0 before.
+inline std::atomic<std::int64_t> stop_asked_at{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free,
+              "set by a signal handler");
 }  // namespace detail
 
-/// While it lives, the first SIGINT, SIGTERM or SIGHUP sets `asked()`, and a second one ends the process as usual;
-/// a reader of standard output that goes away does not end a program that has a device to stop, nor later, when the
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP sets `asked()`, and another one 0.2 s later or more ends the
+/// process as usual: who signals a process and its group, as timeout(1) does, asks once. A reader of standard output that goes away does not end a program that has a device to stop, nor later, when the
 /// rest of the output is written at exit. One at a time.
 class StopSignals {
  public:
   StopSignals() {
     detail::stop_asked = false;
+    detail::stop_asked_at = 0;
     struct sigaction stop{};
-    stop.sa_handler = [](int) { detail::stop_asked = true; };
-    stop.sa_flags = static_cast<int>(SA_RESETHAND);
+    stop.sa_handler = [](int number) {
+      timespec t{};
+      ::clock_gettime(CLOCK_MONOTONIC, &t);
+      const std::int64_t now = std::int64_t{1'000'000'000} * t.tv_sec + t.tv_nsec;
+      std::int64_t first = 0;
+      if (detail::stop_asked_at.compare_exchange_strong(first, now)) {
+        detail::stop_asked = true;
+      } else if (now - first > 200'000'000) {
+        ::signal(number, SIG_DFL);
+        ::raise(number);
+      }
+    };
     for (std::size_t k = 0; k < caught.size(); ++k) install(caught[k], stop, before_[k]);
     struct sigaction ignore{};
     ignore.sa_handler = SIG_IGN;

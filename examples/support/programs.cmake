@@ -3,6 +3,7 @@
 #   cmake -D "PROGRAMS=path|exit at SIGTERM|arguments;..." -P programs.cmake
 #
 # Exit at SIGTERM: 130 of a job, 0 of a server, `-` of a program that is done before one could send it.
+cmake_minimum_required(VERSION 3.25)
 find_program(TIMEOUT timeout REQUIRED)
 set(failed "")
 foreach(entry IN LISTS PROGRAMS)
@@ -33,14 +34,16 @@ foreach(entry IN LISTS PROGRAMS)
   foreach(wait IN ITEMS 1 5 20)
     set(after ${wait})
     execute_process(COMMAND "${TIMEOUT}" --preserve-status -s TERM -k 30 ${after} "${program}" ${arguments}
-      RESULT_VARIABLE code OUTPUT_QUIET ERROR_QUIET)
+      RESULT_VARIABLE code OUTPUT_QUIET ERROR_VARIABLE said)
     if(NOT code EQUAL 143)
       break()
     endif()
   endforeach()
   message(STATUS "${name}: --help, SIGTERM after ${after} s: exit ${code}")
   if(NOT code EQUAL at_signal)
-    list(APPEND failed "${name} ${arguments}: exit ${code} at SIGTERM instead of ${at_signal}")
+    string(REPLACE ";" "," said "${said}")
+    list(JOIN arguments " " words)
+    list(APPEND failed "${name} ${words}: exit ${code} at SIGTERM instead of ${at_signal}\n${said}")
   endif()
 endforeach()
 if(failed)

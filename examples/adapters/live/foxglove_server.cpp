@@ -56,9 +56,11 @@ Bytes trigger_response(const Answer& answer) {
 }
 
 /// A number of 32 bits; throws what a wrong type throws for any other value.
+struct NoId {};
+/// Throws `NoId` for what is no whole number of 32 bits.
 std::uint32_t id_of(const json& value) {
   const auto n = value.is_number_unsigned() ? value.get<std::uint64_t>() : ~std::uint64_t(0);
-  if (n > 0xffffffffu) static_cast<void>(json::object().at("an id of 32 bits"));  // throws
+  if (n > 0xffffffffu) throw NoId();
   return static_cast<std::uint32_t>(n);
 }
 
@@ -341,6 +343,8 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
       complain("op " + op.substr(0, 40) + " is not offered");
     } catch (const json::exception&) {
       complain("op " + op.substr(0, 40) + ": a member is missing or of a wrong type");
+    } catch (const NoId&) {
+      complain("op " + op.substr(0, 40) + ": an id is no whole number of 32 bits");
     }
   }
   void subscribe(const json& wanted) {

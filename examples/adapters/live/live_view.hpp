@@ -2,12 +2,12 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
 
 #include "examples/adapters/live/contact_picture.hpp"
 #include "examples/adapters/live/foxglove_server.hpp"
 #include "skinctl/io/cycle_messages.hpp"
 #include "skinctl/io/cycle_thread.hpp"
+#include "skinctl/io/detail/pace.hpp"
 
 namespace adapters::live {
 
@@ -74,16 +74,15 @@ class LiveView : public skinctl::CycleConsumer<C> {
     since_ |= r.status;
     if (server_.wanted(joints_)) server_.publish(joints_, now, messages_.joint_states(r));
     if (server_.wanted(shares_)) server_.publish(shares_, now, messages_.torque_shares(r));
-    if (due(next_picture_, now, 33ms)) {
+    if (drawn_.due(now)) {
       if (server_.wanted(tf_)) server_.publish(tf_, now, messages_.tf(r));
       if (server_.wanted(cells_)) server_.publish(cells_, now, messages_.cells(r));
       if (picture_ != nullptr && server_.wanted(contacts_)) {
-        static_cast<void>(messages_.tf(r));  // the links' places
-        const auto found = picture_->find(now, messages_.places());
+        const auto found = picture_->find(now, messages_.places(r));
         server_.publish(contacts_, now, messages_.encoded(contact_cloud(now, messages_.run().base, found)));
       }
     }
-    if (due(next_status_, now, 100ms)) {
+    if (said_.due(now)) {
       if (server_.wanted(status_)) server_.publish(status_, now, messages_.status(r, since_, dropped_));
       since_ = {};
     }
@@ -91,19 +90,12 @@ class LiveView : public skinctl::CycleConsumer<C> {
   void pause(std::uint64_t dropped) override { dropped_ = dropped; }
 
  private:
-  static bool due(std::optional<skinctl::Nanoseconds>& next, skinctl::Nanoseconds now,
-                  skinctl::Nanoseconds period) noexcept {
-    if (next && now < *next && now > *next - 2 * period) return false;
-    next = next && now - *next < period ? *next + period : now + period;
-    return true;
-  }
-
   FoxgloveServer& server_;
   skinctl::CycleMessages<C> messages_;
   ContactPicture* picture_ = nullptr;
   std::uint32_t joints_ = 0, shares_ = 0, status_ = 0, cells_ = 0, contacts_ = 0, tf_ = 0, robot_ = 0,
                 layout_ = 0;
-  std::optional<skinctl::Nanoseconds> next_picture_, next_status_;
+  skinctl::detail::Pace drawn_{std::chrono::milliseconds(33)}, said_{std::chrono::milliseconds(100)};
   skinctl::Status since_;
   std::uint64_t dropped_ = 0;
 };

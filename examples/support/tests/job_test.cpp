@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <set>
 #include <string>
@@ -21,7 +22,9 @@ TEST_CASE("job: every exit code is told apart, has words, and only one of them i
 }
 
 TEST_CASE(
-    "job: the first signal asks for a stop, the second ends the process; a reader that leaves does neither") {
+    "job: the first signal asks for a stop, as do two at once; a later one ends the process; a reader that "
+    "leaves does "
+    "neither") {
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     {
       const StopSignals signals;
@@ -36,6 +39,9 @@ TEST_CASE(
       const StopSignals signals;
       ::signal(SIGABRT, SIG_DFL);
       ::raise(number);
+      ::raise(number);
+      if (!signals.asked()) ::_exit(1);
+      ::usleep(300'000);
       ::raise(number);
       ::_exit(0);  // too patient
     }

@@ -36,7 +36,7 @@ class CycleMessages {
   }
   /// `/tf`: every frame in the base, by the measured positions. Empty without frames.
   [[nodiscard]] Bytes tf(const CycleRecord<C>& r) {
-    find_places(r);
+    places(r);
     std::vector<ros::StampedTransform> all;
     for (const RunFrame& f : run_.frames) {
       if (f.link >= places_.size()) continue;
@@ -48,13 +48,19 @@ class CycleMessages {
   /// `/skin/cells` as of this cycle; lies in this object until the next call. Empty without cells.
   [[nodiscard]] Bytes cells(const CycleRecord<C>& r) {
     if (cloud_.cells() == 0) return {};
-    find_places(r);
+    places(r);
     for (std::size_t i = 0; i < places_.size(); ++i)
       cloud_.place(static_cast<std::uint32_t>(i), places_[i].R, places_[i].p);
     return cloud_.encode(r.input.now);
   }
-  /// Where the links were at the last `tf` or `cells`.
-  [[nodiscard]] const std::vector<LinkPlace>& places() const noexcept { return places_; }
+  /// Where the links are in this cycle, by the measured positions; empty where the run does not tell.
+  const std::vector<LinkPlace>& places(const CycleRecord<C>& r) {
+    if (!run_.places) return places_;
+    q_.assign(C::joints, 0);
+    for (std::size_t i = 0; i < C::joints; ++i) q_[i] = static_cast<double>(r.input.measured.q[i]);
+    run_.places(q_, places_);
+    return places_;
+  }
   [[nodiscard]] SkinCloud& cloud() noexcept { return cloud_; }
   /// `/joint_states`: measured positions and velocities, commanded torques where the command has them.
   [[nodiscard]] Bytes joint_states(const CycleRecord<C>& r) {
@@ -104,12 +110,6 @@ class CycleMessages {
 
  private:
   static constexpr std::size_t laws = std::tuple_size_v<decltype(C::Output::shares)>;
-  void find_places(const CycleRecord<C>& r) {
-    if (!run_.places) return;
-    q_.assign(C::joints, 0);
-    for (std::size_t i = 0; i < C::joints; ++i) q_[i] = static_cast<double>(r.input.measured.q[i]);
-    run_.places(q_, places_);
-  }
 
   RunDescription run_;
   SkinCloud cloud_;

@@ -1,10 +1,9 @@
 // Records a run into an MCAP file while it runs: what replays, and what people look at.
 #pragma once
 
-#include <optional>
-
 #include "skinctl/io/cycle_messages.hpp"
 #include "skinctl/io/cycle_thread.hpp"
+#include "skinctl/io/detail/pace.hpp"
 #include "skinctl/io/recorded_run.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -48,11 +47,11 @@ class McapRecorder : public CycleConsumer<C> {
     ++cycles_;
     writer_.write(joints_, now, messages_.joint_states(r));
     writer_.write(shares_, now, messages_.torque_shares(r));
-    if (due(next_picture_, now, 33ms)) {
+    if (picture_.due(now)) {
       if (const auto bytes = messages_.cells(r); !bytes.empty()) writer_.write(cells_, now, bytes);
       if (const auto bytes = messages_.tf(r); !bytes.empty()) writer_.write(tf_, now, bytes);
     }
-    if (due(next_status_, now, 100ms)) {
+    if (said_.due(now)) {
       writer_.write(status_, now, messages_.status(r, since_, dropped_));
       since_ = Status();
     }
@@ -77,17 +76,11 @@ class McapRecorder : public CycleConsumer<C> {
   [[nodiscard]] std::uint64_t size() const noexcept { return writer_.size(); }
 
  private:
-  static bool due(std::optional<Nanoseconds>& next, Nanoseconds now, Nanoseconds period) noexcept {
-    if (next && now < *next && now > *next - 2 * period) return false;
-    next = next && now - *next < period ? *next + period : now + period;
-    return true;
-  }
-
   CycleMessages<C> messages_;
   FileSink sink_;
   McapWriter<FileSink> writer_;
   McapChannel start_, cycle_, joints_, shares_, status_, cells_, tf_, robot_, layout_;
-  std::optional<Nanoseconds> next_picture_, next_status_;
+  detail::Pace picture_{33ms}, said_{100ms};
   Status since_;
   std::uint64_t cycles_ = 0, dropped_ = 0;
   std::chrono::steady_clock::time_point flushed_ = std::chrono::steady_clock::now();

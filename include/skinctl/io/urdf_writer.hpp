@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "skinctl/core/contract.hpp"
+#include "skinctl/core/detail/xml_text.hpp"
 #include "skinctl/frames/rotation.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/model/named_links.hpp"
@@ -37,7 +38,7 @@ namespace detail {
 class UrdfBuilder {
  public:
   explicit UrdfBuilder(const UrdfDress& dress) : dress_(dress) {
-    text_ = "<?xml version=\"1.0\"?>\n<robot name=\"" + escaped(dress.name) + "\">\n";
+    text_ = "<?xml version=\"1.0\"?>\n<robot name=\"" + xml_text(dress.name) + "\">\n";
   }
   [[nodiscard]] std::string joint(std::size_t i) const { return given(dress_.joints, i, "joint_"); }
   [[nodiscard]] std::string link(int i) const {
@@ -46,7 +47,7 @@ class UrdfBuilder {
   /// A link of the model with its inertia, or the base.
   void add_link(int i, const LinkParameters<double>* l) {
     using P = LinkParameter;
-    text_ += "  <link name=\"" + escaped(link(i)) + "\">\n";
+    text_ += "  <link name=\"" + xml_text(link(i)) + "\">\n";
     if (l != nullptr) {
       const auto& n = *l;
       const double trace = n[P::s_xx] + n[P::s_yy] + n[P::s_zz];
@@ -73,12 +74,12 @@ class UrdfBuilder {
     Xyz<double> p{n[P::p_x], n[P::p_y], n[P::p_z]};
     if (!turns) p = p + n[P::offset] * R.z;
     const bool limited = i < dress_.limits.size();
-    text_ += "  <joint name=\"" + escaped(joint(i)) + "\" type=\"" +
+    text_ += "  <joint name=\"" + xml_text(joint(i)) + "\" type=\"" +
              (!turns    ? "prismatic"
               : limited ? "revolute"
                         : "continuous") +
-             "\">\n    " + origin(R, p) + "\n    <parent link=\"" + escaped(link(parent)) +
-             "\"/>\n    <child link=\"" + escaped(link(static_cast<int>(i))) +
+             "\">\n    " + origin(R, p) + "\n    <parent link=\"" + xml_text(link(parent)) +
+             "\"/>\n    <child link=\"" + xml_text(link(static_cast<int>(i))) +
              "\"/>\n    <axis xyz=\"0 0 1\"/>\n";
     if (limited) {
       const auto& l = dress_.limits[i];
@@ -89,9 +90,9 @@ class UrdfBuilder {
   }
   [[nodiscard]] std::string take() {
     for (const NamedLink& l : dress_.named_links) {
-      const std::string name = escaped(l.name);
+      const std::string name = xml_text(l.name);
       text_ += "  <link name=\"" + name + "\"/>\n  <joint name=\"" + name + "_fixed\" type=\"fixed\">\n    " +
-               origin(l.R, l.p) + "\n    <parent link=\"" + escaped(link(l.link)) +
+               origin(l.R, l.p) + "\n    <parent link=\"" + xml_text(link(l.link)) +
                "\"/>\n    <child link=\"" + name + "\"/>\n  </joint>\n";
     }
     return std::move(text_) + "</robot>\n";
@@ -100,12 +101,6 @@ class UrdfBuilder {
  private:
   static std::string given(const std::vector<std::string>& names, std::size_t i, const char* other) {
     return i < names.size() ? names[i] : other + std::to_string(i + 1);
-  }
-  static std::string escaped(std::string_view s) {
-    std::string out;
-    for (const char c : s)
-      out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
-    return out;
   }
   /// The shortest digits that give the same numbers again.
   static std::string list(std::initializer_list<double> values) {

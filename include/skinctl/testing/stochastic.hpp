@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "skinctl/core/config.hpp"
+#include "skinctl/math/detail/limits_like.hpp"
 
 namespace skinctl::testing {
 
@@ -106,20 +107,6 @@ class Stochastic {
 
 /// @cond
 template <class R>
-struct std::numeric_limits<skinctl::testing::Stochastic<R>> {
-  using Of = std::numeric_limits<R>;
-  using T = skinctl::testing::Stochastic<R>;
-  static constexpr bool is_specialized = true, is_integer = false, is_signed = true, is_exact = false,
-                        has_infinity = true, has_quiet_NaN = true, is_iec559 = false, is_bounded = true;
-  static constexpr int digits = Of::digits, digits10 = Of::digits10, max_digits10 = Of::max_digits10,
-                       radix = 2, min_exponent = Of::min_exponent, max_exponent = Of::max_exponent,
-                       min_exponent10 = Of::min_exponent10, max_exponent10 = Of::max_exponent10;
-  static constexpr T epsilon() noexcept { return Of::epsilon(); }
-  static constexpr T min() noexcept { return Of::min(); }
-  static constexpr T max() noexcept { return Of::max(); }
-  static constexpr T lowest() noexcept { return Of::lowest(); }
-  static constexpr T infinity() noexcept { return Of::infinity(); }
-  static constexpr T quiet_NaN() noexcept { return Of::quiet_NaN(); }
-  static constexpr T denorm_min() noexcept { return Of::denorm_min(); }
-};
+struct std::numeric_limits<skinctl::testing::Stochastic<R>>
+    : skinctl::detail::LimitsLike<skinctl::testing::Stochastic<R>, R> {};
 /// @endcond

@@ -1,0 +1,28 @@
+// Something once in a period.
+#pragma once
+
+#include <optional>
+
+#include "skinctl/core/time.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Says once in a period, by the stamps of cycles, that it is time. After a gap, and where stamps begin anew, it counts
+/// from there.
+class Pace {
+ public:
+  explicit Pace(Nanoseconds period) noexcept : period_(period) {}
+  [[nodiscard]] bool due(Nanoseconds now) noexcept {
+    if (next_ && now < *next_ && now > *next_ - 2 * period_) return false;
+    next_ = next_ && now - *next_ < period_ && now >= *next_ ? *next_ + period_ : now + period_;
+    return true;
+  }
+
+ private:
+  Nanoseconds period_;
+  std::optional<Nanoseconds> next_;
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE
