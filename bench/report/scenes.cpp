@@ -16,6 +16,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/needs_read.hpp"
