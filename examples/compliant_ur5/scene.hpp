@@ -9,6 +9,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
 #include "skinctl/robot/preset.hpp"

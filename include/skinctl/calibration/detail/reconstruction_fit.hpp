@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
+#include <algorithm>
 
 #include "skinctl/calibration/least_squares.hpp"
 #include "skinctl/calibration/reconstruction.hpp"
