@@ -179,7 +179,7 @@ TEST_CASE("TCPROS: headers and blocks, in any pieces; lengths that lie") {
       blocks.add(std::span(stream).subspan(at, n));
       at += n;
       while (const auto block = blocks.next()) {
-        for (const std::uint8_t b : *block) CHECK(b == got.size());
+        CHECK(std::all_of(block->begin(), block->end(), [&](std::uint8_t b) { return b == got.size(); }));
         got.push_back(block->size());
       }
       blocks.drop();
@@ -259,7 +259,7 @@ TEST_CASE("ROS 1: what a publisher does wrong has words, and holds nobody") {
   const Case cases[] = {
       {"with the sum 00000000", [](ros1_peer::Peer& p) { p.wrong_sum = true; }},
       {"refuses requestTopic: no protocol", [](ros1_peer::Peer& p) { p.refuses_stream = true; }},
-      {"no proper answer to requestTopic", [](ros1_peer::Peer& p) { p.silent_publisher = true; }},
+      {"gave no answer to requestTopic", [](ros1_peer::Peer& p) { p.silent_publisher = true; }},
       {"too long a message", [](ros1_peer::Peer&) {}, "\xff\xff\xff\x7f"},
   };
   for (const Case& c : cases) {
