@@ -118,12 +118,14 @@ async function resume() {
   $('reasons').textContent = a.done ? 'resume asked: ' + a.words : 'not resumed: ' + a.words;
 }
 
+/// Sliders. A new value counts when it has been agreed to: asked once a slider is let go.
 function parameters(list) {
   for (const p of list) {
+    const [low, high] = JSON.parse(state.stream.facts['range of ' + p.name] || '[0,1]');
     let input = document.getElementById('p-' + p.name);
     if (!input) {
       const label = document.createElement('label'), name = document.createElement('span'), value = document.createElement('output');
-      input = Object.assign(document.createElement('input'), {type: 'range', min: 0, max: 1, step: 0.01, id: 'p-' + p.name, disabled: !state.control});
+      input = Object.assign(document.createElement('input'), {type: 'range', min: low, max: high, step: 0.01 * (high - low), id: 'p-' + p.name, disabled: !state.control});
       name.textContent = p.name;
       input.addEventListener('input', () => { value.textContent = Number(input.value).toFixed(2); });
       input.addEventListener('change', async () => {

@@ -51,8 +51,8 @@ struct Served {
     put_page(o);
     for (auto& f : more) o.files.insert(f);
     server = std::make_unique<adapters::live::FoxgloveServer>(std::move(o));
-    view = std::make_unique<adapters::live::LiveView<Scene>>(*server, requests, run.description(),
-                                                             run.contacts());
+    view = std::make_unique<adapters::live::LiveView<Scene>>(
+        *server, requests, run.description(), std::vector<adapters::live::WeightRange>{{1, 0, 1}});
     server->start();
     loop = std::thread([this] {
       CycleThread<Scene> thread({view.get()});
