@@ -82,13 +82,14 @@ struct Client {
     const auto late = std::chrono::steady_clock::now() + wait;
     for (;;) {
       if (in.size() >= 2) {
-        std::size_t length = in[1] & 0x7f, head = 2;
-        if (length == 126 && in.size() >= 4) length = std::size_t(in[2]) << 8 | in[3], head = 4;
-        if (length == 127 && in.size() >= 10) {
+        const std::size_t code = in[1] & 0x7f;
+        std::size_t length = code, head = 2;
+        if (code == 126 && in.size() >= 4) length = std::size_t(in[2]) << 8 | in[3], head = 4;
+        if (code == 127 && in.size() >= 10) {
           length = 0, head = 10;
           for (std::size_t i = 2; i < 10; ++i) length = length << 8 | in[i];
         }
-        if (length < 126 || head > 2)
+        if (code < 126 || head > 2)
           if (in.size() >= head + length) {
             Frame f{in[0] & 0x0f, std::string(in.begin() + std::ptrdiff_t(head),
                                               in.begin() + std::ptrdiff_t(head + length))};

@@ -10,6 +10,7 @@
 #include "examples/live_page/page.hpp"
 #include "examples/live_page/tests/simulated_run.hpp"
 #include "examples/support/devtools.hpp"
+#include "examples/support/run_program.hpp"
 #include "skinctl/io/mcap_recorder.hpp"
 
 using namespace skinctl;
@@ -117,6 +118,39 @@ TEST_CASE(
     }
     if (!keep.empty()) page.picture(keep / (std::string(name) + ".png"));
   }
+  // What a frame costs: this page's own work, and 10 000 cells drawn by the computer's processor.
+  MESSAGE("own work of a frame with 260 cells [ms], median and p99: " << page.evaluate(
+              "(w => [w[w.length >> 1], w[Math.floor(0.99 * w.length)]].map(t => t.toFixed(1)).join(', '))"
+              "([...skinctl.work].sort((a, b) => a - b))"));
+  if (page.evaluate("!!skinctl.no3d") == false) {
+    const auto drawn = page.evaluate(R"js((async () => {
+      const v = skinctl.view, own = [], whole = [], gl = v.renderer.getContext();
+      const before = v.drawn, from = performance.now();
+      await new Promise(done => setTimeout(done, 2000));
+      const fps = 1e3 * (v.drawn - before) / (performance.now() - from), layout = skinctl.layout, cells = [];
+      for (let i = 0; i < 10000; ++i)
+        cells.push({id: 1 + i, X_RootCell: {p: [-0.4 * (i % 400) / 400, 0.06 * Math.sin(i), 0.06 * Math.cos(i)], q: [0, 0, 0, 1]}});
+      v.layout({patches: [{name: 'many', link: 'forearm_link', X_LinkRoot: {p: [0, 0, 0], q: [0, 0, 0, 1]}, cells}]});
+      const cloud = {view: new DataView(new ArrayBuffer(160000)), step: 16, fields: {force: 0, proximity: 4, cell: 8, status: 12}, count: 10000};
+      for (let i = 0; i < 10000; ++i) cloud.view.setUint32(16 * i + 8, 1 + i, true);
+      for (let k = 0; k < 20; ++k) {
+        const t = performance.now();
+        v.readings(cloud);
+        v.draw('#fff');
+        own.push(performance.now() - t);
+        gl.finish();
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+        whole.push(performance.now() - t);
+      }
+      const calls = v.renderer.info.render.calls;
+      v.layout(layout);
+      skinctl.drawn_cells = null;
+      const median = l => l.sort((a, b) => a - b)[l.length >> 1].toFixed(1);
+      return `${fps.toFixed(0)} frames a second with 260 cells; 10 000 cells: own work ${median(own)} ms, drawn in software ${median(whole)} ms, ${calls} draw calls`;
+    })())js");
+    MESSAGE(drawn.get<std::string>());
+    CHECK(page.evaluate("skinctl.view.cells.length") == 260);
+  }
   // Stop is obeyed at once, resume asks.
   page.evaluate("document.getElementById('stop').click()");
   CHECK(page.until(last_reasons + ".includes('stopping')"));
@@ -129,6 +163,29 @@ TEST_CASE(
   page.evaluate("document.getElementById('resume').click()");
   page.evaluate("document.querySelector('#ask button[value=yes]').click()");
   CHECK(page.until("!" + last_reasons + ".includes('stopping')"));
+  // A slider of a weight: asks; without consent it goes back, with it the law's share of the torque fades.
+  const auto slide = [&](double to, const char* answer) {
+    page.evaluate("(() => { const s = document.getElementById('p-weight of skin joint'); s.value = " +
+                  std::to_string(to) +
+                  "; s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change')); })()");
+    CHECK(page.evaluate("document.getElementById('ask').open && "
+                        "/weight of skin joint/.test(document.getElementById('question').textContent)") ==
+          true);
+    page.evaluate("document.querySelector('#ask button[value=" + std::string(answer) + "]').click()");
+  };
+  const std::string known = "Number(document.getElementById('p-weight of skin joint').value)";
+  CHECK(page.evaluate("document.querySelectorAll('#weights input').length") == 1);  // gravity has none
+  slide(0.5, "no");
+  CHECK(page.until(known + " === 1"));
+  const std::string share =
+      "(l => Math.max(...l.map(e => Math.max(...e.value.data.slice(0, 6).map(Math.abs)))))"
+      "(skinctl.timeline.list('/skinctl/torque_shares').slice(-250))";  // two seconds: somebody presses always
+  CHECK(page.until(share + " > 0.02"));
+  slide(0, "yes");
+  CHECK(page.until(share + " === 0"));
+  CHECK(page.evaluate(known) == 0);
+  slide(1, "yes");
+  CHECK(page.until(share + " > 0.02"));
   // One second back the page stays there while the run goes on.
   page.evaluate(
       "(() => { const s = document.getElementById('scrub'); s.value = -1; s.dispatchEvent(new "
@@ -211,6 +268,29 @@ TEST_CASE("The placing page: a patch is dragged onto a link, laid onto its tube,
     CHECK(low > 0.024);
     CHECK(high < 0.0285);
   }
+#ifdef MAIN_JOB
+  // Saved by its button, the file is taken by the main job, whose arm gives way where the patch is pressed.
+  page.downloads(folder.path);
+  page.evaluate("document.getElementById('save').click()");
+  const auto saved = folder.path / "skin.json";
+  for (int k = 0; k < 100 && !std::filesystem::exists(saved); ++k) ::usleep(50'000);
+  REQUIRE(std::filesystem::exists(saved));
+  const auto press = folder.path / "press.toml", told = folder.path / "told.json";
+  std::ofstream(press)
+      << "[run]\nduration = 6\n[control]\nforce_threshold = 0.02\n[[touch]]\nname = \"finger\"\ncell = 268\n"
+         "start = 1\nstiffness = 3000\ndamping = 20\napproach_speed = 0.06\ntravel = 0.06\nhold = 0.6\n";
+  const std::string said =
+      examples::run_program(MAIN_JOB,
+                            "--no-compare --report '' --skin " + saved.string() + " --scenario " +
+                                press.string() + " --json " + told.string(),
+                            0);
+  CHECK_MESSAGE(said.find("20 of 20") != std::string::npos, said);
+  std::ifstream in(told);
+  const auto touches = nlohmann::json::parse(in)["touches"];
+  REQUIRE_MESSAGE(touches.size() == 1, said);
+  CHECK(touches[0]["cell"] == 268);
+  CHECK(touches[0]["deflection"].get<double>() > 0.01);
+#endif
   // Dragged by the mouse: by one of the three arrows.
   if (page.evaluate("!!(skinctl.view && skinctl.handle)") == true) {
     const std::string before = page.evaluate("JSON.stringify(skinctl.pose.p)");

@@ -51,14 +51,14 @@ struct Running {
   std::string text;
 };
 
-/// A streamed message: its time, and a number of the CDR at `at`, counted from the end of its header.
+/// The time of a streamed message.
 std::int64_t time_of(const std::string& message) {
   std::int64_t t = 0;
   std::memcpy(&t, message.data() + 5, sizeof t);
   return t;
 }
 
-/// Doubles of a CDR sequence that ends `behind` bytes before the message does.
+/// Doubles of a CDR sequence in a message.
 std::vector<double> doubles_at(const std::string& message, std::size_t at, std::size_t n) {
   std::vector<double> out(n);
   REQUIRE(at + 8 * n <= message.size());
@@ -69,7 +69,7 @@ std::vector<double> doubles_at(const std::string& message, std::size_t at, std::
 struct Streamed {
   std::map<std::int64_t, std::vector<double>> joints;  ///< positions, velocities, torques by time
   std::map<std::int64_t, std::vector<double>> shares;
-  std::int64_t went_on = 0, counts_again = 0;  ///< times of the first cycles after the client's requests
+  std::int64_t counts_again = 0;  ///< the time at which the skin was given its weight back
 };
 
 /// Watches and meddles until the job ends.
@@ -99,19 +99,22 @@ Streamed watched(std::uint16_t port) {
   Streamed out;
   std::int64_t first = 0;
   int done = 0, refused = 0, answered = 0, told = 0, stopping = 0, contacts = 0;
-  while (const auto f = client.next(2000ms)) {
+  while (const auto f = client.next(std::chrono::milliseconds(2000))) {
     if (f->op == 8) break;
     if (f->op == 1) {
       const json m = json::parse(f->payload);
-      if (m["op"] == "status")
-        ++refused, CHECK(m["message"].get<std::string>().find("0.05") != std::string::npos);
-      if (m["op"] == "parameterValues" && m.contains("id")) ++told;
+      if (m["op"] == "status") {
+        ++refused;
+        CHECK(m["message"].get<std::string>().find("0.05") != std::string::npos);
+      }
+      told += m["op"] == "parameterValues" && m.contains("id");
       continue;
     }
     if (f->op != 2) continue;
     const std::string& message = f->payload;
     if (message[0] == 3) {
-      ++answered, CHECK(message[20] == 1);
+      ++answered;
+      CHECK(message[20] == 1);
       continue;
     }
     const std::int64_t time = time_of(message);
@@ -128,12 +131,24 @@ Streamed watched(std::uint16_t port) {
     out.joints[time] = all;
     if (first == 0) first = time;
     const double t = 1e-9 * double(time - first);
-    // Firmness of the task, no skin, a stop, and after the touch has begun the skin again.
-    if (done == 0 && t > 0.2)
-      ++done, weigh("spline joint", 0.5), weigh("skin joint", 0), weigh("spline joint", 0.05);
-    if (done == 1 && t > 0.6) ++done, REQUIRE(client.frame(2, call_of(services.at("/skinctl/stop"), 1)));
-    if (done == 2 && t > 1.2) ++done, REQUIRE(client.frame(2, call_of(services.at("/skinctl/resume"), 2)));
-    if (done == 3 && t > 2.3) ++done, out.counts_again = time, weigh("skin joint", 1);
+    // Less firmness, no skin, a stop, and after the touch has begun the skin again.
+    if (done == 0 && t > 0.2) {
+      ++done;
+      weigh("spline joint", 0.5), weigh("skin joint", 0), weigh("spline joint", 0.05);
+    }
+    if (done == 1 && t > 0.6) {
+      ++done;
+      REQUIRE(client.frame(2, call_of(services.at("/skinctl/stop"), 1)));
+    }
+    if (done == 2 && t > 1.2) {
+      ++done;
+      REQUIRE(client.frame(2, call_of(services.at("/skinctl/resume"), 2)));
+    }
+    if (done == 3 && t > 2.3) {
+      ++done;
+      out.counts_again = time;
+      weigh("skin joint", 1);
+    }
   }
   CHECK(done == 4);
   CHECK(refused == 1);
