@@ -72,13 +72,13 @@ function show() {
     const stages = status ? Object.keys(status.times_us) : [];
     if (stages.length) {
       if (stages.join() !== (state.stages || []).join()) { state.stages = stages; legend($('stages'), stages); }
-      lines($('time'), stages.map((s, k) => ({k, name: s[0], points: part('/skinctl/status', v => v.times_us[s])})), from, to, now, 'µs', 0);
+      lines($('time'), stages.map((s, k) => ({k, name: s, points: part('/skinctl/status', v => v.times_us[s])})), from, to, now, 'µs', 0);
     }
     if (status) {
       $('reasons').textContent = status.reasons.length ? status.reasons.map(reason).join('; ') : 'nothing limited, nothing held';
       const facts = [['cycle', status.cycle], ['cycles dropped on the way', status.dropped]];
       const period = periodOf(t.list('/joint_states')), spent = Object.values(status.times_us).reduce((a, b) => a + b, 0);
-      if (period > 0 && spent > 0) facts.push(['time of a cycle', `${spent.toFixed(0)} µs of ${(1e3 * period).toFixed(0)} ms, ${(1e-4 * spent / period).toFixed(1)} %`]);
+      if (period > 0 && spent > 0) facts.push(['time of a cycle', `${spent.toFixed(0)} µs`], [`of its ${(1e3 * period).toFixed(0)} ms`, `${(1e-4 * spent / period).toFixed(1)} %`]);
       if (state.errors) facts.push(['messages that could not be read', state.errors]);
       $('facts').replaceChildren(...facts.flatMap(([k, v]) => { const a = document.createElement('dt'), b = document.createElement('dd'); a.textContent = k, b.textContent = v; return [a, b]; }));
     }
@@ -141,7 +141,7 @@ function parameters(list) {
     if (!input) {
       const label = document.createElement('label'), name = document.createElement('span'), value = document.createElement('output');
       input = Object.assign(document.createElement('input'), {type: 'range', min: low, max: high, step: 0.01 * (high - low), id: 'p-' + p.name, disabled: !state.control});
-      name.textContent = p.name;
+      name.textContent = p.name.replace('weight of ', '');
       input.addEventListener('input', () => { value.textContent = Number(input.value).toFixed(2); });
       input.addEventListener('change', async () => {
         if (await ask(`Set ${p.name} to ${input.value}? The robot's behaviour changes.`)) state.stream.set(p.name, Number(input.value));

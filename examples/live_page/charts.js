@@ -36,7 +36,7 @@ export function lines(canvas, series, t0, t1, mark, unit, from = null) {
   if (!(high > low)) { const m = Number.isFinite(low) ? low : 0; low = m - 1, high = m + 1; }
   const margin = 0.06 * (high - low);
   low -= from === low ? 0 : margin, high += margin;
-  const right = series.some(s => s.name) ? 18 : 4, y = scaleY(c, w, h, low, high, left), x = t => left + (t - t0) / (t1 - t0) * (w - left - right);
+  const right = 4 + Math.max(0, ...series.map(s => s.name ? c.measureText(s.name).width + 6 : 0)), y = scaleY(c, w, h, low, high, left), x = t => left + (t - t0) / (t1 - t0) * (w - left - right);
   c.textAlign = 'center', c.textBaseline = 'alphabetic', c.fillStyle = css('--soft');
   const by = step(t1 - t0, 5);
   for (let t = Math.ceil((t0 - t1) / by) * by; t <= 1e-9; t += by) c.fillText(t === 0 ? '0 s' : String(+t.toPrecision(4)), Math.min(x(t1 + t), w - 12), h - 3);

@@ -2,6 +2,7 @@
 // parameters, nonsense, clients that do not read.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstring>
@@ -253,4 +254,42 @@ TEST_CASE(
   static_cast<void>(s.connected());
   s.server->stop();
   s.server->stop();
+}
+
+TEST_CASE(
+    "FoxgloveServer: twenty clients hear everything; what they do not take is counted, and delays nobody") {
+  Served s;
+  std::vector<std::unique_ptr<Client>> clients;
+  for (int k = 0; k < 20; ++k) {
+    clients.push_back(s.connected());
+    REQUIRE(clients.back()->say({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", 1}}}}}));
+    // It has subscribed once it is answered.
+    REQUIRE(clients.back()->say({{"op", "getParameters"}, {"parameterNames", {"weight"}}, {"id", "x"}}));
+    REQUIRE(clients.back()->text("parameterValues")["id"] == "x");
+  }
+  for (int k = 0; k < 50; ++k) s.publish(s.channel, std::to_string(k));
+  for (const auto& client : clients)
+    for (int k = 0; k < 50; ++k) REQUIRE(client->binary().substr(13) == std::to_string(k));
+  CHECK(s.server->statistics().sent == 1000);
+  CHECK(s.server->statistics().dropped == 0);
+  // Nobody reads now: 50 MB for each, of which a queue of 1 MiB and the sockets' buffers hold a part.
+  const std::string large(500'000, 'x');
+  std::vector<double> times;
+  for (int k = 0; k < 100; ++k) {
+    const auto from = std::chrono::steady_clock::now();
+    s.publish(s.channel, large);
+    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count());
+    std::this_thread::sleep_for(2ms);
+  }
+  const auto counted = [&] {
+    const auto told = s.server->statistics();
+    return told.sent + told.dropped - 1000;
+  };
+  s.until([&] { return counted() >= 2000; });
+  const std::uint64_t taken = s.server->statistics().sent - 1000;
+  MESSAGE(taken << " of 2000 taken, " << s.server->statistics().dropped << " dropped");
+  CHECK(s.server->statistics().dropped > 500);
+  CHECK(s.server->statistics().clients == 20);
+  std::nth_element(times.begin(), times.begin() + 50, times.end());
+  CHECK(times[50] < 2e-3);  // a copy of half a megabyte
 }

@@ -198,16 +198,44 @@ void check_reader(const std::string& command, const Streamed& streamed) {
   CHECK(with > 1);
 }
 
+const std::string job = MAIN_JOB, quiet = " --no-compare --report '' --quiet --record ";
+std::string path_of(const char* name) {
+  return (fs::temp_directory_path() / ("skinctl_" + std::to_string(::getpid()) + name)).string();
+}
+
 }  // namespace
+
+TEST_CASE("main job: killed while it records, its file replays as far as it goes, and is given an end") {
+  const std::string path = path_of("_killed.mcap");
+  Running killed("timeout -s KILL 2.5 " + job + " --speed 1" + quiet + path);
+  CHECK(killed.end() != 0);
+  Running replay("timeout 40 " + job + " --replay " + path);
+  CHECK(replay.line(path).find("was cut") != std::string::npos);
+  const std::string said = replay.line("replayed ");
+  CHECK(std::atoi(said.c_str()) > 50);
+  CHECK(said.find("every command is the same to the bit") != std::string::npos);
+  CHECK(replay.end() == 0);
+  Running recover(std::string(RECORD_PROGRAM) + " recover " + path);
+  CHECK(recover.end() == 0);
+  Running again("timeout 40 " + job + " --replay " + path);
+  CHECK(again.line("replayed ") == said);
+  CHECK(again.text.find("was cut") == std::string::npos);
+  fs::remove(path);
+}
+
+TEST_CASE("main job: a disk that is full costs the file, not the run") {
+  Running run("timeout 40 " + job + " --cycles 300" + quiet + "/dev/full");
+  CHECK(run.line("/dev/full is not whole: 0 cycles found no room").find("refused by the disk") !=
+        std::string::npos);
+  CHECK(run.end() == 0);
+}
 
 TEST_SUITE_BEGIN("real time");
 
 TEST_CASE(
     "main job: what was streamed and recorded at once replays to the bit, and others read the streamed "
     "numbers") {
-  const std::string path =
-      (fs::temp_directory_path() / ("skinctl_streamed_" + std::to_string(::getpid()))).string() + ".mcap";
-  const std::string job = MAIN_JOB;
+  const std::string path = path_of("_streamed.mcap");
   Running run("timeout 40 " + job +
               " --live --live-port 0 --allow-control --no-compare --report '' --cycles 500 --record " + path);
   const std::string at = run.line("live: http://127.0.0.1:");
