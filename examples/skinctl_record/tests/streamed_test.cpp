@@ -85,7 +85,8 @@ Streamed watched(std::uint16_t port) {
   std::map<std::string, int> channels;
   for (const json& c : offered["channels"]) channels[c["topic"]] = c["id"];
   std::map<std::string, std::uint32_t> services;
-  for (const json& s : client.text("advertiseServices")["services"]) services[s["name"]] = s["id"];
+  const json callable = client.text("advertiseServices");
+  for (const json& s : callable["services"]) services[s["name"]] = s["id"];
   json subscriptions = json::array();
   for (const char* topic : {"/joint_states", "/skinctl/torque_shares", "/skinctl/status", "/skin/contacts"})
     subscriptions.push_back({{"id", channels.at(topic)}, {"channelId", channels.at(topic)}});
