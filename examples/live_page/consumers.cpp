@@ -27,7 +27,6 @@
 
 using namespace skinctl;
 
-
 namespace {
 
 constexpr std::size_t all_cells = 1260, changed = 164;  // 13 % a cycle
@@ -287,7 +286,8 @@ int work(double seconds_long, int rounds, const std::string& picture) {
   plot.y_name = "share of cycles, power of ten";
   plot.from_zero = false;
   for (std::size_t k = 0; k < rows.size(); ++k)
-    plot.series.push_back(tail(rows[k].name, rows[k].load, static_cast<int>(k), !rows[k].scene));
+    if (rows[k].scene)  // a loop that does nothing takes a hundredth of it
+      plot.series.push_back(tail(rows[k].name, rows[k].load, static_cast<int>(k) - 2, false));
   return plotting::write_svg(picture, plotting::svg_plot(plot)) ? 0 : 1;
 }
 

@@ -63,7 +63,7 @@ export class RobotView {
     grid.material.opacity = 0.25, grid.material.transparent = true;
     this.scene.add(grid);
     this.arrows = [];
-    const shaft = new THREE.CylinderGeometry(0.006, 0.006, 1, 12), head = new THREE.CylinderGeometry(0, 0.018, 0.04, 16), red = new THREE.MeshLambertMaterial({color: 0xd6498f});
+    const shaft = new THREE.CylinderGeometry(0.006, 0.006, 1, 12), head = new THREE.CylinderGeometry(0, 0.018, 0.04, 16), red = new THREE.MeshLambertMaterial({color: 0xe040fb});
     for (let i = 0; i < 64; ++i) {
       const arrow = new THREE.Group();  // along y, its tip in the origin
       arrow.shaft = new THREE.Mesh(shaft, red), arrow.head = new THREE.Mesh(head, red);

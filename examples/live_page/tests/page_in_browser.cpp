@@ -5,6 +5,8 @@
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "examples/live_page/page.hpp"
@@ -88,6 +90,54 @@ std::string recorded(const browser::Folder& folder) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// The smallest difference of two of these colours ("rgb(1, 2, 3)" or "#010203"), CIE76, to normal eyes and to those of the
+/// three kinds of dichromats (Machado, Oliveira, Fernandes, "A physiologically-based model for simulation of color
+/// vision deficiency", 2009, severity 1). Eyes tell 2.3 apart.
+double nearest_colours(const nlohmann::json& colours) {
+  constexpr double eyes[4][9] = {
+      {1, 0, 0, 0, 1, 0, 0, 0, 1},
+      {0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998},
+      {0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.011820, 0.042940, 0.968881},
+      {1.255528, -0.076749, -0.178779, -0.078411, 0.930809, 0.147602, 0.004733, 0.691367, 0.303900}};
+  using Three = std::array<double, 3>;
+  const auto linear = [](const std::string& text) {
+    Three c{};
+    unsigned r = 0, g = 0, b = 0;
+    REQUIRE_MESSAGE((std::sscanf(text.c_str(), "#%2x%2x%2x", &r, &g, &b) == 3 ||
+                     std::sscanf(text.c_str(), "rgb(%u, %u, %u)", &r, &g, &b) == 3),
+                    text);
+    const unsigned of[3] = {r, g, b};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double x = of[i] / 255.0;
+      c[i] = x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+    }
+    return c;
+  };
+  const auto lab = [](const Three& c) {
+    const auto f = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116; };
+    const double x = f((0.4124 * c[0] + 0.3576 * c[1] + 0.1805 * c[2]) / 0.9505),
+                 y = f(0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]),
+                 z = f((0.0193 * c[0] + 0.1192 * c[1] + 0.9505 * c[2]) / 1.089);
+    return Three{116 * y - 16, 500 * (x - y), 200 * (y - z)};
+  };
+  double least = 1e9;
+  for (const auto& m : eyes) {
+    std::vector<Three> seen;
+    for (const std::string text : colours) {
+      const Three c = linear(text);
+      Three s{};
+      for (std::size_t i = 0; i < 3; ++i)
+        s[i] = std::clamp(m[3 * i] * c[0] + m[3 * i + 1] * c[1] + m[3 * i + 2] * c[2], 0.0, 1.0);
+      seen.push_back(lab(s));
+    }
+    for (std::size_t a = 0; a < seen.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        least = std::min(
+            least, std::hypot(seen[a][0] - seen[b][0], seen[a][1] - seen[b][1], seen[a][2] - seen[b][2]));
+  }
+  return least;
+}
+
 }  // namespace
 
 TEST_CASE(
@@ -116,6 +166,12 @@ TEST_CASE(
       CHECK(page.evaluate("skinctl.view.cells.length") == 260);
       CHECK(page.evaluate("skinctl.view.renderer.info.programs.every(p => !p.diagnostics)") == true);
     }
+    CHECK(nearest_colours(
+              page.evaluate("[0, 1, 2, 3, 4, 5, 6].map(k => getComputedStyle(document.documentElement)"
+                            ".getPropertyValue('--c' + k).trim())")) > 12);
+    CHECK(
+        nearest_colours(page.evaluate("['rest', 'cell', 'near', 'stale', 'arrow'].map(k => getComputedStyle("
+                                      "document.querySelector('#view .key.' + k)).backgroundColor)")) > 12);
     if (!keep.empty()) page.picture(keep / (std::string(name) + ".png"));
   }
   // What a frame costs: this page's own work, and 10 000 cells drawn by the computer's processor.
@@ -194,8 +250,8 @@ TEST_CASE(
   CHECK(page.until("skinctl.timeline.last > " + std::to_string(at) + " + 1.5"));
   CHECK(page.evaluate("skinctl.at") == at);
   CHECK(page.until("!skinctl.live && document.getElementById('when').textContent.startsWith('-')"));
-  page.evaluate("document.getElementById('live').click()");
-  CHECK(page.evaluate("skinctl.live") == true);
+  page.key("l");
+  CHECK(page.until("skinctl.live"));
   // A file, whole, cut inside a chunk, and rubbish.
   const auto opened = [&](const std::string& part) {
     page.evaluate("fetch('/run.mcap').then(r => r.arrayBuffer()).then(b => skinctl.open(new File([" + part +

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -204,6 +205,38 @@ std::string path_of(const char* name) {
   return (fs::temp_directory_path() / ("skinctl_" + std::to_string(::getpid()) + name)).string();
 }
 
+/// What Foxglove's own client heard of the same run.
+void check_foxglove(Running& client, const Streamed& streamed) {
+  std::size_t joints = 0, different = 0, contacts = 0, cells = 0, parameters = 0, answers = 0;
+  char* room = nullptr;
+  std::size_t size = 0;
+  while (::getline(&room, &size, client.pipe) > 0) {
+    const json line = json::parse(room, nullptr, false);
+    REQUIRE_MESSAGE(!line.is_discarded(), room);
+    parameters += line.contains("parameters") && line["parameters"].size() == 2;
+    answers += line.contains("service") && line["callId"] == 7 && line["answer"]["success"] == true;
+    if (!line.contains("topic")) continue;
+    const std::string topic = line["topic"];
+    contacts += topic == "/skin/contacts";
+    cells += topic == "/skin/cells" && line["message"]["width"] == 260 &&
+             line["message"]["data"].size() == 260 * 64;
+    const std::int64_t time = line["time"];
+    if (topic != "/joint_states" || !streamed.joints.contains(time)) continue;
+    std::vector<double> all = line["message"]["position"];
+    for (const char* more : {"velocity", "effort"})
+      for (const double x : line["message"][more]) all.push_back(x);
+    ++joints, different += all != streamed.joints.at(time);
+  }
+  std::free(room);
+  CHECK(client.end() == 0);
+  CHECK(parameters == 1);
+  CHECK(answers == 1);
+  CHECK(joints > 200);
+  CHECK(different == 0);
+  CHECK(contacts > 30);
+  CHECK(cells > 30);
+}
+
 }  // namespace
 
 TEST_CASE("main job: killed while it records, its file replays as far as it goes, and is given an end") {
@@ -241,6 +274,17 @@ TEST_CASE(
               " --live --live-port 0 --allow-control --no-compare --report '' --cycles 500 --record " + path);
   const std::string at = run.line("live: http://127.0.0.1:");
   REQUIRE_MESSAGE(!at.empty(), run.text);
+  const char* given = std::getenv("SKINCTL_NODE_MODULES");
+  const std::string folder = given != nullptr ? given : RECORD_MODULES, readers = RECORD_READERS;
+  const bool node = std::system("node --version >/dev/null 2>&1") == 0 &&
+                    fs::exists(folder + "/node_modules/@foxglove/ws-protocol");
+  if (!node)
+    std::fprintf(stderr, "SKIPPED: no node, or no readers in %s (examples/skinctl_record fetches them)\n",
+                 folder.c_str());
+  std::optional<Running> foxglove;
+  if (node)
+    foxglove.emplace("timeout 40 node " + readers + "/foxglove.mjs " + folder +
+                     " ws://127.0.0.1:" + std::to_string(std::atoi(at.c_str())));
   const Streamed streamed = watched(static_cast<std::uint16_t>(std::atoi(at.c_str())));
   const int ended = run.end();
   REQUIRE_MESSAGE(ended == 0, run.text);
@@ -249,20 +293,14 @@ TEST_CASE(
   CHECK(replay.line("replayed 500 cycles: ") == "every command is the same to the bit\n");
   CHECK(replay.end() == 0);
 
-  const std::string readers = RECORD_READERS;
   if (std::system("python3 --version >/dev/null 2>&1") == 0) {
     check_reader("python3 " + readers + "/read.py " + path, streamed);
   } else {
     std::fprintf(stderr, "SKIPPED: no python3\n");
   }
-  const char* given = std::getenv("SKINCTL_NODE_MODULES");
-  const std::string folder = given != nullptr ? given : RECORD_MODULES;
-  if (std::system("node --version >/dev/null 2>&1") == 0 &&
-      fs::exists(folder + "/node_modules/@foxglove/rosmsg2-serialization")) {
+  if (node) {
     check_reader("node " + readers + "/read.mjs " + folder + " " + path, streamed);
-  } else {
-    std::fprintf(stderr, "SKIPPED: no node, or no readers in %s (examples/skinctl_record fetches them)\n",
-                 folder.c_str());
+    check_foxglove(*foxglove, streamed);
   }
   fs::remove(path);
 }
