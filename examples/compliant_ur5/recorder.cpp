@@ -1,5 +1,6 @@
 #include "examples/compliant_ur5/recorder.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "examples/compliant_ur5/skin.hpp"

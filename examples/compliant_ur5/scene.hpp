@@ -10,6 +10,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
 #include "skinctl/robot/preset.hpp"

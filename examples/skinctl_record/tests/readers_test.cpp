@@ -1,6 +1,7 @@
 // Readers that others wrote, or that were written from the specifications alone, agree on every field of a file.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

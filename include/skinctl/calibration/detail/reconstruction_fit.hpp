@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 
 #include "skinctl/calibration/least_squares.hpp"
 #include "skinctl/calibration/reconstruction.hpp"
