@@ -392,13 +392,11 @@ Outcome replay_with(const Settings& given) {
   Settings s = given;
   s.control.delay += std::max(s.network_delay, 0.0);
   const auto scene = make_watched_scene<I>(s);
-  using Scene = std::remove_cvref_t<decltype(scene)>;
-  const auto run = load_run<Scene>(s.replay, run_identity(s));
-  if (!run.whole) std::printf("%s was cut: its last second may be missing\n", s.replay.c_str());
-  if (run.missing > 0)
+  const auto result = skinctl::replay(s.replay, scene, run_identity(s));
+  if (!result.whole) std::printf("%s was cut: its last second may be missing\n", s.replay.c_str());
+  if (result.missing > 0)
     std::printf("%llu cycles found no room when it was recorded: replayed up to the first of them\n",
-                static_cast<unsigned long long>(run.missing));
-  const auto result = skinctl::replay(scene, run.recording);
+                static_cast<unsigned long long>(result.missing));
   std::printf("replayed %llu cycles: ", static_cast<unsigned long long>(result.cycles));
   if (result.different == 0) {
     std::printf("every command is the same to the bit\n");
