@@ -48,7 +48,7 @@ inline constexpr Tray box_tray{0, 0, 0.17, 0.13, 0.08};
 }
 /// Where an arm lets go.
 [[nodiscard]] constexpr skinctl::Xyz<double> drop_place(std::size_t arm, unsigned char where) noexcept {
-  return where == place::box ? skinctl::Xyz<double>{-0.08 * side(arm), 0, 0}
+  return where == place::box ? skinctl::Xyz<double>{-0.04 * side(arm), 0, 0}
                              : skinctl::Xyz<double>{bin_tray(arm).x, bin_tray(arm).y, 0};
 }
 

@@ -52,7 +52,7 @@ std::string picture_style() {
 }
 
 std::string picture_from_above(const Outcome& o) {
-  constexpr double width = 900, height = 560, scale = 560;
+  constexpr double width = 900, height = 640, scale = 560;
   const auto X = [](double x) { return width / 2 + scale * x; };
   const auto Y = [](double y) { return height / 2 - scale * y; };
   std::string out = opened(width, height);
@@ -85,7 +85,7 @@ std::string picture_from_above(const Outcome& o) {
 }
 
 std::string picture_of_time(const Outcome& o, const RunSettings& s) {
-  constexpr double width = 900, left = 60, row = 18, gap = 12, scale = (width - left - 10) / shown;
+  constexpr double width = 900, left = 60, row = 18, gap = 12, scale = (width - left - 30) / shown;
   // The minutes of the beginning and, with a fault, of its course.
   const double from = s.fault == Fault::none ? 0 : std::max(0.0, o.fault_begins - 10);
   const int lines = static_cast<int>(std::clamp(std::ceil((o.time - from) / shown), 1.0, 3.0));

@@ -36,6 +36,16 @@ std::string failures(const ArmOutcome& a) {
   if (n > shown) out += text("  and %d more\n", n - shown);
   return out;
 }
+/// Text with its line ends, for a page.
+std::string lines(const std::string& words) {
+  std::string out;
+  for (std::size_t from = 0; from < words.size();) {
+    const std::size_t end = std::min(words.find('\n', from), words.size());
+    out += plotting::escaped(std::string_view(words).substr(from, end - from)) + "\n";
+    from = end + 1;
+  }
+  return out;
+}
 }  // namespace
 
 std::string summary(const Outcome& o, const RunSettings& s) {
@@ -75,7 +85,7 @@ std::string report(const Outcome& o, const RunSettings& s) {
       "h2{margin:2.2rem 0 .4rem;font-size:1.15rem}figure{margin:0}svg{width:100%;height:auto}\n"
       "pre{white-space:pre-wrap;border-left:3px solid #e8912d;padding-left:1rem}\n" +
       plotting::plot_style() + picture_style() + "</style></head><body>\n<h1>Packing oranges</h1>\n<pre>" +
-      plotting::escaped(summary(o, s)) + "</pre>\n";
+      lines(summary(o, s)) + "</pre>\n";
   const auto part = [&](const std::string& title, const std::string& words, const std::string& picture) {
     page += "<h2>" + title + "</h2>\n<p>" + words + "</p>\n<figure>" + picture + "</figure>\n";
   };
@@ -85,7 +95,9 @@ std::string report(const Outcome& o, const RunSettings& s) {
        picture_of_time(o, s));
   part("What was judged", "The stiffness that a squeeze told, over the orange's own; the line is the border.",
        picture_of_judgement(o, s));
-  part("Force of a finger", "The first two oranges of the first arm. Shaded: a person pushes the forearm.",
+  part("Force of a finger",
+       "Blue: the force; brown: the opening in cm. The first oranges of the first arm; shaded: a person "
+       "pushes the forearm.",
        picture_of_force(o));
   return page + "</body></html>\n";
 }

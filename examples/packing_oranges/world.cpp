@@ -338,11 +338,12 @@ struct World::Bodies {
         collide(o, true);
       }
     }
-    for (const Slot& o : slot) {
-      if (!o.frozen) continue;
-      std::copy(o.rests.begin(), o.rests.end(), data->qpos + o.q);
-      std::fill_n(data->qvel + o.v, 6, 0.0);
-    }
+    for (const Slot& o : slot)
+      if (o.frozen) rest(o);
+  }
+  void rest(const Slot& o) const {
+    std::copy(o.rests.begin(), o.rests.end(), data->qpos + o.q);
+    std::fill_n(data->qvel + o.v, 6, 0.0);
   }
   [[nodiscard]] skinctl::Nanoseconds now() const { return ticks * std::chrono::milliseconds(1); }
 };
@@ -423,7 +424,7 @@ void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
   b.model->geom_solref[2 * o.geom + 1] = -2 * std::sqrt(stiff);
   b.model->geom_friction[3 * o.geom] = dry;
   b.collide(o, false);
-  b.freeze();
+  b.rest(o);
 }
 void World::take_out(std::size_t k) {
   Bodies::Slot& o = b_->slot[k];
@@ -431,6 +432,7 @@ void World::take_out(std::size_t k) {
   o.frozen = true;
   o.rests = {5 + 0.2 * static_cast<double>(k), 0, 1, 1, 0, 0, 0};
   b_->collide(o, false);
+  b_->rest(o);
 }
 bool World::there(std::size_t k) const {
   return b_->slot[k].there;
