@@ -5,9 +5,9 @@
 #include "skinctl/core/detail/plausible.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/limits/detail/parts.hpp"
+#include "skinctl/math/ldlt.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
-#include "skinctl/math/ldlt.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
