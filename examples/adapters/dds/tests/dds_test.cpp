@@ -236,6 +236,7 @@ TEST_CASE(
   RunDescription run;
   run.joints = {"a", "b", "c", "d", "e", "f"};
   run.urdf = "<robot/>";
+  run.layout = std::string(200'000, 'l');  // of the same type as the robot, and longer
   run.places = places_of(ur5::Model{});
   run.cells = {{7, 2, {}}, {9, 2, {0, 0, 0.1f}}};
   Participant here = ours(), there = ours();
@@ -263,8 +264,8 @@ TEST_CASE(
     if (k % 2 == 1) continue;
     if (!cells.wait(std::chrono::milliseconds(500))) continue;
     const auto samples = read.read(*cells.take());
-    REQUIRE(samples.size() == 2);
-    frames += samples[1].cell == 9 && samples[1].force[0] == 0.5f && samples[1].time == k * 8ms;
+    REQUIRE(samples.size() == 1);  // the other one was never heard
+    frames += samples[0].cell == 9 && samples[0].force[0] == 0.5f && samples[0].time == k * 8ms;
   }
   CHECK(positions == 20);
   CHECK(frames >= 9);
@@ -273,6 +274,15 @@ TEST_CASE(
   RawReader late(there, "/robot_description", ros::String::type(), Delivery::latched, 1024);
   REQUIRE(late.wait(std::chrono::seconds(10)));
   CHECK(std::string(reinterpret_cast<const char*>(late.take()->data()) + 8) == "<robot/>");
+  RawReader layout(there, "/skin/layout", ros::String::type(), Delivery::latched, 1 << 20);
+  REQUIRE(layout.wait(std::chrono::seconds(10)));
+  const auto whole = layout.take();
+  REQUIRE(whole);
+  CHECK(std::string(reinterpret_cast<const char*>(whole->data()) + 8) == run.layout);
+  // A reader takes nothing that is longer than it was told.
+  RawReader narrow(there, "/skin/layout", ros::String::type(), Delivery::latched, 1000);
+  narrow.wait(std::chrono::seconds(2));
+  CHECK_FALSE(narrow.take());
 }
 
 TEST_CASE("DDS: what cannot be is refused with words") {
