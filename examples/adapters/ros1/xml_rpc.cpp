@@ -322,10 +322,11 @@ HttpMessage::State HttpMessage::take(std::span<const std::uint8_t> bytes) {
 HttpMessage::State HttpMessage::closed() {
   if (parser_->state() != State::unfinished) return parser_->state();
   boost::system::error_code error;
-  parser_->with([&](auto& p) { p.put_eof(error); });
-  if (error) parser_->broken = true;
-  const State s = parser_->state();
-  return s == State::unfinished ? State::broken : s;
+  parser_->with([&](auto& p) {
+    if (p.got_some()) p.put_eof(error);  // what has not begun cannot end
+  });
+  if (error || parser_->state() == State::unfinished) parser_->broken = true;
+  return parser_->state();
 }
 
 const std::string& HttpMessage::body() const {

@@ -127,6 +127,12 @@ TEST_CASE("HTTP: answers in pieces, without a length, too long, of errors; addre
   HttpMessage cut(HttpMessage::Kind::answer);
   static_cast<void>(cut.take(bytes_of(answer.substr(0, answer.size() - 1))));
   CHECK(cut.closed() == HttpMessage::State::broken);
+  for (const char* begun : {"", "H", "HTTP/1.1 200 OK\r\nContent-"}) {  // a peer that hangs up
+    HttpMessage m(HttpMessage::Kind::answer);
+    static_cast<void>(m.take(bytes_of(begun)));
+    CHECK(m.closed() == HttpMessage::State::broken);
+    CHECK(m.take(bytes_of("HTTP/1.1 200 OK\r\n\r\n")) == HttpMessage::State::broken);
+  }
   HttpMessage request(HttpMessage::Kind::request);
   CHECK(request.take(bytes_of(http_request("h:1", "/RPC2", "x"))) == HttpMessage::State::whole);
   for (const std::string& wrong :

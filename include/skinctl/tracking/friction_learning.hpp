@@ -1,6 +1,8 @@
 // Friction that nobody compensates: a tracking law that learns it, and comes to rest at its target.
 #pragma once
 
+#include <algorithm>
+
 #include "skinctl/tracking/detail/learning_law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -35,10 +37,12 @@ struct LearntFriction {
 ///
 /// - `f S_q > 0`: f drives the joint beyond its reference. A joint that breaks loose rubs less than at rest (stiction; a
 ///   controller that compensates friction by the measured speed), and the torque that broke it loose must not carry it
-///   across the target and back for ever: f falls by `M_ii |S_q_i| / (4 dt)` a step, a quarter of what stops the excess
-///   speed in that step, to 0 at most.
-/// - `|dq_i| < |dq_r_i| / 4`: the joint sticks. No motion answers a torque that friction takes, so nothing can
-///   oscillate: `1 / (4 dt)^2` stands in place of g. A joint that sticks again after each slip is back in seconds.
+///   across the target and back for ever. f falls to 0 at most, by `c |S_q_i|` a second: `c = 2 bound_i / e_0` keeps the
+///   slip within the dead zone, at least `4 lambda^2 M_ii`, at most what stops a quarter of the excess speed in a step,
+///   `M_ii / (4 dt^2)`.
+/// - `|dq_i| < |dq_r_i| / 4`, and S_q beyond 1.5 times the dead zone: the joint sticks. No motion answers a torque that
+///   friction takes, so nothing can oscillate: `1 / (4 dt)^2` stands in place of g, up to a 16th of the bound a step. A
+///   joint that sticks again after each slip is back in seconds.
 ///
 /// By itself `K_d S_q` balances Coulomb friction only with an error of `friction / (lambda M K_c)`: the dead zone that
 /// a torque-controlled arm shows. An integral takes it away, and hunts around the target for ever; here it stops
@@ -65,7 +69,10 @@ class FrictionLearning
   FrictionLearning(const L& law, const JointControlSettings<N, T>& of_law, const Settings& settings)
       : Base(law),
         settings_(settings),
-        release_(T(0.25) / (seconds<T>(of_law.dt) * seconds<T>(of_law.dt))),
+        release_(T(4) * of_law.lambda * of_law.lambda),
+        stop_(std::max(release_, T(T(0.25) / square(seconds<T>(of_law.dt))))),
+        stick_(T(0.0625) / square(seconds<T>(of_law.dt))),
+        slip_(T(2) / settings.dead_zone),
         dead_(of_law.K_c * settings.dead_zone) {
     require(of_law.dt > 0ns, "dt of a law that learns friction", milliseconds(of_law.dt), "> 0 ms");
     const T most = T(0.25) * of_law.lambda * of_law.lambda;
@@ -98,18 +105,26 @@ class FrictionLearning
       const T size = memory.smooth[i] < T(0) ? T(-memory.smooth[i]) : memory.smooth[i];
       if (opposition == Opposition::lasting || size <= dead_) continue;
       T& f = memory.friction[i];
-      const T dq_r = at_t.dq_r[i], dq = s + dq_r;
-      const bool sticks = T(16) * dq * dq < dq_r * dq_r;
-      const bool beyond = f * s > T(0);
-      const T rate = beyond ? release_ : sticks ? T(0.25) * release_ : settings_.rate;
-      const T next = f - dt * rate * M(i, i) * s;
-      f = Base::kept(beyond && next * f < T(0) ? T(0) : next, settings_.bound[i], f);
+      const T bound = settings_.bound[i], dq_r = at_t.dq_r[i], dq = s + dq_r;
+      if (f * s > T(0)) {
+        const T c = std::min(std::max(T(release_ * M(i, i)), T(bound * slip_)), T(stop_ * M(i, i)));
+        const T next = f - dt * c * s;
+        f = next * f > T(0) ? Base::kept(next, bound, f) : T(0);
+      } else if (T(16) * dq * dq < dq_r * dq_r && size > T(1.5) * dead_) {
+        const T most = T(0.0625) * bound, step = dt * stick_ * M(i, i) * s;
+        f = Base::kept(f - Base::kept(step, most, T(0)), bound, f);
+      } else {
+        f = Base::kept(f - dt * settings_.rate * M(i, i) * s, bound, f);
+      }
     }
   }
 
  private:
+  [[nodiscard]] static T square(const T& x) noexcept { return x * x; }
+
   Settings settings_;
-  T release_;  ///< 1 / (4 dt^2)
+  T release_, stop_, stick_;  ///< [1/s^2]
+  T slip_;                    ///< [1/rad]
   T dead_;
 };
 
