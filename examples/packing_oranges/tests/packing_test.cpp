@@ -8,6 +8,7 @@
 #include <string>
 
 #include "examples/packing_oranges/report.hpp"
+#include "examples/packing_oranges/teach.hpp"
 #include "examples/support/run_program.hpp"
 #include "skinctl/semantics/dot.hpp"
 
@@ -75,8 +76,8 @@ TEST_CASE("packing_oranges: good ones into the box, bad ones into the bin, touch
   CHECK(good > 0);
   CHECK(good < 6);
   CHECK(o.arm[0].touches + o.arm[1].touches >= 6);
-  CHECK(o.worst_force() > 7.5);
-  CHECK(o.worst_force() < 10);
+  CHECK(o.worst_grip() > 7);
+  CHECK(o.worst_grip() < 10);
   CHECK(o.shake() > 0.5);
   CHECK(o.shake() < 3);
   CHECK(o.seconds_an_orange() < 10);
@@ -149,6 +150,37 @@ TEST_CASE("packing_oranges: a person who leans on a forearm is waited for, or as
   CHECK(o.right() == 3);
   CHECK(failures(o, skinctl::StepFailure::timeout) >= 1);
   CHECK(backs(o) + o.arm[0].asked >= 1);
+}
+
+TEST_CASE("packing_oranges: a place in the box is taught by leading the arm, and used") {
+  double worst = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto lesson = teach(seed);
+    REQUIRE(lesson.has_value());
+    CHECK(lesson->released);
+    worst = std::max(worst, norm(skinctl::Xyz<double>(lesson->taught - lesson->rested)));
+    CHECK(norm(skinctl::Xyz<double>(lesson->taught - lesson->meant)) <= 0.006);
+    if (seed > 1) continue;
+    RunSettings s = few(1);
+    s.supply.share = 1;
+    s.work.taught = lesson->taught;
+    s.keep_path = true;
+    const Outcome o = run_ur5(s);
+    CHECK(o.right() == 1);
+    double nearest = 1;
+    for (const auto& p : o.arm[0].path)
+      nearest = std::min(nearest, std::hypot(p.x - lesson->taught.x, p.y - lesson->taught.y));
+    CHECK(nearest <= 0.01);
+  }
+  CHECK(worst <= 0.001);
+}
+
+TEST_CASE("packing_oranges: a gripper that is only open or closed judges by the rise of its force") {
+  RunSettings s = few(4);
+  s.work.by_time = true;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 4);
 }
 
 TEST_CASE("packing_oranges: the program reports, and says what is wrong with its arguments") {
