@@ -65,6 +65,7 @@ class Person {
       lead(lesson.meant, 0.008);
     lead(lesson.meant, 0.4);
     const Xyz<double> last = force_;
+    grip_ = 0;
     for (double t = 0; t < 0.1; t += 0.008) step((1 - t / 0.1) * last);  // the hand lets go
     for (double t = 0; t < 1.5; t += 0.008) step({0, 0, 0});
     lesson.rested = place().origin();
@@ -117,7 +118,7 @@ class Person {
     for (std::size_t k = 0; k < 6; ++k) {
       const double side =
           k % 2 == 0 ? -parts[k / 2] : parts[k / 2];  // a cell feels what pushes on it from outside
-      const double newton = std::max(0.0, side) + std::abs(noise_(random_));
+      const double newton = std::max(0.0, side) + (k < 2 ? grip_ : 0) + std::abs(noise_(random_));
       touch += newton;
       const auto reading = static_cast<float>(std::min(newton / (3 * newtons_per_reading), 1.0));
       samples[k] = {.time = world_.now(),
@@ -142,6 +143,7 @@ class Person {
   std::vector<Object<>> box_;  ///< the only object: its frame is the world's
   DemonstrationReader<> reader_{{.near_object = 0.2}};
   Xyz<double> force_{0, 0, 0}, v_{0, 0, 0}, last_{0, 0, 0};
+  double grip_ = 2;  ///< two sides of the hand are held with this [N]
   bool closed_ = true;
 };
 }  // namespace

@@ -63,7 +63,7 @@ inline constexpr auto skills_of_tomm = [] {
   return boost::hana::make_map(skill<behaviour::Rest>(law), skill<behaviour::Reaching>(law.when(there)),
                                skill<behaviour::Putting>(law.when(there)),
                                skill<behaviour::Grasp>(law.gripping({0, 0.8, 0.08}).when(gripped)),
-                               skill<behaviour::Squeezing>(law.gripping({0, 7.6, 0.015}).when(gripped)),
+                               skill<behaviour::Squeezing>(law.gripping({0, 6.8, 0.015}).when(gripped)),
                                skill<behaviour::LetGo>(law.gripping({0.11, 5, 0.15}).when(opened)));
 }();
 
@@ -110,7 +110,7 @@ struct Arm {
                                  .period = period,
                                  .delay = 8ms,
                                  .lag = 2ms,
-                                 .virtual_damping = 4});
+                                 .virtual_damping = 10});
   }
   static std::vector<skinctl::PlacedCell<forearm>> cells() {
     using namespace skinctl;

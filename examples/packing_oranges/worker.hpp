@@ -32,7 +32,7 @@ class Worker {
         s_(settings),
         scene_(scene),
         executor_(pack_oranges, settings.executor),
-        squeeze_({.from = 1.2, .to = 6.4, .own = 1e9, .swing = 3, .least_span = 3}),
+        squeeze_({.from = 1.2, .to = 5.6, .own = 1e9, .swing = 3, .least_span = 3}),
         objects_([] {
           std::array<skinctl::ObjectClass, arms * slots> kinds{};
           kinds.fill(orange_class);
@@ -66,7 +66,7 @@ class Worker {
     out.wants = at_work && at_box ? std::uint8_t(0) : std::uint8_t(255);
     out.leaves = 1;
     out.failed = !at_work;
-    out.away = std::hypot(p.x, p.y) > 0.25 ? ~0u : 0u;
+    out.away = std::hypot(p.x, p.y) > 0.3 ? ~0u : 0u;
     return out;
   }
 

@@ -76,7 +76,7 @@ TEST_CASE("packing_oranges: good ones into the box, bad ones into the bin, touch
   CHECK(good > 0);
   CHECK(good < 6);
   CHECK(o.arm[0].touches + o.arm[1].touches >= 6);
-  CHECK(o.worst_grip() > 7);
+  CHECK(o.worst_grip() > 6.5);
   CHECK(o.worst_grip() < 10);
   CHECK(o.shake() > 0.5);
   CHECK(o.shake() < 3);
@@ -172,7 +172,7 @@ TEST_CASE("packing_oranges: a place in the box is taught by leading the arm, and
       nearest = std::min(nearest, std::hypot(p.x - lesson->taught.x, p.y - lesson->taught.y));
     CHECK(nearest <= 0.01);
   }
-  CHECK(worst <= 0.001);
+  CHECK(worst <= 0.0005);
 }
 
 TEST_CASE("packing_oranges: a gripper that is only open or closed judges by the rise of its force") {
