@@ -70,6 +70,17 @@ void Stream::accept(boost::asio::ip::tcp::acceptor& acceptor, const boost::asio:
   throw ConnectionError(peer + " did not connect back within " + std::to_string(timeout.count()) + " ms");
 }
 
+bool Stream::accept_waiting(boost::asio::ip::tcp::acceptor& acceptor) noexcept {
+  boost::system::error_code error;
+  boost::asio::ip::tcp::socket candidate(io_);
+  acceptor.accept(candidate, error);
+  if (error) return false;
+  socket_ = std::move(candidate);
+  socket_.set_option(boost::asio::ip::tcp::no_delay(true), error);
+  socket_.non_blocking(true, error);
+  return true;
+}
+
 std::string Stream::local_address() const {
   return socket_.local_endpoint().address().to_string();
 }

@@ -41,6 +41,10 @@ class Stream {
   /// `ConnectionError`.
   void accept(boost::asio::ip::tcp::acceptor& acceptor, const boost::asio::ip::address& from,
               const std::string& peer, Timeout timeout);
+  /// Takes a connection that waits at `acceptor`, which does not block; false where there is none.
+  bool accept_waiting(boost::asio::ip::tcp::acceptor& acceptor) noexcept;
+  /// For `poll`.
+  [[nodiscard]] int handle() noexcept { return socket_.native_handle(); }
   /// This computer's address on the way to the peer.
   [[nodiscard]] std::string local_address() const;
   [[nodiscard]] boost::asio::ip::address remote_address() const;

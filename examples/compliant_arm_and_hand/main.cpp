@@ -9,6 +9,7 @@
 #include "examples/compliant_arm_and_hand/pair.hpp"
 #include "examples/compliant_ur5/run.hpp"
 #include "examples/compliant_ur5/skin.hpp"
+#include "examples/support/machine_watch.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace {
@@ -83,6 +84,7 @@ int run(int argc, char** argv) {
   const examples::job::StopSignals signals;
   compliant_ur5::RunLog arm_log;
   compliant_allegro::RunLog hand_log;
+  examples::MachineWatch machine;
   const auto ran = arm_and_hand::run_both(
       [&](const std::atomic<bool>& stop) {
         struct Leave {
@@ -98,6 +100,7 @@ int run(int argc, char** argv) {
       },
       [&](const std::atomic<bool>& stop) { return compliant_allegro::run(hand, stop, hand_log); },
       signals.asked());
+  machine.stop();
 
   if (!quiet) {
     const auto say = [](const char* who, const End& end, std::size_t cycles, std::size_t touches,
@@ -118,6 +121,17 @@ int run(int argc, char** argv) {
     say("hand", ran.hand, hand_log.entries.size(), hand_log.touches.size(), hand_log.reason);
     for (const auto& fact : hand_log.facts)
       std::printf("      %-40s %s\n", fact.name.c_str(), fact.value.c_str());
+  }
+  if (!quiet && speed == 1) {
+    const auto us = [&](double p) {
+      return 1e-3 * static_cast<double>(machine.late().percentile(p).count());
+    };
+    std::printf(
+        "machine a thread without work, woken each millisecond: %.0f us late in the median, %.0f p99, %.0f "
+        "p99.9; "
+        "more than 1 ms late %llu of %llu times\n",
+        us(0.5), us(0.99), us(0.999), static_cast<unsigned long long>(machine.by_a_millisecond()),
+        static_cast<unsigned long long>(machine.late().count()));
   }
   if (ran.exit() != Exit::fine)
     std::fprintf(stderr, "compliant_arm_and_hand: %s%s%s\n", examples::job::words(ran.exit()),

@@ -8,6 +8,7 @@
 #include "examples/adapters/socket.hpp"
 #include "examples/compliant_ur5/tests/beside.hpp"
 #include "examples/simulated_ur5/faults.hpp"
+#include "examples/support/machine_watch.hpp"
 #include "skinctl/hardware/histogram.hpp"
 
 namespace {
@@ -115,7 +116,9 @@ int main(int argc, char** argv) {
   });
   RunLog log;
   const std::string busy_before = load_average();
+  examples::MachineWatch machine;
   const Outcome outcome = run(s, signals.asked(), log);
+  machine.stop();
   const Histogram beside_it = echo(outcome == Outcome::interrupted ? 0 : std::max(1.0, 0.2 * seconds));
   std::printf("load average before and after: %s, %s; %u processors\n\n", busy_before.c_str(),
               load_average().c_str(), std::thread::hardware_concurrency());
@@ -126,11 +129,15 @@ int main(int argc, char** argv) {
     if (t.stage == "whole cycle")
       std::printf("| of these the cycle | %llu | %.0f | %.0f | %.0f | %.0f |\n",
                   static_cast<unsigned long long>(s.cycles), t.median, t.p99, t.p999, t.max);
+  print("a thread without work, woken so late each millisecond", machine.late());
   std::printf("\ncommands later than 2 ms after their state: %llu of %llu\n",
               static_cast<unsigned long long>(late), static_cast<unsigned long long>(times.count()));
   for (const auto& f : log.result)
     if (f.name == "missed deadlines")
       std::printf("states that came more than 3 ms after the one before: %s\n", f.value.c_str());
+  std::printf("the machine woke that thread more than 1 ms late: %llu of %llu times\n",
+              static_cast<unsigned long long>(machine.by_a_millisecond()),
+              static_cast<unsigned long long>(machine.late().count()));
   std::printf("the run: %s\n", log.words.c_str());
   return examples::job::code(outcome);
 }

@@ -3,13 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <thread>
 
 #include "examples/adapters/dds/skin.hpp"
+#include "examples/support/job.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
@@ -27,7 +27,7 @@ using namespace adapters::dds;
 
 constexpr std::size_t cells = 260;
 constexpr JointPosition<6> home(std::array{0.0, -1.2, 1.4, -1.8, -1.57, 0.3});
-std::atomic<bool> stopped{false};
+namespace job = examples::job;
 
 std::vector<SkinCloud::Cell> skin_cells() {
   std::vector<SkinCloud::Cell> out;
@@ -47,7 +47,8 @@ Nanoseconds clock_now() {
 }
 
 /// Every cell each 10 ms; two seconds after the start, eight cells of the forearm are pressed for as long.
-int send(const ParticipantOptions& options, double rate, double seconds_long) {
+job::Exit send(const ParticipantOptions& options, double rate, double seconds_long,
+               const std::atomic<bool>& stopped, job::Progress& progress) {
   const auto places = skin_cells();
   SkinCloud cloud(places);
   const auto poses = link_poses(ur5::Model{}, home);
@@ -72,10 +73,12 @@ int send(const ParticipantOptions& options, double rate, double seconds_long) {
       cloud.set({now - 500us, c.id, {force, force, 0}, 0, {0, 0, 9.81f}, 30});
     }
     sent += writer.write(cloud.encode(now));
+    if (progress.due(t)) progress.show("%5.0f s  %d readers", t, writer.readers());
   }
+  progress.clear();
   std::printf("sent %llu frames of %zu cells to %d readers\n", static_cast<unsigned long long>(sent), cells,
               writer.readers());
-  return 0;
+  return stopped ? job::Exit::interrupted : job::Exit::fine;
 }
 
 /// An arm by position that follows what it is told, at the pace of this computer's clock.
@@ -103,7 +106,8 @@ struct SkinOnRobotClock {
   std::span<const CellSample> poll() noexcept { return reader.poll(arm.state.time); }
 };
 
-int control(const ParticipantOptions& options, double seconds_long) {
+job::Exit control(const ParticipantOptions& options, double seconds_long, const std::atomic<bool>& stopped,
+                  job::Progress& progress) {
   SkinSettings settings;
   settings.max_age = 200ms;
   const Cycle scene(
@@ -121,6 +125,7 @@ int control(const ParticipantOptions& options, double seconds_long) {
   const auto memory = std::make_unique<Scene::Memory>();
   double moved = 0;
   std::uint64_t touched = 0;
+  const Nanoseconds began = clock_now();
   const auto report = run_loop(
       scene, *memory, arm, skin,
       {.cycles = static_cast<std::uint64_t>(seconds_long * 125), .period = 8ms, .stop = &stopped},
@@ -128,7 +133,12 @@ int control(const ParticipantOptions& options, double seconds_long) {
       [&](const Scene::Input& input, const auto&, const auto&) {
         for (std::size_t i = 0; i < 6; ++i) moved = std::max(moved, std::abs(input.measured.q[i] - home[i]));
         for (const CellSample& s : input.samples) touched += s.force[0] > 0.1f;
+        const double t = seconds<double>(input.now - began);
+        if (progress.due(t))
+          progress.show("%5.0f s  %llu samples of a touch, moved by %.3f rad", t,
+                        static_cast<unsigned long long>(touched), moved);
       });
+  progress.clear();
   std::printf("%llu cycles, %llu samples over DDS, %llu of them of a touch; the arm gave way by %.3f rad\n",
               static_cast<unsigned long long>(report.cycles), static_cast<unsigned long long>(report.samples),
               static_cast<unsigned long long>(touched), moved);
@@ -143,16 +153,19 @@ int control(const ParticipantOptions& options, double seconds_long) {
   CdrWriter w(bytes);
   ros::encode(w, ros::JointState{arm.state.time, "", names, arm.state.q.data, arm.state.dq.data, {}});
   joints.write(w.bytes());
+  if (stopped) return job::Exit::interrupted;
   if (report.samples == 0) {
     std::fprintf(stderr, "no skin was heard\n");
-    return 1;
+    return job::Exit::blind;
   }
-  return 0;
+  return job::Exit::fine;
 }
 
 int run(int argc, char** argv) {
   CLI::App app{"A skin over DDS: sent by one computer, an arm controlled with it on another."};
+  app.footer(job::exit_help());
   app.require_subcommand(1);
+  bool quiet = false;
   ParticipantOptions options;
   double rate = 100, seconds_long = 0;
   auto* send_command = app.add_subcommand("send", "Publishes /skin/cells of a UR5 with 260 cells");
@@ -162,6 +175,7 @@ int run(int argc, char** argv) {
     command->add_option("--interface", options.interface, "the only IPv4 address that is opened")
         ->capture_default_str();
     command->add_option("--seconds", seconds_long, "how long")->default_val(10)->check(CLI::Range(0.1, 1e6));
+    command->add_flag("-q,--quiet", quiet, "no progress");
   }
   send_command->add_option("--rate", rate, "frames a second")
       ->capture_default_str()
@@ -171,9 +185,10 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
-  std::signal(SIGINT, [](int) { stopped = true; });
-  std::signal(SIGTERM, [](int) { stopped = true; });
-  return *send_command ? send(options, rate, seconds_long) : control(options, seconds_long);
+  const job::StopSignals signals;
+  job::Progress progress(quiet);
+  return job::code(*send_command ? send(options, rate, seconds_long, signals.asked(), progress)
+                                 : control(options, seconds_long, signals.asked(), progress));
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ void damage(Bytes& bytes, std::mt19937& rng) {
 
 int main(int argc, char** argv) {
   const bool help = argc == 2 && std::strcmp(argv[1], "--help") == 0;
-  if (argc < 2 || help) {
+  if (argc < 2 || argv[1][0] == '-') {
     std::fprintf(
         help ? stdout : stderr,
         "fuzz_parsers CORPUS [ROUNDS | --unpack FOLDER | --pack FOLDER]\n"

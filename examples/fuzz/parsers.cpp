@@ -13,6 +13,8 @@
 #include "examples/adapters/gripper/lines.hpp"
 #include "examples/adapters/gripper/modbus.hpp"
 #include "examples/adapters/gripper/robotiq.hpp"
+#include "examples/adapters/ros1/tcpros.hpp"
+#include "examples/adapters/ros1/xml_rpc.hpp"
 #include "examples/adapters/skin/datagram.hpp"
 #include "examples/adapters/skin/icub_can.hpp"
 #include "examples/adapters/skin/ros1.hpp"
@@ -191,6 +193,42 @@ void skin_cloud(Bytes bytes) {
   }
 }
 
+/// What a node of ROS 1 says by HTTP: a request or an answer, or the XML alone.
+void ros1_calls(Bytes bytes) {
+  using adapters::ros1::HttpMessage;
+  for (const auto kind : {HttpMessage::Kind::request, HttpMessage::Kind::answer}) {
+    HttpMessage message(kind);
+    auto state = HttpMessage::State::unfinished;
+    in_pieces(bytes, [&](Bytes piece) {
+      state = message.take(piece);
+      return state == HttpMessage::State::unfinished;
+    });
+    if (state == HttpMessage::State::unfinished) state = message.closed();
+    if (state == HttpMessage::State::whole) static_cast<void>(adapters::ros1::parse_call(message.body()));
+  }
+  if (const auto call = adapters::ros1::parse_call(text(bytes)))
+    for (const auto& value : call->parameters) static_cast<void>(adapters::ros1::parse_uri(value.text));
+  static_cast<void>(adapters::ros1::parse_answer(text(bytes)));
+}
+/// A stream of ROS 1: the header of a connection, and messages.
+void ros1_stream(Bytes bytes) {
+  adapters::ros1::Blocks blocks(4096);
+  bool greeted = false;
+  std::vector<skinctl::CellSample> samples;
+  in_pieces(bytes, [&](Bytes piece) {
+    blocks.add(piece);
+    while (const auto block = blocks.next()) {
+      if (greeted)
+        adapters::skin::parse_ros1(*block, samples);
+      else
+        greeted = adapters::ros1::parse_fields(*block).has_value();
+      samples.clear();
+    }
+    blocks.drop();
+    return !blocks.broken();
+  });
+}
+
 constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"rtde_requests", rtde_requests},
                          Parser{"dashboard", dashboard},
@@ -208,7 +246,9 @@ constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"urdf", urdf},
                          Parser{"ur_calibration", ur_calibration},
                          Parser{"mcap", mcap},
-                         Parser{"skin_cloud", skin_cloud}};
+                         Parser{"skin_cloud", skin_cloud},
+                         Parser{"ros1_calls", ros1_calls},
+                         Parser{"ros1_stream", ros1_stream}};
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "examples/recognise/player.hpp"
+#include "examples/support/job.hpp"
 
 namespace {
 
@@ -39,13 +40,17 @@ void confusion(const char* name, const Score& s) {
   }
   std::printf("\n");
 }
-/// Prints each new word; with `speed` > 0 in that multiple of real time.
-Outcome tell(const Recording& recording, double speed) {
+/// Prints each new word; with `speed` > 0 in that multiple of real time, until it is asked to stop.
+Outcome tell(const Recording& recording, double speed, const std::atomic<bool>& stopped) {
   Activity last = Activity::unknown;
   const auto begun = std::chrono::steady_clock::now();
   std::printf("%8s %8s  %-16s %s\n", "said [s]", "since", "", "meant");
   return play(recording, [&](const Line& l, const Recognised& r, const Features& f) {
-    if (speed > 0) std::this_thread::sleep_until(begun + std::chrono::duration<double>(l.time / speed));
+    const auto due = begun + std::chrono::duration<double>(speed > 0 ? l.time / speed : 0);
+    while (!stopped && std::chrono::steady_clock::now() < due)
+      std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(
+          due - std::chrono::steady_clock::now(), std::chrono::milliseconds(50)));
+    if (stopped) return;
     if (r.activity == last) return;
     last = r.activity;
     std::printf("%8.3f %8.3f  %-16s %s\n", l.time, seconds<double>(r.since),
@@ -54,7 +59,8 @@ Outcome tell(const Recording& recording, double speed) {
     std::fflush(stdout);
   });
 }
-int finish(const Outcome& outcome) {
+int finish(const Outcome& outcome, bool stopped) {
+  if (stopped) return examples::job::code(examples::job::Exit::interrupted);
   if (outcome.labelled) {
     confusion("by definition", outcome.by_definition);
     confusion("by intent", outcome.by_intent);
@@ -66,6 +72,7 @@ int finish(const Outcome& outcome) {
 
 int main(int argc, char** argv) {
   CLI::App app("What is a led robot doing?");
+  app.footer(examples::job::exit_help());
   app.require_subcommand(1);
   std::string task = "packing", file;
   std::uint64_t seed = 1;
@@ -97,20 +104,26 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
-    if (live->parsed()) return finish(tell(record(simulated(tasks.at(task), seed), seed + 1), speed));
+    const examples::job::StopSignals signals;
+    const auto say = [&](const Recording& recording, double pace) {
+      const Outcome outcome = tell(recording, pace, signals.asked());
+      return finish(outcome, signals.asked());
+    };
+    if (live->parsed()) return say(record(simulated(tasks.at(task), seed), seed + 1), speed);
     if (record_to->parsed()) {
       write(record(simulated(tasks.at(task), seed), seed + 1), file);
       return 0;
     }
-    if (from->parsed()) return finish(tell(read(file), 0));
+    if (from->parsed()) return say(read(file), 0);
     Score defined, meant;
-    for (int i = 0; i < people; ++i)
+    for (int i = 0; i < people && !signals.asked(); ++i)
       for (const auto& [name, which] : tasks) {
         const auto out = play(record(simulated(which, seed + static_cast<std::uint64_t>(i)), seed + 1),
                               [](const auto&...) {});
         defined.add(out.by_definition);
         meant.add(out.by_intent);
       }
+    if (signals.asked()) return examples::job::code(examples::job::Exit::interrupted);
     confusion("by definition", defined);
     confusion("by intent", meant);
   } catch (const std::exception& error) {

@@ -30,7 +30,7 @@ struct Faults {
 
 struct Config {
   Generation generation = Generation::v4;
-  bool geared = false;       ///< V5: joints 1, 5 and 9
+  bool geared = false;       ///< V5: joints 1, 5 and 9; a V5 Sense is
   unsigned hand = 0;         ///< number on the bus
   double full_torque = 0.7;  ///< V4: at 1200 PWM [N m]
   /// 1: real time. 0: as fast as commands come: time stands still after each set of positions until the torques
@@ -68,7 +68,8 @@ class Body {
   void torque(std::size_t first, const std::array<std::int16_t, 4>& value) {
     for (std::size_t i = 0; i < 4; ++i) {
       const std::size_t j = first + i;
-      const bool gear = config_.geared && (j == 1 || j == 5 || j == 9);
+      const bool gear =
+          (config_.geared || config_.generation == Generation::v5_sense) && (j == 1 || j == 5 || j == 9);
       const double unit =
           config_.generation == Generation::v4 ? config_.full_torque / 1200 : (gear ? 2.0 : 1.0) / 1430;
       wire_[j] = snapshot_.servo ? unit * value[i] : 0;

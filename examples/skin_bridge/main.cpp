@@ -1,13 +1,15 @@
-// skin_bridge: takes a skin from a ROS 1 bag, from iCub's CAN or from datagrams, and passes it on as datagrams or into
-// a bag.
+// skin_bridge: takes a skin from a ROS 1 topic or bag, from iCub's CAN or from datagrams, and passes it on as datagrams
+// or into a bag.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <thread>
 
 #include "examples/adapters/can/link.hpp"
+#include "examples/adapters/ros1/subscriber.hpp"
 #include "examples/adapters/skin/bag.hpp"
 #include "examples/adapters/skin/icub_can.hpp"
 #include "examples/adapters/skin/receiver.hpp"
@@ -15,6 +17,7 @@
 #include "examples/adapters/skin/sender.hpp"
 #include "examples/support/job.hpp"
 #include "skinctl/core/contract.hpp"
+#include "skinctl/sensing/clock_offset.hpp"
 
 namespace {
 
@@ -36,7 +39,7 @@ struct Counters {
 };
 
 struct Options {
-  std::string from, to, topic, key_file;
+  std::string from, to, topic, key_file, address;
   double speed = 1, seconds = 0;
   bool quiet = false;
 };
@@ -135,6 +138,54 @@ job::Exit from_datagrams(const std::string& at, const Options& o, const Sink& si
   return job::Exit::interrupted;
 }
 
+/// Messages of a topic as they come; each publisher's clock is followed. Silence stays silence: no heartbeats.
+job::Exit from_ros1(const std::string& at, const Options& o, const Sink& sink, Counters& count,
+                    const std::function<bool()>& ended) {
+  const auto [host, port] = host_and_port(at, "--from ros1:");
+  ros1::Subscriber node({.master = host,
+                         .port = port,
+                         .topic = o.topic.empty() ? "/skin" : o.topic,
+                         .type = skin::skin_message_type,
+                         .md5 = skin::skin_message_md5,
+                         .node = "",
+                         .address = o.address});
+  std::printf("ready node=%s\n", node.node().c_str());
+  std::fflush(stdout);
+  const skinctl::ClockOffset clock({.gather = 0ns});
+  std::map<std::size_t, skinctl::ClockOffset::Memory> clocks;
+  std::vector<CellSample> samples;
+  std::string said;
+  while (!ended()) {
+    node.poll(Timeout(4), [&](std::size_t publisher, std::span<const std::uint8_t> message) {
+      samples.clear();
+      if (!skin::parse_ros1(message, samples)) {
+        ++count.refused;
+        return;
+      }
+      const auto t = now();
+      auto& heard = clocks[publisher];
+      if (!samples.empty()) {
+        auto newest = samples[0].time;
+        for (const CellSample& s : samples) newest = std::max(newest, s.time);
+        static_cast<void>(clock.hear(heard, newest, t));
+      }
+      for (CellSample& s : samples)
+        s.time =
+            skinctl::ClockOffset::ready(heard) ? std::min(skinctl::ClockOffset::stamp(heard, s.time), t) : t;
+      ++count.messages;
+      count.samples += samples.size();
+      sink(samples, t);
+    });
+    if (node.dismissed()) {
+      std::fprintf(stderr, "skin_bridge: the ROS master told this node to go\n");
+      return job::Exit::halted;
+    }
+    if (node.trouble() != said && !(said = node.trouble()).empty())
+      std::fprintf(stderr, "skin_bridge: %s\n", said.c_str());
+  }
+  return job::Exit::interrupted;
+}
+
 job::Exit run(const Options& o) {
   const job::StopSignals signals;
   job::Progress progress(o.quiet);
@@ -184,9 +235,12 @@ job::Exit run(const Options& o) {
                                  : from_can(can::FrameSocket::open(*can), sink, count, ended);
   else if (const auto port = after(o.from, "udp:"))
     exit = from_datagrams(*port, o, sink, count, ended);
+  else if (const auto master = after(o.from, "ros1:"))
+    exit = from_ros1(*master, o, sink, count, ended);
   else
-    skinctl::refuse("--from '" + o.from +
-                    "': expected bag:FILE, icub:INTERFACE, icub:/dev/TTY or udp:[HOST:]PORT");
+    skinctl::refuse(
+        "--from '" + o.from +
+        "': expected ros1:[HOST:]PORT, bag:FILE, icub:INTERFACE, icub:/dev/TTY or udp:[HOST:]PORT");
   if (writer) writer->close();
   progress.clear();
   std::printf("%llu messages, %llu samples, %llu refused\n", static_cast<unsigned long long>(count.messages),
@@ -200,13 +254,17 @@ int main(int argc, char** argv) {
   CLI::App app{"Carries a skin from one language to another."};
   app.footer(job::exit_help());
   Options o;
-  app.add_option("--from", o.from,
-                 "bag:FILE (ROS 1), icub:INTERFACE or icub:/dev/TTY (taxels on CAN, by an slcan adapter) or "
-                 "udp:[HOST:]PORT (datagrams)")
+  app.add_option(
+         "--from", o.from,
+         "ros1:[HOST:]PORT (a topic of ROS 1: its master, 11311), bag:FILE (ROS 1), icub:INTERFACE or "
+         "icub:/dev/TTY (taxels on CAN, by an slcan adapter) or udp:[HOST:]PORT (datagrams)")
       ->required();
   app.add_option("--to", o.to, "udp:HOST:PORT (datagrams) or bag:FILE (ROS 1)")->required();
-  app.add_option("--topic", o.topic,
-                 "of the bag; without it every topic of type SkinCellDataArray; written: /skin");
+  app.add_option(
+      "--topic", o.topic,
+      "of ROS 1, default /skin; of a bag that is read, default every topic of type SkinCellDataArray");
+  app.add_option("--address", o.address,
+                 "of this computer for the nodes of ROS 1; default: the one on the way to the master");
   app.add_option("--key", o.key_file, "file with the key of sealed datagrams")->check(CLI::ExistingFile);
   app.add_option("--speed", o.speed, "of a bag, times real time")
       ->check(CLI::Range(0.01, 1000.0))

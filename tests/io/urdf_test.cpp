@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/poses.hpp"
@@ -546,6 +547,33 @@ TEST_CASE("URDF: the makers' files of the Allegro hand and the UR5") {
   CHECK(names(warned[0], {"allegro_right_hand.urdf:", "<link name=", "moments of inertia", "%"}));
   const auto other = read_urdf(folder + "/allegro_model/allegro_hand_description_right.urdf");
   CHECK(other.joints.size() == 16);
+
+  // The palm: all of it is the makers', but for the sign of its height, which their own box of it contradicts.
+  tinyxml2::XMLDocument file;
+  REQUIRE(file.LoadFile((folder + "/allegro_model/allegro_right_hand.urdf").c_str()) ==
+          tinyxml2::XML_SUCCESS);
+  const auto* link = file.RootElement()->FirstChildElement("link");
+  while (!link->Attribute("name", "palm_link")) link = link->NextSiblingElement("link");
+  const auto triple = [](const tinyxml2::XMLElement* element, const char* name) {
+    std::istringstream in(element->Attribute(name));
+    std::array<double, 3> out{};
+    in >> out[0] >> out[1] >> out[2];
+    return out;
+  };
+  const auto* inertial = link->FirstChildElement("inertial");
+  const auto centre = triple(inertial->FirstChildElement("origin"), "xyz");
+  const auto* box = link->FirstChildElement("collision");
+  const auto middle = triple(box->FirstChildElement("origin"), "xyz");
+  const auto size = triple(box->FirstChildElement("geometry")->FirstChildElement("box"), "size");
+  CHECK(inertial->FirstChildElement("mass")->DoubleAttribute("value") == allegro::palm.mass);
+  CHECK(inertial->FirstChildElement("inertia")->DoubleAttribute("izz") == allegro::palm.zz);
+  const auto inside = [&](double z) { return std::abs(z - middle[2]) <= size[2] / 2; };
+  CHECK_FALSE(inside(centre[2]));
+  CHECK(inside(allegro::palm.c[2]));
+  CHECK(allegro::palm.c[2] == -centre[2]);
+  CHECK(allegro::palm.c[2] == middle[2]);
+  CHECK(allegro::palm.c[0] == centre[0]);
+  CHECK(allegro::palm.c[1] == centre[1]);
 
   const auto urdf = read_urdf(folder + "/ur5_model/ur5_robot.urdf");
   const auto arm = calibrated_from<Chain<6>>(urdf);

@@ -19,7 +19,7 @@ oracle::Robot arm_with_hand(bool left) {
   oracle::Robot hand = oracle::allegro(left);
   oracle::Body palm;
   palm.motion = oracle::Motion::fixed;
-  palm.mass = 0.4154, palm.com = {0, 0, 0.0475}, palm.inertia = {1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 1e-4};
+  palm.mass = 0.4154, palm.com = {0, 0, -0.0475}, palm.inertia = {1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 1e-4};
   hand.bodies.push_back(palm);
   return oracle::joined(oracle::ur5(), 5, hand, upright, {0, 0, 0.0823 + 0.095});
 }

@@ -161,6 +161,37 @@ TEST_CASE(
   CHECK(with.hunting < 0.001 * degree);
 }
 
+TEST_CASE(
+    "FrictionLearning: a soft law too is back at its target in seconds, by joints that stick five times "
+    "harder") {
+  auto s = settings();  // of the main job
+  s.lambda = 36;
+  s.K_c = 1.5;
+  const Learning law(Joint(s), s, {.rate = 324, .bound = 6.0 * left_over, .dead_zone = 0.0009});
+  RubbedArm arm{.coulomb = left_over, .stiction = 5.0 * left_over};
+  const double dt = 0.002;
+  auto memory = law.start(K(model, arm.x, dt, none, added));
+  for (std::size_t j = 0; j < 6; ++j)
+    arm.x.q[j] += (j % 2 == 0 ? 1 : -1) * degree;  // where a touch has left it
+  double back = 0, worst = 0, low[6], high[6];
+  for (int i = 0; i < (sanitized ? 2000 : 5000); ++i) {
+    const K known(model, arm.x, dt, none, added);
+    const auto tau = law.torque(memory, known);
+    memory = law.advance(memory, known, dt, Opposition::none);
+    arm.run(tau, dt, 4);
+    for (std::size_t j = 0; j < 6; ++j) {
+      const double beside = std::abs(arm.x.q[j] - home[j]);
+      if (beside > 0.1 * degree) back = i * dt;
+      if (i * dt < 3) low[j] = high[j] = arm.x.q[j];
+      low[j] = std::min(low[j], arm.x.q[j]), high[j] = std::max(high[j], arm.x.q[j]);
+      worst = std::max(worst, high[j] - low[j]);
+    }
+  }
+  MESSAGE("within 0.1 degree after ", back, " s; moves [deg] from 3 s on: ", worst / degree);
+  CHECK(back < 3);
+  CHECK(worst < 0.1 * degree);
+}
+
 TEST_CASE("FrictionLearning: targets stepped at 50 Hz give no step of acceleration beyond the jerk limit") {
   const auto s = settings();
   const Learning law(Joint(s), s, learning());

@@ -1,6 +1,8 @@
 // An Allegro hand on a CAN bus: start-up, positions, torques, status; V4, V5 and V5 Sense.
 #pragma once
 
+#include <algorithm>
+
 #include "examples/adapters/allegro/guardian.hpp"
 #include "examples/adapters/allegro/hand.hpp"
 #include "examples/adapters/allegro/position_set.hpp"
@@ -31,7 +33,7 @@ class CanHand {
     who.serial.assign(serial.text.begin(), serial.text.end());
     const bool v4 = options.generation == Generation::v4;
     who.side = agreed_side(options, v4 ? who.info.side : serial.side());
-    who.geared = !v4 && serial.geared();
+    who.geared = geared(options.generation, serial);
     condition_ = {};
     note(who.info);
     condition_.status.reset();                // its servo was off by our own command

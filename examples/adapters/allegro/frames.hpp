@@ -70,9 +70,13 @@ struct Info {
 struct Serial {
   std::array<char, 8> text{};
   [[nodiscard]] Side side() const noexcept { return text[3] == 'L' ? Side::left : Side::right; }  ///< V5
-  /// V5: type A has gears of another ratio in joints 1, 5 and 9, which take half the current.
-  [[nodiscard]] bool geared() const noexcept { return text[2] == 'A'; }
+  [[nodiscard]] bool type_a() const noexcept { return text[2] == 'A'; }                           ///< V5
 };
+/// Whether joints 1, 5 and 9 have gears of another ratio and take half the current: a V5 of type A; every V5 Sense, as the
+/// maker's drivers for it halve them without a look at the serial number.
+[[nodiscard]] inline bool geared(Generation g, const Serial& serial) noexcept {
+  return g == Generation::v5_sense || (g == Generation::v5 && serial.type_a());
+}
 struct Positions {
   std::uint8_t finger = 0;
   std::array<std::int16_t, 4> count{};

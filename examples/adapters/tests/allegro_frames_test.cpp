@@ -75,10 +75,12 @@ TEST_CASE("Allegro frames from the hand") {
   const Serial serial = as<Serial>(raw(0x220, {'5', 'T', 'A', 'L', '0', '0', '1', 7}), Generation::v5);
   CHECK(std::string_view(serial.text.data(), 8) == "5TAL001?");
   CHECK(serial.side() == Side::left);
-  CHECK(serial.geared());
+  CHECK(geared(Generation::v5, serial));
+  CHECK_FALSE(geared(Generation::v4, serial));
   const Serial other = as<Serial>(raw(0x220, {'5', 'T', 'B', 'R', '0', '0', '1', '7'}), Generation::v5);
   CHECK(other.side() == Side::right);
-  CHECK_FALSE(other.geared());
+  CHECK_FALSE(geared(Generation::v5, other));
+  CHECK(geared(Generation::v5_sense, other));
 
   for (unsigned f = 0; f < 4; ++f) {
     const auto p = as<Positions>(

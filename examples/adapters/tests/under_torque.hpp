@@ -83,7 +83,8 @@ inline JointControlSettings<6> settings(const Arm& arm) {
 }
 /// All of the friction, whatever share of it the controller takes.
 inline FrictionLearningSettings<6> learning(bool learns) {
-  return {.rate = learns ? 900 : 1e-9, .bound = {20, 20, 15, 6, 6, 6}, .dead_zone = 0.05 * degree};
+  const JointTorque<6> most{20, 20, 15, 6, 6, 6};
+  return {.rate = 900, .bound = learns ? most : JointTorque<6>{}, .dead_zone = 0.05 * degree};
 }
 
 struct Rest {

@@ -5,12 +5,15 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "examples/compliant_arm_and_hand/carried.hpp"
 #include "examples/compliant_arm_and_hand/pair.hpp"
 #include "examples/support/run_program.hpp"
+#include "skinctl/dynamics/gravity.hpp"
 
 using namespace arm_and_hand;
 using namespace std::chrono_literals;
@@ -35,7 +38,50 @@ int program(std::vector<const char*> arguments, int signal = 0, int ms = 0) {
 
 }  // namespace
 
+TEST_CASE("What the arm's controller is told of the hand holds the hand, whatever its fingers do") {
+  using namespace skinctl;
+  std::mt19937 rng(1);
+  std::uniform_real_distribution<double> any(-1.5, 1.5);
+  for (const auto side : {allegro::Side::right, allegro::Side::left})
+    for (int k = 0; k < 50; ++k) {
+      JointPosition<6> arm;
+      JointPosition<22> whole;
+      std::array<double, 16> fingers{};
+      for (double& q : fingers) q = any(rng);
+      for (std::size_t i = 0; i < 22; ++i) whole[i] = i < 6 ? (arm[i] = any(rng)) : fingers[i - 6];
+      const auto told = carried(side, fingers, 0, nullptr);
+      CHECK(told.mass == doctest::Approx(0.9549).epsilon(1e-12));
+      CHECK(told.centre[2] > 0.0475);  // beyond the middle of the palm, which stands on the flange
+      CHECK(told.centre[2] < 0.18);
+      LinkInertia load{told.mass, {}, 0, 0, 0};
+      for (std::size_t i = 0; i < 3; ++i) load.c[i] = told.centre[i] + ur5::Description::flange[i];
+      // KDL and MuJoCo agree with the whole of it (tests/model/ur5_allegro_test.cpp).
+      const auto holds = gravity_torque(ur5_allegro::arm_with_hand(side), whole);
+      const auto held = gravity_torque(Loaded<ur5::Model, 5>(ur5::Model{}, load), arm);
+      for (std::size_t i = 0; i < 6; ++i) CHECK(held[i] == doctest::Approx(holds[i]).epsilon(1e-11).scale(1));
+    }
+}
+
 TEST_SUITE_BEGIN("real time");
+
+TEST_CASE("The program: a press on the palm of a V5 Sense moves the arm, if it counts") {
+  for (const bool counts : {false, true}) {
+    const std::string said =
+        examples::run_program(ARM_AND_HAND_PROGRAM,
+                              std::string("--generation v5_sense --duration 4 --palm-touch-at 1.5") +
+                                  (counts ? " --palm-gain 60" : ""),
+                              0);
+    CAPTURE(said);
+    CHECK(said.find("carries 0.95 kg") != std::string::npos);
+    const auto at = said.find("palm pressed at");
+    CHECK((at != std::string::npos) == counts);
+    double time = 0, moved = 0;
+    if (counts)
+      REQUIRE(std::sscanf(said.c_str() + at, "palm pressed at %lf s: the arm gave way by %lf mm", &time,
+                          &moved) == 2);
+    CHECK((moved > 3) == counts);
+  }
+}
 
 TEST_CASE("Two jobs: both end well, one fails, one throws, both are interrupted") {
   const std::atomic<bool> nobody{false}, somebody{true};

@@ -224,11 +224,17 @@ TEST_CASE("Guardian: a program that is killed leaves no torque behind, on every 
 }
 
 TEST_CASE("Driver: torques reach the joints in N m, gears included, and are cut at the caps") {
-  for (const bool geared : {false, true}) {
-    auto c = quick(Generation::v5);
-    c.geared = geared;
+  struct Case {
+    Generation generation;
+    bool type_a, geared;
+  };
+  for (const auto& [generation, type_a, geared] : {Case{Generation::v5, false, false},
+                                                   {Generation::v5, true, true},
+                                                   {Generation::v5_sense, false, true}}) {
+    auto c = quick(generation);
+    c.geared = type_a;
     SimulatedHand hand(c);
-    Driver driver(CanHand(hand.pair()), options(Generation::v5), patient);
+    Driver driver(CanHand(hand.pair()), options(generation), patient);
     driver.connect();
     CHECK(driver.introduction().geared == geared);
     skinctl::State<16> state;

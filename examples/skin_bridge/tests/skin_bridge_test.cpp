@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 
@@ -14,6 +15,7 @@
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/skin/ros1.hpp"
 #include "examples/adapters/skin/sender.hpp"
+#include "examples/adapters/tests/ros1_peer.hpp"
 
 using namespace std::chrono_literals;
 using namespace adapters::skin;
@@ -139,13 +141,89 @@ TEST_CASE("skin_bridge: iCub's taxels come through an adapter at a serial line")
   ::close(adapter);
 }
 
+TEST_SUITE_BEGIN("real time");
+
+TEST_CASE("skin_bridge: a topic of ROS 1 arrives as datagrams, on this computer's clock") {
+  ros1_peer::Peer peer("/arm/skin");
+  Receiver receiver({.clock = {.gather = 0ns}});
+  Program bridge("--from ros1:" + std::to_string(peer.master_port()) +
+                 " --topic /arm/skin --to udp:127.0.0.1:" + std::to_string(receiver.port()) + " --seconds 2");
+  CHECK(bridge.line().starts_with("ready node=/skinctl_"));
+  for (const auto start = now(); now() - start < 1s && peer.streams() == 0;) std::this_thread::sleep_for(1ms);
+  REQUIRE(peer.streams() == 1);
+  std::size_t heard = 0;
+  float last = 0;
+  for (int k = 0; k < 30; ++k) {
+    peer.publish(ros1_message(touch(k, 1000s + k * 10ms)));  // a clock that began at another time
+    std::this_thread::sleep_for(10ms);
+    for (const CellSample& s : receiver.poll(now())) {
+      CHECK(s.force[0] >= last);
+      CHECK(now() - s.time < 200ms);
+      last = s.force[0];
+      ++heard;
+    }
+  }
+  peer.publish({1, 2, 3});
+  CHECK(bridge.line() == "30 messages, 1200 samples, 1 refused\n");
+  CHECK(bridge.end() == 0);
+  CHECK(heard == 30 * 40);
+  CHECK(last == 29.0f / 64);
+  CHECK(peer.calls() == "registerSubscriber requestTopic unregisterSubscriber ");
+}
+
+TEST_CASE("skin_bridge: ROS's own master and publisher are heard, message by message") {
+  const std::string definition = temporary("definition"), file = temporary("ros.bag");
+  std::ofstream(definition) << skin_message_definition;
+  std::FILE* peer = ::popen((std::string("timeout 60 " ROSPY_PYTHON " " ROSPY_PUBLISHER " ") +
+                             skin_message_md5 + " < " + definition + " 2>&1")
+                                .c_str(),
+                            "r");
+  REQUIRE(peer);
+  std::array<char, 256> chunk{};
+  const std::string ready = std::fgets(chunk.data(), chunk.size(), peer) ? chunk.data() : "";
+  if (ready.starts_with("ready port=")) {
+    Program bridge("--from ros1:" + std::to_string(std::stoi(ready.substr(11))) + " --to bag:" + file +
+                   " --seconds 5");
+    bridge.line();
+    const std::string said = std::fgets(chunk.data(), chunk.size(), peer) ? chunk.data() : "";
+    CHECK(said == "published 100, connections 1\n");
+    std::string result;
+    for (std::string line = bridge.line(); !line.empty(); line = bridge.line()) result = line;
+    CHECK(result == "100 messages, 4000 samples, 0 refused\n");
+    CHECK(bridge.end() == 0);
+    CHECK(WEXITSTATUS(::pclose(peer)) == 0);
+    BagReader bag(file);
+    BagMessage m;
+    std::vector<CellSample> samples;
+    for (float k = 0; bag.next(m); ++k) {
+      samples.clear();
+      REQUIRE(parse_ros1(m.bytes, samples));
+      REQUIRE(samples.size() == 40);
+      CHECK(samples[39].cell == 39);
+      CHECK(samples[39].force[0] == k / 512);
+      CHECK(samples[39].acceleration[2] == doctest::Approx(9.80665));
+      CHECK(samples[39].proximity == 0.5f);
+    }
+  } else {
+    CHECK_MESSAGE(WEXITSTATUS(::pclose(peer)) == 77, ready);
+    MESSAGE("SKIPPED: no rospy (Debian: python3-rospy python3-rosmaster): ", ready);
+  }
+  std::filesystem::remove(definition);
+  std::filesystem::remove(file);
+}
+
+TEST_SUITE_END();
+
 TEST_CASE("skin_bridge: what cannot be has words and an exit code") {
-  for (const auto& [arguments, exit, words] : {std::tuple{"--from bag:/nowhere --to udp:1", 2, "is no bag"},
-                                               {"--from magic:1 --to udp:1", 2, "expected bag:FILE"},
-                                               {"--from udp:0 --to tcp:1", 2, "expected udp:"},
-                                               {"--from udp:0 --to udp:99999", 2, "expected HOST:PORT"},
-                                               {"--from icub:nocan0 --to udp:1", 1, "CAN"},
-                                               {"--from icub:/nowhere --to udp:1", 1, "/nowhere"}}) {
+  for (const auto& [arguments, exit, words] :
+       {std::tuple{"--from bag:/nowhere --to udp:1", 2, "is no bag"},
+        {"--from magic:1 --to udp:1", 2, "expected ros1:[HOST:]PORT, bag:FILE"},
+        {"--from udp:0 --to tcp:1", 2, "expected udp:"},
+        {"--from ros1:1 --to udp:1", 1, "cannot reach the ROS master"},
+        {"--from ros1:11311 --topic skin --to udp:1", 2, "ROS 1: topic 'skin'"},
+        {"--from udp:0 --to udp:99999", 2, "expected HOST:PORT"},
+        {"--from icub:nocan0 --to udp:1", 1, "CAN"},
+        {"--from icub:/nowhere --to udp:1", 1, "/nowhere"}}) {
     Program bridge(arguments);
     const std::string said = bridge.line();
     CHECK_MESSAGE(said.find(words) != std::string::npos, said);
