@@ -165,8 +165,9 @@ TEST_CASE("main job: by torque it gives way to every touch of the same scenario,
   CHECK(fact(log, "allocations in the loop") == "0");
   // Seconds after each touch every joint rests beside its target by less than the promise, and does not hunt about it.
   constexpr double degree = 0.017453292519943295;
-  for (const auto& [from, to] : {std::pair{1.0, 2.0}, std::pair{8.4, 8.9}, std::pair{15.4, 15.9},
-                                 std::pair{32.4, 32.9}, std::pair{39.4, 39.9}, std::pair{58.0, 60.0}}) {
+  for (const auto& span : {std::pair{1.0, 2.0}, std::pair{8.4, 8.9}, std::pair{15.4, 15.9},
+                           std::pair{32.4, 32.9}, std::pair{39.4, 39.9}, std::pair{58.0, 60.0}}) {
+    const double from = span.first, to = span.second;  // Clang 14 captures no binding
     CAPTURE(from);
     double beside = 0, moves = 0;
     for (std::size_t i = 0; i < 6; ++i) {
