@@ -59,7 +59,12 @@ endfunction()
 
 # skinctl_in_the_loop(<source>...): what a robot's cycle calls, in a folder that is compiled with less.
 function(skinctl_in_the_loop)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O3>;$<$<CONFIG:Sanitized>:-O1>")
+endfunction()
+
+# skinctl_simulates(<library>): it computes for as long as it runs, and so has the optimiser under the sanitizers as well.
+function(skinctl_simulates library)
+  target_compile_options(${library} PRIVATE $<$<CONFIG:Sanitized>:-O1>)
 endfunction()
 
 # skinctl_target_name(<variable> <source>): tests/core/real_test.cpp -> core_real_test

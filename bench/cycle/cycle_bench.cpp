@@ -1,5 +1,6 @@
 // One whole evaluation: skin to link wrenches, laws (spline joint + skin joint + gravity), one resolver
 // sub-step, guard; beside the same work with KDL, and the hand-written floor of its dynamics.
+#include <algorithm>
 #include <memory>
 #include <random>
 #include <vector>

@@ -2,7 +2,10 @@
 // of a governor.
 #include "bench/support/rows.hpp"
 #include "skinctl/guard/guard.hpp"
+#include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/model/ur5.hpp"
 
 using namespace skinctl;

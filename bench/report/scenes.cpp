@@ -16,10 +16,13 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/testing/needs_read.hpp"
 
 using namespace skinctl;
+using skinctl::testing::in_words;
 
 namespace {
 
@@ -40,32 +43,6 @@ struct Found {
 };
 Found found;
 bool timed = false;
-
-std::string links(const char* what, LinkMask mask) {
-  if (mask == 0) return "";
-  std::string out = std::string(what) + " of";
-  for (int i = 0; i < 6; ++i)
-    if ((mask >> i & 1u) != 0) out += " " + std::to_string(i + 1);
-  return out + ", ";
-}
-/// The quantities in words.
-std::string in_words(const Needs& n) {
-  std::string out =
-      links("poses", n.poses) + links("Jacobians", n.jacobians) + links("their rates", n.jacobian_rates);
-  const std::pair<bool, const char*> flags[] = {{n.angles, "angles"},
-                                                {n.gravity, "G"},
-                                                {n.mass, "M"},
-                                                {n.mass_factors, "factors of M"},
-                                                {n.coriolis, "C dq"},
-                                                {n.momentum, "M dq"},
-                                                {n.kinetic_energy, "kinetic energy"},
-                                                {n.centre_of_mass, "centre of mass"},
-                                                {n.touch, "touch"},
-                                                {n.middle, "angles half a step ahead"}};
-  for (const auto& [wanted, name] : flags)
-    if (wanted) out += std::string(name) + ", ";
-  return out.empty() ? "-" : out.substr(0, out.size() - 2);
-}
 
 /// Runs `once` so many times, or times it; `data` is what it reads and writes.
 template <class F>

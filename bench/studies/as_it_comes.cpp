@@ -10,6 +10,7 @@
 // friction, payload, noise and jitter, but their lag is declared and their encoders are calibrated.
 #include "skinctl/testing/as_it_comes.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

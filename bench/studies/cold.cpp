@@ -15,6 +15,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/hardware/loop.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/skin_of.hpp"

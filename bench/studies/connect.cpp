@@ -1,6 +1,7 @@
 // What files and streams cost: `connect [seconds]` prints the times of encoding and of the hand-over out of the loop, and
-// a loop's load with and without a recorder beside an empty loop's; `connect count N` only hands 164 samples over N times,
-// for `valgrind --tool=none`-like counters: two runs differ by the instructions of their hand-overs.
+// a loop's load with and without a recorder beside an empty loop's (`live_consumers` has all consumers). `connect count N`
+// only hands 164 samples over N times, `stamp N` stamps 1260 cells, `patch N` sets 164 samples, for counters of instructions
+// such as `valgrind --tool=callgrind`: two runs differ by those of the calls that one has more.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -170,6 +171,17 @@ struct Recorded {
 int main(int argc, char** argv) {
   const RunDescription run = description();
   const Samples samples(run.cells);
+  if (argc > 2 && (std::strcmp(argv[1], "stamp") == 0 || std::strcmp(argv[1], "patch") == 0)) {
+    SkinCloud cloud(run.cells);
+    cloud.set(samples.all);
+    for (int k = std::atoi(argv[2]); k > 0; --k)
+      if (argv[1][0] == 's') {
+        static_cast<void>(cloud.encode(2ms));
+      } else {
+        cloud.set(std::span(samples.all).first(changed));
+      }
+    return 0;
+  }
   if (argc > 2 && std::strcmp(argv[1], "count") == 0) {
     CycleHandOver<Scene> ring(std::size_t(1) << 24);
     Scene::Input input;
@@ -183,18 +195,20 @@ int main(int argc, char** argv) {
   SkinCloud cloud(run.cells);
   std::vector<LinkPlace> places;
   run.places(std::vector<double>(home.begin(), home.end()), places);
-  Nanoseconds now{};
-  const double stamp = median(20, [&] { static_cast<void>(cloud.encode(now += 4ms)); });
+  Nanoseconds now = 2ms;
+  const double never = median(20, [&] { static_cast<void>(cloud.encode(now += 10us)); });
+  cloud.set(samples.all);
+  now = 2ms;
+  const double stamp = median(20, [&] { static_cast<void>(cloud.encode(now += 10us)); });
   const double place = median(20, [&] {
     for (std::uint32_t i = 0; i < places.size(); ++i) cloud.place(i, places[i].R, places[i].p);
   });
-  const double patch = median(20, [&] {
-    for (std::size_t i = 0; i < changed; ++i) cloud.set(samples.all[i]);
-  });
+  const double patch = median(20, [&] { cloud.set(std::span(samples.all).first(changed)); });
   std::printf(
-      "%zu cells: stamp, ages and staleness of all %.2f us, all moved with their links %.2f us, %zu samples "
-      "%.2f us\n",
-      cloud.cells(), 1e-3 * stamp, 1e-3 * place, changed, 1e-3 * patch);
+      "%zu cells: stamp, ages and staleness of all %.2f us (of cells that were never heard %.2f us), all "
+      "moved with "
+      "their links %.2f us, %zu samples %.2f us\n",
+      cloud.cells(), 1e-3 * stamp, 1e-3 * never, 1e-3 * place, changed, 1e-3 * patch);
   std::printf("hand-over: no sample %.0f ns", hand_over_median({}));
   for (const std::size_t n : {std::size_t(34), changed, all_cells})
     std::printf(", %zu samples %.2f us", n, 1e-3 * hand_over_median(std::span(samples.all).first(n)));

@@ -4,7 +4,8 @@
 // every second. First three runs whose every result is rounded up or down by lot (`Stochastic`), in double and in
 // float: how far apart they are after so many sub-steps. Then the same loop in float and in double side by side, for
 // so many seconds of the robot's time: the largest difference of a command, against the resolution of an encoder of
-// 17 bits (4.8e-5 rad). A day is `rounding 43200000 86400` (sub-steps of 2 ms).
+// 17 bits (4.8e-5 rad). Where a comparison (does the skin push against the plan?) falls the other way in float, the plan
+// waits a sub-step more or less, until the next goal. A day is `rounding 43200000 86400` (sub-steps of 2 ms).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -48,11 +49,13 @@ class Loop {
     input_->samples = {&sample_, 1};
     const auto out = scene_.step(*memory_, *input_);
     valid_ = valid_ && out.command.valid;
+    status_ = out.status;
     state_.q = out.command.position;
     state_.dq = out.command.velocity;
   }
   const State<6, T>& state() const { return state_; }
   bool valid() const { return valid_; }
+  Status status() const { return status_; }
 
  private:
   using Scene = decltype(reaching_scene<Interface::position, 260, T>());
@@ -65,6 +68,7 @@ class Loop {
   CellSample sample_;
   std::int64_t cycle_ = 0;
   bool valid_ = true;
+  Status status_;
 };
 
 template <class A, class B>
@@ -110,11 +114,25 @@ int main(int argc, char** argv) {
   const double begin = processor_seconds();
   Loop<float> in_float;
   Loop<double> in_double;
-  double most = 0, moved = 0;
+  constexpr double apart_much = 1e-5;
+  double most = 0, most_else = 0, of_goal = 0, moved = 0;
+  long otherwise = 0, far = 0, goals_far = 0;
   const auto home = home_position<double>();
   for (long cycle = 0; cycle < seconds * 125; ++cycle) {
     in_float.step(), in_double.step();
-    most = std::max(most, apart(in_float, in_double));
+    const double d = apart(in_float, in_double);
+    most = std::max(most, d);
+    if (d > apart_much) ++far;
+    if (!(in_float.status() == in_double.status())) ++otherwise;
+    if (cycle % 500 == 0) {  // the next goal: a plan that waited a sub-step more or less is gone
+      if (of_goal > apart_much) {
+        ++goals_far;
+      } else {
+        most_else = std::max(most_else, of_goal);
+      }
+      of_goal = 0;
+    }
+    of_goal = std::max(of_goal, d);
     for (std::size_t i = 0; i < 6; ++i) moved = std::max(moved, std::abs(in_double.state().q[i] - home[i]));
   }
   std::printf(
@@ -122,4 +140,8 @@ int main(int argc, char** argv) {
       "moved %.2f rad; %s; %.0f s\n",
       seconds, most, moved, in_float.valid() && in_double.valid() ? "valid" : "INVALID",
       processor_seconds() - begin);
+  std::printf(
+      "reasons differ in %ld cycles of %ld; above %.0e rad in %ld, of %ld goals; at most %.2e rad during the "
+      "others\n",
+      otherwise, seconds * 125, apart_much, far, goals_far, most_else);
 }

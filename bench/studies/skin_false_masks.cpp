@@ -6,6 +6,7 @@
 // slide, 5 % at the end of the sensors' range, 2 % unseen by infrared light), grasps of two to five fingers, taps of
 // 6 ms; drifts of single cells, of patches, creep; noise other than declared by up to 30 %; 1 % of the samples lost,
 // 1 % of them up to 20 ms late.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

@@ -27,6 +27,9 @@
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
 

@@ -1,5 +1,6 @@
 // Readings of all cells to joint torques: wrench sums per link and one backward pass, beside KDL cell by cell
 // and link by link, a hand-written floor, and the time that the bytes alone take.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 

@@ -1,6 +1,7 @@
 // Runs a scene in its worlds, and times its cycles hot and cold.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <type_traits>

@@ -1,5 +1,6 @@
 #include "examples/compliant_ur5/recorder.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "examples/compliant_ur5/skin.hpp"
@@ -40,13 +41,18 @@ RunDescription run_description(const Settings& s) {
   dress.named_links.assign(ur5::Ros2Links::named_links.begin(), ur5::Ros2Links::named_links.end());
   run.urdf = urdf_text(ur5::Model{}, dress);
   run.newtons = static_cast<float>(s.newtons_per_reading);
-  for (const SkinPatch& patch : skin_patches(s))
+  std::size_t number = 0;
+  for (const SkinPatch& patch : skin_patches(s)) {
     for (const SkinCell& cell : patch.cells) {
       const auto& p = cell.X_LC.origin();
+      run.pressed.places.push_back({patch.link, number, p, cell.X_LC.axis_z()});
+      run.pressed.ids.push_back(cell.id);
       run.cells.push_back({cell.id,
                            static_cast<std::uint32_t>(patch.link),
                            {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}});
     }
+    ++number;
+  }
   std::stable_sort(run.cells.begin(), run.cells.end(),
                    [](const auto& a, const auto& b) { return a.link < b.link; });
   std::array<CellGains, 6> gains;

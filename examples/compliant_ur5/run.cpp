@@ -167,7 +167,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   const std::uint64_t planned = s.cycles != 0 ? s.cycles : static_cast<std::uint64_t>(s.duration * s.rate);
   log.entries.reserve(planned);
   const auto memory = std::make_unique<typename Scene::Memory>();
-  LivePage<Scene> live(s);
+  using Weight = WeightLimits;
+  LivePage<Scene> live(s, {{1, Weight::least_task, Weight::most}, {1, Weight::least_skin, Weight::most}});
   JobRecorder<Scene> recording(s, live.consumers());
 
   const auto limit = limits(s);
@@ -195,10 +196,12 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     skin.both.resize(16385);  // most of one poll, and one
   }
   RecordedDriver robot{driver, by_torque};
+  std::array<double, Scene::law_type::terms> weights;
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
     if (first == 0ns) first = input.now;
     const double t = seconds<double>(input.now - first);
     input.request = live.take();
+    input.goal = {};
     if (!recording_started) {
       // The scene was started at the state before this one: that is what a replay starts from.
       if constexpr (I == Interface::position) {
@@ -234,16 +237,22 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     }
     if (next_goal < s.task.size() && t >= s.task[next_goal].at) {
       input.has_goal = true;
-      input.goal.q_g = JointPosition<6>(s.task[next_goal].q);
-      input.goal.duration = nanoseconds(s.task[next_goal].duration);
+      input.goal.has_goal = true;
+      input.goal.goal.q_g = JointPosition<6>(s.task[next_goal].q);
+      input.goal.goal.duration = nanoseconds(s.task[next_goal].duration);
       ++next_goal;
+    }
+    weights.fill(1);
+    if (live.take(weights)) {
+      input.has_goal = input.goal.has_weights = true;
+      input.goal.weights.of = weights;
     }
     return true;
   };
   const auto after = [&](const typename Scene::Input& input, const typename Scene::Output& out,
                          const Stopwatch& watch) {
     const double t = seconds<double>(input.now - first);
-    const auto& reach = std::get<0>(scene.law().laws());
+    const auto& reach = std::get<0>(scene.law().sum().laws());
     const auto& reached = Scene::law_type::template memory<0>(memory->law);
     const auto target = target_of(reach, reached);
     observer.cycle(t, input.samples, input.measured.q, target);
@@ -383,13 +392,11 @@ Outcome replay_with(const Settings& given) {
   Settings s = given;
   s.control.delay += std::max(s.network_delay, 0.0);
   const auto scene = make_watched_scene<I>(s);
-  using Scene = std::remove_cvref_t<decltype(scene)>;
-  const auto run = load_run<Scene>(s.replay, run_identity(s));
-  if (!run.whole) std::printf("%s was cut: its last second may be missing\n", s.replay.c_str());
-  if (run.missing > 0)
+  const auto result = skinctl::replay(s.replay, scene, run_identity(s));
+  if (!result.whole) std::printf("%s was cut: its last second may be missing\n", s.replay.c_str());
+  if (result.missing > 0)
     std::printf("%llu cycles found no room when it was recorded: replayed up to the first of them\n",
-                static_cast<unsigned long long>(run.missing));
-  const auto result = skinctl::replay(scene, run.recording);
+                static_cast<unsigned long long>(result.missing));
   std::printf("replayed %llu cycles: ", static_cast<unsigned long long>(result.cycles));
   if (result.different == 0) {
     std::printf("every command is the same to the bit\n");

@@ -8,7 +8,9 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
 #include "skinctl/robot/preset.hpp"
@@ -95,6 +97,12 @@ inline skinctl::RobotConfiguration<6> configuration<skinctl::Interface::torque>(
           .virtual_inertia = JointTorque<6>(s.torque.motor_inertia)};
 }
 
+/// Weights may change while it runs: how firmly the task is followed, and how much the skin counts. At most those of the
+/// start, for which contacts are damped; the task never to 0, which would forget it.
+struct WeightLimits {
+  static constexpr double least_task = 0.1, least_skin = 0, most = 1;
+};
+
 /// The controller holds the weight; the friction that it leaves over is learnt, so that the arm comes back to its task.
 inline auto scene_by_torque(const Settings& s) {
   using namespace skinctl;
@@ -111,7 +119,7 @@ inline auto scene_by_torque(const Settings& s) {
                                                {.rate = s.torque.learning,
                                                 .bound = JointTorque<6>(s.torque.most_friction),
                                                 .dead_zone = s.torque.dead_zone});
-  return Cycle(arm, trusted_skin(s), reach + SkinJointControl{});
+  return Cycle(arm, trusted_skin(s), blended(weighted(reach + SkinJointControl{})));
 }
 
 /// A virtual arm gives way, and its motion is commanded.
@@ -125,7 +133,8 @@ auto scene_by_motion(const Settings& s) {
   const double damping = stiffest.damping(robot_by<I>(ur5::Model{}, robot), skin);
   const auto arm =
       robot_by<I>(ur5::Model{}, robot, ContactDamper<>({.max = damping, .calm = 200ms}), stiffest);
-  return Cycle(arm, skin, SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{});
+  return Cycle(arm, skin,
+               blended(weighted(SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{})));
 }
 
 /// From skin and state to commands for `I`: every number of it comes from the settings.

@@ -1,6 +1,7 @@
 // fault_table: what goes wrong between a program and a device, as it is seen, with the exit code and the way back. Simulated
 // devices, real sockets. Nothing may hang: a case that takes a minute ends the program with 3.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdarg>

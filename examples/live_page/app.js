@@ -9,7 +9,7 @@ import {Timeline} from './timeline.js';
 const $ = id => document.getElementById(id);
 const topics = ['/joint_states', '/skinctl/torque_shares', '/skinctl/status', '/skin/cells', '/skin/contacts', '/tf', '/robot_description', '/skin/layout'];
 const window_s = 90, shown_s = 10;
-const state = {timeline: new Timeline(window_s), live: true, file: null, at: 0, view: null, control: false, names: [], laws: [], errors: 0};
+const state = {timeline: new Timeline(window_s), live: true, file: null, at: 0, view: null, control: false, names: [], laws: [], errors: 0, work: []};  // work: times of the last frames [ms]
 window.skinctl = state;  // for tests and the curious
 
 function chip(text, good) { $('link').textContent = text; $('link').className = 'chip ' + (good ? 'good' : 'bad'); }
@@ -66,17 +66,19 @@ function show() {
       for (let i = a; i < b; i += every) out.push([list[i].time, f(list[i].value)]);
       return out;
     };
-    lines($('joints'), state.names.map((_, j) => ({k: j, points: part('/joint_states', v => v.position[j])})), from, to, now, 'rad');
+    lines($('joints'), state.names.map((_, j) => ({k: j, name: String(j), points: part('/joint_states', v => v.position[j])})), from, to, now, 'rad');
     const total = c => { let sum = 0; for (let i = 0; i < c.count; ++i) sum += Math.hypot(...['fx', 'fy', 'fz'].map(f => c.view.getFloat32(i * c.step + c.fields[f], true))); return sum; };
     lines($('force'), [{k: 5, points: part('/skin/contacts', total)}], from, to, now, 'N', 0);
     const stages = status ? Object.keys(status.times_us) : [];
     if (stages.length) {
       if (stages.join() !== (state.stages || []).join()) { state.stages = stages; legend($('stages'), stages); }
-      lines($('time'), stages.map((s, k) => ({k, points: part('/skinctl/status', v => v.times_us[s])})), from, to, now, 'µs', 0);
+      lines($('time'), stages.map((s, k) => ({k, name: s, points: part('/skinctl/status', v => v.times_us[s])})), from, to, now, 'µs', 0);
     }
     if (status) {
       $('reasons').textContent = status.reasons.length ? status.reasons.map(reason).join('; ') : 'nothing limited, nothing held';
       const facts = [['cycle', status.cycle], ['cycles dropped on the way', status.dropped]];
+      const period = periodOf(t.list('/joint_states')), spent = Object.values(status.times_us).reduce((a, b) => a + b, 0);
+      if (period > 0 && spent > 0) facts.push(['time of a cycle', `${spent.toFixed(0)} µs`], [`of its ${(1e3 * period).toFixed(0)} ms`, `${(1e-4 * spent / period).toFixed(1)} %`]);
       if (state.errors) facts.push(['messages that could not be read', state.errors]);
       $('facts').replaceChildren(...facts.flatMap(([k, v]) => { const a = document.createElement('dt'), b = document.createElement('dd'); a.textContent = k, b.textContent = v; return [a, b]; }));
     }
@@ -94,9 +96,22 @@ function show() {
   if (state.view) state.view.draw(getComputedStyle(document.documentElement).getPropertyValue('--paper').trim() || '#fff');
 }
 
+/// The median time between the last cycles [s].
+function periodOf(list) {
+  const n = Math.min(list.length - 1, 15), steps = [];
+  for (let i = list.length - n; i < list.length; ++i) steps.push(list[i].time - list[i - 1].time);
+  return n > 2 ? steps.sort((a, b) => a - b)[n >> 1] : 0;
+}
+
 let next = 0;
 function frame(time) {
-  if (time >= next) next = time + 33, show();
+  if (time >= next) {
+    next = time + 33;
+    const from = performance.now();
+    show();
+    state.work.push(performance.now() - from);
+    if (state.work.length > 300) state.work.shift();
+  }
   requestAnimationFrame(frame);
 }
 
@@ -118,19 +133,22 @@ async function resume() {
   $('reasons').textContent = a.done ? 'resume asked: ' + a.words : 'not resumed: ' + a.words;
 }
 
+/// Sliders. A new value counts when it has been agreed to: asked once a slider is let go.
 function parameters(list) {
   for (const p of list) {
+    const [low, high] = JSON.parse(state.stream.facts['range of ' + p.name] || '[0,1]');
     let input = document.getElementById('p-' + p.name);
     if (!input) {
       const label = document.createElement('label'), name = document.createElement('span'), value = document.createElement('output');
-      input = Object.assign(document.createElement('input'), {type: 'range', min: 0, max: 1, step: 0.01, id: 'p-' + p.name, disabled: !state.control});
-      name.textContent = p.name;
+      input = Object.assign(document.createElement('input'), {type: 'range', min: low, max: high, step: 0.01 * (high - low), id: 'p-' + p.name, disabled: !state.control});
+      name.textContent = p.name.replace('weight of ', '');
       input.addEventListener('input', () => { value.textContent = Number(input.value).toFixed(2); });
       input.addEventListener('change', async () => {
         if (await ask(`Set ${p.name} to ${input.value}? The robot's behaviour changes.`)) state.stream.set(p.name, Number(input.value));
         else input.value = input.dataset.known, value.textContent = Number(input.value).toFixed(2);
       });
       label.append(name, input, value);
+      input.setAttribute('aria-label', p.name);
       $('weights').append(label);
       $('sliders').hidden = false;
     }
@@ -184,6 +202,7 @@ addEventListener('keydown', e => {
   if (e.target.tagName === 'INPUT' || $('ask').open || e.ctrlKey || e.metaKey || e.altKey) return;
   if (e.key === 's' || e.key === 'S') stop();
   if ((e.key === 'r' || e.key === 'R') && !$('resume').disabled) resume();
+  if (e.key === 'l' || e.key === 'L') $('live').click();
 });
 state.open = open;
 requestAnimationFrame(frame);

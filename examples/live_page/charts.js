@@ -26,7 +26,8 @@ function scaleY(c, w, h, low, high, left) {
   }
   return y;
 }
-/// series: [{points: [[t, v], ...], k}], from `t0` to `t1` [s]; `mark` is the present instant.
+/// series: [{points: [[t, v], ...], k, name}], from `t0` to `t1` [s]; `mark` is the present instant. A name stands at the
+/// line's end, for those who cannot tell the colours apart.
 export function lines(canvas, series, t0, t1, mark, unit, from = null) {
   const {c, w, h} = begin(canvas), left = 44;
   let low = Infinity, high = -Infinity;
@@ -35,7 +36,7 @@ export function lines(canvas, series, t0, t1, mark, unit, from = null) {
   if (!(high > low)) { const m = Number.isFinite(low) ? low : 0; low = m - 1, high = m + 1; }
   const margin = 0.06 * (high - low);
   low -= from === low ? 0 : margin, high += margin;
-  const y = scaleY(c, w, h, low, high, left), x = t => left + (t - t0) / (t1 - t0) * (w - left - 4);
+  const right = 4 + Math.max(0, ...series.map(s => s.name ? c.measureText(s.name).width + 6 : 0)), y = scaleY(c, w, h, low, high, left), x = t => left + (t - t0) / (t1 - t0) * (w - left - right);
   c.textAlign = 'center', c.textBaseline = 'alphabetic', c.fillStyle = css('--soft');
   const by = step(t1 - t0, 5);
   for (let t = Math.ceil((t0 - t1) / by) * by; t <= 1e-9; t += by) c.fillText(t === 0 ? '0 s' : String(+t.toPrecision(4)), Math.min(x(t1 + t), w - 12), h - 3);
@@ -45,6 +46,12 @@ export function lines(canvas, series, t0, t1, mark, unit, from = null) {
     for (const [t, v] of s.points) { if (!Number.isFinite(v)) { on = false; continue; } on ? c.lineTo(x(t), y(v)) : c.moveTo(x(t), y(v)); on = true; }
     c.stroke();
   }
+  const ends = series.filter(s => s.name && s.points.length).map(s => ({s, at: y(s.points[s.points.length - 1][1])})).sort((a, b) => a.at - b.at);
+  c.textAlign = 'right', c.textBaseline = 'middle';
+  ends.forEach((e, i) => {  // not over one another
+    if (i > 0) e.at = Math.max(e.at, ends[i - 1].at + 12);
+    c.fillStyle = colour(e.s.k), c.fillText(e.s.name, w - 2, Math.min(e.at, h - 24));
+  });
   if (mark < t1 - 1e-6) { c.strokeStyle = css('--ink'), c.lineWidth = 1, c.beginPath(), c.moveTo(x(mark), 4), c.lineTo(x(mark), h - 18), c.stroke(); }
   const last = series.map(s => s.points.length ? s.points[s.points.length - 1][1] : NaN);
   canvas.setAttribute('aria-label', last.map(v => Number.isFinite(v) ? v.toFixed(2) : 'none').join(', ') + ' ' + unit);

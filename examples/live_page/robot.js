@@ -63,8 +63,11 @@ export class RobotView {
     grid.material.opacity = 0.25, grid.material.transparent = true;
     this.scene.add(grid);
     this.arrows = [];
+    const shaft = new THREE.CylinderGeometry(0.006, 0.006, 1, 12), head = new THREE.CylinderGeometry(0, 0.018, 0.04, 16), red = new THREE.MeshLambertMaterial({color: 0xe040fb});
     for (let i = 0; i < 64; ++i) {
-      const arrow = new THREE.ArrowHelper(new THREE.Vector3(0, 0, 1), new THREE.Vector3(), 0.1, 0xcc79a7, 0.03, 0.02);
+      const arrow = new THREE.Group();  // along y, its tip in the origin
+      arrow.shaft = new THREE.Mesh(shaft, red), arrow.head = new THREE.Mesh(head, red);
+      arrow.add(arrow.shaft, arrow.head);
       arrow.visible = false;
       this.scene.add(arrow), this.arrows.push(arrow);
     }
@@ -163,7 +166,7 @@ export class RobotView {
       for (const f of list) box.expandByPoint(new T.Vector3(...f.p));
       box.expandByPoint(new T.Vector3());
       const middle = box.getCenter(new T.Vector3()), shape = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
-      const far = (0.4 + 1.5 * box.getSize(new T.Vector3()).length()) * Math.max(1, 0.95 / shape);
+      const far = (0.45 + 1.05 * box.getSize(new T.Vector3()).length()) * Math.max(1, 1 / shape);
       this.controls.target.copy(middle);
       this.camera.position.copy(middle).add(new T.Vector3(0.62, -0.66, 0.42).multiplyScalar(far));
       this.controls.update();
@@ -191,10 +194,11 @@ export class RobotView {
     this.arrows.forEach((arrow, i) => {
       arrow.visible = i < count;
       if (i >= count) return;
-      const F = new T.Vector3(get(i, 'fx'), get(i, 'fy'), get(i, 'fz')), n = F.length(), long = 0.05 + 0.004 * Math.min(n, 60);
+      const F = new T.Vector3(get(i, 'fx'), get(i, 'fy'), get(i, 'fz')), n = F.length(), long = 0.06 + 0.006 * Math.min(n, 60);
       const way = n > 0 ? F.clone().multiplyScalar(1 / n) : new T.Vector3(0, 0, -1);
-      arrow.position.set(get(i, 'x'), get(i, 'y'), get(i, 'z')).addScaledVector(way, -long);
-      arrow.setDirection(way), arrow.setLength(long, 0.03, 0.02);
+      arrow.position.set(get(i, 'x'), get(i, 'y'), get(i, 'z'));
+      arrow.quaternion.setFromUnitVectors(new T.Vector3(0, 1, 0), way);
+      arrow.head.position.y = -0.02, arrow.shaft.position.y = -0.03 - long / 2, arrow.shaft.scale.y = long;
     });
     this.moved = true;
   }

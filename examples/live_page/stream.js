@@ -20,7 +20,8 @@ export class Stream {
   send(op) { if (this.socket.readyState === 1) this.socket.send(JSON.stringify(op)); }
   text(m) {
     if (m.op === 'serverInfo') {
-      this.on.control(m.metadata && m.metadata.control === 'allowed');
+      const facts = this.facts = m.metadata || {};
+      this.on.control(facts.control === 'allowed');
       if ((m.capabilities || []).includes('parameters')) {
         this.send({op: 'getParameters', parameterNames: [], id: 'all'});
         this.send({op: 'subscribeParameterUpdates', parameterNames: []});

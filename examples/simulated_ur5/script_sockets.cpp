@@ -1,5 +1,6 @@
 #include "examples/simulated_ur5/script_sockets.hpp"
 
+#include <algorithm>
 #include <boost/asio/ip/address.hpp>
 #include <boost/asio/steady_timer.hpp>
 

@@ -118,6 +118,10 @@ class Page {
     }
     std::ofstream(file, std::ios::binary) << bytes;
   }
+  /// Where files go that the page saves.
+  void downloads(const fs::path& folder) {
+    call("Browser.setDownloadBehavior", {{"behavior", "allow"}, {"downloadPath", folder.string()}});
+  }
   /// What scripts threw and wrote as errors to the console.
   [[nodiscard]] const std::string& errors() const noexcept { return errors_; }
 

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "skinctl/testing/sanitized.hpp"
 #include "skinctl/testing/skin_network_oracle.hpp"
 

@@ -53,18 +53,18 @@ struct Sensors {
         J << y.by_turn, Eigen::Matrix3d::Identity(), Eigen::Matrix3d(y.by_scale.asDiagonal()),
             y.by_misalignment;
         J /= 0.0025;
-        sum.add(loss, Eigen::Vector3d((y.y - readings[i][k]) / 0.0025), Partial{at, J});
+        sum.add(loss, Eigen::Vector3d((y.y - readings[i][k]) / 0.0025), {{at, J}});
       }
       Eigen::Matrix<double, 9, 9> P = Eigen::Matrix<double, 9, 9>::Zero();
       P.diagonal() << Eigen::Vector3d::Constant(1 / prior.bias), Eigen::Vector3d::Constant(1 / prior.scale),
           Eigen::Vector3d::Constant(1 / prior.misalignment);
       Eigen::Matrix<double, 9, 1> e;
       e << x[i].errors.bias, x[i].errors.scale, x[i].errors.misalignment;
-      sum.add({}, (P * e).eval(), Partial{at + 3, P});
+      sum.add({}, (P * e).eval(), {{at + 3, P}});
       if (i == 0) continue;
       const Eigen::Matrix3d tie = Eigen::Matrix3d::Identity() / 0.01;
-      sum.add({}, (tie * (x[i].errors.bias - x[i - 1].errors.bias)).eval(), Partial{at + 3, tie},
-              Partial{at - 9, (-tie).eval()});
+      sum.add({}, (tie * (x[i].errors.bias - x[i - 1].errors.bias)).eval(),
+              {{at + 3, tie}, {at - 9, (-tie).eval()}});
     }
   }
 };
@@ -119,7 +119,10 @@ TEST_CASE("Least squares: dense, sparse and a fit from 40 degrees away find the 
   }
   // The inverse on the pattern of the factor is the whole inverse there.
   const SparseNormal::Matrix H = sparse.normal.information();
-  const Eigen::MatrixXd whole = Eigen::MatrixXd(Eigen::MatrixXd(H).selfadjointView<Eigen::Lower>()).inverse();
+  Eigen::MatrixXd symmetric = H;
+  for (int i = 0; i < 72; ++i)
+    for (int j = 0; j < i; ++j) symmetric(j, i) = symmetric(i, j);
+  const Eigen::MatrixXd whole = detail::Cholesky(symmetric).inverse();
   const SparseInverse part(H);
   REQUIRE(part.valid());
   double worst = 0;

@@ -2,6 +2,9 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/cycle/configurations.hpp"
+#include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/tool_speed.hpp"
 #include "tests/support/grouped_scene.hpp"
 
 using namespace skinctl;

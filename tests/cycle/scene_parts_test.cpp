@@ -10,6 +10,9 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/plant.hpp"
 

@@ -40,9 +40,14 @@ RunDescription description() {
   run.laws = {"reach", "skin", "gravity"};
   run.urdf = "<robot/>";
   run.layout = "{}";
+  run.pressed.threshold = 0.05;  // of readings up to 0.4
   run.frames = frames_of<ur5::Ros2Links>();
   run.places = places_of(ur5::Model{});
-  for (std::uint32_t i = 0; i < 60; ++i) run.cells.push_back({i, i / 10, {0.01f * float(i), 0, 0.05f}});
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    run.cells.push_back({i, i / 10, {0.01f * float(i), 0, 0.05f}});
+    run.pressed.places.push_back({i / 10, i / 10, {0.01 * i, 0.0, 0.05}, {0.0, 0.0, 1.0}});
+    run.pressed.ids.push_back(i);
+  }
   return run;
 }
 
@@ -137,6 +142,11 @@ TEST_CASE(
   CHECK(again.cycles == 600);
   CHECK(again.different == 0);
   CHECK(replay(changing_scene(41), loaded.recording).different > 0);
+  const auto at_once = replay(path, scene, identity);
+  CHECK(at_once.whole);
+  CHECK(at_once.missing == 0);
+  CHECK(at_once.cycles == 600);
+  CHECK(at_once.different == 0);
 
   SUBCASE("every topic is there, at its rate") {
     std::map<std::string, std::size_t> counts, sizes;
@@ -157,6 +167,9 @@ TEST_CASE(
       CHECK(counts[topic] <= hz * 50 / 10);
     };
     at("/skin/cells", 30);
+    at("/skin/contacts", 30);
+    CHECK(sizes["/skin/contacts"] >= 225 + 32);  // one at least
+    CHECK((sizes["/skin/contacts"] - 225) % 32 == 0);
     at("/tf", 30);
     at("/skinctl/status", 10);
     CHECK(sizes["/skin/cells"] == 60 * 64 + 397);

@@ -112,10 +112,11 @@ TEST_CASE("SkinCloud: every field of a point, before and after its sample, and n
 TEST_CASE("SkinCloud: the age is held where an int32 ends, also for clocks at both ends of time") {
   SkinCloud cloud(cells(4));
   constexpr auto most = std::numeric_limits<std::int32_t>::max();
-  for (const auto& [time, now, age] : {std::tuple(0ns, Nanoseconds(most), most),
-                                       {0ns, Nanoseconds(most - 1), most - 1},
-                                       {Nanoseconds::min(), Nanoseconds::max(), most},
-                                       {Nanoseconds::max(), Nanoseconds::min(), -most}}) {
+  for (const auto& [time, now, age] :
+       {std::tuple(0ns, Nanoseconds(most), most),
+        {0ns, Nanoseconds(most - 1), most - 1},
+        {Nanoseconds::min(), Nanoseconds::max(), most},
+        {Nanoseconds::max(), Nanoseconds::min(), std::numeric_limits<std::int32_t>::min()}}) {
     CHECK(cloud.set(sample(7, time)));
     const auto message = cloud.encode(now);
     std::int32_t got = 0;

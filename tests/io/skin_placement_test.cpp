@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/urdf.hpp"

@@ -88,7 +88,7 @@ TEST_CASE("URDF writer: names, limits, capsules and frames are in the file, and 
   CHECK(urdf.frame("wrist_1_link").p.z == doctest::Approx(ur5::Description::d4).epsilon(1e-12));
   CHECK(text.find("<cylinder radius=\"0.05\" length=\"0.3\"/>") != std::string::npos);
   CHECK(text.find("<sphere radius=\"0.1\"/>") != std::string::npos);
-  CHECK(text.find("a &quot;robot&quot; &amp; &lt;more>") != std::string::npos);
+  CHECK(text.find("a &quot;robot&quot; &amp; &lt;more&gt;") != std::string::npos);
 
   dress.limits.resize(5);
   CHECK_THROWS_AS(static_cast<void>(urdf_text(ur5::Model{}, dress)), ConfigurationError);

@@ -10,6 +10,8 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/limits/governor.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"

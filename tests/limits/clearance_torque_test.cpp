@@ -9,6 +9,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/kinematics/poses.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/testing/plant.hpp"

@@ -9,6 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"

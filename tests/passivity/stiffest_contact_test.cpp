@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <random>
 #include <string>
 

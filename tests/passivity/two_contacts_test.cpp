@@ -4,6 +4,7 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
 #include "skinctl/testing/touched_arm.hpp"

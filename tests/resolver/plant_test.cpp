@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "tests/support/mujoco_plant.hpp"
 #include "tests/support/plant_loop.hpp"

@@ -5,6 +5,8 @@
 
 #include "skinctl/cycle/groups.hpp"
 #include "skinctl/kinematics/poses.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/arm_with_finger.hpp"

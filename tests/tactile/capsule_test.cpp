@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
@@ -51,6 +52,30 @@ TEST_CASE("capsules: the distance is that of a search over both segments") {
     if (k % 5 == 2) CHECK(std::abs(distance(a.from, b) - 0.1 - d.distance) < 1e-9);
   }
   CHECK(worst < 1e-6);
+}
+
+TEST_CASE_TEMPLATE(
+    "capsules: the distance is exact to a few units in the last place, nearly parallel ones included", T,
+    float, double) {
+  Seeded rng(23);
+  const T eps = std::numeric_limits<T>::epsilon();
+  T worst = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const auto point = [&] { return Xyz<T>{T(rng()), T(rng()), T(rng())}; };
+    Capsule<T> a{point(), point(), T(0)}, b{point(), point(), T(0)};
+    const T skew = std::pow(T(10), T(-k % 12));
+    if (k % 3 == 0) b = {a.from + skew * point(), a.to + skew * point(), T(0)};  // along each other
+    if (k % 3 == 1) b.to = b.from + skew * point();                              // nearly a point
+    const auto exact = [](const Xyz<T>& x) {
+      return Xyz<Digits50>{Digits50(x.x), Digits50(x.y), Digits50(x.z)};
+    };
+    const Digits50 true_distance = distance(Capsule<Digits50>{exact(a.from), exact(a.to), 0},
+                                            Capsule<Digits50>{exact(b.from), exact(b.to), 0})
+                                       .distance;
+    worst = std::max(worst, std::abs(static_cast<T>(Digits50(distance(a, b).distance) - true_distance)));
+  }
+  CAPTURE(worst / eps);
+  CHECK(worst <= 8 * eps);
 }
 
 TEST_CASE("capsules: what is none is refused") {

@@ -8,6 +8,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/pressing.hpp"

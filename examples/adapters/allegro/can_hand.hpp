@@ -1,6 +1,8 @@
 // An Allegro hand on a CAN bus: start-up, positions, torques, status; V4, V5 and V5 Sense.
 #pragma once
 
+#include <algorithm>
+
 #include "examples/adapters/allegro/guardian.hpp"
 #include "examples/adapters/allegro/hand.hpp"
 #include "examples/adapters/allegro/position_set.hpp"

@@ -27,12 +27,13 @@ using Bytes = std::vector<unsigned char>;
 
 namespace {
 
-/// A type whose sample is its CDR bytes, header included.
+/// A type whose sample is its CDR bytes, header included. A participant has one of a name for topics of any length: its
+/// size is what buffers begin with, and they grow.
 class RawType : public fast::TopicDataType {
  public:
-  RawType(const skinctl::MessageType& type, std::size_t most) {
+  explicit RawType(const skinctl::MessageType& type) {
     setName(type.dds_name().c_str());
-    m_typeSize = static_cast<std::uint32_t>((most + 3) / 4 * 4);
+    m_typeSize = 16384;
     m_isGetKeyDefined = false;
     auto_fill_type_object(false);
     auto_fill_type_information(false);
@@ -46,7 +47,6 @@ class RawType : public fast::TopicDataType {
     return true;
   }
   bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    if (payload->length > m_typeSize) return false;  // longer than any message of the topic
     static_cast<Bytes*>(data)->assign(payload->data, payload->data + payload->length);
     return true;
   }
@@ -82,14 +82,15 @@ struct Participant::Parts {
     fast::DomainParticipantFactory::get_instance()->delete_participant(participant);
   }
   /// The topic, made once.
-  fast::Topic* topic(const std::string& name, const skinctl::MessageType& type, std::size_t most) {
+  fast::Topic* topic(const std::string& name, const skinctl::MessageType& type) {
     const std::string full = "rt" + name;
     if (auto* known = participant->lookup_topicdescription(full); known != nullptr) {
       if (known->get_type_name() != type.dds_name())
         skinctl::refuse("DDS: " + name + " already has the type " + known->get_type_name());
       return static_cast<fast::Topic*>(known);
     }
-    fast::TypeSupport(new RawType(type, most)).register_type(participant);
+    if (participant->find_type(type.dds_name()).empty())
+      fast::TypeSupport(new RawType(type)).register_type(participant);
     auto* made = participant->create_topic(full, type.dds_name(), fast::TOPIC_QOS_DEFAULT);
     if (made == nullptr) skinctl::refuse("DDS: topic " + name + " cannot be made");
     return made;
@@ -154,7 +155,7 @@ RawWriter::RawWriter(Participant& p, const std::string& topic, const skinctl::Me
   qos.user_data().setValue({user.begin(), user.end()});
   parts_->publisher = p.parts_->publisher;
   parts_->most = most;
-  parts_->writer = p.parts_->publisher->create_datawriter(p.parts_->topic(topic, type, most), qos);
+  parts_->writer = p.parts_->publisher->create_datawriter(p.parts_->topic(topic, type), qos);
   if (parts_->writer == nullptr) skinctl::refuse("DDS: no writer of " + topic);
 }
 RawWriter::~RawWriter() = default;
@@ -174,6 +175,7 @@ int RawWriter::readers() const {
 struct RawReader::Parts {
   fast::Subscriber* subscriber = nullptr;
   fast::DataReader* reader = nullptr;
+  std::size_t most = 0;
   Bytes sample;
   ~Parts() {
     if (reader != nullptr) subscriber->delete_datareader(reader);
@@ -186,7 +188,8 @@ RawReader::RawReader(Participant& p, const std::string& topic, const skinctl::Me
   fast::DataReaderQos qos;
   set_delivery(qos, delivery);
   parts_->subscriber = p.parts_->subscriber;
-  parts_->reader = p.parts_->subscriber->create_datareader(p.parts_->topic(topic, type, most), qos);
+  parts_->most = (most + 3) / 4 * 4;  // perhaps padded
+  parts_->reader = p.parts_->subscriber->create_datareader(p.parts_->topic(topic, type), qos);
   if (parts_->reader == nullptr) skinctl::refuse("DDS: no reader of " + topic);
 }
 RawReader::~RawReader() = default;
@@ -197,7 +200,7 @@ std::optional<std::span<const unsigned char>> RawReader::take() {
   bool any = false;
   Bytes& sample = parts_->sample;
   while (parts_->reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK)
-    any = any || info.valid_data;
+    if (info.valid_data) any = sample.size() <= parts_->most;
   if (!any) return std::nullopt;
   return std::span<const unsigned char>(sample);
 }

@@ -66,6 +66,7 @@ class RawWriter {
 /// Reads messages of one topic; only the last one is kept.
 class RawReader {
  public:
+  /// Longer messages than `most` bytes are not taken. Throws like `RawWriter`.
   RawReader(Participant& participant, const std::string& topic, const skinctl::MessageType& type,
             Delivery delivery, std::size_t most);
   ~RawReader();

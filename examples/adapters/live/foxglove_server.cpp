@@ -254,11 +254,14 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
     json capabilities = json::array({"services"});
     if (!server_.parameters.empty())
       capabilities.insert(capabilities.end(), {"parameters", "parametersSubscribe"});
+    json metadata = {{"control", control ? "allowed" : "refused"}};
+    for (const Parameter& p : server_.parameters)  // the protocol has no ranges
+      metadata["range of " + p.name] = json::array({p.lower, p.upper}).dump();
     say({{"op", "serverInfo"},
          {"name", server_.options.name},
          {"capabilities", capabilities},
          {"supportedEncodings", {"cdr"}},
-         {"metadata", {{"control", control ? "allowed" : "refused"}}}});
+         {"metadata", metadata}});
     json topics = json::array();
     for (std::size_t i = 0; i < server_.channels.size(); ++i) {
       const Channel& c = server_.channels[i];

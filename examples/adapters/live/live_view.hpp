@@ -1,29 +1,80 @@
 // The consumer that streams a run to a live view.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <span>
+#include <string>
+#include <vector>
 
-#include "examples/adapters/live/contact_picture.hpp"
 #include "examples/adapters/live/foxglove_server.hpp"
+#include "skinctl/fusion/detail/blend_goal.hpp"
 #include "skinctl/io/cycle_messages.hpp"
 #include "skinctl/io/cycle_thread.hpp"
 #include "skinctl/io/detail/pace.hpp"
 
 namespace adapters::live {
 
-/// What people ask for at a live view; the loop takes it into its next cycle.
+/// What people ask for at a live view; the loop takes it into its next cycle. No call waits.
 class Requests {
  public:
+  static constexpr std::size_t most_weights = 16;
+
+  Requests() noexcept {
+    for (auto& w : weights_) w.store(1);
+  }
   void ask(skinctl::CycleRequest request) noexcept { asked_.store(request); }
   /// The request since the last call, if any.
   [[nodiscard]] skinctl::CycleRequest take() noexcept { return asked_.exchange(skinctl::CycleRequest::none); }
 
+  /// The `law`-th weight of a blended sum shall be `weight`; the others stay as they are asked for, at first 1.
+  void weigh(std::size_t law, double weight) noexcept {
+    weights_[law].store(weight);
+    weighed_.store(true);
+  }
+  /// Without asking for a change: the weights that the law has.
+  void weigh_as(std::span<const double> weights) noexcept {
+    for (std::size_t k = 0; k < weights.size(); ++k) weights_[k].store(weights[k]);
+  }
+  /// Writes all weights, if one was asked for since the last call.
+  template <std::size_t Laws>
+  [[nodiscard]] bool take(std::array<double, Laws>& weights) noexcept {
+    static_assert(Laws <= most_weights);
+    if (!weighed_.exchange(false)) return false;
+    for (std::size_t k = 0; k < Laws; ++k) weights[k] = weights_[k].load();
+    return true;
+  }
+
  private:
   std::atomic<skinctl::CycleRequest> asked_{skinctl::CycleRequest::none};
+  std::array<std::atomic<double>, most_weights> weights_{};
+  std::atomic<bool> weighed_{false};
+};
+
+/// The weights that a goal of a blended law asks for; null: none.
+template <std::size_t N>
+const std::array<double, N>* weights_in(const skinctl::BlendWeights<N>& goal) noexcept {
+  return &goal.of;
+}
+template <class G, std::size_t N>
+const std::array<double, N>* weights_in(const skinctl::BlendGoal<G, N>& goal) noexcept {
+  return goal.has_weights ? &goal.weights.of : nullptr;
+}
+template <class Goal>
+concept AsksForWeights = requires(const Goal& goal) { weights_in(goal); };
+
+/// The weight of a law, for a slider; lower = upper: there is none.
+struct WeightRange {
+  double first = 1;  ///< at the start
+  double lower = 0, upper = 1;
 };
 
 /// Streams cycles to a server: joint states and torque shares of every cycle, cells, contacts and frames at 30 Hz, the
 /// status at 10 Hz, robot and skin once. What nobody hears is not encoded.
+///
+/// Where the scene's law is blended, its weights are parameters of the server, "weight of LAW". A weight that the scene
+/// refuses goes back to what it was.
 template <class C>
 class LiveView : public skinctl::CycleConsumer<C> {
  public:
@@ -31,10 +82,10 @@ class LiveView : public skinctl::CycleConsumer<C> {
 
   /// Adds topics and the services /skinctl/stop and /skinctl/resume to the server, which is started afterwards. Stop is
   /// always obeyed; resume where the server allows control. Throws where `CycleMessages` does.
-  /// @param contacts  finds what presses; none: there is no skin. It stays the caller's.
+  /// @param weights  of a blended law, in its order.
   LiveView(FoxgloveServer& server, Requests& requests, skinctl::RunDescription run,
-           ContactPicture* contacts = nullptr)
-      : server_(server), messages_(std::move(run)), picture_(contacts) {
+           const std::vector<WeightRange>& weights = {})
+      : server_(server), messages_(std::move(run)) {
     using namespace skinctl;
     const auto topic = [&](const char* name, const MessageType& type, bool latched = false) {
       return server_.add(Channel{name, "cdr", type.name, type.schema, "ros2msg", latched});
@@ -55,6 +106,17 @@ class LiveView : public skinctl::CycleConsumer<C> {
                           requests.ask(CycleRequest::resume);
                           return Answer{true, "the robot goes on"};
                         }});
+    if constexpr (AsksForWeights<typename C::Goal>) {
+      weights_.resize(std::min(weights.size(), messages_.run().laws.size()));
+      for (std::size_t k = 0; k < weights_.size(); ++k) {
+        weights_[k] = weights[k].first;
+        if (!(weights[k].lower < weights[k].upper)) continue;
+        server_.add(Parameter{weight_name(k), weights[k].first, weights[k].lower, weights[k].upper,
+                              [&requests, k](double w) { requests.weigh(k, w); }});
+      }
+      requests.weigh_as(weights_);
+      requests_ = &requests;
+    }
   }
 
   void start(const Beginning& begin, std::span<const unsigned char>) override {
@@ -69,18 +131,17 @@ class LiveView : public skinctl::CycleConsumer<C> {
     using namespace skinctl;
     const Nanoseconds now = r.input.now;
     messages_.take(r);
-    if (picture_ != nullptr)
-      for (const CellSample& s : r.input.samples) picture_->take(s);
     since_ |= r.status;
+    if constexpr (AsksForWeights<typename C::Goal>) {
+      if (const auto* asked = r.input.has_goal ? weights_in(r.input.goal) : nullptr)
+        weighed(*asked, r.status.has(Reason::goal_refused));
+    }
     if (server_.wanted(joints_)) server_.publish(joints_, now, messages_.joint_states(r));
     if (server_.wanted(shares_)) server_.publish(shares_, now, messages_.torque_shares(r));
     if (drawn_.due(now)) {
       if (server_.wanted(tf_)) server_.publish(tf_, now, messages_.tf(r));
       if (server_.wanted(cells_)) server_.publish(cells_, now, messages_.cells(r));
-      if (picture_ != nullptr && server_.wanted(contacts_)) {
-        const auto found = picture_->find(now, messages_.places(r));
-        server_.publish(contacts_, now, messages_.encoded(contact_cloud(now, messages_.run().base, found)));
-      }
+      if (server_.wanted(contacts_)) server_.publish(contacts_, now, messages_.contacts(r));
     }
     if (said_.due(now)) {
       if (server_.wanted(status_)) server_.publish(status_, now, messages_.status(r, since_, dropped_));
@@ -90,9 +151,24 @@ class LiveView : public skinctl::CycleConsumer<C> {
   void pause(std::uint64_t dropped) override { dropped_ = dropped; }
 
  private:
+  [[nodiscard]] std::string weight_name(std::size_t k) const {
+    return "weight of " + messages_.run().laws[k];
+  }
+  void weighed(std::span<const double> asked, bool refused) {
+    for (std::size_t k = 0; k < weights_.size(); ++k) {
+      if (refused) {
+        server_.set_parameter(weight_name(k), weights_[k]);
+      } else {
+        weights_[k] = asked[k];
+      }
+    }
+    if (refused) requests_->weigh_as(weights_);
+  }
+
   FoxgloveServer& server_;
   skinctl::CycleMessages<C> messages_;
-  ContactPicture* picture_ = nullptr;
+  std::vector<double> weights_;  // those that the scene took last
+  Requests* requests_ = nullptr;
   std::uint32_t joints_ = 0, shares_ = 0, status_ = 0, cells_ = 0, contacts_ = 0, tf_ = 0, robot_ = 0,
                 layout_ = 0;
   skinctl::detail::Pace drawn_{std::chrono::milliseconds(33)}, said_{std::chrono::milliseconds(100)};

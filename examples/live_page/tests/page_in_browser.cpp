@@ -5,11 +5,14 @@
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "examples/live_page/page.hpp"
 #include "examples/live_page/tests/simulated_run.hpp"
 #include "examples/support/devtools.hpp"
+#include "examples/support/run_program.hpp"
 #include "skinctl/io/mcap_recorder.hpp"
 
 using namespace skinctl;
@@ -51,8 +54,8 @@ struct Served {
     put_page(o);
     for (auto& f : more) o.files.insert(f);
     server = std::make_unique<adapters::live::FoxgloveServer>(std::move(o));
-    view = std::make_unique<adapters::live::LiveView<Scene>>(*server, requests, run.description(),
-                                                             run.contacts());
+    view = std::make_unique<adapters::live::LiveView<Scene>>(
+        *server, requests, run.description(), std::vector<adapters::live::WeightRange>{{1, 0, 1}});
     server->start();
     loop = std::thread([this] {
       CycleThread<Scene> thread({view.get()});
@@ -87,6 +90,54 @@ std::string recorded(const browser::Folder& folder) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// The smallest difference of two of these colours ("rgb(1, 2, 3)" or "#010203"), CIE76, to normal eyes and to those of the
+/// three kinds of dichromats (Machado, Oliveira, Fernandes, "A physiologically-based model for simulation of color
+/// vision deficiency", 2009, severity 1). Eyes tell 2.3 apart.
+double nearest_colours(const nlohmann::json& colours) {
+  constexpr double eyes[4][9] = {
+      {1, 0, 0, 0, 1, 0, 0, 0, 1},
+      {0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998},
+      {0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.011820, 0.042940, 0.968881},
+      {1.255528, -0.076749, -0.178779, -0.078411, 0.930809, 0.147602, 0.004733, 0.691367, 0.303900}};
+  using Three = std::array<double, 3>;
+  const auto linear = [](const std::string& text) {
+    Three c{};
+    unsigned r = 0, g = 0, b = 0;
+    REQUIRE_MESSAGE((std::sscanf(text.c_str(), "#%2x%2x%2x", &r, &g, &b) == 3 ||
+                     std::sscanf(text.c_str(), "rgb(%u, %u, %u)", &r, &g, &b) == 3),
+                    text);
+    const unsigned of[3] = {r, g, b};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double x = of[i] / 255.0;
+      c[i] = x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+    }
+    return c;
+  };
+  const auto lab = [](const Three& c) {
+    const auto f = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116; };
+    const double x = f((0.4124 * c[0] + 0.3576 * c[1] + 0.1805 * c[2]) / 0.9505),
+                 y = f(0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]),
+                 z = f((0.0193 * c[0] + 0.1192 * c[1] + 0.9505 * c[2]) / 1.089);
+    return Three{116 * y - 16, 500 * (x - y), 200 * (y - z)};
+  };
+  double least = 1e9;
+  for (const auto& m : eyes) {
+    std::vector<Three> seen;
+    for (const std::string text : colours) {
+      const Three c = linear(text);
+      Three s{};
+      for (std::size_t i = 0; i < 3; ++i)
+        s[i] = std::clamp(m[3 * i] * c[0] + m[3 * i + 1] * c[1] + m[3 * i + 2] * c[2], 0.0, 1.0);
+      seen.push_back(lab(s));
+    }
+    for (std::size_t a = 0; a < seen.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        least = std::min(
+            least, std::hypot(seen[a][0] - seen[b][0], seen[a][1] - seen[b][1], seen[a][2] - seen[b][2]));
+  }
+  return least;
+}
+
 }  // namespace
 
 TEST_CASE(
@@ -115,7 +166,46 @@ TEST_CASE(
       CHECK(page.evaluate("skinctl.view.cells.length") == 260);
       CHECK(page.evaluate("skinctl.view.renderer.info.programs.every(p => !p.diagnostics)") == true);
     }
+    CHECK(nearest_colours(
+              page.evaluate("[0, 1, 2, 3, 4, 5, 6].map(k => getComputedStyle(document.documentElement)"
+                            ".getPropertyValue('--c' + k).trim())")) > 12);
+    CHECK(
+        nearest_colours(page.evaluate("['rest', 'cell', 'near', 'stale', 'arrow'].map(k => getComputedStyle("
+                                      "document.querySelector('#view .key.' + k)).backgroundColor)")) > 12);
     if (!keep.empty()) page.picture(keep / (std::string(name) + ".png"));
+  }
+  // What a frame costs: this page's own work, and 10 000 cells drawn by the computer's processor.
+  MESSAGE("own work of a frame with 260 cells [ms], median and p99: " << page.evaluate(
+              "(w => [w[w.length >> 1], w[Math.floor(0.99 * w.length)]].map(t => t.toFixed(1)).join(', '))"
+              "([...skinctl.work].sort((a, b) => a - b))"));
+  if (page.evaluate("!!skinctl.no3d") == false) {
+    const auto drawn = page.evaluate(R"js((async () => {
+      const v = skinctl.view, own = [], whole = [], gl = v.renderer.getContext();
+      const before = v.drawn, from = performance.now();
+      await new Promise(done => setTimeout(done, 2000));
+      const fps = 1e3 * (v.drawn - before) / (performance.now() - from), layout = skinctl.layout, cells = [];
+      for (let i = 0; i < 10000; ++i)
+        cells.push({id: 1 + i, X_RootCell: {p: [-0.4 * (i % 400) / 400, 0.06 * Math.sin(i), 0.06 * Math.cos(i)], q: [0, 0, 0, 1]}});
+      v.layout({patches: [{name: 'many', link: 'forearm_link', X_LinkRoot: {p: [0, 0, 0], q: [0, 0, 0, 1]}, cells}]});
+      const cloud = {view: new DataView(new ArrayBuffer(160000)), step: 16, fields: {force: 0, proximity: 4, cell: 8, status: 12}, count: 10000};
+      for (let i = 0; i < 10000; ++i) cloud.view.setUint32(16 * i + 8, 1 + i, true);
+      for (let k = 0; k < 20; ++k) {
+        const t = performance.now();
+        v.readings(cloud);
+        v.draw('#fff');
+        own.push(performance.now() - t);
+        gl.finish();
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+        whole.push(performance.now() - t);
+      }
+      const calls = v.renderer.info.render.calls;
+      v.layout(layout);
+      skinctl.drawn_cells = null;
+      const median = l => l.sort((a, b) => a - b)[l.length >> 1].toFixed(1);
+      return `${fps.toFixed(0)} frames a second with 260 cells; 10 000 cells: own work ${median(own)} ms, drawn in software ${median(whole)} ms, ${calls} draw calls`;
+    })())js");
+    MESSAGE(drawn.get<std::string>());
+    CHECK(page.evaluate("skinctl.view.cells.length") == 260);
   }
   // Stop is obeyed at once, resume asks.
   page.evaluate("document.getElementById('stop').click()");
@@ -129,6 +219,29 @@ TEST_CASE(
   page.evaluate("document.getElementById('resume').click()");
   page.evaluate("document.querySelector('#ask button[value=yes]').click()");
   CHECK(page.until("!" + last_reasons + ".includes('stopping')"));
+  // A slider of a weight: asks; without consent it goes back, with it the law's share of the torque fades.
+  const auto slide = [&](double to, const char* answer) {
+    page.evaluate("(() => { const s = document.getElementById('p-weight of skin joint'); s.value = " +
+                  std::to_string(to) +
+                  "; s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change')); })()");
+    CHECK(page.evaluate("document.getElementById('ask').open && "
+                        "/weight of skin joint/.test(document.getElementById('question').textContent)") ==
+          true);
+    page.evaluate("document.querySelector('#ask button[value=" + std::string(answer) + "]').click()");
+  };
+  const std::string known = "Number(document.getElementById('p-weight of skin joint').value)";
+  CHECK(page.evaluate("document.querySelectorAll('#weights input').length") == 1);  // gravity has none
+  slide(0.5, "no");
+  CHECK(page.until(known + " === 1"));
+  const std::string share =
+      "(l => Math.max(...l.map(e => Math.max(...e.value.data.slice(0, 6).map(Math.abs)))))"
+      "(skinctl.timeline.list('/skinctl/torque_shares').slice(-250))";  // two seconds: somebody presses always
+  CHECK(page.until(share + " > 0.02"));
+  slide(0, "yes");
+  CHECK(page.until(share + " === 0"));
+  CHECK(page.evaluate(known) == 0);
+  slide(1, "yes");
+  CHECK(page.until(share + " > 0.02"));
   // One second back the page stays there while the run goes on.
   page.evaluate(
       "(() => { const s = document.getElementById('scrub'); s.value = -1; s.dispatchEvent(new "
@@ -137,8 +250,8 @@ TEST_CASE(
   CHECK(page.until("skinctl.timeline.last > " + std::to_string(at) + " + 1.5"));
   CHECK(page.evaluate("skinctl.at") == at);
   CHECK(page.until("!skinctl.live && document.getElementById('when').textContent.startsWith('-')"));
-  page.evaluate("document.getElementById('live').click()");
-  CHECK(page.evaluate("skinctl.live") == true);
+  page.key("l");
+  CHECK(page.until("skinctl.live"));
   // A file, whole, cut inside a chunk, and rubbish.
   const auto opened = [&](const std::string& part) {
     page.evaluate("fetch('/run.mcap').then(r => r.arrayBuffer()).then(b => skinctl.open(new File([" + part +
@@ -211,6 +324,29 @@ TEST_CASE("The placing page: a patch is dragged onto a link, laid onto its tube,
     CHECK(low > 0.024);
     CHECK(high < 0.0285);
   }
+#ifdef MAIN_JOB
+  // Saved by its button, the file is taken by the main job, whose arm gives way where the patch is pressed.
+  page.downloads(folder.path);
+  page.evaluate("document.getElementById('save').click()");
+  const auto saved = folder.path / "skin.json";
+  for (int k = 0; k < 100 && !std::filesystem::exists(saved); ++k) ::usleep(50'000);
+  REQUIRE(std::filesystem::exists(saved));
+  const auto press = folder.path / "press.toml", told = folder.path / "told.json";
+  std::ofstream(press)
+      << "[run]\nduration = 6\n[control]\nforce_threshold = 0.02\n[[touch]]\nname = \"finger\"\ncell = 268\n"
+         "start = 1\nstiffness = 3000\ndamping = 20\napproach_speed = 0.06\ntravel = 0.06\nhold = 0.6\n";
+  const std::string said =
+      examples::run_program(MAIN_JOB,
+                            "--no-compare --report '' --skin " + saved.string() + " --scenario " +
+                                press.string() + " --json " + told.string(),
+                            0);
+  CHECK_MESSAGE(said.find("20 of 20") != std::string::npos, said);
+  std::ifstream in(told);
+  const auto touches = nlohmann::json::parse(in)["touches"];
+  REQUIRE_MESSAGE(touches.size() == 1, said);
+  CHECK(touches[0]["cell"] == 268);
+  CHECK(touches[0]["deflection"].get<double>() > 0.01);
+#endif
   // Dragged by the mouse: by one of the three arrows.
   if (page.evaluate("!!(skinctl.view && skinctl.handle)") == true) {
     const std::string before = page.evaluate("JSON.stringify(skinctl.pose.p)");

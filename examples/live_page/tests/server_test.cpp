@@ -2,130 +2,26 @@
 // parameters, nonsense, clients that do not read.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <thread>
 #include <vector>
 
 #include "examples/adapters/live/foxglove_server.hpp"
-#include "examples/adapters/socket.hpp"
+#include "examples/live_page/tests/byte_client.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace adapters;
 using namespace adapters::live;
+using live_page::call_of;
+using live_page::Client;
 using nlohmann::json;
 using namespace std::chrono_literals;
 
 namespace {
-
-/// A client that knows HTTP and WebSocket frames by their documents (RFC 7230, 6455) only.
-struct Client {
-  Stream stream;
-  std::vector<std::uint8_t> in;
-
-  explicit Client(std::uint16_t port) { stream.connect("127.0.0.1", port, "server", 2000ms); }
-  bool send(const std::string& text) {
-    return stream.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, 2000ms);
-  }
-  bool more(Timeout wait) {
-    std::uint8_t part[65536];
-    std::size_t n = 0;
-    const Read read = stream.read_some(part, n, wait);
-    in.insert(in.end(), part, part + n);
-    return read != Read::closed;
-  }
-  /// Head and, of a file, body of a reply.
-  std::string reply(bool whole = false) {
-    const auto late = std::chrono::steady_clock::now() + 10s;
-    for (bool open = true; std::chrono::steady_clock::now() < late;) {
-      const std::string text(in.begin(), in.end());
-      const auto end = text.find("\r\n\r\n");
-      if (end != std::string::npos && !whole) {
-        in.erase(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(end + 4));
-        return text.substr(0, end);
-      }
-      if (!open) return text;
-      open = more(100ms);
-    }
-    return {};
-  }
-  static std::string get(const std::string& path, const std::string& host, const std::string& more = {}) {
-    return "GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\n" + more + "\r\n";
-  }
-  static std::string upgrade(const std::string& protocol, const std::string& more = {}) {
-    return "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
-           "dGhlIHNhbXBsZSBub25jZQ==\r\n" +
-           (protocol.empty() ? "" : "Sec-WebSocket-Protocol: " + protocol + "\r\n") + more;
-  }
-  /// A masked frame, as clients send them.
-  bool frame(int op, const std::string& payload) {
-    std::string out{static_cast<char>(0x80 | op)};
-    if (payload.size() < 126) {
-      out += static_cast<char>(0x80 | payload.size());
-    } else {
-      out += static_cast<char>(0x80 | 126);
-      out += static_cast<char>(payload.size() >> 8);
-      out += static_cast<char>(payload.size() & 0xff);
-    }
-    const char mask[4] = {1, 2, 3, 4};
-    out.append(mask, 4);
-    for (std::size_t i = 0; i < payload.size(); ++i) out += static_cast<char>(payload[i] ^ mask[i % 4]);
-    return send(out);
-  }
-  bool say(const json& text) { return frame(1, text.dump()); }
-  struct Frame {
-    int op = 0;
-    std::string payload;
-  };
-  std::optional<Frame> next(Timeout wait = 10s) {
-    const auto late = std::chrono::steady_clock::now() + wait;
-    for (;;) {
-      if (in.size() >= 2) {
-        std::size_t length = in[1] & 0x7f, head = 2;
-        if (length == 126 && in.size() >= 4) length = std::size_t(in[2]) << 8 | in[3], head = 4;
-        if (length == 127 && in.size() >= 10) {
-          length = 0, head = 10;
-          for (std::size_t i = 2; i < 10; ++i) length = length << 8 | in[i];
-        }
-        if (length < 126 || head > 2)
-          if (in.size() >= head + length) {
-            Frame f{in[0] & 0x0f, std::string(in.begin() + std::ptrdiff_t(head),
-                                              in.begin() + std::ptrdiff_t(head + length))};
-            in.erase(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(head + length));
-            return f;
-          }
-      }
-      if (std::chrono::steady_clock::now() > late || !more(50ms)) return {};
-    }
-  }
-  /// The next text with this op; binary ones before it are kept in `data`.
-  json text(const std::string& op) {
-    for (;;) {
-      const auto f = next();
-      if (!f) return {};
-      if (f->op == 2) data.push_back(f->payload);
-      if (f->op != 1) continue;
-      const json m = json::parse(f->payload);
-      if (m["op"] == op) return m;
-    }
-  }
-  std::string binary() {
-    if (!data.empty()) {
-      const std::string first = data.front();
-      data.erase(data.begin());
-      return first;
-    }
-    for (;;) {
-      const auto f = next();
-      if (!f) return {};
-      if (f->op == 2) return f->payload;
-    }
-  }
-  std::vector<std::string> data;
-};
 
 struct Served {
   explicit Served(bool control = true, std::size_t queued = std::size_t(1) << 20, std::size_t clients = 32) {
@@ -173,15 +69,6 @@ struct Served {
   std::atomic<double> weight{-1};
   std::string host;
 };
-
-std::string call_of(std::uint32_t service, std::uint32_t call, const std::string& encoding = "cdr") {
-  std::string out(13, '\0');
-  out[0] = 2;
-  const auto length = static_cast<std::uint32_t>(encoding.size());
-  std::memcpy(out.data() + 1, &service, 4), std::memcpy(out.data() + 5, &call, 4),
-      std::memcpy(out.data() + 9, &length, 4);
-  return out + encoding + std::string("\0\1\0\0\0", 5);
-}
 
 }  // namespace
 
@@ -367,4 +254,42 @@ TEST_CASE(
   static_cast<void>(s.connected());
   s.server->stop();
   s.server->stop();
+}
+
+TEST_CASE(
+    "FoxgloveServer: twenty clients hear everything; what they do not take is counted, and delays nobody") {
+  Served s;
+  std::vector<std::unique_ptr<Client>> clients;
+  for (int k = 0; k < 20; ++k) {
+    clients.push_back(s.connected());
+    REQUIRE(clients.back()->say({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", 1}}}}}));
+    // It has subscribed once it is answered.
+    REQUIRE(clients.back()->say({{"op", "getParameters"}, {"parameterNames", {"weight"}}, {"id", "x"}}));
+    REQUIRE(clients.back()->text("parameterValues")["id"] == "x");
+  }
+  for (int k = 0; k < 50; ++k) s.publish(s.channel, std::to_string(k));
+  for (const auto& client : clients)
+    for (int k = 0; k < 50; ++k) REQUIRE(client->binary().substr(13) == std::to_string(k));
+  CHECK(s.server->statistics().sent == 1000);
+  CHECK(s.server->statistics().dropped == 0);
+  // Nobody reads now: 50 MB for each, of which a queue of 1 MiB and the sockets' buffers hold a part.
+  const std::string large(500'000, 'x');
+  std::vector<double> times;
+  for (int k = 0; k < 100; ++k) {
+    const auto from = std::chrono::steady_clock::now();
+    s.publish(s.channel, large);
+    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count());
+    std::this_thread::sleep_for(2ms);
+  }
+  const auto counted = [&] {
+    const auto told = s.server->statistics();
+    return told.sent + told.dropped - 1000;
+  };
+  s.until([&] { return counted() >= 2000; });
+  const std::uint64_t taken = s.server->statistics().sent - 1000;
+  MESSAGE(taken << " of 2000 taken, " << s.server->statistics().dropped << " dropped");
+  CHECK(s.server->statistics().dropped > 500);
+  CHECK(s.server->statistics().clients == 20);
+  std::nth_element(times.begin(), times.begin() + 50, times.end());
+  CHECK(times[50] < 2e-3);  // a copy of half a megabyte
 }

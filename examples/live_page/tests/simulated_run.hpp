@@ -9,6 +9,7 @@
 #include "examples/adapters/live/live_view.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
 #include "skinctl/io/skin_export.hpp"
@@ -23,19 +24,13 @@ inline auto scene() {
   using namespace skinctl;
   const auto arm =
       by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
-  return Cycle(arm, ur5_skin<260>({.force = 20}), SkinJointControl{} + GravityControl{});
+  return Cycle(arm, ur5_skin<260>({.force = 20}), blended(SkinJointControl{} + GravityControl{}));
 }
 using Scene = decltype(scene());
 
 /// Runs the scene at its pace, in the caller's thread, with a robot that follows perfectly.
 class SimulatedRun {
  public:
-  SimulatedRun() {
-    using namespace skinctl;
-    std::vector<std::uint32_t> ids;
-    for (std::uint32_t id = 1; id <= 260; ++id) ids.push_back(id);
-    contacts_ = std::make_unique<adapters::live::ContactPicture>(places_, ids, 20, 0.3);
-  }
   [[nodiscard]] skinctl::RunDescription description() const {
     using namespace skinctl;
     RunDescription run;
@@ -56,9 +51,11 @@ class SimulatedRun {
                            {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}});
     }
     run.newtons = 20;
+    run.pressed.places = places_;
+    for (std::uint32_t id = 1; id <= 260; ++id) run.pressed.ids.push_back(id);
+    run.pressed.threshold = 0.3;
     return run;
   }
-  [[nodiscard]] adapters::live::ContactPicture* contacts() noexcept { return contacts_.get(); }
 
   /// @param pace  of the cycles in real time; 0ns: as fast as possible.
   void run(std::size_t cycles, std::chrono::nanoseconds pace, skinctl::CycleThread<Scene>& thread,
@@ -84,6 +81,7 @@ class SimulatedRun {
       const auto samples = testing::pushed_samples(testing::pushes(places_, hands), 20, at.time);
       input.samples = samples;
       input.request = requests.take();
+      input.has_goal = requests.take(input.goal.of);
       const auto out = cycle.step(*memory, input, watch);
       if (out.command.valid) at.q = out.command.position, at.dq = out.command.velocity;
       thread(input, out, watch);
@@ -94,7 +92,6 @@ class SimulatedRun {
 
  private:
   std::vector<skinctl::CellPlace> places_ = skinctl::cell_places(skinctl::ur5::skin_patches<260>({}));
-  std::unique_ptr<adapters::live::ContactPicture> contacts_;
 };
 
 }  // namespace live_page

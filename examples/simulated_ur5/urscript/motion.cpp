@@ -1,4 +1,6 @@
 // Functions that move the arm or wait.
+#include <algorithm>
+
 #include "examples/simulated_ur5/kinematics.hpp"
 #include "examples/simulated_ur5/robot_data.hpp"
 #include "examples/simulated_ur5/urscript/builtin.hpp"

@@ -1,4 +1,6 @@
 // What a program sets: tool, payload, outputs, registers, modes that are accepted.
+#include <algorithm>
+
 #include "examples/simulated_ur5/urscript/builtin.hpp"
 
 namespace simulated_ur5::urscript {

@@ -1,4 +1,6 @@
 // A program's sockets.
+#include <algorithm>
+
 #include "examples/simulated_ur5/urscript/builtin.hpp"
 
 namespace simulated_ur5::urscript {

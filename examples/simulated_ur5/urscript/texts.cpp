@@ -1,4 +1,5 @@
 // Functions of strings, and what a program tells people.
+#include <algorithm>
 #include <cstdlib>
 
 #include "examples/simulated_ur5/urscript/builtin.hpp"

@@ -1,6 +1,7 @@
 // Readers that others wrote, or that were written from the specifications alone, agree on every field of a file.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -250,11 +251,12 @@ TEST_CASE("readers: @mcap/core and rosmsg2-serialization, by the index: every fi
     std::fprintf(stderr, "SKIPPED: no node\n");
     return;
   }
-  if (!fs::exists(folder + "/node_modules/@foxglove/rosmsg2-serialization")) {
+  if (!fs::exists(folder + "/node_modules/@foxglove/ws-protocol")) {
     fs::create_directories(folder);
     const auto fetched = run("cd " + folder +
                              " && timeout 90 npm install --no-save --no-audit --no-fund --ignore-scripts "
-                             "@mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0");
+                             "@mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 "
+                             "@foxglove/ws-protocol@0.8.0 ws@8.23.0");
     if (fetched.exit != 0) {
       std::fprintf(
           stderr,

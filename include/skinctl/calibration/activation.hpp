@@ -3,12 +3,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "skinctl/calibration/detail/block_means.hpp"
 #include "skinctl/calibration/detail/eigen_only.hpp"
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/joint_motion.hpp"
 #include "skinctl/calibration/turn.hpp"
 
@@ -105,21 +106,26 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
   Eigen::MatrixXd X(n, 5), Y(n, 3);
   for (Eigen::Index k = 0; k < n; ++k) {
     X.row(k) = alone.rows.row(rows[std::size_t(k)]);
-    Y.row(k) = data.y.block<1, 3>(alone.blocks[std::size_t(rows[std::size_t(k)])], 3 * cell);
+    for (int a = 0; a < 3; ++a)
+      Y(k, a) = data.y(alone.blocks[std::size_t(rows[std::size_t(k)])], 3 * cell + a);
   }
   // Of columns in units of their size.
-  Eigen::Matrix<double, 5, 1> size = X.colwise().norm();
-  if (!(size.minCoeff() > 1e-9)) return 0;
-  const Eigen::MatrixXd scaled = X * size.cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd normal_matrix = scaled.transpose() * scaled;
+  Eigen::MatrixXd normal_matrix = X.transpose() * X;
+  double size[5];
+  for (int k = 0; k < 5; ++k) size[k] = std::sqrt(normal_matrix(k, k));
+  if (!(*std::min_element(size, size + 5) > 1e-9)) return 0;
+  for (int i = 0; i < 5; ++i)
+    for (int k = 0; k < 5; ++k) normal_matrix(i, k) /= size[i] * size[k];
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(normal_matrix);
   if (!(ldlt.vectorD().minCoeff() > 1e-9)) return 0;
-  const Eigen::MatrixXd inverse = size.cwiseInverse().asDiagonal() *
-                                  ldlt.solve(Eigen::MatrixXd::Identity(5, 5)) *
-                                  size.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(5, 5);
+  Eigen::MatrixXd inverse = ldlt.solve(one);
+  for (int i = 0; i < 5; ++i)
+    for (int k = 0; k < 5; ++k) inverse(i, k) /= size[i] * size[k];
   const Eigen::MatrixXd B = inverse * (X.transpose() * Y);  // 5 x 3
   const double rest = (Y - X * B).squaredNorm();
-  const double plain = (Y.rowwise() - Y.colwise().mean()).squaredNorm();
+  double plain = Y.squaredNorm();
+  for (int k = 0; k < 3; ++k) plain -= double(n) * std::pow(Y.col(k).mean(), 2);
   const double variance = std::max(rest / double(3 * (n - 5)), 1e-12);
   out.measured = true;
   out.F = std::max(0.0, plain - rest) / 12 / variance;
@@ -130,13 +136,11 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
   // All four vectors are normal to the axis.
   double weight[5];
   for (int k = 0; k < 5; ++k) weight[k] = 1 / std::sqrt(variance * std::max(inverse(k, k), 1e-15));
-  Eigen::Matrix<double, 4, 3> normal;
-  normal << weight[0] * u1.transpose(), weight[1] * u2.transpose(), weight[3] * cosine.transpose(),
-      weight[4] * sine.transpose();
-  const Eigen::Matrix3d spread = normal.transpose() * normal;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(spread);
-  out.axis = eigen.eigenvectors().col(0);
-  out.certainty = std::sqrt(std::max(0.0, eigen.eigenvalues()(1)));
+  Eigen::MatrixXd normal = B;
+  for (int k = 0; k < 5; ++k) normal.row(k) *= k == 2 ? 0 : weight[k];
+  const SymmetricEigen spread(normal.transpose() * normal);
+  out.axis = spread.vectors.col(0);
+  out.certainty = std::sqrt(std::max(0.0, spread.values(1)));
   const Eigen::Vector3d side =
       weight[0] * weight[1] * u1.cross(u2) + weight[3] * weight[4] * sine.cross(cosine);
   if (side.dot(out.axis) < 0) out.axis = -out.axis;

@@ -1,12 +1,12 @@
 // The result of an identification: a value, how well it is known, and what the data do not show of it.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/core/config.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -45,12 +45,9 @@ struct EstimateOf {
 
 /// Normalised estimation error squared, `e' C^-1 e`: of a covariance that tells the truth its mean is the length of `e`.
 /// NaN if `C` is not positive definite.
-template <class Error, class Covariance>
-[[nodiscard]] double nees(const Eigen::MatrixBase<Error>& e, const Eigen::MatrixBase<Covariance>& C) {
-  const Eigen::LLT<Eigen::MatrixXd> llt(C);
-  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::VectorXd white = llt.matrixL().solve(Eigen::VectorXd(e));
-  return white.squaredNorm();
+[[nodiscard]] inline double nees(const Eigen::VectorXd& e, const Eigen::MatrixXd& C) {
+  const detail::Cholesky factor(C);
+  return factor.positive() ? factor.squared(e) : std::numeric_limits<double>::quiet_NaN();
 }
 
 SKINCTL_END_NAMESPACE

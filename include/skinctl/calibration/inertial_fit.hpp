@@ -1,8 +1,8 @@
 // Masses, inertias and friction of a robot from its torques, such as bodies can have them.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -119,15 +119,15 @@ template <RobotModel M>
     const Eigen::Map<const detail::fit::Inertia10> t(prior.data + 10 * i);
     const double m = std::max(t(0), 0.05), r = s.reach;
     theta0.segment<10>(10 * Eigen::Index(i)) = t;
-    auto w = prior_weight.segment<10>(10 * Eigen::Index(i));
-    w << 1 / m, 1 / (m * r), 1 / (m * r), 1 / (m * r), 1 / (m * r * r), 1 / (m * r * r), 1 / (m * r * r),
-        1 / (m * r * r), 1 / (m * r * r), 1 / (m * r * r);
-    w = s.prior * w.cwiseAbs2();
-    body[i] = detail::fit::BodyFactor::of(t, s.reach);
-    const Eigen::Matrix4d inverse = detail::fit::pseudo_inertia(body[i].parameters()).inverse();
     for (int k = 0; k < 10; ++k)
-      divergence(10 * Eigen::Index(i) + k) =
-          barrier * (inverse * detail::fit::pseudo_inertia(detail::fit::Inertia10::Unit(k))).trace();
+      prior_weight(10 * Eigen::Index(i) + k) = s.prior / std::pow(m * (k == 0 ? 1 : k < 4 ? r : r * r), 2);
+    body[i] = detail::fit::BodyFactor::of(t, s.reach);
+    const Eigen::MatrixXd inverse = detail::solve_symmetric(detail::fit::pseudo_inertia(body[i].parameters()),
+                                                            Eigen::MatrixXd::Identity(4, 4));
+    for (int k = 0; k < 10; ++k) {
+      const Eigen::MatrixXd one = detail::fit::pseudo_inertia(detail::fit::Inertia10::Unit(k));
+      divergence(10 * Eigen::Index(i) + k) = barrier * inverse.cwiseProduct(one).sum();
+    }
   }
   Eigen::VectorXd logs = Eigen::VectorXd::Zero(3 * Eigen::Index(N));
   for (std::size_t i = 0; i < N; ++i) {
@@ -137,44 +137,61 @@ template <RobotModel M>
   }
   const auto parameters = [&](const auto& bodies_now, const Eigen::VectorXd& logs_now) {
     Eigen::VectorXd x(all);
-    for (std::size_t i = 0; i < N; ++i) x.segment<10>(10 * Eigen::Index(i)) = bodies_now[i].parameters();
-    x.tail(3 * Eigen::Index(N)) = logs_now.array().exp();
+    for (std::size_t i = 0; i < N; ++i) {
+      const auto t = bodies_now[i].parameters();
+      for (Eigen::Index k = 0; k < 10; ++k) x(10 * Eigen::Index(i) + k) = t(k);
+    }
+    for (Eigen::Index i = bodies; i < all; ++i) x(i) = std::exp(logs_now(i - bodies));
     return x;
   };
   Eigen::VectorXd linear = equations.least_squares(out.base, s.rotors);
   for (int round = 0; round < 3; ++round) {
     equations.refine(round == 0 ? linear : parameters(body, logs));
-    const Eigen::MatrixXd H = equations.H() + Eigen::MatrixXd(prior_weight.asDiagonal());
+    Eigen::MatrixXd H = equations.H();
+    H.diagonal() += prior_weight;
     const Eigen::VectorXd b = equations.b() + prior_weight.cwiseProduct(theta0) - divergence;
     const auto cost = [&](const auto& bodies_now, const Eigen::VectorXd& logs_now) {
       const Eigen::VectorXd x = parameters(bodies_now, logs_now);
       double edge = 0;
       for (std::size_t i = 0; i < N; ++i) edge += 2 * bodies_now[i].x.template head<4>().sum();
-      return 0.5 * x.dot(H * x) - b.dot(x) - barrier * edge;
+      const Eigen::VectorXd Hx = H * x;
+      return 0.5 * x.dot(Hx) - b.dot(x) - barrier * edge;
     };
     double damping = 1e-3, now = cost(body, logs);
     out.converged = false;
     for (int step = 0, refused = 0; step < s.steps && refused < 15; ++step, ++out.steps) {
       const Eigen::VectorXd x = parameters(body, logs);
       Eigen::MatrixXd J = Eigen::MatrixXd::Zero(all, all);
-      for (std::size_t i = 0; i < N; ++i)
-        J.block<10, 10>(10 * Eigen::Index(i), 10 * Eigen::Index(i)) = body[i].derivative();
-      J.diagonal().tail(3 * Eigen::Index(N)) = x.tail(3 * Eigen::Index(N));
-      Eigen::MatrixXd A = J.transpose() * H * J;
-      if (!s.rotors) A.rightCols(Eigen::Index(N)).setZero(), A.bottomRows(Eigen::Index(N)).setZero();
-      Eigen::VectorXd g = J.transpose() * (b - H * x);
-      if (!s.rotors) g.tail(Eigen::Index(N)).setZero();
-      for (Eigen::Index i = 0; i < Eigen::Index(N); ++i) {
-        g.segment<4>(10 * i).array() += 2 * barrier;
-        A.diagonal().segment<4>(10 * i).array() += 4 * barrier;
-        A.diagonal().segment<6>(10 * i + 4).array() += 2 * barrier;
+      for (std::size_t i = 0; i < N; ++i) {
+        const Eigen::MatrixXd D = body[i].derivative();
+        J.block(10 * Eigen::Index(i), 10 * Eigen::Index(i), 10, 10) = D;
       }
-      A.diagonal() += damping * A.diagonal() +
-                      Eigen::VectorXd::Constant(all, 1e-9 * A.diagonal().maxCoeff() * 1e-3 + 1e-12);
-      const Eigen::VectorXd d = A.ldlt().solve(g).cwiseMax(-2).cwiseMin(2);
+      for (Eigen::Index i = bodies; i < all; ++i) J(i, i) = x(i);
+      const Eigen::MatrixXd HJ = H * J;
+      const Eigen::VectorXd Hx = H * x, rest = b - Hx;
+      Eigen::MatrixXd A = J.transpose() * HJ;
+      Eigen::VectorXd g = J.transpose() * rest;
+      for (Eigen::Index i = s.rotors ? all : all - Eigen::Index(N); i < all; ++i) {
+        g(i) = 0;
+        for (Eigen::Index k = 0; k < all; ++k) A(i, k) = A(k, i) = 0;
+      }
+      for (Eigen::Index i = 0; i < bodies; ++i) {
+        if (i % 10 < 4) g(i) += 2 * barrier;
+        A(i, i) += (i % 10 < 4 ? 4 : 2) * barrier;
+      }
+      double most = A(0, 0);
+      for (Eigen::Index i = 1; i < all; ++i) most = std::max(most, A(i, i));
+      for (Eigen::Index i = 0; i < all; ++i) A(i, i) += damping * A(i, i) + 1e-12 * most + 1e-12;
+      Eigen::VectorXd d = detail::solve_symmetric(A, g);
+      for (double& change : d) change = std::clamp(change, -2.0, 2.0);
       auto next_body = body;
-      for (std::size_t i = 0; i < N; ++i) next_body[i].x += d.segment<10>(10 * Eigen::Index(i));
-      const Eigen::VectorXd next_logs = (logs + d.tail(3 * Eigen::Index(N))).cwiseMax(-25).cwiseMin(12);
+      Eigen::VectorXd next_logs = logs;
+      for (Eigen::Index i = 0; i < all; ++i) {
+        if (i < bodies)
+          next_body[std::size_t(i / 10)].x(i % 10) += d(i);
+        else
+          next_logs(i - bodies) = std::clamp(next_logs(i - bodies) + d(i), -25.0, 12.0);
+      }
       const double next = cost(next_body, next_logs);
       if (next < now) {
         const bool done = now - next < 1e-4;
@@ -203,10 +220,12 @@ template <RobotModel M>
     out.presliding[i] = equations.presliding()[i];
     out.noise[i] = equations.noise()[i], out.explained[i] = equations.explained()[i];
   }
-  const Eigen::MatrixXd H = equations.H() + Eigen::MatrixXd(prior_weight.asDiagonal());
-  const Eigen::MatrixXd C = H.ldlt().solve(Eigen::MatrixXd::Identity(all, all));
+  Eigen::MatrixXd H = equations.H();
+  H.diagonal() += prior_weight;
+  const Eigen::MatrixXd C = detail::solve_symmetric(H, Eigen::MatrixXd::Identity(all, all));
+  const Eigen::MatrixXd of_bodies = C.topLeftCorner(bodies, bodies), base = out.base.K * of_bodies;
   out.base_values.value = out.base.K * x.head(bodies);
-  out.base_values.covariance = out.base.K * C.topLeftCorner(bodies, bodies) * out.base.K.transpose();
+  out.base_values.covariance = base * out.base.K.transpose();
   return out;
 }
 

@@ -27,7 +27,7 @@ struct Fit {
   [[nodiscard]] bool converged() const noexcept { return end == FitEnd::converged; }
 };
 
-/// What `least_squares` minimises. `terms` calls `sum.add(loss, residual, Partial{column, derivative}...)` for each
+/// What `least_squares` minimises. `terms` calls `sum.add(loss, residual, {{column, derivative}, ...})` for each
 /// term; where `Sum::derivatives` is false these may be empty. `plus` moves a state by a tangent vector of `unknowns()`.
 template <class P>
 concept LeastSquaresProblem =
@@ -68,9 +68,13 @@ template <class Normal = DenseNormal, LeastSquaresProblem P>
     const Eigen::VectorXd diagonal = fit.normal.diagonal();
     // What no term names gets damping all the same, and then stays where it is.
     const double least = std::max(1e-12 * (n > 0 ? diagonal.maxCoeff() : 0), 1e-30);
-    const Eigen::VectorXd D = damping * diagonal.cwiseMax(least);
+    Eigen::VectorXd D = diagonal;
+    for (double& d : D) d = damping * std::max(d, least);
     double predicted = -1;
-    if (fit.normal.solve(D, step)) predicted = 0.5 * step.dot(D.cwiseProduct(step) - fit.normal.gradient());
+    if (fit.normal.solve(D, step)) {
+      predicted = 0;
+      for (int k = 0; k < n; ++k) predicted += 0.5 * step(k) * (D(k) * step(k) - fit.normal.gradient()(k));
+    }
     if (predicted >= 0 && predicted <= settings.decrease && damping <= 1) {
       fit.end = FitEnd::converged;
       break;

@@ -1,18 +1,19 @@
 // The normal equations of a least squares fit, summed term by term: dense, sparse, or the cost alone.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <unordered_map>
 #include <vector>
 
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/core/contract.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -42,23 +43,40 @@ struct Loss {
   }
 };
 
+/// A residual, or derivatives of it, by columns. It holds no numbers: they live where it was made of them.
+struct Columns {
+  const double* data;
+  int rows, cols;
+
+  template <class M>
+  Columns(const Eigen::PlainObjectBase<M>& matrix)
+      : data(matrix.data()), rows(int(matrix.rows())), cols(int(matrix.cols())) {
+    static_assert(!M::IsRowMajor || M::IsVectorAtCompileTime);
+  }
+  [[nodiscard]] const double* column(int j) const noexcept { return data + std::ptrdiff_t(j) * rows; }
+  /// Product of a column with one of as many rows.
+  [[nodiscard]] double dot(int j, const double* other) const noexcept {
+    double sum = 0;
+    for (int i = 0; i < rows; ++i) sum += column(j)[i] * other[i];
+    return sum;
+  }
+};
+
 /// Derivative of a residual by the unknowns from `column` on. `column < 0`: these are held, and it does not count.
-template <class J>
 struct Partial {
   int column;
-  const J& matrix;
+  Columns matrix;
 };
-template <class J>
-Partial(int, const J&) -> Partial<J>;
+/// Of a term: by all the unknowns on which it depends.
+using Partials = std::initializer_list<Partial>;
 
 /// The cost alone. Like the other two: `start`, then `add` for each term, of residuals in units of their deviation.
 class CostOnly {
  public:
   static constexpr bool derivatives = false;
   void start(int /*unknowns*/) noexcept { cost_ = 0; }
-  template <class R, class... J>
-  void add(const Loss& loss, const Eigen::MatrixBase<R>& r, const Partial<J>&... /*by*/) noexcept {
-    cost_ += 0.5 * loss.at(r.squaredNorm()).rho;
+  void add(const Loss& loss, const Columns& r, Partials /*by*/ = {}) noexcept {
+    cost_ += 0.5 * loss.at(r.dot(0, r.data)).rho;
   }
   [[nodiscard]] double cost() const noexcept { return cost_; }
 
@@ -82,11 +100,19 @@ class DenseNormal {
     g_.setZero(unknowns);
     cost_ = 0;
   }
-  template <class R, class... J>
-  void add(const Loss& loss, const Eigen::MatrixBase<R>& r, const Partial<J>&... by) {
-    const auto value = loss.at(r.squaredNorm());
+  void add(const Loss& loss, const Columns& r, Partials by = {}) {
+    const auto value = loss.at(r.dot(0, r.data));
     cost_ += 0.5 * value.rho;
-    (row(value.weight, r, by, by...), ...);
+    for (const Partial& a : by) {
+      if (a.column < 0) continue;
+      for (int i = 0; i < a.matrix.cols; ++i) g_(a.column + i) += value.weight * a.matrix.dot(i, r.data);
+      for (const Partial& b : by) {
+        if (b.column < 0) continue;
+        for (int j = 0; j < b.matrix.cols; ++j)
+          for (int i = 0; i < a.matrix.cols; ++i)
+            H_(a.column + i, b.column + j) += value.weight * a.matrix.dot(i, b.matrix.column(j));
+      }
+    }
   }
   [[nodiscard]] double cost() const noexcept { return cost_; }
   [[nodiscard]] const Eigen::VectorXd& gradient() const noexcept { return g_; }
@@ -97,35 +123,38 @@ class DenseNormal {
   [[nodiscard]] bool solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
     Eigen::MatrixXd A = H_;
     A.diagonal() += damping;
-    const Eigen::LLT<Eigen::MatrixXd> llt(A);
-    if (llt.info() != Eigen::Success) return false;
-    step = -llt.solve(g_);
+    const detail::Cholesky factor(A);
+    if (!factor.positive()) return false;
+    step = -factor.solve(g_);
     return step.allFinite();
   }
 
   /// The inverse, apart from directions worse known than `limit` times the unknowns' `scale`. These are left out
   /// of it: what is a gauge is not known badly, it is a choice.
   [[nodiscard]] Observed observed(const Eigen::VectorXd& scale, double limit) const {
-    const Eigen::MatrixXd A = scale.asDiagonal() * H_ * scale.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-    const auto n = A.rows();
-    Eigen::VectorXd inverse = Eigen::VectorXd::Zero(n);
+    const Eigen::Index n = H_.rows();
+    Eigen::MatrixXd A = H_;
+    for (Eigen::Index j = 0; j < n; ++j)
+      for (Eigen::Index i = 0; i < n; ++i) A(i, j) *= scale(i) * scale(j);
+    const detail::SymmetricEigen eigen(A);
+    Eigen::MatrixXd seen =
+        Eigen::MatrixXd::Zero(n, n);  // columns whose products with themselves are the covariance
     std::vector<Eigen::Index> unseen;
     for (Eigen::Index k = 0; k < n; ++k) {
-      const double value = eigen.eigenvalues()(k);
-      if (value * limit * limit > 1)
-        inverse(k) = 1 / value;
-      else
+      const double value = eigen.values(k);
+      if (!(value * limit * limit > 1)) {
         unseen.push_back(k);
+        continue;
+      }
+      for (Eigen::Index i = 0; i < n; ++i) seen(i, k) = scale(i) * eigen.vectors(i, k) / std::sqrt(value);
     }
     Observed out;
-    const Eigen::MatrixXd V = scale.asDiagonal() * eigen.eigenvectors();
-    out.covariance = V * inverse.asDiagonal() * V.transpose();
+    out.covariance = seen * seen.transpose();
     out.unseen.resize(n, Eigen::Index(unseen.size()));
     out.deviation.resize(Eigen::Index(unseen.size()));
     for (std::size_t k = 0; k < unseen.size(); ++k) {
-      const double value = eigen.eigenvalues()(unseen[k]);
-      out.unseen.col(Eigen::Index(k)) = eigen.eigenvectors().col(unseen[k]);
+      const double value = eigen.values(unseen[k]);
+      out.unseen.col(Eigen::Index(k)) = eigen.vectors.col(unseen[k]);
       out.deviation(Eigen::Index(k)) =
           value > 0 ? 1 / std::sqrt(value) : std::numeric_limits<double>::infinity();
     }
@@ -133,18 +162,6 @@ class DenseNormal {
   }
 
  private:
-  template <class R, class A, class... B>
-  void row(double weight, const Eigen::MatrixBase<R>& r, const Partial<A>& a, const Partial<B>&... all) {
-    if (a.column < 0) return;
-    g_.segment(a.column, a.matrix.cols()).noalias() += weight * (a.matrix.transpose() * r);
-    const auto with = [&](const auto& b) {
-      if (b.column < 0) return;
-      H_.block(a.column, b.column, a.matrix.cols(), b.matrix.cols()).noalias() +=
-          weight * (a.matrix.transpose() * b.matrix);
-    };
-    (with(all), ...);
-  }
-
   Eigen::MatrixXd H_;
   Eigen::VectorXd g_;
   double cost_ = 0;
@@ -162,11 +179,21 @@ class SparseNormal {
     for (Block& block : blocks_) block.value.setZero();
     cost_ = 0;
   }
-  template <class R, class... J>
-  void add(const Loss& loss, const Eigen::MatrixBase<R>& r, const Partial<J>&... by) {
-    const auto value = loss.at(r.squaredNorm());
+  void add(const Loss& loss, const Columns& r, Partials by = {}) {
+    const auto value = loss.at(r.dot(0, r.data));
     cost_ += 0.5 * value.rho;
-    (row(value.weight, r, by, by...), ...);
+    for (const Partial& a : by) {
+      if (a.column < 0) continue;
+      for (int i = 0; i < a.matrix.cols; ++i) g_(a.column + i) += value.weight * a.matrix.dot(i, r.data);
+      for (const Partial& b : by) {
+        // A pair of blocks is met twice; it is kept where its rows are the lower ones.
+        if (b.column < 0 || b.column > a.column) continue;
+        Eigen::MatrixXd& H = of_block(a.column, b.column, a.matrix.cols, b.matrix.cols);
+        for (int j = 0; j < b.matrix.cols; ++j)
+          for (int i = 0; i < a.matrix.cols; ++i)
+            H(i, j) += value.weight * a.matrix.dot(i, b.matrix.column(j));
+      }
+    }
   }
   [[nodiscard]] double cost() const noexcept { return cost_; }
   [[nodiscard]] const Eigen::VectorXd& gradient() const noexcept { return g_; }
@@ -204,18 +231,6 @@ class SparseNormal {
     int row, column;
     Eigen::MatrixXd value;
   };
-  template <class R, class A, class... B>
-  void row(double weight, const Eigen::MatrixBase<R>& r, const Partial<A>& a, const Partial<B>&... all) {
-    if (a.column < 0) return;
-    g_.segment(a.column, a.matrix.cols()).noalias() += weight * (a.matrix.transpose() * r);
-    const auto with = [&](const auto& b) {
-      // A pair of blocks is met twice; it is kept where its rows are the lower ones.
-      if (b.column < 0 || b.column > a.column) return;
-      of_block(a.column, b.column, int(a.matrix.cols()), int(b.matrix.cols())).noalias() +=
-          weight * (a.matrix.transpose() * b.matrix);
-    };
-    (with(all), ...);
-  }
   Eigen::MatrixXd& of_block(int row, int column, int rows, int columns) {
     const std::uint64_t key = std::uint64_t(row) << 40 | std::uint64_t(column) << 16 |
                               std::uint64_t(rows & 0xff) << 8 | std::uint64_t(columns & 0xff);

@@ -78,13 +78,19 @@ namespace detail {
   require(T.cols() == 6, "torque covariance: columns of the Jacobian's transpose", double(T.cols()), "6");
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(T.rows(), T.rows()),
                   common = Eigen::MatrixXd::Zero(T.rows(), 6);
+  const auto add = [&](const Eigen::MatrixXd& by, const Eigen::MatrixXd& covariance) {
+    const Eigen::MatrixXd spread = by * covariance;
+    out.noalias() += spread * by.transpose();
+  };
   for (std::size_t i = 0; i < readings.size(); ++i) {
     if (readings[i] == 0) continue;
-    const Eigen::MatrixXd own = T * detail::wrench_by_own(patch, i);
-    out += readings[i] * readings[i] * own * patch.cells[i].covariance * own.transpose();
-    common += readings[i] * T * detail::wrench_by_patch(patch, i);
+    Eigen::MatrixXd own = detail::wrench_by_own(patch, i), moved = detail::wrench_by_patch(patch, i);
+    own *= readings[i], moved *= readings[i];
+    common.noalias() += T * moved;
+    add(T * own, patch.cells[i].covariance);
   }
-  return out + common * patch.covariance * common.transpose();
+  add(common, patch.covariance);
+  return out;
 }
 
 /// One standard deviation of a cell's torque relative to the torque, root mean square over configurations; infinite for a

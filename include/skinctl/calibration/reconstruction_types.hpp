@@ -1,12 +1,14 @@
 // What a reconstruction of a patch takes and gives.
 #pragma once
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "skinctl/calibration/accelerometer.hpp"
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/estimate.hpp"
 #include "skinctl/calibration/fit_end.hpp"
 #include "skinctl/calibration/patch_graph.hpp"
@@ -40,8 +42,7 @@ struct ReconstructedCell {
  private:
   [[nodiscard]] static double worst(const Eigen::Matrix3d& C) {
     if (!C.allFinite()) return std::numeric_limits<double>::infinity();
-    return std::sqrt(std::max(
-        0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(C, Eigen::EigenvaluesOnly).eigenvalues()(2)));
+    return std::sqrt(std::max(0.0, detail::SymmetricEigen(C).largest()));
   }
 };
 

@@ -1,12 +1,13 @@
 // How a robot answers position commands: delay, lag, stiffness, gap, resolution, jitter, from a log of a gentle motion.
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/estimate.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/joint.hpp"
@@ -193,7 +194,7 @@ template <RobotModel M>
     }
     for (int r = 0; r < 3; ++r)
       if (A(r, r) == 0) A(r, r) = 1;
-    x = A.ldlt().solve(b);
+    x = detail::solve_symmetric(A, b);
     return std::max(0.0, squares - x.dot(b));
   };
   double delay = 0, lag = 0;
@@ -249,13 +250,13 @@ template <RobotModel M>
     }
     for (int r = 0; r < unknown; ++r)
       if (normal(r, r) == 0) normal(r, r) = 1;
-    const Vector step = normal.ldlt().solve(right);
+    const Vector step = detail::solve_symmetric(normal, right);
     // Correlated residuals tell less: (1 + c)/(1 - c) of them are worth one.
     for (std::size_t i = 0; i < N; ++i) weight[i] = (1 - correlation[i]) / (1 + correlation[i]) / variance[i];
     delay = std::clamp(delay + std::clamp(step(0), -5e-3, 5e-3), 0.0, 0.5);
     lag = std::clamp(lag + std::clamp(step(1), -5e-3, 5e-3), 0.0, 0.5);
   }
-  const Matrix covariance = normal.ldlt().solve(Matrix::Identity(unknown, unknown));
+  const Matrix covariance = detail::solve_symmetric(normal, Matrix::Identity(unknown, unknown));
   const auto deviation = [&](int k) { return std::sqrt(std::max(0.0, covariance(k, k))); };
   double moved = 0;
   for (std::size_t i = 0; i < N; ++i) {

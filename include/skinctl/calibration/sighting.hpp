@@ -43,7 +43,7 @@ struct SightingProblem {
         Eigen::Vector3d p = in_camera(x, v, s);
         // Behind the camera, or almost in it: as far off as a residual may be, without a slope.
         if (!(p.z() > 0.02)) {
-          sum.add(loss, Eigen::Vector2d(Eigen::Vector2d::Constant(2000 / pixel)));
+          sum.add(loss, Eigen::Vector2d(2000 / pixel, 2000 / pixel));
           continue;
         }
         const Eigen::Vector2d r = (on_image(p) - s.pixel) / pixel;
@@ -56,7 +56,7 @@ struct SightingProblem {
           Eigen::Matrix<double, 2, 6> by_camera, by_patch;
           by_camera << -P * R_CB, P * cross_matrix(p);
           by_patch << P * R_CL, -P * R_CL * x[1 + s.patch].R * cross_matrix(patches[s.patch][s.cell]);
-          sum.add(loss, r, Partial{0, by_camera}, Partial{6 + 6 * int(s.patch), by_patch});
+          sum.add(loss, r, {{0, by_camera}, {6 + 6 * int(s.patch), by_patch}});
         } else {
           sum.add(loss, r);
         }

@@ -1,7 +1,6 @@
 // What a gripper is asked for, and what it reports.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 #include "skinctl/core/time.hpp"
@@ -41,9 +40,9 @@ struct NoGripper {
 
 /// The goal with each number brought into the gripper's range.
 [[nodiscard]] constexpr GripperGoal limited(const GripperGoal& goal, const GripperRange& range) noexcept {
-  return {std::clamp(goal.opening, 0.0, range.opening),
-          std::clamp(goal.force, range.min_force, range.max_force),
-          std::clamp(goal.speed, range.min_speed, range.max_speed)};
+  const auto within = [](double x, double low, double high) { return x < low ? low : x > high ? high : x; };
+  return {within(goal.opening, 0.0, range.opening), within(goal.force, range.min_force, range.max_force),
+          within(goal.speed, range.min_speed, range.max_speed)};
 }
 /// Whether no number of the goal is NaN or infinite.
 [[nodiscard]] constexpr bool finite(const GripperGoal& goal) noexcept {

@@ -12,6 +12,7 @@
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/stage.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/tactile/coverage.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

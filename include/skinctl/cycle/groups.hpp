@@ -4,6 +4,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/guard/group_guard.hpp"
 #include "skinctl/limits/group_governor.hpp"
+#include "skinctl/limits/motion_limits.hpp"
 #include "skinctl/resolver/group_resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -4,26 +4,10 @@
 
 #include "skinctl/guard/guard.hpp"
 #include "skinctl/limits/governor.hpp"
+#include "skinctl/limits/motion_limits.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// For `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the guard's
-/// braking.
-template <std::size_t N, Real T = double>
-struct MaxJerk {
-  JointJerk<N, T> jerk;
-};
-template <std::size_t N, Real T>
-MaxJerk(const JointJerk<N, T>&) -> MaxJerk<N, T>;
-
-/// For `Cycle::with`: the largest speed of a point of link `I`.
-template <std::size_t I, Real T = double>
-struct MaxToolSpeed {
-  T speed;                            ///< [m/s], > 0
-  Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `I`, from its origin [m]
-  T reach;                            ///< largest distance of the point from any joint axis [m]
-};
 
 namespace detail {
 
@@ -86,34 +70,15 @@ template <class Resolver, class Settings, class Limits>
   }
 }
 
-// A part of `with`, built for this robot. A part that is built already passes.
+// A part of `with`, built for this robot by its `part_for`, which lies beside it. A part that is built already passes.
 template <class Resolver, class Part>
-[[nodiscard]] const Part& made_for(const Resolver&, const Part& part) {
-  return part;
+[[nodiscard]] auto made_for(const Resolver& r, const Part& part) {
+  if constexpr (requires { part_for(r.model(), r.limits(), part); }) {
+    return part_for(r.model(), r.limits(), part);
+  } else {
+    return part;
+  }
 }
-template <class Resolver, std::size_t N, Real T>
-[[nodiscard]] auto made_for(const Resolver& r, const MaxJerk<N, T>& max) {
-  static_assert(N == Resolver::joints, "MaxJerk: of a robot with another number of joints");
-  return JerkLimits<N, T>(r.limits(), max.jerk);
-}
-template <class Resolver, std::size_t I, Real T>
-[[nodiscard]] auto made_for(const Resolver& r, const MaxToolSpeed<I, T>& max) {
-  using M = std::remove_cvref_t<decltype(r.model())>;
-  return ToolSpeed<M, I, T>(r.model(), r.limits(), {max.speed, max.point, max.reach});
-}
-template <class Resolver>
-[[nodiscard]] auto made_for(const Resolver& r, const SkinWatch& watch) {
-  return CoverageLimits<Resolver::joints, typename Resolver::scalar>(r.limits(), watch);
-}
-template <class Resolver>
-[[nodiscard]] auto made_for(const Resolver& r, const Clearance& clearance) {
-  using M = std::remove_cvref_t<decltype(r.model())>;
-  return ClearanceLimits<M, typename Resolver::scalar>(r.model(), r.limits(), clearance);
-}
-template <class Part>
-inline constexpr bool is_link_contact = false;
-template <std::size_t I>
-inline constexpr bool is_link_contact<LinkContact<I>> = true;
 template <class Part>
 inline constexpr bool is_guard_settings = false;
 template <std::size_t N, Real T>

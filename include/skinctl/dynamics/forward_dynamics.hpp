@@ -1,6 +1,8 @@
 // Joint accelerations from torques.
 #pragma once
 
+#include <type_traits>
+
 #include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
@@ -170,7 +172,7 @@ template <RobotModel M, Scalar T> requires(is_fixed_point<T>)
 void forward_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointTorque<M::joints, T>&) = delete;  // its pivots lose their digits in fixed point: forward dynamics need float
 template <RobotModel M, Scalar T> requires(!computes_in<M, T>)
 void forward_dynamics(const M&, const JointPosition<M::joints, T>&, const JointVelocity<M::joints, T>&, const JointTorque<M::joints, T>&) = delete;  // the model computes in another scalar: calibrated_from<Description, float>, or q.cast<double>()
-template <RobotModel M, class... Q> requires(any_eigen<Q...>)
+template <RobotModel M, class... Q, std::enable_if_t<any_eigen<Q...>, int> = 0>  // shorter errors than of `requires`
 void forward_dynamics(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 

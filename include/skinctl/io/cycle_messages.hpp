@@ -1,12 +1,14 @@
-// A cycle as ROS 2 messages: joint states, torque shares, status. What files, streams and DDS send alike.
+// A cycle as ROS 2 messages: joint states, torque shares, cells, contacts, status. What files, streams and DDS send alike.
 #pragma once
 
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "skinctl/guard/faults.hpp"
+#include "skinctl/io/contact_picture.hpp"
 #include "skinctl/io/cycle_hand_over.hpp"
 #include "skinctl/io/run_description.hpp"
 
@@ -18,11 +20,13 @@ class CycleMessages {
  public:
   using Bytes = std::span<const unsigned char>;
 
-  /// Throws `ConfigurationError` for another number of names than joints, and where `SkinCloud` does.
+  /// Throws `ConfigurationError` for another number of names than joints, and where `SkinCloud` and `ContactPicture` do.
   explicit CycleMessages(RunDescription run)
       : run_(std::move(run)), cloud_(run_.cells, {run_.base, run_.newtons, run_.max_age}) {
     require(run_.joints.size() == C::joints, "RunDescription: joints", double(run_.joints.size()),
             "one name for each joint");
+    if (!run_.pressed.places.empty())
+      picture_ = std::make_unique<ContactPicture>(run_.pressed, double(run_.newtons));
     for (std::size_t k = 0; k < laws; ++k) {
       if (k >= run_.laws.size()) run_.laws.push_back("law " + std::to_string(k + 1));
       label_ += (k > 0 ? "," : "") + run_.laws[k];
@@ -32,7 +36,9 @@ class CycleMessages {
 
   /// Takes the samples of a cycle; to be called for each one before its messages.
   void take(const CycleRecord<C>& r) noexcept {
-    for (const CellSample& s : r.input.samples) static_cast<void>(cloud_.set(s));
+    cloud_.set(r.input.samples);
+    if (picture_)
+      for (const CellSample& s : r.input.samples) picture_->take(s);
   }
   /// `/tf`: every frame in the base, by the measured positions. Empty without frames.
   [[nodiscard]] Bytes tf(const CycleRecord<C>& r) {
@@ -52,6 +58,11 @@ class CycleMessages {
     for (std::size_t i = 0; i < places_.size(); ++i)
       cloud_.place(static_cast<std::uint32_t>(i), places_[i].R, places_[i].p);
     return cloud_.encode(r.input.now);
+  }
+  /// `/skin/contacts` as of this cycle: clusters of pressed cells. Empty where the run tells no cells for it.
+  [[nodiscard]] Bytes contacts(const CycleRecord<C>& r) {
+    if (!picture_) return {};
+    return encoded(contact_cloud(r.input.now, run_.base, picture_->find(r.input.now, places(r))));
   }
   /// Where the links are in this cycle, by the measured positions; empty where the run does not tell.
   const std::vector<LinkPlace>& places(const CycleRecord<C>& r) {
@@ -113,6 +124,7 @@ class CycleMessages {
 
   RunDescription run_;
   SkinCloud cloud_;
+  std::unique_ptr<ContactPicture> picture_;
   std::string label_;
   std::vector<double> q_;
   std::vector<LinkPlace> places_;

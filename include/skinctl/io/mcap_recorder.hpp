@@ -8,8 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The consumer that writes a file: every cycle as it is replayed, joint states and torque shares of every cycle, cells
-/// and frames at 30 Hz, the status at 10 Hz, robot and skin once. A full disk costs messages, which are counted.
+/// The consumer that writes a file: every cycle as it is replayed, joint states and torque shares of every cycle, cells,
+/// contacts and frames at 30 Hz, the status at 10 Hz, robot and skin once. A full disk costs messages, which are counted.
 template <class C>
 class McapRecorder : public CycleConsumer<C> {
  public:
@@ -25,6 +25,7 @@ class McapRecorder : public CycleConsumer<C> {
     shares_ = writer_.channel("/skinctl/torque_shares", ros::Matrix::type());
     status_ = writer_.channel("/skinctl/status", ros::String::type());
     cells_ = writer_.channel("/skin/cells", SkinCloud::type());
+    contacts_ = writer_.channel("/skin/contacts", ros::PointCloud::type());
     tf_ = writer_.channel("/tf", ros::Transforms::type());
     robot_ = writer_.channel("/robot_description", ros::String::type());
     layout_ = writer_.channel("/skin/layout", ros::String::type());
@@ -49,6 +50,7 @@ class McapRecorder : public CycleConsumer<C> {
     writer_.write(shares_, now, messages_.torque_shares(r));
     if (picture_.due(now)) {
       if (const auto bytes = messages_.cells(r); !bytes.empty()) writer_.write(cells_, now, bytes);
+      if (const auto bytes = messages_.contacts(r); !bytes.empty()) writer_.write(contacts_, now, bytes);
       if (const auto bytes = messages_.tf(r); !bytes.empty()) writer_.write(tf_, now, bytes);
     }
     if (said_.due(now)) {
@@ -79,7 +81,7 @@ class McapRecorder : public CycleConsumer<C> {
   CycleMessages<C> messages_;
   FileSink sink_;
   McapWriter<FileSink> writer_;
-  McapChannel start_, cycle_, joints_, shares_, status_, cells_, tf_, robot_, layout_;
+  McapChannel start_, cycle_, joints_, shares_, status_, cells_, contacts_, tf_, robot_, layout_;
   detail::Pace picture_{33ms}, said_{100ms};
   Status since_;
   std::uint64_t cycles_ = 0, dropped_ = 0;

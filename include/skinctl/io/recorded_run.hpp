@@ -60,6 +60,20 @@ template <class C>
   return out;
 }
 
+/// What the replay of a file found.
+struct ReplayedRun : Replayed {
+  bool whole = true;  ///< false: the file was cut; what is there was replayed
+  std::uint64_t missing =
+      0;  ///< cycles that found no room when it was recorded: replayed up to the first of them
+};
+
+/// Runs `cycle` once more on the inputs of a file, and compares every command. Throws where `load_run` does.
+template <class C>
+[[nodiscard]] ReplayedRun replay(const std::string& path, const C& cycle, const RunIdentity& identity) {
+  const auto run = load_run<C>(path, identity);
+  return {replay(cycle, run.recording), run.whole, run.missing};
+}
+
 /// Writes a recording as a file of its own. Throws `ConfigurationError` where it cannot be written.
 template <class C>
 void save_run(const Recording<C>& recording, const std::string& path, const RunIdentity& identity) {

@@ -8,6 +8,7 @@
 #include "skinctl/io/skin_cloud.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/named_links.hpp"
+#include "skinctl/tactile/cell_place.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -24,6 +25,13 @@ struct RunFrame {
   LinkPlace in_link{};
 };
 
+/// The cells of `/skin/contacts`, in any order.
+struct PressedCells {
+  std::vector<CellPlace> places{};   ///< a cell's link is an index into the places of a run
+  std::vector<std::uint32_t> ids{};  ///< one for each cell
+  double threshold = 0.5;            ///< of a cell's force above its lowest reading so far [N]
+};
+
 /// A run in words and places, the same for a file, a stream and DDS. Only the joints are needed.
 struct RunDescription {
   std::vector<std::string> joints{};  ///< names, one for each joint
@@ -35,6 +43,7 @@ struct RunDescription {
   /// The places of all links at these joint positions; see `places_of`.
   std::function<void(const std::vector<double>& q, std::vector<LinkPlace>& places)> places;
   std::vector<SkinCloud::Cell> cells{};  ///< of `/skin/cells`; a cell's link is an index into the places
+  PressedCells pressed{};                ///< of `/skin/contacts`; empty: none is sent
   float newtons = 1;                     ///< of a sum of readings of 1
   Nanoseconds max_age = 100ms;           ///< older cells are marked as stale
 };

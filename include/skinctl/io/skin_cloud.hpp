@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "skinctl/core/contract.hpp"
@@ -74,24 +75,36 @@ class SkinCloud {
 
   /// The newest sample of a cell. False for an id that the skin does not have; then nothing changes.
   SKINCTL_INLINE bool set(const CellSample& s) noexcept {
-    const std::size_t i = index(s.cell);
-    if (i == none) return false;
-    SkinPoint& point = points()[i];
-    const float sum = s.force[0] + s.force[1] + s.force[2];
-    point.force = options_.newtons * sum;
-    point.proximity = s.proximity;
-    point.temperature = s.temperature;
-    point.forces = s.force;
-    point.acceleration = s.acceleration;
-    times_[i] = held(s.time);
-    return true;
+    return set(std::span<const CellSample>(&s, 1)) == 0;
+  }
+  /// Several, the later ones newer. Returns how many have an id that the skin does not have.
+  SKINCTL_INLINE std::size_t set(std::span<const CellSample> samples) noexcept {
+    SkinPoint* const points = this->points();
+    std::int64_t* const times = times_.data();
+    const float newtons = options_.newtons;
+    const std::span<const std::uint32_t> direct(direct_);
+    std::size_t unknown = 0;
+    for (const CellSample& s : samples) {
+      const std::size_t i = index(direct, s.cell);
+      if (i == none) [[unlikely]] {
+        ++unknown;
+        continue;
+      }
+      SkinPoint& point = points[i];
+      point.force = newtons * (s.force[0] + s.force[1] + s.force[2]);
+      point.proximity = s.proximity;
+      point.temperature = s.temperature;
+      point.forces = s.force;
+      point.acceleration = s.acceleration;
+      times[i] = s.time.count();
+    }
+    return unknown;
   }
   /// Whether the readings of a cell count. False for an unknown id.
   bool mask(std::uint32_t id, bool masked) noexcept {
-    const std::size_t i = index(id);
+    const std::size_t i = index(direct_, id);
     if (i == none) return false;
-    SkinPoint& point = points()[i];
-    point.status = (point.status & SkinPoint::stale) | (masked ? std::uint32_t(SkinPoint::masked) : 0u);
+    masks_[i] = masked ? std::uint32_t(SkinPoint::masked) : 0u;
     return true;
   }
   /// The link `link` has its axes and its origin there in the base [m]; links without cells are ignored.
@@ -109,21 +122,17 @@ class SkinCloud {
   [[nodiscard]] std::span<const unsigned char> encode(Nanoseconds now) noexcept {
     CdrWriter stamp(std::span<unsigned char>(bytes()).first(cdr_header_size + 8));
     ros::encode(stamp, now);
-    SkinPoint* const points = this->points();
-    const std::int64_t at = held(now), limit = options_.max_age.count();
-    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-    for (std::size_t i = 0; i < times_.size(); ++i) {
-      const std::int64_t age = std::clamp(at - times_[i], -most, most);
-      points[i].age = static_cast<std::int32_t>(age);
-      points[i].status =
-          (points[i].status & SkinPoint::masked) | (age > limit ? std::uint32_t(SkinPoint::stale) : 0u);
-    }
+    const std::int64_t at = held(now);
+    const std::size_t n = times_.size(), whole = n - n % block;
+    for (std::size_t i = 0; i < whole; i += block) age_cells<block>(i, block, at);
+    if (whole < n) age_cells<0>(whole, n - whole, at);
     return bytes();
   }
 
  private:
   static constexpr std::size_t none = ~std::size_t(0), most_cells = std::size_t(1) << 20;
-  static constexpr std::int64_t never = -(std::int64_t(1) << 61);
+  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::min();
+  static constexpr std::size_t block = 32;  // ages are computed so many at once, and then spread out
   struct Range {
     std::size_t first = 0, last = 0;
   };
@@ -131,12 +140,48 @@ class SkinCloud {
     unsigned char bytes[64];
   };
 
-  /// A time whose difference from another one does not overflow: 73 years on either side.
-  static std::int64_t held(Nanoseconds t) noexcept { return std::clamp(t.count(), never, -never); }
-  SKINCTL_INLINE std::size_t index(std::uint32_t id) const noexcept {
-    if (id < direct_.size()) [[likely]]
-      return direct_[id] == free_slot ? none : direct_[id];
-    return direct_.empty() ? hashed(id) : none;
+  /// Within 73 years on either side. The difference of such a time and any other one does not come around to an age
+  /// of 32 bits.
+  static std::int64_t held(Nanoseconds t) noexcept {
+    constexpr std::int64_t most = std::int64_t(1) << 61;
+    return std::clamp(t.count(), -most, most);
+  }
+  /// Ages and staleness of the cells from `first` on: `N` of them, or `n` where N is 0.
+  template <std::size_t N>
+  SKINCTL_INLINE void age_cells(std::size_t first, std::size_t n, std::int64_t at) noexcept {
+    if constexpr (N > 0) n = N;
+    constexpr std::uint64_t half = std::uint64_t(1) << 31;
+    const std::int64_t* const times = times_.data() + first;
+    const auto limit = static_cast<std::int32_t>(options_.max_age.count());  // at most 1 s
+    std::int32_t ages[block];
+    std::uint32_t status[block];
+    std::uint64_t far = 0;  // not 0: an age has more than 32 bits
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::uint64_t age = static_cast<std::uint64_t>(at) - static_cast<std::uint64_t>(times[k]);
+      far |= (age + half) >> 32;
+      ages[k] = static_cast<std::int32_t>(static_cast<std::uint32_t>(age));
+    }
+    if (far != 0) [[unlikely]]
+      for (std::size_t k = 0; k < n; ++k) ages[k] = held_age(at, times[k]);
+    for (std::size_t k = 0; k < n; ++k)
+      status[k] = masks_[first + k] | (ages[k] > limit ? std::uint32_t(SkinPoint::stale) : 0u);
+    SkinPoint* const points = this->points() + first;
+    for (std::size_t k = 0; k < n; ++k) {
+      points[k].status = status[k];
+      points[k].age = ages[k];
+    }
+  }
+  static std::int32_t held_age(std::int64_t at, std::int64_t time) noexcept {
+    using Limits = std::numeric_limits<std::int32_t>;
+    // Beyond the range by more than it holds: `at` is within 2^61.
+    if (time < at - std::int64_t(Limits::max())) return Limits::max();
+    if (time > at - std::int64_t(Limits::min())) return Limits::min();
+    return static_cast<std::int32_t>(at - time);
+  }
+  SKINCTL_INLINE std::size_t index(std::span<const std::uint32_t> direct, std::uint32_t id) const noexcept {
+    if (id < direct.size()) [[likely]]
+      return direct[id] == free_slot ? none : direct[id];
+    return direct.empty() ? hashed(id) : none;
   }
   std::size_t hashed(std::uint32_t id) const noexcept {
     for (std::size_t k = id * 0x9e3779b1u >> shift_;; k = (k + 1) & (slots_.size() - 1)) {
@@ -156,6 +201,7 @@ class SkinCloud {
   Options options_;
   std::vector<std::array<float, 3>> homes_;
   std::vector<std::int64_t> times_;
+  std::vector<std::uint32_t> masks_;  // 0, or SkinPoint::masked
   std::vector<Range> links_;
   std::vector<std::uint32_t> direct_;  // the place of each id, if ids are small; else `slots_`
   std::vector<Slot> slots_;

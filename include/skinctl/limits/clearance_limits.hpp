@@ -206,4 +206,10 @@ class ClearanceLimits {
   T margin_, reach_;  ///< a tenth of a millimetre more than asked for: braking is planned in steps
 };
 
+/// The part of a governor that it makes of a robot.
+template <RobotModel M, std::size_t N, Real T>
+[[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits, const Clearance& clearance) {
+  return ClearanceLimits<M, T>(model, limits, clearance);
+}
+
 SKINCTL_END_NAMESPACE

@@ -3,14 +3,11 @@
 
 #include "skinctl/core/command.hpp"
 #include "skinctl/core/detail/plausible.hpp"
-#include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/core/status.hpp"
 #include "skinctl/limits/detail/parts.hpp"
-#include "skinctl/limits/jerk_limits.hpp"
-#include "skinctl/limits/motion_limits.hpp"
-#include "skinctl/limits/skin_watch.hpp"
-#include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/math/ldlt.hpp"
+#include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/robot/virtual_mass.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/limits/governor.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/robot/joint_groups.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -255,4 +255,20 @@ class JerkLimits {
   JointPosition<N, T> far_;
 };
 
+/// For `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the guard's
+/// braking.
+template <std::size_t N, Real T = double>
+struct MaxJerk {
+  JointJerk<N, T> jerk;
+};
+template <std::size_t N, Real T>
+MaxJerk(const JointJerk<N, T>&) -> MaxJerk<N, T>;
+
+/// The part of a governor that it makes of a robot.
+template <class M, std::size_t J, Real S, std::size_t N, Real T>
+[[nodiscard]] auto part_for(const M&, const JointLimits<J, S>& limits, const MaxJerk<N, T>& max) {
+  static_assert(N == J, "MaxJerk: of a robot with another number of joints");
+  return JerkLimits<N, T>(limits, max.jerk);
+}
+
 SKINCTL_END_NAMESPACE

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "skinctl/limits/body_region.hpp"
+#include "skinctl/limits/detail/parts.hpp"
 #include "skinctl/tactile/cell_place.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -29,5 +30,10 @@ struct LinkContact {
   /// of cells along their normals count, each with the mass felt there, instead of the bound for any point.
   std::vector<CellPlace> cells = {};
 };
+
+namespace detail {
+template <std::size_t I>
+inline constexpr bool is_link_contact<LinkContact<I>> = true;
+}  // namespace detail
 
 SKINCTL_END_NAMESPACE

@@ -117,4 +117,10 @@ class CoverageLimits {
   T settle_;
 };
 
+/// The part of a governor that it makes of a robot.
+template <class M, std::size_t N, Real T>
+[[nodiscard]] auto part_for(const M&, const JointLimits<N, T>& limits, const SkinWatch& watch) {
+  return CoverageLimits<N, T>(limits, watch);
+}
+
 SKINCTL_END_NAMESPACE

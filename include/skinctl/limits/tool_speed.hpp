@@ -210,4 +210,18 @@ class ToolSpeed {
   Values values_;
 };
 
+/// For `Cycle::with`: the largest speed of a point of link `I`.
+template <std::size_t I, Real T = double>
+struct MaxToolSpeed {
+  T speed;                            ///< [m/s], > 0
+  Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `I`, from its origin [m]
+  T reach;                            ///< largest distance of the point from any joint axis [m]
+};
+
+/// The part of a governor that it makes of a robot.
+template <RobotModel M, std::size_t N, std::size_t I, Real T>
+[[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits, const MaxToolSpeed<I, T>& max) {
+  return ToolSpeed<M, I, T>(model, limits, {max.speed, max.point, max.reach});
+}
+
 SKINCTL_END_NAMESPACE

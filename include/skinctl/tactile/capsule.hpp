@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "skinctl/core/contract.hpp"
@@ -38,22 +39,25 @@ struct CapsuleDistance {
   T distance;
   Xyz<T> a, b;
 };
-/// Of a segment's points the nearest ones, also for segments that are points or parallel. NaN in gives a
-/// distance that is not `> x` for any x.
+/// Of a segment's points the nearest ones, also for segments that are points or parallel, to within 8 units in the last
+/// place of the largest coordinate, for lengths whose fourth power is a number. NaN in gives a distance that is not `> x`
+/// for any x.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE CapsuleDistance<T> distance(const Capsule<T>& a, const Capsule<T>& b) noexcept {
   using std::sqrt;
   const auto clamped = [](const T& x) SKINCTL_INLINE_LAMBDA { return x < T(0) ? T(0) : x > T(1) ? T(1) : x; };
   const Xyz<T> u = a.to - a.from, v = b.to - b.from, w = a.from - b.from;
-  const T uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), uw = dot(u, w), vw = dot(v, w);
-  const T tiny = T(1e-12), wide = uu * vv - uv * uv;
-  T s = wide > tiny * uu * vv ? clamped(T((uv * vw - vv * uw) / wide)) : T(0);
-  T t = vv > tiny ? T((uv * s + vw) / vv) : T(0);
-  if (!(t >= T(0) && t <= T(1))) {
+  const T uu = dot(u, u), vv = dot(v, v);
+  // As cross products: where the segments are nearly parallel, differences of squares keep no digit.
+  const Xyz<T> n = cross(u, v);
+  const T eps = std::numeric_limits<T>::epsilon();
+  const T wide = dot(n, n), least = T(16) * eps * eps * uu * vv;
+  T s = wide > least ? clamped(T(dot(n, cross(v, w)) / wide)) : T(0);
+  const Xyz<T> from_b = w + s * u;
+  T t = vv > T(0) ? T(dot(from_b, v) / vv) : T(0);
+  if (!(t >= T(0) && t <= T(1)) || !(vv > T(0))) {
     t = clamped(t);
-    s = uu > tiny ? clamped(T((uv * t - uw) / uu)) : T(0);
-  } else if (!(vv > tiny)) {
-    s = uu > tiny ? clamped(T(-uw / uu)) : T(0);
+    s = uu > T(0) ? clamped(T(dot(t * v - w, u) / uu)) : T(0);
   }
   const Xyz<T> p = a.from + s * u, q = b.from + t * v, way = p - q;
   return {sqrt(dot(way, way)) - a.radius - b.radius, p, q};

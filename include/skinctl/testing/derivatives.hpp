@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "skinctl/calibration/normal_equations.hpp"
@@ -13,17 +14,17 @@ class JacobianOf {
  public:
   static constexpr bool derivatives = true;
   explicit JacobianOf(int unknowns) : unknowns_(unknowns) {}
-  template <class R, class... J>
-  void add(const Loss& /*loss*/, const Eigen::MatrixBase<R>& r, const Partial<J>&... by) {
+  void add(const Loss& /*loss*/, const Columns& r, Partials by = {}) {
     const auto at = residual.size();
-    residual.conservativeResize(at + r.size());
-    residual.tail(r.size()) = r;
-    jacobian.conservativeResize(at + r.size(), unknowns_);
-    jacobian.bottomRows(r.size()).setZero();
-    [[maybe_unused]] const auto put = [&](const auto& b) {
-      if (b.column >= 0) jacobian.block(at, b.column, r.size(), b.matrix.cols()) += b.matrix;
-    };
-    (put(by), ...);
+    residual.conservativeResize(at + r.rows);
+    jacobian.conservativeResize(at + r.rows, unknowns_);
+    for (int i = 0; i < r.rows; ++i) {
+      residual(at + i) = r.data[i];
+      for (int k = 0; k < unknowns_; ++k) jacobian(at + i, k) = 0;
+      for (const Partial& b : by)
+        for (int k = 0; k < b.matrix.cols && b.column >= 0; ++k)
+          jacobian(at + i, b.column + k) += b.matrix.column(k)[i];
+    }
   }
   Eigen::VectorXd residual;
   Eigen::MatrixXd jacobian;

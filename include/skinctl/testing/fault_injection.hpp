@@ -9,6 +9,7 @@
 #include <string>
 
 #include "skinctl/guard/faults.hpp"
+#include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/resolver/torque_resolver.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/skilled_arm.hpp"

@@ -1,6 +1,7 @@
 // Recognition against the truth: labels by definition and by intent, scores on-line, later, and by segments.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <span>
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -136,7 +137,6 @@ struct ShapeError {
   // The rigid motion that makes the weighted errors smallest: a few Gauss-Newton steps.
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d t = Eigen::Vector3d::Zero();
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   for (std::size_t i = 0; i < truth.cells.size(); ++i)
     if (found.cells[i].unknown.empty()) {
@@ -150,21 +150,20 @@ struct ShapeError {
         turn_vector(truth.cells[i].R.transpose() * R * found.cells[i].R);
     return e;
   };
-  Vector6 weight;
-  weight << Eigen::Vector3d::Constant(1 / (3e-4 * 3e-4)), Eigen::Vector3d::Constant(1 / (0.0174 * 0.0174));
   for (int round = 0; round < 8; ++round) {
-    Matrix6 A = Matrix6::Zero();
-    Vector6 b = Vector6::Zero();
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6, 6), b = Eigen::MatrixXd::Zero(6, 1);
     for (std::size_t i = 0; i < truth.cells.size(); ++i) {
       if (!found.cells[i].unknown.empty()) continue;
-      Matrix6 G = Matrix6::Zero();
-      G.topLeftCorner<3, 3>().setIdentity();
-      G.topRightCorner<3, 3>() = -cross_matrix(found.cells[i].p);
-      G.bottomRightCorner<3, 3>() = found.cells[i].R.transpose();
-      A += G.transpose() * weight.asDiagonal() * G;
-      b += G.transpose() * weight.asDiagonal() * error(i);
+      Eigen::MatrixXd G = Eigen::MatrixXd::Identity(6, 6), e = error(i), WG;
+      const Eigen::Matrix3d across = cross_matrix(found.cells[i].p);
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) G(r, 3 + c) = -across(r, c), G(3 + r, 3 + c) = found.cells[i].R(c, r);
+      WG = G;
+      for (int r = 0; r < 6; ++r) WG.row(r) *= r < 3 ? 1 / (3e-4 * 3e-4) : 1 / (0.0174 * 0.0174);
+      A += G.transpose() * WG;
+      b += WG.transpose() * e;
     }
-    const Vector6 d = A.ldlt().solve(-b);
+    const Vector6 d = -detail::solve_symmetric(A, b);
     t += R * d.head<3>();
     R = R * turn(d.tail<3>());
   }

@@ -6,9 +6,12 @@
 #include <cstring>
 #include <thread>
 
-#include "examples/adapters/dds/skin.hpp"
+#include "examples/adapters/dds/dds_view.hpp"
 #include "ros.h"
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/cycle/cycle.hpp"
 #include "skinctl/io/ros_messages.hpp"
+#include "skinctl/model/ur5.hpp"
 
 using namespace skinctl;
 using namespace adapters::dds;
@@ -223,6 +226,63 @@ TEST_CASE("DDS: joint states are reliable, a latched text reaches a reader that 
   }
   dds_delete(late);
   dds_delete(reader);
+}
+
+TEST_CASE(
+    "DDS: a run is published: joint states of every cycle, cells where samples came, the robot for late "
+    "readers") {
+  using Scene = decltype(Cycle(by_position(ur5::Model{}, std::declval<const RobotConfiguration<6>&>()),
+                               GravityControl{}));
+  RunDescription run;
+  run.joints = {"a", "b", "c", "d", "e", "f"};
+  run.urdf = "<robot/>";
+  run.layout = std::string(200'000, 'l');  // of the same type as the robot, and longer
+  run.places = places_of(ur5::Model{});
+  run.cells = {{7, 2, {}}, {9, 2, {0, 0, 0.1f}}};
+  Participant here = ours(), there = ours();
+  DdsView<Scene> view(here, run);
+  RawReader joints(there, "/joint_states", ros::JointState::type(), Delivery::state, 16384);
+  RawReader cells(there, "/skin/cells", SkinCloud::type(), Delivery::sensor, skin_cloud_size(2));
+  REQUIRE(within(10, [&] { return joints.writers() == 1 && cells.writers() == 1; }));
+  view.start({}, {});
+  CycleRecord<Scene> record;
+  SkinCloudReader read(2);
+  int positions = 0, frames = 0;
+  for (int k = 1; k <= 20; ++k) {
+    const CellSample sample{.time = k * 8ms, .cell = 9, .force = {0.5f, 0, 0}};
+    record.input.now = record.input.measured.time = k * 8ms;
+    record.input.measured.q[0] = 0.25 * k;
+    record.input.samples = {&sample, k % 2 == 0 ? std::size_t(1) : std::size_t(0)};
+    view.cycle(record);
+    if (joints.wait(std::chrono::milliseconds(500))) {
+      const auto bytes = joints.take();
+      REQUIRE(bytes);
+      double q = 0;  // six positions, velocities and torques end the message, each behind its number
+      std::memcpy(&q, bytes->data() + bytes->size() - 48 - 2 * 56, sizeof q);
+      positions += q == 0.25 * k;
+    }
+    if (k % 2 == 1) continue;
+    if (!cells.wait(std::chrono::milliseconds(500))) continue;
+    const auto samples = read.read(*cells.take());
+    REQUIRE(samples.size() == 1);  // the other one was never heard
+    frames += samples[0].cell == 9 && samples[0].force[0] == 0.5f && samples[0].time == k * 8ms;
+  }
+  CHECK(positions == 20);
+  CHECK(frames >= 9);
+  CHECK(view.frames() == 10);
+  CHECK(view.refused() == 0);
+  RawReader late(there, "/robot_description", ros::String::type(), Delivery::latched, 1024);
+  REQUIRE(late.wait(std::chrono::seconds(10)));
+  CHECK(std::string(reinterpret_cast<const char*>(late.take()->data()) + 8) == "<robot/>");
+  RawReader layout(there, "/skin/layout", ros::String::type(), Delivery::latched, 1 << 20);
+  REQUIRE(layout.wait(std::chrono::seconds(10)));
+  const auto whole = layout.take();
+  REQUIRE(whole);
+  CHECK(std::string(reinterpret_cast<const char*>(whole->data()) + 8) == run.layout);
+  // A reader takes nothing that is longer than it was told.
+  RawReader narrow(there, "/skin/layout", ros::String::type(), Delivery::latched, 1000);
+  narrow.wait(std::chrono::seconds(2));
+  CHECK_FALSE(narrow.take());
 }
 
 TEST_CASE("DDS: what cannot be is refused with words") {

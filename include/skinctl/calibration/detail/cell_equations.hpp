@@ -1,15 +1,14 @@
 // Cells on moved bodies: unknowns, signals, and equations from which the cells are eliminated.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "skinctl/calibration/detail/block_means.hpp"
 #include "skinctl/calibration/detail/eigen_only.hpp"
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/turn.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -17,18 +16,22 @@ namespace detail::fit {
 
 /// The rotation R that maximises `trace(R' B)`, by Horn's quaternion.
 inline Eigen::Matrix3d nearest_turn(const Eigen::Matrix3d& B) {
-  const Eigen::Matrix3d S = B.transpose();
-  Eigen::Matrix4d K;
-  K << S.trace(), S(1, 2) - S(2, 1), S(2, 0) - S(0, 2), S(0, 1) - S(1, 0), 0, S(0, 0) - S(1, 1) - S(2, 2),
-      S(0, 1) + S(1, 0), S(2, 0) + S(0, 2), 0, 0, S(1, 1) - S(0, 0) - S(2, 2), S(1, 2) + S(2, 1), 0, 0, 0,
-      S(2, 2) - S(0, 0) - S(1, 1);
-  for (int i = 1; i < 4; ++i)
-    for (int j = 0; j < i; ++j) K(i, j) = K(j, i);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(K);
-  const Eigen::Vector4d q = eigen.eigenvectors().col(3);
+  Eigen::MatrixXd K(4, 4);
+  K(0, 0) = B(0, 0) + B(1, 1) + B(2, 2);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    K(0, 1 + i) = K(1 + i, 0) = B(k, j) - B(j, k);
+    K(1 + i, 1 + i) = B(i, i) - B(j, j) - B(k, k);
+    K(1 + i, 1 + j) = K(1 + j, 1 + i) = B(i, j) + B(j, i);
+  }
+  const Eigen::MatrixXd q = SymmetricEigen(K).vectors.rightCols(1);
   const Eigen::Vector3d v(q(1), q(2), q(3));
-  return (q(0) * q(0) - v.squaredNorm()) * Eigen::Matrix3d::Identity() + 2 * v * v.transpose() +
-         2 * q(0) * cross_matrix(v);
+  Eigen::Matrix3d R = 2 * q(0) * cross_matrix(v);
+  for (int i = 0; i < 3; ++i) {
+    R(i, i) += q(0) * q(0) - v.squaredNorm();
+    for (int j = 0; j < 3; ++j) R(i, j) += 2 * v(i) * v(j);
+  }
+  return R;
 }
 
 /// The specific force on a body that sits at `p` is `A + S p` [g], in the body's axes. A row per block: A, S row by row,
@@ -79,12 +82,42 @@ using Cell12 = Eigen::Matrix<double, 12, 1>;
 struct CellEquations {
   Eigen::MatrixXd H;  ///< of motion and patches
   Eigen::VectorXd g;
-  std::vector<Eigen::Matrix<double, 12, 12>> cell_H;
+  std::vector<Eigen::MatrixXd> cell_H;
   std::vector<Cell12> cell_g;
   std::vector<Eigen::MatrixXd> cross;  ///< motion and patches by cell
   double cost = 0;
   std::vector<double> squares;  ///< sum of squares of a cell's residuals [g^2]
 };
+
+/// Ties cell number `c` to its place in a patch, whose unknowns begin at `at`.
+inline void tie(const FittedCell& cell, std::size_t c, const FittedPatch& patch, Eigen::Index at,
+                const CellFitSettings& settings, CellEquations& e) {
+  const double wp = 1 / (settings.tie_position * settings.tie_position),
+               wt = 1 / (settings.tie_turn * settings.tie_turn);
+  const Eigen::Vector3d arm = patch.R * cell.p_PC;
+  const Eigen::Vector3d rp = cell.p - patch.p - arm;
+  const Eigen::Matrix3d R = patch.R * cell.R_PC;
+  const Eigen::Vector3d rt = turn_vector(R.transpose() * cell.Q);
+  const Eigen::Matrix3d across = cross_matrix(arm);
+  // By the cell it is 1 (turns: small).
+  Eigen::MatrixXd by_patch = Eigen::MatrixXd::Zero(6, 6);
+  double r[6], w[6];
+  for (int i = 0; i < 3; ++i) {
+    r[i] = rt(i), r[3 + i] = rp(i), w[i] = wt, w[3 + i] = wp;
+    by_patch(3 + i, 3 + i) = -1;
+    for (int j = 0; j < 3; ++j) by_patch(i, j) = -cell.Q(j, i), by_patch(3 + i, j) = across(i, j);
+  }
+  for (int i = 0; i < 6; ++i) {
+    e.cost += 0.5 * r[i] * w[i] * r[i];
+    e.cell_H[c](i, i) += w[i];
+    e.cell_g[c](i) -= w[i] * r[i];
+    for (int j = 0; j < 6; ++j) {
+      e.g(at + j) -= by_patch(i, j) * w[i] * r[i];
+      e.cross[c](at + j, i) += by_patch(i, j) * w[i];
+      for (int k = 0; k < 6; ++k) e.H(at + j, at + k) += by_patch(i, j) * w[i] * by_patch(i, k);
+    }
+  }
+}
 
 /// `H x = g` by elimination of the cells; factorised once.
 class CellSolver {
@@ -92,50 +125,56 @@ class CellSolver {
   bool factorise(const CellEquations& e, double damping) {
     const auto n = e.H.rows();
     Eigen::MatrixXd S = e.H;
-    S.diagonal() += damping * (e.H.diagonal().array() + 1e-12).matrix();
+    for (Eigen::Index i = 0; i < n; ++i) S(i, i) += damping * (e.H(i, i) + 1e-12);
     cells_.resize(e.cell_H.size());
     through_.resize(e.cell_H.size());
     for (std::size_t c = 0; c < cells_.size(); ++c) {
-      Eigen::Matrix<double, 12, 12> A = e.cell_H[c];
-      A.diagonal() += damping * A.diagonal();
+      Eigen::MatrixXd A = e.cell_H[c];
+      for (int i = 0; i < 12; ++i) A(i, i) *= 1 + damping;
       cells_[c].compute(A);
-      if (cells_[c].info() != Eigen::Success) return false;
+      if (!cells_[c].positive()) return false;
       through_[c] = cells_[c].solve(e.cross[c].transpose());  // 12 x n
       S.noalias() -= e.cross[c] * through_[c];
     }
-    S = 0.5 * (S + S.transpose()).eval();
+    for (Eigen::Index j = 0; j < n; ++j)
+      for (Eigen::Index i = 0; i < j; ++i) S(i, j) = S(j, i) = 0.5 * (S(i, j) + S(j, i));
+    size_ = n;
     schur_.compute(S);
-    return n == 0 || (schur_.info() == Eigen::Success);
+    return n == 0 || schur_.positive();
   }
   /// Of one right side: the motion's part in `g`, cells in `cell_g`; both are overwritten by the solution.
   void solve(Eigen::VectorXd& g, std::vector<Cell12>& cell_g) const {
     for (std::size_t c = 0; c < cells_.size(); ++c) g.noalias() -= through_[c].transpose() * cell_g[c];
     if (g.size() > 0) g = schur_.solve(g);
-    for (std::size_t c = 0; c < cells_.size(); ++c)
-      cell_g[c] = (cells_[c].solve(cell_g[c]) - through_[c] * g).eval();
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      cell_g[c] = cells_[c].solve(cell_g[c]);
+      cell_g[c].noalias() -= through_[c] * g;
+    }
   }
   [[nodiscard]] Eigen::MatrixXd motion_covariance() const {
-    return schur_.solve(Eigen::MatrixXd::Identity(schur_.rows(), schur_.cols()));
+    return schur_.solve(Eigen::MatrixXd::Identity(size_, size_));
   }
-  [[nodiscard]] Eigen::Matrix<double, 12, 12> cell_covariance(std::size_t c,
-                                                              const Eigen::MatrixXd& motion) const {
-    const Eigen::Matrix<double, 12, 12> own = cells_[c].solve(Eigen::Matrix<double, 12, 12>::Identity());
-    return own + through_[c] * motion * through_[c].transpose();
+  [[nodiscard]] Eigen::MatrixXd cell_covariance(std::size_t c, const Eigen::MatrixXd& motion) const {
+    Eigen::MatrixXd own = cells_[c].inverse();
+    const Eigen::MatrixXd moved = through_[c] * motion;
+    own.noalias() += moved * through_[c].transpose();
+    return own;
   }
 
  private:
-  std::vector<Eigen::LLT<Eigen::Matrix<double, 12, 12>>> cells_;
+  std::vector<Cholesky> cells_;
   std::vector<Eigen::MatrixXd> through_;
-  Eigen::LLT<Eigen::MatrixXd> schur_;
+  Cholesky schur_;
+  Eigen::Index size_ = 0;
 };
 
 /// What a cell reads along its three axes as weights of a body's first 13 columns, and their derivatives by the cell.
 struct CellWeights {
-  Eigen::Matrix<double, 13, 1> c[3];
-  Eigen::Matrix<double, 13, 12> by_cell[3];
+  Eigen::VectorXd c[3];        // 13
+  Eigen::MatrixXd by_cell[3];  // 13 x 12
 
   explicit CellWeights(const FittedCell& cell) {
-    Eigen::Matrix<double, 13, 3> q = Eigen::Matrix<double, 13, 3>::Zero();  // of Q' (A + S p)
+    Eigen::MatrixXd q = Eigen::MatrixXd::Zero(13, 3);  // of Q' (A + S p)
     for (int k = 0; k < 3; ++k)
       for (int a = 0; a < 3; ++a) {
         q(a, k) = cell.Q(a, k);
@@ -143,18 +182,20 @@ struct CellWeights {
       }
     for (int k = 0; k < 3; ++k) {
       const double scale = 1 + cell.s(k);
-      c[k] = scale * q.col(k);
+      c[k] = q.col(k);
+      c[k] *= scale;
       c[k](12) += cell.b(k);
       auto& D = by_cell[k];
-      D.setZero();
+      D.setZero(13, 12);
       // A turn d of the sensor: Q'f x d.
       const int next = (k + 1) % 3, last = (k + 2) % 3;
-      D.col(last) = scale * q.col(next);
-      D.col(next) = -scale * q.col(last);
+      for (int row = 0; row < 13; ++row) {
+        D(row, last) = scale * q(row, next), D(row, next) = -scale * q(row, last);
+        D(row, 9 + k) = q(row, k);
+      }
       for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b) D(3 + 3 * a + b, 3 + b) = scale * cell.Q(a, k);
       D(12, 6 + k) = 1;
-      D.col(9 + k) = q.col(k);
     }
   }
 };

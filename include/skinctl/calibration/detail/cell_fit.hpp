@@ -82,8 +82,9 @@ class CellFit {
       const auto& phi = signals_[std::size_t(cells[c].body)].columns;
       for (int k = 0; k < 3; ++k) {
         auto column = r.col(3 * Eigen::Index(c) + k);
-        column.noalias() -= phi.template leftCols<13>() * w.c[k];
-        column.array() *= 1 - data_.missing.col(Eigen::Index(c)).template cast<double>();
+        column.noalias() -= phi.leftCols(13) * w.c[k];
+        for (Eigen::Index row = 0; row < r.rows(); ++row)
+          if (data_.missing(row, Eigen::Index(c))) column(row) = 0;
       }
     }
     return r;
@@ -101,14 +102,13 @@ class CellFit {
   void move(const Eigen::VectorXd& g, const std::vector<Cell12>& cell_g) {
     motion = motion.moved(g.head(motion.unknowns()));
     for (std::size_t k = 0; k < patches.size(); ++k) {
-      const Eigen::Matrix<double, 6, 1> d = g.segment<6>(motion.unknowns() + 6 * Eigen::Index(k));
-      patches[k].R = straightened(turn(d.head<3>()) * patches[k].R);
-      patches[k].p += d.tail<3>();
+      const Eigen::Index at = motion.unknowns() + 6 * Eigen::Index(k);
+      patches[k].R = straightened(turn(g.segment<3>(at)) * patches[k].R);
+      patches[k].p += g.segment<3>(at + 3);
     }
     for (std::size_t c = 0; c < cells.size(); ++c) cells[c] = cells[c].moved(cell_g[c]);
     signals_ = motion.signals(data_);
   }
-  void tie(std::size_t c, CellEquations& e) const;
 
   const BlockMeans& data_;
   std::vector<BodySignals> signals_;
@@ -128,7 +128,7 @@ CellEquations CellFit<Motion>::equations() const {
   const Index n = globals();
   CellEquations e;
   e.H = Eigen::MatrixXd::Zero(n, n), e.g = Eigen::VectorXd::Zero(n);
-  e.cell_H.assign(cells.size(), Eigen::Matrix<double, 12, 12>::Zero());
+  e.cell_H.assign(cells.size(), Eigen::MatrixXd::Zero(12, 12));
   e.cell_g.assign(cells.size(), Cell12::Zero());
   e.cross.assign(cells.size(), Eigen::MatrixXd::Zero(n, 12));
   e.squares.assign(cells.size(), 0);
@@ -142,12 +142,10 @@ CellEquations CellFit<Motion>::equations() const {
     if (members.empty()) continue;
     const Eigen::MatrixXd& phi = signal.columns;
     const Index width = phi.cols(), unknowns = Index(signal.unknowns.size());
-    gram = Eigen::MatrixXd::Zero(width, width);
-    gram.selfadjointView<Eigen::Lower>().rankUpdate(phi.transpose());
-    gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+    gram.noalias() = phi.transpose() * phi;
     Y.resize(phi.rows(), 3 * Index(members.size()));
     for (std::size_t m = 0; m < members.size(); ++m)
-      Y.middleCols<3>(3 * Index(m)) = data_.y.middleCols<3>(3 * members[m]);
+      Y.middleCols(3 * Index(m), 3) = data_.y.middleCols(3 * members[m], 3);
     X.noalias() = phi.transpose() * Y;
     for (std::size_t m = 0; m < members.size(); ++m) {
       const auto c = std::size_t(members[m]);
@@ -164,28 +162,39 @@ CellEquations CellFit<Motion>::equations() const {
       }
       const CellWeights w(cells[c]);
       const double weight = 1 / (cells[c].deviation * cells[c].deviation);
-      auto& cross = e.cross[c];
-      const auto G00 = G->topLeftCorner<13, 13>();
-      Eigen::MatrixXd T(unknowns, width);
+      const Eigen::MatrixXd own = G->topLeftCorner(13, 13);
+      Eigen::MatrixXd T(width, unknowns), across, by_own;
       for (int k = 0; k < 3; ++k) {
-        const auto& v = w.c[k];
-        const Eigen::Matrix<double, 12, 1> v12 = v.head<12>();
-        const Eigen::VectorXd x = X.col(3 * Index(m) + k);
-        const Eigen::Matrix<double, 13, 1> rest = x.head<13>() - G00 * v;
-        e.squares[c] += Y.col(3 * Index(m) + k).squaredNorm() - v.dot(x.head<13>()) - v.dot(rest);
-        e.cell_g[c].noalias() += weight * w.by_cell[k].transpose() * rest;
-        e.cell_H[c].noalias() += weight * w.by_cell[k].transpose() * G00 * w.by_cell[k];
+        // Of the body's columns: those of the cell's place, and by unknown of the motion.
+        const Eigen::VectorXd &v = w.c[k], y = Y.col(3 * Index(m) + k), x = X.col(3 * Index(m) + k);
+        const Eigen::VectorXd seen = own * v, rest = x.head(13) - seen,
+                              pulled = w.by_cell[k].transpose() * rest;
+        e.squares[c] += y.squaredNorm() - v.dot(x.head(13)) - v.dot(rest);
+        by_own.noalias() = own * w.by_cell[k];
+        across.noalias() = w.by_cell[k].transpose() * by_own;
+        for (Index j = 0; j < 12; ++j) {
+          e.cell_g[c](j) += weight * pulled(j);
+          for (Index i = 0; i < 12; ++i) e.cell_H[c](i, j) += weight * across(i, j);
+        }
+        T.setZero();
         for (Index i = 0; i < unknowns; ++i)
-          T.row(i).noalias() = v12.transpose() * G->middleRows<12>(13 + 12 * i);
+          for (Index a = 0; a < 12; ++a)
+            for (Index column = 0; column < width; ++column)
+              T(column, i) += v(a) * (*G)(column, 13 + 12 * i + a);
+        by_own.noalias() = w.by_cell[k].transpose() * T.topRows(13);  // 12 x unknowns
         for (Index i = 0; i < unknowns; ++i) {
           const Index row = signal.unknowns[std::size_t(i)];
-          e.g(row) += weight * (v12.dot(x.segment<12>(13 + 12 * i)) - T.row(i).head<13>().dot(v));
-          cross.row(row).noalias() += weight * T.row(i).head<13>() * w.by_cell[k];
+          double pull = 0;
+          for (Index a = 0; a < 12; ++a) pull += v(a) * x(13 + 12 * i + a);
+          for (Index a = 0; a < 13; ++a) pull -= T(a, i) * v(a);
+          e.g(row) += weight * pull;
+          for (Index a = 0; a < 12; ++a) e.cross[c](row, a) += weight * by_own(a, i);
           for (Index j = 0; j <= i; ++j) {
-            const double h = weight * T.row(i).segment<12>(13 + 12 * j).dot(v12);
+            double h = 0;
+            for (Index a = 0; a < 12; ++a) h += T(13 + 12 * j + a, i) * v(a);
             const Index column = signal.unknowns[std::size_t(j)];
-            e.H(row, column) += h;
-            if (i != j) e.H(column, row) += h;
+            e.H(row, column) += weight * h;
+            if (i != j) e.H(column, row) += weight * h;
           }
         }
       }
@@ -197,52 +206,24 @@ CellEquations CellFit<Motion>::equations() const {
     const double place = 1 / (settings.weak_position * settings.weak_position);
     const double angle = 1 / (settings.weak_turn * settings.weak_turn);
     e.cost += 0.5 * (bias * cells[c].b.squaredNorm() + scale * cells[c].s.squaredNorm());
-    e.cell_g[c].segment<3>(6) -= bias * cells[c].b;
-    e.cell_g[c].tail<3>() -= scale * cells[c].s;
-    e.cell_H[c].diagonal().head<3>().array() += angle;
-    e.cell_H[c].diagonal().segment<3>(3).array() += place;
-    e.cell_H[c].diagonal().segment<3>(6).array() += bias;
-    e.cell_H[c].diagonal().tail<3>().array() += scale;
-    if (cells[c].patch >= 0) tie(c, e);
+    const double held[4] = {angle, place, bias, scale};
+    for (int k = 0; k < 12; ++k) e.cell_H[c](k, k) += held[k / 3];
+    for (int k = 0; k < 3; ++k)
+      e.cell_g[c](6 + k) -= bias * cells[c].b(k), e.cell_g[c](9 + k) -= scale * cells[c].s(k);
+    if (cells[c].patch >= 0)
+      tie(cells[c], c, patches[std::size_t(cells[c].patch)], motion.unknowns() + 6 * cells[c].patch, settings,
+          e);
   }
   const Index own = motion.unknowns();
-  e.H.diagonal().head(own).array() += 1 / (settings.weak_position * settings.weak_position);
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(own), gradient = diagonal;
   motion.hold(diagonal, gradient);
-  e.H.diagonal().head(own) += diagonal;
-  e.g.head(own) += gradient;
-  e.cost += 0.5 * (gradient.array().square() / diagonal.array().max(1e-300)).sum();
-  for (std::size_t k = 0; k < patches.size(); ++k)
-    e.H.diagonal().segment<6>(own + 6 * Index(k)).array() += 1e-6;
+  for (Index k = 0; k < own; ++k) {
+    e.H(k, k) += diagonal(k) + 1 / (settings.weak_position * settings.weak_position);
+    e.g(k) += gradient(k);
+    e.cost += 0.5 * gradient(k) * gradient(k) / std::max(diagonal(k), 1e-300);
+  }
+  for (Index k = own; k < n; ++k) e.H(k, k) += 1e-6;
   return e;
-}
-
-template <class Motion>
-void CellFit<Motion>::tie(std::size_t c, CellEquations& e) const {
-  const FittedCell& cell = cells[c];
-  const FittedPatch& patch = patches[std::size_t(cell.patch)];
-  const Eigen::Index at = motion.unknowns() + 6 * cell.patch;
-  const double wp = 1 / (settings.tie_position * settings.tie_position),
-               wt = 1 / (settings.tie_turn * settings.tie_turn);
-  const Eigen::Vector3d arm = patch.R * cell.p_PC;
-  const Eigen::Vector3d rp = cell.p - patch.p - arm;
-  const Eigen::Matrix3d R = patch.R * cell.R_PC;
-  const Eigen::Vector3d rt = turn_vector(R.transpose() * cell.Q);
-  Eigen::Matrix<double, 6, 6> by_cell = Eigen::Matrix<double, 6, 6>::Zero(), by_patch = by_cell;
-  by_cell.topLeftCorner<3, 3>().setIdentity();  // turns: small
-  by_cell.bottomRightCorner<3, 3>().setIdentity();
-  by_patch.topLeftCorner<3, 3>() = -cell.Q.transpose();
-  by_patch.bottomLeftCorner<3, 3>() = cross_matrix(arm);
-  by_patch.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
-  Eigen::Matrix<double, 6, 1> r, w;
-  r << rt, rp;
-  w << wt, wt, wt, wp, wp, wp;
-  e.cost += 0.5 * r.dot(w.cwiseProduct(r));
-  e.cell_H[c].topLeftCorner<6, 6>() += by_cell.transpose() * w.asDiagonal() * by_cell;
-  e.cell_g[c].head<6>() -= by_cell.transpose() * w.cwiseProduct(r);
-  e.H.block<6, 6>(at, at) += by_patch.transpose() * w.asDiagonal() * by_patch;
-  e.g.segment<6>(at) -= by_patch.transpose() * w.cwiseProduct(r);
-  e.cross[c].block<6, 6>(at, 0) += by_patch.transpose() * w.asDiagonal() * by_cell;
 }
 
 template <class Motion>
@@ -269,7 +250,7 @@ Eigen::MatrixXd CellFit<Motion>::jackknife(const CellSolver& solver) const {
       Index m = 0;
       for (std::size_t c = 0; c < cells.size(); ++c)
         if (std::size_t(cells[c].body) == body)
-          part.middleCols<3>(3 * m++) = r.block(first, 3 * Index(c), count, 3);
+          part.middleCols(3 * m++, 3) = r.block(first, 3 * Index(c), count, 3);
       body_r[body].noalias() = signals_[body].columns.middleRows(first, count).transpose() * part;
     }
     for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -277,17 +258,20 @@ Eigen::MatrixXd CellFit<Motion>::jackknife(const CellSolver& solver) const {
       const double weight = 1 / (cells[c].deviation * cells[c].deviation);
       cell_g[c].setZero();
       for (int k = 0; k < 3; ++k) {
-        const auto x = body_r[body].col(3 * at[body] + k);
-        cell_g[c].noalias() += weight * weights[c].by_cell[k].transpose() * x.head<13>();
-        for (std::size_t i = 0; i < signals_[body].unknowns.size(); ++i)
-          g(signals_[body].unknowns[i]) +=
-              weight * weights[c].c[k].head<12>().dot(x.segment<12>(13 + 12 * Index(i)));
+        const Eigen::VectorXd x = body_r[body].col(3 * at[body] + k), own = x.head(13),
+                              pulled = weights[c].by_cell[k].transpose() * own;
+        for (Index a = 0; a < 12; ++a) {
+          cell_g[c](a) += weight * pulled(a);
+          for (std::size_t i = 0; i < signals_[body].unknowns.size(); ++i)
+            g(signals_[body].unknowns[i]) += weight * weights[c].c[k](a) * x(13 + 12 * Index(i) + a);
+        }
       }
       ++at[body];
     }
     solver.solve(g, cell_g);
     out.col(window).head(n) = g;
-    for (std::size_t c = 0; c < cells.size(); ++c) out.col(window).segment<12>(n + 12 * Index(c)) = cell_g[c];
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (Index a = 0; a < 12; ++a) out(n + 12 * Index(c) + a, window) = cell_g[c](a);
   }
   return out;
 }

@@ -1,7 +1,8 @@
 // The result of a fit of lines: covariances without the gauge, and what is not observed, by name.
 #pragma once
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <string>
@@ -49,38 +50,40 @@ class LineCovariance {
 
   void anchor(const std::vector<bool>& cells) {
     K_ = Eigen::MatrixXd::Zero(4, N_.rows());
-    Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
     for (std::size_t c = 0; c < cells.size(); ++c) {
       if (!cells[c]) continue;
       const Eigen::Index at = n_ + 12 * Eigen::Index(c) + 3;
-      A += N_.middleRows<3>(at).transpose() * N_.middleRows<3>(at);
-      K_.middleCols<3>(at) = N_.middleRows<3>(at).transpose();
+      for (Eigen::Index i = at; i < at + 3; ++i)
+        for (Eigen::Index k = 0; k < 4; ++k) K_(k, i) = N_(i, k);
     }
-    A.diagonal().array() += 1e-12;
-    K_ = A.ldlt().solve(K_).eval();
+    Eigen::MatrixXd A = K_ * N_;
+    for (Eigen::Index k = 0; k < 4; ++k) A(k, k) += 1e-12;
+    K_ = solve_symmetric(A, K_);
     U_.resize(N_.rows(), 4);
     std::vector<Cell12> cell_g(fit_.cells.size());
     for (int k = 0; k < 4; ++k) {
-      Eigen::VectorXd g = K_.row(k).head(n_).transpose();
+      const Eigen::VectorXd gauge = K_.row(k);
+      Eigen::VectorXd g = gauge.head(n_);
       for (std::size_t c = 0; c < cell_g.size(); ++c)
-        cell_g[c] = K_.row(k).segment<12>(n_ + 12 * Eigen::Index(c)).transpose();
+        cell_g[c] = gauge.segment<12>(n_ + 12 * Eigen::Index(c));
       solver_.solve(g, cell_g);
-      U_.col(k).head(n_) = g;
+      auto column = U_.col(k);
+      column.head(n_) = g;
       for (std::size_t c = 0; c < cell_g.size(); ++c)
-        U_.col(k).segment<12>(n_ + 12 * Eigen::Index(c)) = cell_g[c];
+        column.segment<12>(n_ + 12 * Eigen::Index(c)) = cell_g[c];
     }
     KU_ = K_ * U_;
     const Eigen::MatrixXd common = K_ * shifts_;
     projected_ = shifts_ - N_ * common;
   }
 
-  [[nodiscard]] Eigen::Matrix<double, 12, 12> cell(std::size_t c) const {
+  [[nodiscard]] Eigen::MatrixXd cell(std::size_t c) const {
     const Eigen::Index at = n_ + 12 * Eigen::Index(c);
     return with_gauge_out(solver_.cell_covariance(c, motion_), at, 12);
   }
-  [[nodiscard]] Eigen::Matrix4d line(std::size_t j) const {
+  [[nodiscard]] Eigen::MatrixXd line(std::size_t j) const {
     const Eigen::Index at = 4 * Eigen::Index(j);
-    return with_gauge_out(motion_.block<4, 4>(at, at), at, 4);
+    return with_gauge_out(motion_.block(at, at, 4, 4), at, 4);
   }
   [[nodiscard]] double lateness() const { return deviation(fit_.motion.unknowns() - 1); }
   [[nodiscard]] double compliance(std::size_t j) const {
@@ -93,9 +96,14 @@ class LineCovariance {
  private:
   [[nodiscard]] Eigen::MatrixXd with_gauge_out(const Eigen::MatrixXd& own, Eigen::Index at,
                                                Eigen::Index size) const {
-    const auto N = N_.middleRows(at, size), U = U_.middleRows(at, size);
-    const auto D = projected_.middleRows(at, size);
-    return own - N * U.transpose() - U * N.transpose() + N * KU_ * N.transpose() + D * D.transpose();
+    const Eigen::MatrixXd N = N_.middleRows(at, size), U = U_.middleRows(at, size),
+                          D = projected_.middleRows(at, size), NU = N * U.transpose(), N_KU = N * KU_;
+    Eigen::MatrixXd out = own;
+    out.noalias() += N_KU * N.transpose();
+    out.noalias() += D * D.transpose();
+    for (Eigen::Index i = 0; i < size; ++i)
+      for (Eigen::Index j = 0; j < size; ++j) out(i, j) -= NU(i, j) + NU(j, i);
+    return out;
   }
 
   const CellFit<LineMotion>& fit_;
@@ -105,8 +113,7 @@ class LineCovariance {
 };
 
 inline double largest(const Eigen::MatrixXd& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()(covariance.rows() - 1)));
+  return std::sqrt(std::max(0.0, SymmetricEigen(covariance).largest()));
 }
 inline std::string words(const Eigen::Vector3d& v) {
   char text[64];
@@ -119,14 +126,17 @@ inline void name_unobserved(const JointLines& in, int joint, const JointLinesSet
                             std::vector<Unobservable>& out) {
   const AxisLine& axis = in.lines[std::size_t(joint)].line;
   const Eigen::Vector3d z = axis.direction, x = z.unitOrthogonal(), y = z.cross(x);
-  Eigen::Matrix<double, 6, 6> mean = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(6, 6);
   double count = 0;
   for (const CalibratedCell& cell : in.cells) {
     if (cell.joint != joint || cell.known) continue;
-    Eigen::Matrix<double, 6, 6> to_axis = Eigen::Matrix<double, 6, 6>::Identity();  // dp of the axis' point
-    to_axis.topRightCorner<3, 3>() = cross_matrix(cell.p - axis.point) * cell.R;
-    to_axis.bottomRightCorner<3, 3>() = cell.R;
-    mean += to_axis * cell.covariance * to_axis.transpose();
+    Eigen::MatrixXd to_axis = Eigen::MatrixXd::Identity(6, 6);  // dp of the axis' point
+    const Eigen::Vector3d off = cell.p - axis.point;
+    const Eigen::Matrix3d turned = cross_matrix(off) * cell.R;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) to_axis(i, 3 + j) = turned(i, j), to_axis(3 + i, 3 + j) = cell.R(i, j);
+    const Eigen::MatrixXd own = cell.covariance, moved = to_axis * own;
+    mean.noalias() += moved * to_axis.transpose();
     count += 1;
   }
   if (count == 0) return;
@@ -135,7 +145,10 @@ inline void name_unobserved(const JointLines& in, int joint, const JointLinesSet
   const bool upright = std::abs(z.z()) > 0.9962;
   const auto name = [&](const Eigen::Vector3d& d, bool turn, const std::string& what,
                         const std::string& remedy) {
-    const double v = turn ? d.dot(mean.bottomRightCorner<3, 3>() * d) : d.dot(mean.topLeftCorner<3, 3>() * d);
+    const int at = turn ? 3 : 0;
+    double v = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) v += d(i) * mean(at + i, at + j) * d(j);
     const double deviation = std::sqrt(std::max(0.0, v));
     if (deviation > (turn ? s.known_turn : s.known_position))
       out.push_back({link + what, deviation, turn ? "rad" : "m", remedy});
@@ -160,14 +173,14 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
   out.steps = fit.steps, out.converged = fit.converged;
   const auto pose = [&](std::size_t k) {
     // Position first, then the turn.
-    const Eigen::Matrix<double, 12, 12> C = covariance.cell(k);
+    const Eigen::MatrixXd C = covariance.cell(k);
     Eigen::Matrix<double, 6, 6> P;
-    P << C.block<3, 3>(3, 3), C.block<3, 3>(3, 0), C.block<3, 3>(0, 3), C.block<3, 3>(0, 0);
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) P(i, j) = C((i + 3) % 6, (j + 3) % 6);
     // What cross-axis sensitivity does is common to all blocks: no residual shows it.
     const AxisLine& axis = fit.motion.lines[std::size_t(fit.cells[k].body)];
     const double lever = axis.direction.cross(fit.cells[k].p - axis.point).norm();
-    P.diagonal().head<3>().array() += std::pow(s.cross_axis * lever, 2);
-    P.diagonal().tail<3>().array() += s.cross_axis * s.cross_axis;
+    for (int i = 0; i < 6; ++i) P(i, i) += std::pow(s.cross_axis * (i < 3 ? lever : 1), 2);
     return P;
   };
   std::vector<bool> known(fit.cells.size());
@@ -215,10 +228,10 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
   for (std::size_t k = 0; k < start.joints.size(); ++k) {
     CalibratedLine& line = out.lines[std::size_t(start.joints[k])];
     line.line = fit.motion.lines[k];
-    const Eigen::Matrix4d C = covariance.line(k);
+    const Eigen::MatrixXd C = covariance.line(k);
     if (torque) line.compliance = {fit.motion.compliance[k], covariance.compliance(k)};
-    line.direction_deviation = largest(C.topLeftCorner<2, 2>());
-    line.position_deviation = largest(C.bottomRightCorner<2, 2>());
+    line.direction_deviation = largest(C.topLeftCorner(2, 2));
+    line.position_deviation = largest(C.bottomRightCorner(2, 2));
     line.known = line.direction_deviation <= s.known_turn && line.position_deviation <= s.known_position;
   }
   // No residual shows it: the same motion errs in the same way each time.

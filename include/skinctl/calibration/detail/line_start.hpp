@@ -90,7 +90,7 @@ inline void align(CellGroup& group, const std::vector<int>& joints, const std::v
     const Eigen::Matrix3d P = Eigen::Matrix3d::Identity() - w * w.transpose();
     A += P, b += P * (lines[k].point - group.R * group.lines[std::size_t(joints[k])].point);
   }
-  group.p = A.ldlt().solve(b);
+  group.p = solve_symmetric(A, b);
 }
 
 struct LineStart {
@@ -180,7 +180,7 @@ struct LineStart {
   out.y.resize(data.blocks(), 3 * Eigen::Index(cells.size()));
   out.missing.resize(data.blocks(), Eigen::Index(cells.size()));
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    out.y.middleCols<3>(3 * Eigen::Index(k)) = data.y.middleCols<3>(3 * Eigen::Index(cells[k]));
+    out.y.middleCols(3 * Eigen::Index(k), 3) = data.y.middleCols(3 * Eigen::Index(cells[k]), 3);
     out.missing.col(Eigen::Index(k)) = data.missing.col(Eigen::Index(cells[k]));
   }
   return out;
@@ -212,7 +212,7 @@ inline void leave_out_liars(CellFit<LineMotion>& fit, BlockMeans& data, LineStar
     start.reason[start.used[k]] = text;
     cell.patch = -1, cell.deviation = 1;
     data.missing.col(Eigen::Index(k)).setConstant(true);
-    data.y.middleCols<3>(3 * Eigen::Index(k)).setZero();
+    data.y.middleCols(3 * Eigen::Index(k), 3).setZero();
   }
 }
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "skinctl/calibration/detail/eigen_only.hpp"
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/core/config.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -60,12 +60,14 @@ struct BodyFactor {
   }
   /// The body nearest to `t`: negative second moments become small ones.
   [[nodiscard]] static BodyFactor of(const Inertia10& t, double reach) {
-    Eigen::Matrix4d P = pseudo_inertia(t);
-    P.topRows<3>() /= reach, P.leftCols<3>() /= reach;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(P);
-    const double least = std::max(1e-12, 1e-4 * eigen.eigenvalues()(3));
-    P = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).asDiagonal() *
-        eigen.eigenvectors().transpose();
+    Eigen::MatrixXd P = pseudo_inertia(t);
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) P(i, j) /= (i < 3 ? reach : 1) * (j < 3 ? reach : 1);
+    const SymmetricEigen eigen(P);
+    const double least = std::max(1e-12, 1e-4 * eigen.largest());
+    Eigen::MatrixXd scaled = eigen.vectors;
+    for (int k = 0; k < 4; ++k) scaled.col(k) *= std::max(eigen.values(k), least);
+    P.noalias() = scaled * eigen.vectors.transpose();
     // Upper triangular: from the last row up.
     Eigen::Matrix4d U = Eigen::Matrix4d::Zero();
     for (int j = 3; j >= 0; --j)

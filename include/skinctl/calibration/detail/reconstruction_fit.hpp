@@ -2,8 +2,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 
 #include "skinctl/calibration/least_squares.hpp"
 #include "skinctl/calibration/reconstruction.hpp"
@@ -54,11 +54,10 @@ struct PatchFit {
   }
   template <class Sum>
   void terms(const State& x, Sum& sum) const {
-    using Matrix39 = Eigen::Matrix<double, 3, 9>;
     const Loss readings_loss{Loss::Kind::huber, 5};
-    Eigen::Matrix<double, 9, 9> prior = Eigen::Matrix<double, 9, 9>::Zero();
-    prior.diagonal() << Eigen::Vector3d::Constant(1 / s.prior.bias),
-        Eigen::Vector3d::Constant(1 / s.prior.scale), Eigen::Vector3d::Constant(1 / s.prior.misalignment);
+    const double prior[3] = {1 / s.prior.bias, 1 / s.prior.scale, 1 / s.prior.misalignment};
+    Eigen::Matrix<double, 9, 9> by_own = Eigen::Matrix<double, 9, 9>::Zero();
+    for (int k = 0; k < 9; ++k) by_own(k, k) = prior[k / 3];
     // As little as nothing is known of a rotation: without it a cell that the data do not show makes all of the
     // inverse infinite, and not its own part.
     const Eigen::Matrix3d loose = Eigen::Matrix3d::Identity() / 1.8;
@@ -70,34 +69,47 @@ struct PatchFit {
         const double w = 1 / s.reading;
         if constexpr (Sum::derivatives) {
           const auto y = reading_and_derivatives(cell.R, cell.errors, x.up[k]);
-          Matrix39 by_errors;
-          by_errors << w * Eigen::Matrix3d::Identity(), Eigen::Matrix3d((w * y.by_scale).asDiagonal()),
-              w * y.by_misalignment;
+          const Eigen::Vector3d rest = w * (y.y - readings[i][k]);
           const Eigen::Matrix3d by_turn = w * y.by_turn;
-          const Eigen::Matrix<double, 3, 2> by_up = w * y.by_force * across(x.up[k]);
-          sum.add(readings_loss, (w * (y.y - readings[i][k])).eval(), Partial{turn_at, by_turn},
-                  Partial{error_column(i), by_errors}, Partial{up_column(k), by_up});
+          Eigen::Matrix<double, 3, 9> by_errors = Eigen::Matrix<double, 3, 9>::Zero();
+          for (int a = 0; a < 3; ++a) {
+            by_errors(a, a) = w, by_errors(a, 3 + a) = w * y.by_scale(a);
+            for (int b = 0; b < 3; ++b) by_errors(a, 6 + b) = w * y.by_misalignment(a, b);
+          }
+          const Eigen::Matrix3d by_force = w * y.by_force;
+          const Eigen::Matrix<double, 3, 2> by_up = by_force * across(x.up[k]);
+          sum.add(readings_loss, rest,
+                  {{turn_at, by_turn}, {error_column(i), by_errors}, {up_column(k), by_up}});
         } else {
-          sum.add(readings_loss, (w * (reading(cell.R, cell.errors, x.up[k]) - readings[i][k])).eval());
+          const Eigen::Vector3d rest = w * (reading(cell.R, cell.errors, x.up[k]) - readings[i][k]);
+          sum.add(readings_loss, rest);
         }
       }
-      Eigen::Matrix<double, 9, 1> e;
-      e << cell.errors.bias, cell.errors.scale, cell.errors.misalignment;
-      sum.add({}, (prior * e).eval(), Partial{error_column(i), prior});
-      sum.add({}, (loose * turn_vector(start[i].transpose() * cell.R)).eval(), Partial{turn_at, loose});
+      Eigen::Matrix<double, 9, 1> own;
+      for (int k = 0; k < 3; ++k)
+        own(k) = prior[0] * cell.errors.bias(k), own(3 + k) = prior[1] * cell.errors.scale(k),
+        own(6 + k) = prior[2] * cell.errors.misalignment(k);
+      sum.add({}, own, {{error_column(i), by_own}});
+      const Eigen::Matrix3d turned = start[i].transpose() * cell.R;
+      sum.add({}, Eigen::Vector3d(loose * turn_vector(turned)), {{turn_at, loose}});
     }
-    using Matrix36 = Eigen::Matrix<double, 3, 6>;
     for (const auto& j : joints) {
       const auto &a = x.cells[j.a], &b = x.cells[j.b];
       const auto &ca = s.ports[j.port_a], &cb = s.ports[j.port_b];
       const double w = 1 / s.gap;
-      Matrix36 by_a, by_b;
+      const Eigen::Vector3d port_a = a.R * ca, port_b = b.R * cb;
+      Eigen::Vector3d gap;
+      for (int k = 0; k < 3; ++k) gap(k) = w * (a.p(k) + port_a(k) - b.p(k) - port_b(k));
+      Eigen::Matrix<double, 3, 6> by_a, by_b;
+      by_a.setZero(), by_b.setZero();
       if constexpr (Sum::derivatives) {
-        by_a << w * Eigen::Matrix3d::Identity(), -w * a.R * cross_matrix(ca);
-        by_b << -w * Eigen::Matrix3d::Identity(), w * b.R * cross_matrix(cb);
+        const Eigen::Matrix3d turn_a = a.R * cross_matrix(ca), turn_b = b.R * cross_matrix(cb);
+        for (int r = 0; r < 3; ++r) {
+          by_a(r, r) = w, by_b(r, r) = -w;
+          for (int c = 0; c < 3; ++c) by_a(r, 3 + c) = -w * turn_a(r, c), by_b(r, 3 + c) = w * turn_b(r, c);
+        }
       }
-      sum.add({}, (w * (a.p + a.R * ca - b.p - b.R * cb)).eval(), Partial{pose_column(j.a), by_a},
-              Partial{pose_column(j.b), by_b});
+      sum.add({}, gap, {{pose_column(j.a), by_a}, {pose_column(j.b), by_b}});
     }
   }
 };
@@ -116,8 +128,12 @@ struct PairTurn {
     if (a[k].allFinite() && b[k].allFinite()) M += a[k] * b[k].transpose(), ++out.poses;
   if (out.poses < 3) return out;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double det = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  out.R_ab = svd.matrixU() * Eigen::Vector3d(1, 1, det < 0 ? -1 : 1).asDiagonal() * svd.matrixV().transpose();
+  Eigen::Matrix3d U = svd.matrixU();
+  out.R_ab = U * svd.matrixV().transpose();
+  if (out.R_ab.col(0).cross(out.R_ab.col(1)).dot(out.R_ab.col(2)) < 0) {  // a mirror
+    U.col(2) *= -1;
+    out.R_ab = U * svd.matrixV().transpose();
+  }
   double sum = 0;
   for (std::size_t k = 0; k < a.size(); ++k)
     if (a[k].allFinite() && b[k].allFinite()) sum += (a[k] - out.R_ab * b[k]).squaredNorm();
@@ -220,39 +236,41 @@ inline void aligned_covariances(const PatchFit& fit, const SparseNormal& normal,
   const SparseInverse C(H);
   const SparseNormal::Solver solver(H);
   const std::size_t n = cells.size();
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Matrix = Eigen::MatrixXd;
   const auto motion = [&](std::size_t i) {  // of a cell when the patch moves: place, turn in its axes
-    Matrix6 G = Matrix6::Zero();
-    G.topLeftCorner<3, 3>().setIdentity();
-    G.topRightCorner<3, 3>() = -cross_matrix(cells[i].p);
-    G.bottomRightCorner<3, 3>() = cells[i].R.transpose();
+    Matrix G = Matrix::Identity(6, 6);
+    const Eigen::Matrix3d across = cross_matrix(cells[i].p);
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) G(r, 3 + c) = -across(r, c), G(3 + r, 3 + c) = cells[i].R(c, r);
     return G;
   };
-  Eigen::Matrix<double, 6, 1> weight;
-  weight << Eigen::Vector3d::Constant(1 / (3e-4 * 3e-4)), Eigen::Vector3d::Constant(1 / (0.0174 * 0.0174));
+  const double place = 1 / (3e-4 * 3e-4), angle = 1 / (0.0174 * 0.0174);
   std::vector<bool> out(n, false);
   for (int round = 0; round < 6; ++round) {
-    Matrix6 A = Matrix6::Zero();
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(H.rows(), 6);
+    Matrix A = Matrix::Zero(6, 6), right = Matrix::Zero(H.rows(), 6);
     for (std::size_t i = 0; i < n; ++i) {
       if (out[i]) continue;
-      const Matrix6 WG = weight.asDiagonal() * motion(i);
-      A += motion(i).transpose() * WG;
-      if (const int at = fit.pose_column(i); at >= 0) right.middleRows<6>(at) = WG;
+      const Matrix G = motion(i);
+      Matrix WG = G;
+      for (int r = 0; r < 6; ++r) WG.row(r) *= r < 3 ? place : angle;
+      A += G.transpose() * WG;
+      if (const int at = fit.pose_column(i); at >= 0) right.middleRows(at, 6) = WG;
     }
-    const Matrix6 inverse = A.inverse();
-    right = right * inverse;  // the alignment is right' e
-    const Eigen::MatrixXd with = solver.solve(right);
-    const Matrix6 own = right.transpose() * with;
+    const Matrix aligned = right * solve_symmetric(A, Matrix::Identity(6, 6));  // the alignment is aligned' e
+    const Matrix with = solver.solve(aligned);
+    const Matrix own = aligned.transpose() * with;
     std::vector<double> score(n);
     for (std::size_t i = 0; i < n; ++i) {
-      const Matrix6 G = motion(i);
-      Matrix6 cov = G * own * G.transpose();
+      const Matrix G = motion(i), G_own = G * own;
+      Matrix cov = G_own * G.transpose();
       if (const int at = fit.pose_column(i); at >= 0) {
-        const Matrix6 cross = with.middleRows<6>(at) * G.transpose();
-        cov += C.block(at, 6, at, 6) - cross - cross.transpose();
+        const Matrix part = with.middleRows(at, 6), cross = part * G.transpose(),
+                     block = C.block(at, 6, at, 6);
+        for (int c = 0; c < 6; ++c)
+          for (int r = 0; r < 6; ++r) cov(r, c) += block(r, c) - cross(r, c) - cross(c, r);
       }
-      cells[i].covariance = 0.5 * (cov + cov.transpose());
+      for (int c = 0; c < 6; ++c)
+        for (int r = 0; r < 6; ++r) cells[i].covariance(r, c) = 0.5 * (cov(r, c) + cov(c, r));
       score[i] =
           std::max(cells[i].place_deviation() / s.place_limit, cells[i].turn_deviation() / s.turn_limit);
     }

@@ -1,7 +1,6 @@
 // The normal equations of joint torques in masses, friction and rotors.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 
 #include "skinctl/calibration/base_parameters.hpp"
 #include "skinctl/calibration/detail/eigen_only.hpp"
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/joint_motion.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -137,9 +137,12 @@ class TorqueEquations {
         for (Eigen::Index k = 0; k < m; ++k) A(i, k) = full(columns[std::size_t(i)], columns[std::size_t(k)]);
       }
       const Eigen::VectorXd scale = A.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
-      const Eigen::MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
-      const Eigen::VectorXd solved = scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(g)));
-      for (Eigen::Index i = 0; i < m; ++i) x(columns[std::size_t(i)]) = solved(i);
+      for (Eigen::Index i = 0; i < m; ++i) {
+        g(i) *= scale(i);
+        for (Eigen::Index k = 0; k < m; ++k) A(i, k) *= scale(i) * scale(k);
+      }
+      const Eigen::VectorXd solved = solve_symmetric(A, g);
+      for (Eigen::Index i = 0; i < m; ++i) x(columns[std::size_t(i)]) = scale(i) * solved(i);
       refine(x);
     }
     return x;

@@ -43,6 +43,7 @@ SKINCTL_COLD inline SkinCloud::SkinCloud(const std::vector<Cell>& cells, const O
     for (std::size_t i = 0; i < cells.size(); ++i) direct_[cells[i].id] = static_cast<std::uint32_t>(i);
   }
   times_.assign(cells.size(), never);
+  masks_.assign(cells.size(), 0);
 
   const std::span<const unsigned char> as_bytes(reinterpret_cast<const unsigned char*>(points.data()),
                                                 points.size() * sizeof(SkinPoint));

@@ -25,6 +25,10 @@ concept WatchPart = requires { typename Part::WatchPart; };
 template <class Part>
 concept ClearancePart = requires { typename Part::ClearancePart; };
 
+/// Whether it is the contact of one link; those of all links are joined.
+template <class Part>
+inline constexpr bool is_link_contact = false;
+
 struct IsClearance {
   template <class P>
   static constexpr bool of = ClearancePart<P>;

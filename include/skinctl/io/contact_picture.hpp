@@ -1,4 +1,4 @@
-// Contacts of a skin for a live view.
+// Contacts of a skin for a picture: what files and streams show of them.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/skin_contact.hpp"
 
-namespace adapters::live {
+SKINCTL_BEGIN_NAMESPACE
 
 /// The contacts of a skin for a picture, from the newest samples of its cells: clusters of cells pushed by more than a
 /// threshold. For the thread beside the loop.
@@ -18,25 +18,22 @@ class ContactPicture {
  public:
   static constexpr std::size_t most_cells = 8192, most = 64;
 
-  /// @param cells, ids  on the links whose places `find` is told, in any order.
-  /// @param newtons    of a sum of readings of 1.
-  /// @param threshold  of a cell's force above its lowest reading so far [N].
+  /// @param skin     cells on the links whose places `find` is told.
+  /// @param newtons  of a sum of readings of 1.
   /// Throws `ConfigurationError` for more than 8192 cells, or another number of ids.
-  ContactPicture(const std::vector<skinctl::CellPlace>& cells, const std::vector<std::uint32_t>& ids,
-                 double newtons, double threshold)
-      : finder_(cells, skinctl::CellGraph(cells)),
+  ContactPicture(const PressedCells& skin, double newtons)
+      : finder_(skin.places, CellGraph(skin.places)),
         newtons_(newtons),
-        threshold_(threshold),
-        push_(cells.size()),
-        rest_(cells.size(), 1e9),
+        threshold_(skin.threshold),
+        push_(skin.places.size()),
+        rest_(skin.places.size(), 1e9),
         memory_(std::make_unique<Memory>()) {
-    skinctl::require(cells.size() <= most_cells, "ContactPicture: cells", double(cells.size()),
-                     "at most 8192");
-    skinctl::require(ids.size() == cells.size(), "ContactPicture: ids", double(ids.size()),
-                     "one for each cell");
-    for (std::size_t i = 0; i < ids.size(); ++i) index_[ids[i]] = i;
+    require(push_.size() <= most_cells, "ContactPicture: cells", double(push_.size()), "at most 8192");
+    require(skin.ids.size() == push_.size(), "ContactPicture: ids", double(skin.ids.size()),
+            "one for each cell");
+    for (std::size_t i = 0; i < skin.ids.size(); ++i) index_[skin.ids[i]] = i;
   }
-  void take(const skinctl::CellSample& s) noexcept {
+  void take(const CellSample& s) noexcept {
     const auto found = index_.find(s.cell);
     if (found == index_.end()) return;
     const double n = newtons_ * (double(s.force[0]) + double(s.force[1]) + double(s.force[2]));
@@ -45,9 +42,7 @@ class ContactPicture {
     push_[found->second] = n - rest;
   }
   /// The contacts where the links are at `links`, in the base; at most 64.
-  [[nodiscard]] std::span<const skinctl::ContactPoint> find(skinctl::Nanoseconds now,
-                                                            const std::vector<skinctl::LinkPlace>& links) {
-    using namespace skinctl;
+  [[nodiscard]] std::span<const ContactPoint> find(Nanoseconds now, const std::vector<LinkPlace>& links) {
     struct {
       void add(const PressedArea<double>&) noexcept {}
     } areas;
@@ -73,13 +68,13 @@ class ContactPicture {
   }
 
  private:
-  using Memory = skinctl::SkinContactMemory<most_cells, most>;
-  skinctl::ContactFinder<> finder_;
+  using Memory = SkinContactMemory<most_cells, most>;
+  ContactFinder<> finder_;
   double newtons_, threshold_;
   std::vector<double> push_, rest_;
   std::unordered_map<std::uint32_t, std::size_t> index_;
   std::unique_ptr<Memory> memory_;
-  std::vector<skinctl::ContactPoint> found_;
+  std::vector<ContactPoint> found_;
 };
 
-}  // namespace adapters::live
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,55 @@
+// Where things are, in the World: two arms face each other across a box; each has its oranges to its right and a bin
+// to its left. The second arm's places are those of the first, turned by half a circle.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+
+#include "skinctl/core/triple.hpp"
+
+namespace packing {
+
+using namespace std::chrono_literals;
+
+/// A rectangle on the table with walls around it [m].
+struct Tray {
+  double x = 0, y = 0, half_x = 0, half_y = 0, wall = 0;
+
+  [[nodiscard]] constexpr bool holds(const skinctl::Xyz<double>& p) const noexcept {
+    return p.x > x - half_x && p.x < x + half_x && p.y > y - half_y && p.y < y + half_y && p.z < wall + 0.03;
+  }
+};
+
+inline constexpr std::size_t arms = 2;
+/// Oranges that the world has room for, of each arm.
+inline constexpr std::size_t slots = 4;
+/// Places for oranges in the feed of an arm.
+inline constexpr std::size_t feed_places = 3;
+
+namespace place {
+enum : unsigned char { box, bin };
+}
+
+/// +1 for the first arm, -1 for the second.
+[[nodiscard]] constexpr double side(std::size_t arm) noexcept {
+  return arm == 0 ? 1 : -1;
+}
+
+inline constexpr Tray box_tray{0, 0, 0.17, 0.13, 0.08};
+[[nodiscard]] constexpr Tray bin_tray(std::size_t arm) noexcept {
+  return {-0.30 * side(arm), 0.42 * side(arm), 0.12, 0.12, 0.06};
+}
+[[nodiscard]] constexpr Tray feed_tray(std::size_t arm) noexcept {
+  return {-0.24 * side(arm), -0.40 * side(arm), 0.22, 0.07, 0.04};
+}
+[[nodiscard]] constexpr skinctl::Xyz<double> feed_place(std::size_t arm, std::size_t k) noexcept {
+  return {(-0.24 + 0.15 * (static_cast<double>(k) - 1)) * side(arm), -0.40 * side(arm), 0};
+}
+/// Where an arm lets go.
+[[nodiscard]] constexpr skinctl::Xyz<double> drop_place(std::size_t arm, unsigned char where) noexcept {
+  return where == place::box ? skinctl::Xyz<double>{-0.04 * side(arm), 0, 0}
+                             : skinctl::Xyz<double>{bin_tray(arm).x, bin_tray(arm).y, 0};
+}
+
+}  // namespace packing

@@ -1,0 +1,64 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "examples/packing_oranges/run.hpp"
+
+namespace packing {
+
+int Outcome::right() const {
+  return static_cast<int>(
+      std::count_if(ended.begin(), ended.end(), [](const Packed& p) { return p.right(); }));
+}
+int Outcome::misjudged() const {
+  return static_cast<int>(std::count_if(
+      ended.begin(), ended.end(), [](const Packed& p) { return p.end != Packed::End::lost && !p.right(); }));
+}
+int Outcome::lost() const {
+  return static_cast<int>(
+      std::count_if(ended.begin(), ended.end(), [](const Packed& p) { return p.end == Packed::End::lost; }));
+}
+double Outcome::worst_grip() const {
+  double most = 0;
+  for (const auto& a : arm) most = std::max(most, a.worst_grip);
+  return most;
+}
+double Outcome::worst_force() const {
+  double most = 0;
+  for (const auto& a : arm) most = std::max(most, a.worst_force);
+  return most;
+}
+double Outcome::shake() const {
+  double most = 0;
+  for (const auto& a : arm) most = std::max(most, a.shake);
+  return most;
+}
+double Outcome::seconds_an_orange() const {
+  double busy = 0;
+  for (const auto& a : arm) busy += a.busy;
+  return ended.empty() ? 0 : busy / static_cast<double>(ended.size());
+}
+
+namespace {
+constexpr struct {
+  Fault fault;
+  const char *name, *words;
+} faults[] = {{Fault::none, "none", "nothing goes wrong"},
+              {Fault::slip, "slip", "a carried orange is wet and slips out of the fingers"},
+              {Fault::no_detector, "no_detector", "the detector is silent for 2 s"},
+              {Fault::box_blocked, "box_blocked", "a person has the box for 30 s"},
+              {Fault::touch_held, "touch_held", "a person leans on a forearm for 20 s"}};
+}  // namespace
+
+Fault fault_named(const std::string& name) {
+  for (const auto& f : faults)
+    if (name == f.name) return f.fault;
+  throw std::runtime_error("no such fault: " + name);
+}
+const char* describe(Fault fault) {
+  for (const auto& f : faults)
+    if (fault == f.fault) return f.words;
+  return "";
+}
+
+}  // namespace packing

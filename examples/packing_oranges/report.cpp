@@ -1,0 +1,105 @@
+#include "examples/packing_oranges/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "examples/packing_oranges/pictures.hpp"
+#include "examples/support/svg_plot.hpp"
+
+namespace packing {
+namespace {
+__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...) {
+  char line[400];
+  va_list values;
+  va_start(values, format);
+  std::vsnprintf(line, sizeof line, format, values);
+  va_end(values);
+  return line;
+}
+int failed(const ArmOutcome& a) {
+  return static_cast<int>(std::count_if(a.done.begin(), a.done.end(),
+                                        [](const Done& d) { return d.why != skinctl::StepFailure::none; }));
+}
+int went_back(const ArmOutcome& a) {
+  return static_cast<int>(std::count_if(a.done.begin(), a.done.end(), [](const Done& d) { return d.back; }));
+}
+std::string failures(const ArmOutcome& a) {
+  constexpr int shown = 8;
+  std::string out;
+  int n = 0;
+  for (const Done& d : a.done) {
+    if (d.why == skinctl::StepFailure::none) continue;
+    if (++n <= shown) out += text("  %8.2f s  %s: %s\n", d.to, step_names[d.step], skinctl::describe(d.why));
+  }
+  if (n > shown) out += text("  and %d more\n", n - shown);
+  return out;
+}
+/// Text with its line ends, for a page.
+std::string lines(const std::string& words) {
+  std::string out;
+  for (std::size_t from = 0; from < words.size();) {
+    const std::size_t end = std::min(words.find('\n', from), words.size());
+    out += plotting::escaped(std::string_view(words).substr(from, end - from)) + "\n";
+    from = end + 1;
+  }
+  return out;
+}
+}  // namespace
+
+std::string summary(const Outcome& o, const RunSettings& s) {
+  std::string out;
+  const int ended = static_cast<int>(o.ended.size());
+  out += text("%d of %d oranges by two %s in %.0f s%s\n", ended, o.oranges, o.robot.c_str(), o.time,
+              o.over      ? ""
+              : o.stopped ? ": interrupted"
+                          : ": the time is up");
+  out += text("right %d (%.1f %%), misjudged %d, lost %d\n", o.right(),
+              ended > 0 ? 100.0 * o.right() / ended : 0.0, o.misjudged(), o.lost());
+  out += text("%.2f s an orange and arm; fingertips %.2f m/s^2 rms while carrying\n", o.seconds_an_orange(),
+              o.shake());
+  out += text("largest force of a finger %.2f N while holding, %.2f N at all\n", o.worst_grip(),
+              o.worst_force());
+  for (std::size_t a = 0; a < arms; ++a) {
+    const ArmOutcome& m = o.arm[a];
+    out += text(
+        "arm %zu: %zu judged, %d steps failed, %d times back, %d times asked; waited %.1f s for the box; "
+        "touched %d times; %llu ms at walls, %llu ms at the other arm\n",
+        a + 1, m.judged.size(), failed(m), went_back(m), m.asked, m.waited, m.touches,
+        static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm));
+    out += failures(m);
+  }
+  if (s.fault != Fault::none) out += text("fault at %.1f s: %s\n", o.fault_begins, describe(s.fault));
+  out += text("%.1f times real time on one core; %.1f us a cycle of an arm, with its executor\n",
+              o.computed > 0 ? o.time / o.computed : 0, o.cycle);
+  return out;
+}
+
+std::string report(const Outcome& o, const RunSettings& s) {
+  std::string page =
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width\"><title>Packing oranges</title>\n<style>\n:root{color-scheme:light "
+      "dark}\n"
+      "body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:62rem;padding:0 1rem}\n"
+      "h2{margin:2.2rem 0 .4rem;font-size:1.15rem}figure{margin:0}svg{width:100%;height:auto}\n"
+      "pre{white-space:pre-wrap;border-left:3px solid #e8912d;padding-left:1rem}\n" +
+      plotting::plot_style() + picture_style() + "</style></head><body>\n<h1>Packing oranges</h1>\n<pre>" +
+      lines(summary(o, s)) + "</pre>\n";
+  const auto part = [&](const std::string& title, const std::string& words, const std::string& picture) {
+    page += "<h2>" + title + "</h2>\n<p>" + words + "</p>\n<figure>" + picture + "</figure>\n";
+  };
+  part("Where the hands went", "From above, the first minute.", picture_from_above(o));
+  part("What each arm did",
+       "A row an arm, a minute a line; red: the way back after a failure, black: a person is asked.",
+       picture_of_time(o, s));
+  part("What was judged", "The stiffness that a squeeze told, over the orange's own; the line is the border.",
+       picture_of_judgement(o, s));
+  part("Force of a finger",
+       "Blue: the force; brown: the opening in cm. The first oranges of the first arm; shaded: a person "
+       "pushes the forearm.",
+       picture_of_force(o));
+  return page + "</body></html>\n";
+}
+
+}  // namespace packing

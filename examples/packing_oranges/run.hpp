@@ -1,0 +1,87 @@
+// A run of the whole: the world, two arms that pack, and a person who touches them.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/supply.hpp"
+#include "examples/packing_oranges/work.hpp"
+
+namespace packing {
+
+/// What goes wrong in a run, once.
+enum class Fault : unsigned char { none, slip, no_detector, box_blocked, touch_held };
+
+struct RunSettings {
+  SupplySettings supply{};
+  WorldSettings world{};
+  DetectorSettings detector{};
+  WorkSettings work{};
+  std::uint64_t seed = 1;
+  double touch_every = 20;   ///< a person pushes each forearm so often [s]; 0: never
+  double touch_force = 12;   ///< [N]
+  double touch_lasts = 0.6;  ///< [s]
+  double skin_noise = 0.1;   ///< deviation of a cell's force [N]
+  Fault fault = Fault::none;
+  double fault_at = 12;    ///< [s]
+  double fault_lasts = 0;  ///< [s]; 0: as long as is usual for it
+  double longest = 0;      ///< [s] of simulated time; 0: enough for the oranges
+  bool keep_path = false;  ///< of the hands, for pictures
+};
+
+/// What one arm did.
+struct ArmOutcome {
+  std::vector<Done> done;
+  struct Judged {
+    double stiffness = 0, truth = 0, time = 0;
+    bool said_good = false, good = false;
+  };
+  std::vector<Judged> judged;
+  double worst_grip = 0;                   ///< force of a finger while both hold something [N]
+  double worst_force = 0;                  ///< of a finger, bumps into what lies there included [N]
+  double shake = 0;                        ///< rms acceleration of a fingertip while it carries [m/s^2]
+  double waited = 0;                       ///< for the box [s]
+  double busy = 0;                         ///< until its last orange was done [s]
+  int touches = 0, asked = 0;              ///< how often it was touched, and a person was asked
+  std::uint64_t other_arm = 0, walls = 0;  ///< milliseconds in contact
+  struct Point {
+    double t = 0, x = 0, y = 0, z = 0, force = 0, opening = 0;
+    bool touched = false;
+  };
+  std::vector<Point> path;
+};
+struct Outcome {
+  std::array<ArmOutcome, arms> arm;
+  std::vector<Packed> ended;
+  int oranges = 0;
+  double time = 0;      ///< simulated [s]
+  double computed = 0;  ///< processor time [s]
+  double cycle = 0;     ///< mean processor time of a cycle of an arm with its executor [us]
+  bool over = false;    ///< all oranges are packed, and both plans have ended
+  bool stopped = false;
+  std::string robot;
+  double fault_begins = 0, fault_ends = 0;
+
+  [[nodiscard]] int right() const;
+  [[nodiscard]] int misjudged() const;
+  [[nodiscard]] int lost() const;
+  [[nodiscard]] double worst_grip() const;
+  [[nodiscard]] double worst_force() const;
+  [[nodiscard]] double shake() const;
+  [[nodiscard]] double seconds_an_orange() const;  ///< and arm
+};
+
+/// Watches a run: called every simulated tenth of a second; false ends it.
+using Watch = std::function<bool(double time, const Supply&)>;
+
+Outcome run_ur5(const RunSettings& settings, const Watch& watch = {});
+Outcome run_ur10e(const RunSettings& settings, const Watch& watch = {});
+
+/// The fault of this name. Throws std::runtime_error for another one.
+Fault fault_named(const std::string& name);
+const char* describe(Fault fault);
+
+}  // namespace packing

@@ -1,0 +1,221 @@
+// The run, for an arm `R`.
+#pragma once
+
+#include <chrono>
+#include <cmath>
+
+#include "examples/packing_oranges/run.hpp"
+#include "examples/packing_oranges/worker.hpp"
+
+namespace packing {
+
+/// The skin of a forearm, and the person who pushes it: a force on one cell.
+template <class R>
+class Toucher {
+ public:
+  Toucher(const RunSettings& s, std::uint64_t seed) : s_(s), cells_(Arm<R>::cells()), random_(seed) {
+    samples_.resize(cells_.size());
+    for (std::size_t i = 0; i < cells_.size(); ++i) samples_[i].cell = cells_[i].id;
+  }
+  /// From now on `force` newtons along the inward normal of a cell, 0: none.
+  void push(World& world, std::size_t arm, double force) {
+    if (force > 0 && !(force_ > 0)) cell_ = random_() % cells_.size();
+    force_ = force;
+    const auto& X = cells_[cell_].X_LC;
+    world.push(arm, forearm, X.origin(), -force * X.axis_z());
+  }
+  [[nodiscard]] std::span<const skinctl::CellSample> samples(skinctl::Nanoseconds now) {
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const double f = (i == cell_ ? force_ : 0) + s_.skin_noise * normal_(random_);
+      const auto reading = static_cast<float>(std::clamp(f / (3 * newtons_per_reading), 0.0, 1.0));
+      samples_[i].time = now;
+      samples_[i].force = {reading, reading, reading};
+    }
+    return samples_;
+  }
+  [[nodiscard]] double force() const { return force_; }
+
+ private:
+  RunSettings s_;
+  std::vector<skinctl::PlacedCell<forearm>> cells_;
+  std::vector<skinctl::CellSample> samples_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  std::size_t cell_ = 0;
+  double force_ = 0;
+};
+
+template <class R>
+class Run {
+ public:
+  using A = Arm<R>;
+
+  explicit Run(const RunSettings& s)
+      : s_(s),
+        world_({A::body(0), A::body(1)}, s.world, s.seed * 7919 + 1),
+        supply_(s.supply, s.seed * 7919 + 2),
+        detector_(s.detector, s.seed * 7919 + 3),
+        scene_(A::scene()),
+        box_(60s),
+        places_(box_.start()) {
+    world_.step();
+    for (std::size_t a = 0; a < arms; ++a) {
+      workers_.push_back(std::make_unique<Worker<R>>(a, scene_, s.work, world_.joints(a)));
+      touchers_.push_back(std::make_unique<Toucher<R>>(s, s.seed * 7919 + 4 + a));
+      next_touch_[a] = s.touch_every * (a == 0 ? 0.4 : 0.9);
+    }
+    const double usual[] = {0, 1, 2, 30, 20};
+    lasts_ = s.fault_lasts > 0 ? s.fault_lasts : usual[static_cast<std::size_t>(s.fault)];
+  }
+
+  Outcome operator()(const Watch& watch) {
+    const double longest = s_.longest > 0 ? s_.longest : 60 + 20.0 * s_.supply.oranges;
+    const std::clock_t begun = std::clock();
+    while (time() < longest) {
+      if (tick_ % 100 == 0 && watch && !watch(time(), supply_)) {
+        out_.stopped = true;
+        break;
+      }
+      if (tick_ % 8 == 0) {
+        supply_.step(world_);
+        happen();
+        cycle();
+        if (supply_.over() && workers_[0]->finished() && workers_[1]->finished()) {
+          out_.over = true;
+          break;
+        }
+      }
+      world_.step();
+      ++tick_;
+    }
+    return collect(static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC);
+  }
+
+ private:
+  [[nodiscard]] double time() const { return skinctl::seconds<double>(world_.now()); }
+  [[nodiscard]] bool faulty(Fault f) const {
+    return s_.fault == f && time() >= s_.fault_at && time() < s_.fault_at + lasts_;
+  }
+
+  /// Touches and faults.
+  void happen() {
+    const double t = time();
+    for (std::size_t a = 0; a < arms; ++a) {
+      ArmOutcome& o = out_.arm[a];
+      if (s_.touch_every > 0 && t >= next_touch_[a]) {
+        touch_until_[a] = t + s_.touch_lasts;
+        next_touch_[a] += s_.touch_every;
+        ++o.touches;
+      }
+      const bool held = a == 0 && faulty(Fault::touch_held);
+      const bool on = t < touch_until_[a] || held;
+      if (on != (touchers_[a]->force() > 0)) touchers_[a]->push(world_, a, on ? s_.touch_force : 0);
+    }
+    detector_.step(world_, faulty(Fault::no_detector));
+    if (s_.fault == Fault::slip && slipped_ < 0 && t >= s_.fault_at)
+      for (std::size_t k = 0; k < slots; ++k)
+        if (workers_[0]->carries() && world_.there(k) && world_.now() - world_.touched(k) < 5ms &&
+            world_.touched(k) >= skinctl::Nanoseconds(0)) {
+          world_.make_slippery(k);
+          slipped_ = static_cast<int>(k);
+          out_.fault_begins = t;
+          out_.fault_ends = t + lasts_;
+        }
+    if (slipped_ >= 0 && !dry_ && t >= out_.fault_ends) {
+      world_.make_slippery(static_cast<std::size_t>(slipped_), false);
+      dry_ = true;
+    }
+  }
+
+  void cycle() {
+    Picture picture;
+    while (detector_.take(world_.now(), picture))
+      for (auto& w : workers_) w->see(picture);
+    std::array<skinctl::PlaceRequest, arms + 1> asked{};
+    for (std::size_t a = 0; a < arms; ++a) asked[a] = workers_[a]->place_request();
+    const bool person = faulty(Fault::box_blocked);
+    asked[arms] = {.wants = person ? std::uint8_t(0) : std::uint8_t(255), .leaves = 1};
+    const auto places = box_.step(places_, world_.now(), asked);
+    places_ = places.memory;
+    const std::clock_t begun = std::clock();
+    for (std::size_t a = 0; a < arms; ++a) {
+      Worker<R>& w = *workers_[a];
+      const bool resume = w.asks() && answers(a);
+      const auto out = w.step(world_.now(), world_.joints(a), world_.gripper(a),
+                              touchers_[a]->samples(world_.now()), places.grants[a].granted, resume);
+      if (out.command.valid) world_.command(a, out.command.position, out.command.velocity);
+      world_.command(a, out.gripper);
+      watch(a, w, places.grants[a].granted);
+    }
+    computed_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
+    ++cycles_;
+  }
+  /// A person who is asked comes when the fault is over, and takes a second.
+  bool answers(std::size_t a) {
+    if (asked_since_[a] < 0) {
+      asked_since_[a] = time();
+      ++out_.arm[a].asked;
+    }
+    const bool over = time() >= s_.fault_at + lasts_ && time() > asked_since_[a] + 1;
+    if (over) asked_since_[a] = -1;
+    return over;
+  }
+  /// What the judges note.
+  void watch(std::size_t a, const Worker<R>& w, bool granted) {
+    ArmOutcome& o = out_.arm[a];
+    const double t = time();
+    const ArmRecord& r = world_.record(a);
+    if (w.carries() && !(touchers_[a]->force() > 0)) square_[a] += r.square, samples_[a] += r.samples;
+    world_.clear_shake(a);
+    if (!granted) o.waited += 0.008;
+    while (o.judged.size() < w.judged().size()) {
+      const auto& j = w.judged()[o.judged.size()];
+      o.judged.push_back({j.stiffness, supply_.stiffness(j.object), j.time, j.good, supply_.good(j.object)});
+    }
+    if (s_.keep_path && cycles_ % 4 == 0) {
+      const auto p = world_.hand(a);
+      o.path.push_back({t, p.x, p.y, p.z, r.force, world_.gripper(a).opening, touchers_[a]->force() > 0});
+    }
+  }
+  Outcome collect(double computed) {
+    out_.ended = supply_.ended();
+    out_.oranges = s_.supply.oranges;
+    out_.time = time();
+    out_.computed = computed;
+    out_.cycle = cycles_ > 0 ? 1e6 * computed_ / static_cast<double>(arms * cycles_) : 0;
+    out_.robot = R::name;
+    if (s_.fault != Fault::none && s_.fault != Fault::slip)
+      out_.fault_begins = s_.fault_at, out_.fault_ends = s_.fault_at + lasts_;
+    for (std::size_t a = 0; a < arms; ++a) {
+      ArmOutcome& o = out_.arm[a];
+      o.done = workers_[a]->done();
+      o.worst_grip = world_.record(a).worst_grip;
+      o.worst_force = world_.record(a).worst_force;
+      o.shake = samples_[a] > 0 ? std::sqrt(square_[a] / static_cast<double>(samples_[a])) : 0;
+      o.other_arm = world_.record(a).other_arm;
+      o.walls = world_.record(a).walls;
+      for (const Packed& p : out_.ended)
+        if (p.arm == a) o.busy = std::max(o.busy, p.time);
+    }
+    return std::move(out_);
+  }
+
+  RunSettings s_;
+  World world_;
+  Supply supply_;
+  Detector detector_;
+  typename A::Scene scene_;
+  skinctl::Resources<1, arms + 1> box_;
+  typename skinctl::Resources<1, arms + 1>::Memory places_;
+  std::vector<std::unique_ptr<Worker<R>>> workers_;
+  std::vector<std::unique_ptr<Toucher<R>>> touchers_;
+  std::array<double, arms> next_touch_{}, touch_until_{}, square_{}, asked_since_{-1, -1};
+  std::array<std::uint64_t, arms> samples_{};
+  Outcome out_;
+  double lasts_ = 0, computed_ = 0;
+  std::uint64_t tick_ = 0, cycles_ = 0;
+  int slipped_ = -1;  ///< the orange
+  bool dry_ = false;
+};
+
+}  // namespace packing

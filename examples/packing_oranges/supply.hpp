@@ -1,0 +1,113 @@
+// Puts oranges before the arms, looks where they end, and keeps the count: the judge, who knows which one is good.
+#pragma once
+
+#include <random>
+#include <vector>
+
+#include "examples/packing_oranges/world.hpp"
+
+namespace packing {
+
+struct SupplySettings {
+  int oranges = 12;
+  double good = 6000, bad = 2500;  ///< stiffness [N/m]
+  double spread = 0.1;             ///< relative deviation of an orange from its kind
+  double share = 0.5;              ///< of good ones
+};
+
+/// Where an orange has ended.
+struct Packed {
+  std::size_t arm = 0;
+  bool good = false;
+  double stiffness = 0;
+  enum class End : unsigned char { box, bin, lost } end = End::lost;
+  double time = 0;  ///< [s]
+  [[nodiscard]] bool right() const { return end == (good ? End::box : End::bin); }
+};
+
+class Supply {
+ public:
+  Supply(const SupplySettings& settings, std::uint64_t seed) : s_(settings), random_(seed) {
+    for (auto& row : at_) row.fill(nobody);
+  }
+  /// Every few milliseconds.
+  void step(World& world) {
+    for (std::size_t arm = 0; arm < arms; ++arm) {
+      for (std::size_t k = arm * slots; k < (arm + 1) * slots; ++k)
+        if (world.there(k)) look_at(world, arm, k);
+      if (given_ < s_.oranges) fill(world, arm);
+    }
+  }
+  [[nodiscard]] bool over() const { return static_cast<int>(ended_.size()) == s_.oranges; }
+  [[nodiscard]] const std::vector<Packed>& ended() const { return ended_; }
+  [[nodiscard]] int given() const { return given_; }
+  [[nodiscard]] const SupplySettings& settings() const { return s_; }
+  [[nodiscard]] double stiffness(std::size_t slot) const { return kind_[slot].stiffness; }
+  [[nodiscard]] bool good(std::size_t slot) const { return kind_[slot].good; }
+
+ private:
+  static constexpr std::size_t nobody = 99;
+  struct Kind {
+    bool good = false;
+    double stiffness = 0;
+    skinctl::Nanoseconds lies{};  ///< since when it has lain where it is
+  };
+
+  void look_at(World& world, std::size_t arm, std::size_t k) {
+    const auto p = world.orange(k);
+    Kind& o = kind_[k];
+    const auto now = world.now();
+    const bool held = world.touched(k) >= skinctl::Nanoseconds(0) && now - world.touched(k) < 100ms;
+    if (held || norm(world.orange_velocity(k)) > 0.05) o.lies = now;
+    const bool waits = feed_tray(arm).holds(p);
+    for (auto& place : at_[arm])
+      if (place == k && (!waits || p.z > 0.1)) place = nobody;
+    if (waits || held) return;
+    const bool in_box = box_tray.holds(p);
+    bool in_bin = false;
+    for (std::size_t a = 0; a < arms; ++a) in_bin = in_bin || bin_tray(a).holds(p);
+    const auto patience = in_box || in_bin ? 500ms : 3000ms;
+    if (now - o.lies < patience && norm(p) < 3) return;
+    ended_.push_back({arm, o.good, o.stiffness,
+                      in_box   ? Packed::End::box
+                      : in_bin ? Packed::End::bin
+                               : Packed::End::lost,
+                      skinctl::seconds<double>(now)});
+    world.take_out(k);
+  }
+  void fill(World& world, std::size_t arm) {
+    for (std::size_t place = 0; place < feed_places; ++place) {
+      if (at_[arm][place] != nobody || given_ >= s_.oranges) continue;
+      for (std::size_t k = arm * slots; k < (arm + 1) * slots; ++k) {
+        if (world.there(k)) continue;
+        const auto p = feed_place(arm, place);
+        bool room = norm(skinctl::Xyz<double>(world.hand(arm) - p)) > 0.25;
+        for (std::size_t j = 0; j < arms * slots; ++j)
+          room = room && (!world.there(j) || norm(skinctl::Xyz<double>(world.orange(j) - p)) > 0.12);
+        if (!room) break;
+        Kind& o = kind_[k];
+        o.good = uniform_(random_) < s_.share;
+        const double z = std::clamp(normal_(random_), -3.0, 3.0);
+        o.stiffness = (o.good ? s_.good : s_.bad) * (1 + s_.spread * z);
+        o.lies = world.now();
+        const auto off = [&] { return 0.02 * (uniform_(random_) - 0.5); };
+        const double dx = off(), dy = off(), radius = 0.038 + 0.008 * (uniform_(random_) - 0.5);
+        world.put(k, {p.x + dx, p.y + dy, 0}, {radius, o.stiffness});
+        at_[arm][place] = k;
+        ++given_;
+        break;
+      }
+    }
+  }
+
+  SupplySettings s_;
+  std::mt19937_64 random_;
+  std::uniform_real_distribution<double> uniform_{0, 1};
+  std::normal_distribution<double> normal_;
+  std::array<Kind, arms * slots> kind_{};
+  std::array<std::array<std::size_t, feed_places>, arms> at_{};
+  std::vector<Packed> ended_;
+  int given_ = 0;
+};
+
+}  // namespace packing

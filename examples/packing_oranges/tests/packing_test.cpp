@@ -1,0 +1,204 @@
+// Small runs of the whole; the large ones are the program's, see the README.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "examples/packing_oranges/report.hpp"
+#include "examples/packing_oranges/teach.hpp"
+#include "examples/support/run_program.hpp"
+#include "skinctl/semantics/dot.hpp"
+
+using namespace packing;
+
+namespace {
+RunSettings few(int oranges, std::uint64_t seed = 3) {
+  RunSettings s;
+  s.supply.oranges = oranges;
+  s.seed = seed;
+  s.touch_every = 0;
+  s.work.executor.place = 2s;
+  return s;
+}
+int failures(const Outcome& o, skinctl::StepFailure why) {
+  int n = 0;
+  for (const auto& a : o.arm)
+    for (const Done& d : a.done) n += d.why == why;
+  return n;
+}
+int backs(const Outcome& o) {
+  int n = 0;
+  for (const auto& a : o.arm)
+    for (const Done& d : a.done) n += d.back;
+  return n;
+}
+/// An arm for worlds in which it only holds its hand somewhere: the grippers are what counts.
+ArmBody stand(double x) {
+  ArmBody body;
+  body.X_WB =
+      skinctl::Transform<skinctl::World, skinctl::Base>({{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}, {x, 0, 0.5});
+  for (auto& l : body.links) l.mass = 1, l.inertia = {0.1, 0.1, 0.1, 0, 0, 0};
+  body.flange = 0.3;  // the point between the fingers is 4 cm above the table
+  return body;
+}
+}  // namespace
+
+TEST_CASE("World: a squeezed orange is as stiff as it says, from 500 to 20 000 N/m") {
+  for (const double stiffness : {500.0, 6000.0, 20000.0}) {
+    World world({stand(0), stand(1)}, {.force_noise = 0}, 1);
+    world.put(0, {0, 0, 0.002}, {0.038, stiffness});
+    const auto close = [&](double force, std::uint32_t count, int ms) {
+      world.command(0, skinctl::GripperCommand{{0, force, 0.04}, count});
+      for (int i = 0; i < ms; ++i) world.step();
+      return std::pair(world.record(0).force, world.gripper(0).opening);
+    };
+    close(1, 1, 1500);
+    const auto [F1, x1] = close(2, 2, 700);
+    const auto [F2, x2] = close(6, 3, 700);
+    CAPTURE(stiffness);
+    CHECK(F1 == doctest::Approx(2).epsilon(0.02));
+    CHECK(F2 == doctest::Approx(6).epsilon(0.05));
+    CHECK(2 * (F2 - F1) / (x1 - x2) == doctest::Approx(stiffness).epsilon(0.015));
+  }
+}
+
+TEST_CASE("packing_oranges: good ones into the box, bad ones into the bin, touched meanwhile") {
+  RunSettings s = few(6);
+  s.touch_every = 4;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 6);
+  int good = 0;
+  for (const Packed& p : o.ended) good += p.good;
+  CHECK(good > 0);
+  CHECK(good < 6);
+  CHECK(o.arm[0].touches + o.arm[1].touches >= 6);
+  CHECK(o.worst_grip() > 6.5);
+  CHECK(o.worst_grip() < 10);
+  CHECK(o.shake() > 0.5);
+  CHECK(o.shake() < 3);
+  CHECK(o.seconds_an_orange() < 10);
+  for (const auto& a : o.arm)
+    for (const auto& j : a.judged) CHECK(j.stiffness == doctest::Approx(j.truth).epsilon(0.25));
+}
+
+TEST_CASE("packing_oranges: a servo that takes commands as steps shakes the hand more than is allowed") {
+  RunSettings s = few(2);
+  s.world.interpolate = false;
+  s.longest = 5;
+  CHECK(run_ur5(s).shake() > 3);
+}
+
+TEST_CASE("packing_oranges: the same plan on another robot") {
+  const Outcome o = run_ur10e(few(2));
+  CHECK(o.over);
+  CHECK(o.right() == 2);
+  for (const auto& a : o.arm)
+    for (const auto& j : a.judged) CHECK(j.stiffness == doctest::Approx(j.truth).epsilon(0.05));
+}
+
+TEST_CASE("packing_oranges: what slips is lost for the plan, which goes back and looks again") {
+  RunSettings s = few(3);
+  s.fault = Fault::slip;
+  s.fault_at = 3;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(failures(o, skinctl::StepFailure::fact_lost) >= 1);
+  CHECK(backs(o) >= 1);
+  CHECK(o.right() + o.lost() == 3);
+  CHECK(o.lost() <= 1);
+}
+
+TEST_CASE("packing_oranges: without a detector the plan looks again, then goes back, until there is one") {
+  for (const double lasts : {2.0, 9.0}) {
+    RunSettings s = few(1);
+    s.fault = Fault::no_detector;
+    s.fault_at = 0;
+    s.fault_lasts = lasts;
+    const Outcome o = run_ur5(s);
+    CHECK(o.over);
+    CHECK(o.right() == 1);
+    CHECK(failures(o, skinctl::StepFailure::timeout) >= (lasts > 8 ? 6 : 2));
+    CHECK((backs(o) > 0) == (lasts > 8));
+  }
+}
+
+TEST_CASE("packing_oranges: while somebody has the box, what is good is put back") {
+  RunSettings s = few(2);
+  s.supply.share = 1;
+  s.fault = Fault::box_blocked;
+  s.fault_at = 0;
+  s.fault_lasts = 8;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 2);
+  CHECK(failures(o, skinctl::StepFailure::place) >= 1);
+  CHECK(backs(o) >= 1);
+}
+
+TEST_CASE("packing_oranges: a person who leans on a forearm is waited for, or asked") {
+  RunSettings s = few(2);
+  s.fault = Fault::touch_held;
+  s.fault_at = 1;
+  s.fault_lasts = 22;
+  s.touch_force = 30;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 2);
+  CHECK(failures(o, skinctl::StepFailure::timeout) >= 1);
+  CHECK(backs(o) + o.arm[0].asked >= 1);
+}
+
+TEST_CASE("packing_oranges: a place in the box is taught by leading the arm, and used") {
+  double worst = 0;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const auto lesson = teach(seed);
+    REQUIRE(lesson.has_value());
+    CHECK(lesson->released);
+    worst = std::max(worst, norm(skinctl::Xyz<double>(lesson->taught - lesson->rested)));
+    CHECK(norm(skinctl::Xyz<double>(lesson->taught - lesson->meant)) <= 0.006);
+    if (seed > 1) continue;
+    RunSettings s = few(1);
+    s.supply.share = 1;
+    s.work.taught = lesson->taught;
+    s.keep_path = true;
+    const Outcome o = run_ur5(s);
+    CHECK(o.right() == 1);
+    double nearest = 1;
+    for (const auto& p : o.arm[0].path)
+      nearest = std::min(nearest, std::hypot(p.x - lesson->taught.x, p.y - lesson->taught.y));
+    CHECK(nearest <= 0.01);
+  }
+  CHECK(worst <= 0.0005);
+}
+
+TEST_CASE("packing_oranges: a gripper that is only open or closed judges by the rise of its force") {
+  RunSettings s = few(4);
+  s.work.by_time = true;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 4);
+}
+
+TEST_CASE("packing_oranges: the program reports, and says what is wrong with its arguments") {
+  const auto run = [](const std::string& arguments, int expected) {
+    return examples::run_program(PACKING_ORANGES_PROGRAM, arguments, expected);
+  };
+  const auto page =
+      std::filesystem::temp_directory_path() / ("packing_oranges_" + std::to_string(::getpid()));
+  const std::string said = run("--oranges 1 --quiet --touch-every 0 --report " + page.string(), 0);
+  CHECK_MESSAGE(said.find("right 1 (100.0 %)") != std::string::npos, said);
+  std::string html;
+  std::getline(std::ifstream(page), html, '\0');
+  std::filesystem::remove(page);
+  CHECK(html.find("<svg") != std::string::npos);
+  CHECK(html.find("nan") == std::string::npos);
+  CHECK(run("--help", 0).find("Exit codes") != std::string::npos);
+  run("--oranges 0", 2);
+  run("--robot kuka", 2);
+  run("--fault rain", 2);
+  CHECK(skinctl::to_dot(pack_oranges).find("go_back") != std::string::npos);
+}

@@ -1,0 +1,152 @@
+// The robot: two arms that face each other, as on TUM's TOMM, each with a gripper and skin on its forearm. Which arm it
+// is made of is a type: its model, its shape, how far from the box it stands.
+#pragma once
+
+#include <vector>
+
+#include "examples/packing_oranges/arm_body.hpp"
+#include "examples/packing_oranges/gripper.hpp"
+#include "examples/packing_oranges/plan.hpp"
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/control/spline_operational.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/describe.hpp"
+#include "skinctl/model/universal_robots.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "skinctl/semantics/skill_map.hpp"
+#include "skinctl/skills/library.hpp"
+#include "skinctl/tactile/cover.hpp"
+#include "skinctl/tactile/skin.hpp"
+
+namespace packing {
+
+/// A UR5 and where it stands.
+struct Ur5 {
+  using Model = skinctl::ur5::Model;
+  using Description = skinctl::ur5::Description;
+  static constexpr const char* name = "UR5";
+  static constexpr double flange = Description::d6;
+  static constexpr double stands = 0.6;  ///< from the middle of the box [m]
+  static constexpr std::array<LinkShape, 6> shapes = {{{0.060, {0, 0, 0.03}, {0, 0, 0.15}},
+                                                       {0.054, {-0.06, 0, 0.13585}, {-0.365, 0, 0.13585}},
+                                                       {0.040, {-0.06, 0, 0.0165}, {-0.347, 0, 0.0165}},
+                                                       {0.045, {0, 0, 0.039}, {0, 0, 0.110}},
+                                                       {0.045, {0, 0, 0.025}, {0, 0, 0.095}},
+                                                       {0.0375, {0, 0, 0.0373}, {0, 0, 0.0823}}}};
+};
+
+namespace behaviour {
+struct Rest {
+  static constexpr const char* name = "rest";
+};
+struct Grasp {
+  static constexpr const char* name = "grasp";
+};
+struct LetGo {
+  static constexpr const char* name = "let_go";
+};
+using skinctl::behaviour::Putting;
+using skinctl::behaviour::Reaching;
+using skinctl::behaviour::Squeezing;
+}  // namespace behaviour
+
+/// The skills: all hold or move the hand along splines and give way to touch; what differs is when they are finished,
+/// and what the gripper does.
+inline constexpr auto skills_of_tomm = [] {
+  using namespace skinctl;
+  constexpr auto law = recipe(load<controller::Gravity>(), load<controller::SkinJoint>(),
+                              load<controller::SplineOperational>());
+  constexpr SkillConditions there{.finish = SkillFinish::settled, .hold = 16ms};
+  constexpr SkillConditions gripped{.finish = SkillFinish::gripped, .hold = 24ms};
+  constexpr SkillConditions opened{.finish = SkillFinish::opened, .hold = 16ms};
+  return boost::hana::make_map(skill<behaviour::Rest>(law), skill<behaviour::Reaching>(law.when(there)),
+                               skill<behaviour::Putting>(law.when(there)),
+                               skill<behaviour::Grasp>(law.gripping({0, 0.8, 0.08}).when(gripped)),
+                               skill<behaviour::Squeezing>(law.gripping({0, 6.8, 0.015}).when(gripped)),
+                               skill<behaviour::LetGo>(law.gripping({0.11, 5, 0.15}).when(opened)));
+}();
+
+/// What each activity of the plan is for this robot.
+inline constexpr auto tomm =
+    boost::hana::make_map(skinctl::done_by<skinctl::activity::Look, behaviour::Rest>(),
+                          skinctl::done_by<skinctl::activity::ReachAbove, behaviour::Reaching>(),
+                          skinctl::done_by<skinctl::activity::Reach, behaviour::Reaching>(),
+                          skinctl::done_by<skinctl::activity::Take, behaviour::Grasp>(),
+                          skinctl::done_by<skinctl::activity::Squeeze, behaviour::Squeezing>(),
+                          skinctl::done_by<Lift, behaviour::Putting>(),
+                          skinctl::done_by<skinctl::activity::Put, behaviour::Putting>(),
+                          skinctl::done_by<skinctl::activity::Release, behaviour::LetGo>(),
+                          skinctl::done_by<GoBack, behaviour::Reaching>(),
+                          skinctl::done_by<skinctl::activity::Reverse, behaviour::Putting>());
+
+inline constexpr double newtons_per_reading = 20;
+inline constexpr std::size_t forearm = 2, forearm_cells = 40;
+/// The point between the fingers, beyond the flange [m].
+inline constexpr double reach_of_gripper = 0.16;
+
+/// One arm of the robot.
+template <class R>
+struct Arm {
+  using Model = typename R::Model;
+  static constexpr auto period = skinctl::Nanoseconds(8'000'000);
+
+  /// The second one stands on the other side, turned by half a circle.
+  static skinctl::Transform<skinctl::World, skinctl::Base> base(std::size_t arm) {
+    using Pose = skinctl::Transform<skinctl::World, skinctl::Base>;
+    return arm == 0 ? Pose({{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}}, {-R::stands, 0, 0})
+                    : Pose({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {R::stands, 0, 0});
+  }
+  static skinctl::Transform<skinctl::Link<5>, skinctl::Tool> tool() {
+    return skinctl::Transform<skinctl::Link<5>, skinctl::Tool>::translation_xyz(0, 0,
+                                                                                R::flange + reach_of_gripper);
+  }
+  static skinctl::JointPosition<6> home() { return {0.0, -1.4, 1.8, -1.97, -1.57, 0.0}; }
+  static ArmBody body(std::size_t arm) { return arm_body(Model{}, R::shapes, R::flange, base(arm), home()); }
+
+  static auto robot() {
+    using namespace skinctl;
+    return by_position(Model{}, {.limits = limits_of<typename R::Description>(15.0),
+                                 .period = period,
+                                 .delay = 8ms,
+                                 .lag = 2ms,
+                                 .virtual_damping = 10});
+  }
+  static std::vector<skinctl::PlacedCell<forearm>> cells() {
+    using namespace skinctl;
+    const LinkShape& s = R::shapes[forearm];
+    const Xyz<double> middle = 0.5 * (s.from + s.to);
+    return cover(
+        Transform<Link<forearm>, Surface>({{0.0, 1.0, 0.0}, {0.0, 0.0, -1.0}, {-1.0, 0.0, 0.0}}, middle),
+        CylinderSurface{s.radius, norm(Xyz<double>(s.to - s.from))}, forearm_cells, 1);
+  }
+  static auto scene() {
+    using namespace skinctl;
+    const auto arm = robot();
+    SkinSettings settings;
+    settings.force = EventGate<>::dead_band(0.02);
+    const Skin<Model, double, Patch<forearm, forearm_cells>> skin(
+        Patch<forearm, forearm_cells>(cells(), {.force = newtons_per_reading}), settings);
+    auto o = operational_settings(arm);
+    o.tracking.lambda = 40;
+    o.tracking.K_c = 6;  // an arm that was pushed aside comes back at 6 times the way in a second
+    o.tracking.max_velocity = JointVelocity<6>::constant(2.0);
+    o.max_linear_velocity = 1.0;
+    o.max_angular_velocity = 3.0;
+    return Cycle(arm, skin,
+                 skill_set<behaviour::Rest>(
+                     skills_of_tomm, {.bumpless_transfer = 40ms}, OneGripper(gripper_range),
+                     skill_controller<controller::Gravity>(GravityControl{}),
+                     skill_controller<controller::SkinJoint>(SkinJointControl{}),
+                     skill_controller<controller::SplineOperational>(SplineOperational(tool(), o))));
+  }
+  using Scene = decltype(scene());
+  using Set = typename Scene::law_type;
+  static constexpr auto skills = skinctl::skill_map<Set>(tomm, pack_oranges);
+
+  static skinctl::Transform<skinctl::Base, skinctl::Tool> hand(const skinctl::JointPosition<6>& q) {
+    return skinctl::link_poses(Model{}, q).template get<5>() * tool();
+  }
+};
+
+}  // namespace packing

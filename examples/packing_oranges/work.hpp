@@ -1,0 +1,34 @@
+// The numbers of the work, and its log.
+#pragma once
+
+#include <optional>
+
+#include "examples/packing_oranges/plan.hpp"
+#include "skinctl/semantics/executor.hpp"
+
+namespace packing {
+
+/// Numbers of the motions and of the judgement.
+struct WorkSettings {
+  double carry = 0.20;        ///< height of the hand on its way [m]
+  double above = 0.14;        ///< over an orange that it will take [m]
+  double acceleration = 2.2;  ///< largest of a motion [m/s^2]
+  double speed = 0.8;         ///< [m/s]
+  double hold = 5;            ///< force of carrying [N]
+  double border = 3873;       ///< good oranges are stiffer [N/m]
+  bool by_time = false;       ///< the gripper tells no opening: it is judged by the rise of its force
+  std::optional<skinctl::Xyz<double>>
+      taught{};  ///< where in the box the first arm lets go, as it was shown [m]
+  skinctl::ExecutorSettings executor{.place = 12s};
+};
+
+/// A step of the plan, as it went.
+struct Done {
+  std::uint8_t step = 0;
+  bool back = false;                                      ///< the way back after a failure
+  bool asks = false;                                      ///< waited for a person
+  skinctl::StepFailure why = skinctl::StepFailure::none;  ///< how it ended
+  double from = 0, to = 0;                                ///< [s]
+};
+
+}  // namespace packing

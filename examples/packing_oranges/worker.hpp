@@ -1,0 +1,320 @@
+// One arm at work: what it knows of the world, its place in the plan, and the requests to its skills that follow.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/tomm.hpp"
+#include "examples/packing_oranges/work.hpp"
+#include "skinctl/semantics/resources.hpp"
+#include "skinctl/tactile/squeeze.hpp"
+
+namespace packing {
+
+template <class R>
+class Worker {
+ public:
+  using A = Arm<R>;
+  using Scene = typename A::Scene;
+  using Set = typename A::Set;
+  using Executor = skinctl::Executor<step::count>;
+  using Objects = skinctl::ObjectWorld<arms * slots>;
+  struct Judged {
+    std::uint8_t object = skinctl::no_object;
+    double stiffness = 0;
+    bool good = false;
+    double time = 0;
+  };
+
+  Worker(std::size_t arm, const Scene& scene, const WorkSettings& settings, const skinctl::State<6>& measured)
+      : arm_(arm),
+        s_(settings),
+        scene_(scene),
+        executor_(pack_oranges, settings.executor),
+        squeeze_({.from = 1.2, .to = 5.6, .own = 1e9, .swing = 3, .least_span = 3}),
+        objects_([] {
+          std::array<skinctl::ObjectClass, arms * slots> kinds{};
+          kinds.fill(orange_class);
+          return kinds;
+        }()),
+        known_(objects_.start()),
+        X_WB_(A::base(arm)),
+        memory_(std::make_unique<typename Scene::Memory>()) {
+    scene_.start(*memory_, measured);
+    plan_ = executor_.start(measured.time);
+    X_WH_ = X_WB_ * A::hand(measured.q);
+    const auto x = X_WH_.axis_x();
+    const double size = std::hypot(x.x, x.y);
+    const skinctl::Xyz<double> across{x.x / size, x.y / size, 0}, down{0, 0, -1};
+    R_ = {across, cross(down, across), down};
+    input_.measured = measured;
+  }
+
+  void see(const Picture& picture) {
+    last_picture_ = picture.taken;
+    for (const auto& d : picture.seen) static_cast<void>(objects_.detect(known_, d));
+  }
+  /// What it says about the box, before a cycle.
+  [[nodiscard]] skinctl::PlaceRequest place_request() const {
+    using Phase = typename Executor::Phase;
+    const bool at_work =
+        plan_.phase == Phase::begin || plan_.phase == Phase::run || plan_.phase == Phase::confirm;
+    const auto& p = X_WH_.origin();
+    const bool at_box = pack_oranges.steps[plan_.step].place == place::box;
+    skinctl::PlaceRequest out;
+    out.wants = at_work && at_box ? std::uint8_t(0) : std::uint8_t(255);
+    out.leaves = 1;
+    out.failed = !at_work;
+    out.away = std::hypot(p.x, p.y) > 0.3 ? ~0u : 0u;
+    return out;
+  }
+
+  /// A cycle.
+  typename Scene::Output step(skinctl::Nanoseconds now, const skinctl::State<6>& measured,
+                              const skinctl::GripperState& gripper,
+                              std::span<const skinctl::CellSample> samples, bool granted, bool resume) {
+    now_ = now;
+    gripper_ = gripper;
+    X_WH_ = X_WB_ * A::hand(measured.q);
+    const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
+    features_ = extractor_.step(featured_, objects_, known_, hand);
+    // Without an opening: what the fingers close at their constant speed.
+    if (judging_)
+      squeeze_.take(squeezed_, gripper.force,
+                    s_.by_time ? closing_speed * skinctl::seconds<double>(now) : -gripper.opening);
+
+    const auto result = executor_.step(plan_, {.now = now,
+                                               .seen = observed(features_),
+                                               .skill = report_,
+                                               .answer = answer_,
+                                               .granted = granted,
+                                               .resume = resume});
+    note(plan_, result.memory, result.request);
+    plan_ = result.memory;
+    request_ = result.request;
+    input_.has_goal = false;
+    perform(result.request);
+
+    input_.now = now;
+    input_.measured = measured;
+    input_.samples = samples;
+    input_.gripper = gripper;
+    const auto out = scene_.step(*memory_, input_);
+    return out;
+  }
+
+  [[nodiscard]] bool finished() const { return plan_.phase == Executor::Phase::finished; }
+  [[nodiscard]] bool asks() const { return plan_.phase == Executor::Phase::ask; }
+  [[nodiscard]] bool carries() const {
+    return features_.in_hand && (plan_.step == step::to_box || plan_.step == step::to_bin) &&
+           plan_.phase == Executor::Phase::run;
+  }
+  [[nodiscard]] const std::vector<Done>& done() const { return done_; }
+  [[nodiscard]] const std::vector<Judged>& judged() const { return judged_; }
+  [[nodiscard]] const skinctl::StepRequest& request() const { return request_; }
+  [[nodiscard]] const skinctl::Features& features() const { return features_; }
+  [[nodiscard]] const skinctl::Transform<skinctl::World, skinctl::Tool>& hand() const { return X_WH_; }
+
+ private:
+  static constexpr double closing_speed = 0.015;  ///< of `Squeezing` [m/s]
+  using Goal = typename Scene::Goal;
+  struct Part {
+    Goal request;
+    bool moves = false;
+    skinctl::Xyz<double> to{0, 0, 0};
+  };
+
+  /// The log of the steps.
+  void note(const typename Executor::Memory& was, const typename Executor::Memory& is,
+            const skinctl::StepRequest&) {
+    using Phase = typename Executor::Phase;
+    const double t = skinctl::seconds<double>(now_);
+    const auto back = [](Phase p) { return p == Phase::begin_reverse || p == Phase::reverse; };
+    const bool same = was.step == is.step && back(was.phase) == back(is.phase) &&
+                      (was.phase == Phase::ask) == (is.phase == Phase::ask) && was.tries == is.tries;
+    if (same && !done_.empty()) {
+      done_.back().to = t;
+      return;
+    }
+    if (!done_.empty()) {
+      done_.back().to = t;
+      const bool failed = back(is.phase) != back(was.phase) ? back(is.phase) : is.tries > was.tries;
+      if (failed) done_.back().why = is.why;
+    }
+    if (is.phase != Phase::finished)
+      done_.push_back({is.step, back(is.phase), is.phase == Phase::ask, skinctl::StepFailure::none, t, t});
+  }
+
+  void perform(const skinctl::StepRequest& r) {
+    using Kind = skinctl::StepRequest::Kind;
+    if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
+    if (report_.phase != skinctl::SkillPhase::running) return;
+    if (parts_.empty()) return look();
+    const auto told = Set::report_of(memory_->law, ticket_);
+    if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
+    if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
+      if (++part_ == parts_.size()) return judge();
+      asked_ = false;
+    }
+    if (!asked_) ask();
+  }
+  void end(bool well) {
+    report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
+    judging_ = false;
+  }
+  /// The current part's request, to the cycle.
+  void ask() {
+    Part& part = parts_[part_];
+    Goal& g = part.request;
+    const bool starts = g.kind == static_cast<unsigned char>(Goal::Kind::start);
+    if (part.moves) {
+      auto& pose = g.goals.template of<skinctl::PoseGoal<skinctl::Tool>>();
+      pose.has = true;
+      const double way = norm(skinctl::Xyz<double>(part.to - X_WH_.origin()));
+      const double time = std::max({0.3, std::sqrt(5.78 * way / s_.acceleration), 1.875 * way / s_.speed});
+      pose.goal = {X_WB_.inverse() * skinctl::Transform<skinctl::World, skinctl::Tool>(R_, part.to),
+                   skinctl::nanoseconds(time)};
+    }
+    if (starts && part_ > 0 && memory_->law.skill == g.skill)
+      g.kind = static_cast<unsigned char>(Goal::Kind::goal);
+    ticket_ = ticket_ == 0xffff ? std::uint16_t(1) : std::uint16_t(ticket_ + 1);
+    g.ticket = ticket_;
+    input_.goal = g;
+    input_.has_goal = asked_ = true;
+  }
+
+  void add(std::uint8_t skill, const skinctl::Xyz<double>& to, double near) {
+    Part part{Set::start_skill(skill), true, to};
+    part.request.tolerance = {.position = near, .orientation = 0.05};
+    parts_.push_back(part);
+  }
+  void grip(const skinctl::GripperGoal& goal) {
+    auto& part = parts_.back().request.goals.template of<skinctl::GripperGoal>();
+    part.has = true;
+    part.goal = goal;
+  }
+  [[nodiscard]] skinctl::Xyz<double> at(const skinctl::Xyz<double>& p, double z) const {
+    return {p.x, p.y, z};
+  }
+
+  /// The way of an activity: the parts that the robot does one after the other.
+  void begin(const skinctl::StepRequest& r) {
+    using namespace skinctl;
+    report_ = {r.ticket, SkillPhase::running, SkillFailure::none};
+    answer_ = true;
+    asked_ = judging_ = false;
+    parts_.clear();
+    part_ = 0;
+    looks_since_ = now_;
+    const std::uint8_t skill = A::skills(r.does);
+    const auto here = X_WH_.origin();
+    constexpr double passing = 0.06;
+    if (r.does == &activity::Look::rule) return;
+    if (r.does == &activity::ReachAbove::rule) {
+      const auto p = known_.objects[object_].X_WO.origin();
+      if (here.z < 0.8 * s_.carry) {
+        add(skill, at(here, s_.carry), passing);
+        grip({gripper_range.opening, 5, 0.15});
+      }
+      add(skill, at(p, s_.above), 0.02);
+      if (parts_.size() == 1) grip({gripper_range.opening, 5, 0.15});
+    } else if (r.does == &activity::Reach::rule) {
+      const auto p = known_.objects[object_].X_WO.origin();
+      taken_ = at(p, std::clamp(p.z, 0.032, 0.044));
+      add(skill, taken_, 0.003);
+    } else if (r.does == &activity::Squeeze::rule) {
+      parts_.push_back({Set::start_skill(skill), false, {}});
+      squeezed_ = {};
+      judging_ = true;
+    } else if (r.does == &Lift::rule) {
+      add(skill, at(here, s_.carry), passing);
+      grip({0, s_.hold, 0.02});
+    } else if (r.does == &activity::Put::rule) {
+      const auto p = drop(r.place);
+      add(skill, at(p, s_.carry), passing);
+      add(skill, at(p, p.z > 0 ? p.z : taken_.z + 0.006), 0.01);
+    } else if (r.does == &GoBack::rule) {
+      const Tray feed = feed_tray(arm_);
+      add(skill, at(here, s_.carry), passing);
+      add(skill, {feed.x, feed.y, s_.carry}, 0.2);
+    } else if (r.does == &activity::Reverse::rule) {
+      const std::uint8_t let_go = Set::template index<behaviour::LetGo>();
+      if (features_.in_hand && features_.carried) {
+        add(skill, at(here, s_.carry), passing);
+        add(skill, at(taken_, s_.carry), passing);
+        add(skill, taken_, 0.01);
+      }
+      parts_.push_back({Set::start_skill(let_go), false, {}});
+      add(skill, at(features_.in_hand && features_.carried ? taken_ : here, s_.carry), 0.05);
+    } else {
+      parts_.push_back({Set::start_skill(skill), false, {}});
+    }
+  }
+  /// Where to let go; height 0: as high as it was taken, and a little. What was shown to the first arm holds for the
+  /// second, seen from its side of the box.
+  [[nodiscard]] skinctl::Xyz<double> drop(std::uint8_t where) const {
+    if (where != place::box || !s_.taught) return drop_place(arm_, where);
+    return {side(arm_) * s_.taught->x, side(arm_) * s_.taught->y, std::max(s_.taught->z, taken_.z + 0.004)};
+  }
+  /// An orange of its own that is well seen; the one nearest to the hand.
+  void look() {
+    const bool sees = now_ - last_picture_ < 300ms;
+    if (!sees) looks_since_ = now_;
+    double best = 1e9;
+    for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
+      const auto& o = known_.objects[k];
+      const auto p = o.X_WO.origin();
+      if (!sees || !o.known || now_ - o.time > 500ms || o.sigma > 0.003 || o.misses > 0 || p.z > 0.07 ||
+          !feed_tray(arm_).holds(p))
+        continue;
+      const double way = norm(skinctl::Xyz<double>(p - X_WH_.origin()));
+      if (way < best) best = way, object_ = k;
+    }
+    if (best < 1e9) return end(true);
+    if (now_ - looks_since_ < 1500ms) return;
+    answer_ = false;
+    end(true);
+  }
+  void judge() {
+    if (judging_) {
+      const auto k = squeeze_.result(squeezed_);
+      if (!k.known) return end(false);
+      answer_ = 2 * k.stiffness > s_.border;  // each side gives by half of the closing
+      judged_.push_back({object_, 2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
+    }
+    end(true);
+  }
+
+  std::size_t arm_;
+  WorkSettings s_;
+  const Scene& scene_;
+  Executor executor_;
+  skinctl::Squeeze<> squeeze_;
+  Objects objects_;
+  skinctl::FeatureExtractor<> extractor_;
+  typename Objects::Memory known_;
+  skinctl::FeatureExtractor<>::Memory featured_{};
+  skinctl::Features features_{};
+  skinctl::Squeeze<>::Memory squeezed_{};
+  skinctl::Transform<skinctl::World, skinctl::Base> X_WB_;
+  skinctl::Transform<skinctl::World, skinctl::Tool> X_WH_;
+  skinctl::Rotation<double> R_;  ///< of the hand, always: it points down
+  std::unique_ptr<typename Scene::Memory> memory_;
+  typename Scene::Input input_;
+  typename Executor::Memory plan_;
+  skinctl::StepRequest request_;
+  skinctl::SkillReport report_;
+  skinctl::GripperState gripper_;
+  std::vector<Part> parts_;
+  std::size_t part_ = 0;
+  std::uint16_t ticket_ = 0;
+  bool asked_ = false, answer_ = true, judging_ = false;
+  std::uint8_t object_ = 0;
+  skinctl::Xyz<double> taken_{0, 0, 0.04};
+  skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{};
+  std::vector<Done> done_;
+  std::vector<Judged> judged_;
+};
+
+}  // namespace packing

@@ -1,0 +1,457 @@
+#include "examples/packing_oranges/world.hpp"
+
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace packing {
+namespace {
+using skinctl::Xyz;
+
+constexpr double tick = 0.001;
+constexpr double solid = 0.5;          // d of solimp: between free and rigid
+constexpr double finger_reach = 0.16;  // from the flange to the point between the fingers
+constexpr double orange_mass = 0.18;
+constexpr double dry = 0.8;  // friction of an orange
+
+// Collision classes. The links of an arm do not meet each other: its limits keep them apart.
+constexpr int is_table = 1, is_orange = 2, is_arm[arms] = {4, 8};
+constexpr int meets_arm[arms] = {is_table | is_orange | is_arm[1], is_table | is_orange | is_arm[0]};
+
+std::string list(std::initializer_list<double> values) {
+  std::string out;
+  for (const double v : values) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.12g ", v);
+    out += number;
+  }
+  out.pop_back();
+  return out;
+}
+std::string list(const Xyz<double>& v) {
+  return list({v.x, v.y, v.z});
+}
+std::string name(const char* what, std::size_t arm, std::size_t i) {
+  return std::string(what) + static_cast<char>('a' + arm) + std::to_string(i);
+}
+std::string collides(int type, int with) {
+  return " contype='" + std::to_string(type) + "' conaffinity='" + std::to_string(with) + "'";
+}
+
+void write_gripper(std::string& xml, std::size_t arm, double flange) {
+  const std::string meets = collides(is_arm[arm], meets_arm[arm]);
+  xml += "<body name='" + name("palm", arm, 0) + "' pos='" + list({0, 0, flange}) +
+         "'><geom type='box' size='0.035 0.06 0.025' pos='0 0 0.03' mass='0.5'" + meets + "/>";
+  for (std::size_t f = 0; f < 2; ++f) {
+    const double way = f == 0 ? 1 : -1;
+    xml += "<body name='" + name("finger", arm, f) + "' pos='" + list({0, 0, finger_reach}) +
+           "'><joint name='" + name("slide", arm, f) + "' type='slide' axis='" + list({0, way, 0}) +
+           "' armature='0.3'/><geom type='box' size='0.012 0.006 0.022' pos='" + list({0, way * 0.006, 0}) +
+           "' mass='0.08'" + meets + "/></body>";
+  }
+  xml += "</body>";
+}
+
+void write_arm(std::string& xml, std::size_t arm, const ArmBody& body) {
+  xml += "<body name='" + name("base", arm, 0) + "' pos='" + list(body.X_WB.origin()) + "' xyaxes='" +
+         list(body.X_WB.axis_x()) + " " + list(body.X_WB.axis_y()) + "'>";
+  for (std::size_t i = 0; i < 6; ++i) {
+    const LinkBody& l = body.links[i];
+    const auto& I = l.inertia;
+    xml += "<body name='" + name("link", arm, i) + "' pos='" + list(l.p) + "' xyaxes='" + list(l.x) + " " +
+           list(l.y) + "'><joint name='" + name("joint", arm, i) + "' type='hinge' axis='0 0 1' armature='" +
+           list({i < 3 ? 2.0 : 0.5}) + "'/><inertial mass='" + list({l.mass}) + "' pos='" + list(l.com) +
+           "' fullinertia='" + list({I[0], I[1], I[2], I[3], I[4], I[5]}) + "'/>";
+    const LinkShape& s = body.shapes[i];
+    // The shoulder stands on the table: it does not meet it.
+    const int meets = i < 2 ? meets_arm[arm] & ~is_table : meets_arm[arm];
+    if (s.radius > 0)
+      xml += "<geom type='capsule' size='" + list({s.radius}) + "' fromto='" + list(s.from) + " " +
+             list(s.to) + "'" + collides(is_arm[arm], meets) + "/>";
+  }
+  write_gripper(xml, arm, body.flange);
+  for (std::size_t i = 0; i < 6; ++i) xml += "</body>";
+  xml += "</body>";
+}
+
+void write_tray(std::string& xml, const Tray& t) {
+  const auto wall = [&](double x, double y, double hx, double hy) {
+    xml += "<geom type='box' pos='" + list({x, y, t.wall / 2}) + "' size='" + list({hx, hy, t.wall / 2}) +
+           "'" + collides(is_table, 0) + "/>";
+  };
+  constexpr double half = 0.004;
+  wall(t.x - t.half_x - half, t.y, half, t.half_y), wall(t.x + t.half_x + half, t.y, half, t.half_y);
+  wall(t.x, t.y - t.half_y - half, t.half_x + 2 * half, half),
+      wall(t.x, t.y + t.half_y + half, t.half_x + 2 * half, half);
+}
+
+std::string world_text(const std::array<ArmBody, arms>& bodies) {
+  std::string xml =
+      "<mujoco><compiler angle='radian' balanceinertia='true'/><size njmax='600' nconmax='150'/>"
+      "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>"
+      "<geom type='plane' size='2 2 0.1'" +
+      collides(is_table, 0) + "/>";
+  write_tray(xml, box_tray);
+  for (std::size_t arm = 0; arm < arms; ++arm) {
+    write_tray(xml, bin_tray(arm));
+    write_arm(xml, arm, bodies[arm]);
+  }
+  const std::string soft = list({solid, solid, 0.001, 0.5, 2});
+  for (std::size_t k = 0; k < arms * slots; ++k)
+    xml += "<body name='orange" + std::to_string(k) + "' pos='" +
+           list({5 + 0.2 * static_cast<double>(k), 0, 1}) + "'><freejoint/><geom name='orange" +
+           std::to_string(k) + "' type='sphere' size='0.038' mass='" + list({orange_mass}) +
+           "' priority='1' condim='6' friction='" + list({dry, 0.01, 0.0005}) + "' solimp='" + soft + "'" +
+           collides(is_orange, is_table | is_orange) + "/></body>";
+  xml += "</worldbody><equality>";
+  for (std::size_t arm = 0; arm < arms; ++arm)
+    xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
+           "' polycoef='0 1 0 0 0' solref='0.004 1'/>";
+  return xml + "</equality></mujoco>";
+}
+}  // namespace
+
+struct World::Bodies {
+  struct Arm {
+    std::array<int, 6> q{}, v{}, body{};  // addresses of the joints, and the links' bodies
+    std::array<int, 2> slide_q{}, slide_v{}, finger{};
+    int palm = 0;
+    std::array<double, 6> inertia{};                             // of each joint, at home
+    std::array<double, 6> q0{}, v0{}, q1{}, v1{}, q_r{}, v_r{};  // the interpolation under way
+    double at = 0;                                               // time since the last command
+    double slide_inertia = 0;
+    Gripper gripper;
+    skinctl::GripperState state;
+    double reading = 0;  // of the force sensor
+    int pushed = -1;     // body
+    Xyz<double> push_at{0, 0, 0}, push{0, 0, 0};
+    Xyz<double> tip{0, 0, 0};  // velocity of a fingertip a millisecond ago
+    ArmRecord record;
+  };
+  struct Slot {
+    int q = 0, v = 0, body = 0, geom = 0;
+    bool there = false, frozen = true;
+    std::array<double, 7> rests{};
+    skinctl::Nanoseconds touched{-1};
+  };
+
+  WorldSettings settings;
+  mjModel* model = nullptr;
+  mjData* data = nullptr;
+  std::array<Arm, arms> arm;
+  std::array<Slot, arms * slots> slot;
+  std::vector<int> owner;      // of each geom: 3 * arm + (1, 2: finger), or -1
+  std::vector<int> orange_of;  // of each geom, or -1
+  std::mt19937_64 random;
+  std::normal_distribution<double> normal;
+  std::int64_t ticks = 0;
+
+  Bodies(const std::array<ArmBody, arms>& bodies, const WorldSettings& s, std::uint64_t seed)
+      : settings(s), random(seed) {
+    const std::string xml = world_text(bodies);
+    const auto files = std::make_unique<mjVFS>();
+    mj_defaultVFS(files.get());
+    char error[500] = "";
+    if (mj_makeEmptyFileVFS(files.get(), "world.xml", static_cast<int>(xml.size())) != 0)
+      throw std::runtime_error("MuJoCo: no room for the model");
+    std::memcpy(files->filedata[0], xml.data(), xml.size());
+    model = mj_loadXML("world.xml", files.get(), error, sizeof error);
+    mj_deleteVFS(files.get());
+    if (model == nullptr) throw std::runtime_error(error);
+    data = mj_makeData(model);
+    find(bodies);
+    mj_forward(model, data);
+    weigh();
+    mj_step1(model, data);
+  }
+  ~Bodies() {
+    mj_deleteData(data);
+    mj_deleteModel(model);
+  }
+  Bodies(const Bodies&) = delete;
+  Bodies& operator=(const Bodies&) = delete;
+
+  [[nodiscard]] int id(int kind, const std::string& of) const { return mj_name2id(model, kind, of.c_str()); }
+  void find(const std::array<ArmBody, arms>& bodies) {
+    owner.assign(static_cast<std::size_t>(model->ngeom), -1);
+    orange_of = owner;
+    for (std::size_t a = 0; a < arms; ++a) {
+      Arm& m = arm[a];
+      for (std::size_t i = 0; i < 6; ++i) {
+        const int joint = id(mjOBJ_JOINT, name("joint", a, i));
+        m.q[i] = model->jnt_qposadr[joint];
+        m.v[i] = model->jnt_dofadr[joint];
+        m.body[i] = id(mjOBJ_BODY, name("link", a, i));
+        data->qpos[m.q[i]] = m.q0[i] = m.q1[i] = m.q_r[i] = bodies[a].home[i];
+      }
+      for (std::size_t f = 0; f < 2; ++f) {
+        const int joint = id(mjOBJ_JOINT, name("slide", a, f));
+        m.slide_q[f] = model->jnt_qposadr[joint];
+        m.slide_v[f] = model->jnt_dofadr[joint];
+        m.finger[f] = id(mjOBJ_BODY, name("finger", a, f));
+        data->qpos[m.slide_q[f]] = gripper_range.opening / 2;
+      }
+      m.palm = id(mjOBJ_BODY, name("palm", a, 0));
+    }
+    for (int g = 0; g < model->ngeom; ++g)
+      for (std::size_t a = 0; a < arms; ++a) {
+        const int body = model->geom_bodyid[g];
+        if ((model->geom_contype[g] & is_arm[a]) == 0) continue;
+        const int part = body == arm[a].finger[0] ? 1 : body == arm[a].finger[1] ? 2 : 0;
+        owner[static_cast<std::size_t>(g)] = static_cast<int>(3 * a) + part;
+      }
+    for (std::size_t k = 0; k < slot.size(); ++k) {
+      Slot& o = slot[k];
+      o.body = id(mjOBJ_BODY, "orange" + std::to_string(k));
+      o.geom = id(mjOBJ_GEOM, "orange" + std::to_string(k));
+      const int joint = model->body_jntadr[o.body];
+      o.q = model->jnt_qposadr[joint];
+      o.v = model->jnt_dofadr[joint];
+      orange_of[static_cast<std::size_t>(o.geom)] = static_cast<int>(k);
+      for (std::size_t i = 0; i < 7; ++i) o.rests[i] = data->qpos[o.q + static_cast<int>(i)];
+      collide(o, false);
+    }
+  }
+  /// The joints' inertias, for the servos.
+  void weigh() {
+    const auto n = static_cast<std::size_t>(model->nv);
+    std::vector<double> mass(n * n);
+    mj_fullM(model, mass.data(), data->qM);
+    const auto of = [&](int v) { return mass[static_cast<std::size_t>(v) * (n + 1)]; };
+    for (Arm& m : arm) {
+      for (std::size_t i = 0; i < 6; ++i) m.inertia[i] = of(m.v[i]);
+      m.slide_inertia = of(m.slide_v[0]);
+    }
+  }
+  void collide(const Slot& o, bool on) {
+    model->geom_contype[o.geom] = on ? is_orange : 0;
+    model->geom_conaffinity[o.geom] = on ? is_table | is_orange : 0;
+  }
+
+  /// Where the servo's reference is `t` after the last command.
+  void refer(Arm& m, double t, std::array<double, 6>& acceleration) const {
+    const double T = settings.period;
+    const bool under_way = t < T + tick / 2;
+    acceleration.fill(0);
+    if (!settings.interpolate) {
+      m.q_r = m.q1;
+      m.v_r.fill(0);
+      return;
+    }
+    const double s = under_way ? t / T : 1;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double d = m.q1[i] - m.q0[i], a = T * m.v0[i], b = T * m.v1[i];
+      const double c2 = 3 * d - 2 * a - b, c3 = a + b - 2 * d;
+      m.q_r[i] = m.q0[i] + s * (a + s * (c2 + s * c3));
+      m.v_r[i] = under_way ? (a + s * (2 * c2 + 3 * s * c3)) / T : 0;
+      acceleration[i] = under_way ? (2 * c2 + 6 * s * c3) / (T * T) : 0;
+    }
+  }
+  void drive(std::size_t a) {
+    Arm& m = arm[a];
+    std::array<double, 6> acceleration;
+    m.at += tick;
+    refer(m, m.at, acceleration);
+    const double w = settings.bandwidth;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double q = data->qpos[m.q[i]], v = data->qvel[m.v[i]];
+      data->qfrc_applied[m.v[i]] +=
+          data->qfrc_bias[m.v[i]] +
+          m.inertia[i] * (acceleration[i] + w * w * (m.q_r[i] - q) + 2 * w * (m.v_r[i] - v));
+    }
+    const double opening = data->qpos[m.slide_q[0]] + data->qpos[m.slide_q[1]];
+    m.reading = std::max(0.0, m.record.force + settings.force_noise * normal(random));
+    const double half = m.gripper.step(opening, m.reading, tick) / 2;
+    constexpr double stiff = 250;
+    for (std::size_t f = 0; f < 2; ++f)
+      data->qfrc_applied[m.slide_v[f]] +=
+          data->qfrc_bias[m.slide_v[f]] +
+          m.slide_inertia *
+              (stiff * stiff * (half - data->qpos[m.slide_q[f]]) - 2 * stiff * data->qvel[m.slide_v[f]]);
+    if (m.pushed >= 0) {
+      double force[3], at[3];
+      const double f[3] = {m.push.x, m.push.y, m.push.z}, p[3] = {m.push_at.x, m.push_at.y, m.push_at.z};
+      const double none[3] = {};
+      mju_rotVecMat(force, f, data->xmat + 9 * m.pushed);
+      mju_rotVecMat(at, p, data->xmat + 9 * m.pushed);
+      mju_addTo3(at, data->xpos + 3 * m.pushed);
+      mj_applyFT(model, data, force, none, at, m.pushed, data->qfrc_applied);
+    }
+  }
+  /// Forces of the fingers, and who touches whom.
+  void look_at_contacts() {
+    std::array<std::array<double, 3>, arms> force{};
+    std::array<bool, arms> walls{}, other{};
+    for (int c = 0; c < data->ncon; ++c) {
+      const mjContact& contact = data->contact[c];
+      const auto g1 = static_cast<std::size_t>(contact.geom1), g2 = static_cast<std::size_t>(contact.geom2);
+      const int o1 = owner[g1], o2 = owner[g2];
+      if (o1 < 0 && o2 < 0) continue;
+      if (o1 >= 0 && o2 >= 0) {
+        other.fill(true);
+        continue;
+      }
+      const auto mine = static_cast<std::size_t>(o1 >= 0 ? o1 : o2), a = mine / 3, part = mine % 3;
+      const int orange = orange_of[o1 >= 0 ? g2 : g1];
+      if (orange < 0) {
+        walls[a] = true;
+        continue;
+      }
+      if (part > 0) {
+        double f[6];
+        mj_contactForce(model, data, c, f);
+        force[a][part] += f[0];
+        slot[static_cast<std::size_t>(orange)].touched = now();
+      }
+    }
+    for (std::size_t a = 0; a < arms; ++a) {
+      ArmRecord& r = arm[a].record;
+      r.force = 0.5 * (force[a][1] + force[a][2]);
+      r.worst_force = std::max({r.worst_force, force[a][1], force[a][2]});
+      if (force[a][1] > 0.2 && force[a][2] > 0.2)
+        r.worst_grip = std::max({r.worst_grip, force[a][1], force[a][2]});
+      r.walls += walls[a];
+      r.other_arm += other[a];
+      double v[6];
+      mj_objectVelocity(model, data, mjOBJ_BODY, arm[a].finger[0], v, 0);
+      const Xyz<double> tip{v[3], v[4], v[5]}, change = (1 / tick) * Xyz<double>(tip - arm[a].tip);
+      r.square += dot(change, change);
+      ++r.samples;
+      arm[a].tip = tip;
+    }
+  }
+  /// Oranges far from every hand rest where they are, at no cost.
+  void freeze() {
+    for (Slot& o : slot) {
+      if (!o.frozen || !o.there) continue;
+      bool near = false;
+      for (const Arm& m : arm) {
+        const double* palm = data->xpos + 3 * m.palm;
+        const double x = palm[0] - o.rests[0], y = palm[1] - o.rests[1], z = palm[2] - o.rests[2];
+        near = near || x * x + y * y + z * z < 0.28 * 0.28;
+      }
+      if (near) {
+        o.frozen = false;
+        collide(o, true);
+      }
+    }
+    for (const Slot& o : slot)
+      if (o.frozen) rest(o);
+  }
+  void rest(const Slot& o) const {
+    std::copy(o.rests.begin(), o.rests.end(), data->qpos + o.q);
+    std::fill_n(data->qvel + o.v, 6, 0.0);
+  }
+  [[nodiscard]] skinctl::Nanoseconds now() const { return ticks * std::chrono::milliseconds(1); }
+};
+
+World::World(const std::array<ArmBody, arms>& bodies, const WorldSettings& settings, std::uint64_t seed)
+    : b_(std::make_unique<Bodies>(bodies, settings, seed)) {}
+World::~World() = default;
+
+void World::step() {
+  Bodies& b = *b_;
+  mju_zero(b.data->qfrc_applied, b.model->nv);
+  for (std::size_t a = 0; a < arms; ++a) b.drive(a);
+  mj_step2(b.model, b.data);
+  ++b.ticks;
+  b.look_at_contacts();
+  b.freeze();
+  mj_step1(b.model, b.data);
+}
+skinctl::Nanoseconds World::now() const {
+  return b_->now();
+}
+
+void World::command(std::size_t arm, const skinctl::JointPosition<6>& q,
+                    const skinctl::JointVelocity<6>& dq) {
+  Bodies::Arm& m = b_->arm[arm];
+  m.q0 = m.q_r;
+  m.v0 = m.v_r;
+  for (std::size_t i = 0; i < 6; ++i) m.q1[i] = q[i], m.v1[i] = dq[i];
+  m.at = 0;
+}
+void World::command(std::size_t arm, const skinctl::GripperCommand& goal) {
+  b_->arm[arm].gripper.command(goal);
+}
+void World::push(std::size_t arm, std::size_t link, const Xyz<double>& at, const Xyz<double>& force) {
+  Bodies::Arm& m = b_->arm[arm];
+  m.pushed = dot(force, force) > 0 ? m.body[link] : -1;
+  m.push_at = at;
+  m.push = force;
+}
+
+skinctl::State<6> World::joints(std::size_t arm) const {
+  const Bodies::Arm& m = b_->arm[arm];
+  skinctl::State<6> s;
+  s.time = now();
+  for (std::size_t i = 0; i < 6; ++i) s.q[i] = b_->data->qpos[m.q[i]], s.dq[i] = b_->data->qvel[m.v[i]];
+  return s;
+}
+skinctl::GripperState World::gripper(std::size_t arm) const {
+  return b_->arm[arm].gripper.state(now(), b_->arm[arm].reading);
+}
+Xyz<double> World::hand(std::size_t arm) const {
+  const Bodies::Arm& m = b_->arm[arm];
+  const double *palm = b_->data->xpos + 3 * m.palm, *R = b_->data->xmat + 9 * m.palm;
+  return {palm[0] + finger_reach * R[2], palm[1] + finger_reach * R[5], palm[2] + finger_reach * R[8]};
+}
+Xyz<double> World::link_origin(std::size_t arm, std::size_t link) const {
+  const double* p = b_->data->xpos + 3 * b_->arm[arm].body[link];
+  return {p[0], p[1], p[2]};
+}
+const ArmRecord& World::record(std::size_t arm) const {
+  return b_->arm[arm].record;
+}
+void World::clear_shake(std::size_t arm) {
+  b_->arm[arm].record.square = 0, b_->arm[arm].record.samples = 0;
+}
+
+void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
+  Bodies& b = *b_;
+  Bodies::Slot& o = b.slot[k];
+  o.there = o.frozen = true;
+  o.touched = skinctl::Nanoseconds(-1);
+  o.rests = {p.x, p.y, p.z + orange.radius, 1, 0, 0, 0};
+  b.model->geom_size[3 * o.geom] = b.model->geom_rbound[o.geom] = orange.radius;
+  // The stiffness as a constraint's: it counts the inverse masses of both bodies, as MuJoCo approximates them.
+  const double A = b.model->body_invweight0[2 * o.body] + b.model->body_invweight0[2 * b.arm[0].finger[0]];
+  const double stiff = orange.stiffness * A * (1 - solid);
+  b.model->geom_solref[2 * o.geom] = -stiff;
+  b.model->geom_solref[2 * o.geom + 1] = -2 * std::sqrt(stiff);
+  b.model->geom_friction[3 * o.geom] = dry;
+  b.collide(o, false);
+  b.rest(o);
+}
+void World::take_out(std::size_t k) {
+  Bodies::Slot& o = b_->slot[k];
+  o.there = false;
+  o.frozen = true;
+  o.rests = {5 + 0.2 * static_cast<double>(k), 0, 1, 1, 0, 0, 0};
+  b_->collide(o, false);
+  b_->rest(o);
+}
+bool World::there(std::size_t k) const {
+  return b_->slot[k].there;
+}
+Xyz<double> World::orange(std::size_t k) const {
+  const double* p = b_->data->qpos + b_->slot[k].q;
+  return {p[0], p[1], p[2]};
+}
+Xyz<double> World::orange_velocity(std::size_t k) const {
+  const double* v = b_->data->qvel + b_->slot[k].v;
+  return {v[0], v[1], v[2]};
+}
+skinctl::Nanoseconds World::touched(std::size_t k) const {
+  return b_->slot[k].touched;
+}
+void World::make_slippery(std::size_t k, bool wet) {
+  b_->model->geom_friction[3 * b_->slot[k].geom] = wet ? 0.005 : dry;
+}
+
+}  // namespace packing

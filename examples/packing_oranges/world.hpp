@@ -1,0 +1,84 @@
+// The simulated world: two arms with grippers, oranges, a box and bins, by MuJoCo. It knows nothing of what controls it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <random>
+
+#include "examples/packing_oranges/arm_body.hpp"
+#include "examples/packing_oranges/gripper.hpp"
+#include "examples/packing_oranges/layout.hpp"
+#include "skinctl/core/state.hpp"
+
+namespace packing {
+
+/// Numbers of the world.
+struct WorldSettings {
+  double bandwidth = 100;    ///< of every joint's servo, critically damped [rad/s]
+  double force_noise = 0.1;  ///< deviation of the fingers' force sensors [N]
+  double period = 0.008;     ///< between two commands [s]; the servo interpolates over it
+  bool interpolate = true;   ///< false: commands are steps, as a servo without interpolation takes them
+};
+
+/// An orange as it is put on the table.
+struct Orange {
+  double radius = 0.038;    ///< [m]
+  double stiffness = 6000;  ///< of each side, against a stiff finger [N/m]
+};
+
+/// What happened in the world, for judges that stand beside it.
+struct ArmRecord {
+  double force = 0;             ///< of a finger now, without noise [N]
+  double worst_force = 0;       ///< the largest so far [N]
+  double worst_grip = 0;        ///< the same while both fingers hold something [N]
+  double square = 0;            ///< sum of the squared acceleration of a fingertip [m^2/s^4], of ...
+  std::uint64_t samples = 0;    ///< ... so many milliseconds since `clear_shake`
+  std::uint64_t other_arm = 0;  ///< milliseconds in which it touched the other arm
+  std::uint64_t walls = 0;      ///< ... a wall or the table
+};
+
+class World {
+ public:
+  /// Throws std::runtime_error with MuJoCo's message.
+  World(const std::array<ArmBody, arms>& bodies, const WorldSettings& settings, std::uint64_t seed);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// A millisecond.
+  void step();
+  [[nodiscard]] skinctl::Nanoseconds now() const;
+
+  /// What an arm's servos go for: reached one period from now, cubically, with this velocity.
+  void command(std::size_t arm, const skinctl::JointPosition<6>& q, const skinctl::JointVelocity<6>& dq);
+  void command(std::size_t arm, const skinctl::GripperCommand& goal);
+  /// From now on this force [N] acts on a point of a link, both in the link's frame. Zero: none does.
+  void push(std::size_t arm, std::size_t link, const skinctl::Xyz<double>& at,
+            const skinctl::Xyz<double>& force);
+
+  [[nodiscard]] skinctl::State<6> joints(std::size_t arm) const;
+  [[nodiscard]] skinctl::GripperState gripper(std::size_t arm) const;
+  /// The point between the fingers, where it really is.
+  [[nodiscard]] skinctl::Xyz<double> hand(std::size_t arm) const;
+  [[nodiscard]] skinctl::Xyz<double> link_origin(std::size_t arm, std::size_t link) const;
+  [[nodiscard]] const ArmRecord& record(std::size_t arm) const;
+  void clear_shake(std::size_t arm);
+
+  /// Oranges are numbered from 0 to `arms * slots - 1`. One lies at `p` from now on, at rest.
+  void put(std::size_t slot, const skinctl::Xyz<double>& p, const Orange& orange);
+  /// It is taken out of the world.
+  void take_out(std::size_t slot);
+  [[nodiscard]] bool there(std::size_t slot) const;
+  [[nodiscard]] skinctl::Xyz<double> orange(std::size_t slot) const;
+  [[nodiscard]] skinctl::Xyz<double> orange_velocity(std::size_t slot) const;
+  /// When fingers touched it last; never: a negative time.
+  [[nodiscard]] skinctl::Nanoseconds touched(std::size_t slot) const;
+  /// It is wet from now on, and fingers find no hold; or dry again.
+  void make_slippery(std::size_t slot, bool wet = true);
+
+ private:
+  struct Bodies;
+  std::unique_ptr<Bodies> b_;
+};
+
+}  // namespace packing
