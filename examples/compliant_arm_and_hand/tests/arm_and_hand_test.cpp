@@ -64,23 +64,13 @@ TEST_CASE("What the arm's controller is told of the hand holds the hand, whateve
 
 TEST_SUITE_BEGIN("real time");
 
-TEST_CASE("The program: a press on the palm of a V5 Sense moves the arm, if it counts") {
-  for (const bool counts : {false, true}) {
-    const std::string said =
-        examples::run_program(ARM_AND_HAND_PROGRAM,
-                              std::string("--generation v5_sense --duration 4 --palm-touch-at 1.5") +
-                                  (counts ? " --palm-gain 60" : ""),
-                              0);
-    CAPTURE(said);
-    CHECK(said.find("carries 0.95 kg") != std::string::npos);
-    const auto at = said.find("palm pressed at");
-    CHECK((at != std::string::npos) == counts);
-    double time = 0, moved = 0;
-    if (counts)
-      REQUIRE(std::sscanf(said.c_str() + at, "palm pressed at %lf s: the arm gave way by %lf mm", &time,
-                          &moved) == 2);
-    CHECK((moved > 3) == counts);
-  }
+TEST_CASE(
+    "The program: a press on the palm of a V5 Sense does not move the arm, unless it is asked to count") {
+  const std::string said = examples::run_program(ARM_AND_HAND_PROGRAM,
+                                                 "--generation v5_sense --duration 3 --palm-touch-at 1.5", 0);
+  CHECK(said.find("carries 0.95 kg") != std::string::npos);
+  CHECK(said.find("palm pressed at") == std::string::npos);
+  CHECK(said.find("machine a thread without work") != std::string::npos);
 }
 
 TEST_CASE("Two jobs: both end well, one fails, one throws, both are interrupted") {
