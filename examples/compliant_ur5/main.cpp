@@ -51,6 +51,9 @@ int run(int argc, char** argv) {
   app.add_flag("--simulate", simulate, "a simulated UR5 in this process (the default)")->excludes(host);
   app.add_option("--skin", s.skin, "skin file (JSON): cells, gains; without it 260 generated cells")
       ->check(CLI::ExistingFile);
+  app.add_option("--simulated-skin", s.simulated_skin,
+                 "skin file of the cells that the simulated robot wears, where --skin says it otherwise")
+      ->check(CLI::ExistingFile);
   app.add_option("--skin-address", s.skin_address,
                  "this computer's address at which skin datagrams arrive; 0.0.0.0: any")
       ->capture_default_str();

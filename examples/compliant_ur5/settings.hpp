@@ -77,6 +77,7 @@ struct Settings {
   std::string scenario;                    ///< TOML file
   std::optional<std::string> robot;        ///< host of a real robot; none: the simulated one
   std::string skin;                        ///< skin file; empty: the generated skin with the scenario's gains
+  std::string simulated_skin;              ///< of the simulated robot, where it is not the one of `skin`
   std::string skin_address = "127.0.0.1";  ///< of this computer, where skin datagrams come in
   std::uint16_t skin_port = 0;             ///< likewise; 0: any
   std::string skin_sender;                 ///< the only address whose skin datagrams are taken; empty: any

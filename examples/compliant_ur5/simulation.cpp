@@ -19,7 +19,9 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
   simulated_ur5::Config config;
   simulated_ur5::read_scenario(s.scenario, config);
   config.controller.series = s.rate > 125 ? simulated_ur5::Series::e_series : simulated_ur5::Series::cb3;
-  config.controller.cells = simulated_cells(skin_patches(s));
+  Settings worn = s;
+  if (!s.simulated_skin.empty()) worn.skin = s.simulated_skin;
+  config.controller.cells = simulated_cells(skin_patches(worn));
   if (!s.skin_faults.empty())
     config.controller.skin.faults = simulated_ur5::read_skin_faults(s.skin_faults, config.controller.cells);
   config.controller.powered = true;

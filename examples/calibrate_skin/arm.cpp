@@ -1,0 +1,130 @@
+#include "examples/calibrate_skin/arm.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "examples/adapters/ur5/driver.hpp"
+#include "examples/simulated_ur5/simulated_ur5.hpp"
+#include "examples/support/job.hpp"
+
+namespace calibrate_skin {
+
+using namespace skinctl;
+
+struct Arm::Parts {
+  ArmOptions options;
+  std::unique_ptr<simulated_ur5::SimulatedUr5> simulated;
+  std::unique_ptr<adapters::ur5::Driver> driver;
+  State<6> state;
+
+  explicit Parts(const ArmOptions& o) : options(o) {
+    adapters::ur5::DriverConfig config;
+    if (o.host.empty()) {
+      simulated_ur5::Config robot;
+      robot.controller.series = simulated_ur5::Series::cb3;
+      robot.controller.powered = true;
+      robot.controller.arm.home = {0.2, -1.6, 0.9, -0.9, -1.4, 0.3};  // `home` of world.hpp
+      robot.ports = {0, 0, 0, 0, 0};
+      robot.speed = 0;
+      simulated = std::make_unique<simulated_ur5::SimulatedUr5>(std::move(robot));
+      simulated->start();
+      const auto ports = simulated->ports();
+      config.rtde_port = ports.rtde, config.script_port = ports.secondary;
+      config.dashboard_port = ports.dashboard;
+      config.real_time = false;
+      config.silence = config.give_up = adapters::Timeout{3000};
+    } else {
+      config.host = o.host;
+    }
+    driver = std::make_unique<adapters::ur5::Driver>(config);
+    driver->connect();
+    hear();
+  }
+  ~Parts() {
+    if (driver) driver->stop();
+  }
+  void hear() {
+    if (options.stop != nullptr && *options.stop) {
+      driver->stop();
+      throw Interrupted{};
+    }
+    for (;;) {
+      const Heard heard = driver->wait(state);
+      if (heard == Heard::lost) throw std::runtime_error("the robot was lost: " + driver->error());
+      if (heard == Heard::state) return;
+    }
+  }
+  void tell(const std::array<double, 6>& q) {
+    JointCommand<6> command;
+    command.valid = true;
+    command.time = state.time;
+    command.position = JointPosition<6>(q);
+    if (!driver->send(command)) throw std::runtime_error("the robot takes no commands: " + driver->error());
+  }
+  [[nodiscard]] JointAngles6 measured() const {
+    JointAngles6 q{};
+    for (std::size_t i = 0; i < 6; ++i) q[i] = state.q[i];
+    return q;
+  }
+  [[nodiscard]] JointAngles6 truth() { return simulated ? simulated->snapshot().true_q : measured(); }
+};
+
+Arm::Arm(const ArmOptions& options) : parts_(std::make_unique<Parts>(options)) {}
+Arm::~Arm() = default;
+
+JointAngles6 Arm::here() {
+  return parts_->measured();
+}
+
+Arm::Stand Arm::go(const JointAngles6& to, double speed) {
+  Parts& p = *parts_;
+  const JointAngles6 from = p.measured();
+  double way = 0;
+  for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(to[i] - from[i]));
+  const double duration = std::max(0.2, 1.875 * way / speed);
+  const Nanoseconds begin = p.state.time;
+  // The drives lag behind by less than a tenth of a second.
+  for (double t = 0; t < duration + 0.6; t = seconds<double>(p.state.time - begin)) {
+    const double x = std::min(1.0, t / duration), s = x * x * x * (10 + x * (6 * x - 15));
+    JointAngles6 q{};
+    for (std::size_t i = 0; i < 6; ++i) q[i] = from[i] + s * (to[i] - from[i]);
+    p.tell(q);
+    p.hear();
+  }
+  const Stand stand{p.measured(), p.truth()};
+  for (std::size_t i = 0; i < 6; ++i)
+    if (!(std::abs(stand.measured[i] - to[i]) < 0.01))
+      throw std::runtime_error("joint " + std::to_string(i) + " does not go where it is told to");
+  return stand;
+}
+
+Ride Arm::follow(const std::function<Eigen::VectorXd(double)>& path, double duration) {
+  Parts& p = *parts_;
+  constexpr double rest = 1;
+  std::vector<double> time;
+  std::vector<JointAngles6> measured, truth;
+  const Nanoseconds begin = p.state.time;
+  examples::job::Progress progress(p.options.quiet);
+  for (double t = 0; t < duration + 2 * rest; t = seconds<double>(p.state.time - begin)) {
+    time.push_back(t);
+    measured.push_back(p.measured());
+    truth.push_back(p.truth());
+    if (progress.due(t)) progress.show("  %4.0f of %.0f s", t, duration + 2 * rest);
+    const Eigen::VectorXd at = path(std::clamp(t - rest, 0.0, duration));
+    JointAngles6 q{};
+    for (std::size_t i = 0; i < 6; ++i) q[i] = at(Eigen::Index(i));
+    p.tell(q);
+    p.hear();
+  }
+  progress.clear();
+  const auto table = [&](const std::vector<JointAngles6>& rows) {
+    JointRecording out{time, Eigen::MatrixXd(Eigen::Index(rows.size()), 6)};
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      for (std::size_t i = 0; i < 6; ++i) out.q(Eigen::Index(k), Eigen::Index(i)) = rows[k][i];
+    return out;
+  };
+  return {table(measured), table(truth)};
+}
+
+}  // namespace calibrate_skin

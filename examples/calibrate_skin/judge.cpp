@@ -1,0 +1,115 @@
+#include "examples/calibrate_skin/judge.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "examples/calibrate_skin/world.hpp"
+#include "examples/compliant_ur5/run.hpp"
+#include "skinctl/calibration/turn.hpp"
+#include "skinctl/io/skin_file.hpp"
+#include "skinctl/model/ur5_links.hpp"
+
+namespace calibrate_skin {
+
+using namespace skinctl;
+
+namespace {
+
+std::size_t link_of(const SkinFile::Patch& patch) {
+  for (std::size_t l = 0; l < 6; ++l)
+    if (ur5::Ros2Links::named_links[l].name == patch.link) return l;
+  throw std::runtime_error("no link " + patch.link);
+}
+FitPose fit_pose(const SkinPose& X) {
+  return {Eigen::Quaterniond(X.q[3], X.q[0], X.q[1], X.q[2]).normalized().toRotationMatrix(),
+          {X.p.x, X.p.y, X.p.z}};
+}
+
+}  // namespace
+
+SkinError skin_error(const SkinFile& file, const World& world) {
+  SkinError out;
+  for (const auto& patch : file.patches) {
+    const std::size_t link = link_of(patch);
+    FitPose X_LinkRoot = fit_pose(patch.X_LinkRoot);
+    const auto& p = ur5::Ros2Links::named_links[link].p;
+    X_LinkRoot.p += Eigen::Vector3d(p.x, p.y, p.z);
+    for (const auto& cell : patch.cells) {
+      ++out.of;
+      if (!cell.masked.empty()) continue;
+      ++out.cells;
+      const World::Cell* truth = world.find(std::uint16_t(cell.id));
+      if (truth == nullptr || truth->link != link) {
+        ++out.wrong_link;
+        continue;
+      }
+      const FitPose X = X_LinkRoot * fit_pose(cell.X_RootCell);
+      const double place = (X.p - truth->X_LinkCell.p).norm(),
+                   angle = turn_vector(truth->X_LinkCell.R.transpose() * X.R).norm();
+      out.place_rms += place * place, out.turn_rms += angle * angle;
+      out.place_worst = std::max(out.place_worst, place), out.turn_worst = std::max(out.turn_worst, angle);
+    }
+  }
+  const double n = std::max(1.0, double(out.cells - out.wrong_link));
+  out.place_rms = std::sqrt(out.place_rms / n), out.turn_rms = std::sqrt(out.turn_rms / n);
+  return out;
+}
+
+std::vector<JobTouch> main_job_on(const fs::path& folder, const World& world) {
+  const SkinFile found = read_skin_file((folder / "skin.json").string());
+  const fs::path truth = folder / "true_skin.json", scenario = folder / "scenario.toml";
+  write_text(truth, skin_file_text(true_skin_file(found, world)));
+
+  // The shipped scenario with other touches, and at rest.
+  std::ifstream shipped(COMPLIANT_UR5_SCENARIO);
+  std::string text{std::istreambuf_iterator<char>(shipped), {}};
+  text.resize(std::min(text.find("[[goal]]"), text.size()));
+  if (const auto at = text.find("duration = 60"); at != std::string::npos)
+    text.replace(at, 13, "duration = 23");
+  std::vector<JobTouch> out;
+  for (const std::size_t link : {1u, 2u, 3u}) {
+    // In the middle of its patch.
+    const SkinFile::Cell* best = nullptr;
+    std::ptrdiff_t most = -1;
+    for (const auto& patch : found.patches)
+      for (const auto& cell : patch.cells) {
+        if (link_of(patch) != link || !cell.masked.empty()) continue;
+        const auto n = std::count_if(cell.neighbours.begin(), cell.neighbours.end(),
+                                     [](std::uint32_t id) { return id != SkinFile::nobody; });
+        if (n > most) most = n, best = &cell;
+      }
+    if (best == nullptr) continue;
+    text += "[[touch]]\nname = \"link " + std::to_string(link) + "\"\ncell = " + std::to_string(best->id) +
+            "\nstart = " + std::to_string(2 + 7 * out.size()) +
+            "\nstiffness = 3000\ndamping = 20\napproach_speed = 0.06\ntravel = 0.06\nhold = 0.6\n\n";
+    out.push_back({link, best->id, {}, {}});
+  }
+  write_text(scenario, text);
+
+  for (const std::size_t which : {0u, 1u}) {
+    compliant_ur5::Settings s;
+    s.scenario = scenario.string();
+    s.skin = which == 0 ? (folder / "skin.json").string() : truth.string();
+    s.simulated_skin = truth.string();
+    s.quiet = true, s.compare = false;
+    compliant_ur5::read_scenario(s.scenario, s);
+    compliant_ur5::RunLog log;
+    const std::atomic<bool> stop{false};
+    const auto outcome = compliant_ur5::run(s, stop, log);
+    if (outcome != compliant_ur5::Outcome::fine)
+      throw std::runtime_error(std::string("the main job ended: ") + examples::job::words(outcome));
+    if (log.touches.size() != out.size())
+      throw std::runtime_error("the main job felt " + std::to_string(log.touches.size()) + " touches of " +
+                               std::to_string(out.size()));
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      out[k].force[which] = log.touches[k].true_peak_force;
+      out[k].deflection[which] = log.touches[k].deflection;
+    }
+  }
+  return out;
+}
+
+}  // namespace calibrate_skin

@@ -1,0 +1,30 @@
+// How well a calibration did: its files against the truth, and the main job with both.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "examples/calibrate_skin/steps.hpp"
+
+namespace calibrate_skin {
+
+/// Cells that are not masked, against where they truly are.
+struct SkinError {
+  std::size_t cells = 0, of = 0, wrong_link = 0;
+  double place_rms = 0, place_worst = 0;  ///< [m]
+  double turn_rms = 0, turn_worst = 0;    ///< [rad]
+};
+[[nodiscard]] SkinError skin_error(const skinctl::SkinFile& found, const World& world);
+
+/// A touch of the same finger at the same cell, with the calibrated file and with the true one.
+struct JobTouch {
+  std::size_t link = 0;
+  std::uint32_t cell = 0;
+  double force[2] = {0, 0};       ///< peak of the finger's [N]: calibrated, true
+  double deflection[2] = {0, 0};  ///< farthest that the touched point gave way [m]
+};
+/// Runs the main job twice on a simulated robot that wears the true skin: with `folder`/skin.json and with the truth. Upper arm,
+/// forearm and first wrist are touched. Throws `std::runtime_error` if a run does not end as it should.
+[[nodiscard]] std::vector<JobTouch> main_job_on(const fs::path& folder, const World& world);
+
+}  // namespace calibrate_skin

@@ -1,0 +1,112 @@
+// Calibrates a skin that was glued on this morning: from cells without names to a skin file, a robot model and a report.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+
+#include "examples/calibrate_skin/steps.hpp"
+#include "examples/calibrate_skin/world.hpp"
+#include "examples/support/job.hpp"
+#include "skinctl/core/contract.hpp"
+#include "skinctl/io/skin_file.hpp"
+
+namespace {
+
+using namespace calibrate_skin;
+namespace job = examples::job;
+
+int run(int argc, char** argv) {
+  CLI::App app(
+      "Calibrates a skin that was glued on this morning: ids, shape, links, axes, places.\n"
+      "The skin is simulated; so is the robot, unless --robot names a real one, on whose motion the skin is "
+      "then simulated. What "
+      "a step found is kept in the folder: a run that was stopped goes on where it was.");
+  Options options;
+  std::string folder = "calibration", again, truth;
+  std::uint64_t seed = 1;
+  bool yes = false, quiet = false, no_camera = false;
+  app.add_option("--folder", folder, "where the files of the steps and the results are kept")
+      ->capture_default_str();
+  app.add_option("--seed", seed, "which simulated skin")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  app.add_option("--robot", options.arm.host, "host of a real UR5 that is switched on: it MOVES");
+  app.add_flag("--yes", yes, "your consent to all motions of a real robot, instead of one question each");
+  app.add_flag("--shoulder-by-hand", options.shoulder_by_hand,
+               "the first link's patch was turned by hand in eight poses before it was glued on");
+  app.add_flag("--no-camera", no_camera, "patches are placed by motion alone");
+  app.add_option("--again", again, "from which step on everything is done again")
+      ->check(CLI::IsMember({"network", "rest", "shape", "motion", "lines", "camera", "result"}));
+  app.add_option("--truth", truth,
+                 "also write the simulated skin as it truly is, as a skin file to judge by");
+  app.add_flag("--quiet", quiet, "print errors only");
+  app.footer(job::exit_help());
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
+  }
+  const job::StopSignals signals;
+  options.folder = folder;
+  options.camera = !no_camera;
+  options.arm.stop = &signals.asked();
+  options.arm.quiet = quiet;
+  if (!quiet)
+    options.say = [](const std::string& line) {
+      std::printf("%s\n", line.c_str());
+      std::fflush(stdout);
+    };
+  options.arm.say = options.say;
+  options.agreed = [&](const std::vector<std::string>& announcement) {
+    const bool real = !options.arm.host.empty();
+    for (const auto& line : announcement)
+      if (real || !quiet) std::printf("  %s\n", line.c_str());
+    std::fflush(stdout);
+    if (!real || yes) return true;
+    if (::isatty(0) == 0) {
+      std::fprintf(stderr, "nobody can be asked: --yes says that the robot may move\n");
+      return false;
+    }
+    std::printf("  Is nobody within its reach, and may it move? Type yes: ");
+    std::fflush(stdout);
+    std::string answer;
+    return std::getline(std::cin, answer) && answer == "yes";
+  };
+
+  fs::create_directories(options.folder);
+  const Json which = {{"seed", seed},
+                      {"shoulder_by_hand", options.shoulder_by_hand},
+                      {"camera", options.camera},
+                      {"robot", options.arm.host}};
+  const fs::path described = options.folder / "which.json";
+  if (fs::exists(described) && read_json(described) != which)
+    throw skinctl::ConfigurationError(options.folder.string() +
+                                      " holds a calibration with other options: choose another folder");
+  write_json(described, which);
+  const World world(seed);
+  run_steps(options, world, again);
+  write_results(options);
+  const auto file = skinctl::read_skin_file((options.folder / "skin.json").string());
+  if (!truth.empty()) skinctl::write_skin_file(true_skin_file(file, world), truth);
+  options.say(folder + ": skin.json with " + std::to_string(file.cells()) +
+              " cells, model.urdf, dh.txt; report.html says what is not known, and what would show it");
+  return job::code(job::Exit::fine);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const calibrate_skin::Interrupted&) {
+    std::fprintf(stderr, "calibrate_skin: stopped; what was found so far is kept\n");
+    return job::code(job::Exit::interrupted);
+  } catch (const skinctl::ConfigurationError& e) {
+    std::fprintf(stderr, "calibrate_skin: %s\n", e.what());
+    return job::code(job::Exit::refused);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "calibrate_skin: %s\n", e.what());
+    return job::code(job::Exit::lost);
+  }
+}

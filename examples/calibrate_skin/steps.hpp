@@ -1,0 +1,63 @@
+// The steps of a skin's calibration, each from files to a file: what has been done is kept.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "examples/calibrate_skin/arm.hpp"
+#include "skinctl/calibration/sighting_types.hpp"
+#include "skinctl/io/skin_contents.hpp"
+
+namespace calibrate_skin {
+
+class World;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path folder;
+  bool shoulder_by_hand = false;  ///< the first link's patch was turned by hand before it was glued on
+  bool camera = true;  ///< false: patches are placed by motion alone; the first link's then has no place
+  ArmOptions arm{};
+  std::function<void(const std::string&)> say = [](const std::string&) {};
+  /// Told what is going to move before it moves; false: nobody agreed, and nothing moves.
+  std::function<bool(const std::vector<std::string>& announcement)> agreed =
+      [](const std::vector<std::string>&) { return true; };
+};
+
+/// A step: its name, the file it writes, and what it is for. Each reads what those before it wrote; a text in `"said"` of its
+/// result is for the user.
+struct Step {
+  std::string name, file, purpose;
+  std::function<Json()> run;
+};
+[[nodiscard]] std::vector<Step> steps_of(const Options& options, const World& world);
+
+/// Runs the steps whose files are missing, and all behind the first of them or behind `again`; then writes the results. Before
+/// a step runs, the files of what stands on it are removed. Throws `ConfigurationError` or `std::runtime_error` with the step's
+/// name, and `Interrupted`; the files of the steps before it stay.
+void run_steps(const Options& options, const World& world, const std::string& again = {});
+
+/// From `result.json` and `lines.json`: `skin.json`, `model.urdf`, `dh.txt`, `report.html`. Throws `std::runtime_error` if no
+/// patch is known well enough for a skin file.
+void write_results(const Options& options);
+
+/// Throws `std::runtime_error` for a file that is missing or no JSON.
+[[nodiscard]] Json read_json(const fs::path& path);
+/// Whole or not at all.
+void write_text(const fs::path& path, const std::string& text);
+void write_json(const fs::path& path, const Json& value);
+
+/// The skin file of `result.json`, with gains of the main job.
+[[nodiscard]] skinctl::SkinFile skin_file_of(const Json& result);
+/// The same cells where they truly are: for judging only.
+[[nodiscard]] skinctl::SkinFile true_skin_file(skinctl::SkinFile found, const World& world);
+
+/// `{p, q}`, and back.
+[[nodiscard]] Json json_of(const skinctl::FitPose& X);
+[[nodiscard]] skinctl::FitPose pose_of(const Json& X);
+
+}  // namespace calibrate_skin

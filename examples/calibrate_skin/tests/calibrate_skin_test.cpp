@@ -1,0 +1,170 @@
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "examples/calibrate_skin/judge.hpp"
+#include "examples/calibrate_skin/report.hpp"
+#include "examples/calibrate_skin/world.hpp"
+#include "examples/support/run_program.hpp"
+#include "skinctl/io/skin_file.hpp"
+
+using namespace calibrate_skin;
+
+namespace {
+
+// A folder that is gone with the object.
+struct Folder {
+  fs::path path = fs::temp_directory_path() / ("calibrate_skin_" + std::to_string(getpid()));
+  Folder() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
+  ~Folder() { fs::remove_all(path); }
+  [[nodiscard]] bool has(const char* file) const { return fs::exists(path / file); }
+};
+
+// One calibration, whose files all cases take.
+struct Calibrated {
+  Folder folder;
+  World world{3};
+  Options options;
+  std::vector<std::string> said;
+  Calibrated() {
+    options.folder = folder.path;
+    options.say = [this](const std::string& line) { said.push_back(line); };
+    run_steps(options, world);
+    write_results(options);
+  }
+  // A copy of the files whose `file` is another one; the files behind it are gone.
+  struct Spoilt {
+    Folder folder;
+    Options options;
+  };
+  std::string error_with(const char* file, const Json& value, const std::string& plain = {}) {
+    const fs::path copy = folder.path / "spoilt";
+    fs::remove_all(copy);
+    fs::create_directories(copy);
+    for (const char* f : {"network.json", "rest.json", "shape.json", "motion.json"})
+      fs::copy_file(folder.path / f, copy / f);
+    write_text(copy / file, plain.empty() ? value.dump() : plain);
+    if (file == std::string("rest.json")) fs::remove(copy / "shape.json");
+    Options o = options;
+    o.folder = copy;
+    o.camera = false;
+    try {
+      run_steps(o, world);
+      write_results(o);
+    } catch (const std::exception& e) {
+      CHECK(!fs::exists(copy / "skin.json"));
+      return e.what();
+    }
+    return "no error";
+  }
+};
+Calibrated& calibrated() {
+  static Calibrated all;
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("Calibrate skin: from cells without names to a skin file whose cells are where they truly are") {
+  Calibrated& c = calibrated();
+  const auto file = skinctl::read_skin_file((c.folder.path / "skin.json").string());
+  const SkinError e = skin_error(file, c.world);
+  MESSAGE(e.cells << " cells of " << e.of << ", " << 1e3 * e.place_rms << " mm, worst "
+                  << 1e3 * e.place_worst);
+  CHECK(e.cells >= 170);
+  CHECK(e.wrong_link == 0);
+  CHECK(e.place_worst < 1.5e-3);
+  CHECK(e.turn_worst < 0.035);
+  // The shoulder's patch turns about gravity only: it is not guessed.
+  for (const auto& patch : file.patches)
+    if (patch.link == "shoulder_link")
+      for (const auto& cell : patch.cells) CHECK(!cell.masked.empty());
+  for (const char* written : {"skin.json", "model.urdf", "dh.txt", "report.html"})
+    CHECK(c.folder.has(written));
+  const std::string report = report_of(c.folder.path);
+  CHECK(report.find("What was not observable") != std::string::npos);
+
+  // A run that was stopped goes on: nothing is done twice.
+  c.said.clear();
+  run_steps(c.options, c.world);
+  CHECK(c.said.size() == 7);
+  CHECK(std::all_of(c.said.begin(), c.said.end(),
+                    [](const auto& line) { return line.find("kept") != std::string::npos; }));
+}
+
+TEST_CASE("Calibrate skin: the main job on the files presses and gives way as on the true ones, to 5 %") {
+  Calibrated& c = calibrated();
+  const auto touches = main_job_on(c.folder.path, c.world);
+  CHECK(touches.size() == 3);
+  for (const JobTouch& t : touches) {
+    CAPTURE(t.link);
+    MESSAGE("force " << t.force[0] << " N, true " << t.force[1] << "; way " << 1e3 * t.deflection[0]
+                     << " mm, true " << 1e3 * t.deflection[1]);
+    CHECK(t.force[0] == doctest::Approx(t.force[1]).epsilon(0.05));
+    CHECK(t.deflection[0] == doctest::Approx(t.deflection[1]).epsilon(0.05));
+  }
+}
+
+TEST_CASE("Calibrate skin: damaged files are refused in words, and nothing wrong is written") {
+  Calibrated& c = calibrated();
+  const auto has = [](const std::string& text, const char* part) {
+    INFO(text);
+    CHECK(text.find(part) != std::string::npos);
+  };
+  has(c.error_with("motion.json", {}, "{\"time\": [0, 0.008"), "no JSON; remove it, and its step runs again");
+  has(c.error_with("motion.json", Json::object()), "not as the step before wrote it");
+
+  const Json recording = read_json(c.folder.path / "motion.json");
+  Json cut = recording;  // after five seconds
+  for (const char* rows : {"time", "joints", "torques"}) cut[rows].get_ref<Json::array_t&>().resize(625);
+  has(c.error_with("motion.json", cut), "step ");
+  Json hole = recording;
+  hole["joints"][1000][2] = nullptr;
+  has(c.error_with("motion.json", hole), "not finite");
+  Json other = recording;
+  other["cells"][1]["id"] = 9999;
+  has(c.error_with("motion.json", other), "another one than that of shape.json");
+  Json shorter = recording;
+  shorter["cells"].erase(3);
+  has(c.error_with("motion.json", shorter), "other cells than those of shape.json");
+
+  Json lost = read_json(c.folder.path / "rest.json");
+  lost["readings"].erase(0);
+  has(c.error_with("rest.json", lost), "rest.json is of another network");
+
+  Options nobody = c.options;
+  nobody.agreed = [](const auto&) { return false; };
+  nobody.folder = c.folder.path / "nobody";
+  fs::create_directories(nobody.folder);
+  CHECK_THROWS_WITH(run_steps(nobody, c.world), doctest::Contains("nobody agreed to the motion"));
+  CHECK(!fs::exists(nobody.folder / "rest.json"));
+}
+
+TEST_CASE("Calibrate skin: behind a joint that never moved alone no patch has a link") {
+  Calibrated& c = calibrated();
+  Json still = read_json(c.folder.path / "motion.json");  // the first 20 s: joint 5 has not moved yet
+  for (const char* rows : {"time", "joints", "torques"}) still[rows].get_ref<Json::array_t&>().resize(2500);
+  const std::string error = c.error_with("motion.json", still);
+  INFO(error);
+  CHECK(error.find("no patch is known well enough: no skin file was written") != std::string::npos);
+  const Json found = read_json(c.folder.path / "spoilt" / "lines.json");
+  for (std::size_t k = 0; k < found.at("links").size(); ++k) CHECK(found["links"][k]["link"].get<int>() < 4);
+  CHECK(found.at("unobservable").dump().find("joint 5 never moved alone") != std::string::npos);
+  CHECK(read_json(c.folder.path / "lines.json").at("links").dump().find("\"link\":5") != std::string::npos);
+}
+
+TEST_CASE("Calibrate skin: the program says what it wants") {
+  const std::string help = examples::run_program(CALIBRATE_SKIN_PROGRAM, "--help", 0);
+  CHECK(help.find("Exit codes") != std::string::npos);
+  examples::run_program(CALIBRATE_SKIN_PROGRAM, "--seed 0", 2);
+  const Folder folder;
+  const std::string path = folder.path.string();
+  write_json(folder.path / "which.json", {{"seed", 9}});
+  const std::string other = examples::run_program(CALIBRATE_SKIN_PROGRAM, "--quiet --folder " + path, 2);
+  CHECK(other.find("holds a calibration with other options") != std::string::npos);
+}
