@@ -4,6 +4,7 @@
 #include <exception>
 
 #include "examples/packing_oranges/report.hpp"
+#include "examples/packing_oranges/teach.hpp"
 #include "examples/support/job.hpp"
 #include "examples/support/svg_plot.hpp"
 
@@ -25,8 +26,8 @@ int run(const RunSettings& settings, const std::string& robot, const std::string
   if (!page.empty() && !plotting::write_svg(page, report(out, settings))) return code(Exit::refused);
   if (out.stopped) return code(Exit::interrupted);
   if (!out.over) return code(Exit::not_following);
-  return code(out.worst_force() > 10 || (settings.fault == Fault::none && out.lost() > 0) ? Exit::broken
-                                                                                          : Exit::fine);
+  const bool lost = settings.fault == Fault::none && out.lost() > 0;
+  return code(lost || out.worst_grip() > 10 || out.shake() > 3 ? Exit::broken : Exit::fine);
 }
 }  // namespace
 
@@ -34,8 +35,8 @@ int main(int argc, char** argv) {
   CLI::App app("Two simulated arms pack oranges.");
   app.footer(examples::job::exit_help());
   RunSettings s;
-  std::string robot = "ur5", fault = "none", page;
-  bool quiet = false;
+  std::string robot = "ur5", fault = "none", page, gripper = "measures";
+  bool quiet = false, taught = false;
   app.add_option("--oranges", s.supply.oranges, "how many")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -53,6 +54,12 @@ int main(int argc, char** argv) {
   app.add_option("--fault-lasts", s.fault_lasts, "how long [s]; 0: 1 s (slip), 2 s (no_detector), 30 s, 20 s")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  app.add_flag("--teach", taught,
+               "first a person leads an arm to the place in the box where oranges are let go");
+  app.add_option("--gripper", gripper,
+                 "measures: the opening as well as the force; open_or_closed: the force over time")
+      ->check(CLI::IsMember({"measures", "open_or_closed"}))
+      ->capture_default_str();
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
   try {
@@ -63,6 +70,22 @@ int main(int argc, char** argv) {
   try {
     s.fault = fault_named(fault);
     s.keep_path = !page.empty();
+    s.work.by_time = gripper == "open_or_closed";
+    if (taught) {
+      const auto lesson = teach(s.seed);
+      if (!lesson) {
+        std::fprintf(stderr, "packing_oranges: nothing was taught\n");
+        return code(Exit::not_following);
+      }
+      const auto mm = [](const auto& a, const auto& b) { return 1e3 * norm(skinctl::Xyz<double>(a - b)); };
+      std::printf(
+          "taught in %.1f s: put at %.3f %.3f %.3f m in the box, %.2f mm from where the hand rested, %.1f mm "
+          "from "
+          "what was meant\n",
+          lesson->lasted, lesson->taught.x, lesson->taught.y, lesson->taught.z,
+          mm(lesson->taught, lesson->rested), mm(lesson->taught, lesson->meant));
+      s.work.taught = lesson->taught;
+    }
     return run(s, robot, page, quiet);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "packing_oranges: %s\n", error.what());

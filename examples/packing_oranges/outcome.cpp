@@ -18,6 +18,11 @@ int Outcome::lost() const {
   return static_cast<int>(
       std::count_if(ended.begin(), ended.end(), [](const Packed& p) { return p.end == Packed::End::lost; }));
 }
+double Outcome::worst_grip() const {
+  double most = 0;
+  for (const auto& a : arm) most = std::max(most, a.worst_grip);
+  return most;
+}
 double Outcome::worst_force() const {
   double most = 0;
   for (const auto& a : arm) most = std::max(most, a.worst_force);

@@ -57,10 +57,10 @@ std::string summary(const Outcome& o, const RunSettings& s) {
                           : ": the time is up");
   out += text("right %d (%.1f %%), misjudged %d, lost %d\n", o.right(),
               ended > 0 ? 100.0 * o.right() / ended : 0.0, o.misjudged(), o.lost());
-  out += text(
-      "%.2f s an orange and arm; largest force of a finger %.2f N; fingertips %.2f m/s^2 rms while "
-      "carrying\n",
-      o.seconds_an_orange(), o.worst_force(), o.shake());
+  out += text("%.2f s an orange and arm; fingertips %.2f m/s^2 rms while carrying\n", o.seconds_an_orange(),
+              o.shake());
+  out += text("largest force of a finger %.2f N while holding, %.2f N at all\n", o.worst_grip(),
+              o.worst_force());
   for (std::size_t a = 0; a < arms; ++a) {
     const ArmOutcome& m = o.arm[a];
     out += text(

@@ -40,7 +40,8 @@ struct ArmOutcome {
     bool said_good = false, good = false;
   };
   std::vector<Judged> judged;
-  double worst_force = 0;                  ///< of a finger [N]
+  double worst_grip = 0;                   ///< force of a finger while both hold something [N]
+  double worst_force = 0;                  ///< of a finger, bumps into what lies there included [N]
   double shake = 0;                        ///< rms acceleration of a fingertip while it carries [m/s^2]
   double waited = 0;                       ///< for the box [s]
   double busy = 0;                         ///< until its last orange was done [s]
@@ -67,6 +68,7 @@ struct Outcome {
   [[nodiscard]] int right() const;
   [[nodiscard]] int misjudged() const;
   [[nodiscard]] int lost() const;
+  [[nodiscard]] double worst_grip() const;
   [[nodiscard]] double worst_force() const;
   [[nodiscard]] double shake() const;
   [[nodiscard]] double seconds_an_orange() const;  ///< and arm

@@ -189,6 +189,7 @@ class Run {
     for (std::size_t a = 0; a < arms; ++a) {
       ArmOutcome& o = out_.arm[a];
       o.done = workers_[a]->done();
+      o.worst_grip = world_.record(a).worst_grip;
       o.worst_force = world_.record(a).worst_force;
       o.shake = samples_[a] > 0 ? std::sqrt(square_[a] / static_cast<double>(samples_[a])) : 0;
       o.other_arm = world_.record(a).other_arm;

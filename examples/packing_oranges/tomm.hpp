@@ -63,7 +63,7 @@ inline constexpr auto skills_of_tomm = [] {
   return boost::hana::make_map(skill<behaviour::Rest>(law), skill<behaviour::Reaching>(law.when(there)),
                                skill<behaviour::Putting>(law.when(there)),
                                skill<behaviour::Grasp>(law.gripping({0, 0.8, 0.08}).when(gripped)),
-                               skill<behaviour::Squeezing>(law.gripping({0, 8, 0.015}).when(gripped)),
+                               skill<behaviour::Squeezing>(law.gripping({0, 6.8, 0.015}).when(gripped)),
                                skill<behaviour::LetGo>(law.gripping({0.11, 5, 0.15}).when(opened)));
 }();
 
@@ -110,7 +110,7 @@ struct Arm {
                                  .period = period,
                                  .delay = 8ms,
                                  .lag = 2ms,
-                                 .virtual_damping = 4});
+                                 .virtual_damping = 10});
   }
   static std::vector<skinctl::PlacedCell<forearm>> cells() {
     using namespace skinctl;
@@ -129,6 +129,7 @@ struct Arm {
         Patch<forearm, forearm_cells>(cells(), {.force = newtons_per_reading}), settings);
     auto o = operational_settings(arm);
     o.tracking.lambda = 40;
+    o.tracking.K_c = 6;  // an arm that was pushed aside comes back at 6 times the way in a second
     o.tracking.max_velocity = JointVelocity<6>::constant(2.0);
     o.max_linear_velocity = 1.0;
     o.max_angular_velocity = 3.0;

@@ -1,6 +1,8 @@
 // The numbers of the work, and its log.
 #pragma once
 
+#include <optional>
+
 #include "examples/packing_oranges/plan.hpp"
 #include "skinctl/semantics/executor.hpp"
 
@@ -14,6 +16,9 @@ struct WorkSettings {
   double speed = 0.8;         ///< [m/s]
   double hold = 5;            ///< force of carrying [N]
   double border = 3873;       ///< good oranges are stiffer [N/m]
+  bool by_time = false;       ///< the gripper tells no opening: it is judged by the rise of its force
+  std::optional<skinctl::Xyz<double>>
+      taught{};  ///< where in the box the first arm lets go, as it was shown [m]
   skinctl::ExecutorSettings executor{.place = 12s};
 };
 

@@ -32,7 +32,7 @@ class Worker {
         s_(settings),
         scene_(scene),
         executor_(pack_oranges, settings.executor),
-        squeeze_({.from = 1.2, .to = 6.8, .own = 1e9, .swing = 3, .least_span = 3}),
+        squeeze_({.from = 1.2, .to = 5.6, .own = 1e9, .swing = 3, .least_span = 3}),
         objects_([] {
           std::array<skinctl::ObjectClass, arms * slots> kinds{};
           kinds.fill(orange_class);
@@ -66,7 +66,7 @@ class Worker {
     out.wants = at_work && at_box ? std::uint8_t(0) : std::uint8_t(255);
     out.leaves = 1;
     out.failed = !at_work;
-    out.away = std::hypot(p.x, p.y) > 0.25 ? ~0u : 0u;
+    out.away = std::hypot(p.x, p.y) > 0.3 ? ~0u : 0u;
     return out;
   }
 
@@ -79,7 +79,10 @@ class Worker {
     X_WH_ = X_WB_ * A::hand(measured.q);
     const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
     features_ = extractor_.step(featured_, objects_, known_, hand);
-    if (judging_) squeeze_.take(squeezed_, gripper.force, -gripper.opening);
+    // Without an opening: what the fingers close at their constant speed.
+    if (judging_)
+      squeeze_.take(squeezed_, gripper.force,
+                    s_.by_time ? closing_speed * skinctl::seconds<double>(now) : -gripper.opening);
 
     const auto result = executor_.step(plan_, {.now = now,
                                                .seen = observed(features_),
@@ -114,6 +117,7 @@ class Worker {
   [[nodiscard]] const skinctl::Transform<skinctl::World, skinctl::Tool>& hand() const { return X_WH_; }
 
  private:
+  static constexpr double closing_speed = 0.015;  ///< of `Squeezing` [m/s]
   using Goal = typename Scene::Goal;
   struct Part {
     Goal request;
@@ -227,9 +231,9 @@ class Worker {
       add(skill, at(here, s_.carry), passing);
       grip({0, s_.hold, 0.02});
     } else if (r.does == &activity::Put::rule) {
-      const auto p = drop_place(arm_, r.place);
+      const auto p = drop(r.place);
       add(skill, at(p, s_.carry), passing);
-      add(skill, at(p, taken_.z + 0.006), 0.01);
+      add(skill, at(p, p.z > 0 ? p.z : taken_.z + 0.006), 0.01);
     } else if (r.does == &GoBack::rule) {
       const Tray feed = feed_tray(arm_);
       add(skill, at(here, s_.carry), passing);
@@ -246,6 +250,12 @@ class Worker {
     } else {
       parts_.push_back({Set::start_skill(skill), false, {}});
     }
+  }
+  /// Where to let go; height 0: as high as it was taken, and a little. What was shown to the first arm holds for the
+  /// second, seen from its side of the box.
+  [[nodiscard]] skinctl::Xyz<double> drop(std::uint8_t where) const {
+    if (where != place::box || !s_.taught) return drop_place(arm_, where);
+    return {side(arm_) * s_.taught->x, side(arm_) * s_.taught->y, std::max(s_.taught->z, taken_.z + 0.004)};
   }
   /// An orange of its own that is well seen; the one nearest to the hand.
   void look() {

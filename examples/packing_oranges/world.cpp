@@ -313,6 +313,8 @@ struct World::Bodies {
       ArmRecord& r = arm[a].record;
       r.force = 0.5 * (force[a][1] + force[a][2]);
       r.worst_force = std::max({r.worst_force, force[a][1], force[a][2]});
+      if (force[a][1] > 0.2 && force[a][2] > 0.2)
+        r.worst_grip = std::max({r.worst_grip, force[a][1], force[a][2]});
       r.walls += walls[a];
       r.other_arm += other[a];
       double v[6];

@@ -30,6 +30,7 @@ struct Orange {
 struct ArmRecord {
   double force = 0;             ///< of a finger now, without noise [N]
   double worst_force = 0;       ///< the largest so far [N]
+  double worst_grip = 0;        ///< the same while both fingers hold something [N]
   double square = 0;            ///< sum of the squared acceleration of a fingertip [m^2/s^4], of ...
   std::uint64_t samples = 0;    ///< ... so many milliseconds since `clear_shake`
   std::uint64_t other_arm = 0;  ///< milliseconds in which it touched the other arm

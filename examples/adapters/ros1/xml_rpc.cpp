@@ -1,16 +1,12 @@
 #include "examples/adapters/ros1/xml_rpc.hpp"
 
 #include <algorithm>
-#include <boost/asio/buffer.hpp>
-#include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/string_body.hpp>
 #include <charconv>
-#include <variant>
+#include <utility>
 
 namespace adapters::ros1 {
 namespace {
 
-namespace http = boost::beast::http;
 constexpr std::size_t longest_header = 8192, longest_body = 65536;
 
 bool blank(char c) {
@@ -265,72 +261,73 @@ std::string write(const Value& answer) {
   return out + "</param></params></methodResponse>\n";
 }
 
-struct HttpMessage::Parser {
-  using Request = http::request_parser<http::string_body>;
-  using Answer = http::response_parser<http::string_body>;
-
-  template <class F>
-  decltype(auto) with(F&& f) {
-    return std::visit(std::forward<F>(f), http);
-  }
-  explicit Parser(Kind kind) {
-    if (kind == Kind::request) http.emplace<Request>();
-    with([](auto& p) {
-      p.header_limit(longest_header);
-      p.body_limit(longest_body);
-      p.eager(true);
-    });
-  }
-  State state() {
-    if (broken) return State::broken;
-    if (!with([](auto& p) { return p.is_done(); })) return State::unfinished;
-    if (const auto* answer = std::get_if<Answer>(&http))
-      return answer->get().result_int() == 200 ? State::whole : State::broken;
-    return State::whole;
-  }
-
-  std::variant<Answer, Request> http;
-  std::string waiting;  ///< of a line that is not whole yet
-  bool broken = false;
-};
-
-HttpMessage::HttpMessage(Kind kind) : parser_(std::make_unique<Parser>(kind)) {}
-HttpMessage::~HttpMessage() = default;
-HttpMessage::HttpMessage(HttpMessage&&) noexcept = default;
-HttpMessage& HttpMessage::operator=(HttpMessage&&) noexcept = default;
-
 HttpMessage::State HttpMessage::take(std::span<const std::uint8_t> bytes) {
-  if (const State s = parser_->state(); s != State::unfinished) return s;
-  std::string& waiting = parser_->waiting;
-  waiting.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (waiting.size() > longest_header + longest_body) parser_->broken = true;
-  while (!waiting.empty() && parser_->state() == State::unfinished) {
-    boost::system::error_code error;
-    const std::size_t used =
-        parser_->with([&](auto& p) { return p.put(boost::asio::buffer(waiting), error); });
-    waiting.erase(0, used);
-    if (error == http::error::need_more) {
-      parser_->broken = waiting.size() > longest_header;
-      break;
-    }
-    if (error) parser_->broken = true;
-    if (used == 0) break;
+  if (state_ != State::unfinished) return state_;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (in_body_) {
+    body_ += text.substr(0, longest_body + 1 - std::min(body_.size(), longest_body));
+    return end();
   }
-  return parser_->state();
+  constexpr std::string_view mark = "\r\n\r\n";
+  const std::size_t before = header_.size();
+  header_ += text.substr(0, longest_header + mark.size());
+  const auto at = header_.find(mark, before < mark.size() ? 0 : before - mark.size() + 1);
+  if (at == std::string::npos) {
+    if (header_.size() > longest_header) state_ = State::broken;
+    return state_;
+  }
+  if (at > longest_header || !read_header(std::string_view(header_).substr(0, at)))
+    return state_ = State::broken;
+  in_body_ = true;
+  body_ = text.substr(at + mark.size() - before).substr(0, longest_body + 1);
+  return end();
+}
+
+/// The first line, and what says how long the body is.
+bool HttpMessage::read_header(std::string_view header) {
+  const auto is = [](std::string_view name, std::string_view known) {
+    return std::equal(name.begin(), name.end(), known.begin(), known.end(), [](char a, char b) {
+      return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
+    });
+  };
+  for (bool first = true; !header.empty(); first = false) {
+    const auto end = std::min(header.find("\r\n"), header.size());
+    std::string_view line = header.substr(0, end);
+    header.remove_prefix(std::min(end + 2, header.size()));
+    if (first) {
+      const bool post = line.starts_with("POST ") && line.find(" HTTP/1.") != std::string_view::npos;
+      const bool fine = line.starts_with("HTTP/1.") &&
+                        line.substr(std::min<std::size_t>(8, line.size())).starts_with(" 200");
+      if (!(kind_ == Kind::request ? post : fine)) return false;
+      continue;
+    }
+    const auto colon = line.find(':');
+    if (colon == std::string_view::npos) return false;
+    const std::string_view name = line.substr(0, colon);
+    if (is(name, "transfer-encoding")) return false;
+    if (!is(name, "content-length")) continue;
+    std::int64_t n = -1;
+    if (!number(line.substr(colon + 1), n) || n < 0 || n > static_cast<std::int64_t>(longest_body) ||
+        (length_ && *length_ != static_cast<std::size_t>(n)))
+      return false;
+    length_ = static_cast<std::size_t>(n);
+  }
+  return length_ || kind_ == Kind::answer;
+}
+
+HttpMessage::State HttpMessage::end() {
+  if (length_ && body_.size() >= *length_) {
+    body_.resize(*length_);
+    state_ = State::whole;
+  } else if (body_.size() > longest_body) {
+    state_ = State::broken;
+  }
+  return state_;
 }
 
 HttpMessage::State HttpMessage::closed() {
-  if (parser_->state() != State::unfinished) return parser_->state();
-  boost::system::error_code error;
-  parser_->with([&](auto& p) {
-    if (p.got_some()) p.put_eof(error);  // what has not begun cannot end
-  });
-  if (error || parser_->state() == State::unfinished) parser_->broken = true;
-  return parser_->state();
-}
-
-const std::string& HttpMessage::body() const {
-  return parser_->with([](auto& p) -> const std::string& { return p.get().body(); });
+  if (state_ == State::unfinished) state_ = in_body_ && !length_ ? State::whole : State::broken;
+  return state_;
 }
 
 std::string http_request(const std::string& host, const std::string& path, const std::string& body) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,27 +42,30 @@ inline constexpr std::size_t deepest = 8, most_values = 1024;
 [[nodiscard]] std::string write(const Call& call);
 [[nodiscard]] std::string write(const Value& answer);
 
-/// An HTTP message that comes in pieces: at most 8 KiB of header and 64 KiB of body.
+/// An HTTP message that comes in pieces: at most 8 KiB of header and 64 KiB of body, no other transfer encoding.
 class HttpMessage {
  public:
   enum class Kind : std::uint8_t { request, answer };
   enum class State : std::uint8_t { unfinished, whole, broken };
 
-  explicit HttpMessage(Kind kind);
-  ~HttpMessage();
-  HttpMessage(HttpMessage&&) noexcept;
-  HttpMessage& operator=(HttpMessage&&) noexcept;
+  explicit HttpMessage(Kind kind) : kind_(kind) {}
 
-  /// What follows the end of the message is ignored. An answer other than 200 is broken.
+  /// What follows the end of the message is ignored. A request other than POST and an answer other than 200 are broken.
   State take(std::span<const std::uint8_t> bytes);
   /// The peer has closed: an answer without a length ends here.
   State closed();
   /// Of a whole message.
-  [[nodiscard]] const std::string& body() const;
+  [[nodiscard]] const std::string& body() const noexcept { return body_; }
 
  private:
-  struct Parser;
-  std::unique_ptr<Parser> parser_;
+  bool read_header(std::string_view header);
+  State end();
+
+  Kind kind_;
+  State state_ = State::unfinished;
+  bool in_body_ = false;
+  std::optional<std::size_t> length_;
+  std::string header_, body_;
 };
 
 /// The bytes of a request to `path` at `host`, and of an answer.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "examples/packing_oranges/report.hpp"
+#include "examples/packing_oranges/teach.hpp"
 #include "examples/support/run_program.hpp"
 #include "skinctl/semantics/dot.hpp"
 
@@ -46,7 +47,7 @@ ArmBody stand(double x) {
 }  // namespace
 
 TEST_CASE("World: a squeezed orange is as stiff as it says, from 500 to 20 000 N/m") {
-  for (const double stiffness : {500.0, 2500.0, 6000.0, 20000.0}) {
+  for (const double stiffness : {500.0, 6000.0, 20000.0}) {
     World world({stand(0), stand(1)}, {.force_noise = 0}, 1);
     world.put(0, {0, 0, 0.002}, {0.038, stiffness});
     const auto close = [&](double force, std::uint32_t count, int ms) {
@@ -75,8 +76,8 @@ TEST_CASE("packing_oranges: good ones into the box, bad ones into the bin, touch
   CHECK(good > 0);
   CHECK(good < 6);
   CHECK(o.arm[0].touches + o.arm[1].touches >= 6);
-  CHECK(o.worst_force() > 7.5);
-  CHECK(o.worst_force() < 10);
+  CHECK(o.worst_grip() > 6.5);
+  CHECK(o.worst_grip() < 10);
   CHECK(o.shake() > 0.5);
   CHECK(o.shake() < 3);
   CHECK(o.seconds_an_orange() < 10);
@@ -87,7 +88,7 @@ TEST_CASE("packing_oranges: good ones into the box, bad ones into the bin, touch
 TEST_CASE("packing_oranges: a servo that takes commands as steps shakes the hand more than is allowed") {
   RunSettings s = few(2);
   s.world.interpolate = false;
-  s.longest = 8;
+  s.longest = 5;
   CHECK(run_ur5(s).shake() > 3);
 }
 
@@ -126,29 +127,60 @@ TEST_CASE("packing_oranges: without a detector the plan looks again, then goes b
 }
 
 TEST_CASE("packing_oranges: while somebody has the box, what is good is put back") {
-  RunSettings s = few(3);
+  RunSettings s = few(2);
   s.supply.share = 1;
   s.fault = Fault::box_blocked;
   s.fault_at = 0;
   s.fault_lasts = 8;
   const Outcome o = run_ur5(s);
   CHECK(o.over);
-  CHECK(o.right() == 3);
+  CHECK(o.right() == 2);
   CHECK(failures(o, skinctl::StepFailure::place) >= 1);
   CHECK(backs(o) >= 1);
 }
 
 TEST_CASE("packing_oranges: a person who leans on a forearm is waited for, or asked") {
-  RunSettings s = few(3);
+  RunSettings s = few(2);
   s.fault = Fault::touch_held;
   s.fault_at = 1;
   s.fault_lasts = 22;
   s.touch_force = 30;
   const Outcome o = run_ur5(s);
   CHECK(o.over);
-  CHECK(o.right() == 3);
+  CHECK(o.right() == 2);
   CHECK(failures(o, skinctl::StepFailure::timeout) >= 1);
   CHECK(backs(o) + o.arm[0].asked >= 1);
+}
+
+TEST_CASE("packing_oranges: a place in the box is taught by leading the arm, and used") {
+  double worst = 0;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const auto lesson = teach(seed);
+    REQUIRE(lesson.has_value());
+    CHECK(lesson->released);
+    worst = std::max(worst, norm(skinctl::Xyz<double>(lesson->taught - lesson->rested)));
+    CHECK(norm(skinctl::Xyz<double>(lesson->taught - lesson->meant)) <= 0.006);
+    if (seed > 1) continue;
+    RunSettings s = few(1);
+    s.supply.share = 1;
+    s.work.taught = lesson->taught;
+    s.keep_path = true;
+    const Outcome o = run_ur5(s);
+    CHECK(o.right() == 1);
+    double nearest = 1;
+    for (const auto& p : o.arm[0].path)
+      nearest = std::min(nearest, std::hypot(p.x - lesson->taught.x, p.y - lesson->taught.y));
+    CHECK(nearest <= 0.01);
+  }
+  CHECK(worst <= 0.0005);
+}
+
+TEST_CASE("packing_oranges: a gripper that is only open or closed judges by the rise of its force") {
+  RunSettings s = few(4);
+  s.work.by_time = true;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 4);
 }
 
 TEST_CASE("packing_oranges: the program reports, and says what is wrong with its arguments") {

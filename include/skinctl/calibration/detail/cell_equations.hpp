@@ -89,6 +89,36 @@ struct CellEquations {
   std::vector<double> squares;  ///< sum of squares of a cell's residuals [g^2]
 };
 
+/// Ties cell number `c` to its place in a patch, whose unknowns begin at `at`.
+inline void tie(const FittedCell& cell, std::size_t c, const FittedPatch& patch, Eigen::Index at,
+                const CellFitSettings& settings, CellEquations& e) {
+  const double wp = 1 / (settings.tie_position * settings.tie_position),
+               wt = 1 / (settings.tie_turn * settings.tie_turn);
+  const Eigen::Vector3d arm = patch.R * cell.p_PC;
+  const Eigen::Vector3d rp = cell.p - patch.p - arm;
+  const Eigen::Matrix3d R = patch.R * cell.R_PC;
+  const Eigen::Vector3d rt = turn_vector(R.transpose() * cell.Q);
+  const Eigen::Matrix3d across = cross_matrix(arm);
+  // By the cell it is 1 (turns: small).
+  Eigen::MatrixXd by_patch = Eigen::MatrixXd::Zero(6, 6);
+  double r[6], w[6];
+  for (int i = 0; i < 3; ++i) {
+    r[i] = rt(i), r[3 + i] = rp(i), w[i] = wt, w[3 + i] = wp;
+    by_patch(3 + i, 3 + i) = -1;
+    for (int j = 0; j < 3; ++j) by_patch(i, j) = -cell.Q(j, i), by_patch(3 + i, j) = across(i, j);
+  }
+  for (int i = 0; i < 6; ++i) {
+    e.cost += 0.5 * r[i] * w[i] * r[i];
+    e.cell_H[c](i, i) += w[i];
+    e.cell_g[c](i) -= w[i] * r[i];
+    for (int j = 0; j < 6; ++j) {
+      e.g(at + j) -= by_patch(i, j) * w[i] * r[i];
+      e.cross[c](at + j, i) += by_patch(i, j) * w[i];
+      for (int k = 0; k < 6; ++k) e.H(at + j, at + k) += by_patch(i, j) * w[i] * by_patch(i, k);
+    }
+  }
+}
+
 /// `H x = g` by elimination of the cells; factorised once.
 class CellSolver {
  public:

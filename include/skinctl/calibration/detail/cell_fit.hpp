@@ -109,7 +109,6 @@ class CellFit {
     for (std::size_t c = 0; c < cells.size(); ++c) cells[c] = cells[c].moved(cell_g[c]);
     signals_ = motion.signals(data_);
   }
-  void tie(std::size_t c, CellEquations& e) const;
 
   const BlockMeans& data_;
   std::vector<BodySignals> signals_;
@@ -211,7 +210,9 @@ CellEquations CellFit<Motion>::equations() const {
     for (int k = 0; k < 12; ++k) e.cell_H[c](k, k) += held[k / 3];
     for (int k = 0; k < 3; ++k)
       e.cell_g[c](6 + k) -= bias * cells[c].b(k), e.cell_g[c](9 + k) -= scale * cells[c].s(k);
-    if (cells[c].patch >= 0) tie(c, e);
+    if (cells[c].patch >= 0)
+      tie(cells[c], c, patches[std::size_t(cells[c].patch)], motion.unknowns() + 6 * cells[c].patch, settings,
+          e);
   }
   const Index own = motion.unknowns();
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(own), gradient = diagonal;
@@ -223,38 +224,6 @@ CellEquations CellFit<Motion>::equations() const {
   }
   for (Index k = own; k < n; ++k) e.H(k, k) += 1e-6;
   return e;
-}
-
-template <class Motion>
-void CellFit<Motion>::tie(std::size_t c, CellEquations& e) const {
-  const FittedCell& cell = cells[c];
-  const FittedPatch& patch = patches[std::size_t(cell.patch)];
-  const Eigen::Index at = motion.unknowns() + 6 * cell.patch;
-  const double wp = 1 / (settings.tie_position * settings.tie_position),
-               wt = 1 / (settings.tie_turn * settings.tie_turn);
-  const Eigen::Vector3d arm = patch.R * cell.p_PC;
-  const Eigen::Vector3d rp = cell.p - patch.p - arm;
-  const Eigen::Matrix3d R = patch.R * cell.R_PC;
-  const Eigen::Vector3d rt = turn_vector(R.transpose() * cell.Q);
-  const Eigen::Matrix3d across = cross_matrix(arm);
-  // By the cell it is 1 (turns: small).
-  Eigen::MatrixXd by_patch = Eigen::MatrixXd::Zero(6, 6);
-  double r[6], w[6];
-  for (int i = 0; i < 3; ++i) {
-    r[i] = rt(i), r[3 + i] = rp(i), w[i] = wt, w[3 + i] = wp;
-    by_patch(3 + i, 3 + i) = -1;
-    for (int j = 0; j < 3; ++j) by_patch(i, j) = -cell.Q(j, i), by_patch(3 + i, j) = across(i, j);
-  }
-  for (int i = 0; i < 6; ++i) {
-    e.cost += 0.5 * r[i] * w[i] * r[i];
-    e.cell_H[c](i, i) += w[i];
-    e.cell_g[c](i) -= w[i] * r[i];
-    for (int j = 0; j < 6; ++j) {
-      e.g(at + j) -= by_patch(i, j) * w[i] * r[i];
-      e.cross[c](at + j, i) += by_patch(i, j) * w[i];
-      for (int k = 0; k < 6; ++k) e.H(at + j, at + k) += by_patch(i, j) * w[i] * by_patch(i, k);
-    }
-  }
 }
 
 template <class Motion>
