@@ -1,5 +1,7 @@
 #include "examples/calibrate_skin/judge.hpp"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <fstream>

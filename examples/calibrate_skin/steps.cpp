@@ -1,5 +1,7 @@
 #include "examples/calibrate_skin/steps.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
