@@ -10,6 +10,7 @@
 #include <map>
 
 #include "examples/calibrate_skin/fits.hpp"
+#include "examples/calibrate_skin/words.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "skinctl/calibration/patch_graph.hpp"
 #include "skinctl/calibration/pose_uncertainty.hpp"
@@ -40,13 +41,6 @@ static Json json_of(const std::vector<Unobservable>& all) {
 }
 
 namespace {
-
-template <class... X>
-std::string text(const char* format, X... x) {
-  char buffer[400];
-  std::snprintf(buffer, sizeof buffer, format, x...);
-  return buffer;
-}
 
 // JSON has no NaN: null.
 double number(const Json& v) {

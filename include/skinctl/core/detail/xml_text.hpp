@@ -9,8 +9,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `text` as it stands between tags or in an attribute's quotes; control characters, which XML does not have, become
-/// spaces.
+/// `text` as it stands between tags or in an attribute's quotes. Control characters that XML does not have become
+/// spaces; tabs and new lines stay.
 [[nodiscard]] inline std::string xml_text(std::string_view text) {
   std::string out;
   for (const char c : text) switch (c) {
@@ -30,7 +30,7 @@ namespace detail {
         out += "&apos;";
         break;
       default:
-        out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+        out += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
     }
   return out;
 }
