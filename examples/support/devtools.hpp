@@ -87,7 +87,7 @@ class Page {
     return answer["result"].contains("value") ? answer["result"]["value"] : nlohmann::json();
   }
   /// Waits until an expression is true; false after `seconds`.
-  bool until(const std::string& script, double seconds = 30) {
+  bool until(const std::string& script, double seconds = 60) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     do {
       if (evaluate("(() => { try { return !!(" + script + "); } catch (e) { return false; } })()") == true)
