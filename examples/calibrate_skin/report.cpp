@@ -7,11 +7,13 @@
 #include <iterator>
 #include <map>
 
-#include "examples/calibrate_skin/words.hpp"
+#include "examples/support/text.hpp"
 #include "skinctl/calibration/turn.hpp"
-#include "skinctl/core/detail/xml_text.hpp"
+#include "skinctl/core/xml_text.hpp"
 
 namespace calibrate_skin {
+
+using examples::text;
 
 using namespace skinctl;
 
@@ -95,7 +97,7 @@ std::string patch_picture(const Json& patch, std::size_t k, double enlarged, con
         "%d%s%s</title></polygon>",
         points.c_str(), facing > 0 ? colour(k) : "#ddd", facing > 0 ? 0.25 + 0.55 * facing : 0.5,
         known ? "" : " stroke-dasharray='2 2'", c.at("id").get<int>(), known ? "" : " ",
-        skinctl::detail::xml_text(c.at("unknown").get<std::string>()).c_str());
+        xml_text(c.at("unknown").get<std::string>()).c_str());
     if (known && facing > 0 && !c.at("covariance").is_null()) {
       const Json& C = c.at("covariance");
       Eigen::Matrix3d place;
@@ -133,10 +135,8 @@ std::string table_of(const Json& unknown) {
   if (lines.empty()) return "<p>Everything was observable.</p>";
   std::string out = "<table><tr><th>what is not known</th><th>how often</th><th>what would show it</th></tr>";
   for (const auto& [what, line] : lines)
-    out += "<tr><td>" + skinctl::detail::xml_text(what) + "</td><td>" + std::to_string(line.first) +
-           "</td><td>" +
-           skinctl::detail::xml_text(line.second.empty() ? "nothing that this method knows" : line.second) +
-           "</td></tr>";
+    out += "<tr><td>" + xml_text(what) + "</td><td>" + std::to_string(line.first) + "</td><td>" +
+           xml_text(line.second.empty() ? "nothing that this method knows" : line.second) + "</td></tr>";
   return out + "</table>";
 }
 
@@ -153,14 +153,13 @@ std::string report_of(const fs::path& folder) {
       "#ddd;padding:.6rem;overflow:auto}"
       "</style><h1>Calibration of a skin</h1>";
   const auto said = [&](const Json& j) {
-    return "<p>" + skinctl::detail::xml_text(j.at("said").get<std::string>()) + ".</p>";
+    return "<p>" + xml_text(j.at("said").get<std::string>()) + ".</p>";
   };
   const auto done = [&](const char* file) { return fs::exists(folder / file); };
   if (done("network.json")) {
     const Json net = read_json(folder / "network.json");
     out += "<h2>Network</h2>" + said(net) + tree_picture(net);
-    for (const auto& c : net.at("complaints"))
-      out += "<p>" + skinctl::detail::xml_text(c.get<std::string>()) + "</p>";
+    for (const auto& c : net.at("complaints")) out += "<p>" + xml_text(c.get<std::string>()) + "</p>";
   }
   Json unknown = Json::array();
   if (done("shape.json")) {
@@ -200,8 +199,7 @@ std::string report_of(const fs::path& folder) {
     const Json motion = read_json(folder / "lines.json");
     out += "<h2>Links and axes</h2>" + said(motion);
     if (std::ifstream table(folder / "dh.txt"); table)
-      out += "<pre>" + skinctl::detail::xml_text(std::string(std::istreambuf_iterator<char>(table), {})) +
-             "</pre>";
+      out += "<pre>" + xml_text(std::string(std::istreambuf_iterator<char>(table), {})) + "</pre>";
     out += "<table><tr><th>axis</th><th>direction</th><th>to [deg]</th><th>to [mm]</th></tr>";
     for (std::size_t j = 0; j < motion.at("lines").size(); ++j) {
       const Json& l = motion.at("lines").at(j);

@@ -10,12 +10,14 @@
 #include <map>
 
 #include "examples/calibrate_skin/fits.hpp"
-#include "examples/calibrate_skin/words.hpp"
 #include "examples/calibrate_skin/world.hpp"
+#include "examples/support/text.hpp"
 #include "skinctl/calibration/patch_graph.hpp"
 #include "skinctl/calibration/pose_uncertainty.hpp"
 
 namespace calibrate_skin {
+
+using examples::text;
 
 using namespace skinctl;
 

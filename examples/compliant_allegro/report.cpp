@@ -6,12 +6,12 @@
 #include "examples/compliant_allegro/run.hpp"
 #include "examples/compliant_ur5/report_style.hpp"
 #include "examples/support/svg_plot.hpp"
+#include "skinctl/core/xml_text.hpp"
 
 namespace compliant_allegro {
 namespace {
 
 using plotting::decimal;
-using plotting::escaped;
 using plotting::Plot;
 
 constexpr double degrees = 180 / std::numbers::pi;
@@ -46,14 +46,15 @@ void add_bands(Plot& plot, const RunLog& log) {
 
 std::string figure(Plot plot, const RunLog& log, const std::string& text) {
   add_bands(plot, log);
-  std::string out =
-      "<figure><figcaption><h2>" + escaped(plot.title) + "</h2><p>" + escaped(text) + "</p></figcaption>";
+  std::string out = "<figure><figcaption><h2>" + skinctl::xml_text(plot.title) + "</h2><p>" +
+                    skinctl::xml_text(text) + "</p></figcaption>";
   for (std::size_t k = 0; k < plot.series.size(); ++k) {
     const std::string id =
         "p" + std::to_string(std::hash<std::string>{}(plot.title) % 100000) + "-" + std::to_string(k);
     out += "<input type=\"checkbox\" checked id=\"" + id + "\" class=\"k" + std::to_string(k) +
            "\"><label for=\"" + id + "\"><svg class=\"sp\" viewBox=\"0 0 20 8\"><path class=\"s" +
-           std::to_string(k) + "\" d=\"M0 4H20\"/></svg>" + escaped(plot.series[k].name) + "</label>";
+           std::to_string(k) + "\" d=\"M0 4H20\"/></svg>" + skinctl::xml_text(plot.series[k].name) +
+           "</label>";
   }
   plot.width = 700;
   std::string wide = plotting::inline_svg(plot);
@@ -68,8 +69,8 @@ std::string figure(Plot plot, const RunLog& log, const std::string& text) {
 }
 
 std::string tile(const std::string& name, const std::string& value, const std::string& small) {
-  return "<div class=\"tile\"><dt>" + escaped(name) + "</dt><dd>" + escaped(value) + "<small>" +
-         escaped(small) + "</small></dd></div>";
+  return "<div class=\"tile\"><dt>" + skinctl::xml_text(name) + "</dt><dd>" + skinctl::xml_text(value) +
+         "<small>" + skinctl::xml_text(small) + "</small></dd></div>";
 }
 
 }  // namespace
@@ -84,10 +85,11 @@ std::string report(const RunLog& log) {
   std::string out =
       "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width,initial-scale=1\"><title>" +
-      escaped(log.title) + "</title><style>" + compliant_ur5::report_style + plotting::plot_style() +
-      "</style></head><body><main><p class=\"eyebrow\">" + escaped(log.title) + "</p><h1>";
+      skinctl::xml_text(log.title) + "</title><style>" + compliant_ur5::report_style +
+      plotting::plot_style() + "</style></head><body><main><p class=\"eyebrow\">" +
+      skinctl::xml_text(log.title) + "</p><h1>";
   if (!log.reason.empty())
-    out += "The run ended early: " + escaped(log.reason);
+    out += "The run ended early: " + skinctl::xml_text(log.reason);
   else if (log.touches.empty())
     out += "Nobody touched the hand in " + std::to_string(log.cycles) + " cycles";
   else
@@ -107,10 +109,11 @@ std::string report(const RunLog& log) {
       "[ms]</th><th>return error [mm]</th></tr></thead><tbody>";
   int k = 0;
   for (const TouchSummary& t : log.touches)
-    out += "<tr><th>" + std::to_string(++k) + "</th><td class=\"word\">" + escaped(cell_name(t.cell)) +
-           "</td><td>" + decimal(t.start, 2) + "</td><td>" + decimal(t.reading, 2) + "</td><td>" +
-           decimal(1e3 * t.moved, 1) + "</td><td>" + (t.after < 0 ? "never" : decimal(1e3 * t.after, 0)) +
-           "</td><td>" + decimal(1e3 * t.return_error, 1) + "</td></tr>";
+    out += "<tr><th>" + std::to_string(++k) + "</th><td class=\"word\">" +
+           skinctl::xml_text(cell_name(t.cell)) + "</td><td>" + decimal(t.start, 2) + "</td><td>" +
+           decimal(t.reading, 2) + "</td><td>" + decimal(1e3 * t.moved, 1) + "</td><td>" +
+           (t.after < 0 ? "never" : decimal(1e3 * t.after, 0)) + "</td><td>" +
+           decimal(1e3 * t.return_error, 1) + "</td></tr>";
   out +=
       "</tbody></table></div></section><section><h2>Closed</h2><p>Mean of the last second before it opens: "
       "torque of "
@@ -157,7 +160,7 @@ std::string report(const RunLog& log) {
   out += figure(torque, log, "Commanded, with its sign.");
   out += "<section><h2>Link and loop</h2><dl class=\"facts\">";
   for (const Fact& f : log.facts)
-    out += "<div><dt>" + escaped(f.name) + "</dt><dd>" + escaped(f.value) + "</dd></div>";
+    out += "<div><dt>" + skinctl::xml_text(f.name) + "</dt><dd>" + skinctl::xml_text(f.value) + "</dd></div>";
   return out + "</dl></section></main></body></html>\n";
 }
 

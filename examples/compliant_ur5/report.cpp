@@ -19,13 +19,13 @@
 #include "examples/compliant_ur5/arm_picture.hpp"
 #include "examples/compliant_ur5/report_style.hpp"
 #include "examples/support/svg_plot.hpp"
+#include "skinctl/core/xml_text.hpp"
 #include "skinctl/guard/faults.hpp"
 
 namespace compliant_ur5 {
 namespace {
 
 using plotting::decimal;
-using plotting::escaped;
 using plotting::Plot;
 using plotting::significant;
 
@@ -235,7 +235,7 @@ std::string switches(const Plot& plot, const std::string& id) {
     const std::string k = std::to_string(i);
     out += "<input type=checkbox checked class=k" + k + " id=" + id + k + "><label for=" + id + k +
            "><svg class=sp viewBox=\"0 0 20 8\" aria-hidden=true><g class=key><path class=s" + k +
-           " d=\"M1 4H19\"/></g></svg>" + escaped(plot.series[i].name) + "</label>";
+           " d=\"M1 4H19\"/></g></svg>" + skinctl::xml_text(plot.series[i].name) + "</label>";
   }
   return out;
 }
@@ -247,7 +247,8 @@ std::string svg_of_class(const Plot& plot, const std::string& cls) {
 
 std::string figure(Plot plot, const std::string& id, const std::string& says, double height,
                    const std::string& more = {}) {
-  std::string out = "<figure id=" + id + "><figcaption><h2>" + escaped(plot.title) + "</h2><p>" + says;
+  std::string out =
+      "<figure id=" + id + "><figcaption><h2>" + skinctl::xml_text(plot.title) + "</h2><p>" + says;
   if (const std::size_t n = not_finite(plot))
     out += " <span class=bad>" + std::to_string(n) + (n == 1 ? " value is" : " values are") +
            " not finite and left out.</span>";
@@ -520,7 +521,7 @@ std::string time_table(const RunLog& log) {
       "<div class=scroll tabindex=0><table><thead><tr><th class=word scope=col>Stage<th scope=col>Median"
       "<th scope=col>99 %<th scope=col>99.9 %<th scope=col>Longest</tr></thead><tbody>\n";
   for (const StageTimes& t : log.times) {
-    out += "<tr><th class=word scope=row>" + escaped(t.stage);
+    out += "<tr><th class=word scope=row>" + skinctl::xml_text(t.stage);
     for (const double v : {t.median, t.p99, t.p999, t.max}) out += "<td>" + significant(v, 3);
     out += "</tr>\n";
   }
@@ -531,7 +532,7 @@ std::string facts(const std::string& title, const std::vector<Fact>& list) {
   if (list.empty()) return {};
   std::string out = "<section><h2>" + title + "</h2><dl class=facts>";
   for (const Fact& f : list)
-    out += "<div><dt>" + escaped(f.name) + "</dt><dd>" + escaped(f.value) + "</dd></div>";
+    out += "<div><dt>" + skinctl::xml_text(f.name) + "</dt><dd>" + skinctl::xml_text(f.value) + "</dd></div>";
   return out + "</dl></section>\n";
 }
 
@@ -548,8 +549,9 @@ std::string statuses(const RunLog& log) {
   std::string rows;
   for (std::size_t i = 0; i < count; ++i)
     if (cycles[i] > 0)
-      rows += "<tr><th class=word scope=row>" + escaped(skinctl::describe(static_cast<skinctl::Reason>(i))) +
-              "<td>" + std::to_string(cycles[i]) + "<td>" + decimal(first[i], 2) + "</tr>\n";
+      rows += "<tr><th class=word scope=row>" +
+              skinctl::xml_text(skinctl::describe(static_cast<skinctl::Reason>(i))) + "<td>" +
+              std::to_string(cycles[i]) + "<td>" + decimal(first[i], 2) + "</tr>\n";
   if (rows.empty()) return {};
   return "<section><h2>What the loop reported</h2><p>Anything that a cycle limited, held or refused.</p>"
          "<div class=scroll tabindex=0><table><thead><tr><th class=word scope=col>What<th scope=col>Cycles"
@@ -657,11 +659,11 @@ std::string report(const RunLog& log) {
       "<!doctype html>\n<html lang=en><head><meta charset=utf-8>"
       "<meta name=viewport content=\"width=device-width,initial-scale=1\">"
       "<meta name=color-scheme content=\"light dark\"><link rel=icon href=\"data:,\"><title>" +
-      escaped(title) + "</title>\n<style>" + report_style + plotting::plot_style() +
+      skinctl::xml_text(title) + "</title>\n<style>" + report_style + plotting::plot_style() +
       "</style></head>\n<body><main>\n";
-  out += "<p class=eyebrow>" + escaped(title) +
+  out += "<p class=eyebrow>" + skinctl::xml_text(title) +
          (log.entries.empty() ? "" : " \u00B7 " + seconds(duration(log))) + "</p>\n<h1>" +
-         unbroken(escaped(headline(log))) + "</h1>\n";
+         unbroken(skinctl::xml_text(headline(log))) + "</h1>\n";
   out += bars(log) + tiles(log);
   out += arm_section(log) + touch_table(log) + close_up(log) + plots(log) + time_table(log);
   out += "<div class=two>" + facts("Result", log.result) + facts("Scenario", log.scenario) + "</div>\n";

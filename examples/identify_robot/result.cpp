@@ -1,23 +1,16 @@
 #include "examples/identify_robot/result.hpp"
 
-#include <cstdarg>
 #include <cstdio>
 
+#include "examples/support/text.hpp"
 #include "skinctl/model/ur5.hpp"
 
 namespace identify_robot {
+using examples::text;
 namespace {
 
 using skinctl::Estimate;
 
-[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
-  char line[256];
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(line, sizeof line, format, arguments);
-  va_end(arguments);
-  return line;
-}
 std::string value(const Estimate& e, double unit, const char* name) {
   if (!e.known()) return "not known";
   return text("%.2f +- %.2f %s", e.value / unit, e.deviation / unit, name);

@@ -7,6 +7,7 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/link.hpp"
 #include "skinctl/model/model.hpp"
+#include "skinctl/tactile/capsule.hpp"
 
 namespace packing {
 
@@ -17,22 +18,17 @@ struct LinkBody {
   skinctl::Xyz<double> com{0, 0, 0};
   std::array<double, 6> inertia{};  ///< about the centre of mass: xx, yy, zz, xy, xz, yz
 };
-/// A capsule around a link, in its frame.
-struct LinkShape {
-  double radius = 0;
-  skinctl::Xyz<double> from{0, 0, 0}, to{0, 0, 0};
-};
 struct ArmBody {
   std::array<LinkBody, 6> links{};
-  std::array<LinkShape, 6> shapes{};
-  double flange = 0;  ///< along the z axis of the last link [m]
+  std::array<skinctl::Capsule<>, 6> shapes{};  ///< around each link, in its frame
+  double flange = 0;                           ///< along the z axis of the last link [m]
   skinctl::Transform<skinctl::World, skinctl::Base> X_WB{};
   std::array<double, 6> home{};  ///< joints at the start [rad]
 };
 
 /// The bodies of a model of six joints.
 template <skinctl::RobotModel M>
-[[nodiscard]] ArmBody arm_body(const M& model, const std::array<LinkShape, 6>& shapes, double flange,
+[[nodiscard]] ArmBody arm_body(const M& model, const std::array<skinctl::Capsule<>, 6>& shapes, double flange,
                                const skinctl::Transform<skinctl::World, skinctl::Base>& X_WB,
                                const skinctl::JointPosition<6>& home) {
   using namespace skinctl;

@@ -18,20 +18,22 @@ int Outcome::lost() const {
   return static_cast<int>(
       std::count_if(ended.begin(), ended.end(), [](const Packed& p) { return p.end == Packed::End::lost; }));
 }
+namespace {
+template <class Arms>
+double most(const Arms& arms, double ArmOutcome::* what) {
+  double out = 0;
+  for (const ArmOutcome& a : arms) out = std::max(out, a.*what);
+  return out;
+}
+}  // namespace
 double Outcome::worst_grip() const {
-  double most = 0;
-  for (const auto& a : arm) most = std::max(most, a.worst_grip);
-  return most;
+  return most(arm, &ArmOutcome::worst_grip);
 }
 double Outcome::worst_force() const {
-  double most = 0;
-  for (const auto& a : arm) most = std::max(most, a.worst_force);
-  return most;
+  return most(arm, &ArmOutcome::worst_force);
 }
 double Outcome::shake() const {
-  double most = 0;
-  for (const auto& a : arm) most = std::max(most, a.shake);
-  return most;
+  return most(arm, &ArmOutcome::shake);
 }
 double Outcome::seconds_an_orange() const {
   double busy = 0;

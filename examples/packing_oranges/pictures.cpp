@@ -2,21 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 
 #include "examples/support/svg_plot.hpp"
+#include "examples/support/text.hpp"
 
 namespace packing {
+using examples::text;
 namespace {
-__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...) {
-  char line[500];
-  va_list values;
-  va_start(values, format);
-  std::vsnprintf(line, sizeof line, format, values);
-  va_end(values);
-  return line;
-}
 std::string opened(double width, double height) {
   return text("<svg class=\"po\" viewBox=\"0 0 %.0f %.0f\" role=\"img\">", width, height);
 }

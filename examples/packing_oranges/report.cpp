@@ -2,22 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 
 #include "examples/packing_oranges/pictures.hpp"
 #include "examples/support/svg_plot.hpp"
+#include "examples/support/text.hpp"
+#include "skinctl/core/xml_text.hpp"
 
 namespace packing {
+using examples::text;
 namespace {
-__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...) {
-  char line[400];
-  va_list values;
-  va_start(values, format);
-  std::vsnprintf(line, sizeof line, format, values);
-  va_end(values);
-  return line;
-}
 int failed(const ArmOutcome& a) {
   return static_cast<int>(std::count_if(a.done.begin(), a.done.end(),
                                         [](const Done& d) { return d.why != skinctl::StepFailure::none; }));
@@ -34,16 +28,6 @@ std::string failures(const ArmOutcome& a) {
     if (++n <= shown) out += text("  %8.2f s  %s: %s\n", d.to, step_names[d.step], skinctl::describe(d.why));
   }
   if (n > shown) out += text("  and %d more\n", n - shown);
-  return out;
-}
-/// Text with its line ends, for a page.
-std::string lines(const std::string& words) {
-  std::string out;
-  for (std::size_t from = 0; from < words.size();) {
-    const std::size_t end = std::min(words.find('\n', from), words.size());
-    out += plotting::escaped(std::string_view(words).substr(from, end - from)) + "\n";
-    from = end + 1;
-  }
   return out;
 }
 }  // namespace
@@ -85,7 +69,7 @@ std::string report(const Outcome& o, const RunSettings& s) {
       "h2{margin:2.2rem 0 .4rem;font-size:1.15rem}figure{margin:0}svg{width:100%;height:auto}\n"
       "pre{white-space:pre-wrap;border-left:3px solid #e8912d;padding-left:1rem}\n" +
       plotting::plot_style() + picture_style() + "</style></head><body>\n<h1>Packing oranges</h1>\n<pre>" +
-      lines(summary(o, s)) + "</pre>\n";
+      skinctl::xml_text(summary(o, s)) + "</pre>\n";
   const auto part = [&](const std::string& title, const std::string& words, const std::string& picture) {
     page += "<h2>" + title + "</h2>\n<p>" + words + "</p>\n<figure>" + picture + "</figure>\n";
   };

@@ -18,6 +18,7 @@
 #include "skinctl/skills/library.hpp"
 #include "skinctl/tactile/cover.hpp"
 #include "skinctl/tactile/skin.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
 
 namespace packing {
 
@@ -28,12 +29,16 @@ struct Ur5 {
   static constexpr const char* name = "UR5";
   static constexpr double flange = Description::d6;
   static constexpr double stands = 0.6;  ///< from the middle of the box [m]
-  static constexpr std::array<LinkShape, 6> shapes = {{{0.060, {0, 0, 0.03}, {0, 0, 0.15}},
-                                                       {0.054, {-0.06, 0, 0.13585}, {-0.365, 0, 0.13585}},
-                                                       {0.040, {-0.06, 0, 0.0165}, {-0.347, 0, 0.0165}},
-                                                       {0.045, {0, 0, 0.039}, {0, 0, 0.110}},
-                                                       {0.045, {0, 0, 0.025}, {0, 0, 0.095}},
-                                                       {0.0375, {0, 0, 0.0373}, {0, 0, 0.0823}}}};
+  /// The tubes that skin covers; the half spheres at the ends of a capsule take 30 mm of the wrists.
+  static constexpr auto shapes = [] {
+    std::array<skinctl::Capsule<>, 6> out{};
+    for (std::size_t i = 0; i < 6; ++i) {
+      const skinctl::ur5::Tube& t = skinctl::ur5::tubes[i];
+      out[i] = {t.from, t.to, t.radius};
+      if (i == 3 || i == 4) out[i].to.z -= 0.03;
+    }
+    return out;
+  }();
 };
 
 namespace behaviour {
@@ -114,7 +119,7 @@ struct Arm {
   }
   static std::vector<skinctl::PlacedCell<forearm>> cells() {
     using namespace skinctl;
-    const LinkShape& s = R::shapes[forearm];
+    const Capsule<>& s = R::shapes[forearm];
     const Xyz<double> middle = 0.5 * (s.from + s.to);
     return cover(
         Transform<Link<forearm>, Surface>({{0.0, 1.0, 0.0}, {0.0, 0.0, -1.0}, {-1.0, 0.0, 0.0}}, middle),

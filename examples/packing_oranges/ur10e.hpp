@@ -11,12 +11,12 @@ struct Ur10e {
   static constexpr const char* name = "UR10e";
   static constexpr double flange = Description::flange[2];
   static constexpr double stands = 0.8;
-  static constexpr std::array<LinkShape, 6> shapes = {{{0.075, {0, 0, 0.04}, {0, 0, 0.18}},
-                                                       {0.067, {-0.07, 0, 0.176}, {-0.54, 0, 0.176}},
-                                                       {0.055, {-0.07, 0, 0.04}, {-0.51, 0, 0.04}},
-                                                       {0.055, {0, 0, 0.05}, {0, 0, 0.17}},
-                                                       {0.055, {0, 0, 0.03}, {0, 0, 0.115}},
-                                                       {0.045, {0, 0, 0.06}, {0, 0, 0.11}}}};
+  static constexpr std::array<skinctl::Capsule<>, 6> shapes = {{{{0, 0, 0.04}, {0, 0, 0.18}, 0.075},
+                                                                {{-0.07, 0, 0.176}, {-0.54, 0, 0.176}, 0.067},
+                                                                {{-0.07, 0, 0.04}, {-0.51, 0, 0.04}, 0.055},
+                                                                {{0, 0, 0.05}, {0, 0, 0.17}, 0.055},
+                                                                {{0, 0, 0.03}, {0, 0, 0.115}, 0.055},
+                                                                {{0, 0, 0.06}, {0, 0, 0.11}, 0.045}}};
 };
 
 }  // namespace packing

@@ -67,7 +67,7 @@ void write_arm(std::string& xml, std::size_t arm, const ArmBody& body) {
            list(l.y) + "'><joint name='" + name("joint", arm, i) + "' type='hinge' axis='0 0 1' armature='" +
            list({i < 3 ? 2.0 : 0.5}) + "'/><inertial mass='" + list({l.mass}) + "' pos='" + list(l.com) +
            "' fullinertia='" + list({I[0], I[1], I[2], I[3], I[4], I[5]}) + "'/>";
-    const LinkShape& s = body.shapes[i];
+    const skinctl::Capsule<>& s = body.shapes[i];
     // The shoulder stands on the table: it does not meet it.
     const int meets = i < 2 ? meets_arm[arm] & ~is_table : meets_arm[arm];
     if (s.radius > 0)

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "examples/support/svg_plot.hpp"
+#include "skinctl/core/xml_text.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/cover.hpp"
@@ -273,7 +274,7 @@ std::string picture(const SkinFile& file, const std::vector<skinctl::PlacedSkinP
                     number(height) + "\" role=\"img\">\n" + style +
                     "<rect class=\"card\" width=\"100%\" height=\"100%\" rx=\"8\"/>\n";
   out += "<text class=\"title\" x=\"" + number(margin) + "\" y=\"28\">" +
-         plotting::escaped(std::to_string(file.cells()) + " cells in " + std::to_string(file.patches.size()) +
+         skinctl::xml_text(std::to_string(file.cells()) + " cells in " + std::to_string(file.patches.size()) +
                            (file.patches.size() == 1 ? " patch" : " patches")) +
          "</text>\n";
   out += first.svg(0, top) + second.svg(view_width + gap, top);
@@ -287,7 +288,7 @@ std::string picture(const SkinFile& file, const std::vector<skinctl::PlacedSkinP
   if (!file.regions.empty()) note += " \u00b7 dot: in a region";
   if (masked) note += " \u00b7 cross: masked";
   out += "<text class=\"note\" x=\"" + number(width - margin) + "\" y=\"" + number(y + 5) +
-         "\" text-anchor=\"end\">" + plotting::escaped(note) + "</text>\n";
+         "\" text-anchor=\"end\">" + skinctl::xml_text(note) + "</text>\n";
   y += 30;
   const double column = (width - 2 * margin) / 3;
   for (std::size_t k = 0; k < file.patches.size(); ++k) {
@@ -298,7 +299,7 @@ std::string picture(const SkinFile& file, const std::vector<skinctl::PlacedSkinP
     if (name.size() > 44) name = name.substr(0, 41) + "...";
     out += "<rect class=\"c" + std::to_string(k % colours) + "\" x=\"" + number(x) + "\" y=\"" +
            number(line - 11) + "\" width=\"13\" height=\"13\" rx=\"3\"/><text x=\"" + number(x + 20) +
-           "\" y=\"" + number(line) + "\">" + plotting::escaped(name) + "</text>\n";
+           "\" y=\"" + number(line) + "\">" + skinctl::xml_text(name) + "</text>\n";
   }
   return out + "</svg>\n";
 }

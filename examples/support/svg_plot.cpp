@@ -10,6 +10,8 @@
 #include <limits>
 #include <utility>
 
+#include "skinctl/core/xml_text.hpp"
+
 namespace plotting {
 namespace {
 
@@ -178,7 +180,7 @@ std::string text(std::string_view cls, double x, double y, std::string_view anch
   if (!cls.empty()) out += " class=\"" + std::string(cls) + '"';
   out += " x=\"" + coordinate(x) + "\" y=\"" + coordinate(y) + '"';
   if (anchor != "start") out += " text-anchor=\"" + std::string(anchor) + '"';
-  return out + '>' + escaped(what) + "</text>";
+  return out + '>' + skinctl::xml_text(what) + "</text>";
 }
 
 std::string line(std::string_view cls, double x1, double y1, double x2, double y2) {
@@ -248,7 +250,7 @@ std::string drawn_bands(const Plot& plot, const Frame& f) {
     const double from = f.px(band.from), to = std::max(f.px(band.to), from + 1);
     out += "<rect class=\"band\" x=\"" + coordinate(from) + "\" y=\"" + coordinate(f.top) + "\" width=\"" +
            coordinate(to - from) + "\" height=\"" + coordinate(f.height) + "\">";
-    if (!band.tooltip.empty()) out += "<title>" + escaped(band.tooltip) + "</title>";
+    if (!band.tooltip.empty()) out += "<title>" + skinctl::xml_text(band.tooltip) + "</title>";
     out += "</rect>";
     const double half = text_width(band.label) / 2, middle = (from + to) / 2;
     if (band.label.empty() || middle - half < free || middle + half > f.left + f.width) continue;
@@ -397,7 +399,7 @@ std::string opening(double width, double height, std::string_view label, bool fi
     out += " xmlns=\"http://www.w3.org/2000/svg\" width=\"" + coordinate(width) + "\" height=\"" +
            coordinate(height) + '"';
   return out + " viewBox=\"0 0 " + coordinate(width) + ' ' + coordinate(height) +
-         "\" role=\"img\" aria-label=\"" + escaped(label) + "\">";
+         "\" role=\"img\" aria-label=\"" + skinctl::xml_text(label) + "\">";
 }
 
 /// Rows of at most so many characters, broken at blanks.
@@ -443,52 +445,6 @@ constexpr std::array<const char*, 8> dark{"#58a6ff", "#f0883e", "#b8f0c0", "#825
                                           "#ffdc53", "#d32e60", "#ffffff", "#6f8f9d"};
 
 }  // namespace
-
-std::string escaped(std::string_view text) {
-  constexpr std::string_view replacement = "\xEF\xBF\xBD";
-  std::string out;
-  out.reserve(text.size());
-  for (std::size_t i = 0; i < text.size();) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    if (c < 0x80) {
-      switch (c) {
-        case '&':
-          out += "&amp;";
-          break;
-        case '<':
-          out += "&lt;";
-          break;
-        case '>':
-          out += "&gt;";
-          break;
-        case '"':
-          out += "&quot;";
-          break;
-        case '\'':
-          out += "&#39;";
-          break;
-        default:
-          out += c < 0x20 || c == 0x7F ? ' ' : static_cast<char>(c);
-      }
-      ++i;
-      continue;
-    }
-    const std::size_t length = c >= 0xF0 ? 4 : c >= 0xE0 ? 3 : 2;
-    unsigned long code = c & (0x7Fu >> length);
-    bool good = c >= 0xC2 && c <= 0xF4 && i + length <= text.size();
-    for (std::size_t k = 1; good && k < length; ++k) {
-      const auto next = static_cast<unsigned char>(text[i + k]);
-      good = (next & 0xC0) == 0x80;
-      code = code << 6 | (next & 0x3Fu);
-    }
-    constexpr unsigned long smallest[] = {0, 0, 0x80, 0x800, 0x10000};
-    good = good && code >= smallest[length] && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF) &&
-           (code < 0x80 || code > 0x9F) && code != 0xFFFE && code != 0xFFFF;
-    out += good ? text.substr(i, length) : replacement;
-    i += good ? length : 1;
-  }
-  return out;
-}
 
 std::string decimal(double value, int decimals) {
   if (!std::isfinite(value)) return "\u2013";

@@ -60,10 +60,6 @@ std::string inline_svg(const Plot& plot);
 /// Style sheet of the above; every rule begins with `.sp`.
 std::string plot_style();
 
-/// Text for HTML and SVG: markup characters as entities, control characters as blanks, what is not UTF-8 as
-/// U+FFFD.
-std::string escaped(std::string_view text);
-
 /// A number with so many decimals, with a true minus sign; a dash when it is not finite.
 std::string decimal(double value, int decimals);
 

@@ -24,6 +24,7 @@
 #include "skinctl/core/time.hpp"
 #include "skinctl/core/triple.hpp"
 #include "skinctl/core/version.hpp"
+#include "skinctl/core/xml_text.hpp"
 
 #include "skinctl/math/bound.hpp"
 #include "skinctl/math/enclosure.hpp"

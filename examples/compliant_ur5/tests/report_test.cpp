@@ -304,21 +304,6 @@ TEST_CASE("svg_plot: ticks are round, carry their unit's digits, and reach the e
   }
 }
 
-TEST_CASE("Text: markup, control characters and broken UTF-8 do no harm") {
-  using plotting::escaped;
-  CHECK(escaped("<a b='1' c=\"2\">&") == "&lt;a b=&#39;1&#39; c=&quot;2&quot;&gt;&amp;");
-  CHECK(escaped(std::string("a\0b\x1b\n", 5)) == "a b  ");
-  CHECK(escaped("m/s\u00B2 \u2212 \U0001F916") == "m/s\u00B2 \u2212 \U0001F916");
-  const std::string bad = "\uFFFD";
-  CHECK(escaped("\xff") == bad);
-  CHECK(escaped("x\xc3") == "x" + bad);
-  CHECK(escaped("\xc0\xaf") == bad + bad);            // overlong
-  CHECK(escaped("\xed\xa0\x80") == bad + bad + bad);  // surrogate
-  CHECK(escaped("\xf4\x90\x80\x80").find(bad) == 0);  // beyond Unicode
-  CHECK(escaped("\xc2\x85") == bad + bad);            // a control character
-  CHECK(escaped("\xe2\x82") == bad + bad);
-}
-
 TEST_CASE("Numbers: decimals, a true minus, no minus zero, dashes") {
   using plotting::decimal;
   using plotting::significant;

@@ -34,21 +34,27 @@ TEST_CASE(
       ::raise(number);
       CHECK(signals.asked());
     }
-    const pid_t child = ::fork();
-    if (child == 0) {
-      const StopSignals signals;
-      ::signal(SIGABRT, SIG_DFL);
-      ::raise(number);
-      ::raise(number);
-      if (!signals.asked()) ::_exit(1);
-      ::usleep(300'000);
-      ::raise(number);
-      ::_exit(0);  // too patient
-    }
-    int status = 0;
-    REQUIRE(::waitpid(child, &status, 0) == child);
-    REQUIRE(WIFSIGNALED(status));
-    CHECK(WTERMSIG(status) == number);
+    const auto ends = [&](bool late) {
+      const pid_t child = ::fork();
+      if (child == 0) {
+        const StopSignals signals;
+        ::raise(number);
+        ::raise(number);
+        if (late) {
+          ::usleep(300'000);
+          ::raise(number);
+        }
+        ::_exit(signals.asked() ? 7 : 8);
+      }
+      int status = 0;
+      REQUIRE(::waitpid(child, &status, 0) == child);
+      return status;
+    };
+    const int at_once = ends(false), late = ends(true);
+    REQUIRE(WIFEXITED(at_once));
+    CHECK(WEXITSTATUS(at_once) == 7);
+    REQUIRE(WIFSIGNALED(late));
+    CHECK(WTERMSIG(late) == number);
   }
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/core/detail/xml_text.hpp"
+#include "skinctl/core/xml_text.hpp"
 #include "skinctl/frames/rotation.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/model/named_links.hpp"

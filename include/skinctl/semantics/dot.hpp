@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "skinctl/core/detail/xml_text.hpp"
+#include "skinctl/core/xml_text.hpp"
 #include "skinctl/semantics/task.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -71,7 +71,7 @@ template <std::size_t N>
 /// false). `Reverse` goes back after a failure, `AskPerson` calls somebody.
 template <std::size_t N>
 [[nodiscard]] std::string to_behaviour_tree(const Task<N>& task, const TaskWords& words = {}) {
-  const std::string id = detail::xml_text(task.name);
+  const std::string id = xml_text(task.name);
   std::string out =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<root BTCPP_format=\"4\" main_tree_to_execute=\"" + id +
       "\">\n  <BehaviorTree ID=\"" + id +
@@ -81,15 +81,15 @@ template <std::size_t N>
   std::size_t first_named = 0;
   for (std::size_t i = 0; i < N; ++i) {
     const Step& s = task.steps[i];
-    const std::string name = detail::xml_text(s.does->name);
+    const std::string name = xml_text(s.does->name);
     const std::string then =
         s.no == nowhere ? "step := " + detail::state_of(s.done)
                         : "step := answer ? " + detail::state_of(s.done) + " : " + detail::state_of(s.no);
     out += "          <IfThenElse _skipIf=\"step != " + std::to_string(i) +
            "\">\n            <RetryUntilSuccessful num_attempts=\"" + std::to_string(s.does->retries + 1) +
            "\">\n              <Action ID=\"" + name + "\" role=\"" +
-           detail::xml_text(detail::word(words.roles, s.role)) + "\" place=\"" +
-           (s.place == no_place ? "" : detail::xml_text(detail::word(words.places, s.place))) +
+           xml_text(detail::word(words.roles, s.role)) + "\" place=\"" +
+           (s.place == no_place ? "" : xml_text(detail::word(words.places, s.place))) +
            "\" answer=\"{answer}\"/>\n            </RetryUntilSuccessful>\n            <Script code=\"" +
            then + "\"/>\n            <Sequence>\n              <Action ID=\"" + activity::Reverse::rule.name +
            "\"/>\n              <Script code=\"step := " + detail::state_of(s.failed) +
@@ -121,7 +121,7 @@ template <std::size_t N>
   std::string shapes, lines;
   const auto text = [](int x, int y, const char* style, const std::string& t) {
     return "<text x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y) + "\" " + style + ">" +
-           detail::xml_text(t) + "</text>\n";
+           xml_text(t) + "</text>\n";
   };
   const auto arrow = [&](std::size_t i, std::uint8_t to, const char* style, bool on_left, int lane) {
     const int from_y = y_of(int(i)) + height / 2, to_y = y_of(row(to)) + height / 2;
