@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "examples/adapters/dds/skin.hpp"
+#include "examples/adapters/dds/tests/cyclone_participant.hpp"
 #include "ros.h"
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/stopwatch.hpp"
@@ -46,21 +47,12 @@ Nanoseconds stamp_of(std::span<const unsigned char> message) {
   return std::chrono::seconds(sec) + Nanoseconds(nanosec);
 }
 
-dds_entity_t cyclone() {
-  dds_create_domain(domain,
-                    "<General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
-                    "<AllowMulticast>false</AllowMulticast></General>"
-                    "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>10"
-                    "</MaxAutoParticipantIndex><Peers><Peer address='127.0.0.1'/></Peers></Discovery>");
-  return dds_create_participant(domain, nullptr, nullptr);
-}
-
 int measure(double seconds_long) {
   std::vector<SkinCloud::Cell> homes;
   for (std::uint32_t i = 0; i < cells; ++i) homes.push_back({i + 1, i / 210, {0.001f * float(i), 0.5f, -1}});
   SkinCloud cloud(homes);
   // The peers' entities.
-  const dds_entity_t peer = cyclone();
+  const dds_entity_t peer = adapters::dds::testing::cyclone_participant(domain);
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1);

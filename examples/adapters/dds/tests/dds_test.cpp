@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "examples/adapters/dds/dds_view.hpp"
+#include "examples/adapters/dds/tests/cyclone_participant.hpp"
 #include "ros.h"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
@@ -20,16 +21,8 @@ namespace {
 
 constexpr std::uint32_t domain = 77;
 
-/// Cyclone's participant, on loopback, which looks for others at the ports of the first four.
 dds_entity_t peer() {
-  static const dds_entity_t made = [] {
-    dds_create_domain(domain,
-                      "<General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
-                      "<AllowMulticast>false</AllowMulticast></General>"
-                      "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>10"
-                      "</MaxAutoParticipantIndex><Peers><Peer address='127.0.0.1'/></Peers></Discovery>");
-    return dds_create_participant(domain, nullptr, nullptr);
-  }();
+  static const dds_entity_t made = adapters::dds::testing::cyclone_participant(domain);
   return made;
 }
 dds_qos_t* delivery(Delivery d) {
