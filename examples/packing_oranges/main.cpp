@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"none", "slip", "no_detector", "box_blocked", "touch_held"}))
       ->capture_default_str();
   app.add_option("--fault-at", s.fault_at, "when [s]")->check(CLI::Range(0.0, 1e6))->capture_default_str();
-  app.add_option("--fault-lasts", s.fault_lasts, "how long [s]; 0: 1 s (slip), 2 s (no_detector), 30 s, 20 s")
+  app.add_option("--fault-lasts", s.fault_lasts, "how long [s]; 0: as is usual for it, as the report says")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   app.add_flag("--teach", taught,

@@ -45,11 +45,12 @@ namespace {
 constexpr struct {
   Fault fault;
   const char *name, *words;
-} faults[] = {{Fault::none, "none", "nothing goes wrong"},
-              {Fault::slip, "slip", "a carried orange is wet and slips out of the fingers"},
-              {Fault::no_detector, "no_detector", "the detector is silent for 2 s"},
-              {Fault::box_blocked, "box_blocked", "a person has the box for 30 s"},
-              {Fault::touch_held, "touch_held", "a person leans on a forearm for 20 s"}};
+  double lasts;  ///< unless it is said otherwise [s]
+} faults[] = {{Fault::none, "none", "nothing goes wrong", 0},
+              {Fault::slip, "slip", "a carried orange is wet and slips out of the fingers", 1},
+              {Fault::no_detector, "no_detector", "the detector is silent", 2},
+              {Fault::box_blocked, "box_blocked", "a person has the box", 30},
+              {Fault::touch_held, "touch_held", "a person leans on a forearm", 20}};
 }  // namespace
 
 Fault fault_named(const std::string& name) {
@@ -61,6 +62,12 @@ const char* describe(Fault fault) {
   for (const auto& f : faults)
     if (fault == f.fault) return f.words;
   return "";
+}
+
+double duration(Fault fault) {
+  for (const auto& f : faults)
+    if (fault == f.fault) return f.lasts;
+  return 0;
 }
 
 }  // namespace packing

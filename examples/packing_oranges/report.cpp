@@ -54,7 +54,9 @@ std::string summary(const Outcome& o, const RunSettings& s) {
         static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm));
     out += failures(m);
   }
-  if (s.fault != Fault::none) out += text("fault at %.1f s: %s\n", o.fault_begins, describe(s.fault));
+  if (s.fault != Fault::none)
+    out += text("fault at %.1f s, for %.1f s: %s\n", o.fault_begins, o.fault_ends - o.fault_begins,
+                describe(s.fault));
   out += text("%.1f times real time on one core; %.1f us a cycle of an arm, with its executor\n",
               o.computed > 0 ? o.time / o.computed : 0, o.cycle);
   return out;

@@ -82,6 +82,9 @@ Outcome run_ur10e(const RunSettings& settings, const Watch& watch = {});
 
 /// The fault of this name. Throws std::runtime_error for another one.
 Fault fault_named(const std::string& name);
+/// What happens, in words.
 const char* describe(Fault fault);
+/// How long it lasts unless it is said otherwise [s].
+double duration(Fault fault);
 
 }  // namespace packing

@@ -64,8 +64,7 @@ class Run {
       touchers_.push_back(std::make_unique<Toucher<R>>(s, s.seed * 7919 + 4 + a));
       next_touch_[a] = s.touch_every * (a == 0 ? 0.4 : 0.9);
     }
-    const double usual[] = {0, 1, 2, 30, 20};
-    lasts_ = s.fault_lasts > 0 ? s.fault_lasts : usual[static_cast<std::size_t>(s.fault)];
+    lasts_ = s.fault_lasts > 0 ? s.fault_lasts : duration(s.fault);
   }
 
   Outcome operator()(const Watch& watch) {
