@@ -76,6 +76,7 @@
 #include "skinctl/kinematics/joint_frame.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/kinematics/singular_directions.hpp"
+#include "skinctl/kinematics/singularity_damping.hpp"
 #include "skinctl/kinematics/zyz.hpp"
 
 #include "skinctl/dynamics/energy.hpp"

@@ -1,111 +1,22 @@
-// The damped inverse of a Jacobian, bounded at singularities, and a measure of the distance to them.
+// The damped inverse of a Jacobian, bounded at singularities.
 #pragma once
 
 #include <bit>
 #include <cmath>
 #include <optional>
 
-#include "skinctl/core/contract.hpp"
 #include "skinctl/kinematics/detail/block_inverse.hpp"
+#include "skinctl/kinematics/detail/determinant_rate.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
+#include "skinctl/kinematics/singularity_damping.hpp"
 #include "skinctl/math/ldlt.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-namespace detail {
-
-/// Determinant of a symmetric positive semi-definite matrix and its time derivative.
-template <Real T>
-struct Determinant {
-  T value;
-  T rate;
-};
-/// Elimination with the largest diagonal element first, values and rates together: at a singular matrix only
-/// the last pivot vanishes, and neither value nor rate is divided by it.
-template <std::size_t N, Real T>
-[[nodiscard]] Determinant<T> determinant(T (&a)[N][N], T (&da)[N][N]) noexcept {
-  Determinant<T> det{T(1), T(0)};
-  bool taken[N] = {};
-  for (std::size_t step = 0; step < N; ++step) {
-    std::size_t k = N;
-    for (std::size_t i = 0; i < N; ++i)
-      if (!taken[i] && (k == N || a[i][i] > a[k][k])) k = i;
-    taken[k] = true;
-    const T pivot = a[k][k];
-    det.rate = det.rate * pivot + det.value * da[k][k];
-    det.value = det.value * pivot;
-    if (!(pivot > T(0))) return {T(pivot == pivot ? T(0) : pivot), T(pivot == pivot ? T(0) : pivot)};
-    const T inverse = T(1) / pivot;
-    for (std::size_t i = 0; i < N; ++i) {
-      if (taken[i]) continue;
-      const T f = a[i][k] * inverse;
-      const T df = (da[i][k] - f * da[k][k]) * inverse;
-      for (std::size_t j = 0; j < N; ++j) {
-        if (taken[j]) continue;
-        da[i][j] = da[i][j] - df * a[k][j] - f * da[k][j];
-        a[i][j] = a[i][j] - f * a[k][j];
-      }
-    }
-  }
-  return det;
-}
-
-}  // namespace detail
 
 /// The components of a frame's motion that a task controls.
 enum class TaskSpace : unsigned char {
   pose,     ///< position and orientation: six numbers
   position  ///< position of the origin: three numbers; angular parts of arguments are ignored
-};
-
-/// Damping of the inverse near singularities: `l^2 = most^2 (1 - (w / zone)^2)^2` while the manipulability w
-/// is below `zone`, else 0. Smooth: l^2 and its slope are zero at the edge of the zone.
-template <Real T = double>
-class SingularityDamping {
- public:
-  /// @param zone  manipulability below which damping sets in, > 0. In units of `manipulability()`; a UR5
-  ///              reaches 0.11, and 0.004 is some 5 degrees from a wrist singularity at half of its reach.
-  /// @param most  l at the singularity, > 0: no joint speed exceeds `1 / (2 most)` times the requested speed
-  ///              of the frame. Throws `ConfigurationError`.
-  explicit SingularityDamping(const T& zone = static_cast<T>(0.004), const T& most = static_cast<T>(0.08))
-      : zone_(zone), most_(most), most_squared_(most * most) {
-    const auto allowed = [](const T& x) { return x > T(0) && x <= (std::numeric_limits<T>::max)(); };
-    require(allowed(zone), "SingularityDamping: zone", static_cast<double>(zone), "> 0");
-    require(allowed(most), "SingularityDamping: most", static_cast<double>(most), "> 0");
-  }
-  /// From 0 (outside the zone) to 1 (at a singularity), from the square of the manipulability.
-  [[nodiscard]] T nearness(const T& w_squared) const noexcept {
-    const T r = T(1) - w_squared / (zone_ * zone_);
-    return r > T(0) ? T(r * r) : T(r == r ? T(0) : r);
-  }
-  /// The same, with the damping that the requested speed of the frame needs: at the singularity
-  /// `l^2 = least^2 + x / (1 + x / most^2)`, `x = (speed / (2 fastest))^2`. Up to l = `most` no joint
-  /// exceeds the speed `fastest`. A small requested speed is damped little, so an arm does not stick at a
-  /// singularity.
-  /// @param speed_squared, rate  square of the requested speed, and its time derivative.
-  [[nodiscard]] SingularityDamping scaled(const T& least, const T& speed_squared, const T& rate,
-                                          const T& fastest) const noexcept {
-    const T factor = T(0.25) / (fastest * fastest);
-    const T less = T(1) / (T(1) + factor * speed_squared / (most_ * most_));
-    SingularityDamping next = *this;
-    next.most_squared_ = least * least + factor * speed_squared * less;
-    next.most_squared_rate_ = factor * rate * less * less;
-    return next;
-  }
-  /// l^2.
-  [[nodiscard]] T squared(const T& w_squared) const noexcept { return most_squared_ * nearness(w_squared); }
-  /// `d(l^2)/dt = 2 l dl`, from the rate of the square of the manipulability.
-  [[nodiscard]] T squared_rate(const T& w_squared, const T& w_squared_rate) const noexcept {
-    const T r = T(1) - w_squared / (zone_ * zone_);
-    return r > T(0)
-               ? T(r * (r * most_squared_rate_ - T(2) * most_squared_ * w_squared_rate / (zone_ * zone_)))
-               : T(0);
-  }
-
- private:
-  T zone_;
-  T most_;
-  T most_squared_;
-  T most_squared_rate_ = T(0);
 };
 
 /// The damped inverse `J^+ = (J'J + l^2)^-1 J' = J' (J J' + l^2)^-1` of eq. (19), l from

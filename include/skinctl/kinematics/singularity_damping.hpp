@@ -1,0 +1,62 @@
+// How much the inverse of a Jacobian is damped near singularities.
+#pragma once
+
+#include <limits>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/real.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Damping of the inverse near singularities: `l^2 = most^2 (1 - (w / zone)^2)^2` while the manipulability w
+/// is below `zone`, else 0. Smooth: l^2 and its slope are zero at the edge of the zone.
+template <Real T = double>
+class SingularityDamping {
+ public:
+  /// @param zone  manipulability below which damping sets in, > 0. In units of `manipulability()`; a UR5
+  ///              reaches 0.11, and 0.004 is some 5 degrees from a wrist singularity at half of its reach.
+  /// @param most  l at the singularity, > 0: no joint speed exceeds `1 / (2 most)` times the requested speed
+  ///              of the frame. Throws `ConfigurationError`.
+  explicit SingularityDamping(const T& zone = static_cast<T>(0.004), const T& most = static_cast<T>(0.08))
+      : zone_(zone), most_(most), most_squared_(most * most) {
+    const auto allowed = [](const T& x) { return x > T(0) && x <= (std::numeric_limits<T>::max)(); };
+    require(allowed(zone), "SingularityDamping: zone", static_cast<double>(zone), "> 0");
+    require(allowed(most), "SingularityDamping: most", static_cast<double>(most), "> 0");
+  }
+  /// From 0 (outside the zone) to 1 (at a singularity), from the square of the manipulability.
+  [[nodiscard]] T nearness(const T& w_squared) const noexcept {
+    const T r = T(1) - w_squared / (zone_ * zone_);
+    return r > T(0) ? T(r * r) : T(r == r ? T(0) : r);
+  }
+  /// The same, with the damping that the requested speed of the frame needs: at the singularity
+  /// `l^2 = least^2 + x / (1 + x / most^2)`, `x = (speed / (2 fastest))^2`. No joint exceeds
+  /// `fastest sqrt(1 + x / most^2)`: about `fastest` while the request is slow, and beyond `speed = 2 most fastest` the
+  /// damping is most. A small requested speed is damped little, so an arm does not stick at a singularity.
+  /// @param speed_squared, rate  square of the requested speed, and its time derivative.
+  [[nodiscard]] SingularityDamping scaled(const T& least, const T& speed_squared, const T& rate,
+                                          const T& fastest) const noexcept {
+    const T factor = T(0.25) / (fastest * fastest);
+    const T less = T(1) / (T(1) + factor * speed_squared / (most_ * most_));
+    SingularityDamping next = *this;
+    next.most_squared_ = least * least + factor * speed_squared * less;
+    next.most_squared_rate_ = factor * rate * less * less;
+    return next;
+  }
+  /// l^2.
+  [[nodiscard]] T squared(const T& w_squared) const noexcept { return most_squared_ * nearness(w_squared); }
+  /// `d(l^2)/dt = 2 l dl`, from the rate of the square of the manipulability.
+  [[nodiscard]] T squared_rate(const T& w_squared, const T& w_squared_rate) const noexcept {
+    const T r = T(1) - w_squared / (zone_ * zone_);
+    return r > T(0)
+               ? T(r * (r * most_squared_rate_ - T(2) * most_squared_ * w_squared_rate / (zone_ * zone_)))
+               : T(0);
+  }
+
+ private:
+  T zone_;
+  T most_;
+  T most_squared_;
+  T most_squared_rate_ = T(0);
+};
+
+SKINCTL_END_NAMESPACE
