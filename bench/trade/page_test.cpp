@@ -105,9 +105,10 @@ TEST_CASE("Trade: CSV comes back as it was, and a damaged one is refused with it
 TEST_CASE("Trade: the browser's answers are the cheapest and the most accurate of what is offered") {
   if (browser.empty()) return;
   const Folder folder;
+  const auto proven = skinctl::bounds::read_brackets(TRADE_PROVEN);
   for (const auto& rows : {example(), read_csv(TRADE_RESULTS)}) {
     const std::string file = (folder.path / "page.html").string();
-    write_page(rows, file);
+    write_page(rows, proven, file);
     struct Question {
       const char* clock;
       double us, mm, N;
@@ -149,6 +150,16 @@ TEST_CASE("Trade: the browser's answers are the cheapest and the most accurate o
       CHECK(points == wanted);
       CHECK(rings == presets);
       if (have == nullptr) CHECK(dom.find("Nothing of this scene costs so little") != std::string::npos);
+      // What is proven: a line of its table for each; beside an answer what rounding may change of its robot's torque.
+      std::size_t lines = 0;
+      const std::size_t table = dom.find("id=\"proven\""), end = dom.find("</table>", table);
+      for (std::size_t at = table; (at = dom.find("<tr>", at)) < end; ++at) ++lines;
+      CHECK(lines == proven.size() + 1);
+      if (have != nullptr && rows.size() > 10) {
+        const bool in_float = have->value.find("float") != std::string::npos;
+        CHECK(dom.find(in_float ? "Rounding in float changes" : "Rounding in double changes") !=
+              std::string::npos);
+      }
     }
   }
 }
@@ -178,6 +189,7 @@ TEST_CASE("Trade: the tables of the README are those of the shipped rows") {
   std::ostringstream text;
   text << in.rdbuf();
   CHECK(text.str().find(as_markdown(read_csv(TRADE_RESULTS))) != std::string::npos);
+  CHECK(text.str().find(as_markdown(skinctl::bounds::read_brackets(TRADE_PROVEN))) != std::string::npos);
 }
 
 int main(int argc, char** argv) {
