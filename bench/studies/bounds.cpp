@@ -73,19 +73,19 @@ struct Goal {
 Goal goal_of(Quantity q) {
   switch (q) {
     case Quantity::pose:
-      return {6, 0.10, 0.13};
+      return {6, 0.13, 0.25};
     case Quantity::jacobian:
-      return {6, 0.04, 0.13};
+      return {6, 0.05, 0.15};
     case Quantity::gravity:
-      return {6, 0.02, 0.05};
+      return {6, 0.02, 0.07};
     case Quantity::inverse_dynamics:
-      return {8, 0.45, 0.27};
+      return {8, 0.42, 0.20};
     case Quantity::yr_theta:
-      return {8, 0.17, 0.19};
+      return {8, 0.16, 0.12};
     case Quantity::mass:
-      return {8, 0.02, 0.05};
+      return {8, 0.02, 0.07};
     case Quantity::forward_dynamics:
-      return {10, 0.20, 0.18};
+      return {10, 0.20, 0.14};
   }
   return {};
 }
@@ -193,7 +193,7 @@ void bound_all(const char* name, double seconds, const Rates& rates, const char*
   const double start = processor_seconds();
   const bool all = only == nullptr;
   std::vector<Bracket> found;
-  const double rest = 0.8 * seconds, search = 0.2 * seconds;
+  const double rest = 0.75 * seconds, search = 0.25 * seconds;
   const auto one = [&]<Quantity Q>(std::integral_constant<Quantity, Q>) {
     if (all || std::strstr(named(Q).name, only) != nullptr)
       found.push_back(bound<Robot, Q>(all ? rest : rest / goal_of(Q).share,

@@ -41,8 +41,15 @@ class WorstFound {
     return worst;
   }
 
-  /// For `seconds` of processor time, of which both of the two results with the largest bounds get a half.
+  /// For `seconds` of processor time, of which both of the two results with the largest bounds get a half. Without rates a
+  /// state is searched by trial alone: they are not many.
   Point run(double seconds) {
+    moves_ = std::any_of(ranges_.begin(), ranges_.end(), [](const Range& r) { return r.weight < 1; });
+    if (!moves_) {
+      Point anywhere_at;
+      for (const auto& r : ranges_) anywhere_at.x.push_back(anywhere(r));
+      return lucky(anywhere_at, seconds);
+    }
     std::vector<std::pair<Point, std::size_t>> starts;
     for (std::size_t k = 0; k < outputs_.size(); ++k)
       starts.emplace_back(steepest(outputs_[k], 0.1 * seconds / static_cast<double>(outputs_.size())), k);
@@ -108,37 +115,43 @@ class WorstFound {
     for (std::size_t w = 0; w < Output::lanes; ++w)
       if (points[w].error > best.error || best.x.empty()) best = points[w];
   }
-  /// The largest error around a state, and anywhere: by trial for half the time, then by changing one or two inputs of the worst.
+  /// The largest error around a state, and anywhere: by trial for a third of the time, then by changing one or two
+  /// inputs of the worst of both.
   Point lucky(const Point& start, double seconds) {
     const double begin = processor_seconds();
-    std::vector<Point> best;
+    std::vector<Point> best[2], all;
     const auto worse = [](const Point& a, const Point& b) { return a.error > b.error; };
-    while (processor_seconds() - begin < seconds / 2)
-      for (int k = 0; k < 64; ++k) {
+    while (processor_seconds() - begin < seconds / 3)
+      for (std::size_t k = 0; k < 64; ++k) {
         Point p = start;
         for (std::size_t i = 0; i < ranges_.size(); ++i)
-          p.x[i] = k % 2 == 0 ? near(p.x[i], ranges_[i], 0.016) : anywhere(ranges_[i]);
+          p.x[i] = moves_ && k % 2 == 0 ? near(p.x[i], ranges_[i], 0.016) : anywhere(ranges_[i]);
         p.error = error(p.x);
-        if (best.size() >= 12 && p.error <= best.back().error) continue;
-        best.insert(std::upper_bound(best.begin(), best.end(), p, worse), p);
-        if (best.size() > 12) best.pop_back();
+        std::vector<Point>& of = best[k % 2];
+        if (of.size() >= 12 && p.error <= of.back().error) continue;
+        of.insert(std::upper_bound(of.begin(), of.end(), p, worse), p);
+        if (of.size() > 12) of.pop_back();
       }
-    // The error of a program jumps from number to number: neighbours at every distance are tried.
-    constexpr double digits = std::is_same_v<R, float> ? 5.5 : 13.5;
+    // The error of a program jumps from number to number: neighbours at every distance are tried, and close to where the bound
+    // is largest if there are rates.
+    const std::size_t steep = moves_ ? best[0].size() : 0;
+    for (const auto& of : best) all.insert(all.end(), of.begin(), of.end());
     Point changed;
     for (std::size_t turn = 0; processor_seconds() - begin < seconds; ++turn) {
-      Point& p = best[turn % best.size()];
+      const bool stays = turn % all.size() < steep;
+      Point& p = all[turn % all.size()];
       for (int k = 0; k < 64; ++k) {
         changed.x = p.x;
         for (std::size_t n = index(2) + 1; n > 0; --n) {
           const std::size_t i = index(ranges_.size());
-          changed.x[i] = near(p.x[i], ranges_[i], 0.016 * std::pow(10.0, -digits * unit_(rng_)));
+          const double reach = (stays ? 0.016 : 0.5) * std::pow(10.0, -6 * unit_(rng_));
+          changed.x[i] = !stays && k % 16 == 0 ? anywhere(ranges_[i]) : near(p.x[i], ranges_[i], reach);
         }
         changed.error = error(changed.x);
         if (changed.error > p.error) p = changed;
       }
     }
-    return *std::min_element(best.begin(), best.end(), worse);
+    return *std::min_element(all.begin(), all.end(), worse);
   }
 
   std::size_t index(std::size_t n) { return static_cast<std::size_t>(rng_() % n); }
@@ -162,6 +175,7 @@ class WorstFound {
   std::mt19937_64 rng_;
   std::uniform_real_distribution<double> unit_{0, 1};
   std::vector<L> lanes_;
+  bool moves_ = false;
 };
 
 }  // namespace skinctl::bounds
