@@ -257,6 +257,13 @@ std::string as_markdown(const std::vector<Row>& rows) {
   return out.str();
 }
 
+namespace {
+/// To two digits, upwards.
+double rounded_up(double x) {
+  const double digit = std::pow(10, std::floor(std::log10(x)) - 1);
+  return std::ceil(x / digit * (1 - 1e-12)) * digit;
+}
+}  // namespace
 std::string as_markdown(const std::vector<skinctl::bounds::Bracket>& proven) {
   std::ostringstream out;
   std::vector<std::string> robots, quantities;
@@ -284,7 +291,7 @@ std::string as_markdown(const std::vector<skinctl::bounds::Bracket>& proven) {
           if (b.robot != robot || b.quantity != q) continue;
           const double least = in_float ? b.float_found : b.double_found,
                        most = in_float ? b.float_proven : b.double_proven;
-          out << "[" << number(least, "%.2g") << ", " << number(most, "%.2g") << "] "
+          out << "[" << number(least, "%.2g") << ", " << number(rounded_up(most), "%.2g") << "] "
               << number(most / least, "%.1f") << "x";
         }
       }

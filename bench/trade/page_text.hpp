@@ -60,10 +60,10 @@ const here=()=>rows.filter(r=>r.scene===$('scene').value);
 const name=r=>(r.preset?`preset ${r.preset} (${r.policy}: ${r.value})`:`${r.policy}: ${r.value}`);
 // The robots of a scene are named at its beginning.
 function rounding(r){
-  const real=/\bfloat\b/.test(r.value)&&r.policy!=='unit wrenches'?'float':'double', of=proven.filter(b=>r.scene.split(/,| and /).some(s=>s.trim().toLowerCase()===b.robot)&&/dynamics|G$/.test(b.quantity)&&b.unit==='N m');
-  if(!of.length)return '';
-  const worst=of.filter(b=>b.quantity==='inverse dynamics').map(b=>`${b.robot} ${show(b[real][1],2)} N m`);
-  return worst.length?`Rounding in ${real} changes the torque of inverse dynamics by less than ${worst.join(', ')} (proven, up to ${of[0].velocity} rad/s and ${of[0].acceleration} rad/s\u00b2). `:'';
+  const real=/\bfloat\b/.test(r.value)&&r.policy!=='unit wrenches'?'float':'double', said=[];let of;
+  for(const s of r.scene.split(/,| and /))for(const b of proven)
+    if(b.quantity==='inverse dynamics'&&s.trim().toLowerCase()===b.robot)said.push(`${show(b[real][1],2)} N m (${s.trim()})`),of=b;
+  return of?`Rounding in ${real} changes a torque of inverse dynamics by less than ${said.join(', ')}, proven up to ${of.velocity} rad/s and ${of.acceleration} rad/s\u00b2. `:'';
 }
 function say(where,r,clock,none){
   where.dataset.value=r?`${r.policy}|${r.value}`:'';
