@@ -1,6 +1,6 @@
-// Proven rounding errors: `bounds [--robot NAME] [--seconds S] [--found S]`.
+// Proven rounding errors: `bounds [--robot NAME] [--seconds S] [--velocity V] [--acceleration A] [--only QUANTITY] [--csv FILE]`.
 //
-// For every state of a robot (all joint angles; rates within 3 rad/s, accelerations within 3 rad/s^2) a bracket of
+// For every state of a robot (all joint angles; rates within 3 rad/s, accelerations within 3 rad/s^2, or V and A) a bracket of
 // the largest error of each quantity, in float and in double: the worst that a search has found, and what is
 // proven by interval adjoints over boxes of the joint angles, which are split where the bound is worst. Poses in
 // their unit and in metres, torques in N m; forward dynamics as the torque that would explain the error of the
@@ -9,9 +9,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <memory>
 
 #include "bench/studies/bounds/box_search.hpp"
+#include "bench/studies/bounds/brackets.hpp"
 #include "bench/studies/bounds/one_cycle.hpp"
 #include "bench/studies/bounds/quantities.hpp"
 #include "bench/studies/bounds/worst_found.hpp"
@@ -66,24 +68,24 @@ struct Program {
 };
 
 struct Goal {
-  double ratio, share;  ///< proven over found, and of the time
+  double ratio, share, search;  ///< proven over found; of the time for the proof, and of that for the search
 };
 Goal goal_of(Quantity q) {
   switch (q) {
     case Quantity::pose:
-      return {6, 0.30};
+      return {6, 0.13, 0.25};
     case Quantity::jacobian:
-      return {6, 0.20};
+      return {6, 0.05, 0.15};
     case Quantity::gravity:
-      return {6, 0.02};
+      return {6, 0.02, 0.07};
     case Quantity::inverse_dynamics:
-      return {8, 0.20};
+      return {8, 0.42, 0.20};
     case Quantity::yr_theta:
-      return {8, 0.12};
+      return {8, 0.16, 0.12};
     case Quantity::mass:
-      return {8, 0.03};
+      return {8, 0.02, 0.07};
     case Quantity::forward_dynamics:
-      return {10, 0.13};
+      return {10, 0.20, 0.14};
   }
   return {};
 }
@@ -109,18 +111,27 @@ double largest_value(math::TracedOutput& output, const std::vector<Range>& range
   return most;
 }
 
+/// A little more than pi.
+constexpr double half_turn = 3.1416;
+
 /// The same rounding on each joint: a joint whose angle enters by its sine and cosine alone is bounded over one
 /// turn for all turns.
+///
+/// The signs of all rates at once change no torque, and no error of one (products of two of them are what occurs): the first
+/// joint's velocity is not negative.
 template <class Robot, Quantity Q>
-bool bound(double seconds, double search) {
+Bracket bound(double seconds, double search, const Rates& rates) {
   using Model = decltype(Robot::template in<double>());
   constexpr std::size_t N = Model::joints;
   const auto about = named(Q);
   const Goal goal = goal_of(Q);
   std::vector<Range> ranges;
   for (std::size_t i = 0; i < N; ++i) {
-    ranges.push_back({{-3.25, 3.25}, true});
-    for (std::size_t k = 0; k < about.rates; ++k) ranges.push_back({{-fastest, fastest}, false});
+    ranges.push_back({{-half_turn, half_turn}, true});
+    for (std::size_t k = 0; k < about.rates; ++k) {
+      const double most = k == 1 ? rates.acceleration : rates.velocity;
+      ranges.push_back({{k == 0 && i == 0 ? 0 : -most, most}, k == 0, 0.06f});
+    }
   }
   const Program<Robot, Q> program;
   math::Tape tape, other;
@@ -138,12 +149,12 @@ bool bound(double seconds, double search) {
   for (const auto node : record(tape, 0.0f)) outputs.emplace_back(tape, node);
   if (!same_program(tape, other) || math::undecided() != 0) {
     std::printf("%-18s float and double run different operations: not bounded\n", about.name);
-    return false;
+    return {};
   }
-  WorstFound<float, Program<Robot, Q>> in_float(program, ranges, 1);
-  WorstFound<double, Program<Robot, Q>> in_double(program, ranges, 2);
-  const auto f = in_float.run(search);
-  const auto d = in_double.run(search);
+  WorstFound<float, Program<Robot, Q>> in_float(program, ranges, outputs, 1);
+  WorstFound<double, Program<Robot, Q>> in_double(program, ranges, outputs, 2);
+  const auto f = in_float.run(0.3 * search);
+  const auto d = in_double.run(0.7 * search);  // more digits take longer
 
   double factors_float = 0, factors_double = 0;
   if constexpr (Q == Quantity::forward_dynamics) {
@@ -151,15 +162,15 @@ bool bound(double seconds, double search) {
     std::vector<double> diagonal;
     const math::Tape::Recording recording(mass);
     JointPosition<N, math::Traced<float>> q;
-    for (auto& x : q) x = math::Traced<float>::input({-3.25, 3.25});
+    for (auto& x : q) x = math::Traced<float>::input({-half_turn, half_turn});
     const auto m = mass_matrix(Robot::template in<math::Traced<float>>(), q);
-    const std::vector<Range> angles(N, Range{{-3.25, 3.25}, true});
+    const std::vector<Range> angles(N, Range{{-half_turn, half_turn}, true});
     for (std::size_t i = 0; i < N; ++i) {
       math::TracedOutput output(mass, m(i, i).node());
       diagonal.push_back(largest_value(output, angles, output.inputs().size() > 4 ? 8 : 12));
     }
-    factors_float = factorisation_error(diagonal, N, 0x1p-24);
-    factors_double = factorisation_error(diagonal, N, 0x1p-53);
+    factors_float = factorisation_error(diagonal, N, 0x1p-24, rates.acceleration);
+    factors_double = factorisation_error(diagonal, N, 0x1p-53, rates.acceleration);
   }
   BoxSearch boxes(outputs, ranges);
   const double finest = 2.5 * std::min(f.error, d.error * 0x1p29) - factors_float;
@@ -171,45 +182,53 @@ bool bound(double seconds, double search) {
               about.unit, f.error, result.in_float, of_float, d.error, result.in_double, of_double,
               goal.ratio, met ? "met   " : "missed", result.boxes, result.seconds);
   std::fflush(stdout);
-  return met;
+  return {"",      about.name,      about.unit, rates.velocity,   rates.acceleration,
+          f.error, result.in_float, d.error,    result.in_double, result.seconds};
 }
 
 template <class Robot>
-void bound_all(const char* name, double seconds, double search) {
+void bound_all(const char* name, double seconds, const Rates& rates, const char* only, const char* csv) {
   std::printf("\n%s: [worst found, worst proven] and their ratio; goal; boxes; processor time [s]\n", name);
   std::printf("%-24s %-30s %-30s\n", "", "float", "double");
   const double start = processor_seconds();
-  // Errors are harder to find where they are sums of many small ones.
-  const double each = search / 22, rest = seconds - search;
-  bound<Robot, Quantity::pose>(rest, 3 * each);
-  bound<Robot, Quantity::jacobian>(rest, 3 * each);
-  bound<Robot, Quantity::gravity>(rest, each);
-  bound<Robot, Quantity::inverse_dynamics>(rest, each);
-  bound<Robot, Quantity::yr_theta>(rest, each);
-  bound<Robot, Quantity::mass>(rest, each);
-  bound<Robot, Quantity::forward_dynamics>(rest, each);
+  const bool all = only == nullptr;
+  std::vector<Bracket> found;
+  const double rest = 0.75 * seconds, search = 0.25 * seconds;
+  const auto one = [&]<Quantity Q>(std::integral_constant<Quantity, Q>) {
+    if (all || std::strstr(named(Q).name, only) != nullptr)
+      found.push_back(bound<Robot, Q>(all ? rest : rest / goal_of(Q).share,
+                                      all ? search * goal_of(Q).search : search, rates));
+  };
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (one(std::integral_constant<Quantity, quantities[I]>{}), ...);
+  }(std::make_index_sequence<std::size(quantities)>{});
+  for (Bracket& b : found) b.robot = name;
+  if (csv != nullptr) write_brackets(csv, found);
   std::printf("%.1f s of processor time in all\n", processor_seconds() - start);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const char* robot = "ur5";
+  const char *robot = "ur5", *only = nullptr, *csv = nullptr;
   double seconds = 60;
+  Rates rates;
   for (int i = 1; i + 1 < argc; i += 2) {
-    if (std::strcmp(argv[i], "--robot") == 0)
-      robot = argv[i + 1];
-    else if (std::strcmp(argv[i], "--seconds") == 0)
-      seconds = std::atof(argv[i + 1]);
+    const auto is = [&](const char* name) { return std::strcmp(argv[i], name) == 0; };
+    if (is("--robot")) robot = argv[i + 1];
+    if (is("--only")) only = argv[i + 1];
+    if (is("--csv")) csv = argv[i + 1];
+    if (is("--seconds")) seconds = std::atof(argv[i + 1]);
+    if (is("--velocity")) rates.velocity = std::atof(argv[i + 1]);
+    if (is("--acceleration")) rates.acceleration = std::atof(argv[i + 1]);
   }
-  const double search = 0.2 * seconds;
   const auto run = [&]<class Robot>(const char* name, Robot) {
     if (std::strcmp(robot, name) != 0 && std::strcmp(robot, "all") != 0) return false;
-    bound_all<Robot>(name, seconds, search);
+    bound_all<Robot>(name, seconds, rates, only, csv);
     return true;
   };
   bool any = run("ur5", Static<ur5::Description>{});
-#if !defined(SKINCTL_BOUNDS_UR5)
+#if !defined(SKINCTL_BOUNDS_UR5)  // the others take minutes to compile
   any |= run("ur3", Static<ur3::Description>{});
   any |= run("ur10", Static<ur10::Description>{});
   any |= run("ur3e", Static<ur3e::Description>{});
@@ -217,7 +236,7 @@ int main(int argc, char** argv) {
   any |= run("ur10e", Static<ur10e::Description>{});
   any |= run("allegro", Hand{});
 #endif
-  if (std::strcmp(robot, "ur5") == 0 && seconds >= 60) print_one_cycle();
+  if (std::strcmp(robot, "ur5") == 0 && seconds >= 60 && only == nullptr) print_one_cycle();
   if (!any) std::printf("no such robot: %s\n", robot);
   return any ? 0 : 1;
 }

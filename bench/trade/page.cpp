@@ -180,7 +180,7 @@ std::vector<Row> read_csv(const std::string& file) {
   return rows;
 }
 
-std::string page(const std::vector<Row>& rows) {
+std::string page(const std::vector<Row>& rows, const std::vector<skinctl::bounds::Bracket>& proven) {
   std::string data = "[\n";
   for (const Row& r : rows) {
     data += "{\"scene\":" + json(r.scene) + ",\"policy\":" + json(r.policy) + ",\"value\":" + json(r.value) +
@@ -193,16 +193,26 @@ std::string page(const std::vector<Row>& rows) {
   }
   if (!rows.empty()) data.resize(data.size() - 2);
   data += "\n]";
+  std::string bounds = "[\n";
+  for (const auto& b : proven)
+    bounds += "{\"robot\":" + json(b.robot) + ",\"quantity\":" + json(b.quantity) +
+              ",\"unit\":" + json(b.unit) + ",\"velocity\":" + json(b.velocity) +
+              ",\"acceleration\":" + json(b.acceleration) + ",\"float\":[" + json(b.float_found) + "," +
+              json(b.float_proven) + "],\"double\":[" + json(b.double_found) + "," + json(b.double_proven) +
+              "]},\n";
+  if (!proven.empty()) bounds.resize(bounds.size() - 2);
+  bounds += "\n]";
   return std::string(
              "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport "
              "content=\"width=device-width,initial-scale=1\"><title>skinctl: speed against "
              "accuracy</title>\n<style>") +
-         page_style + "</style>\n" + page_body + "<script>\nconst rows=" + data + ";\n" + page_script +
-         "</script>\n</html>\n";
+         page_style + "</style>\n" + page_body + "<script>\nconst rows=" + data + ",\nproven=" + bounds +
+         ";\n" + page_script + "</script>\n</html>\n";
 }
-void write_page(const std::vector<Row>& rows, const std::string& file) {
+void write_page(const std::vector<Row>& rows, const std::vector<skinctl::bounds::Bracket>& proven,
+                const std::string& file) {
   std::ofstream out(file);
-  out << page(rows);
+  out << page(rows, proven);
   out.flush();
   if (!out) throw std::runtime_error("cannot write " + file);
 }
@@ -243,6 +253,51 @@ std::string as_markdown(const std::vector<Row>& rows) {
     out << "| " << r.policy << ": " << r.value;
     figures(r);
     out << " " << r.verdict << " |\n";
+  }
+  return out.str();
+}
+
+namespace {
+/// To two digits, upwards.
+double rounded_up(double x) {
+  const double digit = std::pow(10, std::floor(std::log10(x)) - 1);
+  return std::ceil(x / digit * (1 - 1e-12)) * digit;
+}
+}  // namespace
+std::string as_markdown(const std::vector<skinctl::bounds::Bracket>& proven) {
+  std::ostringstream out;
+  std::vector<std::string> robots, quantities;
+  for (const auto& b : proven) {
+    if (std::find(robots.begin(), robots.end(), b.robot) == robots.end()) robots.push_back(b.robot);
+    if (std::find(quantities.begin(), quantities.end(), b.quantity) == quantities.end())
+      quantities.push_back(b.quantity);
+  }
+  for (const bool in_float : {true, false}) {
+    out << "| " << (in_float ? "float" : "double");
+    for (const auto& q : quantities)
+      for (const auto& b : proven)
+        if (b.quantity == q) {
+          out << " | " << q << " [" << b.unit << "]";
+          break;
+        }
+    out << " |\n|---";
+    for (std::size_t k = 0; k < quantities.size(); ++k) out << "|---";
+    out << "|\n";
+    for (const auto& robot : robots) {
+      out << "| " << robot;
+      for (const auto& q : quantities) {
+        out << " | ";
+        for (const auto& b : proven) {
+          if (b.robot != robot || b.quantity != q) continue;
+          const double least = in_float ? b.float_found : b.double_found,
+                       most = in_float ? b.float_proven : b.double_proven;
+          out << "[" << number(least, "%.2g") << ", " << number(rounded_up(most), "%.2g") << "] "
+              << number(most / least, "%.1f") << "x";
+        }
+      }
+      out << " |\n";
+    }
+    if (in_float) out << '\n';
   }
   return out.str();
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/studies/bounds/brackets.hpp"
 #include "bench/trade/point.hpp"
 
 namespace trade {
@@ -30,9 +31,14 @@ void judge(std::vector<Row>& rows);
 /// Throw `std::runtime_error` with file and line where a file cannot be read or written.
 void write_csv(const std::vector<Row>& rows, const std::string& file);
 [[nodiscard]] std::vector<Row> read_csv(const std::string& file);
-void write_page(const std::vector<Row>& rows, const std::string& file);
-[[nodiscard]] std::string page(const std::vector<Row>& rows);
+/// With what is proven of the rounding alone: shown as a table, and beside the answers of scenes with these robots.
+void write_page(const std::vector<Row>& rows, const std::vector<skinctl::bounds::Bracket>& proven,
+                const std::string& file);
+[[nodiscard]] std::string page(const std::vector<Row>& rows,
+                               const std::vector<skinctl::bounds::Bracket>& proven);
 [[nodiscard]] std::string as_markdown(const std::vector<Row>& rows);
+/// The table of what is proven of a robot's rounding; of all other robots the ratios, worst first.
+[[nodiscard]] std::string as_markdown(const std::vector<skinctl::bounds::Bracket>& proven);
 /// Cost against error of one scene, for a README; all of them as `cost_and_error_K.svg` in a folder that is there.
 [[nodiscard]] std::string picture(const std::vector<Row>& rows, const std::string& scene);
 void write_pictures(const std::vector<Row>& rows, const std::string& folder);

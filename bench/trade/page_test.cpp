@@ -105,9 +105,10 @@ TEST_CASE("Trade: CSV comes back as it was, and a damaged one is refused with it
 TEST_CASE("Trade: the browser's answers are the cheapest and the most accurate of what is offered") {
   if (browser.empty()) return;
   const Folder folder;
+  const auto proven = skinctl::bounds::read_brackets(TRADE_PROVEN);
   for (const auto& rows : {example(), read_csv(TRADE_RESULTS)}) {
     const std::string file = (folder.path / "page.html").string();
-    write_page(rows, file);
+    write_page(rows, proven, file);
     struct Question {
       const char* clock;
       double us, mm, N;
@@ -149,6 +150,16 @@ TEST_CASE("Trade: the browser's answers are the cheapest and the most accurate o
       CHECK(points == wanted);
       CHECK(rings == presets);
       if (have == nullptr) CHECK(dom.find("Nothing of this scene costs so little") != std::string::npos);
+      // What is proven: a line of its table for each; beside an answer what rounding may change of its robot's torque.
+      std::size_t lines = 0;
+      const std::size_t table = dom.find("id=\"proven\""), end = dom.find("</table>", table);
+      for (std::size_t at = table; (at = dom.find("<tr>", at)) < end; ++at) ++lines;
+      CHECK(lines == proven.size() + 1);
+      if (have != nullptr && rows.size() > 10) {
+        const bool in_float = have->value.find("float") != std::string::npos;
+        CHECK(dom.find(in_float ? "Rounding in float changes" : "Rounding in double changes") !=
+              std::string::npos);
+      }
     }
   }
 }
@@ -178,6 +189,37 @@ TEST_CASE("Trade: the tables of the README are those of the shipped rows") {
   std::ostringstream text;
   text << in.rdbuf();
   CHECK(text.str().find(as_markdown(read_csv(TRADE_RESULTS))) != std::string::npos);
+  CHECK(text.str().find(as_markdown(skinctl::bounds::read_brackets(TRADE_PROVEN))) != std::string::npos);
+}
+
+TEST_CASE("Trade: headers promise of a UR5 what is proven, and hardly more") {
+  struct Promise {
+    const char *quantity, *header, *in_float, *in_double;
+  };
+  const auto proven = skinctl::bounds::read_brackets(TRADE_PROVEN);
+  for (const Promise& p : {Promise{"pose", "kinematics/poses.hpp", "2.7e-6", "5.0e-15"},
+                           {"Jacobian", "kinematics/jacobian.hpp", "1.6e-6", "2.9e-15"},
+                           {"G", "dynamics/gravity.hpp", "3.0e-5", "4.7e-14"},
+                           {"inverse dynamics", "dynamics/inverse_dynamics.hpp", "4.0e-4", "7.3e-13"},
+                           {"Y_r Theta", "dynamics/inverse_dynamics.hpp", "6.0e-4", "1.1e-12"},
+                           {"M", "dynamics/mass_matrix.hpp", "3.6e-6", "6.4e-15"},
+                           {"forward dynamics", "dynamics/forward_dynamics.hpp", "5.6e-4", "1.0e-12"}}) {
+    CAPTURE(p.quantity);
+    std::ifstream in(std::string(SKINCTL_HEADERS) + "/" + p.header);
+    std::ostringstream text;
+    text << in.rdbuf();
+    CHECK(text.str().find("(float: " + std::string(p.in_float)) != std::string::npos);
+    CHECK(text.str().find(std::string(p.in_double)) != std::string::npos);
+    std::size_t found = 0;
+    for (const auto& b : proven) {
+      if (b.robot != "ur5" || b.quantity != p.quantity) continue;
+      ++found;
+      CHECK(b.float_proven <= std::atof(p.in_float));
+      CHECK(b.double_proven <= std::atof(p.in_double));
+      CHECK(b.float_proven >= 0.9 * std::atof(p.in_float));
+    }
+    CHECK(found == 1);
+  }
 }
 
 int main(int argc, char** argv) {

@@ -44,6 +44,9 @@ and with a stiff finger.</p>
 <p>Rings are presets; the line is the Pareto front of what is offered; pale points were measured and are not. A point's command
 shows under the pointer and in the table.</p></section>
 <section><h2>All of them</h2><div class=scroll><table id=table></table></div></section>
+<section id=bounds><h2>Proven: what rounding may change, at every state</h2><p>Errors at the task are measured. Of what a scalar's
+rounding makes of a robot's equations more is known: the largest error that a search found, and one that no state exceeds, by interval
+adjoints over boxes of all joint angles.</p><div class=scroll><table id=proven></table></div></section>
 </main>
 )html";
 
@@ -55,11 +58,18 @@ for(const s of scenes)$('scene').append(new Option(s,s));
 for(const k of ['scene','clock','us','mm','N'])if(asked.has(k))$(k).value=asked.get(k);
 const here=()=>rows.filter(r=>r.scene===$('scene').value);
 const name=r=>(r.preset?`preset ${r.preset} (${r.policy}: ${r.value})`:`${r.policy}: ${r.value}`);
+// The robots of a scene are named at its beginning.
+function rounding(r){
+  const real=/\bfloat\b/.test(r.value)&&r.policy!=='unit wrenches'?'float':'double', said=[];let of;
+  for(const s of r.scene.split(/,| and /))for(const b of proven)
+    if(b.quantity==='inverse dynamics'&&s.trim().toLowerCase()===b.robot)said.push(`${show(b[real][1],2)} N m (${s.trim()})`),of=b;
+  return of?`Rounding in ${real} changes a torque of inverse dynamics by less than ${said.join(', ')}, proven up to ${of.velocity} rad/s and ${of.acceleration} rad/s\u00b2. `:'';
+}
 function say(where,r,clock,none){
   where.dataset.value=r?`${r.policy}|${r.value}`:'';
   if(!r){where.textContent=none;return;}
   where.textContent=`${name(r)}: ${show(r[clock])} \u00b5s ${clock}, off by ${show(r.error)} mm`+
-    (r.N===null?'':` and ${show(r.N)} N`)+` (${r.evidence}). Again: `;
+    (r.N===null?'':` and ${show(r.N)} N`)+` (${r.evidence}). `+rounding(r)+'Again: ';
   const c=document.createElement('code');c.textContent=r.command;where.append(c);
 }
 function answer(){
@@ -103,6 +113,10 @@ function list(){
       r.bytes,show(r.samples),show(r.mm),show(r.stiff),show(r.N),show(r.J)])e.insertCell().textContent=x;
     for(const x of [r.verdict,r.command]){const c=e.insertCell();c.className='word';c.textContent=x;}}
 }
+{const t=$('proven'),h=t.insertRow();
+for(const x of ['robot','quantity','unit','float: found','proven','ratio','double: found','proven','ratio']){const e=document.createElement('th');e.textContent=x;h.append(e);}
+for(const b of proven){const e=t.insertRow();for(const x of [b.robot,b.quantity,b.unit,...['float','double'].flatMap(k=>[show(b[k][0],2),show(b[k][1],2),(b[k][1]/b[k][0]).toFixed(1)+'\u00d7'])])e.insertCell().textContent=x;}
+if(!proven.length)$('bounds').hidden=true;}
 function all(){answer();draw();list();}
 for(const k of ['scene','clock'])$(k).onchange=all;
 for(const k of ['us','mm','N'])$(k).oninput=answer;

@@ -1,6 +1,7 @@
 // Speed against accuracy: what each choice costs, and how far it is off at the task.
 //
 //     skinctl_trade [--csv FILE] [--page FILE] [--pictures FOLDER] [--readme] [--only TEXT] [--valgrind PROGRAM]
+//                   [--proven FILE]         what `bounds --csv FILE` proved: on the page, beside what is measured
 //     skinctl_trade --cycles POINT COUNT      runs one point's cycles: what callgrind counts
 //     skinctl_trade --from FILE --page FILE   the page of an earlier run's CSV
 //
@@ -53,7 +54,7 @@ int run_cycles(const std::string& name, std::size_t count) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string csv, page, pictures, only, valgrind, from;
+  std::string csv, page, pictures, only, valgrind, from, proven;
   bool readme = false;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -74,6 +75,8 @@ int main(int argc, char** argv) {
       only = next();
     else if (word == "--valgrind")
       valgrind = next();
+    else if (word == "--proven")
+      proven = next();
     else if (word == "--from")
       from = next();
     else if (word == "--readme")
@@ -136,7 +139,11 @@ int main(int argc, char** argv) {
     judge(rows);
   }
   if (!csv.empty()) write_csv(rows, csv);
-  if (!page.empty()) write_page(rows, page);
+  if (!page.empty())
+    write_page(
+        rows,
+        proven.empty() ? std::vector<skinctl::bounds::Bracket>{} : skinctl::bounds::read_brackets(proven),
+        page);
   if (!pictures.empty()) write_pictures(rows, pictures);
   if (readme) std::fputs(as_markdown(rows).c_str(), stdout);
   return 0;

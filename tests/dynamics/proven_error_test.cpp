@@ -22,19 +22,19 @@ struct Promised {
 constexpr Promised promised(Quantity q) {
   switch (q) {
     case Quantity::pose:
-      return {2.9e-6, 5.4e-15};
+      return {2.7e-6, 5.0e-15};
     case Quantity::jacobian:
       return {1.6e-6, 2.9e-15};
     case Quantity::gravity:
       return {3.0e-5, 4.7e-14};
     case Quantity::inverse_dynamics:
-      return {8.5e-4, 1.6e-12};
+      return {4.0e-4, 7.3e-13};
     case Quantity::yr_theta:
-      return {1.2e-3, 2.1e-12};
+      return {6.0e-4, 1.1e-12};
     case Quantity::mass:
-      return {3.9e-6, 6.9e-15};
+      return {3.6e-6, 6.4e-15};
     case Quantity::forward_dynamics:
-      return {1.2e-3, 2.1e-12};
+      return {5.6e-4, 1.0e-12};
   }
   return {};
 }

@@ -64,6 +64,8 @@ TEST_CASE(
 TEST_CASE("Affine forms in lanes: contain what products of sines and cosines are anywhere in a box") {
   using L = Lane<double, native_lanes<double>>;
   using F = math::detail::LaneForm<L>;
+  const std::uint16_t places[] = {0, 1};
+  const math::detail::InputSet both{places, 2};
   oracle::Random random(9);
   for (int k = 0; k < 400; ++k) {
     // sin(a) cos(b) (cos(a) - sin(b)) in a box of a and b.
@@ -73,18 +75,18 @@ TEST_CASE("Affine forms in lanes: contain what products of sines and cosines are
     std::array<F, 9> f;
     for (std::size_t i = 0; i < f.size(); ++i) f[i].slope = slopes[i].data();
     const auto input = [&](F& x, double middle, std::size_t at) {
-      x.set({L(middle - half), L(middle + half)}, 2);
+      x.set({L(middle - half), L(middle + half)}, both);
       x.slope[at] = x.rest;
       x.rest = L(0.0);
     };
     input(f[0], a, 0), input(f[1], b, 1);
-    sine_or_cosine(f[0], true, 0, f[2], 2);
-    sine_or_cosine(f[1], false, 1, f[3], 2);
-    sine_or_cosine(f[0], false, 0, f[4], 2);
-    sine_or_cosine(f[1], true, 1, f[5], 2);
-    multiply(f[2], f[3], f[6], 2);
-    add(f[4], -1, f[5], f[7], 2);
-    multiply(f[6], f[7], f[8], 2);
+    sine_or_cosine(f[0], true, 0, f[2], both);
+    sine_or_cosine(f[1], false, 1, f[3], both);
+    sine_or_cosine(f[0], false, 0, f[4], both);
+    sine_or_cosine(f[1], true, 1, f[5], both);
+    multiply(f[2], f[3], f[6], both);
+    add(f[4], -1, f[5], f[7], both);
+    multiply(f[6], f[7], f[8], both);
     for (int n = 0; n < 50; ++n) {
       const double s = random.uniform(-1, 1), t = random.uniform(-1, 1);
       const long double x = static_cast<long double>(a) + s * half,

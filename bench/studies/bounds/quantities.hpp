@@ -13,8 +13,11 @@
 
 namespace skinctl::bounds {
 
-/// The largest rate of the states [rad/s], [rad/s^2], in magnitude.
-inline constexpr double fastest = 3;
+/// The largest rates of the states, in magnitude.
+struct Rates {
+  double velocity = 3;      ///< [rad/s]
+  double acceleration = 3;  ///< [rad/s^2]
+};
 
 enum class Quantity { pose, jacobian, gravity, inverse_dynamics, yr_theta, mass, forward_dynamics };
 inline constexpr Quantity quantities[] = {
@@ -27,9 +30,9 @@ struct Named {
 inline Named named(Quantity q) {
   switch (q) {
     case Quantity::pose:
-      return {"pose", "1, m", 0};
+      return {"pose", "1 and m", 0};
     case Quantity::jacobian:
-      return {"Jacobian", "1, m", 0};
+      return {"Jacobian", "1 and m", 0};
     case Quantity::gravity:
       return {"G", "N m", 0};
     case Quantity::inverse_dynamics:
@@ -141,7 +144,9 @@ std::vector<double> unexplained_torque(const M& model, const W& wide, const R* x
 ///
 /// @param diagonal  upper limits of the diagonal of M over all states.
 /// @param unit      2^-24 or 2^-53.
-inline double factorisation_error(const std::vector<double>& diagonal, std::size_t n, double unit) {
+/// @param fastest   of the accelerations [rad/s^2].
+inline double factorisation_error(const std::vector<double>& diagonal, std::size_t n, double unit,
+                                  double fastest) {
   const double k = (3.0 * static_cast<double>(n) + 5) * unit, gamma = k / (1 - k) * 1.001;
   double roots = 0, largest = 0;
   for (const double d : diagonal) roots += std::sqrt(d), largest = std::max(largest, std::sqrt(d));

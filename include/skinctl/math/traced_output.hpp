@@ -38,13 +38,12 @@ class TracedOutput : private detail::TapeSlice {
     adjoints_.resize(values_.size());
     units_.resize(values_.size()), in_double_.resize(values_.size());
     const std::size_t symbols = inputs_.size();
-    slopes_.assign((2 * values_.size() + 2) * symbols, L(0.0));
+    slopes_.assign((2 * values_.size() + 1) * symbols, L(0.0));
     for (std::size_t k = 0; k < values_.size(); ++k) {
       values_[k].slope = &slopes_[2 * k * symbols];
       adjoints_[k].slope = &slopes_[(2 * k + 1) * symbols];
     }
     product_.slope = &slopes_[2 * values_.size() * symbols];
-    sum_.slope = product_.slope + symbols;
   }
 
   TracedOutput(TracedOutput&&) = default;
@@ -64,13 +63,13 @@ class TracedOutput : private detail::TapeSlice {
     const std::size_t n = inputs_.size();
     for (std::size_t k = 0; k < n; ++k) {
       auto& x = values_[k];
-      x.set({lows[k], highs[k]}, n);
+      x.set({lows[k], highs[k]}, set(reach_[k]));
       x.slope[k] = x.rest;
       x.rest = L(0.0);
     }
     for (std::size_t k = 0; k < constants_.size(); ++k) {
       const Enclosure c = constants_[k].in_float.computed(), d = constants_[k].in_double.computed();
-      values_[n + k].set({L(std::fmin(c.low, d.low)), L(std::fmax(c.high, d.high))}, 0);
+      values_[n + k].set({L(std::fmin(c.low, d.low)), L(std::fmax(c.high, d.high))}, {});
     }
     L endless(0.0);  // infinite or NaN once a value has no bound
     for (std::size_t k = 0; k < steps_.size(); ++k) {
@@ -85,7 +84,7 @@ class TracedOutput : private detail::TapeSlice {
       endless = select(holds, endless, L(std::numeric_limits<double>::infinity()));
     }
     reached_.assign(adjoints_.size(), 0);
-    adjoints_[result_].set({L(1.0), L(1.0)}, 0);
+    adjoints_[result_].set({L(1.0), L(1.0)}, {});
     reached_[result_] = 1;
     for (Sum* sum : {&units_sum_, &float_sum_, &double_sum_}) sum->clear(n);
     for (std::size_t k = steps_.size(); k-- > 0;) {
@@ -94,10 +93,10 @@ class TracedOutput : private detail::TapeSlice {
       const auto& a = adjoints_[i];
       if (steps_[k].rounded) {
         if (is_kernel(steps_[k].op)) {
-          float_sum_.add(a, units_[i], seen_[i]);
-          double_sum_.add(a, in_double_[i], seen_[i]);
+          float_sum_.add(a, units_[i], set(seen_[i]));
+          double_sum_.add(a, in_double_[i], set(seen_[i]));
         } else {
-          units_sum_.add(a, units_[i], seen_[i]);
+          units_sum_.add(a, units_[i], set(seen_[i]));
         }
       }
       backward(k);
@@ -106,8 +105,8 @@ class TracedOutput : private detail::TapeSlice {
     for (std::size_t k = n; k < first_; ++k) {
       if (!reached_[k]) continue;
       const auto& a = adjoints_[k];
-      float_sum_.add(a, L(constants_[k - n].in_float.error()), seen_[k]);
-      double_sum_.add(a, L(constants_[k - n].in_double.error()), seen_[k]);
+      float_sum_.add(a, L(constants_[k - n].in_float.error()), set(seen_[k]));
+      double_sum_.add(a, L(constants_[k - n].in_double.error()), set(seen_[k]));
       endless = endless + abs(a.range.low) + abs(a.range.high) + abs(a.centre) + a.radius;
     }
     const auto bounded = endless < L(1e250);
@@ -135,7 +134,7 @@ class TracedOutput : private detail::TapeSlice {
 
   void forward(std::size_t k) noexcept {
     const Step& s = steps_[k];
-    const std::size_t n = reach_[first_ + k];
+    const detail::InputSet n = set(reach_[first_ + k]);
     F& v = values_[first_ + k];
     const F& a = operand(s.a);
     switch (s.op) {
@@ -197,41 +196,41 @@ class TracedOutput : private detail::TapeSlice {
       v.widen(L(unit<float>) * units);
     }
   }
-  static void negative(const F& a, F& y, std::size_t n) noexcept {
+  static void negative(const F& a, F& y, detail::InputSet n) noexcept {
     y.range = -a.range;
     y.centre = -a.centre, y.rest = a.rest, y.radius = a.radius;
-    for (std::size_t i = 0; i < n; ++i) y.slope[i] = -a.slope[i];
+    for (const std::size_t i : n) y.slope[i] = -a.slope[i];
   }
   /// Adds `x`, times 1 or -1, to the adjoint of an operand.
   void give(std::int32_t to, const F& x, double sign = 1) noexcept {
     const auto i = static_cast<std::size_t>(to);
     if (!carries_[i]) return;
     F& adjoint = adjoints_[i];
-    const std::size_t n = seen_[i];
+    const detail::InputSet n = set(seen_[i]);
     if (reached_[i]) {
-      add(adjoint, sign, x, sum_, n);
-    } else if (sign > 0) {
-      sum_.range = x.range;
-      sum_.centre = x.centre, sum_.rest = x.rest, sum_.radius = x.radius;
-      for (std::size_t j = 0; j < n; ++j) sum_.slope[j] = x.slope[j];
-    } else {
-      negative(x, sum_, n);
+      add(adjoint, sign, x, adjoint, n);
+      return;
     }
     reached_[i] = 1;
-    adjoint.range = sum_.range;
-    adjoint.centre = sum_.centre, adjoint.rest = sum_.rest, adjoint.radius = sum_.radius;
-    for (std::size_t j = 0; j < n; ++j) adjoint.slope[j] = sum_.slope[j];
+    if (sign < 0) return negative(x, adjoint, n);
+    adjoint.range = x.range;
+    adjoint.centre = x.centre, adjoint.rest = x.rest, adjoint.radius = x.radius;
+    for (const std::size_t j : n) adjoint.slope[j] = x.slope[j];
   }
-  /// Adds `x` times a value.
-  void give_times(std::int32_t to, const F& x, const F& factor, double sign = 1) noexcept {
+  /// Adds `x` times a value, a form or an enclosure.
+  template <class Factor>
+  void give_times(std::int32_t to, const F& x, const Factor& factor, double sign = 1) noexcept {
     if (!carried(to)) return;
-    multiply(x, factor, product_, seen_[static_cast<std::size_t>(to)]);
-    give(to, product_, sign);
-  }
-  void give_times(std::int32_t to, const F& x, const E& factor, double sign = 1) noexcept {
-    if (!carried(to)) return;
-    multiply(x, factor, product_, seen_[static_cast<std::size_t>(to)]);
-    give(to, product_, sign);
+    const auto i = static_cast<std::size_t>(to);
+    const detail::InputSet n = set(seen_[i]);
+    if (reached_[i]) {
+      multiply(x, factor, product_, n);
+      add(adjoints_[i], sign, product_, adjoints_[i], n);
+    } else {
+      multiply(x, factor, adjoints_[i], n);
+      if (sign < 0) negative(adjoints_[i], adjoints_[i], n);
+      reached_[i] = 1;
+    }
   }
   [[nodiscard]] bool carried(std::int32_t i) const noexcept {
     return i >= 0 && carries_[static_cast<std::size_t>(i)] != 0;
@@ -297,7 +296,7 @@ class TracedOutput : private detail::TapeSlice {
   std::vector<L> units_, in_double_;  // an operation's own error: in units, or of a kernel
   std::vector<L> slopes_;
   std::vector<char> reached_;  // whether an adjoint is written
-  F product_, sum_;
+  F product_;
 };
 
 }  // namespace math

@@ -17,7 +17,10 @@ template <Real T>
   using std::sqrt;
   const T left = E > T(0) ? E : T(0);
   if (w1 + w2 <= left) return T(1);
-  const T root = sqrt(w1 * w1 + T(4) * w2 * left);
+  // By the larger term, so that no square leaves the range.
+  const T a = w1 < T(0) ? T(-w1) : w1, b = T(2) * (sqrt(w2) * sqrt(left)), most = a > b ? a : b;
+  const T less = most > T(0) ? T((a > b ? b : a) / most) : T(0);
+  const T root = most * sqrt(T(1) + less * less);
   // The same root in two forms: each is exact where the other one cancels.
   const T over = w1 > T(0) ? T(w1 + root) : T(2 * w2);
   const T share = over > T(0) ? T((w1 > T(0) ? T(2 * left) : T(root - w1)) / over) : T(0);

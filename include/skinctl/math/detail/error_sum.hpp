@@ -20,7 +20,7 @@ struct ErrorSum {
     plain = centre = rest = L(0.0);
     slope.assign(n, L(0.0));
   }
-  void add(const LaneForm<L>& a, const L& delta, std::size_t n) noexcept {
+  void add(const LaneForm<L>& a, const L& delta, InputSet n) noexcept {
     const L zero(0.0), one(1.0), low = a.range.low, high = a.range.high;
     plain = plain + delta * a.largest();
     const auto positive = low >= zero, negative = high <= zero;
@@ -29,7 +29,7 @@ struct ErrorSum {
     centre = centre + delta * (sign * a.centre + above);
     rest = rest + delta * abs(sign) * a.rest;
     const L by = delta * sign;
-    for (std::size_t i = 0; i < n; ++i) slope[i] = slope[i] + by * a.slope[i];
+    for (const std::size_t i : n) slope[i] = slope[i] + by * a.slope[i];
   }
 };
 /// The largest of `u` times the one sum plus the other, in the box.

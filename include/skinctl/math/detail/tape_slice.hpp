@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "skinctl/math/bound.hpp"
+#include "skinctl/math/detail/lane_form.hpp"
 #include "skinctl/math/tape.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -130,23 +131,40 @@ class TapeSlice {
     }
     for (const auto& d : tape.decisions()) decisions_.push_back({place[at(d.a)], place[at(d.b)], d.less});
     result_ = at(place[at(node)]);
-    // Which inputs a value, or an adjoint, depends on at most: the first so many.
-    reach_.assign(first_ + steps_.size(), 0), seen_.assign(first_ + steps_.size(), 0);
-    for (std::size_t k = 0; k < inputs_.size(); ++k) reach_[k] = k + 1;
-    const auto reach_of = [&](std::int32_t i) { return i < 0 ? 0 : reach_[at(i)]; };
+    // Which inputs a value, or an adjoint, depends on at most.
+    std::vector<std::vector<char>> reach(first_ + steps_.size(), std::vector<char>(inputs_.size(), 0));
+    auto seen = reach;
+    const auto join = [](std::vector<char>& to, const std::vector<char>& from) {
+      for (std::size_t i = 0; i < to.size(); ++i) to[i] |= from[i];
+    };
+    for (std::size_t k = 0; k < inputs_.size(); ++k) reach[k][k] = 1;
     for (std::size_t k = 0; k < steps_.size(); ++k)
-      reach_[first_ + k] = std::max(reach_of(steps_[k].a), reach_of(steps_[k].b));
+      for (const std::int32_t from : {steps_[k].a, steps_[k].b})
+        if (from >= 0) join(reach[first_ + k], reach[at(from)]);
     for (std::size_t k = steps_.size(); k-- > 0;) {
       const Step& s = steps_[k];
-      const bool linear = s.op == TapeOp::add || s.op == TapeOp::subtract || s.op == TapeOp::negate;
       for (const std::int32_t to : {s.a, s.b}) {
         if (to < 0) continue;
-        std::size_t& seen = seen_[at(to)];
-        seen = std::max(seen, seen_[first_ + k]);
-        if (!linear) seen = std::max(seen, s.op == TapeOp::multiply ? reach_of(to == s.a ? s.b : s.a) : 0);
-        if (s.op == TapeOp::exp) seen = std::max(seen, reach_[first_ + k]);
+        join(seen[at(to)], seen[first_ + k]);
+        const std::int32_t factor = to == s.a ? s.b : s.a;
+        if (s.op == TapeOp::multiply) join(seen[at(to)], reach[at(factor)]);
+        if (s.op == TapeOp::exp) join(seen[at(to)], reach[first_ + k]);
       }
     }
+    const auto listed = [](const std::vector<std::vector<char>>& sets) {
+      std::vector<std::vector<std::uint16_t>> out;
+      for (const auto& set : sets) {
+        out.emplace_back();
+        for (std::size_t i = 0; i < set.size(); ++i)
+          if (set[i]) out.back().push_back(static_cast<std::uint16_t>(i));
+      }
+      return out;
+    };
+    reach_ = listed(reach), seen_ = listed(seen);
+  }
+
+  [[nodiscard]] static InputSet set(const std::vector<std::uint16_t>& of) noexcept {
+    return {of.data(), of.size()};
   }
 
   std::vector<std::size_t> inputs_;
@@ -154,8 +172,8 @@ class TapeSlice {
   std::vector<Step> steps_;
   std::vector<Decision> decisions_;
   std::vector<char> carries_;  // whether an error can come from there
-  std::vector<std::size_t> reach_,
-      seen_;                            // how many of the first inputs a value, or an adjoint, may depend on
+  std::vector<std::vector<std::uint16_t>> reach_,
+      seen_;                            // the inputs on which a value, or an adjoint, may depend
   std::size_t first_ = 0, result_ = 0;  // place of the first operation, and of the result
 };
 

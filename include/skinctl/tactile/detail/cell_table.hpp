@@ -94,8 +94,8 @@ class WideUnit {
   Part part_[count];
 };
 
-/// The unit wrench of a cell, `-[z ; p x z]`, and two zeros. Forces are multiples of 2^-24, moments of 2^-24
-/// times the patch's reach: exact in float.
+/// The unit wrench of a cell, `-[z ; p x z]`. Forces are multiples of 2^-24, moments of 2^-24 times the patch's reach:
+/// exact in float. The last two numbers are the steps in a moment of 1 m, and the length of such a step [m].
 struct alignas(32) CellUnit {
   float row[row_size] = {};
 
@@ -107,22 +107,60 @@ struct alignas(32) CellUnit {
   }
 };
 
+/// Whether the processor computes in double. A Cortex-M4 takes a hundred instructions for a sum.
+#if (defined(__arm__) && !(defined(__ARM_FP) && (__ARM_FP & 8))) || \
+    (defined(__riscv) && !defined(__riscv_flen)) || (defined(__riscv_flen) && __riscv_flen < 64)
+inline constexpr bool computes_in_double = false;
+#else
+inline constexpr bool computes_in_double = true;
+#endif
+
 /// Sums over up to 8192 cells of a patch of unit wrench times count, for forces and for proximities. All terms
 /// are multiples of the same steps and stay below 2^53 steps, so the sums are exact in any order.
-struct alignas(64) ExactSums {
-  double force[row_size] = {};
-  double proximity[row_size] = {};
+///
+/// @tparam Number  double, in newtons and newton metres per count; or int64_t, in steps.
+template <class Number>
+struct alignas(64) ExactSumsIn {
+  static constexpr bool in_steps = std::is_same_v<Number, std::int64_t>;
+  Number force[row_size] = {};
+  Number proximity[row_size] = {};
   static constexpr std::size_t most_cells = 8192;
 
   SKINCTL_INLINE void add(const CellUnit& cell, int force_change, int proximity_change) noexcept {
-    add(WideUnit<double>(cell.row), force_change, proximity_change);
+    if constexpr (in_steps) {
+      for (std::size_t r = 0; r < 6; ++r) {
+        const auto steps = static_cast<std::int32_t>(cell.row[r] * (r < 3 ? 0x1p24f : cell.row[6]));
+        force[r] += static_cast<std::int64_t>(steps) * force_change;
+        proximity[r] += static_cast<std::int64_t>(steps) * proximity_change;
+      }
+    } else {
+      add(WideUnit<double>(cell.row), force_change, proximity_change);
+    }
   }
-  SKINCTL_INLINE void add(const WideUnit<double>& cell, int force_change, int proximity_change) noexcept {
+  SKINCTL_INLINE void add(const WideUnit<double>& cell, int force_change, int proximity_change) noexcept
+    requires(!in_steps)
+  {
     cell.add_to(force, static_cast<double>(force_change));
     cell.add_to(proximity, static_cast<double>(proximity_change));
   }
-  friend bool operator==(const ExactSums&, const ExactSums&) noexcept = default;
+  /// Number `r` of `force` or of `proximity`; `cell` is any of the patch.
+  template <Real T>
+  [[nodiscard]] static SKINCTL_INLINE T at(const Number* sums, std::size_t r, const CellUnit& cell) noexcept {
+    if constexpr (!in_steps) {
+      return static_cast<void>(cell), static_cast<T>(sums[r]);
+    } else if constexpr (std::is_same_v<T, float>) {
+      // The lower half with a sign, so that a small number does not come from a difference of large ones.
+      const auto low = static_cast<std::int32_t>(static_cast<std::uint32_t>(sums[r]));
+      const auto high = static_cast<std::int32_t>((sums[r] - low) >> 32);
+      return (static_cast<float>(high) * 0x1p32f + static_cast<float>(low)) *
+             (r < 3 ? 0x1p-24f : cell.row[7]);
+    } else {
+      return static_cast<T>(sums[r]) * static_cast<T>(r < 3 ? 0x1p-24f : cell.row[7]);
+    }
+  }
+  friend bool operator==(const ExactSumsIn&, const ExactSumsIn&) noexcept = default;
 };
+using ExactSums = ExactSumsIn<std::conditional_t<computes_in_double, double, std::int64_t>>;
 
 /// Where a cell belongs.
 struct CellSeat {
@@ -185,7 +223,8 @@ class CellTable {
       const Xyz<double>& p = cell->X_LC.origin();
       places_[size_] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
       units_[size_] = {{whole(u.force.x, 0), whole(u.force.y, 0), whole(u.force.z, 0),
-                        whole(u.moment.x, reach), whole(u.moment.y, reach), whole(u.moment.z, reach)}};
+                        whole(u.moment.x, reach), whole(u.moment.y, reach), whole(u.moment.z, reach),
+                        std::ldexp(1.0f, 24 - reach), std::ldexp(1.0f, reach - 24)}};
       seats_[size_++] = seat;
     }
   }

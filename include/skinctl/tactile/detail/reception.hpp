@@ -119,8 +119,12 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
       memory_.enter(i, state);
     const CountPair change = tables_.weigh(i, now) - tables_.weigh(i, old);
     const float* const row = tables_.cells[i].row;
-    const WideUnit<double> unit(row);
-    memory_.sums[key.sums()].add(unit, change.force(), change.proximity());
+    const WideUnit<std::conditional_t<ExactSums::in_steps, T, double>> unit(row);
+    if constexpr (ExactSums::in_steps) {
+      memory_.sums[key.sums()].add(tables_.cells[i], change.force(), change.proximity());
+    } else {
+      memory_.sums[key.sums()].add(unit, change.force(), change.proximity());
+    }
     const PatchRow<T>& patch = tables_.patches[key.sums()];
     if (parts_.count != 1) [[unlikely]] {
       this->spread(i, change, last, sample.time);
@@ -139,7 +143,7 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
         wide.add_to(push.row[0], share * (force + proximity));
       }
     };
-    if constexpr (std::is_same_v<T, double>) {
+    if constexpr (std::is_same_v<T, double> || ExactSums::in_steps) {
       add(unit);
     } else {
       add(WideUnit<T>(row));

@@ -98,9 +98,10 @@ class SkinCore {
     const ExactSums* sums = memory.sums.data();
     for (const PatchRow<T>& patch : tables_.patches) {
       T* w = total.data[patch.slot];
+      const CellUnit& cell = tables_.cells[patch.first];
       for (std::size_t r = 0; r < 6; ++r)
-        w[r] = w[r] + patch.force_gain * static_cast<T>(sums->force[r]) +
-               patch.proximity_gain * static_cast<T>(sums->proximity[r]);
+        w[r] = w[r] + patch.force_gain * ExactSums::at<T>(sums->force, r, cell) +
+               patch.proximity_gain * ExactSums::at<T>(sums->proximity, r, cell);
       ++sums;
     }
     return total;
@@ -111,9 +112,10 @@ class SkinCore {
     const ExactSums* sums = memory.sums.data();
     for (const PatchRow<T>& patch : tables_.patches) {
       T *force = out.force.data[patch.slot], *proximity = out.proximity.data[patch.slot];
+      const CellUnit& cell = tables_.cells[patch.first];
       for (std::size_t r = 0; r < 6; ++r) {
-        force[r] = force[r] + patch.force_gain * static_cast<T>(sums->force[r]);
-        proximity[r] = proximity[r] + patch.proximity_gain * static_cast<T>(sums->proximity[r]);
+        force[r] = force[r] + patch.force_gain * ExactSums::at<T>(sums->force, r, cell);
+        proximity[r] = proximity[r] + patch.proximity_gain * ExactSums::at<T>(sums->proximity, r, cell);
       }
       ++sums;
     }

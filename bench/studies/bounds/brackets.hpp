@@ -1,0 +1,64 @@
+// What is proven of each robot and quantity, as a file: written by `bounds --csv`, read by the trade page and by tests.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace skinctl::bounds {
+
+/// The largest error of a quantity over all states: found and proven, in float and in double.
+struct Bracket {
+  std::string robot, quantity, unit;
+  double velocity = 0, acceleration = 0;  ///< of the states, at most [rad/s], [rad/s^2]
+  double float_found = 0, float_proven = 0, double_found = 0, double_proven = 0;
+  double seconds = 0;  ///< of processor time, for the proof
+};
+
+inline constexpr const char* bracket_columns =
+    "robot,quantity,unit,velocity,acceleration,float_found,float_proven,double_found,double_proven,seconds";
+
+/// Throws `std::runtime_error` where it is no such file.
+[[nodiscard]] inline std::vector<Bracket> read_brackets(const std::string& file) {
+  std::ifstream in(file);
+  std::string line;
+  if (!std::getline(in, line) || line != bracket_columns)
+    throw std::runtime_error(file + ":1: not a file of bounds");
+  std::vector<Bracket> out;
+  for (std::size_t at = 2; std::getline(in, line); ++at) {
+    std::stringstream words(line);
+    Bracket b;
+    std::getline(words, b.robot, ','), std::getline(words, b.quantity, ','), std::getline(words, b.unit, ',');
+    char comma = 0;
+    words >> b.velocity >> comma >> b.acceleration >> comma >> b.float_found >> comma >> b.float_proven >>
+        comma >> b.double_found >> comma >> b.double_proven >> comma >> b.seconds;
+    if (!words) throw std::runtime_error(file + ":" + std::to_string(at) + ": ten columns expected");
+    out.push_back(b);
+  }
+  return out;
+}
+/// In place of those of the same robot, if the file is there.
+inline void write_brackets(const std::string& file, const std::vector<Bracket>& rows) {
+  std::vector<Bracket> all;
+  if (std::ifstream(file).good())
+    for (const Bracket& b : read_brackets(file))
+      if (rows.empty() || b.robot != rows.front().robot) all.push_back(b);
+  all.insert(all.end(), rows.begin(), rows.end());
+  std::ofstream out(file);
+  out << bracket_columns << '\n';
+  for (const Bracket& b : all) {
+    char line[320];
+    std::snprintf(line, sizeof line, "%s,%s,%s,%g,%g,%.3g,%.3g,%.3g,%.3g,%.1f\n", b.robot.c_str(),
+                  b.quantity.c_str(), b.unit.c_str(), b.velocity, b.acceleration, b.float_found,
+                  b.float_proven * 1.006, b.double_found, b.double_proven * 1.006, b.seconds);
+    out << line;
+  }
+  out.flush();
+  if (!out) throw std::runtime_error("cannot write " + file);
+}
+
+}  // namespace skinctl::bounds
