@@ -30,7 +30,7 @@ Theta heavier() {
     for (std::size_t k = 0; k < 10; ++k) theta.data[10 * i + k] *= 1.1 + 0.05 * double(i % 3);
   return theta;
 }
-TorqueRecording record(const Excitation& motion, double noise, double stop = 1e9) {
+TorqueRecording record(const Excitation& motion, double noise, double stop = 1e9, double late = 0) {
   auto rng = seeded(2);
   std::normal_distribution<double> normal;
   const auto model = calibrated_from<ur5::Description>();
@@ -41,7 +41,7 @@ TorqueRecording record(const Excitation& motion, double noise, double stop = 1e9
   double z[6] = {}, last[6] = {};
   for (Eigen::Index k = 0; k < n; ++k) {
     const double t = 0.008 * double(k);
-    const JointPoint p = motion.at(t);
+    const JointPoint p = motion.at(t - late);
     JointPosition<6> q;
     JointVelocity<6> dq;
     JointAcceleration<6> ddq;
@@ -53,7 +53,7 @@ TorqueRecording record(const Excitation& motion, double noise, double stop = 1e9
       const double step = k == 0 ? 0 : q[i] - last[i], side = step > 0 ? 1 : -1;
       last[i] = q[i];
       z[i] = side - (side - z[i]) * std::exp(-std::abs(step) / 1.4e-3);
-      out.joints.q(k, Eigen::Index(i)) = q[i] + 1e-6 * normal(rng);
+      out.joints.q(k, Eigen::Index(i)) = motion.at(t).q(Eigen::Index(i)) + 1e-6 * normal(rng);
       out.torque(k, Eigen::Index(i)) =
           tau[i] + 5 * dq[i] + 4 * z[i] + 0.2 * ddq[i] + 1.5 + noise * normal(rng);
     }
@@ -145,6 +145,26 @@ TEST_CASE("Masses and friction from torques: M to 1 %, bodies that can be; also 
                                 << " %, not > 0 in " << plain.bad << " of 200");
   CHECK(narrow.bad == 0);
   CHECK(narrow.error < 0.5 * plain.error);
+}
+
+TEST_CASE("Masses from torques that come late: how late they come is found") {
+  DynamicsExcitation::Settings s;
+  s.tries = 1, s.periods = 1;
+  const DynamicsExcitation motion(ur5::Model{}, home, limits(), s);
+  const Theta prior = inertial_parameters(ur5::Model{});
+  const auto model = calibrated_from<ur5::Description>();
+  const auto late = record(motion, 0.3, 1e9, 0.0065);
+  InertialFitSettings settings;
+  const auto not_asked = fit_inertia(model, {late}, prior, settings);
+  settings.latest = 0.03;
+  const auto asked = fit_inertia(model, {late}, prior, settings);
+  const double worse = compare(not_asked.theta, not_asked.rotor[1], heavier(), 0.2, 50).error,
+               error = compare(asked.theta, asked.rotor[1], heavier(), 0.2, 50).error;
+  MESSAGE("late by " << 1e3 * asked.lateness << " ms of 6.5; M off by " << 100 * error << " %, unasked "
+                     << 100 * worse << " %");
+  CHECK(asked.lateness == doctest::Approx(0.0065).epsilon(0.03));
+  CHECK(error < 0.02);
+  CHECK(asked.noise[0] < 0.8 * not_asked.noise[0]);
 }
 
 TEST_CASE("Masses from torques: what is too short, damaged or does not move is refused") {

@@ -44,7 +44,8 @@ TEST_CASE("Torque: without friction the work of the torques becomes kinetic ener
     push(arm, {6 * s, 5, -4 * s, 0.3, 0.2 * s, 0.05}, none, none, &work);
   }
   CHECK(work > 0.5);
-  CHECK(kinetic_energy(arm.q(), arm.dq(), arm.config().drives) == doctest::Approx(work).epsilon(0.02));
+  CHECK(kinetic_energy(arm.q(), arm.dq(), arm.config().bodies, arm.config().drives) ==
+        doctest::Approx(work).epsilon(0.02));
 }
 
 TEST_CASE("Torque: an arm whose weight is held stays, with friction and without") {
@@ -68,11 +69,11 @@ TEST_CASE("Torque: dry friction holds up to its size, a larger torque moves, and
   CHECK(fastest(arm) < 1e-12);
   for (int i = 0; i < 200; ++i) push(arm, {8, 0, 0, 0, 0, 0}, none, none);
   CHECK(arm.dq()[0] > 0.1);
-  double energy = kinetic_energy(arm.q(), arm.dq(), arm.config().drives);
+  double energy = kinetic_energy(arm.q(), arm.dq(), arm.config().bodies, arm.config().drives);
   bool falls = true;
   for (int i = 0; i < 500; ++i) {
     push(arm, {}, none, none);
-    const double now = kinetic_energy(arm.q(), arm.dq(), arm.config().drives);
+    const double now = kinetic_energy(arm.q(), arm.dq(), arm.config().bodies, arm.config().drives);
     falls = falls && now <= energy + 1e-6;
     energy = now;
   }

@@ -20,6 +20,7 @@ struct InertialFitSettings {
   double prior = 4;     ///< lambda, 0.01 to 1000: the prior's masses are off by 1/sqrt(lambda), relatively
   double reach = 0.15;  ///< size of a link, for the prior's first and second moments [m]
   bool rotors = true;   ///< fit I_a, too
+  double latest = 0;    ///< torques come up to so much later than positions, 0 to 0.1 [s]; 0: as early
   int steps = 60;
 };
 
@@ -28,6 +29,7 @@ template <std::size_t N>
 struct InertialFit {
   InertialParameters<N> theta;
   std::array<double, N> viscous{}, coulomb{}, rotor{};  ///< [N m s/rad], [N m], [kg m^2]
+  double lateness = 0;                                  ///< of the torques [s]
   std::array<double, N> presliding{};                   ///< way in which friction turns round [rad]
   std::array<double, N> noise{};                        ///< standard deviation of a torque from the fit [N m]
   std::array<double, N> explained{};                    ///< R^2 of each joint, of torques less their means
@@ -84,6 +86,30 @@ template <RobotModel M>
   return link;
 }
 
+namespace detail::fit {
+/// How late torques come [s]: where least squares leave the least. Positions are moved, not torques: between two readings their
+/// noise would be less.
+template <RobotModel M>
+[[nodiscard]] double torque_lateness(const M& model, const std::vector<TorqueRecording>& recordings,
+                                     const BaseParameters& base, bool rotors, double latest) {
+  const auto left = [&](double late) {
+    TorqueEquations<M> equations(model, recordings, late);
+    static_cast<void>(equations.least_squares(base, rotors));
+    double sum = 0;
+    for (const double noise : equations.noise()) sum += std::log(noise);
+    return sum;
+  };
+  double middle = 0.5 * latest, side = middle;
+  for (int round = 0; round < 3; ++round, side *= 0.25) {
+    const double a = left(middle - side), b = left(middle), c = left(middle + side);
+    const double bend = a - 2 * b + c, slope = 0.5 * (a - c);
+    const double way = bend > 0 ? std::clamp(slope / bend, -1.0, 1.0) : (slope > 0 ? 1 : -1);
+    middle = std::clamp(middle + side * way, 0.0, latest);
+  }
+  return middle;
+}
+}  // namespace detail::fit
+
 /// Identifies `tau = Y theta + F_v dq + F_c z + I_a ddq + o`, an offset `o` per joint and recording; `z` is the friction's
 /// side with presliding, `z <- s - (s - z) exp(-|step|/x0)`.
 ///
@@ -107,9 +133,12 @@ template <RobotModel M>
   constexpr Eigen::Index bodies = 10 * Eigen::Index(N), all = bodies + 3 * Eigen::Index(N);
   require(s.prior >= 0.01 && s.prior <= 1000, "lambda of the prior", s.prior, "0.01 to 1000");
   require(s.reach > 0.01 && s.reach < 10, "reach of the prior", s.reach, "0.01 to 10 m");
-  detail::fit::TorqueEquations<M> equations(model, recordings);
+  require(s.latest >= 0 && s.latest <= 0.1, "lateness of torques", s.latest, "0 to 0.1 s");
   InertialFit<N> out;
   out.base = base_parameters(model);
+  if (s.latest > 0)
+    out.lateness = detail::fit::torque_lateness(model, recordings, out.base, s.rotors, s.latest);
+  detail::fit::TorqueEquations<M> equations(model, recordings, out.lateness);
 
   // A little of the divergence tr(P0^-1 P) - log det P, too: it keeps bodies what they can be.
   const double divergence = 0.25 * s.prior;
