@@ -1,6 +1,5 @@
 // Study: masses, friction and rotors of a UR5 from its torques, over seeds. Baseline: ordinary least squares.
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -11,6 +10,7 @@
 #include "skinctl/calibration/inertial_fit.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/other_bodies.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
@@ -31,26 +31,6 @@ ExcitationLimits limits() {
   return l;
 }
 
-// A body whose mass, moments and their axes are off by about a quarter: the factor of the pseudo-inertia, in lengths of 0.15 m, with
-// mass first, is disturbed.
-detail::fit::Inertia10 another_body(const detail::fit::Inertia10& body, Random& rng) {
-  Eigen::Matrix4d turned = Eigen::Matrix4d::Zero();  // lengths of 0.15 m, mass first
-  for (int i = 0; i < 3; ++i) turned(3 - i, i) = 1 / 0.15;
-  turned(0, 3) = 1;
-  const detail::fit::Inertia10 near = detail::fit::body_near(body, 0.15);
-  const Eigen::Matrix4d P = turned * detail::fit::pseudo_inertia(near) * turned.transpose();
-  Eigen::Matrix4d L = Eigen::LLT<Eigen::Matrix4d>(P).matrixL();
-  const double mass = L(0, 0);
-  for (int i = 0; i < 4; ++i)
-    for (int k = 0; k <= i; ++k)
-      if (k < i)
-        L(i, k) += uniform(rng, -0.08, 0.08) * mass;
-      else
-        L(i, k) *= std::exp(i == 0 ? uniform(rng, -0.12, 0.12) : uniform(rng, -0.15, 0.15));
-  const Eigen::Matrix4d back = turned.inverse();
-  return detail::fit::parameters_of(back * (L * L.transpose()) * back.transpose());
-}
-
 // An arm whose bodies are off by a quarter from the maker's numbers, with friction and rotors that the maker does not give.
 struct Arm {
   Model model = calibrated_from<ur5::Description>();
@@ -61,7 +41,7 @@ struct Arm {
   explicit Arm(Random& rng) {
     const Theta cad = inertial_parameters(ur5::Model{});
     for (std::size_t i = 0; i < 6; ++i) {
-      const auto out = another_body(Eigen::Map<const detail::fit::Inertia10>(cad.data + 10 * i), rng);
+      const auto out = other_body(Eigen::Map<const detail::fit::Inertia10>(cad.data + 10 * i), rng);
       for (std::size_t k = 0; k < 10; ++k) theta.data[10 * i + k] = out(Eigen::Index(k));
       const bool big = i < 3;
       viscous[i] = uniform(rng, 0.7, 1.3) * (big ? 8 : 1.5),

@@ -25,7 +25,7 @@ int run(int argc, char** argv) {
   Options options;
   std::string folder = "calibration", again, truth;
   std::uint64_t seed = 1;
-  bool yes = false, quiet = false, no_camera = false;
+  bool yes = false, quiet = false, no_camera = false, no_masses = false;
   app.add_option("--folder", folder, "where the files of the steps and the results are kept")
       ->capture_default_str();
   app.add_option("--seed", seed, "which simulated skin")
@@ -36,8 +36,17 @@ int run(int argc, char** argv) {
   app.add_flag("--shoulder-by-hand", options.shoulder_by_hand,
                "the first link's patch was turned by hand in eight poses before it was glued on");
   app.add_flag("--no-camera", no_camera, "patches are placed by motion alone");
+  app.add_flag("--no-masses", no_masses, "no motion for masses: the model has axes only");
+  app.add_option("--rtde-port", options.arm.rtde_port, "of the robot, where it is not the maker's")
+      ->group("Robot");
+  app.add_option("--script-port", options.arm.script_port)->group("Robot");
+  app.add_option("--dashboard-port", options.arm.dashboard_port)->group("Robot");
+  app.add_flag("--own-clock", options.arm.own_clock,
+               "the robot is a simulation: its clock need not agree with this computer's")
+      ->group("Robot");
   app.add_option("--again", again, "from which step on everything is done again")
-      ->check(CLI::IsMember({"network", "rest", "shape", "motion", "lines", "camera", "result"}));
+      ->check(CLI::IsMember(
+          {"network", "rest", "shape", "motion", "lines", "camera", "torques", "masses", "result"}));
   app.add_option("--truth", truth,
                  "also write the simulated skin as it truly is, as a skin file to judge by");
   app.add_flag("--quiet", quiet, "print errors only");
@@ -49,7 +58,7 @@ int run(int argc, char** argv) {
   }
   const job::StopSignals signals;
   options.folder = folder;
-  options.camera = !no_camera;
+  options.camera = !no_camera, options.masses = !no_masses;
   options.arm.stop = &signals.asked();
   options.arm.quiet = quiet;
   if (!quiet)
@@ -78,6 +87,7 @@ int run(int argc, char** argv) {
   const Json which = {{"seed", seed},
                       {"shoulder_by_hand", options.shoulder_by_hand},
                       {"camera", options.camera},
+                      {"masses", options.masses},
                       {"robot", options.arm.host}};
   const fs::path described = options.folder / "which.json";
   if (fs::exists(described) && read_json(described) != which)

@@ -233,6 +233,36 @@ std::string report_of(const fs::path& folder) {
     out += "</table>";
     for (const auto& u : camera.at("unobservable")) unknown.push_back(u);
   }
+  if (done("masses.json")) {
+    const Json masses = read_json(folder / "masses.json");
+    out += "<h2>Masses and friction</h2>" + said(masses);
+    if (masses.contains("bodies")) {
+      out +=
+          "<table><tr><th>joint</th><th>mass behind it [kg]</th><th>viscous [N m s/rad]</th><th>dry [N "
+          "m]</th>"
+          "<th>rotor [kg m&sup2;]</th><th>rest [N m]</th><th>R&sup2;</th><th>R&sup2; by the maker's "
+          "bodies</th></tr>";
+      const auto at = [&](const char* what, std::size_t i) { return masses.at(what).at(i).get<double>(); };
+      for (std::size_t i = 0; i < 6; ++i)
+        out += text(
+            "<tr><td>%zu</td><td>%.2f</td><td>%.2f</td><td>%.2f</td><td>%.3f</td><td>%.2f</td>"
+            "<td>%.4f</td><td>%.4f</td></tr>",
+            i, masses.at("bodies").at(i).at(0).get<double>(), at("viscous", i), at("coulomb", i),
+            at("rotor", i), at("noise", i), at("predicted", i), at("predicted_by_maker", i));
+      out +=
+          "</table><p>R&sup2; is of torques that the fit has not seen. A mass by itself may not be known: "
+          "see "
+          "below.</p>";
+      if (masses.contains("following"))
+        out += text(
+            "<table><tr><th>a simulated arm follows by torque</th><th>rms of the joints [mrad]</th></tr>"
+            "<tr><td>with what was found</td><td>%.2f</td></tr><tr><td>with the maker's bodies, and the "
+            "friction that was found</td><td>%.2f</td></tr></table>",
+            1e3 * masses.at("following").at("found").get<double>(),
+            1e3 * masses.at("following").at("maker").get<double>());
+      for (const auto& u : masses.at("unobservable")) unknown.push_back(u);
+    }
+  }
   if (done("result.json")) {
     const Json result = read_json(folder / "result.json");
     out += "<h2>Result</h2>" + said(result) + "<p>Written to <code>skin.json</code>.</p>";

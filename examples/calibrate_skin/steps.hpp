@@ -21,6 +21,7 @@ struct Options {
   fs::path folder;
   bool shoulder_by_hand = false;  ///< the first link's patch was turned by hand before it was glued on
   bool camera = true;  ///< false: patches are placed by motion alone; the first link's then has no place
+  bool masses = true;  ///< false: the model has axes only
   ArmOptions arm{};
   std::function<void(const std::string&)> say = [](const std::string&) {};
   /// Told what is going to move before it moves; false: nobody agreed, and nothing moves.
