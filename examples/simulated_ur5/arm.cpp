@@ -320,10 +320,13 @@ void Arm::measure() {
     }
     motor_torque_ = torque_of_motion(q, dq, ddq, config_.bodies, config_.drives);
     for (std::size_t i = 0; i < joint_count; ++i) {
-      const double step = q_[i] - q_before_[i], side = step > 0 ? 1 : -1;
-      friction_side_[i] =
-          side - (side - friction_side_[i]) * std::exp(-std::abs(step) / config_.drives.presliding);
-      motor_torque_[i] += config_.drives.viscous[i] * dq[i] + config_.drives.coulomb[i] * friction_side_[i];
+      // Dry friction turns round over the way; so does its mean.
+      const double step = q_[i] - q_before_[i], side = step > 0 ? 1 : -1,
+                   way = std::abs(step) / config_.drives.presliding, rest = side - friction_side_[i];
+      const double turned = way > 1e-9 ? (1 - std::exp(-way)) / way : 1;
+      friction_side_[i] = side - rest * std::exp(-way);
+      motor_torque_[i] +=
+          config_.drives.viscous[i] * dq[i] + config_.drives.coulomb[i] * (side - rest * turned);
     }
   }
   q_before_ = q_, dq_before_ = dq_;
