@@ -23,7 +23,7 @@ int run(int argc, char** argv) {
       "then simulated. What "
       "a step found is kept in the folder: a run that was stopped goes on where it was.");
   Options options;
-  std::string folder = "calibration", again, truth;
+  std::string folder = "calibration", again, until, truth;
   std::uint64_t seed = 1;
   bool yes = false, quiet = false, no_camera = false, no_masses = false;
   app.add_option("--folder", folder, "where the files of the steps and the results are kept")
@@ -44,9 +44,12 @@ int run(int argc, char** argv) {
   app.add_flag("--own-clock", options.arm.own_clock,
                "the robot is a simulation: its clock need not agree with this computer's")
       ->group("Robot");
+  const std::vector<std::string> names = {"network", "rest",    "shape",  "motion", "lines",
+                                          "camera",  "torques", "masses", "result"};
   app.add_option("--again", again, "from which step on everything is done again")
-      ->check(CLI::IsMember(
-          {"network", "rest", "shape", "motion", "lines", "camera", "torques", "masses", "result"}));
+      ->check(CLI::IsMember(names));
+  app.add_option("--until", until, "the last step that is done now; without --until, the next run goes on")
+      ->check(CLI::IsMember(names));
   app.add_option("--truth", truth,
                  "also write the simulated skin as it truly is, as a skin file to judge by");
   app.add_flag("--quiet", quiet, "print errors only");
@@ -95,7 +98,10 @@ int run(int argc, char** argv) {
                                       " holds a calibration with other options: choose another folder");
   write_json(described, which);
   const World world(seed);
-  run_steps(options, world, again);
+  if (run_steps(options, world, again, until)) {
+    options.say("ended behind the step " + until);
+    return job::code(job::Exit::fine);
+  }
   write_results(options);
   const auto file = skinctl::read_skin_file((options.folder / "skin.json").string());
   if (!truth.empty()) skinctl::write_skin_file(true_skin_file(file, world), truth);

@@ -715,10 +715,12 @@ std::vector<Step> steps_of(const Options& options, const World& world) {
   return all;
 }
 
-void run_steps(const Options& options, const World& world, const std::string& again) {
+bool run_steps(const Options& options, const World& world, const std::string& again,
+               const std::string& until) {
   const auto steps = steps_of(options, world);
   bool anew = false;
   for (std::size_t k = 0; k < steps.size(); ++k) {
+    if (k > 0 && steps[k - 1].name == until) return true;
     const Step& step = steps[k];
     const std::string head = text("[%zu/%zu] ", k + 1, steps.size()) + step.name + ": ";
     const fs::path file = options.folder / step.file;
@@ -752,6 +754,7 @@ void run_steps(const Options& options, const World& world, const std::string& ag
       throw std::runtime_error("step " + step.name + ": " + e.what());
     }
   }
+  return false;
 }
 
 }  // namespace calibrate_skin

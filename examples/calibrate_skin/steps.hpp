@@ -38,9 +38,10 @@ struct Step {
 [[nodiscard]] std::vector<Step> steps_of(const Options& options, const World& world);
 
 /// Runs the steps whose files are missing, and all behind the first of them or behind `again`; then writes the results. Before
-/// a step runs, the files of what stands on it are removed. Throws `ConfigurationError` or `std::runtime_error` with the step's
+/// a step runs, the files of what stands on it are removed. With `until` it ends behind that step, true if that was not the last. Throws `ConfigurationError` or `std::runtime_error` with the step's
 /// name, and `Interrupted`; the files of the steps before it stay.
-void run_steps(const Options& options, const World& world, const std::string& again = {});
+bool run_steps(const Options& options, const World& world, const std::string& again = {},
+               const std::string& until = {});
 
 /// From `result.json` and `lines.json`: `skin.json`, `model.urdf`, `dh.txt`, `report.html`. Throws `std::runtime_error` if no
 /// patch is known well enough for a skin file.
