@@ -25,7 +25,7 @@ PlannedMotion masses_motion(std::uint64_t seed) {
   const Eigen::VectorXd from = Eigen::Map<const Eigen::VectorXd>(home.data(), 6);
   for (int tries = 0; tries < 20; ++tries) {
     const DynamicsExcitation motion(ur5::Model{}, from, l,
-                                    {.tries = 100, .seed = 100 * seed + std::uint64_t(tries)});
+                                    {.periods = 4, .tries = 100, .seed = 100 * seed + std::uint64_t(tries)});
     double low = 1e9;
     for (double t = 0; t < motion.duration(); t += 0.02) {
       JointAngles6 q{};
@@ -107,7 +107,8 @@ FoundMasses fit_masses(const FoundModel& axes, const JointRecording& joints, con
   TorqueRecording part;
   part.joints.time.assign(joints.time.begin(), joints.time.begin() + std::ptrdiff_t(seen));
   part.joints.q = joints.q.topRows(Eigen::Index(seen)), part.torque = torque.topRows(Eigen::Index(seen));
-  const auto fit = fit_inertia(axes, {part}, cylinder_prior(axes), {.latest = 0.03});
+  // Cylinders say little of bodies that are unlike them.
+  const auto fit = fit_inertia(axes, {part}, cylinder_prior(axes), {.prior = 0.1, .latest = 0.03});
   FoundMasses out;
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t k = 0; k < 10; ++k) out.masses.bodies[i][k] = fit.theta.data[10 * i + k];

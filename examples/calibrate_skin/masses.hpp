@@ -17,7 +17,7 @@ namespace calibrate_skin {
 /// Axes as found, and bodies where they were.
 using FoundModel = skinctl::CalibratedModel<skinctl::Chain<6>>;
 
-/// Half a minute about `home`, all joints, within the limits of a UR5 and above its foot.
+/// Forty seconds about `home`, all joints, within the limits of a UR5 and above its foot.
 [[nodiscard]] PlannedMotion masses_motion(std::uint64_t seed = 1);
 
 struct FoundMasses {

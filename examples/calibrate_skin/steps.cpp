@@ -703,7 +703,7 @@ std::vector<Step> steps_of(const Options& options, const World& world) {
       {"lines", "lines.json", "links, axes and places are found from the motion",
        [&] { return lines(options); }},
       {"camera", "camera.json", "patches are placed on their links", [&] { return camera(world, options); }},
-      {"torques", "torques.json", "the robot moves for half a minute: its currents are recorded",
+      {"torques", "torques.json", "the robot moves for forty seconds: its currents are recorded",
        [&] { return torques(world, options); }},
       {"masses", "masses.json", "masses, friction and rotors are found from the currents",
        [&] { return masses(world, options); }},
