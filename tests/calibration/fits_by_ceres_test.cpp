@@ -1,11 +1,13 @@
 // not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
-// The fit of sightings against Ceres.
+// The fits of sightings and of patches against Ceres.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "skinctl/calibration/reconstruction.hpp"
 #include "skinctl/calibration/sighting.hpp"
+#include "skinctl/testing/skin_at_rest.hpp"
 #include "skinctl/testing/skin_sightings.hpp"
 #include "support/ceres_oracle.hpp"
 
@@ -63,4 +65,45 @@ TEST_CASE("Sightings: Ceres ends where the fit does, wrong sightings and all") {
   // Both end where another step gains little.
   CHECK(worst < 5e-6);
   CHECK(worst < 0.05 * least);
+}
+
+TEST_CASE("Reconstruction: Ceres ends where the fit does, sensor errors and all") {
+  auto rng = seeded(6);
+  const SimulatedAccelerometer sensor;
+  const PatchAtRest truth = tube(0.045, 0.08, 14, sensor, rng);
+  const auto up = cube_corners(rng);
+  const RestReadings y = rest_readings(truth, up, sensor, rng);
+  const ReconstructionSettings s;
+  const auto found = reconstruct(truth.graph, y, s);
+  REQUIRE(found.end == FitEnd::converged);
+
+  oracle::PlainPatch patch;
+  const auto array_of = [](const Eigen::Vector3d& v) { return std::array<double, 3>{v.x(), v.y(), v.z()}; };
+  for (const auto& cell : y) {
+    auto& own = patch.readings.emplace_back();
+    for (const auto& r : cell) own.push_back(array_of(r));
+  }
+  for (const auto& j : truth.graph.joints)
+    patch.joints.push_back({j.a, j.b, array_of(s.ports[j.port_a]), array_of(s.ports[j.port_b])});
+  patch.reading = s.reading, patch.gap = s.gap;
+  patch.bias = s.prior.bias, patch.scale = s.prior.scale, patch.misalignment = s.prior.misalignment;
+  // From beside the truth, the first cell apart.
+  const FitPose root{truth.cells[0].R, truth.cells[0].p};
+  std::vector<oracle::PlainPose> cells;
+  for (const auto& c : truth.cells) {
+    const FitPose X = root.inverse() * FitPose{c.R, c.p};
+    cells.push_back(plain(cells.empty() ? X : SeenArm::about(X, 1e-3, 0.02, rng)));
+  }
+  std::vector<std::array<double, 3>> vertical;
+  for (const auto& u : up) vertical.push_back(array_of(root.R.transpose() * u));
+  CHECK(oracle::ceres_patch(patch, cells, vertical));
+  double place = 0, turned = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const oracle::PlainPose mine = plain({found.cells[i].R, found.cells[i].p});
+    for (std::size_t k = 0; k < 12; ++k)
+      (k < 9 ? turned : place) = std::max(k < 9 ? turned : place, std::abs(mine[k] - cells[i][k]));
+  }
+  MESSAGE("largest difference: " << 1e3 * place << " mm, " << turned << " rad");
+  CHECK(place < 2e-6);
+  CHECK(turned < 5e-5);
 }
