@@ -56,7 +56,7 @@ struct Calibrated {
     if (masses)
       for (const char* f : {"lines.json", "camera.json"}) fs::copy_file(folder.path / f, copy / f);
     write_text(copy / file, plain.empty() ? value.dump() : plain);
-    if (file == std::string("rest.json")) fs::remove(copy / "shape.json");
+    if (file != std::string("motion.json") && !masses) fs::remove(copy / "shape.json");
     Options o = options;
     o.folder = copy;
     o.camera = masses, o.masses = masses;
@@ -215,6 +215,13 @@ TEST_CASE("Calibrate skin: damaged files are refused in words, and nothing wrong
   Json lost = read_json(c.folder.path / "rest.json");
   lost["readings"].erase(0);
   has(c.error_with("rest.json", lost), "rest.json is of another network");
+
+  Json twice = read_json(c.folder.path / "network.json");
+  twice["patches"][0]["ids"][1] = twice["patches"][0]["ids"][0];
+  has(c.error_with("network.json", twice), "occurs twice in a patch");
+  Json nowhere = read_json(c.folder.path / "network.json");
+  nowhere["patches"][0]["joints"][0][1] = 4000;
+  has(c.error_with("network.json", nowhere), "names a cell or a port that is not there");
 
   Options nobody = c.options;
   nobody.agreed = [](const auto&) { return false; };
