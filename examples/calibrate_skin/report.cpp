@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <utility>
 
 #include "examples/support/text.hpp"
 #include "skinctl/calibration/turn.hpp"
@@ -238,7 +239,7 @@ std::string report_of(const fs::path& folder) {
     out += "<h2>Masses and friction</h2>" + said(masses);
     if (masses.contains("bodies")) {
       out +=
-          "<table><tr><th>joint</th><th>mass behind it [kg]</th><th>viscous [N m s/rad]</th><th>dry [N "
+          "<table><tr><th>joint</th><th>mass of its link [kg]</th><th>viscous [N m s/rad]</th><th>dry [N "
           "m]</th>"
           "<th>rotor [kg m&sup2;]</th><th>rest [N m]</th><th>R&sup2;</th><th>R&sup2; by the maker's "
           "bodies</th></tr>";
@@ -254,12 +255,17 @@ std::string report_of(const fs::path& folder) {
           "see "
           "below.</p>";
       if (masses.contains("following"))
-        out += text(
-            "<table><tr><th>a simulated arm follows by torque</th><th>rms of the joints [mrad]</th></tr>"
-            "<tr><td>with what was found</td><td>%.2f</td></tr><tr><td>with the maker's bodies, and the "
-            "friction that was found</td><td>%.2f</td></tr></table>",
-            1e3 * masses.at("following").at("found").get<double>(),
-            1e3 * masses.at("following").at("maker").get<double>());
+        out +=
+            "<table><tr><th>a simulated arm follows by torque, friction as found</th><th>rms of the joints "
+            "[mrad]</th></tr>";
+      for (const auto& [key, what] :
+           {std::pair{"found", "with what was found"},
+            std::pair{"maker_with_rotors", "with the maker's bodies and these rotors"},
+            std::pair{"maker", "with the maker's bodies, which have no rotors"}})
+        if (masses.contains("following"))
+          out += text("<tr><td>%s</td><td>%.2f</td></tr>", what,
+                      1e3 * masses.at("following").at(key).get<double>());
+      if (masses.contains("following")) out += "</table>";
       for (const auto& u : masses.at("unobservable")) unknown.push_back(u);
     }
   }

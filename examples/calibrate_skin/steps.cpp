@@ -606,10 +606,14 @@ Json masses(const World& world, const Options& options) {
     RobotMasses no_rotors = found.masses;  // the maker gives none
     no_rotors.rotor = {};
     const double by_found = following_error(world.robot(), &model, found.masses),
-                 by_maker = following_error(world.robot(), nullptr, no_rotors);
-    out["following"] = {{"found", by_found}, {"maker", by_maker}};
-    said += text("; by torque the arm follows to %.1f mrad, with the maker's bodies to %.1f", 1e3 * by_found,
-                 1e3 * by_maker);
+                 by_maker = following_error(world.robot(), nullptr, no_rotors),
+                 with_rotors = following_error(world.robot(), nullptr, found.masses);
+    out["following"] = {{"found", by_found}, {"maker", by_maker}, {"maker_with_rotors", with_rotors}};
+    said += text(
+        "; by torque the arm follows to %.1f mrad, with the maker's bodies to %.1f, and with the rotors that "
+        "were "
+        "found to %.1f",
+        1e3 * by_found, 1e3 * by_maker, 1e3 * with_rotors);
   }
   out["said"] = said;
   return out;
