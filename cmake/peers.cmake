@@ -1,8 +1,8 @@
-# Peers and oracles from the distribution: KDL, MuJoCo, Pinocchio. Their translation units, <peer>*.cpp in tests/ and
+# Peers and oracles from the distribution: KDL, MuJoCo, Pinocchio, Ceres. Their translation units, <peer>*.cpp in tests/ and
 # bench/, become one shared library a peer: compiled for the distribution's baseline (no -march) and bound to its own
 # symbols, since Eigen's weak functions differ between instruction sets and a linker would merge them.
 include_guard()
-set(skinctl_peers kdl mujoco pinocchio)
+set(skinctl_peers kdl mujoco pinocchio ceres)
 set(skinctl_found_peers "")
 
 find_path(SKINCTL_KDL_INCLUDE kdl/chain.hpp)
@@ -10,7 +10,10 @@ find_library(SKINCTL_KDL_LIBRARY orocos-kdl)
 find_path(SKINCTL_MUJOCO_INCLUDE mujoco/mujoco.h)
 find_library(SKINCTL_MUJOCO_LIBRARY mujoco)
 find_package(pinocchio QUIET)
-mark_as_advanced(SKINCTL_KDL_INCLUDE SKINCTL_KDL_LIBRARY SKINCTL_MUJOCO_INCLUDE SKINCTL_MUJOCO_LIBRARY)
+find_path(SKINCTL_CERES_INCLUDE ceres/ceres.h)
+find_library(SKINCTL_CERES_LIBRARY ceres)
+mark_as_advanced(SKINCTL_KDL_INCLUDE SKINCTL_KDL_LIBRARY SKINCTL_MUJOCO_INCLUDE SKINCTL_MUJOCO_LIBRARY
+  SKINCTL_CERES_INCLUDE SKINCTL_CERES_LIBRARY)
 
 # skinctl_peer_found(<peer> <how to get it> <library> [<include path>])
 function(skinctl_peer_found peer how library)
@@ -29,6 +32,11 @@ endif()
 if(NOT SKINCTL_MUJOCO_INCLUDE)
   set(SKINCTL_MUJOCO_LIBRARY "")
 endif()
+if(NOT SKINCTL_CERES_INCLUDE)
+  set(SKINCTL_CERES_LIBRARY "")
+endif()
+skinctl_peer_found(ceres "On Debian 12: sudo apt-get install libceres-dev"
+  "${SKINCTL_CERES_LIBRARY}" "${SKINCTL_CERES_INCLUDE}")
 skinctl_peer_found(kdl "On Debian 12: sudo apt-get install liborocos-kdl-dev"
   "${SKINCTL_KDL_LIBRARY}" "${SKINCTL_KDL_INCLUDE}")
 skinctl_peer_found(mujoco "On Debian 12: sudo apt-get install libmujoco-dev"

@@ -1,6 +1,5 @@
 // Study: masses, friction and rotors of a UR5 from its torques, over seeds. Baseline: ordinary least squares.
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -11,6 +10,7 @@
 #include "skinctl/calibration/inertial_fit.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/other_bodies.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
@@ -41,13 +41,7 @@ struct Arm {
   explicit Arm(Random& rng) {
     const Theta cad = inertial_parameters(ur5::Model{});
     for (std::size_t i = 0; i < 6; ++i) {
-      const Eigen::Map<const detail::fit::Inertia10> t(cad.data + 10 * i);
-      auto body = detail::fit::BodyFactor::of(t, 0.15);
-      for (int k = 0; k < 10; ++k)
-        body.x(k) +=
-            k < 3 ? uniform(rng, -0.15, 0.15)
-                  : (k == 3 ? uniform(rng, -0.12, 0.12) : uniform(rng, -0.08, 0.08) * std::exp(body.x(3)));
-      const auto out = body.parameters();
+      const auto out = other_body(Eigen::Map<const detail::fit::Inertia10>(cad.data + 10 * i), rng);
       for (std::size_t k = 0; k < 10; ++k) theta.data[10 * i + k] = out(Eigen::Index(k));
       const bool big = i < 3;
       viscous[i] = uniform(rng, 0.7, 1.3) * (big ? 8 : 1.5),
@@ -222,7 +216,6 @@ int main(int argc, char** argv) {
       const Arm arm(rng);
       DynamicsExcitation::Settings s;
       s.periods = narrow ? 1 : 3, s.seed = std::uint64_t(seed);
-      s.tries = 40;
       const DynamicsExcitation wide_motion(ur5::Model{}, home, limits(),
                                            {.periods = 2, .tries = 4, .seed = std::uint64_t(seed) + 50});
       if (narrow) s.range = 0.35;

@@ -7,10 +7,20 @@
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "examples/support/job.hpp"
+#include "skinctl/calibration/link_inertia.hpp"
 
 namespace calibrate_skin {
 
 using namespace skinctl;
+
+void weigh(simulated_ur5::ArmConfig& arm, const RobotMasses& masses) {
+  simulated_ur5::Bodies::Links links;
+  const auto maker = simulated_ur5::makers_bodies();
+  for (std::size_t i = 0; i < 6; ++i) links[i] = with_inertia(maker.link(i), masses.bodies[i].data());
+  arm.bodies = simulated_ur5::Bodies(links);
+  arm.drives.viscous = masses.viscous, arm.drives.coulomb = masses.coulomb,
+  arm.drives.rotor_inertia = masses.rotor;
+}
 
 struct Arm::Parts {
   ArmOptions options;
@@ -18,7 +28,7 @@ struct Arm::Parts {
   std::unique_ptr<adapters::ur5::Driver> driver;
   State<6> state;
 
-  explicit Parts(const ArmOptions& o) : options(o) {
+  Parts(const ArmOptions& o, const RobotMasses& weight) : options(o) {
     adapters::ur5::DriverConfig config;
     if (o.host.empty()) {
       simulated_ur5::Config robot;
@@ -27,6 +37,7 @@ struct Arm::Parts {
       robot.controller.arm.home = {0.2, -1.6, 0.9, -0.9, -1.4, 0.3};  // `home` of world.hpp
       robot.ports = {0, 0, 0, 0, 0};
       robot.speed = 0;
+      weigh(robot.controller.arm, weight);
       simulated = std::make_unique<simulated_ur5::SimulatedUr5>(std::move(robot));
       simulated->start();
       const auto ports = simulated->ports();
@@ -36,6 +47,10 @@ struct Arm::Parts {
       config.silence = config.give_up = adapters::Timeout{3000};
     } else {
       config.host = o.host;
+      if (o.rtde_port != 0) config.rtde_port = o.rtde_port;
+      if (o.script_port != 0) config.script_port = o.script_port;
+      if (o.dashboard_port != 0) config.dashboard_port = o.dashboard_port;
+      if (o.own_clock) config.real_time = false, config.silence = config.give_up = adapters::Timeout{3000};
     }
     driver = std::make_unique<adapters::ur5::Driver>(config);
     driver->connect();
@@ -70,7 +85,8 @@ struct Arm::Parts {
   [[nodiscard]] JointAngles6 truth() { return simulated ? simulated->snapshot().true_q : measured(); }
 };
 
-Arm::Arm(const ArmOptions& options) : parts_(std::make_unique<Parts>(options)) {}
+Arm::Arm(const ArmOptions& options, const RobotMasses& simulated)
+    : parts_(std::make_unique<Parts>(options, simulated)) {}
 Arm::~Arm() = default;
 
 JointAngles6 Arm::here() {
@@ -99,19 +115,21 @@ Arm::Stand Arm::go(const JointAngles6& to, double speed) {
   return stand;
 }
 
-Ride Arm::follow(const std::function<Eigen::VectorXd(double)>& path, double duration) {
+Ride Arm::follow(const std::function<JointPoint(double)>& path, double duration) {
   Parts& p = *parts_;
   constexpr double rest = 1;
   std::vector<double> time;
-  std::vector<JointAngles6> measured, truth;
+  std::vector<JointAngles6> measured, torque, truth;
   const Nanoseconds begin = p.state.time;
   examples::job::Progress progress(p.options.quiet);
   for (double t = 0; t < duration + 2 * rest; t = seconds<double>(p.state.time - begin)) {
     time.push_back(t);
     measured.push_back(p.measured());
     truth.push_back(p.truth());
+    torque.push_back(p.driver->report().current);
+    for (std::size_t i = 0; i < 6; ++i) torque.back()[i] *= p.options.torque_per_ampere[i];
     if (progress.due(t)) progress.show("  %4.0f of %.0f s", t, duration + 2 * rest);
-    const Eigen::VectorXd at = path(std::clamp(t - rest, 0.0, duration));
+    const Eigen::VectorXd at = path(std::clamp(t - rest, 0.0, duration)).q;
     JointAngles6 q{};
     for (std::size_t i = 0; i < 6; ++i) q[i] = at(Eigen::Index(i));
     p.tell(q);
@@ -124,7 +142,7 @@ Ride Arm::follow(const std::function<Eigen::VectorXd(double)>& path, double dura
       for (std::size_t i = 0; i < 6; ++i) out.q(Eigen::Index(k), Eigen::Index(i)) = rows[k][i];
     return out;
   };
-  return {table(measured), table(truth)};
+  return {table(measured), table(torque).q, table(truth)};
 }
 
 }  // namespace calibrate_skin

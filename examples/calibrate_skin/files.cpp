@@ -3,6 +3,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "examples/calibrate_skin/masses.hpp"
 #include "examples/calibrate_skin/report.hpp"
 #include "examples/calibrate_skin/steps.hpp"
 #include "examples/calibrate_skin/world.hpp"
@@ -91,30 +92,41 @@ SkinFile true_skin_file(SkinFile file, const World& world) {
   return file;
 }
 
+FoundAxes axes_of(const Json& moved) {
+  if (!moved.at("complete").get<bool>()) return {{}, "not all axes are known: no table, and no model\n"};
+  std::array<AxisLine, 6> lines;
+  std::array<double, 6> at{};
+  for (std::size_t j = 0; j < 6; ++j) {
+    const Json &l = moved.at("lines").at(j), &d = l.at("direction"), &c = l.at("point");
+    for (int i = 0; i < 3; ++i) {
+      lines[j].direction(i) = d.at(std::size_t(i)).get<double>();
+      lines[j].point(i) = c.at(std::size_t(i)).get<double>();
+    }
+    lines[j].direction.normalize();
+    at[j] = moved.at("home").at(j).get<double>();
+  }
+  const auto found = line_model<6>(lines, at);
+  return {found.model<Chain<6>>(), found.text()};
+}
+
 void write_results(const Options& options) {
   const Json found = read_json(options.folder / "result.json"),
              moved = read_json(options.folder / "lines.json");
   const SkinFile file = skin_file_of(found);
-  std::string table = "not all axes are known: no table, and no model\n", urdf;
-  if (moved.at("complete").get<bool>()) {
-    std::array<AxisLine, 6> lines;
-    std::array<double, 6> at{};
-    for (std::size_t j = 0; j < 6; ++j) {
-      const Json &l = moved.at("lines").at(j), &d = l.at("direction"), &c = l.at("point");
-      for (int i = 0; i < 3; ++i) {
-        lines[j].direction(i) = d.at(std::size_t(i)).get<double>();
-        lines[j].point(i) = c.at(std::size_t(i)).get<double>();
-      }
-      lines[j].direction.normalize();
-      at[j] = moved.at("home").at(j).get<double>();
+  const FoundAxes axes = axes_of(moved);
+  std::string urdf;
+  if (axes.model) {
+    FoundModel model = *axes.model;
+    if (fs::exists(options.folder / "masses.json")) {
+      const Json masses = read_json(options.folder / "masses.json");
+      if (masses.contains("bodies"))
+        model = with_bodies(model, {.bodies = masses.at("bodies").get<decltype(RobotMasses::bodies)>()});
     }
-    const auto model = line_model<6>(lines, at);
-    table = model.text();
     UrdfDress dress{.name = "calibrated_ur5"};
     for (std::size_t i = 0; i < 6; ++i) dress.links.emplace_back(ur5::Ros2Links::named_links[i].name);
-    urdf = urdf_text(model.model<Chain<6>>(), dress);
+    urdf = urdf_text(model, dress);
   }
-  write_text(options.folder / "dh.txt", table);
+  write_text(options.folder / "dh.txt", axes.table);
   if (!urdf.empty()) write_text(options.folder / "model.urdf", urdf);
   write_text(options.folder / "report.html", report_of(options.folder));
   if (file.patches.empty())

@@ -1,5 +1,6 @@
 #include "examples/calibrate_skin/judge.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
@@ -8,11 +9,14 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "examples/calibrate_skin/masses.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/compliant_ur5/run.hpp"
 #include "skinctl/calibration/turn.hpp"
 #include "skinctl/io/skin_file.hpp"
+#include "skinctl/model/ur5.hpp"
 #include "skinctl/model/ur5_links.hpp"
+#include "skinctl/testing/random.hpp"
 
 namespace calibrate_skin {
 
@@ -57,6 +61,31 @@ SkinError skin_error(const SkinFile& file, const World& world) {
   }
   const double n = std::max(1.0, double(out.cells - out.wrong_link));
   out.place_rms = std::sqrt(out.place_rms / n), out.turn_rms = std::sqrt(out.turn_rms / n);
+  return out;
+}
+
+MassError mass_error(const fs::path& folder, const World& world) {
+  const Json masses = read_json(folder / "masses.json");
+  const FoundAxes axes = axes_of(read_json(folder / "lines.json"));
+  if (!axes.model || !masses.contains("bodies")) throw std::runtime_error("the calibration found no masses");
+  RobotMasses found;
+  found.bodies = masses.at("bodies").get<decltype(found.bodies)>();
+  found.rotor = masses.at("rotor").get<JointAngles6>();
+  FoundModel::Links links;
+  const auto shape = calibrated_from<ur5::Description>();
+  for (std::size_t i = 0; i < 6; ++i) links[i] = shape.link(i);
+  const FoundModel maker(links), truth = with_bodies(maker, world.robot()),
+                                 calibrated = with_bodies(*axes.model, found);
+  auto rng = testing::seeded(17);
+  MassError out;
+  for (int k = 0; k < 100; ++k) {
+    const JointAngles6 q = testing::random_array<6, double>(rng, 3.0);
+    const auto M = mass_of(truth, world.robot(), q), of_found = mass_of(calibrated, found, q);
+    out.found += (of_found - M).squaredNorm() / M.squaredNorm() / 100;
+    out.maker += (mass_of(maker, {}, q) - M).squaredNorm() / M.squaredNorm() / 100;
+    out.not_positive += Eigen::LLT<Eigen::Matrix<double, 6, 6>>(of_found).info() != Eigen::Success;
+  }
+  out.found = std::sqrt(out.found), out.maker = std::sqrt(out.maker);
   return out;
 }
 

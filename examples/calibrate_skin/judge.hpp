@@ -16,6 +16,15 @@ struct SkinError {
 };
 [[nodiscard]] SkinError skin_error(const skinctl::SkinFile& found, const World& world);
 
+/// The model of a calibration against the robot as it is, in a hundred postures, rotors included.
+struct MassError {
+  double found = 0,
+         maker =
+             0;  ///< of `M(q)`, relative, rms: by the calibration, and by the maker's numbers without rotors
+  int not_positive = 0;  ///< postures in which the found M is not positive definite
+};
+[[nodiscard]] MassError mass_error(const fs::path& folder, const World& world);
+
 /// A touch of the same finger at the same cell, with the calibrated file and with the true one.
 struct JobTouch {
   std::size_t link = 0;

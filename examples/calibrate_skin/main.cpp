@@ -23,9 +23,9 @@ int run(int argc, char** argv) {
       "then simulated. What "
       "a step found is kept in the folder: a run that was stopped goes on where it was.");
   Options options;
-  std::string folder = "calibration", again, truth;
+  std::string folder = "calibration", again, until, truth;
   std::uint64_t seed = 1;
-  bool yes = false, quiet = false, no_camera = false;
+  bool yes = false, quiet = false, no_camera = false, no_masses = false;
   app.add_option("--folder", folder, "where the files of the steps and the results are kept")
       ->capture_default_str();
   app.add_option("--seed", seed, "which simulated skin")
@@ -36,8 +36,20 @@ int run(int argc, char** argv) {
   app.add_flag("--shoulder-by-hand", options.shoulder_by_hand,
                "the first link's patch was turned by hand in eight poses before it was glued on");
   app.add_flag("--no-camera", no_camera, "patches are placed by motion alone");
+  app.add_flag("--no-masses", no_masses, "no motion for masses: the model has axes only");
+  app.add_option("--rtde-port", options.arm.rtde_port, "of the robot, where it is not the maker's")
+      ->group("Robot");
+  app.add_option("--script-port", options.arm.script_port)->group("Robot");
+  app.add_option("--dashboard-port", options.arm.dashboard_port)->group("Robot");
+  app.add_flag("--own-clock", options.arm.own_clock,
+               "the robot is a simulation: its clock need not agree with this computer's")
+      ->group("Robot");
+  const std::vector<std::string> names = {"network", "rest",    "shape",  "motion", "lines",
+                                          "camera",  "torques", "masses", "result"};
   app.add_option("--again", again, "from which step on everything is done again")
-      ->check(CLI::IsMember({"network", "rest", "shape", "motion", "lines", "camera", "result"}));
+      ->check(CLI::IsMember(names));
+  app.add_option("--until", until, "the last step that is done now; without --until, the next run goes on")
+      ->check(CLI::IsMember(names));
   app.add_option("--truth", truth,
                  "also write the simulated skin as it truly is, as a skin file to judge by");
   app.add_flag("--quiet", quiet, "print errors only");
@@ -49,7 +61,7 @@ int run(int argc, char** argv) {
   }
   const job::StopSignals signals;
   options.folder = folder;
-  options.camera = !no_camera;
+  options.camera = !no_camera, options.masses = !no_masses;
   options.arm.stop = &signals.asked();
   options.arm.quiet = quiet;
   if (!quiet)
@@ -78,6 +90,7 @@ int run(int argc, char** argv) {
   const Json which = {{"seed", seed},
                       {"shoulder_by_hand", options.shoulder_by_hand},
                       {"camera", options.camera},
+                      {"masses", options.masses},
                       {"robot", options.arm.host}};
   const fs::path described = options.folder / "which.json";
   if (fs::exists(described) && read_json(described) != which)
@@ -85,7 +98,10 @@ int run(int argc, char** argv) {
                                       " holds a calibration with other options: choose another folder");
   write_json(described, which);
   const World world(seed);
-  run_steps(options, world, again);
+  if (run_steps(options, world, again, until)) {
+    options.say("ended behind the step " + until);
+    return job::code(job::Exit::fine);
+  }
   write_results(options);
   const auto file = skinctl::read_skin_file((options.folder / "skin.json").string());
   if (!truth.empty()) skinctl::write_skin_file(true_skin_file(file, world), truth);

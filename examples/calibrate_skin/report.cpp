@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <utility>
 
 #include "examples/support/text.hpp"
 #include "skinctl/calibration/turn.hpp"
@@ -232,6 +233,41 @@ std::string report_of(const fs::path& folder) {
     }
     out += "</table>";
     for (const auto& u : camera.at("unobservable")) unknown.push_back(u);
+  }
+  if (done("masses.json")) {
+    const Json masses = read_json(folder / "masses.json");
+    out += "<h2>Masses and friction</h2>" + said(masses);
+    if (masses.contains("bodies")) {
+      out +=
+          "<table><tr><th>joint</th><th>mass of its link [kg]</th><th>viscous [N m s/rad]</th><th>dry [N "
+          "m]</th>"
+          "<th>rotor [kg m&sup2;]</th><th>rest [N m]</th><th>R&sup2;</th><th>R&sup2; by the maker's "
+          "bodies</th></tr>";
+      const auto at = [&](const char* what, std::size_t i) { return masses.at(what).at(i).get<double>(); };
+      for (std::size_t i = 0; i < 6; ++i)
+        out += text(
+            "<tr><td>%zu</td><td>%.2f</td><td>%.2f</td><td>%.2f</td><td>%.3f</td><td>%.2f</td>"
+            "<td>%.4f</td><td>%.4f</td></tr>",
+            i, masses.at("bodies").at(i).at(0).get<double>(), at("viscous", i), at("coulomb", i),
+            at("rotor", i), at("noise", i), at("predicted", i), at("predicted_by_maker", i));
+      out +=
+          "</table><p>R&sup2; is of torques that the fit has not seen. A mass by itself may not be known: "
+          "see "
+          "below.</p>";
+      if (masses.contains("following"))
+        out +=
+            "<table><tr><th>a simulated arm follows by torque, friction as found</th><th>rms of the joints "
+            "[mrad]</th></tr>";
+      for (const auto& [key, what] :
+           {std::pair{"found", "with what was found"},
+            std::pair{"maker_with_rotors", "with the maker's bodies and these rotors"},
+            std::pair{"maker", "with the maker's bodies, which have no rotors"}})
+        if (masses.contains("following"))
+          out += text("<tr><td>%s</td><td>%.2f</td></tr>", what,
+                      1e3 * masses.at("following").at(key).get<double>());
+      if (masses.contains("following")) out += "</table>";
+      for (const auto& u : masses.at("unobservable")) unknown.push_back(u);
+    }
   }
   if (done("result.json")) {
     const Json result = read_json(folder / "result.json");

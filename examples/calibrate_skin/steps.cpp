@@ -10,6 +10,7 @@
 #include <map>
 
 #include "examples/calibrate_skin/fits.hpp"
+#include "examples/calibrate_skin/masses.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/support/text.hpp"
 #include "skinctl/calibration/patch_graph.hpp"
@@ -137,7 +138,7 @@ Json rest(const World& world, const Options& options) {
   const Json net = read_json(options.folder / "network.json");
   const auto poses = world.rest_poses();
   ask(options, {announced(poses, 0.6)});
-  Arm arm(options.arm);
+  Arm arm(options.arm, world.robot());
   static_cast<void>(arm.go(home));
   const auto stood = stands(arm, poses, options);
   Json patches = Json::array(), measured = Json::array();
@@ -245,7 +246,7 @@ Json motion(const World& world, const Options& options) {
   double low = 1e9;
   for (double t = 0; t < planned.duration; t += 0.05) {
     JointAngles6 q{};
-    const Eigen::VectorXd p = planned.path(t);
+    const Eigen::VectorXd p = planned.path(t).q;
     for (std::size_t i = 0; i < 6; ++i) q[i] = p(Eigen::Index(i));
     low = std::min(low, lowest_point(q));
   }
@@ -253,7 +254,7 @@ Json motion(const World& world, const Options& options) {
   std::vector<std::string> announcement = planned.announcements;
   announcement.push_back(text("elbow, wrists and flange come as low as %.2f m above the robot's foot", low));
   ask(options, announcement);
-  Arm arm(options.arm);
+  Arm arm(options.arm, world.robot());
   static_cast<void>(arm.go(home));
   const Ride ride = arm.follow(planned.path, planned.duration);
   const MotionRecording felt = world.moved(which.ids, ride);
@@ -496,7 +497,7 @@ Json camera(const World& world, const Options& options) {
   ask(options, {announced(poses, 0.6)});
   std::vector<Arm::Stand> stood;
   {
-    Arm arm(options.arm);
+    Arm arm(options.arm, world.robot());
     static_cast<void>(arm.go(home));
     stood = stands(arm, poses, options);
   }
@@ -544,6 +545,78 @@ Json camera(const World& world, const Options& options) {
       {"said", text("%zu of %zu patches placed, %zu of them by motion alone; residual %.2f pixels, %zu "
                     "sightings disagree; motion says of %zu the same to %.1f mm",
                     placed, which.size(), alone, found.residual, found.disagreeing, both, 1e3 * farthest)}};
+}
+
+Json torques(const World& world, const Options& options) {
+  if (!read_json(options.folder / "lines.json").at("complete").get<bool>())
+    return {{"time", Json::array()}, {"said", "not all axes are known: nothing moved"}};
+  const PlannedMotion planned = masses_motion();
+  ask(options, planned.announcements);
+  Arm arm(options.arm, world.robot());
+  static_cast<void>(arm.go(home));
+  const Ride ride = arm.follow(planned.path, planned.duration);
+  return {{"time", ride.measured.time},
+          {"joints", rows_of(ride.measured.q)},
+          {"torques", rows_of(ride.torque)},
+          {"said", text("%zu readings of six currents, %.0f s", ride.measured.time.size(),
+                        ride.measured.time.back())}};
+}
+
+Json masses(const World& world, const Options& options) {
+  const FoundAxes axes = axes_of(read_json(options.folder / "lines.json"));
+  const Json recording = read_json(options.folder / "torques.json");
+  if (!axes.model) return {{"unobservable", Json::array()}, {"said", "not all axes are known: no masses"}};
+  JointRecording joints{recording.at("time").get<std::vector<double>>(),
+                        matrix_of_rows(recording.at("joints"))};
+  const FoundMasses found = fit_masses(*axes.model, joints, matrix_of_rows(recording.at("torques")));
+  if (!found.converged) throw std::runtime_error("the fit of masses did not end at its minimum");
+  const auto [least, most] = std::minmax_element(found.predicted.begin(), found.predicted.end());
+  Json out = {
+      {"bodies", found.masses.bodies},
+      {"viscous", found.masses.viscous},
+      {"coulomb", found.masses.coulomb},
+      {"rotor", found.masses.rotor},
+      {"presliding", found.presliding},
+      {"noise", found.noise},
+      {"lateness", found.lateness},
+      {"base", {{"values", found.values}, {"deviations", found.deviations}, {"of", 60}}},
+      {"predicted", found.predicted},
+      {"predicted_by_maker", found.predicted_by_maker},
+      {"unobservable",
+       {{{"what",
+          text("%d of 60 numbers of the bodies: they take part in no torque, and are what a body that "
+               "has the others may have",
+               60 - found.base)},
+         {"deviation", Json()},
+         {"unit", ""},
+         {"remedy", ""}},
+        {{"what", "scale of all masses and of friction: torque per ampere is taken from elsewhere"},
+         {"deviation", Json()},
+         {"unit", ""},
+         {"remedy", "a known mass at the flange, in another recording"}}}}};
+  std::string said = text(
+      "%d base parameters and friction of six joints; currents come %.1f ms late; torques that the fit has "
+      "not seen: R^2 %.3f to %.3f",
+      found.base, 1e3 * found.lateness, *least, *most);
+  if (options.arm.host.empty()) {
+    ask(options,
+        {"another simulated robot follows a motion of 10 s by torque, with what was found and with the "
+         "maker's bodies"});
+    const FoundModel model = with_bodies(*axes.model, found.masses);
+    RobotMasses no_rotors = found.masses;  // the maker gives none
+    no_rotors.rotor = {};
+    const double by_found = following_error(world.robot(), &model, found.masses),
+                 by_maker = following_error(world.robot(), nullptr, no_rotors),
+                 with_rotors = following_error(world.robot(), nullptr, found.masses);
+    out["following"] = {{"found", by_found}, {"maker", by_maker}, {"maker_with_rotors", with_rotors}};
+    said += text(
+        "; by torque the arm follows to %.1f mrad, with the maker's bodies to %.1f, and with the rotors that "
+        "were "
+        "found to %.1f",
+        1e3 * by_found, 1e3 * by_maker, 1e3 * with_rotors);
+  }
+  out["said"] = said;
+  return out;
 }
 
 Json result(const World& world, const Options& options) {
@@ -624,7 +697,7 @@ void write_json(const fs::path& path, const Json& value) {
 }
 
 std::vector<Step> steps_of(const Options& options, const World& world) {
-  return {
+  std::vector<Step> all = {
       {"network", "network.json", "cells find their ids, their neighbours and their tree",
        [&] { return network(world); }},
       {"rest", "rest.json", "the robot rests in eight poses", [&] { return rest(world, options); }},
@@ -634,15 +707,24 @@ std::vector<Step> steps_of(const Options& options, const World& world) {
       {"lines", "lines.json", "links, axes and places are found from the motion",
        [&] { return lines(options); }},
       {"camera", "camera.json", "patches are placed on their links", [&] { return camera(world, options); }},
+      {"torques", "torques.json", "the robot moves for forty seconds: its currents are recorded",
+       [&] { return torques(world, options); }},
+      {"masses", "masses.json", "masses, friction and rotors are found from the currents",
+       [&] { return masses(world, options); }},
       {"result", "result.json", "what is not known well enough is masked",
        [&] { return result(world, options); }},
   };
+  if (!options.masses)
+    std::erase_if(all, [](const Step& s) { return s.name == "torques" || s.name == "masses"; });
+  return all;
 }
 
-void run_steps(const Options& options, const World& world, const std::string& again) {
+bool run_steps(const Options& options, const World& world, const std::string& again,
+               const std::string& until) {
   const auto steps = steps_of(options, world);
   bool anew = false;
   for (std::size_t k = 0; k < steps.size(); ++k) {
+    if (k > 0 && steps[k - 1].name == until) return true;
     const Step& step = steps[k];
     const std::string head = text("[%zu/%zu] ", k + 1, steps.size()) + step.name + ": ";
     const fs::path file = options.folder / step.file;
@@ -676,6 +758,7 @@ void run_steps(const Options& options, const World& world, const std::string& ag
       throw std::runtime_error("step " + step.name + ": " + e.what());
     }
   }
+  return false;
 }
 
 }  // namespace calibrate_skin

@@ -21,6 +21,7 @@ struct Options {
   fs::path folder;
   bool shoulder_by_hand = false;  ///< the first link's patch was turned by hand before it was glued on
   bool camera = true;  ///< false: patches are placed by motion alone; the first link's then has no place
+  bool masses = true;  ///< false: the model has axes only
   ArmOptions arm{};
   std::function<void(const std::string&)> say = [](const std::string&) {};
   /// Told what is going to move before it moves; false: nobody agreed, and nothing moves.
@@ -37,9 +38,10 @@ struct Step {
 [[nodiscard]] std::vector<Step> steps_of(const Options& options, const World& world);
 
 /// Runs the steps whose files are missing, and all behind the first of them or behind `again`; then writes the results. Before
-/// a step runs, the files of what stands on it are removed. Throws `ConfigurationError` or `std::runtime_error` with the step's
+/// a step runs, the files of what stands on it are removed. With `until` it ends behind that step, true if that was not the last. Throws `ConfigurationError` or `std::runtime_error` with the step's
 /// name, and `Interrupted`; the files of the steps before it stay.
-void run_steps(const Options& options, const World& world, const std::string& again = {});
+bool run_steps(const Options& options, const World& world, const std::string& again = {},
+               const std::string& until = {});
 
 /// From `result.json` and `lines.json`: `skin.json`, `model.urdf`, `dh.txt`, `report.html`. Throws `std::runtime_error` if no
 /// patch is known well enough for a skin file.

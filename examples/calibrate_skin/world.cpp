@@ -6,10 +6,12 @@
 
 #include "skinctl/calibration/excitation.hpp"
 #include "skinctl/calibration/joint_lines_types.hpp"
+#include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/moved_skin.hpp"
+#include "skinctl/testing/other_bodies.hpp"
 #include "skinctl/testing/skin_at_rest.hpp"
 #include "skinctl/testing/skin_network.hpp"
 
@@ -93,7 +95,7 @@ PlannedMotion excitation() {
   l.velocity = Eigen::VectorXd::Constant(6, 3.14), l.acceleration = Eigen::VectorXd::Constant(6, 25);
   l.torque = (Eigen::VectorXd(6) << 150, 150, 150, 28, 28, 28).finished();
   const SkinExcitation motion(Eigen::Map<const Eigen::VectorXd>(home.data(), 6), l, {}, ur5::Model{});
-  PlannedMotion out{[motion](double t) { return motion.at(t).q; }, motion.duration(), {}};
+  PlannedMotion out{[motion](double t) { return motion.at(t); }, motion.duration(), {}};
   for (const auto& a : motion.announcements()) out.announcements.push_back(a.text);
   return out;
 }
@@ -134,6 +136,18 @@ World::World(std::uint64_t seed) : seed_(seed) {
   const Eigen::Vector3d z = (at - eye).normalized(), x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
   X_BaseCam_.R << x, z.cross(x), z;
   X_BaseCam_.p = eye;
+
+  auto other = seeded(seed + 20);
+  const auto maker = inertial_parameters(ur5::Model{});
+  constexpr JointAngles6 viscous = {7, 7, 5, 1.5, 1.5, 1.5}, coulomb = {6, 6, 4, 1.5, 1.5, 1.5},
+                         rotor = {0.5, 0.5, 0.5, 0.1, 0.1, 0.1};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto body = other_body(Eigen::Map<const Eigen::Matrix<double, 10, 1>>(maker.data + 10 * i), other);
+    for (std::size_t k = 0; k < 10; ++k) robot_.bodies[i][k] = body(Eigen::Index(k));
+    robot_.viscous[i] = uniform<double>(other, 0.7, 1.3) * viscous[i];
+    robot_.coulomb[i] = uniform<double>(other, 0.7, 1.3) * coulomb[i];
+    robot_.rotor[i] = uniform<double>(other, 0.7, 1.3) * rotor[i];
+  }
 
   SkinNetwork net(topology_of(cells_), {.loss = 0.05, .flipped = 0.02}, seed);
   net.run(std::chrono::milliseconds(300), [] { return false; });

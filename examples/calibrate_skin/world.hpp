@@ -29,7 +29,7 @@ inline constexpr double clearance = 0.10;
 [[nodiscard]] bool clear_way(const JointAngles6& from, const JointAngles6& to);
 /// A motion of a minute that shows axes and places, within the limits of a UR5.
 struct PlannedMotion {
-  std::function<Eigen::VectorXd(double)> path;  ///< from 0 to `duration` [s]
+  std::function<skinctl::JointPoint(double)> path;  ///< from 0 to `duration` [s]
   double duration = 0;
   std::vector<std::string> announcements;  ///< what moves, when, how far and how fast
 };
@@ -74,6 +74,8 @@ class World {
   [[nodiscard]] const Cell* find(std::uint16_t id) const noexcept;
 
   [[nodiscard]] NetworkReport run_network() const;
+  /// What the simulated robot weighs, unlike what its maker says.
+  [[nodiscard]] const RobotMasses& robot() const noexcept { return robot_; }
   /// Poses in which gravity turns as much as it can in every link.
   [[nodiscard]] std::vector<JointAngles6> rest_poses() const;
   /// Mean readings of a hundred samples where the robot stood [g]. `by_hand`: the cell's patch was turned by hand before it was
@@ -93,6 +95,7 @@ class World {
   std::uint64_t seed_;
   std::vector<Cell> cells_;
   skinctl::FitPose X_BaseCam_;
+  RobotMasses robot_;
 };
 
 }  // namespace calibrate_skin

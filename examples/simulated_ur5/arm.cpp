@@ -39,6 +39,8 @@ void check(const ArmConfig& c) {
   require(c.velocity_noise >= 0 && c.velocity_noise <= 1, "velocity noise", c.velocity_noise, "0 to 1 rad/s");
   require(c.protective_deceleration > 0 && c.protective_deceleration <= 1e4, "protective deceleration",
           c.protective_deceleration, "> 0 to 1e4 rad/s^2");
+  require(c.drives.presliding >= 1e-5 && c.drives.presliding <= 0.1, "way of presliding", c.drives.presliding,
+          "1e-5 to 0.1 rad");
   for (std::size_t i = 0; i < joint_count; ++i) {
     require(c.stiffness[i] >= 100, "stiffness", c.stiffness[i], "100 N m/rad to infinite");
     require(c.velocity_limit[i] > 0 && c.velocity_limit[i] <= 100, "velocity limit", c.velocity_limit[i],
@@ -54,6 +56,8 @@ void check(const ArmConfig& c) {
             "0 to 1000 N m s/rad");
     require(c.drives.coulomb[i] >= 0 && c.drives.coulomb[i] <= 1000, "Coulomb friction", c.drives.coulomb[i],
             "0 to 1000 N m");
+    require(c.torque_noise[i] >= 0 && c.torque_noise[i] <= 100, "torque noise", c.torque_noise[i],
+            "0 to 100 N m");
     require(c.torque_limit[i] > 0 && c.torque_limit[i] <= 1e4, "torque limit", c.torque_limit[i],
             "> 0 to 1e4 N m");
     require(c.home[i] >= c.lower[i] && c.home[i] <= c.upper[i], "home position", c.home[i],
@@ -69,6 +73,7 @@ Arm::Arm(const ArmConfig& config, Nanoseconds cycle)
       target_q_(config.home),
       q_(config.home),
       measured_q_(config.home),
+      q_before_(config.home),
       driven_(config.home) {
   check(config);
   skinctl::require(cycle >= plant_step && cycle % plant_step == 0, "cycle", seconds(cycle),
@@ -304,7 +309,27 @@ void Arm::measure() {
   for (std::size_t i = 0; i < joint_count; ++i) {
     measured_q_[i] = q_[i] + config_.position_noise * random_.normal();
     measured_dq_[i] = dq_[i] + config_.velocity_noise * random_.normal();
+    torque_noise_[i] = config_.torque_noise[i] * torque_random_.normal();
   }
+  if (mode_ != Mode::torque) {  // means of the cycle
+    Joints q{}, dq{}, ddq{};
+    for (std::size_t i = 0; i < joint_count; ++i) {
+      q[i] = 0.5 * (q_[i] + q_before_[i]);
+      dq[i] = (q_[i] - q_before_[i]) / dt_;
+      ddq[i] = (dq_[i] - dq_before_[i]) / dt_;
+    }
+    motor_torque_ = torque_of_motion(q, dq, ddq, config_.bodies, config_.drives);
+    for (std::size_t i = 0; i < joint_count; ++i) {
+      // Dry friction turns round over the way; so does its mean.
+      const double step = q_[i] - q_before_[i], side = step > 0 ? 1 : -1,
+                   way = std::abs(step) / config_.drives.presliding, rest = side - friction_side_[i];
+      const double turned = way > 1e-9 ? (1 - std::exp(-way)) / way : 1;
+      friction_side_[i] = side - rest * std::exp(-way);
+      motor_torque_[i] +=
+          config_.drives.viscous[i] * dq[i] + config_.drives.coulomb[i] * (side - rest * turned);
+    }
+  }
+  q_before_ = q_, dq_before_ = dq_;
 }
 
 }  // namespace simulated_ur5

@@ -46,12 +46,14 @@ struct ArmConfig {
   /// Mass at the flange that the controller does not know of [kg], 0 to 20: the arm droops by its weight, or under
   /// torque sinks, until a program tells it (`set_payload`).
   double unknown_payload = 0;
-  Vec3 payload_centre{};                              ///< its centre of mass in the flange's frame [m]
-  JointDrives drives;                                 ///< under direct torque; the position loop overcomes it
-  Joints torque_limit = {150, 150, 150, 28, 28, 28};  ///< of the motors at the joints [N m]
-  double position_noise = 2e-5;                       ///< standard deviation of the encoders [rad]
-  double velocity_noise = 5e-4;                       ///< of the measured velocity [rad/s]
-  double protective_deceleration = 20;                ///< of a protective stop [rad/s^2]
+  Vec3 payload_centre{};            ///< its centre of mass in the flange's frame [m]
+  JointDrives drives;               ///< the position loop overcomes it; its currents show it
+  Bodies bodies = makers_bodies();  ///< what the arm weighs
+  Joints torque_noise = {1.2, 1.2, 1.2, 0.3, 0.3, 0.3};  ///< of torques by currents, standard deviation [N m]
+  Joints torque_limit = {150, 150, 150, 28, 28, 28};     ///< of the motors at the joints [N m]
+  double position_noise = 2e-5;                          ///< standard deviation of the encoders [rad]
+  double velocity_noise = 5e-4;                          ///< of the measured velocity [rad/s]
+  double protective_deceleration = 20;                   ///< of a protective stop [rad/s^2]
   Joints home = {0, -pi / 2, -pi / 2, -pi / 2, pi / 2, 0};  ///< where the arm stands at the start [rad]
 };
 
@@ -98,13 +100,16 @@ class Arm {
   /// True under commands that come cycle by cycle: servoj, speedj, direct_torque.
   bool streamed() const { return mode_ == Mode::servo || mode_ == Mode::speed || mode_ == Mode::torque; }
   bool under_torque() const { return mode_ == Mode::torque; }
-  /// What the motors give under direct torque, compensation included [N m].
+  /// What the motors gave without load, the mean of the last cycle, without its noise; under direct torque what they give,
+  /// compensation included [N m].
   const Joints& motor_torque() const { return motor_torque_; }
+  /// Noise of the measured torque, new with each `measure` [N m].
+  const Joints& torque_noise() const { return torque_noise_; }
   /// True while a movej is under way.
   bool moving() const { return mode_ == Mode::move; }
-  /// Draws new encoder noise; call once per cycle.
+  /// Draws new noise, and finds what the motors gave; call once per cycle.
   void measure();
-  void reseed(std::uint64_t seed) { random_ = Random(seed); }
+  void reseed(std::uint64_t seed) { random_ = Random(seed), torque_random_ = Random(seed + 1); }
 
   const Joints& target_q() const { return target_q_; }
   const Joints& target_dq() const { return target_dq_; }
@@ -151,12 +156,15 @@ class Arm {
   Path path_;
   Joints target_q_, target_dq_{}, target_ddq_{};
   Joints q_, dq_{}, measured_q_, measured_dq_{};
+  Joints q_before_, dq_before_{},
+      friction_side_{};  ///< at the end of the cycle before; friction between -1 and 1
+  Joints torque_noise_{};
   Joints deflection_{}, integral_{};  ///< droop, and what the integral has taken of it [rad]
   Joints driven_;                     ///< output of the lag, before deflection
   std::vector<Joints> history_;       ///< ring of targets at cycle ends
   std::int64_t planned_ = 0;          ///< cycles planned; history_[planned_ % size] is the newest
   Nanoseconds now_{};
-  Random random_;
+  Random random_, torque_random_{1};
 };
 
 }  // namespace simulated_ur5

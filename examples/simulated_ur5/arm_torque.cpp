@@ -46,7 +46,7 @@ void Arm::advance_under_torque(const Joints& load) {
   const double h = seconds(plant_step);
   now_ += plant_step;
   const Joints before = dq_;
-  dq_ = speeds_after(q_, dq_, torque, config_.drives, h, dry_friction_);
+  dq_ = speeds_after(q_, dq_, torque, config_.bodies, config_.drives, h, dry_friction_);
   for (std::size_t i = 0; i < joint_count; ++i) q_[i] += 0.5 * h * (before[i] + dq_[i]);
 }
 
@@ -66,7 +66,8 @@ void Arm::back_to_position_control() {
       history_[static_cast<std::size_t>(cycle % size)][i] =
           target_q_[i] - static_cast<double>(k) * dt_ * dq_[i];
   }
-  dry_friction_ = motor_torque_ = {};
+  dry_friction_ = motor_torque_ = friction_side_ = {};
+  q_before_ = q_, dq_before_ = dq_;
   stop(config_.protective_deceleration);
 }
 

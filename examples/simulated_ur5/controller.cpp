@@ -245,12 +245,13 @@ void Controller::publish() {
   s.actual_q = arm_.measured_q();
   s.actual_dq = arm_.measured_dq();
   const Links actual = forward_kinematics(s.actual_q), target = forward_kinematics(s.target_q);
-  const Joints held = gravity_torque(actual);
   s.target_moment = gravity_torque(target);
   const Joints load = load_at(actual);
   for (std::size_t i = 0; i < joint_count; ++i) {
     s.target_current[i] = s.target_moment[i] / torque_constant[i];
-    s.torque[i] = !s.power_on ? 0 : arm_.under_torque() ? arm_.motor_torque()[i] : held[i] - load[i];
+    s.torque[i] = !s.power_on
+                      ? 0
+                      : arm_.motor_torque()[i] + arm_.torque_noise()[i] - (arm_.under_torque() ? 0 : load[i]);
     s.actual_current[i] = s.torque[i] / torque_constant[i];
     s.control_output[i] = s.power_on ? s.target_current[i] : 0;
     s.temperatures[i] = 28;

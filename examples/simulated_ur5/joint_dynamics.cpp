@@ -35,13 +35,30 @@ Matrix inverse(Matrix a) {
 
 }  // namespace
 
-Joints speeds_after(const Joints& q, const Joints& dq, const Joints& torque, const JointDrives& drives,
-                    double h, Joints& held) {
+Bodies makers_bodies() {
+  const auto maker = skinctl::calibrated_from<skinctl::ur5::Description>();
+  Bodies::Links links;
+  for (std::size_t i = 0; i < joint_count; ++i) links[i] = maker.link(i);
+  return Bodies(links);
+}
+
+Joints torque_of_motion(const Joints& q, const Joints& dq, const Joints& ddq, const Bodies& bodies,
+                        const JointDrives& drives) {
+  const auto tau = skinctl::inverse_dynamics(bodies, skinctl::JointPosition<joint_count>(q),
+                                             skinctl::JointVelocity<joint_count>(dq),
+                                             skinctl::JointAcceleration<joint_count>(ddq));
+  Joints out{};
+  for (std::size_t i = 0; i < joint_count; ++i) out[i] = tau[i] + drives.rotor_inertia[i] * ddq[i];
+  return out;
+}
+
+Joints speeds_after(const Joints& q, const Joints& dq, const Joints& torque, const Bodies& bodies,
+                    const JointDrives& drives, double h, Joints& held) {
   using skinctl::JointAcceleration, skinctl::JointPosition, skinctl::JointVelocity;
-  const skinctl::ur5::Model model;
-  const auto mass = skinctl::mass_matrix(model, JointPosition<joint_count>(q));
-  const auto bias = skinctl::inverse_dynamics(
-      model, JointPosition<joint_count>(q), JointVelocity<joint_count>(dq), JointAcceleration<joint_count>());
+  const auto mass = skinctl::mass_matrix(bodies, JointPosition<joint_count>(q));
+  const auto bias =
+      skinctl::inverse_dynamics(bodies, JointPosition<joint_count>(q), JointVelocity<joint_count>(dq),
+                                JointAcceleration<joint_count>());
   Matrix A{};
   Joints impulse{};
   for (std::size_t i = 0; i < joint_count; ++i) {
@@ -72,8 +89,8 @@ Joints speeds_after(const Joints& q, const Joints& dq, const Joints& torque, con
   return next;
 }
 
-double kinetic_energy(const Joints& q, const Joints& dq, const JointDrives& drives) {
-  const auto mass = skinctl::mass_matrix(skinctl::ur5::Model{}, skinctl::JointPosition<joint_count>(q));
+double kinetic_energy(const Joints& q, const Joints& dq, const Bodies& bodies, const JointDrives& drives) {
+  const auto mass = skinctl::mass_matrix(bodies, skinctl::JointPosition<joint_count>(q));
   double energy = 0;
   for (std::size_t i = 0; i < joint_count; ++i) {
     energy += 0.5 * drives.rotor_inertia[i] * dq[i] * dq[i];

@@ -73,6 +73,7 @@ bool Report::decode(std::span<const std::uint8_t> payload) noexcept {
   for (double& x : told) x = in.f64();
   slider = in.f64();
   for (double& x : wrench) x = in.f64();
+  for (double& x : current) x = in.f64();
   return in.ok();
 }
 bool Report::finite() const noexcept {

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
+#include <utility>
 
 #include "examples/calibrate_skin/judge.hpp"
 #include "examples/calibrate_skin/report.hpp"
 #include "examples/calibrate_skin/world.hpp"
+#include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "examples/support/run_program.hpp"
 #include "skinctl/io/skin_file.hpp"
 
@@ -16,8 +19,9 @@ namespace {
 
 // A folder that is gone with the object.
 struct Folder {
-  fs::path path = fs::temp_directory_path() / ("calibrate_skin_" + std::to_string(getpid()));
-  Folder() {
+  fs::path path;
+  explicit Folder(const std::string& name = {})
+      : path(fs::temp_directory_path() / ("calibrate_skin_" + std::to_string(getpid()) + name)) {
     fs::remove_all(path);
     fs::create_directories(path);
   }
@@ -42,17 +46,20 @@ struct Calibrated {
     Folder folder;
     Options options;
   };
-  std::string error_with(const char* file, const Json& value, const std::string& plain = {}) {
+  std::string error_with(const char* file, const Json& value, const std::string& plain = {},
+                         bool masses = false) {
     const fs::path copy = folder.path / "spoilt";
     fs::remove_all(copy);
     fs::create_directories(copy);
     for (const char* f : {"network.json", "rest.json", "shape.json", "motion.json"})
       fs::copy_file(folder.path / f, copy / f);
+    if (masses)
+      for (const char* f : {"lines.json", "camera.json"}) fs::copy_file(folder.path / f, copy / f);
     write_text(copy / file, plain.empty() ? value.dump() : plain);
-    if (file == std::string("rest.json")) fs::remove(copy / "shape.json");
+    if (file != std::string("motion.json") && !masses) fs::remove(copy / "shape.json");
     Options o = options;
     o.folder = copy;
-    o.camera = false;
+    o.camera = masses, o.masses = masses;
     try {
       run_steps(o, world);
       write_results(o);
@@ -92,9 +99,81 @@ TEST_CASE("Calibrate skin: from cells without names to a skin file whose cells a
   // A run that was stopped goes on: nothing is done twice.
   c.said.clear();
   run_steps(c.options, c.world);
-  CHECK(c.said.size() == 7);
+  CHECK(c.said.size() == 9);
   CHECK(std::all_of(c.said.begin(), c.said.end(),
                     [](const auto& line) { return line.find("kept") != std::string::npos; }));
+}
+
+TEST_CASE(
+    "Calibrate skin: masses and friction from currents, in the model that is written; the arm follows by "
+    "them") {
+  Calibrated& c = calibrated();
+  const MassError e = mass_error(c.folder.path, c.world);
+  const Json masses = read_json(c.folder.path / "masses.json"), &following = masses.at("following");
+  const auto found = following.at("found").get<double>(), maker = following.at("maker").get<double>();
+  MESSAGE("M off by " << 100 * e.found << " %, the maker's by " << 100 * e.maker << " %; follows to "
+                      << 1e3 * found << " mrad, by the maker's bodies to " << 1e3 * maker
+                      << "; currents come " << 1e3 * masses.at("lateness").get<double>() << " ms late");
+  CHECK(e.found < 0.02);
+  CHECK(e.maker > 0.1);
+  CHECK(e.not_positive == 0);
+  CHECK(found < 0.3 * maker);
+  for (std::size_t i = 0; i < 6; ++i) {
+    CHECK(masses.at("viscous").at(i).get<double>() ==
+          doctest::Approx(c.world.robot().viscous[i]).epsilon(0.15));
+    CHECK(masses.at("coulomb").at(i).get<double>() ==
+          doctest::Approx(c.world.robot().coulomb[i]).epsilon(0.15));
+  }
+  std::ifstream in(c.folder.path / "model.urdf");
+  const std::string urdf{std::istreambuf_iterator<char>(in), {}};
+  std::size_t links = 0;
+  for (std::size_t at = 0; (at = urdf.find("<inertial>", at + 1)) != std::string::npos;) ++links;
+  CHECK(links == 6);
+  CHECK(report_of(c.folder.path).find("Masses and friction") != std::string::npos);
+
+  // Recordings that are short, damaged, or of a joint that stood still.
+  const Json recording = read_json(c.folder.path / "torques.json");
+  const auto error = [&](const Json& spoilt) { return c.error_with("torques.json", spoilt, {}, true); };
+  Json cut = recording;
+  for (const char* rows : {"time", "joints", "torques"}) cut[rows].get_ref<Json::array_t&>().resize(150);
+  CHECK(error(cut).find("torques of a recording") != std::string::npos);
+  Json hole = recording;
+  hole["torques"][700][1] = nullptr;
+  CHECK(error(hole).find("torques that are not finite") != std::string::npos);
+  Json still = recording;
+  for (auto& row : still["joints"]) row[4] = 1.0;
+  CHECK(error(still).find("its friction is not known otherwise") != std::string::npos);
+}
+
+TEST_CASE(
+    "Calibrate skin: a robot that is another process moves only when somebody agreed, and as announced") {
+  simulated_ur5::Config config;
+  config.controller.powered = true;
+  config.ports = {0, 0, 0, 0, 0};
+  config.speed = 0;
+  simulated_ur5::SimulatedUr5 robot(std::move(config));
+  robot.start();
+  const auto ports = robot.ports();
+  const Folder folder("_robot");
+  const std::string arguments = "--robot 127.0.0.1 --own-clock --until rest --folder " +
+                                folder.path.string() + " --rtde-port " + std::to_string(ports.rtde) +
+                                " --script-port " + std::to_string(ports.secondary) + " --dashboard-port " +
+                                std::to_string(ports.dashboard);
+  const auto stood = robot.snapshot().true_q;
+  const std::string nobody = examples::run_program(CALIBRATE_SKIN_PROGRAM, arguments + " < /dev/null", 2);
+  CHECK(nobody.find("the robot at 127.0.0.1 MOVES") != std::string::npos);
+  CHECK(nobody.find("nobody can be asked: --yes says that the robot may move") != std::string::npos);
+  CHECK(robot.snapshot().true_q == stood);
+  CHECK(!folder.has("rest.json"));
+
+  const std::string agreed =
+      examples::run_program(CALIBRATE_SKIN_PROGRAM, arguments + " --yes < /dev/null", 0);
+  CHECK(agreed.find("through 8 poses and back to home") != std::string::npos);
+  REQUIRE(folder.has("rest.json"));
+  CHECK(read_json(folder.path / "rest.json").at("poses").size() == 8);
+  const auto now = robot.snapshot().true_q;
+  for (std::size_t i = 0; i < 6; ++i) CHECK(now[i] == doctest::Approx(home[i]).epsilon(0.01).scale(1));
+  CHECK(!folder.has("shape.json"));
 }
 
 TEST_CASE("Calibrate skin: the main job on the files presses and gives way as on the true ones, to 5 %") {
@@ -136,6 +215,13 @@ TEST_CASE("Calibrate skin: damaged files are refused in words, and nothing wrong
   Json lost = read_json(c.folder.path / "rest.json");
   lost["readings"].erase(0);
   has(c.error_with("rest.json", lost), "rest.json is of another network");
+
+  Json twice = read_json(c.folder.path / "network.json");
+  twice["patches"][0]["ids"][1] = twice["patches"][0]["ids"][0];
+  has(c.error_with("network.json", twice), "occurs twice in a patch");
+  Json nowhere = read_json(c.folder.path / "network.json");
+  nowhere["patches"][0]["joints"][0][1] = 4000;
+  has(c.error_with("network.json", nowhere), "names a cell or a port that is not there");
 
   Options nobody = c.options;
   nobody.agreed = [](const auto&) { return false; };

@@ -44,7 +44,8 @@ TEST_CASE("Torque: without friction the work of the torques becomes kinetic ener
     push(arm, {6 * s, 5, -4 * s, 0.3, 0.2 * s, 0.05}, none, none, &work);
   }
   CHECK(work > 0.5);
-  CHECK(kinetic_energy(arm.q(), arm.dq(), arm.config().drives) == doctest::Approx(work).epsilon(0.02));
+  CHECK(kinetic_energy(arm.q(), arm.dq(), arm.config().bodies, arm.config().drives) ==
+        doctest::Approx(work).epsilon(0.02));
 }
 
 TEST_CASE("Torque: an arm whose weight is held stays, with friction and without") {
@@ -68,11 +69,11 @@ TEST_CASE("Torque: dry friction holds up to its size, a larger torque moves, and
   CHECK(fastest(arm) < 1e-12);
   for (int i = 0; i < 200; ++i) push(arm, {8, 0, 0, 0, 0, 0}, none, none);
   CHECK(arm.dq()[0] > 0.1);
-  double energy = kinetic_energy(arm.q(), arm.dq(), arm.config().drives);
+  double energy = kinetic_energy(arm.q(), arm.dq(), arm.config().bodies, arm.config().drives);
   bool falls = true;
   for (int i = 0; i < 500; ++i) {
     push(arm, {}, none, none);
-    const double now = kinetic_energy(arm.q(), arm.dq(), arm.config().drives);
+    const double now = kinetic_energy(arm.q(), arm.dq(), arm.config().bodies, arm.config().drives);
     falls = falls && now <= energy + 1e-6;
     energy = now;
   }
@@ -184,4 +185,39 @@ TEST_CASE("Torque: a program commands it from PolyScope 5.23 on, with scales fro
   CHECK_FALSE(seen);
   CHECK(moved({5, 22, 0, 0}, with(""), seen) == doctest::Approx(0).scale(1e-3));
   CHECK_FALSE(seen);
+}
+
+TEST_CASE(
+    "Currents: what motors spend on a way there and back under position control is what friction takes") {
+  constexpr Nanoseconds period = 8'000'000;
+  ArmConfig config;
+  Arm arm(config, period);
+  // At rest, before anything has moved, they hold the weight.
+  arm.plan(1);
+  for (Nanoseconds t{}; t < period; t += plant_step) arm.advance({});
+  arm.measure();
+  const Joints weight = gravity_torque(forward_kinematics(arm.q()));
+  for (std::size_t i = 0; i < joint_count; ++i)
+    CHECK(arm.motor_torque()[i] == doctest::Approx(weight[i]).epsilon(1e-9).scale(1));
+
+  double work = 0, friction = 0, way = 0;
+  for (int k = 0; k < 500; ++k) {
+    const double t = seconds(period) * k, s = t > 3 ? 0 : std::pow(std::sin(pi * t / 3), 4);
+    Joints q = config.home;
+    for (std::size_t i = 0; i < joint_count; ++i) q[i] += (i % 2 == 0 ? 0.8 : -0.5) * s;
+    arm.servo(q, 0.03, 2000);
+    CHECK(arm.plan(1) == Violation::none);
+    const Joints before = arm.q();
+    for (Nanoseconds step{}; step < period; step += plant_step) arm.advance({});
+    arm.measure();
+    for (std::size_t i = 0; i < joint_count; ++i) {
+      const double d = arm.q()[i] - before[i];
+      work += arm.motor_torque()[i] * d, way += std::abs(d);
+      friction += config.drives.viscous[i] * d * d / seconds(period) + config.drives.coulomb[i] * std::abs(d);
+    }
+  }
+  for (std::size_t i = 0; i < joint_count; ++i)
+    CHECK(arm.q()[i] == doctest::Approx(config.home[i]).epsilon(1e-4).scale(1));
+  MESSAGE("work of motors " << work << " J, of friction " << friction << " J on " << way << " rad");
+  CHECK(work == doctest::Approx(friction).epsilon(0.01));
 }

@@ -9,9 +9,11 @@
 
 #include "skinctl/calibration/base_parameters.hpp"
 #include "skinctl/calibration/detail/eigen_only.hpp"
+#include "skinctl/calibration/detail/inertial_newton.hpp"
 #include "skinctl/calibration/detail/pseudo_inertia.hpp"
 #include "skinctl/calibration/detail/torque_equations.hpp"
 #include "skinctl/calibration/estimate.hpp"
+#include "skinctl/calibration/link_inertia.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -19,6 +21,7 @@ struct InertialFitSettings {
   double prior = 4;     ///< lambda, 0.01 to 1000: the prior's masses are off by 1/sqrt(lambda), relatively
   double reach = 0.15;  ///< size of a link, for the prior's first and second moments [m]
   bool rotors = true;   ///< fit I_a, too
+  double latest = 0;    ///< torques come up to so much later than positions, 0 to 0.1 [s]; 0: as early
   int steps = 60;
 };
 
@@ -27,6 +30,7 @@ template <std::size_t N>
 struct InertialFit {
   InertialParameters<N> theta;
   std::array<double, N> viscous{}, coulomb{}, rotor{};  ///< [N m s/rad], [N m], [kg m^2]
+  double lateness = 0;                                  ///< of the torques [s]
   std::array<double, N> presliding{};                   ///< way in which friction turns round [rad]
   std::array<double, N> noise{};                        ///< standard deviation of a torque from the fit [N m]
   std::array<double, N> explained{};                    ///< R^2 of each joint, of torques less their means
@@ -69,25 +73,36 @@ template <RobotModel M>
   return theta;
 }
 
-/// A link's numbers with another inertia.
-[[nodiscard]] inline LinkParameters<double> with_inertia(LinkParameters<double> link, const double* theta) {
-  using P = LinkParameter;
-  const Eigen::Map<const detail::fit::Inertia10> t(theta);
-  const Eigen::Matrix4d Q = detail::fit::pseudo_inertia(t);
-  const Eigen::Vector3d c = Q.topRightCorner<3, 1>() / t(0);
-  const Eigen::Matrix3d S = Q.topLeftCorner<3, 3>() - t(0) * c * c.transpose();
-  link[P::mass] = t(0);
-  link[P::c_x] = c.x(), link[P::c_y] = c.y(), link[P::c_z] = c.z();
-  link[P::s_xx] = S(0, 0), link[P::s_yy] = S(1, 1), link[P::s_zz] = S(2, 2);
-  link[P::s_xy] = S(0, 1), link[P::s_xz] = S(0, 2), link[P::s_yz] = S(1, 2);
-  return link;
+namespace detail::fit {
+/// How late torques come [s]: where least squares leave the least. Positions are moved, not torques: between two readings their
+/// noise would be less.
+template <RobotModel M>
+[[nodiscard]] double torque_lateness(const M& model, const std::vector<TorqueRecording>& recordings,
+                                     const BaseParameters& base, bool rotors, double latest) {
+  const auto left = [&](double late) {
+    TorqueEquations<M> equations(model, recordings, late);
+    static_cast<void>(equations.least_squares(base, rotors));
+    double sum = 0;
+    for (const double noise : equations.noise()) sum += std::log(noise);
+    return sum;
+  };
+  double middle = 0.5 * latest, side = middle;
+  for (int round = 0; round < 3; ++round, side *= 0.25) {
+    const double a = left(middle - side), b = left(middle), c = left(middle + side);
+    const double bend = a - 2 * b + c, slope = 0.5 * (a - c);
+    const double way = bend > 0 ? std::clamp(slope / bend, -1.0, 1.0) : (slope > 0 ? 1 : -1);
+    middle = std::clamp(middle + side * way, 0.0, latest);
+  }
+  return middle;
 }
+}  // namespace detail::fit
 
 /// Identifies `tau = Y theta + F_v dq + F_c z + I_a ddq + o`, an offset `o` per joint and recording; `z` is the friction's
 /// side with presliding, `z <- s - (s - z) exp(-|step|/x0)`.
 ///
-/// Bodies by their pseudo-inertia `P = U U'`, friction and rotors by logarithms; the prior is drawn in with `lambda`. Residuals
-/// of each joint are weighted by their variance and count less where they are alike in time.
+/// Bodies keep a positive pseudo-inertia, friction and rotors stay positive: a convex problem, by Newton's method from within. The
+/// prior is drawn in with `lambda`. Residuals of each joint are weighted by their variance and count less where they are alike in
+/// time.
 ///
 /// Throws `ConfigurationError` for recordings that are too short or damaged, and if a joint stands still in all of them: its
 /// friction cannot be known.
@@ -105,111 +120,41 @@ template <RobotModel M>
   constexpr Eigen::Index bodies = 10 * Eigen::Index(N), all = bodies + 3 * Eigen::Index(N);
   require(s.prior >= 0.01 && s.prior <= 1000, "lambda of the prior", s.prior, "0.01 to 1000");
   require(s.reach > 0.01 && s.reach < 10, "reach of the prior", s.reach, "0.01 to 10 m");
-  detail::fit::TorqueEquations<M> equations(model, recordings);
+  require(s.latest >= 0 && s.latest <= 0.1, "lateness of torques", s.latest, "0 to 0.1 s");
   InertialFit<N> out;
   out.base = base_parameters(model);
+  if (s.latest > 0)
+    out.lateness = detail::fit::torque_lateness(model, recordings, out.base, s.rotors, s.latest);
+  detail::fit::TorqueEquations<M> equations(model, recordings, out.lateness);
 
+  // A little of the divergence tr(P0^-1 P) - log det P, too: it keeps bodies what they can be.
+  const double divergence = 0.25 * s.prior;
   Eigen::VectorXd prior_weight = Eigen::VectorXd::Zero(all), theta0 = Eigen::VectorXd::Zero(all);
-  std::array<detail::fit::BodyFactor, N> body;
-  // A little of the divergence tr(P0^-1 P) - log det P, too: it is convex, and keeps the factor away from the edge of what
-  // bodies can be, where steps stall.
-  const double barrier = 0.25 * s.prior;
-  Eigen::VectorXd divergence = Eigen::VectorXd::Zero(all);
+  Eigen::VectorXd x = Eigen::VectorXd::Ones(all);
+  std::vector<detail::fit::Inertia10> bodies_of_prior;
   for (std::size_t i = 0; i < N; ++i) {
     const Eigen::Map<const detail::fit::Inertia10> t(prior.data + 10 * i);
+    const Eigen::Index at = 10 * Eigen::Index(i);
     const double m = std::max(t(0), 0.05), r = s.reach;
-    theta0.segment<10>(10 * Eigen::Index(i)) = t;
+    bodies_of_prior.push_back(detail::fit::body_near(t, r));
+    theta0.segment<10>(at) = t, x.segment<10>(at) = bodies_of_prior.back();
     for (int k = 0; k < 10; ++k)
-      prior_weight(10 * Eigen::Index(i) + k) = s.prior / std::pow(m * (k == 0 ? 1 : k < 4 ? r : r * r), 2);
-    body[i] = detail::fit::BodyFactor::of(t, s.reach);
-    const Eigen::MatrixXd inverse = detail::solve_symmetric(detail::fit::pseudo_inertia(body[i].parameters()),
-                                                            Eigen::MatrixXd::Identity(4, 4));
-    for (int k = 0; k < 10; ++k) {
-      const Eigen::MatrixXd one = detail::fit::pseudo_inertia(detail::fit::Inertia10::Unit(k));
-      divergence(10 * Eigen::Index(i) + k) = barrier * inverse.cwiseProduct(one).sum();
-    }
+      prior_weight(at + k) = s.prior / std::pow(m * (k == 0 ? 1 : k < 4 ? r : r * r), 2);
   }
-  Eigen::VectorXd logs = Eigen::VectorXd::Zero(3 * Eigen::Index(N));
-  for (std::size_t i = 0; i < N; ++i) {
-    const auto k = Eigen::Index(i);
-    logs(k) = std::log(1.0), logs(k + Eigen::Index(N)) = std::log(1.0),
-    logs(k + 2 * Eigen::Index(N)) = std::log(s.rotors ? 0.1 : 1e-9);
-  }
-  const auto parameters = [&](const auto& bodies_now, const Eigen::VectorXd& logs_now) {
-    Eigen::VectorXd x(all);
-    for (std::size_t i = 0; i < N; ++i) {
-      const auto t = bodies_now[i].parameters();
-      for (Eigen::Index k = 0; k < 10; ++k) x(10 * Eigen::Index(i) + k) = t(k);
-    }
-    for (Eigen::Index i = bodies; i < all; ++i) x(i) = std::exp(logs_now(i - bodies));
-    return x;
-  };
+  const Eigen::Index absent = s.rotors ? all : all - Eigen::Index(N);
+  for (Eigen::Index i = all - Eigen::Index(N); i < all; ++i) x(i) = s.rotors ? 0.1 : 0;
   Eigen::VectorXd linear = equations.least_squares(out.base, s.rotors);
   for (int round = 0; round < 3; ++round) {
-    equations.refine(round == 0 ? linear : parameters(body, logs));
+    equations.refine(round == 0 ? linear : x);
     Eigen::MatrixXd H = equations.H();
     H.diagonal() += prior_weight;
-    const Eigen::VectorXd b = equations.b() + prior_weight.cwiseProduct(theta0) - divergence;
-    const auto cost = [&](const auto& bodies_now, const Eigen::VectorXd& logs_now) {
-      const Eigen::VectorXd x = parameters(bodies_now, logs_now);
-      double edge = 0;
-      for (std::size_t i = 0; i < N; ++i) edge += 2 * bodies_now[i].x.template head<4>().sum();
-      const Eigen::VectorXd Hx = H * x;
-      return 0.5 * x.dot(Hx) - b.dot(x) - barrier * edge;
-    };
-    double damping = 1e-3, now = cost(body, logs);
-    out.converged = false;
-    for (int step = 0, refused = 0; step < s.steps && refused < 15; ++step, ++out.steps) {
-      const Eigen::VectorXd x = parameters(body, logs);
-      Eigen::MatrixXd J = Eigen::MatrixXd::Zero(all, all);
-      for (std::size_t i = 0; i < N; ++i) {
-        const Eigen::MatrixXd D = body[i].derivative();
-        J.block(10 * Eigen::Index(i), 10 * Eigen::Index(i), 10, 10) = D;
-      }
-      for (Eigen::Index i = bodies; i < all; ++i) J(i, i) = x(i);
-      const Eigen::MatrixXd HJ = H * J;
-      const Eigen::VectorXd Hx = H * x, rest = b - Hx;
-      Eigen::MatrixXd A = J.transpose() * HJ;
-      Eigen::VectorXd g = J.transpose() * rest;
-      for (Eigen::Index i = s.rotors ? all : all - Eigen::Index(N); i < all; ++i) {
-        g(i) = 0;
-        for (Eigen::Index k = 0; k < all; ++k) A(i, k) = A(k, i) = 0;
-      }
-      for (Eigen::Index i = 0; i < bodies; ++i) {
-        if (i % 10 < 4) g(i) += 2 * barrier;
-        A(i, i) += (i % 10 < 4 ? 4 : 2) * barrier;
-      }
-      double most = A(0, 0);
-      for (Eigen::Index i = 1; i < all; ++i) most = std::max(most, A(i, i));
-      for (Eigen::Index i = 0; i < all; ++i) A(i, i) += damping * A(i, i) + 1e-12 * most + 1e-12;
-      Eigen::VectorXd d = detail::solve_symmetric(A, g);
-      for (double& change : d) change = std::clamp(change, -2.0, 2.0);
-      auto next_body = body;
-      Eigen::VectorXd next_logs = logs;
-      for (Eigen::Index i = 0; i < all; ++i) {
-        if (i < bodies)
-          next_body[std::size_t(i / 10)].x(i % 10) += d(i);
-        else
-          next_logs(i - bodies) = std::clamp(next_logs(i - bodies) + d(i), -25.0, 12.0);
-      }
-      const double next = cost(next_body, next_logs);
-      if (next < now) {
-        const bool done = now - next < 1e-4;
-        body = next_body, logs = next_logs, now = next;
-        damping = std::max(1e-9, damping / 5), refused = 0;
-        if (done) {
-          out.converged = true;
-          break;
-        }
-      } else {
-        damping *= 10, ++refused;
-        out.converged = next - now < 1e-6;
-      }
-    }
-    if (round == 0) equations.set_presliding(parameters(body, logs));
+    const Eigen::VectorXd b = equations.b() + prior_weight.cwiseProduct(theta0);
+    const auto end =
+        detail::fit::InertialNewton(H, b, bodies_of_prior, divergence, absent).minimise(x, s.steps);
+    out.steps += end.steps, out.converged = end.converged;
+    if (round == 0) equations.set_presliding(x);
     if (round == 1) linear = equations.least_squares(out.base, s.rotors);
   }
-  const Eigen::VectorXd x = parameters(body, logs);
   equations.refine(x);
   for (std::size_t k = 0; k < 10 * N; ++k)
     out.theta.data[k] = x(Eigen::Index(k)), out.least_squares.data[k] = linear(Eigen::Index(k));

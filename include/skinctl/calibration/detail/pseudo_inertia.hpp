@@ -1,4 +1,4 @@
-// Inertial parameters that a body can have: by the factor of its pseudo-inertia.
+// Inertial parameters that a body can have: their pseudo-inertia.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,59 +29,21 @@ inline Inertia10 parameters_of(const Eigen::Matrix4d& P) noexcept {
   return t;
 }
 
-/// Ten free numbers of a body: `P = U U'`, U upper triangular in lengths of `reach`, its diagonal by logarithm.
-struct BodyFactor {
-  double reach = 0.2;  ///< [m]
-  Inertia10 x = Inertia10::Zero();
-
-  static constexpr int row[10] = {0, 1, 2, 3, 0, 0, 0, 1, 1, 2}, column[10] = {0, 1, 2, 3, 1, 2, 3, 2, 3, 3};
-
-  [[nodiscard]] Eigen::Matrix4d factor() const noexcept {
-    Eigen::Matrix4d U = Eigen::Matrix4d::Zero();
-    for (int k = 0; k < 10; ++k)
-      U(row[k], column[k]) = k < 4 ? std::exp(std::clamp(x(k), -40.0, 40.0)) : x(k);
-    U.topRows<3>() *= reach;
-    return U;
-  }
-  [[nodiscard]] Inertia10 parameters() const noexcept {
-    const Eigen::Matrix4d U = factor();
-    return parameters_of(U * U.transpose());
-  }
-  [[nodiscard]] Eigen::Matrix<double, 10, 10> derivative() const noexcept {
-    const Eigen::Matrix4d U = factor();
-    Eigen::Matrix<double, 10, 10> D;
-    for (int k = 0; k < 10; ++k) {
-      Eigen::Matrix4d dU = Eigen::Matrix4d::Zero();
-      dU(row[k], column[k]) = k < 4 ? U(row[k], column[k]) : (row[k] < 3 ? reach : 1);
-      const Eigen::Matrix4d dP = dU * U.transpose();
-      D.col(k) = parameters_of(dP + dP.transpose());
-    }
-    return D;
-  }
-  /// The body nearest to `t`: negative second moments become small ones.
-  [[nodiscard]] static BodyFactor of(const Inertia10& t, double reach) {
-    Eigen::MatrixXd P = pseudo_inertia(t);
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) P(i, j) /= (i < 3 ? reach : 1) * (j < 3 ? reach : 1);
-    const SymmetricEigen eigen(P);
-    const double least = std::max(1e-12, 1e-4 * eigen.largest());
-    Eigen::MatrixXd scaled = eigen.vectors;
-    for (int k = 0; k < 4; ++k) scaled.col(k) *= std::max(eigen.values(k), least);
-    P.noalias() = scaled * eigen.vectors.transpose();
-    // Upper triangular: from the last row up.
-    Eigen::Matrix4d U = Eigen::Matrix4d::Zero();
-    for (int j = 3; j >= 0; --j)
-      for (int i = j; i >= 0; --i) {
-        double sum = P(i, j);
-        for (int k = j + 1; k < 4; ++k) sum -= U(i, k) * U(j, k);
-        U(i, j) = i == j ? std::sqrt(std::max(sum, 1e-24)) : sum / U(j, j);
-      }
-    BodyFactor out;
-    out.reach = reach;
-    for (int k = 0; k < 10; ++k) out.x(k) = k < 4 ? std::log(U(row[k], column[k])) : U(row[k], column[k]);
-    return out;
-  }
-};
+/// The body nearest to `t`, lengths measured in `reach` [m]: second moments below a ten-thousandth of the largest are raised to it.
+inline Inertia10 body_near(const Inertia10& t, double reach) {
+  Eigen::MatrixXd P = pseudo_inertia(t);
+  const auto scale = [reach](int i) { return i < 3 ? reach : 1; };
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) P(i, j) /= scale(i) * scale(j);
+  const SymmetricEigen eigen(P);
+  const double least = std::max(1e-12, 1e-4 * eigen.largest());
+  Eigen::MatrixXd raised = eigen.vectors;
+  for (int k = 0; k < 4; ++k) raised.col(k) *= std::max(eigen.values(k), least);
+  Eigen::Matrix4d out = raised * eigen.vectors.transpose();
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) out(i, j) *= scale(i) * scale(j);
+  return parameters_of(out);
+}
 
 }  // namespace detail::fit
 SKINCTL_END_NAMESPACE

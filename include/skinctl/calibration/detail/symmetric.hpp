@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
+#include <cmath>
 
 #include "skinctl/core/config.hpp"
 
@@ -35,6 +36,12 @@ class Cholesky {
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const { return llt_.solve(b); }
   [[nodiscard]] Eigen::MatrixXd inverse() const {
     return solve(Eigen::MatrixXd::Identity(llt_.rows(), llt_.rows()));
+  }
+  /// `log det A`.
+  [[nodiscard]] double log_determinant() const {
+    double sum = 0;
+    for (Eigen::Index i = 0; i < llt_.rows(); ++i) sum += 2 * std::log(llt_.matrixLLT()(i, i));
+    return sum;
   }
   /// `b' A^-1 b` of a column.
   [[nodiscard]] double squared(const Eigen::MatrixXd& b) const { return b.cwiseProduct(solve(b)).sum(); }

@@ -29,7 +29,8 @@ class TorqueEquations {
   static constexpr std::size_t N = M::joints;
   static constexpr Eigen::Index n = Eigen::Index(N), bodies = 10 * n, all = bodies + 3 * n;
 
-  TorqueEquations(const M& model, const std::vector<TorqueRecording>& recordings) {
+  /// @param late  by how much torques come later than positions [s].
+  TorqueEquations(const M& model, const std::vector<TorqueRecording>& recordings, double late) {
     require(!recordings.empty(), "recordings of torques", 0, ">= 1");
     presliding_.fill(1.4e-3);
     noise_.fill(1), alike_.fill(1);
@@ -43,7 +44,8 @@ class TorqueEquations {
       require(r.torque.allFinite(), "torques that are not finite", 1, "none");
       motions.emplace_back(r.joints);
       Eigen::Index first = rows;
-      for (std::size_t k = 0; k < r.joints.time.size(); ++k) rows += usable(motions.back(), r.joints.time[k]);
+      for (std::size_t k = 0; k < r.joints.time.size(); ++k)
+        rows += usable(motions.back(), r.joints.time[k] - late);
       require(rows - first >= 200, "torques of a recording", double(rows - first), ">= 200");
       spans_.push_back({first, rows - first});
     }
@@ -52,7 +54,7 @@ class TorqueEquations {
     Eigen::Index row = 0;
     for (std::size_t r = 0; r < recordings.size(); ++r)
       for (std::size_t k = 0; k < recordings[r].joints.time.size(); ++k) {
-        const double t = recordings[r].joints.time[k];
+        const double t = recordings[r].joints.time[k] - late;
         if (!usable(motions[r], t)) continue;
         const JointPoint p = motions[r].at(t);
         JointPosition<N> q;
@@ -77,6 +79,7 @@ class TorqueEquations {
       friction(j, presliding_[j], A_[j].col(bodies + 1));
       for (Eigen::Index c = 0; c < A_[j].cols(); ++c) centre(A_[j].col(c));
       centre(tau_[j]);
+      square_[j] = A_[j].transpose() * A_[j];
     }
   }
 
@@ -100,7 +103,7 @@ class TorqueEquations {
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(all, all);
     for (std::size_t j = 0; j < N; ++j) {
       const double w = weight(j);
-      const Eigen::MatrixXd G = w * (A_[j].transpose() * A_[j]);
+      const Eigen::MatrixXd G = w * square_[j];
       const auto at = [&](Eigen::Index k) { return index(j, k); };
       out.topLeftCorner(bodies, bodies) += G.topLeftCorner(bodies, bodies);
       for (Eigen::Index a = 0; a < 3; ++a) {
@@ -161,7 +164,9 @@ class TorqueEquations {
         const double left = rest.squaredNorm() - std::pow(z.dot(rest), 2) / square;
         if (left < least) least = left, best = z, presliding_[j] = degrees * 0.0174532925;
       }
-      if (best.size() > 0) A_[j].col(bodies + 1) = best;
+      if (best.size() == 0) continue;
+      A_[j].col(bodies + 1) = best;
+      square_[j] = A_[j].transpose() * A_[j];
     }
   }
 
@@ -206,7 +211,7 @@ class TorqueEquations {
            A_[j].col(bodies + 1) * x(index(j, 1)) - A_[j].col(bodies + 2) * x(index(j, 2));
   }
 
-  std::array<Eigen::MatrixXd, N> A_;
+  std::array<Eigen::MatrixXd, N> A_, square_;  ///< and A'A
   std::array<Eigen::VectorXd, N> tau_;
   Eigen::MatrixXd q_;
   std::vector<Span> spans_;
