@@ -57,8 +57,9 @@ int main(int argc, char** argv) {
   app.add_flag("--teach", taught,
                "first a person leads an arm to the place in the box where oranges are let go");
   app.add_option("--gripper", gripper,
-                 "measures: the opening as well as the force; open_or_closed: the force over time")
-      ->check(CLI::IsMember({"measures", "open_or_closed"}))
+                 "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
+                 "Allegro hands")
+      ->check(CLI::IsMember({"measures", "open_or_closed", "hand"}))
       ->capture_default_str();
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
@@ -70,6 +71,7 @@ int main(int argc, char** argv) {
   try {
     s.fault = fault_named(fault);
     s.keep_path = !page.empty();
+    if (gripper == "hand") with_hands(s);
     s.work.by_time = gripper == "open_or_closed";
     if (taught) {
       const auto lesson = teach(s.seed);

@@ -24,6 +24,7 @@ struct RunSettings {
   double touch_every = 20;   ///< a person pushes each forearm so often [s]; 0: never
   double touch_force = 12;   ///< [N]
   double touch_lasts = 0.6;  ///< [s]
+  bool hand = false;         ///< Allegro hands instead of grippers
   double skin_noise = 0.1;   ///< deviation of a cell's force [N]
   Fault fault = Fault::none;
   double fault_at = 12;    ///< [s]
@@ -31,6 +32,9 @@ struct RunSettings {
   double longest = 0;      ///< [s] of simulated time; 0: enough for the oranges
   bool keep_path = false;  ///< of the hands, for pictures
 };
+
+/// Allegro hands instead of grippers, with the forces that they can exert.
+void with_hands(RunSettings& settings);
 
 /// What one arm did.
 struct ArmOutcome {

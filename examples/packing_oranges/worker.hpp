@@ -32,7 +32,11 @@ class Worker {
         s_(settings),
         scene_(scene),
         executor_(pack_oranges, settings.executor),
-        squeeze_({.from = 1.2, .to = 5.6, .own = 1e9, .swing = 3, .least_span = 3}),
+        squeeze_({.from = settings.judge_from,
+                  .to = settings.judge_to,
+                  .own = 1e9,
+                  .swing = 3,
+                  .least_span = settings.judge_span}),
         objects_([] {
           std::array<skinctl::ObjectClass, arms * slots> kinds{};
           kinds.fill(orange_class);

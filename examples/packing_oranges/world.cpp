@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -18,6 +19,8 @@ constexpr double solid = 0.5;          // d of solimp: between free and rigid
 constexpr double finger_reach = 0.16;  // from the flange to the point between the fingers
 constexpr double orange_mass = 0.18;
 constexpr double dry = 0.8;  // friction of an orange
+
+constexpr std::size_t parts = 5;  // of an arm, as contacts tell them apart: its fingertips, and all else
 
 // Collision classes. The links of an arm do not meet each other: its limits keep them apart.
 constexpr int is_table = 1, is_orange = 2, is_arm[arms] = {4, 8};
@@ -57,16 +60,47 @@ void write_gripper(std::string& xml, std::size_t arm, double flange) {
   xml += "</body>";
 }
 
+std::string inertial(const LinkBody& l) {
+  const auto& I = l.inertia;
+  return "<inertial mass='" + list({l.mass}) + "' pos='" + list(l.com) + "' fullinertia='" +
+         list({I[0], I[1], I[2], I[3], I[4], I[5]}) + "'/>";
+}
+std::string placed(const LinkBody& l) {
+  return "pos='" + list(l.p) + "' xyaxes='" + list(l.x) + " " + list(l.y) + "'";
+}
+// What the maker does not publish is as the simulated Allegro hand of this library has it.
+constexpr double rotor = 2e-4, viscous = 0.01, coulomb = 0.015;  // [kg m^2], [N m s/rad], [N m]
+constexpr double finger_radius = 0.0098;
+
+void write_hand(std::string& xml, std::size_t arm, const HandBody& h) {
+  const std::string meets = collides(is_arm[arm], meets_arm[arm]);
+  xml += "<body name='" + name("palm", arm, 0) + "' " + placed(h.palm) + ">" + inertial(h.palm) +
+         "<geom type='box' size='0.012 0.055 0.0475' pos='-0.012 0 -0.0475'" + meets + "/>";
+  for (std::size_t i = 0; i < 16; ++i) {
+    xml += "<body name='" + name("knuckle", arm, i) + "' " + placed(h.links[i]) + "><joint name='" +
+           name("finger", arm, i) + "' type='hinge' axis='0 0 1' limited='true' range='" +
+           list({h.lower[i], h.upper[i]}) + "' armature='" + list({rotor}) + "' damping='" + list({viscous}) +
+           "' frictionloss='" + list({coulomb}) + "'/>" + inertial(h.links[i]);
+    const bool last = i % 4 == 3;
+    const Xyz<double> to = last ? h.tips[i / 4] : h.links[i + 1].p;
+    if (norm(to) > 0.01 && i % 4 > 0)
+      xml += "<geom type='capsule' size='" + list({finger_radius}) + "' fromto='0 0 0 " + list(to) + "'" +
+             meets + "/>";
+    if (!last) continue;
+    xml += "<body name='" + name("tip", arm, i / 4) + "' pos='" + list(to) + "'><geom type='sphere' size='" +
+           list({tip_radius}) + "' mass='1e-6'" + meets + "/></body></body></body></body></body>";
+  }
+  xml += "</body>";
+}
+
 void write_arm(std::string& xml, std::size_t arm, const ArmBody& body) {
   xml += "<body name='" + name("base", arm, 0) + "' pos='" + list(body.X_WB.origin()) + "' xyaxes='" +
          list(body.X_WB.axis_x()) + " " + list(body.X_WB.axis_y()) + "'>";
   for (std::size_t i = 0; i < 6; ++i) {
     const LinkBody& l = body.links[i];
-    const auto& I = l.inertia;
-    xml += "<body name='" + name("link", arm, i) + "' pos='" + list(l.p) + "' xyaxes='" + list(l.x) + " " +
-           list(l.y) + "'><joint name='" + name("joint", arm, i) + "' type='hinge' axis='0 0 1' armature='" +
-           list({i < 3 ? 2.0 : 0.5}) + "'/><inertial mass='" + list({l.mass}) + "' pos='" + list(l.com) +
-           "' fullinertia='" + list({I[0], I[1], I[2], I[3], I[4], I[5]}) + "'/>";
+    xml += "<body name='" + name("link", arm, i) + "' " + placed(l) + "><joint name='" +
+           name("joint", arm, i) + "' type='hinge' axis='0 0 1' armature='" + list({i < 3 ? 2.0 : 0.5}) +
+           "'/>" + inertial(l);
     const skinctl::Capsule<>& s = body.shapes[i];
     // The shoulder stands on the table: it does not meet it.
     const int meets = i < 2 ? meets_arm[arm] & ~is_table : meets_arm[arm];
@@ -74,7 +108,10 @@ void write_arm(std::string& xml, std::size_t arm, const ArmBody& body) {
       xml += "<geom type='capsule' size='" + list({s.radius}) + "' fromto='" + list(s.from) + " " +
              list(s.to) + "'" + collides(is_arm[arm], meets) + "/>";
   }
-  write_gripper(xml, arm, body.flange);
+  if (body.hand)
+    write_hand(xml, arm, *body.hand);
+  else
+    write_gripper(xml, arm, body.flange);
   for (std::size_t i = 0; i < 6; ++i) xml += "</body>";
   xml += "</body>";
 }
@@ -110,8 +147,9 @@ std::string world_text(const std::array<ArmBody, arms>& bodies) {
            collides(is_orange, is_table | is_orange) + "/></body>";
   xml += "</worldbody><equality>";
   for (std::size_t arm = 0; arm < arms; ++arm)
-    xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
-           "' polycoef='0 1 0 0 0' solref='0.004 1'/>";
+    if (!bodies[arm].hand)
+      xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
+             "' polycoef='0 1 0 0 0' solref='0.004 1'/>";
   return xml + "</equality></mujoco>";
 }
 }  // namespace
@@ -119,8 +157,15 @@ std::string world_text(const std::array<ArmBody, arms>& bodies) {
 struct World::Bodies {
   struct Arm {
     std::array<int, 6> q{}, v{}, body{};  // addresses of the joints, and the links' bodies
-    std::array<int, 2> slide_q{}, slide_v{}, finger{};
+    std::array<int, 2> slide_q{}, slide_v{};
+    std::vector<int> tip;       // bodies: of both fingers, or of the four of a hand ...
+    std::vector<double> holds;  // ... and how much each takes part in a grasp
     int palm = 0;
+    bool has_hand = false;
+    std::array<int, 16> finger_q{}, finger_v{};
+    skinctl::JointTorque<16> torque, next_torque;
+    std::array<double, 4> tips{};                                // readings
+    Xyz<double> grasps{0, 0, finger_reach};                      // the point between the fingers, in the palm
     std::array<double, 6> inertia{};                             // of each joint, at home
     std::array<double, 6> q0{}, v0{}, q1{}, v1{}, q_r{}, v_r{};  // the interpolation under way
     double at = 0;                                               // time since the last command
@@ -130,7 +175,7 @@ struct World::Bodies {
     double reading = 0;  // of the force sensor
     int pushed = -1;     // body
     Xyz<double> push_at{0, 0, 0}, push{0, 0, 0};
-    Xyz<double> tip{0, 0, 0};  // velocity of a fingertip a millisecond ago
+    Xyz<double> tip_velocity{0, 0, 0};  // of the first one, a millisecond ago
     ArmRecord record;
   };
   struct Slot {
@@ -145,7 +190,7 @@ struct World::Bodies {
   mjData* data = nullptr;
   std::array<Arm, arms> arm;
   std::array<Slot, arms * slots> slot;
-  std::vector<int> owner;      // of each geom: 3 * arm + (1, 2: finger), or -1
+  std::vector<int> owner;      // of each geom: parts * arm + (1 on: fingertip), or -1
   std::vector<int> orange_of;  // of each geom, or -1
   std::mt19937_64 random;
   std::normal_distribution<double> normal;
@@ -189,21 +234,29 @@ struct World::Bodies {
         m.body[i] = id(mjOBJ_BODY, name("link", a, i));
         data->qpos[m.q[i]] = m.q0[i] = m.q1[i] = m.q_r[i] = bodies[a].home[i];
       }
+      m.palm = id(mjOBJ_BODY, name("palm", a, 0));
+      m.has_hand = bodies[a].hand.has_value();
+      if (m.has_hand) {
+        find_hand(m, a, *bodies[a].hand);
+        continue;
+      }
+      m.holds = {1, 1};
       for (std::size_t f = 0; f < 2; ++f) {
         const int joint = id(mjOBJ_JOINT, name("slide", a, f));
         m.slide_q[f] = model->jnt_qposadr[joint];
         m.slide_v[f] = model->jnt_dofadr[joint];
-        m.finger[f] = id(mjOBJ_BODY, name("finger", a, f));
+        m.tip.push_back(id(mjOBJ_BODY, name("finger", a, f)));
         data->qpos[m.slide_q[f]] = gripper_range.opening / 2;
       }
-      m.palm = id(mjOBJ_BODY, name("palm", a, 0));
     }
     for (int g = 0; g < model->ngeom; ++g)
       for (std::size_t a = 0; a < arms; ++a) {
         const int body = model->geom_bodyid[g];
         if ((model->geom_contype[g] & is_arm[a]) == 0) continue;
-        const int part = body == arm[a].finger[0] ? 1 : body == arm[a].finger[1] ? 2 : 0;
-        owner[static_cast<std::size_t>(g)] = static_cast<int>(3 * a) + part;
+        const auto& tips = arm[a].tip;
+        const auto tip = std::find(tips.begin(), tips.end(), body);
+        const auto part = tip == tips.end() ? 0 : 1 + (tip - tips.begin());
+        owner[static_cast<std::size_t>(g)] = static_cast<int>(parts * a + static_cast<std::size_t>(part));
       }
     for (std::size_t k = 0; k < slot.size(); ++k) {
       Slot& o = slot[k];
@@ -217,6 +270,23 @@ struct World::Bodies {
       collide(o, false);
     }
   }
+  void find_hand(Arm& m, std::size_t a, const HandBody& hand) {
+    for (std::size_t i = 0; i < 16; ++i) {
+      const int joint = id(mjOBJ_JOINT, name("finger", a, i));
+      m.finger_q[i] = model->jnt_qposadr[joint];
+      m.finger_v[i] = model->jnt_dofadr[joint];
+      data->qpos[m.finger_q[i]] = hand.start[i];
+    }
+    m.holds.assign(hand.takes_part.begin(), hand.takes_part.end());
+    m.grasps = hand.grasps;
+    // As a stiffness sees them, all fingertips are alike.
+    double mean = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+      m.tip.push_back(id(mjOBJ_BODY, name("tip", a, f)));
+      mean += model->body_invweight0[2 * m.tip[f]] / 4;
+    }
+    for (const int tip : m.tip) model->body_invweight0[2 * tip] = mean;
+  }
   /// The joints' inertias, for the servos.
   void weigh() {
     const auto n = static_cast<std::size_t>(model->nv);
@@ -225,7 +295,7 @@ struct World::Bodies {
     const auto of = [&](int v) { return mass[static_cast<std::size_t>(v) * (n + 1)]; };
     for (Arm& m : arm) {
       for (std::size_t i = 0; i < 6; ++i) m.inertia[i] = of(m.v[i]);
-      m.slide_inertia = of(m.slide_v[0]);
+      if (!m.has_hand) m.slide_inertia = of(m.slide_v[0]);
     }
   }
   void collide(const Slot& o, bool on) {
@@ -264,15 +334,10 @@ struct World::Bodies {
           data->qfrc_bias[m.v[i]] +
           m.inertia[i] * (acceleration[i] + w * w * (m.q_r[i] - q) + 2 * w * (m.v_r[i] - v));
     }
-    const double opening = data->qpos[m.slide_q[0]] + data->qpos[m.slide_q[1]];
-    m.reading = std::max(0.0, m.record.force + settings.force_noise * normal(random));
-    const double half = m.gripper.step(opening, m.reading, tick) / 2;
-    constexpr double stiff = 250;
-    for (std::size_t f = 0; f < 2; ++f)
-      data->qfrc_applied[m.slide_v[f]] +=
-          data->qfrc_bias[m.slide_v[f]] +
-          m.slide_inertia *
-              (stiff * stiff * (half - data->qpos[m.slide_q[f]]) - 2 * stiff * data->qvel[m.slide_v[f]]);
+    if (m.has_hand)
+      drive_hand(m);
+    else
+      drive_gripper(m);
     if (m.pushed >= 0) {
       double force[3], at[3];
       const double f[3] = {m.push.x, m.push.y, m.push.z}, p[3] = {m.push_at.x, m.push_at.y, m.push_at.z};
@@ -283,9 +348,24 @@ struct World::Bodies {
       mj_applyFT(model, data, force, none, at, m.pushed, data->qfrc_applied);
     }
   }
+  void drive_hand(Arm& m) {
+    for (std::size_t i = 0; i < 16; ++i) data->qfrc_applied[m.finger_v[i]] += m.torque[i];
+    m.torque = m.next_torque;
+  }
+  void drive_gripper(Arm& m) {
+    const double opening = data->qpos[m.slide_q[0]] + data->qpos[m.slide_q[1]];
+    m.reading = std::max(0.0, m.record.force + settings.force_noise * normal(random));
+    const double half = m.gripper.step(opening, m.reading, tick) / 2;
+    constexpr double stiff = 250;
+    for (std::size_t f = 0; f < 2; ++f)
+      data->qfrc_applied[m.slide_v[f]] +=
+          data->qfrc_bias[m.slide_v[f]] +
+          m.slide_inertia *
+              (stiff * stiff * (half - data->qpos[m.slide_q[f]]) - 2 * stiff * data->qvel[m.slide_v[f]]);
+  }
   /// Forces of the fingers, and who touches whom.
   void look_at_contacts() {
-    std::array<std::array<double, 3>, arms> force{};
+    std::array<std::array<double, parts>, arms> force{};
     std::array<bool, arms> walls{}, other{};
     for (int c = 0; c < data->ncon; ++c) {
       const mjContact& contact = data->contact[c];
@@ -296,7 +376,7 @@ struct World::Bodies {
         other.fill(true);
         continue;
       }
-      const auto mine = static_cast<std::size_t>(o1 >= 0 ? o1 : o2), a = mine / 3, part = mine % 3;
+      const auto mine = static_cast<std::size_t>(o1 >= 0 ? o1 : o2), a = mine / parts, part = mine % parts;
       const int orange = orange_of[o1 >= 0 ? g2 : g1];
       if (orange < 0) {
         walls[a] = true;
@@ -310,19 +390,28 @@ struct World::Bodies {
       }
     }
     for (std::size_t a = 0; a < arms; ++a) {
-      ArmRecord& r = arm[a].record;
-      r.force = 0.5 * (force[a][1] + force[a][2]);
-      r.worst_force = std::max({r.worst_force, force[a][1], force[a][2]});
-      if (force[a][1] > 0.2 && force[a][2] > 0.2)
-        r.worst_grip = std::max({r.worst_grip, force[a][1], force[a][2]});
+      Arm& m = arm[a];
+      ArmRecord& r = m.record;
+      double sum = 0, fingers = 0, largest = 0;
+      int hold = 0;
+      for (std::size_t f = 0; f < m.tip.size(); ++f) {
+        const double F = force[a][f + 1];
+        sum += m.holds[f] * F, fingers += m.holds[f];
+        largest = std::max(largest, F);
+        hold += F > 0.2;
+        if (m.has_hand) m.tips[f] = std::max(0.0, F + settings.force_noise * normal(random));
+      }
+      r.force = sum / fingers;
+      r.worst_force = std::max(r.worst_force, largest);
+      if (hold > 1) r.worst_grip = std::max(r.worst_grip, largest);
       r.walls += walls[a];
       r.other_arm += other[a];
       double v[6];
-      mj_objectVelocity(model, data, mjOBJ_BODY, arm[a].finger[0], v, 0);
-      const Xyz<double> tip{v[3], v[4], v[5]}, change = (1 / tick) * Xyz<double>(tip - arm[a].tip);
+      mj_objectVelocity(model, data, mjOBJ_BODY, m.tip[0], v, 0);
+      const Xyz<double> tip{v[3], v[4], v[5]}, change = (1 / tick) * Xyz<double>(tip - m.tip_velocity);
       r.square += dot(change, change);
       ++r.samples;
-      arm[a].tip = tip;
+      m.tip_velocity = tip;
     }
   }
   /// Oranges far from every hand rest where they are, at no cost.
@@ -379,6 +468,23 @@ void World::command(std::size_t arm, const skinctl::JointPosition<6>& q,
 void World::command(std::size_t arm, const skinctl::GripperCommand& goal) {
   b_->arm[arm].gripper.command(goal);
 }
+void World::command(std::size_t arm, const skinctl::JointTorque<16>& torque) {
+  b_->arm[arm].next_torque = torque;
+}
+skinctl::State<16> World::fingers(std::size_t arm) const {
+  const Bodies::Arm& m = b_->arm[arm];
+  skinctl::State<16> s;
+  s.time = now();
+  constexpr double step = 333.3 / 65536 * 3.14159265358979 / 180;
+  for (std::size_t i = 0; i < 16; ++i) {
+    s.q[i] = step * std::round(b_->data->qpos[m.finger_q[i]] / step);
+    s.dq[i] = b_->data->qvel[m.finger_v[i]];
+  }
+  return s;
+}
+const std::array<double, 4>& World::tips(std::size_t arm) const {
+  return b_->arm[arm].tips;
+}
 void World::push(std::size_t arm, std::size_t link, const Xyz<double>& at, const Xyz<double>& force) {
   Bodies::Arm& m = b_->arm[arm];
   m.pushed = dot(force, force) > 0 ? m.body[link] : -1;
@@ -399,7 +505,10 @@ skinctl::GripperState World::gripper(std::size_t arm) const {
 Xyz<double> World::hand(std::size_t arm) const {
   const Bodies::Arm& m = b_->arm[arm];
   const double *palm = b_->data->xpos + 3 * m.palm, *R = b_->data->xmat + 9 * m.palm;
-  return {palm[0] + finger_reach * R[2], palm[1] + finger_reach * R[5], palm[2] + finger_reach * R[8]};
+  const auto at = [&](int k) {
+    return palm[k] + m.grasps.x * R[3 * k] + m.grasps.y * R[3 * k + 1] + m.grasps.z * R[3 * k + 2];
+  };
+  return {at(0), at(1), at(2)};
 }
 Xyz<double> World::link_origin(std::size_t arm, std::size_t link) const {
   const double* p = b_->data->xpos + 3 * b_->arm[arm].body[link];
@@ -420,7 +529,8 @@ void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
   o.rests = {p.x, p.y, p.z + orange.radius, 1, 0, 0, 0};
   b.model->geom_size[3 * o.geom] = b.model->geom_rbound[o.geom] = orange.radius;
   // The stiffness as a constraint's: it counts the inverse masses of both bodies, as MuJoCo approximates them.
-  const double A = b.model->body_invweight0[2 * o.body] + b.model->body_invweight0[2 * b.arm[0].finger[0]];
+  const double A =
+      b.model->body_invweight0[2 * o.body] + b.model->body_invweight0[2 * b.arm[k / slots].tip[0]];
   const double stiff = orange.stiffness * A * (1 - solid);
   b.model->geom_solref[2 * o.geom] = -stiff;
   b.model->geom_solref[2 * o.geom + 1] = -2 * std::sqrt(stiff);

@@ -28,7 +28,7 @@ struct Orange {
 
 /// What happened in the world, for judges that stand beside it.
 struct ArmRecord {
-  double force = 0;             ///< of a finger now, without noise [N]
+  double force = 0;             ///< of a finger that holds now, their mean, without noise [N]
   double worst_force = 0;       ///< the largest so far [N]
   double worst_grip = 0;        ///< the same while both fingers hold something [N]
   double square = 0;            ///< sum of the squared acceleration of a fingertip [m^2/s^4], of ...
@@ -52,12 +52,18 @@ class World {
   /// What an arm's servos go for: reached one period from now, cubically, with this velocity.
   void command(std::size_t arm, const skinctl::JointPosition<6>& q, const skinctl::JointVelocity<6>& dq);
   void command(std::size_t arm, const skinctl::GripperCommand& goal);
+  /// Torques of a hand's joints, from the next millisecond on.
+  void command(std::size_t arm, const skinctl::JointTorque<16>& torque);
   /// From now on this force [N] acts on a point of a link, both in the link's frame. Zero: none does.
   void push(std::size_t arm, std::size_t link, const skinctl::Xyz<double>& at,
             const skinctl::Xyz<double>& force);
 
   [[nodiscard]] skinctl::State<6> joints(std::size_t arm) const;
   [[nodiscard]] skinctl::GripperState gripper(std::size_t arm) const;
+  /// The joints of a hand: angles to the steps of its encoders (333.3 degrees in 65 536).
+  [[nodiscard]] skinctl::State<16> fingers(std::size_t arm) const;
+  /// What its fingertips feel: index, middle, ring, thumb [N].
+  [[nodiscard]] const std::array<double, 4>& tips(std::size_t arm) const;
   /// The point between the fingers, where it really is.
   [[nodiscard]] skinctl::Xyz<double> hand(std::size_t arm) const;
   [[nodiscard]] skinctl::Xyz<double> link_origin(std::size_t arm, std::size_t link) const;
