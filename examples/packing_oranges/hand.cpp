@@ -126,14 +126,23 @@ struct Leaning : Fingers {
   }
 };
 
+/// What the springs of the fingers do.
+enum class Springs : unsigned char {
+  shape,  ///< hold the fingers to the grasp's postures
+  yield,  ///< give way: each finger goes on until it touches
+  keep    ///< hold the fingers to each other as they are
+};
+
 /// A force that closes the fingers, and gravity.
 struct HandGoal {
-  double internal = 0;        ///< [N]
+  double internal = 0;  ///< [N]
+  Springs springs = Springs::shape;
   Point gravity{9.81, 0, 0};  ///< in the hand's frame [m/s^2]
 
   template <class F>
   friend void each_number(HandGoal& g, F&& f) {
-    f(g.internal), f(g.gravity.x), f(g.gravity.y), f(g.gravity.z);
+    double springs = static_cast<double>(g.springs);
+    f(g.internal), f(springs), f(g.gravity.x), f(g.gravity.y), f(g.gravity.z);
   }
 };
 
@@ -153,8 +162,11 @@ class HandLaw : public Composable {
   struct Memory {
     Internal::Memory internal;
     Point gravity{9.81, 0, 0};
+    JointPosition<N> off;  ///< of the springs' rest from the grasp's posture [rad]
+    Springs springs = Springs::shape;
   };
   static constexpr double stiffness = 3, damping = 0.045;  // of the joints [N m/rad], [N m s/rad]
+  static constexpr double yielding = 0.1;                  // time constant of springs that yield [s]
 
   HandLaw(const Fingers& model, const Grasp& g)
       : model_(model),
@@ -163,13 +175,13 @@ class HandLaw : public Composable {
 
   template <class K>
   [[nodiscard]] Memory start(const K& known) const noexcept {
-    return {internal_.start(known), {9.81, 0, 0}};
+    return {internal_.start(known), {9.81, 0, 0}, {}, Springs::shape};
   }
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& m, const K& known, const Goal& goal) const noexcept {
     const auto out = internal_.receive(m.internal, known, GraspGoal<double>{goal.internal});
     const double g = dot(goal.gravity, goal.gravity);
-    return {{out.memory, g < 400 ? goal.gravity : m.gravity}, out.status};
+    return {{out.memory, g < 400 ? goal.gravity : m.gravity, m.off, goal.springs}, out.status};
   }
   template <class K>
   [[nodiscard]] JointTorque<N> torque(const Memory& m, const K& known) const noexcept {
@@ -177,12 +189,21 @@ class HandLaw : public Composable {
     const auto q_d = line_.at(internal_.shape(known).size);
     tau += gravity_torque(Leaning(model_, m.gravity), known.q());
     for (std::size_t i = 0; i < N; ++i)
-      tau[i] += stiffness * (q_d[i] - known.q()[i]) - damping * known.dq()[i];
+      tau[i] += stiffness * (q_d[i] + m.off[i] - known.q()[i]) - damping * known.dq()[i];
     return tau;
   }
   template <class K>
   [[nodiscard]] Memory advance(const Memory& m, const K& known, double dt, Opposition o) const noexcept {
-    return {internal_.advance(m.internal, known, dt, o), m.gravity};
+    Memory next = m;
+    next.internal = internal_.advance(m.internal, known, dt, o);
+    if (m.springs == Springs::keep) return next;
+    const double part = dt / (dt + yielding);
+    const auto q_d = line_.at(internal_.shape(known).size);
+    for (std::size_t i = 0; i < N; ++i) {
+      const double to = m.springs == Springs::yield ? known.q()[i] - q_d[i] : 0;
+      next.off[i] += part * (to - m.off[i]);
+    }
+    return next;
   }
   [[nodiscard]] const Line& line() const noexcept { return line_; }
 
@@ -214,12 +235,13 @@ class Firmware {
   static constexpr double gain = 8;      // of the force that is regulated [1/s]
   static constexpr double rise = 6;      // of that force while an object is squeezed [N/s], at ...
   static constexpr double slow = 0.015;  // ... this speed [m/s]
-  static constexpr double touched = 0.3, lost = 0.1;  // [N]
+  static constexpr double touched = 0.3, lost = 0.12;  // [N]
   static constexpr double filter = 0.006, steady = 0.03;
 
   explicit Firmware(double size) : wanted_(size) {}
 
-  double step(const GripperCommand& c, double size, double force, Nanoseconds now, double dt) {
+  /// @param force, least  mean force of the fingertips that take part, and the least of them.
+  double step(const GripperCommand& c, double size, double force, double least, Nanoseconds now, double dt) {
     if (c.count != 0 && c.count != count_) {
       count_ = c.count;
       goal_ = limited(c.goal, hand_range);
@@ -229,13 +251,19 @@ class Firmware {
     }
     force_ += dt / (filter + dt) * (force - force_);
     const double target = goal_.opening / 2 + tip_radius;
-    if (!holds_ && closes_ && force_ > touched) holds_ = true;
+    least_ += dt / (filter + dt) * (least - least_);
+    if (!holds_ && closes_ && force_ > touched && least_ > lost) holds_ = true;
     if (holds_ && force_ < lost) holds_ = false, wanted_ = size;
+    if (!holds_)
+      springs_ =
+          closes_ && (springs_ == Springs::yield || force_ > 0.5 * lost) ? Springs::yield : Springs::shape;
     if (holds_) {
       const double most = rise * goal_.speed / slow;
       internal_ += std::clamp(gain * (goal_.force - force_), -most, most) * dt;
       internal_ = std::clamp(internal_, 0.0, 2 * hand_range.max_force);
-      right_for_ = std::abs(force_ - goal_.force) < 0.1 + 0.08 * goal_.force ? right_for_ + dt : 0;
+      const bool right = least_ > lost && std::abs(force_ - goal_.force) < 0.1 + 0.08 * goal_.force;
+      right_for_ = right ? right_for_ + dt : 0;
+      if (right_for_ >= steady) springs_ = Springs::keep;
     } else {
       const double way = goal_.speed / 2 * dt;
       wanted_ += std::clamp(target - wanted_, -way, way);
@@ -249,15 +277,17 @@ class Firmware {
     return internal_;
   }
   [[nodiscard]] const GripperState& state() const { return state_; }
+  [[nodiscard]] Springs springs() const { return springs_; }
 
  private:
   [[nodiscard]] static double opening_of(double size) { return 2 * (size - tip_radius); }
 
   GripperGoal goal_{hand_range.opening, 1, 0.05};
   GripperState state_{};
-  double wanted_, force_ = 0, internal_ = 0, right_for_ = 0;
+  double wanted_, force_ = 0, least_ = 0, internal_ = 0, right_for_ = 0;
   std::uint32_t count_ = 0;
   bool closes_ = false, holds_ = false;
+  Springs springs_ = Springs::shape;
 };
 }  // namespace
 
@@ -266,9 +296,9 @@ Grasp around_a_ball() {
   Grasp g;
   g.name = "ball";
   g.takes_part = {1, 0, 1, 1};
-  g.centre = {0.05, 0, 0.04};
+  g.centre = {0.053, 0, 0.04};
   g.away = {Point{0, s, c}, Point{0, 0, 0}, Point{0, -s, c}, Point{0, 0, -1}};
-  g.posture = {-0.1, -0.08, 1.2, 1.2, 0, -0.13, -0.1, -0.16, 0.1, -0.08, 1.2, 1.2, 1.15, 0.6, 1.0, 1.2};
+  g.posture = {-0.1, -0.08, 1.2, 1.2, 0, -0.17, -0.15, -0.2, 0.1, -0.08, 1.2, 1.2, 1.15, 0.6, 1.0, 1.2};
   return g;
 }
 
@@ -330,12 +360,13 @@ Hand::Hand(Hand&&) noexcept = default;
 
 JointTorque<N> Hand::step(const Input& in) {
   Parts& p = *parts_;
-  double force = 0, fingers = 0;
+  double force = 0, fingers = 0, least = 1e3;
   Point centre{0, 0, 0};
   const Stance s = stance(p.model, p.tips, in.measured.q);
   for (std::size_t f = 0; f < 4; ++f) {
     const double w = p.grasp.takes_part[f];
     force += w * in.tips[f], fingers += w;
+    if (w > 0) least = std::min(least, in.tips[f]);
     centre = centre + w * s.tip[f];
   }
   double size = 0;
@@ -347,7 +378,8 @@ JointTorque<N> Hand::step(const Input& in) {
   input.now = in.measured.time;
   input.measured = in.measured;
   input.has_goal = true;
-  input.goal.internal = p.firmware.step(in.command, size, force / fingers, in.measured.time, dt);
+  input.goal.internal = p.firmware.step(in.command, size, force / fingers, least, in.measured.time, dt);
+  input.goal.springs = p.firmware.springs();
   input.goal.gravity = in.gravity;
   const auto out = p.cycle.step(*p.memory, input);
   p.status = out.status;

@@ -61,10 +61,11 @@ struct Outcome {
   std::array<ArmOutcome, arms> arm;
   std::vector<Packed> ended;
   int oranges = 0;
-  double time = 0;      ///< simulated [s]
-  double computed = 0;  ///< processor time [s]
-  double cycle = 0;     ///< mean processor time of a cycle of an arm with its executor [us]
-  bool over = false;    ///< all oranges are packed, and both plans have ended
+  double time = 0;        ///< simulated [s]
+  double computed = 0;    ///< processor time [s]
+  double cycle = 0;       ///< mean processor time of a cycle of an arm with its executor [us]
+  double hand_cycle = 0;  ///< the same of a hand; 0: it has none
+  bool over = false;      ///< all oranges are packed, and both plans have ended
   bool stopped = false;
   std::string robot;
   double fault_begins = 0, fault_ends = 0;

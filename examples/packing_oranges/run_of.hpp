@@ -47,7 +47,8 @@ class Toucher {
 };
 
 /// How the fingers of a hand stand about the flange's axis [rad].
-inline constexpr double yaw_of_hand = 0;
+/// They point away from the box when the hand is over its arm's feed, the thumb to the box: beside a feed, no orange lies.
+inline constexpr double yaw_of_hand = 0.6;
 
 template <class R>
 class Run {
@@ -100,7 +101,11 @@ class Run {
   [[nodiscard]] static std::array<ArmBody, arms> bodies(const RunSettings& s) {
     std::array<ArmBody, arms> out{A::body(0), A::body(1)};
     if (s.hand)
-      for (ArmBody& b : out) b.hand = hand_body(around_a_ball(), b.flange, reach_of_gripper, yaw_of_hand);
+      for (ArmBody& b : out) {
+        b.hand = hand_body(around_a_ball(), b.flange, reach_of_gripper, yaw_of_hand);
+        b.home = {0.6,   -1.6,  1.8,
+                  -1.77, -1.57, 0};  // out of each other's way: a hand is wider than a gripper
+      }
     return out;
   }
   [[nodiscard]] double time() const { return skinctl::seconds<double>(world_.now()); }
@@ -169,6 +174,7 @@ class Run {
   }
   /// A cycle of the hands. How they stand to gravity is told by the arms' joints.
   void hold() {
+    const std::clock_t begun = std::clock();
     for (std::size_t a = 0; a < arms; ++a) {
       const auto& X = workers_[a]->hand();
       const auto down = [&](const skinctl::Xyz<double>& axis) { return -9.81 * axis.z; };
@@ -181,6 +187,8 @@ class Run {
       in.command = asked_of_hand_[a];
       world_.command(a, hands_[a]->step(in));
     }
+    held_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
+    ++holds_;
   }
   /// A person who is asked comes when the fault is over, and takes a second.
   bool answers(std::size_t a) {
@@ -215,7 +223,8 @@ class Run {
     out_.time = time();
     out_.computed = computed;
     out_.cycle = cycles_ > 0 ? 1e6 * computed_ / static_cast<double>(arms * cycles_) : 0;
-    out_.robot = R::name;
+    out_.hand_cycle = holds_ > 0 ? 1e6 * held_ / static_cast<double>(arms * holds_) : 0;
+    out_.robot = std::string(R::name) + (s_.hand ? " with Allegro hands" : "");
     if (s_.fault != Fault::none && s_.fault != Fault::slip)
       out_.fault_begins = s_.fault_at, out_.fault_ends = s_.fault_at + lasts_;
     for (std::size_t a = 0; a < arms; ++a) {
@@ -246,8 +255,8 @@ class Run {
   std::array<double, arms> next_touch_{}, touch_until_{}, square_{}, asked_since_{-1, -1};
   std::array<std::uint64_t, arms> samples_{};
   Outcome out_;
-  double lasts_ = 0, computed_ = 0;
-  std::uint64_t tick_ = 0, cycles_ = 0;
+  double lasts_ = 0, computed_ = 0, held_ = 0;
+  std::uint64_t tick_ = 0, cycles_ = 0, holds_ = 0;
   int slipped_ = -1;  ///< the orange
   bool dry_ = false;
 };

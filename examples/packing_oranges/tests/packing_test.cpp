@@ -100,6 +100,23 @@ TEST_CASE("packing_oranges: the same plan on another robot") {
     for (const auto& j : a.judged) CHECK(j.stiffness == doctest::Approx(j.truth).epsilon(0.05));
 }
 
+TEST_CASE("packing_oranges: the same plan with hands: thumb and two fingers hold, squeeze and judge") {
+  RunSettings s = few(4);
+  s.touch_every = 5;
+  with_hands(s);
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 4);
+  CHECK(o.worst_grip() > 3.5);
+  CHECK(o.worst_force() < 10);
+  CHECK(o.shake() > 0.5);
+  CHECK(o.shake() < 3);
+  CHECK(o.seconds_an_orange() < 10);
+  CHECK(o.arm[0].judged.size() + o.arm[1].judged.size() == 4);
+  for (const auto& a : o.arm)
+    for (const auto& j : a.judged) CHECK(j.stiffness == doctest::Approx(j.truth).epsilon(0.08));
+}
+
 TEST_CASE("packing_oranges: what slips is lost for the plan, which goes back and looks again") {
   RunSettings s = few(3);
   s.fault = Fault::slip;
