@@ -88,30 +88,40 @@ double reach(const Fingers& model, std::size_t finger, const Point& target, Join
 /// Postures along the closing of a grasp, from the smallest to the largest.
 struct Line {
   static constexpr std::size_t count = 12;
-  double least = 0, most = 1;
+  std::array<double, count> size{};  ///< as `GraspControl` measures it [m]
   std::array<JointPosition<N>, count> q{};
 
-  [[nodiscard]] JointPosition<N> at(double size) const noexcept {
-    const double x = (size - least) / (most - least);
-    const double on = !(x > 0) ? 0 : x < 1 ? x * (count - 1) : count - 1;
-    const std::size_t k = on < count - 2 ? static_cast<std::size_t>(on) : count - 2;
-    const double u = on - static_cast<double>(k);
+  [[nodiscard]] JointPosition<N> at(double s) const noexcept {
+    std::size_t k = 0;
+    while (k + 2 < count && s > size[k + 1]) ++k;
+    const double x = (s - size[k]) / (size[k + 1] - size[k]), u = !(x > 0) ? 0 : x < 1 ? x : 1;
     return JointPosition<N>::generate([&](std::size_t i) { return (1 - u) * q[k][i] + u * q[k + 1][i]; });
   }
 };
+/// The mean distance of the fingertips that take part from their middle.
+double size_of(const std::array<Point, 4>& tip, const std::array<double, 4>& takes_part) {
+  double fingers = 0, out = 0;
+  Point middle{0, 0, 0};
+  for (std::size_t f = 0; f < 4; ++f) fingers += takes_part[f], middle = middle + takes_part[f] * tip[f];
+  for (std::size_t f = 0; f < 4; ++f)
+    out += takes_part[f] / fingers * norm(Point(tip[f] - (1 / fingers) * middle));
+  return out;
+}
 Line line_of(const Fingers& model, const Grasp& g) {
-  Line out{g.least, g.most, {}};
+  Line out;
+  const auto tips = tips_in_links();
   JointPosition<N> q(g.posture);
   for (std::size_t k = Line::count; k-- > 0;) {
-    const double size = g.least + (g.most - g.least) * static_cast<double>(k) / (Line::count - 1);
-    double mean = 0, fingers = 0;
-    for (std::size_t f = 0; f < 4; ++f) mean += g.takes_part[f] * norm(g.away[f]), fingers += g.takes_part[f];
+    const double far = g.least + (g.most - g.least) * static_cast<double>(k) / (Line::count - 1);
     for (std::size_t f = 0; f < 4; ++f) {
       if (!(g.takes_part[f] > 0)) continue;
-      const double off = reach(model, f, g.centre + (size * fingers / mean) * g.away[f], q);
+      const double off = reach(model, f, g.centre + (far * g.away[f] + g.beside[f]), q);
       require(off < 5e-4, "Hand: a fingertip stays away from its place in the grasp", off, "< 0.0005 m");
     }
     out.q[k] = q;
+    out.size[k] = size_of(stance(model, tips, q).tip, g.takes_part);
+    require(k + 1 == Line::count || out.size[k] < out.size[k + 1], "Hand: size of a grasp that closes",
+            out.size[k], "less from posture to posture");
   }
   return out;
 }
@@ -238,7 +248,8 @@ class Firmware {
   static constexpr double touched = 0.3, lost = 0.12;  // [N]
   static constexpr double filter = 0.006, steady = 0.03;
 
-  explicit Firmware(double size) : wanted_(size) {}
+  /// @param most  size of the open grasp [m].
+  explicit Firmware(double most) : most_(most), wanted_(most) {}
 
   /// @param force, least  mean force of the fingertips that take part, and the least of them.
   double step(const GripperCommand& c, double size, double force, double least, Nanoseconds now, double dt) {
@@ -250,7 +261,7 @@ class Firmware {
       if (!closes_) holds_ = false, wanted_ = size;
     }
     force_ += dt / (filter + dt) * (force - force_);
-    const double target = goal_.opening / 2 + tip_radius;
+    const double target = std::min(goal_.opening / 2 + tip_radius, most_);
     least_ += dt / (filter + dt) * (least - least_);
     if (!holds_ && closes_ && force_ > touched && least_ > lost) holds_ = true;
     if (holds_ && force_ < lost) holds_ = false, wanted_ = size;
@@ -284,7 +295,7 @@ class Firmware {
 
   GripperGoal goal_{hand_range.opening, 1, 0.05};
   GripperState state_{};
-  double wanted_, force_ = 0, least_ = 0, internal_ = 0, right_for_ = 0;
+  double most_, wanted_, force_ = 0, least_ = 0, internal_ = 0, right_for_ = 0;
   std::uint32_t count_ = 0;
   bool closes_ = false, holds_ = false;
   Springs springs_ = Springs::shape;
@@ -294,7 +305,7 @@ class Firmware {
 Grasp around_a_ball() {
   const double c = 0.5, s = std::sqrt(0.75);
   Grasp g;
-  g.name = "ball";
+  g.name = "thumb and two fingers";
   g.takes_part = {1, 0, 1, 1};
   g.centre = {0.053, 0, 0.04};
   g.away = {Point{0, s, c}, Point{0, 0, 0}, Point{0, -s, c}, Point{0, 0, -1}};
@@ -322,7 +333,7 @@ HandBody hand_body(const Grasp& grasp, double flange, double reach, double yaw) 
   out.takes_part = grasp.takes_part;
   out.lower = adapters::allegro::lower;
   out.upper = adapters::allegro::upper;
-  const auto open = line_of(model, grasp).at(grasp.most);
+  const auto open = line_of(model, grasp).q.back();
   for (std::size_t i = 0; i < N; ++i) out.start[i] = open[i];
   // The palm faces along the flange's axis, the fingers across it.
   const double s = std::sin(yaw), c = std::cos(yaw);
@@ -337,6 +348,14 @@ HandBody hand_body(const Grasp& grasp, double flange, double reach, double yaw) 
   return out;
 }
 
+std::array<std::array<Point, 5>, 4> skeleton(const JointPosition<N>& q) {
+  const Stance s = stance(allegro::hand(side), tips_in_links(), q);
+  std::array<std::array<Point, 5>, 4> out{};
+  for (std::size_t i = 0; i < N; ++i) out[i / 4][i % 4] = s.axis[i].at;
+  for (std::size_t f = 0; f < 4; ++f) out[f][4] = s.tip[f];
+  return out;
+}
+
 struct Hand::Parts {
   Grasp grasp;
   Fingers model = allegro::hand(side);
@@ -348,7 +367,10 @@ struct Hand::Parts {
   Nanoseconds last{};
 
   Parts(const Grasp& g, const State<N>& measured)
-      : grasp(g), cycle(make_cycle(g)), memory(std::make_unique<Scene::Memory>()), firmware(g.most) {
+      : grasp(g),
+        cycle(make_cycle(g)),
+        memory(std::make_unique<Scene::Memory>()),
+        firmware(cycle.law().line().size.back()) {
     cycle.start(*memory, measured);
     last = measured.time;
   }
@@ -361,17 +383,12 @@ Hand::Hand(Hand&&) noexcept = default;
 JointTorque<N> Hand::step(const Input& in) {
   Parts& p = *parts_;
   double force = 0, fingers = 0, least = 1e3;
-  Point centre{0, 0, 0};
-  const Stance s = stance(p.model, p.tips, in.measured.q);
   for (std::size_t f = 0; f < 4; ++f) {
     const double w = p.grasp.takes_part[f];
     force += w * in.tips[f], fingers += w;
     if (w > 0) least = std::min(least, in.tips[f]);
-    centre = centre + w * s.tip[f];
   }
-  double size = 0;
-  for (std::size_t f = 0; f < 4; ++f)
-    size += p.grasp.takes_part[f] / fingers * norm(Point(s.tip[f] - (1 / fingers) * centre));
+  const double size = size_of(stance(p.model, p.tips, in.measured.q).tip, p.grasp.takes_part);
   const double dt = seconds<double>(in.measured.time - p.last);
   p.last = in.measured.time;
   typename Scene::Input input;

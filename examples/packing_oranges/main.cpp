@@ -1,8 +1,10 @@
 // Two simulated arms with grippers and skin pack oranges: the good into the box, the bad into a bin.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
+#include "examples/packing_oranges/grasps.hpp"
 #include "examples/packing_oranges/report.hpp"
 #include "examples/packing_oranges/teach.hpp"
 #include "examples/support/job.hpp"
@@ -29,6 +31,15 @@ int run(const RunSettings& settings, const std::string& robot, const std::string
   const bool lost = settings.fault == Fault::none && out.lost() > 0;
   return code(lost || out.worst_grip() > 10 || out.shake() > 3 ? Exit::broken : Exit::fine);
 }
+int show_grasps(std::uint64_t seed, const std::string& page) {
+  const auto trials = three_grasps();
+  std::vector<GraspFigures> figures;
+  for (const auto& t : trials) figures.push_back(try_grasp(t, {.seed = seed}));
+  std::fputs(summary(figures).c_str(), stdout);
+  if (!page.empty() && !plotting::write_svg(page, picture(trials, figures))) return code(Exit::refused);
+  const bool held = std::all_of(figures.begin(), figures.end(), [](const auto& f) { return f.held; });
+  return code(held ? Exit::fine : Exit::broken);
+}
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -36,7 +47,7 @@ int main(int argc, char** argv) {
   app.footer(examples::job::exit_help());
   RunSettings s;
   std::string robot = "ur5", fault = "none", page, gripper = "measures";
-  bool quiet = false, taught = false;
+  bool quiet = false, taught = false, grasps = false;
   app.add_option("--oranges", s.supply.oranges, "how many")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -61,6 +72,9 @@ int main(int argc, char** argv) {
                  "Allegro hands")
       ->check(CLI::IsMember({"measures", "open_or_closed", "hand"}))
       ->capture_default_str();
+  app.add_flag("--grasps", grasps,
+               "instead: three grasps of a hand on three objects, shaken and turned over; --report: their "
+               "picture (SVG)");
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
   try {
@@ -69,6 +83,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : code(Exit::refused);
   }
   try {
+    if (grasps) return show_grasps(s.seed, page);
     s.fault = fault_named(fault);
     s.keep_path = !page.empty();
     if (gripper == "hand") with_hands(s);

@@ -20,6 +20,7 @@ constexpr double finger_reach = 0.16;  // from the flange to the point between t
 constexpr double orange_mass = 0.18;
 constexpr double dry = 0.8;  // friction of an orange
 
+constexpr int the_thing = 1000;   // among the numbers of oranges
 constexpr std::size_t parts = 5;  // of an arm, as contacts tell them apart: its fingertips, and all else
 
 // Collision classes. The links of an arm do not meet each other: its limits keep them apart.
@@ -127,7 +128,17 @@ void write_tray(std::string& xml, const Tray& t) {
       wall(t.x, t.y + t.half_y + half, t.half_x + 2 * half, half);
 }
 
-std::string world_text(const std::array<ArmBody, arms>& bodies) {
+std::string thing_text(const Thing& t) {
+  if (t.shape == Thing::Shape::none) return "";
+  constexpr const char* shapes[] = {"", "sphere", "cylinder", "box"};
+  const Xyz<double> size = t.shape == Thing::Shape::cylinder ? Xyz<double>{t.half.x, t.half.z, 0} : t.half;
+  return std::string("<body name='thing' pos='5 1 1'><freejoint/><geom name='thing' type='") +
+         shapes[static_cast<std::size_t>(t.shape)] + "' size='" + list(size) + "' mass='" + list({t.mass}) +
+         "' priority='1' condim='6' friction='" + list({dry, 0.01, 0.0005}) + "' solimp='" +
+         list({solid, solid, 0.001, 0.5, 2}) + "'" + collides(is_orange, is_table) + "/></body>";
+}
+
+std::string world_text(const std::array<ArmBody, arms>& bodies, const Thing& thing) {
   std::string xml =
       "<mujoco><compiler angle='radian' balanceinertia='true'/><size njmax='600' nconmax='150'/>"
       "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>"
@@ -145,7 +156,7 @@ std::string world_text(const std::array<ArmBody, arms>& bodies) {
            std::to_string(k) + "' type='sphere' size='0.038' mass='" + list({orange_mass}) +
            "' priority='1' condim='6' friction='" + list({dry, 0.01, 0.0005}) + "' solimp='" + soft + "'" +
            collides(is_orange, is_table | is_orange) + "/></body>";
-  xml += "</worldbody><equality>";
+  xml += thing_text(thing) + "</worldbody><equality>";
   for (std::size_t arm = 0; arm < arms; ++arm)
     if (!bodies[arm].hand)
       xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
@@ -164,6 +175,7 @@ struct World::Bodies {
     bool has_hand = false;
     std::array<int, 16> finger_q{}, finger_v{};
     skinctl::JointTorque<16> torque, next_torque;
+    std::array<double, 4> true_tips{};
     std::array<double, 4> tips{};                                // readings
     Xyz<double> grasps{0, 0, finger_reach};                      // the point between the fingers, in the palm
     std::array<double, 6> inertia{};                             // of each joint, at home
@@ -190,15 +202,18 @@ struct World::Bodies {
   mjData* data = nullptr;
   std::array<Arm, arms> arm;
   std::array<Slot, arms * slots> slot;
-  std::vector<int> owner;      // of each geom: parts * arm + (1 on: fingertip), or -1
-  std::vector<int> orange_of;  // of each geom, or -1
+  std::vector<int> owner;          // of each geom: parts * arm + (1 on: fingertip), or -1
+  std::vector<int> orange_of;      // of each geom, or -1
+  int thing_q = -1, thing_v = -1;  // addresses
+  std::array<double, 7> thing_rests{5, 1, 1, 1, 0, 0, 0};
+  bool thing_held = true;  // by a person
   std::mt19937_64 random;
   std::normal_distribution<double> normal;
   std::int64_t ticks = 0;
 
   Bodies(const std::array<ArmBody, arms>& bodies, const WorldSettings& s, std::uint64_t seed)
       : settings(s), random(seed) {
-    const std::string xml = world_text(bodies);
+    const std::string xml = world_text(bodies, settings.thing);
     const auto files = std::make_unique<mjVFS>();
     mj_defaultVFS(files.get());
     char error[500] = "";
@@ -269,6 +284,21 @@ struct World::Bodies {
       for (std::size_t i = 0; i < 7; ++i) o.rests[i] = data->qpos[o.q + static_cast<int>(i)];
       collide(o, false);
     }
+    if (settings.thing.shape != Thing::Shape::none) find_thing();
+  }
+  void find_thing() {
+    const int body = id(mjOBJ_BODY, "thing"), geom = id(mjOBJ_GEOM, "thing");
+    thing_q = model->jnt_qposadr[model->body_jntadr[body]];
+    thing_v = model->jnt_dofadr[model->body_jntadr[body]];
+    orange_of[static_cast<std::size_t>(geom)] = the_thing;
+    stiffen(geom, body, arm[0].tip[0], settings.thing.stiffness);
+  }
+  /// The stiffness as a constraint's: it counts the inverse masses of both bodies, as MuJoCo approximates them.
+  void stiffen(int geom, int body, int finger, double stiffness) {
+    const double A = model->body_invweight0[2 * body] + model->body_invweight0[2 * finger];
+    const double stiff = stiffness * A * (1 - solid);
+    model->geom_solref[2 * geom] = -stiff;
+    model->geom_solref[2 * geom + 1] = -2 * std::sqrt(stiff);
   }
   void find_hand(Arm& m, std::size_t a, const HandBody& hand) {
     for (std::size_t i = 0; i < 16; ++i) {
@@ -386,7 +416,7 @@ struct World::Bodies {
         double f[6];
         mj_contactForce(model, data, c, f);
         force[a][part] += f[0];
-        slot[static_cast<std::size_t>(orange)].touched = now();
+        if (orange != the_thing) slot[static_cast<std::size_t>(orange)].touched = now();
       }
     }
     for (std::size_t a = 0; a < arms; ++a) {
@@ -399,6 +429,7 @@ struct World::Bodies {
         sum += m.holds[f] * F, fingers += m.holds[f];
         largest = std::max(largest, F);
         hold += F > 0.2;
+        if (m.has_hand) m.true_tips[f] = F;
         if (m.has_hand) m.tips[f] = std::max(0.0, F + settings.force_noise * normal(random));
       }
       r.force = sum / fingers;
@@ -431,6 +462,10 @@ struct World::Bodies {
     }
     for (const Slot& o : slot)
       if (o.frozen) rest(o);
+    if (thing_q >= 0 && thing_held) {
+      std::copy(thing_rests.begin(), thing_rests.end(), data->qpos + thing_q);
+      std::fill_n(data->qvel + thing_v, 6, 0.0);
+    }
   }
   void rest(const Slot& o) const {
     std::copy(o.rests.begin(), o.rests.end(), data->qpos + o.q);
@@ -482,6 +517,9 @@ skinctl::State<16> World::fingers(std::size_t arm) const {
   }
   return s;
 }
+const std::array<double, 4>& World::true_tips(std::size_t arm) const {
+  return b_->arm[arm].true_tips;
+}
 const std::array<double, 4>& World::tips(std::size_t arm) const {
   return b_->arm[arm].tips;
 }
@@ -521,6 +559,34 @@ void World::clear_shake(std::size_t arm) {
   b_->arm[arm].record.square = 0, b_->arm[arm].record.samples = 0;
 }
 
+namespace {
+skinctl::Transform<skinctl::World, skinctl::Tool> pose_of(const double* p, const double* R) {
+  return {{{R[0], R[3], R[6]}, {R[1], R[4], R[7]}, {R[2], R[5], R[8]}}, {p[0], p[1], p[2]}};
+}
+}  // namespace
+void World::put_thing(const skinctl::Transform<skinctl::World, skinctl::Tool>& X) {
+  Bodies& b = *b_;
+  const auto &x = X.axis_x(), &y = X.axis_y(), &z = X.axis_z(), &p = X.origin();
+  const double R[9] = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
+  double q[4];
+  mju_mat2Quat(q, R);
+  b.thing_rests = {p.x, p.y, p.z, q[0], q[1], q[2], q[3]};
+  b.thing_held = true;
+  b.freeze();
+}
+void World::let_go_of_thing() {
+  b_->thing_held = false;
+}
+skinctl::Transform<skinctl::World, skinctl::Tool> World::thing() const {
+  double R[9];
+  mju_quat2Mat(R, b_->data->qpos + b_->thing_q + 3);
+  return pose_of(b_->data->qpos + b_->thing_q, R);
+}
+skinctl::Transform<skinctl::World, skinctl::Tool> World::palm(std::size_t arm) const {
+  const int body = b_->arm[arm].palm;
+  return pose_of(b_->data->xpos + 3 * body, b_->data->xmat + 9 * body);
+}
+
 void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
   Bodies& b = *b_;
   Bodies::Slot& o = b.slot[k];
@@ -528,12 +594,7 @@ void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
   o.touched = skinctl::Nanoseconds(-1);
   o.rests = {p.x, p.y, p.z + orange.radius, 1, 0, 0, 0};
   b.model->geom_size[3 * o.geom] = b.model->geom_rbound[o.geom] = orange.radius;
-  // The stiffness as a constraint's: it counts the inverse masses of both bodies, as MuJoCo approximates them.
-  const double A =
-      b.model->body_invweight0[2 * o.body] + b.model->body_invweight0[2 * b.arm[k / slots].tip[0]];
-  const double stiff = orange.stiffness * A * (1 - solid);
-  b.model->geom_solref[2 * o.geom] = -stiff;
-  b.model->geom_solref[2 * o.geom + 1] = -2 * std::sqrt(stiff);
+  b.stiffen(o.geom, o.body, b.arm[k / slots].tip[0], orange.stiffness);
   b.model->geom_friction[3 * o.geom] = dry;
   b.collide(o, false);
   b.rest(o);
