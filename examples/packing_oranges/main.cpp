@@ -60,6 +60,8 @@ int main(int argc, char** argv) {
                  "measures: the opening as well as the force; open_or_closed: the force over time")
       ->check(CLI::IsMember({"measures", "open_or_closed"}))
       ->capture_default_str();
+  app.add_flag("!--unseen", s.see_each_other,
+               "the arms do not keep clear of each other: only the order at the box keeps them apart");
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
   try {
