@@ -141,6 +141,7 @@
 #include "skinctl/tactile/patch.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/region.hpp"
+#include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/skin_contact.hpp"
