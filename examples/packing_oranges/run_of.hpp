@@ -140,7 +140,7 @@ class Run {
     for (std::size_t a = 0; a < arms; ++a) {
       Worker<R>& w = *workers_[a];
       const bool resume = w.asks() && answers(a);
-      w.gives_way(places_.holder[0] == a || (places_.holder[0] != 1 - a && a == 0));
+      w.goes_first(places_.holder[0] == a || (places_.holder[0] != 1 - a && a == 0));
       if (s_.see_each_other)
         w.keep_clear_of(world_.now(), workers_[1 - a]->occupied());
       else

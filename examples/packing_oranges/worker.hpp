@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
 #include "skinctl/semantics/resources.hpp"
@@ -71,9 +72,9 @@ class Worker {
   }
 
   /// Whether the other arm goes first where the two are in each other's way.
-  void gives_way(bool first) { patience_ = first ? 1600ms : 400ms; }
+  void goes_first(bool first) { way_.goes_first(first); }
   /// How often it went aside for the other arm.
-  [[nodiscard]] int went_aside() const { return went_aside_; }
+  [[nodiscard]] int went_aside() const { return way_.times(); }
   /// What its links and hand may fill until it stands, if it brakes now; and what the other arm may fill.
   [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, X_WB_); }
   template <class Filled>
@@ -91,8 +92,7 @@ class Worker {
     gripper_ = gripper;
     const auto was = X_WH_.origin();
     X_WH_ = X_WB_ * A::hand(measured.q);
-    const bool stands = norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008;
-    if (!kept_ || !stands) free_since_ = now;
+    way_.step(now, kept_, norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
     const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
     features_ = extractor_.step(featured_, objects_, known_, hand);
     // Without an opening: what the fingers close at their constant speed.
@@ -168,8 +168,8 @@ class Worker {
     if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
     if (report_.phase != skinctl::SkillPhase::running) return;
     if (parts_.empty()) return look();
-    if (now_ < aside_until_) return;
-    if (asked_ && parts_[part_].moves && now_ - free_since_ > patience_) return go_aside();
+    if (way_.is_aside()) return;
+    if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside();
     const auto told = Set::report_of(memory_->law, ticket_);
     if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
     if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
@@ -191,8 +191,7 @@ class Worker {
     ask();
     std::swap(parts_[part_], aside);
     asked_ = false;
-    aside_until_ = free_since_ = now_ + 1500ms;
-    ++went_aside_;
+    way_.go();
   }
   /// The current part's request, to the cycle.
   void ask() {
@@ -341,11 +340,10 @@ class Worker {
   std::size_t part_ = 0;
   std::uint16_t ticket_ = 0;
   bool asked_ = false, answer_ = true, judging_ = false, kept_ = false;
-  int went_aside_ = 0;
+  RightOfWay way_;
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
   skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{};
-  skinctl::Nanoseconds free_since_{}, aside_until_{}, patience_{400ms};
   std::vector<Done> done_;
   std::vector<Judged> judged_;
 };

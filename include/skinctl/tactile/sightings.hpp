@@ -53,39 +53,57 @@ class Sightings {
   template <class Reading, std::size_t Most>
   std::size_t look(const JointPosition<joints, T>& q, const Reading& reading,
                    Surroundings<Most, Base, T>& out) const noexcept {
+    const std::size_t known = out.count < Most ? out.count : Most, room = Most - known;
+    T strength[Most == 0 ? 1 : Most]{};
+    std::size_t seen = 0;
+    visit(q, reading, out, known,
+          [&](std::size_t, const T& r, const Xyz<T>& p, const Xyz<T>& n, bool is_known) {
+            if (is_known) return;
+            ++seen;
+            std::size_t at = seen - 1 < room ? seen - 1 : room;
+            while (at > 0 && strength[at - 1] < r) --at;
+            if (at >= room) return;
+            const std::size_t last = seen - 1 < room ? seen - 1 : room - 1;
+            for (std::size_t k = last; k > at; --k) {
+              strength[k] = strength[k - 1];
+              out.obstacles[known + k] = out.obstacles[known + k - 1];
+            }
+            strength[at] = r;
+            const Xyz<T> centre = p + (T(s_.range) * (T(1) - r) - T(s_.error) + T(s_.radius)) * n;
+            out.obstacles[known + at] = {{centre, centre, T(s_.radius)}, T(s_.approach)};
+          });
+    if (out.count <= Most) out.count = static_cast<std::uint32_t>(known + (seen < room ? seen : room));
+    return seen;
+  }
+  /// Calls `drop(i)` for each cell whose reading one of the obstacles `known` explains: its proximity is to count as
+  /// nothing, for a law that gives way to what is foreign.
+  template <class Reading, std::size_t Most, class Drop>
+  void each_known(const JointPosition<joints, T>& q, const Reading& reading,
+                  const Surroundings<Most, Base, T>& known, const Drop& drop) const noexcept {
+    visit(q, reading, known, known.count < Most ? known.count : Most,
+          [&](std::size_t i, const T&, const Xyz<T>&, const Xyz<T>&, bool is_known) {
+            if (is_known) drop(i);
+          });
+  }
+
+ private:
+  /// Calls `f(cell, reading, place, normal, whether it is known)` for each reading that is something.
+  template <class Reading, std::size_t Most, class F>
+  void visit(const JointPosition<joints, T>& q, const Reading& reading,
+             const Surroundings<Most, Base, T>& known, std::size_t count, const F& f) const noexcept {
     const Poses<M, all_links(joints), T> poses(model_, q);
     Transform<Base, Link<0>, T> pose[joints];
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       ((pose[I] = poses.template get<I>().template renamed<Base, Link<0>>()), ...);
     }(std::make_index_sequence<joints>{});
-    const std::size_t known = out.count < Most ? out.count : Most, room = Most - known;
-    T strength[Most == 0 ? 1 : Most]{};
-    std::size_t seen = 0;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const T r = static_cast<T>(reading(i));
       if (!(r >= T(s_.least))) continue;
       const auto& X = pose[cells_[i].link];
       const Xyz<T> p = X.origin() + X.axes() * cells_[i].place, n = X.axes() * cells_[i].normal;
-      const T far = T(s_.range) * (T(1) - r), d = far - T(s_.error);
-      if (explained(p, n, far, out, known)) continue;
-      ++seen;
-      std::size_t at = seen - 1 < room ? seen - 1 : room;
-      while (at > 0 && strength[at - 1] < r) --at;
-      if (at >= room) continue;
-      const std::size_t last = seen - 1 < room ? seen - 1 : room - 1;
-      for (std::size_t k = last; k > at; --k) {
-        strength[k] = strength[k - 1];
-        out.obstacles[known + k] = out.obstacles[known + k - 1];
-      }
-      strength[at] = r;
-      const Xyz<T> centre = p + (d + T(s_.radius)) * n;
-      out.obstacles[known + at] = {{centre, centre, T(s_.radius)}, T(s_.approach)};
+      f(i, r, p, n, explained(p, n, T(s_.range) * (T(1) - r), known, count));
     }
-    if (out.count <= Most) out.count = static_cast<std::uint32_t>(known + (seen < room ? seen : room));
-    return seen;
   }
-
- private:
   struct Cell {
     std::size_t link;
     Xyz<T> place, normal;
