@@ -75,6 +75,8 @@ int main(int argc, char** argv) {
   app.add_flag("--grasps", grasps,
                "instead: three grasps of a hand on three objects, shaken and turned over; --report: their "
                "picture (SVG)");
+  app.add_flag("!--unseen", s.see_each_other,
+               "the arms do not keep clear of each other: only the order at the box keeps them apart");
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
   try {

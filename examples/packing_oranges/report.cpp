@@ -67,9 +67,10 @@ std::string summary(const Outcome& o, const RunSettings& s) {
     const ArmOutcome& m = o.arm[a];
     out += text(
         "arm %zu: %zu judged, %d steps failed, %d times back, %d times asked; waited %.1f s for the box; "
-        "touched %d times; %llu ms at walls, %llu ms at the other arm\n",
+        "touched %d times; %llu ms at walls, %llu ms at the other arm, went "
+        "aside for it %d times\n",
         a + 1, m.judged.size(), failed(m), went_back(m), m.asked, m.waited, m.touches,
-        static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm));
+        static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm), m.went_aside);
     out += failures(m);
   }
   if (s.fault != Fault::none)

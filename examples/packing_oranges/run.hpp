@@ -21,11 +21,12 @@ struct RunSettings {
   DetectorSettings detector{};
   WorkSettings work{};
   std::uint64_t seed = 1;
-  double touch_every = 20;   ///< a person pushes each forearm so often [s]; 0: never
-  double touch_force = 12;   ///< [N]
-  double touch_lasts = 0.6;  ///< [s]
-  bool hand = false;         ///< Allegro hands instead of grippers
-  double skin_noise = 0.1;   ///< deviation of a cell's force [N]
+  double touch_every = 20;     ///< a person pushes each forearm so often [s]; 0: never
+  double touch_force = 12;     ///< [N]
+  double touch_lasts = 0.6;    ///< [s]
+  bool hand = false;           ///< Allegro hands instead of grippers
+  double skin_noise = 0.1;     ///< deviation of a cell's force [N]
+  bool see_each_other = true;  ///< false: only places and their order keep the arms apart
   Fault fault = Fault::none;
   double fault_at = 12;    ///< [s]
   double fault_lasts = 0;  ///< [s]; 0: as long as is usual for it
@@ -50,6 +51,7 @@ struct ArmOutcome {
   double waited = 0;                       ///< for the box [s]
   double busy = 0;                         ///< until its last orange was done [s]
   int touches = 0, asked = 0;              ///< how often it was touched, and a person was asked
+  int went_aside = 0;                      ///< how often, for the other arm
   std::uint64_t other_arm = 0, walls = 0;  ///< milliseconds in contact
   struct Point {
     double t = 0, x = 0, y = 0, z = 0, force = 0, opening = 0;

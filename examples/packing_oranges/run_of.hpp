@@ -160,6 +160,11 @@ class Run {
     for (std::size_t a = 0; a < arms; ++a) {
       Worker<R>& w = *workers_[a];
       const bool resume = w.asks() && answers(a);
+      w.goes_first(places_.holder[0] == a || (places_.holder[0] != 1 - a && a == 0));
+      if (s_.see_each_other)
+        w.keep_clear_of(world_.now(), workers_[1 - a]->occupied());
+      else
+        w.keep_clear_of(world_.now(), skinctl::Surroundings<1, skinctl::World>{});
       const auto out = w.step(world_.now(), world_.joints(a), gripper(a), touchers_[a]->samples(world_.now()),
                               places.grants[a].granted, resume);
       if (out.command.valid) world_.command(a, out.command.position, out.command.velocity);
@@ -235,6 +240,7 @@ class Run {
       o.shake = samples_[a] > 0 ? std::sqrt(square_[a] / static_cast<double>(samples_[a])) : 0;
       o.other_arm = world_.record(a).other_arm;
       o.walls = world_.record(a).walls;
+      o.went_aside = workers_[a]->went_aside();
       for (const Packed& p : out_.ended)
         if (p.arm == a) o.busy = std::max(o.busy, p.time);
     }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
 #include "skinctl/semantics/resources.hpp"
@@ -74,13 +75,28 @@ class Worker {
     return out;
   }
 
+  /// Whether the other arm goes first where the two are in each other's way.
+  void goes_first(bool first) { way_.goes_first(first); }
+  /// How often it went aside for the other arm.
+  [[nodiscard]] int went_aside() const { return way_.times(); }
+  /// What its links and hand may fill until it stands, if it brakes now; and what the other arm may fill.
+  [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, X_WB_); }
+  template <class Filled>
+  void keep_clear_of(skinctl::Nanoseconds now, const Filled& other) {
+    input_.around.count = 0;
+    input_.around.time = now;
+    input_.around.add(X_WB_.inverse(), other);
+  }
+
   /// A cycle.
   typename Scene::Output step(skinctl::Nanoseconds now, const skinctl::State<6>& measured,
                               const skinctl::GripperState& gripper,
                               std::span<const skinctl::CellSample> samples, bool granted, bool resume) {
     now_ = now;
     gripper_ = gripper;
+    const auto was = X_WH_.origin();
     X_WH_ = X_WB_ * A::hand(measured.q);
+    way_.step(now, kept_, norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
     const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
     features_ = extractor_.step(featured_, objects_, known_, hand);
     // Without an opening: what the fingers close at their constant speed.
@@ -105,6 +121,7 @@ class Worker {
     input_.samples = samples;
     input_.gripper = gripper;
     const auto out = scene_.step(*memory_, input_);
+    kept_ = out.status.has(skinctl::Reason::clearance_kept);
     return out;
   }
 
@@ -155,6 +172,8 @@ class Worker {
     if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
     if (report_.phase != skinctl::SkillPhase::running) return;
     if (parts_.empty()) return look();
+    if (way_.is_aside()) return;
+    if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside();
     const auto told = Set::report_of(memory_->law, ticket_);
     if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
     if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
@@ -166,6 +185,17 @@ class Worker {
   void end(bool well) {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
     judging_ = false;
+  }
+  /// The other arm is in the way, and this one in its: back towards its own base for a while, then the same part again.
+  void go_aside() {
+    Part aside{parts_[part_].request, true, X_WH_.origin()};
+    aside.to.x = -side(arm_) * (R::stands - 0.32);
+    if (aside.to.z < s_.carry) aside.to.z = s_.carry;
+    std::swap(parts_[part_], aside);
+    ask();
+    std::swap(parts_[part_], aside);
+    asked_ = false;
+    way_.go();
   }
   /// The current part's request, to the cycle.
   void ask() {
@@ -317,7 +347,8 @@ class Worker {
   std::vector<Part> parts_;
   std::size_t part_ = 0;
   std::uint16_t ticket_ = 0;
-  bool asked_ = false, answer_ = true, judging_ = false;
+  bool asked_ = false, answer_ = true, judging_ = false, kept_ = false;
+  RightOfWay way_;
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
   skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{};

@@ -24,8 +24,9 @@ constexpr int the_thing = 1000;   // among the numbers of oranges
 constexpr std::size_t parts = 5;  // of an arm, as contacts tell them apart: its fingertips, and all else
 
 // Collision classes. The links of an arm do not meet each other: its limits keep them apart.
-constexpr int is_table = 1, is_orange = 2, is_arm[arms] = {4, 8};
-constexpr int meets_arm[arms] = {is_table | is_orange | is_arm[1], is_table | is_orange | is_arm[0]};
+constexpr int is_table = 1, is_orange = 2, is_arm[arms] = {4, 8}, is_obstacle = 16;
+constexpr int meets_arm[arms] = {is_table | is_orange | is_obstacle | is_arm[1],
+                                 is_table | is_orange | is_obstacle | is_arm[0]};
 
 std::string list(std::initializer_list<double> values) {
   std::string out;
@@ -149,6 +150,9 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const Thing& thi
     write_tray(xml, bin_tray(arm));
     write_arm(xml, arm, bodies[arm]);
   }
+  xml +=
+      "<body name='obstacle' mocap='true' pos='0 0 9'><geom name='obstacle' type='capsule' size='0.04 0.2'" +
+      collides(is_obstacle, 0) + "/></body>";
   const std::string soft = list({solid, solid, 0.001, 0.5, 2});
   for (std::size_t k = 0; k < arms * slots; ++k)
     xml += "<body name='orange" + std::to_string(k) + "' pos='" +
@@ -206,7 +210,9 @@ struct World::Bodies {
   std::vector<int> orange_of;      // of each geom, or -1
   int thing_q = -1, thing_v = -1;  // addresses
   std::array<double, 7> thing_rests{5, 1, 1, 1, 0, 0, 0};
-  bool thing_held = true;  // by a person
+  bool thing_held = true;                                  // by a person
+  int obstacle = -1, obstacle_at = 0;                      // geom, and its place among the moved bodies
+  std::array<bool, arms> meets_other{}, meets_obstacle{};  // a millisecond ago
   std::mt19937_64 random;
   std::normal_distribution<double> normal;
   std::int64_t ticks = 0;
@@ -239,6 +245,8 @@ struct World::Bodies {
   [[nodiscard]] int id(int kind, const std::string& of) const { return mj_name2id(model, kind, of.c_str()); }
   void find(const std::array<ArmBody, arms>& bodies) {
     owner.assign(static_cast<std::size_t>(model->ngeom), -1);
+    obstacle = id(mjOBJ_GEOM, "obstacle");
+    obstacle_at = model->body_mocapid[id(mjOBJ_BODY, "obstacle")];
     orange_of = owner;
     for (std::size_t a = 0; a < arms; ++a) {
       Arm& m = arm[a];
@@ -396,7 +404,8 @@ struct World::Bodies {
   /// Forces of the fingers, and who touches whom.
   void look_at_contacts() {
     std::array<std::array<double, parts>, arms> force{};
-    std::array<bool, arms> walls{}, other{};
+    std::array<bool, arms> walls{}, other{}, blocked{};
+    std::array<double, arms> into_other{}, into_obstacle{};
     for (int c = 0; c < data->ncon; ++c) {
       const mjContact& contact = data->contact[c];
       const auto g1 = static_cast<std::size_t>(contact.geom1), g2 = static_cast<std::size_t>(contact.geom2);
@@ -404,6 +413,17 @@ struct World::Bodies {
       if (o1 < 0 && o2 < 0) continue;
       if (o1 >= 0 && o2 >= 0) {
         other.fill(true);
+        for (const int g : {contact.geom1, contact.geom2}) {
+          double& into = into_other[static_cast<std::size_t>(owner[static_cast<std::size_t>(g)]) / parts];
+          into = std::max(into, speed_into(contact, g));
+        }
+        continue;
+      }
+      if (contact.geom1 == obstacle || contact.geom2 == obstacle) {
+        const auto a = static_cast<std::size_t>(o1 >= 0 ? o1 : o2) / parts;
+        blocked[a] = true;
+        into_obstacle[a] =
+            std::max(into_obstacle[a], speed_into(contact, o1 >= 0 ? contact.geom1 : contact.geom2));
         continue;
       }
       const auto mine = static_cast<std::size_t>(o1 >= 0 ? o1 : o2), a = mine / parts, part = mine % parts;
@@ -437,6 +457,9 @@ struct World::Bodies {
       if (hold > 1) r.worst_grip = std::max(r.worst_grip, largest);
       r.walls += walls[a];
       r.other_arm += other[a];
+      r.obstacle += blocked[a];
+      if (other[a] && !meets_other[a]) r.into_arm = into_other[a];
+      if (blocked[a] && !meets_obstacle[a]) r.into_obstacle = into_obstacle[a];
       double v[6];
       mj_objectVelocity(model, data, mjOBJ_BODY, m.tip[0], v, 0);
       const Xyz<double> tip{v[3], v[4], v[5]}, change = (1 / tick) * Xyz<double>(tip - m.tip_velocity);
@@ -444,6 +467,18 @@ struct World::Bodies {
       ++r.samples;
       m.tip_velocity = tip;
     }
+    meets_other = other, meets_obstacle = blocked;
+  }
+  /// How fast the point of geom `g` at a contact moves into the other side.
+  [[nodiscard]] double speed_into(const mjContact& contact, int g) const {
+    const int body = model->geom_bodyid[g];
+    double v[6], arm_to[3], turned[3];
+    mj_objectVelocity(model, data, mjOBJ_BODY, body, v, 0);
+    mju_sub3(arm_to, contact.pos, data->xpos + 3 * body);
+    mju_cross(turned, v, arm_to);
+    mju_addTo3(turned, v + 3);
+    const double along = mju_dot3(turned, contact.frame);  // the normal points from geom1 to geom2
+    return g == contact.geom1 ? along : -along;
   }
   /// Oranges far from every hand rest where they are, at no cost.
   void freeze() {
@@ -528,6 +563,21 @@ void World::push(std::size_t arm, std::size_t link, const Xyz<double>& at, const
   m.pushed = dot(force, force) > 0 ? m.body[link] : -1;
   m.push_at = at;
   m.push = force;
+}
+
+void World::put_obstacle(const skinctl::Capsule<>& shape) {
+  Bodies& b = *b_;
+  double* pos = b.data->mocap_pos + 3 * b.obstacle_at;
+  const Xyz<double> middle = 0.5 * (shape.from + shape.to), way = shape.to - shape.from;
+  const double length = norm(way);
+  const bool there = shape.radius > 0;
+  pos[0] = middle.x, pos[1] = middle.y, pos[2] = there ? middle.z : 9;
+  const double z[3] = {way.x, way.y, length > 0 ? way.z : 1};
+  mju_quatZ2Vec(b.data->mocap_quat + 4 * b.obstacle_at, z);
+  double* size = b.model->geom_size + 3 * b.obstacle;
+  size[0] = there ? shape.radius : 0.01;
+  size[1] = 0.5 * length;
+  b.model->geom_rbound[b.obstacle] = size[0] + size[1];
 }
 
 skinctl::State<6> World::joints(std::size_t arm) const {

@@ -45,6 +45,9 @@ struct ArmRecord {
   std::uint64_t samples = 0;    ///< ... so many milliseconds since `clear_shake`
   std::uint64_t other_arm = 0;  ///< milliseconds in which it touched the other arm
   std::uint64_t walls = 0;      ///< ... a wall or the table
+  std::uint64_t obstacle = 0;   ///< ... the obstacle
+  /// Speed with which its own point moved into the other arm, and into the obstacle, when they began to touch last [m/s].
+  double into_arm = 0, into_obstacle = 0;
 };
 
 class World {
@@ -67,6 +70,9 @@ class World {
   /// From now on this force [N] acts on a point of a link, both in the link's frame. Zero: none does.
   void push(std::size_t arm, std::size_t link, const skinctl::Xyz<double>& at,
             const skinctl::Xyz<double>& force);
+
+  /// Something in the way: it is there from now on, whatever it meets. A radius of 0: it is gone.
+  void put_obstacle(const skinctl::Capsule<>& shape);
 
   [[nodiscard]] skinctl::State<6> joints(std::size_t arm) const;
   [[nodiscard]] skinctl::GripperState gripper(std::size_t arm) const;
