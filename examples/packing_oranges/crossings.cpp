@@ -11,7 +11,7 @@
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/world.hpp"
-#include "skinctl/fusion/expression.hpp"
+#include "skinctl/control/spline_joint.hpp"
 #include "skinctl/tactile/sightings.hpp"
 
 namespace packing {
@@ -42,7 +42,7 @@ Capsule<> shape(std::size_t k) {
   return k < 6 ? R::shapes[k]
                : Capsule<>{{0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.08};
 }
-CellGains gains{.force = newtons_per_reading, .proximity = 3};
+CellGains gains{.force = newtons_per_reading, .proximity = 8};
 template <std::size_t K, std::size_t I = (K < 6 ? K : 5)>
 Patch<I, counts[K]> patch() {
   std::uint32_t first = 1;
@@ -54,6 +54,22 @@ Patch<I, counts[K]> patch() {
   }
   return Patch<I, counts[K]>(all, gains);
 }
+
+/// What is seen and not known is given way to by the whole arm: without a goal, the push of the cells moves every joint.
+struct GiveWay {
+  static constexpr const char* name = "give_way";
+};
+/// Back to the joints from where it gave way.
+struct Return {
+  static constexpr const char* name = "return";
+};
+constexpr auto skills = boost::hana::make_map(
+    skill<Return>(
+        recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::SplineJoint>())
+            .when({.finish = SkillFinish::settled, .hold = 16ms})),
+    skill<behaviour::Reaching>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>(),
+                                      load<controller::SplineOperational>())),
+    skill<GiveWay>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>())));
 
 auto scene() {
   const auto arm = A::robot();
@@ -68,10 +84,23 @@ auto scene() {
   o.tracking.max_velocity = JointVelocity<6>::constant(2.0);
   o.max_linear_velocity = 1.0;
   o.max_angular_velocity = 3.0;
-  return Cycle(arm, felt, GravityControl{} + SkinJointControl{} + SplineOperational(A::tool(), o))
-      .with(A::clearance());
+  return Cycle(
+             arm, felt,
+             skill_set<GiveWay>(
+                 skills, {.bumpless_transfer = 40ms}, skill_controller<controller::Gravity>(GravityControl{}),
+                 skill_controller<controller::SkinJoint>(SkinJointControl{}),
+                 skill_controller<controller::SplineJoint>(SplineJoint(arm)),
+                 skill_controller<controller::SplineOperational>(SplineOperational(A::tool(), o))))
+      .with([] {
+        auto c = A::clearance();
+        c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
+        c.own.pairs = {{0, 2}, {0, 4}, {0, 5}, {0, 6}, {1, 4}, {1, 5},
+                       {1, 6}, {2, 7}, {3, 7}, {4, 7}, {5, 7}, {6, 7}};
+        return c;
+      }());
 }
 using Scene = decltype(scene());
+using Set = Scene::law_type;
 
 /// Where the parts of an arm are, in the world.
 std::array<Capsule<>, 7> parts(std::size_t arm, const JointPosition<6>& q) {
@@ -121,6 +150,9 @@ class Eyes {
         std::size_t first = 0;
         for (std::size_t j = 0; j < k; ++j) first += counts[j];
         for (std::size_t i = first; i < first + counts[k]; ++i) {
+          samples_[i].time = now;
+          samples_[i].proximity = 0;
+          if (near.empty()) continue;  // noise alone is below the threshold
           const Xyz<double> p = X.origin() + X.axes() * places_[i].place, n = X.axes() * places_[i].normal;
           read(i, now, p, n, near);
         }
@@ -182,11 +214,13 @@ class Mover {
   void send(const Xyz<double>& goal) {
     goal_ = goal;
     reached_ = false;
-    ask(goal);
+    back_ = true;
   }
   [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, A::base(arm_)); }
   [[nodiscard]] bool reached() const { return reached_; }
-  [[nodiscard]] bool waits() const { return way_.should_go(); }
+  /// Whether it needs room that the other one has: at once where it gives way.
+  [[nodiscard]] bool waits() const { return way_.should_go() || (gave_way_ && kept_); }
+  [[nodiscard]] bool gives_way() const { return gave_way_; }
   [[nodiscard]] int asides() const { return way_.times(); }
   [[nodiscard]] bool kept() const { return kept_; }
   [[nodiscard]] std::size_t seen() const { return seen_; }
@@ -198,27 +232,61 @@ class Mover {
     const auto samples = eyes_.look(measured.time, arm_, measured.q, own, around);
     const std::clock_t begun = std::clock();
     const auto was = X_WH_.origin();
+    now_ = measured.time;
     X_WH_ = A::base(arm_) * A::hand(measured.q);
     reached_ = reached_ || norm(Xyz<double>(X_WH_.origin() - goal_)) < 0.01;
     way_.goes_first(arm_ == 0);
-    way_.step(measured.time, kept_ && !reached_, norm(Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
-    if (way_.is_aside()) {
+    way_.step(measured.time, kept_ && !reached_ && !gave_way_ && !returns_,
+              norm(Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
+    if (seen_ > 0) seen_at_ = measured.time;
+    const bool gives_way = sees_ && measured.time - seen_at_ < 300ms;
+    if (gives_way) {
+      if (!gave_way_) {
+        if (!returns_) before_ = measured.q;
+        returns_ = false;
+        input_.goal = Set::start_skill(Set::index<GiveWay>());
+        input_.has_goal = true;
+        ++gave_;
+      }
+      back_ = gave_way_ = true;
+    } else if (way_.is_aside()) {
       back_ = true;
-    } else if (back_) {
+    } else if (gave_way_) {
+      gave_way_ = false, returns_ = true;
+      input_.goal = Set::start_skill(Set::index<Return>());
+      auto& to = input_.goal.goals.template of<JointGoal<6>>();
+      to.has = true;
+      double way = 0;
+      for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(before_[i] - measured.q[i]));
+      to.goal = {before_, nanoseconds(std::max(0.5, 1.9 * way / 1.5))};
+      return_by_ = measured.time + to.goal.duration + 4s;
+      input_.goal.ticket = ++ticket_;
+      input_.has_goal = true;
+    } else if (returns_) {
+      const auto told = Set::report_of(memory_->law, ticket_);
+      const bool done = told.phase == SkillPhase::finished && told.ticket == ticket_;
+      if (done || measured.time > return_by_) returns_ = false;
+    } else if (back_ && !other_waits) {
       back_ = false;
-      ask(reached_ ? X_WH_.origin() : goal_);
-    } else if (way_.should_go() || (reached_ && other_waits)) {
+      ask(goal_);
+    } else if (!reached_ && !other_waits && measured.time > reach_by_) {
+      // From joints that the hand cannot go straight from: by way of those at the start.
+      before_ = A::home();
+      gave_way_ = true;
+    } else if (way_.should_go() || other_waits) {
       Xyz<double> aside = X_WH_.origin();
       aside.x = -side(arm_) * (R::stands - 0.32);
       aside.z = std::max(aside.z, 0.2);
       ask(aside);
       way_.go();
+      back_ = true;
     }
     input_.now = measured.time;
     input_.measured = measured;
     input_.around.count = 0;
     input_.around.time = measured.time;
     seen_ = 0;
+    sees_ = other != nullptr;
     if (other != nullptr) {
       input_.around.add(A::base(arm_).inverse(), *other);
       sight_.each_known(
@@ -232,9 +300,13 @@ class Mover {
           input_.around);
     }
     input_.samples = samples;
+    // A person sets right an arm that something pushed off its place.
+    const bool free = measured.time - seen_at_ > 1s;
+    input_.request = displaced_ && free ? CycleRequest::resume : CycleRequest::none;
     const auto out = scene_.step(*memory_, input_);
     input_.has_goal = false;
     kept_ = out.status.has(Reason::clearance_kept);
+    displaced_ = out.status.has(Reason::displaced);
     time_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
     return out;
   }
@@ -243,7 +315,11 @@ class Mover {
   void ask(const Xyz<double>& to) {
     const double way = norm(Xyz<double>(to - X_WH_.origin()));
     const double time = std::max({0.3, std::sqrt(5.78 * way / 2.2), 1.875 * way / 0.8});
-    input_.goal = {A::base(arm_).inverse() * Transform<skinctl::World, Tool>(R_, to), nanoseconds(time)};
+    input_.goal = Set::start_skill(Set::index<behaviour::Reaching>());
+    auto& pose = input_.goal.goals.template of<PoseGoal<Tool>>();
+    pose.has = true;
+    reach_by_ = now_ + nanoseconds(time) + 5s;
+    pose.goal = {A::base(arm_).inverse() * Transform<skinctl::World, Tool>(R_, to), nanoseconds(time)};
     input_.has_goal = true;
   }
   std::size_t arm_;
@@ -256,7 +332,13 @@ class Mover {
   Rotation<double> R_;
   Xyz<double> goal_{0, 0, 0};
   RightOfWay way_;
-  bool reached_ = true, kept_ = false, back_ = false;
+  bool reached_ = true, kept_ = false, back_ = false, gave_way_ = false, sees_ = true, displaced_ = false;
+  Nanoseconds seen_at_{-1s};
+  int gave_ = 0;
+  bool returns_ = false;
+  JointPosition<6> before_;
+  Nanoseconds return_by_{}, reach_by_{}, now_{};
+  std::uint16_t ticket_ = 0;
   std::size_t seen_ = 0;
   double time_ = 0;
 };
@@ -297,7 +379,6 @@ int study(int number, std::uint64_t seed, bool sees) {
   };
   Result pairs, things;
   std::uint64_t cycles = 0;
-  double worst_law = 0;
   for (int n = 0; n < number; ++n) {
     std::array<Xyz<double>, arms> to{goal(0), goal(1)};
     while (norm(Xyz<double>(to[0] - to[1])) < 0.3) to = {goal(0), goal(1)};
@@ -336,6 +417,7 @@ int study(int number, std::uint64_t seed, bool sees) {
     std::array<ArmRecord, arms> before{world.record(0), world.record(1)};
     const std::array<int, arms> asides{mover[0]->asides(), mover[1]->asides()};
     double nearest = 1e9, nearest_thing = 1e9, kept = 0;
+    std::array<double, arms> into{-1, -1}, into_thing{-1, -1};  // the arm's own speed when it first touched
     const Nanoseconds begun = world.now();
     bool over = false;
     while (!over && world.now() - begun < 30s) {
@@ -352,7 +434,8 @@ int study(int number, std::uint64_t seed, bool sees) {
           for (const auto& c : at[a]) nearest_thing = std::min(nearest_thing, distance(c, now_at).distance);
         const auto filled = mover[1 - a]->occupied();
         const auto out =
-            mover[a]->step(world.joints(a), sees ? &filled : nullptr, at[a], around, mover[1 - a]->waits());
+            mover[a]->step(world.joints(a), sees ? &filled : nullptr, at[a], around,
+                           mover[1 - a]->waits() && (mover[a]->reached() || mover[1 - a]->gives_way()));
         if (out.command.valid) world.command(a, out.command.position, out.command.velocity);
         if (mover[a]->kept() && !mover[a]->reached()) kept += 0.008;
         ++cycles;
@@ -364,13 +447,17 @@ int study(int number, std::uint64_t seed, bool sees) {
           world.put_obstacle({o + rod.from, o + rod.to, rod.radius});
         }
         world.step();
+        for (std::size_t a = 0; a < arms; ++a) {
+          const ArmRecord& r = world.record(a);
+          if (r.other_arm > before[a].other_arm && into[a] < 0) into[a] = r.into_arm;
+          if (r.obstacle > before[a].obstacle && into_thing[a] < 0) into_thing[a] = r.into_obstacle;
+        }
       }
       over = mover[0]->reached() && mover[1]->reached() && (!thing || way > 1.8);
     }
     world.put_obstacle({{0, 0, 0}, {0, 0, 0}, 0});
     const double lasted = seconds<double>(world.now() - begun);
-    worst_law = std::max(worst_law, lasted);
-    const auto note = [&](Result& r, double near, bool met, double into) {
+    const auto note = [&](Result& r, double near, bool touched, double own) {
       ++r.crossings;
       r.add(near);
       r.waited += kept > 0.2;
@@ -378,27 +465,21 @@ int study(int number, std::uint64_t seed, bool sees) {
       r.stuck += !over;
       r.longest = std::max(r.longest, lasted);
       r.time += lasted;
-      if (!met) return;
+      if (!touched) return;
       ++r.met;
-      r.own_fault += into > 0.02;
-      r.fastest_into = std::max(r.fastest_into, into);
+      r.own_fault += own > 0.02;
+      r.fastest_into = std::max(r.fastest_into, own);
     };
-    bool met = false, met_thing = false;
-    double into = 0, into_thing = 0;
-    for (std::size_t a = 0; a < arms; ++a) {
-      const ArmRecord& r = world.record(a);
-      if (r.other_arm > before[a].other_arm) met = true, into = std::max(into, r.into_arm);
-      if (r.obstacle > before[a].obstacle)
-        met_thing = true, into_thing = std::max(into_thing, r.into_obstacle);
-    }
-    note(pairs, nearest, met, into);
-    if (thing) note(things, nearest_thing, met_thing, into_thing);
+    const auto most = [](const std::array<double, arms>& x) { return std::max({x[0], x[1], 0.0}); };
+    const bool met = std::max(into[0], into[1]) >= 0, met_thing = std::max(into_thing[0], into_thing[1]) >= 0;
+    note(pairs, nearest, met, most(into));
+    if (thing) note(things, nearest_thing, met_thing, most(into_thing));
     if (met || met_thing || !over)
       std::printf(
           "crossing %d: %s%s%s after %.1f s (nearest %.0f mm, %.0f mm; own speed %.3f, %.3f m/s; thing %.2f "
           "m/s)\n",
           n, met ? "arms meet " : "", met_thing ? "thing met " : "", over ? "" : "not ended ", lasted,
-          1e3 * nearest, thing ? 1e3 * nearest_thing : 0.0, into, into_thing, speed);
+          1e3 * nearest, thing ? 1e3 * nearest_thing : 0.0, most(into), most(into_thing), speed);
     std::fflush(stdout);
   }
   pairs.print("arm and arm");

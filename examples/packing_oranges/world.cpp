@@ -405,7 +405,7 @@ struct World::Bodies {
   void look_at_contacts() {
     std::array<std::array<double, parts>, arms> force{};
     std::array<bool, arms> walls{}, other{}, blocked{};
-    std::array<double, arms> into_other{}, into_obstacle{};
+    std::array<double, arms> into_other{}, into_obstacle{};  // how fast, 0 for an arm that is moved into
     for (int c = 0; c < data->ncon; ++c) {
       const mjContact& contact = data->contact[c];
       const auto g1 = static_cast<std::size_t>(contact.geom1), g2 = static_cast<std::size_t>(contact.geom2);
@@ -576,7 +576,7 @@ void World::put_obstacle(const skinctl::Capsule<>& shape) {
   mju_quatZ2Vec(b.data->mocap_quat + 4 * b.obstacle_at, z);
   double* size = b.model->geom_size + 3 * b.obstacle;
   size[0] = there ? shape.radius : 0.01;
-  size[1] = 0.5 * length;
+  size[1] = std::max(0.5 * length, 1e-3);  // a capsule without length gives contacts that are no numbers
   b.model->geom_rbound[b.obstacle] = size[0] + size[1];
 }
 
