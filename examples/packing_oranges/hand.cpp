@@ -313,7 +313,7 @@ Grasp around_a_ball() {
   return g;
 }
 
-HandBody hand_body(const Grasp& grasp, double flange, double reach, double yaw) {
+HandBody hand_body(const Grasp& grasp, double flange, double reach) {
   const Fingers model = allegro::hand(side);
   HandBody out;
   const auto poses = link_poses(model, JointPosition<N>{});
@@ -335,9 +335,7 @@ HandBody hand_body(const Grasp& grasp, double flange, double reach, double yaw) 
   out.upper = adapters::allegro::upper;
   const auto open = line_of(model, grasp).q.back();
   for (std::size_t i = 0; i < N; ++i) out.start[i] = open[i];
-  // The palm faces along the flange's axis, the fingers across it.
-  const double s = std::sin(yaw), c = std::cos(yaw);
-  const Point x{0, 0, 1}, y{s, -c, 0}, z{c, s, 0};
+  const Point x{0, 0, 1}, y{0, -1, 0}, z{1, 0, 0};
   out.palm.x = x, out.palm.y = y;
   const Point& p = grasp.centre;
   out.palm.p = Point{0, 0, flange + reach} - (p.x * x + p.y * y + p.z * z);

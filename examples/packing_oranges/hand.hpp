@@ -30,9 +30,14 @@ struct Grasp {
 /// Index, ring and thumb around a ball, a third of a circle apart, the palm above it.
 [[nodiscard]] Grasp around_a_ball();
 
-/// The right hand as bodies; the middle of the grasp is `reach` beyond the flange, on the axis of the last link.
-/// @param yaw  of the fingers about that axis [rad].
-[[nodiscard]] HandBody hand_body(const Grasp& grasp, double flange, double reach, double yaw);
+/// The right hand as bodies; the middle of the grasp is `reach` beyond the flange, on the axis of the last link. The palm
+/// faces along that axis, the fingers point along the link's x axis.
+[[nodiscard]] HandBody hand_body(const Grasp& grasp, double flange, double reach);
+/// Gravity in the axes of such a hand, from the pose of the arm's tool [m/s^2].
+template <class Pose>
+[[nodiscard]] skinctl::Xyz<double> gravity_in_hand(const Pose& X_WT) {
+  return {-9.81 * X_WT.axis_z().z, 9.81 * X_WT.axis_y().z, -9.81 * X_WT.axis_x().z};
+}
 
 /// Where the fingers are in the hand's frame: the origins of each finger's links, and its tip.
 [[nodiscard]] std::array<std::array<skinctl::Xyz<double>, 5>, 4> skeleton(

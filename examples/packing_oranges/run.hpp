@@ -21,12 +21,12 @@ struct RunSettings {
   DetectorSettings detector{};
   WorkSettings work{};
   std::uint64_t seed = 1;
-  double touch_every = 20;     ///< a person pushes each forearm so often [s]; 0: never
-  double touch_force = 12;     ///< [N]
-  double touch_lasts = 0.6;    ///< [s]
-  bool hand = false;           ///< Allegro hands instead of grippers
-  double skin_noise = 0.1;     ///< deviation of a cell's force [N]
-  bool see_each_other = true;  ///< false: only places and their order keep the arms apart
+  double touch_every = 20;        ///< a person pushes each forearm so often [s]; 0: never
+  double touch_force = 12;        ///< [N]
+  double touch_lasts = 0.6;       ///< [s]
+  std::array<bool, arms> hand{};  ///< the arm has an Allegro hand instead of a gripper
+  double skin_noise = 0.1;        ///< deviation of a cell's force [N]
+  bool see_each_other = true;     ///< false: only places and their order keep the arms apart
   Fault fault = Fault::none;
   double fault_at = 12;    ///< [s]
   double fault_lasts = 0;  ///< [s]; 0: as long as is usual for it
@@ -34,8 +34,8 @@ struct RunSettings {
   bool keep_path = false;  ///< of the hands, for pictures
 };
 
-/// Allegro hands instead of grippers, with the forces that they can exert.
-void with_hands(RunSettings& settings);
+/// The same work by a hand: forces that it can exert, heights and places at which it has room.
+[[nodiscard]] WorkSettings by_hand(WorkSettings settings);
 
 /// What one arm did.
 struct ArmOutcome {
