@@ -243,7 +243,7 @@ std::string time_plot(const GraspTrial& t, const GraspFigures& f) {
   for (int s = 0; s <= 18; s += 6) out += text("<text x='%.1f' y='%.1f'>%d</text>", X(s) - 4, Y(0) + 16, s);
   const auto curve = [&](const char* colour, const char* more, auto&& of) {
     out += text("<polyline fill='none' stroke='%s' stroke-width='1.2' %s points='", colour, more);
-    for (std::size_t k = 0; k < f.path.size(); k += 4)
+    for (std::size_t k = 0; k < f.path.size(); k += 6)
       out += text("%.1f,%.1f ", X(f.path[k].t), Y(std::min(6.0, of(f.path[k]))));
     out += "'/>";
   };

@@ -148,12 +148,6 @@ struct HandGoal {
   double internal = 0;  ///< [N]
   Springs springs = Springs::shape;
   Point gravity{9.81, 0, 0};  ///< in the hand's frame [m/s^2]
-
-  template <class F>
-  friend void each_number(HandGoal& g, F&& f) {
-    double springs = static_cast<double>(g.springs);
-    f(g.internal), f(springs), f(g.gravity.x), f(g.gravity.y), f(g.gravity.z);
-  }
 };
 
 /// The internal force of the grasp; springs that hold the fingers to the posture which belongs to their present closing,
@@ -168,7 +162,6 @@ class HandLaw : public Composable {
   static constexpr Needs needs = Internal::needs;
   static constexpr LawRole role = LawRole::reactive;
   static constexpr std::size_t gravity_laws = 1;  // it holds the fingers' weight
-  static constexpr const char* name = "hand";
   struct Memory {
     Internal::Memory internal;
     Point gravity{9.81, 0, 0};

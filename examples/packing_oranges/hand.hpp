@@ -19,11 +19,10 @@ inline constexpr skinctl::GripperRange hand_range{0.11, 0.3, 4, 0.005, 0.15};
 /// Which fingertips hold an object, and where they stand around it.
 struct Grasp {
   const char* name = "";
-  std::array<double, 4> takes_part{};    ///< of index, middle, ring and thumb: 1, or 0
+  std::array<double, 4> takes_part{};    ///< weights of index, middle, ring and thumb, 0 to 1
   skinctl::Xyz<double> centre{0, 0, 0};  ///< between the fingertips, in the hand's frame [m]
-  std::array<skinctl::Xyz<double>, 4>
-      away{};  ///< each fingertip is `far * away + beside` from the centre, ...
-  std::array<skinctl::Xyz<double>, 4> beside{};
+  /// Each fingertip is `far * away + beside` from the centre, ...
+  std::array<skinctl::Xyz<double>, 4> away{}, beside{};
   std::array<double, hand_joints> posture{};  ///< of the fingers that take no part [rad]
   double least = 0.03, most = 0.067;          ///< ... and `far` goes from the closed to the open grasp [m]
 };
