@@ -1,8 +1,10 @@
 // Two simulated arms with grippers and skin pack oranges: the good into the box, the bad into a bin.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
+#include "examples/packing_oranges/grasps.hpp"
 #include "examples/packing_oranges/report.hpp"
 #include "examples/packing_oranges/teach.hpp"
 #include "examples/support/job.hpp"
@@ -29,6 +31,15 @@ int run(const RunSettings& settings, const std::string& robot, const std::string
   const bool lost = settings.fault == Fault::none && out.lost() > 0;
   return code(lost || out.worst_grip() > 10 || out.shake() > 3 ? Exit::broken : Exit::fine);
 }
+int show_grasps(std::uint64_t seed, const std::string& page) {
+  const auto trials = three_grasps();
+  std::vector<GraspFigures> figures;
+  for (const auto& t : trials) figures.push_back(try_grasp(t, {.seed = seed}));
+  std::fputs(summary(figures).c_str(), stdout);
+  if (!page.empty() && !plotting::write_svg(page, picture(trials, figures))) return code(Exit::refused);
+  const bool held = std::all_of(figures.begin(), figures.end(), [](const auto& f) { return f.held; });
+  return code(held ? Exit::fine : Exit::broken);
+}
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -36,7 +47,7 @@ int main(int argc, char** argv) {
   app.footer(examples::job::exit_help());
   RunSettings s;
   std::string robot = "ur5", fault = "none", page, gripper = "measures";
-  bool quiet = false, taught = false;
+  bool quiet = false, taught = false, grasps = false;
   app.add_option("--oranges", s.supply.oranges, "how many")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -56,10 +67,17 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--teach", taught,
                "first a person leads an arm to the place in the box where oranges are let go");
-  app.add_option("--gripper", gripper,
-                 "measures: the opening as well as the force; open_or_closed: the force over time")
-      ->check(CLI::IsMember({"measures", "open_or_closed"}))
+  app.add_option(
+         "--gripper", gripper,
+         "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
+         "Allegro hands; hand_and_gripper: the first arm has a hand, the second one a gripper, as TOMM")
+      ->check(CLI::IsMember({"measures", "open_or_closed", "hand", "hand_and_gripper"}))
       ->capture_default_str();
+  app.add_flag("--grasps", grasps,
+               "instead: three grasps of a hand on three objects, shaken and turned over; --report: their "
+               "picture (SVG)");
+  app.add_flag("!--unseen", s.see_each_other,
+               "the arms do not keep clear of each other: only the order at the box keeps them apart");
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
   try {
@@ -68,8 +86,10 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : code(Exit::refused);
   }
   try {
+    if (grasps) return show_grasps(s.seed, page);
     s.fault = fault_named(fault);
     s.keep_path = !page.empty();
+    if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";
     if (taught) {
       const auto lesson = teach(s.seed);

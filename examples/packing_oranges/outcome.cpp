@@ -6,6 +6,17 @@
 
 namespace packing {
 
+WorkSettings by_hand(WorkSettings s) {
+  s.hold = 2.5;
+  s.above_near = 0.003;
+  s.let_go = 0.015;
+  s.aside = 0.03;  // a thumb stands out further than the fingers stand
+  s.judge_from = 0.9;
+  s.judge_to = 3.4;
+  s.judge_span = 1.8;
+  return s;
+}
+
 int Outcome::right() const {
   return static_cast<int>(
       std::count_if(ended.begin(), ended.end(), [](const Packed& p) { return p.right(); }));

@@ -19,6 +19,35 @@ int failed(const ArmOutcome& a) {
 int went_back(const ArmOutcome& a) {
   return static_cast<int>(std::count_if(a.done.begin(), a.done.end(), [](const Done& d) { return d.back; }));
 }
+/// What squeezes told of the stiffness, over the true one.
+struct Judgement {
+  double mean = 0, spread = 0;
+};
+Judgement judgement(const Outcome& o) {
+  double n = 0, sum = 0, square = 0;
+  for (const ArmOutcome& a : o.arm)
+    for (const auto& j : a.judged) {
+      if (!(j.truth > 0) || !(j.stiffness < 1e6)) continue;
+      const double x = j.stiffness / j.truth;
+      ++n, sum += x, square += x * x;
+    }
+  if (!(n > 0)) return {};
+  return {sum / n, std::sqrt(std::max(0.0, square / n - sum * sum / (n * n))) * n / sum};
+}
+/// The share that these squeezes would misjudge if good ones were `ratio` times as stiff as bad ones, both normally
+/// distributed with the relative deviation `spread`, half of them good.
+double misjudged_at(const Outcome& o, double ratio, double spread) {
+  const auto below = [](double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); };
+  double n = 0, wrong = 0;
+  for (const ArmOutcome& a : o.arm)
+    for (const auto& j : a.judged) {
+      if (!(j.truth > 0) || !(spread > 0)) continue;
+      const double told = j.stiffness / j.truth, border = std::sqrt(ratio);
+      wrong += 0.5 * (below((1 / (border * told) - 1) / spread) + below((1 - border / told) / spread));
+      ++n;
+    }
+  return n > 0 ? wrong / n : 0;
+}
 std::string failures(const ArmOutcome& a) {
   constexpr int shown = 8;
   std::string out;
@@ -45,13 +74,22 @@ std::string summary(const Outcome& o, const RunSettings& s) {
               o.shake());
   out += text("largest force of a finger %.2f N while holding, %.2f N at all\n", o.worst_grip(),
               o.worst_force());
+  const Judgement j = judgement(o);
+  out += text("stiffness by squeezing: %.3f of the true one in the mean, %.1f %% rms apart from that\n",
+              j.mean, 100 * j.spread);
+  out += "with such errors these would be misjudged, good ones so many times as stiff as bad ones:";
+  for (const double ratio : {1.4, 1.5, 1.6, 1.7, 2.0})
+    out += text("%s %.1f: %.1f %%", ratio > 1.4 ? "," : "", ratio,
+                100 * misjudged_at(o, ratio, s.supply.spread));
+  out += '\n';
   for (std::size_t a = 0; a < arms; ++a) {
     const ArmOutcome& m = o.arm[a];
     out += text(
         "arm %zu: %zu judged, %d steps failed, %d times back, %d times asked; waited %.1f s for the box; "
-        "touched %d times; %llu ms at walls, %llu ms at the other arm\n",
+        "touched %d times; %llu ms at walls, %llu ms at the other arm, went "
+        "aside for it %d times\n",
         a + 1, m.judged.size(), failed(m), went_back(m), m.asked, m.waited, m.touches,
-        static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm));
+        static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm), m.went_aside);
     out += failures(m);
   }
   if (s.fault != Fault::none)
@@ -59,6 +97,7 @@ std::string summary(const Outcome& o, const RunSettings& s) {
                 describe(s.fault));
   out += text("%.1f times real time on one core; %.1f us a cycle of an arm, with its executor\n",
               o.computed > 0 ? o.time / o.computed : 0, o.cycle);
+  if (o.hand_cycle > 0) out += text("%.1f us a cycle of a hand\n", o.hand_cycle);
   return out;
 }
 

@@ -21,16 +21,21 @@ struct RunSettings {
   DetectorSettings detector{};
   WorkSettings work{};
   std::uint64_t seed = 1;
-  double touch_every = 20;   ///< a person pushes each forearm so often [s]; 0: never
-  double touch_force = 12;   ///< [N]
-  double touch_lasts = 0.6;  ///< [s]
-  double skin_noise = 0.1;   ///< deviation of a cell's force [N]
+  double touch_every = 20;        ///< a person pushes each forearm so often [s]; 0: never
+  double touch_force = 12;        ///< [N]
+  double touch_lasts = 0.6;       ///< [s]
+  std::array<bool, arms> hand{};  ///< the arm has an Allegro hand instead of a gripper
+  double skin_noise = 0.1;        ///< deviation of a cell's force [N]
+  bool see_each_other = true;     ///< false: only places and their order keep the arms apart
   Fault fault = Fault::none;
   double fault_at = 12;    ///< [s]
   double fault_lasts = 0;  ///< [s]; 0: as long as is usual for it
   double longest = 0;      ///< [s] of simulated time; 0: enough for the oranges
   bool keep_path = false;  ///< of the hands, for pictures
 };
+
+/// The same work by a hand: forces that it can exert, heights and places at which it has room.
+[[nodiscard]] WorkSettings by_hand(WorkSettings settings);
 
 /// What one arm did.
 struct ArmOutcome {
@@ -46,6 +51,7 @@ struct ArmOutcome {
   double waited = 0;                       ///< for the box [s]
   double busy = 0;                         ///< until its last orange was done [s]
   int touches = 0, asked = 0;              ///< how often it was touched, and a person was asked
+  int went_aside = 0;                      ///< how often, for the other arm
   std::uint64_t other_arm = 0, walls = 0;  ///< milliseconds in contact
   struct Point {
     double t = 0, x = 0, y = 0, z = 0, force = 0, opening = 0;
@@ -57,10 +63,11 @@ struct Outcome {
   std::array<ArmOutcome, arms> arm;
   std::vector<Packed> ended;
   int oranges = 0;
-  double time = 0;      ///< simulated [s]
-  double computed = 0;  ///< processor time [s]
-  double cycle = 0;     ///< mean processor time of a cycle of an arm with its executor [us]
-  bool over = false;    ///< all oranges are packed, and both plans have ended
+  double time = 0;        ///< simulated [s]
+  double computed = 0;    ///< processor time [s]
+  double cycle = 0;       ///< mean processor time of a cycle of an arm with its executor [us]
+  double hand_cycle = 0;  ///< the same of a hand; 0: it has none
+  bool over = false;      ///< all oranges are packed, and both plans have ended
   bool stopped = false;
   std::string robot;
   double fault_begins = 0, fault_ends = 0;

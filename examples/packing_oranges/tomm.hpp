@@ -12,6 +12,8 @@
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/describe.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
+#include "skinctl/limits/governor.hpp"
 #include "skinctl/model/universal_robots.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/semantics/skill_map.hpp"
@@ -29,6 +31,7 @@ struct Ur5 {
   static constexpr const char* name = "UR5";
   static constexpr double flange = Description::d6;
   static constexpr double stands = 0.6;  ///< from the middle of the box [m]
+  static constexpr double reach = 1.3;   ///< of the hand, from any joint axis [m], at most
   /// The tubes that skin covers; the half spheres at the ends of a capsule take 30 mm of the wrists.
   static constexpr auto shapes = [] {
     std::array<skinctl::Capsule<>, 6> out{};
@@ -90,6 +93,9 @@ inline constexpr std::size_t forearm = 2, forearm_cells = 40;
 /// The point between the fingers, beyond the flange [m].
 inline constexpr double reach_of_gripper = 0.16;
 
+/// What an arm keeps clear of: the other arm's links and hand, and what its skin sees.
+inline constexpr std::size_t near_most = 16;
+
 /// One arm of the robot.
 template <class R>
 struct Arm {
@@ -117,6 +123,16 @@ struct Arm {
                                  .lag = 2ms,
                                  .virtual_damping = 10});
   }
+  /// The links' shapes, and the hand with what it holds: what must not meet the other arm.
+  static skinctl::ClearanceAround<near_most> clearance() {
+    skinctl::ClearanceAround<near_most> c;
+    for (std::size_t i = 0; i < 6; ++i) c.own.capsules.push_back({i, R::shapes[i]});
+    c.own.capsules.push_back({5, {{0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.08}});
+    c.own.margin = 0.02;
+    c.own.reach = R::reach;
+    c.exposed = {0, 1, 2, 3, 4, 5, 6};
+    return c;
+  }
   static std::vector<skinctl::PlacedCell<forearm>> cells() {
     using namespace skinctl;
     const Capsule<>& s = R::shapes[forearm];
@@ -143,7 +159,8 @@ struct Arm {
                      skills_of_tomm, {.bumpless_transfer = 40ms}, OneGripper(gripper_range),
                      skill_controller<controller::Gravity>(GravityControl{}),
                      skill_controller<controller::SkinJoint>(SkinJointControl{}),
-                     skill_controller<controller::SplineOperational>(SplineOperational(tool(), o))));
+                     skill_controller<controller::SplineOperational>(SplineOperational(tool(), o))))
+        .with(clearance());
   }
   using Scene = decltype(scene());
   using Set = typename Scene::law_type;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
 #include "skinctl/semantics/resources.hpp"
@@ -32,7 +33,11 @@ class Worker {
         s_(settings),
         scene_(scene),
         executor_(pack_oranges, settings.executor),
-        squeeze_({.from = 1.2, .to = 5.6, .own = 1e9, .swing = 3, .least_span = 3}),
+        squeeze_({.from = settings.judge_from,
+                  .to = settings.judge_to,
+                  .own = 1e9,
+                  .swing = 3,
+                  .least_span = settings.judge_span}),
         objects_([] {
           std::array<skinctl::ObjectClass, arms * slots> kinds{};
           kinds.fill(orange_class);
@@ -70,13 +75,28 @@ class Worker {
     return out;
   }
 
+  /// Whether the other arm goes first where the two are in each other's way.
+  void goes_first(bool first) { way_.goes_first(first); }
+  /// How often it went aside for the other arm.
+  [[nodiscard]] int went_aside() const { return way_.times(); }
+  /// What its links and hand may fill until it stands, if it brakes now; and what the other arm may fill.
+  [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, X_WB_); }
+  template <class Filled>
+  void keep_clear_of(skinctl::Nanoseconds now, const Filled& other) {
+    input_.around.count = 0;
+    input_.around.time = now;
+    input_.around.add(X_WB_.inverse(), other);
+  }
+
   /// A cycle.
   typename Scene::Output step(skinctl::Nanoseconds now, const skinctl::State<6>& measured,
                               const skinctl::GripperState& gripper,
                               std::span<const skinctl::CellSample> samples, bool granted, bool resume) {
     now_ = now;
     gripper_ = gripper;
+    const auto was = X_WH_.origin();
     X_WH_ = X_WB_ * A::hand(measured.q);
+    way_.step(now, kept_, norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
     const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
     features_ = extractor_.step(featured_, objects_, known_, hand);
     // Without an opening: what the fingers close at their constant speed.
@@ -101,6 +121,7 @@ class Worker {
     input_.samples = samples;
     input_.gripper = gripper;
     const auto out = scene_.step(*memory_, input_);
+    kept_ = out.status.has(skinctl::Reason::clearance_kept);
     return out;
   }
 
@@ -151,6 +172,8 @@ class Worker {
     if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
     if (report_.phase != skinctl::SkillPhase::running) return;
     if (parts_.empty()) return look();
+    if (way_.is_aside()) return;
+    if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside();
     const auto told = Set::report_of(memory_->law, ticket_);
     if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
     if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
@@ -162,6 +185,17 @@ class Worker {
   void end(bool well) {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
     judging_ = false;
+  }
+  /// The other arm is in the way, and this one in its: back towards its own base for a while, then the same part again.
+  void go_aside() {
+    Part aside{parts_[part_].request, true, X_WH_.origin()};
+    aside.to.x = -side(arm_) * (R::stands - 0.32);
+    if (aside.to.z < s_.carry) aside.to.z = s_.carry;
+    std::swap(parts_[part_], aside);
+    ask();
+    std::swap(parts_[part_], aside);
+    asked_ = false;
+    way_.go();
   }
   /// The current part's request, to the cycle.
   void ask() {
@@ -217,7 +251,7 @@ class Worker {
         add(skill, at(here, s_.carry), passing);
         grip({gripper_range.opening, 5, 0.15});
       }
-      add(skill, at(p, s_.above), 0.02);
+      add(skill, at(p, s_.above), s_.above_near);
       if (parts_.size() == 1) grip({gripper_range.opening, 5, 0.15});
     } else if (r.does == &activity::Reach::rule) {
       const auto p = known_.objects[object_].X_WO.origin();
@@ -233,7 +267,7 @@ class Worker {
     } else if (r.does == &activity::Put::rule) {
       const auto p = drop(r.place);
       add(skill, at(p, s_.carry), passing);
-      add(skill, at(p, p.z > 0 ? p.z : taken_.z + 0.006), 0.01);
+      add(skill, at(p, p.z > 0 ? p.z : taken_.z + s_.let_go), 0.01);
     } else if (r.does == &GoBack::rule) {
       const Tray feed = feed_tray(arm_);
       add(skill, at(here, s_.carry), passing);
@@ -254,7 +288,11 @@ class Worker {
   /// Where to let go; height 0: as high as it was taken, and a little. What was shown to the first arm holds for the
   /// second, seen from its side of the box.
   [[nodiscard]] skinctl::Xyz<double> drop(std::uint8_t where) const {
-    if (where != place::box || !s_.taught) return drop_place(arm_, where);
+    if (where != place::box || !s_.taught) {
+      auto p = drop_place(arm_, where);
+      p.y -= side(arm_) * s_.aside;
+      return p;
+    }
     return {side(arm_) * s_.taught->x, side(arm_) * s_.taught->y, std::max(s_.taught->z, taken_.z + 0.004)};
   }
   /// An orange of its own that is well seen; the one nearest to the hand.
@@ -309,7 +347,8 @@ class Worker {
   std::vector<Part> parts_;
   std::size_t part_ = 0;
   std::uint16_t ticket_ = 0;
-  bool asked_ = false, answer_ = true, judging_ = false;
+  bool asked_ = false, answer_ = true, judging_ = false, kept_ = false;
+  RightOfWay way_;
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
   skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{};

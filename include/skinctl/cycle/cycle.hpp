@@ -73,8 +73,11 @@ class Cycle {
   using Goal = typename detail::GoalType<L>::type;
   using Sensed = typename detail::SensedBy<Skin>::type;
   static constexpr bool has_gripper = detail::has_gripper<L>;
+  /// Whether it stays clear of what its input says is around: see `ClearanceAround`.
+  static constexpr bool has_surroundings = requires { requires Overseer::has_surroundings; };
   using Input =
-      CycleInput<joints, scalar, Goal, Sensed, std::conditional_t<has_gripper, GripperState, NoGripper>>;
+      CycleInput<joints, scalar, Goal, Sensed, std::conditional_t<has_gripper, GripperState, NoGripper>,
+                 typename detail::AroundOf<Overseer>::type>;
   using Output =
       CycleOutput<joints, scalar, terms_of<L>, std::conditional_t<has_gripper, GripperCommand, NoGripper>>;
   using Wrenches = typename Skin::Wrenches;
@@ -178,6 +181,25 @@ class Cycle {
     start_rest(m, m.robot.started ? m.robot.measured : measured);
   }
 
+  /// What the robot's exposed capsules may fill from now on until it stands, if it brakes now: for others that keep
+  /// clear of it. It is at `X_WB` in the world.
+  [[nodiscard]] Surroundings<12, World, scalar> occupied(
+      const Memory& m, const Transform<World, Base, scalar>& X_WB) const noexcept
+    requires has_surroundings
+  {
+    Surroundings<12, World, scalar> out;
+    const auto filled = [&] {
+      if constexpr (detail::has_one_interface<Resolver>) {
+        return governor_.clearance().occupied(m.guard.command, m.robot.measured);
+      } else {
+        return governor_.clearance().occupied(guard_.last(m.guard), m.robot.measured);
+      }
+    }();
+    out.time = filled.time;
+    out.add(X_WB, filled);
+    return out;
+  }
+
   /// One cycle: `(memory, input) -> (output, memory')`, the interval being the time since the last one.
   [[nodiscard]] std::pair<Output, Memory> operator()(const Memory& memory,
                                                      const Input& input) const noexcept {
@@ -252,6 +274,7 @@ class Cycle {
     if constexpr (requires { law_.feel(m.law, skin_.contacts(m.skin), interval.to); })
       law_.feel(m.law, skin_.contacts(m.skin), interval.to);
     if constexpr (has_gripper) law_.grip(m.law, input.gripper, interval.to);
+    if constexpr (has_surroundings) governor_.clearance().see(m.governor.around, input.around, interval.to);
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);

@@ -12,7 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The bytes of the cycles of `C`; in this order, without padding, as they lie in memory: now, measured state, request,
 /// observed status, goal, configuration (if `C` has several), cell samples, wrenches and motor torques (if its skin
-/// takes them), gripper (if its law moves one), weights of patches (of a `WeightedSkin`), command.
+/// takes them), gripper (if its law moves one), what is around (if it stays clear of it), weights of patches (of a `WeightedSkin`),
+/// command.
 template <class C>
 class CycleBytes {
  public:
@@ -25,6 +26,7 @@ class CycleBytes {
   static constexpr bool has_wrenches = requires(const Input& input) { input.sensed.wrenches; };
   static constexpr bool has_motors = requires(const Input& input) { input.sensed.motor_torque; };
   static constexpr bool has_gripper = requires { requires C::has_gripper; };
+  static constexpr bool has_surroundings = requires { requires C::has_surroundings; };
   static constexpr bool has_weights = requires(const Input& input) { input.sensed.patch_weights; };
   static constexpr std::size_t sample_size = 8 + 4 + 8 * 4, wrench_size = 8 + 6 * 8;
 
@@ -67,6 +69,7 @@ class CycleBytes {
     }
     if constexpr (has_motors) numbers(out, input.sensed.motor_torque);
     if constexpr (has_gripper) numbers(out, input.gripper);
+    if constexpr (has_surroundings) numbers(out, input.around);
     if constexpr (has_weights) numbers(out, input.sensed.patch_weights);
     numbers(out, command);
   }
@@ -93,6 +96,7 @@ class CycleBytes {
     }
     if constexpr (has_motors) read_numbers(in, input.sensed.motor_torque);
     if constexpr (has_gripper) read_numbers(in, input.gripper);
+    if constexpr (has_surroundings) read_numbers(in, input.around);
     if constexpr (has_weights) read_numbers(in, input.sensed.patch_weights);
     read_numbers(in, command);
   }
@@ -107,8 +111,8 @@ class CycleBytes {
   /// joints, scalars and goals.
   [[nodiscard]] static std::array<std::uint32_t, 5> kind() noexcept {
     return {0x01020304,
-            (has_weights ? 16u : 0u) + (has_gripper ? 8u : 0u) + (configured ? 4u : 0u) +
-                (has_motors ? 2u : 0u) + (has_wrenches ? 1u : 0u),
+            (has_surroundings ? 32u : 0u) + (has_weights ? 16u : 0u) + (has_gripper ? 8u : 0u) +
+                (configured ? 4u : 0u) + (has_motors ? 2u : 0u) + (has_wrenches ? 1u : 0u),
             static_cast<std::uint32_t>(C::joints), static_cast<std::uint32_t>(sizeof(typename C::scalar)),
             static_cast<std::uint32_t>(sizeof(typename C::Goal))};
   }

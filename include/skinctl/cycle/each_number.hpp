@@ -60,6 +60,15 @@ void each_number(GripperState& s, F&& f) {
   f(s.opening), f(s.force), f(s.heard), f(s.moving), f(s.holding), f(s.measured), f(error), f(s.code);
   s.error = static_cast<GripperError>(error);
 }
+template <std::size_t Most, Frame A, class T, class F>
+void each_number(Surroundings<Most, A, T>& s, F&& f) {
+  each_number(s.time, f);
+  f(s.count);
+  for (auto& o : s.obstacles) {
+    for (Xyz<T>* v : {&o.shape.from, &o.shape.to}) f(v->x), f(v->y), f(v->z);
+    f(o.shape.radius), f(o.approach);
+  }
+}
 template <class F>
 void each_number(NoGoal&, F&&) {}
 template <class G, class F>

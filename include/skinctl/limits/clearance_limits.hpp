@@ -1,8 +1,11 @@
-// Keeps links of a robot clear of each other and of known objects.
+// Keeps links of a robot clear of each other, of known objects and of what moves around it.
 #pragma once
 
 #include <limits>
 
+#include "skinctl/core/command.hpp"
+#include "skinctl/core/state.hpp"
+#include "skinctl/limits/detail/clearance_ways.hpp"
 #include "skinctl/limits/detail/towards.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/tactile/clearances.hpp"
@@ -20,125 +23,102 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// A velocity that would come too close loses the part that closes; what is left, mixed with braking as far as
 /// needed, is kept. So an arm slides along, and whatever leads away passes.
-template <RobotModel M, Real T = double>
+///
+/// **With obstacles** (`ClearanceAround`, `Around` of them at most) the same holds for them. On a way that lasts t an
+/// obstacle comes closer by `approach (age + late + t)`: for a motion straight towards what stands still that is the
+/// page's `v <= sqrt(a^2 T^2 + 2 a (d - d0)) - a T`. Two robots of which each keeps clear of what the other one
+/// `occupied` until it stands never meet by their own motion, if they decide one after the other: each may always go on
+/// braking, within what the other one left free.
+template <RobotModel M, Real T = double, std::size_t Around = 0>
 class ClearanceLimits {
  public:
-  static constexpr std::size_t joints = M::joints;
-  static constexpr std::size_t most_pairs = Clearances<M, T>::most_pairs;
+  static constexpr std::size_t joints = M::joints, around = Around;
+  using scalar = T;
+  static constexpr std::size_t most_pairs = Clearances<M, T, Around>::most_pairs;
   static constexpr int looks = 6;  ///< along a way to stop
   using ClearancePart = void;
   using Velocity = JointVelocity<joints, T>;
   using Position = JointPosition<joints, T>;
 
+  using Near = typename Clearances<M, T, Around>::Near;
+  /// What is around, from the input; empty without obstacles. Trivially copyable.
+  struct Nothing {};
+  struct Seen {
+    Near near{};
+    T age = T(0);       ///< of the obstacles, now [s]
+    bool blind = true;  ///< they are too old, too many or no numbers
+  };
+  using Memory = std::conditional_t<(Around > 0), Seen, Nothing>;
+
   /// Throws `ConfigurationError` as `Clearances` does.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits, const Clearance& given)
       : clearances_(model, given), limits_(limits), margin_(T(given.margin + 1e-4)), reach_(T(given.reach)) {}
+  /// The same, and for times that are out of their range.
+  SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits,
+                               const ClearanceAround<Around>& given)
+    requires(Around > 0)
+      : clearances_(model, given.own, given.exposed),
+        limits_(limits),
+        margin_(T(given.own.margin + 1e-4)),
+        reach_(T(given.own.reach)),
+        late_(seconds<T>(given.late)),
+        max_age_(given.max_age) {
+    require(given.late >= 0ns && given.late <= 10s, "ClearanceAround: late", milliseconds(given.late),
+            "0 to 10 000 ms");
+    require(given.max_age > 0ns && given.max_age <= 10s, "ClearanceAround: max_age",
+            milliseconds(given.max_age), "> 0, <= 10 000 ms");
+  }
   [[nodiscard]] const M& model() const noexcept { return clearances_.model(); }
-  [[nodiscard]] const Clearances<M, T>& clearances() const noexcept { return clearances_; }
+  [[nodiscard]] const Clearances<M, T, Around>& clearances() const noexcept { return clearances_; }
+
+  /// Takes what is around at `now`. What is too old, too much or no number makes `m` blind: nothing may move then.
+  SKINCTL_INLINE void see(Memory& m, const Near& near, Nanoseconds now) const noexcept
+    requires(Around > 0)
+  {
+    const Nanoseconds age = now - near.time;
+    m.near = near;
+    m.age = age > 0ns ? seconds<T>(age) : T(0);
+    m.blind = !(age <= max_age_ && age >= -max_age_) || near.count > Around;
+    for (std::size_t i = 0; i < near.count && i < Around; ++i) {
+      const Obstacle<Base, T>& o = near.obstacles[i];
+      const T sum = o.shape.from.x + o.shape.from.y + o.shape.from.z + o.shape.to.x + o.shape.to.y +
+                    o.shape.to.z + o.shape.radius;
+      m.blind = m.blind || !(sum - sum == T(0)) || !(o.shape.radius >= T(0)) || !(o.approach >= T(0)) ||
+                !(o.approach <= T(100));
+    }
+  }
+  /// What the exposed capsules may fill from now on until the robot stands, if it brakes: along the way from
+  /// `measured` to the last command, and from there to where all joints are at rest, however they brake together.
+  [[nodiscard]] Surroundings<12, Base, T> occupied(const JointCommand<joints, T>& last,
+                                                   const State<joints, T>& measured) const noexcept {
+    T longest(0);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T stop = Here::size(last.velocity[i]) / brake(i);
+      longest = stop > longest ? stop : longest;
+    }
+    Position middle, half;
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T q = last.position[i], end = q + T(0.5) * longest * last.velocity[i], was = measured.q[i];
+      T low = q < end ? q : end, high = q < end ? end : q;
+      low = was < low ? was : low, high = was > high ? was : high;
+      middle[i] = T(0.5) * (low + high), half[i] = T(0.5) * (high - low);
+    }
+    Surroundings<12, Base, T> out;
+    out.time = measured.time;
+    clearances_.sweep(middle, half, reach_, out);
+    return out;
+  }
 
   /// The distances at a position, for several queries.
-  class Here {
-   public:
-    [[nodiscard]] std::size_t size() const noexcept { return count_; }
-    [[nodiscard]] const T& distance(std::size_t k) const noexcept { return distance_[k]; }
-    [[nodiscard]] T nearest() const noexcept {
-      T least = std::numeric_limits<T>::infinity();
-      for (std::size_t k = 0; k < count_; ++k) least = distance_[k] < least ? distance_[k] : least;
-      return least;
-    }
-    /// Whether the robot can stop from `u`, reached over `moved`, with its clearances and within `room`. False
-    /// for NaN.
-    [[nodiscard]] bool keeps(const Velocity& u, const Position& moved,
-                             const JointRoom<joints, T>& room) const noexcept {
-      return keeps_alike(u, moved, room) || keeps_alone(u, moved);
-    }
-    /// The same if all joints brake alike.
-    [[nodiscard]] bool keeps_alike(const Velocity& u, const Position& moved,
-                                   const JointRoom<joints, T>& room) const noexcept {
-      T longest(0);
-      for (std::size_t i = 0; i < joints; ++i) {
-        const T stop = size(u[i]) / of_.brake(i);
-        longest = stop > longest ? stop : longest;
-      }
-      const Position way = integrate(Position(), u, T(T(0.5) * longest));
-      for (std::size_t i = 0; i < joints; ++i)
-        if (moved[i] + way[i] > room.above[i] || -(moved[i] + way[i]) > room.below[i]) return false;
-      return clear_along(moved, [&](const T& part) { return part * way; });
-    }
-    /// The same if each joint brakes as fast as it can.
-    [[nodiscard]] bool keeps_alone(const Velocity& u, const Position& moved) const noexcept {
-      T longest(0);
-      for (std::size_t i = 0; i < joints; ++i) {
-        const T stop = size(u[i]) / of_.brake(i);
-        longest = stop > longest ? stop : longest;
-      }
-      return clear_along(moved, [&](const T& part) {
-        Position x;
-        for (std::size_t i = 0; i < joints; ++i) {
-          const T stop = size(u[i]) / of_.brake(i), t = part * longest < stop ? T(part * longest) : stop;
-          x[i] = stop > T(0) ? T(u[i] * t * (T(1) - T(0.5) * t / stop)) : T(0);
-        }
-        return x;
-      });
-    }
-    /// `u` without what would bring a pair nearer than it can stop, pair by pair and a few times over.
-    [[nodiscard]] Velocity slid(Velocity u) const noexcept {
-      T gradient[most_pairs][joints];
-      of_.clearances_.gradients(q_, gradient);
-      for (int round = 0; round < 4; ++round)
-        for (std::size_t k = 0; k < count_; ++k) {
-          T closing(0), square(0), rate = std::numeric_limits<T>::infinity();
-          for (std::size_t i = 0; i < joints; ++i) {
-            const T g = gradient[k][i];
-            closing = closing - g * u[i], square = square + g * g;
-            if (size(g) * rate > of_.brake(i) * square) rate = of_.brake(i) * size(g);
-          }
-          const T room = distance_[k] - of_.margin_;
-          const T most = room > T(0) ? speed_to_stop(room, T(0.02), T(rate > T(0) ? rate : T(1e-3))) : T(0);
-          if (!(closing > most) || !(square > T(1e-8))) continue;
-          const T share = (closing - most) / square;
-          for (std::size_t i = 0; i < joints; ++i) u[i] = u[i] + share * gradient[k][i];
-        }
-      return u;
-    }
-
-   private:
-    friend ClearanceLimits;
-    static SKINCTL_INLINE T size(const T& x) noexcept { return x < T(0) ? T(-x) : x; }
-
-    /// Whether the clearances hold after `moved`, and from there along `way(part)`, part from 0 to 1.
-    template <class Way>
-    [[nodiscard]] bool clear_along(const Position& moved, const Way& way) const noexcept {
-      Position x = moved, before;
-      T all(0);
-      for (std::size_t i = 0; i < joints; ++i) all = all + size(moved[i]) + size(way(T(1))[i]);
-      if (nearest() - of_.margin_ > of_.reach_ * all) return true;
-      for (int n = 0; n <= looks; ++n) {
-        if (n > 0) x = moved + way(T(T(n) / T(looks)));
-        T distance[most_pairs];
-        of_.clearances_.distances(q_ + x, distance);
-        for (std::size_t k = 0; k < count_; ++k) {
-          T step(0);
-          for (std::size_t i = 0; i < joints; ++i)
-            if ((of_.clearances_.between(k) >> i) & 1u) step = step + size(x[i] - before[i]);
-          const T least = distance_[k] < of_.margin_ ? distance_[k] : of_.margin_;
-          if (!(distance[k] >= least + of_.reach_ * step * step)) return false;
-        }
-        before = x;
-      }
-      return true;
-    }
-
-    Here(const ClearanceLimits& of, const Position& q) noexcept
-        : of_(of), q_(q), count_(of.clearances_.size()) {
-      of.clearances_.distances(q, distance_);
-    }
-    const ClearanceLimits& of_;
-    Position q_;
-    std::size_t count_;
-    T distance_[most_pairs];
-  };
-  [[nodiscard]] Here at(const Position& q) const noexcept { return Here(*this, q); }
+  using Here = detail::ClearanceWays<ClearanceLimits>;
+  [[nodiscard]] Here at(const Position& q) const noexcept
+    requires(Around == 0)
+  {
+    static constexpr Memory nothing{};
+    return Here(*this, nothing, q);
+  }
+  /// The same beside what was seen; `seen` outlives it.
+  [[nodiscard]] Here at(const Memory& seen, const Position& q) const noexcept { return Here(*this, seen, q); }
 
   struct Kept {
     Velocity velocity;
@@ -146,10 +126,11 @@ class ClearanceLimits {
   };
   /// The step from `u0` to `u1` over `h` seconds, as far as the clearances and `also(u)` are kept: `u1` if so.
   template <class Also>
-  [[nodiscard]] SKINCTL_NOINLINE Kept within(const Position& q, const JointRoom<joints, T>& room,
-                                             const Velocity& u0, const Velocity& u1, const T& h,
+  [[nodiscard]] SKINCTL_NOINLINE Kept within(const Memory& seen, const Position& q,
+                                             const JointRoom<joints, T>& room, const Velocity& u0,
+                                             const Velocity& u1, const T& h,
                                              const Also& also) const noexcept {
-    const Here here = at(q);
+    const Here here = at(seen, q);
     const auto keeps = [&](const Velocity& u) {
       return here.keeps(u, integrate(Position(), u0 + u, T(T(0.5) * h)), room) && also(u);
     };
@@ -169,20 +150,23 @@ class ClearanceLimits {
     return {detail::towards(brake, wish, keeps), true};
   }
   /// Whether the motion that ends at `u` after `moved` keeps the clearances.
-  [[nodiscard]] SKINCTL_NOINLINE bool keeps(const Position& q, const Velocity& u, const Position& moved,
+  [[nodiscard]] SKINCTL_NOINLINE bool keeps(const Memory& seen, const Position& q, const Velocity& u,
+                                            const Position& moved,
                                             const JointRoom<joints, T>& room) const noexcept {
-    return at(q).keeps(u, moved, room);
+    return at(seen, q).keeps(u, moved, room);
   }
   /// `u` without what closes, and of that the share from which the robot can stop after `time` seconds at it.
-  [[nodiscard]] Kept braked(const Position& q, const Velocity& u, const T& time) const noexcept {
-    if (share(q, u, time) == T(1)) [[likely]]
+  [[nodiscard]] Kept braked(const Memory& seen, const Position& q, const Velocity& u,
+                            const T& time) const noexcept {
+    if (share(seen, q, u, time) == T(1)) [[likely]]
       return {u, false};
-    const Velocity aside = at(q).slid(u);
-    return {share(q, aside, time) * aside, true};
+    const Velocity aside = at(seen, q).slid(u);
+    return {share(seen, q, aside, time) * aside, true};
   }
   /// The share in [0, 1] of `u` from which the robot can stop after `time` seconds at it. 0 for NaN.
-  [[nodiscard]] SKINCTL_NOINLINE T share(const Position& q, const Velocity& u, const T& time) const noexcept {
-    const Here here = at(q);
+  [[nodiscard]] SKINCTL_NOINLINE T share(const Memory& seen, const Position& q, const Velocity& u,
+                                         const T& time) const noexcept {
+    const Here here = at(seen, q);
     const auto room = limits_.room(q);
     const auto keeps = [&](const T& s) {
       return here.keeps(s * u, integrate(Position(), s * u, time), room);
@@ -196,20 +180,28 @@ class ClearanceLimits {
   }
 
  private:
+  friend Here;
   /// The rate of braking that is planned, a little less than that of braking itself, for rounding.
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
   }
 
-  Clearances<M, T> clearances_;
+  Clearances<M, T, Around> clearances_;
   JointLimits<joints, T> limits_;
   T margin_, reach_;  ///< a tenth of a millimetre more than asked for: braking is planned in steps
+  T late_ = T(0);
+  Nanoseconds max_age_{0};
 };
 
 /// The part of a governor that it makes of a robot.
 template <RobotModel M, std::size_t N, Real T>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits, const Clearance& clearance) {
   return ClearanceLimits<M, T>(model, limits, clearance);
+}
+template <RobotModel M, std::size_t N, Real T, std::size_t Most>
+[[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits,
+                            const ClearanceAround<Most>& clearance) {
+  return ClearanceLimits<M, T, Most>(model, limits, clearance);
 }
 
 SKINCTL_END_NAMESPACE

@@ -62,6 +62,7 @@ class Governor {
   static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
   static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
   static constexpr bool has_clearance = !std::is_same_v<Clear, detail::NoPart>;
+  static constexpr bool has_surroundings = requires { requires Clear::around > 0; };
   static constexpr bool has_motion = !std::is_same_v<Range, detail::NoPart>;
   static constexpr bool has_watch = !std::is_same_v<Watch, detail::NoPart>;
   /// For torques: the number of cycles of the prediction, and of braking.
@@ -74,6 +75,7 @@ class Governor {
     [[no_unique_address]] typename Contact::Memory contact;
     [[no_unique_address]] typename Watch::Memory watch;
     [[no_unique_address]] typename Range::Memory motion;
+    [[no_unique_address]] typename Clear::Memory around;
   };
 
   SKINCTL_COLD Governor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
@@ -134,7 +136,7 @@ class Governor {
       JointVelocity<N, T> reached = u;
       if (slowed) reached = limits_.move(room, last.velocity, u, dt).velocity;
       const auto kept = clearance_.within(
-          last.position, room, last.velocity, reached, dt, [&](const JointVelocity<N, T>& v) {
+          m.around, last.position, room, last.velocity, reached, dt, [&](const JointVelocity<N, T>& v) {
             if constexpr (has_tool) {
               return tool_.keeps(last.position, v, half_way(last, v, dt), room);
             } else {
@@ -152,7 +154,7 @@ class Governor {
         if (!tool_.keeps(last.position, motion.velocity, motion.displacement, room))
           lost |= Reason::tool_speed_limited;
       if constexpr (has_clearance)
-        if (!clearance_.keeps(last.position, motion.velocity, motion.displacement, room))
+        if (!clearance_.keeps(m.around, last.position, motion.velocity, motion.displacement, room))
           lost |= Reason::clearance_kept;
       if (lost.any()) {
         out.status |= lost | Status(Reason::jerk_exceeded);
@@ -238,7 +240,7 @@ class Governor {
       }
       if (share < T(1)) kept = share * kept;
       if constexpr (has_clearance) {
-        const auto clear = clearance_.braked(measured.q, kept, ahead);
+        const auto clear = clearance_.braked(m.around, measured.q, kept, ahead);
         if (clear.limited) out.status |= Reason::clearance_kept;
         kept = clear.velocity;
       }

@@ -43,6 +43,7 @@ class GroupGovernor {
   static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
   static constexpr bool has_watch = !std::is_same_v<Watch, detail::NoPart>;
   static constexpr bool has_clearance = !std::is_same_v<Clear, detail::NoPart>;
+  static constexpr bool has_surroundings = requires { requires Clear::around > 0; };
   static constexpr bool has_driven = Driven::count > 0;
   /// The number of cycles of the prediction of torques, and of braking by them.
   static constexpr int braking_cycles = 4;
@@ -84,6 +85,7 @@ class GroupGovernor {
     [[no_unique_address]] typename Contact::Memory contact;
     [[no_unique_address]] typename Watch::Memory watch;
     [[no_unique_address]] typename Range::Memory motion;
+    [[no_unique_address]] typename Clear::Memory around;
   };
 
   SKINCTL_COLD GroupGovernor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
@@ -179,18 +181,19 @@ class GroupGovernor {
     }
     if constexpr (has_clearance) {
       if constexpr (has_driven) {  // they follow their torques later than the others their commands
-        const T share = clearance_.share(q, u, ahead);
+        const T share = clearance_.share(m.around, q, u, ahead);
         if (share < T(1)) out.status |= Reason::clearance_kept, slowed = true, u = share * u;
       }
       JointVelocity<N, T> reached = u;
       if (slowed) reached = limits_.move(room, from, u, dt).velocity;
-      const auto kept = clearance_.within(q, room, from, reached, dt, [&](const JointVelocity<N, T>& v) {
-        if constexpr (has_tool) {
-          return tool_.keeps(q, v, integrate(JointPosition<N, T>(), from + v, T(T(0.5) * dt)), room);
-        } else {
-          return true;
-        }
-      });
+      const auto kept =
+          clearance_.within(m.around, q, room, from, reached, dt, [&](const JointVelocity<N, T>& v) {
+            if constexpr (has_tool) {
+              return tool_.keeps(q, v, integrate(JointPosition<N, T>(), from + v, T(T(0.5) * dt)), room);
+            } else {
+              return true;
+            }
+          });
       u = kept.velocity;
       if (kept.limited) out.status |= Reason::clearance_kept, slowed = true;
     }
@@ -210,7 +213,7 @@ class GroupGovernor {
         if constexpr (has_tool)
           if (!tool_.keeps(q, v, way, room)) lost |= Reason::tool_speed_limited;
         if constexpr (has_clearance)
-          if (!clearance_.keeps(q, v, way, room)) lost |= Reason::clearance_kept;
+          if (!clearance_.keeps(m.around, q, v, way, room)) lost |= Reason::clearance_kept;
         if (lost.any()) {
           m.stiff = before.stiff;
           out.status = given | lost | Status(Reason::jerk_exceeded);

@@ -103,6 +103,16 @@ template <class Skin>
 struct SensedBy<Skin> {
   using type = typename Skin::Sensed;
 };
+/// What a governor's clearances add to a scene's input.
+template <class Governor>
+struct AroundOf {
+  using type = NoSurroundings;
+};
+template <class Governor>
+  requires requires { requires Governor::has_surroundings; }
+struct AroundOf<Governor> {
+  using type = typename std::remove_cvref_t<decltype(std::declval<const Governor&>().clearance())>::Near;
+};
 /// Takes what was sensed in an interval, and gives the mean touch over each of its parts. `measured()` is the
 /// newest good state of the robot, for sensors that need one.
 template <class Skin, class Input, class Measured, class Touch>

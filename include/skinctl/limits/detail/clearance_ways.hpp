@@ -1,0 +1,150 @@
+// Whether a robot can stop with its clearances, from a position.
+#pragma once
+
+#include <limits>
+
+#include "skinctl/robot/joint_limits.hpp"
+#include "skinctl/tactile/clearances.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// The distances of a `ClearanceLimits` at a position, and whether ways to stop from there keep them.
+template <class Limits>
+class ClearanceWays {
+ public:
+  static constexpr std::size_t joints = Limits::joints, most_pairs = Limits::most_pairs;
+  static constexpr int looks = Limits::looks;
+  using T = typename Limits::scalar;
+  using Velocity = typename Limits::Velocity;
+  using Position = typename Limits::Position;
+  using Near = typename Limits::Near;
+  using Memory = typename Limits::Memory;
+
+  [[nodiscard]] std::size_t size() const noexcept { return count_; }
+  [[nodiscard]] const T& distance(std::size_t k) const noexcept { return distance_[k]; }
+  [[nodiscard]] T nearest() const noexcept {
+    T least = std::numeric_limits<T>::infinity();
+    for (std::size_t k = 0; k < count_; ++k) least = distance_[k] < least ? distance_[k] : least;
+    return least;
+  }
+  /// Whether the robot can stop from `u`, reached over `moved`, with its clearances and within `room`. False
+  /// for NaN.
+  [[nodiscard]] bool keeps(const Velocity& u, const Position& moved,
+                           const JointRoom<joints, T>& room) const noexcept {
+    return keeps_alike(u, moved, room) || keeps_alone(u, moved);
+  }
+  /// The same if all joints brake alike.
+  [[nodiscard]] bool keeps_alike(const Velocity& u, const Position& moved,
+                                 const JointRoom<joints, T>& room) const noexcept {
+    T longest(0);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T stop = size(u[i]) / of_.brake(i);
+      longest = stop > longest ? stop : longest;
+    }
+    const Position way = integrate(Position(), u, T(T(0.5) * longest));
+    for (std::size_t i = 0; i < joints; ++i)
+      if (moved[i] + way[i] > room.above[i] || -(moved[i] + way[i]) > room.below[i]) return false;
+    return clear_along(moved, longest, [&](const T& part) { return part * way; });
+  }
+  /// The same if each joint brakes as fast as it can.
+  [[nodiscard]] bool keeps_alone(const Velocity& u, const Position& moved) const noexcept {
+    T longest(0);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T stop = size(u[i]) / of_.brake(i);
+      longest = stop > longest ? stop : longest;
+    }
+    return clear_along(moved, longest, [&](const T& part) {
+      Position x;
+      for (std::size_t i = 0; i < joints; ++i) {
+        const T stop = size(u[i]) / of_.brake(i), t = part * longest < stop ? T(part * longest) : stop;
+        x[i] = stop > T(0) ? T(u[i] * t * (T(1) - T(0.5) * t / stop)) : T(0);
+      }
+      return x;
+    });
+  }
+  /// `u` without what would bring a pair nearer than it can stop, pair by pair and a few times over.
+  [[nodiscard]] Velocity slid(Velocity u) const noexcept {
+    T gradient[most_pairs][joints];
+    of_.clearances_.gradients(q_, near(), gradient);
+    for (int round = 0; round < 4; ++round)
+      for (std::size_t k = 0; k < count_; ++k) {
+        T closing(0), square(0), rate = std::numeric_limits<T>::infinity();
+        for (std::size_t i = 0; i < joints; ++i) {
+          const T g = gradient[k][i];
+          closing = closing - g * u[i], square = square + g * g;
+          if (size(g) * rate > of_.brake(i) * square) rate = of_.brake(i) * size(g);
+        }
+        const T room = distance_[k] - margin(k, T(0));
+        const T most = room > T(0) ? speed_to_stop(room, T(0.02), T(rate > T(0) ? rate : T(1e-3))) : T(0);
+        if (!(closing > most) || !(square > T(1e-8))) continue;
+        const T share = (closing - most) / square;
+        for (std::size_t i = 0; i < joints; ++i) u[i] = u[i] + share * gradient[k][i];
+      }
+    return u;
+  }
+
+ private:
+  friend Limits;
+  static SKINCTL_INLINE T size(const T& x) noexcept { return x < T(0) ? T(-x) : x; }
+
+  [[nodiscard]] SKINCTL_INLINE const Near& near() const noexcept {
+    if constexpr (Limits::around > 0) {
+      return seen_.near;
+    } else {
+      static constexpr Near nothing{};
+      return nothing;
+    }
+  }
+  /// What pair `k` needs, `t` seconds after the robot set out: an obstacle comes closer by itself.
+  [[nodiscard]] SKINCTL_INLINE T margin(std::size_t k, const T& t) const noexcept {
+    if constexpr (Limits::around > 0) {
+      return of_.margin_ + of_.clearances_.approach(k, seen_.near) * (seen_.age + of_.late_ + t);
+    } else {
+      return of_.margin_;
+    }
+  }
+  /// Whether the clearances hold after `moved`, and from there along `way(part)`, part from 0 to 1, which lasts
+  /// `time` seconds.
+  template <class Way>
+  [[nodiscard]] bool clear_along(const Position& moved, const T& time, const Way& way) const noexcept {
+    if constexpr (Limits::around > 0)
+      if (seen_.blind) return false;
+    Position x = moved, before;
+    T all(0);
+    for (std::size_t i = 0; i < joints; ++i) all = all + size(moved[i]) + size(way(T(1))[i]);
+    bool close[most_pairs], any = false;
+    for (std::size_t k = 0; k < count_; ++k)
+      any = (close[k] = !(distance_[k] - margin(k, time) > of_.reach_ * all)) || any;
+    if (!any) return true;
+    for (int n = 0; n <= looks; ++n) {
+      const T part = T(n) / T(looks);
+      if (n > 0) x = moved + way(part);
+      T distance[most_pairs];
+      of_.clearances_.distances(q_ + x, near(), distance, [&](std::size_t k) { return close[k]; });
+      for (std::size_t k = 0; k < count_; ++k) {
+        if (!close[k]) continue;
+        T step(0);
+        for (std::size_t i = 0; i < joints; ++i)
+          if ((of_.clearances_.between(k, near()) >> i) & 1u) step = step + size(x[i] - before[i]);
+        const T wanted = margin(k, part * time), least = distance_[k] < wanted ? distance_[k] : wanted;
+        if (!(distance[k] >= least + of_.reach_ * step * step)) return false;
+      }
+      before = x;
+    }
+    return true;
+  }
+
+  ClearanceWays(const Limits& of, const Memory& seen, const Position& q) noexcept
+      : of_(of), seen_(seen), q_(q), count_(of.clearances_.size(near())) {
+    of.clearances_.distances(q, near(), distance_, [](std::size_t) { return true; });
+  }
+  const Limits& of_;
+  const Memory& seen_;
+  Position q_;
+  std::size_t count_;
+  T distance_[most_pairs];
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,264 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/cycle_bytes.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
+#include "skinctl/limits/governor.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/random.hpp"
+#include "skinctl/testing/sanitized.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+using Arm = ur5::Model;
+constexpr double dt = 0.008;
+
+ClearanceAround<16> clearance() {
+  ClearanceAround<16> c;
+  for (std::size_t i = 0; i < 6; ++i)
+    c.own.capsules.push_back({i, {ur5::tubes[i].from, ur5::tubes[i].to, ur5::tubes[i].radius}});
+  c.own.margin = 0.02;
+  c.own.reach = 1.2;
+  c.exposed = {1, 2, 3, 4, 5};
+  return c;
+}
+Transform<World, Base> base(int arm) {
+  return arm == 0
+             ? Transform<World, Base>()
+             : Transform<World, Base>({{-1.0, 0.0, 0.0}, {0.0, -1.0, 0.0}, {0.0, 0.0, 1.0}}, {0.6, 0.1, 0.0});
+}
+/// Points along the tubes of an arm, in the world: the judge shares no distance with what it judges.
+struct Points {
+  std::vector<std::pair<Xyz<double>, double>> at;
+
+  Points(int arm, const JointPosition<6>& q) {
+    const auto poses = link_poses(Arm{}, q);
+    const auto one = [&](auto link) {
+      constexpr std::size_t i = link.value;
+      const auto X = base(arm) * poses.template get<i>();
+      for (int n = 0; n <= 12; ++n) {
+        const Xyz<double> p = ur5::tubes[i].from + n / 12.0 * (ur5::tubes[i].to - ur5::tubes[i].from);
+        at.emplace_back(X.origin() + X.axes() * p, ur5::tubes[i].radius);
+      }
+    };
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (one(std::integral_constant<std::size_t, I + 1>{}), ...);
+    }(std::make_index_sequence<5>{});
+  }
+  [[nodiscard]] double to(const Points& other) const {
+    double least = 1e9;
+    for (const auto& [p, r] : at)
+      for (const auto& [o, s] : other.at) least = std::min(least, norm(Xyz<double>(p - o)) - r - s);
+    return least;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("ClearanceAround: two arms that see what the other one may fill never meet, and get apart again") {
+  const auto limits = limits_of<ur5::Description>(15.0);
+  const ClearanceLimits<Arm, double, 16> clear(Arm{}, limits, clearance());
+  const auto governor = make_governor(limits, clear);
+  double least = 1e9, blind = 1e9, step = 0, apart = 1e9;
+  int limited = 0, scenes = 0, met = 0;
+  auto rng = seeded(11);
+  while (scenes < (sanitized ? 4 : 40)) {
+    std::array<JointPosition<6>, 2> start;
+    for (auto& q : start)
+      for (auto& x : q) x = uniform(rng, -3.0, 3.0);
+    if (Points(0, start[0]).to(Points(1, start[1])) < 0.1) continue;
+    ++scenes;
+    for (const bool sees : {true, false}) {
+      std::array<std::remove_cvref_t<decltype(governor)>::Memory, 2> memory{};
+      std::array<JointCommand<6>, 2> last, before;
+      for (std::size_t a = 0; a < 2; ++a)
+        last[a].valid = true, last[a].position = start[a], before[a] = last[a];
+      auto random = seeded(static_cast<std::uint64_t>(scenes));
+      std::array<JointVelocity<6>, 2> want;
+      bool together = false;
+      const auto cycle = [&](int n) {
+        for (std::size_t a = 0; a < 2; ++a) {
+          const std::size_t b = 1 - a;
+          // The robot is a command behind what it was told.
+          const State<6> mine{.time = n * 8ms, .q = before[a].position, .dq = before[a].velocity},
+              theirs{.time = n * 8ms, .q = before[b].position, .dq = before[b].velocity};
+          Surroundings<16> near;
+          near.time = n * 8ms;
+          if (sees) {
+            Surroundings<12, World> filled;
+            filled.add(base(static_cast<int>(b)), clear.occupied(last[b], theirs));
+            near.add(base(static_cast<int>(a)).inverse(), filled);
+          }
+          JointCommand<6> wish = last[a];
+          for (std::size_t i = 0; i < 6; ++i) {
+            wish.velocity[i] =
+                last[a].velocity[i] + std::clamp(want[a][i] - last[a].velocity[i], -15 * dt, 15 * dt);
+            wish.position[i] = last[a].position[i] + 0.5 * dt * (last[a].velocity[i] + wish.velocity[i]);
+          }
+          const AllocationGuard guard;
+          clear.see(memory[a].around, near, n * 8ms);
+          const auto out = governor.step(memory[a], last[a], wish, mine, NoTouch{}, NoTouch{}, dt);
+          const auto allocated = guard.count();
+          REQUIRE(allocated == 0);
+          for (std::size_t i = 0; i < 6; ++i)
+            step = std::max(step, std::abs(out.command.velocity[i] - last[a].velocity[i]) / dt);
+          limited += out.status.has(Reason::clearance_kept);
+          before[a] = last[a];
+          last[a] = out.altered ? out.command : wish;
+        }
+        // Neither where they are told to be nor where they are: the one at its place, the other at its command.
+        const Points told[] = {{0, last[0].position}, {1, last[1].position}},
+                     is[] = {{0, before[0].position}, {1, before[1].position}};
+        const double d =
+            std::min({told[0].to(told[1]), is[0].to(is[1]), is[0].to(told[1]), told[0].to(is[1])});
+        (sees ? least : blind) = std::min(sees ? least : blind, d);
+        together = together || d < 0;
+        return d;
+      };
+      int n = 0;
+      double d = 0;
+      for (; n < 200; ++n) {
+        if (n % 50 == 0)
+          for (auto& w : want)
+            for (auto& v : w) v = uniform(random, -2.5, 2.5);
+        d = cycle(n);
+      }
+      met += !sees && together;
+      if (!sees) continue;
+      // Back to where they came from: whatever leads away passes.
+      double end = d;
+      for (; n < 500; ++n) {
+        for (std::size_t a = 0; a < 2; ++a)
+          for (std::size_t i = 0; i < 6; ++i)
+            want[a][i] = std::clamp(2 * (start[a][i] - last[a].position[i]), -1.0, 1.0);
+        end = cycle(n);
+      }
+      apart = std::min(apart, end);
+    }
+  }
+  MESSAGE("least distance " << 1e3 * least << " mm, without seeing " << 1e3 * blind << " mm (" << met
+                            << " of " << scenes << " meet), limited in " << limited << " cycles, at last "
+                            << 1e3 * apart << " mm");
+  CHECK(met >= scenes / 8);
+  CHECK(limited > 20);
+  CHECK(least >= 0.019);
+  CHECK(step <= 15 * 1.0001);
+}
+
+TEST_CASE("ClearanceAround: an arm stops before what comes closer, lets it pass, and is blind without news") {
+  const auto limits = limits_of<ur5::Description>(15.0);
+  const ClearanceLimits<Arm, double, 16> clear(Arm{}, limits, clearance());
+  using Seen = ClearanceLimits<Arm, double, 16>::Memory;
+  const JointPosition<6> q{0.0, -1.2, 1.4, -0.2, 0.3, 0.0};
+  const auto room = limits.room(q);
+  const JointVelocity<6> still{}, up{0.0, -0.8, 0.0, 0.0, 0.0, 0.0};
+  const auto elbow_at = [](const JointPosition<6>& x) {
+    const auto X = link_poses(Arm{}, x).get<2>();
+    return Xyz<double>(X.origin() + X.axes() * ur5::tubes[2].from);
+  };
+  const Xyz<double> elbow = elbow_at(q), way = elbow_at(integrate(q, up, 1e-4)) - elbow;
+  const Xyz<double> ahead = (1 / norm(way)) * way;
+  const auto seen = [&](double off, double approach, Nanoseconds stamp, std::uint32_t count = 1) {
+    Seen m{};
+    Surroundings<16> near;
+    near.time = stamp;
+    const Xyz<double> p = elbow + off * ahead;
+    near.add({{p, p, 0.05}, approach});
+    near.count = count;
+    clear.see(m, near, 1s);
+    return m;
+  };
+  const auto any = [](const auto&) { return true; };
+  const auto goes = [&](const Seen& m, const JointVelocity<6>& u) {
+    return !clear.within(m, q, room, still, u, dt, any).limited;
+  };
+  CHECK(goes(seen(1.0, 0.3, 1s), up));
+  CHECK_FALSE(goes(seen(0.13, 0.3, 1s), up));
+  CHECK(goes(seen(0.13, 0.3, 1s), -1.0 * up));
+  // Nearer by what it moves by itself, and by what is not known of it.
+  double stands = 0.1, comes = 0.1;
+  while (!goes(seen(stands, 0.0, 1s), up)) stands += 1e-3;
+  while (!goes(seen(comes, 0.3, 1s), up)) comes += 1e-3;
+  CHECK(comes > stands + 0.3 * (0.02 + dt));
+  CHECK(comes < stands + 0.3 * (0.02 + 0.2));
+  double old = 0.1;
+  while (!goes(seen(old, 0.3, 1s - 50ms), up)) old += 1e-3;
+  CHECK(old == doctest::Approx(comes + 0.3 * 0.05).epsilon(0.02));
+  // Too old, from the future, too many, no numbers: it stands, and brakes from where it was.
+  CHECK_FALSE(goes(seen(1.0, 0.3, 1s - 101ms), up));
+  CHECK_FALSE(goes(seen(1.0, 0.3, 1s + 101ms), up));
+  CHECK_FALSE(goes(seen(1.0, 0.3, 1s, 17), up));
+  CHECK_FALSE(goes(seen(std::nan(""), 0.3, 1s), up));
+  CHECK_FALSE(goes(seen(1.0, -0.1, 1s), up));
+  CHECK_FALSE(goes(Seen{}, up));
+  const auto braked = clear.within(Seen{}, q, room, up, up, dt, any);
+  CHECK(braked.limited);
+  CHECK(std::abs(braked.velocity[1] - (up[1] + 15 * dt)) < 1e-6);
+}
+
+TEST_CASE("ClearanceAround: what cannot be is refused") {
+  const auto limits = limits_of<ur5::Description>(15.0);
+  const auto refuses = [&](auto change) {
+    auto c = clearance();
+    change(c);
+    CHECK_THROWS_AS((ClearanceLimits<Arm, double, 16>(Arm{}, limits, c)), ConfigurationError);
+  };
+  refuses([](auto& c) { c.exposed = {6}; });
+  refuses([](auto& c) { c.exposed.assign(13, 1); });
+  refuses([](auto& c) {
+    c.own.capsules.push_back({LinkCapsule::fixed, {}});
+    c.exposed = {6};
+  });
+  refuses([](auto& c) { c.late = -1ns; });
+  refuses([](auto& c) { c.max_age = 0ns; });
+}
+
+TEST_CASE("Cycle: what is around comes with its input, is recorded, and holds an arm that hears nothing") {
+  const auto arm = by_position(Arm{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms});
+  const auto scene = Cycle(arm, GravityControl{}).with(clearance());
+  using Scene = std::remove_cv_t<decltype(scene)>;
+  static_assert(Scene::has_surroundings && !decltype(Cycle(arm, GravityControl{}))::has_surroundings);
+  State<6> at{.time = 1s, .q = {0.0, -1.2, 1.4, -0.2, 0.3, 0.0}, .dq = {}};
+  auto memory = std::make_unique<Scene::Memory>();
+  scene.start(*memory, at);
+  Scene::Input input;
+  input.now = at.time = 1s + 8ms;
+  input.measured = at;
+  CHECK(memory->governor.around.blind);
+  static_cast<void>(scene.step(*memory, input));
+  CHECK(memory->governor.around.blind);
+  input.now = input.measured.time = input.around.time = 1s + 16ms;
+  input.around.add({{{2.0, 0.0, 0.0}, {2.0, 0.0, 1.0}, 0.1}, 0.3});
+  static_cast<void>(scene.step(*memory, input));
+  CHECK_FALSE(memory->governor.around.blind);
+  // Where it stands: each tube, and no more than it is.
+  const auto filled = scene.occupied(*memory, base(1));
+  REQUIRE(filled.count == 5);
+  CHECK(filled.obstacles[1].shape.radius == doctest::Approx(ur5::tubes[2].radius));
+  const auto elbow = base(1) * link_poses(Arm{}, at.q).get<2>();
+  CHECK(norm(Xyz<double>(filled.obstacles[1].shape.from -
+                         (elbow.origin() + elbow.axes() * ur5::tubes[2].from))) < 1e-9);
+
+  using Bytes = CycleBytes<Scene>;
+  detail::ByteWriter out(Bytes::most(input));
+  Bytes::write(out, input, {});
+  detail::ByteReader in(out.bytes());
+  Scene::Input read;
+  Bytes::Samples samples;
+  Bytes::Command command;
+  Bytes::read(in, read, samples, command);
+  CHECK_FALSE(in.short_of_bytes());
+  CHECK(in.left() == 0);
+  CHECK(read.around.time == input.around.time);
+  CHECK(read.around.count == 1);
+  CHECK(read.around.obstacles[0].shape.radius == 0.1);
+  CHECK(read.around.obstacles[0].approach == 0.3);
+}
