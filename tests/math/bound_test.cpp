@@ -12,6 +12,7 @@
 #include "skinctl/math/traced_output.hpp"
 #include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/robot_table.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;
@@ -47,7 +48,7 @@ TEST_CASE_TEMPLATE("Bound: no program's error is above its bound, and the exact 
   oracle::Random random(1);
   math::undecided() = 0;
   double tightest = 1e300;
-  for (int k = 0; k < 3000; ++k) {
+  for (int k = 0; k < (skinctl::testing::sanitized ? 300 : 3000); ++k) {
     const R x = static_cast<R>(random.uniform(-2, 2)), y = static_cast<R>(random.uniform(-2, 2));
     const auto check = [&](const math::Bound<R>& bound, const Digits50& exact, double error) {
       CHECK(Digits50(bound.value().low) <= exact);
@@ -103,7 +104,7 @@ TEST_CASE(
     const auto box = output(low, high), box_in_double = other_output(low, high);
     oracle::Random random(3);
     double found = 0, found_double = 0;
-    for (int k = 0; k < 2000; ++k) {
+    for (int k = 0; k < (skinctl::testing::sanitized ? 200 : 2000); ++k) {
       const auto x = static_cast<float>(random.uniform(0.4, 0.6)),
                  y = static_cast<float>(random.uniform(-1.1, -0.9));
       const double u = random.uniform(0.4, 0.6), v = random.uniform(-1.1, -0.9);

@@ -12,6 +12,7 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/random.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;
 using math::Fixed, math::Q11_20, math::Q15_16, math::Q9_22;
@@ -30,7 +31,7 @@ TEST_CASE_TEMPLATE("Fixed: sums are exact, products and quotients right to half 
   CHECK(T(std::numeric_limits<double>::quiet_NaN()) == T(0));
   testing::Seeded random(3);
   const double step = 1.0 / double(T::one);
-  for (int k = 0; k < 20000; ++k) {
+  for (int k = 0; k < (skinctl::testing::sanitized ? 2000 : 20000); ++k) {
     const T a(10 * random()), b(10 * random());
     const double x(a), y(b);
     const double root(sqrt(abs(a))), exact = std::sqrt(std::abs(x));
@@ -56,7 +57,8 @@ TEST_CASE_TEMPLATE("Fixed: sine and cosine are right to 0.52 steps, turns away a
         {worst, std::abs(double(s) - std::sin(double(x))), std::abs(double(c) - std::cos(double(x)))});
     same = same && s == sin(x) && c == cos(x);
   };
-  for (std::int64_t k = -200000; k <= 200000; ++k)
+  constexpr std::int64_t most = skinctl::testing::sanitized ? 20'000 : 200'000;
+  for (std::int64_t k = -most; k <= most; ++k)
     look(T::of_steps(static_cast<std::int32_t>(k * 10007 % std::numeric_limits<std::int32_t>::max())));
   for (int k = -300; k <= 300; ++k)
     for (int off = -3; off <= 3; ++off) look(T(k * 1.5707963267948966) + T::of_steps(off));
@@ -114,7 +116,8 @@ TEST_CASE("Fixed: a UR5's pose, G, inverse dynamics and M by format") {
     CHECK(e.torque <= torque);
     CHECK(e.mass <= mass);
   };
-  check(Errors<Q15_16>(10000), "Q15.16", 6e-5, 1.9e-3, 3.7e-3, 2.6e-4);
-  check(Errors<Q11_20>(10000), "Q11.20", 4e-6, 7.5e-5, 1.5e-4, 1.1e-5);
-  check(Errors<Q9_22>(10000), "Q9.22", 1e-6, 2.4e-5, 4.7e-5, 2.9e-6);
+  constexpr int states = skinctl::testing::sanitized ? 1000 : 10000;
+  check(Errors<Q15_16>(states), "Q15.16", 6e-5, 1.9e-3, 3.7e-3, 2.6e-4);
+  check(Errors<Q11_20>(states), "Q11.20", 4e-6, 7.5e-5, 1.5e-4, 1.1e-5);
+  check(Errors<Q9_22>(states), "Q9.22", 1e-6, 2.4e-5, 4.7e-5, 2.9e-6);
 }

@@ -8,6 +8,7 @@
 
 #include "skinctl/core/lane.hpp"
 #include "skinctl/testing/random.hpp"
+#include "skinctl/testing/sanitized.hpp"
 #include "tests/math/exact_error.hpp"
 
 using namespace skinctl;
@@ -62,7 +63,7 @@ double excess(const Track<T>& exact, const Sum<T, Policy>& sum) {
 
 TEST_CASE_TEMPLATE("two_sum: value and error are the exact sum, at any sizes", T, float, double) {
   Random random = seeded(1);
-  for (int k = 0; k < 20000; ++k) {
+  for (int k = 0; k < (skinctl::testing::sanitized ? 2000 : 20000); ++k) {
     const int reach = sizeof(T) == 8 ? 400 : 60;
     const T a = std::ldexp(static_cast<T>(uniform(random, -1.0, 1.0)), k * 7 % reach - reach / 2);
     const T b = std::ldexp(static_cast<T>(uniform(random, -1.0, 1.0)), k * 13 % reach - reach / 2);
@@ -96,7 +97,7 @@ TEST_CASE_TEMPLATE("Sum: a hundred million steps drift by less than the bound; a
 
 TEST_CASE_TEMPLATE("Sum: within its bound of 50 digits", T, float, double) {
   Random random = seeded(2);
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < (skinctl::testing::sanitized ? 30 : 300); ++k) {
     Track<T> exact;
     Sum<T> compensated;
     Sum<T, DoubleWord> twice;
@@ -117,7 +118,8 @@ TEST_CASE_TEMPLATE("Sum: within its bound of 50 digits", T, float, double) {
 
 TEST_CASE_TEMPLATE("Sum: a state that swings keeps its place where DoubleWord is asked for", T, float,
                    double) {
-  // There and back a million times: the compensated sum rounds each step, the double word does not.
+  // There and back a million times, under the sanitizers a hundred thousand: the compensated sum rounds each
+  // step, the double word does not.
   Random random = seeded(3);
   Sum<T> compensated(T(0.7));
   Sum<T, DoubleWord> twice(T(0.7));
@@ -127,7 +129,7 @@ TEST_CASE_TEMPLATE("Sum: a state that swings keeps its place where DoubleWord is
     x = static_cast<T>(uniform(random, -0.01, 0.01));
     exact += Digits50(x);
   }
-  for (int k = 0; k < 1000; ++k) {
+  for (int k = 0; k < (skinctl::testing::sanitized ? 100 : 1000); ++k) {
     for (const T x : steps) compensated += x, twice += x;
     if (k % 2 == 0)
       for (const T x : steps) compensated -= x, twice -= x;

@@ -9,6 +9,7 @@
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/digits50.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;
@@ -109,7 +110,7 @@ TEST_CASE_TEMPLATE("JointLimits: no limit is ever crossed, by whatever targets a
   std::mt19937_64 rng(2);
   std::uniform_real_distribution<double> unit(-1, 1);
   int at_upper = 0, at_speed = 0;
-  for (int scene = 0; scene < 200; ++scene) {
+  for (int scene = 0; scene < (skinctl::testing::sanitized ? 40 : 200); ++scene) {
     const T a = T(std::pow(10, 1.5 + unit(rng))), vm = T(std::pow(10, unit(rng)));
     const T upper = T(0.5 + std::abs(unit(rng)) * 6), lower = T(-0.1 + 0.5 * unit(rng));
     if (!(lower < upper)) continue;

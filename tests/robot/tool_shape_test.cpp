@@ -9,6 +9,7 @@
 
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/integrator.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;
 
@@ -187,10 +188,11 @@ TEST_CASE("ToolShape: nothing jumps on the way through a singularity") {
   const Shape3 shape(translation());
   Matrix last{6, 6};
   double largest = 0;
-  for (int k = -20000; k <= 20000; ++k) {
+  constexpr int most = skinctl::testing::sanitized ? 2000 : 20000;  // the elbow is straight in the middle
+  for (int k = -most; k <= most; ++k) {
     const JointPosition<6> q{0.1, -1.2, 2e-5 * k, 0.4, -1.5, 0.2};  // elbow bent, straight, bent
     const Matrix M = matrix(shape.at(ur5::Model{}, q).mass);
-    if (k > -20000) largest = std::max(largest, (M - last).norm() / last.norm());
+    if (k > -most) largest = std::max(largest, (M - last).norm() / last.norm());
     last = M;
   }
   CHECK(largest < 2e-3);  // for 2e-5 rad

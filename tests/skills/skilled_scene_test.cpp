@@ -26,22 +26,23 @@ TEST_CASE(
   int bad = 0, changes = 0;
   std::uint8_t skill = 0;
   JointPosition<6, float> rest;
-  const int busy = sanitized ? 2'000 : 60'000;
-  for (int k = 0; k < busy + 30'000; ++k) {
+  const int busy = sanitized ? 2'000 : 60'000, home = sanitized ? 8'000 : 20'000,
+            end = home + (sanitized ? 2'000 : 10'000);
+  for (int k = 0; k < busy + end; ++k) {
     if (k < busy) day.happen();
     if (k == busy) day.release_all(), day.go_home();
     const AllocationGuard guard;
     const auto out = day.step();
     allocated += guard.count();
-    if (k < 20'000) recording.add(day.last(), out.command);
+    if (k < (sanitized ? 5'000 : 20'000)) recording.add(day.last(), out.command);
     integrals = std::max(integrals, day.integrals());
     bad += !out.command.valid;
     changes += day.memory().law.skill != skill;
     skill = day.memory().law.skill;
     for (std::size_t i = 0; i < 6; ++i) {
       bad += !std::isfinite(out.command.position[i]);
-      if (k == busy + 20'000) rest = out.command.position;
-      if (k > busy + 20'000)
+      if (k == busy + home) rest = out.command.position;
+      if (k > busy + home)
         drift = std::max(drift, static_cast<double>(std::abs(out.command.position[i] - rest[i])));
     }
   }

@@ -28,8 +28,12 @@ struct Case {
 
 void check(const std::vector<Case>& cases, std::size_t together = skinctl::testing::sanitized ? 2 : 8) {
   std::vector<std::pair<Interface, const Case*>> all;
+  // Under the sanitizers the interfaces take turns: a fault meets the same code on its way to either.
   for (const Case& c : cases)
-    for (const Interface i : {Interface::position, Interface::velocity}) all.emplace_back(i, &c);
+    for (const Interface i : {Interface::position, Interface::velocity})
+      if (!skinctl::testing::sanitized ||
+          (&c - cases.data()) % 2 == static_cast<int>(i == Interface::velocity))
+        all.emplace_back(i, &c);
   // Several at a time: they wait for clocks, not for the processor.
   std::vector<std::unique_ptr<Run>> runs(all.size());
   std::atomic<std::size_t> next = 0;
