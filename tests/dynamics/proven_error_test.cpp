@@ -24,17 +24,17 @@ constexpr Promised promised(Quantity q) {
     case Quantity::pose:
       return {2.7e-6, 5.0e-15};
     case Quantity::jacobian:
-      return {1.6e-6, 2.9e-15};
+      return {1.8e-6, 3.3e-15};
     case Quantity::gravity:
       return {3.0e-5, 4.7e-14};
     case Quantity::inverse_dynamics:
-      return {4.0e-4, 7.3e-13};
+      return {4.1e-4, 7.4e-13};
     case Quantity::yr_theta:
-      return {6.0e-4, 1.1e-12};
+      return {6.2e-4, 1.2e-12};
     case Quantity::mass:
       return {3.6e-6, 6.4e-15};
     case Quantity::forward_dynamics:
-      return {5.6e-4, 1.0e-12};
+      return {5.9e-4, 1.1e-12};
   }
   return {};
 }
