@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/scenery.hpp"
 #include "examples/packing_oranges/supply.hpp"
 #include "examples/packing_oranges/work.hpp"
+#include "skinctl/cycle/input.hpp"
 
 namespace packing {
 
@@ -32,6 +34,9 @@ struct RunSettings {
   double longest = 0;      ///< [s] of simulated time; 0: enough for the oranges
   bool keep_path = false;  ///< of the hands, for pictures
 };
+
+/// Shown every 32 ms of simulated time where somebody looks; what is returned is asked of both arms.
+using Show = std::function<skinctl::CycleRequest(const Scenery&)>;
 
 /// What one arm did.
 struct ArmOutcome {
@@ -79,8 +84,8 @@ struct Outcome {
 /// Watches a run: called every simulated tenth of a second; false ends it.
 using Watch = std::function<bool(double time, const Supply&)>;
 
-Outcome run_ur5(const RunSettings& settings, const Watch& watch = {});
-Outcome run_ur10e(const RunSettings& settings, const Watch& watch = {});
+Outcome run_ur5(const RunSettings& settings, const Watch& watch = {}, const Show& show = {});
+Outcome run_ur10e(const RunSettings& settings, const Watch& watch = {}, const Show& show = {});
 
 /// The fault of this name. Throws std::runtime_error for another one.
 Fault fault_named(const std::string& name);

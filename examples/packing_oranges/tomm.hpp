@@ -133,6 +133,31 @@ struct Arm {
     c.exposed = {0, 1, 2, 3, 4, 5, 6};
     return c;
   }
+  /// Links and palm, where they are in the world.
+  static std::vector<skinctl::Capsule<>> parts(std::size_t arm, const skinctl::JointPosition<6>& q) {
+    std::vector<skinctl::Capsule<>> out;
+    const auto poses = skinctl::link_poses(Model{}, q);
+    const auto put = [&](const auto& X_BL, const skinctl::Capsule<>& s) {
+      const auto X = base(arm) * X_BL;
+      out.push_back({X.origin() + X.axes() * s.from, X.origin() + X.axes() * s.to, s.radius});
+    };
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (put(poses.template get<I>(), R::shapes[I]), ...);
+    }(std::make_index_sequence<6>());
+    put(poses.template get<5>(), {{0, -0.03, R::flange + 0.03}, {0, 0.03, R::flange + 0.03}, 0.03});
+    return out;
+  }
+  static std::array<skinctl::Capsule<>, 2> fingers(std::size_t arm, const skinctl::JointPosition<6>& q,
+                                                   double opening) {
+    std::array<skinctl::Capsule<>, 2> out;
+    const auto X = base(arm) * hand(q);
+    for (std::size_t f = 0; f < 2; ++f) {
+      const double y = (f == 0 ? 0.5 : -0.5) * opening + (f == 0 ? 0.006 : -0.006);
+      out[f] = {X.origin() + X.axes() * skinctl::Xyz<double>{0, y, -0.12},
+                X.origin() + X.axes() * skinctl::Xyz<double>{0, y, 0.015}, 0.008};
+    }
+    return out;
+  }
   static std::vector<skinctl::PlacedCell<forearm>> cells() {
     using namespace skinctl;
     const Capsule<>& s = R::shapes[forearm];

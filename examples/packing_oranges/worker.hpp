@@ -117,6 +117,7 @@ class Worker {
     input_.samples = samples;
     input_.gripper = gripper;
     const auto out = scene_.step(*memory_, input_);
+    input_.request = skinctl::CycleRequest::none;
     kept_ = out.status.has(skinctl::Reason::clearance_kept);
     return out;
   }
@@ -127,6 +128,11 @@ class Worker {
     return features_.in_hand && (plan_.step == step::to_box || plan_.step == step::to_bin) &&
            plan_.phase == Executor::Phase::run;
   }
+  [[nodiscard]] bool goes_back() const { return !done_.empty() && done_.back().back; }
+  /// Whether it is limited for the other arm.
+  [[nodiscard]] bool kept() const { return kept_; }
+  /// Of the next cycle.
+  void request(skinctl::CycleRequest asked) { input_.request = asked; }
   [[nodiscard]] const std::vector<Done>& done() const { return done_; }
   [[nodiscard]] const std::vector<Judged>& judged() const { return judged_; }
   [[nodiscard]] const skinctl::StepRequest& request() const { return request_; }
