@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "skinctl/kinematics/poses.hpp"
@@ -18,13 +19,35 @@ struct LinkBody {
   skinctl::Xyz<double> com{0, 0, 0};
   std::array<double, 6> inertia{};  ///< about the centre of mass: xx, yy, zz, xy, xz, yz
 };
+inline constexpr double tip_radius = 0.012;  ///< of a hand's fingertips [m]
+
+/// A hand of four fingers: four links each, the first ones on the palm. Its frame stands in that of the arm's last link.
+struct HandBody {
+  std::array<LinkBody, 16> links{};
+  std::array<skinctl::Xyz<double>, 4> tips{};  ///< middle of each fingertip, in the last link of its finger
+  std::array<double, 4> takes_part{};          ///< fingertips that hold something: 1, the others: 0
+  std::array<double, 16> lower{}, upper{}, start{};  ///< joints [rad]
+  LinkBody palm{};                                   ///< where the hand's frame is, and the palm's inertia
+  skinctl::Xyz<double> grasps{0, 0, 0};  ///< the point between the fingertips, in the hand's frame
+};
 struct ArmBody {
   std::array<LinkBody, 6> links{};
   std::array<skinctl::Capsule<>, 6> shapes{};  ///< around each link, in its frame
   double flange = 0;                           ///< along the z axis of the last link [m]
   skinctl::Transform<skinctl::World, skinctl::Base> X_WB{};
-  std::array<double, 6> home{};  ///< joints at the start [rad]
+  std::array<double, 6> home{};    ///< joints at the start [rad]
+  std::optional<HandBody> hand{};  ///< instead of a gripper
 };
+
+/// The numbers of a link's mass, from a model's.
+inline void mass_of(LinkBody& l, const skinctl::LinkParameters<double>& n) {
+  using P = skinctl::LinkParameter;
+  const double trace = n[P::s_xx] + n[P::s_yy] + n[P::s_zz];
+  l.mass = n[P::mass];
+  l.com = {n[P::c_x], n[P::c_y], n[P::c_z]};
+  l.inertia = {trace - n[P::s_xx], trace - n[P::s_yy], trace - n[P::s_zz],
+               -n[P::s_xy],        -n[P::s_xz],        -n[P::s_yz]};
+}
 
 /// The bodies of a model of six joints.
 template <skinctl::RobotModel M>
@@ -46,13 +69,7 @@ template <skinctl::RobotModel M>
       in_parent(poses.template get<0>());
     else
       in_parent(poses.template get<I - 1>().inverse() * poses.template get<I>());
-    using P = LinkParameter;
-    const LinkParameters<double> n = numbers_of<I, double>(model);
-    const double trace = n[P::s_xx] + n[P::s_yy] + n[P::s_zz];
-    l.mass = n[P::mass];
-    l.com = {n[P::c_x], n[P::c_y], n[P::c_z]};
-    l.inertia = {trace - n[P::s_xx], trace - n[P::s_yy], trace - n[P::s_zz],
-                 -n[P::s_xy],        -n[P::s_xz],        -n[P::s_yz]};
+    mass_of(l, numbers_of<I, double>(model));
   };
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     (one(std::integral_constant<std::size_t, I>()), ...);

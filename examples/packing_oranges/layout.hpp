@@ -41,7 +41,7 @@ inline constexpr Tray box_tray{0, 0, 0.17, 0.13, 0.08};
   return {-0.30 * side(arm), 0.42 * side(arm), 0.12, 0.12, 0.06};
 }
 [[nodiscard]] constexpr Tray feed_tray(std::size_t arm) noexcept {
-  return {-0.24 * side(arm), -0.40 * side(arm), 0.22, 0.07, 0.04};
+  return {-0.24 * side(arm), -0.40 * side(arm), 0.22, 0.09, 0.04};
 }
 [[nodiscard]] constexpr skinctl::Xyz<double> feed_place(std::size_t arm, std::size_t k) noexcept {
   return {(-0.24 + 0.15 * (static_cast<double>(k) - 1)) * side(arm), -0.40 * side(arm), 0};

@@ -1,11 +1,13 @@
 // Two simulated arms with grippers and skin pack oranges: the good into the box, the bad into a bin.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <thread>
 
+#include "examples/packing_oranges/grasps.hpp"
 #include "examples/packing_oranges/live.hpp"
 #include "examples/packing_oranges/report.hpp"
 #include "examples/packing_oranges/teach.hpp"
@@ -53,6 +55,15 @@ int run(const RunSettings& settings, const std::string& robot, const std::string
   const bool lost = settings.fault == Fault::none && out.lost() > 0;
   return code(lost || out.worst_grip() > 10 || out.shake() > 3 ? Exit::broken : Exit::fine);
 }
+int show_grasps(std::uint64_t seed, const std::string& page) {
+  const auto trials = three_grasps();
+  std::vector<GraspFigures> figures;
+  for (const auto& t : trials) figures.push_back(try_grasp(t, {.seed = seed}));
+  std::fputs(summary(figures).c_str(), stdout);
+  if (!page.empty() && !plotting::write_svg(page, picture(trials, figures))) return code(Exit::refused);
+  const bool held = std::all_of(figures.begin(), figures.end(), [](const auto& f) { return f.held; });
+  return code(held ? Exit::fine : Exit::broken);
+}
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -60,7 +71,7 @@ int main(int argc, char** argv) {
   app.footer(examples::job::exit_help());
   RunSettings s;
   std::string robot = "ur5", fault = "none", page, gripper = "measures";
-  bool quiet = false, taught = false;
+  bool quiet = false, taught = false, grasps = false;
   Live live;
   app.add_option("--oranges", s.supply.oranges, "how many")
       ->check(CLI::Range(1, 100000))
@@ -82,9 +93,13 @@ int main(int argc, char** argv) {
   app.add_flag("--teach", taught,
                "first a person leads an arm to the place in the box where oranges are let go");
   app.add_option("--gripper", gripper,
-                 "measures: the opening as well as the force; open_or_closed: the force over time")
-      ->check(CLI::IsMember({"measures", "open_or_closed"}))
+                 "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
+                 "Allegro hands")
+      ->check(CLI::IsMember({"measures", "open_or_closed", "hand"}))
       ->capture_default_str();
+  app.add_flag("--grasps", grasps,
+               "instead: three grasps of a hand on three objects, shaken and turned over; --report: their "
+               "picture (SVG)");
   app.add_flag("!--unseen", s.see_each_other,
                "the arms do not keep clear of each other: only the order at the box keeps them apart");
   app.add_flag("--live", live.on, "at the world's pace, seen in a browser: prints the page's address");
@@ -98,8 +113,10 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : code(Exit::refused);
   }
   try {
+    if (grasps) return show_grasps(s.seed, page);
     s.fault = fault_named(fault);
     s.keep_path = !page.empty();
+    if (gripper == "hand") with_hands(s);
     s.work.by_time = gripper == "open_or_closed";
     if (taught) {
       const auto lesson = teach(s.seed);

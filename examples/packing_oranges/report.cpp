@@ -19,6 +19,21 @@ int failed(const ArmOutcome& a) {
 int went_back(const ArmOutcome& a) {
   return static_cast<int>(std::count_if(a.done.begin(), a.done.end(), [](const Done& d) { return d.back; }));
 }
+/// What squeezes told of the stiffness, over the true one.
+struct Judgement {
+  double mean = 0, spread = 0;
+};
+Judgement judgement(const Outcome& o) {
+  double n = 0, sum = 0, square = 0;
+  for (const ArmOutcome& a : o.arm)
+    for (const auto& j : a.judged) {
+      if (!(j.truth > 0) || !(j.stiffness < 1e6)) continue;
+      const double x = j.stiffness / j.truth;
+      ++n, sum += x, square += x * x;
+    }
+  if (!(n > 0)) return {};
+  return {sum / n, std::sqrt(std::max(0.0, square / n - sum * sum / (n * n))) * n / sum};
+}
 std::string failures(const ArmOutcome& a) {
   constexpr int shown = 8;
   std::string out;
@@ -45,6 +60,9 @@ std::string summary(const Outcome& o, const RunSettings& s) {
               o.shake());
   out += text("largest force of a finger %.2f N while holding, %.2f N at all\n", o.worst_grip(),
               o.worst_force());
+  const Judgement j = judgement(o);
+  out += text("stiffness by squeezing: %.3f of the true one in the mean, %.1f %% rms apart from that\n",
+              j.mean, 100 * j.spread);
   for (std::size_t a = 0; a < arms; ++a) {
     const ArmOutcome& m = o.arm[a];
     out += text(
@@ -60,6 +78,7 @@ std::string summary(const Outcome& o, const RunSettings& s) {
                 describe(s.fault));
   out += text("%.1f times real time on one core; %.1f us a cycle of an arm, with its executor\n",
               o.computed > 0 ? o.time / o.computed : 0, o.cycle);
+  if (o.hand_cycle > 0) out += text("%.1f us a cycle of a hand\n", o.hand_cycle);
   return out;
 }
 

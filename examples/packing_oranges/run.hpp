@@ -26,6 +26,7 @@ struct RunSettings {
   double touch_every = 20;     ///< a person pushes each forearm so often [s]; 0: never
   double touch_force = 12;     ///< [N]
   double touch_lasts = 0.6;    ///< [s]
+  bool hand = false;           ///< Allegro hands instead of grippers
   double skin_noise = 0.1;     ///< deviation of a cell's force [N]
   bool see_each_other = true;  ///< false: only places and their order keep the arms apart
   Fault fault = Fault::none;
@@ -37,6 +38,9 @@ struct RunSettings {
 
 /// Shown every 32 ms of simulated time where somebody looks; what is returned is asked of both arms.
 using Show = std::function<skinctl::CycleRequest(const Scenery&)>;
+
+/// Allegro hands instead of grippers, with the forces that they can exert.
+void with_hands(RunSettings& settings);
 
 /// What one arm did.
 struct ArmOutcome {
@@ -64,10 +68,11 @@ struct Outcome {
   std::array<ArmOutcome, arms> arm;
   std::vector<Packed> ended;
   int oranges = 0;
-  double time = 0;      ///< simulated [s]
-  double computed = 0;  ///< processor time [s]
-  double cycle = 0;     ///< mean processor time of a cycle of an arm with its executor [us]
-  bool over = false;    ///< all oranges are packed, and both plans have ended
+  double time = 0;        ///< simulated [s]
+  double computed = 0;    ///< processor time [s]
+  double cycle = 0;       ///< mean processor time of a cycle of an arm with its executor [us]
+  double hand_cycle = 0;  ///< the same of a hand; 0: it has none
+  bool over = false;      ///< all oranges are packed, and both plans have ended
   bool stopped = false;
   std::string robot;
   double fault_begins = 0, fault_ends = 0;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "examples/packing_oranges/hand.hpp"
 #include "examples/packing_oranges/run.hpp"
 #include "examples/packing_oranges/worker.hpp"
 
@@ -45,6 +46,10 @@ class Toucher {
   double force_ = 0;
 };
 
+/// How the fingers of a hand stand about the flange's axis [rad].
+/// They point away from the box when the hand is over its arm's feed, the thumb to the box: beside a feed, no orange lies.
+inline constexpr double yaw_of_hand = 0.6;
+
 template <class R>
 class Run {
  public:
@@ -52,7 +57,7 @@ class Run {
 
   explicit Run(const RunSettings& s)
       : s_(s),
-        world_({A::body(0), A::body(1)}, s.world, s.seed * 7919 + 1),
+        world_(bodies(s), s.world, s.seed * 7919 + 1),
         supply_(s.supply, s.seed * 7919 + 2),
         detector_(s.detector, s.seed * 7919 + 3),
         scene_(A::scene()),
@@ -61,6 +66,7 @@ class Run {
     world_.step();
     for (std::size_t a = 0; a < arms; ++a) {
       workers_.push_back(std::make_unique<Worker<R>>(a, scene_, s.work, world_.joints(a)));
+      if (s.hand) hands_.push_back(std::make_unique<Hand>(around_a_ball(), world_.fingers(a)));
       touchers_.push_back(std::make_unique<Toucher<R>>(s, s.seed * 7919 + 4 + a));
       next_touch_[a] = s.touch_every * (a == 0 ? 0.4 : 0.9);
     }
@@ -89,6 +95,7 @@ class Run {
           break;
         }
       }
+      if (s_.hand && tick_ % 3 == 0) hold();
       world_.step();
       ++tick_;
     }
@@ -96,11 +103,24 @@ class Run {
   }
 
  private:
+  [[nodiscard]] static std::array<ArmBody, arms> bodies(const RunSettings& s) {
+    std::array<ArmBody, arms> out{A::body(0), A::body(1)};
+    if (s.hand)
+      for (ArmBody& b : out) {
+        b.hand = hand_body(around_a_ball(), b.flange, reach_of_gripper, yaw_of_hand);
+        b.home = {0.6,   -1.6,  1.8,
+                  -1.77, -1.57, 0};  // out of each other's way: a hand is wider than a gripper
+      }
+    return out;
+  }
   [[nodiscard]] double time() const { return skinctl::seconds<double>(world_.now()); }
   [[nodiscard]] bool faulty(Fault f) const {
     return s_.fault == f && time() >= s_.fault_at && time() < s_.fault_at + lasts_;
   }
 
+  [[nodiscard]] skinctl::GripperState gripper(std::size_t a) const {
+    return s_.hand ? hands_[a]->state() : world_.gripper(a);
+  }
   /// Touches and faults.
   void happen() {
     const double t = time();
@@ -150,14 +170,35 @@ class Run {
         w.keep_clear_of(world_.now(), workers_[1 - a]->occupied());
       else
         w.keep_clear_of(world_.now(), skinctl::Surroundings<1, skinctl::World>{});
-      const auto out = w.step(world_.now(), world_.joints(a), world_.gripper(a),
-                              touchers_[a]->samples(world_.now()), places.grants[a].granted, resume);
+      const auto out = w.step(world_.now(), world_.joints(a), gripper(a), touchers_[a]->samples(world_.now()),
+                              places.grants[a].granted, resume);
       if (out.command.valid) world_.command(a, out.command.position, out.command.velocity);
-      world_.command(a, out.gripper);
+      if (s_.hand)
+        asked_of_hand_[a] = out.gripper;
+      else
+        world_.command(a, out.gripper);
       watch(a, w, places.grants[a].granted);
     }
     computed_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
     ++cycles_;
+  }
+  /// A cycle of the hands. How they stand to gravity is told by the arms' joints.
+  void hold() {
+    const std::clock_t begun = std::clock();
+    for (std::size_t a = 0; a < arms; ++a) {
+      const auto& X = workers_[a]->hand();
+      const auto down = [&](const skinctl::Xyz<double>& axis) { return -9.81 * axis.z; };
+      const double s = std::sin(yaw_of_hand), c = std::cos(yaw_of_hand);
+      const auto x = X.axis_x(), y = X.axis_y();
+      Hand::Input in;
+      in.measured = world_.fingers(a);
+      in.tips = world_.tips(a);
+      in.gravity = {down(X.axis_z()), down(s * x - c * y), down(c * x + s * y)};
+      in.command = asked_of_hand_[a];
+      world_.command(a, hands_[a]->step(in));
+    }
+    held_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
+    ++holds_;
   }
   /// A person who is asked comes when the fault is over, and takes a second.
   bool answers(std::size_t a) {
@@ -183,7 +224,7 @@ class Run {
     }
     if (s_.keep_path && cycles_ % 4 == 0) {
       const auto p = world_.hand(a);
-      o.path.push_back({t, p.x, p.y, p.z, r.force, world_.gripper(a).opening, touchers_[a]->force() > 0});
+      o.path.push_back({t, p.x, p.y, p.z, r.force, gripper(a).opening, touchers_[a]->force() > 0});
     }
   }
   [[nodiscard]] Scenery scenery() const {
@@ -217,7 +258,8 @@ class Run {
     out_.time = time();
     out_.computed = computed;
     out_.cycle = cycles_ > 0 ? 1e6 * computed_ / static_cast<double>(arms * cycles_) : 0;
-    out_.robot = R::name;
+    out_.hand_cycle = holds_ > 0 ? 1e6 * held_ / static_cast<double>(arms * holds_) : 0;
+    out_.robot = std::string(R::name) + (s_.hand ? " with Allegro hands" : "");
     if (s_.fault != Fault::none && s_.fault != Fault::slip)
       out_.fault_begins = s_.fault_at, out_.fault_ends = s_.fault_at + lasts_;
     for (std::size_t a = 0; a < arms; ++a) {
@@ -243,12 +285,14 @@ class Run {
   skinctl::Resources<1, arms + 1> box_;
   typename skinctl::Resources<1, arms + 1>::Memory places_;
   std::vector<std::unique_ptr<Worker<R>>> workers_;
+  std::vector<std::unique_ptr<Hand>> hands_;
+  std::array<skinctl::GripperCommand, arms> asked_of_hand_{};
   std::vector<std::unique_ptr<Toucher<R>>> touchers_;
   std::array<double, arms> next_touch_{}, touch_until_{}, square_{}, asked_since_{-1, -1};
   std::array<std::uint64_t, arms> samples_{};
   Outcome out_;
-  double lasts_ = 0, computed_ = 0;
-  std::uint64_t tick_ = 0, cycles_ = 0;
+  double lasts_ = 0, computed_ = 0, held_ = 0;
+  std::uint64_t tick_ = 0, cycles_ = 0, holds_ = 0;
   int slipped_ = -1;  ///< the orange
   bool dry_ = false;
 };

@@ -12,11 +12,16 @@ namespace packing {
 struct WorkSettings {
   double carry = 0.20;        ///< height of the hand on its way [m]
   double above = 0.14;        ///< over an orange that it will take [m]
+  double above_near = 0.02;   ///< how near the hand must be over it [m]
   double acceleration = 2.2;  ///< largest of a motion [m/s^2]
   double speed = 0.8;         ///< [m/s]
+  double let_go = 0.006;      ///< it lets go so much higher than it took [m], and ...
+  double aside = 0;           ///< ... beside the middle of bin or box, away from the other arm's feed [m]
   double hold = 5;            ///< force of carrying [N]
-  double border = 3873;       ///< good oranges are stiffer [N/m]
-  bool by_time = false;       ///< the gripper tells no opening: it is judged by the rise of its force
+  double judge_from = 1.2, judge_to = 5.6;  ///< forces between which a squeeze is judged [N]
+  double judge_span = 3;                    ///< it must have risen by so much [N]
+  double border = 3873;                     ///< good oranges are stiffer [N/m]
+  bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   std::optional<skinctl::Xyz<double>>
       taught{};  ///< where in the box the first arm lets go, as it was shown [m]
   skinctl::ExecutorSettings executor{.place = 12s};

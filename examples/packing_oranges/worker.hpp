@@ -33,7 +33,11 @@ class Worker {
         s_(settings),
         scene_(scene),
         executor_(pack_oranges, settings.executor),
-        squeeze_({.from = 1.2, .to = 5.6, .own = 1e9, .swing = 3, .least_span = 3}),
+        squeeze_({.from = settings.judge_from,
+                  .to = settings.judge_to,
+                  .own = 1e9,
+                  .swing = 3,
+                  .least_span = settings.judge_span}),
         objects_([] {
           std::array<skinctl::ObjectClass, arms * slots> kinds{};
           kinds.fill(orange_class);
@@ -253,7 +257,7 @@ class Worker {
         add(skill, at(here, s_.carry), passing);
         grip({gripper_range.opening, 5, 0.15});
       }
-      add(skill, at(p, s_.above), 0.02);
+      add(skill, at(p, s_.above), s_.above_near);
       if (parts_.size() == 1) grip({gripper_range.opening, 5, 0.15});
     } else if (r.does == &activity::Reach::rule) {
       const auto p = known_.objects[object_].X_WO.origin();
@@ -269,7 +273,7 @@ class Worker {
     } else if (r.does == &activity::Put::rule) {
       const auto p = drop(r.place);
       add(skill, at(p, s_.carry), passing);
-      add(skill, at(p, p.z > 0 ? p.z : taken_.z + 0.006), 0.01);
+      add(skill, at(p, p.z > 0 ? p.z : taken_.z + s_.let_go), 0.01);
     } else if (r.does == &GoBack::rule) {
       const Tray feed = feed_tray(arm_);
       add(skill, at(here, s_.carry), passing);
@@ -290,7 +294,11 @@ class Worker {
   /// Where to let go; height 0: as high as it was taken, and a little. What was shown to the first arm holds for the
   /// second, seen from its side of the box.
   [[nodiscard]] skinctl::Xyz<double> drop(std::uint8_t where) const {
-    if (where != place::box || !s_.taught) return drop_place(arm_, where);
+    if (where != place::box || !s_.taught) {
+      auto p = drop_place(arm_, where);
+      p.y -= side(arm_) * s_.aside;
+      return p;
+    }
     return {side(arm_) * s_.taught->x, side(arm_) * s_.taught->y, std::max(s_.taught->z, taken_.z + 0.004)};
   }
   /// An orange of its own that is well seen; the one nearest to the hand.

@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -18,6 +19,9 @@ constexpr double solid = 0.5;          // d of solimp: between free and rigid
 constexpr double finger_reach = 0.16;  // from the flange to the point between the fingers
 constexpr double orange_mass = 0.18;
 constexpr double dry = 0.8;  // friction of an orange
+
+constexpr int the_thing = 1000;   // among the numbers of oranges
+constexpr std::size_t parts = 5;  // of an arm, as contacts tell them apart: its fingertips, and all else
 
 // Collision classes. The links of an arm do not meet each other: its limits keep them apart.
 constexpr int is_table = 1, is_orange = 2, is_arm[arms] = {4, 8}, is_obstacle = 16;
@@ -58,16 +62,47 @@ void write_gripper(std::string& xml, std::size_t arm, double flange) {
   xml += "</body>";
 }
 
+std::string inertial(const LinkBody& l) {
+  const auto& I = l.inertia;
+  return "<inertial mass='" + list({l.mass}) + "' pos='" + list(l.com) + "' fullinertia='" +
+         list({I[0], I[1], I[2], I[3], I[4], I[5]}) + "'/>";
+}
+std::string placed(const LinkBody& l) {
+  return "pos='" + list(l.p) + "' xyaxes='" + list(l.x) + " " + list(l.y) + "'";
+}
+// What the maker does not publish is as the simulated Allegro hand of this library has it.
+constexpr double rotor = 2e-4, viscous = 0.01, coulomb = 0.015;  // [kg m^2], [N m s/rad], [N m]
+constexpr double finger_radius = 0.0098;
+
+void write_hand(std::string& xml, std::size_t arm, const HandBody& h) {
+  const std::string meets = collides(is_arm[arm], meets_arm[arm]);
+  xml += "<body name='" + name("palm", arm, 0) + "' " + placed(h.palm) + ">" + inertial(h.palm) +
+         "<geom type='box' size='0.012 0.055 0.0475' pos='-0.012 0 -0.0475'" + meets + "/>";
+  for (std::size_t i = 0; i < 16; ++i) {
+    xml += "<body name='" + name("knuckle", arm, i) + "' " + placed(h.links[i]) + "><joint name='" +
+           name("finger", arm, i) + "' type='hinge' axis='0 0 1' limited='true' range='" +
+           list({h.lower[i], h.upper[i]}) + "' armature='" + list({rotor}) + "' damping='" + list({viscous}) +
+           "' frictionloss='" + list({coulomb}) + "'/>" + inertial(h.links[i]);
+    const bool last = i % 4 == 3;
+    const Xyz<double> to = last ? h.tips[i / 4] : h.links[i + 1].p;
+    if (norm(to) > 0.01 && i % 4 > 0)
+      xml += "<geom type='capsule' size='" + list({finger_radius}) + "' fromto='0 0 0 " + list(to) + "'" +
+             meets + "/>";
+    if (!last) continue;
+    xml += "<body name='" + name("tip", arm, i / 4) + "' pos='" + list(to) + "'><geom type='sphere' size='" +
+           list({tip_radius}) + "' mass='1e-6'" + meets + "/></body></body></body></body></body>";
+  }
+  xml += "</body>";
+}
+
 void write_arm(std::string& xml, std::size_t arm, const ArmBody& body) {
   xml += "<body name='" + name("base", arm, 0) + "' pos='" + list(body.X_WB.origin()) + "' xyaxes='" +
          list(body.X_WB.axis_x()) + " " + list(body.X_WB.axis_y()) + "'>";
   for (std::size_t i = 0; i < 6; ++i) {
     const LinkBody& l = body.links[i];
-    const auto& I = l.inertia;
-    xml += "<body name='" + name("link", arm, i) + "' pos='" + list(l.p) + "' xyaxes='" + list(l.x) + " " +
-           list(l.y) + "'><joint name='" + name("joint", arm, i) + "' type='hinge' axis='0 0 1' armature='" +
-           list({i < 3 ? 2.0 : 0.5}) + "'/><inertial mass='" + list({l.mass}) + "' pos='" + list(l.com) +
-           "' fullinertia='" + list({I[0], I[1], I[2], I[3], I[4], I[5]}) + "'/>";
+    xml += "<body name='" + name("link", arm, i) + "' " + placed(l) + "><joint name='" +
+           name("joint", arm, i) + "' type='hinge' axis='0 0 1' armature='" + list({i < 3 ? 2.0 : 0.5}) +
+           "'/>" + inertial(l);
     const skinctl::Capsule<>& s = body.shapes[i];
     // The shoulder stands on the table: it does not meet it.
     const int meets = i < 2 ? meets_arm[arm] & ~is_table : meets_arm[arm];
@@ -75,7 +110,10 @@ void write_arm(std::string& xml, std::size_t arm, const ArmBody& body) {
       xml += "<geom type='capsule' size='" + list({s.radius}) + "' fromto='" + list(s.from) + " " +
              list(s.to) + "'" + collides(is_arm[arm], meets) + "/>";
   }
-  write_gripper(xml, arm, body.flange);
+  if (body.hand)
+    write_hand(xml, arm, *body.hand);
+  else
+    write_gripper(xml, arm, body.flange);
   for (std::size_t i = 0; i < 6; ++i) xml += "</body>";
   xml += "</body>";
 }
@@ -91,7 +129,17 @@ void write_tray(std::string& xml, const Tray& t) {
       wall(t.x, t.y + t.half_y + half, t.half_x + 2 * half, half);
 }
 
-std::string world_text(const std::array<ArmBody, arms>& bodies) {
+std::string thing_text(const Thing& t) {
+  if (t.shape == Thing::Shape::none) return "";
+  constexpr const char* shapes[] = {"", "sphere", "cylinder", "box"};
+  const Xyz<double> size = t.shape == Thing::Shape::cylinder ? Xyz<double>{t.half.x, t.half.z, 0} : t.half;
+  return std::string("<body name='thing' pos='5 1 1'><freejoint/><geom name='thing' type='") +
+         shapes[static_cast<std::size_t>(t.shape)] + "' size='" + list(size) + "' mass='" + list({t.mass}) +
+         "' priority='1' condim='6' friction='" + list({dry, 0.01, 0.0005}) + "' solimp='" +
+         list({solid, solid, 0.001, 0.5, 2}) + "'" + collides(is_orange, is_table) + "/></body>";
+}
+
+std::string world_text(const std::array<ArmBody, arms>& bodies, const Thing& thing) {
   std::string xml =
       "<mujoco><compiler angle='radian' balanceinertia='true'/><size njmax='600' nconmax='150'/>"
       "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>"
@@ -112,10 +160,11 @@ std::string world_text(const std::array<ArmBody, arms>& bodies) {
            std::to_string(k) + "' type='sphere' size='0.038' mass='" + list({orange_mass}) +
            "' priority='1' condim='6' friction='" + list({dry, 0.01, 0.0005}) + "' solimp='" + soft + "'" +
            collides(is_orange, is_table | is_orange) + "/></body>";
-  xml += "</worldbody><equality>";
+  xml += thing_text(thing) + "</worldbody><equality>";
   for (std::size_t arm = 0; arm < arms; ++arm)
-    xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
-           "' polycoef='0 1 0 0 0' solref='0.004 1'/>";
+    if (!bodies[arm].hand)
+      xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
+             "' polycoef='0 1 0 0 0' solref='0.004 1'/>";
   return xml + "</equality></mujoco>";
 }
 }  // namespace
@@ -123,8 +172,16 @@ std::string world_text(const std::array<ArmBody, arms>& bodies) {
 struct World::Bodies {
   struct Arm {
     std::array<int, 6> q{}, v{}, body{};  // addresses of the joints, and the links' bodies
-    std::array<int, 2> slide_q{}, slide_v{}, finger{};
+    std::array<int, 2> slide_q{}, slide_v{};
+    std::vector<int> tip;       // bodies: of both fingers, or of the four of a hand ...
+    std::vector<double> holds;  // ... and how much each takes part in a grasp
     int palm = 0;
+    bool has_hand = false;
+    std::array<int, 16> finger_q{}, finger_v{};
+    skinctl::JointTorque<16> torque, next_torque;
+    std::array<double, 4> true_tips{};
+    std::array<double, 4> tips{};                                // readings
+    Xyz<double> grasps{0, 0, finger_reach};                      // the point between the fingers, in the palm
     std::array<double, 6> inertia{};                             // of each joint, at home
     std::array<double, 6> q0{}, v0{}, q1{}, v1{}, q_r{}, v_r{};  // the interpolation under way
     double at = 0;                                               // time since the last command
@@ -134,7 +191,7 @@ struct World::Bodies {
     double reading = 0;  // of the force sensor
     int pushed = -1;     // body
     Xyz<double> push_at{0, 0, 0}, push{0, 0, 0};
-    Xyz<double> tip{0, 0, 0};  // velocity of a fingertip a millisecond ago
+    Xyz<double> tip_velocity{0, 0, 0};  // of the first one, a millisecond ago
     ArmRecord record;
   };
   struct Slot {
@@ -149,8 +206,11 @@ struct World::Bodies {
   mjData* data = nullptr;
   std::array<Arm, arms> arm;
   std::array<Slot, arms * slots> slot;
-  std::vector<int> owner;                                  // of each geom: 3 * arm + (1, 2: finger), or -1
-  std::vector<int> orange_of;                              // of each geom, or -1
+  std::vector<int> owner;          // of each geom: parts * arm + (1 on: fingertip), or -1
+  std::vector<int> orange_of;      // of each geom, or -1
+  int thing_q = -1, thing_v = -1;  // addresses
+  std::array<double, 7> thing_rests{5, 1, 1, 1, 0, 0, 0};
+  bool thing_held = true;                                  // by a person
   int obstacle = -1, obstacle_at = 0;                      // geom, and its place among the moved bodies
   std::array<bool, arms> meets_other{}, meets_obstacle{};  // a millisecond ago
   std::mt19937_64 random;
@@ -159,7 +219,7 @@ struct World::Bodies {
 
   Bodies(const std::array<ArmBody, arms>& bodies, const WorldSettings& s, std::uint64_t seed)
       : settings(s), random(seed) {
-    const std::string xml = world_text(bodies);
+    const std::string xml = world_text(bodies, settings.thing);
     const auto files = std::make_unique<mjVFS>();
     mj_defaultVFS(files.get());
     char error[500] = "";
@@ -197,21 +257,29 @@ struct World::Bodies {
         m.body[i] = id(mjOBJ_BODY, name("link", a, i));
         data->qpos[m.q[i]] = m.q0[i] = m.q1[i] = m.q_r[i] = bodies[a].home[i];
       }
+      m.palm = id(mjOBJ_BODY, name("palm", a, 0));
+      m.has_hand = bodies[a].hand.has_value();
+      if (m.has_hand) {
+        find_hand(m, a, *bodies[a].hand);
+        continue;
+      }
+      m.holds = {1, 1};
       for (std::size_t f = 0; f < 2; ++f) {
         const int joint = id(mjOBJ_JOINT, name("slide", a, f));
         m.slide_q[f] = model->jnt_qposadr[joint];
         m.slide_v[f] = model->jnt_dofadr[joint];
-        m.finger[f] = id(mjOBJ_BODY, name("finger", a, f));
+        m.tip.push_back(id(mjOBJ_BODY, name("finger", a, f)));
         data->qpos[m.slide_q[f]] = gripper_range.opening / 2;
       }
-      m.palm = id(mjOBJ_BODY, name("palm", a, 0));
     }
     for (int g = 0; g < model->ngeom; ++g)
       for (std::size_t a = 0; a < arms; ++a) {
         const int body = model->geom_bodyid[g];
         if ((model->geom_contype[g] & is_arm[a]) == 0) continue;
-        const int part = body == arm[a].finger[0] ? 1 : body == arm[a].finger[1] ? 2 : 0;
-        owner[static_cast<std::size_t>(g)] = static_cast<int>(3 * a) + part;
+        const auto& tips = arm[a].tip;
+        const auto tip = std::find(tips.begin(), tips.end(), body);
+        const auto part = tip == tips.end() ? 0 : 1 + (tip - tips.begin());
+        owner[static_cast<std::size_t>(g)] = static_cast<int>(parts * a + static_cast<std::size_t>(part));
       }
     for (std::size_t k = 0; k < slot.size(); ++k) {
       Slot& o = slot[k];
@@ -224,6 +292,38 @@ struct World::Bodies {
       for (std::size_t i = 0; i < 7; ++i) o.rests[i] = data->qpos[o.q + static_cast<int>(i)];
       collide(o, false);
     }
+    if (settings.thing.shape != Thing::Shape::none) find_thing();
+  }
+  void find_thing() {
+    const int body = id(mjOBJ_BODY, "thing"), geom = id(mjOBJ_GEOM, "thing");
+    thing_q = model->jnt_qposadr[model->body_jntadr[body]];
+    thing_v = model->jnt_dofadr[model->body_jntadr[body]];
+    orange_of[static_cast<std::size_t>(geom)] = the_thing;
+    stiffen(geom, body, arm[0].tip[0], settings.thing.stiffness);
+  }
+  /// The stiffness as a constraint's: it counts the inverse masses of both bodies, as MuJoCo approximates them.
+  void stiffen(int geom, int body, int finger, double stiffness) {
+    const double A = model->body_invweight0[2 * body] + model->body_invweight0[2 * finger];
+    const double stiff = stiffness * A * (1 - solid);
+    model->geom_solref[2 * geom] = -stiff;
+    model->geom_solref[2 * geom + 1] = -2 * std::sqrt(stiff);
+  }
+  void find_hand(Arm& m, std::size_t a, const HandBody& hand) {
+    for (std::size_t i = 0; i < 16; ++i) {
+      const int joint = id(mjOBJ_JOINT, name("finger", a, i));
+      m.finger_q[i] = model->jnt_qposadr[joint];
+      m.finger_v[i] = model->jnt_dofadr[joint];
+      data->qpos[m.finger_q[i]] = hand.start[i];
+    }
+    m.holds.assign(hand.takes_part.begin(), hand.takes_part.end());
+    m.grasps = hand.grasps;
+    // As a stiffness sees them, all fingertips are alike.
+    double mean = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+      m.tip.push_back(id(mjOBJ_BODY, name("tip", a, f)));
+      mean += model->body_invweight0[2 * m.tip[f]] / 4;
+    }
+    for (const int tip : m.tip) model->body_invweight0[2 * tip] = mean;
   }
   /// The joints' inertias, for the servos.
   void weigh() {
@@ -233,7 +333,7 @@ struct World::Bodies {
     const auto of = [&](int v) { return mass[static_cast<std::size_t>(v) * (n + 1)]; };
     for (Arm& m : arm) {
       for (std::size_t i = 0; i < 6; ++i) m.inertia[i] = of(m.v[i]);
-      m.slide_inertia = of(m.slide_v[0]);
+      if (!m.has_hand) m.slide_inertia = of(m.slide_v[0]);
     }
   }
   void collide(const Slot& o, bool on) {
@@ -272,15 +372,10 @@ struct World::Bodies {
           data->qfrc_bias[m.v[i]] +
           m.inertia[i] * (acceleration[i] + w * w * (m.q_r[i] - q) + 2 * w * (m.v_r[i] - v));
     }
-    const double opening = data->qpos[m.slide_q[0]] + data->qpos[m.slide_q[1]];
-    m.reading = std::max(0.0, m.record.force + settings.force_noise * normal(random));
-    const double half = m.gripper.step(opening, m.reading, tick) / 2;
-    constexpr double stiff = 250;
-    for (std::size_t f = 0; f < 2; ++f)
-      data->qfrc_applied[m.slide_v[f]] +=
-          data->qfrc_bias[m.slide_v[f]] +
-          m.slide_inertia *
-              (stiff * stiff * (half - data->qpos[m.slide_q[f]]) - 2 * stiff * data->qvel[m.slide_v[f]]);
+    if (m.has_hand)
+      drive_hand(m);
+    else
+      drive_gripper(m);
     if (m.pushed >= 0) {
       double force[3], at[3];
       const double f[3] = {m.push.x, m.push.y, m.push.z}, p[3] = {m.push_at.x, m.push_at.y, m.push_at.z};
@@ -291,9 +386,24 @@ struct World::Bodies {
       mj_applyFT(model, data, force, none, at, m.pushed, data->qfrc_applied);
     }
   }
+  void drive_hand(Arm& m) {
+    for (std::size_t i = 0; i < 16; ++i) data->qfrc_applied[m.finger_v[i]] += m.torque[i];
+    m.torque = m.next_torque;
+  }
+  void drive_gripper(Arm& m) {
+    const double opening = data->qpos[m.slide_q[0]] + data->qpos[m.slide_q[1]];
+    m.reading = std::max(0.0, m.record.force + settings.force_noise * normal(random));
+    const double half = m.gripper.step(opening, m.reading, tick) / 2;
+    constexpr double stiff = 250;
+    for (std::size_t f = 0; f < 2; ++f)
+      data->qfrc_applied[m.slide_v[f]] +=
+          data->qfrc_bias[m.slide_v[f]] +
+          m.slide_inertia *
+              (stiff * stiff * (half - data->qpos[m.slide_q[f]]) - 2 * stiff * data->qvel[m.slide_v[f]]);
+  }
   /// Forces of the fingers, and who touches whom.
   void look_at_contacts() {
-    std::array<std::array<double, 3>, arms> force{};
+    std::array<std::array<double, parts>, arms> force{};
     std::array<bool, arms> walls{}, other{}, blocked{};
     std::array<double, arms> into_other{}, into_obstacle{};  // how fast, 0 for an arm that is moved into
     for (int c = 0; c < data->ncon; ++c) {
@@ -304,19 +414,19 @@ struct World::Bodies {
       if (o1 >= 0 && o2 >= 0) {
         other.fill(true);
         for (const int g : {contact.geom1, contact.geom2}) {
-          double& into = into_other[static_cast<std::size_t>(owner[static_cast<std::size_t>(g)]) / 3];
+          double& into = into_other[static_cast<std::size_t>(owner[static_cast<std::size_t>(g)]) / parts];
           into = std::max(into, speed_into(contact, g));
         }
         continue;
       }
       if (contact.geom1 == obstacle || contact.geom2 == obstacle) {
-        const auto a = static_cast<std::size_t>(o1 >= 0 ? o1 : o2) / 3;
+        const auto a = static_cast<std::size_t>(o1 >= 0 ? o1 : o2) / parts;
         blocked[a] = true;
         into_obstacle[a] =
             std::max(into_obstacle[a], speed_into(contact, o1 >= 0 ? contact.geom1 : contact.geom2));
         continue;
       }
-      const auto mine = static_cast<std::size_t>(o1 >= 0 ? o1 : o2), a = mine / 3, part = mine % 3;
+      const auto mine = static_cast<std::size_t>(o1 >= 0 ? o1 : o2), a = mine / parts, part = mine % parts;
       const int orange = orange_of[o1 >= 0 ? g2 : g1];
       if (orange < 0) {
         walls[a] = true;
@@ -326,26 +436,36 @@ struct World::Bodies {
         double f[6];
         mj_contactForce(model, data, c, f);
         force[a][part] += f[0];
-        slot[static_cast<std::size_t>(orange)].touched = now();
+        if (orange != the_thing) slot[static_cast<std::size_t>(orange)].touched = now();
       }
     }
     for (std::size_t a = 0; a < arms; ++a) {
-      ArmRecord& r = arm[a].record;
-      r.force = 0.5 * (force[a][1] + force[a][2]);
-      r.worst_force = std::max({r.worst_force, force[a][1], force[a][2]});
-      if (force[a][1] > 0.2 && force[a][2] > 0.2)
-        r.worst_grip = std::max({r.worst_grip, force[a][1], force[a][2]});
+      Arm& m = arm[a];
+      ArmRecord& r = m.record;
+      double sum = 0, fingers = 0, largest = 0;
+      int hold = 0;
+      for (std::size_t f = 0; f < m.tip.size(); ++f) {
+        const double F = force[a][f + 1];
+        sum += m.holds[f] * F, fingers += m.holds[f];
+        largest = std::max(largest, F);
+        hold += F > 0.2;
+        if (m.has_hand) m.true_tips[f] = F;
+        if (m.has_hand) m.tips[f] = std::max(0.0, F + settings.force_noise * normal(random));
+      }
+      r.force = sum / fingers;
+      r.worst_force = std::max(r.worst_force, largest);
+      if (hold > 1) r.worst_grip = std::max(r.worst_grip, largest);
       r.walls += walls[a];
       r.other_arm += other[a];
       r.obstacle += blocked[a];
       if (other[a] && !meets_other[a]) r.into_arm = into_other[a];
       if (blocked[a] && !meets_obstacle[a]) r.into_obstacle = into_obstacle[a];
       double v[6];
-      mj_objectVelocity(model, data, mjOBJ_BODY, arm[a].finger[0], v, 0);
-      const Xyz<double> tip{v[3], v[4], v[5]}, change = (1 / tick) * Xyz<double>(tip - arm[a].tip);
+      mj_objectVelocity(model, data, mjOBJ_BODY, m.tip[0], v, 0);
+      const Xyz<double> tip{v[3], v[4], v[5]}, change = (1 / tick) * Xyz<double>(tip - m.tip_velocity);
       r.square += dot(change, change);
       ++r.samples;
-      arm[a].tip = tip;
+      m.tip_velocity = tip;
     }
     meets_other = other, meets_obstacle = blocked;
   }
@@ -377,6 +497,10 @@ struct World::Bodies {
     }
     for (const Slot& o : slot)
       if (o.frozen) rest(o);
+    if (thing_q >= 0 && thing_held) {
+      std::copy(thing_rests.begin(), thing_rests.end(), data->qpos + thing_q);
+      std::fill_n(data->qvel + thing_v, 6, 0.0);
+    }
   }
   void rest(const Slot& o) const {
     std::copy(o.rests.begin(), o.rests.end(), data->qpos + o.q);
@@ -414,6 +538,26 @@ void World::command(std::size_t arm, const skinctl::JointPosition<6>& q,
 void World::command(std::size_t arm, const skinctl::GripperCommand& goal) {
   b_->arm[arm].gripper.command(goal);
 }
+void World::command(std::size_t arm, const skinctl::JointTorque<16>& torque) {
+  b_->arm[arm].next_torque = torque;
+}
+skinctl::State<16> World::fingers(std::size_t arm) const {
+  const Bodies::Arm& m = b_->arm[arm];
+  skinctl::State<16> s;
+  s.time = now();
+  constexpr double step = 333.3 / 65536 * 3.14159265358979 / 180;
+  for (std::size_t i = 0; i < 16; ++i) {
+    s.q[i] = step * std::round(b_->data->qpos[m.finger_q[i]] / step);
+    s.dq[i] = b_->data->qvel[m.finger_v[i]];
+  }
+  return s;
+}
+const std::array<double, 4>& World::true_tips(std::size_t arm) const {
+  return b_->arm[arm].true_tips;
+}
+const std::array<double, 4>& World::tips(std::size_t arm) const {
+  return b_->arm[arm].tips;
+}
 void World::push(std::size_t arm, std::size_t link, const Xyz<double>& at, const Xyz<double>& force) {
   Bodies::Arm& m = b_->arm[arm];
   m.pushed = dot(force, force) > 0 ? m.body[link] : -1;
@@ -449,7 +593,10 @@ skinctl::GripperState World::gripper(std::size_t arm) const {
 Xyz<double> World::hand(std::size_t arm) const {
   const Bodies::Arm& m = b_->arm[arm];
   const double *palm = b_->data->xpos + 3 * m.palm, *R = b_->data->xmat + 9 * m.palm;
-  return {palm[0] + finger_reach * R[2], palm[1] + finger_reach * R[5], palm[2] + finger_reach * R[8]};
+  const auto at = [&](int k) {
+    return palm[k] + m.grasps.x * R[3 * k] + m.grasps.y * R[3 * k + 1] + m.grasps.z * R[3 * k + 2];
+  };
+  return {at(0), at(1), at(2)};
 }
 Xyz<double> World::link_origin(std::size_t arm, std::size_t link) const {
   const double* p = b_->data->xpos + 3 * b_->arm[arm].body[link];
@@ -462,6 +609,34 @@ void World::clear_shake(std::size_t arm) {
   b_->arm[arm].record.square = 0, b_->arm[arm].record.samples = 0;
 }
 
+namespace {
+skinctl::Transform<skinctl::World, skinctl::Tool> pose_of(const double* p, const double* R) {
+  return {{{R[0], R[3], R[6]}, {R[1], R[4], R[7]}, {R[2], R[5], R[8]}}, {p[0], p[1], p[2]}};
+}
+}  // namespace
+void World::put_thing(const skinctl::Transform<skinctl::World, skinctl::Tool>& X) {
+  Bodies& b = *b_;
+  const auto &x = X.axis_x(), &y = X.axis_y(), &z = X.axis_z(), &p = X.origin();
+  const double R[9] = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
+  double q[4];
+  mju_mat2Quat(q, R);
+  b.thing_rests = {p.x, p.y, p.z, q[0], q[1], q[2], q[3]};
+  b.thing_held = true;
+  b.freeze();
+}
+void World::let_go_of_thing() {
+  b_->thing_held = false;
+}
+skinctl::Transform<skinctl::World, skinctl::Tool> World::thing() const {
+  double R[9];
+  mju_quat2Mat(R, b_->data->qpos + b_->thing_q + 3);
+  return pose_of(b_->data->qpos + b_->thing_q, R);
+}
+skinctl::Transform<skinctl::World, skinctl::Tool> World::palm(std::size_t arm) const {
+  const int body = b_->arm[arm].palm;
+  return pose_of(b_->data->xpos + 3 * body, b_->data->xmat + 9 * body);
+}
+
 void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
   Bodies& b = *b_;
   Bodies::Slot& o = b.slot[k];
@@ -469,11 +644,7 @@ void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
   o.touched = skinctl::Nanoseconds(-1);
   o.rests = {p.x, p.y, p.z + orange.radius, 1, 0, 0, 0};
   b.model->geom_size[3 * o.geom] = b.model->geom_rbound[o.geom] = orange.radius;
-  // The stiffness as a constraint's: it counts the inverse masses of both bodies, as MuJoCo approximates them.
-  const double A = b.model->body_invweight0[2 * o.body] + b.model->body_invweight0[2 * b.arm[0].finger[0]];
-  const double stiff = orange.stiffness * A * (1 - solid);
-  b.model->geom_solref[2 * o.geom] = -stiff;
-  b.model->geom_solref[2 * o.geom + 1] = -2 * std::sqrt(stiff);
+  b.stiffen(o.geom, o.body, b.arm[k / slots].tip[0], orange.stiffness);
   b.model->geom_friction[3 * o.geom] = dry;
   b.collide(o, false);
   b.rest(o);

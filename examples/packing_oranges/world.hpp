@@ -12,11 +12,21 @@
 
 namespace packing {
 
+/// Something besides oranges that hands may hold.
+struct Thing {
+  enum class Shape : unsigned char { none, ball, cylinder, box } shape = Shape::none;
+  skinctl::Xyz<double> half{0, 0,
+                            0};  ///< radius (x) and half length (z) of a cylinder, half sides of a box [m]
+  double mass = 0.2;             ///< [kg]
+  double stiffness = 6000;       ///< against a fingertip [N/m]
+};
+
 /// Numbers of the world.
 struct WorldSettings {
   double bandwidth = 100;    ///< of every joint's servo, critically damped [rad/s]
   double force_noise = 0.1;  ///< deviation of the fingers' force sensors [N]
   double period = 0.008;     ///< between two commands [s]; the servo interpolates over it
+  Thing thing{};             ///< far away until it is put somewhere
   bool interpolate = true;   ///< false: commands are steps, as a servo without interpolation takes them
 };
 
@@ -28,7 +38,7 @@ struct Orange {
 
 /// What happened in the world, for judges that stand beside it.
 struct ArmRecord {
-  double force = 0;             ///< of a finger now, without noise [N]
+  double force = 0;             ///< of a finger that holds now, their mean, without noise [N]
   double worst_force = 0;       ///< the largest so far [N]
   double worst_grip = 0;        ///< the same while both fingers hold something [N]
   double square = 0;            ///< sum of the squared acceleration of a fingertip [m^2/s^4], of ...
@@ -55,6 +65,8 @@ class World {
   /// What an arm's servos go for: reached one period from now, cubically, with this velocity.
   void command(std::size_t arm, const skinctl::JointPosition<6>& q, const skinctl::JointVelocity<6>& dq);
   void command(std::size_t arm, const skinctl::GripperCommand& goal);
+  /// Torques of a hand's joints, from the next millisecond on.
+  void command(std::size_t arm, const skinctl::JointTorque<16>& torque);
   /// From now on this force [N] acts on a point of a link, both in the link's frame. Zero: none does.
   void push(std::size_t arm, std::size_t link, const skinctl::Xyz<double>& at,
             const skinctl::Xyz<double>& force);
@@ -64,11 +76,24 @@ class World {
 
   [[nodiscard]] skinctl::State<6> joints(std::size_t arm) const;
   [[nodiscard]] skinctl::GripperState gripper(std::size_t arm) const;
+  /// The joints of a hand: angles to the steps of its encoders (333.3 degrees in 65 536).
+  [[nodiscard]] skinctl::State<16> fingers(std::size_t arm) const;
+  /// What its fingertips feel: index, middle, ring, thumb [N].
+  [[nodiscard]] const std::array<double, 4>& tips(std::size_t arm) const;
+  /// The same without noise.
+  [[nodiscard]] const std::array<double, 4>& true_tips(std::size_t arm) const;
   /// The point between the fingers, where it really is.
   [[nodiscard]] skinctl::Xyz<double> hand(std::size_t arm) const;
   [[nodiscard]] skinctl::Xyz<double> link_origin(std::size_t arm, std::size_t link) const;
   [[nodiscard]] const ArmRecord& record(std::size_t arm) const;
   void clear_shake(std::size_t arm);
+
+  /// The thing is there, and a person holds it; or lets go of it.
+  void put_thing(const skinctl::Transform<skinctl::World, skinctl::Tool>& X);
+  void let_go_of_thing();
+  [[nodiscard]] skinctl::Transform<skinctl::World, skinctl::Tool> thing() const;
+  /// The palm of a hand, or of a gripper.
+  [[nodiscard]] skinctl::Transform<skinctl::World, skinctl::Tool> palm(std::size_t arm) const;
 
   /// Oranges are numbered from 0 to `arms * slots - 1`. One lies at `p` from now on, at rest.
   void put(std::size_t slot, const skinctl::Xyz<double>& p, const Orange& orange);

@@ -22,7 +22,7 @@ TEST_CASE("GraspControl: an arm that carries the hand feels nothing of the grasp
   const auto model = ur5_allegro::arm_with_hand();
   using M = std::remove_const_t<decltype(model)>;
   using Law = GraspControl<22, double, 9, 13, 21>;  // index, middle, thumb
-  const Law law(tips);
+  const Law law(tips), weighed(tips, {}, {1, 0, 0.6});
   using K = Quantities<M, Law::needs, double>;
   static_assert(skinctl::Law<Law, K>);
   auto random = seeded(1);
@@ -37,6 +37,13 @@ TEST_CASE("GraspControl: an arm that carries the hand feels nothing of the grasp
       (i < 6 ? arm : hand) = std::max(i < 6 ? arm : hand, std::abs(tau[i]));
     CHECK(arm < 1e-12);
     CHECK(hand > 1e-4);
+    // So with weights; a finger without weight is left alone.
+    const auto two = weighed.torque({8, 0}, known);
+    double moved = 0;
+    for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(two[i]) < 1e-12);
+    for (std::size_t i = 10; i < 14; ++i) CHECK(two[i] == 0);
+    for (std::size_t i = 6; i < 10; ++i) moved = std::max(moved, std::abs(two[i]));
+    CHECK(moved > 1e-4);
     // A hand that moves as one is not damped: the arm moves, the fingers stand.
     for (std::size_t i = 6; i < 22; ++i) x.dq[i] = 0;
     CHECK(std::abs(law.shape(K(model, x, 0.001, NoTouch{})).rate) < 1e-12);
@@ -119,4 +126,6 @@ TEST_CASE("GraspControl: goals are cut off or refused, fingertips in one place p
   for (const double t : same.torque({5, 5}, other)) CHECK(std::abs(t) < 1e-3);
   CHECK_THROWS_AS(Law({Xyz<double>{0.03, 0, 0}, Xyz<double>{2, 0, 0}}), ConfigurationError);
   CHECK_THROWS_AS(Law({Xyz<double>{0.03, 0, 0}, Xyz<double>{0, 0, 0}}, {.max_rate = 0}), ConfigurationError);
+  CHECK_THROWS_AS(Law({Xyz<double>{0.03, 0, 0}, Xyz<double>{0, 0, 0}}, {}, {1, 0}), ConfigurationError);
+  CHECK_THROWS_AS(Law({Xyz<double>{0.03, 0, 0}, Xyz<double>{0, 0, 0}}, {}, {1, 2}), ConfigurationError);
 }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 
+#include "examples/packing_oranges/grasps.hpp"
 #include "examples/packing_oranges/report.hpp"
 #include "examples/packing_oranges/teach.hpp"
 #include "examples/support/run_program.hpp"
@@ -98,6 +99,41 @@ TEST_CASE("packing_oranges: the same plan on another robot") {
   CHECK(o.right() == 2);
   for (const auto& a : o.arm)
     for (const auto& j : a.judged) CHECK(j.stiffness == doctest::Approx(j.truth).epsilon(0.05));
+}
+
+TEST_CASE("packing_oranges: the same plan with hands: thumb and two fingers hold, squeeze and judge") {
+  RunSettings s = few(4);
+  s.touch_every = 5;
+  with_hands(s);
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 4);
+  CHECK(o.worst_grip() > 3.5);
+  CHECK(o.worst_force() < 10);
+  CHECK(o.shake() > 0.5);
+  CHECK(o.shake() < 3);
+  CHECK(o.seconds_an_orange() < 10);
+  CHECK(o.arm[0].judged.size() + o.arm[1].judged.size() >= 4);
+  for (const auto& a : o.arm)
+    for (const auto& j : a.judged) CHECK(j.stiffness == doctest::Approx(j.truth).epsilon(0.08));
+}
+
+TEST_CASE("Hand: a bottle and a plate are held while they are shaken and turned over") {
+  const auto trials = three_grasps();
+  for (const std::size_t k : {std::size_t(1), std::size_t(2)}) {
+    const GraspFigures f = try_grasp(trials[k], {.until = 12.5});
+    CAPTURE(f.name);
+    CHECK(f.held);
+    CHECK(f.gave_way < 0.009);
+    CHECK(f.mean > 2);
+    CHECK(f.most < 7);
+    CHECK(f.shaken > 2.5);
+    if (k == 1) continue;
+    // Two fingers have no part in it: their weight is held however the arm stands, because the arm says how it stands.
+    CHECK(f.bent < 0.005);
+    const GraspFigures blind = try_grasp(trials[k], {.feels_gravity = false, .until = 12.5});
+    CHECK(blind.bent > 0.02);
+  }
 }
 
 TEST_CASE("packing_oranges: what slips is lost for the plan, which goes back and looks again") {

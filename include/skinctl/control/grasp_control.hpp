@@ -40,6 +40,8 @@ struct GraspSettings {
 /// The object stays between the fingers if the centroid sees each fingertip within its friction cone. F goes to zero
 /// below 1 mm of s.
 ///
+/// With weights w_i, f_i = -F w_i (p_i - c) / s, and c and s are weighted means: a finger of weight 0 takes no part.
+///
 /// @tparam N  joints of the robot.  @tparam I  two or more links, one a finger.
 template <std::size_t N, Real T, std::size_t... I>
 class GraspControl : public Composable {
@@ -61,8 +63,20 @@ class GraspControl : public Composable {
 
   /// @param p_LP  the point of each fingertip that touches, in its link [m], in the order of `I`.
   /// Throws `ConfigurationError` for a number out of its range.
-  SKINCTL_COLD explicit GraspControl(const std::array<Xyz<T>, fingers>& p_LP, const Settings& s = {})
-      : s_(s) {
+  /// @param weights  of the fingertips, 0 to 1, two of them or more > 0.
+  SKINCTL_COLD explicit GraspControl(const std::array<Xyz<T>, fingers>& p_LP, const Settings& s = {},
+                                     const std::array<T, fingers>& weights = all_alike())
+      : weight_(weights), s_(s) {
+    T sum = T(0);
+    std::size_t some = 0;
+    for (const T& w : weights) {
+      require(w >= T(0) && w <= T(1), "GraspControl: weight of a fingertip", static_cast<double>(w),
+              "0 to 1");
+      sum = sum + w;
+      some += w > T(0);
+    }
+    require(some >= 2, "GraspControl: fingertips that take part", static_cast<double>(some), ">= 2");
+    for (std::size_t k = 0; k < fingers; ++k) share_[k] = weights[k] / sum;
     for (std::size_t k = 0; k < fingers; ++k) {
       require(dot(p_LP[k], p_LP[k]) <= T(1), "GraspControl: |p_LP|^2",
               static_cast<double>(dot(p_LP[k], p_LP[k])), "<= 1 m^2");
@@ -113,7 +127,7 @@ class GraspControl : public Composable {
     const T per = fade * (m.force + s_.damping * s.rate) / s.size;
     const auto one = [&](const auto& J_k, std::size_t k) SKINCTL_INLINE_LAMBDA {
       typename std::remove_cvref_t<decltype(J_k)>::Load F;
-      F.force = T(-per) * (s.p[k] - s.centroid);
+      F.force = T(-per * weight_[k]) * (s.p[k] - s.centroid);
       F.moment = {T(0), T(0), T(0)};
       tau += transpose(J_k) * F;
     };
@@ -138,6 +152,12 @@ class GraspControl : public Composable {
     return m.force == m.goal && rate <= still && -rate <= still;
   }
 
+  [[nodiscard]] static constexpr std::array<T, fingers> all_alike() noexcept {
+    std::array<T, fingers> w{};
+    w.fill(T(1));
+    return w;
+  }
+
  private:
   template <std::size_t L>
   static constexpr std::size_t place() noexcept {
@@ -160,26 +180,26 @@ class GraspControl : public Composable {
   [[nodiscard]] SKINCTL_INLINE Shape shape_of(const K& known, const Jacobians& J) const noexcept {
     Shape s;
     Xyz<T> v[fingers], mean{T(0), T(0), T(0)};
-    constexpr T share = T(1) / T(static_cast<int>(fingers));
     std::size_t k = 0;
     const auto one = [&](const auto& X_BP, const auto& J_k) SKINCTL_INLINE_LAMBDA {
       s.p[k] = X_BP.origin();
       v[k] = (J_k * known.dq()).linear;
-      s.centroid = s.centroid + share * s.p[k];
-      mean = mean + share * v[k];
+      s.centroid = s.centroid + share_[k] * s.p[k];
+      mean = mean + share_[k] * v[k];
       ++k;
     };
     (one(known.template pose<I>() * tip<I>(), std::get<place<I>()>(J)), ...);
     for (k = 0; k < fingers; ++k) {
       const Xyz<T> away = s.p[k] - s.centroid;
       const T far = norm(away);
-      s.size = s.size + share * far;
-      if (far > T(1e-9)) s.rate = s.rate + share * dot(away, Xyz<T>(v[k] - mean)) / far;
+      s.size = s.size + share_[k] * far;
+      if (far > T(1e-9)) s.rate = s.rate + share_[k] * dot(away, Xyz<T>(v[k] - mean)) / far;
     }
     return s;
   }
 
   std::array<Xyz<T>, fingers> X_LP_;
+  std::array<T, fingers> weight_, share_{};
   Settings s_;
 };
 

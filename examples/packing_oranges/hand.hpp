@@ -1,0 +1,67 @@
+// An Allegro hand as a gripper: its own cycle by torque, 333 times a second, between what an arm's cycle asks of a gripper
+// and the 16 joints.
+#pragma once
+
+#include <memory>
+
+#include "examples/packing_oranges/arm_body.hpp"
+#include "skinctl/core/gripper.hpp"
+#include "skinctl/core/state.hpp"
+#include "skinctl/core/status.hpp"
+
+namespace packing {
+
+inline constexpr std::size_t hand_joints = 16;
+
+/// What a hand does as a gripper. The opening is the diameter of the ball that its fingertips would touch.
+inline constexpr skinctl::GripperRange hand_range{0.11, 0.3, 4, 0.005, 0.15};
+
+/// Which fingertips hold an object, and where they stand around it.
+struct Grasp {
+  const char* name = "";
+  std::array<double, 4> takes_part{};    ///< of index, middle, ring and thumb: 1, or 0
+  skinctl::Xyz<double> centre{0, 0, 0};  ///< between the fingertips, in the hand's frame [m]
+  std::array<skinctl::Xyz<double>, 4>
+      away{};  ///< each fingertip is `far * away + beside` from the centre, ...
+  std::array<skinctl::Xyz<double>, 4> beside{};
+  std::array<double, hand_joints> posture{};  ///< of the fingers that take no part [rad]
+  double least = 0.03, most = 0.067;          ///< ... and `far` goes from the closed to the open grasp [m]
+};
+/// Index, ring and thumb around a ball, a third of a circle apart, the palm above it.
+[[nodiscard]] Grasp around_a_ball();
+
+/// The right hand as bodies; the middle of the grasp is `reach` beyond the flange, on the axis of the last link.
+/// @param yaw  of the fingers about that axis [rad].
+[[nodiscard]] HandBody hand_body(const Grasp& grasp, double flange, double reach, double yaw);
+
+/// Where the fingers are in the hand's frame: the origins of each finger's links, and its tip.
+[[nodiscard]] std::array<std::array<skinctl::Xyz<double>, 5>, 4> skeleton(
+    const skinctl::JointPosition<hand_joints>& q);
+
+class Hand {
+ public:
+  static constexpr auto period = skinctl::Nanoseconds(3'000'000);
+
+  /// Throws `ConfigurationError` for a grasp that the fingers do not reach.
+  Hand(const Grasp& grasp, const skinctl::State<hand_joints>& measured);
+  ~Hand();
+  Hand(Hand&&) noexcept;
+
+  struct Input {
+    skinctl::State<hand_joints> measured;
+    std::array<double, 4> tips{};              ///< forces that the fingertips feel [N]
+    skinctl::Xyz<double> gravity{9.81, 0, 0};  ///< in the hand's frame, from the pose of the arm [m/s^2]
+    skinctl::GripperCommand command;
+  };
+  /// A cycle: the torques of the joints.
+  skinctl::JointTorque<hand_joints> step(const Input& input);
+  /// What it reports as a gripper.
+  [[nodiscard]] const skinctl::GripperState& state() const;
+  [[nodiscard]] skinctl::Status status() const;  ///< of the last cycle
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace packing
