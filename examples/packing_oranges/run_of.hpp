@@ -166,6 +166,7 @@ class Run {
       Worker<R>& w = *workers_[a];
       const bool resume = w.asks() && answers(a);
       w.goes_first(places_.holder[0] == a || (places_.holder[0] != 1 - a && a == 0));
+      w.other_waits(workers_[1 - a]->waits());
       if (s_.see_each_other)
         w.keep_clear_of(world_.now(), workers_[1 - a]->occupied());
       else

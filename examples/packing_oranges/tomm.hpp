@@ -112,7 +112,8 @@ struct Arm {
     return skinctl::Transform<skinctl::Link<5>, skinctl::Tool>::translation_xyz(0, 0,
                                                                                 R::flange + reach_of_gripper);
   }
-  static skinctl::JointPosition<6> home() { return {0.0, -1.4, 1.8, -1.97, -1.57, 0.0}; }
+  /// The hand points down, on its own side of the box.
+  static skinctl::JointPosition<6> home() { return {-0.5, -1.75, 1.9, -1.72, -1.57, -0.5}; }
   static ArmBody body(std::size_t arm) { return arm_body(Model{}, R::shapes, R::flange, base(arm), home()); }
 
   static auto robot() {
