@@ -1,10 +1,14 @@
 // Two simulated arms with grippers and skin pack oranges: the good into the box, the bad into a bin.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <thread>
 
 #include "examples/packing_oranges/grasps.hpp"
+#include "examples/packing_oranges/live.hpp"
 #include "examples/packing_oranges/report.hpp"
 #include "examples/packing_oranges/teach.hpp"
 #include "examples/support/job.hpp"
@@ -14,7 +18,27 @@ namespace {
 using namespace packing;
 using examples::job::Exit;
 
-int run(const RunSettings& settings, const std::string& robot, const std::string& page, bool quiet) {
+/// Who looks: nobody, or whoever opens the page; at the pace of the world then.
+struct Live {
+  bool on = false, control = false;
+  std::uint16_t port = 0;
+};
+
+int run(const RunSettings& settings, const std::string& robot, const std::string& page, const Live& live,
+        bool quiet) {
+  std::unique_ptr<LivePage> shown;
+  Show show;
+  if (live.on) {
+    shown = std::make_unique<LivePage>(live.port, live.control);
+    std::printf("live: %s%s\n", shown->url().c_str(), live.control ? ", control allowed" : "");
+    std::fflush(stdout);
+    show = [&shown, begun = std::chrono::steady_clock::now()](const Scenery& s) {
+      std::this_thread::sleep_until(begun + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                                std::chrono::duration<double>(s.time)));
+      shown->show(s);
+      return shown->take();
+    };
+  }
   examples::job::Progress progress(quiet);
   const examples::job::StopSignals signals;
   const Watch watch = [&](double t, const Supply& supply) {
@@ -22,7 +46,7 @@ int run(const RunSettings& settings, const std::string& robot, const std::string
       progress.show("%6.0f s: %zu of %d oranges", t, supply.ended().size(), settings.supply.oranges);
     return !signals.asked();
   };
-  const Outcome out = (robot == "ur10e" ? run_ur10e : run_ur5)(settings, watch);
+  const Outcome out = (robot == "ur10e" ? run_ur10e : run_ur5)(settings, watch, show);
   progress.clear();
   std::fputs(summary(out, settings).c_str(), stdout);
   if (!page.empty() && !plotting::write_svg(page, report(out, settings))) return code(Exit::refused);
@@ -48,6 +72,7 @@ int main(int argc, char** argv) {
   RunSettings s;
   std::string robot = "ur5", fault = "none", page, gripper = "measures";
   bool quiet = false, taught = false, grasps = false;
+  Live live;
   app.add_option("--oranges", s.supply.oranges, "how many")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -78,6 +103,9 @@ int main(int argc, char** argv) {
                "picture (SVG)");
   app.add_flag("!--unseen", s.see_each_other,
                "the arms do not keep clear of each other: only the order at the box keeps them apart");
+  app.add_flag("--live", live.on, "at the world's pace, seen in a browser: prints the page's address");
+  app.add_option("--live-port", live.port, "port of the page; 0: any")->capture_default_str();
+  app.add_flag("--allow-control", live.control, "whoever sees the page may let the arms go on after a stop");
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
   try {
@@ -106,7 +134,7 @@ int main(int argc, char** argv) {
           mm(lesson->taught, lesson->rested), mm(lesson->taught, lesson->meant));
       s.work.taught = lesson->taught;
     }
-    return run(s, robot, page, quiet);
+    return run(s, robot, page, live, quiet);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "packing_oranges: %s\n", error.what());
     return code(Exit::refused);

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/scenery.hpp"
 #include "examples/packing_oranges/supply.hpp"
 #include "examples/packing_oranges/work.hpp"
+#include "skinctl/cycle/input.hpp"
 
 namespace packing {
 
@@ -36,6 +38,9 @@ struct RunSettings {
 
 /// The same work by a hand: forces that it can exert, heights and places at which it has room.
 [[nodiscard]] WorkSettings by_hand(WorkSettings settings);
+
+/// Shown every 32 ms of simulated time where somebody looks; what is returned is asked of both arms.
+using Show = std::function<skinctl::CycleRequest(const Scenery&)>;
 
 /// What one arm did.
 struct ArmOutcome {
@@ -84,8 +89,8 @@ struct Outcome {
 /// Watches a run: called every simulated tenth of a second; false ends it.
 using Watch = std::function<bool(double time, const Supply&)>;
 
-Outcome run_ur5(const RunSettings& settings, const Watch& watch = {});
-Outcome run_ur10e(const RunSettings& settings, const Watch& watch = {});
+Outcome run_ur5(const RunSettings& settings, const Watch& watch = {}, const Show& show = {});
+Outcome run_ur10e(const RunSettings& settings, const Watch& watch = {}, const Show& show = {});
 
 /// The fault of this name. Throws std::runtime_error for another one.
 Fault fault_named(const std::string& name);
