@@ -120,6 +120,11 @@ class Run {
   /// Touches and faults.
   void happen() {
     const double t = time();
+    if (s_.fault_step >= 0) {
+      const auto& done = workers_[0]->done();
+      s_.fault_at = 1e9;
+      if (!done.empty() && done.back().step == s_.fault_step) s_.fault_at = t, s_.fault_step = -1;
+    }
     for (std::size_t a = 0; a < arms; ++a) {
       ArmOutcome& o = out_.arm[a];
       if (s_.touch_every > 0 && t >= next_touch_[a]) {
