@@ -215,6 +215,7 @@ class Mover {
     goal_ = goal;
     reached_ = false;
     back_ = true;
+    tries_ = 0;
   }
   [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, A::base(arm_)); }
   [[nodiscard]] bool reached() const { return reached_; }
@@ -273,6 +274,10 @@ class Mover {
       // From joints that the hand cannot go straight from: by way of those at the start.
       before_ = A::home();
       gave_way_ = true;
+    } else if (way_.should_go() && ++tries_ % 2 == 0) {
+      // A step aside did not help: back to the joints at the start, on its own side.
+      before_ = A::home();
+      gave_way_ = back_ = true;
     } else if (way_.should_go() || other_waits) {
       Xyz<double> aside = X_WH_.origin();
       aside.x = -side(arm_) * (R::stands - 0.32);
@@ -334,7 +339,7 @@ class Mover {
   RightOfWay way_;
   bool reached_ = true, kept_ = false, back_ = false, gave_way_ = false, sees_ = true, displaced_ = false;
   Nanoseconds seen_at_{-1s};
-  int gave_ = 0;
+  int gave_ = 0, tries_ = 0;
   bool returns_ = false;
   JointPosition<6> before_;
   Nanoseconds return_by_{}, reach_by_{}, now_{};
@@ -366,6 +371,7 @@ struct Result {
 int study(int number, std::uint64_t seed, bool sees) {
   packing::World world({A::body(0), A::body(1)}, {}, seed);
   const auto cycle = scene();
+  for (std::size_t a = 0; a < arms; ++a) world.command(a, GripperCommand{{gripper_range.opening, 5, 0.1}, 1});
   world.step();
   std::array<std::unique_ptr<Mover>, arms> mover;
   for (std::size_t a = 0; a < arms; ++a)

@@ -1,10 +1,15 @@
 // Two simulated arms with grippers and skin pack oranges: the good into the box, the bad into a bin.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <thread>
 
 #include "examples/packing_oranges/grasps.hpp"
+#include "examples/packing_oranges/live.hpp"
 #include "examples/packing_oranges/report.hpp"
 #include "examples/packing_oranges/teach.hpp"
 #include "examples/support/job.hpp"
@@ -14,7 +19,27 @@ namespace {
 using namespace packing;
 using examples::job::Exit;
 
-int run(const RunSettings& settings, const std::string& robot, const std::string& page, bool quiet) {
+/// Who looks: nobody, or whoever opens the page; at the pace of the world then.
+struct Live {
+  bool on = false, control = false;
+  std::uint16_t port = 0;
+};
+
+int run(const RunSettings& settings, const std::string& robot, const std::string& page, const Live& live,
+        bool quiet) {
+  std::unique_ptr<LivePage> shown;
+  Show show;
+  if (live.on) {
+    shown = std::make_unique<LivePage>(live.port, live.control);
+    std::printf("live: %s%s\n", shown->url().c_str(), live.control ? ", control allowed" : "");
+    std::fflush(stdout);
+    show = [&shown, begun = std::chrono::steady_clock::now()](const Scenery& s) {
+      std::this_thread::sleep_until(begun + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                                std::chrono::duration<double>(s.time)));
+      shown->show(s);
+      return shown->take();
+    };
+  }
   examples::job::Progress progress(quiet);
   const examples::job::StopSignals signals;
   const Watch watch = [&](double t, const Supply& supply) {
@@ -22,7 +47,7 @@ int run(const RunSettings& settings, const std::string& robot, const std::string
       progress.show("%6.0f s: %zu of %d oranges", t, supply.ended().size(), settings.supply.oranges);
     return !signals.asked();
   };
-  const Outcome out = (robot == "ur10e" ? run_ur10e : run_ur5)(settings, watch);
+  const Outcome out = (robot == "ur10e" ? run_ur10e : run_ur5)(settings, watch, show);
   progress.clear();
   std::fputs(summary(out, settings).c_str(), stdout);
   if (!page.empty() && !plotting::write_svg(page, report(out, settings))) return code(Exit::refused);
@@ -40,6 +65,28 @@ int show_grasps(std::uint64_t seed, const std::string& page) {
   const bool held = std::all_of(figures.begin(), figures.end(), [](const auto& f) { return f.held; });
   return code(held ? Exit::fine : Exit::broken);
 }
+/// So many people teach the place in the box, each one lesson: how many are understood, and how exactly.
+int lessons(int count, std::uint64_t first) {
+  int understood = 0, released = 0;
+  double square = 0, worst = 0, meant = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto lesson = teach(first + static_cast<std::uint64_t>(i));
+    if (!lesson) continue;
+    const auto far = [](const auto& a, const auto& b) { return norm(skinctl::Xyz<double>(a - b)); };
+    const double off = far(lesson->taught, lesson->rested), aside = far(lesson->taught, lesson->meant);
+    // The place that the person went for, by their own patience of 4 mm and what the hand gives when it lets go.
+    if (aside > 0.006) continue;
+    ++understood, released += lesson->released ? 1 : 0;
+    square += off * off, meant += aside * aside, worst = std::max(worst, off);
+  }
+  const double n = std::max(1, understood);
+  std::printf(
+      "%d lessons: the place that was meant %d times, with the opening of the hand %d times; %.3f mm rms "
+      "from where "
+      "the hand rested, %.3f at worst; %.1f mm rms from what was meant\n",
+      count, understood, released, 1e3 * std::sqrt(square / n), 1e3 * worst, 1e3 * std::sqrt(meant / n));
+  return code(understood >= 0.95 * count && released >= 0.95 * count ? Exit::fine : Exit::broken);
+}
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -47,7 +94,8 @@ int main(int argc, char** argv) {
   app.footer(examples::job::exit_help());
   RunSettings s;
   std::string robot = "ur5", fault = "none", page, gripper = "measures";
-  bool quiet = false, taught = false, grasps = false;
+  bool quiet = false, taught = false, grasps = false, faults = false;
+  Live live;
   app.add_option("--oranges", s.supply.oranges, "how many")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -65,8 +113,12 @@ int main(int argc, char** argv) {
   app.add_option("--fault-lasts", s.fault_lasts, "how long [s]; 0: as is usual for it, as the report says")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  app.add_flag("--faults", faults, "instead: each fault at each step of the plan, as a table");
   app.add_flag("--teach", taught,
                "first a person leads an arm to the place in the box where oranges are let go");
+  int taught_lessons = 0;
+  app.add_option("--lessons", taught_lessons, "instead: so many people teach that place, one lesson each")
+      ->check(CLI::Range(1, 100000));
   app.add_option(
          "--gripper", gripper,
          "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
@@ -78,6 +130,9 @@ int main(int argc, char** argv) {
                "picture (SVG)");
   app.add_flag("!--unseen", s.see_each_other,
                "the arms do not keep clear of each other: only the order at the box keeps them apart");
+  app.add_flag("--live", live.on, "at the world's pace, seen in a browser: prints the page's address");
+  app.add_option("--live-port", live.port, "port of the page; 0: any")->capture_default_str();
+  app.add_flag("--allow-control", live.control, "whoever sees the page may let the arms go on after a stop");
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
   try {
@@ -88,6 +143,15 @@ int main(int argc, char** argv) {
   try {
     if (grasps) return show_grasps(s.seed, page);
     s.fault = fault_named(fault);
+    if (taught_lessons > 0) return lessons(taught_lessons, s.seed);
+    if (faults) {
+      bool over = true;
+      const auto one = [&](const RunSettings& given) {
+        return (robot == "ur10e" ? run_ur10e : run_ur5)(given, {}, {});
+      };
+      std::fputs(table_of_faults(s, one, over).c_str(), stdout);
+      return code(over ? Exit::fine : Exit::not_following);
+    }
     s.keep_path = !page.empty();
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";
@@ -106,7 +170,7 @@ int main(int argc, char** argv) {
           mm(lesson->taught, lesson->rested), mm(lesson->taught, lesson->meant));
       s.work.taught = lesson->taught;
     }
-    return run(s, robot, page, quiet);
+    return run(s, robot, page, live, quiet);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "packing_oranges: %s\n", error.what());
     return code(Exit::refused);

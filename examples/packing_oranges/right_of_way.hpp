@@ -19,6 +19,8 @@ class RightOfWay {
     now_ = now;
     if ((!kept || !stands) && free_since_ < now) free_since_ = now;
   }
+  /// How long it has been kept.
+  [[nodiscard]] skinctl::Nanoseconds waited() const { return now_ - free_since_; }
   [[nodiscard]] bool is_aside() const { return now_ < until_; }
   [[nodiscard]] bool should_go() const { return !is_aside() && now_ - free_since_ > patience_; }
   void go() {

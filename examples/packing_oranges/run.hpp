@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/scenery.hpp"
 #include "examples/packing_oranges/supply.hpp"
 #include "examples/packing_oranges/work.hpp"
+#include "skinctl/cycle/input.hpp"
 
 namespace packing {
 
@@ -29,6 +31,7 @@ struct RunSettings {
   bool see_each_other = true;     ///< false: only places and their order keep the arms apart
   Fault fault = Fault::none;
   double fault_at = 12;    ///< [s]
+  int fault_step = -1;     ///< if it is one of the plan's: when the first arm begins that step, instead
   double fault_lasts = 0;  ///< [s]; 0: as long as is usual for it
   double longest = 0;      ///< [s] of simulated time; 0: enough for the oranges
   bool keep_path = false;  ///< of the hands, for pictures
@@ -36,6 +39,9 @@ struct RunSettings {
 
 /// The same work by a hand: forces that it can exert, heights and places at which it has room.
 [[nodiscard]] WorkSettings by_hand(WorkSettings settings);
+
+/// Shown every 32 ms of simulated time where somebody looks; what is returned is asked of both arms.
+using Show = std::function<skinctl::CycleRequest(const Scenery&)>;
 
 /// What one arm did.
 struct ArmOutcome {
@@ -84,8 +90,16 @@ struct Outcome {
 /// Watches a run: called every simulated tenth of a second; false ends it.
 using Watch = std::function<bool(double time, const Supply&)>;
 
-Outcome run_ur5(const RunSettings& settings, const Watch& watch = {});
-Outcome run_ur10e(const RunSettings& settings, const Watch& watch = {});
+Outcome run_ur5(const RunSettings& settings, const Watch& watch = {}, const Show& show = {});
+Outcome run_ur10e(const RunSettings& settings, const Watch& watch = {}, const Show& show = {});
+
+/// How the plan of the first arm met the fault.
+enum class Met : unsigned char { went_on, tried_again, went_back, asked, not_over };
+Met how_met(const Outcome& outcome);
+/// Each fault at each step of the plan: how it was met, and whether the oranges are where they belong; as a table of
+/// text. `run` is `run_ur5` or another one; false in `all_over`: a run that did not end.
+std::string table_of_faults(const RunSettings& settings,
+                            const std::function<Outcome(const RunSettings&)>& run, bool& all_over);
 
 /// The fault of this name. Throws std::runtime_error for another one.
 Fault fault_named(const std::string& name);

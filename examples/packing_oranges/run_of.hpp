@@ -70,7 +70,7 @@ class Run {
     lasts_ = s.fault_lasts > 0 ? s.fault_lasts : duration(s.fault);
   }
 
-  Outcome operator()(const Watch& watch) {
+  Outcome operator()(const Watch& watch, const Show& show) {
     const double longest = s_.longest > 0 ? s_.longest : 60 + 20.0 * s_.supply.oranges;
     const std::clock_t begun = std::clock();
     while (time() < longest) {
@@ -79,6 +79,11 @@ class Run {
         break;
       }
       if (tick_ % 8 == 0) {
+        if (show && tick_ % 32 == 0) {
+          const skinctl::CycleRequest asked = show(scenery());
+          if (asked != skinctl::CycleRequest::none)
+            for (auto& w : workers_) w->request(asked);
+        }
         supply_.step(world_);
         happen();
         cycle();
@@ -98,9 +103,9 @@ class Run {
   [[nodiscard]] static std::array<ArmBody, arms> bodies(const RunSettings& s) {
     std::array<ArmBody, arms> out{A::body(0), A::body(1)};
     for (std::size_t a = 0; a < arms; ++a) {
-      ArmBody& b = out[a];
-      b.home = {0.6, -1.6, 1.8, -1.77, -1.57, 0.6};  // over its bin: an arm without work is in nobody's way
-      if (s.hand[a]) b.hand = hand_body(around_a_ball(), b.flange, reach_of_gripper);
+      if (!s.hand[a]) continue;
+      out[a].hand = hand_body(around_a_ball(), out[a].flange, reach_of_gripper);
+      out[a].home = {0.6, -1.6, 1.8, -1.77, -1.57, 0.6};  // over its bin: a hand is wider than a gripper
     }
     return out;
   }
@@ -115,6 +120,11 @@ class Run {
   /// Touches and faults.
   void happen() {
     const double t = time();
+    if (s_.fault_step >= 0) {
+      const auto& done = workers_[0]->done();
+      s_.fault_at = 1e9;
+      if (!done.empty() && done.back().step == s_.fault_step) s_.fault_at = t, s_.fault_step = -1;
+    }
     for (std::size_t a = 0; a < arms; ++a) {
       ArmOutcome& o = out_.arm[a];
       if (s_.touch_every > 0 && t >= next_touch_[a]) {
@@ -157,6 +167,7 @@ class Run {
       Worker<R>& w = *workers_[a];
       const bool resume = w.asks() && answers(a);
       w.goes_first(places_.holder[0] == a || (places_.holder[0] != 1 - a && a == 0));
+      w.other_waits(workers_[1 - a]->waits());
       if (s_.see_each_other)
         w.keep_clear_of(world_.now(), workers_[1 - a]->occupied());
       else
@@ -215,6 +226,31 @@ class Run {
       const auto p = world_.hand(a);
       o.path.push_back({t, p.x, p.y, p.z, r.force, gripper(a).opening, touchers_[a]->force() > 0});
     }
+  }
+  [[nodiscard]] Scenery scenery() const {
+    Scenery out;
+    out.time = time();
+    out.robot = R::name;
+    out.all = s_.supply.oranges;
+    for (const Packed& p : supply_.ended())
+      ++(p.end == Packed::End::box ? out.box : p.end == Packed::End::bin ? out.bins : out.lost);
+    for (std::size_t k = 0; k < arms * slots; ++k)
+      if (world_.there(k)) out.oranges.push_back({world_.orange(k)});
+    for (std::size_t a = 0; a < arms; ++a) {
+      const Worker<R>& w = *workers_[a];
+      ArmScenery& arm = out.arm[a];
+      arm.parts = A::parts(a, world_.joints(a).q);
+      arm.fingers = A::fingers(a, world_.joints(a).q, gripper(a).opening);
+      arm.force = world_.record(a).force;
+      arm.touched = touchers_[a]->force() > 0;
+      arm.kept = w.kept();
+      arm.has_box = places_.holder[0] == a;
+      arm.step = w.finished() || w.done().empty() ? "" : step_names[w.done().back().step];
+      arm.state = w.finished() ? "finished" : w.asks() ? "asks" : w.goes_back() ? "goes back" : "";
+      if (!w.judged().empty())
+        arm.stiffness = w.judged().back().stiffness, arm.said_good = w.judged().back().good;
+    }
+    return out;
   }
   Outcome collect(double computed) {
     out_.ended = supply_.ended();

@@ -1,7 +1,7 @@
 #include "examples/packing_oranges/run_of.hpp"
 
 namespace packing {
-Outcome run_ur5(const RunSettings& settings, const Watch& watch) {
-  return Run<Ur5>(settings)(watch);
+Outcome run_ur5(const RunSettings& settings, const Watch& watch, const Show& show) {
+  return Run<Ur5>(settings)(watch, show);
 }
 }  // namespace packing

@@ -112,7 +112,8 @@ struct Arm {
     return skinctl::Transform<skinctl::Link<5>, skinctl::Tool>::translation_xyz(0, 0,
                                                                                 R::flange + reach_of_gripper);
   }
-  static skinctl::JointPosition<6> home() { return {0.0, -1.4, 1.8, -1.97, -1.57, 0.0}; }
+  /// The hand points down, on its own side of the box.
+  static skinctl::JointPosition<6> home() { return {-0.5, -1.75, 1.9, -1.72, -1.57, -0.5}; }
   static ArmBody body(std::size_t arm) { return arm_body(Model{}, R::shapes, R::flange, base(arm), home()); }
 
   static auto robot() {
@@ -132,6 +133,31 @@ struct Arm {
     c.own.reach = R::reach;
     c.exposed = {0, 1, 2, 3, 4, 5, 6};
     return c;
+  }
+  /// Links and palm, where they are in the world.
+  static std::vector<skinctl::Capsule<>> parts(std::size_t arm, const skinctl::JointPosition<6>& q) {
+    std::vector<skinctl::Capsule<>> out;
+    const auto poses = skinctl::link_poses(Model{}, q);
+    const auto put = [&](const auto& X_BL, const skinctl::Capsule<>& s) {
+      const auto X = base(arm) * X_BL;
+      out.push_back({X.origin() + X.axes() * s.from, X.origin() + X.axes() * s.to, s.radius});
+    };
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (put(poses.template get<I>(), R::shapes[I]), ...);
+    }(std::make_index_sequence<6>());
+    put(poses.template get<5>(), {{0, -0.03, R::flange + 0.03}, {0, 0.03, R::flange + 0.03}, 0.03});
+    return out;
+  }
+  static std::array<skinctl::Capsule<>, 2> fingers(std::size_t arm, const skinctl::JointPosition<6>& q,
+                                                   double opening) {
+    std::array<skinctl::Capsule<>, 2> out;
+    const auto X = base(arm) * hand(q);
+    for (std::size_t f = 0; f < 2; ++f) {
+      const double y = (f == 0 ? 0.5 : -0.5) * opening + (f == 0 ? 0.006 : -0.006);
+      out[f] = {X.origin() + X.axes() * skinctl::Xyz<double>{0, y, -0.12},
+                X.origin() + X.axes() * skinctl::Xyz<double>{0, y, 0.015}, 0.008};
+    }
+    return out;
   }
   static std::vector<skinctl::PlacedCell<forearm>> cells() {
     using namespace skinctl;

@@ -77,6 +77,9 @@ class Worker {
 
   /// Whether the other arm goes first where the two are in each other's way.
   void goes_first(bool first) { way_.goes_first(first); }
+  /// Whether it is kept from its way; and whether the other one is.
+  [[nodiscard]] bool waits() const { return kept_ && asked_ && way_.waited() > 250ms; }
+  void other_waits(bool waits) { other_waits_ = waits; }
   /// How often it went aside for the other arm.
   [[nodiscard]] int went_aside() const { return way_.times(); }
   /// What its links and hand may fill until it stands, if it brakes now; and what the other arm may fill.
@@ -116,11 +119,16 @@ class Worker {
     input_.has_goal = false;
     perform(result.request);
 
+    // Where it has nothing to do it makes room for the other arm.
+    const bool idle = finished() || (report_.phase == skinctl::SkillPhase::running && parts_.empty());
+    if (other_waits_ && idle && !way_.is_aside()) go_aside(Set::start_skill(A::skills(&GoBack::rule)));
+
     input_.now = now;
     input_.measured = measured;
     input_.samples = samples;
     input_.gripper = gripper;
     const auto out = scene_.step(*memory_, input_);
+    input_.request = skinctl::CycleRequest::none;
     kept_ = out.status.has(skinctl::Reason::clearance_kept);
     return out;
   }
@@ -131,6 +139,11 @@ class Worker {
     return features_.in_hand && (plan_.step == step::to_box || plan_.step == step::to_bin) &&
            plan_.phase == Executor::Phase::run;
   }
+  [[nodiscard]] bool goes_back() const { return !done_.empty() && done_.back().back; }
+  /// Whether it is limited for the other arm.
+  [[nodiscard]] bool kept() const { return kept_; }
+  /// Of the next cycle.
+  void request(skinctl::CycleRequest asked) { input_.request = asked; }
   [[nodiscard]] const std::vector<Done>& done() const { return done_; }
   [[nodiscard]] const std::vector<Judged>& judged() const { return judged_; }
   [[nodiscard]] const skinctl::StepRequest& request() const { return request_; }
@@ -173,33 +186,30 @@ class Worker {
     if (report_.phase != skinctl::SkillPhase::running) return;
     if (parts_.empty()) return look();
     if (way_.is_aside()) return;
-    if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside();
+    if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside(parts_[part_].request);
     const auto told = Set::report_of(memory_->law, ticket_);
     if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
     if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
       if (++part_ == parts_.size()) return judge();
       asked_ = false;
     }
-    if (!asked_) ask();
+    if (!asked_) ask(parts_[part_]);
   }
   void end(bool well) {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
     judging_ = false;
   }
   /// The other arm is in the way, and this one in its: back towards its own base for a while, then the same part again.
-  void go_aside() {
-    Part aside{parts_[part_].request, true, X_WH_.origin()};
+  void go_aside(const Goal& request) {
+    Part aside{request, true, X_WH_.origin()};
     aside.to.x = -side(arm_) * (R::stands - 0.32);
     if (aside.to.z < s_.carry) aside.to.z = s_.carry;
-    std::swap(parts_[part_], aside);
-    ask();
-    std::swap(parts_[part_], aside);
+    ask(aside);
     asked_ = false;
     way_.go();
   }
-  /// The current part's request, to the cycle.
-  void ask() {
-    Part& part = parts_[part_];
+  /// A part's request, to the cycle.
+  void ask(Part& part) {
     Goal& g = part.request;
     const bool starts = g.kind == static_cast<unsigned char>(Goal::Kind::start);
     if (part.moves) {
@@ -347,7 +357,7 @@ class Worker {
   std::vector<Part> parts_;
   std::size_t part_ = 0;
   std::uint16_t ticket_ = 0;
-  bool asked_ = false, answer_ = true, judging_ = false, kept_ = false;
+  bool asked_ = false, answer_ = true, judging_ = false, kept_ = false, other_waits_ = false;
   RightOfWay way_;
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
