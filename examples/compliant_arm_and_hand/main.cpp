@@ -48,11 +48,11 @@ int run(int argc, char** argv) {
   app.add_option("--rate", arm.rate, "of the arm [1/s]")->check(CLI::Range(1.0, 500.0));
   app.add_option("--speed", speed, "of simulated devices: 1 real time, 0 as fast as each goes")
       ->check(CLI::IsMember({0.0, 1.0}));
-  app.add_option("--palm-gain", palm_gain,
-                 "of the arm's law [N] per unit of the palm's reading; 0: it does not count. Not ready for a "
-                 "real arm: "
-                 "pressed, the simulated palm moves it by 0.1 m, is then taken for a cell that does not "
-                 "report, and stops it")
+  app.add_option(
+         "--palm-gain", palm_gain,
+         "of the arm's law [N] per unit of each of the palm's three readings; 0: it does not count. At 5, "
+         "3 N for a second move the simulated arm by 34 mm. Nobody else is the palm's witness: its force "
+         "counts whole")
       ->check(CLI::Range(0.0, 1000.0));
   app.add_option("--palm-touch-at", palm_touch,
                  "simulated: a second's press of 3 N on the palm at this time [s]");

@@ -61,8 +61,8 @@ inline auto trusted_skin(const Settings& s) {
       for (const SkinCell& cell : patch.cells) {
         const bool palm = cell.id == palm_cell;
         lone.push_back(palm ? std::numeric_limits<double>::infinity() : 0.0);
-        noise.push_back(palm ? SensorNoise{.force = 20}
-                             : trust.noise[0]);  // of 1/255, equal readings are no fault
+        // A finger's tap is no blinking; steps of 1/255 of the range repeat.
+        noise.push_back(palm ? SensorNoise{.force = 20, .repeats = true} : trust.noise[0]);
       }
     trust.lone_force = lone;
     trust.noise = noise;

@@ -126,6 +126,32 @@ TEST_CASE(
   CHECK_FALSE(Health::faults(m, 3).any());
 }
 
+TEST_CASE(
+    "CellHealth: of a cell whose readings may repeat, equal ones are no fault, and equal messages are") {
+  for (const bool repeats : {false, true}) {
+    CAPTURE(repeats);
+    const SensorNoise noise{.force = 20,
+                            .repeats = repeats};  // much: the more, the fewer equal ones make a fault
+    const Health health({}, std::span(&noise, 1));
+    const auto m = std::make_unique<Health::Memory>();
+    Sensed cell(0);
+    const auto run = [&](Nanoseconds from, Nanoseconds until) {
+      for (Nanoseconds t = from + 4ms; t <= until; t += 4ms) {
+        health.take(*m, 17, cell.at(t));
+        health.scan(*m, t, nobody);
+      }
+    };
+    run(0ms, 1s);
+    cell.force = 500;  // a press of one second, without a change
+    run(1s, 2s);
+    CHECK(Health::faults(*m, 17).any() != repeats);
+    if (!repeats) continue;
+    cell.whole = true;
+    run(2s, 2500ms);
+    CHECK(Health::faults(*m, 17).has(CellFault::stuck));
+  }
+}
+
 TEST_CASE("CellHealth: a cell that sends changes only is not noisy because of their steps") {
   const SensorNoise noise{.force = 0.31f, .rest = 20};
   const SendOnDelta sends({});

@@ -135,12 +135,13 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
     beast::get_lowest_layer(stream_).expires_after(request_time);
     parser_.emplace();
     parser_->header_limit(8192);
-    parser_->body_limit(1024);
-    http::async_read(stream_.next_layer(), buffer_, *parser_,
-                     [self = shared_from_this()](beast::error_code e, std::size_t) {
-                       if (e) return self->leave();
-                       self->request();
-                     });
+    // The header only: no request here has a body, and Beast's reading of chunks (1.74) has assertions that
+    // hostile bytes reach.
+    http::async_read_header(stream_.next_layer(), buffer_, *parser_,
+                            [self = shared_from_this()](beast::error_code e, std::size_t) {
+                              if (e) return self->leave();
+                              self->request();
+                            });
   }
   void send(std::uint32_t channel, const Shared& message) {
     for (const auto& [subscription, of] : subscriptions_) {
@@ -182,6 +183,8 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
     if (!server_.host_allowed(field(http::field::host)) ||
         !server_.origin_allowed(field(http::field::origin)))
       return refuse(http::status::forbidden, "this server answers its own page only\n");
+    if (parser_->chunked() || parser_->content_length().value_or(0) > 0)
+      return refuse(http::status::bad_request, "no request here has a body\n");
     if (!websocket::is_upgrade(r)) return file(std::string(r.target().data(), r.target().size()), r.method());
     std::string chosen;
     std::string_view offered = field(http::field::sec_websocket_protocol);

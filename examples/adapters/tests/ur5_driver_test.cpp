@@ -231,6 +231,9 @@ TEST_CASE("UR driver: PolyScope X is powered by REST, and a refusal is told") {
     if (request.find("BRAKE_RELEASE") != std::string::npos) robot.call([](auto& c) { c.brake_release(); });
     if (request.find("robotmode") != std::string::npos) return http("200 OK", R"({"mode": "RUNNING"})");
     if (request.find("UNLOCK") != std::string::npos) return http("409 Conflict", "not in this state");
+    if (request.find("safetymode") != std::string::npos)
+      return std::string(
+          "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n12\r\n{\"mode\": \"NORMAL\"}\r\n0\r\n\r\n");
     return http("200 OK", R"({"message": "done"})");
   });
   auto config = driver_config(robot);
@@ -242,12 +245,13 @@ TEST_CASE("UR driver: PolyScope X is powered by REST, and a refusal is told") {
   driver.connect();
   CHECK(hold(driver, 20) == Heard::state);
   REQUIRE(asked.size() == 2);
-  CHECK(asked[0].rfind("PUT /universal-robots/robot-api/robotstate/v1/state HTTP/1.1\r\n", 0) == 0);
+  CHECK(asked[0].rfind("PUT /universal-robots/robot-api/robotstate/v1/state HTTP/1.0\r\n", 0) == 0);
   CHECK(asked[0].find(R"({"action": "POWER_ON"})") != std::string::npos);
   Rest rest("127.0.0.1", web.port(), Timeout(500));
   CHECK(rest.get("robotmode") == "RUNNING");
   CHECK_THROWS_WITH_AS(rest.act("UNLOCK_PROTECTIVE_STOP"), doctest::Contains("409 not in this state"),
                        ConnectionError);
+  CHECK_THROWS_WITH_AS(rest.get("safetymode"), doctest::Contains("in chunks"), ConnectionError);
 }
 
 TEST_SUITE_END();

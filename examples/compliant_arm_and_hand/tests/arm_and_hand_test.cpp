@@ -73,6 +73,21 @@ TEST_CASE(
   CHECK(said.find("machine a thread without work") != std::string::npos);
 }
 
+TEST_CASE(
+    "The program: a palm that counts moves the arm, is believed as long as it is pressed, and stops "
+    "nothing") {
+  const std::string said = examples::run_program(
+      ARM_AND_HAND_PROGRAM, "--generation v5_sense --duration 4 --palm-gain 5 --palm-touch-at 1.5", 0);
+  const auto at = said.find("palm pressed at");
+  REQUIRE(at != std::string::npos);
+  const auto way = said.find("gave way by ", at);
+  REQUIRE(way != std::string::npos);
+  const double moved = std::atof(said.c_str() + way + 12);
+  CHECK(moved > 10);
+  CHECK(moved < 80);
+  CHECK(said.find("261 of 261") != std::string::npos);
+}
+
 TEST_CASE("Two jobs: both end well, one fails, one throws, both are interrupted") {
   const std::atomic<bool> nobody{false}, somebody{true};
   CHECK(run_both(ends(Exit::fine), ends(Exit::fine), nobody).exit() == Exit::fine);

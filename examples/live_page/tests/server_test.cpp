@@ -214,6 +214,17 @@ TEST_CASE("FoxgloveServer: nonsense is answered or ends that client only, and th
   CHECK(last.has_value());
   bad->stream.close();
   CHECK(s.until([&] { return s.server->statistics().clients == 1; }));
+  // A body, whole and in a chunk that comes byte by byte: refused before it is read.
+  for (const std::string& header :
+       {std::string("Transfer-Encoding: chunked\r\n"), std::string("Content-Length: 5\r\n")}) {
+    Client c(s.server->port());
+    std::string bytes = Client::get("/", s.host, header);
+    for (std::size_t k = 0; k < 3; ++k, bytes = k == 1 ? "0\r\n" : "\r") {
+      static_cast<void>(c.send(bytes));
+      std::this_thread::sleep_for(20ms);
+    }
+    CHECK(c.reply().rfind("HTTP/1.1 400", 0) == 0);
+  }
   // Frames that are none, a message too long, half a request, random bytes.
   auto rng = skinctl::testing::seeded(12);
   for (int k = 0; k < 60; ++k) {

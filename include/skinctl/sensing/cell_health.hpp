@@ -23,6 +23,9 @@ struct SensorNoise {
   float force = 0.7f;      ///< of one force sensor
   float proximity = 0.7f;  ///< of the proximity
   float rest = 0;          ///< mean of one force sensor; 0: it may read exact zeros while untouched
+  /// Its readings may repeat for any time, pressed as well: its step is coarse, or who sends it filters. Then readings
+  /// that are equal show no fault; whole messages that are equal still do.
+  bool repeats = false;
 
   /// The deviation before rounding of readings with the deviation `sigma` [steps].
   [[nodiscard]] static float before_rounding(float sigma) noexcept {
@@ -148,7 +151,7 @@ class CellHealth {
       limits.proximity[i % 16] =
           static_cast<float>(6 * s_.step * std::sqrt(double(n.proximity) * double(n.proximity) + 1.0 / 12));
       const double p = std::erf(1 / (2 * std::sqrt(2.0) * std::max(double(n.force), 0.05)));
-      const double needed = p < 1 ? std::ceil(23 / -std::log(p)) : 1e9;
+      const double needed = p < 1 && !n.repeats ? std::ceil(23 / -std::log(p)) : 1e9;
       cell_[i] = {static_cast<float>(sigma), static_cast<std::uint16_t>(needed < 60000 ? needed : 65535),
                   double(n.rest) > 4 * double(n.force) + 1};
     }

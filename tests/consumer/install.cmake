@@ -1,0 +1,6 @@
+# Installs this build into PREFIX, of which nothing of an earlier install is left.
+file(REMOVE_RECURSE "${PREFIX}")
+execute_process(COMMAND "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${PREFIX}" RESULT_VARIABLE failed)
+if(failed)
+  message(FATAL_ERROR "cmake --install: ${failed}")
+endif()
