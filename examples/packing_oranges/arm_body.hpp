@@ -25,7 +25,7 @@ inline constexpr double tip_radius = 0.012;  ///< of a hand's fingertips [m]
 struct HandBody {
   std::array<LinkBody, 16> links{};
   std::array<skinctl::Xyz<double>, 4> tips{};  ///< middle of each fingertip, in the last link of its finger
-  std::array<double, 4> takes_part{};          ///< fingertips that hold something: 1, the others: 0
+  std::array<double, 4> takes_part{};          ///< weights of the fingertips that hold something
   std::array<double, 16> lower{}, upper{}, start{};  ///< joints [rad]
   LinkBody palm{};                                   ///< where the hand's frame is, and the palm's inertia
   skinctl::Xyz<double> grasps{0, 0, 0};  ///< the point between the fingertips, in the hand's frame

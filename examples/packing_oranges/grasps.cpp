@@ -16,7 +16,6 @@ using A = Arm<Ur5>;
 constexpr double handed_over = 3, shake_from = 4, shake_to = 8, over_from = 9, over_to = 12, back_from = 13.5,
                  back_to = 16.5, end = 18;
 constexpr double cycle = 0.008, rate = 2;  // of the shaking [Hz]
-constexpr double yaw = 0;
 const skinctl::JointPosition<6> stands{0.0, -2.0, 1.6, -1.17, -1.57, 0.0};
 
 /// 0 to 1 with speed and acceleration 0 at the ends.
@@ -95,7 +94,7 @@ GraspFigures try_grasp(const GraspTrial& trial, const GraspSettings& s) {
   out.name = std::string(trial.words) + ", " + trial.grasp.name;
   out.mass = trial.thing.mass;
   std::array<ArmBody, arms> bodies{A::body(0), A::body(1)};
-  bodies[0].hand = hand_body(trial.grasp, bodies[0].flange, reach_of_gripper, yaw);
+  bodies[0].hand = hand_body(trial.grasp, bodies[0].flange, reach_of_gripper);
   for (std::size_t i = 0; i < 6; ++i) bodies[0].home[i] = stands[i];
   WorldSettings settings;
   settings.thing = trial.thing;
@@ -138,8 +137,7 @@ GraspFigures try_grasp(const GraspTrial& trial, const GraspSettings& s) {
       in.measured = world.fingers(0);
       in.tips = world.tips(0);
       // As the arm's joints tell how the palm stands, not the world.
-      const auto X = A::base(0) * A::hand(world.joints(0).q);
-      if (s.feels_gravity) in.gravity = {-9.81 * X.axis_z().z, 9.81 * X.axis_y().z, -9.81 * X.axis_x().z};
+      if (s.feels_gravity) in.gravity = gravity_in_hand(A::base(0) * A::hand(world.joints(0).q));
       in.command = {{0, trial.force, 0.04}, t < 0.3 ? 0u : 1u};
       world.command(0, hand.step(in));
     }
@@ -245,7 +243,7 @@ std::string time_plot(const GraspTrial& t, const GraspFigures& f) {
   for (int s = 0; s <= 18; s += 6) out += text("<text x='%.1f' y='%.1f'>%d</text>", X(s) - 4, Y(0) + 16, s);
   const auto curve = [&](const char* colour, const char* more, auto&& of) {
     out += text("<polyline fill='none' stroke='%s' stroke-width='1.2' %s points='", colour, more);
-    for (std::size_t k = 0; k < f.path.size(); k += 4)
+    for (std::size_t k = 0; k < f.path.size(); k += 6)
       out += text("%.1f,%.1f ", X(f.path[k].t), Y(std::min(6.0, of(f.path[k]))));
     out += "'/>";
   };

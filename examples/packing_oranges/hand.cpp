@@ -148,12 +148,6 @@ struct HandGoal {
   double internal = 0;  ///< [N]
   Springs springs = Springs::shape;
   Point gravity{9.81, 0, 0};  ///< in the hand's frame [m/s^2]
-
-  template <class F>
-  friend void each_number(HandGoal& g, F&& f) {
-    double springs = static_cast<double>(g.springs);
-    f(g.internal), f(springs), f(g.gravity.x), f(g.gravity.y), f(g.gravity.z);
-  }
 };
 
 /// The internal force of the grasp; springs that hold the fingers to the posture which belongs to their present closing,
@@ -168,7 +162,6 @@ class HandLaw : public Composable {
   static constexpr Needs needs = Internal::needs;
   static constexpr LawRole role = LawRole::reactive;
   static constexpr std::size_t gravity_laws = 1;  // it holds the fingers' weight
-  static constexpr const char* name = "hand";
   struct Memory {
     Internal::Memory internal;
     Point gravity{9.81, 0, 0};
@@ -313,7 +306,7 @@ Grasp around_a_ball() {
   return g;
 }
 
-HandBody hand_body(const Grasp& grasp, double flange, double reach, double yaw) {
+HandBody hand_body(const Grasp& grasp, double flange, double reach) {
   const Fingers model = allegro::hand(side);
   HandBody out;
   const auto poses = link_poses(model, JointPosition<N>{});
@@ -335,9 +328,7 @@ HandBody hand_body(const Grasp& grasp, double flange, double reach, double yaw) 
   out.upper = adapters::allegro::upper;
   const auto open = line_of(model, grasp).q.back();
   for (std::size_t i = 0; i < N; ++i) out.start[i] = open[i];
-  // The palm faces along the flange's axis, the fingers across it.
-  const double s = std::sin(yaw), c = std::cos(yaw);
-  const Point x{0, 0, 1}, y{s, -c, 0}, z{c, s, 0};
+  const Point x{0, 0, 1}, y{0, -1, 0}, z{1, 0, 0};
   out.palm.x = x, out.palm.y = y;
   const Point& p = grasp.centre;
   out.palm.p = Point{0, 0, flange + reach} - (p.x * x + p.y * y + p.z * z);

@@ -19,20 +19,24 @@ inline constexpr skinctl::GripperRange hand_range{0.11, 0.3, 4, 0.005, 0.15};
 /// Which fingertips hold an object, and where they stand around it.
 struct Grasp {
   const char* name = "";
-  std::array<double, 4> takes_part{};    ///< of index, middle, ring and thumb: 1, or 0
+  std::array<double, 4> takes_part{};    ///< weights of index, middle, ring and thumb, 0 to 1
   skinctl::Xyz<double> centre{0, 0, 0};  ///< between the fingertips, in the hand's frame [m]
-  std::array<skinctl::Xyz<double>, 4>
-      away{};  ///< each fingertip is `far * away + beside` from the centre, ...
-  std::array<skinctl::Xyz<double>, 4> beside{};
+  /// Each fingertip is `far * away + beside` from the centre, ...
+  std::array<skinctl::Xyz<double>, 4> away{}, beside{};
   std::array<double, hand_joints> posture{};  ///< of the fingers that take no part [rad]
   double least = 0.03, most = 0.067;          ///< ... and `far` goes from the closed to the open grasp [m]
 };
 /// Index, ring and thumb around a ball, a third of a circle apart, the palm above it.
 [[nodiscard]] Grasp around_a_ball();
 
-/// The right hand as bodies; the middle of the grasp is `reach` beyond the flange, on the axis of the last link.
-/// @param yaw  of the fingers about that axis [rad].
-[[nodiscard]] HandBody hand_body(const Grasp& grasp, double flange, double reach, double yaw);
+/// The right hand as bodies; the middle of the grasp is `reach` beyond the flange, on the axis of the last link. The palm
+/// faces along that axis, the fingers point along the link's x axis.
+[[nodiscard]] HandBody hand_body(const Grasp& grasp, double flange, double reach);
+/// Gravity in the axes of such a hand, from the pose of the arm's tool [m/s^2].
+template <class Pose>
+[[nodiscard]] skinctl::Xyz<double> gravity_in_hand(const Pose& X_WT) {
+  return {-9.81 * X_WT.axis_z().z, 9.81 * X_WT.axis_y().z, -9.81 * X_WT.axis_x().z};
+}
 
 /// Where the fingers are in the hand's frame: the origins of each finger's links, and its tip.
 [[nodiscard]] std::array<std::array<skinctl::Xyz<double>, 5>, 4> skeleton(

@@ -119,10 +119,11 @@ int main(int argc, char** argv) {
   int taught_lessons = 0;
   app.add_option("--lessons", taught_lessons, "instead: so many people teach that place, one lesson each")
       ->check(CLI::Range(1, 100000));
-  app.add_option("--gripper", gripper,
-                 "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
-                 "Allegro hands")
-      ->check(CLI::IsMember({"measures", "open_or_closed", "hand"}))
+  app.add_option(
+         "--gripper", gripper,
+         "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
+         "Allegro hands; hand_and_gripper: the first arm has a hand, the second one a gripper, as TOMM")
+      ->check(CLI::IsMember({"measures", "open_or_closed", "hand", "hand_and_gripper"}))
       ->capture_default_str();
   app.add_flag("--grasps", grasps,
                "instead: three grasps of a hand on three objects, shaken and turned over; --report: their "
@@ -152,7 +153,7 @@ int main(int argc, char** argv) {
       return code(over ? Exit::fine : Exit::not_following);
     }
     s.keep_path = !page.empty();
-    if (gripper == "hand") with_hands(s);
+    if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";
     if (taught) {
       const auto lesson = teach(s.seed);

@@ -6,15 +6,15 @@
 
 namespace packing {
 
-void with_hands(RunSettings& s) {
-  s.hand = true;
-  s.work.hold = 2.5;
-  s.work.above_near = 0.003;
-  s.work.let_go = 0.015;
-  s.work.aside = 0.03;  // a thumb stands out further than the fingers stand
-  s.work.judge_from = 0.9;
-  s.work.judge_to = 3.4;
-  s.work.judge_span = 1.8;
+WorkSettings by_hand(WorkSettings s) {
+  s.hold = 2.5;
+  s.above_near = 0.003;
+  s.let_go = 0.015;
+  s.aside = 0.03;  // a thumb stands out further than the fingers stand
+  s.judge_from = 0.9;
+  s.judge_to = 3.4;
+  s.judge_span = 1.8;
+  return s;
 }
 
 int Outcome::right() const {

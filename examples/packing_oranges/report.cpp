@@ -34,6 +34,20 @@ Judgement judgement(const Outcome& o) {
   if (!(n > 0)) return {};
   return {sum / n, std::sqrt(std::max(0.0, square / n - sum * sum / (n * n))) * n / sum};
 }
+/// The share that these squeezes would misjudge if good ones were `ratio` times as stiff as bad ones, both normally
+/// distributed with the relative deviation `spread`, half of them good.
+double misjudged_at(const Outcome& o, double ratio, double spread) {
+  const auto below = [](double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); };
+  double n = 0, wrong = 0;
+  for (const ArmOutcome& a : o.arm)
+    for (const auto& j : a.judged) {
+      if (!(j.truth > 0) || !(spread > 0)) continue;
+      const double told = j.stiffness / j.truth, border = std::sqrt(ratio);
+      wrong += 0.5 * (below((1 / (border * told) - 1) / spread) + below((1 - border / told) / spread));
+      ++n;
+    }
+  return n > 0 ? wrong / n : 0;
+}
 std::string failures(const ArmOutcome& a) {
   constexpr int shown = 8;
   std::string out;
@@ -63,6 +77,11 @@ std::string summary(const Outcome& o, const RunSettings& s) {
   const Judgement j = judgement(o);
   out += text("stiffness by squeezing: %.3f of the true one in the mean, %.1f %% rms apart from that\n",
               j.mean, 100 * j.spread);
+  out += "with such errors these would be misjudged, good ones so many times as stiff as bad ones:";
+  for (const double ratio : {1.4, 1.5, 1.6, 1.7, 2.0})
+    out += text("%s %.1f: %.1f %%", ratio > 1.4 ? "," : "", ratio,
+                100 * misjudged_at(o, ratio, s.supply.spread));
+  out += '\n';
   for (std::size_t a = 0; a < arms; ++a) {
     const ArmOutcome& m = o.arm[a];
     out += text(

@@ -23,12 +23,12 @@ struct RunSettings {
   DetectorSettings detector{};
   WorkSettings work{};
   std::uint64_t seed = 1;
-  double touch_every = 20;     ///< a person pushes each forearm so often [s]; 0: never
-  double touch_force = 12;     ///< [N]
-  double touch_lasts = 0.6;    ///< [s]
-  bool hand = false;           ///< Allegro hands instead of grippers
-  double skin_noise = 0.1;     ///< deviation of a cell's force [N]
-  bool see_each_other = true;  ///< false: only places and their order keep the arms apart
+  double touch_every = 20;        ///< a person pushes each forearm so often [s]; 0: never
+  double touch_force = 12;        ///< [N]
+  double touch_lasts = 0.6;       ///< [s]
+  std::array<bool, arms> hand{};  ///< the arm has an Allegro hand instead of a gripper
+  double skin_noise = 0.1;        ///< deviation of a cell's force [N]
+  bool see_each_other = true;     ///< false: only places and their order keep the arms apart
   Fault fault = Fault::none;
   double fault_at = 12;    ///< [s]
   int fault_step = -1;     ///< if it is one of the plan's: when the first arm begins that step, instead
@@ -37,11 +37,11 @@ struct RunSettings {
   bool keep_path = false;  ///< of the hands, for pictures
 };
 
+/// The same work by a hand: forces that it can exert, heights and places at which it has room.
+[[nodiscard]] WorkSettings by_hand(WorkSettings settings);
+
 /// Shown every 32 ms of simulated time where somebody looks; what is returned is asked of both arms.
 using Show = std::function<skinctl::CycleRequest(const Scenery&)>;
-
-/// Allegro hands instead of grippers, with the forces that they can exert.
-void with_hands(RunSettings& settings);
 
 /// What one arm did.
 struct ArmOutcome {

@@ -46,10 +46,6 @@ class Toucher {
   double force_ = 0;
 };
 
-/// How the fingers of a hand stand about the flange's axis [rad].
-/// They point away from the box when the hand is over its arm's feed, the thumb to the box: beside a feed, no orange lies.
-inline constexpr double yaw_of_hand = 0.6;
-
 template <class R>
 class Run {
  public:
@@ -65,8 +61,9 @@ class Run {
         places_(box_.start()) {
     world_.step();
     for (std::size_t a = 0; a < arms; ++a) {
-      workers_.push_back(std::make_unique<Worker<R>>(a, scene_, s.work, world_.joints(a)));
-      if (s.hand) hands_.push_back(std::make_unique<Hand>(around_a_ball(), world_.fingers(a)));
+      workers_.push_back(
+          std::make_unique<Worker<R>>(a, scene_, s.hand[a] ? by_hand(s.work) : s.work, world_.joints(a)));
+      if (s.hand[a]) hands_[a] = std::make_unique<Hand>(around_a_ball(), world_.fingers(a));
       touchers_.push_back(std::make_unique<Toucher<R>>(s, s.seed * 7919 + 4 + a));
       next_touch_[a] = s.touch_every * (a == 0 ? 0.4 : 0.9);
     }
@@ -95,7 +92,7 @@ class Run {
           break;
         }
       }
-      if (s_.hand && tick_ % 3 == 0) hold();
+      if (tick_ % 3 == 0) hold();
       world_.step();
       ++tick_;
     }
@@ -105,12 +102,11 @@ class Run {
  private:
   [[nodiscard]] static std::array<ArmBody, arms> bodies(const RunSettings& s) {
     std::array<ArmBody, arms> out{A::body(0), A::body(1)};
-    if (s.hand)
-      for (ArmBody& b : out) {
-        b.hand = hand_body(around_a_ball(), b.flange, reach_of_gripper, yaw_of_hand);
-        b.home = {0.6,   -1.6,  1.8,
-                  -1.77, -1.57, 0};  // out of each other's way: a hand is wider than a gripper
-      }
+    for (std::size_t a = 0; a < arms; ++a) {
+      if (!s.hand[a]) continue;
+      out[a].hand = hand_body(around_a_ball(), out[a].flange, reach_of_gripper);
+      out[a].home = {0.6, -1.6, 1.8, -1.77, -1.57, 0.6};  // over its bin: a hand is wider than a gripper
+    }
     return out;
   }
   [[nodiscard]] double time() const { return skinctl::seconds<double>(world_.now()); }
@@ -119,7 +115,7 @@ class Run {
   }
 
   [[nodiscard]] skinctl::GripperState gripper(std::size_t a) const {
-    return s_.hand ? hands_[a]->state() : world_.gripper(a);
+    return hands_[a] ? hands_[a]->state() : world_.gripper(a);
   }
   /// Touches and faults.
   void happen() {
@@ -179,7 +175,7 @@ class Run {
       const auto out = w.step(world_.now(), world_.joints(a), gripper(a), touchers_[a]->samples(world_.now()),
                               places.grants[a].granted, resume);
       if (out.command.valid) world_.command(a, out.command.position, out.command.velocity);
-      if (s_.hand)
+      if (hands_[a])
         asked_of_hand_[a] = out.gripper;
       else
         world_.command(a, out.gripper);
@@ -192,19 +188,17 @@ class Run {
   void hold() {
     const std::clock_t begun = std::clock();
     for (std::size_t a = 0; a < arms; ++a) {
+      if (!hands_[a]) continue;
       const auto& X = workers_[a]->hand();
-      const auto down = [&](const skinctl::Xyz<double>& axis) { return -9.81 * axis.z; };
-      const double s = std::sin(yaw_of_hand), c = std::cos(yaw_of_hand);
-      const auto x = X.axis_x(), y = X.axis_y();
       Hand::Input in;
       in.measured = world_.fingers(a);
       in.tips = world_.tips(a);
-      in.gravity = {down(X.axis_z()), down(s * x - c * y), down(c * x + s * y)};
+      in.gravity = gravity_in_hand(X);
       in.command = asked_of_hand_[a];
       world_.command(a, hands_[a]->step(in));
+      ++holds_;
     }
     held_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
-    ++holds_;
   }
   /// A person who is asked comes when the fault is over, and takes a second.
   bool answers(std::size_t a) {
@@ -246,7 +240,7 @@ class Run {
       const Worker<R>& w = *workers_[a];
       ArmScenery& arm = out.arm[a];
       arm.parts = A::parts(a, world_.joints(a).q);
-      arm.fingers = A::fingers(a, world_.joints(a).q, world_.gripper(a).opening);
+      arm.fingers = A::fingers(a, world_.joints(a).q, gripper(a).opening);
       arm.force = world_.record(a).force;
       arm.touched = touchers_[a]->force() > 0;
       arm.kept = w.kept();
@@ -264,8 +258,12 @@ class Run {
     out_.time = time();
     out_.computed = computed;
     out_.cycle = cycles_ > 0 ? 1e6 * computed_ / static_cast<double>(arms * cycles_) : 0;
-    out_.hand_cycle = holds_ > 0 ? 1e6 * held_ / static_cast<double>(arms * holds_) : 0;
-    out_.robot = std::string(R::name) + (s_.hand ? " with Allegro hands" : "");
+    out_.hand_cycle = holds_ > 0 ? 1e6 * held_ / static_cast<double>(holds_) : 0;
+    out_.robot = R::name;
+    if (s_.hand[0] && s_.hand[1])
+      out_.robot += " with Allegro hands";
+    else if (s_.hand[0] || s_.hand[1])
+      out_.robot += ", one with an Allegro hand";
     if (s_.fault != Fault::none && s_.fault != Fault::slip)
       out_.fault_begins = s_.fault_at, out_.fault_ends = s_.fault_at + lasts_;
     for (std::size_t a = 0; a < arms; ++a) {
@@ -291,7 +289,7 @@ class Run {
   skinctl::Resources<1, arms + 1> box_;
   typename skinctl::Resources<1, arms + 1>::Memory places_;
   std::vector<std::unique_ptr<Worker<R>>> workers_;
-  std::vector<std::unique_ptr<Hand>> hands_;
+  std::array<std::unique_ptr<Hand>, arms> hands_;
   std::array<skinctl::GripperCommand, arms> asked_of_hand_{};
   std::vector<std::unique_ptr<Toucher<R>>> touchers_;
   std::array<double, arms> next_touch_{}, touch_until_{}, square_{}, asked_since_{-1, -1};

@@ -104,7 +104,7 @@ TEST_CASE("packing_oranges: the same plan on another robot") {
 TEST_CASE("packing_oranges: the same plan with hands: thumb and two fingers hold, squeeze and judge") {
   RunSettings s = few(4);
   s.touch_every = 5;
-  with_hands(s);
+  s.hand = {true, true};
   const Outcome o = run_ur5(s);
   CHECK(o.over);
   CHECK(o.right() == 4);
