@@ -273,7 +273,7 @@ class Mover {
     } else if (!reached_ && !other_waits && measured.time > reach_by_) {
       // From joints that the hand cannot go straight from: by way of those at the start.
       before_ = A::home();
-      gave_way_ = true;
+      gave_way_ = back_ = true;
     } else if (way_.should_go() && ++tries_ % 2 == 0) {
       // A step aside did not help: back to the joints at the start, on its own side.
       before_ = A::home();
@@ -486,6 +486,10 @@ int study(int number, std::uint64_t seed, bool sees) {
           "m/s)\n",
           n, met ? "arms meet " : "", met_thing ? "thing met " : "", over ? "" : "not ended ", lasted,
           1e3 * nearest, thing ? 1e3 * nearest_thing : 0.0, most(into), most(into_thing), speed);
+    if (n % 50 == 49 && n + 1 < number) {
+      std::printf("after %d:\n", n + 1);
+      pairs.print("arm and arm"), things.print("arms and a thing");
+    }
     std::fflush(stdout);
   }
   pairs.print("arm and arm");

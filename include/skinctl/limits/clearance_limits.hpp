@@ -27,8 +27,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// **With obstacles** (`ClearanceAround`, `Around` of them at most) the same holds for them. On a way that lasts t an
 /// obstacle comes closer by `approach (age + late + t)`: for a motion straight towards what stands still that is the
 /// page's `v <= sqrt(a^2 T^2 + 2 a (d - d0)) - a T`. Two robots of which each keeps clear of what the other one
-/// `occupied` until it stands never meet by their own motion, if they decide one after the other: each may always go on
-/// braking, within what the other one left free.
+/// `occupied` until it stands, and that decide one after the other, may always go on braking within what the other one
+/// left free. Where such a volume already overlaps the other robot, only coming nearer is refused: see the study
+/// `crossings` for what that leaves.
 template <RobotModel M, Real T = double, std::size_t Around = 0>
 class ClearanceLimits {
  public:
