@@ -56,7 +56,7 @@ Given run_groups(const RandomScene& scene, bool friction, const Parts&... parts)
       testing::SceneTouch touch;
       std::array<double, 6> x{}, v{};
       for (std::size_t i = 0; i < 6; ++i) x[i] = q[i], v[i] = dq[i];
-      for (const Obstacle& o : scene.obstacles) {
+      for (const StiffBody& o : scene.obstacles) {
         auto& contact = touch.contacts.list[touch.contacts.count];
         contact.link = 2 + touch.contacts.count++;
         contact.force = o.force(x, scene.pose, v, t);
@@ -142,7 +142,7 @@ TEST_CASE("GroupResolver: no contact gets more from the arm's joints than it gav
     CAPTURE(seed);
     RandomScene scene(seed);
     // On the upper arm: what lies behind the wrist is pressed by its torques too.
-    for (Obstacle& o : scene.obstacles)
+    for (StiffBody& o : scene.obstacles)
       for (const std::size_t i : Wrist::index) o.row[i] = 0;
     const auto account = [&](double energy) {
       return PassivityObserver<>({.start = energy,

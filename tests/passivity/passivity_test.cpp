@@ -77,7 +77,7 @@ RandomScene led_by_hands(double swing, double stiffness) {
   scene.lag = 0.008;
   scene.obstacles.assign(2, {});
   for (int side = 0; side < 2; ++side) {
-    Obstacle& hand = scene.obstacles[std::size_t(side)];
+    StiffBody& hand = scene.obstacles[std::size_t(side)];
     hand.row[0] = side == 0 ? 0.5 : -0.5;
     hand.at = 0.02;
     hand.swing = side == 0 ? swing : -swing;

@@ -59,7 +59,7 @@ struct RandomSkills : StatelessLaw<RandomSkills> {
 };
 
 /// An obstacle along `row` beyond `at` [m]: a wall, or a hand that moves.
-struct Obstacle {
+struct StiffBody {
   double row[6] = {};
   double at = 0, stiffness = 0, damping = 0, swing = 0, pulse = 0;  ///< `at + swing sin(pulse t)`
   double seen = 0;  ///< push at its surface, where it is seen but not touched [N]; none from `range` on
@@ -91,7 +91,7 @@ struct RandomScene {
   int delay = 0;
   double lag = 0, energy = 1, tank = 1, stiffest = 0;
   RandomSkills law;
-  std::vector<Obstacle> obstacles;
+  std::vector<StiffBody> obstacles;
   RobotConfiguration<6> configuration{.limits = limits_of<ur5::Description>(20.0), .period = 8ms};
 
   /// The parts of `Passivity` at the virtual and at the measured port.
@@ -125,7 +125,7 @@ struct RandomScene {
     configuration.max_lead = 5;
     double reach = 0;
     for (int k = 0, n = 1 + pick(2); k < n; ++k) {
-      Obstacle o;
+      StiffBody o;
       double sum = 0;
       for (std::size_t i = 0; i < 6; ++i) {
         o.row[i] = uniform(-1, 1) * std::array<double, 6>{0.6, 0.6, 0.4, 0.1, 0.1, 0.0}[i];
@@ -141,7 +141,7 @@ struct RandomScene {
     configuration.dead_band = JointPosition<6>::constant(std::min(0.02, speed * T));
     const double p = v * T + 0.5 * v * speed / brake;
     stiffest = std::min(3e4, 2 * energy / (p * p));
-    for (Obstacle& o : obstacles) {
+    for (StiffBody& o : obstacles) {
       o.stiffness = stiffest * std::exp(uniform(-3, 0)) / double(obstacles.size());
       o.damping = pick(2) * uniform(0, 0.01) * o.stiffness;
       if (o.swing > 0) o.damping = 0, o.stiffness *= 0.3;
@@ -202,7 +202,7 @@ Energies run(const RandomScene& scene, const Keeper& keeper, const Shape&... too
     SceneTouch parts[max_substeps];
     const auto interval = robot.interval(memory, now);
     for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
-      const Obstacle& o = scene.obstacles[k];
+      const StiffBody& o = scene.obstacles[k];
       std::array<double, 6> dq{};
       for (std::size_t i = 0; i < 6; ++i) dq[i] = (joints.q()[i] - last[i]) / seconds<double>(scene.period);
       const double F = at_end ? (k == 0 ? 20 * std::clamp((t - 2.5) / 0.2, 0.0, 1.0) : 0)
@@ -227,7 +227,7 @@ Energies run(const RandomScene& scene, const Keeper& keeper, const Shape&... too
     // The parts get the newest force, as from a skin sampled at the rate of the commands.
     next.contacts.count = scene.obstacles.size();
     if (!at_end)
-      for (const Obstacle& o : scene.obstacles) o.keep_off(joints.q(), scene.pose, t, next.seen);
+      for (const StiffBody& o : scene.obstacles) o.keep_off(joints.q(), scene.pose, t, next.seen);
     for (unsigned j = 0; j < interval.substeps; ++j) parts[j].seen = next.seen;
     parts[interval.substeps - 1] = next;
     out.path += std::abs(joints.q()[0] - last[0]);

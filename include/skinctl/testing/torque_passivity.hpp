@@ -44,7 +44,7 @@ TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
       touch.seen = {};
       std::array<double, 6> q{}, dq{};
       for (std::size_t i = 0; i < 6; ++i) q[i] = state.q[i], dq[i] = state.dq[i];
-      for (const Obstacle& o : scene.obstacles) {
+      for (const StiffBody& o : scene.obstacles) {
         auto& contact = touch.contacts.list[touch.contacts.count];
         contact.link = 2 + touch.contacts.count++;
         contact.force = o.force(q, scene.pose, dq, from + j * h);
