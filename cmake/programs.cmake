@@ -29,10 +29,6 @@ if(SKINCTL_SANITIZERS MATCHES "address" AND CMAKE_CXX_COMPILER_ID STREQUAL "Clan
   # All but small functions call the checks of addresses instead of holding them: the same checks, a quarter less to compile, and
   # twice as long to run, which is seconds (passivity_test with Clang: 7.4 s and 5.4 s; 9.6 s and 2.6 s with a threshold of 300).
   target_compile_options(skinctl_program INTERFACE "SHELL:-mllvm -asan-instrumentation-with-call-threshold=30")
-  # The checks are in place before machine code is chosen, so that may be done the quick way: a sixth less to compile (passivity_1.cpp
-  # 35 s, 29 s without).
-  target_compile_options(skinctl_program INTERFACE "SHELL:-mllvm -fast-isel" "SHELL:-mllvm -regalloc=fast"
-    "SHELL:-mllvm -optimize-regalloc=false")
   # A quarter of the time of GNU's linker for a program with checks.
   find_program(SKINCTL_LLD ld.lld)
   if(SKINCTL_LLD)

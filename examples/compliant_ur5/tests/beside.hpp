@@ -1,11 +1,16 @@
 // A simulated robot beside the program, as a real one would stand there.
 #pragma once
 
+#include <unistd.h>
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 
 #include "examples/compliant_ur5/run.hpp"
@@ -23,18 +28,29 @@ inline Settings settings() {
   return s;
 }
 
-/// A port on which nobody listens just now.
-inline std::uint16_t free_tcp_port() {
+/// A port on which nobody listens just now, and that no connection gets by itself: below those that the system gives
+/// away (32768 and up), so that nobody takes it before it is listened on.
+template <class Socket>
+std::uint16_t free_port() {
+  using boost::asio::ip::address_v4;
+  static std::atomic<unsigned> next{static_cast<unsigned>(getpid()) * 97};
   boost::asio::io_context io;
-  namespace ip = boost::asio::ip;
-  return ip::tcp::acceptor(io, ip::tcp::endpoint(ip::address_v4::loopback(), 0)).local_endpoint().port();
+  for (int tries = 0; tries < 1000; ++tries) {
+    const auto port = static_cast<std::uint16_t>(20000 + next++ % 12000);
+    boost::system::error_code error;
+    Socket socket(io);
+    const typename Socket::protocol_type::endpoint here(address_v4::loopback(), port);
+    socket.open(here.protocol(), error);
+    if (!error) socket.bind(here, error);
+    if (!error) return port;
+  }
+  throw std::runtime_error("no port is free");
+}
+inline std::uint16_t free_tcp_port() {
+  return free_port<boost::asio::ip::tcp::acceptor>();
 }
 inline std::uint16_t free_udp_port() {
-  boost::asio::io_context io;
-  return boost::asio::ip::udp::socket(
-             io, boost::asio::ip::udp::endpoint(boost::asio::ip::address_v4::loopback(), 0))
-      .local_endpoint()
-      .port();
+  return free_port<boost::asio::ip::udp::socket>();
 }
 
 /// A simulated robot beside the program, as a real one would stand there.
