@@ -16,20 +16,20 @@ struct Obstacle {
   Capsule<T> shape;
   /// How fast the nearest of its points may come closer to anything [m/s], >= 0. 0: it stays within `shape`.
   T approach = T(0);
-};
 
-/// The same obstacle along the axes of `A`.
-template <Frame A, Frame B, Real T>
-[[nodiscard]] Obstacle<A, T> operator*(const Transform<A, B, T>& X_AB, const Obstacle<B, T>& o) noexcept {
-  return {
-      {X_AB.origin() + X_AB.axes() * o.shape.from, X_AB.origin() + X_AB.axes() * o.shape.to, o.shape.radius},
-      o.approach};
-}
-// clang-format off
-template <Frame A, Frame B, Frame C, Real T>
-  requires(!std::is_same_v<B, C>)
-void operator*(const Transform<A, B, T>&, const Obstacle<C, T>&) = delete;  // the obstacle is in another frame: X_AB * obstacle of B
-// clang-format on
+  /// The same obstacle along the axes of `A`.
+  template <Frame A>
+  [[nodiscard]] friend Obstacle<A, T> operator*(const Transform<A, F, T>& X_AF, const Obstacle& o) noexcept {
+    return {{X_AF.origin() + X_AF.axes() * o.shape.from, X_AF.origin() + X_AF.axes() * o.shape.to,
+             o.shape.radius},
+            o.approach};
+  }
+  // clang-format off
+  template <Frame A, Frame B>
+    requires(!std::is_same_v<B, F>)
+  friend void operator*(const Transform<A, B, T>&, const Obstacle&) = delete;  // the obstacle is in another frame: X_AB * obstacle of B
+  // clang-format on
+};
 
 /// At most `Most` obstacles at an instant: the part `around` of a cycle's input, if its scene has a
 /// `ClearanceAround`, and what a robot tells others (`Cycle::occupied`), in the `World` that they share.
