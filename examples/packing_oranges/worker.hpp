@@ -307,6 +307,8 @@ class Worker {
   }
   /// An orange of its own that is well seen; the one nearest to the hand.
   void look() {
+    // A person was asked while it held an orange: that one first goes back to where it came from.
+    if (features_.in_hand) return end(false);
     const bool sees = now_ - last_picture_ < 300ms;
     if (!sees) looks_since_ = now_;
     double best = 1e9;

@@ -175,6 +175,22 @@ TEST_CASE("packing_oranges: while somebody has the box, what is good is put back
   CHECK(backs(o) >= 1);
 }
 
+TEST_CASE(
+    "packing_oranges: a person who was asked finds an arm that holds an orange, which is put back and "
+    "packed") {
+  RunSettings s = few(4);
+  s.supply.share = 1;
+  s.touch_every = 0;
+  s.work.executor.place = std::chrono::seconds(4);
+  s.fault = Fault::box_blocked;
+  s.fault_at = 0;
+  s.fault_lasts = 30;
+  const Outcome o = run_ur5(s);
+  CHECK(o.arm[1].asked >= 1);
+  CHECK(o.over);
+  CHECK(o.right() == 4);
+}
+
 TEST_CASE("packing_oranges: a person who leans on a forearm is waited for, or asked") {
   RunSettings s = few(2);
   s.fault = Fault::touch_held;
