@@ -29,14 +29,14 @@ inline Settings settings() {
 }
 
 /// A port on which nobody listens just now, and that no connection gets by itself: below those that the system gives
-/// away (32768 and up), so that nobody takes it before it is listened on.
+/// away (32768 and up) and those of a robot (29999 and up), so that nobody takes it before it is listened on.
 template <class Socket>
 std::uint16_t free_port() {
   using boost::asio::ip::address_v4;
   static std::atomic<unsigned> next{static_cast<unsigned>(getpid()) * 97};
   boost::asio::io_context io;
   for (int tries = 0; tries < 1000; ++tries) {
-    const auto port = static_cast<std::uint16_t>(20000 + next++ % 12000);
+    const auto port = static_cast<std::uint16_t>(20000 + next++ % 9000);
     boost::system::error_code error;
     Socket socket(io);
     const typename Socket::protocol_type::endpoint here(address_v4::loopback(), port);
