@@ -71,6 +71,24 @@ constexpr auto skills = boost::hana::make_map(
                                       load<controller::SplineOperational>())),
     skill<GiveWay>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>())));
 
+/// What an arm keeps clear of by itself: its own links, the table, and the walls of the trays on it.
+auto clearance() {
+  auto c = A::clearance();
+  c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
+  c.own.pairs = {{0, 2}, {0, 4}, {0, 5}, {0, 6}, {1, 4}, {1, 5},
+                 {1, 6}, {2, 7}, {3, 7}, {4, 7}, {5, 7}, {6, 7}};
+  const auto wall = [&](const Tray& t, double x0, double y0, double x1, double y1) {
+    const auto X_BW = A::base(0).inverse();  // the other arm has its trays at the same places
+    const auto at = [&](double x, double y) {
+      return X_BW.origin() + X_BW.axes() * Xyz<double>{t.x + x * t.half_x, t.y + y * t.half_y, t.wall / 2};
+    };
+    for (const std::size_t part : {4u, 5u, 6u}) c.own.pairs.push_back({part, c.own.capsules.size()});
+    c.own.capsules.push_back({LinkCapsule::fixed, {at(x0, y0), at(x1, y1), t.wall / 2}});
+  };
+  for (const Tray& t : {box_tray, bin_tray(0), bin_tray(1)})
+    wall(t, -1, -1, 1, -1), wall(t, 1, -1, 1, 1), wall(t, 1, 1, -1, 1), wall(t, -1, 1, -1, -1);
+  return c;
+}
 auto scene() {
   const auto arm = A::robot();
   SkinSettings settings;
@@ -91,13 +109,7 @@ auto scene() {
                  skill_controller<controller::SkinJoint>(SkinJointControl{}),
                  skill_controller<controller::SplineJoint>(SplineJoint(arm)),
                  skill_controller<controller::SplineOperational>(SplineOperational(A::tool(), o))))
-      .with([] {
-        auto c = A::clearance();
-        c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
-        c.own.pairs = {{0, 2}, {0, 4}, {0, 5}, {0, 6}, {1, 4}, {1, 5},
-                       {1, 6}, {2, 7}, {3, 7}, {4, 7}, {5, 7}, {6, 7}};
-        return c;
-      }());
+      .with(clearance());
 }
 using Scene = decltype(scene());
 using Set = Scene::law_type;
@@ -381,7 +393,7 @@ int study(int number, std::uint64_t seed, bool sees) {
   const auto goal = [&](std::size_t a) {
     const double r = in(0.38, 0.72), angle = in(-0.9, 0.9);
     return Xyz<double>{side(a) * (-R::stands + r * std::cos(angle)), side(a) * r * std::sin(angle),
-                       in(0.12, 0.4)};
+                       in(0.2, 0.45)};
   };
   Result pairs, things;
   std::uint64_t cycles = 0;
