@@ -244,13 +244,17 @@ class Mover {
             const std::vector<Capsule<>>& around, bool other_waits) {
     const auto samples = eyes_.look(measured.time, arm_, measured.q, own, around);
     const std::clock_t begun = std::clock();
-    const auto was = X_WH_.origin();
     now_ = measured.time;
     X_WH_ = A::base(arm_) * A::hand(measured.q);
     reached_ = reached_ || norm(Xyz<double>(X_WH_.origin() - goal_)) < 0.01;
     way_.goes_first(arm_ == 0);
-    way_.step(measured.time, kept_ && !reached_ && !gave_way_ && !returns_,
-              norm(Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
+    // It slides along what keeps it: that alone is no progress.
+    const double far = norm(Xyz<double>(X_WH_.origin() - goal_));
+    const bool nearer = far < nearest_ - 0.01;
+    if (nearer) nearest_ = far;
+    if (kept_) kept_at_ = measured.time;
+    way_.step(measured.time, measured.time - kept_at_ < 300ms && !reached_ && !gave_way_ && !returns_,
+              !nearer);
     if (seen_ > 0) seen_at_ = measured.time;
     const bool gives_way = sees_ && measured.time - seen_at_ < 300ms;
     if (gives_way) {
@@ -282,6 +286,7 @@ class Mover {
     } else if (back_ && !other_waits) {
       back_ = false;
       ask(goal_);
+      nearest_ = far;
     } else if (!reached_ && !other_waits && measured.time > reach_by_) {
       // From joints that the hand cannot go straight from: by way of those at the start.
       before_ = A::home();
@@ -350,7 +355,8 @@ class Mover {
   Xyz<double> goal_{0, 0, 0};
   RightOfWay way_;
   bool reached_ = true, kept_ = false, back_ = false, gave_way_ = false, sees_ = true, displaced_ = false;
-  Nanoseconds seen_at_{-1s};
+  Nanoseconds seen_at_{-1s}, kept_at_{-1s};
+  double nearest_ = 0;  // to the goal, since it was asked for [m]
   int gave_ = 0, tries_ = 0;
   bool returns_ = false;
   JointPosition<6> before_;
@@ -393,7 +399,7 @@ int study(int number, std::uint64_t seed, bool sees) {
   const auto goal = [&](std::size_t a) {
     const double r = in(0.38, 0.72), angle = in(-0.9, 0.9);
     return Xyz<double>{side(a) * (-R::stands + r * std::cos(angle)), side(a) * r * std::sin(angle),
-                       in(0.2, 0.45)};
+                       in(0.2, 0.4)};
   };
   Result pairs, things;
   std::uint64_t cycles = 0;

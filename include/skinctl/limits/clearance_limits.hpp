@@ -21,8 +21,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// apart, and must exceed the margin there by `reach (sum |x_i|)^2` over the joints between the two: what they
 /// can fall short in between. What is nearer than the margin may only get farther.
 ///
-/// A velocity that would come too close loses the part that closes; what is left, mixed with braking as far as
-/// needed, is kept. So an arm slides along, and whatever leads away passes.
+/// A velocity that would come too close loses the part that closes, and at the margin gains a little that opens; what is
+/// left, mixed with braking as far as needed, is kept. So an arm slides along, and whatever leads away passes.
 ///
 /// **With obstacles** (`ClearanceAround`, `Around` of them at most) the same holds for them. On a way that lasts t an
 /// obstacle comes closer by `approach (age + late + t)`: straight towards what stands still, with T the time until braking
