@@ -274,7 +274,8 @@ class Cycle {
     if constexpr (requires { law_.feel(m.law, skin_.contacts(m.skin), interval.to); })
       law_.feel(m.law, skin_.contacts(m.skin), interval.to);
     if constexpr (has_gripper) law_.grip(m.law, input.gripper, interval.to);
-    if constexpr (has_surroundings) governor_.clearance().see(m.governor.around, input.around, interval.to);
+    if constexpr (has_surroundings)
+      governor_.clearance().see(m.governor.around, input.around, measured().q, interval.to);
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);

@@ -28,7 +28,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// obstacle comes closer by `approach (age + late + t)`: straight towards what stands still, with T the time until braking
 /// begins, that is `v <= sqrt(a^2 T^2 + 2 a (d - d0)) - a T`. Two robots of which each keeps clear of what the other one
 /// `occupied` until it stands, and that decide one after the other, may always go on braking within what the other one
-/// left free. Where such a volume already overlaps the other robot, only coming nearer is refused.
+/// left free; so what a robot may fill stays clear of that of the other by a quarter of the margin, and it slows down
+/// beside it. Where the two volumes are nearer already, only coming nearer is refused.
 template <RobotModel M, Real T = double, std::size_t Around = 0>
 class ClearanceLimits {
  public:
@@ -45,8 +46,9 @@ class ClearanceLimits {
   struct Nothing {};
   struct Seen {
     Near near{};
-    T age = T(0);       ///< of the obstacles, now [s]
-    bool blind = true;  ///< they are too old, too many or no numbers
+    Position measured{};  ///< where the robot is
+    T age = T(0);         ///< of the obstacles, now [s]
+    bool blind = true;    ///< they are too old, too many or no numbers
   };
   using Memory = std::conditional_t<(Around > 0), Seen, Nothing>;
 
@@ -71,12 +73,15 @@ class ClearanceLimits {
   [[nodiscard]] const M& model() const noexcept { return clearances_.model(); }
   [[nodiscard]] const Clearances<M, T, Around>& clearances() const noexcept { return clearances_; }
 
-  /// Takes what is around at `now`. What is too old, too much or no number makes `m` blind: nothing may move then.
-  SKINCTL_INLINE void see(Memory& m, const Near& near, Nanoseconds now) const noexcept
+  /// Takes what is around at `now` a robot at `measured`. What is too old, too much or no number makes `m` blind:
+  /// nothing may move then.
+  SKINCTL_INLINE void see(Memory& m, const Near& near, const Position& measured,
+                          Nanoseconds now) const noexcept
     requires(Around > 0)
   {
     const Nanoseconds age = now - near.time;
     m.near = near;
+    m.measured = measured;
     m.age = age > 0ns ? seconds<T>(age) : T(0);
     m.blind = !(age <= max_age_ && age >= -max_age_) || near.count > Around;
     for (std::size_t i = 0; i < near.count && i < Around; ++i) {
@@ -91,21 +96,10 @@ class ClearanceLimits {
   /// `measured` to the last command, and from there to where all joints are at rest, however they brake together.
   [[nodiscard]] Surroundings<most_exposed_capsules, Base, T> occupied(
       const JointCommand<joints, T>& last, const State<joints, T>& measured) const noexcept {
-    T longest(0);
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T stop = Here::size(last.velocity[i]) / brake(i);
-      longest = stop > longest ? stop : longest;
-    }
-    Position middle, half;
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T q = last.position[i], end = q + T(0.5) * longest * last.velocity[i], was = measured.q[i];
-      T low = q < end ? q : end, high = q < end ? end : q;
-      low = was < low ? was : low, high = was > high ? was : high;
-      middle[i] = T(0.5) * (low + high), half[i] = T(0.5) * (high - low);
-    }
+    const Box box = until_rest(measured.q, last.position, last.velocity);
     Surroundings<most_exposed_capsules, Base, T> out;
     out.time = measured.time;
-    clearances_.sweep(middle, half, reach_, out);
+    clearances_.sweep(box.middle, box.half, reach_, out);
     return out;
   }
 
@@ -193,6 +187,27 @@ class ClearanceLimits {
   /// The rate of braking that is planned, a little less than that of braking itself, for rounding.
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
+  }
+
+  /// Joint positions within `half` of `middle`.
+  struct Box {
+    Position middle, half;
+  };
+  /// All from `was` by way of `q` to where the robot stands that brakes from `u` there, however its joints brake together.
+  [[nodiscard]] Box until_rest(const Position& was, const Position& q, const Velocity& u) const noexcept {
+    T longest(0);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T stop = Here::size(u[i]) / brake(i);
+      longest = stop > longest ? stop : longest;
+    }
+    Box box;
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T end = q[i] + T(0.5) * longest * u[i];
+      T low = q[i] < end ? q[i] : end, high = q[i] < end ? end : q[i];
+      low = was[i] < low ? was[i] : low, high = was[i] > high ? was[i] : high;
+      box.middle[i] = T(0.5) * (low + high), box.half[i] = T(0.5) * (high - low);
+    }
+    return box;
   }
 
   Clearances<M, T, Around> clearances_;

@@ -32,7 +32,7 @@ class ClearanceWays {
   /// for NaN.
   [[nodiscard]] bool keeps(const Velocity& u, const Position& moved,
                            const JointRoom<joints, T>& room) const noexcept {
-    return keeps_alike(u, moved, room) || keeps_alone(u, moved);
+    return (keeps_alike(u, moved, room) || keeps_alone(u, moved)) && stays_apart(u, moved);
   }
   /// The same if all joints brake alike.
   [[nodiscard]] bool keeps_alike(const Velocity& u, const Position& moved,
@@ -100,6 +100,39 @@ class ClearanceWays {
       static constexpr Near nothing{};
       return nothing;
     }
+  }
+  /// Whether what the robot may fill until it stands, if it is at `u` after `moved`, is clear of obstacles that stay where
+  /// they are said to be, or of those where it is not while the robot stands here.
+  [[nodiscard]] bool stays_apart(const Velocity& u, const Position& moved) const noexcept {
+    if constexpr (Limits::around > 0) {
+      const T inner = T(0.25) * of_.margin_;
+      const auto& c = of_.clearances_;
+      const auto box = of_.until_rest(seen_.measured, q_ + moved, u);
+      T wide(0);
+      for (std::size_t i = 0; i < joints; ++i) wide = wide + box.half[i];
+      const T grows = of_.reach_ * wide * (T(2) + wide);
+      bool close = false;
+      for (std::size_t k = c.size(); k < count_; ++k)
+        close = close || (!(distance_[k] - inner > grows) && c.approach(k, near()) == T(0));
+      if (!close) return true;
+      using Volume = Surroundings<most_exposed_capsules, Base, T>;
+      const auto least = [&](const Volume& volume, std::size_t k) {
+        const std::size_t n = count_ - c.size(), per = n / volume.count, of = k - c.size();
+        return skinctl::distance(volume.obstacles[of / per].shape, near().obstacles[of % per].shape).distance;
+      };
+      Volume swept, standing;
+      c.sweep(box.middle, box.half, of_.reach_, swept);
+      for (std::size_t k = c.size(); k < count_; ++k) {
+        if (distance_[k] - inner > grows || c.approach(k, near()) > T(0) || least(swept, k) >= inner)
+          continue;
+        if (standing.count == 0) {
+          const auto here = of_.until_rest(seen_.measured, q_, Velocity());
+          c.sweep(here.middle, here.half, of_.reach_, standing);
+        }
+        if (least(standing, k) >= inner) return false;
+      }
+    }
+    return static_cast<void>(u), static_cast<void>(moved), true;
   }
   /// What pair `k` needs, `t` seconds after the robot set out: an obstacle comes closer by itself.
   [[nodiscard]] SKINCTL_INLINE T margin(std::size_t k, const T& t) const noexcept {
