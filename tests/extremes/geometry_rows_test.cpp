@@ -211,7 +211,8 @@ TEST_CASE("extremes: numbers of a gripper, of a link and of a table of joints") 
       {"density_defect", 0, shows, shows,
        [](double x) {
          const double found = density_defect(make_link({}, {1, {0, 0, 0}, x, x, x}));
-         return Results<double>(std::isfinite(x) && x < 0 && std::isinf(found) ? 0 : found);  // infinite for no body at all
+         return Results<double>(
+             std::isfinite(x) && x < 0 && std::isinf(found) ? 0 : found);  // infinite for no body at all
        }},
       {"seen_from", 1, shows, shows,
        [](double x) {
@@ -224,7 +225,8 @@ TEST_CASE("extremes: numbers of a gripper, of a link and of a table of joints") 
              placed_at(make_link({}, {1}), JointKind::revolute, turned<double>(), along(x)).numbers);
        }},
       {"row_end", 0, shows, shows, [](double x) { return Results<double>(row_end({0, x, x, {}}).p[0]); }},
-      {"Fixed", 0, safe, safe, [](double x) { return Results<double>(static_cast<double>(math::Fixed<20>(x))); }},
+      {"Fixed", 0, safe, safe,
+       [](double x) { return Results<double>(static_cast<double>(math::Fixed<20>(x))); }},
   };
   check_rows(rows);
 
