@@ -10,6 +10,7 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_limits.hpp"
+#include "skinctl/control/on_joints.hpp"
 #include "skinctl/control/posture.hpp"
 #include "skinctl/control/reactive_control.hpp"
 #include "skinctl/control/skin_cartesian_control.hpp"
@@ -17,8 +18,10 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/control/take_over.hpp"
+#include "skinctl/fusion/describe.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/fusion/null_space.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tracking/friction_learning.hpp"
 #include "tests/extremes/rows.hpp"
@@ -122,11 +125,14 @@ TEST_CASE_TEMPLATE("extremes: laws of joints", T, float, double) {
   attack<T>("FrictionControl",
             FrictionControl<6, T>(JointFriction<6, T>({{}, JointTorque<6, T>::constant(T(2)), {}})));
   attack<T>("SkinJointControl: StatelessLaw", SkinJointControl{});
-  attack<T>("Fused", T(0.5) * spline + SkinJointControl{} + GravityControl{});
+  const auto sum = T(0.5) * spline + SkinJointControl{} + GravityControl{};
+  attack<T>("Fused", sum);
+  CHECK_FALSE(describe(sum, {std::nan(""), HUGE_VAL, 1}).view().empty());
 }
 
 TEST_CASE("extremes: laws of a tool") {
   const SplineOperational<6, 5> spline(X_LT, OperationalSettings<6>{});
+  attack<double>("OnJoints", on_joints<0b111111>(spline));
   attack<double>("SplineOperational: OperationalSpace, PoseTargets", spline);
   attack<double>("ForceControl", ForceControl<6, 5>(X_LT));
   attack<double>("NullSpacePosture", NullSpacePosture<6, 5>(X_LT, at_home<double>().q));
@@ -136,5 +142,11 @@ TEST_CASE("extremes: laws of a tool") {
   const Clearance wall{.capsules = {{5, {{0.0, 0.0, 0.03}, {0.0, 0.0, 0.08}, 0.04}},
                                     {LinkCapsule::fixed, {{-1, 0, 0}, {1, 0, 0}, 0.1}}},
                        .pairs = {{0, 1}}};
+  const auto limits = limits_of<ur5::Description, double>(15.0);
+  for (const double wrong : {std::nan(""), HUGE_VAL, -1.0}) {
+    Clearance other = wall;
+    other.margin = wrong;
+    CHECK(refused([&] { static_cast<void>(part_for(Arm{}, limits, other)); }));  // ClearanceLimits
+  }
   attack<double>("ClearanceControl: Clearances", ClearanceControl<Arm>(Arm{}, wall, {}));
 }

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "skinctl/hardware/histogram.hpp"
+#include "skinctl/model/attached.hpp"
+#include "skinctl/model/mounted.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/servo.hpp"
@@ -14,14 +16,19 @@
 #include "skinctl/sensing/rest_level.hpp"
 #include "skinctl/sensing/unexplained_cells.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
+#include "skinctl/skills/skill.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/cell_mass.hpp"
 #include "skinctl/tactile/contact.hpp"
+#include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
+#include "skinctl/tactile/own_view.hpp"
 #include "skinctl/tactile/patch.hpp"
+#include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/region.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
+#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/tracking/damping.hpp"
 #include "skinctl/tracking/orientation_error.hpp"
 #include "skinctl/tracking/redundancy.hpp"
@@ -339,6 +346,54 @@ TEST_CASE("extremes: what is set up once, of cells and their noise") {
       for (std::size_t i = 0; i < 6; ++i) CHECK(std::isfinite(done.state.q[i]));
       if (!std::isfinite(x)) CHECK(done.status.any());
     }
+  // What a sample's check lets pass is counted within 16 bits; what it refuses is counted nowhere.
+  TwoInARow::Memory last{};
+  for (const float x : {0.0f, 1e-45f, 1.0f, 1.0000001f, -1e-45f, 1e38f, std::nanf(""), HUGE_VALF}) {
+    const CellSample s{.force = {x, x, x}, .proximity = x};
+    const bool good = x >= 0 && x <= 1;
+    CHECK(check(s).any() != good);
+    if (!good) continue;
+    CHECK((counts(s).force <= 3 * 16384 && TwoInARow::take(last, counts(s)).force <= counts(s).force));
+  }
+  struct Felt {
+    std::uint32_t regions = 1;
+    double pushed = 0;
+    Nanoseconds began{};
+  };
+  for (const double force : {0.0, std::nan(""), HUGE_VAL}) {
+    const TouchCondition condition{.force = force};
+    const Felt felt[] = {{.pushed = std::nan("")}};
+    CHECK_FALSE(condition.holds(felt, 1s));
+  }
+  PressedAreas<ur5::Model, 0b100000, float> areas;
+  const float unit[6] = {0, 0, 1, 0, 0, 0};
+  for (const float push : {1e-45f, 1.0f, 1e38f, HUGE_VALF, std::nanf("")})
+    for (int k = 0; k < 10; ++k) areas.add(5, {0.1f * static_cast<float>(k), push, 0}, unit, push);
+  CHECK((areas.size() >= 1 && areas.size() <= 4));
+
+  // A NaN in a frame shows in the wrench of its own link.
+  const Patch<5, 2> two({PlacedCell<5>{}, PlacedCell<5>{1, {}}}, {1, 0});
+  const DenseSkin<ur5::Model, DoubleSum, Patch<5, 2>> skin(two);  // UnitWrenches of its cells
+  typename decltype(skin)::Frame frame;
+  CHECK(std::isfinite(skin.wrenches(frame).wrench<5>().force.z));
+  frame.at<0>(1) = std::nan("");
+  CHECK(std::isnan(skin.wrenches(frame).wrench<5>().force.z));
+  CHECK(PlacedCells<5>(two.any()).size() == 2);
+
+  for (const double wrong : {std::nan(""), HUGE_VAL}) {
+    CHECK(refused([&] { static_cast<void>(ur5::skin_patches<6>({wrong, 0})); }));
+    CHECK(refused([&] { (Mounted<ur5::Model>(ur5::Model{}, {}, wrong)); }));
+    CHECK(refused([&] {
+      static_cast<void>(attach<-1>(BareBase{}, ur5::Model{}, Stand{{}, {0, wrong, 0}}));
+    }));  // Attached
+    const CellPlace cell{.link = 5, .normal = {0, 0, 1}};
+    for (double CellView::* member :
+         {&CellView::range, &CellView::half_angle, &CellView::error, &CellView::band}) {
+      CellView view;
+      view.*member = wrong;
+      CHECK(refused([&] { (OwnView<ur5::Model>(ur5::Model{}, std::span(&cell, 1), {}, view)); }));
+    }
+  }
   for (const double wrong : {std::nan(""), -1.0, 1e9}) {
     CHECK(refused([&] { Regions(std::vector<Region>{{"palm", {0}, wrong}}); }));
     CHECK(refused(
