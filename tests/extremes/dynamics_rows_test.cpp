@@ -13,10 +13,12 @@
 #include "skinctl/kinematics/damped_inverse.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/kinematics/zyz.hpp"
+#include "skinctl/model/allegro.hpp"
 #include "skinctl/model/batch.hpp"
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
+#include "skinctl/tactile/cell_mass.hpp"
 #include "skinctl/tactile/touch_motion.hpp"
 #include "tests/extremes/rows.hpp"
 
@@ -181,6 +183,17 @@ TEST_CASE_TEMPLATE("extremes: an arm's dynamics", T, float, double) {
          const auto g = regressor_transposed_product(Arm{}, home<T>(), Velocity<T>(), Velocity<T>(),
                                                      Acceleration6<T>(), Velocity<T>::constant(x));
          return Results<T>(g.data);
+       }},
+      {"LinkMobility of a link far away", 0, safe, safe,
+       [](T x) {
+         return Results<T>(LinkMobility<T>(mobility_at_home<T>(),
+                                           Transform<Base, Link<5>, T>::translation_xyz(x, x, x))(2, 2));
+       }},
+      {"to_lanes, from_lanes", 0, shows, shows,
+       [](T x) {
+         auto v = JointVelocity<16, T>::constant(x);
+         allegro::from_lanes(allegro::to_lanes<2>(v), v);
+         return Results<T>(v);
        }},
       {"operational_mobility, OperationalMobility", 2, shows, shows,
        [](T x) {

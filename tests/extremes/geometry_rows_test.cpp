@@ -225,6 +225,16 @@ TEST_CASE("extremes: numbers of a gripper, of a link and of a table of joints") 
              placed_at(make_link({}, {1}), JointKind::revolute, turned<double>(), along(x)).numbers);
        }},
       {"row_end", 0, shows, shows, [](double x) { return Results<double>(row_end({0, x, x, {}}).p[0]); }},
+      {"moved_out, links_from_standard_dh", 1, shows, shows,
+       [](double x) {
+         const auto in = moved_out({.p = {x, 0, 0}}, {1, {x, 0, 0}, 1, 1, 1});
+         return Results<double>(in.c[0],
+                                links_from_standard_dh<1>({DhRow{x, x, 0, {}}}, {LinkInertia{}})[0].numbers);
+       }},
+      {"links_from_modified_dh", 0, shows, shows,
+       [](double x) {
+         return Results<double>(links_from_modified_dh<1>({DhRow{x, x, 0, {}}}, {LinkInertia{}})[0].numbers);
+       }},
       {"Fixed", 0, safe, safe,
        [](double x) { return Results<double>(static_cast<double>(math::Fixed<20>(x))); }},
   };
@@ -250,6 +260,8 @@ TEST_CASE("extremes: numbers of a gripper, of a link and of a table of joints") 
     std::array<PlacedLink, 1> placed{};
     placed[0].R.x.x = wrong;
     CHECK(refused([&] { static_cast<void>(canonical_links<Chain<1>>(placed)); }));
+    CHECK(refused([&] { check_link(make_link({.p = {wrong, 0, 0}}, {1})); }));
+    CHECK(refused([&] { check_link(make_link({}, {wrong, {0, 0, 0}, 1, 1, 1})); }));
     using X = Transform<A, B, double>;
     CHECK(refused([&] { static_cast<void>(X::nearest({{wrong, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0})); }));
     CHECK(refused([&] { static_cast<void>(X::nearest({}, {wrong, 0, 0})); }));

@@ -6,7 +6,9 @@
 #include <memory>
 #include <random>
 
+#include "skinctl/cycle/cycle_bytes.hpp"
 #include "skinctl/cycle/each_number.hpp"
+#include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
@@ -85,6 +87,7 @@ void attack(const Scene& scene, const JointLimits<6, T>& limits, int cycles, uns
       hostile(input->request);
     }
     input->samples = samples;
+    CHECK(CycleBytes<Scene>::most(*input) >= CycleBytes<Scene>::fixed_size);
     const auto out = scene.step(*memory, *input);
     if (out.command.valid) {
       ++valid;
@@ -108,11 +111,21 @@ void attack(const Scene& scene, const JointLimits<6, T>& limits, int cycles, uns
 
 }  // namespace
 
+TEST_CASE("extremes: without a skin every sample is of an unknown cell, whatever it says") {
+  NoSkin none;
+  auto memory = none.start(Nanoseconds::max());
+  const CellSample sample{.time = Nanoseconds::min(), .force = {std::nanf(""), 0, 0}};
+  CHECK(none.receive(memory, std::span(&sample, 1), Nanoseconds::min(), Nanoseconds::max(), 1, nullptr) ==
+        Status(Reason::sample_unknown));
+}
+
 TEST_CASE_TEMPLATE("extremes: cycles of an arm led by hand, with any bits in their input", T, float, double) {
   attack(kinesthetic_scene<Interface::position, 260, T>(), ur5_test_limits<T>(), sanitized ? 200 : 3000, 1);
 }
 
-TEST_CASE("extremes: cycles with goals and every limit, with any bits in their input") {
+TEST_CASE(
+    "extremes: Resolver, Resolved, Governor and its limits in cycles with goals, with any bits in their "
+    "input") {
   const auto limits = ur5_test_limits<double>();
   const LinkContact<2> contact{
       .region = {.force = 100, .blow = 150, .first = 100ms, .stiffness = 3e4, .mass = 4, .power = 50},

@@ -18,6 +18,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/control/take_over.hpp"
+#include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/describe.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/fusion/null_space.hpp"
@@ -127,6 +128,8 @@ TEST_CASE_TEMPLATE("extremes: laws of joints", T, float, double) {
   attack<T>("SkinJointControl: StatelessLaw", SkinJointControl{});
   const auto sum = T(0.5) * spline + SkinJointControl{} + GravityControl{};
   attack<T>("Fused", sum);
+  for (const double wrong : {std::nan(""), HUGE_VAL, -1.0})
+    CHECK_THROWS_AS(static_cast<void>(blended(sum, {.contact = {.on = wrong}})), ConfigurationError);
   CHECK_FALSE(describe(sum, {std::nan(""), HUGE_VAL, 1}).view().empty());
 }
 
@@ -137,8 +140,7 @@ TEST_CASE("extremes: laws of a tool") {
   attack<double>("ForceControl", ForceControl<6, 5>(X_LT));
   attack<double>("NullSpacePosture", NullSpacePosture<6, 5>(X_LT, at_home<double>().q));
   attack<double>("SkinCartesianControl: touch_on_tool, chosen", SkinCartesianControl<5>(X_LT));
-  attack<double>("NullSpace",
-                 NullSpace<5, SplineOperational<6, 5>, JointImpedance<6>>(spline, JointImpedance<6>()));
+  attack<double>("NullSpace", task_priority<5>(spline, JointImpedance<6>()));
   const Clearance wall{.capsules = {{5, {{0.0, 0.0, 0.03}, {0.0, 0.0, 0.08}, 0.04}},
                                     {LinkCapsule::fixed, {{-1, 0, 0}, {1, 0, 0}, 0.1}}},
                        .pairs = {{0, 1}}};

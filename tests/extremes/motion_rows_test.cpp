@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "skinctl/core/measurement.hpp"
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/model/attached.hpp"
 #include "skinctl/model/mounted.hpp"
@@ -23,12 +24,14 @@
 #include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
+#include "skinctl/tactile/lone_cell.hpp"
 #include "skinctl/tactile/own_view.hpp"
 #include "skinctl/tactile/patch.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/region.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/tactile/weighted_skin.hpp"
 #include "skinctl/tracking/damping.hpp"
 #include "skinctl/tracking/orientation_error.hpp"
 #include "skinctl/tracking/redundancy.hpp"
@@ -222,6 +225,18 @@ TEST_CASE_TEMPLATE("extremes: cells, contacts and their evidence", T, float, dou
        [](T x) { return Results<T>(temperature_evidence(x, x, T(1)), temperature_evidence(T(1), x, x)); }},
       {"median_evidence", 0, safe, safe,
        [](T x) { return Results<T>(median_evidence(x, T(5)), median_evidence(T(5), x)); }},
+      {"torque_evidence", 0, safe, safe,
+       [](T x) {
+         return Results<T>(torque_evidence(x, T(5)), torque_evidence(T(5), x), torque_evidence(x, x));
+       }},
+      {"take_measurement", 0, safe, safe,
+       [](T x) {
+         State<6, T> good{}, other{};
+         other.q[2] = x;
+         const Status status = take_measurement(good, other, 8ms);
+         CHECK((status.any() || good.q[2] == x));
+         return Results<T>(good.q);
+       }},
       {"corrected", 0, safe, shows, [](T x) { return Results<T>(corrected(x < 0 ? -x : x, RestCell<T>{})); }},
       {"reference_moves", 0, safe, safe,
        [](T x) {
@@ -379,12 +394,26 @@ TEST_CASE("extremes: what is set up once, of cells and their noise") {
   frame.at<0>(1) = std::nan("");
   CHECK(std::isnan(skin.wrenches(frame).wrench<5>().force.z));
   CHECK(PlacedCells<5>(two.any()).size() == 2);
+  double readings[UnitWrenches<DoubleSum>::padded(2)] = {HUGE_VAL}, sum[6];
+  UnitWrenches<DoubleSum>(two).weigh(readings, sum);
+  CHECK_FALSE(std::isfinite(sum[2]));
+  CHECK(std::isnan(PatchWeights<2>::filled(std::nanf(""))[1]));  // an input's, which the skin refuses
+
+  for (const double wrong : {std::nan(""), HUGE_VAL, 0.0, -1.0}) {
+    CHECK(refused([&] { static_cast<void>(full_cover(CylinderSurface{wrong, 0.3})); }));
+    CHECK(refused([&] { static_cast<void>(full_cover(CapsuleSurface{wrong, 0.3})); }));
+    CHECK(refused([&] { static_cast<void>(full_cover(CapsuleSurface{0.05, 0.3}, {wrong})); }));
+    CHECK(refused([&] { static_cast<void>(largest_cell(BoxSurface{0.1, wrong, 0.1}, 6)); }));
+    CHECK(refused([&] { static_cast<void>(lone_forces(ur5::Model{}, JointTorque<6>{}, {}, wrong)); }));
+    CHECK(refused([&] { NoiseCalibration({}, {.step = wrong}); }));
+  }
 
   for (const double wrong : {std::nan(""), HUGE_VAL}) {
     CHECK(refused([&] { static_cast<void>(ur5::skin_patches<6>({wrong, 0})); }));
     CHECK(refused([&] { (Mounted<ur5::Model>(ur5::Model{}, {}, wrong)); }));
     CHECK(refused([&] {
-      static_cast<void>(attach<-1>(BareBase{}, ur5::Model{}, Stand{{}, {0, wrong, 0}}));
+      static_cast<void>(
+          Attached<BareBase, -1, ur5::Model>(attach<-1>(BareBase{}, ur5::Model{}, Stand{{}, {0, wrong, 0}})));
     }));  // Attached
     const CellPlace cell{.link = 5, .normal = {0, 0, 1}};
     for (double CellView::* member :

@@ -10,6 +10,7 @@
 #include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/model/attached.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/model/ur5_allegro.hpp"
 #include "skinctl/passivity/contact_stability.hpp"
 #include "skinctl/resolver/following_monitor.hpp"
 #include "skinctl/robot/joint_groups.hpp"
@@ -76,8 +77,6 @@ TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float
   check_refusals(
       "robot_by", c, [](const C& x) { static_cast<void>(robot_by<Interface::position, T>(Arm{}, x)); },
       &C::period);
-  check_refusals("FollowingMonitor", Nanoseconds(30s),
-                 [&](Nanoseconds forgets) { static_cast<void>(FollowingMonitor<6, T>(c, forgets)); });
   for (const Nanoseconds wrong : {Nanoseconds::min(), Nanoseconds(0), Nanoseconds::max()})
     CHECK(refused([&] { static_cast<void>(FollowingMonitor<6, T>(c, wrong)); }));
   for (const T wrong : not_numbers<T>) {
@@ -195,7 +194,9 @@ TEST_CASE("extremes: settings of what feels, learns and grasps") {
     CHECK(refused([&] { LargeSkinTouch<Arm>{wrong}; }));
 }
 
-TEST_CASE("extremes: groups of joints hold any bits, and refuse numbers as the whole robot does") {
+TEST_CASE(
+    "extremes: GroupsDescription: groups of joints hold any bits, and refuse numbers as the whole robot "
+    "does") {
   using Half = RobotConfiguration<3>;
   const JointLimits<3> some({JointPosition<3>::constant(-3), JointPosition<3>::constant(3),
                              JointVelocity<3>::constant(3), JointAcceleration<3>::constant(15),
@@ -216,6 +217,9 @@ TEST_CASE("extremes: groups of joints hold any bits, and refuse numbers as the w
     both.stiff.max_lead = wrong;
     CHECK(refused([&] { static_cast<void>(by_position_and_torque<0b111000>(Arm{}, both)); }));
     CHECK(refused([&] { static_cast<void>(by_velocity_and_torque<0b111000>(Arm{}, both)); }));
+    const Stand away{{}, {0, wrong, 0}};
+    CHECK(refused([&] { static_cast<void>(ur5_allegro::arm_with_hand(allegro::Side::right, away)); }));
+    CHECK(refused([&] { static_cast<void>(ur5_allegro::two_arms_with_hands(away, {})); }));
     State<6> state{0ns, JointPosition<6>::constant(wrong), JointVelocity<6>::constant(wrong)};
     JointCommand<6> whole{};
     whole.position = state.q;
