@@ -231,8 +231,8 @@ class Mover {
   }
   [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, A::base(arm_)); }
   [[nodiscard]] bool reached() const { return reached_; }
-  /// Whether it needs room that the other one has: at once where it gives way.
-  [[nodiscard]] bool waits() const { return way_.should_go() || (gave_way_ && kept_); }
+  /// Whether it needs room that the other one has: at once where it gives way and comes near the other one.
+  [[nodiscard]] bool waits() const { return way_.should_go() || (gave_way_ && (kept_ || room_ < 0.25)); }
   [[nodiscard]] bool gives_way() const { return gave_way_; }
   [[nodiscard]] int asides() const { return way_.times(); }
   [[nodiscard]] bool kept() const { return kept_; }
@@ -257,6 +257,11 @@ class Mover {
               !nearer);
     if (seen_ > 0) seen_at_ = measured.time;
     const bool gives_way = sees_ && measured.time - seen_at_ < 300ms;
+    room_ = range + 1;
+    if (gives_way)
+      for (const Capsule<>& mine : own)
+        for (std::size_t k = 0; k < own.size(); ++k)
+          room_ = std::min(room_, distance(mine, around[k]).distance);
     if (gives_way) {
       if (!gave_way_) {
         if (!returns_) before_ = measured.q;
@@ -356,6 +361,7 @@ class Mover {
   RightOfWay way_;
   bool reached_ = true, kept_ = false, back_ = false, gave_way_ = false, sees_ = true, displaced_ = false;
   Nanoseconds seen_at_{-1s}, kept_at_{-1s};
+  double room_ = 0;     // between the arms, while it gives way [m]
   double nearest_ = 0;  // to the goal, since it was asked for [m]
   int gave_ = 0, tries_ = 0;
   bool returns_ = false;
