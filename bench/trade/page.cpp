@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "bench/trade/csv.hpp"
 #include "bench/trade/page_text.hpp"
 
 namespace trade {
@@ -34,22 +35,6 @@ std::string number(double x, const char* format = "%.5g") {
   char text[40];
   std::snprintf(text, sizeof text, format, x);
   return text;
-}
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> out(1);
-  bool inside = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && inside && i + 1 < line.size() && line[i + 1] == '"')
-      out.back() += line[++i];
-    else if (c == '"')
-      inside = !inside;
-    else if (c == ',' && !inside)
-      out.emplace_back();
-    else
-      out.back() += c;
-  }
-  return out;
 }
 std::vector<std::string> scenes_of(const std::vector<Row>& rows) {
   std::vector<std::string> out;
@@ -156,27 +141,14 @@ void write_csv(const std::vector<Row>& rows, const std::string& file) {
   if (!out) throw std::runtime_error("cannot write " + file);
 }
 std::vector<Row> read_csv(const std::string& file) {
-  std::ifstream in(file);
-  std::string line;
-  if (!std::getline(in, line) || line != columns)
-    throw std::runtime_error(file + ":1: not a file of skinctl_trade");
   std::vector<Row> rows;
-  for (std::size_t at = 2; std::getline(in, line); ++at) {
-    const auto words = split(line);
-    if (words.size() != 17)
-      throw std::runtime_error(file + ":" + std::to_string(at) + ": 17 columns expected");
+  read_table(file, columns, "skinctl_trade", [&](const auto& words, const std::string& place) {
     Row r{.scene = words[0], .policy = words[1], .value = words[2], .preset = words[3]};
     std::size_t k = 4;
-    for (double* x : numbers(r)) {
-      char* end = nullptr;
-      if (!words[k].empty()) *x = std::strtod(words[k].c_str(), &end);
-      if (end != nullptr && *end != 0)
-        throw std::runtime_error(file + ":" + std::to_string(at) + ": no number: " + words[k]);
-      ++k;
-    }
+    for (double* x : numbers(r)) *x = number_in(words[k++], *x, place);
     r.verdict = words[14], r.evidence = words[15], r.command = words[16];
     rows.push_back(r);
-  }
+  });
   return rows;
 }
 

@@ -65,6 +65,29 @@ TEST_CASE("Groups: the tool's speed and the joints' jerk are limited, whoever mo
   }
 }
 
+TEST_CASE(
+    "Groups: GroupResolver, GroupGovernor and GroupGuard send no command of a state that is no number") {
+  Run run{Cycle(robot(), Pull{{0, 0, 0.1}, {}, {}})};
+  const double wrong[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, 5e-324};
+  for (int k = 0; k < 400; ++k) {
+    run.cycle();
+    decltype(run.scene)::Input input;
+    input.now = run.measured.time;
+    input.measured = run.measured;
+    (k % 2 == 0 ? input.measured.q[static_cast<std::size_t>(k) % 3]
+                : input.measured.dq[static_cast<std::size_t>(k) % 3]) = wrong[k % 5];
+    input.measured.time = k % 7 == 0   ? Nanoseconds::max()
+                          : k % 7 == 1 ? Nanoseconds::min()
+                                       : run.measured.time;
+    const auto out = run.scene.step(run.memory, input);
+    for (std::size_t i = 0; i < 3; ++i) {
+      CHECK(std::isfinite(out.command.position[i]));
+      if (i < 2) CHECK(std::abs(out.command.velocity[i]) <= 3.0001);  // the finger's is its own
+      CHECK(std::abs(out.command.torque[i]) <= 150.0001);
+    }
+  }
+}
+
 TEST_CASE("Groups: a contact on the finger above its limit stops arm and finger, until consent") {
   const std::vector<PlacedCell<2>> cells{{1, {{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}, {0.05, 0, 0}}}};
   const Skin<Model3, double, Patch<2, 1>> skin{Patch<2, 1>(cells, {.force = 100})};

@@ -123,7 +123,7 @@ TEST_CASE("MotorTouch: beside a skin a push counts once, and one off the skin is
   same(run(30, -1.0 * felt), JointTorque<6>{});  // two opposite pushes
 }
 
-TEST_CASE("MotorTouch: a state that is missing lets go, one that is not finite is refused") {
+TEST_CASE("MotorTouch, TouchSources: a state that is missing lets go, one that is not finite is refused") {
   const auto motors = open_motors();
   auto memory = motors.start(0ns);
   const auto G = gravity_torque(model, home);
@@ -142,6 +142,15 @@ TEST_CASE("MotorTouch: a state that is missing lets go, one that is not finite i
   CHECK(motors.receive(memory, {}, wrong, State<6>{202ms, home, {}}, 200ms, 202ms, 2, mean) ==
         Status(Reason::sample_not_finite));
   CHECK(mean[1].torque[1] == doctest::Approx(5).epsilon(1e-3));
+  // Beside a skin too: TouchSources hands on the reason, and the skin's part is finite.
+  const auto both = forearm_skin() + motors;
+  auto beside = both.start(0ns);
+  std::remove_cvref_t<decltype(both)>::Wrenches sums[1];
+  for (int k = 1; k <= 3; ++k)
+    CHECK(both.receive(beside, {}, k < 3 ? input : wrong, State<6>{4ms * k, home, {}}, 4ms * (k - 1), 4ms * k,
+                       1, sums)
+              .has(Reason::sample_not_finite) == (k == 3));
+  for (const double tau : skin_torque(model, home, total_of(sums[0]))) CHECK(std::isfinite(tau));
   // The same state again and again: held for 50 ms, gone after 100 ms.
   const State<6> old{200ms, home, {}};
   CHECK_FALSE(motors.receive(memory, {}, input, old, 202ms, 248ms, 2, mean).any());

@@ -158,6 +158,8 @@ TEST_CASE(
   strong.newtons = 0.5 * newtons_per_unit;
   CHECK(strong.damping(robot(), skin()) == doctest::Approx(2 * needed).epsilon(0.15));
   CHECK(refusal(robot(StiffestContact{})).find("stiffness = 0") != std::string::npos);
+  CHECK(refusal(robot(StiffestContact{.stiffness = std::nan("")})).find("stiffness = ") != std::string::npos);
+  CHECK(refusal(robot(StiffestContact{.stiffness = HUGE_VAL})).find("stiffness = ") != std::string::npos);
   CHECK(refusal(robot(StiffestContact{.stiffness = 1, .margin_of_two = 0.5})).find("margin of two") !=
         std::string::npos);
   CHECK(refusal(robot(StiffestContact{.stiffness = 1, .poses = 0})).find("poses") != std::string::npos);

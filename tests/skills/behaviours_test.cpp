@@ -57,6 +57,8 @@ TEST_CASE("Library: own behaviours join it, with weights, conditions and followe
                                      .then<behaviour::KinestheticJoint>())));
   const auto& wave = mine[hana::type_c<Wave>];
   CHECK(std::string(Wave::name) == "wave");
+  // A SkillRecipe carries any weight: the set that is made of it refuses one that is no number.
+  CHECK(std::isnan(recipe(load<controller::Gravity>(std::nan(""))).weights[0]));
   CHECK(wave.weights == std::array<double, 2>{1.0, 0.5});
   CHECK(wave.conditions.timeout == 2s);
   CHECK(wave.switches == opened(1));

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <type_traits>
 #include <vector>
 
@@ -38,4 +39,6 @@ TEST_CASE("SkillRequest: all its numbers are walked, so that a recording holds a
   CHECK(copy.goals.of<JointReference<6>>().goal.dq_d[5] == 0.5);
   CHECK(copy.goals.any());
   CHECK_FALSE(Asked{}.goals.any());
+  // A number that is none is carried: whoever takes the request refuses it.
+  CHECK(std::isnan(request.within({.position = std::nan("")}).tolerance.position));
 }

@@ -172,6 +172,8 @@ TEST_CASE("OwnViewSkin: an arm that sees its own table does not flee from it, an
   const double flees = moved(felt, 0.5f), stays = moved(skin, 0.5f), hand = moved(skin, 0.8f);
   MESSAGE("moved by " << flees << " rad from its own table, " << stays << " knowing it, " << hand
                       << " from a hand in front of it");
+  for (const float wrong : {std::nanf(""), HUGE_VALF, -1.0f})
+    CHECK((moved(felt, wrong) < 1e-12 && moved(skin, wrong) < 1e-12));
   CHECK(flees > 1e-3);
   CHECK(stays < 1e-12);
   CHECK(hand > 1e-3);

@@ -1,13 +1,14 @@
 // What is proven of each robot and quantity, as a file: written by `bounds --csv`, read by the trade page and by tests.
 #pragma once
 
+#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "bench/trade/csv.hpp"
 
 namespace skinctl::bounds {
 
@@ -24,21 +25,15 @@ inline constexpr const char* bracket_columns =
 
 /// Throws `std::runtime_error` where it is no such file.
 [[nodiscard]] inline std::vector<Bracket> read_brackets(const std::string& file) {
-  std::ifstream in(file);
-  std::string line;
-  if (!std::getline(in, line) || line != bracket_columns)
-    throw std::runtime_error(file + ":1: not a file of bounds");
   std::vector<Bracket> out;
-  for (std::size_t at = 2; std::getline(in, line); ++at) {
-    std::stringstream words(line);
-    Bracket b;
-    std::getline(words, b.robot, ','), std::getline(words, b.quantity, ','), std::getline(words, b.unit, ',');
-    char comma = 0;
-    words >> b.velocity >> comma >> b.acceleration >> comma >> b.float_found >> comma >> b.float_proven >>
-        comma >> b.double_found >> comma >> b.double_proven >> comma >> b.seconds;
-    if (!words) throw std::runtime_error(file + ":" + std::to_string(at) + ": ten columns expected");
+  trade::read_table(file, bracket_columns, "bounds", [&](const auto& words, const std::string& place) {
+    Bracket b{.robot = words[0], .quantity = words[1], .unit = words[2]};
+    std::size_t k = 3;
+    for (double* x : {&b.velocity, &b.acceleration, &b.float_found, &b.float_proven, &b.double_found,
+                      &b.double_proven, &b.seconds})
+      *x = trade::number_in(words[k++], HUGE_VAL, place);
     out.push_back(b);
-  }
+  });
   return out;
 }
 /// In place of those of the same robot, if the file is there.

@@ -73,7 +73,9 @@ class JointFriction {
     require(x >= T(0) && x <= (std::numeric_limits<T>::max)(), name, static_cast<double>(x), ">= 0");
   }
   static void positive(const T& x, const char* name) {
-    require(x > T(0) && x <= (std::numeric_limits<T>::max)(), name, static_cast<double>(x), "> 0");
+    const T most = (std::numeric_limits<T>::max)();
+    require(x > T(0) && x <= most && T(1) / x <= most, name, static_cast<double>(x),
+            "> 0, with a finite inverse");
   }
 
   Settings s_;

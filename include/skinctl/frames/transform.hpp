@@ -81,26 +81,26 @@ class Transform {
                                                                           const T& z) noexcept {
     return {Rotation<T>{}, {x, y, z}};
   }
-  /// B is A rotated by `angle` [rad] about their common x axis.
+  /// B is A rotated by `angle` [rad] about their common x axis; NaN for an angle that is not finite.
   [[nodiscard]] static Transform rotation_x(const T& angle) noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
-    return {{{l, o, o}, {o, c, s}, {o, -s, c}}, {o, o, o}};
+    return trusted({{l, o, o}, {o, c, s}, {o, -s, c}}, {o, o, o});
   }
   /// B is A rotated by `angle` [rad] about their common y axis.
   [[nodiscard]] static Transform rotation_y(const T& angle) noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
-    return {{{c, o, -s}, {o, l, o}, {s, o, c}}, {o, o, o}};
+    return trusted({{c, o, -s}, {o, l, o}, {s, o, c}}, {o, o, o});
   }
   /// B is A rotated by `angle` [rad] about their common z axis.
   [[nodiscard]] static Transform rotation_z(const T& angle) noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
-    return {{{c, s, o}, {-s, c, o}, {o, o, l}}, {o, o, o}};
+    return trusted({{c, s, o}, {-s, c, o}, {o, o, l}}, {o, o, o});
   }
 
   /// B translated by (x, y, z) [m] along its own axes.

@@ -21,12 +21,12 @@ class ContactDetector {
     Nanoseconds quiet{};  ///< how long it has been below `off`
     bool touched = false;
   };
-  /// Throws `ConfigurationError` unless `on >= off > 0` and `release_after >= 0`.
+  /// Throws `ConfigurationError` unless `on >= off >= 1e-9` (its square is compared) and `0 <= release_after <= 1 h`.
   explicit ContactDetector(const ContactSettings& settings = {}) : settings_(settings) {
-    require(settings.off > 0 && settings.off <= 1e9, "contact: off", settings.off, "> 0 N m");
+    require(settings.off >= 1e-9 && settings.off <= 1e9, "contact: off", settings.off, ">= 1e-9 N m");
     require(settings.on >= settings.off && settings.on <= 1e9, "contact: on", settings.on, ">= off, in N m");
-    require(settings.release_after >= 0ns, "contact: release_after", seconds<double>(settings.release_after),
-            ">= 0 s");
+    require(settings.release_after >= 0ns && settings.release_after <= 1h, "contact: release_after",
+            seconds<double>(settings.release_after), "0 to 3600 s");
   }
   [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
 

@@ -44,12 +44,12 @@ class OppositionDetector {
     Opposition opposition;
   };
 
-  /// Throws `ConfigurationError` unless `on >= off > 0` and `release_after >= 0`.
+  /// Throws `ConfigurationError` unless `on >= off >= 1e-9` and `0 <= release_after <= 1 h`.
   explicit OppositionDetector(const OppositionSettings& settings = {}) : settings_(settings) {
-    require(settings.off > 0 && settings.off <= 1e9, "opposition: off", settings.off, "> 0");
+    require(settings.off >= 1e-9 && settings.off <= 1e9, "opposition: off", settings.off, ">= 1e-9");
     require(settings.on >= settings.off && settings.on <= 1e9, "opposition: on", settings.on, ">= off");
-    require(settings.release_after >= 0ns, "opposition: release_after",
-            seconds<double>(settings.release_after), ">= 0 s");
+    require(settings.release_after >= 0ns && settings.release_after <= 1h, "opposition: release_after",
+            seconds<double>(settings.release_after), "0 to 3600 s");
   }
   [[nodiscard]] const OppositionSettings& settings() const noexcept { return settings_; }
 

@@ -56,9 +56,10 @@ class Attached : public AttachedTree<A, At, B> {
   using scalar = T;
 
   /// @param stand  pose of the base of `B` in link `At`. Throws `ConfigurationError` for axes that are no
-  ///               rotation (error above 1e-6).
+  ///               rotation (error above 1e-6), and an origin beyond 1e6 m.
   Attached(const A& a, const B& b, const Stand& stand = {}) : a_(a), b_(b) {
     require(rotation_error(stand.R) <= 1e-6, "|R'R - 1| of a stand", rotation_error(stand.R), "<= 1e-6");
+    for (const double x : stand.p) require(x >= -1e6 && x <= 1e6, "origin of a stand", x, "within 1e6 m");
     [&]<std::size_t... K>(std::index_sequence<K...>) {
       (place<children<B, -1>[K]>(roots_[K], stand), ...);
     }(std::make_index_sequence<roots>{});

@@ -20,7 +20,7 @@ class Mounted : public M {
  public:
   using scalar = T;
 
-  /// Throws `ConfigurationError` for axes that are no rotation (error above 1e-6).
+  /// Throws `ConfigurationError` for axes that are no rotation (error above 1e-6), and a g beyond 1000 m/s^2.
   explicit Mounted(const M& model, const Rotation<double>& R_WB, double g = 9.81) : M(model) {
     mount(R_WB, g);
   }
@@ -28,6 +28,7 @@ class Mounted : public M {
   /// nothing.
   void mount(const Rotation<double>& R_WB, double g = 9.81) {
     require(rotation_error(R_WB) <= 1e-6, "|R'R - 1| of a base's mounting", rotation_error(R_WB), "<= 1e-6");
+    require(g >= -1000 && g <= 1000, "acceleration of free fall", g, "-1000 to 1000 m/s^2");
     const auto down = gravity_in_base(R_WB, g);
     gravity_ = {T(down.x), T(down.y), T(down.z)};
   }

@@ -101,9 +101,10 @@ struct RobotConfiguration {
 /// Maximum number of sub-steps of one interval.
 inline constexpr unsigned max_substeps = 16;
 
-/// The length of a sub-step in a cycle on time.
+/// The length of a sub-step in a cycle on time; all of the period where `substep` is not positive.
 [[nodiscard]] constexpr Nanoseconds planned_substep(Nanoseconds period, Nanoseconds substep) noexcept {
-  const auto steps = (period + substep - 1ns) / substep;
+  if (substep <= 0ns || substep >= period) return period;
+  const auto steps = (period - 1ns) / substep + 1;
   return period / (steps < max_substeps ? steps : std::int64_t(max_substeps));
 }
 

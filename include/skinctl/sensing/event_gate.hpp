@@ -52,6 +52,7 @@ class EventGate {
 
   /// The same gate for integer readings in steps of `unit`; thresholds are rounded to the nearest step.
   [[nodiscard]] EventGate<std::int32_t> counted(double unit) const {
+    require(unit > 0, "EventGate: unit", unit, "> 0");
     const auto steps = [unit](T x) {
       const double n = std::round(double(x) / unit);
       require(n < 2147483647.0, "EventGate: threshold", double(x), "less than 2^31 steps");

@@ -34,7 +34,7 @@ class Hampel {
   /// Throws `ConfigurationError` unless `sigma` > 0 and `times` in [1, 100].
   /// @param sigma  standard deviation of the noise, see `cell_noise`.
   explicit Hampel(const T& sigma, const T& times = T(3)) : least_(times * sigma), times_(times * T(1.4826)) {
-    require(sigma > T(0) && sigma - sigma == T(0), "Hampel: sigma", static_cast<double>(sigma), "> 0");
+    require(sigma > T(0) && sigma <= T(1e9), "Hampel: sigma", static_cast<double>(sigma), "> 0, <= 1e9");
     require(times >= T(1) && times <= T(100), "Hampel: times", static_cast<double>(times), "1 to 100");
   }
 

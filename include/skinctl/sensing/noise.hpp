@@ -17,7 +17,7 @@ SKINCTL_BEGIN_NAMESPACE
 enum class NoiseFinding : unsigned char {
   good,    ///< it was
   silent,  ///< no sample, or only one
-  near,    ///< something was near: proximity above `NoiseSettings::near`
+  near,    ///< something was near: proximity above `NoiseSettings::near`, or NaN
   offset,  ///< pressed all the time: the mean is above the file's threshold
   drift    ///< the mean of the second half differs from that of the first
 };
@@ -59,7 +59,7 @@ struct NoiseReading {
 ///     margin = max(6 sigma, 1.5 (max - median), 2 steps),    sigma^2 = variance + step^2 / 12
 ///
 /// A reading counts for the time until the next one, so a cell that sends only changes has the same noise as one
-/// that sends all. Where something else than noise is found, or a value is not finite, `file` stays, and the
+/// that sends all. Where something else than noise is found, or a value or its square is not finite, `file` stays, and the
 /// finding says why. The means of both halves differ by drift if by more than 6 of their standard errors, which
 /// successive differences give, and by a step.
 ///
@@ -83,7 +83,7 @@ inline CellNoise cell_noise(std::span<NoiseReading> readings, const CellNoise& f
   for (std::size_t i = 0; i < n; ++i) {
     NoiseReading& r = readings[i];
     if (!(r.value - r.value == 0)) return kept(NoiseFinding::silent);
-    if (r.proximity > s.near) return kept(NoiseFinding::near);
+    if (!(r.proximity <= s.near)) return kept(NoiseFinding::near);
     // The last one counts as long as the one before it.
     r.proximity = seconds<double>(i + 1 < n ? readings[i + 1].time - r.time : r.time - readings[i - 1].time);
     if (!(r.proximity > 0)) return kept(NoiseFinding::silent);
@@ -96,6 +96,7 @@ inline CellNoise cell_noise(std::span<NoiseReading> readings, const CellNoise& f
   const double all = weight[0] + weight[1], mean = (sum[0] + sum[1]) / all;
   double variance = 0;
   for (const NoiseReading& r : readings) variance += r.proximity / all * (r.value - mean) * (r.value - mean);
+  if (!(variance + changes < HUGE_VAL)) return kept(NoiseFinding::silent);
   const double rounding = s.step * s.step / 12;
   CellNoise out{.rest = mean, .sigma = std::sqrt(variance + rounding)};
   if (mean > file.threshold()) return kept(NoiseFinding::offset);

@@ -32,15 +32,18 @@ class SendOnDelta {
   };
 
   /// @param patience  of a cell that sends fine changes as well; none by default.
-  /// Throws `ConfigurationError` unless every delta, `keep_alive` and `patience` are > 0.
+  /// Throws `ConfigurationError` unless every delta, `keep_alive` and `patience` are > 0, and deltas at most 1e6.
   explicit SendOnDelta(const Deltas& deltas, Nanoseconds keep_alive = 100ms,
                        Nanoseconds patience = Nanoseconds::max())
       : deltas_(deltas), keep_alive_(keep_alive), patience_(patience) {
-    require(deltas.force > 0, "SendOnDelta: force", double(deltas.force), "> 0");
-    require(deltas.proximity > 0, "SendOnDelta: proximity", double(deltas.proximity), "> 0");
-    require(deltas.acceleration > 0, "SendOnDelta: acceleration", double(deltas.acceleration), "> 0 m/s^2");
-    require(deltas.temperature > 0, "SendOnDelta: temperature", double(deltas.temperature), "> 0 C");
-    require(deltas.fine > 0, "SendOnDelta: fine", double(deltas.fine), "> 0");
+    const auto allowed = [](float x) { return x > 0 && x <= 1e6f; };
+    require(allowed(deltas.force), "SendOnDelta: force", double(deltas.force), "> 0, <= 1e6");
+    require(allowed(deltas.proximity), "SendOnDelta: proximity", double(deltas.proximity), "> 0, <= 1e6");
+    require(allowed(deltas.acceleration), "SendOnDelta: acceleration", double(deltas.acceleration),
+            "> 0, <= 1e6 m/s^2");
+    require(allowed(deltas.temperature), "SendOnDelta: temperature", double(deltas.temperature),
+            "> 0, <= 1e6 C");
+    require(allowed(deltas.fine), "SendOnDelta: fine", double(deltas.fine), "> 0, <= 1e6");
     require(patience > 0ns, "SendOnDelta: patience", milliseconds(patience), "> 0 ms");
     require(keep_alive > 0ns, "SendOnDelta: keep_alive", milliseconds(keep_alive), "> 0 ms");
   }

@@ -37,24 +37,34 @@ struct BoxSurface {
   double x, y, z;
 };
 
+namespace detail {
+inline const HexagonalCell& checked(const HexagonalCell& cell) {
+  require(cell.scale >= 1e-4 && cell.scale <= 1e3, "cover: scale of a cell", cell.scale, "1e-4 to 1000");
+  return cell;
+}
+}  // namespace detail
+
 /// Poses of the maximum number of whole cells on a surface, in a fixed order; normals (z) point outwards,
 /// origins lie on the surface. Cells do not overlap, protrude beyond an end, or cross a box's edge. On a
 /// cylinder rows along z alternate by half a cell and are joined by their ports; a row that does not close
 /// leaves a seam. On a half sphere cells lie in rings, at least 28 mm (times the scale) apart, and are not
-/// joined.
+/// joined. Throws `ConfigurationError` for a size outside of (0, 100] m and a scale outside of 1e-4 to 1000.
 [[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const CylinderSurface& surface,
                                                                       const HexagonalCell& cell = {}) {
-  return detail::cover_cylinder<Surface>(surface.radius, surface.length, cell.scale * HexagonalCell::port_x,
+  return detail::cover_cylinder<Surface>(surface.radius, surface.length,
+                                         detail::checked(cell).scale * HexagonalCell::port_x,
                                          cell.scale * HexagonalCell::port_y);
 }
 [[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const CapsuleSurface& surface,
                                                                       const HexagonalCell& cell = {}) {
-  return detail::cover_capsule<Surface>(surface.radius, surface.length, cell.scale * HexagonalCell::port_x,
+  return detail::cover_capsule<Surface>(surface.radius, surface.length,
+                                        detail::checked(cell).scale * HexagonalCell::port_x,
                                         cell.scale * HexagonalCell::port_y);
 }
 [[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const BoxSurface& surface,
                                                                       const HexagonalCell& cell = {}) {
-  return detail::cover_box<Surface>(surface.x, surface.y, surface.z, cell.scale * HexagonalCell::port_x,
+  return detail::cover_box<Surface>(surface.x, surface.y, surface.z,
+                                    detail::checked(cell).scale * HexagonalCell::port_x,
                                     cell.scale * HexagonalCell::port_y);
 }
 

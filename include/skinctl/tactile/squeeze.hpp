@@ -35,13 +35,13 @@ class Squeeze {
     T stiffness = T(0);  ///< [N/m]
   };
 
-  /// Throws `ConfigurationError` unless `0 <= from < to`, `own > 0`, `swing > 0`, `0 < least_span <= to - from`.
+  /// Throws `ConfigurationError` unless `0 <= from < to`, `own > 0`, `0 < swing <= 1e4`, `0 < least_span <= to - from`.
   SKINCTL_COLD explicit Squeeze(const Settings& s = {}) : s_(s) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(s.from >= T(0) && s.from < s.to, "Squeeze: from", number(s.from), ">= 0, < to N");
     require(s.to <= T(1e4), "Squeeze: to", number(s.to), "<= 1e4 N");
     require(s.own > T(0) && s.own <= T(1e9), "Squeeze: own stiffness", number(s.own), "> 0, <= 1e9 N/m");
-    require(s.swing > T(0), "Squeeze: swing", number(s.swing), "> 0 N");
+    require(s.swing > T(0) && s.swing <= T(1e4), "Squeeze: swing", number(s.swing), "> 0, <= 1e4 N");
     require(s.least_span > T(0) && s.least_span <= s.to - s.from, "Squeeze: least span", number(s.least_span),
             "> 0, <= to - from N");
   }

@@ -52,7 +52,9 @@ class PostureNullSpace {
     NullMotion<N, T> m;
     for (std::size_t i = 0; i < N; ++i) {
       const T x = rate_ * (q[i] - posture_[i]) / fastest_;
-      const T less = T(1) / sqrt(T(1) + x * x);
+      // Far away the square would overflow, and the joint stand still: there 1 does not count.
+      const T size = x < T(0) ? T(-x) : x;
+      const T less = T(1) / (size < T(1e9) ? T(sqrt(T(1) + x * x)) : size);
       m.v[i] = -fastest_ * x * less;
       m.a[i] = -rate_ * dq[i] * less * less * less;
     }

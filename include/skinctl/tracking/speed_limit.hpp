@@ -7,6 +7,30 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+namespace detail {
+/// `limit_speed` far beyond the limits, where eighth powers overflow: all is computed over the largest ratio.
+template <std::size_t N, Real T>
+SKINCTL_COLD void limit_far_speed(const JointVelocity<N, T>& limit, JointVelocity<N, T>& v,
+                                  JointAcceleration<N, T>& a) noexcept {
+  using std::sqrt;
+  T most(0), y(0), dy(0);
+  for (std::size_t i = 0; i < N; ++i) {
+    const T x = v[i] / limit[i], size = x < T(0) ? T(-x) : x;
+    if (size > most) most = size;
+  }
+  for (std::size_t i = 0; i < N; ++i) {
+    const T x = v[i] / limit[i] / most, x2 = x * x, x4 = x2 * x2;
+    y = y + x4 * x4;
+    dy = dy + x4 * x2 * x * (a[i] / limit[i] / most);
+  }
+  const T f = T(1) / sqrt(sqrt(sqrt(y)));
+  for (std::size_t i = 0; i < N; ++i) {
+    v[i] = f * (v[i] / most);
+    a[i] = f * (a[i] / most) - dy / y * v[i];
+  }
+}
+}  // namespace detail
+
 /// Slows a motion down along its own direction, `v <- f v`, so that no joint exceeds its limit:
 /// `f = h(y)^(-1/8)`, `y = sum (v_i / limit_i)^8`, h = 1 up to y = 0.1, then a parabola into h = y. Below
 /// three quarters of the limits v is unchanged to the bit. The acceleration follows as the true derivative. A
@@ -27,6 +51,10 @@ SKINCTL_NOINLINE bool limit_speed(const JointVelocity<N, T>& limit, JointVelocit
   const T w = T(0.9);
   const T over = y - T(0.1);
   const bool far = !(y < T(1) + w);
+  if (!(y < T(1e30))) [[unlikely]] {
+    detail::limit_far_speed(limit, v, a);
+    return true;
+  }
   const T h = far ? y : T(T(1) + over * over / (T(4) * w));
   const T dh = far ? dy : T(over / (T(2) * w) * dy);
   const T f = T(1) / sqrt(sqrt(sqrt(h)));

@@ -39,13 +39,13 @@ template <Real T = double>
 class TimeBase {
  public:
   /// @param eps    > 0: the error decays by the power 1 + eps of the time base.
-  /// @param delta  > 0: keeps the gain finite at the end; the remaining error grows with it.
+  /// @param delta  >= 1e-12: keeps the gain finite at the end; the remaining error grows with it.
   /// Throws `ConfigurationError` for others.
   SKINCTL_COLD explicit TimeBase(const T& eps = T(0.05), const T& delta = T(0.01))
       : eps_(eps), delta_(delta) {
     require(eps > T(0) && eps <= T(10), "eps of the time base", static_cast<double>(eps), "> 0 and <= 10");
-    require(delta > T(0) && delta <= T(10), "delta of the time base", static_cast<double>(delta),
-            "> 0 and <= 10");
+    require(delta >= T(1e-12) && delta <= T(10), "delta of the time base", static_cast<double>(delta),
+            "1e-12 to 10");
     // With s = 1 - r: the gain peaks where d/dr (dxi / n) = 0, the speed K x where d/dr (dxi n^eps) = 0.
     const auto peak = [this](const T& weight) {
       return [this, weight](const T& s) -> T {

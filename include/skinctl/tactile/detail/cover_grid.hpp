@@ -28,7 +28,7 @@ inline double flat(double port_y) {
 }
 
 inline void require_size(double size, const char* name) {
-  require(size > 0 && size - size == 0, name, size, "> 0 m");
+  require(size > 0 && size <= 100, name, size, "> 0, <= 100 m");
 }
 
 /// A cell at `p` with outward normal `z` and x axis `x`, perpendicular unit vectors.
@@ -87,6 +87,8 @@ void cover_half_sphere(double radius, double centre, double sign, double first, 
 template <class Surface>
 SKINCTL_COLD std::vector<Transform<Surface, Cell>> cover_capsule(double radius, double length, double x,
                                                                  double y) {
+  require_size(radius, "cover: radius");  // of an infinite one the rings below would never end
+  require_size(length, "cover: length");
   std::vector<Transform<Surface, Cell>> below, cells;
   // The rings begin at the edge of the cylinder's last row, which ends within its length.
   const double first = std::asin(std::min(1.0, corner(y) / radius));
