@@ -157,7 +157,7 @@ class Tracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
     static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
-    return space_.surface(gains_, inputs(memory, T(0), still, still), space_.site(known), memory.space);
+    return space_.surface(gains_, inputs(memory, T(0), no_rates, no_rates), space_.site(known), memory.space);
   }
 
   /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
@@ -262,7 +262,7 @@ class Tracking : public Composable {
     return Space::tracking(settings_);
   }
   using Rates = JointVelocity<Space::coordinates, T>;
-  static constexpr Rates still{};
+  static constexpr Rates no_rates{};
   /// The middle of the interval, as the law predicts it.
   struct Middle {
     detail::Row<N, T> damped;  ///< `M^-1 K_d S_q`
