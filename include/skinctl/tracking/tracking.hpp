@@ -262,7 +262,7 @@ class Tracking : public Composable {
     return Space::tracking(settings_);
   }
   using Rates = JointVelocity<Space::coordinates, T>;
-  static constexpr Rates no_rates{};
+  static inline const Rates no_rates{};
   /// The middle of the interval, as the law predicts it.
   struct Middle {
     detail::Row<N, T> damped;  ///< `M^-1 K_d S_q`
