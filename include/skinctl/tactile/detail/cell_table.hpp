@@ -19,17 +19,21 @@ inline constexpr std::size_t row_size = 8;
 template <Real T>
 inline constexpr std::size_t row_lanes = [] {
   if constexpr (std::same_as<T, float> || std::same_as<T, double>) {
-#if defined(__AVX512F__)
-    return row_size;  // a row of doubles is one register
-#else
     return native_lanes<T> < row_size ? native_lanes<T> : row_size;
-#endif
   } else {
     return std::size_t(1);
   }
 }();
 template <Real T>
 inline constexpr std::size_t row_used = (6 + row_lanes<T> - 1) / row_lanes<T> * row_lanes<T>;
+template <Real T, std::size_t Lanes>
+struct RowPart {
+  using type = Lane<T, Lanes>;
+};
+template <Real T>
+struct RowPart<T, 1> {
+  using type = T;
+};
 
 /// `to += factor from`, on the widest registers that fit the remaining numbers.
 template <std::size_t N, Real T, Real U>
@@ -69,7 +73,7 @@ class WideUnit {
         part_[k] = static_cast<T>(row[k]);
       } else {
         part_[k] = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-          return Part{static_cast<T>(row[k * lanes + I])...};
+          return Part(typename Part::Vector{static_cast<T>(row[k * lanes + I])...});
         }(std::make_index_sequence<lanes>{});
       }
     }
@@ -80,15 +84,13 @@ class WideUnit {
       if constexpr (lanes == 1) {
         to[k] = to[k] + factor * part_[k];
       } else {
-        SKINCTL_CONTRACT auto& sum =
-            *reinterpret_cast<typename LaneTypes<T, lanes>::Anywhere*>(to + k * lanes);
-        sum = sum + factor * part_[k];
+        (Part::load(to + k * lanes) + Part(factor) * part_[k]).store(to + k * lanes);
       }
     }
   }
 
  private:
-  using Part = LaneVector<T, lanes>;
+  using Part = typename RowPart<T, lanes>::type;
   Part part_[count];
 };
 

@@ -30,7 +30,7 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
   using Changes::max_age_, Changes::hold_, Changes::ramp_, Changes::change_to;
   static constexpr std::size_t kinds = apart ? 2 : 1;
   static constexpr std::size_t links = decltype(Memory::owed)::Wrenches::count;
-  struct alignas(64) Pushes {
+  struct alignas(32) Pushes {
     T row[kinds][row_size];
   };
 
@@ -85,21 +85,12 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
   struct Usual {
     std::uint64_t to, latest, hold, ramp;
     T share;
-    // What the cells' records and sums, which are written, may not be taken to change.
-    CellRecord* records;
-    ExactSums* sums;
-    const CellUnit* units;
-    const PatchRow<T>* patches;
     SKINCTL_INLINE explicit Usual(const Reception& r) noexcept
         : to(static_cast<std::uint64_t>(r.parts_.to.count())),
           latest(r.parts_.reach - r.ramp_),
           hold(r.hold_),
           ramp(r.ramp_),
-          share(T(0.5e-9) * r.parts_.per_whole),
-          records(r.memory_.records.data()),
-          sums(r.memory_.sums.data()),
-          units(&r.tables_.cells[0]),
-          patches(r.tables_.patches.data()) {}
+          share(T(0.5e-9) * r.parts_.per_whole) {}
   };
   template <class Front>
   [[nodiscard]] SKINCTL_INLINE bool take_usual(const Usual& at, const CellTable::Keys& keys,
@@ -109,7 +100,7 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
     const std::size_t i = key.index();
     if (i >= cells_ || !believable(sample)) [[unlikely]]
       return false;
-    CellRecord& cell = at.records[i];
+    CellRecord& cell = memory_.records[i];
     // Neither ahead nor so late that its ramp began too early; after the last one, which is neither fading nor
     // of a later time.
     const std::uint64_t late = at.to - static_cast<std::uint64_t>(sample.time.count());
@@ -127,14 +118,14 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
     if (state != cell.state) [[unlikely]]
       memory_.enter(i, state);
     const CountPair change = tables_.weigh(i, now) - tables_.weigh(i, old);
-    const float* const row = at.units[i].row;
+    const float* const row = tables_.cells[i].row;
     const WideUnit<std::conditional_t<ExactSums::in_steps, T, double>> unit(row);
     if constexpr (ExactSums::in_steps) {
-      at.sums[key.sums()].add(at.units[i], change.force(), change.proximity());
+      memory_.sums[key.sums()].add(tables_.cells[i], change.force(), change.proximity());
     } else {
-      at.sums[key.sums()].add(unit, change.force(), change.proximity());
+      memory_.sums[key.sums()].add(unit, change.force(), change.proximity());
     }
-    const PatchRow<T>& patch = at.patches[key.sums()];
+    const PatchRow<T>& patch = tables_.patches[key.sums()];
     if (parts_.count != 1) [[unlikely]] {
       this->spread(i, change, last, sample.time);
       return true;
