@@ -102,11 +102,6 @@ constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
   return stamps;
 }
 
-/// Whether so many cells are fetched ahead, because memory is then slow.
-constexpr bool fetches_ahead(std::size_t cells) noexcept {
-  return cells >= 100000;
-}
-
 /// Room for a number of cells and sums that is known to the compiler.
 template <std::size_t Cells, std::size_t Sums>
 struct FixedStore {
@@ -115,7 +110,8 @@ struct FixedStore {
   std::array<Nanoseconds, blocks> oldest = all_at<blocks>(Nanoseconds::max());
   std::array<BlockStates, blocks> states{};
   std::array<CellRecord, Cells> records{};
-  static constexpr bool fetches(std::size_t) noexcept { return fetches_ahead(Cells); }
+  /// Whether they are fetched ahead, because memory is then slow.
+  static constexpr bool fetches(std::size_t) noexcept { return Cells >= 100000; }
   static constexpr bool fixed = true;
   void make_room(std::size_t, std::size_t) noexcept {}
   friend bool operator==(const FixedStore&, const FixedStore&) noexcept = default;
