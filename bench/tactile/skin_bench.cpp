@@ -15,7 +15,8 @@ namespace {
 enum class Readings { at_rest, pressed };
 
 /// `events` samples of different cells in a cycle of 2 ms. With `events` > 0 the row is the time of one
-/// event, the time of an empty cycle included in proportion; else the time of the cycle.
+/// event, the time of an empty cycle included in proportion; else the time of the cycle. All cells take their turn,
+/// in another order each time: they keep alive, and none fades.
 template <std::size_t Cells, class T>
 void receive(benchmark::State& state, std::size_t events, Readings readings, std::size_t substeps) {
   const auto skin = ur5_skin<Cells, T>({10, 3});
@@ -28,9 +29,9 @@ void receive(benchmark::State& state, std::size_t events, Readings readings, std
   std::vector<std::uint32_t> ids(Cells);
   for (std::size_t i = 0; i < Cells; ++i) ids[i] = static_cast<std::uint32_t>(i + 1);
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    if (k % events == 0) std::shuffle(ids.begin(), ids.end(), random);
+    if (k % Cells == 0) std::shuffle(ids.begin(), ids.end(), random);
     CellSample& s = samples[k];
-    s.cell = ids[k % events];
+    s.cell = ids[k % Cells];
     s.force = {0.004f, 0.003f, 0.005f};
     s.proximity = 0.01f;
     if (readings == Readings::pressed) {

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "skinctl/core/detail/check_law.hpp"
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -147,8 +148,13 @@ template <class L, class K>
   } else {
     static_assert(Law<L, K>, "a law has Memory, needs, role, start, torque and advance: see core/law.hpp");
     static_assert(terms_of<L> == 1, "a law of several terms reports their shares by its own evaluate");
-    const auto torque = torque_of(law, memory, known);
-    return Result{torque, law.advance(memory, known, dt, Opposition::none), {torque}, status_of(law, memory)};
+    using Torque = JointTorque<K::joints, typename K::scalar>;
+    // Written in the blocks in which it is read: see `copy_row`.
+    const detail::Row<K::joints, typename K::scalar> torque(torque_of(law, memory, known));
+    return Result{Torque(torque),
+                  law.advance(memory, known, dt, Opposition::none),
+                  {Torque(torque)},
+                  status_of(law, memory)};
   }
 }
 

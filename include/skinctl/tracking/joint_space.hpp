@@ -105,7 +105,8 @@ class JointSpace {
   }
   [[nodiscard]] static SKINCTL_INLINE Reference ahead(const Reference& r, const T& t) noexcept {
     const Row q = r.q_d, dq = r.dq_d, ddq = r.ddq_d;
-    return {Where(q + t * (dq + T(T(0.5) * t) * ddq)), JointVelocity<N, T>(dq + t * ddq), r.ddq_d};
+    return {Where(q + t * (dq + T(T(0.5) * t) * ddq)), JointVelocity<N, T>(dq + t * ddq),
+            JointAcceleration<N, T>(ddq)};
   }
   [[nodiscard]] static bool finite(const Reference& r) noexcept {
     T sum(0);

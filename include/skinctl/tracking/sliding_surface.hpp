@@ -81,8 +81,8 @@ struct SurfaceGains {
   [[nodiscard]] static SKINCTL_INLINE detail::Row<N, T> taken(const JointVelocity<N, T>& integral,
                                                               const detail::Row<N, T>& rate,
                                                               const T& limit) noexcept {
-    const detail::Row<N, T> I = integral, half = T(0.5) * limit, zero = T(0);
-    if (any((magnitude(I) > half) & (I * rate > zero))) [[unlikely]]
+    // On the way back too: `slowed` looks at the direction.
+    if (any(magnitude(detail::Row<N, T>(integral)) > detail::Row<N, T>(T(T(0.5) * limit)))) [[unlikely]]
       return detail::Row<N, T>(slowed(integral, JointVelocity<N, T>(rate), limit));
     return rate;
   }

@@ -43,9 +43,12 @@ struct TargetPlan {
   [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan advanced(Nanoseconds dt,
                                                              const Settings& s) const noexcept {
     const Nanoseconds age = Space::tracking(s).target_age;
-    const auto next = clock.advanced(dt, age);
-    if (aged || next.own < age) return {target, next, aged};
-    return {target, next.changed(false, age), true};
+    TargetPlan next{target, clock.advanced(dt, age), aged};
+    if (!aged && next.clock.own >= age) [[unlikely]] {
+      next.clock = next.clock.changed(false, age);
+      next.aged = true;
+    }
+    return next;
   }
   /// Whether `goal` is within the distance from this target that the largest speed covers in an interval.
   [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {

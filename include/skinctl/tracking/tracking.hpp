@@ -157,7 +157,7 @@ class Tracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
     static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
-    return space_.surface(gains_, inputs(memory, T(0), {}, {}), space_.site(known), memory.space);
+    return space_.surface(gains_, inputs(memory, T(0), no_rates, no_rates), space_.site(known), memory.space);
   }
 
   /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
@@ -189,8 +189,9 @@ class Tracking : public Composable {
   [[nodiscard]] SKINCTL_INLINE Evaluation<N, T, Memory, 1> evaluate(const Memory& memory, const K& known,
                                                                     const T& dt) const noexcept {
     const auto at_t = now(memory, known);
-    const auto tau = torque(memory, known, LawShare<T>{}, at_t);
-    return {tau, advance(memory, known, dt, Opposition::none, at_t), {tau}, status(memory)};
+    const detail::Row<N, T> tau(torque(memory, known, LawShare<T>{}, at_t));
+    using Torque = JointTorque<N, T>;
+    return {Torque(tau), advance(memory, known, dt, Opposition::none, at_t), {Torque(tau)}, status(memory)};
   }
   /// The target is at rest, the skin does not push against the law, and neither robot nor reference is faster
   /// than `still` [rad/s].
@@ -261,6 +262,7 @@ class Tracking : public Composable {
     return Space::tracking(settings_);
   }
   using Rates = JointVelocity<Space::coordinates, T>;
+  static inline const Rates no_rates{};
   /// The middle of the interval, as the law predicts it.
   struct Middle {
     detail::Row<N, T> damped;  ///< `M^-1 K_d S_q`

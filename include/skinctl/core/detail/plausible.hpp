@@ -14,8 +14,7 @@ inline constexpr double plausible = 1e4;
 /// Whether all of `x` lies within +-`limit`; false for NaN.
 template <class Kind, std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE bool within(const JointVector<Kind, N, T>& x, const T& limit) noexcept {
-  const Row row(x);
-  return all((row >= -limit) & (row <= limit));
+  return all(magnitude(Row(x)) <= limit);
 }
 template <class Kind, std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE bool is_finite(const JointVector<Kind, N, T>& x) noexcept {

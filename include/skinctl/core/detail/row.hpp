@@ -228,7 +228,11 @@ class Row {
     return select(x < low, low, select(x > high, high, x));
   }
   [[nodiscard]] friend SKINCTL_INLINE Row magnitude(const Row& x) noexcept {
-    return select(x < Row(T(0)), -x, x);
+    if constexpr (Shape::wide) {
+      return made([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return abs(x.block[k]); });
+    } else {
+      return select(x < Row(T(0)), -x, x);
+    }
   }
 
   /// The numbers `f(0)`, `f(1)`, ..., the index an integral constant, from registers: a load of numbers that were

@@ -78,11 +78,12 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
     out.status |= Reason::torque_not_finite;
     return out;
   }
-  Torque asked = out.law.torque;
-  if (m.own.template bound<L>(out.law.shares, parameters().torque_step(h), asked)) [[unlikely]]
+  detail::copy_row(out.law.torque, out.torque);
+  if (m.own.template bound<L>(out.law.shares, parameters().torque_step(h), out.torque)) [[unlikely]]
     out.status |= Reason::torque_limited;
-  out.torque = parameters().limits.within(asked, state.dq);
-  if (any(Row(out.torque) != asked)) out.status |= Reason::torque_limited;
+  const Row asked = out.torque, given = parameters().limits.within(out.torque, state.dq);
+  if (any(given != asked)) out.status |= Reason::torque_limited;
+  given.store(out.torque);
   const ContactDamping<joints, T>* damping = nullptr;
   if constexpr (has_damper) {
     const auto& d = m.keeper.template of<ContactDamper<T>>().damping;
@@ -91,7 +92,7 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
   const auto next = detail::step_velocity<Integrator>(known, parameters().shape, parameters().has_coulomb,
                                                       out.torque, pull, m.last, damping, tool_);
   if (next.singular) out.status |= Reason::singular;
-  out.velocity = next.velocity;
+  detail::copy_row(next.velocity, out.velocity);
   if constexpr (has_tank) {
     const auto& tank = keeper_.template get<EnergyTank<T>>();
     auto& memory = m.keeper.template of<EnergyTank<T>>();

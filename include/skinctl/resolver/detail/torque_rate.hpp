@@ -51,7 +51,7 @@ struct OwnTorque {
       if (acts) [[unlikely]]
         (reactive + kept).store(torque);
       kept.store(last);
-      total = torque;
+      copy_row(torque, total);
       known = true;
       return acts;
     }

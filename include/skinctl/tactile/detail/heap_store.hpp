@@ -14,7 +14,8 @@ struct HeapStore {
   std::vector<Nanoseconds> oldest;
   std::vector<BlockStates> states;
   std::vector<CellRecord> records;
-  static constexpr std::size_t fetch_ahead = 12;
+  /// Whether so many cells are fetched ahead: the nearest cache does not hold them.
+  static constexpr bool fetches(std::size_t cells) noexcept { return cells >= 4096; }
   static constexpr bool fixed = false;
   SKINCTL_COLD void make_room(std::size_t cells, std::size_t number_of_sums) {
     sums.resize(number_of_sums);

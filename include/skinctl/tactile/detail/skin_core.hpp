@@ -84,7 +84,14 @@ class SkinCore {
     for (std::size_t j = 0; j < substeps; ++j) means[j] = before;
     const Reception<T, SkinTables<T, Tuned>, Memory, Means> reception(tables_, memory, size(), parts, means);
     const AsSent as_sent;
-    Status status = reception.template take<Store::fetch_ahead>(samples, either(front..., as_sent));
+    auto& judge = either(front..., as_sent);
+    Status status;
+    if constexpr (Store::fixed) {
+      status = reception.template take<Store::fetches(0) ? 12 : 0>(samples, judge);
+    } else {
+      status = Store::fetches(size()) ? reception.template take<12>(samples, judge)
+                                      : reception.template take<0>(samples, judge);
+    }
     (front.settle([&](std::size_t i, CellCounts raw) SKINCTL_INLINE_LAMBDA { reception.revise(i, raw); }),
      ...);
     status |= reception.age();

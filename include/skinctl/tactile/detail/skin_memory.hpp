@@ -110,8 +110,8 @@ struct FixedStore {
   std::array<Nanoseconds, blocks> oldest = all_at<blocks>(Nanoseconds::max());
   std::array<BlockStates, blocks> states{};
   std::array<CellRecord, Cells> records{};
-  /// From so many cells on they are fetched ahead: 12 samples before, because memory is then slow.
-  static constexpr std::size_t fetch_ahead = Cells < 100000 ? 0 : 12;
+  /// Whether they are fetched ahead, because memory is then slow.
+  static constexpr bool fetches(std::size_t) noexcept { return Cells >= 100000; }
   static constexpr bool fixed = true;
   void make_room(std::size_t, std::size_t) noexcept {}
   friend bool operator==(const FixedStore&, const FixedStore&) noexcept = default;

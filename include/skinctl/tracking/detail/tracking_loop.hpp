@@ -92,7 +92,7 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
   } else {
     run(ZeroTriple{});
   }
-  (tau + shaped).store(tau);
+  (R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return tau[i]; }) + shaped).store(tau);
   if constexpr (!inertial) {
     const auto feedback = damping_.torque(at_t.S_q);
     tau -= share.feedback * feedback;
