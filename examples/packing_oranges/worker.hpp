@@ -9,6 +9,7 @@
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
 #include "skinctl/semantics/resources.hpp"
+#include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/squeeze.hpp"
 
 namespace packing {
@@ -45,6 +46,7 @@ class Worker {
         }()),
         known_(objects_.start()),
         X_WB_(A::base(arm)),
+        sight_(typename A::Model{}, scene.skin().places(), {.range = sight_range, .half_angle = sight_cone}),
         memory_(std::make_unique<typename Scene::Memory>()) {
     scene_.start(*memory_, measured);
     plan_ = executor_.start(measured.time);
@@ -78,7 +80,9 @@ class Worker {
   /// Whether the other arm goes first where the two are in each other's way.
   void goes_first(bool first) { way_.goes_first(first); }
   /// Whether it is kept from its way; and whether the other one is.
-  [[nodiscard]] bool waits() const { return kept_ && asked_ && way_.waited() > 250ms; }
+  [[nodiscard]] bool waits() const {
+    return (kept_ && asked_ && way_.waited() > 250ms) || (gives_way_ && kept_);
+  }
   void other_waits(bool waits) { other_waits_ = waits; }
   /// How often it went aside for the other arm.
   [[nodiscard]] int went_aside() const { return way_.times(); }
@@ -91,6 +95,30 @@ class Worker {
     input_.around.add(X_WB_.inverse(), other);
   }
 
+  /// What the cells see beside the other arm is to be kept clear of, and given way to. The readings that the other arm
+  /// explains become nothing.
+  void look_around(const skinctl::State<6>& measured, std::span<skinctl::CellSample> samples) {
+    sight_.each_known(
+        measured.q, [&](std::size_t i) { return samples[i].proximity; }, input_.around,
+        [&](std::size_t i) { samples[i].proximity = 0; });
+    const std::size_t seen = sight_.look(
+        measured.q,
+        [&](std::size_t i) {
+          return scene_.skin().held(memory_->skin, i).proximity * double(skinctl::CellCounts::proximity_unit);
+        },
+        input_.around);
+    if (seen > 0) seen_at_ = measured.time;
+    // A person sets right an arm that something pushed off its place.
+    if (displaced_ && measured.time - seen_at_ > 1s) {
+      input_.request = skinctl::CycleRequest::resume;
+      displaced_ = false;
+      ++set_right_;
+    }
+  }
+  /// How often it gave way to something unknown, and a person set it right.
+  [[nodiscard]] int gave_way() const { return gave_way_; }
+  [[nodiscard]] int set_right() const { return set_right_; }
+
   /// A cycle.
   typename Scene::Output step(skinctl::Nanoseconds now, const skinctl::State<6>& measured,
                               const skinctl::GripperState& gripper,
@@ -99,7 +127,8 @@ class Worker {
     gripper_ = gripper;
     const auto was = X_WH_.origin();
     X_WH_ = X_WB_ * A::hand(measured.q);
-    way_.step(now, kept_, norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
+    way_.step(now, kept_ && !gives_way_ && !returns_,
+              norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
     const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
     features_ = extractor_.step(featured_, objects_, known_, hand);
     // Without an opening: what the fingers close at their constant speed.
@@ -117,11 +146,12 @@ class Worker {
     plan_ = result.memory;
     request_ = result.request;
     input_.has_goal = false;
-    perform(result.request);
+    perform(result.request, measured.q);
 
     // Where it has nothing to do it makes room for the other arm.
     const bool idle = finished() || (report_.phase == skinctl::SkillPhase::running && parts_.empty());
-    if (other_waits_ && idle && !way_.is_aside()) go_aside(Set::start_skill(A::skills(&GoBack::rule)));
+    if (other_waits_ && idle && !way_.is_aside() && !gives_way_ && !returns_)
+      go_aside(Set::start_skill(A::skills(&GoBack::rule)));
 
     input_.now = now;
     input_.measured = measured;
@@ -130,6 +160,7 @@ class Worker {
     const auto out = scene_.step(*memory_, input_);
     input_.request = skinctl::CycleRequest::none;
     kept_ = out.status.has(skinctl::Reason::clearance_kept);
+    displaced_ = out.status.has(skinctl::Reason::displaced);
     return out;
   }
 
@@ -180,9 +211,10 @@ class Worker {
       done_.push_back({is.step, back(is.phase), is.phase == Phase::ask, skinctl::StepFailure::none, t, t});
   }
 
-  void perform(const skinctl::StepRequest& r) {
+  void perform(const skinctl::StepRequest& r, const skinctl::JointPosition<6>& q) {
     using Kind = skinctl::StepRequest::Kind;
     if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
+    if (gives_way(q)) return;
     if (report_.phase != skinctl::SkillPhase::running) return;
     if (parts_.empty()) return look();
     if (way_.is_aside()) return;
@@ -198,6 +230,48 @@ class Worker {
   void end(bool well) {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
     judging_ = false;
+  }
+  /// While something unknown is near, the arm gives way with what is in the hand; then it returns to where it was, and
+  /// goes on with its part. Whether this cycle is taken by that.
+  bool gives_way(const skinctl::JointPosition<6>& q) {
+    using namespace skinctl;
+    if (now_ - seen_at_ < 300ms) {
+      if (gives_way_) return true;
+      if (!returns_) before_ = q;
+      gives_way_ = true, returns_ = false;
+      ++gave_way_;
+      Goal g = Set::start_skill(Set::template index<behaviour::GiveWay>());
+      auto& grip = g.goals.template of<GripperGoal>();
+      grip.has = true;
+      grip.goal =
+          features_.in_hand ? GripperGoal{0, s_.hold, 0.02} : GripperGoal{gripper_range.opening, 5, 0.15};
+      send(g);
+      return true;
+    }
+    if (gives_way_) {
+      gives_way_ = false, returns_ = true;
+      Goal g = Set::start_skill(Set::template index<behaviour::Return>());
+      auto& to = g.goals.template of<JointGoal<6>>();
+      double way = 0;
+      for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(before_[i] - q[i]));
+      to.has = true;
+      to.goal = {before_, nanoseconds(std::max(0.5, 1.9 * way / 1.5))};
+      return_by_ = now_ + to.goal.duration + 4s;
+      send(g);
+      return true;
+    }
+    if (!returns_) return false;
+    const auto told = Set::report_of(memory_->law, ticket_);
+    returns_ = now_ < return_by_ && !(told.phase == SkillPhase::finished && told.ticket == ticket_);
+    asked_ = false;
+    squeezed_ = {};
+    return returns_;
+  }
+  void send(Goal g) {
+    ticket_ = ticket_ == 0xffff ? std::uint16_t(1) : std::uint16_t(ticket_ + 1);
+    g.ticket = ticket_;
+    input_.goal = g;
+    input_.has_goal = true;
   }
   /// The other arm is in the way, and this one in its: back towards its own base for a while, then the same part again.
   void go_aside(const Goal& request) {
@@ -222,10 +296,8 @@ class Worker {
     }
     if (starts && part_ > 0 && memory_->law.skill == g.skill)
       g.kind = static_cast<unsigned char>(Goal::Kind::goal);
-    ticket_ = ticket_ == 0xffff ? std::uint16_t(1) : std::uint16_t(ticket_ + 1);
-    g.ticket = ticket_;
-    input_.goal = g;
-    input_.has_goal = asked_ = true;
+    send(g);
+    asked_ = true;
   }
 
   void add(std::uint8_t skill, const skinctl::Xyz<double>& to, double near) {
@@ -350,6 +422,7 @@ class Worker {
   skinctl::Transform<skinctl::World, skinctl::Base> X_WB_;
   skinctl::Transform<skinctl::World, skinctl::Tool> X_WH_;
   skinctl::Rotation<double> R_;  ///< of the hand, always: it points down
+  skinctl::Sightings<typename A::Model> sight_;
   std::unique_ptr<typename Scene::Memory> memory_;
   typename Scene::Input input_;
   typename Executor::Memory plan_;
@@ -361,6 +434,10 @@ class Worker {
   std::uint16_t ticket_ = 0;
   bool asked_ = false, answer_ = true, judging_ = false, kept_ = false, other_waits_ = false;
   RightOfWay way_;
+  bool gives_way_ = false, returns_ = false, displaced_ = false;
+  int gave_way_ = 0, set_right_ = 0;
+  skinctl::JointPosition<6> before_;
+  skinctl::Nanoseconds seen_at_{-1s}, return_by_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
   skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{};
