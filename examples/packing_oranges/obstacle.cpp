@@ -49,14 +49,14 @@ void Passer::begin(double stands, std::span<const Capsule<>> near) {
   const double a = in(-M_PI, M_PI), up = in(-0.15, 0.15), half = in(0, 1) < 0.5 ? 0 : in(0.05, 0.2),
                b = in(-M_PI, M_PI);
   along_ = {std::cos(up) * std::cos(a), std::cos(up) * std::sin(a), std::sin(up)};
-  from_ = Xyz<double>{in(-0.3, 0.3), in(-0.4, 0.4), in(0.28, 0.6)} - 0.9 * along_;
+  from_ = Xyz<double>{in(-0.3, 0.3), in(-0.4, 0.4), in(0.35, 0.6)} - 0.9 * along_;
   rod_ = {half * Xyz<double>{std::cos(b), std::sin(b), 0}, -half * Xyz<double>{std::cos(b), std::sin(b), 0},
           in(0.03, 0.06)};
   way_ = 0;
   for (double s = 0; s < 1.8; s += 0.02) {
     const Xyz<double> p = from_ + s * along_;
     const Capsule<> at{p + rod_.from, p + rod_.to, rod_.radius};
-    if (p.z < 0.2) return;
+    if (p.z < 0.3) return;
     for (const double x : {stands, -stands})
       if (distance(at, Capsule<>{{x, 0, 0}, {x, 0, 0.25}, 0.12}).distance < 0.25) return;
     if (s > 0) continue;

@@ -146,6 +146,10 @@ struct Arm {
     skinctl::ClearanceAround<near_most> c;
     for (std::size_t i = 0; i < 6; ++i) c.own.capsules.push_back({i, R::shapes[i]});
     c.own.capsules.push_back({5, around_hand});
+    // The fingers and the table, where something pushes the arm down.
+    c.own.capsules.push_back({5, {{0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.004}});
+    c.own.capsules.push_back({skinctl::LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});
+    c.own.pairs = {{7, 8}};
     c.own.margin = 0.02;
     c.own.reach = R::reach;
     c.exposed = {0, 1, 2, 3, 4, 5, 6};

@@ -127,7 +127,7 @@ class Worker {
     gripper_ = gripper;
     const auto was = X_WH_.origin();
     X_WH_ = X_WB_ * A::hand(measured.q);
-    way_.step(now, kept_ && !gives_way_ && !returns_,
+    way_.step(now, kept_ && way_back_ == WayBack::none,
               norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
     const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
     features_ = extractor_.step(featured_, objects_, known_, hand);
@@ -136,21 +136,26 @@ class Worker {
       squeeze_.take(squeezed_, gripper.force,
                     s_.by_time ? closing_speed * skinctl::seconds<double>(now) : -gripper.opening);
 
-    const auto result = executor_.step(plan_, {.now = now,
-                                               .seen = observed(features_),
-                                               .skill = report_,
-                                               .answer = answer_,
-                                               .granted = granted,
-                                               .resume = resume});
-    note(plan_, result.memory, result.request);
-    plan_ = result.memory;
-    request_ = result.request;
+    // The plan waits while the arm gives way: nothing fails then because it takes long.
     input_.has_goal = false;
-    perform(result.request, measured.q);
+    if (gives_way(measured.q)) {
+      given_way_ += now - input_.now;
+    } else {
+      const auto result = executor_.step(plan_, {.now = now - given_way_,
+                                                 .seen = observed(features_),
+                                                 .skill = report_,
+                                                 .answer = answer_,
+                                                 .granted = granted,
+                                                 .resume = resume});
+      note(plan_, result.memory, result.request);
+      plan_ = result.memory;
+      request_ = result.request;
+      perform(result.request);
+    }
 
     // Where it has nothing to do it makes room for the other arm.
     const bool idle = finished() || (report_.phase == skinctl::SkillPhase::running && parts_.empty());
-    if (other_waits_ && idle && !way_.is_aside() && !gives_way_ && !returns_)
+    if (other_waits_ && idle && !way_.is_aside() && way_back_ == WayBack::none)
       go_aside(Set::start_skill(A::skills(&GoBack::rule)));
 
     input_.now = now;
@@ -211,10 +216,9 @@ class Worker {
       done_.push_back({is.step, back(is.phase), is.phase == Phase::ask, skinctl::StepFailure::none, t, t});
   }
 
-  void perform(const skinctl::StepRequest& r, const skinctl::JointPosition<6>& q) {
+  void perform(const skinctl::StepRequest& r) {
     using Kind = skinctl::StepRequest::Kind;
     if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
-    if (gives_way(q)) return;
     if (report_.phase != skinctl::SkillPhase::running) return;
     if (parts_.empty()) return look();
     if (way_.is_aside()) return;
@@ -231,41 +235,64 @@ class Worker {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
     judging_ = false;
   }
-  /// While something unknown is near, the arm gives way with what is in the hand; then it returns to where it was, and
-  /// goes on with its part. Whether this cycle is taken by that.
+  /// While something unknown is near, the arm gives way with what is in the hand: up, then with all joints. Then it
+  /// returns by way of the last joints at which its hand was high, and goes on with its part. Whether this cycle is taken
+  /// by that.
   bool gives_way(const skinctl::JointPosition<6>& q) {
     using namespace skinctl;
+    const bool low = X_WH_.origin().z < s_.carry - 0.05;
+    const auto told = Set::report_of(memory_->law, ticket_);
+    const bool done = told.ticket == ticket_ && told.phase != SkillPhase::running;
     if (now_ - seen_at_ < 300ms) {
-      if (gives_way_) return true;
-      if (!returns_) before_ = q;
-      gives_way_ = true, returns_ = false;
-      ++gave_way_;
-      Goal g = Set::start_skill(Set::template index<behaviour::GiveWay>());
-      auto& grip = g.goals.template of<GripperGoal>();
-      grip.has = true;
-      grip.goal =
-          features_.in_hand ? GripperGoal{0, s_.hold, 0.02} : GripperGoal{gripper_range.opening, 5, 0.15};
-      send(g);
+      if (way_back_ == WayBack::none) from_ = X_WH_.origin();
+      if (!gives_way_) ++gave_way_;
+      if (!gives_way_ || (rises_ && (done || !low))) {
+        rises_ = low && !gives_way_;
+        // Fingers that are around an orange close and take it along: it is back in its place when the arm is.
+        const bool holds = features_.in_hand || plan_.step == step::take;
+        Part away{Set::start_skill(rises_ ? Set::template index<behaviour::Putting>()
+                                          : Set::template index<behaviour::GiveWay>()),
+                  rises_, at(X_WH_.origin(), s_.carry)};
+        auto& grip = away.request.goals.template of<GripperGoal>();
+        grip.has = true;
+        grip.goal = holds ? GripperGoal{0, s_.hold, 0.02} : GripperGoal{gripper_range.opening, 5, 0.15};
+        ask(away);
+      }
+      gives_way_ = true;
+      way_back_ = WayBack::joints;
       return true;
     }
-    if (gives_way_) {
-      gives_way_ = false, returns_ = true;
+    if (way_back_ == WayBack::none) {
+      if (!low) high_ = q;
+      return false;
+    }
+    if (!gives_way_ && !done && now_ < return_by_) return true;
+    if (!gives_way_) way_back_ = next(way_back_);
+    gives_way_ = asked_ = false;
+    squeezed_ = {};
+    if (way_back_ == WayBack::none) return false;
+    if (way_back_ == WayBack::joints) {
       Goal g = Set::start_skill(Set::template index<behaviour::Return>());
       auto& to = g.goals.template of<JointGoal<6>>();
       double way = 0;
-      for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(before_[i] - q[i]));
+      for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(high_[i] - q[i]));
       to.has = true;
-      to.goal = {before_, nanoseconds(std::max(0.5, 1.9 * way / 1.5))};
-      return_by_ = now_ + to.goal.duration + 4s;
+      to.goal = {high_, nanoseconds(std::max(0.5, 1.9 * way / 1.5))};
       send(g);
-      return true;
+    } else {
+      Part back{Set::start_skill(Set::template index<behaviour::Reaching>()), true,
+                way_back_ == WayBack::over ? at(from_, std::max(from_.z, s_.carry)) : from_};
+      back.request.tolerance = {.position = 0.003, .orientation = 0.05};
+      ask(back);
     }
-    if (!returns_) return false;
-    const auto told = Set::report_of(memory_->law, ticket_);
-    returns_ = now_ < return_by_ && !(told.phase == SkillPhase::finished && told.ticket == ticket_);
     asked_ = false;
-    squeezed_ = {};
-    return returns_;
+    return_by_ = now_ + 5s;
+    return true;
+  }
+  /// Where an arm that gave way is on its way back.
+  enum class WayBack : unsigned char { none, joints, over, down };
+  static WayBack next(WayBack w) {
+    return w == WayBack::down ? WayBack::none : static_cast<WayBack>(static_cast<unsigned char>(w) + 1);
   }
   void send(Goal g) {
     ticket_ = ticket_ == 0xffff ? std::uint16_t(1) : std::uint16_t(ticket_ + 1);
@@ -434,10 +461,12 @@ class Worker {
   std::uint16_t ticket_ = 0;
   bool asked_ = false, answer_ = true, judging_ = false, kept_ = false, other_waits_ = false;
   RightOfWay way_;
-  bool gives_way_ = false, returns_ = false, displaced_ = false;
+  WayBack way_back_ = WayBack::none;
+  bool gives_way_ = false, rises_ = false, displaced_ = false;
   int gave_way_ = 0, set_right_ = 0;
-  skinctl::JointPosition<6> before_;
-  skinctl::Nanoseconds seen_at_{-1s}, return_by_{};
+  skinctl::JointPosition<6> high_ = A::home();
+  skinctl::Xyz<double> from_{0, 0, 0};
+  skinctl::Nanoseconds seen_at_{-1s}, return_by_{}, given_way_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
   skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{};
