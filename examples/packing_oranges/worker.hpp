@@ -262,10 +262,7 @@ class Worker {
       way_back_ = WayBack::joints;
       return true;
     }
-    if (way_back_ == WayBack::none) {
-      if (!low) high_ = q;
-      return false;
-    }
+    if (way_back_ == WayBack::none) return false;
     if (!gives_way_ && !done && now_ < return_by_) return true;
     if (!gives_way_) way_back_ = next(way_back_);
     gives_way_ = asked_ = false;
