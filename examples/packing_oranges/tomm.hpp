@@ -218,7 +218,7 @@ struct Arm {
     using namespace skinctl;
     SkinSettings settings;
     settings.force = EventGate<>::dead_band(0.02);
-    const CellGains gains{.force = newtons_per_reading, .proximity = 8};
+    const CellGains gains{.force = newtons_per_reading, .proximity = 16};
     constexpr auto& c = R::cells;
     const auto first = [](std::size_t before) { return static_cast<std::uint32_t>(before + 1); };
     constexpr std::size_t inner = c[0] + forearm_cells, outer = inner + c[1], last = outer + c[2];
