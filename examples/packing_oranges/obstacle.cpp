@@ -46,16 +46,14 @@ std::span<const double> Eyes::look(std::span<const skinctl::Transform<skinctl::W
 
 void Passer::begin(double stands, std::span<const Capsule<>> near) {
   const auto in = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random_); };
-  const double a = in(-M_PI, M_PI), up = in(-0.15, 0.15), half = in(0, 1) < 0.5 ? 0 : in(0.05, 0.2),
-               b = in(-M_PI, M_PI);
+  const double a = in(-M_PI, M_PI), up = in(-0.15, 0.15);
   along_ = {std::cos(up) * std::cos(a), std::cos(up) * std::sin(a), std::sin(up)};
   from_ = Xyz<double>{in(-0.3, 0.3), in(-0.4, 0.4), in(0.35, 0.6)} - 0.9 * along_;
-  rod_ = {half * Xyz<double>{std::cos(b), std::sin(b), 0}, -half * Xyz<double>{std::cos(b), std::sin(b), 0},
-          in(0.03, 0.06)};
+  radius_ = in(0.03, 0.06);
   way_ = 0;
   for (double s = 0; s < 1.8; s += 0.02) {
     const Xyz<double> p = from_ + s * along_;
-    const Capsule<> at{p + rod_.from, p + rod_.to, rod_.radius};
+    const Capsule<> at{p, p, radius_};
     if (p.z < 0.3) return;
     for (const double x : {stands, -stands})
       if (distance(at, Capsule<>{{x, 0, 0}, {x, 0, 0.25}, 0.12}).distance < 0.25) return;
@@ -63,7 +61,7 @@ void Passer::begin(double stands, std::span<const Capsule<>> near) {
     for (const auto& c : near)
       if (distance(at, c).distance < 0.25) return;
   }
-  at_ = {from_ + rod_.from, from_ + rod_.to, rod_.radius};
+  at_ = {from_, from_, radius_};
   ++passes_;
 }
 
@@ -75,7 +73,7 @@ const Capsule<>& Passer::step(double dt, double stands, std::span<const Capsule<
   }
   way_ += speed_ * dt;
   const Xyz<double> p = from_ + way_ * along_;
-  at_ = {p + rod_.from, p + rod_.to, rod_.radius};
+  at_ = {p, p, radius_};
   if (way_ > 1.8) at_.radius = 0, rests_ = 2;
   return at_;
 }

@@ -59,7 +59,8 @@ class Eyes {
   std::normal_distribution<double> normal_;
 };
 
-/// A ball or a rod that is carried straight through the room of both arms, again and again, each time another way.
+/// A ball that is carried straight through the room of both arms, 0.3 m above the table or higher, again and again, each
+/// time another way.
 class Passer {
  public:
   Passer(double speed, std::uint64_t seed) : speed_(speed), random_(seed) {}
@@ -73,8 +74,8 @@ class Passer {
   double speed_;
   std::mt19937_64 random_;
   skinctl::Xyz<double> from_{0, 0, 0}, along_{0, 0, 0};
-  skinctl::Capsule<> rod_{{0, 0, 0}, {0, 0, 0}, 0}, at_{{0, 0, 0}, {0, 0, 0}, 0};
-  double way_ = 0, rests_ = 2;
+  skinctl::Capsule<> at_{{0, 0, 0}, {0, 0, 0}, 0};
+  double radius_ = 0, way_ = 0, rests_ = 2;
   int passes_ = 0;
 };
 

@@ -269,6 +269,7 @@ class Run {
       ++(p.end == Packed::End::box ? out.box : p.end == Packed::End::bin ? out.bins : out.lost);
     for (std::size_t k = 0; k < arms * slots; ++k)
       if (world_.there(k)) out.oranges.push_back({world_.orange(k)});
+    if (obstacle_.radius > 0) out.things.push_back({obstacle_.from, obstacle_.radius});
     for (std::size_t a = 0; a < arms; ++a) {
       const Worker<R>& w = *workers_[a];
       ArmScenery& arm = out.arm[a];

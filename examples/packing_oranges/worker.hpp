@@ -259,12 +259,15 @@ class Worker {
         ask(away);
       }
       gives_way_ = true;
-      way_back_ = WayBack::joints;
+      way_back_ = WayBack::up;
+      tries_ = 0;
       return true;
     }
     if (way_back_ == WayBack::none) return false;
     if (!gives_way_ && !done && now_ < return_by_) return true;
-    if (!gives_way_) way_back_ = next(way_back_);
+    // Joints that are not reached are tried again: from there a hand cannot go straight.
+    const bool again = way_back_ == WayBack::joints && told.phase != SkillPhase::finished && ++tries_ < 5;
+    if (!gives_way_) way_back_ = again ? WayBack::up : next(way_back_);
     gives_way_ = asked_ = false;
     squeezed_ = {};
     if (way_back_ == WayBack::none) return false;
@@ -278,16 +281,18 @@ class Worker {
       send(g);
     } else {
       Part back{Set::start_skill(Set::template index<behaviour::Reaching>()), true,
-                way_back_ == WayBack::over ? at(from_, std::max(from_.z, s_.carry)) : from_};
+                way_back_ == WayBack::up     ? at(X_WH_.origin(), std::max(X_WH_.origin().z, s_.carry))
+                : way_back_ == WayBack::over ? at(from_, std::max(from_.z, s_.carry))
+                                             : from_};
       back.request.tolerance = {.position = 0.003, .orientation = 0.05};
       ask(back);
     }
     asked_ = false;
-    return_by_ = now_ + 5s;
+    return_by_ = now_ + (way_back_ == WayBack::up ? 1s : 5s);
     return true;
   }
   /// Where an arm that gave way is on its way back.
-  enum class WayBack : unsigned char { none, joints, over, down };
+  enum class WayBack : unsigned char { none, up, joints, over, down };
   static WayBack next(WayBack w) {
     return w == WayBack::down ? WayBack::none : static_cast<WayBack>(static_cast<unsigned char>(w) + 1);
   }
@@ -460,7 +465,7 @@ class Worker {
   RightOfWay way_;
   WayBack way_back_ = WayBack::none;
   bool gives_way_ = false, rises_ = false, displaced_ = false;
-  int gave_way_ = 0, set_right_ = 0;
+  int gave_way_ = 0, set_right_ = 0, tries_ = 0;
   skinctl::JointPosition<6> high_ = A::home();
   skinctl::Xyz<double> from_{0, 0, 0};
   skinctl::Nanoseconds seen_at_{-1s}, return_by_{}, given_way_{};
