@@ -146,10 +146,6 @@ struct Arm {
     skinctl::ClearanceAround<near_most> c;
     for (std::size_t i = 0; i < 6; ++i) c.own.capsules.push_back({i, R::shapes[i]});
     c.own.capsules.push_back({5, around_hand});
-    // The fingers and the table, where something pushes the arm down.
-    c.own.capsules.push_back({5, {{0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.004}});
-    c.own.capsules.push_back({skinctl::LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});
-    c.own.pairs = {{7, 8}};
     c.own.margin = 0.02;
     c.own.reach = R::reach;
     c.exposed = {0, 1, 2, 3, 4, 5, 6};
@@ -233,6 +229,12 @@ struct Arm {
   static auto scene() {
     using namespace skinctl;
     const auto arm = robot();
+    auto clear = clearance();
+    // The fingers and the table, where something pushes the arm down.
+    clear.own.capsules.push_back(
+        {5, {{0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.004}});
+    clear.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});
+    clear.own.pairs = {{7, 8}};
     auto o = operational_settings(arm);
     o.tracking.lambda = 40;
     o.tracking.K_c = 6;  // an arm that was pushed aside comes back at 6 times the way in a second
@@ -246,7 +248,7 @@ struct Arm {
                      skill_controller<controller::SkinJoint>(SkinJointControl{}),
                      skill_controller<controller::SplineJoint>(SplineJoint(arm)),
                      skill_controller<controller::SplineOperational>(SplineOperational(tool(), o))))
-        .with(clearance());
+        .with(clear);
   }
   using Scene = decltype(scene());
   using Set = typename Scene::law_type;
