@@ -44,7 +44,7 @@ std::string json(const Scenery& s) {
     return text("[%.3f,%.3f,%.3f,%.3f]", o.p.x, o.p.y, o.p.z, o.radius);
   };
   return text("{\"time\":%.3f,\"robot\":\"%s\",", s.time, s.robot.c_str()) + "\"arms\":" + each(s.arm, arm) +
-         ",\"oranges\":" + each(s.oranges, orange) +
+         ",\"oranges\":" + each(s.oranges, orange) + ",\"things\":" + each(s.things, orange) +
          text(",\"box\":%d,\"bins\":%d,\"lost\":%d,\"all\":%d}", s.box, s.bins, s.lost, s.all);
 }
 std::string json_of_trays() {

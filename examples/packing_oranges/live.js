@@ -41,6 +41,7 @@ function draw() {
   const things = [];
   const ball = (x, y, z, r, colour) => { const p = at(x, y, z); things.push([p[3], () => { g.beginPath(), g.arc(p[0], p[1], r * p[2], 0, 7), g.fillStyle = colour, g.fill(), g.lineWidth = 1, g.strokeStyle = 'rgba(0,0,0,.35)', g.stroke(); }]); };
   for (const [x, y, z, r] of s.oranges) ball(x, y, z, r, '#f28c1e');
+  for (const [x, y, z, r] of s.things) ball(x, y, z, r, '#a02c6e');
   const capsule = (c, colour, arm) => {
     const p = at(c[0], c[1], c[2]), q = at(c[3], c[4], c[5]), r = c[6] * (p[2] + q[2]) / 2;
     things.push([(p[3] + q[3]) / 2, () => {

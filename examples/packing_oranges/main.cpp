@@ -106,6 +106,11 @@ int main(int argc, char** argv) {
   app.add_option("--touch-every", s.touch_every, "a person pushes each forearm so often [s]; 0: never")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  app.add_option("--obstacle", s.obstacle,
+                 "something moves through the room at this speed [m/s]: the arms' skin sees it and they give "
+                 "way; 0: nothing does")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--fault", fault, "none, slip, no_detector, box_blocked or touch_held")
       ->check(CLI::IsMember({"none", "slip", "no_detector", "box_blocked", "touch_held"}))
       ->capture_default_str();

@@ -92,6 +92,14 @@ std::string summary(const Outcome& o, const RunSettings& s) {
         static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm), m.went_aside);
     out += failures(m);
   }
+  if (s.obstacle > 0)
+    out += text(
+        "something passed %d times, at %.2f m/s: the arms gave way %d times, nearest %.0f mm (as capsules), "
+        "%llu ms in contact, into which an arm moved at up to %.3f m/s itself; a person set an arm right %d "
+        "times\n",
+        o.passes, s.obstacle, o.arm[0].gave_way + o.arm[1].gave_way, 1e3 * o.nearest,
+        static_cast<unsigned long long>(o.arm[0].obstacle + o.arm[1].obstacle),
+        std::max(o.arm[0].into_obstacle, o.arm[1].into_obstacle), o.arm[0].set_right + o.arm[1].set_right);
   if (s.fault != Fault::none)
     out += text("fault at %.1f s, for %.1f s: %s\n", o.fault_begins, o.fault_ends - o.fault_begins,
                 describe(s.fault));

@@ -29,6 +29,7 @@ struct RunSettings {
   std::array<bool, arms> hand{};  ///< the arm has an Allegro hand instead of a gripper
   double skin_noise = 0.1;        ///< deviation of a cell's force [N]
   bool see_each_other = true;     ///< false: only places and their order keep the arms apart
+  double obstacle = 0;            ///< something moves through the room at this speed [m/s]; 0: nothing
   Fault fault = Fault::none;
   double fault_at = 12;    ///< [s]
   int fault_step = -1;     ///< if it is one of the plan's: when the first arm begins that step, instead
@@ -59,6 +60,10 @@ struct ArmOutcome {
   int touches = 0, asked = 0;              ///< how often it was touched, and a person was asked
   int went_aside = 0;                      ///< how often, for the other arm
   std::uint64_t other_arm = 0, walls = 0;  ///< milliseconds in contact
+  std::uint64_t obstacle = 0;              ///< the same with what moves through the room
+  double into_obstacle = 0;                ///< its own speed when they met [m/s]
+  int gave_way = 0;                        ///< how often, to something that its skin saw
+  int set_right = 0;                       ///< by a person, after it was pushed off its place
   struct Point {
     double t = 0, x = 0, y = 0, z = 0, force = 0, opening = 0;
     bool touched = false;
@@ -73,6 +78,8 @@ struct Outcome {
   double computed = 0;    ///< processor time [s]
   double cycle = 0;       ///< mean processor time of a cycle of an arm with its executor [us]
   double hand_cycle = 0;  ///< the same of a hand; 0: it has none
+  int passes = 0;         ///< of the thing that moves through the room
+  double nearest = 1e9;   ///< it came to an arm, as capsules [m]
   bool over = false;      ///< all oranges are packed, and both plans have ended
   bool stopped = false;
   std::string robot;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "examples/packing_oranges/hand.hpp"
+#include "examples/packing_oranges/obstacle.hpp"
 #include "examples/packing_oranges/run.hpp"
 #include "examples/packing_oranges/worker.hpp"
 
@@ -14,9 +15,10 @@ namespace packing {
 template <class R>
 class Toucher {
  public:
-  Toucher(const RunSettings& s, std::uint64_t seed) : s_(s), cells_(Arm<R>::cells()), random_(seed) {
-    samples_.resize(cells_.size());
-    for (std::size_t i = 0; i < cells_.size(); ++i) samples_[i].cell = cells_[i].id;
+  Toucher(const RunSettings& s, std::size_t all, std::uint64_t seed)
+      : s_(s), cells_(Arm<R>::cells()), random_(seed) {
+    samples_.resize(all);
+    for (std::size_t i = 0; i < all; ++i) samples_[i].cell = static_cast<std::uint32_t>(i + 1);
   }
   /// From now on `force` newtons along the inward normal of a cell, 0: none.
   void push(World& world, std::size_t arm, double force) {
@@ -25,12 +27,17 @@ class Toucher {
     const auto& X = cells_[cell_].X_LC;
     world.push(arm, forearm, X.origin(), -force * X.axis_z());
   }
-  [[nodiscard]] std::span<const skinctl::CellSample> samples(skinctl::Nanoseconds now) {
+  /// Of all cells; `near`: what they see, nothing where it is empty.
+  [[nodiscard]] std::span<skinctl::CellSample> samples(skinctl::Nanoseconds now,
+                                                       std::span<const double> near = {}) {
     for (std::size_t i = 0; i < samples_.size(); ++i) {
+      samples_[i].time = now;
+      samples_[i].proximity = i < near.size() ? static_cast<float>(near[i]) : 0.0f;
+    }
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
       const double f = (i == cell_ ? force_ : 0) + s_.skin_noise * normal_(random_);
       const auto reading = static_cast<float>(std::clamp(f / (3 * newtons_per_reading), 0.0, 1.0));
-      samples_[i].time = now;
-      samples_[i].force = {reading, reading, reading};
+      samples_[Arm<R>::first_of_forearm + i].force = {reading, reading, reading};
     }
     return samples_;
   }
@@ -64,9 +71,12 @@ class Run {
       workers_.push_back(
           std::make_unique<Worker<R>>(a, scene_, s.hand[a] ? by_hand(s.work) : s.work, world_.joints(a)));
       if (s.hand[a]) hands_[a] = std::make_unique<Hand>(around_a_ball(), world_.fingers(a));
-      touchers_.push_back(std::make_unique<Toucher<R>>(s, s.seed * 7919 + 4 + a));
+      touchers_.push_back(
+          std::make_unique<Toucher<R>>(s, scene_.skin().places().size(), s.seed * 7919 + 4 + a));
       next_touch_[a] = s.touch_every * (a == 0 ? 0.4 : 0.9);
+      if (s.obstacle > 0) eyes_.emplace_back(scene_.skin().places(), s.seed * 7919 + 9 + a);
     }
+    if (s.obstacle > 0) passer_.emplace(s.obstacle, s.seed * 7919 + 8);
     lasts_ = s.fault_lasts > 0 ? s.fault_lasts : duration(s.fault);
   }
 
@@ -93,6 +103,7 @@ class Run {
         }
       }
       if (tick_ % 3 == 0) hold();
+      if (passer_) pass();
       world_.step();
       ++tick_;
     }
@@ -152,6 +163,25 @@ class Run {
     }
   }
 
+  /// A millisecond of the thing that moves through the room.
+  void pass() {
+    if (tick_ % 8 == 0) {
+      for (std::size_t a = 0; a < arms; ++a) shapes_[a] = A::shapes_at(A::link_places(a, world_.joints(a).q));
+      if (obstacle_.radius > 0)
+        for (const auto& shapes : shapes_)
+          for (const auto& c : shapes) out_.nearest = std::min(out_.nearest, distance(c, obstacle_).distance);
+    }
+    std::vector<skinctl::Capsule<>> all = shapes_[0];
+    all.insert(all.end(), shapes_[1].begin(), shapes_[1].end());
+    obstacle_ = passer_->step(0.001, R::stands, all);
+    world_.put_obstacle(obstacle_);
+  }
+  /// What the skin of an arm sees: the other arm, and what moves through the room.
+  [[nodiscard]] std::span<const double> look(std::size_t a) {
+    std::vector<skinctl::Capsule<>> around = shapes_[1 - a];
+    if (obstacle_.radius > 0) around.push_back(obstacle_);
+    return eyes_[a].look(A::link_places(a, world_.joints(a).q), around);
+  }
   void cycle() {
     Picture picture;
     while (detector_.take(world_.now(), picture))
@@ -172,8 +202,11 @@ class Run {
         w.keep_clear_of(world_.now(), workers_[1 - a]->occupied());
       else
         w.keep_clear_of(world_.now(), skinctl::Surroundings<1, skinctl::World>{});
-      const auto out = w.step(world_.now(), world_.joints(a), gripper(a), touchers_[a]->samples(world_.now()),
-                              places.grants[a].granted, resume);
+      const bool sees = passer_ && s_.see_each_other;
+      const auto samples = touchers_[a]->samples(world_.now(), sees ? look(a) : std::span<const double>{});
+      if (sees) w.look_around(world_.joints(a), samples);
+      const auto out =
+          w.step(world_.now(), world_.joints(a), gripper(a), samples, places.grants[a].granted, resume);
       if (out.command.valid) world_.command(a, out.command.position, out.command.velocity);
       if (hands_[a])
         asked_of_hand_[a] = out.gripper;
@@ -236,6 +269,7 @@ class Run {
       ++(p.end == Packed::End::box ? out.box : p.end == Packed::End::bin ? out.bins : out.lost);
     for (std::size_t k = 0; k < arms * slots; ++k)
       if (world_.there(k)) out.oranges.push_back({world_.orange(k)});
+    if (obstacle_.radius > 0) out.things.push_back({obstacle_.from, obstacle_.radius});
     for (std::size_t a = 0; a < arms; ++a) {
       const Worker<R>& w = *workers_[a];
       ArmScenery& arm = out.arm[a];
@@ -255,6 +289,7 @@ class Run {
   Outcome collect(double computed) {
     out_.ended = supply_.ended();
     out_.oranges = s_.supply.oranges;
+    if (passer_) out_.passes = passer_->passes();
     out_.time = time();
     out_.computed = computed;
     out_.cycle = cycles_ > 0 ? 1e6 * computed_ / static_cast<double>(arms * cycles_) : 0;
@@ -275,6 +310,10 @@ class Run {
       o.other_arm = world_.record(a).other_arm;
       o.walls = world_.record(a).walls;
       o.went_aside = workers_[a]->went_aside();
+      o.obstacle = world_.record(a).obstacle;
+      o.into_obstacle = world_.record(a).into_obstacle;
+      o.gave_way = workers_[a]->gave_way();
+      o.set_right = workers_[a]->set_right();
       for (const Packed& p : out_.ended)
         if (p.arm == a) o.busy = std::max(o.busy, p.time);
     }
@@ -294,6 +333,10 @@ class Run {
   std::vector<std::unique_ptr<Toucher<R>>> touchers_;
   std::array<double, arms> next_touch_{}, touch_until_{}, square_{}, asked_since_{-1, -1};
   std::array<std::uint64_t, arms> samples_{};
+  std::optional<Passer> passer_;
+  std::vector<Eyes> eyes_;
+  std::array<std::vector<skinctl::Capsule<>>, arms> shapes_;
+  skinctl::Capsule<> obstacle_{{0, 0, 0}, {0, 0, 0}, 0};
   Outcome out_;
   double lasts_ = 0, computed_ = 0, held_ = 0;
   std::uint64_t tick_ = 0, cycles_ = 0, holds_ = 0;

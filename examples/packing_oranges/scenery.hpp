@@ -30,8 +30,8 @@ struct Scenery {
   double time = 0;  ///< [s]
   std::string robot;
   std::array<ArmScenery, arms> arm;
-  std::vector<OrangeScenery> oranges;
-  int box = 0, bins = 0, lost = 0, all = 0;  ///< oranges that ended there; how many there are
+  std::vector<OrangeScenery> oranges, things;  ///< things: what else moves through the room
+  int box = 0, bins = 0, lost = 0, all = 0;    ///< oranges that ended there; how many there are
 };
 
 /// As JSON, without line breaks; lengths in m to the millimetre.

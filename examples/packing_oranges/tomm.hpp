@@ -6,9 +6,11 @@
 
 #include "examples/packing_oranges/arm_body.hpp"
 #include "examples/packing_oranges/gripper.hpp"
+#include "examples/packing_oranges/obstacle.hpp"
 #include "examples/packing_oranges/plan.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/describe.hpp"
@@ -32,6 +34,8 @@ struct Ur5 {
   static constexpr double flange = Description::d6;
   static constexpr double stands = 0.6;  ///< from the middle of the box [m]
   static constexpr double reach = 1.3;   ///< of the hand, from any joint axis [m], at most
+  /// Cells on the upper arm, both inner wrists, and the last link with the hand; beside those of the forearm.
+  static constexpr std::size_t cells[] = {63, 18, 18, 74};
   /// The tubes that skin covers; the half spheres at the ends of a capsule take 30 mm of the wrists.
   static constexpr auto shapes = [] {
     std::array<skinctl::Capsule<>, 6> out{};
@@ -54,6 +58,14 @@ struct Grasp {
 struct LetGo {
   static constexpr const char* name = "let_go";
 };
+/// What is seen and not known is given way to by the whole arm: without a goal, the push of the cells moves every joint.
+struct GiveWay {
+  static constexpr const char* name = "give_way";
+};
+/// Back to the joints from where it gave way.
+struct Return {
+  static constexpr const char* name = "return";
+};
 using skinctl::behaviour::Putting;
 using skinctl::behaviour::Reaching;
 using skinctl::behaviour::Squeezing;
@@ -68,11 +80,16 @@ inline constexpr auto skills_of_tomm = [] {
   constexpr SkillConditions there{.finish = SkillFinish::settled, .hold = 16ms};
   constexpr SkillConditions gripped{.finish = SkillFinish::gripped, .hold = 24ms};
   constexpr SkillConditions opened{.finish = SkillFinish::opened, .hold = 16ms};
-  return boost::hana::make_map(skill<behaviour::Rest>(law), skill<behaviour::Reaching>(law.when(there)),
-                               skill<behaviour::Putting>(law.when(there)),
-                               skill<behaviour::Grasp>(law.gripping({0, 0.8, 0.08}).when(gripped)),
-                               skill<behaviour::Squeezing>(law.gripping({0, 6.8, 0.015}).when(gripped)),
-                               skill<behaviour::LetGo>(law.gripping({0.11, 5, 0.15}).when(opened)));
+  return boost::hana::make_map(
+      skill<behaviour::Rest>(law), skill<behaviour::Reaching>(law.when(there)),
+      skill<behaviour::Putting>(law.when(there)),
+      skill<behaviour::Grasp>(law.gripping({0, 0.8, 0.08}).when(gripped)),
+      skill<behaviour::Squeezing>(law.gripping({0, 6.8, 0.015}).when(gripped)),
+      skill<behaviour::LetGo>(law.gripping({0.11, 5, 0.15}).when(opened)),
+      skill<behaviour::GiveWay>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>())),
+      skill<behaviour::Return>(
+          recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::SplineJoint>())
+              .when(there)));
 }();
 
 /// What each activity of the plan is for this robot.
@@ -128,11 +145,31 @@ struct Arm {
   static skinctl::ClearanceAround<near_most> clearance() {
     skinctl::ClearanceAround<near_most> c;
     for (std::size_t i = 0; i < 6; ++i) c.own.capsules.push_back({i, R::shapes[i]});
-    c.own.capsules.push_back({5, {{0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.08}});
+    c.own.capsules.push_back({5, around_hand});
     c.own.margin = 0.02;
     c.own.reach = R::reach;
     c.exposed = {0, 1, 2, 3, 4, 5, 6};
     return c;
+  }
+  /// Where the links are in the world; and their shapes, and the hand's.
+  using LinkPlaces = std::array<skinctl::Transform<skinctl::World, skinctl::Tool>, 6>;
+  static LinkPlaces link_places(std::size_t arm, const skinctl::JointPosition<6>& q) {
+    LinkPlaces out;
+    const auto poses = skinctl::link_poses(Model{}, q);
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      ((out[I] = (base(arm) * poses.template get<I>()).template renamed<skinctl::World, skinctl::Tool>()),
+       ...);
+    }(std::make_index_sequence<6>());
+    return out;
+  }
+  static std::vector<skinctl::Capsule<>> shapes_at(const LinkPlaces& links) {
+    std::vector<skinctl::Capsule<>> out;
+    for (std::size_t k = 0; k < 7; ++k) {
+      const auto& X = links[k < 6 ? k : 5];
+      const skinctl::Capsule<> s = k < 6 ? R::shapes[k] : around_hand;
+      out.push_back({X.origin() + X.axes() * s.from, X.origin() + X.axes() * s.to, s.radius});
+    }
+    return out;
   }
   /// Links and palm, where they are in the world.
   static std::vector<skinctl::Capsule<>> parts(std::size_t arm, const skinctl::JointPosition<6>& q) {
@@ -165,28 +202,53 @@ struct Arm {
     const Xyz<double> middle = 0.5 * (s.from + s.to);
     return cover(
         Transform<Link<forearm>, Surface>({{0.0, 1.0, 0.0}, {0.0, 0.0, -1.0}, {-1.0, 0.0, 0.0}}, middle),
-        CylinderSurface{s.radius, norm(Xyz<double>(s.to - s.from))}, forearm_cells, 1);
+        CylinderSurface{s.radius, norm(Xyz<double>(s.to - s.from))}, forearm_cells,
+        static_cast<std::uint32_t>(first_of_forearm) + 1);
+  }
+  /// The palm and what it holds, as a capsule of the last link.
+  static constexpr skinctl::Capsule<> around_hand{
+      {0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.08};
+  /// Cells of the forearm feel what touches them; all see what is near. Ids count from 1 in the order of the patches.
+  static constexpr std::size_t first_of_forearm = R::cells[0];
+  static auto skin() {
+    using namespace skinctl;
+    SkinSettings settings;
+    settings.force = EventGate<>::dead_band(0.02);
+    const CellGains gains{.force = newtons_per_reading, .proximity = 16};
+    constexpr auto& c = R::cells;
+    const auto first = [](std::size_t before) { return static_cast<std::uint32_t>(before + 1); };
+    constexpr std::size_t inner = c[0] + forearm_cells, outer = inner + c[1], last = outer + c[2];
+    return Skin<Model, double, Patch<1, c[0]>, Patch<forearm, forearm_cells>, Patch<3, c[1]>, Patch<4, c[2]>,
+                Patch<5, c[3]>>(
+        Patch<1, c[0]>(cells_around<1>({R::shapes[1]}, first(0)), gains),
+        Patch<forearm, forearm_cells>(cells(), gains),
+        Patch<3, c[1]>(cells_around<3>({R::shapes[3]}, first(inner)), gains),
+        Patch<4, c[2]>(cells_around<4>({R::shapes[4]}, first(outer)), gains),
+        Patch<5, c[3]>(cells_around<5>({R::shapes[5], around_hand}, first(last)), gains), settings);
   }
   static auto scene() {
     using namespace skinctl;
     const auto arm = robot();
-    SkinSettings settings;
-    settings.force = EventGate<>::dead_band(0.02);
-    const Skin<Model, double, Patch<forearm, forearm_cells>> skin(
-        Patch<forearm, forearm_cells>(cells(), {.force = newtons_per_reading}), settings);
+    auto clear = clearance();
+    // The fingers and the table, where something pushes the arm down.
+    clear.own.capsules.push_back(
+        {5, {{0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.004}});
+    clear.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});
+    clear.own.pairs = {{7, 8}};
     auto o = operational_settings(arm);
     o.tracking.lambda = 40;
     o.tracking.K_c = 6;  // an arm that was pushed aside comes back at 6 times the way in a second
     o.tracking.max_velocity = JointVelocity<6>::constant(2.0);
     o.max_linear_velocity = 1.0;
     o.max_angular_velocity = 3.0;
-    return Cycle(arm, skin,
+    return Cycle(arm, skin(),
                  skill_set<behaviour::Rest>(
                      skills_of_tomm, {.bumpless_transfer = 40ms}, OneGripper(gripper_range),
                      skill_controller<controller::Gravity>(GravityControl{}),
                      skill_controller<controller::SkinJoint>(SkinJointControl{}),
+                     skill_controller<controller::SplineJoint>(SplineJoint(arm)),
                      skill_controller<controller::SplineOperational>(SplineOperational(tool(), o))))
-        .with(clearance());
+        .with(clear);
   }
   using Scene = decltype(scene());
   using Set = typename Scene::law_type;

@@ -9,6 +9,7 @@
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
 #include "skinctl/semantics/resources.hpp"
+#include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/squeeze.hpp"
 
 namespace packing {
@@ -45,6 +46,7 @@ class Worker {
         }()),
         known_(objects_.start()),
         X_WB_(A::base(arm)),
+        sight_(typename A::Model{}, scene.skin().places(), {.range = sight_range, .half_angle = sight_cone}),
         memory_(std::make_unique<typename Scene::Memory>()) {
     scene_.start(*memory_, measured);
     plan_ = executor_.start(measured.time);
@@ -78,7 +80,9 @@ class Worker {
   /// Whether the other arm goes first where the two are in each other's way.
   void goes_first(bool first) { way_.goes_first(first); }
   /// Whether it is kept from its way; and whether the other one is.
-  [[nodiscard]] bool waits() const { return kept_ && asked_ && way_.waited() > 250ms; }
+  [[nodiscard]] bool waits() const {
+    return (kept_ && asked_ && way_.waited() > 250ms) || (gives_way_ && kept_);
+  }
   void other_waits(bool waits) { other_waits_ = waits; }
   /// How often it went aside for the other arm.
   [[nodiscard]] int went_aside() const { return way_.times(); }
@@ -91,6 +95,30 @@ class Worker {
     input_.around.add(X_WB_.inverse(), other);
   }
 
+  /// What the cells see beside the other arm is to be kept clear of, and given way to. The readings that the other arm
+  /// explains become nothing.
+  void look_around(const skinctl::State<6>& measured, std::span<skinctl::CellSample> samples) {
+    sight_.each_known(
+        measured.q, [&](std::size_t i) { return samples[i].proximity; }, input_.around,
+        [&](std::size_t i) { samples[i].proximity = 0; });
+    const std::size_t seen = sight_.look(
+        measured.q,
+        [&](std::size_t i) {
+          return scene_.skin().held(memory_->skin, i).proximity * double(skinctl::CellCounts::proximity_unit);
+        },
+        input_.around);
+    if (seen > 0) seen_at_ = measured.time;
+    // A person sets right an arm that something pushed off its place.
+    if (displaced_ && measured.time - seen_at_ > 1s) {
+      input_.request = skinctl::CycleRequest::resume;
+      displaced_ = false;
+      ++set_right_;
+    }
+  }
+  /// How often it gave way to something unknown, and a person set it right.
+  [[nodiscard]] int gave_way() const { return gave_way_; }
+  [[nodiscard]] int set_right() const { return set_right_; }
+
   /// A cycle.
   typename Scene::Output step(skinctl::Nanoseconds now, const skinctl::State<6>& measured,
                               const skinctl::GripperState& gripper,
@@ -99,7 +127,8 @@ class Worker {
     gripper_ = gripper;
     const auto was = X_WH_.origin();
     X_WH_ = X_WB_ * A::hand(measured.q);
-    way_.step(now, kept_, norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
+    way_.step(now, kept_ && way_back_ == WayBack::none,
+              norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
     const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
     features_ = extractor_.step(featured_, objects_, known_, hand);
     // Without an opening: what the fingers close at their constant speed.
@@ -107,21 +136,27 @@ class Worker {
       squeeze_.take(squeezed_, gripper.force,
                     s_.by_time ? closing_speed * skinctl::seconds<double>(now) : -gripper.opening);
 
-    const auto result = executor_.step(plan_, {.now = now,
-                                               .seen = observed(features_),
-                                               .skill = report_,
-                                               .answer = answer_,
-                                               .granted = granted,
-                                               .resume = resume});
-    note(plan_, result.memory, result.request);
-    plan_ = result.memory;
-    request_ = result.request;
+    // The plan waits while the arm gives way: nothing fails then because it takes long.
     input_.has_goal = false;
-    perform(result.request);
+    if (gives_way(measured.q)) {
+      given_way_ += now - input_.now;
+    } else {
+      const auto result = executor_.step(plan_, {.now = now - given_way_,
+                                                 .seen = observed(features_),
+                                                 .skill = report_,
+                                                 .answer = answer_,
+                                                 .granted = granted,
+                                                 .resume = resume});
+      note(plan_, result.memory, result.request);
+      plan_ = result.memory;
+      request_ = result.request;
+      perform(result.request);
+    }
 
     // Where it has nothing to do it makes room for the other arm.
     const bool idle = finished() || (report_.phase == skinctl::SkillPhase::running && parts_.empty());
-    if (other_waits_ && idle && !way_.is_aside()) go_aside(Set::start_skill(A::skills(&GoBack::rule)));
+    if (other_waits_ && idle && !way_.is_aside() && way_back_ == WayBack::none)
+      go_aside(Set::start_skill(A::skills(&GoBack::rule)));
 
     input_.now = now;
     input_.measured = measured;
@@ -130,6 +165,7 @@ class Worker {
     const auto out = scene_.step(*memory_, input_);
     input_.request = skinctl::CycleRequest::none;
     kept_ = out.status.has(skinctl::Reason::clearance_kept);
+    displaced_ = out.status.has(skinctl::Reason::displaced);
     return out;
   }
 
@@ -199,6 +235,73 @@ class Worker {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
     judging_ = false;
   }
+  /// While something unknown is near, the arm gives way with what is in the hand: up, then with all joints. Then it
+  /// returns by way of the last joints at which its hand was high, and goes on with its part. Whether this cycle is taken
+  /// by that.
+  bool gives_way(const skinctl::JointPosition<6>& q) {
+    using namespace skinctl;
+    const bool low = X_WH_.origin().z < s_.carry - 0.05;
+    const auto told = Set::report_of(memory_->law, ticket_);
+    const bool done = told.ticket == ticket_ && told.phase != SkillPhase::running;
+    if (now_ - seen_at_ < 300ms) {
+      if (way_back_ == WayBack::none) from_ = X_WH_.origin();
+      if (!gives_way_) ++gave_way_;
+      if (!gives_way_ || (rises_ && (done || !low))) {
+        rises_ = low && !gives_way_;
+        // Fingers that are around an orange close and take it along: it is back in its place when the arm is.
+        const bool holds = features_.in_hand || plan_.step == step::take;
+        Part away{Set::start_skill(rises_ ? Set::template index<behaviour::Putting>()
+                                          : Set::template index<behaviour::GiveWay>()),
+                  rises_, at(X_WH_.origin(), s_.carry)};
+        auto& grip = away.request.goals.template of<GripperGoal>();
+        grip.has = true;
+        grip.goal = holds ? GripperGoal{0, s_.hold, 0.02} : GripperGoal{gripper_range.opening, 5, 0.15};
+        ask(away);
+      }
+      gives_way_ = true;
+      way_back_ = WayBack::up;
+      tries_ = 0;
+      return true;
+    }
+    if (way_back_ == WayBack::none) return false;
+    if (!gives_way_ && !done && now_ < return_by_) return true;
+    // Joints that are not reached are tried again: from there a hand cannot go straight.
+    const bool again = way_back_ == WayBack::joints && told.phase != SkillPhase::finished && ++tries_ < 5;
+    if (!gives_way_) way_back_ = again ? WayBack::up : next(way_back_);
+    gives_way_ = asked_ = false;
+    squeezed_ = {};
+    if (way_back_ == WayBack::none) return false;
+    if (way_back_ == WayBack::joints) {
+      Goal g = Set::start_skill(Set::template index<behaviour::Return>());
+      auto& to = g.goals.template of<JointGoal<6>>();
+      double way = 0;
+      for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(high_[i] - q[i]));
+      to.has = true;
+      to.goal = {high_, nanoseconds(std::max(0.5, 1.9 * way / 1.5))};
+      send(g);
+    } else {
+      Part back{Set::start_skill(Set::template index<behaviour::Reaching>()), true,
+                way_back_ == WayBack::up     ? at(X_WH_.origin(), std::max(X_WH_.origin().z, s_.carry))
+                : way_back_ == WayBack::over ? at(from_, std::max(from_.z, s_.carry))
+                                             : from_};
+      back.request.tolerance = {.position = 0.003, .orientation = 0.05};
+      ask(back);
+    }
+    asked_ = false;
+    return_by_ = now_ + (way_back_ == WayBack::up ? 1s : 5s);
+    return true;
+  }
+  /// Where an arm that gave way is on its way back.
+  enum class WayBack : unsigned char { none, up, joints, over, down };
+  static WayBack next(WayBack w) {
+    return w == WayBack::down ? WayBack::none : static_cast<WayBack>(static_cast<unsigned char>(w) + 1);
+  }
+  void send(Goal g) {
+    ticket_ = ticket_ == 0xffff ? std::uint16_t(1) : std::uint16_t(ticket_ + 1);
+    g.ticket = ticket_;
+    input_.goal = g;
+    input_.has_goal = true;
+  }
   /// The other arm is in the way, and this one in its: back towards its own base for a while, then the same part again.
   void go_aside(const Goal& request) {
     Part aside{request, true, X_WH_.origin()};
@@ -222,10 +325,8 @@ class Worker {
     }
     if (starts && part_ > 0 && memory_->law.skill == g.skill)
       g.kind = static_cast<unsigned char>(Goal::Kind::goal);
-    ticket_ = ticket_ == 0xffff ? std::uint16_t(1) : std::uint16_t(ticket_ + 1);
-    g.ticket = ticket_;
-    input_.goal = g;
-    input_.has_goal = asked_ = true;
+    send(g);
+    asked_ = true;
   }
 
   void add(std::uint8_t skill, const skinctl::Xyz<double>& to, double near) {
@@ -350,6 +451,7 @@ class Worker {
   skinctl::Transform<skinctl::World, skinctl::Base> X_WB_;
   skinctl::Transform<skinctl::World, skinctl::Tool> X_WH_;
   skinctl::Rotation<double> R_;  ///< of the hand, always: it points down
+  skinctl::Sightings<typename A::Model> sight_;
   std::unique_ptr<typename Scene::Memory> memory_;
   typename Scene::Input input_;
   typename Executor::Memory plan_;
@@ -361,6 +463,12 @@ class Worker {
   std::uint16_t ticket_ = 0;
   bool asked_ = false, answer_ = true, judging_ = false, kept_ = false, other_waits_ = false;
   RightOfWay way_;
+  WayBack way_back_ = WayBack::none;
+  bool gives_way_ = false, rises_ = false, displaced_ = false;
+  int gave_way_ = 0, set_right_ = 0, tries_ = 0;
+  skinctl::JointPosition<6> high_ = A::home();
+  skinctl::Xyz<double> from_{0, 0, 0};
+  skinctl::Nanoseconds seen_at_{-1s}, return_by_{}, given_way_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
   skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{};

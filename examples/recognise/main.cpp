@@ -40,24 +40,26 @@ void confusion(const char* name, const Score& s) {
   }
   std::printf("\n");
 }
-/// Prints each new word; with `speed` > 0 in that multiple of real time, until it is asked to stop.
-Outcome tell(const Recording& recording, double speed, const std::atomic<bool>& stopped) {
+/// Prints each new word, of `IntentRules` if `intent`; with `speed` > 0 in that multiple of real time, until it is asked to stop.
+Outcome tell(const Recording& recording, double speed, bool intent, const std::atomic<bool>& stopped) {
   Activity last = Activity::unknown;
   const auto begun = std::chrono::steady_clock::now();
   std::printf("%8s %8s  %-16s %s\n", "said [s]", "since", "", "meant");
-  return play(recording, [&](const Line& l, const Recognised& r, const Features& f) {
-    const auto due = begun + std::chrono::duration<double>(speed > 0 ? l.time / speed : 0);
-    while (!stopped && std::chrono::steady_clock::now() < due)
-      std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(
-          due - std::chrono::steady_clock::now(), std::chrono::milliseconds(50)));
-    if (stopped) return;
-    if (r.activity == last) return;
-    last = r.activity;
-    std::printf("%8.3f %8.3f  %-16s %s\n", l.time, seconds<double>(r.since),
-                r.activity == Activity::use ? describe_use(f, uses) : describe(r.activity),
-                describe(l.meant));
-    std::fflush(stdout);
-  });
+  return play(recording,
+              [&](const Line& l, const Recognised& defined, const Recognised& meant, const Features& f) {
+                const Recognised& r = intent ? meant : defined;
+                const auto due = begun + std::chrono::duration<double>(speed > 0 ? l.time / speed : 0);
+                while (!stopped && std::chrono::steady_clock::now() < due)
+                  std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(
+                      due - std::chrono::steady_clock::now(), std::chrono::milliseconds(50)));
+                if (stopped) return;
+                if (r.activity == last) return;
+                last = r.activity;
+                std::printf("%8.3f %8.3f  %-16s %s\n", l.time, seconds<double>(r.since),
+                            r.activity == Activity::use ? describe_use(f, uses) : describe(r.activity),
+                            describe(l.meant));
+                std::fflush(stdout);
+              });
 }
 int finish(const Outcome& outcome, bool stopped) {
   if (stopped) return examples::job::code(examples::job::Exit::interrupted);
@@ -78,6 +80,7 @@ int main(int argc, char** argv) {
   std::uint64_t seed = 1;
   double speed = 1;
   int people = 5;
+  bool intent = false;
   const auto with_task = [&](CLI::App* command) {
     command->add_option("--task", task, "packing, pancake, sandwich or table")
         ->check(CLI::IsMember(tasks))
@@ -90,10 +93,15 @@ int main(int argc, char** argv) {
   live->add_option("--speed", speed, "times real time; 0: as fast as possible")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
+  const auto with_words = [&](CLI::App* command) {
+    command->add_flag("--intent", intent, "say what the person means, not what holds by definition");
+  };
+  with_words(live);
   auto* record_to = with_task(app.add_subcommand("record", "writes what a simulated person does to a file"));
   record_to->add_option("file", file)->required();
   auto* from = app.add_subcommand("play", "words and tables of a recording");
   from->add_option("file", file)->required();
+  with_words(from);
   auto* tables =
       app.add_subcommand("tables", "the four tasks by several people, and what is mistaken for what");
   tables->add_option("--people", people)->check(CLI::Range(1, 1000))->capture_default_str();
@@ -106,7 +114,7 @@ int main(int argc, char** argv) {
   try {
     const examples::job::StopSignals signals;
     const auto say = [&](const Recording& recording, double pace) {
-      const Outcome outcome = tell(recording, pace, signals.asked());
+      const Outcome outcome = tell(recording, pace, intent, signals.asked());
       return finish(outcome, signals.asked());
     };
     if (live->parsed()) return say(record(simulated(tasks.at(task), seed), seed + 1), speed);

@@ -2,17 +2,20 @@
 #pragma once
 
 #include "examples/recognise/recording.hpp"
+#include "skinctl/semantics/intent_rules.hpp"
 
 namespace recognise {
 
 /// What came out of a recording.
 struct Outcome {
-  std::vector<skinctl::testing::Said> said;
+  std::vector<skinctl::testing::Said> said;        ///< by `Rules`
+  std::vector<skinctl::testing::Said> said_meant;  ///< by `IntentRules`
+  /// `Rules` against the labels by definition, `IntentRules` against what was meant.
   skinctl::testing::Score by_definition, by_intent;
   bool labelled = false;  ///< the recording says what was meant
 };
 
-/// Calls `each(line, recognised, features)` for every line. Pictures arrive 60 ms after they were taken.
+/// Calls `each(line, recognised, meant, features)` for every line, with the words of `Rules` and `IntentRules`. Pictures arrive 60 ms after they were taken.
 template <class Each>
 Outcome play(const Recording& recording, Each&& each) {
   using namespace skinctl;
@@ -21,12 +24,14 @@ Outcome play(const Recording& recording, Each&& each) {
   settings.tools = thing::tools;
   const FeatureExtractor<> extractor(settings);
   const Recogniser<> recogniser;
+  const Recogniser<IntentRules> meaning;
   std::array<ObjectClass, led_things> kinds{};
   std::copy(recording.kinds.begin(), recording.kinds.end(), kinds.begin());
   const ObjectWorld<led_things> world(kinds);
   auto objects = world.start();
   FeatureExtractor<>::Memory memory;
   Recogniser<>::Memory words;
+  Recogniser<IntentRules>::Memory meanings;
   Outcome out;
   Words meant, defined;
   std::size_t pictures = 0;
@@ -42,16 +47,21 @@ Outcome play(const Recording& recording, Each&& each) {
                             Transform<World, Tool>::translation_xyz(l.p.x, l.p.y, l.p.z), 0.0002, l.force};
     const auto features = extractor.step(memory, world, objects, hand);
     const auto r = recogniser.step(words, features);
-    if (out.said.empty() || out.said.back().word != r.activity)
-      out.said.push_back({l.time, seconds<double>(r.since), r.activity});
+    const auto m = meaning.step(meanings, features);
+    const auto note = [&l](std::vector<Said>& said, const Recognised& word) {
+      if (said.empty() || said.back().word != word.activity)
+        said.push_back({l.time, seconds<double>(word.since), word.activity});
+    };
+    note(out.said, r);
+    note(out.said_meant, m);
     say(meant, l.time, l.meant);
     say(defined, l.time, l.defined);
-    each(l, r, features);
+    each(l, r, m, features);
   }
   const double lasts = recording.lines.back().time;
   out.labelled = meant.size() > 1 || meant.front().word != Activity::unknown;
   if (out.labelled) {
-    out.by_intent = compare(out.said, meant, lasts);
+    out.by_intent = compare(out.said_meant, meant, lasts);
     out.by_definition = compare(out.said, defined, lasts);
   }
   return out;

@@ -24,6 +24,7 @@ TEST_CASE("packing_oranges --live: the page shows both arms, the oranges and the
   s.arm[0].stiffness = 6012, s.arm[0].said_good = true, s.arm[0].has_box = true;
   s.arm[1].touched = s.arm[1].kept = true;
   s.oranges.push_back({{0.1, 0.2, 0.04}});
+  s.things.push_back({{-0.1, -0.1, 0.4}, 0.05});
 
   const browser::Folder folder;
   browser::Page page(chromium, folder);
@@ -58,6 +59,7 @@ TEST_CASE("packing_oranges --live: the page shows both arms, the oranges and the
         "Math.abs(p[i + 1] - c[1]) + Math.abs(p[i + 2] - c[2]) < 12; return n; })()");
   };
   CHECK(painted("59,118,196") > 100);
+  CHECK(painted("160,44,110") > 100);
   CHECK(painted("138,91,181") > 100);
   CHECK(painted("242,140,30") > 5);
   CHECK(page.evaluate("document.documentElement.scrollWidth <= innerWidth") == true);

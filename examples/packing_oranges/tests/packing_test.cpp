@@ -86,6 +86,22 @@ TEST_CASE("packing_oranges: good ones into the box, bad ones into the bin, touch
     for (const auto& j : a.judged) CHECK(j.stiffness == doctest::Approx(j.truth).epsilon(0.25));
 }
 
+TEST_CASE("packing_oranges: what moves through the room is seen and given way to; unseen it meets an arm") {
+  RunSettings s = few(6, 10);
+  s.obstacle = 0.3;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 6);
+  CHECK(o.passes >= 3);
+  CHECK(o.arm[0].gave_way + o.arm[1].gave_way >= 3);
+  CHECK(o.arm[0].obstacle + o.arm[1].obstacle == 0);
+  CHECK(o.nearest > 0);
+  s.see_each_other = false;
+  s.longest = 40;
+  const Outcome blind = run_ur5(s);
+  CHECK(blind.arm[0].obstacle + blind.arm[1].obstacle > 0);
+}
+
 TEST_CASE("packing_oranges: a servo that takes commands as steps shakes the hand more than is allowed") {
   RunSettings s = few(2);
   s.world.interpolate = false;

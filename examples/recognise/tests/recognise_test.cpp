@@ -45,6 +45,10 @@ TEST_CASE("recognise: live and from a recording the words are the same, and tabl
   // The file has nine digits: what was said and when agrees.
   CHECK(played.substr(0, played.find("by definition")) == live.substr(0, live.find("by definition")));
   CHECK(has(run("tables --people 1", 0), "by intent: right for"));
+  // A cut is one use by intent; by definition it begins when the knife comes near the bread.
+  const std::string meant = run("play --intent " + file, 0);
+  CHECK(meant != played);
+  CHECK_MESSAGE(has(meant, "cut"), meant);
 }
 
 TEST_CASE("recognise: what goes wrong has words and an exit code") {
