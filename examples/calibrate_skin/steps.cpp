@@ -1,6 +1,5 @@
 #include "examples/calibrate_skin/steps.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
@@ -319,7 +318,7 @@ FitPose onto_maker(const std::vector<CalibratedLine>& lines) {
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - z * z.transpose();
     A += across, b += across * (X[j].p - out.R * lines[j].line.point);
   }
-  out.p = A.ldlt().solve(b);
+  out.p = skinctl::detail::solve_symmetric(A, b);
   return out;
 }
 

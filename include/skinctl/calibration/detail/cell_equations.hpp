@@ -8,31 +8,12 @@
 
 #include "skinctl/calibration/detail/block_means.hpp"
 #include "skinctl/calibration/detail/eigen_only.hpp"
+#include "skinctl/calibration/detail/nearest_turn.hpp"
 #include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/turn.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail::fit {
-
-/// The rotation R that maximises `trace(R' B)`, by Horn's quaternion.
-inline Eigen::Matrix3d nearest_turn(const Eigen::Matrix3d& B) {
-  Eigen::MatrixXd K(4, 4);
-  K(0, 0) = B(0, 0) + B(1, 1) + B(2, 2);
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    K(0, 1 + i) = K(1 + i, 0) = B(k, j) - B(j, k);
-    K(1 + i, 1 + i) = B(i, i) - B(j, j) - B(k, k);
-    K(1 + i, 1 + j) = K(1 + j, 1 + i) = B(i, j) + B(j, i);
-  }
-  const Eigen::MatrixXd q = SymmetricEigen(K).vectors.rightCols(1);
-  const Eigen::Vector3d v(q(1), q(2), q(3));
-  Eigen::Matrix3d R = 2 * q(0) * cross_matrix(v);
-  for (int i = 0; i < 3; ++i) {
-    R(i, i) += q(0) * q(0) - v.squaredNorm();
-    for (int j = 0; j < 3; ++j) R(i, j) += 2 * v(i) * v(j);
-  }
-  return R;
-}
 
 /// The specific force on a body that sits at `p` is `A + S p` [g], in the body's axes. A row per block: A, S row by row,
 /// 1, and then the derivatives of A and S by each unknown of the motion, twelve columns an unknown.
