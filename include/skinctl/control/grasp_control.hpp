@@ -62,8 +62,8 @@ class GraspControl : public Composable {
   };
 
   /// @param p_LP  the point of each fingertip that touches, in its link [m], in the order of `I`.
-  /// Throws `ConfigurationError` for a number out of its range.
   /// @param weights  of the fingertips, 0 to 1, two of them or more > 0.
+  /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD explicit GraspControl(const std::array<Xyz<T>, fingers>& p_LP, const Settings& s = {},
                                      const std::array<T, fingers>& weights = all_alike())
       : weight_(weights), s_(s) {

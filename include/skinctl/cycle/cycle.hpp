@@ -183,11 +183,11 @@ class Cycle {
 
   /// What the robot's exposed capsules may fill from now on until it stands, if it brakes now: for others that keep
   /// clear of it. It is at `X_WB` in the world.
-  [[nodiscard]] Surroundings<12, World, scalar> occupied(
+  [[nodiscard]] Surroundings<most_exposed_capsules, World, scalar> occupied(
       const Memory& m, const Transform<World, Base, scalar>& X_WB) const noexcept
     requires has_surroundings
   {
-    Surroundings<12, World, scalar> out;
+    Surroundings<most_exposed_capsules, World, scalar> out;
     const auto filled = [&] {
       if constexpr (detail::has_one_interface<Resolver>) {
         return governor_.clearance().occupied(m.guard.command, m.robot.measured);

@@ -146,16 +146,11 @@ class Recording {
     if (seen != cycles_ || reader.short_of_bytes() || reader.left() != 0)
       SKINCTL_THROW("skinctl: the recording " + path + " is damaged or cut short");
   }
-  /// Magic (its last letters: with or without surroundings; configurations, wrenches, motor torques, a gripper, weights of patches), byte order, sizes
-  /// that must agree, number of cycles last.
+  /// Eight letters, the last of which is the version; what must agree; number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    const auto [order, input_kind, joints, scalar, goal] = Format::kind();
-    const char around = (input_kind & 32u) != 0 ? 'A' : 'C';
-    for (const char c :
-         {'S', 'K', 'I', 'N', 'R', 'E', around, "3XNDEyneGhijklmo4YOFAzpqHIJKLMPQ"[input_kind & 31u]})
-      w.put(c);
-    for (const std::uint32_t number : {order, joints, scalar, goal}) w.put(number);
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '5'}) w.put(c);
+    for (const std::uint32_t number : Format::kind()) w.put(number);
     w.put(cycles);
     return w.bytes();
   }

@@ -21,15 +21,14 @@ SKINCTL_BEGIN_NAMESPACE
 /// apart, and must exceed the margin there by `reach (sum |x_i|)^2` over the joints between the two: what they
 /// can fall short in between. What is nearer than the margin may only get farther.
 ///
-/// A velocity that would come too close loses the part that closes; what is left, mixed with braking as far as
-/// needed, is kept. So an arm slides along, and whatever leads away passes.
+/// A velocity that would come too close loses the part that closes, and at the margin gains a little that opens; what is
+/// left, mixed with braking as far as needed, is kept. So an arm slides along, and whatever leads away passes.
 ///
 /// **With obstacles** (`ClearanceAround`, `Around` of them at most) the same holds for them. On a way that lasts t an
-/// obstacle comes closer by `approach (age + late + t)`: for a motion straight towards what stands still that is the
-/// page's `v <= sqrt(a^2 T^2 + 2 a (d - d0)) - a T`. Two robots of which each keeps clear of what the other one
+/// obstacle comes closer by `approach (age + late + t)`: straight towards what stands still, with T the time until braking
+/// begins, that is `v <= sqrt(a^2 T^2 + 2 a (d - d0)) - a T`. Two robots of which each keeps clear of what the other one
 /// `occupied` until it stands, and that decide one after the other, may always go on braking within what the other one
-/// left free. Where such a volume already overlaps the other robot, only coming nearer is refused: see the study
-/// `crossings` for what that leaves.
+/// left free. Where such a volume already overlaps the other robot, only coming nearer is refused.
 template <RobotModel M, Real T = double, std::size_t Around = 0>
 class ClearanceLimits {
  public:
@@ -90,8 +89,8 @@ class ClearanceLimits {
   }
   /// What the exposed capsules may fill from now on until the robot stands, if it brakes: along the way from
   /// `measured` to the last command, and from there to where all joints are at rest, however they brake together.
-  [[nodiscard]] Surroundings<12, Base, T> occupied(const JointCommand<joints, T>& last,
-                                                   const State<joints, T>& measured) const noexcept {
+  [[nodiscard]] Surroundings<most_exposed_capsules, Base, T> occupied(
+      const JointCommand<joints, T>& last, const State<joints, T>& measured) const noexcept {
     T longest(0);
     for (std::size_t i = 0; i < joints; ++i) {
       const T stop = Here::size(last.velocity[i]) / brake(i);
@@ -104,7 +103,7 @@ class ClearanceLimits {
       low = was < low ? was : low, high = was > high ? was : high;
       middle[i] = T(0.5) * (low + high), half[i] = T(0.5) * (high - low);
     }
-    Surroundings<12, Base, T> out;
+    Surroundings<most_exposed_capsules, Base, T> out;
     out.time = measured.time;
     clearances_.sweep(middle, half, reach_, out);
     return out;
@@ -144,7 +143,16 @@ class ClearanceLimits {
     }
     const T left = stop > h ? T(T(1) - h / stop) : T(0);
     Velocity brake = left * u0;
-    Velocity wish = limits_.move(room, u0, here.slid(u1), h).velocity;
+    const Velocity slid = here.slid(u1, h);
+    Velocity wish = limits_.move(room, u0, slid, h).velocity;
+    if (keeps(wish)) return {wish, true};
+    // The limits of single joints turn a motion along the margin into it; all joints at one rate do not.
+    T part(1);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T change = Here::size(slid[i] - u0[i]), most = limits_.acceleration()[i] * h;
+      part = part * change > most ? T(most / change) : part;
+    }
+    wish = limits_.move(room, u0, u0 + part * (slid - u0), h).velocity;
     if (keeps(wish)) return {wish, true};
     if (!here.keeps_alike(brake, integrate(Position(), u0 + brake, T(T(0.5) * h)), room))
       brake = limits_.move(room, u0, Velocity(), h).velocity;
@@ -161,7 +169,7 @@ class ClearanceLimits {
                             const T& time) const noexcept {
     if (share(seen, q, u, time) == T(1)) [[likely]]
       return {u, false};
-    const Velocity aside = at(seen, q).slid(u);
+    const Velocity aside = at(seen, q).slid(u, time);
     return {share(seen, q, aside, time) * aside, true};
   }
   /// The share in [0, 1] of `u` from which the robot can stop after `time` seconds at it. 0 for NaN.

@@ -23,8 +23,8 @@ struct SensorNoise {
   float force = 0.7f;      ///< of one force sensor
   float proximity = 0.7f;  ///< of the proximity
   float rest = 0;          ///< mean of one force sensor; 0: it may read exact zeros while untouched
-  /// Its readings may repeat for any time, pressed as well: its step is coarse, or who sends it filters. Then readings
-  /// that are equal show no fault; whole messages that are equal still do.
+  /// Equal readings may follow one another for any time, pressed or not, because its step is coarse or its readings are
+  /// filtered before they arrive. Then equal readings show no fault; whole messages that are equal still do.
   bool repeats = false;
 
   /// The deviation before rounding of readings with the deviation `sigma` [steps].

@@ -41,7 +41,7 @@ template <RobotModel M, Real T = double, std::size_t Around = 0>
 class Clearances {
  public:
   static constexpr std::size_t joints = M::joints;
-  static constexpr std::size_t most_exposed = Around > 0 ? 12 : 0;
+  static constexpr std::size_t most_exposed = Around > 0 ? most_exposed_capsules : 0;
   static constexpr std::size_t most_own = 64, most_pairs = most_own + most_exposed * Around;
   using Position = JointPosition<joints, T>;
   using Near = std::conditional_t<(Around > 0), Surroundings<Around, Base, T>, NoSurroundings>;
@@ -162,7 +162,7 @@ class Clearances {
   /// Capsules, one for each exposed one, within which these stay while no joint `i` is further than `half[i]` from `q`:
   /// a point moves by `sum half_i |c_i| + reach (sum half_i)^2 / 2` at most.
   SKINCTL_NOINLINE void sweep(const Position& q, const Position& half, const T& reach,
-                              Surroundings<12, Base, T>& out) const noexcept {
+                              Surroundings<most_exposed_capsules, Base, T>& out) const noexcept {
     using std::sqrt;
     const Placed placed(model_, q);
     Columns columns[joints];

@@ -31,6 +31,9 @@ struct Obstacle {
   // clang-format on
 };
 
+/// Capsules of a robot that stay clear of obstacles, and that it tells others, at most.
+inline constexpr std::size_t most_exposed_capsules = 12;
+
 /// At most `Most` obstacles at an instant: the part `around` of a cycle's input, if its scene has a
 /// `ClearanceAround`, and what a robot tells others (`Cycle::occupied`), in the `World` that they share.
 template <std::size_t Most, Frame F = Base, Real T = double>

@@ -12,8 +12,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// A wrench as a row of eight: force, moment, two numbers that mean nothing. So it is whole registers, and
-/// never crosses a cache line.
+/// A wrench as a row of eight: force, moment, two numbers that no wrench needs. So it is whole registers, and never
+/// crosses a cache line.
 inline constexpr std::size_t row_size = 8;
 /// Numbers of such a row in a register, and numbers that are computed: six, rounded up to whole registers.
 template <Real T>
@@ -95,7 +95,8 @@ class WideUnit {
 };
 
 /// The unit wrench of a cell, `-[z ; p x z]`. Forces are multiples of 2^-24, moments of 2^-24 times the patch's reach:
-/// exact in float. The last two numbers are the steps in a moment of 1 m, and the length of such a step [m].
+/// exact in float. The last two numbers are the steps in a moment of 1 m, and the length of such a step [m]: powers of two,
+/// so that sums which carry them along stay exact.
 struct alignas(32) CellUnit {
   float row[row_size] = {};
 
