@@ -21,6 +21,7 @@ double following_error(const RobotMasses& truth, const FoundModel* model, const 
   robot.controller.powered = true;
   robot.controller.arm.home = home;
   robot.speed = 0;
+  robot.patience = 60;  // a computer that is busy elsewhere is no robot that is not told anything
   weigh(robot.controller.arm, truth);
   simulated_ur5::SimulatedUr5 simulated(std::move(robot));
   simulated.start();
@@ -47,12 +48,7 @@ double following_error(const RobotMasses& truth, const FoundModel* model, const 
   double squares = 0, count = 0;
   const Nanoseconds begin = state.time;
   for (double t = 0; t < 10; t = seconds<double>(state.time - begin)) {
-    const JointPoint p = motion.path(t);
-    JointPosition<6> q;
-    JointVelocity<6> dq;
-    JointAcceleration<6> ddq;
-    for (std::size_t i = 0; i < 6; ++i)
-      q[i] = p.q(Eigen::Index(i)), dq[i] = p.dq(Eigen::Index(i)), ddq[i] = p.ddq(Eigen::Index(i));
+    const auto [q, dq, ddq] = JointState6(motion.path(t));
     // The controller adds the weight by the maker's numbers.
     auto tau =
         (model != nullptr ? yr_theta(*model, q, dq, dq, ddq) : yr_theta(ur5::Model{}, q, dq, dq, ddq)) -

@@ -72,12 +72,7 @@ JointAngles6 explained(const Model& model, const FoundMasses& found, const Joint
   for (std::size_t k = 0; k < joints.time.size(); ++k) {
     const double t = joints.time[k] - found.lateness;
     if (!(t > motion.start() && t < motion.end())) continue;
-    const JointPoint p = motion.at(t);
-    JointPosition<6> q;
-    JointVelocity<6> dq;
-    JointAcceleration<6> ddq;
-    for (std::size_t i = 0; i < 6; ++i)
-      q[i] = p.q(Eigen::Index(i)), dq[i] = p.dq(Eigen::Index(i)), ddq[i] = p.ddq(Eigen::Index(i));
+    const auto [q, dq, ddq] = JointState6(motion.at(t));
     const auto tau = yr_theta(model, q, dq, dq, ddq);
     JointAngles6 row{}, measured{};
     for (std::size_t i = 0; i < 6; ++i) {

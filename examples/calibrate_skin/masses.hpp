@@ -20,6 +20,18 @@ using FoundModel = skinctl::CalibratedModel<skinctl::Chain<6>>;
 /// Forty seconds about `home`, all joints, within the limits of a UR5 and above its foot.
 [[nodiscard]] PlannedMotion masses_motion(std::uint64_t seed = 1);
 
+/// A point of a motion as the models take it.
+struct JointState6 {
+  skinctl::JointPosition<6> q;
+  skinctl::JointVelocity<6> dq;
+  skinctl::JointAcceleration<6> ddq;
+
+  explicit JointState6(const skinctl::JointPoint& p) {
+    for (std::size_t i = 0; i < 6; ++i)
+      q[i] = p.q(Eigen::Index(i)), dq[i] = p.dq(Eigen::Index(i)), ddq[i] = p.ddq(Eigen::Index(i));
+  }
+};
+
 struct FoundMasses {
   RobotMasses masses;  ///< bodies in the links of the model
   JointAngles6 presliding{}, noise{};

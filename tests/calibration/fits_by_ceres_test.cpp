@@ -31,14 +31,13 @@ TEST_CASE("Sightings: Ceres ends where the fit does, wrong sightings and all") {
   auto rng = seeded(5);
   const SeenArm arm(rng);
   const auto views = arm.views(6, 0.5, 0.2, 0.6, rng);
-  std::vector<FitPose> placed;
-  for (const auto& X : arm.X_LinkRoot) placed.push_back(SeenArm::about(X, 0.02, 0.1, rng));
+  const std::vector<FitPose> placed = arm.placed(0.02, 0.1, rng);
   const SightingSettings s;
   const auto found = fit_sightings(arm.camera, arm.cells, {"0", "1", "2", "3"}, views, placed,
                                    {SeenArm::about(arm.X_BaseCam, 0.03, 0.04, rng)}, s);
   // Ceres begins beside the truth, and knows nothing of where the fit ended.
   std::vector<oracle::PlainPose> poses = {plain(SeenArm::about(arm.X_BaseCam, 1e-3, 1e-3, rng))};
-  for (const auto& X : arm.X_LinkRoot) poses.push_back(plain(SeenArm::about(X, 1e-3, 1e-3, rng)));
+  for (const auto& X : arm.placed(1e-3, 1e-3, rng)) poses.push_back(plain(X));
   std::vector<oracle::PlainSighting> lights;
   for (const auto& view : views)
     for (const auto& seen : view.seen) {

@@ -65,10 +65,10 @@ struct Compared {
   double error = 0;
   int bad = 0;
 };
-Compared compare(const Theta& theta, double rotor, const Theta& truth, double true_rotor, int poses) {
+Compared compare(const Theta& theta, const std::array<double, 6>& rotor, const Theta& truth, int poses) {
   auto rng = seeded(9);
   const auto model = calibrated_from<ur5::Description>();
-  const auto mass = [&](const Theta& th, double I_a, const JointPosition<6>& q) {
+  const auto mass = [&](const Theta& th, const std::array<double, 6>& I_a, const JointPosition<6>& q) {
     Eigen::Matrix<double, 6, 6> M;
     const JointVelocity<6> none{};
     const auto g = regressor_product(model, q, none, none, JointAcceleration<6>{}, th);
@@ -77,14 +77,14 @@ Compared compare(const Theta& theta, double rotor, const Theta& truth, double tr
       unit[k] = 1;
       const auto column = regressor_product(model, q, none, none, unit, th);
       for (std::size_t i = 0; i < 6; ++i)
-        M(Eigen::Index(i), Eigen::Index(k)) = column[i] - g[i] + (i == k ? I_a : 0);
+        M(Eigen::Index(i), Eigen::Index(k)) = column[i] - g[i] + (i == k ? I_a[i] : 0);
     }
     return M;
   };
   Compared out;
   for (int k = 0; k < poses; ++k) {
     const JointPosition<6> q(random_array<6, double>(rng, 3.0));
-    const auto A = mass(theta, rotor, q), B = mass(truth, true_rotor, q);
+    const auto A = mass(theta, rotor, q), B = mass(truth, {0.2, 0.2, 0.2, 0.2, 0.2, 0.2}, q);
     double square = 0;
     for (Eigen::Index i = 0; i < 36; ++i) square += std::pow(A.data()[i] - B.data()[i], 2);
     out.error += std::sqrt(square) / B.norm() / poses;
@@ -120,9 +120,9 @@ TEST_CASE("Masses and friction from torques: M to 1 %, bodies that can be; also 
   const auto model = calibrated_from<ur5::Description>();
   const auto fit =
       fit_inertia(model, {record(DynamicsExcitation(ur5::Model{}, home, limits(), s), 0.3)}, prior);
-  const Compared wide = compare(fit.theta, fit.rotor[1], heavier(), 0.2, 200);
+  const Compared wide = compare(fit.theta, fit.rotor, heavier(), 200);
   MESSAGE("M off by " << 100 * wide.error << " %, of the maker's "
-                      << 100 * compare(prior, 0, heavier(), 0.2, 50).error << " %; R^2 " << fit.explained[0]
+                      << 100 * compare(prior, {}, heavier(), 50).error << " %; R^2 " << fit.explained[0]
                       << ", noise " << fit.noise[0] << " N m");
   CHECK(wide.error < 0.01);
   CHECK(fit.converged);
@@ -139,8 +139,8 @@ TEST_CASE("Masses and friction from torques: M to 1 %, bodies that can be; also 
   s.range = 0.35, s.periods = 1;
   const auto few =
       fit_inertia(model, {record(DynamicsExcitation(ur5::Model{}, home, limits(), s), 1.5)}, prior);
-  const Compared narrow = compare(few.theta, few.rotor[1], heavier(), 0.2, 200),
-                 plain = compare(few.least_squares, few.ls_rotor[1], heavier(), 0.2, 200);
+  const Compared narrow = compare(few.theta, few.rotor, heavier(), 200),
+                 plain = compare(few.least_squares, few.ls_rotor, heavier(), 200);
   MESSAGE("0.35 rad: M off by " << 100 * narrow.error << " %, by least squares " << 100 * plain.error
                                 << " %, not > 0 in " << plain.bad << " of 200");
   CHECK(narrow.bad == 0);
@@ -158,8 +158,8 @@ TEST_CASE("Masses from torques that come late: how late they come is found") {
   const auto not_asked = fit_inertia(model, {late}, prior, settings);
   settings.latest = 0.03;
   const auto asked = fit_inertia(model, {late}, prior, settings);
-  const double worse = compare(not_asked.theta, not_asked.rotor[1], heavier(), 0.2, 50).error,
-               error = compare(asked.theta, asked.rotor[1], heavier(), 0.2, 50).error;
+  const double worse = compare(not_asked.theta, not_asked.rotor, heavier(), 50).error,
+               error = compare(asked.theta, asked.rotor, heavier(), 50).error;
   MESSAGE("late by " << 1e3 * asked.lateness << " ms of 6.5; M off by " << 100 * error << " %, unasked "
                      << 100 * worse << " %");
   CHECK(asked.lateness == doctest::Approx(0.0065).epsilon(0.03));

@@ -15,12 +15,6 @@ namespace {
 const std::vector<std::string> names = {"shoulder", "upper arm", "forearm", "wrist"};
 constexpr double deg = 0.0174532925;
 
-std::vector<FitPose> by_hand(const SeenArm& arm, Random& rng) {
-  std::vector<FitPose> out;
-  for (const auto& X : arm.X_LinkRoot) out.push_back(SeenArm::about(X, 0.03, 15 * deg, rng));
-  return out;
-}
-
 }  // namespace
 
 TEST_CASE("Sightings: derivatives are those of the residuals") {
@@ -29,7 +23,7 @@ TEST_CASE("Sightings: derivatives are those of the residuals") {
   const auto views = arm.views(2, 0.5, 0, 0.5, rng);
   const detail::SightingProblem problem{arm.camera, arm.cells, views};
   detail::SightingProblem::State x = {arm.X_BaseCam};
-  for (const auto& X : by_hand(arm, rng)) x.push_back(X);
+  for (const auto& X : arm.placed(0.03, 15 * deg, rng)) x.push_back(X);
   CHECK(worst_derivative(problem, x) < 1e-5);
 }
 
@@ -46,7 +40,8 @@ TEST_CASE(
     std::vector<FitPose> cameras;
     for (int k = 0; k < 3; ++k) cameras.push_back(SeenArm::about(arm.X_BaseCam, 0.06, 5 * deg, rng));
     cameras.push_back(SeenArm::about(arm.X_BaseCam, 0.6, 60 * deg, rng));
-    const auto found = fit_sightings(arm.camera, arm.cells, names, views, by_hand(arm, rng), cameras);
+    const auto found =
+        fit_sightings(arm.camera, arm.cells, names, views, arm.placed(0.03, 15 * deg, rng), cameras);
     const auto e = placement_error(found, arm);
     CHECK(e.place < 1e-3);
     CHECK(e.turn < 0.5 * deg);
@@ -67,7 +62,8 @@ TEST_CASE(
     std::vector<CameraView> views;
     for (int k = 0; k < 6; ++k)
       views.push_back(arm.view({turns ? 0.2 * k - 0.5 : 0, -0.8, 0.6, 0.3}, 0.5, 0.1, 0.2, rng));
-    const auto found = fit_sightings(arm.camera, arm.cells, names, views, by_hand(arm, rng), {arm.X_BaseCam});
+    const auto found =
+        fit_sightings(arm.camera, arm.cells, names, views, arm.placed(0.03, 15 * deg, rng), {arm.X_BaseCam});
     CHECK(!found.X_BaseCam.known());
     CHECK(!found.X_LinkRoot[1].known());
     CHECK(found.X_LinkRoot[1].unobservable.front().remedy ==
@@ -81,7 +77,8 @@ TEST_CASE("Sightings: a patch that is hardly seen is named; what cannot be is re
   auto views = arm.views(8, 0.5, 0.1, 0.2, rng);
   std::size_t kept = 0;
   for (auto& v : views) std::erase_if(v.seen, [&](const Sighting& s) { return s.patch == 3 && ++kept > 5; });
-  const auto found = fit_sightings(arm.camera, arm.cells, names, views, by_hand(arm, rng), {arm.X_BaseCam});
+  const auto found =
+      fit_sightings(arm.camera, arm.cells, names, views, arm.placed(0.03, 15 * deg, rng), {arm.X_BaseCam});
   CHECK(!found.X_LinkRoot[3].known());
   CHECK(found.X_LinkRoot[3].unobservable.front().name.find("wrist: only") == 0);
   CHECK(found.X_LinkRoot[2].known());

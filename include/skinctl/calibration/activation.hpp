@@ -1,9 +1,7 @@
 // Which joint moves which cell of a skin, and the joints' axes as a cell sees them.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -116,10 +114,10 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
   if (!(*std::min_element(size, size + 5) > 1e-9)) return 0;
   for (int i = 0; i < 5; ++i)
     for (int k = 0; k < 5; ++k) normal_matrix(i, k) /= size[i] * size[k];
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(normal_matrix);
-  if (!(ldlt.vectorD().minCoeff() > 1e-9)) return 0;
-  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(5, 5);
-  Eigen::MatrixXd inverse = ldlt.solve(one);
+  const Cholesky factor(normal_matrix);
+  for (int k = 0; k < 5; ++k)
+    if (!factor.positive() || !(factor.factor(k, k) > 3e-5)) return 0;
+  Eigen::MatrixXd inverse = factor.inverse();
   for (int i = 0; i < 5; ++i)
     for (int k = 0; k < 5; ++k) inverse(i, k) /= size[i] * size[k];
   const Eigen::MatrixXd B = inverse * (X.transpose() * Y);  // 5 x 3

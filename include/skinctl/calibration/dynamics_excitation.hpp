@@ -1,11 +1,12 @@
 // The motion that shows a robot's masses: sums of sines, sought at random for the regressor's determinant.
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <cmath>
 #include <random>
 
 #include "skinctl/calibration/base_parameters.hpp"
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/excitation.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -141,8 +142,8 @@ class DynamicsExcitation : public Excitation {
       }
       A.noalias() += rows.transpose() * rows;
     }
-    const Eigen::LDLT<Eigen::MatrixXd> ldlt(A);
-    return ldlt.vectorD().array().max(1e-300).log().sum();
+    const detail::Cholesky factor(A);
+    return factor.positive() ? factor.log_determinant() : -1e300;
   }
 };
 

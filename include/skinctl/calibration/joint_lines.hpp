@@ -1,6 +1,7 @@
 // The lines of a robot's joints and the poses of its cells, from a motion that all of them feel.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "skinctl/calibration/detail/line_report.hpp"
@@ -24,6 +25,8 @@ SKINCTL_BEGIN_NAMESPACE
   require(recording.places.empty() || recording.places.size() == recording.cells.size(), "places of cells",
           double(recording.places.size()), "one per cell, or none");
   require(s.block >= 0.005 && s.block <= 0.1, "length of a block", s.block, "0.005 to 0.1 s");
+  require(s.bias > 0 && s.scale > 0 && s.cross_axis > 0, "bias, scale and cross-axis sensitivity",
+          std::min({s.bias, s.scale, s.cross_axis}), "> 0");
   const double slack = 0.2;  // for the lateness
   auto data =
       detail::fit::block_means(recording.cells, motion.start() + slack, motion.end() - slack, s.block);
@@ -52,7 +55,8 @@ SKINCTL_BEGIN_NAMESPACE
     torque.emplace(JointRecording{recording.joints.time, recording.torque}, 0.1);
   }
   detail::fit::CellFitSettings fit_settings;
-  fit_settings.bias = s.bias, fit_settings.scale = s.scale, fit_settings.steps = s.steps;
+  fit_settings.bias = s.bias, fit_settings.scale = s.scale, fit_settings.cross_axis = s.cross_axis;
+  fit_settings.steps = s.steps;
   fit_settings.tie_position = s.tie_position, fit_settings.tie_turn = s.tie_turn;
   detail::fit::BlockMeans used = detail::fit::only_cells(data, start.used);
   detail::fit::CellFit<detail::fit::LineMotion> fit(

@@ -36,7 +36,7 @@ struct JointLinesSettings {
   double bias = 0.040;       ///< of the accelerometers, standard deviation [g]
   double scale = 0.015;      ///< of the accelerometers, standard deviation
   double cross_axis =
-      0.003;  ///< of the accelerometers, standard deviation; not fitted, but in the covariances
+      0.003;  ///< of one axis of an accelerometer by another, standard deviation; what is symmetric of it is fitted
   double tie_position = 5e-4;     ///< of a cell in its patch, standard deviation [m]
   double tie_turn = 0.0175;       ///< of a cell in its patch, with its sensor's misalignment [rad]
   double known_position = 0.020;  ///< what is worse known counts as not observed [m]

@@ -1,8 +1,7 @@
 // Bodies that are not as their drawing says.
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "skinctl/calibration/detail/pseudo_inertia.hpp"
@@ -18,7 +17,10 @@ inline detail::fit::Inertia10 other_body(const detail::fit::Inertia10& body, Ran
   turned(0, 3) = 1;
   const detail::fit::Inertia10 near = detail::fit::body_near(body, 0.15);
   const Eigen::Matrix4d P = turned * detail::fit::pseudo_inertia(near) * turned.transpose();
-  Eigen::Matrix4d L = Eigen::LLT<Eigen::Matrix4d>(P).matrixL();
+  const skinctl::detail::Cholesky factor(P);
+  Eigen::Matrix4d L = Eigen::Matrix4d::Zero();
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k <= i; ++k) L(i, k) = factor.factor(i, k);
   const double mass = L(0, 0);
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k <= i; ++k)
@@ -26,7 +28,9 @@ inline detail::fit::Inertia10 other_body(const detail::fit::Inertia10& body, Ran
         L(i, k) += uniform(rng, -0.08, 0.08) * mass;
       else
         L(i, k) *= std::exp(i == 0 ? uniform(rng, -0.12, 0.12) : uniform(rng, -0.15, 0.15));
-  const Eigen::Matrix4d back = turned.inverse();
+  Eigen::Matrix4d back = Eigen::Matrix4d::Zero();
+  for (int i = 0; i < 3; ++i) back(i, 3 - i) = 0.15;
+  back(3, 0) = 1;
   return detail::fit::parameters_of(back * (L * L.transpose()) * back.transpose());
 }
 

@@ -82,6 +82,12 @@ struct SeenArm {
                          pixel, wrong, missing, rng));
     return out;
   }
+  /// All patches where a person has put them: so far off, each in a direction of its own.
+  [[nodiscard]] std::vector<FitPose> placed(double place, double angle, Random& rng) const {
+    std::vector<FitPose> out;
+    for (const auto& X : X_LinkRoot) out.push_back(about(X, place, angle, rng));
+    return out;
+  }
   /// As far off as a person puts a marker.
   [[nodiscard]] static FitPose about(const FitPose& X, double place, double angle, Random& rng) {
     return {X.R * turn(angle * normal3(rng, 1).normalized()), X.p + place * normal3(rng, 1).normalized()};

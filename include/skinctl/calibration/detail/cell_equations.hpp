@@ -8,31 +8,12 @@
 
 #include "skinctl/calibration/detail/block_means.hpp"
 #include "skinctl/calibration/detail/eigen_only.hpp"
+#include "skinctl/calibration/detail/nearest_turn.hpp"
 #include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/turn.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail::fit {
-
-/// The rotation R that maximises `trace(R' B)`, by Horn's quaternion.
-inline Eigen::Matrix3d nearest_turn(const Eigen::Matrix3d& B) {
-  Eigen::MatrixXd K(4, 4);
-  K(0, 0) = B(0, 0) + B(1, 1) + B(2, 2);
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    K(0, 1 + i) = K(1 + i, 0) = B(k, j) - B(j, k);
-    K(1 + i, 1 + i) = B(i, i) - B(j, j) - B(k, k);
-    K(1 + i, 1 + j) = K(1 + j, 1 + i) = B(i, j) + B(j, i);
-  }
-  const Eigen::MatrixXd q = SymmetricEigen(K).vectors.rightCols(1);
-  const Eigen::Vector3d v(q(1), q(2), q(3));
-  Eigen::Matrix3d R = 2 * q(0) * cross_matrix(v);
-  for (int i = 0; i < 3; ++i) {
-    R(i, i) += q(0) * q(0) - v.squaredNorm();
-    for (int j = 0; j < 3; ++j) R(i, j) += 2 * v(i) * v(j);
-  }
-  return R;
-}
 
 /// The specific force on a body that sits at `p` is `A + S p` [g], in the body's axes. A row per block: A, S row by row,
 /// 1, and then the derivatives of A and S by each unknown of the motion, twelve columns an unknown.
@@ -42,22 +23,30 @@ struct BodySignals {
   Eigen::MatrixXd columns;
 };
 
-/// A cell: its pose in the body's axes and origin, its sensor's errors, what it is tied to.
+/// Of a cell: turn, place, bias, scale, cross-axis sensitivity, three each.
+inline constexpr int cell_unknowns = 15;
+using CellVector = Eigen::Matrix<double, cell_unknowns, 1>;
+
+/// A cell: its pose in the body's axes and origin, its sensor's errors, what it is tied to. It reads, of the specific force u in
+/// the sensor's axes, `y = (1 + s) o (u + X u) + b`.
 struct FittedCell {
   Eigen::Matrix3d Q = Eigen::Matrix3d::Identity();  ///< axes of the sensor
   Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< [m]
   Eigen::Vector3d b = Eigen::Vector3d::Zero();      ///< [g]
   Eigen::Vector3d s = Eigen::Vector3d::Zero();
+  /// Cross-axis sensitivity, the symmetric X: between y and z, z and x, x and y. What is not symmetric of it is a turn.
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
   int body = 0;
   double deviation = 0.005;                            ///< of a block's mean [g]
   int patch = -1;                                      ///< it is tied to; -1: none
   Eigen::Matrix3d R_PC = Eigen::Matrix3d::Identity();  ///< its pose in the patch
   Eigen::Vector3d p_PC = Eigen::Vector3d::Zero();
 
-  [[nodiscard]] FittedCell moved(const Eigen::Matrix<double, 12, 1>& d) const {
+  [[nodiscard]] FittedCell moved(const CellVector& d) const {
     FittedCell out = *this;
     out.Q = straightened(Q * turn(d.head<3>()));
-    out.p += d.segment<3>(3), out.b += d.segment<3>(6), out.s += d.tail<3>();
+    out.p += d.segment<3>(3), out.b += d.segment<3>(6), out.s += d.segment<3>(9);
+    out.x += d.tail<3>();
     return out;
   }
 };
@@ -68,6 +57,7 @@ struct FittedPatch {
 
 struct CellFitSettings {
   double bias = 0.040, scale = 0.015;       ///< priors
+  double cross_axis = 0.003;                ///< of one axis by another, before it is made symmetric
   double tie_position = 0.5e-3;             ///< of a cell to its place in the patch [m]
   double tie_turn = 0.0175;                 ///< [rad]
   double weak_position = 1, weak_turn = 1;  ///< about the start: what the data do not show stays [m], [rad]
@@ -76,14 +66,12 @@ struct CellFitSettings {
   double window = 1;      ///< of the jackknife [s]
 };
 
-using Cell12 = Eigen::Matrix<double, 12, 1>;
-
-/// The unknowns: those of the motion, six a patch, twelve a cell; the cells are eliminated.
+/// The unknowns: those of the motion, six a patch, `cell_unknowns` a cell; the cells are eliminated.
 struct CellEquations {
   Eigen::MatrixXd H;  ///< of motion and patches
   Eigen::VectorXd g;
   std::vector<Eigen::MatrixXd> cell_H;
-  std::vector<Cell12> cell_g;
+  std::vector<CellVector> cell_g;
   std::vector<Eigen::MatrixXd> cross;  ///< motion and patches by cell
   double cost = 0;
   std::vector<double> squares;  ///< sum of squares of a cell's residuals [g^2]
@@ -130,10 +118,10 @@ class CellSolver {
     through_.resize(e.cell_H.size());
     for (std::size_t c = 0; c < cells_.size(); ++c) {
       Eigen::MatrixXd A = e.cell_H[c];
-      for (int i = 0; i < 12; ++i) A(i, i) *= 1 + damping;
+      for (int i = 0; i < cell_unknowns; ++i) A(i, i) *= 1 + damping;
       cells_[c].compute(A);
       if (!cells_[c].positive()) return false;
-      through_[c] = cells_[c].solve(e.cross[c].transpose());  // 12 x n
+      through_[c] = cells_[c].solve(e.cross[c].transpose());  // cell_unknowns x n
       S.noalias() -= e.cross[c] * through_[c];
     }
     for (Eigen::Index j = 0; j < n; ++j)
@@ -143,7 +131,7 @@ class CellSolver {
     return n == 0 || schur_.positive();
   }
   /// Of one right side: the motion's part in `g`, cells in `cell_g`; both are overwritten by the solution.
-  void solve(Eigen::VectorXd& g, std::vector<Cell12>& cell_g) const {
+  void solve(Eigen::VectorXd& g, std::vector<CellVector>& cell_g) const {
     for (std::size_t c = 0; c < cells_.size(); ++c) g.noalias() -= through_[c].transpose() * cell_g[c];
     if (g.size() > 0) g = schur_.solve(g);
     for (std::size_t c = 0; c < cells_.size(); ++c) {
@@ -171,7 +159,7 @@ class CellSolver {
 /// What a cell reads along its three axes as weights of a body's first 13 columns, and their derivatives by the cell.
 struct CellWeights {
   Eigen::VectorXd c[3];        // 13
-  Eigen::MatrixXd by_cell[3];  // 13 x 12
+  Eigen::MatrixXd by_cell[3];  // 13 x cell_unknowns
 
   explicit CellWeights(const FittedCell& cell) {
     Eigen::MatrixXd q = Eigen::MatrixXd::Zero(13, 3);  // of Q' (A + S p)
@@ -182,19 +170,25 @@ struct CellWeights {
       }
     for (int k = 0; k < 3; ++k) {
       const double scale = 1 + cell.s(k);
-      c[k] = q.col(k);
-      c[k] *= scale;
-      c[k](12) += cell.b(k);
+      const int axes[3] = {k, (k + 1) % 3, (k + 2) % 3};
+      const double share[3] = {1, cell.x(axes[2]), cell.x(axes[1])};  // of the row of 1 + X
+      c[k] = Eigen::VectorXd::Zero(13);
       auto& D = by_cell[k];
-      D.setZero(13, 12);
-      // A turn d of the sensor: Q'f x d.
-      const int next = (k + 1) % 3, last = (k + 2) % 3;
-      for (int row = 0; row < 13; ++row) {
-        D(row, last) = scale * q(row, next), D(row, next) = -scale * q(row, last);
-        D(row, 9 + k) = q(row, k);
+      D.setZero(13, cell_unknowns);
+      for (int i = 0; i < 3; ++i) {
+        const int axis = axes[i], next = axes[(i + 1) % 3], last = axes[(i + 2) % 3];
+        const double part = scale * share[i];
+        for (int row = 0; row < 13; ++row) {
+          c[k](row) += part * q(row, axis);
+          // A turn d of the sensor: Q'f x d.
+          D(row, last) += part * q(row, next), D(row, next) -= part * q(row, last);
+          D(row, 9 + k) += share[i] * q(row, axis);
+          if (i > 0) D(row, 12 + axes[3 - i]) = scale * q(row, axis);
+        }
+        for (int a = 0; a < 3; ++a)
+          for (int b = 0; b < 3; ++b) D(3 + 3 * a + b, 3 + b) += part * cell.Q(a, axis);
       }
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) D(3 + 3 * a + b, 3 + b) = scale * cell.Q(a, k);
+      c[k](12) += cell.b(k);
       D(12, 6 + k) = 1;
     }
   }

@@ -39,7 +39,7 @@ class CellFit {
         continue;
       }
       Eigen::VectorXd g = now.g;
-      std::vector<Cell12> cell_g = now.cell_g;
+      std::vector<CellVector> cell_g = now.cell_g;
       solver.solve(g, cell_g);
       const CellFit before = *this;
       move(g, cell_g);
@@ -99,7 +99,7 @@ class CellFit {
   }
 
  private:
-  void move(const Eigen::VectorXd& g, const std::vector<Cell12>& cell_g) {
+  void move(const Eigen::VectorXd& g, const std::vector<CellVector>& cell_g) {
     motion = motion.moved(g.head(motion.unknowns()));
     for (std::size_t k = 0; k < patches.size(); ++k) {
       const Eigen::Index at = motion.unknowns() + 6 * Eigen::Index(k);
@@ -128,9 +128,9 @@ CellEquations CellFit<Motion>::equations() const {
   const Index n = globals();
   CellEquations e;
   e.H = Eigen::MatrixXd::Zero(n, n), e.g = Eigen::VectorXd::Zero(n);
-  e.cell_H.assign(cells.size(), Eigen::MatrixXd::Zero(12, 12));
-  e.cell_g.assign(cells.size(), Cell12::Zero());
-  e.cross.assign(cells.size(), Eigen::MatrixXd::Zero(n, 12));
+  e.cell_H.assign(cells.size(), Eigen::MatrixXd::Zero(cell_unknowns, cell_unknowns));
+  e.cell_g.assign(cells.size(), CellVector::Zero());
+  e.cross.assign(cells.size(), Eigen::MatrixXd::Zero(n, cell_unknowns));
   e.squares.assign(cells.size(), 0);
   Eigen::MatrixXd gram, own_gram, Y, X;
   std::vector<Index> members, lost;
@@ -172,23 +172,23 @@ CellEquations CellFit<Motion>::equations() const {
         e.squares[c] += y.squaredNorm() - v.dot(x.head(13)) - v.dot(rest);
         by_own.noalias() = own * w.by_cell[k];
         across.noalias() = w.by_cell[k].transpose() * by_own;
-        for (Index j = 0; j < 12; ++j) {
+        for (Index j = 0; j < cell_unknowns; ++j) {
           e.cell_g[c](j) += weight * pulled(j);
-          for (Index i = 0; i < 12; ++i) e.cell_H[c](i, j) += weight * across(i, j);
+          for (Index i = 0; i < cell_unknowns; ++i) e.cell_H[c](i, j) += weight * across(i, j);
         }
         T.setZero();
         for (Index i = 0; i < unknowns; ++i)
           for (Index a = 0; a < 12; ++a)
             for (Index column = 0; column < width; ++column)
               T(column, i) += v(a) * (*G)(column, 13 + 12 * i + a);
-        by_own.noalias() = w.by_cell[k].transpose() * T.topRows(13);  // 12 x unknowns
+        by_own.noalias() = w.by_cell[k].transpose() * T.topRows(13);  // cell_unknowns x unknowns
         for (Index i = 0; i < unknowns; ++i) {
           const Index row = signal.unknowns[std::size_t(i)];
           double pull = 0;
           for (Index a = 0; a < 12; ++a) pull += v(a) * x(13 + 12 * i + a);
           for (Index a = 0; a < 13; ++a) pull -= T(a, i) * v(a);
           e.g(row) += weight * pull;
-          for (Index a = 0; a < 12; ++a) e.cross[c](row, a) += weight * by_own(a, i);
+          for (Index a = 0; a < cell_unknowns; ++a) e.cross[c](row, a) += weight * by_own(a, i);
           for (Index j = 0; j <= i; ++j) {
             double h = 0;
             for (Index a = 0; a < 12; ++a) h += T(13 + 12 * j + a, i) * v(a);
@@ -205,11 +205,14 @@ CellEquations CellFit<Motion>::equations() const {
     const double bias = 1 / (settings.bias * settings.bias), scale = 1 / (settings.scale * settings.scale);
     const double place = 1 / (settings.weak_position * settings.weak_position);
     const double angle = 1 / (settings.weak_turn * settings.weak_turn);
-    e.cost += 0.5 * (bias * cells[c].b.squaredNorm() + scale * cells[c].s.squaredNorm());
-    const double held[4] = {angle, place, bias, scale};
-    for (int k = 0; k < 12; ++k) e.cell_H[c](k, k) += held[k / 3];
+    const double across = 2 / (settings.cross_axis * settings.cross_axis);  // of the mean of two
+    e.cost += 0.5 * (bias * cells[c].b.squaredNorm() + scale * cells[c].s.squaredNorm() +
+                     across * cells[c].x.squaredNorm());
+    const double held[5] = {angle, place, bias, scale, across};
+    for (int k = 0; k < cell_unknowns; ++k) e.cell_H[c](k, k) += held[k / 3];
     for (int k = 0; k < 3; ++k)
-      e.cell_g[c](6 + k) -= bias * cells[c].b(k), e.cell_g[c](9 + k) -= scale * cells[c].s(k);
+      e.cell_g[c](6 + k) -= bias * cells[c].b(k), e.cell_g[c](9 + k) -= scale * cells[c].s(k),
+          e.cell_g[c](12 + k) -= across * cells[c].x(k);
     if (cells[c].patch >= 0)
       tie(cells[c], c, patches[std::size_t(cells[c].patch)], motion.unknowns() + 6 * cells[c].patch, settings,
           e);
@@ -232,10 +235,10 @@ Eigen::MatrixXd CellFit<Motion>::jackknife(const CellSolver& solver) const {
   const Eigen::MatrixXd r = residuals();
   const auto rows = std::max<Index>(1, Index(std::lround(settings.window / data_.length)));
   const Index windows = std::max<Index>(1, data_.blocks() / rows), n = globals();
-  Eigen::MatrixXd out(n + 12 * Index(cells.size()), windows);
+  Eigen::MatrixXd out(n + cell_unknowns * Index(cells.size()), windows);
   Eigen::MatrixXd X;
   Eigen::VectorXd g;
-  std::vector<Cell12> cell_g(cells.size());
+  std::vector<CellVector> cell_g(cells.size());
   std::vector<CellWeights> weights;
   for (const FittedCell& cell : cells) weights.emplace_back(cell);
   for (Index window = 0; window < windows; ++window) {
@@ -260,18 +263,17 @@ Eigen::MatrixXd CellFit<Motion>::jackknife(const CellSolver& solver) const {
       for (int k = 0; k < 3; ++k) {
         const Eigen::VectorXd x = body_r[body].col(3 * at[body] + k), own = x.head(13),
                               pulled = weights[c].by_cell[k].transpose() * own;
-        for (Index a = 0; a < 12; ++a) {
-          cell_g[c](a) += weight * pulled(a);
+        for (Index a = 0; a < cell_unknowns; ++a) cell_g[c](a) += weight * pulled(a);
+        for (Index a = 0; a < 12; ++a)
           for (std::size_t i = 0; i < signals_[body].unknowns.size(); ++i)
             g(signals_[body].unknowns[i]) += weight * weights[c].c[k](a) * x(13 + 12 * Index(i) + a);
-        }
       }
       ++at[body];
     }
     solver.solve(g, cell_g);
     out.col(window).head(n) = g;
     for (std::size_t c = 0; c < cells.size(); ++c)
-      for (Index a = 0; a < 12; ++a) out(n + 12 * Index(c) + a, window) = cell_g[c](a);
+      for (Index a = 0; a < cell_unknowns; ++a) out(n + cell_unknowns * Index(c) + a, window) = cell_g[c](a);
   }
   return out;
 }

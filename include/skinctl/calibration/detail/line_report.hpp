@@ -24,7 +24,7 @@ class LineCovariance {
         solver_(solver),
         motion_(solver.motion_covariance()),
         shifts_(fit.jackknife(solver)) {
-    N_ = Eigen::MatrixXd::Zero(n_ + 12 * Eigen::Index(fit.cells.size()), 4);
+    N_ = Eigen::MatrixXd::Zero(n_ + cell_unknowns * Eigen::Index(fit.cells.size()), 4);
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     for (int k = 0; k < 4; ++k) {
       const Eigen::Vector3d t = k < 3 ? Eigen::Vector3d(Eigen::Vector3d::Unit(k)) : Eigen::Vector3d::Zero();
@@ -36,7 +36,7 @@ class LineCovariance {
         part.tail<3>() = t + psi * up.cross(fit.patches[m].p);
       }
       for (std::size_t c = 0; c < fit.cells.size(); ++c) {
-        auto part = N_.col(k).segment<12>(n_ + 12 * Eigen::Index(c));
+        auto part = N_.col(k).segment<cell_unknowns>(n_ + cell_unknowns * Eigen::Index(c));
         part.head<3>() = psi * (fit.cells[c].Q.transpose() * up);
         part.segment<3>(3) = t + psi * up.cross(fit.cells[c].p);
       }
@@ -52,7 +52,7 @@ class LineCovariance {
     K_ = Eigen::MatrixXd::Zero(4, N_.rows());
     for (std::size_t c = 0; c < cells.size(); ++c) {
       if (!cells[c]) continue;
-      const Eigen::Index at = n_ + 12 * Eigen::Index(c) + 3;
+      const Eigen::Index at = n_ + cell_unknowns * Eigen::Index(c) + 3;
       for (Eigen::Index i = at; i < at + 3; ++i)
         for (Eigen::Index k = 0; k < 4; ++k) K_(k, i) = N_(i, k);
     }
@@ -60,17 +60,17 @@ class LineCovariance {
     for (Eigen::Index k = 0; k < 4; ++k) A(k, k) += 1e-12;
     K_ = solve_symmetric(A, K_);
     U_.resize(N_.rows(), 4);
-    std::vector<Cell12> cell_g(fit_.cells.size());
+    std::vector<CellVector> cell_g(fit_.cells.size());
     for (int k = 0; k < 4; ++k) {
       const Eigen::VectorXd gauge = K_.row(k);
       Eigen::VectorXd g = gauge.head(n_);
       for (std::size_t c = 0; c < cell_g.size(); ++c)
-        cell_g[c] = gauge.segment<12>(n_ + 12 * Eigen::Index(c));
+        cell_g[c] = gauge.segment<cell_unknowns>(n_ + cell_unknowns * Eigen::Index(c));
       solver_.solve(g, cell_g);
       auto column = U_.col(k);
       column.head(n_) = g;
       for (std::size_t c = 0; c < cell_g.size(); ++c)
-        column.segment<12>(n_ + 12 * Eigen::Index(c)) = cell_g[c];
+        column.segment<cell_unknowns>(n_ + cell_unknowns * Eigen::Index(c)) = cell_g[c];
     }
     KU_ = K_ * U_;
     const Eigen::MatrixXd common = K_ * shifts_;
@@ -78,8 +78,8 @@ class LineCovariance {
   }
 
   [[nodiscard]] Eigen::MatrixXd cell(std::size_t c) const {
-    const Eigen::Index at = n_ + 12 * Eigen::Index(c);
-    return with_gauge_out(solver_.cell_covariance(c, motion_), at, 12);
+    const Eigen::Index at = n_ + cell_unknowns * Eigen::Index(c);
+    return with_gauge_out(solver_.cell_covariance(c, motion_), at, cell_unknowns);
   }
   [[nodiscard]] Eigen::MatrixXd line(std::size_t j) const {
     const Eigen::Index at = 4 * Eigen::Index(j);
@@ -177,10 +177,8 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
     Eigen::Matrix<double, 6, 6> P;
     for (int i = 0; i < 6; ++i)
       for (int j = 0; j < 6; ++j) P(i, j) = C((i + 3) % 6, (j + 3) % 6);
-    // What cross-axis sensitivity does is common to all blocks: no residual shows it.
-    const AxisLine& axis = fit.motion.lines[std::size_t(fit.cells[k].body)];
-    const double lever = axis.direction.cross(fit.cells[k].p - axis.point).norm();
-    for (int i = 0; i < 6; ++i) P(i, i) += std::pow(s.cross_axis * (i < 3 ? lever : 1), 2);
+    // Cross-axis sensitivity that is not symmetric is a turn of the sensor: no residual shows it.
+    for (int i = 3; i < 6; ++i) P(i, i) += 0.5 * s.cross_axis * s.cross_axis;
     return P;
   };
   std::vector<bool> known(fit.cells.size());

@@ -123,7 +123,8 @@ class TorqueEquations {
     }
     return out;
   }
-  /// Ordinary least squares in the base parameters, friction and rotors (the first joint's rotor is that of its link).
+  /// Ordinary least squares in the base parameters, friction and rotors. Rotors whose torques are those of their links, a UR5's
+  /// first two, make these equations singular: the sum of both is found.
   [[nodiscard]] Eigen::VectorXd least_squares(const BaseParameters& base, bool rotors) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(all);
     std::vector<Eigen::Index> columns(base.columns.begin(), base.columns.end());
@@ -144,7 +145,7 @@ class TorqueEquations {
         g(i) *= scale(i);
         for (Eigen::Index k = 0; k < m; ++k) A(i, k) *= scale(i) * scale(k);
       }
-      const Eigen::VectorXd solved = solve_symmetric(A, g);
+      const Eigen::VectorXd solved = shortest_solution(A, g);
       for (Eigen::Index i = 0; i < m; ++i) x(columns[std::size_t(i)]) = scale(i) * solved(i);
       refine(x);
     }

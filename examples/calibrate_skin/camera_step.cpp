@@ -1,0 +1,161 @@
+// The camera.
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "examples/calibrate_skin/fits.hpp"
+#include "examples/calibrate_skin/json_values.hpp"
+#include "examples/calibrate_skin/step_functions.hpp"
+#include "examples/calibrate_skin/world.hpp"
+#include "examples/support/text.hpp"
+
+namespace calibrate_skin {
+
+using namespace skinctl;
+using examples::text;
+
+namespace {
+
+// Where patches are said to be before the camera looks: by motion, else by hand.
+Json placed_before(const World& world, const Options& options, const Json& shapes, const Json& moved) {
+  const fs::path by_hand = options.folder / "placed.json";
+  if (!fs::exists(by_hand)) {
+    Json placed;
+    placed["camera"] = json_of(world.camera_by_hand());
+    for (const auto& p : shapes.at("patches")) {
+      const auto root = p.at("cells").at(0).at("id").get<std::uint16_t>();
+      placed["patches"][std::to_string(root)] = json_of(world.placed_by_hand(root));
+    }
+    write_json(by_hand, placed);
+  }
+  Json placed = read_json(by_hand);
+  for (std::size_t k = 0; k < shapes.at("patches").size(); ++k) {
+    const Json& by_motion = moved.at("links").at(k).at("placed");
+    const auto root = std::to_string(shapes.at("patches").at(k).at("cells").at(0).at("id").get<int>());
+    if (!by_motion.is_null()) placed["patches"][root] = by_motion.at("pose");
+  }
+  return placed;
+}
+
+// How far two poses of a patch are apart: at the middle of its cells, and turned.
+std::pair<double, double> apart(const FitPose& a, const FitPose& b,
+                                const std::vector<Eigen::Vector3d>& cells) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& p : cells) middle += p / double(cells.size());
+  return {(a * middle - b * middle).norm(), turn_vector(a.R.transpose() * b.R).norm()};
+}
+
+}  // namespace
+
+Json camera_step(const World& world, const Options& options) {
+  const Json shapes = read_json(options.folder / "shape.json"),
+             moved = read_json(options.folder / "lines.json");
+  std::vector<std::vector<Eigen::Vector3d>> cells;
+  std::vector<std::string> names;
+  std::vector<std::size_t> links, which;
+  std::map<std::uint16_t, std::pair<std::size_t, std::size_t>> index;
+  for (std::size_t k = 0; k < shapes.at("patches").size(); ++k) {
+    const Json& patch = shapes.at("patches").at(k).at("cells");
+    const int link = moved.at("links").at(k).at("link").get<int>();
+    std::vector<Eigen::Vector3d> known;
+    if (link < 0) continue;
+    for (const auto& c : patch)
+      if (c.at("unknown").get<std::string>().empty()) {
+        index[c.at("id").get<std::uint16_t>()] = {cells.size(), known.size()};
+        known.push_back(pose_of(c.at("pose")).p);
+      }
+    if (known.empty()) continue;
+    cells.push_back(std::move(known));
+    names.push_back("the patch of cell " + patch.at(0).at("id").dump());
+    links.push_back(std::size_t(link)), which.push_back(k);
+  }
+  if (cells.empty()) throw std::runtime_error("no patch has both a shape and a link");
+  Json patches = Json::array(), unknown = Json::array();
+  if (!options.camera) {
+    std::size_t placed = 0;
+    for (std::size_t i = 0; i < which.size(); ++i) {
+      const Json& by_motion = moved.at("links").at(which[i]).at("placed");
+      if (by_motion.is_null()) {
+        unknown.push_back({{"what", "place of " + names[i]},
+                           {"deviation", Json()},
+                           {"unit", "m"},
+                           {"remedy", "a camera, or a base that is tilted"}});
+        continue;
+      }
+      patches.push_back({{"patch", which[i]},
+                         {"pose", by_motion.at("pose")},
+                         {"covariance", by_motion.at("covariance")},
+                         {"cells", by_motion.at("cells")},
+                         {"known", true}});
+      ++placed;
+    }
+    return {{"patches", patches},
+            {"by", "motion"},
+            {"unobservable", unknown},
+            {"said", text("%zu patches placed by motion, without a camera", placed)}};
+  }
+
+  const Json before = placed_before(world, options, shapes, moved);
+  std::vector<FitPose> start;
+  for (const std::size_t k : which) {
+    const auto root = shapes.at("patches").at(k).at("cells").at(0).at("id").dump();
+    if (!before.at("patches").contains(root))
+      throw std::runtime_error("placed.json has no pose of the patch of cell " + root +
+                               ", and motion did not place it");
+    start.push_back(pose_of(before.at("patches").at(root)));
+  }
+  const auto poses = world.camera_poses();
+  ask(options, {announced(poses, 0.6)});
+  std::vector<Arm::Stand> stood;
+  {
+    Arm arm(options.arm, world.robot());
+    static_cast<void>(arm.go(home));
+    stood = stands(arm, poses, options);
+  }
+  const CameraReport report = world.seen(truths(stood));
+  std::vector<CameraView> views(stood.size());
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto X = link_poses_of(stood[v].measured);
+    for (const std::size_t l : links) views[v].X_BaseLink.push_back(X[l]);
+  }
+  std::size_t used = 0;
+  for (const auto& light : report.lights)
+    if (const auto at = index.find(light.id); at != index.end())
+      views[light.view].seen.push_back({at->second.first, at->second.second, light.pixel}), ++used;
+  options.say(text("  %zu views, %zu lights of known cells", views.size(), used));
+  const SightingFit found =
+      fit_lights(report.camera, cells, names, views, start, {pose_of(before.at("camera"))});
+  unknown = json_of(found.X_BaseCam.unobservable);
+  double farthest = 0;
+  std::size_t placed = 0, both = 0, alone = 0;
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    const auto& X = found.X_LinkRoot[i];
+    const Json& by_motion = moved.at("links").at(which[i]).at("placed");
+    Json patch = {{"patch", which[i]}, {"agreeing", found.agreeing[i]}, {"known", X.known()}};
+    if (X.known() || by_motion.is_null()) {
+      patch["pose"] = json_of(X.value), patch["covariance"] = json_of(Matrix6d(X.covariance));
+      add(unknown, json_of(X.unobservable));
+      if (X.known() && !by_motion.is_null()) {
+        const auto [place, angle] = apart(X.value, pose_of(by_motion.at("pose")), cells[i]);
+        patch["motion_off"] = {place, angle};
+        farthest = std::max(farthest, place), ++both;
+      }
+    } else {  // too few lights, of a single cell for instance: as motion says
+      patch["pose"] = by_motion.at("pose"), patch["covariance"] = by_motion.at("covariance");
+      patch["known"] = true, ++alone;
+    }
+    if (patch.at("known").get<bool>()) ++placed;
+    patches.push_back(std::move(patch));
+  }
+  return {
+      {"patches", patches},
+      {"by", "camera"},
+      {"residual", found.residual},
+      {"disagreeing", found.disagreeing},
+      {"unobservable", unknown},
+      {"said", text("%zu of %zu patches placed, %zu of them by motion alone; residual %.2f pixels, %zu "
+                    "sightings disagree; motion says of %zu the same to %.1f mm",
+                    placed, which.size(), alone, found.residual, found.disagreeing, both, 1e3 * farthest)}};
+}
+
+}  // namespace calibrate_skin

@@ -1,0 +1,31 @@
+// What each step of a calibration does: from files of the folder, the robot and the skin to the contents of its own file.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "examples/calibrate_skin/arm.hpp"
+#include "examples/calibrate_skin/steps.hpp"
+
+namespace calibrate_skin {
+
+[[nodiscard]] Json network_step(const World& world);
+[[nodiscard]] Json rest_step(const World& world, const Options& options);
+[[nodiscard]] Json shape_step(const Options& options);
+[[nodiscard]] Json motion_step(const World& world, const Options& options);
+[[nodiscard]] Json lines_step(const Options& options);
+[[nodiscard]] Json camera_step(const World& world, const Options& options);
+[[nodiscard]] Json torques_step(const World& world, const Options& options);
+[[nodiscard]] Json masses_step(const World& world, const Options& options);
+[[nodiscard]] Json result_step(const World& world, const Options& options);
+
+/// Throws `ConfigurationError` if nobody agrees to this motion.
+void ask(const Options& options, std::vector<std::string> announcement);
+/// A tour of poses, in words.
+[[nodiscard]] std::string announced(const std::vector<JointAngles6>& poses, double seconds);
+/// The robot stands in each of the poses, and goes home; where it stood.
+[[nodiscard]] std::vector<Arm::Stand> stands(Arm& arm, const std::vector<JointAngles6>& poses,
+                                             const Options& options);
+[[nodiscard]] std::vector<JointAngles6> truths(const std::vector<Arm::Stand>& stands);
+
+}  // namespace calibrate_skin
