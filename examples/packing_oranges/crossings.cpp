@@ -234,6 +234,7 @@ class Mover {
   /// Whether it needs room that the other one has: at once where it gives way and comes near the other one.
   [[nodiscard]] bool waits() const { return way_.should_go() || (gave_way_ && (kept_ || room_ < 0.25)); }
   [[nodiscard]] bool gives_way() const { return gave_way_; }
+  [[nodiscard]] bool pressed() const { return now_ - pressed_at_ < 300ms; }
   [[nodiscard]] int asides() const { return way_.times(); }
   [[nodiscard]] bool kept() const { return kept_; }
   [[nodiscard]] std::size_t seen() const { return seen_; }
@@ -241,7 +242,7 @@ class Mover {
 
   template <class Filled>
   auto step(const State<6>& measured, const Filled* other, const std::array<Capsule<>, 7>& own,
-            const std::vector<Capsule<>>& around, bool other_waits) {
+            const std::vector<Capsule<>>& around, bool other_waits, bool pressed) {
     const auto samples = eyes_.look(measured.time, arm_, measured.q, own, around);
     const std::clock_t begun = std::clock();
     now_ = measured.time;
@@ -256,7 +257,8 @@ class Mover {
     way_.step(measured.time, measured.time - kept_at_ < 300ms && !reached_ && !gave_way_ && !returns_,
               !nearer);
     if (seen_ > 0) seen_at_ = measured.time;
-    const bool gives_way = sees_ && measured.time - seen_at_ < 300ms;
+    if (pressed) pressed_at_ = measured.time;
+    const bool gives_way = sees_ && (measured.time - seen_at_ < 300ms || measured.time - pressed_at_ < 300ms);
     room_ = range + 1;
     if (gives_way)
       for (const Capsule<>& mine : own)
@@ -316,9 +318,12 @@ class Mover {
     sees_ = other != nullptr;
     if (other != nullptr) {
       input_.around.add(A::base(arm_).inverse(), *other);
+      // An arm that gives way and finds this one in its way is given way to like anything else.
       sight_.each_known(
           measured.q, [&](std::size_t i) { return samples[i].proximity; }, input_.around,
-          [&](std::size_t i) { samples[i].proximity = 0; });
+          [&](std::size_t i) {
+            if (!pressed) samples[i].proximity = 0;
+          });
       seen_ = sight_.look(
           measured.q,
           [&](std::size_t i) {
@@ -360,7 +365,7 @@ class Mover {
   Xyz<double> goal_{0, 0, 0};
   RightOfWay way_;
   bool reached_ = true, kept_ = false, back_ = false, gave_way_ = false, sees_ = true, displaced_ = false;
-  Nanoseconds seen_at_{-1s}, kept_at_{-1s};
+  Nanoseconds seen_at_{-1s}, kept_at_{-1s}, pressed_at_{-1s};
   double room_ = 0;     // between the arms, while it gives way [m]
   double nearest_ = 0;  // to the goal, since it was asked for [m]
   int gave_ = 0, tries_ = 0;
@@ -465,7 +470,8 @@ int study(int number, std::uint64_t seed, bool sees) {
         const auto filled = mover[1 - a]->occupied();
         const auto out =
             mover[a]->step(world.joints(a), sees ? &filled : nullptr, at[a], around,
-                           mover[1 - a]->waits() && (mover[a]->reached() || mover[1 - a]->gives_way()));
+                           mover[1 - a]->waits() && (mover[a]->reached() || mover[1 - a]->gives_way()),
+                           mover[1 - a]->gives_way() && mover[1 - a]->kept() && !mover[1 - a]->pressed());
         if (out.command.valid) world.command(a, out.command.position, out.command.velocity);
         if (mover[a]->kept() && !mover[a]->reached()) kept += 0.008;
         ++cycles;
