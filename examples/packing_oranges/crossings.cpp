@@ -71,6 +71,24 @@ constexpr auto skills = boost::hana::make_map(
                                       load<controller::SplineOperational>())),
     skill<GiveWay>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>())));
 
+/// What an arm keeps clear of by itself: its own links, the table, and the walls of the trays on it.
+auto clearance() {
+  auto c = A::clearance();
+  c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
+  c.own.pairs = {{0, 2}, {0, 4}, {0, 5}, {0, 6}, {1, 4}, {1, 5},
+                 {1, 6}, {2, 7}, {3, 7}, {4, 7}, {5, 7}, {6, 7}};
+  const auto wall = [&](const Tray& t, double x0, double y0, double x1, double y1) {
+    const auto X_BW = A::base(0).inverse();  // the other arm has its trays at the same places
+    const auto at = [&](double x, double y) {
+      return X_BW.origin() + X_BW.axes() * Xyz<double>{t.x + x * t.half_x, t.y + y * t.half_y, t.wall / 2};
+    };
+    for (const std::size_t part : {4u, 5u, 6u}) c.own.pairs.push_back({part, c.own.capsules.size()});
+    c.own.capsules.push_back({LinkCapsule::fixed, {at(x0, y0), at(x1, y1), t.wall / 2}});
+  };
+  for (const Tray& t : {box_tray, bin_tray(0), bin_tray(1)})
+    wall(t, -1, -1, 1, -1), wall(t, 1, -1, 1, 1), wall(t, 1, 1, -1, 1), wall(t, -1, 1, -1, -1);
+  return c;
+}
 auto scene() {
   const auto arm = A::robot();
   SkinSettings settings;
@@ -91,13 +109,7 @@ auto scene() {
                  skill_controller<controller::SkinJoint>(SkinJointControl{}),
                  skill_controller<controller::SplineJoint>(SplineJoint(arm)),
                  skill_controller<controller::SplineOperational>(SplineOperational(A::tool(), o))))
-      .with([] {
-        auto c = A::clearance();
-        c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
-        c.own.pairs = {{0, 2}, {0, 4}, {0, 5}, {0, 6}, {1, 4}, {1, 5},
-                       {1, 6}, {2, 7}, {3, 7}, {4, 7}, {5, 7}, {6, 7}};
-        return c;
-      }());
+      .with(clearance());
 }
 using Scene = decltype(scene());
 using Set = Scene::law_type;
@@ -219,8 +231,8 @@ class Mover {
   }
   [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, A::base(arm_)); }
   [[nodiscard]] bool reached() const { return reached_; }
-  /// Whether it needs room that the other one has: at once where it gives way.
-  [[nodiscard]] bool waits() const { return way_.should_go() || (gave_way_ && kept_); }
+  /// Whether it needs room that the other one has: at once where it gives way and comes near the other one.
+  [[nodiscard]] bool waits() const { return way_.should_go() || (gave_way_ && (kept_ || room_ < 0.25)); }
   [[nodiscard]] bool gives_way() const { return gave_way_; }
   [[nodiscard]] int asides() const { return way_.times(); }
   [[nodiscard]] bool kept() const { return kept_; }
@@ -232,15 +244,24 @@ class Mover {
             const std::vector<Capsule<>>& around, bool other_waits) {
     const auto samples = eyes_.look(measured.time, arm_, measured.q, own, around);
     const std::clock_t begun = std::clock();
-    const auto was = X_WH_.origin();
     now_ = measured.time;
     X_WH_ = A::base(arm_) * A::hand(measured.q);
     reached_ = reached_ || norm(Xyz<double>(X_WH_.origin() - goal_)) < 0.01;
     way_.goes_first(arm_ == 0);
-    way_.step(measured.time, kept_ && !reached_ && !gave_way_ && !returns_,
-              norm(Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
+    // It slides along what keeps it: that alone is no progress.
+    const double far = norm(Xyz<double>(X_WH_.origin() - goal_));
+    const bool nearer = far < nearest_ - 0.01;
+    if (nearer) nearest_ = far;
+    if (kept_) kept_at_ = measured.time;
+    way_.step(measured.time, measured.time - kept_at_ < 300ms && !reached_ && !gave_way_ && !returns_,
+              !nearer);
     if (seen_ > 0) seen_at_ = measured.time;
     const bool gives_way = sees_ && measured.time - seen_at_ < 300ms;
+    room_ = range + 1;
+    if (gives_way)
+      for (const Capsule<>& mine : own)
+        for (std::size_t k = 0; k < own.size(); ++k)
+          room_ = std::min(room_, distance(mine, around[k]).distance);
     if (gives_way) {
       if (!gave_way_) {
         if (!returns_) before_ = measured.q;
@@ -270,6 +291,7 @@ class Mover {
     } else if (back_ && !other_waits) {
       back_ = false;
       ask(goal_);
+      nearest_ = far;
     } else if (!reached_ && !other_waits && measured.time > reach_by_) {
       // From joints that the hand cannot go straight from: by way of those at the start.
       before_ = A::home();
@@ -338,7 +360,9 @@ class Mover {
   Xyz<double> goal_{0, 0, 0};
   RightOfWay way_;
   bool reached_ = true, kept_ = false, back_ = false, gave_way_ = false, sees_ = true, displaced_ = false;
-  Nanoseconds seen_at_{-1s};
+  Nanoseconds seen_at_{-1s}, kept_at_{-1s};
+  double room_ = 0;     // between the arms, while it gives way [m]
+  double nearest_ = 0;  // to the goal, since it was asked for [m]
   int gave_ = 0, tries_ = 0;
   bool returns_ = false;
   JointPosition<6> before_;
@@ -381,7 +405,7 @@ int study(int number, std::uint64_t seed, bool sees) {
   const auto goal = [&](std::size_t a) {
     const double r = in(0.38, 0.72), angle = in(-0.9, 0.9);
     return Xyz<double>{side(a) * (-R::stands + r * std::cos(angle)), side(a) * r * std::sin(angle),
-                       in(0.12, 0.4)};
+                       in(0.2, 0.4)};
   };
   Result pairs, things;
   std::uint64_t cycles = 0;

@@ -204,6 +204,60 @@ TEST_CASE("ClearanceAround: an arm stops before what comes closer, lets it pass,
   CHECK(std::abs(braked.velocity[1] - (up[1] + 15 * dt)) < 1e-6);
 }
 
+TEST_CASE("ClearanceAround: at its margin, and a little within it, an arm slides along what stands there") {
+  const auto limits = limits_of<ur5::Description>(15.0);
+  const ClearanceLimits<Arm, double, 16> clear(Arm{}, limits, clearance());
+  using Seen = ClearanceLimits<Arm, double, 16>::Memory;
+  auto rng = seeded(5);
+  double worst = 1e9, sum = 0, nearer = 0;
+  int scenes = 0;
+  while (scenes < (sanitized ? 10 : 60)) {
+    JointPosition<6> q;
+    for (auto& x : q) x = uniform(rng, -2.0, 2.0);
+    // A ball beside the last link, from 1 mm within its margin to 0.2 mm outside.
+    const auto X = link_poses(Arm{}, q).get<5>();
+    const Xyz<double> axis = ur5::tubes[5].to - ur5::tubes[5].from;
+    const Xyz<double> some{uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0)},
+        side = cross(axis, some);
+    const double inside = uniform(rng, -0.2e-3, 1e-3);
+    const Xyz<double> at = ur5::tubes[5].from + uniform(rng, 0.0, 1.0) * axis +
+                           ((0.0201 + 0.05 + ur5::tubes[5].radius - inside) / norm(side)) * side;
+    Seen seen{};
+    Surroundings<16> near;
+    near.time = 1s;
+    const Xyz<double> p = X.origin() + X.axes() * at;
+    near.add({{p, p, 0.05}, 0.0});
+    clear.see(seen, near, 1s);
+    const auto here = clear.at(seen, q);
+    if (here.nearest() < 0.0201 - 1.001e-3) continue;  // another link is nearer
+    JointVelocity<6> want;
+    for (auto& v : want) v = uniform(rng, -1.0, 1.0);
+    const auto along = here.slid(want, dt);
+    double closing = 0, all = 0;
+    for (std::size_t i = 0; i < 6; ++i)
+      closing += (want[i] - along[i]) * (want[i] - along[i]), all += want[i] * want[i];
+    if (closing < 0.02 * all || closing > 0.5 * all) continue;
+    ++scenes;
+    JointPosition<6> now = q;
+    JointVelocity<6> u;
+    for (int n = 0; n < 60; ++n) {
+      JointVelocity<6> next;
+      for (std::size_t i = 0; i < 6; ++i) next[i] = u[i] + std::clamp(want[i] - u[i], -15 * dt, 15 * dt);
+      const auto kept =
+          clear.within(seen, now, limits.room(now), u, next, dt, [](const auto&) { return true; });
+      now = integrate(now, u + kept.velocity, 0.5 * dt), u = kept.velocity;
+      nearer = std::max(nearer, std::min(0.0201, here.nearest()) - clear.at(seen, now).nearest());
+    }
+    double way = 0, square = 0;
+    for (std::size_t i = 0; i < 6; ++i) way += along[i] * (now[i] - q[i]), square += along[i] * along[i];
+    worst = std::min(worst, way / square), sum += way / square;
+  }
+  MESSAGE(scenes << " scenes of 0.48 s: of the way along it went what takes " << sum / scenes
+                 << " s in the mean, at worst " << worst << " s; nearer by " << 1e6 * nearer << " um");
+  CHECK(worst > 0.3);
+  CHECK(nearer < 1e-7);
+}
+
 TEST_CASE("ClearanceAround: what cannot be is refused") {
   const auto limits = limits_of<ur5::Description>(15.0);
   const auto refuses = [&](auto change) {

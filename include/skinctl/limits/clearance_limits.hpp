@@ -21,8 +21,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// apart, and must exceed the margin there by `reach (sum |x_i|)^2` over the joints between the two: what they
 /// can fall short in between. What is nearer than the margin may only get farther.
 ///
-/// A velocity that would come too close loses the part that closes; what is left, mixed with braking as far as
-/// needed, is kept. So an arm slides along, and whatever leads away passes.
+/// A velocity that would come too close loses the part that closes, and at the margin gains a little that opens; what is
+/// left, mixed with braking as far as needed, is kept. So an arm slides along, and whatever leads away passes.
 ///
 /// **With obstacles** (`ClearanceAround`, `Around` of them at most) the same holds for them. On a way that lasts t an
 /// obstacle comes closer by `approach (age + late + t)`: straight towards what stands still, with T the time until braking
@@ -143,7 +143,16 @@ class ClearanceLimits {
     }
     const T left = stop > h ? T(T(1) - h / stop) : T(0);
     Velocity brake = left * u0;
-    Velocity wish = limits_.move(room, u0, here.slid(u1), h).velocity;
+    const Velocity slid = here.slid(u1, h);
+    Velocity wish = limits_.move(room, u0, slid, h).velocity;
+    if (keeps(wish)) return {wish, true};
+    // The limits of single joints turn a motion along the margin into it; all joints at one rate do not.
+    T part(1);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T change = Here::size(slid[i] - u0[i]), most = limits_.acceleration()[i] * h;
+      part = part * change > most ? T(most / change) : part;
+    }
+    wish = limits_.move(room, u0, u0 + part * (slid - u0), h).velocity;
     if (keeps(wish)) return {wish, true};
     if (!here.keeps_alike(brake, integrate(Position(), u0 + brake, T(T(0.5) * h)), room))
       brake = limits_.move(room, u0, Velocity(), h).velocity;
@@ -160,7 +169,7 @@ class ClearanceLimits {
                             const T& time) const noexcept {
     if (share(seen, q, u, time) == T(1)) [[likely]]
       return {u, false};
-    const Velocity aside = at(seen, q).slid(u);
+    const Velocity aside = at(seen, q).slid(u, time);
     return {share(seen, q, aside, time) * aside, true};
   }
   /// The share in [0, 1] of `u` from which the robot can stop after `time` seconds at it. 0 for NaN.

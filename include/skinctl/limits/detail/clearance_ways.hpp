@@ -63,20 +63,25 @@ class ClearanceWays {
       return x;
     });
   }
-  /// `u` without what would bring a pair nearer than it can stop, pair by pair and a few times over.
-  [[nodiscard]] Velocity slid(Velocity u) const noexcept {
+  /// `u`, of a step of `h` seconds, without what would bring a pair nearer than it can stop, pair by pair and a few times
+  /// over. At the margin it leaves a little, at up to `leaving`: by as much as the distance may fall short of its
+  /// gradient until the robot stands, because a motion along the margin would not be kept.
+  [[nodiscard]] Velocity slid(Velocity u, const T& h) const noexcept {
+    constexpr T leaving(0.05);  // [m/s]
     T gradient[most_pairs][joints];
     of_.clearances_.gradients(q_, near(), gradient);
     for (int round = 0; round < 4; ++round)
       for (std::size_t k = 0; k < count_; ++k) {
-        T closing(0), square(0), rate = std::numeric_limits<T>::infinity();
+        T closing(0), square(0), sum(0), longest(0), rate = std::numeric_limits<T>::infinity();
         for (std::size_t i = 0; i < joints; ++i) {
-          const T g = gradient[k][i];
-          closing = closing - g * u[i], square = square + g * g;
+          const T g = gradient[k][i], stop = size(u[i]) / of_.brake(i);
+          closing = closing - g * u[i], square = square + g * g, sum = sum + size(u[i]);
+          longest = stop > longest ? stop : longest;
           if (size(g) * rate > of_.brake(i) * square) rate = of_.brake(i) * size(g);
         }
-        const T room = distance_[k] - margin(k, T(0));
-        const T most = room > T(0) ? speed_to_stop(room, T(0.02), T(rate > T(0) ? rate : T(1e-3))) : T(0);
+        const T room = distance_[k] - margin(k, T(0)), bend = of_.reach_ * sum * sum * (h + longest);
+        const T most = (room > T(0) ? speed_to_stop(room, T(0.02), T(rate > T(0) ? rate : T(1e-3))) : T(0)) -
+                       (bend < leaving ? bend : leaving);
         if (!(closing > most) || !(square > T(1e-8))) continue;
         const T share = (closing - most) / square;
         for (std::size_t i = 0; i < joints; ++i) u[i] = u[i] + share * gradient[k][i];
