@@ -17,11 +17,12 @@ build() {
 }
 
 install_packages build library tests peers benchmark examples dds python ros urdf docs
+together=-DSKINCTL_ROOMS_TOGETHER=ON
 # GCC frees memory only above 1 GB a file: an eighth less time, at most 3 GB a compiler.
-phase "build, GCC" build release "-DCMAKE_CXX_FLAGS=${SKINCTL_CXX_FLAGS:-} --param=ggc-min-heapsize=1000000"
+phase "build, GCC" build release $together "-DCMAKE_CXX_FLAGS=${SKINCTL_CXX_FLAGS:-} --param=ggc-min-heapsize=1000000"
 # Compiled once and run once: line numbers cost an eighth of this build. The preset without this flag has them, to look into a
 # report.
-phase "build, Clang with sanitizers" build asan-clang "-DSKINCTL_TEST_FILTER=${SKINCTL_SANITIZED:-}" \
+phase "build, Clang with sanitizers" build asan-clang $together "-DSKINCTL_TEST_FILTER=${SKINCTL_SANITIZED:-}" \
   "-DCMAKE_CXX_FLAGS_SANITIZED=-O1 -g0"
 phase "tests, GCC" ctest --preset release -j "$jobs"
 ctest --preset asan-clang -j "$jobs" --no-label-summary

@@ -6,7 +6,7 @@
 #   // compiled alone: why
 # and one that proves nothing under the sanitizers
 #   // not sanitized: why
-set(SKINCTL_TESTS_PER_UNIT 20 CACHE STRING "How many test files are compiled together at most")
+set(SKINCTL_TESTS_PER_UNIT 45 CACHE STRING "How many test files are compiled together at most")
 
 # skinctl_marked(<variable> <mark> <source>...): the sources with this mark.
 function(skinctl_marked variable mark)

@@ -113,12 +113,12 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
   auto c = std::make_unique<decltype(trusted.start(0ns))>(trusted.start(0ns)),
        d = std::make_unique<decltype(trusted.start(0ns))>(*c);
   const ur5::Model model;
-  const JointPosition<6> home{0.0, -1.2, 1.4, -1.7, -1.5, 0.0};
+  const JointPosition<6> rest_at{0.0, -1.2, 1.4, -1.7, -1.5, 0.0};
   const auto law = SkinJointControl{} + GravityControl{};
   const Cycle arm(friction_arm(), trusted, law);
   auto healthy_memory = std::make_unique<typename decltype(arm)::Memory>();
   auto faulty_memory = std::make_unique<typename decltype(arm)::Memory>();
-  State<6> healthy_at{0ns, home, {}}, faulty_at = healthy_at;
+  State<6> healthy_at{0ns, rest_at, {}}, faulty_at = healthy_at;
   if (r.moves) arm.start(*healthy_memory, healthy_at), arm.start(*faulty_memory, faulty_at);
 
   SkinFaultResult out;
@@ -126,7 +126,7 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
   std::vector<bool> falsely(260);
   std::vector<CellSample> samples, spoilt;
   double cycles = 0, later = 0;
-  auto begin = link_poses(model, home).template get<5>().origin();
+  auto begin = link_poses(model, rest_at).template get<5>().origin();
   for (Nanoseconds to = 8ms; to <= r.length; to += 8ms) {
     signals.samples(to, samples);
     spoilt = samples;
@@ -159,7 +159,7 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
         found[i] = seconds<double>(to - r.begins);
     }
     if (to <= r.begins) continue;
-    const auto tau = [&](std::size_t k) { return skin_torque(model, home, w[k]); };
+    const auto tau = [&](std::size_t k) { return skin_torque(model, rest_at, w[k]); };
     const auto size = [](const JointTorque<6>& t) {
       double sum = 0;
       for (const double x : t) sum += x * x;
