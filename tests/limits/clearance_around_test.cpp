@@ -85,7 +85,7 @@ TEST_CASE("ClearanceAround: two arms that see what the other one may fill never 
   double least = 1e9, blind = 1e9, step = 0, apart = 1e9;
   int limited = 0, scenes = 0, met = 0;
   auto rng = seeded(11);
-  while (scenes < (std::getenv("NN") ? std::atoi(std::getenv("NN")) : sanitized ? 4 : 40)) {
+  while (scenes < (sanitized ? 4 : 40)) {
     std::array<JointPosition<6>, 2> start;
     for (auto& q : start)
       for (auto& x : q) x = uniform(rng, -3.0, 3.0);
@@ -166,7 +166,7 @@ TEST_CASE("ClearanceAround: two arms that see what the other one may fill never 
                             << 1e3 * apart << " mm");
   CHECK(met >= scenes / 8);
   CHECK(limited > 20);
-  CHECK(least >= 0.019);
+  CHECK(least >= 0.02);
   CHECK(step <= 15 * 1.0001);
 }
 
