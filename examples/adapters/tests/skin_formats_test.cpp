@@ -184,24 +184,16 @@ TEST_CASE("bags: what the writer writes the reader reads, chunk by chunk") {
   CHECK(n < messages.size());
 }
 
-namespace {
-std::string long_message() {
-  std::string text(5000, 'm');
-  text += "essage";
-  return text;
-}
-}  // namespace
-
 TEST_CASE("bags: compressed ones") {
-  const std::string chunk = chunk_text(long_message());
-  reads(bag_of("none", chunk, chunk.size()), long_message());
+  const std::string chunk = chunk_text(std::string(5000, 'm') + "essage");
+  reads(bag_of("none", chunk, chunk.size()), std::string(5000, 'm') + "essage");
 #if SKINCTL_HAS_BZIP2
   std::string packed(chunk.size() + 1000, '\0');
   auto n = static_cast<unsigned>(packed.size());
   REQUIRE(BZ2_bzBuffToBuffCompress(packed.data(), &n, const_cast<char*>(chunk.data()),
                                    static_cast<unsigned>(chunk.size()), 9, 0, 0) == BZ_OK);
   packed.resize(n);
-  reads(bag_of("bz2", packed, chunk.size()), long_message());
+  reads(bag_of("bz2", packed, chunk.size()), std::string(5000, 'm') + "essage");
   CHECK_THROWS_AS(reads(bag_of("bz2", packed, chunk.size() - 1), ""), BagError);
   CHECK_THROWS_AS(reads(bag_of("bz2", packed.substr(0, n / 2), chunk.size()), ""), BagError);
 #else
@@ -212,7 +204,7 @@ TEST_CASE("bags: compressed ones") {
   const std::size_t k = LZ4F_compressFrame(small.data(), small.size(), chunk.data(), chunk.size(), nullptr);
   REQUIRE(LZ4F_isError(k) == 0);
   small.resize(k);
-  reads(bag_of("lz4", small, chunk.size()), long_message());
+  reads(bag_of("lz4", small, chunk.size()), std::string(5000, 'm') + "essage");
   CHECK_THROWS_AS(reads(bag_of("lz4", small, chunk.size() + 1), ""), BagError);
   CHECK_THROWS_AS(reads(bag_of("lz4", small.substr(0, k / 2), chunk.size()), ""), BagError);
 #else
