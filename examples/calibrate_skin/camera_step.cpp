@@ -8,6 +8,9 @@
 #include "examples/calibrate_skin/step_functions.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/support/text.hpp"
+#include "skinctl/frames/rotation.hpp"
+#include "skinctl/io/skin_file.hpp"
+#include "skinctl/model/ur5_links.hpp"
 
 namespace calibrate_skin {
 
@@ -29,12 +32,17 @@ Json placed_before(const World& world, const Options& options, const Json& shape
     write_json(by_hand, placed);
   }
   Json placed = read_json(by_hand);
+  if (!options.placed.empty()) place_by(read_skin_file(options.placed.string()), shapes, moved, placed);
   for (std::size_t k = 0; k < shapes.at("patches").size(); ++k) {
     const Json& by_motion = moved.at("links").at(k).at("placed");
     const auto root = std::to_string(shapes.at("patches").at(k).at("cells").at(0).at("id").get<int>());
     if (!by_motion.is_null()) placed["patches"][root] = by_motion.at("pose");
   }
   return placed;
+}
+
+FitPose fit_pose(const SkinPose& X) {
+  return {as_eigen(X.rotation()), {X.p.x, X.p.y, X.p.z}};
 }
 
 // How far two poses of a patch are apart: at the middle of its cells, and turned.
@@ -46,6 +54,26 @@ std::pair<double, double> apart(const FitPose& a, const FitPose& b,
 }
 
 }  // namespace
+
+void place_by(const SkinFile& file, const Json& shapes, const Json& moved, Json& placed) {
+  for (std::size_t k = 0; k < shapes.at("patches").size(); ++k) {
+    const auto root = shapes.at("patches").at(k).at("cells").at(0).at("id").get<std::uint32_t>();
+    for (const auto& patch : file.patches)
+      for (const auto& cell : patch.cells) {
+        if (cell.id != root) continue;
+        const int l = moved.at("links").at(k).at("link").get<int>();
+        const NamedLink* link = l >= 0 && l < 6 ? &ur5::Ros2Links::named_links[std::size_t(l)] : nullptr;
+        if (link == nullptr || patch.link != link->name)
+          throw std::runtime_error(text("%s: cell %u lies on %s, but moves with %s", file.source.c_str(),
+                                        root, patch.link.c_str(),
+                                        link ? std::string(link->name).c_str() : "no link"));
+        const FitPose in_patch = fit_pose(cell.X_RootCell);
+        FitPose X = fit_pose(patch.X_LinkRoot);
+        X.p += Eigen::Vector3d(link->p.x, link->p.y, link->p.z);
+        placed["patches"][std::to_string(root)] = json_of(FitPose{X.R * in_patch.R, X * in_patch.p});
+      }
+  }
+}
 
 Json camera_step(const World& world, const Options& options) {
   const Json shapes = read_json(options.folder / "shape.json"),

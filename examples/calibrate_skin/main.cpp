@@ -36,6 +36,10 @@ int run(int argc, char** argv) {
   app.add_flag("--shoulder-by-hand", options.shoulder_by_hand,
                "the first link's patch was turned by hand in eight poses before it was glued on");
   app.add_flag("--no-camera", no_camera, "patches are placed by motion alone");
+  app.add_option(
+         "--placed", options.placed,
+         "a skin file of the placing page: the camera step starts from the first cells that lie there")
+      ->check(CLI::ExistingFile);
   app.add_flag("--no-masses", no_masses, "no motion for masses: the model has axes only");
   app.add_option("--rtde-port", options.arm.rtde_port, "of the robot, where it is not the maker's")
       ->group("Robot");

@@ -19,6 +19,9 @@ namespace calibrate_skin {
 [[nodiscard]] Json masses_step(const World& world, const Options& options);
 [[nodiscard]] Json result_step(const World& world, const Options& options);
 
+/// Into `placed`, where the patches of `shapes` lie whose first cell is in `file`, as the placing page saves it. Throws
+/// `std::runtime_error` if that lies on another link than it moves with (`moved`).
+void place_by(const skinctl::SkinFile& file, const Json& shapes, const Json& moved, Json& placed);
 /// Throws `ConfigurationError` if nobody agrees to this motion.
 void ask(const Options& options, std::vector<std::string> announcement);
 /// A tour of poses, in words.

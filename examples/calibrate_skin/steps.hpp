@@ -21,6 +21,7 @@ struct Options {
   fs::path folder;
   bool shoulder_by_hand = false;  ///< the first link's patch was turned by hand before it was glued on
   bool camera = true;  ///< false: patches are placed by motion alone; the first link's then has no place
+  fs::path placed;  ///< a skin file in which first cells of patches lie as somebody placed them; may be empty
   bool masses = true;  ///< false: the model has axes only
   ArmOptions arm{};
   std::function<void(const std::string&)> say = [](const std::string&) {};

@@ -8,6 +8,7 @@
 
 #include "examples/calibrate_skin/judge.hpp"
 #include "examples/calibrate_skin/report.hpp"
+#include "examples/calibrate_skin/step_functions.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "examples/support/run_program.hpp"
@@ -242,6 +243,25 @@ TEST_CASE("Calibrate skin: behind a joint that never moved alone no patch has a 
   for (std::size_t k = 0; k < found.at("links").size(); ++k) CHECK(found["links"][k]["link"].get<int>() < 4);
   CHECK(found.at("unobservable").dump().find("joint 5 never moved alone") != std::string::npos);
   CHECK(read_json(c.folder.path / "lines.json").at("links").dump().find("\"link\":5") != std::string::npos);
+}
+
+TEST_CASE("Calibrate skin: the camera starts from where somebody placed the first cells on the page") {
+  Calibrated& c = calibrated();
+  const Json shapes = read_json(c.folder.path / "shape.json"),
+             moved = read_json(c.folder.path / "lines.json");
+  skinctl::SkinFile page = skin_file_of(read_json(c.folder.path / "result.json"));
+  for (auto& patch : page.patches) patch.X_LinkRoot.p.x += 0.02;  // as a hand would
+  Json placed = {{"patches", Json::object()}};
+  place_by(page, shapes, moved, placed);
+  CHECK(placed["patches"].size() == page.patches.size());
+  for (const auto& p : read_json(c.folder.path / "result.json").at("patches")) {
+    const skinctl::FitPose found = pose_of(p.at("pose")),
+                           start = pose_of(placed["patches"].at(p.at("cells").at(0).at("id").dump()));
+    CHECK((start.p - found.p - Eigen::Vector3d(0.02, 0, 0)).norm() < 1e-12);
+    CHECK((start.R - found.R).norm() < 1e-12);
+  }
+  page.patches.front().link = page.patches.front().link == "forearm_link" ? "wrist_1_link" : "forearm_link";
+  CHECK_THROWS_WITH(place_by(page, shapes, moved, placed), doctest::Contains("but moves with"));
 }
 
 TEST_CASE("Calibrate skin: the program says what it wants") {
