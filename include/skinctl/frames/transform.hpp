@@ -86,21 +86,21 @@ class Transform {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
-    return trusted({{l, o, o}, {o, c, s}, {o, -s, c}}, {o, o, o});
+    return turned({{l, o, o}, {o, c, s}, {o, -s, c}});
   }
   /// B is A rotated by `angle` [rad] about their common y axis.
   [[nodiscard]] static Transform rotation_y(const T& angle) noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
-    return trusted({{c, o, -s}, {o, l, o}, {s, o, c}}, {o, o, o});
+    return turned({{c, o, -s}, {o, l, o}, {s, o, c}});
   }
   /// B is A rotated by `angle` [rad] about their common z axis.
   [[nodiscard]] static Transform rotation_z(const T& angle) noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
-    return trusted({{c, s, o}, {-s, c, o}, {o, o, l}}, {o, o, o});
+    return turned({{c, s, o}, {-s, c, o}, {o, o, l}});
   }
 
   /// B translated by (x, y, z) [m] along its own axes.
@@ -201,6 +201,13 @@ class Transform {
   }
 
  private:
+  /// The pose with axes that a sine and a cosine make, NaN as well.
+  [[nodiscard]] SKINCTL_INLINE static constexpr Transform turned(const Rotation<T>& R_AB) noexcept {
+    static_assert(!std::is_same_v<A, B>,
+                  "a frame has no pose in itself: name two, or go on from X_AB by X_AB.rotated_z(...)");
+    return trusted(R_AB, {T(0), T(0), T(0)});
+  }
+
   Rotation<T> R_;
   Xyz<T> p_{T(0), T(0), T(0)};
 };
