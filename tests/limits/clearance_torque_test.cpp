@@ -73,7 +73,7 @@ Seen run(const Scene& towards, const Scene& away, const Clearance& c, const Join
   State<6> x{0ns, {0.2, -1.2, 1.4, -1.8, -1.57, 0.3}, {}};
   towards.start(*memory, x);
   Seen out;
-  const int half = sanitized ? 300 : 1000;
+  const int half = sanitized ? 500 : 1000;
   double low = 0;
   for (int k = 1; k <= half + half / 2; ++k) {
     typename Scene::Input input;
