@@ -16,7 +16,7 @@ build() {
   cmake --build --preset "$preset" -j "$jobs"
 }
 
-install_packages build library tests peers benchmark examples dds python ros urdf docs
+install_packages build library tests peers benchmark examples dds python ros urdf camera docs
 together=-DSKINCTL_ROOMS_TOGETHER=ON
 # GCC frees memory only above 1 GB a file: an eighth less time, at most 3 GB a compiler.
 phase "build, GCC" build release $together "-DCMAKE_CXX_FLAGS=${SKINCTL_CXX_FLAGS:-} --param=ggc-min-heapsize=1000000"

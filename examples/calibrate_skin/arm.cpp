@@ -37,7 +37,8 @@ struct Arm::Parts {
       robot.controller.arm.home = {0.2, -1.6, 0.9, -0.9, -1.4, 0.3};  // `home` of world.hpp
       robot.ports = {0, 0, 0, 0, 0};
       robot.speed = 0;
-      robot.patience = 2;  // a computer that is busy elsewhere is no robot that is told nothing; less than its client waits
+      robot.patience =
+          2;  // a computer that is busy elsewhere is no robot that is told nothing; less than its client waits
       weigh(robot.controller.arm, weight);
       simulated = std::make_unique<simulated_ur5::SimulatedUr5>(std::move(robot));
       simulated->start();

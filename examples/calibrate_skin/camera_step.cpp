@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "examples/calibrate_skin/fits.hpp"
+#include "examples/calibrate_skin/images.hpp"
 #include "examples/calibrate_skin/json_values.hpp"
 #include "examples/calibrate_skin/step_functions.hpp"
 #include "examples/calibrate_skin/world.hpp"
@@ -39,6 +40,19 @@ Json placed_before(const World& world, const Options& options, const Json& shape
     if (!by_motion.is_null()) placed["patches"][root] = by_motion.at("pose");
   }
   return placed;
+}
+
+CameraReport seen_by(const World& world, const std::vector<JointAngles6>& stood, const Options& options) {
+#ifdef CALIBRATE_SKIN_HAS_CAMERA
+  if (options.images) {
+    std::string said;
+    CameraReport report = seen_in_images(world, stood, said);
+    options.say(said);
+    return report;
+  }
+#endif
+  require(!options.images, "images", 1, "0: built without OpenCV");
+  return world.seen(stood);
 }
 
 FitPose fit_pose(const SkinPose& X) {
@@ -140,7 +154,7 @@ Json camera_step(const World& world, const Options& options) {
     static_cast<void>(arm.go(home));
     stood = stands(arm, poses, options);
   }
-  const CameraReport report = world.seen(truths(stood));
+  const CameraReport report = seen_by(world, truths(stood), options);
   std::vector<CameraView> views(stood.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
     const auto X = link_poses_of(stood[v].measured);

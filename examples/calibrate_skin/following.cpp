@@ -21,7 +21,8 @@ double following_error(const RobotMasses& truth, const FoundModel* model, const 
   robot.controller.powered = true;
   robot.controller.arm.home = home;
   robot.speed = 0;
-  robot.patience = 2;  // a computer that is busy elsewhere is no robot that is told nothing; less than its client waits
+  robot.patience =
+      2;  // a computer that is busy elsewhere is no robot that is told nothing; less than its client waits
   weigh(robot.controller.arm, truth);
   simulated_ur5::SimulatedUr5 simulated(std::move(robot));
   simulated.start();

@@ -36,6 +36,10 @@ int run(int argc, char** argv) {
   app.add_flag("--shoulder-by-hand", options.shoulder_by_hand,
                "the first link's patch was turned by hand in eight poses before it was glued on");
   app.add_flag("--no-camera", no_camera, "patches are placed by motion alone");
+#ifdef CALIBRATE_SKIN_HAS_CAMERA
+  app.add_flag("--images", options.images,
+               "the camera's images are rendered, and OpenCV finds the lights in them");
+#endif
   app.add_option(
          "--placed", options.placed,
          "a skin file of the placing page: the camera step starts from the first cells that lie there")

@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 struct Options {
   fs::path folder;
   bool shoulder_by_hand = false;  ///< the first link's patch was turned by hand before it was glued on
-  bool camera = true;  ///< false: patches are placed by motion alone; the first link's then has no place
+  bool camera = true;   ///< false: patches are placed by motion alone; the first link's then has no place
+  bool images = false;  ///< lights are found in rendered images, by OpenCV, not told with errors
   fs::path placed;  ///< a skin file in which first cells of patches lie as somebody placed them; may be empty
   bool masses = true;  ///< false: the model has axes only
   ArmOptions arm{};

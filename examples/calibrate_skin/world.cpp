@@ -266,7 +266,7 @@ std::vector<JointAngles6> World::camera_poses() const {
   return out;
 }
 
-CameraReport World::seen(const std::vector<JointAngles6>& stood) const {
+CameraReport World::seen(const std::vector<JointAngles6>& stood, bool errors) const {
   auto rng = seeded(seed_ + 4);
   CameraReport out;
   for (std::size_t v = 0; v < stood.size(); ++v) {
@@ -275,14 +275,16 @@ CameraReport World::seen(const std::vector<JointAngles6>& stood) const {
       const FitPose X_CamCell = X_BaseCam_.inverse() * X[c.link] * c.X_LinkCell;
       if (X_CamCell.R.col(2).dot(X_CamCell.p.normalized()) > -0.25 || uniform<double>(rng, 0.0, 1.0) < 0.15)
         continue;
+      const double off = errors ? 0.5 : 0.0;
       CameraReport::Light light{
           v,
           c.id,
-          {out.camera.fx * X_CamCell.p.x() / X_CamCell.p.z() + out.camera.cx + 0.5 * normal(rng),
-           out.camera.fy * X_CamCell.p.y() / X_CamCell.p.z() + out.camera.cy + 0.5 * normal(rng)}};
+          {out.camera.fx * X_CamCell.p.x() / X_CamCell.p.z() + out.camera.cx + off * normal(rng),
+           out.camera.fy * X_CamCell.p.y() / X_CamCell.p.z() + out.camera.cy + off * normal(rng)}};
       const double luck = uniform<double>(rng, 0.0, 1.0);
-      if (luck < 0.1) light.id = cells_[rng() % cells_.size()].id;
-      if (luck > 0.9) light.pixel = {uniform<double>(rng, 0.0, 1280.0), uniform<double>(rng, 0.0, 960.0)};
+      if (errors && luck < 0.1) light.id = cells_[rng() % cells_.size()].id;
+      if (errors && luck > 0.9)
+        light.pixel = {uniform<double>(rng, 0.0, 1280.0), uniform<double>(rng, 0.0, 960.0)};
       out.lights.push_back(light);
     }
   }

@@ -61,6 +61,7 @@ struct CameraReport {
 class World {
  public:
   explicit World(std::uint64_t seed);
+  [[nodiscard]] std::uint64_t seed() const noexcept { return seed_; }
 
   struct Cell {
     std::uint16_t id = 0;  ///< as the network gave it
@@ -85,7 +86,9 @@ class World {
   /// What the cells of these ids felt of a motion.
   [[nodiscard]] skinctl::MotionRecording moved(const std::vector<std::uint16_t>& ids, const Ride& ride) const;
   [[nodiscard]] std::vector<JointAngles6> camera_poses() const;
-  [[nodiscard]] CameraReport seen(const std::vector<JointAngles6>& stood) const;
+  /// The lights of cells that show in the camera, but a seventh; with `errors` half a pixel off, a tenth read as other cells
+  /// and a tenth anywhere.
+  [[nodiscard]] CameraReport seen(const std::vector<JointAngles6>& stood, bool errors = true) const;
   /// As a person would put the marker: 30 mm and 15 deg off.
   [[nodiscard]] skinctl::FitPose placed_by_hand(std::uint16_t root) const;
   [[nodiscard]] skinctl::FitPose camera_by_hand() const;

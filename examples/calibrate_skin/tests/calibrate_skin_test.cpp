@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "examples/calibrate_skin/images.hpp"
 #include "examples/calibrate_skin/judge.hpp"
 #include "examples/calibrate_skin/report.hpp"
 #include "examples/calibrate_skin/step_functions.hpp"
@@ -263,6 +264,26 @@ TEST_CASE("Calibrate skin: the camera starts from where somebody placed the firs
   page.patches.front().link = page.patches.front().link == "forearm_link" ? "wrist_1_link" : "forearm_link";
   CHECK_THROWS_WITH(place_by(page, shapes, moved, placed), doctest::Contains("but moves with"));
 }
+
+#ifdef CALIBRATE_SKIN_HAS_CAMERA
+TEST_CASE("Calibrate skin: lights are found in images where they are") {
+  Calibrated& c = calibrated();
+  const std::vector<JointAngles6> poses = {c.world.camera_poses()[0]};
+  const CameraReport shown = c.world.seen(poses, false);
+  std::string said;
+  const CameraReport found = seen_in_images(c.world, poses, said);
+  std::size_t right = 0, wrong = 0;
+  for (const auto& light : found.lights) {
+    const auto at = std::find_if(shown.lights.begin(), shown.lights.end(),
+                                 [&](const auto& l) { return l.id == light.id; });
+    const bool same = at != shown.lights.end() && (at->pixel - light.pixel).norm() < 0.5;
+    right += same, wrong += !same;
+  }
+  MESSAGE(said << "; " << shown.lights.size() << " shown, " << right << " right, " << wrong << " wrong");
+  CHECK(right > 20);
+  CHECK(10 * wrong < right);
+}
+#endif
 
 TEST_CASE("Calibrate skin: the program says what it wants") {
   const std::string help = examples::run_program(CALIBRATE_SKIN_PROGRAM, "--help", 0);
