@@ -82,7 +82,7 @@ TEST_CASE("ClearanceAround: two arms that see what the other one may fill never 
   const auto limits = limits_of<ur5::Description>(15.0);
   const ClearanceLimits<Arm, double, 16> clear(Arm{}, limits, clearance());
   const auto governor = make_governor(limits, clear);
-  double least = 1e9, blind = 1e9, step = 0, apart = 1e9;
+  double least = 1e9, blind = 1e9, step = 0, apart = 1e9, volumes = 1e9;
   int limited = 0, scenes = 0, met = 0;
   auto rng = seeded(11);
   while (scenes < (sanitized ? 4 : 40)) {
@@ -136,6 +136,18 @@ TEST_CASE("ClearanceAround: two arms that see what the other one may fill never 
             std::min({told[0].to(told[1]), is[0].to(is[1]), is[0].to(told[1]), told[0].to(is[1])});
         (sees ? least : blind) = std::min(sees ? least : blind, d);
         together = together || d < 0;
+        if (sees) {
+          const auto filled = [&](std::size_t a) {
+            Surroundings<12, World> out;
+            out.add(base(static_cast<int>(a)),
+                    clear.occupied(last[a], {.q = before[a].position, .dq = before[a].velocity}));
+            return out;
+          };
+          const auto one = filled(0), two = filled(1);
+          for (std::size_t i = 0; i < one.count; ++i)
+            for (std::size_t j = 0; j < two.count; ++j)
+              volumes = std::min(volumes, distance(one.obstacles[i].shape, two.obstacles[j].shape).distance);
+        }
         return d;
       };
       int n = 0;
@@ -163,10 +175,11 @@ TEST_CASE("ClearanceAround: two arms that see what the other one may fill never 
   }
   MESSAGE("least distance " << 1e3 * least << " mm, without seeing " << 1e3 * blind << " mm (" << met
                             << " of " << scenes << " meet), limited in " << limited << " cycles, at last "
-                            << 1e3 * apart << " mm");
+                            << 1e3 * apart << " mm; what both may fill " << 1e3 * volumes << " mm apart");
   CHECK(met >= scenes / 8);
   CHECK(limited > 20);
   CHECK(least >= 0.02);
+  CHECK(volumes >= 0.005);  // a quarter of the margin
   CHECK(step <= 15 * 1.0001);
 }
 
