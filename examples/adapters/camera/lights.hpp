@@ -31,7 +31,7 @@ struct LightsFound {
 /// Throws `std::invalid_argument` for another number of images, and for images of another kind or of different sizes.
 [[nodiscard]] LightsFound find_lights(std::span<const cv::Mat> images, const LightSettings& s = {});
 
-/// The pose of known points in the camera's frame, X_CamPatch, from one view in which at most half are wrong: OpenCV's
+/// The pose of known points in the camera's frame, X_CamPatch, from one view of which a third may be wrong: OpenCV's
 /// solvePnPRansac, refined on those that agree to 2 pixels. None with less than six that agree.
 [[nodiscard]] std::optional<skinctl::FitPose> pose_in_view(const skinctl::PinholeCamera& camera,
                                                            std::span<const Eigen::Vector3d> points,

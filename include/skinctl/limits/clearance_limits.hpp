@@ -189,17 +189,22 @@ class ClearanceLimits {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
   }
 
+  /// How long the slowest joint brakes from `u` [s].
+  [[nodiscard]] SKINCTL_INLINE T time_to_rest(const Velocity& u) const noexcept {
+    T longest(0);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T stop = Here::size(u[i]) / brake(i);
+      longest = stop > longest ? stop : longest;
+    }
+    return longest;
+  }
   /// Joint positions within `half` of `middle`.
   struct Box {
     Position middle, half;
   };
   /// All from `was` by way of `q` to where the robot stands that brakes from `u` there, however its joints brake together.
   [[nodiscard]] Box until_rest(const Position& was, const Position& q, const Velocity& u) const noexcept {
-    T longest(0);
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T stop = Here::size(u[i]) / brake(i);
-      longest = stop > longest ? stop : longest;
-    }
+    const T longest = time_to_rest(u);
     Box box;
     for (std::size_t i = 0; i < joints; ++i) {
       const T end = q[i] + T(0.5) * longest * u[i];

@@ -37,11 +37,7 @@ class ClearanceWays {
   /// The same if all joints brake alike.
   [[nodiscard]] bool keeps_alike(const Velocity& u, const Position& moved,
                                  const JointRoom<joints, T>& room) const noexcept {
-    T longest(0);
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T stop = size(u[i]) / of_.brake(i);
-      longest = stop > longest ? stop : longest;
-    }
+    const T longest = of_.time_to_rest(u);
     const Position way = integrate(Position(), u, T(T(0.5) * longest));
     for (std::size_t i = 0; i < joints; ++i)
       if (moved[i] + way[i] > room.above[i] || -(moved[i] + way[i]) > room.below[i]) return false;
@@ -49,11 +45,7 @@ class ClearanceWays {
   }
   /// The same if each joint brakes as fast as it can.
   [[nodiscard]] bool keeps_alone(const Velocity& u, const Position& moved) const noexcept {
-    T longest(0);
-    for (std::size_t i = 0; i < joints; ++i) {
-      const T stop = size(u[i]) / of_.brake(i);
-      longest = stop > longest ? stop : longest;
-    }
+    const T longest = of_.time_to_rest(u);
     return clear_along(moved, longest, [&](const T& part) {
       Position x;
       for (std::size_t i = 0; i < joints; ++i) {
@@ -72,11 +64,11 @@ class ClearanceWays {
     of_.clearances_.gradients(q_, near(), gradient);
     for (int round = 0; round < 4; ++round)
       for (std::size_t k = 0; k < count_; ++k) {
-        T closing(0), square(0), sum(0), longest(0), rate = std::numeric_limits<T>::infinity();
+        const T longest = of_.time_to_rest(u);
+        T closing(0), square(0), sum(0), rate = std::numeric_limits<T>::infinity();
         for (std::size_t i = 0; i < joints; ++i) {
-          const T g = gradient[k][i], stop = size(u[i]) / of_.brake(i);
+          const T g = gradient[k][i];
           closing = closing - g * u[i], square = square + g * g, sum = sum + size(u[i]);
-          longest = stop > longest ? stop : longest;
           if (size(g) * rate > of_.brake(i) * square) rate = of_.brake(i) * size(g);
         }
         const T room = distance_[k] - margin(k, T(0)), bend = of_.reach_ * sum * sum * (h + longest);
@@ -103,7 +95,8 @@ class ClearanceWays {
   }
   /// Whether what the robot may fill until it stands, if it is at `u` after `moved`, is clear of obstacles that stay where
   /// they are said to be, or of those where it is not while the robot stands here.
-  [[nodiscard]] bool stays_apart(const Velocity& u, const Position& moved) const noexcept {
+  [[nodiscard]] bool stays_apart([[maybe_unused]] const Velocity& u,
+                                 [[maybe_unused]] const Position& moved) const noexcept {
     if constexpr (Limits::around > 0) {
       const T inner = T(0.25) * of_.margin_;
       const auto& c = of_.clearances_;
@@ -132,7 +125,7 @@ class ClearanceWays {
         if (least(standing, k) >= inner) return false;
       }
     }
-    return static_cast<void>(u), static_cast<void>(moved), true;
+    return true;
   }
   /// What pair `k` needs, `t` seconds after the robot set out: an obstacle comes closer by itself.
   [[nodiscard]] SKINCTL_INLINE T margin(std::size_t k, const T& t) const noexcept {
