@@ -93,7 +93,7 @@ TEST_CASE("Laws: of this library, some hold the memory of another") {
   const char* source = std::getenv("SKINCTL_SOURCE_DIR");
   const auto all = headers(fs::path(source != nullptr ? source : ".") / "include");
   for (const char* name : {"skinctl/control/force_control.hpp", "skinctl/fusion/null_space.hpp",
-                           "skinctl/skills/skill_set.hpp", "skinctl/control/take_over.hpp"}) {
+                           "skinctl/skills/skill_set.hpp", "skinctl/trajectory/detail/carrying_law.hpp"}) {
     CAPTURE(name);
     auto text = all.at(name);
     const std::regex member(R"(typename\s+\w+::Memory\s+(\w+);)");

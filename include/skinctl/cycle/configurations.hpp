@@ -4,8 +4,8 @@
 #include <array>
 
 #include "skinctl/cycle/cycle.hpp"
-#include "skinctl/cycle/detail/carrying_law.hpp"
 #include "skinctl/math/lu.hpp"
+#include "skinctl/trajectory/detail/carrying_law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -1,4 +1,4 @@
-// The law of a scene whose configuration may change, with the difference of torque that is ramped out.
+// A law with a difference of torque that is ramped out: what was applied before it, by a law or a configuration.
 #pragma once
 
 #include <tuple>
@@ -67,13 +67,16 @@ class CarryingLaw : public GoalOfLaw<L> {
         own.torque + carried, {own.memory, memory.difference, after(memory, dt)}, {}, own.status};
     for (std::size_t i = 0; i + 1 < terms; ++i) out.shares[i] = own.shares[i];
     out.shares[terms - 1] = carried;
-    if (ramp_.lasts(memory.elapsed)) out.status |= Reason::bumpless_transfer;
+    if (carries(memory)) out.status |= Reason::bumpless_transfer;
     return out;
   }
 
+ protected:
+  [[nodiscard]] bool carries(const Memory& memory) const noexcept { return ramp_.lasts(memory.elapsed); }
+
  private:
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> rest(const Memory& memory) const noexcept {
-    if (!ramp_.lasts(memory.elapsed)) [[likely]]
+    if (!carries(memory)) [[likely]]
       return {};
     return ramp_.down(memory.elapsed) * memory.difference;
   }
