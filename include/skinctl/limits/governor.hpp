@@ -4,7 +4,7 @@
 #include "skinctl/core/command.hpp"
 #include "skinctl/core/detail/plausible.hpp"
 #include "skinctl/core/status.hpp"
-#include "skinctl/limits/detail/parts.hpp"
+#include "skinctl/limits/detail/governor_parts.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
@@ -53,49 +53,28 @@ struct GovernedTorque : Governed<N, T> {
 /// held with damping `M / T`. There is no limit of jerk.
 template <std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range = detail::NoPart,
           class Watch = detail::NoPart, class Clear = detail::NoPart>
-class Governor {
+class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, Watch, Clear> {
+  using Parts = detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, Watch, Clear>;
+
  public:
-  static constexpr std::size_t joints = N;
-  using scalar = T;
-  using contact_type = Contact;
-  static constexpr bool has_jerk = !std::is_same_v<Jerk, detail::NoPart>;
-  static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
-  static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
-  static constexpr bool has_clearance = !std::is_same_v<Clear, detail::NoPart>;
-  static constexpr bool has_surroundings = requires { requires Clear::around > 0; };
-  static constexpr bool has_motion = !std::is_same_v<Range, detail::NoPart>;
-  static constexpr bool has_watch = !std::is_same_v<Watch, detail::NoPart>;
-  /// For torques: the number of cycles of the prediction, and of braking.
-  static constexpr int braking_cycles = 4;
+  using Parts::braking_cycles;
+  using Parts::has_clearance;
+  using Parts::has_contact;
+  using Parts::has_jerk;
+  using Parts::has_motion;
+  using Parts::has_tool;
+  using Parts::has_watch;
 
   /// Trivially copyable.
-  struct Memory {
+  struct Memory : Parts::Memory {
     JointAcceleration<N, T> acceleration;  ///< at the end of the last command
     JointPosition<N, T> position, carry;   ///< the last command's position, and its rounding error
-    [[no_unique_address]] typename Contact::Memory contact;
-    [[no_unique_address]] typename Watch::Memory watch;
-    [[no_unique_address]] typename Range::Memory motion;
-    [[no_unique_address]] typename Clear::Memory around;
   };
 
   SKINCTL_COLD Governor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
                         const Contact& contact, const Range& motion = Range(), const Watch& watch = Watch(),
                         const Clear& clearance = Clear())
-      : limits_(limits),
-        jerk_(jerk),
-        tool_(tool),
-        contact_(contact),
-        motion_(motion),
-        watch_(watch),
-        clearance_(clearance) {}
-
-  [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
-  [[nodiscard]] const Jerk& jerk() const noexcept { return jerk_; }
-  [[nodiscard]] const Tool& tool() const noexcept { return tool_; }
-  [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
-  [[nodiscard]] const Range& motion() const noexcept { return motion_; }
-  [[nodiscard]] const Watch& watch() const noexcept { return watch_; }
-  [[nodiscard]] const Clear& clearance() const noexcept { return clearance_; }
+      : Parts(limits, jerk, tool, contact, motion, watch, clearance) {}
 
   /// The command in place of `wish`, `dt` > 0 seconds after `last` was sent.
   ///
@@ -113,52 +92,18 @@ class Governor {
       m.acceleration = {};
       return out;
     }
-    JointVelocity<N, T> u = wish.velocity;
-    bool slowed = false;
-    if constexpr (has_contact) {
-      const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
-      out.status |= verdict.status;
-      if (verdict.scale < T(1)) slowed = true, u = verdict.scale * u;
-    }
-    if constexpr (has_watch) {
-      const T share = watch_.share(m.watch, u);
-      if (share < T(1)) slowed = true, u = share * u;
-    }
+    detail::Slowed<N, T> left = this->felt(m, measured, wish.velocity, touch, nearest, dt);
     const auto room = limits_.room(last.position);
-    if constexpr (has_tool) {
-      JointVelocity<N, T> reached = u;
-      if (slowed) reached = limits_.move(room, last.velocity, u, dt).velocity;
-      const auto kept = tool_.within(last.position, room, last.velocity, reached, dt);
-      u = kept.velocity;
-      if (kept.limited) out.status |= Reason::tool_speed_limited, slowed = true;
-    }
-    if constexpr (has_clearance) {
-      JointVelocity<N, T> reached = u;
-      if (slowed) reached = limits_.move(room, last.velocity, u, dt).velocity;
-      const auto kept = clearance_.within(
-          m.around, last.position, room, last.velocity, reached, dt, [&](const JointVelocity<N, T>& v) {
-            if constexpr (has_tool) {
-              return tool_.keeps(last.position, v, half_way(last, v, dt), room);
-            } else {
-              return true;
-            }
-          });
-      u = kept.velocity;
-      if (kept.limited) out.status |= Reason::clearance_kept, slowed = true;
-    }
+    this->keep_tool_speed(last.position, room, last.velocity, dt, left);
+    this->keep_clear(m, last.position, room, last.velocity, dt, left);
+    out.status |= left.status;
     if constexpr (has_jerk) {
-      const auto motion = jerk_.move(room, last.velocity, m.acceleration, u, dt);
+      const auto motion = jerk_.move(room, last.velocity, m.acceleration, left.velocity, dt);
       // A jerk limit that would make the tool too fast, or bring links too close, gives way.
-      Status lost;
-      if constexpr (has_tool)
-        if (!tool_.keeps(last.position, motion.velocity, motion.displacement, room))
-          lost |= Reason::tool_speed_limited;
-      if constexpr (has_clearance)
-        if (!clearance_.keeps(m.around, last.position, motion.velocity, motion.displacement, room))
-          lost |= Reason::clearance_kept;
-      if (lost.any()) {
-        out.status |= lost | Status(Reason::jerk_exceeded);
-        const auto hard = limits_.move(room, last.velocity, u, dt);
+      const Status broken = this->broken(m, last.position, room, motion.velocity, motion.displacement);
+      if (broken.any()) {
+        out.status |= broken | Status(Reason::jerk_exceeded);
+        const auto hard = limits_.move(room, last.velocity, left.velocity, dt);
         for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (hard.velocity[i] - last.velocity[i]) / dt;
         make(m, last, hard, dt, out);
         return out;
@@ -166,8 +111,8 @@ class Governor {
       out.status |= motion.status;
       m.acceleration = motion.acceleration;
       make(m, last, motion, dt, out);
-    } else if (slowed) {
-      const auto motion = limits_.move(room, last.velocity, u, dt);
+    } else if (left.slowed) {
+      const auto motion = limits_.move(room, last.velocity, left.velocity, dt);
       out.status |= Status::from_bits(motion.status.bits() & ~Status(Reason::acceleration_limited).bits());
       make(m, last, motion, dt, out);
     }
@@ -299,11 +244,6 @@ class Governor {
       return motion_.model();
     }
   }
-  /// The displacement from the last command to the velocity `v` after `dt`.
-  static SKINCTL_INLINE JointPosition<N, T> half_way(const JointCommand<N, T>& last,
-                                                     const JointVelocity<N, T>& v, const T& dt) noexcept {
-    return integrate(JointPosition<N, T>(), last.velocity + v, T(T(0.5) * dt));
-  }
   template <class Motion>
   SKINCTL_INLINE void make(Memory& m, const JointCommand<N, T>& last, const Motion& motion, const T& dt,
                            Governed<N, T>& out) const noexcept {
@@ -326,13 +266,13 @@ class Governor {
     out.altered = true;
   }
 
-  JointLimits<N, T> limits_;
-  [[no_unique_address]] Jerk jerk_;
-  [[no_unique_address]] Tool tool_;
-  [[no_unique_address]] Contact contact_;
-  [[no_unique_address]] Range motion_;
-  [[no_unique_address]] Watch watch_;
-  [[no_unique_address]] Clear clearance_;
+  using Parts::clearance_;
+  using Parts::contact_;
+  using Parts::jerk_;
+  using Parts::limits_;
+  using Parts::motion_;
+  using Parts::tool_;
+  using Parts::watch_;
 };
 
 /// A governor from its parts, in any order; `limits` are those of resolver and guard.
@@ -341,15 +281,7 @@ template <std::size_t N, Real T, class... Parts>
   static_assert(sizeof...(Parts) > 0, "a governor without parts: leave it out of the cycle");
   detail::check_parts<Parts...>();
   return detail::with_parts(
-      [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch,
-          const auto& clearance) {
-        using std::remove_cvref_t;
-        return Governor<N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
-                        remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>,
-                        remove_cvref_t<decltype(watch)>, remove_cvref_t<decltype(clearance)>>(
-            limits, jerk, tool, contact, motion, watch, clearance);
-      },
-      parts...);
+      [&]<class... P>(const P&... part) { return Governor<N, T, P...>(limits, part...); }, parts...);
 }
 
 SKINCTL_END_NAMESPACE

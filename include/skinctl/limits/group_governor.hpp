@@ -27,7 +27,8 @@ template <class Set, std::size_t N, Real T>
 /// @tparam Sets  `JointGroups`.
 template <class Sets, std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range, class Watch,
           class Clear>
-class GroupGovernor {
+class GroupGovernor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, Watch, Clear> {
+  using Parts = detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, Watch, Clear>;
   using Driven = typename Sets::Driven;
   using Groups = typename Sets::StiffGroups;
   static constexpr std::size_t stiff_groups = std::tuple_size_v<Groups>;
@@ -35,18 +36,11 @@ class GroupGovernor {
   using Set = JointSubset<N, std::tuple_element_t<K, Groups>::set>;
 
  public:
-  static constexpr std::size_t joints = N;
-  using scalar = T;
-  using contact_type = Contact;
-  static constexpr bool has_jerk = !std::is_same_v<Jerk, detail::NoPart>;
-  static constexpr bool has_tool = !std::is_same_v<Tool, detail::NoPart>;
-  static constexpr bool has_contact = !std::is_same_v<Contact, detail::NoPart>;
-  static constexpr bool has_watch = !std::is_same_v<Watch, detail::NoPart>;
-  static constexpr bool has_clearance = !std::is_same_v<Clear, detail::NoPart>;
-  static constexpr bool has_surroundings = requires { requires Clear::around > 0; };
+  using Parts::braking_cycles;
+  using Parts::has_clearance;
+  using Parts::has_jerk;
+  using Parts::has_tool;
   static constexpr bool has_driven = Driven::count > 0;
-  /// The number of cycles of the prediction of torques, and of braking by them.
-  static constexpr int braking_cycles = 4;
 
  private:
   template <std::size_t K>
@@ -80,32 +74,14 @@ class GroupGovernor {
 
  public:
   /// Trivially copyable.
-  struct Memory {
+  struct Memory : Parts::Memory {
     typename All::Memory stiff;
-    [[no_unique_address]] typename Contact::Memory contact;
-    [[no_unique_address]] typename Watch::Memory watch;
-    [[no_unique_address]] typename Range::Memory motion;
-    [[no_unique_address]] typename Clear::Memory around;
   };
 
   SKINCTL_COLD GroupGovernor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
                              const Contact& contact, const Range& motion, const Watch& watch,
                              const Clear& clearance)
-      : limits_(limits),
-        jerk_(jerk),
-        tool_(tool),
-        contact_(contact),
-        motion_(motion),
-        watch_(watch),
-        clearance_(clearance),
-        parts_(All::make(limits, jerk)) {}
-
-  [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
-  [[nodiscard]] const Jerk& jerk() const noexcept { return jerk_; }
-  [[nodiscard]] const Tool& tool() const noexcept { return tool_; }
-  [[nodiscard]] const Contact& contact() const noexcept { return contact_; }
-  [[nodiscard]] const Watch& watch() const noexcept { return watch_; }
-  [[nodiscard]] const Clear& clearance() const noexcept { return clearance_; }
+      : Parts(limits, jerk, tool, contact, motion, watch, clearance), parts_(All::make(limits, jerk)) {}
 
   /// The command in place of `wish`, as `Governor::step` and `Governor::step_torque`.
   ///
@@ -160,70 +136,42 @@ class GroupGovernor {
       }
     }
     const JointVelocity<N, T> predicted = u;
-    bool slowed = false;
-    if constexpr (has_contact) {
-      const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
-      out.status |= verdict.status;
-      if (verdict.scale < T(1)) slowed = true, u = verdict.scale * u;
-      stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
-    }
-    if constexpr (has_watch) {
-      const T share = watch_.share(m.watch, u);
-      if (share < T(1)) slowed = true, u = share * u;
-    }
+    detail::Slowed<N, T> left = this->felt(m, measured, u, touch, nearest, dt);
+    stopping = stopping || left.status.has(Reason::contact_force) || left.status.has(Reason::contact_power);
     const auto room = limits_.room(q);
-    if constexpr (has_tool) {
-      JointVelocity<N, T> reached = u;
-      if (slowed) reached = limits_.move(room, from, u, dt).velocity;
-      const auto kept = tool_.within(q, room, from, reached, dt);
-      u = kept.velocity;
-      if (kept.limited) out.status |= Reason::tool_speed_limited, slowed = true;
+    this->keep_tool_speed(q, room, from, dt, left);
+    if constexpr (has_clearance &&
+                  has_driven) {  // they follow their torques later than the others their commands
+      const T share = clearance_.share(m.around, q, left.velocity, ahead);
+      if (share < T(1)) left.status |= Reason::clearance_kept;
+      left.by(share);
     }
-    if constexpr (has_clearance) {
-      if constexpr (has_driven) {  // they follow their torques later than the others their commands
-        const T share = clearance_.share(m.around, q, u, ahead);
-        if (share < T(1)) out.status |= Reason::clearance_kept, slowed = true, u = share * u;
-      }
-      JointVelocity<N, T> reached = u;
-      if (slowed) reached = limits_.move(room, from, u, dt).velocity;
-      const auto kept =
-          clearance_.within(m.around, q, room, from, reached, dt, [&](const JointVelocity<N, T>& v) {
-            if constexpr (has_tool) {
-              return tool_.keeps(q, v, integrate(JointPosition<N, T>(), from + v, T(T(0.5) * dt)), room);
-            } else {
-              return true;
-            }
-          });
-      u = kept.velocity;
-      if (kept.limited) out.status |= Reason::clearance_kept, slowed = true;
-    }
-    if (has_jerk || slowed) {
+    this->keep_clear(m, q, room, from, dt, left);
+    u = left.velocity;
+    out.status |= left.status;
+    if (has_jerk || left.slowed) {
       const Memory before = m;
       const Status given = out.status;
       follow<has_jerk>(m, last, u, spans, out);
       if constexpr ((has_tool || has_clearance) && has_jerk) {
         // A jerk limit that would make the tool too fast, or bring links too close, gives way.
-        JointPosition<N, T> way = integrate(JointPosition<N, T>(), from + u, T(T(0.5) * dt));
+        JointPosition<N, T> way = this->half_way(from, u, dt);
         JointVelocity<N, T> v = u;
         each([&](auto k) {
           Set<k.value>::put(Set<k.value>::of(out.command.position - last.position), way);
           Set<k.value>::put(Set<k.value>::of(out.command.velocity), v);
         });
-        Status lost;
-        if constexpr (has_tool)
-          if (!tool_.keeps(q, v, way, room)) lost |= Reason::tool_speed_limited;
-        if constexpr (has_clearance)
-          if (!clearance_.keeps(m.around, q, v, way, room)) lost |= Reason::clearance_kept;
-        if (lost.any()) {
+        const Status broken = this->broken(m, q, room, v, way);
+        if (broken.any()) {
           m.stiff = before.stiff;
-          out.status = given | lost | Status(Reason::jerk_exceeded);
+          out.status = given | broken | Status(Reason::jerk_exceeded);
           follow<false>(m, last, u, spans, out);
         }
       }
     }
     if constexpr (has_driven) {
       if (stale) return out;
-      if (slowed) {
+      if (left.slowed) {
         brake(mass, predicted - u, ahead, measured.dq, out.command.torque);
         out.altered = true;
       }
@@ -272,13 +220,9 @@ class GroupGovernor {
     }(std::make_index_sequence<stiff_groups>{});
   }
 
-  JointLimits<N, T> limits_;
-  [[no_unique_address]] Jerk jerk_;
-  [[no_unique_address]] Tool tool_;
-  [[no_unique_address]] Contact contact_;
-  [[no_unique_address]] Range motion_;
-  [[no_unique_address]] Watch watch_;
-  [[no_unique_address]] Clear clearance_;
+  using Parts::clearance_;
+  using Parts::limits_;
+  using Parts::motion_;
   typename All::Parts parts_;
 };
 
@@ -287,14 +231,7 @@ template <class Sets, std::size_t N, Real T, class... Parts>
 [[nodiscard]] auto make_group_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
   detail::check_parts<Parts...>();
   return detail::with_parts(
-      [&](const auto& jerk, const auto& tool, const auto& contact, const auto& motion, const auto& watch,
-          const auto& clearance) {
-        using std::remove_cvref_t;
-        return GroupGovernor<Sets, N, T, remove_cvref_t<decltype(jerk)>, remove_cvref_t<decltype(tool)>,
-                             remove_cvref_t<decltype(contact)>, remove_cvref_t<decltype(motion)>,
-                             remove_cvref_t<decltype(watch)>, remove_cvref_t<decltype(clearance)>>(
-            limits, jerk, tool, contact, motion, watch, clearance);
-      },
+      [&]<class... P>(const P&... part) { return GroupGovernor<Sets, N, T, P...>(limits, part...); },
       parts...);
 }
 
