@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "skinctl/calibration/learnt_fill_in.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/fill_in.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
@@ -66,7 +67,7 @@ int main() {
     const Pressing body = anywhere(rng, cells, graph, pitch * uniform(rng, 0.7, 2.5));
     for (const double p : pushes(cells, std::span(&body, 1))) frames.push_back(static_cast<float>(p));
   }
-  const FillIn mean(graph), learnt(graph, frames);
+  const FillIn mean(graph), learnt = learnt_fill_in(graph, frames);
   std::printf("error of the torque [%% of the healthy skin's, mean of %d contacts]\n", contacts);
   std::printf("radius [pitches]   masked   left out   mean of neighbours   learnt on other contacts\n");
   for (const double radius : {0.7, 1.1, 1.6, 2.0, 2.5})

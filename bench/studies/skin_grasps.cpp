@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "skinctl/calibration/learnt_fill_in.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
@@ -120,7 +121,7 @@ void fill_in(const std::vector<RecordedGrasp>& grasps) {
             for (std::size_t f = 0; f < other.frames.size(); f += 5)
               for (std::size_t i = 0; i < taxels; ++i)
                 frames.push_back(static_cast<float>(other.frames[f][i] - other.rest[i]));
-        learnt = std::make_unique<FillIn>(graph, frames);
+        learnt = std::make_unique<FillIn>(learnt_fill_in(graph, frames));
       }
       std::array<bool, taxels> masked{};
       for (bool& x : masked) x = normal.between(0.0, 1.0) < share;

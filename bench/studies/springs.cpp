@@ -4,6 +4,7 @@
 // The force at rest is the hand's, whatever the rate. The largest force is compared with that of a mass m at
 // speed v whose push is felt a time T later, `20 N + v (sqrt(k m) + k T)`, m the mass felt at the contact and
 // T delay, lag, and one and a half periods.
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 

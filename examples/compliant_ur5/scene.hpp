@@ -1,6 +1,8 @@
 // The scene of the main job: a UR5 with 260 cells that goes to its goals and gives way to touch.
 #pragma once
 
+#include <Eigen/Eigenvalues>
+
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/compliant_ur5/settings.hpp"
 #include "examples/compliant_ur5/skin.hpp"

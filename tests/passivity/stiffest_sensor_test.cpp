@@ -1,6 +1,7 @@
 // Stiff contacts of an arm that feels by a wrist sensor, or by its motors.
 #include <doctest/doctest.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <memory>
 #include <vector>

@@ -19,7 +19,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// over the skin (six of each patch, along their normals, with their gains), for pushes on the tool of a wrist
 /// sensor, and where motors feel, or nothing says where touch is felt, for points all over each link; for two contacts at once by the eigenvalues of both loops, for the
 /// eight contacts of a pose that bear least. One contact needs the gain margin `margin`, two `margin_of_two`:
-/// poses and contacts between those that are looked at take a few per cent of it. Some ten milliseconds.
+/// poses and contacts between those that are looked at take a few per cent of it. Some ten milliseconds, by Eigen:
+/// include `<Eigen/Eigenvalues>` to use it.
 ///
 /// Damping that is needed comes from a `ContactDamper` in the same description: `damper` makes one that fits.
 /// Damping that is always on is felt by a hand as well: with 850 N s/m, 20 N lead an arm at 20 mm/s. With

@@ -7,42 +7,32 @@
 #include <limits>
 #include <vector>
 
+#include "skinctl/core/eigen_expression.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/passivity/detail/contact_path.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `M = L L'` and `L^-1 B L^-T = V D V'`: then `(M s^2 + B s)^-1 = P diag(1/(s (s + d_i))) P'`, `P = L^-T V`.
-/// For configuration time: Cholesky and Jacobi's rotations.
+/// `P' M P = 1` and `P' B P = D`, diagonal: then `(M s^2 + B s)^-1 = P diag(1/(s (s + d_i))) P'`. For configuration time.
 template <std::size_t N, Real T>
 class ContactModes {
  public:
   ContactModes(const MassMatrix<N, T>& inertia, const MassMatrix<N, T>& friction) {
-    using std::sqrt;
-    for (std::size_t i = 0; i < N; ++i)
-      for (std::size_t j = 0; j <= i; ++j) {
-        T sum = inertia(i, j);
-        for (std::size_t k = 0; k < j; ++k) sum -= L_[i][k] * L_[j][k];
-        L_[i][j] = i == j ? sqrt(sum > T(0) ? sum : T(0)) : T(sum / L_[j][j]);
-      }
-    T c[N][N];
-    for (std::size_t j = 0; j < N; ++j) {
-      for (std::size_t i = 0; i < N; ++i) c[i][j] = friction(i, j);
-      forward([&](std::size_t i) -> T& { return c[i][j]; });
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Square> modes(square(friction), square(inertia));
+    const auto& P = modes.eigenvectors();
+    const auto& d = modes.eigenvalues();
+    for (std::size_t k = 0; k < N; ++k) {
+      for (std::size_t i = 0; i < N; ++i) P_[i][k] = P(int(i), int(k));
+      d_[k] = d(int(k)) > T(0) ? T(d(int(k))) : T(0);
     }
-    for (std::size_t i = 0; i < N; ++i) forward([&](std::size_t j) -> T& { return c[i][j]; });
-    diagonalise(c);
   }
 
   /// A contact's row in these modes: `P' row`.
   void row(const T (&contact)[N], T* mode) const {
-    T y[N];
-    for (std::size_t i = 0; i < N; ++i) y[i] = contact[i];
-    forward([&](std::size_t i) -> T& { return y[i]; });
     for (std::size_t k = 0; k < N; ++k) {
       mode[k] = T(0);
-      for (std::size_t i = 0; i < N; ++i) mode[k] += V_[i][k] * y[i];
+      for (std::size_t i = 0; i < N; ++i) mode[k] += P_[i][k] * contact[i];
     }
   }
   /// `a' (M s^2 + B s)^-1 b` at s = i w, of rows in modes.
@@ -57,45 +47,15 @@ class ContactModes {
   }
 
  private:
-  /// Solves with L in place.
-  template <class At>
-  void forward(const At& y) const {
-    for (std::size_t i = 0; i < N; ++i) {
-      T sum = y(i);
-      for (std::size_t k = 0; k < i; ++k) sum -= L_[i][k] * y(k);
-      y(i) = L_[i][i] > T(0) ? T(sum / L_[i][i]) : T(0);
-    }
-  }
-  void diagonalise(T (&c)[N][N]) {
-    using std::abs;
-    using std::sqrt;
+  using Square = EigenMatrix<T, int(N), int(N)>;
+  static Square square(const MassMatrix<N, T>& m) {
+    Square out;
     for (std::size_t i = 0; i < N; ++i)
-      for (std::size_t j = 0; j < N; ++j) V_[i][j] = T(i == j ? 1 : 0);
-    for (int sweep = 0; sweep < 30; ++sweep) {
-      T off(0), all(0);
-      for (std::size_t i = 0; i < N; ++i)
-        for (std::size_t j = 0; j < N; ++j) (i == j ? all : off) += c[i][j] * c[i][j];
-      if (!(off > std::numeric_limits<T>::epsilon() * std::numeric_limits<T>::epsilon() * all)) break;
-      for (std::size_t p = 0; p < N; ++p)
-        for (std::size_t q = p + 1; q < N; ++q) {
-          if (c[p][q] == T(0)) continue;
-          const T theta = (c[q][q] - c[p][p]) / (T(2) * c[p][q]);
-          const T t = (theta < T(0) ? T(-1) : T(1)) / (abs(theta) + sqrt(theta * theta + T(1)));
-          const T cosine = T(1) / sqrt(t * t + T(1)), sine = t * cosine;
-          const auto turn = [&](T& x, T& y) {
-            const T was = x;
-            x = cosine * was - sine * y;
-            y = sine * was + cosine * y;
-          };
-          for (std::size_t i = 0; i < N; ++i) turn(c[i][p], c[i][q]);
-          for (std::size_t i = 0; i < N; ++i) turn(c[p][i], c[q][i]);
-          for (std::size_t i = 0; i < N; ++i) turn(V_[i][p], V_[i][q]);
-        }
-    }
-    for (std::size_t i = 0; i < N; ++i) d_[i] = c[i][i] > T(0) ? c[i][i] : T(0);
+      for (std::size_t j = 0; j < N; ++j) out(int(i), int(j)) = m(i, j);
+    return out;
   }
 
-  T L_[N][N] = {}, V_[N][N], d_[N];
+  T P_[N][N], d_[N];
 };
 
 /// The stiffness up to which one contact (`b` null), or two of equal stiffness, are stable [N/m]: where an
