@@ -256,6 +256,7 @@
 #include "skinctl/cycle/each_number.hpp"
 #include "skinctl/cycle/groups.hpp"
 #include "skinctl/cycle/input.hpp"
+#include "skinctl/cycle/output.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/recording.hpp"
 #include "skinctl/cycle/scene_parts.hpp"

@@ -1,0 +1,21 @@
+// The output of a cycle.
+#pragma once
+
+#include <array>
+
+#include "skinctl/core/command.hpp"
+#include "skinctl/core/gripper.hpp"
+#include "skinctl/core/status.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The output of one cycle.
+template <std::size_t N, Scalar T, std::size_t Terms, class Gripper = NoGripper>
+struct CycleOutput {
+  JointCommand<N, T> command;                   ///< the command to send, if it is valid
+  Status status;                                ///< reasons for limits, holds and refusals
+  std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
+  [[no_unique_address]] Gripper gripper{};      ///< what the gripper is asked for, where the law has one
+};
+
+SKINCTL_END_NAMESPACE
