@@ -31,7 +31,7 @@ struct PressedArea {
   /// Whether a push along `n`, of unit length, is within 60 degrees of this area's.
   [[nodiscard]] SKINCTL_INLINE bool same_side(const Xyz<T>& n) const noexcept {
     const T along = dot(n, force);
-    return along > T(0) && along * along >= T(0.25) * dot(force, force);
+    return (along > T(0)) & (along * along >= T(0.25) * dot(force, force));
   }
 };
 

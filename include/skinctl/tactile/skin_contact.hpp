@@ -35,9 +35,9 @@ struct SkinContact {
 /// A cell's part of the memory of a `ContactFinder`.
 struct ContactRow {
   static constexpr std::uint32_t none = ~std::uint32_t(0);
-  std::uint32_t frame = 0;     ///< in which the cell was last pressed
+  std::uint32_t frame = 0;     ///< in which the cell was last pressed; one more once it has been visited
   std::uint32_t label = none;  ///< of its contact in that frame
-  std::uint32_t next = none;   ///< the cell below it on the stack; `none` before it is visited
+  std::uint32_t next = none;   ///< the cell below it on the stack
   float push = 0;              ///< in that frame [N]
 };
 
@@ -58,9 +58,9 @@ struct SkinContactMemory {
 
 /// Finds the contacts of a skin, frame by frame. Immutable.
 ///
-/// **Clusters.** Depth first over the cell graph. Cells are stamped with the number of the frame and the stack
-/// is a chain through their rows, so nothing is cleared or allocated: time is bounded by the pressed cells and
-/// their edges.
+/// **Clusters.** Depth first over the cell graph. Cells are stamped with the number of the frame, an even one, and
+/// the stack is a chain through their rows, so nothing is cleared or allocated: time is bounded by the pressed
+/// cells and their edges.
 ///
 /// **Identity.** A contact is the one that its strongest cell belonged to a frame before; if that cell was not
 /// pressed then, the strongest one that was; else a neighbour of the strongest. Of two heirs the one with more
@@ -82,9 +82,9 @@ class ContactFinder {
       const double p = pitch[c.patch], hexagon = p - p == 0 ? 0.8660254037844386 * p * p : 0;
       const auto number = [](double x) { return static_cast<float>(x); };
       const Xyz<double>&q = c.place, &z = c.normal;
-      cells_.push_back({{number(q.x), number(q.y), number(q.z)},
-                        {number(-z.x), number(-z.y), number(-z.z)},
+      cells_.push_back({{number(-z.x), number(-z.y), number(-z.z)},
                         {number(-moment.x), number(-moment.y), number(-moment.z)},
+                        {number(q.x), number(q.y), number(q.z)},
                         number(hexagon),
                         static_cast<std::uint32_t>(c.link),
                         0});
@@ -107,18 +107,18 @@ class ContactFinder {
   /// @param areas  gets the contacts, each apart by sides: a hand around an arm pushes from several.
   template <class Memory, class Each, class Areas>
   void find(Memory& m, Nanoseconds now, const Each& each, Areas& areas) const noexcept {
-    if (++m.frame == 0) m.rows = {}, m.frame = 1;
+    if ((m.frame += 2) == 0) m.rows = {}, m.frame = 2;
     m.region_push = {};
     m.left_out = 0;
     each([&](std::size_t i, const T& push) SKINCTL_INLINE_LAMBDA {
       ContactRow& row = m.rows[i];
       if (row.frame + 1 != m.frame) row.label = ContactRow::none;
-      row.frame = m.frame, row.next = ContactRow::none, row.push = static_cast<float>(push);
+      row.frame = m.frame, row.push = static_cast<float>(push);
     });
     Found<std::tuple_size_v<decltype(m.list)>> found;
     std::uint32_t label = 0;
     each([&](std::size_t i, const T&) SKINCTL_INLINE_LAMBDA {
-      if (m.rows[i].next != ContactRow::none) return;
+      if (m.rows[i].frame != m.frame) return;
       const std::size_t k = found.place_for(m.left_out);
       auto& f = found.list[k];
       f.label = label;
@@ -131,7 +131,8 @@ class ContactFinder {
  private:
   static constexpr std::uint32_t bottom = ContactRow::none - 1;
   struct Cell {
-    float place[3], force[3], moment[3];  ///< the last two for one newton
+    float force[3], moment[3];  ///< for one newton
+    float place[3];
     float area;
     std::uint32_t link;
     RegionMask regions;
@@ -167,13 +168,14 @@ class ContactFinder {
   void flood(Memory& m, std::uint32_t seed, std::uint32_t label, One& out, Areas& areas) const noexcept {
     constexpr std::size_t most_sides = 4;
     PressedArea<T> sides[most_sides];  // `place` sums up place times push until the end
+    PressedArea<T> last;               // the side of the last cell, of which only the force: in registers
     std::size_t count = 0, k = 0;
     SkinContact<T>& c = out.contact = {};
     std::uint32_t& heir = out.heir;
     c.link = cells_[seed].link;
     float inherits = 0, peak = 0;
     heir = ContactRow::none;
-    m.rows[seed].next = bottom;
+    m.rows[seed].next = bottom, m.rows[seed].frame = m.frame + 1;
     const std::uint32_t frame = m.frame;
     for (std::uint32_t top = seed; top != bottom;) {
       const std::uint32_t i = top;
@@ -182,23 +184,30 @@ class ContactFinder {
       top = row.next;
       for (const std::uint32_t j : graph_.neighbours(i)) {
         ContactRow& other = m.rows[j];
-        // Without a branch: which neighbour was visited before is a coin's toss.
-        const bool fresh = (other.frame == frame) & (other.next == ContactRow::none);
-        other.next = fresh ? top : other.next;
-        top = fresh ? j : top;
+        if (other.frame != frame) continue;
+        other.frame = frame + 1, other.next = top;
+        top = j;
       }
       if (row.label != ContactRow::none && row.push > inherits) inherits = row.push, heir = row.label;
       if (row.push > peak) peak = row.push, c.strongest = i;
       row.label = label;
       const Xyz<T> force = vector(cell.force);
-      if (count == 0 || !sides[k].same_side(force)) {  // else the side of the last cell
-        for (k = 0; k < count && !sides[k].same_side(force);) ++k;
-        if (k == count) k < most_sides ? void(sides[count++].link = c.link) : void(--k);
+      if (count == 0 || !last.same_side(force)) {
+        unsigned same = 0;  // a bit a side: without a branch, cells at an edge go to and fro
+        for (std::size_t s = 0; s < most_sides; ++s) same |= unsigned(sides[s].same_side(force)) << s;
+        same &= ~(1u << k);  // as it was when it was left
+        sides[k].force = last.force;
+        if (same != 0) {
+          k = static_cast<std::size_t>(std::countr_zero(same));
+        } else {
+          k = count < most_sides ? count++ : most_sides - 1;
+        }
+        last.force = sides[k].force;
       }
       const T push = static_cast<T>(row.push);
+      last.force = last.force + push * force;
       PressedArea<T>& side = sides[k];
       side.pushed = side.pushed + push;
-      side.force = side.force + push * force;
       side.moment = side.moment + push * vector(cell.moment);
       side.place = side.place + push * vector(cell.place);
       c.area = c.area + T(cell.area);
@@ -209,8 +218,10 @@ class ContactFinder {
         sum = sum + push;
       }
     }
+    sides[k].force = last.force;
     PressedArea<T> all{.link = c.link};
     for (k = 0; k < count; ++k) {
+      sides[k].link = c.link;
       sides[k].place = (T(1) / sides[k].pushed) * sides[k].place;
       all.add(sides[k]);
       areas.add(sides[k]);

@@ -82,9 +82,10 @@ class CellChanges {
     const Nanoseconds limit = elapsed(Nanoseconds::min(), parts_.to) > nanoseconds_of(hold_)
                                   ? parts_.to - nanoseconds_of(hold_)
                                   : Nanoseconds::min();
-    bool due = false;
-    for (std::size_t b = 0; b < blocks; ++b) due |= memory_.oldest[b] < limit;
-    if (due) [[unlikely]]
+    std::int64_t due = 0;  // as wide as a stamp: several at once
+    for (std::size_t b = 0; b < blocks; ++b)
+      due |= static_cast<std::int64_t>(memory_.oldest[b].count() < limit.count());
+    if (due != 0) [[unlikely]]
       age_blocks(limit);
     return memory_.heard == cells_ ? Status{} : Status{Reason::sample_stale};
   }

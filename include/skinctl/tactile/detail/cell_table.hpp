@@ -15,25 +15,42 @@ namespace detail {
 /// A wrench as a row of eight: force, moment, two numbers that no wrench needs. So it is whole registers, and never
 /// crosses a cache line.
 inline constexpr std::size_t row_size = 8;
-/// Numbers of such a row in a register, and numbers that are computed: six, rounded up to whole registers.
+/// Numbers of such a row in a register, and numbers that are computed: six, rounded up to whole registers. With AVX-512 a
+/// row of doubles is one: half the loads and stores, on which events wait.
 template <Real T>
 inline constexpr std::size_t row_lanes = [] {
   if constexpr (std::same_as<T, float> || std::same_as<T, double>) {
+#if defined(__AVX512F__)
+    return row_size;
+#else
     return native_lanes<T> < row_size ? native_lanes<T> : row_size;
+#endif
   } else {
     return std::size_t(1);
   }
 }();
 template <Real T>
 inline constexpr std::size_t row_used = (6 + row_lanes<T> - 1) / row_lanes<T> * row_lanes<T>;
-template <Real T, std::size_t Lanes>
-struct RowPart {
-  using type = Lane<T, Lanes>;
-};
+
+/// `row_lanes<T>` floats as numbers `T`.
 template <Real T>
-struct RowPart<T, 1> {
-  using type = T;
-};
+[[nodiscard]] SKINCTL_INLINE auto widened(const float* row) noexcept {
+  constexpr std::size_t lanes = row_lanes<T>;
+  if constexpr (lanes == 1) {
+    return static_cast<T>(*row);
+  } else {
+    using Wide = LaneVector<T, lanes>;
+#if defined(__AVX512F__) && !defined(__clang__)
+    if constexpr (std::same_as<T, double>) {  // GCC converts by halves, and puts them together
+      const auto narrow = *reinterpret_cast<const typename LaneTypes<float, lanes>::Anywhere*>(row);
+      return __builtin_ia32_cvtps2pd512_mask(narrow, Wide{}, -1, 4);
+    }
+#endif
+    return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      return Wide{static_cast<T>(row[I])...};
+    }(std::make_index_sequence<lanes>{});
+  }
+}
 
 /// `to += factor from`, on the widest registers that fit the remaining numbers.
 template <std::size_t N, Real T, Real U>
@@ -68,15 +85,7 @@ class WideUnit {
 
  public:
   SKINCTL_INLINE explicit WideUnit(const float* row) noexcept {
-    for (std::size_t k = 0; k < count; ++k) {
-      if constexpr (lanes == 1) {
-        part_[k] = static_cast<T>(row[k]);
-      } else {
-        part_[k] = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-          return Part(typename Part::Vector{static_cast<T>(row[k * lanes + I])...});
-        }(std::make_index_sequence<lanes>{});
-      }
-    }
+    for (std::size_t k = 0; k < count; ++k) part_[k] = widened<T>(row + k * lanes);
   }
   /// `to += factor unit`, for a row of eight.
   SKINCTL_INLINE void add_to(T* to, const T& factor) const noexcept {
@@ -84,13 +93,15 @@ class WideUnit {
       if constexpr (lanes == 1) {
         to[k] = to[k] + factor * part_[k];
       } else {
-        (Part::load(to + k * lanes) + Part(factor) * part_[k]).store(to + k * lanes);
+        SKINCTL_CONTRACT auto& sum =
+            *reinterpret_cast<typename LaneTypes<T, lanes>::Anywhere*>(to + k * lanes);
+        sum = sum + factor * part_[k];
       }
     }
   }
 
  private:
-  using Part = typename RowPart<T, lanes>::type;
+  using Part = decltype(widened<T>(nullptr));
   Part part_[count];
 };
 
@@ -138,11 +149,11 @@ struct alignas(64) ExactSumsIn {
       add(WideUnit<double>(cell.row), force_change, proximity_change);
     }
   }
-  SKINCTL_INLINE void add(const WideUnit<double>& cell, int force_change, int proximity_change) noexcept
+  SKINCTL_INLINE void add(const WideUnit<double>& cell, double force_change, double proximity_change) noexcept
     requires(!in_steps)
   {
-    cell.add_to(force, static_cast<double>(force_change));
-    cell.add_to(proximity, static_cast<double>(proximity_change));
+    cell.add_to(force, force_change);
+    cell.add_to(proximity, proximity_change);
   }
   /// Number `r` of `force` or of `proximity`; `cell` is any of the patch.
   template <Real T>

@@ -37,6 +37,15 @@ class CountPair {
   [[nodiscard]] SKINCTL_INLINE Row row() const noexcept { return row_; }
   [[nodiscard]] SKINCTL_INLINE std::int32_t force() const noexcept { return row_[0]; }
   [[nodiscard]] SKINCTL_INLINE std::int32_t proximity() const noexcept { return row_[1]; }
+  /// Force (K = 0) or proximity (K = 1) as a scalar. Both are converted at once.
+  template <std::size_t K, Real T>
+  [[nodiscard]] SKINCTL_INLINE T as() const noexcept {
+    if constexpr (std::is_same_v<T, double> || std::is_same_v<T, float>) {
+      return __builtin_convertvector(row_, LaneVector<T, lanes>)[K];
+    } else {
+      return static_cast<T>(row_[K]);
+    }
+  }
   /// For counts from 0 to 65535.
   [[nodiscard]] SKINCTL_INLINE CellCounts counts_of() const noexcept {
     const Shorts words = __builtin_bit_cast(Shorts, row_);
@@ -63,7 +72,7 @@ class CountPair {
 };
 
 /// Thresholds of both readings in counts (`EventGate`): a reading above `opens` passes, while it is open one
-/// above `opens - less`, and `subtract` is taken off.
+/// above `opens - less`, and `subtract`, which is no more than that and one, is taken off.
 struct GatePair {
   CountPair opens, less, subtract;
 
@@ -73,7 +82,7 @@ struct GatePair {
     using Row = std::remove_cvref_t<decltype(raw.row())>;
     const Row was_open = __builtin_bit_cast(Row, old.row() > 0);
     const Row above = opens.row() - (less.row() & was_open), rest = raw.row() - subtract.row();
-    return CountPair(rest & __builtin_bit_cast(Row, raw.row() > above) & __builtin_bit_cast(Row, rest > 0));
+    return CountPair(rest & __builtin_bit_cast(Row, raw.row() > above));
   }
 };
 

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/tactile/detail/cell_changes.hpp"
+#include "skinctl/tactile/detail/link_rows.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -28,11 +28,8 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
   using Changes = CellChanges<T, Tables, Memory, Means>;
   using Changes::apart, Changes::tables_, Changes::memory_, Changes::cells_, Changes::parts_, Changes::means_;
   using Changes::max_age_, Changes::hold_, Changes::ramp_, Changes::change_to;
-  static constexpr std::size_t kinds = apart ? 2 : 1;
-  static constexpr std::size_t links = decltype(Memory::owed)::Wrenches::count;
-  struct alignas(32) Pushes {
-    T row[kinds][row_size];
-  };
+  /// Of forces and proximities; all in the first, unless they are apart.
+  using Pushes = LinkRows<typename decltype(Memory::owed)::Wrenches>;
 
  public:
   SKINCTL_INLINE Reception(const Tables& tables, Memory& memory, std::size_t cells, const Parts<T>& parts,
@@ -49,25 +46,21 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
       for (const CellSample& sample : samples) status |= take_any(sample, front);
       return status;
     }
-    Unwritten<Pushes, links> pushes;
-    for (std::size_t l = 0; l < links; ++l) pushes.data[l] = {};
+    Pushes pushes[apart ? 2 : 1];
     const Usual usual(*this);
     const auto keys = tables_.cells.keys();
     for (const CellSample& sample : samples) {
       if constexpr (Ahead > 0)
         fetch<Ahead>(keys, samples, static_cast<std::size_t>(&sample - samples.data()));
-      if (!take_usual(usual, keys, sample, front, pushes.data)) [[unlikely]]
+      if (!take_usual(usual, keys, sample, front, pushes)) [[unlikely]]
         status |= take_any(sample, front);
     }
-    for (std::size_t l = 0; l < links; ++l)
-      for (std::size_t r = 0; r < 6; ++r) {
-        if constexpr (apart) {
-          means_->force.data[l][r] = means_->force.data[l][r] + pushes.data[l].row[0][r];
-          means_->proximity.data[l][r] = means_->proximity.data[l][r] + pushes.data[l].row[1][r];
-        } else {
-          means_->data[l][r] = means_->data[l][r] + pushes.data[l].row[0][r];
-        }
-      }
+    if constexpr (apart) {
+      pushes[0].add_to(means_->force);
+      pushes[1].add_to(means_->proximity);
+    } else {
+      pushes[0].add_to(*means_);
+    }
     return status;
   }
 
@@ -123,7 +116,7 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
     if constexpr (ExactSums::in_steps) {
       memory_.sums[key.sums()].add(tables_.cells[i], change.force(), change.proximity());
     } else {
-      memory_.sums[key.sums()].add(unit, change.force(), change.proximity());
+      memory_.sums[key.sums()].add(unit, change.template as<0, double>(), change.template as<1, double>());
     }
     const PatchRow<T>& patch = tables_.patches[key.sums()];
     if (parts_.count != 1) [[unlikely]] {
@@ -132,15 +125,15 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
     }
     const std::uint64_t turn = late + at.ramp, begun = turn < silence ? turn : silence;  // before the end
     const T share = static_cast<T>(static_cast<std::int64_t>(late + begun)) * at.share;
-    const T force = patch.force_gain * static_cast<T>(change.force());
-    const T proximity = patch.proximity_gain * static_cast<T>(change.proximity());
-    Pushes& push = pushes[key.slot()];
+    const T force = patch.force_gain * change.template as<0, T>();
+    const T proximity = patch.proximity_gain * change.template as<1, T>();
+    const std::size_t slot = key.slot();
     const auto add = [&](const auto& wide) SKINCTL_INLINE_LAMBDA {
       if constexpr (apart) {
-        wide.add_to(push.row[0], share * force);
-        wide.add_to(push.row[1], share * proximity);
+        wide.add_to(pushes[0].row[slot], share * force);
+        wide.add_to(pushes[1].row[slot], share * proximity);
       } else {
-        wide.add_to(push.row[0], share * (force + proximity));
+        wide.add_to(pushes[0].row[slot], share * (force + proximity));
       }
     };
     if constexpr (std::is_same_v<T, double> || ExactSums::in_steps) {

@@ -5,6 +5,7 @@
 
 #include "skinctl/tactile/cell_place.hpp"
 #include "skinctl/tactile/coverage.hpp"
+#include "skinctl/tactile/detail/link_rows.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
@@ -101,32 +102,25 @@ class SkinCore {
   /// The wrenches of the held readings, as after the last `receive`; fading cells count fully until they are
   /// silent.
   [[nodiscard]] Wrenches wrenches(const Memory& memory) const noexcept {
-    Wrenches total;
+    LinkRows<Wrenches> total;
     const ExactSums* sums = memory.sums.data();
     for (const PatchRow<T>& patch : tables_.patches) {
-      T* w = total.data[patch.slot];
-      const CellUnit& cell = tables_.cells[patch.first];
-      for (std::size_t r = 0; r < 6; ++r)
-        w[r] = w[r] + patch.force_gain * ExactSums::at<T>(sums->force, r, cell) +
-               patch.proximity_gain * ExactSums::at<T>(sums->proximity, r, cell);
+      total.add(patch.slot, patch.force_gain, sums->force, tables_.cells[patch.first]);
+      total.add(patch.slot, patch.proximity_gain, sums->proximity, tables_.cells[patch.first]);
       ++sums;
     }
-    return total;
+    return total.wrenches();
   }
   /// The same, forces and proximities apart.
   [[nodiscard]] Touch touch(const Memory& memory) const noexcept {
-    Touch out;
+    LinkRows<Wrenches> force, proximity;
     const ExactSums* sums = memory.sums.data();
     for (const PatchRow<T>& patch : tables_.patches) {
-      T *force = out.force.data[patch.slot], *proximity = out.proximity.data[patch.slot];
-      const CellUnit& cell = tables_.cells[patch.first];
-      for (std::size_t r = 0; r < 6; ++r) {
-        force[r] = force[r] + patch.force_gain * ExactSums::at<T>(sums->force, r, cell);
-        proximity[r] = proximity[r] + patch.proximity_gain * ExactSums::at<T>(sums->proximity, r, cell);
-      }
+      force.add(patch.slot, patch.force_gain, sums->force, tables_.cells[patch.first]);
+      proximity.add(patch.slot, patch.proximity_gain, sums->proximity, tables_.cells[patch.first]);
       ++sums;
     }
-    return out;
+    return {force.wrenches(), proximity.wrenches()};
   }
   /// The memory with its sums computed anew, cell by cell: bit for bit those of the events.
   [[nodiscard]] Memory recomputed(const Memory& given) const noexcept(Store::fixed) {
