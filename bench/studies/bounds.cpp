@@ -15,6 +15,7 @@
 #include "bench/studies/bounds/box_search.hpp"
 #include "bench/studies/bounds/brackets.hpp"
 #include "bench/studies/bounds/one_cycle.hpp"
+#include "bench/studies/bounds/program.hpp"
 #include "bench/studies/bounds/quantities.hpp"
 #include "bench/studies/bounds/worst_found.hpp"
 #include "skinctl/math/traced.hpp"
@@ -43,49 +44,27 @@ struct Hand {
   }
 };
 
-template <class Robot, Quantity Q>
-struct Program {
-  template <class T>
-  auto operator()(const T* x) const {
-    return computed<Q>(Robot::template in<T>(), x);
-  }
-  template <class R, class Wide>
-  std::vector<double> errors(const R* x) const {
-    static const auto model = Robot::template in<R>();
-    static const auto wide = Robot::template in<Wide>();
-    if constexpr (Q == Quantity::forward_dynamics) {
-      return unexplained_torque<R, Wide>(model, wide, x);
-    } else {
-      std::vector<Wide> more(x, x + std::remove_cvref_t<decltype(model)>::joints * (1 + named(Q).rates));
-      const auto y = computed<Q>(model, x);
-      const auto z = computed<Q>(wide, more.data());
-      std::vector<double> out;
-      for (std::size_t i = 0; i < y.size(); ++i)
-        out.push_back(static_cast<double>(static_cast<Wide>(y[i]) - z[i]));
-      return out;
-    }
-  }
-};
-
 struct Goal {
-  double ratio, share, search;  ///< proven over found; of the time for the proof, and of that for the search
+  double ratio;   ///< proven over found
+  double share;   ///< of the time for the proof
+  double search;  ///< of that for the search
 };
 Goal goal_of(Quantity q) {
   switch (q) {
     case Quantity::pose:
-      return {6, 0.13, 0.25};
+      return {6, 0.13, 0.12};
     case Quantity::jacobian:
-      return {6, 0.05, 0.15};
+      return {6, 0.05, 0.10};
     case Quantity::gravity:
-      return {6, 0.02, 0.07};
+      return {6, 0.02, 0.08};
     case Quantity::inverse_dynamics:
-      return {8, 0.42, 0.20};
+      return {8, 0.30, 0.22};
     case Quantity::yr_theta:
-      return {8, 0.16, 0.12};
+      return {8, 0.28, 0.20};
     case Quantity::mass:
-      return {8, 0.02, 0.07};
+      return {8, 0.02, 0.08};
     case Quantity::forward_dynamics:
-      return {10, 0.20, 0.14};
+      return {10, 0.20, 0.20};
   }
   return {};
 }
@@ -111,53 +90,75 @@ double largest_value(math::TracedOutput& output, const std::vector<Range>& range
   return most;
 }
 
-/// A little more than pi.
-constexpr double half_turn = 3.1416;
-
+/// A quantity of a robot: what is found, and the boxes that prove.
+///
 /// The same rounding on each joint: a joint whose angle enters by its sine and cosine alone is bounded over one
 /// turn for all turns.
-///
-/// The signs of all rates at once change no torque, and no error of one (products of two of them are what occurs): the first
-/// joint's velocity is not negative.
-template <class Robot, Quantity Q>
-Bracket bound(double seconds, double search, const Rates& rates) {
-  using Model = decltype(Robot::template in<double>());
-  constexpr std::size_t N = Model::joints;
-  const auto about = named(Q);
-  const Goal goal = goal_of(Q);
-  std::vector<Range> ranges;
-  for (std::size_t i = 0; i < N; ++i) {
-    ranges.push_back({{-half_turn, half_turn}, true});
-    for (std::size_t k = 0; k < about.rates; ++k) {
-      const double most = k == 1 ? rates.acceleration : rates.velocity;
-      ranges.push_back({{k == 0 && i == 0 ? 0 : -most, most}, k == 0, 0.06f});
+class Quest {
+ public:
+  /// Nothing is bounded where float and double run different operations.
+  template <class Robot, Quantity Q>
+  static std::unique_ptr<Quest> of(double search, const Rates& rates) {
+    constexpr std::size_t N = decltype(Robot::template in<double>())::joints;
+    auto quest = std::make_unique<Quest>();
+    quest->about_ = named(Q), quest->goal_ = goal_of(Q);
+    quest->ranges_ = ranges_of(Q, N, rates);
+    const Program<Robot, Q, float> in_float(quest->ranges_, rates);
+    const Program<Robot, Q, double> in_double(quest->ranges_, rates);
+    math::Tape tape, other;
+    math::undecided() = 0;
+    in_double.record(other);
+    for (const auto node : in_float.record(tape)) quest->outputs_.emplace_back(tape, node);
+    if (!same_program(tape, other) || math::undecided() != 0) {
+      std::printf("%-18s float and double run different operations: not bounded\n", named(Q).name);
+      return nullptr;
     }
+    quest->of_float_.found =
+        WorstFound<float>(quest->ranges_, quest->outputs_, 1).run(in_float, 0.5 * search);
+    quest->of_double_.found =
+        WorstFound<double>(quest->ranges_, quest->outputs_, 2).run(in_double, 0.5 * search);
+    if constexpr (Q == Quantity::forward_dynamics) {
+      const auto diagonal = largest_inertias<Robot, N>();
+      quest->of_float_.more = factorisation_error(diagonal, N, 0x1p-24, rates.acceleration);
+      quest->of_double_.more = factorisation_error(diagonal, N, 0x1p-53, rates.acceleration);
+    }
+    quest->boxes_ = std::make_unique<BoxSearch>(quest->outputs_, quest->ranges_);
+    return quest;
   }
-  const Program<Robot, Q> program;
-  math::Tape tape, other;
-  const auto record = [&]<class R>(math::Tape& on, R) {
-    const math::Tape::Recording recording(on);
-    std::vector<math::Traced<R>> x;
-    for (const auto& r : ranges) x.push_back(math::Traced<R>::input(r.whole));
-    std::vector<std::int32_t> nodes;
-    for (const auto& y : program(x.data())) nodes.push_back(y.node());
-    return nodes;
-  };
-  math::undecided() = 0;
-  record(other, 0.0);
-  std::vector<math::TracedOutput> outputs;
-  for (const auto node : record(tape, 0.0f)) outputs.emplace_back(tape, node);
-  if (!same_program(tape, other) || math::undecided() != 0) {
-    std::printf("%-18s float and double run different operations: not bounded\n", about.name);
-    return {};
-  }
-  WorstFound<float, Program<Robot, Q>> in_float(program, ranges, outputs, 1);
-  WorstFound<double, Program<Robot, Q>> in_double(program, ranges, outputs, 2);
-  const auto f = in_float.run(0.3 * search);
-  const auto d = in_double.run(0.7 * search);  // more digits take longer
 
-  double factors_float = 0, factors_double = 0;
-  if constexpr (Q == Quantity::forward_dynamics) {
+  /// Splits boxes for `seconds` of processor time.
+  void prove(double seconds) {
+    const auto proven = boxes_->run(0, seconds);
+    of_float_.proven = proven.in_float + of_float_.more,
+    of_double_.proven = proven.in_double + of_double_.more;
+    count_ = proven.boxes, seconds_ += proven.seconds;
+  }
+  [[nodiscard]] const Goal& goal() const noexcept { return goal_; }
+  /// The worse of the two ratios, in goals.
+  [[nodiscard]] double off() const noexcept {
+    return std::max(of_float_.ratio(), of_double_.ratio()) / goal_.ratio;
+  }
+  void print() const {
+    std::printf("%-17s %-6s", about_.name, about_.unit);
+    for (const Ends& e : {of_float_, of_double_})
+      std::printf(" [%.2e, %.2e] %5.1fx ", e.found, e.proven, e.ratio());
+    std::printf(" %3.0fx %s %8zu %5.1f\n", goal_.ratio, off() <= 1 ? "met   " : "missed", count_, seconds_);
+    std::fflush(stdout);
+  }
+  [[nodiscard]] Bracket bracket(const char* robot, const Rates& rates) const {
+    return {robot,           about_.name,      about_.unit,      rates.velocity,    rates.acceleration,
+            of_float_.found, of_float_.proven, of_double_.found, of_double_.proven, seconds_};
+  }
+
+ private:
+  struct Ends {
+    double found = 0, proven = HUGE_VAL;
+    double more = 0;  ///< proven beside the boxes
+    [[nodiscard]] double ratio() const noexcept { return proven / found; }
+  };
+  /// Upper limits of the diagonal of M.
+  template <class Robot, std::size_t N>
+  static std::vector<double> largest_inertias() {
     math::Tape mass;
     std::vector<double> diagonal;
     const math::Tape::Recording recording(mass);
@@ -169,40 +170,47 @@ Bracket bound(double seconds, double search, const Rates& rates) {
       math::TracedOutput output(mass, m(i, i).node());
       diagonal.push_back(largest_value(output, angles, output.inputs().size() > 4 ? 8 : 12));
     }
-    factors_float = factorisation_error(diagonal, N, 0x1p-24, rates.acceleration);
-    factors_double = factorisation_error(diagonal, N, 0x1p-53, rates.acceleration);
+    return diagonal;
   }
-  BoxSearch boxes(outputs, ranges);
-  const double finest = 2.5 * std::min(f.error, d.error * 0x1p29) - factors_float;
-  auto result = boxes.run(finest, goal.share * seconds);
-  result.in_float += factors_float, result.in_double += factors_double;
-  const double of_float = result.in_float / f.error, of_double = result.in_double / d.error;
-  const bool met = of_float <= goal.ratio && of_double <= goal.ratio;
-  std::printf("%-17s %-6s [%.2e, %.2e] %5.1fx  [%.2e, %.2e] %5.1fx  %3.0fx %s %8zu %5.1f\n", about.name,
-              about.unit, f.error, result.in_float, of_float, d.error, result.in_double, of_double,
-              goal.ratio, met ? "met   " : "missed", result.boxes, result.seconds);
-  std::fflush(stdout);
-  return {"",      about.name,      about.unit, rates.velocity,   rates.acceleration,
-          f.error, result.in_float, d.error,    result.in_double, result.seconds};
-}
 
+  Named about_{};
+  Goal goal_{};
+  std::vector<Range> ranges_;
+  std::vector<math::TracedOutput> outputs_;
+  std::unique_ptr<BoxSearch> boxes_;
+  Ends of_float_, of_double_;
+  std::size_t count_ = 0;
+  double seconds_ = 0;
+};
+
+/// A fifth of the time searches. Nearly half of the rest is shared as goals say, until one is met; then the quantity that is farthest
+/// off its goal has the next quarter of a second.
 template <class Robot>
 void bound_all(const char* name, double seconds, const Rates& rates, const char* only, const char* csv) {
   std::printf("\n%s: [worst found, worst proven] and their ratio; goal; boxes; processor time [s]\n", name);
   std::printf("%-24s %-30s %-30s\n", "", "float", "double");
-  const double start = processor_seconds();
-  const bool all = only == nullptr;
-  std::vector<Bracket> found;
-  const double rest = 0.75 * seconds, search = 0.25 * seconds;
+  const double start = processor_seconds(), search = 0.2 * seconds;
+  std::vector<std::unique_ptr<Quest>> quests;
   const auto one = [&]<Quantity Q>(std::integral_constant<Quantity, Q>) {
-    if (all || std::strstr(named(Q).name, only) != nullptr)
-      found.push_back(bound<Robot, Q>(all ? rest : rest / goal_of(Q).share,
-                                      all ? search * goal_of(Q).search : search, rates));
+    if (only != nullptr && std::strstr(named(Q).name, only) == nullptr) return;
+    if (auto quest = Quest::of<Robot, Q>(only == nullptr ? search * goal_of(Q).search : search, rates))
+      quests.push_back(std::move(quest));
   };
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     (one(std::integral_constant<Quantity, quantities[I]>{}), ...);
   }(std::make_index_sequence<std::size(quantities)>{});
-  for (Bracket& b : found) b.robot = name;
+  const double slice = std::min(0.25, 0.02 * seconds), shared = 0.375 * seconds;
+  for (const auto& quest : quests) {
+    const double begin = processor_seconds();
+    do {
+      quest->prove(slice);
+    } while (quest->off() > 1 && processor_seconds() - begin < shared * quest->goal().share);
+  }
+  const auto farther = [](const auto& a, const auto& b) { return a->off() < b->off(); };
+  while (!quests.empty() && processor_seconds() - start < seconds)
+    (*std::max_element(quests.begin(), quests.end(), farther))->prove(slice);
+  std::vector<Bracket> found;
+  for (const auto& quest : quests) quest->print(), found.push_back(quest->bracket(name, rates));
   if (csv != nullptr) write_brackets(csv, found);
   std::printf("%.1f s of processor time in all\n", processor_seconds() - start);
 }

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <vector>
 
+#include "bench/studies/bounds/program.hpp"
 #include "bench/studies/bounds/quantities.hpp"
-#include "skinctl/math/traced.hpp"
 #include "skinctl/math/traced_output.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/robot_table.hpp"
@@ -89,7 +90,49 @@ void check() {
   CHECK(proven > promised(Q).in_float / 30);  // the promise is not idle
 }
 
+struct Arm {
+  template <class T>
+  static ur5::Model in() {
+    return {};
+  }
+};
+
 }  // namespace
+
+TEST_CASE(
+    "found errors: roundings that are aimed add up to more than those of many trials, below the bound") {
+  constexpr auto Q = Quantity::inverse_dynamics;
+  const Rates rates;
+  const auto ranges = ranges_of(Q, 6, rates);
+  const Program<Arm, Q, double> program(ranges, rates);
+  oracle::Random random(11);
+  std::mt19937_64 digits(5);
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> x;
+    for (const Range& r : ranges)
+      x.push_back(r.whole.middle() + 0.45 * r.whole.width() * random.uniform(-1, 1));
+    const auto near = program.near(x);
+    const std::size_t shoulder = 1;
+    double tried = 0;
+    for (int n = 0; n < 2000; ++n) {
+      auto y = x;
+      for (std::size_t i = 0; i < y.size(); ++i) y[i] += near.reach[i] * random.uniform(-1, 1);
+      tried = std::max(tried, std::abs(program.errors(y)[shoulder]));
+    }
+    double aimed[2];
+    for (const double sign : {1.0, -1.0}) {
+      const auto y = AimedRoundings<double>(near).largest(shoulder, sign, digits);
+      for (std::size_t i = 0; i < y.size(); ++i) CHECK(std::abs(y[i] - x[i]) <= near.reach[i]);
+      aimed[sign < 0] = program.errors(y)[shoulder];
+    }
+    CAPTURE(tried);
+    CHECK(std::max(aimed[0], -aimed[1]) <= promised(Q).in_double);
+#if !defined(__FMA__)  // fused products round less often than what is aimed at
+    CHECK(aimed[0] > 1.2 * tried);
+    CHECK(-aimed[1] > 1.2 * tried);
+#endif
+  }
+}
 
 TEST_CASE("proven errors: of poses, Jacobian and M of a UR5") {
   check<Quantity::pose>();

@@ -115,23 +115,45 @@ std::vector<T> computed(const M& model, const T* x) {
   return out;
 }
 
-/// Forward dynamics as a torque: the states are those whose acceleration is within the rates, and the error is
-/// `M ddq + C dq + G - tau` of the computed ddq, judged with more digits.
-template <class R, class Wide, RobotModel M, RobotModel W>
-std::vector<double> unexplained_torque(const M& model, const W& wide, const R* x) {
+/// The inputs of forward dynamics for a state of q, dq and the acceleration: all q, all dq, the torques.
+template <class R, RobotModel M>
+std::vector<R> with_torques(const M& model, const R* x) {
   constexpr std::size_t N = M::joints;
   JointPosition<N, R> q;
   JointVelocity<N, R> dq;
-  JointAcceleration<N, Wide> wanted;
-  for (std::size_t i = 0; i < N; ++i) q[i] = x[3 * i], dq[i] = x[3 * i + 1], wanted[i] = x[3 * i + 2];
-  const JointPosition<N, Wide> wide_q = q.template cast<Wide>();
-  const JointVelocity<N, Wide> wide_dq = dq.template cast<Wide>();
-  const auto tau = inverse_dynamics(wide, wide_q, wide_dq, wanted).template cast<R>();
-  const auto ddq = forward_dynamics(model, q, dq, tau).acceleration;
-  const auto explained = inverse_dynamics(wide, wide_q, wide_dq, ddq.template cast<Wide>());
+  JointAcceleration<N, R> ddq;
+  for (std::size_t i = 0; i < N; ++i) q[i] = x[3 * i], dq[i] = x[3 * i + 1], ddq[i] = x[3 * i + 2];
+  std::vector<R> out(q.begin(), q.end());
+  out.insert(out.end(), dq.begin(), dq.end());
+  for (const R& t : inverse_dynamics(model, q, dq, ddq)) out.push_back(t);
+  return out;
+}
+/// Forward dynamics of such inputs.
+template <class T, RobotModel M>
+auto acceleration(const M& model, const T* x) {
+  constexpr std::size_t N = M::joints;
+  JointPosition<N, T> q;
+  JointVelocity<N, T> dq;
+  JointTorque<N, T> tau;
+  for (std::size_t i = 0; i < N; ++i) q[i] = x[i], dq[i] = x[N + i], tau[i] = x[2 * N + i];
+  return forward_dynamics(model, q, dq, tau).acceleration;
+}
+/// The error of forward dynamics as a torque: `M ddq + C dq + G - tau` of the computed ddq, judged with more digits. None where an
+/// acceleration is beyond `fastest`: no such state is promised anything.
+template <class R, class Wide, RobotModel M, RobotModel W>
+std::vector<double> unexplained_torque(const M& model, const W& wide, const R* x, double fastest) {
+  constexpr std::size_t N = M::joints;
+  const auto ddq = acceleration(model, x);
+  if (std::any_of(ddq.begin(), ddq.end(),
+                  [&](R a) { return !(std::abs(static_cast<double>(a)) <= fastest); }))
+    return {};
+  JointPosition<N, Wide> q;
+  JointVelocity<N, Wide> dq;
+  for (std::size_t i = 0; i < N; ++i) q[i] = static_cast<Wide>(x[i]), dq[i] = static_cast<Wide>(x[N + i]);
+  const auto explained = inverse_dynamics(wide, q, dq, ddq.template cast<Wide>());
   std::vector<double> out;
   for (std::size_t i = 0; i < N; ++i)
-    out.push_back(static_cast<double>(explained[i] - static_cast<Wide>(tau[i])));
+    out.push_back(static_cast<double>(explained[i] - static_cast<Wide>(x[2 * N + i])));
   return out;
 }
 
