@@ -280,15 +280,38 @@ class Firmware {
     state_ = {now, opening_of(size), force, true, moving && !held, held, true, GripperError::none, 0};
     return internal_;
   }
+  /// The same while a person leads the fingers.
+  /// @param second  force of the fingertip that touches second most [N].
+  double led(double size, double force, double second, Nanoseconds now, double dt) {
+    force_ += dt / (filter + dt) * (force - force_);
+    second_ += dt / (filter + dt) * (second - second_);
+    const bool touches = second_ > (holds_ ? lost : led_touched);
+    if (!touches) pressed_ = 0;
+    apart_for_ = touches ? 0 : apart_for_ + dt;
+    if (!holds_ && touches) {
+      pressed_ = std::max(pressed_, force_);
+      held_for_ += dt;
+      if (held_for_ > press) holds_ = true, internal_ = std::clamp(pressed_, led_least, hand_range.max_force);
+    } else if (!holds_ || apart_for_ > steady) {
+      holds_ = false;
+      held_for_ = internal_ = 0;
+    }
+    springs_ = holds_ ? Springs::keep : Springs::yield;
+    state_ = {now, opening_of(size), force, true, false, holds_, true, GripperError::none, 0};
+    return internal_;
+  }
   [[nodiscard]] const GripperState& state() const { return state_; }
   [[nodiscard]] Springs springs() const { return springs_; }
+  [[nodiscard]] static double opening_of(double size) { return 2 * (size - tip_radius); }
 
  private:
-  [[nodiscard]] static double opening_of(double size) { return 2 * (size - tip_radius); }
+  static constexpr double led_touched = 0.5, led_least = 1;  // [N]
+  static constexpr double press = 0.3;  // so long a person presses before the fingers hold by themselves [s]
 
   GripperGoal goal_{hand_range.opening, 1, 0.05};
   GripperState state_{};
   double most_, wanted_, force_ = 0, least_ = 0, internal_ = 0, right_for_ = 0;
+  double second_ = 0, pressed_ = 0, held_for_ = 0, apart_for_ = 0;  // while it is led
   std::uint32_t count_ = 0;
   bool closes_ = false, holds_ = false;
   Springs springs_ = Springs::shape;
@@ -304,6 +327,43 @@ Grasp around_a_ball() {
   g.away = {Point{0, s, c}, Point{0, 0, 0}, Point{0, -s, c}, Point{0, 0, -1}};
   g.posture = {-0.1, -0.08, 1.2, 1.2, 0, -0.17, -0.15, -0.2, 0.1, -0.08, 1.2, 1.2, 1.15, 0.6, 1.0, 1.2};
   return g;
+}
+
+Grasp grasp_shown(const JointPosition<N>& open, const JointPosition<N>& held,
+                  const std::array<double, 4>& force) {
+  const Fingers model = allegro::hand(side);
+  const auto from = stance(model, tips_in_links(), open).tip, to = stance(model, tips_in_links(), held).tip;
+  Grasp g;
+  g.name = "as shown";
+  double fingers = 0, is = 0, was = 0;
+  for (std::size_t f = 0; f < 4; ++f) fingers += g.takes_part[f] = force[f] > 0.3 ? 1 : 0;
+  require(fingers >= 2, "Hand: fingertips that press in the grasp that was shown", fingers, ">= 2");
+  g.centre = {0, 0, 0};
+  for (std::size_t f = 0; f < 4; ++f) g.centre = g.centre + (g.takes_part[f] / fingers) * to[f];
+  for (std::size_t f = 0; f < 4; ++f) {
+    is += g.takes_part[f] / fingers * norm(Point(to[f] - g.centre));
+    was += g.takes_part[f] / fingers * norm(Point(from[f] - g.centre));
+    for (std::size_t i = 4 * f; i < 4 * f + 4; ++i) g.posture[i] = g.takes_part[f] > 0 ? open[i] : held[i];
+  }
+  // A finger that stands further from the middle than the others does so from the open to the closed grasp.
+  for (std::size_t f = 0; f < 4; ++f) {
+    if (!(g.takes_part[f] > 0)) continue;
+    const Point away = to[f] - g.centre;
+    const double far = norm(away);
+    require(far > 0.005, "Hand: a fingertip's distance from the middle of the grasp that was shown", far,
+            "> 0.005 m");
+    g.away[f] = (1 / far) * away;
+    g.beside[f] = (far - is) * g.away[f];
+  }
+  g.least = is - 0.018;  // smaller objects, and softer ones
+  g.most = was;
+  require(g.least > 0.005 && was > is + 0.004, "Hand: how far the fingers closed in the grasp that was shown",
+          was - is, "> 0.004 m");
+  return g;
+}
+
+double opening_of(const Grasp& grasp, const JointPosition<N>& q) {
+  return Firmware::opening_of(size_of(stance(allegro::hand(side), tips_in_links(), q).tip, grasp.takes_part));
 }
 
 HandBody hand_body(const Grasp& grasp, double flange, double reach) {
@@ -374,6 +434,8 @@ Hand::Hand(Hand&&) noexcept = default;
 JointTorque<N> Hand::step(const Input& in) {
   Parts& p = *parts_;
   double force = 0, fingers = 0, least = 1e3;
+  auto touch = in.tips;
+  std::nth_element(touch.begin(), touch.begin() + 1, touch.end(), std::greater<>());
   for (std::size_t f = 0; f < 4; ++f) {
     const double w = p.grasp.takes_part[f];
     force += w * in.tips[f], fingers += w;
@@ -386,7 +448,9 @@ JointTorque<N> Hand::step(const Input& in) {
   input.now = in.measured.time;
   input.measured = in.measured;
   input.has_goal = true;
-  input.goal.internal = p.firmware.step(in.command, size, force / fingers, least, in.measured.time, dt);
+  input.goal.internal = in.led
+                            ? p.firmware.led(size, force / fingers, touch[1], in.measured.time, dt)
+                            : p.firmware.step(in.command, size, force / fingers, least, in.measured.time, dt);
   input.goal.springs = p.firmware.springs();
   input.goal.gravity = in.gravity;
   const auto out = p.cycle.step(*p.memory, input);

@@ -87,6 +87,54 @@ int lessons(int count, std::uint64_t first) {
       count, understood, released, 1e3 * std::sqrt(square / n), 1e3 * worst, 1e3 * std::sqrt(meant / n));
   return code(understood >= 0.95 * count && released >= 0.95 * count ? Exit::fine : Exit::broken);
 }
+/// So many people teach arm and hand; what each one showed packs `settings.supply.oranges` others, lying elsewhere.
+int lessons_by_hand(int count, const RunSettings& settings, bool quiet) {
+  int understood = 0, used = 0, right = 0, of = 0;
+  double largest = 0;
+  struct Figure {
+    const char* what;
+    const char* unit;
+    double HandLesson::* value;
+    double scale, square = 0, worst = 0;
+  } figures[] = {
+      {"hand around the orange, from where it rested", "mm", &HandLesson::take, 1e3},
+      {"... turned", "degrees", &HandLesson::take_turned, 180 / M_PI},
+      {"... from what was meant", "mm", &HandLesson::take_meant, 1e3},
+      {"hand in the box, from where it rested", "mm", &HandLesson::put, 1e3},
+      {"... turned", "degrees", &HandLesson::put_turned, 180 / M_PI},
+      {"... from what was meant", "mm", &HandLesson::put_meant, 1e3},
+      {"fingertips around the orange, from what was meant", "mm", &HandLesson::fingers, 1e3},
+  };
+  examples::job::Progress progress(quiet);
+  for (int i = 0; i < count; ++i) {
+    progress.show("%d of %d lessons", i, count);
+    const std::uint64_t seed = settings.seed + static_cast<std::uint64_t>(i);
+    const auto lesson = teach_with_hand(seed);
+    if (!lesson) continue;
+    ++understood;
+    for (Figure& f : figures) {
+      const double x = f.scale * (*lesson).*f.value;
+      f.square += x * x, f.worst = std::max(f.worst, x);
+    }
+    RunSettings s = settings;
+    s.seed = seed;
+    s.hand = {true, true};
+    s.work.shown = lesson->shown;
+    const Outcome out = run_ur5(s, {}, {});
+    used += out.over && out.right() == s.supply.oranges;
+    right += out.right(), of += s.supply.oranges;
+    largest = std::max(largest, out.worst_grip());
+  }
+  progress.clear();
+  std::printf(
+      "%d lessons: %d understood; %d used for %d oranges each without a fault, %d of %d oranges right, at "
+      "most %.2f N\n",
+      count, understood, used, settings.supply.oranges, right, of, largest);
+  for (const Figure& f : figures)
+    std::printf("  %-50s %6.2f %s rms, %.2f at worst\n", f.what,
+                std::sqrt(f.square / std::max(1, understood)), f.unit, f.worst);
+  return code(used >= 0.9 * count ? Exit::fine : Exit::broken);
+}
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -148,6 +196,7 @@ int main(int argc, char** argv) {
   try {
     if (grasps) return show_grasps(s.seed, page);
     s.fault = fault_named(fault);
+    if (taught_lessons > 0 && gripper == "hand") return lessons_by_hand(taught_lessons, s, quiet);
     if (taught_lessons > 0) return lessons(taught_lessons, s.seed);
     if (faults) {
       bool over = true;
@@ -160,7 +209,21 @@ int main(int argc, char** argv) {
     s.keep_path = !page.empty();
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";
-    if (taught) {
+    if (taught && s.hand[0]) {
+      const auto lesson = teach_with_hand(s.seed);
+      if (!lesson) {
+        std::fprintf(stderr, "packing_oranges: nothing was taught\n");
+        return code(Exit::not_following);
+      }
+      s.work.shown = lesson->shown;
+      const auto& p = lesson->shown.X_OH.origin();
+      std::printf(
+          "taught in %.1f s: the hand closes at %.1f %.1f %.1f mm from an orange's middle, %.2f mm from "
+          "where it rested; carries "
+          "with %.1f N; opens to %.0f mm in the box, %.2f mm from where it rested\n",
+          lesson->lasted, 1e3 * p.x, 1e3 * p.y, 1e3 * p.z, 1e3 * lesson->take, lesson->shown.hold,
+          1e3 * lesson->shown.opening, 1e3 * lesson->put);
+    } else if (taught) {
       const auto lesson = teach(s.seed);
       if (!lesson) {
         std::fprintf(stderr, "packing_oranges: nothing was taught\n");

@@ -68,9 +68,10 @@ class Run {
         places_(box_.start()) {
     world_.step();
     for (std::size_t a = 0; a < arms; ++a) {
-      workers_.push_back(
-          std::make_unique<Worker<R>>(a, scene_, s.hand[a] ? by_hand(s.work) : s.work, world_.joints(a)));
-      if (s.hand[a]) hands_[a] = std::make_unique<Hand>(around_a_ball(), world_.fingers(a));
+      WorkSettings work = s.hand[a] ? by_hand(s.work) : s.work;
+      if (!s.hand[a]) work.shown.reset();  // by a hand, which this arm has not
+      workers_.push_back(std::make_unique<Worker<R>>(a, scene_, work, world_.joints(a)));
+      if (s.hand[a]) hands_[a] = std::make_unique<Hand>(grasp(s), world_.fingers(a));
       touchers_.push_back(
           std::make_unique<Toucher<R>>(s, scene_.skin().places().size(), s.seed * 7919 + 4 + a));
       next_touch_[a] = s.touch_every * (a == 0 ? 0.4 : 0.9);
@@ -116,9 +117,13 @@ class Run {
     for (std::size_t a = 0; a < arms; ++a) {
       if (!s.hand[a]) continue;
       out[a].hand = hand_body(around_a_ball(), out[a].flange, reach_of_gripper);
+      out[a].hand->takes_part = grasp(s).takes_part;
       out[a].home = {0.6, -1.6, 1.8, -1.77, -1.57, 0.6};  // over its bin: a hand is wider than a gripper
     }
     return out;
+  }
+  [[nodiscard]] static Grasp grasp(const RunSettings& s) {
+    return s.work.shown ? s.work.shown->grasp : around_a_ball();
   }
   [[nodiscard]] double time() const { return skinctl::seconds<double>(world_.now()); }
   [[nodiscard]] bool faulty(Fault f) const {

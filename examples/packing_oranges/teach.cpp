@@ -4,28 +4,57 @@
 #include <memory>
 #include <random>
 
+#include "examples/packing_oranges/detector.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/world.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/semantics/features.hpp"
+#include "skinctl/semantics/led_fingers.hpp"
 
 namespace packing {
 namespace {
 using namespace skinctl;
-
+using Point = Xyz<double>;
+using Pose = Transform<skinctl::World, Tool>;
 using A = Arm<Ur5>;
 constexpr std::size_t hand = 5;
+constexpr double cycle = 0.008;
 constexpr double middle = Ur5::flange + reach_of_gripper,
-                 around = 0.05;  // of the hand, along the last axis; of its skin [m]
+                 around = 0.05;    // of the hand, along the last axis; of its skin [m]
+constexpr double off_axis = 0.04;  // of its cells [m]
+/// The sides of the hand, and the way along each to its two cells.
+constexpr Point sides[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+constexpr Point along[] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+constexpr std::size_t cells_of_hand = 12;
 
-/// Six cells, one on each side.
+/// Two cells on each side: a person who takes hold there pushes with any force, and turns with any moment. In the order of axes,
+/// sides (+, -), cells (+, -).
 std::vector<PlacedCell<hand>> hand_cells() {
   std::vector<PlacedCell<hand>> out;
-  const Rotation<double> turned[] = {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}},
-                                     {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}},
-                                     {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}}};
-  std::uint32_t id = 1;
-  for (const auto& R : turned)
-    out.push_back({id++, Transform<Link<hand>, Cell>(R, around * R.z + Xyz<double>{0, 0, middle})});
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const double s : {1.0, -1.0})
+      for (const double l : {1.0, -1.0}) {
+        const Point n = s * sides[axis];
+        const Rotation<double> R{along[axis], cross(n, along[axis]), n};
+        out.push_back({static_cast<std::uint32_t>(out.size() + 1),
+                       Transform<Link<hand>, Cell>(
+                           R, around * n + (off_axis * l) * along[axis] + Point{0, 0, middle})});
+      }
+  return out;
+}
+/// What each of these cells feels of a force and a moment on the middle of the hand, in the link's axes.
+std::array<double, cells_of_hand> felt(const Point& F, const Point& M) {
+  std::array<double, cells_of_hand> out{};
+  const double force[] = {F.x, F.y, F.z};
+  const double moment[] = {M.z, M.x, M.y};  // the moment that the cells of each axis can make
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double* c = out.data() + 4 * axis;
+    const double side = std::abs(force[axis]) / 2, couple = std::abs(moment[axis]) / (2 * off_axis);
+    const std::size_t k = force[axis] > 0 ? 2 : 0;  // what pushes along an axis is felt on the other side
+    c[k] += side, c[k + 1] += side;
+    (moment[axis] > 0 ? c[0] : c[1]) += couple;
+    (moment[axis] > 0 ? c[3] : c[2]) += couple;
+  }
   return out;
 }
 auto led_scene() {
@@ -38,89 +67,269 @@ auto led_scene() {
   SkinSettings settings;
   settings.force = EventGate<>::dead_band(0.002);
   return Cycle(arm,
-               Skin<A::Model, double, Patch<hand, 6>>(
-                   Patch<hand, 6>(hand_cells(), {.force = newtons_per_reading}), settings),
+               Skin<A::Model, double, Patch<hand, cells_of_hand>>(
+                   Patch<hand, cells_of_hand>(hand_cells(), {.force = newtons_per_reading}), settings),
                SkinJointControl{} + GravityControl{});
+}
+/// 0 to 1 with speed and acceleration 0 at the ends.
+double quintic(double u) {
+  u = std::clamp(u, 0.0, 1.0);
+  return u * u * u * (10 + u * (6 * u - 15));
+}
+double far(const Point& a, const Point& b) {
+  return norm(Point(a - b));
+}
+double turned(const Rotation<double>& a, const Rotation<double>& b) {
+  return norm(log_so3(a.transpose() * b));
 }
 
 class Person {
  public:
-  explicit Person(std::uint64_t seed)
+  Person(std::uint64_t seed, bool by_hand)
       : random_(seed),
-        world_({A::body(0), A::body(1)}, {}, seed + 1),
+        world_(bodies(by_hand), {}, seed + 1),
         scene_(led_scene()),
         memory_(std::make_unique<Memory>()),
-        box_(1) {
+        detector_({}, seed + 2),
+        objects_([] {
+          std::array<ObjectClass, Objects::capacity> kinds{};
+          kinds.fill(orange_class);
+          kinds[box] = box_class;
+          return kinds;
+        }()),
+        known_(objects_.start()) {
     world_.step();
     scene_.start(*memory_, world_.joints(0));
-    box_[0].known = true;
-    last_ = place().origin();
+    static_cast<void>(objects_.detect(known_, {.object = box, .sigma = 1e-4, .time = world_.now()}));
+    last_ = place();
+    R_ = last_.axes();
+    if (by_hand) hand_ = std::make_unique<Hand>(around_a_ball(), world_.fingers(0));
   }
+
+  /// The place in the box, with a gripper that is closed.
   std::optional<Lesson> teach() {
     Lesson lesson;
+    closed_ = true;
     lesson.meant = {in(-0.08, -0.02), in(-0.05, 0.05), in(0.045, 0.06)};
     lead({lesson.meant.x, lesson.meant.y, 0.2}, in(1.5, 2.5));
-    lead(lesson.meant, in(1.0, 2.0));
-    for (int i = 0; i < 1000 && norm(Xyz<double>(place().origin() - lesson.meant)) > 0.004; ++i)
-      lead(lesson.meant, 0.008);
-    lead(lesson.meant, 0.4);
-    const Xyz<double> last = force_;
-    grip_ = 0;
-    for (double t = 0; t < 0.1; t += 0.008) step((1 - t / 0.1) * last);  // the hand lets go
-    for (double t = 0; t < 1.5; t += 0.008) step({0, 0, 0});
+    lead_until(lesson.meant, in(1.0, 2.0));
+    leave_alone(1.5);
     lesson.rested = place().origin();
-    for (double t = 0; t < 0.2; t += 0.008) {
+    for (double t = 0; t < 0.2; t += cycle) {
       closed_ = t < 0.1;
-      step({0, 0, -6 * std::sin(M_PI * t / 0.2)});  // on the switch: it moves the arm
+      step({0, 0, -6 * std::sin(M_PI * t / 0.2)}, {0, 0, 0});  // on the switch: it moves the arm
     }
-    for (double t = 0; t < 0.4; t += 0.008) step({0, 0, 0});
+    wait(0.4);
     lesson.lasted = seconds<double>(world_.now());
     bool any = false;
-    for (const auto& t : reader_.finish(box_)) {
-      if (t.activity == Activity::put && t.object == 0) lesson.taught = t.X_OH.origin(), any = true;
+    for (const auto& t : reader_.finish(known_.objects)) {
+      if (t.activity == Activity::put && t.object == box) lesson.taught = t.X_OH.origin(), any = true;
       lesson.released = lesson.released || t.activity == Activity::release;
     }
     return any ? std::optional(lesson) : std::nullopt;
   }
 
+  /// All of it, with arm and fingers.
+  std::optional<HandLesson> teach_with_hand() {
+    const Point feed = feed_place(0, 1);
+    world_.put(0, {feed.x + in(-0.05, 0.05), feed.y + in(-0.01, 0.01), 0}, {in(0.036, 0.040), 6000});
+    wanders_ = 0.002, trembles_ = 0.3;
+    wait(0.6);
+    // How this person takes it: beside its middle, turned, each finger a little elsewhere than the hand's maker would.
+    const Point beside{in(-0.004, 0.004), in(-0.004, 0.004), in(-0.003, 0.003)};
+    mean_to_turn(in(-0.25, 0.25));
+    const Grasp usual = around_a_ball();
+    std::array<Point, 4> way{};
+    for (std::size_t f = 0; f < 4; ++f) {
+      const Point w = usual.away[f] + Point{in(-0.1, 0.1), in(-0.1, 0.1), in(-0.1, 0.1)};
+      way[f] = (1 / std::max(norm(w), 0.1)) * w;
+    }
+    const auto stand = [&](double distance) {
+      std::array<Point, 4> tips{};
+      for (std::size_t f = 0; f < 4; ++f) tips[f] = usual.centre + distance * way[f];
+      return tips;
+    };
+
+    lead_fingers(stand(in(0.062, 0.066)), 1.5, 4);
+    lead_until(at(world_.orange(0) + beside, 0.16), in(2.0, 3.0));
+    let_fingers_go();
+    lead_until(world_.orange(0) + beside, in(1.2, 2.0));
+    leave_alone(1.0);
+    const auto rested = beside_orange();
+    lead_fingers(stand(0.025), in(0.8, 1.5), in(2.0, 3.0));
+    wait(in(1.8, 2.4));
+    let_fingers_go();
+    wait(0.6);
+    const auto tips = skeleton(world_.fingers(0).q);
+
+    const Point drop{in(-0.08, -0.02), in(-0.08, 0.0), in(0.05, 0.065)};
+    lead(at(place().origin(), 0.2), in(0.8, 1.2));
+    mean_to_turn(in(-0.25, 0.25));
+    lead(at(drop, 0.2), in(2.0, 3.0));
+    lead_until(drop, in(1.0, 2.0));
+    leave_alone(1.0);
+    const Pose stood = place();
+    lead_fingers(stand(in(0.060, 0.066)), in(0.5, 1.0), 6);
+    wait(in(1.4, 2.0));
+    let_fingers_go();
+    wait(0.5);
+    lead(at(drop, 0.2), 1.0);
+    leave_alone(0.4);
+    return learned(rested, beside, tips, stand(norm(Point(tips[0][4] - usual.centre))), stood, drop);
+  }
+
  private:
   using Scene = decltype(led_scene());
   using Memory = Scene::Memory;
+  static constexpr std::uint8_t box = arms * slots;
+  static constexpr ObjectClass box_class = 2;
+  using Objects = ObjectWorld<box + 1>;
+
+  static std::array<ArmBody, arms> bodies(bool by_hand) {
+    std::array<ArmBody, arms> out{A::body(0), A::body(1)};
+    if (by_hand) out[0].hand = hand_body(around_a_ball(), out[0].flange, reach_of_gripper);
+    return out;
+  }
   double in(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  [[nodiscard]] Transform<skinctl::World, Tool> place() const {
-    return A::base(0) * A::hand(world_.joints(0).q);
+  [[nodiscard]] Pose place() const { return A::base(0) * A::hand(world_.joints(0).q); }
+  [[nodiscard]] static Point at(const Point& p, double z) { return {p.x, p.y, z}; }
+  [[nodiscard]] Transform<ObjectFrame, Tool> beside_orange() const {
+    const Pose X = place();
+    return {X.axes(), Point(X.origin() - world_.orange(0))};
+  }
+  /// The hand points down, turned by this about the vertical from how it stood at first.
+  void mean_to_turn(double angle) {
+    const Point x = last_.axis_x();
+    const double size = std::hypot(x.x, x.y);
+    const Point across{x.x / size, x.y / size, 0}, down{0, 0, -1};
+    if (!means_) facing_ = {across, cross(down, across), down}, means_ = true;
+    R_ = exp_so3(Point{0, 0, angle}) * facing_;
   }
 
-  /// The person's arm: a spring with a damper to a target that moves to `goal`, at most 40 N.
-  void lead(const Xyz<double>& goal, double time) {
-    const Xyz<double> from = place().origin();
-    for (double t = 0; t < time; t += 0.008) {
-      const double u = std::min(1.0, (t + 0.008) / time), s = u * u * u * (10 + u * (6 * u - 15));
-      const Xyz<double> p = place().origin(), target = from + s * Xyz<double>(goal - from);
-      v_ = v_ + 0.6 * Xyz<double>(125.0 * Xyz<double>(p - last_) - v_);
-      Xyz<double> F = 150.0 * Xyz<double>(target - p) - 25.0 * v_;
-      const double size = norm(F);
-      if (size > 40) F = (40 / size) * F;
-      step(force_ + 0.6 * Xyz<double>(F - force_));
+  /// What the recordings say, and how far it is from the truth.
+  std::optional<HandLesson> learned(const Transform<ObjectFrame, Tool>& rested, const Point& meant,
+                                    const std::array<std::array<Point, 5>, 4>& tips,
+                                    const std::array<Point, 4>& meant_tips, const Pose& stood,
+                                    const Point& drop) {
+    HandLesson out;
+    out.lasted = seconds<double>(world_.now());
+    bool takes = false, puts = false;
+    for (const auto& t : reader_.finish(known_.objects)) {
+      if (t.activity == Activity::reach && t.role == orange_class && !takes)
+        out.shown.X_OH = t.X_OH, takes = true;
+      if (t.activity == Activity::put && t.role == box_class) out.shown.X_WH = t.X_WH, puts = true;
+    }
+    const auto fingers = fingers_.finish();
+    if (!takes || !puts || fingers.size() != 2 || fingers[0].activity != Activity::take) return std::nullopt;
+    try {
+      out.shown.grasp = grasp_shown(fingers[0].before, fingers[0].q, fingers[0].force);
+      static_cast<void>(Hand(out.shown.grasp, world_.fingers(0)));  // throws where they cannot follow
+    } catch (const ConfigurationError&) {
+      return std::nullopt;
+    }
+    const Grasp& g = out.shown.grasp;
+    double sum = 0, count = 0, square = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (!(g.takes_part[f] > 0)) continue;
+      sum += fingers[0].force[f], count += 1;
+      const double off = far(tips[f][4], meant_tips[f]);
+      square += off * off;
+    }
+    out.shown.hold = sum / count;
+    out.shown.opening = opening_of(g, fingers[1].q);
+    out.fingers = std::sqrt(square / count);
+    out.take = far(out.shown.X_OH.origin(), rested.origin());
+    out.take_turned = turned(out.shown.X_OH.axes(), rested.axes());
+    out.take_meant = far(out.shown.X_OH.origin(), meant);
+    out.put = far(out.shown.X_WH.origin(), stood.origin());
+    out.put_turned = turned(out.shown.X_WH.axes(), stood.axes());
+    out.put_meant = far(out.shown.X_WH.origin(), drop);
+    return out;
+  }
+
+  /// Of what one means and where the own hand is: it wanders slowly, and trembles at 9 Hz [m].
+  Point astray() {
+    constexpr double slowly = 0.4;  // [s]
+    const double keep = std::exp(-cycle / slowly), now = wanders_ * std::sqrt(1 - keep * keep);
+    wander_ = keep * wander_ + now * Point{normal_(random_), normal_(random_), normal_(random_)};
+    return wander_;
+  }
+  /// The person's arm: a spring with a damper to a target that moves to `goal`, at most 40 N; and 4 N m about it.
+  void lead(const Point& goal, double time) {
+    const Pose from = place();
+    const Point turn = log_so3(from.axes().transpose() * R_);
+    for (double t = 0; t < time; t += cycle) {
+      const double s = quintic((t + cycle) / time);
+      const Pose X = place();
+      const Point target = from.origin() + s * Point(goal - from.origin()) + astray();
+      v_ = v_ + 0.6 * Point((1 / cycle) * Point(X.origin() - last_.origin()) - v_);
+      w_ = w_ +
+           0.6 * Point((1 / cycle) * Point(last_.axes() * log_so3(last_.axes().transpose() * X.axes())) - w_);
+      Point F = 150.0 * Point(target - X.origin()) - 25.0 * v_;
+      if (wanders_ > 0) {
+        const double phase = 2 * M_PI * 9 * seconds<double>(world_.now());
+        F = F + trembles_ * Point{std::sin(phase), std::sin(phase + 2), std::sin(phase + 4)};
+      }
+      const Rotation<double> facing = from.axes() * exp_so3(Point(s * turn));
+      Point M = 20.0 * Point(X.axes() * log_so3(X.axes().transpose() * facing)) - 0.5 * w_;
+      if (norm(F) > 40) F = (40 / norm(F)) * F;
+      if (norm(M) > 4) M = (4 / norm(M)) * M;
+      grip_ = 2;
+      step(force_ + 0.6 * Point(F - force_), moment_ + 0.6 * Point(M - moment_));
     }
   }
-  /// A cycle with a force of the person on the hand, along the world's axes.
-  void step(const Xyz<double>& F) {
-    force_ = F;
-    const auto X = place();
-    last_ = X.origin();
-    const auto X_BL = link_poses(A::Model{}, world_.joints(0).q).get<5>();
-    const Xyz<double> f = turn_back((A::base(0) * X_BL).axes(), F);
-    world_.push(0, hand, {0, 0, middle}, f);
-    const double parts[3] = {f.x, f.y, f.z};
-    std::array<CellSample, 6> samples{};
+  /// ... until it is there to within the person's patience.
+  void lead_until(const Point& goal, double time) {
+    lead(goal, time);
+    for (int i = 0; i < 1000 && far(place().origin(), goal) > 0.004; ++i) lead(goal, cycle);
+    lead(goal, 0.4);
+  }
+  void leave_alone(double time) {
+    const Point F = force_, M = moment_;
+    grip_ = 0;
+    for (double t = 0; t < 0.1; t += cycle) step((1 - t / 0.1) * F, (1 - t / 0.1) * M);
+    wait(time);
+  }
+  void wait(double time) {
+    for (double t = 0; t < time; t += cycle) step({0, 0, 0}, {0, 0, 0});
+  }
+  /// From now on the fingertips are led there, in the hand's frame, with at most so much force on each.
+  void lead_fingers(const std::array<Point, 4>& to, double time, double most) {
+    const auto bones = skeleton(world_.fingers(0).q);
+    for (std::size_t f = 0; f < 4; ++f) finger_[f] = {bones[f][4], to[f]};
+    fingers_begin_ = seconds<double>(world_.now()), fingers_time_ = time, fingers_most_ = most;
+  }
+  void let_fingers_go() { fingers_most_ = 0; }
+  void push_fingers() {
+    const auto bones = skeleton(world_.fingers(0).q);
+    const Rotation<double> R = world_.palm(0).axes();
+    const double s = quintic((seconds<double>(world_.now()) - fingers_begin_) / fingers_time_);
+    for (std::size_t f = 0; f < 4; ++f) {
+      Point F{0, 0, 0};
+      if (fingers_most_ > 0 && around_a_ball().takes_part[f] > 0) {
+        const Point target = finger_[f].from + s * Point(finger_[f].to - finger_[f].from);
+        F = 300.0 * Point(target - bones[f][4]);
+        if (norm(F) > fingers_most_) F = (fingers_most_ / norm(F)) * F;
+      }
+      world_.push_finger(0, f, R * F);
+    }
+  }
+
+  /// A cycle with a force and a moment of the person on the hand, along the World's axes.
+  void step(const Point& F, const Point& M) {
+    force_ = F, moment_ = M;
+    const Pose X = place();
+    last_ = X;
+    const auto R_WL = (A::base(0) * link_poses(A::Model{}, world_.joints(0).q).get<5>()).axes();
+    const Point f = turn_back(R_WL, F), m = turn_back(R_WL, M);
+    world_.push(0, hand, {0, 0, middle}, f, m);
+    auto newtons = felt(f, m);
+    std::array<CellSample, cells_of_hand> samples{};
     double touch = 0;
-    for (std::size_t k = 0; k < 6; ++k) {
-      const double side =
-          k % 2 == 0 ? -parts[k / 2] : parts[k / 2];  // a cell feels what pushes on it from outside
-      const double newton = std::max(0.0, side) + (k < 2 ? grip_ : 0) + std::abs(noise_(random_));
-      touch += newton;
-      const auto reading = static_cast<float>(std::min(newton / (3 * newtons_per_reading), 1.0));
+    for (std::size_t k = 0; k < cells_of_hand; ++k) {
+      newtons[k] += (k < 4 ? grip_ / 2 : 0) + std::abs(0.02 * normal_(random_));
+      touch += newtons[k];
+      const auto reading = static_cast<float>(std::min(newtons[k] / (3 * newtons_per_reading), 1.0));
       samples[k] = {.time = world_.now(),
                     .cell = static_cast<std::uint32_t>(k + 1),
                     .force = {reading, reading, reading}};
@@ -131,25 +340,72 @@ class Person {
     input.samples = samples;
     const auto out = scene_.step(*memory_, input);
     if (out.command.valid) world_.command(0, out.command.position, out.command.velocity);
-    reader_.take({world_.now(), X, touch, closed_ ? 4.0 : 0.0, closed_, Activity::unknown}, box_);
-    for (int i = 0; i < 8; ++i) world_.step();
+    record(X, touch);
+    if (hand_) push_fingers();
+    for (int i = 0; i < 8; ++i, ++tick_) {
+      if (hand_ && tick_ % 3 == 0) hold(X);
+      world_.step();
+    }
+  }
+  void hold(const Pose& X) {
+    Hand::Input in;
+    in.measured = world_.fingers(0);
+    in.tips = world_.tips(0);
+    in.gravity = gravity_in_hand(X);
+    in.led = true;
+    world_.command(0, hand_->step(in));
+  }
+  void record(const Pose& X, double touch) {
+    const auto now = world_.now();
+    detector_.step(world_, false);
+    Picture picture;
+    while (detector_.take(now, picture))
+      for (const auto& d : picture.seen) static_cast<void>(objects_.detect(known_, d));
+    const std::uint8_t held = known_.held;
+    double force = closed_ ? 4.0 : 0.0;
+    if (hand_) {
+      const auto& tips = world_.tips(0);
+      fingers_.take({now, world_.fingers(0).q, tips});
+      closed_ = fingers_.closed();
+      force = (tips[0] + tips[1] + tips[2] + tips[3]) / 3;
+      static_cast<void>(extractor_.step(featured_, objects_, known_, {now, X, 0.0002, force}));
+    }
+    reader_.take({now, X, touch, force, closed_, Activity::unknown}, known_.objects, held);
   }
 
+  struct LedFinger {
+    Point from{0, 0, 0}, to{0, 0, 0};
+  };
   std::mt19937_64 random_;
-  std::normal_distribution<double> noise_{0, 0.02};
+  std::normal_distribution<double> normal_;
   packing::World world_;
   Scene scene_;
   std::unique_ptr<Memory> memory_;
-  std::vector<Object<>> box_;  ///< the only object: its frame is the world's
+  std::unique_ptr<Hand> hand_;
+  Detector detector_;
+  Objects objects_;
+  Objects::Memory known_;
+  FeatureExtractor<> extractor_;
+  FeatureExtractor<>::Memory featured_{};
   DemonstrationReader<> reader_{{.near_object = 0.2}};
-  Xyz<double> force_{0, 0, 0}, v_{0, 0, 0}, last_{0, 0, 0};
+  LedFingersReader<hand_joints, 4> fingers_;
+  std::array<LedFinger, 4> finger_{};
+  double fingers_begin_ = 0, fingers_time_ = 1, fingers_most_ = 0;
+  Point force_{0, 0, 0}, moment_{0, 0, 0}, v_{0, 0, 0}, w_{0, 0, 0}, wander_{0, 0, 0};
+  Pose last_;
+  Rotation<double> R_, facing_;  ///< how the person means the hand to stand, and how it stood at first
+  double wanders_ = 0, trembles_ = 0;
   double grip_ = 2;  ///< two sides of the hand are held with this [N]
-  bool closed_ = true;
+  std::uint64_t tick_ = 0;
+  bool closed_ = false, means_ = false;
 };
 }  // namespace
 
 std::optional<Lesson> teach(std::uint64_t seed) {
-  return Person(seed * 7919 + 11).teach();
+  return Person(seed * 7919 + 11, false).teach();
+}
+std::optional<HandLesson> teach_with_hand(std::uint64_t seed) {
+  return Person(seed * 7919 + 13, true).teach_with_hand();
 }
 
 }  // namespace packing

@@ -3,10 +3,22 @@
 
 #include <optional>
 
+#include "examples/packing_oranges/hand.hpp"
 #include "examples/packing_oranges/plan.hpp"
 #include "skinctl/semantics/executor.hpp"
+#include "skinctl/semantics/world.hpp"
 
 namespace packing {
+
+/// How an orange is taken and let go, as a person showed it with the first arm and its hand. The second arm does the same, seen
+/// from its side of the box.
+struct Shown {
+  skinctl::Transform<skinctl::ObjectFrame, skinctl::Tool> X_OH;  ///< where the hand closes, beside an orange
+  skinctl::Transform<skinctl::World, skinctl::Tool> X_WH;        ///< where in the box it opens
+  Grasp grasp;                                                   ///< how the fingers stand
+  double hold = 2.5;                                             ///< force of carrying [N]
+  double opening = 0.11;                                         ///< how far it opens to let go [m]
+};
 
 /// Numbers of the motions and of the judgement.
 struct WorkSettings {
@@ -23,7 +35,8 @@ struct WorkSettings {
   double border = 3873;                     ///< good oranges are stiffer [N/m]
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   std::optional<skinctl::Xyz<double>>
-      taught{};  ///< where in the box the first arm lets go, as it was shown [m]
+      taught{};                  ///< where in the box the first arm lets go, as it was shown [m]
+  std::optional<Shown> shown{};  ///< by leading arm and hand
   skinctl::ExecutorSettings executor{.place = 12s};
 };
 

@@ -55,6 +55,13 @@ class Worker {
     const double size = std::hypot(x.x, x.y);
     const skinctl::Xyz<double> across{x.x / size, x.y / size, 0}, down{0, 0, -1};
     R_ = {across, cross(down, across), down};
+    if (s_.shown) {
+      // Seen from its own side of the box.
+      const skinctl::Rotation<double> turned{{side(arm), 0, 0}, {0, side(arm), 0}, {0, 0, 1}};
+      s_.shown->X_OH = {turned * s_.shown->X_OH.axes(), turned * s_.shown->X_OH.origin()};
+      s_.shown->X_WH = {turned * s_.shown->X_WH.axes(), turned * s_.shown->X_WH.origin()};
+      beside_ = s_.shown->X_OH.origin();
+    }
     input_.measured = measured;
   }
 
@@ -355,6 +362,7 @@ class Worker {
     const std::uint8_t skill = A::skills(r.does);
     const auto here = X_WH_.origin();
     constexpr double passing = 0.06;
+    if (s_.shown) R_ = r.place == place::box ? s_.shown->X_WH.axes() : s_.shown->X_OH.axes();
     if (r.does == &activity::Look::rule) return;
     if (r.does == &activity::ReachAbove::rule) {
       const auto p = known_.objects[object_].X_WO.origin();
@@ -362,11 +370,11 @@ class Worker {
         add(skill, at(here, s_.carry), passing);
         grip({gripper_range.opening, 5, 0.15});
       }
-      add(skill, at(p, s_.above), s_.above_near);
+      add(skill, at(p + beside_, s_.above), s_.above_near);
       if (parts_.size() == 1) grip({gripper_range.opening, 5, 0.15});
     } else if (r.does == &activity::Reach::rule) {
       const auto p = known_.objects[object_].X_WO.origin();
-      taken_ = at(p, std::clamp(p.z, 0.032, 0.044));
+      taken_ = at(p, std::clamp(p.z, 0.032, 0.044)) + beside_;
       add(skill, taken_, 0.003);
     } else if (r.does == &activity::Squeeze::rule) {
       parts_.push_back({Set::start_skill(skill), false, {}});
@@ -394,11 +402,14 @@ class Worker {
       add(skill, at(features_.in_hand && features_.carried ? taken_ : here, s_.carry), 0.05);
     } else {
       parts_.push_back({Set::start_skill(skill), false, {}});
+      if (s_.shown && r.does == &activity::Release::rule && r.place == place::box)
+        grip({s_.shown->opening, 5, 0.15});
     }
   }
   /// Where to let go; height 0: as high as it was taken, and a little. What was shown to the first arm holds for the
   /// second, seen from its side of the box.
   [[nodiscard]] skinctl::Xyz<double> drop(std::uint8_t where) const {
+    if (where == place::box && s_.shown) return s_.shown->X_WH.origin();
     if (where != place::box || !s_.taught) {
       auto p = drop_place(arm_, where);
       p.y -= side(arm_) * s_.aside;
@@ -450,7 +461,8 @@ class Worker {
   skinctl::Squeeze<>::Memory squeezed_{};
   skinctl::Transform<skinctl::World, skinctl::Base> X_WB_;
   skinctl::Transform<skinctl::World, skinctl::Tool> X_WH_;
-  skinctl::Rotation<double> R_;  ///< of the hand, always: it points down
+  skinctl::Rotation<double> R_;           ///< of the hand: it points down, or as it was shown
+  skinctl::Xyz<double> beside_{0, 0, 0};  ///< the hand's place beside an orange that it takes
   skinctl::Sightings<typename A::Model> sight_;
   std::unique_ptr<typename Scene::Memory> memory_;
   typename Scene::Input input_;

@@ -190,8 +190,9 @@ struct World::Bodies {
     skinctl::GripperState state;
     double reading = 0;  // of the force sensor
     int pushed = -1;     // body
-    Xyz<double> push_at{0, 0, 0}, push{0, 0, 0};
-    Xyz<double> tip_velocity{0, 0, 0};  // of the first one, a millisecond ago
+    Xyz<double> push_at{0, 0, 0}, push{0, 0, 0}, push_turns{0, 0, 0};
+    std::array<Xyz<double>, 4> push_tips{};  // in the world's axes
+    Xyz<double> tip_velocity{0, 0, 0};       // of the first one, a millisecond ago
     ArmRecord record;
   };
   struct Slot {
@@ -377,18 +378,23 @@ struct World::Bodies {
     else
       drive_gripper(m);
     if (m.pushed >= 0) {
-      double force[3], at[3];
+      double force[3], at[3], moment[3];
       const double f[3] = {m.push.x, m.push.y, m.push.z}, p[3] = {m.push_at.x, m.push_at.y, m.push_at.z};
-      const double none[3] = {};
+      const double turns[3] = {m.push_turns.x, m.push_turns.y, m.push_turns.z};
       mju_rotVecMat(force, f, data->xmat + 9 * m.pushed);
+      mju_rotVecMat(moment, turns, data->xmat + 9 * m.pushed);
       mju_rotVecMat(at, p, data->xmat + 9 * m.pushed);
       mju_addTo3(at, data->xpos + 3 * m.pushed);
-      mj_applyFT(model, data, force, none, at, m.pushed, data->qfrc_applied);
+      mj_applyFT(model, data, force, moment, at, m.pushed, data->qfrc_applied);
     }
   }
   void drive_hand(Arm& m) {
     for (std::size_t i = 0; i < 16; ++i) data->qfrc_applied[m.finger_v[i]] += m.torque[i];
     m.torque = m.next_torque;
+    for (std::size_t f = 0; f < 4; ++f) {
+      const double force[3] = {m.push_tips[f].x, m.push_tips[f].y, m.push_tips[f].z}, none[3] = {};
+      mj_applyFT(model, data, force, none, data->xpos + 3 * m.tip[f], m.tip[f], data->qfrc_applied);
+    }
   }
   void drive_gripper(Arm& m) {
     const double opening = data->qpos[m.slide_q[0]] + data->qpos[m.slide_q[1]];
@@ -558,11 +564,16 @@ const std::array<double, 4>& World::true_tips(std::size_t arm) const {
 const std::array<double, 4>& World::tips(std::size_t arm) const {
   return b_->arm[arm].tips;
 }
-void World::push(std::size_t arm, std::size_t link, const Xyz<double>& at, const Xyz<double>& force) {
+void World::push(std::size_t arm, std::size_t link, const Xyz<double>& at, const Xyz<double>& force,
+                 const Xyz<double>& moment) {
   Bodies::Arm& m = b_->arm[arm];
-  m.pushed = dot(force, force) > 0 ? m.body[link] : -1;
+  m.pushed = dot(force, force) + dot(moment, moment) > 0 ? m.body[link] : -1;
   m.push_at = at;
   m.push = force;
+  m.push_turns = moment;
+}
+void World::push_finger(std::size_t arm, std::size_t finger, const Xyz<double>& force) {
+  b_->arm[arm].push_tips[finger] = force;
 }
 
 void World::put_obstacle(const skinctl::Capsule<>& shape) {

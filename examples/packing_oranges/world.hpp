@@ -67,9 +67,11 @@ class World {
   void command(std::size_t arm, const skinctl::GripperCommand& goal);
   /// Torques of a hand's joints, from the next millisecond on.
   void command(std::size_t arm, const skinctl::JointTorque<16>& torque);
-  /// From now on this force [N] acts on a point of a link, both in the link's frame. Zero: none does.
+  /// From now on this force [N], and moment [N m], act on a point of a link, all in the link's frame. Zero: none does.
   void push(std::size_t arm, std::size_t link, const skinctl::Xyz<double>& at,
-            const skinctl::Xyz<double>& force);
+            const skinctl::Xyz<double>& force, const skinctl::Xyz<double>& moment = {0, 0, 0});
+  /// From now on a person pushes a fingertip of a hand with this force [N, the World's axes].
+  void push_finger(std::size_t arm, std::size_t finger, const skinctl::Xyz<double>& force);
 
   /// Something in the way: it is there from now on, whatever it meets. A radius of 0: it is gone.
   void put_obstacle(const skinctl::Capsule<>& shape);

@@ -110,6 +110,32 @@ TEST_CASE("Demonstration: where an arm glides to after a push on its switch is n
   CHECK(taught[1].activity == Activity::take);
 }
 
+TEST_CASE(
+    "Demonstration: a goal is relative to an object that rests there, not to one in hand or on its way") {
+  const auto taught = [](double moves, std::uint8_t held) {
+    auto all = objects();
+    DemonstrationReader<> reader;
+    Led led;
+    led.lead({0.5, 0, 0.04}, 1s);
+    for (const auto& x : led.samples) reader.take(x, all, held);
+    led.samples.clear();
+    led.let_go();
+    led.stay(400ms);
+    for (std::size_t k = 0; k < led.samples.size(); ++k) {
+      all[0].X_WO = objects()[0].X_WO.translated(moves * static_cast<double>(k) / 50, 0, 0);
+      // Fingers that open end the stretch, and hold nothing then.
+      reader.take(led.samples[k], all, k < 45 ? held : no_object);
+    }
+    const auto out = reader.finish(all);
+    REQUIRE(out.size() == 1);
+    return out[0].object;
+  };
+  CHECK(taught(0.005, no_object) == 0);
+  CHECK(taught(0.03, no_object) == no_object);
+  CHECK(taught(0, 0) == no_object);
+  CHECK(taught(0, 1) == 0);
+}
+
 TEST_CASE("Demonstration: a goal of force is the median over a squeeze") {
   Led led;
   led.closed = true;
@@ -157,5 +183,6 @@ TEST_CASE(
   CHECK_THROWS_AS(DemonstrationReader<>({.still = 0}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.least = 0ns}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.led = -1ns}), ConfigurationError);
+  CHECK_THROWS_AS(DemonstrationReader<>({.at_rest = -1}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.apart = -1}), ConfigurationError);
 }

@@ -243,6 +243,41 @@ TEST_CASE("packing_oranges: a place in the box is taught by leading the arm, and
   CHECK(worst <= 0.0005);
 }
 
+TEST_CASE(
+    "packing_oranges: how an orange is taken and let go is taught by leading arm and hand together, and "
+    "used") {
+  const auto lesson = teach_with_hand(501);
+  REQUIRE(lesson.has_value());
+  const Shown& shown = lesson->shown;
+  CHECK(lesson->take <= 0.004);  // the arm knows the orange from its detector
+  CHECK(lesson->take_turned <= 0.01);
+  CHECK(lesson->put <= 0.0005);
+  CHECK(lesson->put_turned <= 0.01);
+  CHECK(lesson->fingers <= 0.006);
+  CHECK(shown.grasp.takes_part == std::array{1.0, 0.0, 1.0, 1.0});
+  CHECK(shown.hold > 1);
+  CHECK(shown.hold < 4);
+  CHECK(shown.opening > 0.08);
+  // The hand was turned for the orange and for the box: so it is used.
+  const auto turned = [](const auto& X) { return std::atan2(X.axis_x().y, X.axis_x().x); };
+  CHECK(std::abs(turned(shown.X_OH) - turned(shown.X_WH)) > 0.02);
+  RunSettings s = few(4);  // three for the first arm, one for the second
+  s.supply.share = 1;
+  s.hand = {true, true};
+  s.work.shown = shown;
+  s.keep_path = true;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 4);
+  for (std::size_t a = 0; a < arms; ++a) {
+    double nearest = 1;
+    const auto& p = shown.X_WH.origin();
+    for (const auto& at : o.arm[a].path)
+      nearest = std::min(nearest, std::hypot(at.x - side(a) * p.x, at.y - side(a) * p.y, at.z - p.z));
+    CHECK(nearest <= 0.01);
+  }
+}
+
 TEST_CASE("packing_oranges: a gripper that is only open or closed judges by the rise of its force") {
   RunSettings s = few(4);
   s.work.by_time = true;

@@ -41,7 +41,9 @@ struct DemonstrationSettings {
   Nanoseconds least = 200ms;  ///< for at least this long
   Nanoseconds led = 300ms;    ///< after it was touched for this long in one go, since the last goal or switch
   double apart = 0.05;        ///< from the last goal [m]
-  double near_object = 0.08;  ///< a goal nearer than this to an object is relative to it [m]
+  double near_object = 0.08;  ///< a goal nearer than this to an object is relative to it [m], ...
+  double at_rest =
+      0.01;  ///< ... if that was not seen to move by more than this while the robot was left alone [m]
   SpeedEstimate<>::Settings speed{};
 };
 
@@ -75,7 +77,7 @@ namespace detail {
 ///   goal.
 /// - With the hand open it is one to reach, else one to put to. A switch after it is what was done there: take or
 ///   release.
-/// - A goal near an object, other than the one in hand, is relative to it: it moves with it.
+/// - A goal near an object that rests, other than the one in hand when the robot was left, is relative to it: it moves with it.
 /// - A stretch of the word squeeze gives its median force.
 ///
 /// It keeps the samples of a stretch: it allocates, and belongs beside the loop.
@@ -91,6 +93,7 @@ class DemonstrationReader {
     require(s.apart >= 0 && s.apart <= 10, "Demonstration: apart", s.apart, "0 to 10 m");
     require(s.near_object >= 0 && s.near_object <= 10, "Demonstration: near_object", s.near_object,
             "0 to 10 m");
+    require(s.at_rest >= 0 && s.at_rest <= 10, "Demonstration: at_rest", s.at_rest, "0 to 10 m");
   }
 
   /// Takes a sample, with the objects as they are known then (a range of `Object<W>`) and the number of the one in
@@ -101,11 +104,11 @@ class DemonstrationReader {
     const bool switched = started_ && x.closed != closed_;
     const bool alone =
         norm(m_.v) < s_.still && x.touch < s_.untouched && !switched && x.said != Activity::squeeze;
-    if (!alone) close(objects, held);
+    if (!alone) close(objects);
     if (!started_ || !(x.touch >= s_.untouched)) touched_ = x.time;
     led_ = (led_ && !switched) || x.time - touched_ >= s_.led;
     if (alone) {
-      if (stretch_.empty()) begin_ = x.time;
+      if (stretch_.empty()) left(x.time, objects, held);
       stretch_.push_back(x.X_WH);
     }
     if (switched) was_switched(x);
@@ -116,16 +119,24 @@ class DemonstrationReader {
   }
   /// The end of the demonstration: what was taught, in order.
   template <class Objects>
-  [[nodiscard]] std::vector<Taught<W>> finish(const Objects& objects, std::uint8_t held = no_object) {
-    close(objects, held);
+  [[nodiscard]] std::vector<Taught<W>> finish(const Objects& objects) {
+    close(objects);
     squeeze({});
     return std::move(taught_);
   }
 
  private:
+  /// The beginning of a stretch: fingers that let go at its end have what they held in its course.
+  template <class Objects>
+  void left(Nanoseconds time, const Objects& objects, std::uint8_t held) {
+    begin_ = time;
+    held_ = held;
+    lay_.clear();
+    for (const Object<W>& o : objects) lay_.push_back(o.X_WO);
+  }
   /// The end of a stretch.
   template <class Objects>
-  void close(const Objects& objects, std::uint8_t held) {
+  void close(const Objects& objects) {
     if (!stretch_.empty() && led_ && last_ - begin_ >= s_.least) {
       std::vector<double> x, y, z;
       std::vector<Rotation<double>> R;
@@ -140,7 +151,7 @@ class DemonstrationReader {
       goal.begin = begin_;
       goal.end = last_;
       if (!any_ || norm(Xyz<double>(goal.X_WH.origin() - goal_.X_WH.origin())) >= s_.apart) {
-        relate(goal, objects, held);
+        relate(goal, objects);
         goal_ = goal;
         any_ = true;
         led_ = false;
@@ -150,16 +161,18 @@ class DemonstrationReader {
     stretch_.clear();
   }
   template <class Objects>
-  void relate(Taught<W>& goal, const Objects& objects, std::uint8_t held) const {
+  void relate(Taught<W>& goal, const Objects& objects) const {
     double nearest = s_.near_object;
     std::uint8_t i = 0;
     for (const Object<W>& o : objects) {
       const double d = norm(Xyz<double>(o.X_WO.origin() - goal.X_WH.origin()));
-      if (o.known && i != held && d < nearest) {
+      const bool rests =
+          i < lay_.size() && norm(Xyz<double>(o.X_WO.origin() - lay_[i].origin())) <= s_.at_rest;
+      if (o.known && rests && i != held_ && d < nearest) {
         nearest = d;
         goal.object = i;
         goal.role = o.kind;
-        goal.X_OH = o.X_WO.inverse() * goal.X_WH;
+        goal.X_OH = lay_[i].inverse() * goal.X_WH;  // before fingers that close moved it
       }
       ++i;
     }
@@ -191,11 +204,13 @@ class DemonstrationReader {
   SpeedEstimate<> speed_;
   SpeedEstimate<>::Memory m_{};
   std::vector<Transform<W, Tool>> stretch_;
+  std::vector<ObjectPose<W>> lay_;  ///< where the objects were when the robot was left
   std::vector<double> forces_;
   std::vector<Taught<W>> taught_;
   Taught<W> goal_{};
   Nanoseconds begin_{}, last_{}, squeezed_{};
   Nanoseconds touched_{};  ///< when nobody touched it last
+  std::uint8_t held_ = no_object;
   bool led_ = false, any_ = false, closed_ = false, started_ = false;
 };
 
