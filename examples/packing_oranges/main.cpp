@@ -88,9 +88,10 @@ int lessons(int count, std::uint64_t first) {
   return code(understood >= 0.95 * count && released >= 0.95 * count ? Exit::fine : Exit::broken);
 }
 /// So many people teach arm and hand; what each one showed packs `settings.supply.oranges` others, lying elsewhere.
-int lessons_by_hand(int count, const RunSettings& settings, bool quiet) {
+int lessons_by_hand(int count, const RunSettings& settings, bool onto, bool quiet) {
   int understood = 0, used = 0, right = 0, of = 0;
-  double largest = 0;
+  int by_touch = 0, ends_at_touch = 0;
+  double largest = 0, set_down = 0, fell = 0;
   struct Figure {
     const char* what;
     const char* unit;
@@ -109,7 +110,7 @@ int lessons_by_hand(int count, const RunSettings& settings, bool quiet) {
   for (int i = 0; i < count; ++i) {
     progress.show("%d of %d lessons", i, count);
     const std::uint64_t seed = settings.seed + static_cast<std::uint64_t>(i);
-    const auto lesson = teach_with_hand(seed);
+    const auto lesson = teach_with_hand(seed, onto);
     if (!lesson) continue;
     ++understood;
     for (Figure& f : figures) {
@@ -124,12 +125,22 @@ int lessons_by_hand(int count, const RunSettings& settings, bool quiet) {
     used += out.over && out.right() == s.supply.oranges;
     right += out.right(), of += s.supply.oranges;
     largest = std::max(largest, out.worst_grip());
+    ends_at_touch += lesson->shown.until_touched;
+    for (const auto& a : out.arm) {
+      by_touch += a.set_down_by_touch;
+      set_down = std::max(set_down, a.set_down), fell = std::max(fell, a.fell);
+    }
   }
   progress.clear();
   std::printf(
       "%d lessons: %d understood; %d used for %d oranges each without a fault, %d of %d oranges right, at "
       "most %.2f N\n",
       count, understood, used, settings.supply.oranges, right, of, largest);
+  std::printf(
+      "  %d end at a touch; %d oranges set down by it; at most %.1f N between an orange in the hand and what "
+      "lies there; fell "
+      "%.0f mm at most\n",
+      ends_at_touch, by_touch, set_down, 1e3 * fell);
   for (const Figure& f : figures)
     std::printf("  %-50s %6.2f %s rms, %.2f at worst\n", f.what,
                 std::sqrt(f.square / std::max(1, understood)), f.unit, f.worst);
@@ -142,7 +153,7 @@ int main(int argc, char** argv) {
   app.footer(examples::job::exit_help());
   RunSettings s;
   std::string robot = "ur5", fault = "none", page, gripper = "measures";
-  bool quiet = false, taught = false, grasps = false, faults = false;
+  bool quiet = false, taught = false, grasps = false, faults = false, onto = false;
   Live live;
   app.add_option("--oranges", s.supply.oranges, "how many")
       ->check(CLI::Range(1, 100000))
@@ -178,6 +189,13 @@ int main(int argc, char** argv) {
          "Allegro hands; hand_and_gripper: the first arm has a hand, the second one a gripper, as TOMM")
       ->check(CLI::IsMember({"measures", "open_or_closed", "hand", "hand_and_gripper"}))
       ->capture_default_str();
+  app.add_flag("--onto", onto,
+               "with --teach or --lessons, and hands: the person presses the orange on what lies in the box; "
+               "used where that is "
+               "as high as --floor says");
+  app.add_option("--floor", s.world.floor, "height of what lies in the box [m]")
+      ->check(CLI::Range(0.0, 0.05))
+      ->capture_default_str();
   app.add_flag("--grasps", grasps,
                "instead: three grasps of a hand on three objects, shaken and turned over; --report: their "
                "picture (SVG)");
@@ -196,7 +214,7 @@ int main(int argc, char** argv) {
   try {
     if (grasps) return show_grasps(s.seed, page);
     s.fault = fault_named(fault);
-    if (taught_lessons > 0 && gripper == "hand") return lessons_by_hand(taught_lessons, s, quiet);
+    if (taught_lessons > 0 && gripper == "hand") return lessons_by_hand(taught_lessons, s, onto, quiet);
     if (taught_lessons > 0) return lessons(taught_lessons, s.seed);
     if (faults) {
       bool over = true;
@@ -210,7 +228,7 @@ int main(int argc, char** argv) {
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";
     if (taught && s.hand[0]) {
-      const auto lesson = teach_with_hand(s.seed);
+      const auto lesson = teach_with_hand(s.seed, onto);
       if (!lesson) {
         std::fprintf(stderr, "packing_oranges: nothing was taught\n");
         return code(Exit::not_following);

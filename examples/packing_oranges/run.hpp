@@ -63,7 +63,10 @@ struct ArmOutcome {
   std::uint64_t obstacle = 0;              ///< the same with what moves through the room
   double into_obstacle = 0;                ///< its own speed when they met [m/s]
   int gave_way = 0;                        ///< how often, to something that its skin saw
-  int set_right = 0;                       ///< by a person, after it was pushed off its place
+  double set_down = 0;        ///< largest force between table or box and an orange in the hand [N]
+  double fell = 0;            ///< farthest that an orange fell when it was let go in the box [m]
+  int set_down_by_touch = 0;  ///< how often it ended to lower an orange because that was touched
+  int set_right = 0;          ///< by a person, after it was pushed off its place
   struct Point {
     double t = 0, x = 0, y = 0, z = 0, force = 0, opening = 0;
     bool touched = false;

@@ -60,7 +60,7 @@ class Run {
 
   explicit Run(const RunSettings& s)
       : s_(s),
-        world_(bodies(s), s.world, s.seed * 7919 + 1),
+        world_(bodies(s), worlds(s), s.seed * 7919 + 1),
         supply_(s.supply, s.seed * 7919 + 2),
         detector_(s.detector, s.seed * 7919 + 3),
         scene_(A::scene()),
@@ -120,6 +120,11 @@ class Run {
       out[a].hand->takes_part = grasp(s).takes_part;
       out[a].home = {0.6, -1.6, 1.8, -1.77, -1.57, 0.6};  // over its bin: a hand is wider than a gripper
     }
+    return out;
+  }
+  [[nodiscard]] static WorldSettings worlds(const RunSettings& s) {
+    WorldSettings out = s.world;
+    out.wrists = s.work.shown && s.work.shown->until_touched;
     return out;
   }
   [[nodiscard]] static Grasp grasp(const RunSettings& s) {
@@ -210,6 +215,7 @@ class Run {
       const bool sees = passer_ && s_.see_each_other;
       const auto samples = touchers_[a]->samples(world_.now(), sees ? look(a) : std::span<const double>{});
       if (sees) w.look_around(world_.joints(a), samples);
+      w.feel(world_.wrist(a));
       const auto out =
           w.step(world_.now(), world_.joints(a), gripper(a), samples, places.grants[a].granted, resume);
       if (out.command.valid) world_.command(a, out.command.position, out.command.velocity);
@@ -255,6 +261,7 @@ class Run {
     const ArmRecord& r = world_.record(a);
     if (w.carries() && !(touchers_[a]->force() > 0)) square_[a] += r.square, samples_[a] += r.samples;
     world_.clear_shake(a);
+    watch_fall(a, w);
     if (!granted) o.waited += 0.008;
     while (o.judged.size() < w.judged().size()) {
       const auto& j = w.judged()[o.judged.size()];
@@ -263,6 +270,20 @@ class Run {
     if (s_.keep_path && cycles_ % 4 == 0) {
       const auto p = world_.hand(a);
       o.path.push_back({t, p.x, p.y, p.z, r.force, gripper(a).opening, touchers_[a]->force() > 0});
+    }
+  }
+  /// How far an orange falls that is let go in the box.
+  void watch_fall(std::size_t a, const Worker<R>& w) {
+    Falling& f = falling_[a];
+    const bool opens = !w.done().empty() && w.done().back().step == step::let_go && !w.goes_back();
+    if (opens && !f.opened)
+      for (std::size_t k = a * slots; k < (a + 1) * slots; ++k)
+        if (world_.there(k) && world_.touched(k).count() >= 0 && world_.now() - world_.touched(k) < 5ms)
+          f = {k, world_.orange(k).z, f.opened};
+    f.opened = opens;
+    if (f.slot < arms * slots && world_.now() - world_.touched(f.slot) > 300ms) {
+      out_.arm[a].fell = std::max(out_.arm[a].fell, f.from - world_.orange(f.slot).z);
+      f.slot = arms * slots;
     }
   }
   [[nodiscard]] Scenery scenery() const {
@@ -312,6 +333,8 @@ class Run {
       o.worst_grip = world_.record(a).worst_grip;
       o.worst_force = world_.record(a).worst_force;
       o.shake = samples_[a] > 0 ? std::sqrt(square_[a] / static_cast<double>(samples_[a])) : 0;
+      o.set_down = world_.record(a).set_down;
+      o.set_down_by_touch = static_cast<int>(workers_[a]->touched().size());
       o.other_arm = world_.record(a).other_arm;
       o.walls = world_.record(a).walls;
       o.went_aside = workers_[a]->went_aside();
@@ -338,6 +361,12 @@ class Run {
   std::vector<std::unique_ptr<Toucher<R>>> touchers_;
   std::array<double, arms> next_touch_{}, touch_until_{}, square_{}, asked_since_{-1, -1};
   std::array<std::uint64_t, arms> samples_{};
+  struct Falling {
+    std::size_t slot = arms * slots;
+    double from = 0;
+    bool opened = false;
+  };
+  std::array<Falling, arms> falling_{};
   std::optional<Passer> passer_;
   std::vector<Eyes> eyes_;
   std::array<std::vector<skinctl::Capsule<>>, arms> shapes_;

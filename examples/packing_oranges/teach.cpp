@@ -10,6 +10,8 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/semantics/features.hpp"
 #include "skinctl/semantics/led_fingers.hpp"
+#include "skinctl/tactile/touch_sum.hpp"
+#include "skinctl/tactile/wrist_sensor.hpp"
 
 namespace packing {
 namespace {
@@ -57,7 +59,9 @@ std::array<double, cells_of_hand> felt(const Point& F, const Point& M) {
   }
   return out;
 }
-auto led_scene() {
+/// The person takes hold above the sensor at the wrist: what the hand is pressed on pushes against the arm as the person does.
+/// @param carries  what the sensor carries [kg].
+auto led_scene(double carries) {
   const auto arm = by_position(A::Model{}, {.limits = limits_of<Ur5::Description>(15.0),
                                             .period = A::period,
                                             .delay = 8ms,
@@ -66,10 +70,15 @@ auto led_scene() {
                                             .viscous_friction = {10.0, 10.0, 6.0, 2.0, 2.0, 1.0}});
   SkinSettings settings;
   settings.force = EventGate<>::dead_band(0.002);
-  return Cycle(arm,
-               Skin<A::Model, double, Patch<hand, cells_of_hand>>(
-                   Patch<hand, cells_of_hand>(hand_cells(), {.force = newtons_per_reading}), settings),
-               SkinJointControl{} + GravityControl{});
+  const Skin<A::Model, double, Patch<hand, cells_of_hand>> skin(
+      Patch<hand, cells_of_hand>(hand_cells(), {.force = newtons_per_reading}), settings);
+  return Cycle(
+      arm,
+      skin + wrist_sensor<hand>(A::Model{},
+                                {.X_LS = Transform<Link<hand>, ForceSensor>::translation_xyz(0, 0, middle),
+                                 .mass = carries,
+                                 .gain = 0.4}),
+      SkinJointControl{} + GravityControl{});
 }
 /// 0 to 1 with speed and acceleration 0 at the ends.
 double quintic(double u) {
@@ -85,10 +94,10 @@ double turned(const Rotation<double>& a, const Rotation<double>& b) {
 
 class Person {
  public:
-  Person(std::uint64_t seed, bool by_hand)
+  Person(std::uint64_t seed, bool by_hand, bool onto = false, double floor = 0)
       : random_(seed),
-        world_(bodies(by_hand), {}, seed + 1),
-        scene_(led_scene()),
+        world_(bodies(by_hand), {.floor = floor, .wrists = onto}, seed + 1),
+        scene_(led_scene(onto ? mass_of_hand() : 0)),
         memory_(std::make_unique<Memory>()),
         detector_({}, seed + 2),
         objects_([] {
@@ -97,7 +106,8 @@ class Person {
           kinds[box] = box_class;
           return kinds;
         }()),
-        known_(objects_.start()) {
+        known_(objects_.start()),
+        onto_(onto) {
     world_.step();
     scene_.start(*memory_, world_.joints(0));
     static_cast<void>(objects_.detect(known_, {.object = box, .sigma = 1e-4, .time = world_.now()}));
@@ -166,8 +176,14 @@ class Person {
     lead(at(place().origin(), 0.2), in(0.8, 1.2));
     mean_to_turn(in(-0.25, 0.25));
     lead(at(drop, 0.2), in(2.0, 3.0));
-    lead_until(drop, in(1.0, 2.0));
+    free_ = wrist_;  // the person sets it to 0, with the orange in the hand
+    weighed_ = true;
+    if (onto_)
+      press_down(drop);
+    else
+      lead_until(drop, in(1.0, 2.0));
     leave_alone(1.0);
+    weighed_ = false;
     const Pose stood = place();
     lead_fingers(stand(in(0.060, 0.066)), in(0.5, 1.0), 6);
     wait(in(1.4, 2.0));
@@ -179,7 +195,7 @@ class Person {
   }
 
  private:
-  using Scene = decltype(led_scene());
+  using Scene = decltype(led_scene(0));
   using Memory = Scene::Memory;
   static constexpr std::uint8_t box = arms * slots;
   static constexpr ObjectClass box_class = 2;
@@ -188,6 +204,12 @@ class Person {
   static std::array<ArmBody, arms> bodies(bool by_hand) {
     std::array<ArmBody, arms> out{A::body(0), A::body(1)};
     if (by_hand) out[0].hand = hand_body(around_a_ball(), out[0].flange, reach_of_gripper);
+    return out;
+  }
+  static double mass_of_hand() {
+    const HandBody body = hand_body(around_a_ball(), Ur5::flange, reach_of_gripper);
+    double out = body.palm.mass;
+    for (const LinkBody& l : body.links) out += l.mass;
     return out;
   }
   double in(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
@@ -217,7 +239,11 @@ class Person {
     for (const auto& t : reader_.finish(known_.objects)) {
       if (t.activity == Activity::reach && t.role == orange_class && !takes)
         out.shown.X_OH = t.X_OH, takes = true;
-      if (t.activity == Activity::put && t.role == box_class) out.shown.X_WH = t.X_WH, puts = true;
+      if (t.activity == Activity::put && t.role == box_class) {
+        out.shown.X_WH = t.X_WH, puts = true;
+        out.shown.until_touched = t.until_touched;
+        out.shown.way = t.way, out.shown.pressed = t.pressed;
+      }
     }
     const auto fingers = fingers_.finish();
     if (!takes || !puts || fingers.size() != 2 || fingers[0].activity != Activity::take) return std::nullopt;
@@ -260,29 +286,44 @@ class Person {
     const Point turn = log_so3(from.axes().transpose() * R_);
     for (double t = 0; t < time; t += cycle) {
       const double s = quintic((t + cycle) / time);
-      const Pose X = place();
-      const Point target = from.origin() + s * Point(goal - from.origin()) + astray();
-      v_ = v_ + 0.6 * Point((1 / cycle) * Point(X.origin() - last_.origin()) - v_);
-      w_ = w_ +
-           0.6 * Point((1 / cycle) * Point(last_.axes() * log_so3(last_.axes().transpose() * X.axes())) - w_);
-      Point F = 150.0 * Point(target - X.origin()) - 25.0 * v_;
-      if (wanders_ > 0) {
-        const double phase = 2 * M_PI * 9 * seconds<double>(world_.now());
-        F = F + trembles_ * Point{std::sin(phase), std::sin(phase + 2), std::sin(phase + 4)};
-      }
-      const Rotation<double> facing = from.axes() * exp_so3(Point(s * turn));
-      Point M = 20.0 * Point(X.axes() * log_so3(X.axes().transpose() * facing)) - 0.5 * w_;
-      if (norm(F) > 40) F = (40 / norm(F)) * F;
-      if (norm(M) > 4) M = (4 / norm(M)) * M;
-      grip_ = 2;
-      step(force_ + 0.6 * Point(F - force_), moment_ + 0.6 * Point(M - moment_));
+      pull(from.origin() + s * Point(goal - from.origin()), from.axes() * exp_so3(Point(s * turn)));
     }
+  }
+  /// A cycle of that towards a target.
+  void pull(const Point& to, const Rotation<double>& facing) {
+    const Pose X = place();
+    const Point target = to + astray();
+    v_ = v_ + 0.6 * Point((1 / cycle) * Point(X.origin() - last_.origin()) - v_);
+    w_ = w_ +
+         0.6 * Point((1 / cycle) * Point(last_.axes() * log_so3(last_.axes().transpose() * X.axes())) - w_);
+    Point F = 150.0 * Point(target - X.origin()) - 25.0 * v_;
+    if (wanders_ > 0) {
+      const double phase = 2 * M_PI * 9 * seconds<double>(world_.now());
+      F = F + trembles_ * Point{std::sin(phase), std::sin(phase + 2), std::sin(phase + 4)};
+    }
+    Point M = 20.0 * Point(X.axes() * log_so3(X.axes().transpose() * facing)) - 0.5 * w_;
+    if (norm(F) > 40) F = (40 / norm(F)) * F;
+    if (norm(M) > 4) M = (4 / norm(M)) * M;
+    grip_ = 2;
+    step(force_ + 0.6 * Point(F - force_), moment_ + 0.6 * Point(M - moment_));
   }
   /// ... until it is there to within the person's patience.
   void lead_until(const Point& goal, double time) {
     lead(goal, time);
     for (int i = 0; i < 1000 && far(place().origin(), goal) > 0.004; ++i) lead(goal, cycle);
     lead(goal, 0.4);
+  }
+  /// Down until it presses with what the person means.
+  void press_down(const Point& above) {
+    const double force = in(5, 9);
+    lead(at(above, 0.12), in(1.0, 1.5));
+    double low = 0.12;
+    for (double held = 0; held < 0.6 && low > -0.2;) {
+      const double up = wrist_.z - free_.z;
+      if (up < force) low = std::max(low - 0.03 * cycle, place().origin().z - 0.015);
+      held = up > 0.7 * force ? held + cycle : 0;
+      pull(at(above, low), R_);
+    }
   }
   void leave_alone(double time) {
     const Point F = force_, M = moment_;
@@ -338,6 +379,11 @@ class Person {
     input.now = world_.now();
     input.measured = world_.joints(0);
     input.samples = samples;
+    // As the sensor's own low pass has it, of 30 ms: without one, the inertia of the hand makes the arm hum.
+    wrist_ = wrist_ + cycle / (cycle + 0.03) * Point(world_.wrist(0) - wrist_);
+    const Point w = turn_back(R_WL, wrist_);
+    const WrenchSample pulled{.time = world_.now(), .force = {w.x, w.y, w.z}, .moment = {0, 0, 0}};
+    input.sensed.wrenches = {&pulled, 1};
     const auto out = scene_.step(*memory_, input);
     if (out.command.valid) world_.command(0, out.command.position, out.command.velocity);
     record(X, touch);
@@ -370,7 +416,8 @@ class Person {
       force = (tips[0] + tips[1] + tips[2] + tips[3]) / 3;
       static_cast<void>(extractor_.step(featured_, objects_, known_, {now, X, 0.0002, force}));
     }
-    reader_.take({now, X, touch, force, closed_, Activity::unknown}, known_.objects, held);
+    const double pressed = weighed_ ? std::max(0.0, wrist_.z - free_.z) : 0;
+    reader_.take({now, X, touch, force, closed_, Activity::unknown, pressed}, known_.objects, held);
   }
 
   struct LedFinger {
@@ -395,6 +442,9 @@ class Person {
   Pose last_;
   Rotation<double> R_, facing_;  ///< how the person means the hand to stand, and how it stood at first
   double wanders_ = 0, trembles_ = 0;
+  Point wrist_{0, 0, 0},
+      free_{0, 0, 0};  ///< what the wrist's sensor says, and said while the hand touches nothing else
+  bool onto_, weighed_ = false;
   double grip_ = 2;  ///< two sides of the hand are held with this [N]
   std::uint64_t tick_ = 0;
   bool closed_ = false, means_ = false;
@@ -404,8 +454,8 @@ class Person {
 std::optional<Lesson> teach(std::uint64_t seed) {
   return Person(seed * 7919 + 11, false).teach();
 }
-std::optional<HandLesson> teach_with_hand(std::uint64_t seed) {
-  return Person(seed * 7919 + 13, true).teach_with_hand();
+std::optional<HandLesson> teach_with_hand(std::uint64_t seed, bool onto, double floor) {
+  return Person(seed * 7919 + 13, true, onto, floor).teach_with_hand();
 }
 
 }  // namespace packing

@@ -41,6 +41,11 @@ struct HandLesson {
 /// of them (the hand keeps what it holds), leads the arm with the orange into the box, leaves it alone, pulls the fingers open. No
 /// button: the force between the fingers says when something was taken. The person's hand wanders by 2 mm and trembles.
 /// The arm knows the orange from its detector. Nothing: the demonstration had no such steps, or fingers that could not follow.
-[[nodiscard]] std::optional<HandLesson> teach_with_hand(std::uint64_t seed);
+///
+/// @param onto  the person presses the orange on what lies in the box, with 5 to 9 N, before the arm is left alone: the goal ends
+///              with that touch. Else it ends at its place.
+/// @param floor  height of what lies in the box [m].
+[[nodiscard]] std::optional<HandLesson> teach_with_hand(std::uint64_t seed, bool onto = false,
+                                                        double floor = 0);
 
 }  // namespace packing

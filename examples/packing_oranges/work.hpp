@@ -18,6 +18,9 @@ struct Shown {
   Grasp grasp;                                                   ///< how the fingers stand
   double hold = 2.5;                                             ///< force of carrying [N]
   double opening = 0.11;                                         ///< how far it opens to let go [m]
+  bool until_touched = false;  ///< it is set down in the direction `way` until it presses with ...
+  skinctl::Xyz<double> way{0, 0, -1};
+  double pressed = 0;  ///< ... half of this [N]
 };
 
 /// Numbers of the motions and of the judgement.

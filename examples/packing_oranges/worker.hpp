@@ -59,6 +59,7 @@ class Worker {
       // Seen from its own side of the box.
       const skinctl::Rotation<double> turned{{side(arm), 0, 0}, {0, side(arm), 0}, {0, 0, 1}};
       s_.shown->X_OH = {turned * s_.shown->X_OH.axes(), turned * s_.shown->X_OH.origin()};
+      s_.shown->way = turned * s_.shown->way;
       s_.shown->X_WH = {turned * s_.shown->X_WH.axes(), turned * s_.shown->X_WH.origin()};
       beside_ = s_.shown->X_OH.origin();
     }
@@ -126,6 +127,9 @@ class Worker {
   [[nodiscard]] int gave_way() const { return gave_way_; }
   [[nodiscard]] int set_right() const { return set_right_; }
 
+  /// What pulls the hand, as the sensor at the wrist says [N, the World's axes].
+  void feel(const skinctl::Xyz<double>& wrist) { wrist_ = wrist; }
+
   /// A cycle.
   typename Scene::Output step(skinctl::Nanoseconds now, const skinctl::State<6>& measured,
                               const skinctl::GripperState& gripper,
@@ -189,6 +193,8 @@ class Worker {
   void request(skinctl::CycleRequest asked) { input_.request = asked; }
   [[nodiscard]] const std::vector<Done>& done() const { return done_; }
   [[nodiscard]] const std::vector<Judged>& judged() const { return judged_; }
+  /// Where the hand stood when it had set something down.
+  [[nodiscard]] const std::vector<skinctl::Xyz<double>>& touched() const { return touched_; }
   [[nodiscard]] const skinctl::StepRequest& request() const { return request_; }
   [[nodiscard]] const skinctl::Features& features() const { return features_; }
   [[nodiscard]] const skinctl::Transform<skinctl::World, skinctl::Tool>& hand() const { return X_WH_; }
@@ -200,6 +206,8 @@ class Worker {
     Goal request;
     bool moves = false;
     skinctl::Xyz<double> to{0, 0, 0};
+    bool until_touched = false;
+    double slowest = 0;  ///< it takes at least so long [s]
   };
 
   /// The log of the steps.
@@ -236,7 +244,24 @@ class Worker {
       if (++part_ == parts_.size()) return judge();
       asked_ = false;
     }
+    if (asked_ && parts_[part_].until_touched) set_down(parts_[part_]);
     if (!asked_) ask(parts_[part_]);
+  }
+  /// On the way of a part that ends where something is touched: there the arm stops. The wrist's weight is what it was when
+  /// the hand began to be slow.
+  void set_down(Part& part) {
+    constexpr auto first = 160ms;
+    if (now_ - asked_at_ < first) {
+      free_ = wrist_;
+      return;
+    }
+    if (-dot(skinctl::Xyz<double>(wrist_ - free_), s_.shown->way) < std::max(2.0, 0.5 * s_.shown->pressed))
+      return;
+    part.to = X_WH_.origin();
+    part.until_touched = false;
+    part.slowest = 0;
+    asked_ = false;
+    touched_.push_back(part.to);
   }
   void end(bool well) {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
@@ -326,7 +351,8 @@ class Worker {
       auto& pose = g.goals.template of<skinctl::PoseGoal<skinctl::Tool>>();
       pose.has = true;
       const double way = norm(skinctl::Xyz<double>(part.to - X_WH_.origin()));
-      const double time = std::max({0.3, std::sqrt(5.78 * way / s_.acceleration), 1.875 * way / s_.speed});
+      const double time =
+          std::max({0.3, part.slowest, std::sqrt(5.78 * way / s_.acceleration), 1.875 * way / s_.speed});
       pose.goal = {X_WB_.inverse() * skinctl::Transform<skinctl::World, skinctl::Tool>(R_, part.to),
                    skinctl::nanoseconds(time)};
     }
@@ -334,6 +360,7 @@ class Worker {
       g.kind = static_cast<unsigned char>(Goal::Kind::goal);
     send(g);
     asked_ = true;
+    asked_at_ = now_;
   }
 
   void add(std::uint8_t skill, const skinctl::Xyz<double>& to, double near) {
@@ -386,6 +413,15 @@ class Worker {
     } else if (r.does == &activity::Put::rule) {
       const auto p = drop(r.place);
       add(skill, at(p, s_.carry), passing);
+      if (r.place == place::box && s_.shown && s_.shown->until_touched) {
+        // From before where it was touched in the lesson to beyond.
+        constexpr double before = 0.035, beyond = 0.045, speed = 0.04;
+        add(skill, p - before * s_.shown->way, 0.01);
+        add(skill, p + beyond * s_.shown->way, 0.01);
+        parts_.back().until_touched = true;
+        parts_.back().slowest = 1.875 * (before + beyond) / speed;
+        return;
+      }
       add(skill, at(p, p.z > 0 ? p.z : taken_.z + s_.let_go), 0.01);
     } else if (r.does == &GoBack::rule) {
       const Tray feed = feed_tray(arm_);
@@ -483,7 +519,9 @@ class Worker {
   skinctl::Nanoseconds seen_at_{-1s}, return_by_{}, given_way_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
-  skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{};
+  skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{}, asked_at_{};
+  skinctl::Xyz<double> wrist_{0, 0, 0}, free_{0, 0, 0};
+  std::vector<skinctl::Xyz<double>> touched_;
   std::vector<Done> done_;
   std::vector<Judged> judged_;
 };

@@ -50,8 +50,9 @@ std::string collides(int type, int with) {
 
 void write_gripper(std::string& xml, std::size_t arm, double flange) {
   const std::string meets = collides(is_arm[arm], meets_arm[arm]);
-  xml += "<body name='" + name("palm", arm, 0) + "' pos='" + list({0, 0, flange}) +
-         "'><geom type='box' size='0.035 0.06 0.025' pos='0 0 0.03' mass='0.5'" + meets + "/>";
+  xml += "<body name='" + name("palm", arm, 0) + "' pos='" + list({0, 0, flange}) + "'><site name='" +
+         name("wrist", arm, 0) + "'/><geom type='box' size='0.035 0.06 0.025' pos='0 0 0.03' mass='0.5'" +
+         meets + "/>";
   for (std::size_t f = 0; f < 2; ++f) {
     const double way = f == 0 ? 1 : -1;
     xml += "<body name='" + name("finger", arm, f) + "' pos='" + list({0, 0, finger_reach}) +
@@ -77,7 +78,8 @@ constexpr double finger_radius = 0.0098;
 void write_hand(std::string& xml, std::size_t arm, const HandBody& h) {
   const std::string meets = collides(is_arm[arm], meets_arm[arm]);
   xml += "<body name='" + name("palm", arm, 0) + "' " + placed(h.palm) + ">" + inertial(h.palm) +
-         "<geom type='box' size='0.012 0.055 0.0475' pos='-0.012 0 -0.0475'" + meets + "/>";
+         "<site name='" + name("wrist", arm, 0) +
+         "'/><geom type='box' size='0.012 0.055 0.0475' pos='-0.012 0 -0.0475'" + meets + "/>";
   for (std::size_t i = 0; i < 16; ++i) {
     xml += "<body name='" + name("knuckle", arm, i) + "' " + placed(h.links[i]) + "><joint name='" +
            name("finger", arm, i) + "' type='hinge' axis='0 0 1' limited='true' range='" +
@@ -139,13 +141,17 @@ std::string thing_text(const Thing& t) {
          list({solid, solid, 0.001, 0.5, 2}) + "'" + collides(is_orange, is_table) + "/></body>";
 }
 
-std::string world_text(const std::array<ArmBody, arms>& bodies, const Thing& thing) {
+std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSettings& settings) {
+  const Thing& thing = settings.thing;
   std::string xml =
       "<mujoco><compiler angle='radian' balanceinertia='true'/><size njmax='600' nconmax='150'/>"
       "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>"
       "<geom type='plane' size='2 2 0.1'" +
       collides(is_table, 0) + "/>";
   write_tray(xml, box_tray);
+  if (settings.floor > 0)
+    xml += "<geom type='box' pos='" + list({box_tray.x, box_tray.y, settings.floor / 2}) + "' size='" +
+           list({box_tray.half_x, box_tray.half_y, settings.floor / 2}) + "'" + collides(is_table, 0) + "/>";
   for (std::size_t arm = 0; arm < arms; ++arm) {
     write_tray(xml, bin_tray(arm));
     write_arm(xml, arm, bodies[arm]);
@@ -165,7 +171,10 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const Thing& thi
     if (!bodies[arm].hand)
       xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
              "' polycoef='0 1 0 0 0' solref='0.004 1'/>";
-  return xml + "</equality></mujoco>";
+  xml += "</equality><sensor>";
+  for (std::size_t arm = 0; arm < arms && settings.wrists; ++arm)
+    xml += "<force site='" + name("wrist", arm, 0) + "'/>";
+  return xml + "</sensor></mujoco>";
 }
 }  // namespace
 
@@ -220,7 +229,7 @@ struct World::Bodies {
 
   Bodies(const std::array<ArmBody, arms>& bodies, const WorldSettings& s, std::uint64_t seed)
       : settings(s), random(seed) {
-    const std::string xml = world_text(bodies, settings.thing);
+    const std::string xml = world_text(bodies, settings);
     const auto files = std::make_unique<mjVFS>();
     mj_defaultVFS(files.get());
     char error[500] = "";
@@ -416,7 +425,10 @@ struct World::Bodies {
       const mjContact& contact = data->contact[c];
       const auto g1 = static_cast<std::size_t>(contact.geom1), g2 = static_cast<std::size_t>(contact.geom2);
       const int o1 = owner[g1], o2 = owner[g2];
-      if (o1 < 0 && o2 < 0) continue;
+      if (o1 < 0 && o2 < 0) {
+        set_down(c, contact);
+        continue;
+      }
       if (o1 >= 0 && o2 >= 0) {
         other.fill(true);
         for (const int g : {contact.geom1, contact.geom2}) {
@@ -474,6 +486,19 @@ struct World::Bodies {
       m.tip_velocity = tip;
     }
     meets_other = other, meets_obstacle = blocked;
+  }
+  /// An orange on the table, or in the box, that fingers hold.
+  void set_down(int c, const mjContact& contact) {
+    const int o1 = orange_of[static_cast<std::size_t>(contact.geom1)],
+              o2 = orange_of[static_cast<std::size_t>(contact.geom2)];
+    const int orange = std::max(o1, o2);
+    if (orange < 0 || orange == the_thing || (o1 >= 0 && o2 >= 0)) return;
+    const Slot& o = slot[static_cast<std::size_t>(orange)];
+    if (o.touched.count() < 0 || now() - o.touched > 2ms) return;
+    double f[6];
+    mj_contactForce(model, data, c, f);
+    double& most = arm[static_cast<std::size_t>(orange) / slots].record.set_down;
+    most = std::max(most, f[0]);
   }
   /// How fast the point of geom `g` at a contact moves into the other side.
   [[nodiscard]] double speed_into(const mjContact& contact, int g) const {
@@ -557,6 +582,15 @@ skinctl::State<16> World::fingers(std::size_t arm) const {
     s.dq[i] = b_->data->qvel[m.finger_v[i]];
   }
   return s;
+}
+Xyz<double> World::wrist(std::size_t arm) {
+  Bodies& b = *b_;
+  if (!b.settings.wrists) return {0, 0, 0};
+  // What the sensor's body gets from the arm, in its axes.
+  double f[3];
+  mju_rotVecMat(f, b.data->sensordata + 3 * arm, b.data->xmat + 9 * b.arm[arm].palm);
+  const auto noisy = [&](double x) { return -x + 0.1 * b.normal(b.random); };
+  return {noisy(f[0]), noisy(f[1]), noisy(f[2])};
 }
 const std::array<double, 4>& World::true_tips(std::size_t arm) const {
   return b_->arm[arm].true_tips;

@@ -17,7 +17,7 @@ struct Led {
   std::vector<LedSample<>> samples;
   Nanoseconds t{};
   Hand X = Hand::translation_xyz(0, 0, 0.4);
-  double touch = 0, force = 0;
+  double touch = 0, force = 0, pressed = 0;
   bool closed = false;
   Activity said = Activity::unknown;
   Random random = seeded(3);
@@ -26,7 +26,8 @@ struct Led {
     for (const auto end = t + time; t < end;) {
       t += 8ms;
       const auto off = [&] { return uniform(random, -noise, noise); };
-      samples.push_back({t, X.translated(off(), off(), off()).rotated_z(off()), touch, force, closed, said});
+      samples.push_back(
+          {t, X.translated(off(), off(), off()).rotated_z(off()), touch, force, closed, said, pressed});
     }
   }
   void lead(const Xyz<double>& goal, Nanoseconds time) {
@@ -38,7 +39,7 @@ struct Led {
       const double u = seconds<double>(t - begin) / seconds<double>(time),
                    s = u * u * u * (10 + u * (6 * u - 15));
       X = Hand::trusted(X.axes(), from + s * Xyz<double>(goal - from));
-      samples.push_back({t, X, touch, force, closed, said});
+      samples.push_back({t, X, touch, force, closed, said, pressed});
     }
   }
   void let_go() { touch = 0; }
@@ -136,6 +137,43 @@ TEST_CASE(
   CHECK(taught(0, 1) == 0);
 }
 
+TEST_CASE(
+    "Demonstration: a goal onto which the hand was pressed ends with that touch, the way that it came") {
+  for (const bool lifts_off : {false, true}) {
+    Led led;
+    led.closed = true;
+    led.lead({0.3, 0.1, 0.3}, 1s);
+    led.lead({0.3, 0.1, 0.2}, 600ms);
+    led.pressed = 1.5;  // a bump, too weak
+    led.stay(100ms);
+    led.pressed = 0;
+    led.lead({0.3, 0.14, 0.17}, 400ms);
+    led.pressed = 6;
+    led.stay(300ms);
+    led.pressed = 8;
+    led.stay(200ms);
+    if (lifts_off) {
+      led.pressed = 0;
+      led.lead({0.3, 0.14, 0.18}, 300ms);
+    }
+    led.let_go();
+    led.pressed = lifts_off ? 0 : 4;  // it stands there
+    led.stay(300ms);
+    led.pressed = 0;
+    led.lead({0.3, 0.14, 0.4}, 600ms);
+    led.let_go();
+    led.stay(300ms);
+    const auto taught = segment(led.samples, objects());
+    REQUIRE(taught.size() == 2);
+    CHECK(taught[0].until_touched == !lifts_off);
+    CHECK(!taught[1].until_touched);
+    if (lifts_off) continue;
+    CHECK(taught[0].activity == Activity::put);
+    CHECK(norm(Xyz<double>(taught[0].way - Xyz<double>{0, 0.8, -0.6})) < 0.01);
+    CHECK(taught[0].pressed == doctest::Approx(6));
+  }
+}
+
 TEST_CASE("Demonstration: a goal of force is the median over a squeeze") {
   Led led;
   led.closed = true;
@@ -183,6 +221,7 @@ TEST_CASE(
   CHECK_THROWS_AS(DemonstrationReader<>({.still = 0}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.least = 0ns}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.led = -1ns}), ConfigurationError);
+  CHECK_THROWS_AS(DemonstrationReader<>({.came = 0}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.at_rest = -1}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.apart = -1}), ConfigurationError);
 }

@@ -278,6 +278,33 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("packing_oranges: a lesson that ends with a touch sets oranges down, on whatever lies in the box") {
+  const auto lesson = teach_with_hand(501, true);
+  REQUIRE(lesson.has_value());
+  const Shown& shown = lesson->shown;
+  REQUIRE(shown.until_touched);
+  CHECK(shown.way.z < -0.8);  // it was led down
+  CHECK(shown.pressed > 2);
+  CHECK(shown.pressed < 12);
+  const auto used = [&](bool by_touch) {
+    RunSettings s = few(1);
+    s.supply.share = 1;
+    s.hand = {true, true};
+    s.world.floor = 0.02;
+    s.work.shown = shown;
+    s.work.shown->until_touched = by_touch;
+    const Outcome o = run_ur5(s);
+    CHECK(o.right() == 1);
+    CHECK(o.arm[0].set_down_by_touch == by_touch);
+    return o.arm[0];
+  };
+  const ArmOutcome touched = used(true);
+  CHECK(touched.set_down < 15);
+  CHECK(touched.set_down > 2);
+  CHECK(touched.fell < 0.003);
+  CHECK(used(false).set_down > 30);  // the place alone: 20 mm into what lies there now
+}
+
 TEST_CASE("packing_oranges: a gripper that is only open or closed judges by the rise of its force") {
   RunSettings s = few(4);
   s.work.by_time = true;

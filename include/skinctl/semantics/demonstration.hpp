@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <vector>
 
 #include "skinctl/semantics/activity.hpp"
+#include "skinctl/semantics/bit.hpp"
 #include "skinctl/semantics/speed_estimate.hpp"
 #include "skinctl/semantics/world.hpp"
 
@@ -20,6 +22,7 @@ struct LedSample {
   double force = 0;                   ///< of the fingers [N]
   bool closed = false;                ///< the switch by which the person closes and opens the hand
   Activity said = Activity::unknown;  ///< a recogniser's word, for force goals; `unknown`: none
+  double pressed = 0;  ///< of the hand, or what it holds, on something else, as a wrist sensor feels it [N]
 };
 
 /// What was taught: a step for a plan.
@@ -31,7 +34,10 @@ struct Taught {
   Transform<W, Tool> X_WH{};              ///< pose of the hand
   Transform<ObjectFrame, Tool> X_OH{};    ///< in the object's frame, if it is relative to one
   double force = 0;                       ///< to squeeze with [N]
-  Nanoseconds begin{}, end{};             ///< the stretch that it was taken from
+  bool until_touched = false;  ///< the goal ends where something is touched, wherever that is then, ...
+  Xyz<double> way{0, 0, 0};    ///< ... after a motion in this direction, of length 1, ...
+  double pressed = 0;          ///< ... and was pressed on with this [N]
+  Nanoseconds begin{}, end{};  ///< the stretch that it was taken from
 };
 
 /// Numbers of the segmentation.
@@ -44,6 +50,8 @@ struct DemonstrationSettings {
   double near_object = 0.08;  ///< a goal nearer than this to an object is relative to it [m], ...
   double at_rest =
       0.01;  ///< ... if that was not seen to move by more than this while the robot was left alone [m]
+  Bit<>::Settings touches{2, 1, 24ms, 24ms};  ///< of `pressed`: something is touched [N]
+  double came = 0.03;                         ///< the way to it is that of its last so many metres [m]
   SpeedEstimate<>::Settings speed{};
 };
 
@@ -78,6 +86,8 @@ namespace detail {
 /// - With the hand open it is one to reach, else one to put to. A switch after it is what was done there: take or
 ///   release.
 /// - A goal near an object that rests, other than the one in hand when the robot was left, is relative to it: it moves with it.
+/// - A goal where the robot was led onto something, which it pressed on until it was left alone, ends with that touch: its
+///   height, say, is whatever it is the next time.
 /// - A stretch of the word squeeze gives its median force.
 ///
 /// It keeps the samples of a stretch: it allocates, and belongs beside the loop.
@@ -85,7 +95,8 @@ template <Frame W = World>
 class DemonstrationReader {
  public:
   /// Throws `ConfigurationError` for a number out of its range.
-  SKINCTL_COLD explicit DemonstrationReader(const DemonstrationSettings& s = {}) : s_(s), speed_(s.speed) {
+  SKINCTL_COLD explicit DemonstrationReader(const DemonstrationSettings& s = {})
+      : s_(s), speed_(s.speed), touches_(s.touches) {
     require(s.still > 0 && s.still <= 10, "Demonstration: still", s.still, "> 0, <= 10 m/s");
     require(s.untouched > 0 && s.untouched <= 1e3, "Demonstration: untouched", s.untouched, "> 0, <= 1e3 N");
     require(s.least > 0ns && s.least <= 60s, "Demonstration: least", milliseconds(s.least), "> 0, <= 6e4 ms");
@@ -93,6 +104,7 @@ class DemonstrationReader {
     require(s.apart >= 0 && s.apart <= 10, "Demonstration: apart", s.apart, "0 to 10 m");
     require(s.near_object >= 0 && s.near_object <= 10, "Demonstration: near_object", s.near_object,
             "0 to 10 m");
+    require(s.came > 0 && s.came <= 10, "Demonstration: came", s.came, "> 0, <= 10 m");
     require(s.at_rest >= 0 && s.at_rest <= 10, "Demonstration: at_rest", s.at_rest, "0 to 10 m");
   }
 
@@ -102,6 +114,7 @@ class DemonstrationReader {
   void take(const LedSample<W>& x, const Objects& objects, std::uint8_t held = no_object) {
     if (speed_.step(m_, x.time, x.X_WH.origin()).any() || (started_ && x.time <= last_)) return;
     const bool switched = started_ && x.closed != closed_;
+    feel(x);
     const bool alone =
         norm(m_.v) < s_.still && x.touch < s_.untouched && !switched && x.said != Activity::squeeze;
     if (!alone) close(objects);
@@ -131,6 +144,7 @@ class DemonstrationReader {
   void left(Nanoseconds time, const Objects& objects, std::uint8_t held) {
     begin_ = time;
     held_ = held;
+    onto_ = touched_at_.on && !pressed_.empty() ? detail::median(pressed_) : 0;
     lay_.clear();
     for (const Object<W>& o : objects) lay_.push_back(o.X_WO);
   }
@@ -152,6 +166,7 @@ class DemonstrationReader {
       goal.end = last_;
       if (!any_ || norm(Xyz<double>(goal.X_WH.origin() - goal_.X_WH.origin())) >= s_.apart) {
         relate(goal, objects);
+        press(goal);
         goal_ = goal;
         any_ = true;
         led_ = false;
@@ -159,6 +174,32 @@ class DemonstrationReader {
       }
     }
     stretch_.clear();
+  }
+  /// The way that the hand went last, and what it presses on.
+  void feel(const LedSample<W>& x) {
+    const bool was = touched_at_.on;
+    if (touches_.step(touched_at_, x.time, x.pressed).any()) return;
+    if (!touched_at_.on) {
+      trail_.push_back(x.X_WH.origin());
+      if (trail_.size() > most_trail) trail_.pop_front();
+      if (was) pressed_.clear();
+      return;
+    }
+    if (!was) {
+      way_ = {0, 0, 0};
+      for (auto p = trail_.rbegin(); p != trail_.rend() && norm(way_) < s_.came; ++p)
+        way_ = x.X_WH.origin() - *p;
+      trail_.clear();
+    }
+    if (stretch_.empty()) pressed_.push_back(x.pressed);
+  }
+  /// A way shorter than half of `came` tells no direction.
+  void press(Taught<W>& goal) const {
+    const double went = norm(way_);
+    if (!(onto_ > 0) || went < 0.5 * s_.came) return;
+    goal.until_touched = true;
+    goal.way = (1 / went) * way_;
+    goal.pressed = onto_;
   }
   template <class Objects>
   void relate(Taught<W>& goal, const Objects& objects) const {
@@ -210,6 +251,13 @@ class DemonstrationReader {
   Taught<W> goal_{};
   Nanoseconds begin_{}, last_{}, squeezed_{};
   Nanoseconds touched_{};  ///< when nobody touched it last
+  static constexpr std::size_t most_trail = 4000;
+  Bit<> touches_;
+  Bit<>::Memory touched_at_{};
+  std::deque<Xyz<double>> trail_;  ///< of the hand, since nothing was touched
+  std::vector<double> pressed_;    ///< since something is, while the robot is led
+  Xyz<double> way_{0, 0, 0};
+  double onto_ = 0;  ///< that it had been led onto something with when it was left [N]
   std::uint8_t held_ = no_object;
   bool led_ = false, any_ = false, closed_ = false, started_ = false;
 };
