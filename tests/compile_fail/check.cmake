@@ -1,7 +1,8 @@
 # One pair of tests/compile_fail: NAME.fail.cpp must not compile, with an error that a person can use; NAME.pass.cpp, the
 # same program put right, must. COMMAND (compiler and flags), PASS_COMMAND (for the twin, unless it is the same),
 # PAIR (path without .fail.cpp). With SKINCTL_TWIN_ELSEWHERE in the environment the twin is another test's: compile_fail/twins
-# compiles those of all pairs together.
+# compiles those of all pairs together. TOGETHER (optional) is the file with what the compiler said of this program among others,
+# written by together.sh: if it is as expected and short, that is enough; else the program is compiled alone.
 #
 # The first line of NAME.fail.cpp is `// expect: REGEX` (CMake's regular expressions). The first error, with the source
 # lines and notes below it, must match; all output together has at most 20 lines.
@@ -30,6 +31,29 @@ if(NOT source MATCHES "^// expect: ([^\n]+)\n")
 endif()
 set(expected "${CMAKE_MATCH_1}")
 
+# first_error(<variable> <output>): the first error with what stands below it, as far as the next.
+function(first_error variable output)
+  string(FIND "${output}" "error: " start)
+  math(EXPR start "${start} + 7")
+  string(SUBSTRING "${output}" ${start} -1 first)
+  string(FIND "${first}" "error: " next)
+  string(SUBSTRING "${first}" 0 ${next} first)
+  set(${variable} "${first}" PARENT_SCOPE)
+endfunction()
+
+# Alone it says up to five lines more, of how the library was included.
+if(TOGETHER AND EXISTS "${TOGETHER}")
+  file(READ "${TOGETHER}" output)
+  string(REGEX REPLACE "[^\n]" "" newlines "${output}")
+  string(LENGTH "${newlines}" lines)
+  math(EXPR most_together "${most_lines} - 8")
+  first_error(first "${output}")
+  if(lines LESS_EQUAL most_together AND output MATCHES "error: " AND first MATCHES "${expected}")
+    message("${lines} lines\n${output}")
+    return()
+  endif()
+endif()
+
 execute_process(COMMAND ${COMMAND} "${PAIR}.fail.cpp"
   RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
 if(status EQUAL 0)
@@ -42,14 +66,10 @@ if(lines GREATER most_lines)
   complain("too long: ${lines} lines" "${output}")
 endif()
 
-string(FIND "${output}" "error: " start)
-if(start EQUAL -1)
+if(NOT output MATCHES "error: ")
   complain("the compiler fails without an error" "${output}")
 endif()
-math(EXPR after "${start} + 7")
-string(SUBSTRING "${output}" ${after} -1 first)
-string(FIND "${first}" "error: " next)
-string(SUBSTRING "${first}" 0 ${next} first)
+first_error(first "${output}")
 if(NOT first MATCHES "${expected}")
   complain("the first error does not match: ${expected}" "${output}")
 endif()
