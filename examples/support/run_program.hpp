@@ -2,6 +2,7 @@
 #pragma once
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -28,10 +30,26 @@ inline std::string run_program(const std::string& program, const std::string& ar
   return out;
 }
 
-/// The exit code of a program whose outputs nobody reads; it gets `signal`, if not 0, after `ms` milliseconds. Minus
-/// the number of the signal that has ended it.
+/// Waits until process `id` has a handler for `signal`, at most 30 s: a busy machine may take long to start it.
+inline void wait_until_handled(pid_t id, int signal) {
+  const std::string path = "/proc/" + std::to_string(id) + "/status";
+  for (int k = 0; k < 30'000; ++k) {
+    std::ifstream status(path);
+    unsigned long long caught = 0;
+    for (std::string line; std::getline(status, line);)
+      if (line.rfind("SigCgt:", 0) == 0) caught = std::stoull(line.substr(7), nullptr, 16);
+    if ((caught >> (signal - 1) & 1) != 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  FAIL("the program never handles signal " << signal);
+}
+
+/// The exit code of a program whose outputs nobody reads; it gets `signal`, if not 0, `ms` milliseconds after it began
+/// to handle it. Minus the number of the signal that has ended it.
 inline int run_and_signal(const char* program, std::vector<const char*> arguments, int signal = 0,
                           int ms = 0) {
+  int replaced[2];  // closed where the program takes this one's place, whose handlers it does not inherit
+  REQUIRE(::pipe2(replaced, O_CLOEXEC) == 0);
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
@@ -43,7 +61,12 @@ inline int run_and_signal(const char* program, std::vector<const char*> argument
     ::execv(program, const_cast<char* const*>(arguments.data()));
     ::_exit(98);
   }
+  ::close(replaced[1]);
+  char nothing = 0;
+  CHECK(::read(replaced[0], &nothing, 1) == 0);
+  ::close(replaced[0]);
   if (signal != 0) {
+    wait_until_handled(child, signal);
     std::this_thread::sleep_for(std::chrono::milliseconds(ms));
     ::kill(child, signal);
   }

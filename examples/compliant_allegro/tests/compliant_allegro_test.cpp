@@ -114,6 +114,6 @@ TEST_CASE("The program: help, wrong options, no device, signals") {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   CHECK_FALSE(hand.snapshot().servo);
   CHECK(program({"--can", line.c_str(), "--generation", "v4", "--side", "left"}) == 1);
-  CHECK(program({"--speed", "1"}, SIGINT, 700) == 130);
-  CHECK(program({"--speed", "1"}, SIGTERM, 700) == 130);
+  CHECK(program({"--speed", "1"}, SIGINT, 300) == 130);
+  CHECK(program({"--speed", "1"}, SIGTERM, 300) == 130);
 }

@@ -119,7 +119,7 @@ TEST_CASE("The program: arm and hand simulated, a hand that leaves, a signal, wr
   CHECK(program({"--can", "no_such_interface"}) == 1);
   CHECK(program({"--duration", "1.5", "--speed", "0"}) == 0);
   CHECK(program({"--duration", "20", "--hand-unplugged-at", "0.3"}) == 1);
-  CHECK(program({"--duration", "20"}, SIGINT, 1500) == 130);
+  CHECK(program({"--duration", "20"}, SIGINT, 500) == 130);
 }
 
 TEST_SUITE_END();
