@@ -97,8 +97,7 @@ class TrustedSkin : private detail::TrustCore<S> {
     for (std::size_t j = 0; j < parts; ++j) {
       // Linear over the interval.
       const T after = from < to ? T((T(static_cast<int>(j)) + T(0.5)) / T(static_cast<int>(parts))) : T(0);
-      add(means[j], (T(1) - after) * before.force + after * m.filled.force,
-          (T(1) - after) * before.proximity + after * m.filled.proximity);
+      add_between(means[j], before, m.filled, after);
     }
     return status;
   }
@@ -207,6 +206,14 @@ class TrustedSkin : private detail::TrustCore<S> {
   [[nodiscard]] std::span<const detail::TrustCell> table() const noexcept { return cell_; }
 
  private:
+  /// Adds what lies the share `after` of the way from `before` to `now`. A function of its own, since a cycle begins with cold code:
+  /// inlined it is 1.3 KB longer and no faster.
+  template <class To>
+  static SKINCTL_NOINLINE void add_between(To& to, const Touch& before, const Touch& now,
+                                           const T& after) noexcept {
+    add(to, (T(1) - after) * before.force + after * now.force,
+        (T(1) - after) * before.proximity + after * now.proximity);
+  }
   static SKINCTL_INLINE void add(Wrenches& to, const Wrenches& force, const Wrenches& proximity) noexcept {
     to += force + proximity;
   }
