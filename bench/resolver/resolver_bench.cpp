@@ -1,6 +1,7 @@
 // One cycle of the resolver around a law that costs nothing: measurement, observer, sub-steps, limits,
 // command. Beside it what the equations of one sub-step cost alone, by hand and with KDL: M, C dq, G and a
 // solution.
+#include <algorithm>
 #include <random>
 
 #include "bench/floor/ur5_task_floor.hpp"
@@ -155,6 +156,24 @@ const bool registered = [] {
     bench::Numbers<6> ddq;
     bench_floor::ur5::floor_forward_dynamics(s.q.data, s.dq.data, s.tau.data, ddq.data);
     return ddq;
+  });
+  // Each state from the last one, as a robot has them; from the pool again every 64 steps.
+  benchmark::RegisterBenchmark("resolver/step/ur5/floor_in_turn/double", [](benchmark::State& state) {
+    bench::States<6> states;
+    bench::Motion<6> s;
+    double q[6], dq[6];
+    std::size_t k = 0;
+    const bench::CountAllocations counted(state);
+    for (auto _ : state) {
+      if (k++ % 64 == 0) s = states.next(), std::copy_n(s.q.data, 6, q), std::copy_n(s.dq.data, 6, dq);
+      double ddq[6];
+      bench_floor::ur5::floor_forward_dynamics(q, dq, s.tau.data, ddq);
+      for (std::size_t i = 0; i < 6; ++i) {
+        q[i] += 0.002 * (dq[i] + 0.001 * ddq[i]);
+        dq[i] += 0.002 * ddq[i];
+      }
+      benchmark::DoNotOptimize(ddq);
+    }
   });
   bench::row<6>("resolver/step/ur5-tool/floor/double", [](const auto& s) {
     constexpr double mass[6] = {6, 6, 6, 0.3, 0.3, 0.3}, damping[6] = {40, 40, 40, 2, 2, 2};

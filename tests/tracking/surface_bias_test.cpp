@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <type_traits>
 
 #include "skinctl/testing/digits50.hpp"
@@ -55,6 +56,22 @@ TEST_CASE("SurfaceBias: the rate of dS_d begins with dj and ends with nothing, i
     for (const Digits50& x : {Digits50("0.001"), Digits50("0.05"), Digits50("0.09")})
       CHECK(magnitude(one.at(x, kappa, T_h).dS_d[0] - SurfaceBias<3, Digits50>::bend(x, T_h)) <
             Digits50("1e-40"));
+  }
+}
+
+TEST_CASE_TEMPLATE("SurfaceBias: an interval that is known beforehand decays as any other", T, float,
+                   double) {
+  Seeded rng(22);
+  const auto b = some_bias<T>(rng, 200ms);
+  for (const T dt : {T(0), T(0.001), T(0.002), T(0.008)}) {
+    const detail::Decay<T> known(T(10), dt);
+    for (const T x : {T(0.5) * dt, dt, T(2) * dt, T(0.003)}) {
+      CAPTURE(dt);
+      CAPTURE(x);
+      CHECK(known.after(x) == T(std::exp(T(-10) * x)));
+      CHECK(b.at(x, known, T(0.1)).S_d == b.at(x, T(10), T(0.1)).S_d);
+      CHECK(b.advanced(x, 1ms, known).decaying == b.advanced(x, 1ms, T(10)).decaying);
+    }
   }
 }
 

@@ -174,6 +174,9 @@ class ContactFinder {
     std::uint32_t& heir = out.heir;
     c.link = cells_[seed].link;
     float inherits = 0, peak = 0;
+    T area(0);
+    std::size_t cells = 0;
+    RegionMask regions = 0;
     heir = ContactRow::none;
     m.rows[seed].next = bottom, m.rows[seed].frame = m.frame + 1;
     const std::uint32_t frame = m.frame;
@@ -210,9 +213,9 @@ class ContactFinder {
       side.pushed = side.pushed + push;
       side.moment = side.moment + push * vector(cell.moment);
       side.place = side.place + push * vector(cell.place);
-      c.area = c.area + T(cell.area);
-      ++c.cells;
-      c.regions |= cell.regions;
+      area = area + T(cell.area);
+      ++cells;
+      regions |= cell.regions;
       for (RegionMask rest = cell.regions; rest != 0; rest &= rest - 1) {
         T& sum = m.region_push[static_cast<std::size_t>(std::countr_zero(rest))];
         sum = sum + push;
@@ -227,6 +230,7 @@ class ContactFinder {
       areas.add(sides[k]);
     }
     c.pushed = all.pushed, c.force = all.force, c.moment = all.moment, c.place = all.place;
+    c.area = area, c.cells = cells, c.regions = regions;
     c.peak = static_cast<T>(peak);
     using std::sqrt;
     const T size = sqrt(dot(c.force, c.force));

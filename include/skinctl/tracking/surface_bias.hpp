@@ -2,12 +2,47 @@
 #pragma once
 
 #include <cmath>
+#include <type_traits>
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/trajectory/ramp.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+
+namespace detail {
+/// `exp(-kappa t)`. For the interval between evaluations, and for its half, it is known beforehand.
+template <Real T = double>
+class Decay {
+ public:
+  /// Of an interval that is not known.
+  Decay(const T& kappa) noexcept : Decay(kappa, T(0)) {}
+  /// @param kappa  [1/s]; `dt`: the interval [s].
+  Decay(const T& kappa, const T& dt) noexcept
+      : kappa_(kappa),
+        dt_(dt),
+        half_(T(0.5) * dt),
+        rest_(by_library(dt_)),
+        rest_of_half_(by_library(half_)) {}
+
+  [[nodiscard]] SKINCTL_INLINE const T& kappa() const noexcept { return kappa_; }
+  /// After `t` seconds.
+  [[nodiscard]] SKINCTL_INLINE T after(const T& t) const noexcept {
+    if constexpr (std::is_floating_point_v<T>) {
+      if (t == half_) return rest_of_half_;
+      if (t == dt_) return rest_;
+    }
+    return by_library(t);
+  }
+
+ private:
+  [[nodiscard]] SKINCTL_INLINE T by_library(const T& t) const noexcept {
+    using std::exp;
+    return T(exp(T(-kappa_ * t)));
+  }
+  T kappa_, dt_, half_, rest_, rest_of_half_;
+};
+}  // namespace detail
 
 /// `S_d` and its derivative.
 template <std::size_t N, Scalar T = double>
@@ -34,12 +69,12 @@ struct SurfaceBias {
   JointAcceleration<N, T> da;
   JointAcceleration<N, T> dj;  ///< per second
 
-  /// The bias `x` seconds from now, for a bumpless transfer of `T_h` seconds.
-  [[nodiscard]] SKINCTL_INLINE BiasNow<N, T> at(const T& x, const T& kappa, const T& T_h) const noexcept {
-    using std::exp;
+  /// The bias `x` seconds from now, decaying with kappa [1/s], for a bumpless transfer of `T_h` seconds.
+  [[nodiscard]] SKINCTL_INLINE BiasNow<N, T> at(const T& x, const detail::Decay<T>& decay,
+                                                const T& T_h) const noexcept {
     using R = detail::Row<N, T>;
-    R S_d = x > T(0) ? T(exp(T(-kappa * x))) * R(decaying) : R(decaying);
-    R dS_d = T(-kappa) * S_d;
+    R S_d = x > T(0) ? decay.after(x) * R(decaying) : R(decaying);
+    R dS_d = T(-decay.kappa()) * S_d;
     const T t = seconds<T>(elapsed) + x;
     if (t < T_h) [[unlikely]] {
       const T r = t / T_h;
@@ -57,9 +92,8 @@ struct SurfaceBias {
   }
   /// The same bias `dt` seconds later.
   [[nodiscard]] SKINCTL_INLINE SurfaceBias advanced(const T& dt, Nanoseconds ns,
-                                                    const T& kappa) const noexcept {
-    using std::exp;
-    const detail::Row<N, T> s = T(exp(T(-kappa * dt))) * detail::Row<N, T>(decaying), tiny = T(1e-30);
+                                                    const detail::Decay<T>& decay) const noexcept {
+    const detail::Row<N, T> s = decay.after(dt) * detail::Row<N, T>(decaying), tiny = T(1e-30);
     return {later(elapsed, ns),
             JointVelocity<N, T>(select(magnitude(s) > tiny, s, T(0))),  // denormal numbers are slow
             dv, da, dj};

@@ -98,7 +98,8 @@ class Tracking : public Composable {
         settings_(settings),
         damping_(damping),
         gains_(Space::tracking(settings)),
-        schedule_(gains().K_c, gains().base, gains().settle) {
+        schedule_(gains().K_c, gains().base, gains().settle),
+        decay_(gains().kappa, seconds<T>(gains().dt)) {
     check(gains(), damping.fastest(), gains_.slope);
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
@@ -307,6 +308,7 @@ class Tracking : public Composable {
   Damping damping_;
   SurfaceGains<T, Sign> gains_;
   GainSchedule<T> schedule_;
+  detail::Decay<T> decay_;  ///< of the bias
 };
 
 SKINCTL_END_NAMESPACE
