@@ -1,11 +1,10 @@
-// The largest error found: inputs near the state of the largest bound, chosen for the signs of their roundings.
+// The largest error found: inputs near the states of the largest bounds, chosen for the signs of their roundings.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
-#include <utility>
 #include <vector>
 
 #include "bench/studies/bounds/aimed_roundings.hpp"
@@ -13,127 +12,94 @@
 
 namespace skinctl::bounds {
 
-/// Searches the errors of `program` in `R` against the same program with more digits.
-///
-/// An error is a sum of hundreds of roundings that come as they like: it is large where many of them may be large, which
-/// the bound at a single state tells, and there for digits that `AimedRoundings` chooses. So the state of the largest bound is
-/// searched first, then the inputs around it.
-///
-/// @param outputs  the results of the traced program.
-template <class R>
-class WorstFound {
+/// Where the bound of a result is large.
+struct SteepState {
+  double bound = 0;  ///< in float
+  std::size_t output = 0;
+  std::vector<double> x;
+};
+
+/// Searches the states of the largest bounds. An error is a sum of hundreds of roundings that come as they like: it is large where
+/// many of them may be large, which the bound at a single state tells, in float and in double alike.
+class SteepStates {
   using Output = math::TracedOutput;
   using L = Output::L;
 
  public:
-  WorstFound(const std::vector<Range>& ranges, std::vector<Output>& outputs, std::uint64_t seed)
-      : ranges_(ranges), outputs_(outputs), rng_(seed) {}
+  /// @param outputs  the results of the traced program.
+  SteepStates(const std::vector<Range>& ranges, std::vector<Output>& outputs)
+      : ranges_(ranges), outputs_(outputs) {}
 
-  /// For `seconds` of processor time, at the result with the largest bound; for half of it each where a second one's is within
-  /// a tenth.
-  ///
-  /// @param program  `near(x)`: a `ProgramNear<R>`; `errors(inputs)`: of each result.
-  template <class Program>
-  double run(const Program& program, double seconds) {
-    std::vector<std::pair<Point, std::size_t>> starts;
-    for (std::size_t k = 0; k < outputs_.size(); ++k)
-      starts.emplace_back(steepest(outputs_[k], 0.1 * seconds / static_cast<double>(outputs_.size())), k);
-    std::sort(starts.begin(), starts.end(),
-              [](const auto& a, const auto& b) { return a.first.bound > b.first.bound; });
-    const bool two = starts.size() > 1 && starts[1].first.bound > 0.9 * starts[0].first.bound;
-    const std::size_t taken = two ? 2 : 1;
-    const double share = seconds / static_cast<double>(taken);
-    double worst = 0;
-    for (std::size_t k = 0; k < taken; ++k) {
-      const std::size_t output = starts[k].second;
-      const Point start = climbed(outputs_[output], starts[k].first, 0.2 * share);
-      worst = std::max(worst, aimed(program, output, start, 0.7 * share));
+  /// For `seconds` of processor time, from several starts: what came within a tenth of the largest.
+  std::vector<SteepState> run(double seconds) {
+    constexpr std::size_t starts = 4;
+    std::vector<SteepState> found;
+    for (std::size_t k = 0; k < starts; ++k) {
+      SteepState best;
+      for (std::size_t o = 0; o < outputs_.size(); ++o) {
+        SteepState state = tried(o, 0.3 * seconds / static_cast<double>(starts * outputs_.size()));
+        if (state.bound > best.bound) best = std::move(state);
+      }
+      found.push_back(climbed(std::move(best), 0.7 * seconds / starts));
     }
-    return worst;
+    const double most = std::max_element(found.begin(), found.end(), less)->bound;
+    std::erase_if(found, [&](const SteepState& s) { return s.bound < 0.9 * most; });
+    return found;
   }
 
  private:
-  struct Point {
-    double bound = 0;
-    std::vector<R> x;
-  };
+  static bool less(const SteepState& a, const SteepState& b) noexcept { return a.bound < b.bound; }
 
-  /// The bounds of as many states as there are lanes, exact inputs.
-  void bounds_at(Output& output, Point* points) {
-    lanes_.resize(output.inputs().size());
-    for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      double x[Output::lanes];
-      for (std::size_t w = 0; w < Output::lanes; ++w)
-        x[w] = static_cast<double>(points[w].x[output.inputs()[i]]);
-      lanes_[i] = L::load(x);
-    }
-    const auto errors = output(lanes_.data(), lanes_.data());
-    for (std::size_t w = 0; w < Output::lanes; ++w) points[w].bound = errors.in_float[w];
-  }
-  /// The state of the largest bound by trial.
-  Point steepest(Output& output, double seconds) {
+  /// By trial.
+  SteepState tried(std::size_t output, double seconds) {
     const double begin = processor_seconds();
-    Point best, points[Output::lanes];
+    SteepState best{0, output, {}}, states[Output::lanes];
     do {
-      for (Point& p : points) {
-        p.x.clear();
-        for (const auto& r : ranges_) p.x.push_back(anywhere(r));
+      for (SteepState& s : states) {
+        s.x.clear();
+        for (const Range& r : ranges_) s.x.push_back(anywhere(r));
       }
-      take_best(output, points, best);
+      take_best(states, best);
     } while (processor_seconds() - begin < seconds);
     return best;
   }
   /// Uphill from there.
-  Point climbed(Output& output, Point best, double seconds) {
+  SteepState climbed(SteepState best, double seconds) {
     const double begin = processor_seconds();
-    Point points[Output::lanes];
+    SteepState states[Output::lanes];
     do {
-      for (Point& p : points) {
-        p.x = best.x;
+      for (SteepState& s : states) {
+        s.x = best.x;
         for (std::size_t k = index(2) + 1; k > 0; --k) {
           const std::size_t i = index(ranges_.size());
-          p.x[i] = ranges_[i].weight < 1 && index(2) == 0
-                       ? clamped(-static_cast<double>(p.x[i]), ranges_[i])
-                       : near(p.x[i], ranges_[i], 0.3 * std::pow(10.0, -3 * unit_(rng_)));
+          const Range& r = ranges_[i];
+          const double by = 0.3 * std::pow(10.0, -3 * unit_(rng_)) * r.whole.width() * (2 * unit_(rng_) - 1);
+          s.x[i] = clamped(r.weight < 1 && index(2) == 0 ? -s.x[i] : s.x[i] + by, r);
         }
       }
-      take_best(output, points, best);
+      take_best(states, best);
     } while (processor_seconds() - begin < seconds);
     return best;
   }
-  void take_best(Output& output, Point* points, Point& best) {
-    bounds_at(output, points);
+  /// Of as many states as there are lanes, exact inputs.
+  void take_best(SteepState* states, SteepState& best) {
+    Output& output = outputs_[best.output];
+    lanes_.resize(output.inputs().size());
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      double x[Output::lanes];
+      for (std::size_t w = 0; w < Output::lanes; ++w) x[w] = states[w].x[output.inputs()[i]];
+      lanes_[i] = L::load(x);
+    }
+    const auto errors = output(lanes_.data(), lanes_.data());
     for (std::size_t w = 0; w < Output::lanes; ++w)
-      if (points[w].bound > best.bound || best.x.empty()) best = points[w];
-  }
-  /// The largest error of any result at inputs whose roundings are aimed at one, upwards and downwards in turn.
-  template <class Program>
-  double aimed(const Program& program, std::size_t output, const Point& start, double seconds) {
-    const double begin = processor_seconds();
-    double worst = 0, sign = 1;
-    do {
-      std::vector<R> x = start.x;
-      for (std::size_t i = 0; i < x.size(); ++i) x[i] = near(x[i], ranges_[i], 0.002, 0.001);
-      const auto at = program.near(x);
-      const auto inputs = AimedRoundings<R>(at).largest(output, sign, rng_);
-      for (const double e : program.errors(inputs)) worst = std::max(worst, std::abs(e));
-      sign = -sign;
-    } while (processor_seconds() - begin < seconds);
-    return worst;
+      if (errors.in_float[w] > best.bound || best.x.empty())
+        best.bound = errors.in_float[w], best.x = states[w].x;
   }
 
   std::size_t index(std::size_t n) { return static_cast<std::size_t>(rng_() % n); }
-  /// Within the range, and off its ends by `margin` of it.
-  static R clamped(double x, const Range& r, double margin = 0) {
-    const double off = margin * r.whole.width();
-    return static_cast<R>(std::clamp(x, r.whole.low + off, r.whole.high - off));
-  }
-  /// Within `share` of the range.
-  R near(R x, const Range& r, double share, double margin = 0) {
-    return clamped(static_cast<double>(x) + share * r.whole.width() * (2 * unit_(rng_) - 1), r, margin);
-  }
+  static double clamped(double x, const Range& r) { return std::clamp(x, r.whole.low, r.whole.high); }
   /// Angles everywhere, rates near their ends.
-  R anywhere(const Range& r) {
+  double anywhere(const Range& r) {
     const double u = unit_(rng_);
     if (r.weight >= 1) return clamped(r.whole.low + u * r.whole.width(), r);
     return clamped((1 - 0.1 * u) * (rng_() % 2 == 0 ? r.whole.low : r.whole.high), r);
@@ -141,9 +107,39 @@ class WorstFound {
 
   const std::vector<Range>& ranges_;
   std::vector<Output>& outputs_;
-  std::mt19937_64 rng_;
+  std::mt19937_64 rng_{1};
   std::uniform_real_distribution<double> unit_{0, 1};
   std::vector<L> lanes_;
 };
+
+/// The largest error in `R` of any result, for `seconds` of processor time: around the states in turn, roundings are aimed upwards
+/// and downwards.
+///
+/// @param program  `near(x)`: a `ProgramNear<R>`; `errors(inputs)`: of each result.
+template <class R, class Program>
+double worst_found(const Program& program, const std::vector<Range>& ranges,
+                   const std::vector<SteepState>& states, double seconds) {
+  const double begin = processor_seconds();
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> around(-1, 1);
+  double worst = 0;
+  std::size_t turn = 0;
+  do {
+    const SteepState& state = states[turn / 2 % states.size()];
+    std::vector<R> x;
+    for (std::size_t i = 0; i < ranges.size(); ++i) {
+      // Room for the digits that are chosen.
+      const auto& [low, high] = ranges[i].whole;
+      const double width = high - low, off = 0.001 * width;
+      x.push_back(
+          static_cast<R>(std::clamp(state.x[i] + 0.002 * width * around(random), low + off, high - off)));
+    }
+    const ProgramNear<R> near = program.near(std::move(x));
+    const double sign = turn++ % 2 == 0 ? 1 : -1;
+    for (const double e : program.errors(AimedRoundings<R>(near).largest(state.output, sign, random)))
+      worst = std::max(worst, std::abs(e));
+  } while (processor_seconds() - begin < seconds);
+  return worst;
+}
 
 }  // namespace skinctl::bounds
