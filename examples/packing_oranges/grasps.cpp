@@ -89,6 +89,21 @@ std::vector<GraspTrial> three_grasps() {
   return out;
 }
 
+GraspTrial wrapped_bottle() {
+  GraspTrial t = three_grasps()[1];
+  Grasp& g = t.grasp;
+  g = {};
+  g.name = "wrapped";
+  g.wraps = true;
+  g.takes_part = {1, 1, 1, 1};
+  g.centre = {0.045, 0, 0.03};
+  g.posture = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1.3, 0.4, 0, 0};
+  g.curled = {0, 1.5, 1.6, 1.5, 0, 1.5, 1.6, 1.5, 0, 1.5, 1.6, 1.5, 1.3, 0.4, 1.0, 1.5};
+  t.X_HT = Pose({{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, g.centre);
+  t.force = 1;  // of a phalanx, in the mean
+  return t;
+}
+
 GraspFigures try_grasp(const GraspTrial& trial, const GraspSettings& s) {
   GraspFigures out;
   out.name = std::string(trial.words) + ", " + trial.grasp.name;
@@ -119,15 +134,19 @@ GraspFigures try_grasp(const GraspTrial& trial, const GraspSettings& s) {
   };
   world.put_thing(palm_to_world(trial.X_HT));
   Pose before = in_hand();
+  Point lies = before.origin();
   Point last{0, 0, 0}, speed{0, 0, 0};
-  double sum = 0, count = 0;
+  const bool pulls = norm(s.pull) > 0;
+  double sum = 0, count = 0, let_go_at = 0;
   bool let_go = false;
   out.held = true;
   out.least = 1e3;
   for (int tick = 0; tick < static_cast<int>(1000 * s.until); ++tick) {
     const double t = 0.001 * tick;
     if (tick % 8 == 0) {
-      const auto to = arm_at(t + cycle, s.shake, radius), from = arm_at(t + cycle - 1e-4, s.shake, radius);
+      const double moves = pulls ? 0 : t;
+      const auto to = arm_at(moves + cycle, s.shake, radius),
+                 from = arm_at(moves + cycle - 1e-4, s.shake, radius);
       skinctl::JointVelocity<6> v;
       for (std::size_t i = 0; i < 6; ++i) v[i] = (to[i] - from[i]) / 1e-4;
       world.command(0, to, v);
@@ -139,13 +158,31 @@ GraspFigures try_grasp(const GraspTrial& trial, const GraspSettings& s) {
       // As the arm's joints tell how the palm stands, not the world.
       if (s.feels_gravity) in.gravity = gravity_in_hand(A::base(0) * A::hand(world.joints(0).q));
       in.command = {{0, trial.force, 0.04}, t < 0.3 ? 0u : 1u};
-      world.command(0, hand.step(in));
+      const auto torque = hand.step(in);
+      world.command(0, torque);
+      for (std::size_t i = 0; i < 16 && let_go; ++i)
+        out.most_torque = std::max(out.most_torque, std::abs(torque[i]));
     }
     if (!let_go && ((t > 1 && hand.state().holding) || t >= handed_over)) {
       let_go = true;
       before = in_hand();
       world.let_go_of_thing();
       out.fingers = skeleton(world.fingers(0).q);
+      let_go_at = t;
+      const auto& p = world.phalanges(0);
+      out.all = p.palm;
+      for (const double f : p.links) out.touch += f > 0.05, out.all += f;
+    }
+    if (pulls && let_go) {
+      const double force = 5 * (t - let_go_at - 0.5);
+      const bool out_of_it = force > 0 && norm(Point(in_hand().origin() - lies)) > 0.015;
+      if (out_of_it || force > 80) {
+        out.pulled = std::min(force, 80.0);
+        return out;
+      }
+      const auto P = world.palm(0);
+      world.pull_thing(std::max(0.0, force) *
+                       (s.pull.x * P.axis_x() + s.pull.y * P.axis_y() + s.pull.z * P.axis_z()));
     }
     world.step();
     const auto X = in_hand();
@@ -168,12 +205,37 @@ GraspFigures try_grasp(const GraspTrial& trial, const GraspSettings& s) {
       out.least = std::min(out.least, F), out.most = std::max(out.most, F);
       sum += F, count += 1;
     }
+    if (trial.grasp.wraps) {
+      touch = 0;
+      for (const double f : world.phalanges(0).links) touch += f > 0;
+    }
     out.held = out.held && touch >= 2;
+    if (t < let_go_at + 0.5) lies = X.origin();
+    out.shaken_off = std::max(out.shaken_off, norm(Point(X.origin() - lies)));
     out.gave_way = std::max(out.gave_way, moved);
     out.slipped = moved;
     out.turned = angle_of(before.inverse() * X);
   }
   out.mean = sum / count;
+  return out;
+}
+
+std::string compare_wrapped(std::uint64_t seed) {
+  std::string out =
+      "bottle                        touch    all forces   moved   turned   torque   pulled out along it, to "
+      "the tips, "
+      "from the palm\n";
+  const GraspTrial trials[] = {three_grasps()[1], wrapped_bottle()};
+  for (const GraspTrial& trial : trials) {
+    const GraspFigures shaken = try_grasp(trial, {.seed = seed});
+    double pulled[3];
+    const Point ways[] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+    for (std::size_t k = 0; k < 3; ++k)
+      pulled[k] = try_grasp(trial, {.until = 30, .pull = ways[k], .seed = seed}).pulled;
+    out += text("%-28s %6d %9.1f N %6.1f mm %6.1f deg %6.2f N m %12.1f %8.1f %8.1f N%s\n", trial.grasp.name,
+                shaken.touch, shaken.all, 1e3 * shaken.shaken_off, 57.2957795 * shaken.turned,
+                shaken.most_torque, pulled[0], pulled[1], pulled[2], shaken.held ? "" : ", LOST");
+  }
   return out;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <variant>
 
 #include "examples/adapters/allegro/cells.hpp"
 #include "examples/adapters/allegro/limits.hpp"
@@ -88,7 +90,8 @@ double reach(const Fingers& model, std::size_t finger, const Point& target, Join
 /// Postures along the closing of a grasp, from the smallest to the largest.
 struct Line {
   static constexpr std::size_t count = 12;
-  std::array<double, count> size{};  ///< as `GraspControl` measures it [m]
+  std::array<double, count>
+      size{};  ///< as `GraspControl` measures it [m]; of a hand that wraps: how far it is open, 0 to 1
   std::array<JointPosition<N>, count> q{};
 
   [[nodiscard]] JointPosition<N> at(double s) const noexcept {
@@ -109,6 +112,13 @@ double size_of(const std::array<Point, 4>& tip, const std::array<double, 4>& tak
 }
 Line line_of(const Fingers& model, const Grasp& g) {
   Line out;
+  if (g.wraps) {
+    for (std::size_t k = 0; k < Line::count; ++k) {
+      const double u = out.size[k] = static_cast<double>(k) / (Line::count - 1);
+      for (std::size_t i = 0; i < N; ++i) out.q[k][i] = (1 - u) * g.curled[i] + u * g.posture[i];
+    }
+    return out;
+  }
   const auto tips = tips_in_links();
   JointPosition<N> q(g.posture);
   for (std::size_t k = Line::count; k-- > 0;) {
@@ -146,6 +156,7 @@ enum class Springs : unsigned char {
 /// A force that closes the fingers, and gravity.
 struct HandGoal {
   double internal = 0;  ///< [N]
+  double curl = 0;      ///< of a hand that wraps, 0 to 1
   Springs springs = Springs::shape;
   Point gravity{9.81, 0, 0};  ///< in the hand's frame [m/s^2]
 };
@@ -153,9 +164,10 @@ struct HandGoal {
 /// The internal force of the grasp; springs that hold the fingers to the posture which belongs to their present closing,
 /// so that they hold the object's place and leave its size to the force; and the fingers' weight, however the arm
 /// holds the hand.
+template <class I>
 class HandLaw : public Composable {
  public:
-  using Internal = GraspControl<N, double, 3, 7, 11, 15>;
+  using Internal = I;
   using Goal = HandGoal;
   using scalar = double;
   static constexpr std::size_t joints = N;
@@ -167,39 +179,42 @@ class HandLaw : public Composable {
     Point gravity{9.81, 0, 0};
     JointPosition<N> off;  ///< of the springs' rest from the grasp's posture [rad]
     Springs springs = Springs::shape;
+    double curl = 0;
   };
+  /// A finger of a hand that wraps stops at what it touches: its springs pull with this at most [N m].
+  static constexpr double curling = 0.1;
   static constexpr double stiffness = 3, damping = 0.045;  // of the joints [N m/rad], [N m s/rad]
   static constexpr double yielding = 0.1;                  // time constant of springs that yield [s]
 
-  HandLaw(const Fingers& model, const Grasp& g)
-      : model_(model),
-        line_(line_of(model, g)),
-        internal_(tips_in_links(), {.damping = 2, .max_rate = 1000, .max_force = 12}, g.takes_part) {}
+  HandLaw(const Fingers& model, const Grasp& g, const Internal& internal)
+      : model_(model), line_(line_of(model, g)), internal_(internal), wraps_(g.wraps) {}
 
   template <class K>
   [[nodiscard]] Memory start(const K& known) const noexcept {
-    return {internal_.start(known), {9.81, 0, 0}, {}, Springs::shape};
+    return {internal_.start(known), {9.81, 0, 0}, {}, Springs::shape, 0};
   }
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& m, const K& known, const Goal& goal) const noexcept {
     const auto out = internal_.receive(m.internal, known, GraspGoal<double>{goal.internal});
     const double g = dot(goal.gravity, goal.gravity);
-    return {{out.memory, g < 400 ? goal.gravity : m.gravity, m.off, goal.springs}, out.status};
+    return {{out.memory, g < 400 ? goal.gravity : m.gravity, m.off, goal.springs, goal.curl}, out.status};
   }
   template <class K>
   [[nodiscard]] JointTorque<N> torque(const Memory& m, const K& known) const noexcept {
     JointTorque<N> tau = internal_.torque(m.internal, known);
-    const auto q_d = line_.at(internal_.shape(known).size);
     tau += gravity_torque(Leaning(model_, m.gravity), known.q());
+    const auto q_d = line_.at(wraps_ ? 1 - m.curl : internal_.shape(known).size);
+    const double most = wraps_ ? curling : 1e3;
     for (std::size_t i = 0; i < N; ++i)
-      tau[i] += stiffness * (q_d[i] + m.off[i] - known.q()[i]) - damping * known.dq()[i];
+      tau[i] +=
+          std::clamp(stiffness * (q_d[i] + m.off[i] - known.q()[i]), -most, most) - damping * known.dq()[i];
     return tau;
   }
   template <class K>
   [[nodiscard]] Memory advance(const Memory& m, const K& known, double dt, Opposition o) const noexcept {
     Memory next = m;
     next.internal = internal_.advance(m.internal, known, dt, o);
-    if (m.springs == Springs::keep) return next;
+    if (wraps_ || m.springs == Springs::keep) return next;
     const double part = dt / (dt + yielding);
     const auto q_d = line_.at(internal_.shape(known).size);
     for (std::size_t i = 0; i < N; ++i) {
@@ -214,9 +229,30 @@ class HandLaw : public Composable {
   Fingers model_;
   Line line_;
   Internal internal_;
+  bool wraps_;
 };
 
-auto make_cycle(const Grasp& grasp) {
+constexpr GraspSettings<double> pressing{.damping = 2, .max_rate = 1000, .max_force = 12};
+using OfTips = GraspControl<N, double, 3, 7, 11, 15>;
+/// Of the phalanges: three of each finger, two of the thumb.
+using OfPhalanges = GraspControl<N, double, 1, 2, 3, 5, 6, 7, 9, 10, 11, 14, 15>;
+/// Their middles, and the fingertips.
+std::array<Point, OfPhalanges::fingers> middles(const Fingers& model) {
+  const auto poses = link_poses(model, JointPosition<N>{});
+  const auto tips = tips_in_links();
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    const auto one = [&]<std::size_t K>(std::integral_constant<std::size_t, K>) {
+      if constexpr (K % 4 == 3)
+        return tips[K / 4];
+      else
+        return Point(0.5 * (poses.template get<K>().inverse() * poses.template get<K + 1>()).origin());
+    };
+    return std::array{one(std::integral_constant<std::size_t, I>())...};
+  }(std::index_sequence<1, 2, 3, 5, 6, 7, 9, 10, 11, 14, 15>());
+}
+
+template <class Internal>
+auto make_cycle(const Grasp& grasp, const Internal& internal) {
   const auto model = allegro::hand(side);
   const Rotation<double> palm_down{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
   const auto scale = adapters::allegro::TorqueScale::of(adapters::allegro::Generation::v4, 0.7, false);
@@ -227,9 +263,10 @@ auto make_cycle(const Grasp& grasp) {
                                 .delay = 1ms,
                                 .virtual_inertia = JointTorque<N>::constant(2e-4)},
                                FrictionUncompensated{});
-  return Cycle(robot, HandLaw(model, grasp));
+  return Cycle(robot, HandLaw<Internal>(model, grasp, internal));
 }
-using Scene = decltype(make_cycle(Grasp{}));
+template <class Internal>
+using SceneOf = decltype(make_cycle(Grasp{}, std::declval<Internal>()));
 
 /// What is asked of a gripper, as a force that closes the fingers.
 class Firmware {
@@ -315,6 +352,60 @@ class Firmware {
   std::uint32_t count_ = 0;
   bool closes_ = false, holds_ = false;
   Springs springs_ = Springs::shape;
+};
+/// The same for a hand that wraps: it curls, then the force rises to what was asked for; when the fingers rest, it holds.
+class WrapFirmware {
+ public:
+  static constexpr double curls = 1, rise = 4;         // [1/s], [N/s]
+  static constexpr double still = 0.05, steady = 0.2;  // [rad/s], [s]
+
+  HandGoal step(const GripperCommand& c, const State<N>& measured, double dt) {
+    if (c.count != 0 && c.count != count_) {
+      count_ = c.count;
+      goal_ = c.goal;
+    }
+    const bool closes = count_ > 0 && goal_.opening < hand_range.opening / 2;
+    double fastest = 0;
+    for (std::size_t i = 0; i < N; ++i) fastest = std::max(fastest, std::abs(measured.dq[i]));
+    rests_for_ = fastest < still ? rests_for_ + dt : 0;
+    const bool rests = rests_for_ > steady;
+    curl_ = std::clamp(curl_ + (closes ? curls : -curls) * dt, 0.0, 1.0);
+    pressing_ = closes && curl_ == 1;
+    const double to = pressing_ ? goal_.force : 0;
+    internal_ += std::clamp(to - internal_, -rise * dt, rise * dt);
+    const bool holds = pressing_ && internal_ == to && (rests || state_.holding);
+    state_ = {measured.time, 0, internal_, true, closes && !holds, holds, true, GripperError::none, 0};
+    return {.internal = internal_, .curl = curl_};
+  }
+  [[nodiscard]] const GripperState& state() const { return state_; }
+
+ private:
+  GripperGoal goal_{hand_range.opening, 1, 0.05};
+  GripperState state_{};
+  double internal_ = 0, curl_ = 0, rests_for_ = 0;
+  std::uint32_t count_ = 0;
+  bool pressing_ = false;
+};
+
+/// A cycle with its memory.
+template <class Internal>
+struct Running {
+  using Scene = SceneOf<Internal>;
+  Scene cycle;
+  std::unique_ptr<typename Scene::Memory> memory = std::make_unique<typename Scene::Memory>();
+
+  Running(const Grasp& grasp, const Internal& internal, const State<N>& measured)
+      : cycle(make_cycle(grasp, internal)) {
+    cycle.start(*memory, measured);
+  }
+  auto step(const State<N>& measured, const HandGoal& goal) {
+    typename Scene::Input input;
+    input.now = measured.time;
+    input.measured = measured;
+    input.has_goal = true;
+    input.goal = goal;
+    return cycle.step(*memory, input);
+  }
 };
 }  // namespace
 
@@ -411,20 +502,19 @@ struct Hand::Parts {
   Grasp grasp;
   Fingers model = allegro::hand(side);
   std::array<Point, 4> tips = tips_in_links();
-  Scene cycle;
-  std::unique_ptr<Scene::Memory> memory;
+  std::variant<Running<OfTips>, Running<OfPhalanges>> running;
   Firmware firmware;
+  WrapFirmware wrap;
   Status status;
   Nanoseconds last{};
 
+  using Either = decltype(running);
   Parts(const Grasp& g, const State<N>& measured)
       : grasp(g),
-        cycle(make_cycle(g)),
-        memory(std::make_unique<Scene::Memory>()),
-        firmware(cycle.law().line().size.back()) {
-    cycle.start(*memory, measured);
-    last = measured.time;
-  }
+        running(g.wraps ? Either(std::in_place_index<1>, g, OfPhalanges(middles(model), pressing), measured)
+                        : Either(std::in_place_index<0>, g, OfTips(tips, pressing, g.takes_part), measured)),
+        firmware(line_of(model, g).size.back()),
+        last(measured.time) {}
 };
 
 Hand::Hand(const Grasp& grasp, const State<N>& measured) : parts_(std::make_unique<Parts>(grasp, measured)) {}
@@ -433,32 +523,36 @@ Hand::Hand(Hand&&) noexcept = default;
 
 JointTorque<N> Hand::step(const Input& in) {
   Parts& p = *parts_;
-  double force = 0, fingers = 0, least = 1e3;
-  auto touch = in.tips;
-  std::nth_element(touch.begin(), touch.begin() + 1, touch.end(), std::greater<>());
-  for (std::size_t f = 0; f < 4; ++f) {
-    const double w = p.grasp.takes_part[f];
-    force += w * in.tips[f], fingers += w;
-    if (w > 0) least = std::min(least, in.tips[f]);
-  }
-  const double size = size_of(stance(p.model, p.tips, in.measured.q).tip, p.grasp.takes_part);
   const double dt = seconds<double>(in.measured.time - p.last);
   p.last = in.measured.time;
-  typename Scene::Input input;
-  input.now = in.measured.time;
-  input.measured = in.measured;
-  input.has_goal = true;
-  input.goal.internal = in.led
-                            ? p.firmware.led(size, force / fingers, touch[1], in.measured.time, dt)
-                            : p.firmware.step(in.command, size, force / fingers, least, in.measured.time, dt);
-  input.goal.springs = p.firmware.springs();
-  input.goal.gravity = in.gravity;
-  const auto out = p.cycle.step(*p.memory, input);
-  p.status = out.status;
-  return out.command.valid ? out.command.torque : JointTorque<N>{};
+  HandGoal goal{.gravity = in.gravity};
+  if (p.grasp.wraps) {
+    goal = p.wrap.step(in.command, in.measured, dt);
+    goal.gravity = in.gravity;
+  } else {
+    double force = 0, fingers = 0, least = 1e3;
+    auto touch = in.tips;
+    std::nth_element(touch.begin(), touch.begin() + 1, touch.end(), std::greater<>());
+    for (std::size_t f = 0; f < 4; ++f) {
+      const double w = p.grasp.takes_part[f];
+      force += w * in.tips[f], fingers += w;
+      if (w > 0) least = std::min(least, in.tips[f]);
+    }
+    const double size = size_of(stance(p.model, p.tips, in.measured.q).tip, p.grasp.takes_part);
+    goal.internal = in.led ? p.firmware.led(size, force / fingers, touch[1], in.measured.time, dt)
+                           : p.firmware.step(in.command, size, force / fingers, least, in.measured.time, dt);
+    goal.springs = p.firmware.springs();
+  }
+  return std::visit(
+      [&](auto& r) {
+        const auto out = r.step(in.measured, goal);
+        p.status = out.status;
+        return out.command.valid ? out.command.torque : JointTorque<N>{};
+      },
+      p.running);
 }
 const GripperState& Hand::state() const {
-  return parts_->firmware.state();
+  return parts_->grasp.wraps ? parts_->wrap.state() : parts_->firmware.state();
 }
 Status Hand::status() const {
   return parts_->status;

@@ -25,6 +25,10 @@ struct Grasp {
   std::array<skinctl::Xyz<double>, 4> away{}, beside{};
   std::array<double, hand_joints> posture{};  ///< of the fingers that take no part [rad]
   double least = 0.03, most = 0.067;          ///< ... and `far` goes from the closed to the open grasp [m]
+  /// All phalanges take part instead: from `posture`, the open hand, the joints go towards `curled`, each until its finger
+  /// touches what lies in the palm; then they press on it from all sides. `centre` is its middle.
+  bool wraps = false;
+  std::array<double, hand_joints> curled{};  ///< [rad]
 };
 /// Index, ring and thumb around a ball, a third of a circle apart, the palm above it.
 [[nodiscard]] Grasp around_a_ball();

@@ -61,6 +61,7 @@ int show_grasps(std::uint64_t seed, const std::string& page) {
   std::vector<GraspFigures> figures;
   for (const auto& t : trials) figures.push_back(try_grasp(t, {.seed = seed}));
   std::fputs(summary(figures).c_str(), stdout);
+  std::fputs(compare_wrapped(seed).c_str(), stdout);
   if (!page.empty() && !plotting::write_svg(page, picture(trials, figures))) return code(Exit::refused);
   const bool held = std::all_of(figures.begin(), figures.end(), [](const auto& f) { return f.held; });
   return code(held ? Exit::fine : Exit::broken);

@@ -189,6 +189,7 @@ struct World::Bodies {
     std::array<int, 16> finger_q{}, finger_v{};
     skinctl::JointTorque<16> torque, next_torque;
     std::array<double, 4> true_tips{};
+    Phalanges phalanges;
     std::array<double, 4> tips{};                                // readings
     Xyz<double> grasps{0, 0, finger_reach};                      // the point between the fingers, in the palm
     std::array<double, 6> inertia{};                             // of each joint, at home
@@ -218,6 +219,7 @@ struct World::Bodies {
   std::array<Slot, arms * slots> slot;
   std::vector<int> owner;          // of each geom: parts * arm + (1 on: fingertip), or -1
   std::vector<int> orange_of;      // of each geom, or -1
+  std::vector<int> link_of;        // of each body: the link of a hand's finger, or -1
   int thing_q = -1, thing_v = -1;  // addresses
   std::array<double, 7> thing_rests{5, 1, 1, 1, 0, 0, 0};
   bool thing_held = true;                                  // by a person
@@ -319,6 +321,12 @@ struct World::Bodies {
     model->geom_solref[2 * geom + 1] = -2 * std::sqrt(stiff);
   }
   void find_hand(Arm& m, std::size_t a, const HandBody& hand) {
+    link_of.resize(static_cast<std::size_t>(model->nbody), -1);
+    for (std::size_t i = 0; i < 16; ++i) {
+      link_of[static_cast<std::size_t>(id(mjOBJ_BODY, name("knuckle", a, i)))] = static_cast<int>(i);
+      if (i % 4 == 3)
+        link_of[static_cast<std::size_t>(id(mjOBJ_BODY, name("tip", a, i / 4)))] = static_cast<int>(i);
+    }
     for (std::size_t i = 0; i < 16; ++i) {
       const int joint = id(mjOBJ_JOINT, name("finger", a, i));
       m.finger_q[i] = model->jnt_qposadr[joint];
@@ -419,6 +427,7 @@ struct World::Bodies {
   /// Forces of the fingers, and who touches whom.
   void look_at_contacts() {
     std::array<std::array<double, parts>, arms> force{};
+    for (Arm& m : arm) m.phalanges = {};
     std::array<bool, arms> walls{}, other{}, blocked{};
     std::array<double, arms> into_other{}, into_obstacle{};  // how fast, 0 for an arm that is moved into
     for (int c = 0; c < data->ncon; ++c) {
@@ -450,6 +459,7 @@ struct World::Bodies {
         walls[a] = true;
         continue;
       }
+      if (orange == the_thing) feel(arm[a], c, model->geom_bodyid[o1 >= 0 ? g1 : g2]);
       if (part > 0) {
         double f[6];
         mj_contactForce(model, data, c, f);
@@ -486,6 +496,12 @@ struct World::Bodies {
       m.tip_velocity = tip;
     }
     meets_other = other, meets_obstacle = blocked;
+  }
+  void feel(Arm& m, int c, int body) {
+    double f[6];
+    mj_contactForce(model, data, c, f);
+    const int link = link_of.empty() ? -1 : link_of[static_cast<std::size_t>(body)];
+    (link < 0 ? m.phalanges.palm : m.phalanges.links[static_cast<std::size_t>(link)]) += f[0];
   }
   /// An orange on the table, or in the box, that fingers hold.
   void set_down(int c, const mjContact& contact) {
@@ -668,6 +684,14 @@ void World::put_thing(const skinctl::Transform<skinctl::World, skinctl::Tool>& X
   b.thing_rests = {p.x, p.y, p.z, q[0], q[1], q[2], q[3]};
   b.thing_held = true;
   b.freeze();
+}
+void World::pull_thing(const Xyz<double>& force) {
+  Bodies& b = *b_;
+  double* f = b.data->xfrc_applied + 6 * b.id(mjOBJ_BODY, "thing");
+  f[0] = force.x, f[1] = force.y, f[2] = force.z;
+}
+const World::Phalanges& World::phalanges(std::size_t arm) const {
+  return b_->arm[arm].phalanges;
 }
 void World::let_go_of_thing() {
   b_->thing_held = false;

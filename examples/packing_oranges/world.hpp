@@ -100,6 +100,14 @@ class World {
   /// The thing is there, and a person holds it; or lets go of it.
   void put_thing(const skinctl::Transform<skinctl::World, skinctl::Tool>& X);
   void let_go_of_thing();
+  /// From now on this force [N, the World's axes] pulls at its middle.
+  void pull_thing(const skinctl::Xyz<double>& force);
+  /// The forces with which the phalanges of a hand press on things, and its palm [N].
+  struct Phalanges {
+    std::array<double, 16> links{};
+    double palm = 0;
+  };
+  [[nodiscard]] const Phalanges& phalanges(std::size_t arm) const;
   [[nodiscard]] skinctl::Transform<skinctl::World, skinctl::Tool> thing() const;
   /// The palm of a hand, or of a gripper.
   [[nodiscard]] skinctl::Transform<skinctl::World, skinctl::Tool> palm(std::size_t arm) const;

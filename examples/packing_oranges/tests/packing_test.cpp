@@ -152,6 +152,19 @@ TEST_CASE("Hand: a bottle and a plate are held while they are shaken and turned 
   }
 }
 
+TEST_CASE(
+    "Hand: a bottle that is wrapped is pressed by many phalanges, and harder to pull out along it than from "
+    "fingertips") {
+  const GraspTrial tips = three_grasps()[1], wrapped = wrapped_bottle();
+  const GraspFigures f = try_grasp(wrapped, {.until = 12.5});
+  CHECK(f.held);
+  CHECK(f.touch >= 6);
+  CHECK(f.shaken_off < 0.012);
+  CHECK(f.most_torque < 0.3);
+  const GraspSettings along{.until = 12, .pull = {0, 1, 0}};
+  CHECK(try_grasp(wrapped, along).pulled > 1.5 * try_grasp(tips, along).pulled);
+}
+
 TEST_CASE("packing_oranges: what slips is lost for the plan, which goes back and looks again") {
   RunSettings s = few(3);
   s.fault = Fault::slip;
