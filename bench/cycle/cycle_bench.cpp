@@ -52,15 +52,17 @@ auto resolver() {
   c.virtual_damping = T(6);
   return Resolver<Interface::position, ur5::Model, T>(ur5::Model{}, c);
 }
-/// Runs cycles; each gets as many samples as send-on-delta lets through: 13 % of 250 a second and cell.
+/// As many samples a cycle as send-on-delta lets through: 13 % of 250 a second and cell.
+constexpr std::size_t usual_samples(std::size_t cells) {
+  return cells * 65 / 1000;
+}
 template <class T, class Scene>
-void run(benchmark::State& state, const Scene& scene, std::size_t cells) {
+void run(benchmark::State& state, const Scene& scene, std::size_t cells, std::size_t per_cycle) {
   auto memory = std::make_unique<typename Scene::Memory>();
   State<6, T> measured;
   measured.q = JointPosition<6, T>{T(0), T(-1.2), T(1.4), T(-1.8), T(-1.57), T(0.3)};
   bench::prepared([&] { scene.start(*memory, measured); });
   oracle::Random random(1);
-  const std::size_t per_cycle = cells * 65 / 1000;
   std::vector<CellSample> samples(64 * per_cycle + 1);
   for (auto& s : samples) {
     s.cell = 1 + static_cast<std::uint32_t>(random.index(static_cast<int>(cells) + 1));
@@ -125,18 +127,21 @@ template <class T>
 void skinctl_rows() {
   const std::string end = std::string("/skinctl/") + bench::scalar_name<T>;
   const auto with = [&]<std::size_t Cells>(std::integral_constant<std::size_t, Cells>) {
-    benchmark::RegisterBenchmark(
-        ("cycle/evaluation/ur5-" + std::to_string(Cells) + end).c_str(), [](benchmark::State& s) {
-          SkinSettings skin;
-          skin.max_age = 10s;
-          run<T>(s, bench::prepared([&] {
-                   return Cycle(resolver<T>(), ur5_skin<Cells, T>({}, skin), law<T>());
-                 }),
-                 Cells);
-        });
+    for (const std::size_t samples : {usual_samples(Cells), std::size_t(0)})
+      benchmark::RegisterBenchmark(
+          ("cycle/evaluation/ur5-" + std::to_string(Cells) + (samples == 0 ? "-no-sample" : "") + end)
+              .c_str(),
+          [samples](benchmark::State& s) {
+            SkinSettings skin;
+            skin.max_age = 10s;
+            run<T>(s, bench::prepared([&] {
+                     return Cycle(resolver<T>(), ur5_skin<Cells, T>({}, skin), law<T>());
+                   }),
+                   Cells, samples);
+          });
   };
   benchmark::RegisterBenchmark(("cycle/evaluation/ur5" + end).c_str(), [](benchmark::State& s) {
-    run<T>(s, bench::prepared([] { return Cycle(resolver<T>(), law<T>()); }), 0);
+    run<T>(s, bench::prepared([] { return Cycle(resolver<T>(), law<T>()); }), 0, 0);
   });
   with(std::integral_constant<std::size_t, 260>{});
   with(std::integral_constant<std::size_t, 1260>{});
