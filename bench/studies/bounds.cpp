@@ -2,9 +2,9 @@
 //
 // For every state of a robot (all joint angles; rates within 3 rad/s, accelerations within 3 rad/s^2, or V and A) a bracket of
 // the largest error of each quantity, in float and in double: the worst that a search has found, and what is
-// proven by interval adjoints over boxes of the joint angles, which are split where the bound is worst. Poses in
+// proven by interval adjoints over boxes of the joint angles and velocities, which are split where the bound is worst. Poses in
 // their unit and in metres, torques in N m; forward dynamics as the torque that would explain the error of the
-// acceleration. A quantity ends when its proven error is `goal` times the found one, or when its time is over.
+// acceleration. The quantity that is farthest off its goal, which is a ratio of proven to found, has the processor.
 // A cycle is bounded at single states (`Bound`), with the configuration as the program holds it.
 #include <cstdio>
 #include <cstdlib>
