@@ -175,7 +175,7 @@ class HandLaw : public Composable {
   static constexpr LawRole role = LawRole::reactive;
   static constexpr std::size_t gravity_laws = 1;  // it holds the fingers' weight
   struct Memory {
-    Internal::Memory internal;
+    typename Internal::Memory internal;
     Point gravity{9.81, 0, 0};
     JointPosition<N> off;  ///< of the springs' rest from the grasp's posture [rad]
     Springs springs = Springs::shape;
