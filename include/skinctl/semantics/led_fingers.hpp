@@ -1,6 +1,12 @@
 // How the fingers of a hand were led: how they stood before they were closed, around an object, and after it was let go.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <vector>
+
 #include "skinctl/core/joint.hpp"
 #include "skinctl/semantics/bit.hpp"
 #include "skinctl/semantics/demonstration.hpp"
