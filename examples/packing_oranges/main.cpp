@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "examples/packing_oranges/grasps.hpp"
@@ -215,6 +217,8 @@ int main(int argc, char** argv) {
   try {
     if (grasps) return show_grasps(s.seed, page);
     s.fault = fault_named(fault);
+    if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
+      throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
     if (taught_lessons > 0 && gripper == "hand") return lessons_by_hand(taught_lessons, s, onto, quiet);
     if (taught_lessons > 0) return lessons(taught_lessons, s.seed);
     if (faults) {

@@ -343,5 +343,6 @@ TEST_CASE("packing_oranges: the program reports, and says what is wrong with its
   run("--oranges 0", 2);
   run("--robot kuka", 2);
   run("--fault rain", 2);
+  run("--oranges 1 --onto", 2);
   CHECK(skinctl::to_dot(pack_oranges).find("go_back") != std::string::npos);
 }
