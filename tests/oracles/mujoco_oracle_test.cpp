@@ -1,3 +1,4 @@
+// not sanitized: it compares the definition and other libraries; nothing of skinctl runs
 #include "tests/support/mujoco_oracle.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// not sanitized: it compares the definition and other libraries; nothing of skinctl runs
 #include <doctest/doctest.h>
 
 #include "tests/oracles/agreement.hpp"
