@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every header but those of io/, which need a parser, compiles alone. INCLUDE: the folder of skinctl/. SCRATCH: for precompiled
+# Every header but those of io/, which need a parser, compiles alone, and all of them in one file: no two give a name to two things. INCLUDE: the folder of skinctl/. SCRATCH: for precompiled
 # headers. COMMAND...: compiler and flags.
 #
 # What headers include is most of their cost, and much of it is the same. What goes before a header proves it as well as nothing does
@@ -101,5 +101,9 @@ for k in "${!bases[@]}"; do echo "${bases[k]} $((k + 1))"; done |
   xargs -P "${SKINCTL_JOBS:-2}" -I{} bash -c "precompile {} $command ${instantiated[*]-}"
 status=0
 xargs -P "${SKINCTL_JOBS:-2}" -I{} bash -c "check {} $command" <"$scratch/chains" || status=1
+if ! sed 's/.*/#include "&"/' "$scratch/all" | "$@" -I. -fsyntax-only -x c++ -; then
+  echo "not all in one file"
+  status=1
+fi
 echo "$(wc -l <"$scratch/all") headers in $(wc -l <"$scratch/chains") chains, above ${#bases[@]} bases"
 exit $status

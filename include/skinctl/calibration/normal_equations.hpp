@@ -85,7 +85,7 @@ class CostOnly {
 };
 
 /// A covariance of what the data show, and the directions that they do not.
-struct Observed {
+struct Observability {
   Eigen::MatrixXd covariance;  ///< 0 along the unseen directions
   Eigen::MatrixXd unseen;      ///< unit columns, of unknowns in units of their scale; the least known first
   Eigen::VectorXd deviation;   ///< of these, in units of their scale; infinite: not at all
@@ -131,7 +131,7 @@ class DenseNormal {
 
   /// The inverse, apart from directions worse known than `limit` times the unknowns' `scale`. These are left out
   /// of it: what is a gauge is not known badly, it is a choice.
-  [[nodiscard]] Observed observed(const Eigen::VectorXd& scale, double limit) const {
+  [[nodiscard]] Observability observed(const Eigen::VectorXd& scale, double limit) const {
     const Eigen::Index n = H_.rows();
     Eigen::MatrixXd A = H_;
     for (Eigen::Index j = 0; j < n; ++j)
@@ -148,7 +148,7 @@ class DenseNormal {
       }
       for (Eigen::Index i = 0; i < n; ++i) seen(i, k) = scale(i) * eigen.vectors(i, k) / std::sqrt(value);
     }
-    Observed out;
+    Observability out;
     out.covariance = seen * seen.transpose();
     out.unseen.resize(n, Eigen::Index(unseen.size()));
     out.deviation.resize(Eigen::Index(unseen.size()));

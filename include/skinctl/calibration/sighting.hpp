@@ -148,7 +148,7 @@ struct SightingProblem {
   Eigen::VectorXd scale(problem.unknowns());
   for (int i = 0; i < scale.size(); i += 6)
     scale.segment<6>(i) << Eigen::Vector3d::Constant(s.place_limit), Eigen::Vector3d::Constant(s.turn_limit);
-  const Observed known = best.normal.observed(scale, 1);
+  const Observability known = best.normal.observed(scale, 1);
   const auto report = [&](std::size_t i, const std::string& name, std::size_t agreeing) {
     EstimateOf<FitPose, 6> e;
     e.value = best.state[i];

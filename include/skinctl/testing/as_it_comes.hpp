@@ -87,14 +87,14 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   Joints joints(c.interface == Interface::position ? Joints::Kind::position : Joints::Kind::velocity, truth,
                 start, c.seed);
   AsItComesWorld world(c, start);
-  joints.external(world.torque(detail::TruePoses(start), {}));
+  joints.external(world.torque(TruePoses(start), {}));
   constexpr double settled = 5;
   joints.advance(settled);  // under its load
   const auto q0 = joints.q();
   // What explains that a joint which nobody touches moves: gap, droop, friction and encoder, and what its servo
   // makes of a step by its gap.
   std::array<double, 6> slack{}, rest = q0, led = q0, alone_to = q0;
-  const auto load = world.torque(detail::TruePoses(q0), {});
+  const auto load = world.torque(TruePoses(q0), {});
   for (std::size_t i = 0; i < 6; ++i) {
     slack[i] = std::abs(truth.gap[i]) + (std::abs(load[i]) + truth.stiction[i]) / truth.stiffness[i] +
                2 * truth.resolution + 8 * truth.noise + 1e-3;
@@ -132,7 +132,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     const bool fast = c.scene == AsItComesScene::blocked && t > 12 && t < 13.5;
     for (std::size_t i = 0; i < 6; ++i) joints.hold_fast(i, fast);
     joints.advance(settled + t);
-    const detail::TruePoses poses(joints.q());
+    const TruePoses poses(joints.q());
     if (ms == static_cast<int>(1000 * (to_goals ? world.faster : world.begins))) world.take_hold(poses);
     forces = world.forces(poses, t);
     joints.external(world.torque(poses, forces));

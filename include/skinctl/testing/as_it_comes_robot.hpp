@@ -80,7 +80,6 @@ struct AsItComes {
   }
 };
 
-namespace detail {
 /// A cell of the skin: its id and its place on its link.
 struct AsItComesCell {
   std::uint32_t id = 0;
@@ -155,7 +154,6 @@ std::array<AsItComesCell, 2> opposite_cells(const TruePoses& poses, std::size_t 
   }
   return {first, second};
 }
-}  // namespace detail
 
 /// The forces of a case's hand and wall at its two cells.
 class AsItComesWorld {
@@ -165,17 +163,17 @@ class AsItComesWorld {
   static constexpr double newtons = 20;  ///< of the sum of a cell's three readings
 
   AsItComesWorld(const AsItComes& c, const std::array<double, 6>& q)
-      : c_(c), cells_(detail::opposite_cells<cells_of_skin>(detail::TruePoses(q), c.link, c.place)) {
-    take_hold(detail::TruePoses(q));
+      : c_(c), cells_(opposite_cells<cells_of_skin>(TruePoses(q), c.link, c.place)) {
+    take_hold(TruePoses(q));
   }
   /// Hand and wall are where the cells are now.
-  void take_hold(const detail::TruePoses& poses) {
+  void take_hold(const TruePoses& poses) {
     u_ = -poses.direction(c_.link, cells_[0].n);
     for (std::size_t k = 0; k < 2; ++k) place_[k] = poses.point(c_.link, cells_[k].p);
   }
-  [[nodiscard]] const detail::AsItComesCell& cell(std::size_t k) const { return cells_[k]; }
+  [[nodiscard]] const AsItComesCell& cell(std::size_t k) const { return cells_[k]; }
   /// On both cells [N] at time `t` [s]; the first is pushed along u, the second against it.
-  [[nodiscard]] std::array<double, 2> forces(const detail::TruePoses& poses, double t) const {
+  [[nodiscard]] std::array<double, 2> forces(const TruePoses& poses, double t) const {
     if (c_.scene == AsItComesScene::untouched || t < begins || t > leaves) return {};
     const double in_first = dot(place_[0] - poses.point(c_.link, cells_[0].p), u_),
                  in_second = dot(poses.point(c_.link, cells_[1].p) - place_[1], u_);
@@ -197,7 +195,7 @@ class AsItComesWorld {
     const double loose = 0.003, fade = std::min(1.0, 4 * (leaves - t));  // the hand holds it loosely
     return {fade * push(c_.hand, in_first + s - loose), fade * push(c_.hand, in_second - s - loose) + wall};
   }
-  [[nodiscard]] std::array<double, 6> torque(const detail::TruePoses& poses,
+  [[nodiscard]] std::array<double, 6> torque(const TruePoses& poses,
                                              const std::array<double, 2>& forces) const {
     std::array<double, 6> tau{};
     for (std::size_t k = 0; k < 2; ++k)
@@ -210,7 +208,7 @@ class AsItComesWorld {
 
  private:
   const AsItComes& c_;
-  std::array<detail::AsItComesCell, 2> cells_;
+  std::array<AsItComesCell, 2> cells_;
   Xyz<double> u_, place_[2];
 };
 

@@ -26,7 +26,7 @@ inline constexpr bool has_taker = requires(Request& r) { r.goals.template of<G>(
 
 inline const ur5::Model skilled_model;
 template <class T>
-using SkinTouch = LinkWrenches<ur5::Model, 0b110110, T>;
+using ArmTouch = LinkWrenches<ur5::Model, 0b110110, T>;
 
 /// Friction of the arm that carries the torque: B = decay M [1/s].
 inline constexpr double skilled_decay = 6;
@@ -73,7 +73,7 @@ auto skilled_arm(const T& dt, const SkillSettings& settings = {}) {
 template <class Set, class T>
 class SkilledRun {
  public:
-  using KnownTo = Quantities<ur5::Model, Set::needs, T, SkinTouch<T>>;
+  using KnownTo = Quantities<ur5::Model, Set::needs, T, ArmTouch<T>>;
   using Goal = typename Set::Goal;
 
   SkilledRun(const Set& set, const T& dt, std::uint64_t seed) : set_(set), dt_(dt), random_(seeded(seed)) {
@@ -170,7 +170,7 @@ class SkilledRun {
   T dt_;
   Random random_;
   State<6, T> state_;
-  SkinTouch<T> touch_, wanted_;
+  ArmTouch<T> touch_, wanted_;
   T rise_ = T(0);
   bool lasts_ = false, held_ = false;
   typename Set::Memory memory_;
