@@ -64,8 +64,8 @@ class Program {
     // The recursion of M begins at the tips, the others at the base.
     const bool from_tips = solves || Q == Quantity::mass;
     if constexpr (solves) {
-      for (std::size_t i = 2; i < x.size(); i += 3)
-        x[i] *= R(0.99);  // so that no acceleration leaves its range
+      // So that no acceleration leaves its range, by other torques or, in float, by its own error.
+      for (std::size_t i = 2; i < x.size(); i += 3) x[i] *= R(0.9);
       out.inputs = with_torques(model(), x.data());
       JointPosition<joints, R> q;
       for (std::size_t i = 0; i < joints; ++i) q[i] = x[3 * i];
