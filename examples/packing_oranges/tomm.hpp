@@ -151,6 +151,43 @@ struct Arm {
     c.exposed = {0, 1, 2, 3, 4, 5, 6};
     return c;
   }
+  /// The same, and what an arm that gives way keeps clear of by itself: its own links, the table, the walls of the trays.
+  static skinctl::ClearanceAround<near_most> clearance_at_work() {
+    using namespace skinctl;
+    auto c = clearance();
+    auto& own = c.own.capsules;
+    const auto add = [&](std::size_t link, const Capsule<>& shape) {
+      own.push_back({link, shape});
+      return own.size() - 1;
+    };
+    const auto meet = [&](std::initializer_list<std::size_t> parts, std::size_t with) {
+      for (const std::size_t part : parts) c.own.pairs.push_back({part, with});
+    };
+    const auto ground = [&](double z) {
+      return add(LinkCapsule::fixed, {{0, 0, z - 100}, {0, 0, z - 100}, 100});
+    };
+    meet({2, 4, 5, 6}, 0), meet({4, 5, 6}, 1);
+    // Only the hand goes down between the walls, with its fingers as far apart as they go.
+    constexpr double palm = R::flange + 0.03, tips = R::flange + reach_of_gripper;
+    meet({2, 3, 4, 5}, ground(box_tray.wall));
+    const auto finger = [&](double y, double more, double radius) {
+      return add(5, {{0, y, palm}, {0, y, tips + more}, radius});
+    };
+    const std::size_t left = finger(0.05, 0.01, 0.015), right = finger(-0.05, 0.01, 0.015);
+    meet({finger(0.06, 0, 0.004), finger(-0.06, 0, 0.004)}, ground(0));
+    const auto X_BW = base(0).inverse();  // the other arm has its trays at the same places
+    const auto edge = [&](const Tray& t, double x0, double y0, double x1, double y1) {
+      constexpr double half = 0.004;  // of the wall
+      const auto at = [&](double x, double y) {
+        return X_BW.origin() + X_BW.axes() * Xyz<double>{t.x + x * (t.half_x + half),
+                                                         t.y + y * (t.half_y + half), t.wall - half};
+      };
+      meet({left, right}, add(LinkCapsule::fixed, {at(x0, y0), at(x1, y1), half}));
+    };
+    for (const Tray& t : {box_tray, bin_tray(0), bin_tray(1)})
+      edge(t, -1, -1, 1, -1), edge(t, 1, -1, 1, 1), edge(t, 1, 1, -1, 1), edge(t, -1, 1, -1, -1);
+    return c;
+  }
   /// Where the links are in the world; and their shapes, and the hand's.
   using LinkPlaces = std::array<skinctl::Transform<skinctl::World, skinctl::Tool>, 6>;
   static LinkPlaces link_places(std::size_t arm, const skinctl::JointPosition<6>& q) {
@@ -229,12 +266,7 @@ struct Arm {
   static auto scene() {
     using namespace skinctl;
     const auto arm = robot();
-    auto clear = clearance();
-    // The fingers and the table, where something pushes the arm down.
-    clear.own.capsules.push_back(
-        {5, {{0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.004}});
-    clear.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});
-    clear.own.pairs = {{7, 8}};
+    const auto clear = clearance_at_work();
     auto o = operational_settings(arm);
     o.tracking.lambda = 40;
     o.tracking.K_c = 6;  // an arm that was pushed aside comes back at 6 times the way in a second

@@ -267,28 +267,24 @@ class Worker {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
     judging_ = false;
   }
-  /// While something unknown is near, the arm gives way with what is in the hand: up, then with all joints. Then it
-  /// returns by way of the last joints at which its hand was high, and goes on with its part. Whether this cycle is taken
-  /// by that.
+  /// While something unknown is near, the arm gives way with all joints and what is in the hand. No goal holds it: a law's
+  /// plan waits while the skin pushes against it. Then it returns by way of the last joints at which its hand was high, and
+  /// goes on with its part. Whether this cycle is taken by that.
   bool gives_way(const skinctl::JointPosition<6>& q) {
     using namespace skinctl;
-    const bool low = X_WH_.origin().z < s_.carry - 0.05;
     const auto told = Set::report_of(memory_->law, ticket_);
     const bool done = told.ticket == ticket_ && told.phase != SkillPhase::running;
     if (now_ - seen_at_ < 300ms) {
       if (way_back_ == WayBack::none) from_ = X_WH_.origin();
-      if (!gives_way_) ++gave_way_;
-      if (!gives_way_ || (rises_ && (done || !low))) {
-        rises_ = low && !gives_way_;
+      if (!gives_way_) {
+        ++gave_way_;
         // Fingers that are around an orange close and take it along: it is back in its place when the arm is.
         const bool holds = features_.in_hand || plan_.step == step::take;
-        Part away{Set::start_skill(rises_ ? Set::template index<behaviour::Putting>()
-                                          : Set::template index<behaviour::GiveWay>()),
-                  rises_, at(X_WH_.origin(), s_.carry)};
-        auto& grip = away.request.goals.template of<GripperGoal>();
+        Goal away = Set::start_skill(Set::template index<behaviour::GiveWay>());
+        auto& grip = away.goals.template of<GripperGoal>();
         grip.has = true;
         grip.goal = holds ? GripperGoal{0, s_.hold, 0.02} : GripperGoal{gripper_range.opening, 5, 0.15};
-        ask(away);
+        send(away);
       }
       gives_way_ = true;
       way_back_ = WayBack::up;
@@ -512,7 +508,7 @@ class Worker {
   bool asked_ = false, answer_ = true, judging_ = false, kept_ = false, other_waits_ = false;
   RightOfWay way_;
   WayBack way_back_ = WayBack::none;
-  bool gives_way_ = false, rises_ = false, displaced_ = false;
+  bool gives_way_ = false, displaced_ = false;
   int gave_way_ = 0, set_right_ = 0, tries_ = 0;
   skinctl::JointPosition<6> high_ = A::home();
   skinctl::Xyz<double> from_{0, 0, 0};
