@@ -21,7 +21,7 @@ using R = Ur5;
 using A = Arm<R>;
 using Model = A::Model;
 
-constexpr double range = 0.2, cone = 25, reading_noise = 0.01;
+constexpr double range = sight_range;
 
 /// Skin all around each link and the hand, half spheres at the ends included: 498 cells a little larger than TUM's.
 template <std::size_t I>
@@ -134,81 +134,6 @@ std::array<Capsule<>, 7> parts(std::size_t arm, const JointPosition<6>& q) {
   return out;
 }
 
-/// What cells read of capsules: the nearest point that thirteen rays within the cone meet. They do not see their own arm
-/// and the table: `OwnView` takes these out, and has a test of its own.
-class Eyes {
- public:
-  Eyes(const std::vector<CellPlace>& places, std::uint64_t seed) : places_(places), random_(seed) {
-    samples_.resize(places.size());
-    for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].cell = static_cast<std::uint32_t>(i + 1);
-    rays_.push_back({0, 0, 1});
-    for (const double angle : {0.5 * cone, 1.0 * cone})
-      for (int k = 0; k < 6; ++k) {
-        const double a = angle * M_PI / 180, b = k * M_PI / 3;
-        rays_.push_back({std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)});
-      }
-  }
-  std::span<CellSample> look(Nanoseconds now, std::size_t arm, const JointPosition<6>& q,
-                             const std::array<Capsule<>, 7>& own, const std::vector<Capsule<>>& others) {
-    const auto poses = link_poses(Model{}, q);
-    const auto X_WB = A::base(arm);
-    const auto one = [&]<std::size_t I>(std::integral_constant<std::size_t, I>) {
-      const auto X = X_WB * poses.template get<I>();
-      for (std::size_t k = 0; k < 7; ++k) {
-        if ((k < 6 ? k : 5) != I) continue;
-        std::vector<Capsule<>> near;
-        for (const Capsule<>& c : others)
-          if (distance(own[k], c).distance < range) near.push_back(c);
-        std::size_t first = 0;
-        for (std::size_t j = 0; j < k; ++j) first += counts[j];
-        for (std::size_t i = first; i < first + counts[k]; ++i) {
-          samples_[i].time = now;
-          samples_[i].proximity = 0;
-          if (near.empty()) continue;  // noise alone is below the threshold
-          const Xyz<double> p = X.origin() + X.axes() * places_[i].place, n = X.axes() * places_[i].normal;
-          read(i, now, p, n, near);
-        }
-      }
-    };
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      (one(std::integral_constant<std::size_t, I>()), ...);
-    }(std::make_index_sequence<6>());
-    return samples_;
-  }
-
- private:
-  void read(std::size_t i, Nanoseconds now, const Xyz<double>& p, const Xyz<double>& n,
-            const std::vector<Capsule<>>& near) {
-    double least = range;
-    bool any = false;
-    for (const Capsule<>& c : near) any = any || distance(p, c) < range;
-    if (any) {
-      const Xyz<double> a = std::abs(n.x) < 0.5 ? Xyz<double>{1, 0, 0} : Xyz<double>{0, 1, 0};
-      const Xyz<double> b = cross(n, a), x = (1 / norm(b)) * b, y = cross(n, x);
-      for (const Xyz<double>& r : rays_) {
-        const Xyz<double> way = r.x * x + r.y * y + r.z * n;
-        for (const Capsule<>& c : near)
-          for (double t = 0; t < least;) {
-            const double d = distance(Xyz<double>(p + t * way), c);
-            if (d < 1e-3) {
-              least = t;
-              break;
-            }
-            t += d;
-          }
-      }
-    }
-    const double reading = 1 - least / range + reading_noise * normal_(random_);
-    samples_[i].time = now;
-    samples_[i].proximity = static_cast<float>(std::clamp(reading, 0.0, 1.0));
-  }
-  std::vector<CellPlace> places_;
-  std::vector<CellSample> samples_;
-  std::vector<Xyz<double>> rays_;
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_{0, 1};
-};
-
 /// One arm: goals, and what it does when it is kept from them.
 class Mover {
  public:
@@ -216,8 +141,10 @@ class Mover {
       : arm_(arm),
         scene_(scene),
         memory_(std::make_unique<Scene::Memory>()),
-        sight_(Model{}, scene.skin().places(), {.range = range, .half_angle = cone, .error = 0.01}),
-        eyes_(scene.skin().places(), seed) {
+        sight_(Model{}, scene.skin().places(), {.range = range, .half_angle = sight_cone, .error = 0.01}),
+        eyes_(scene.skin().places(), seed),
+        samples_(eyes_.cells().size()) {
+    for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].cell = static_cast<std::uint32_t>(i + 1);
     scene_.start(*memory_, measured);
     X_WH_ = A::base(arm_) * A::hand(measured.q);
     R_ = X_WH_.axes();
@@ -243,7 +170,7 @@ class Mover {
   template <class Filled>
   auto step(const State<6>& measured, const Filled* other, const std::array<Capsule<>, 7>& own,
             const std::vector<Capsule<>>& around, bool other_waits, bool pressed) {
-    const auto samples = eyes_.look(measured.time, arm_, measured.q, own, around);
+    const std::span samples = look(measured, around);
     const std::clock_t begun = std::clock();
     now_ = measured.time;
     X_WH_ = A::base(arm_) * A::hand(measured.q);
@@ -344,6 +271,14 @@ class Mover {
   }
 
  private:
+  std::span<CellSample> look(const State<6>& measured, const std::vector<Capsule<>>& around) {
+    const auto readings = eyes_.look(A::link_places(arm_, measured.q), around);
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      samples_[i].time = measured.time;
+      samples_[i].proximity = static_cast<float>(readings[i]);
+    }
+    return samples_;
+  }
   void ask(const Xyz<double>& to) {
     const double way = norm(Xyz<double>(to - X_WH_.origin()));
     const double time = std::max({0.3, std::sqrt(5.78 * way / 2.2), 1.875 * way / 0.8});
@@ -359,6 +294,7 @@ class Mover {
   std::unique_ptr<Scene::Memory> memory_;
   Sightings<Model> sight_;
   Eyes eyes_;
+  std::vector<CellSample> samples_;
   Scene::Input input_;
   Transform<skinctl::World, Tool> X_WH_;
   Rotation<double> R_;
