@@ -56,7 +56,7 @@ struct LinkFrame {
 
 namespace detail {
 /// CRC-32 (IEEE 802.3), by a table of 16 words: cells have little memory.
-[[nodiscard]] constexpr std::uint32_t crc32(std::span<const std::uint8_t> bytes) noexcept {
+[[nodiscard]] constexpr std::uint32_t crc32_of_frame(std::span<const std::uint8_t> bytes) noexcept {
   constexpr auto table = [] {
     std::array<std::uint32_t, 16> t{};
     for (std::uint32_t n = 0; n < 16; ++n) {
@@ -91,7 +91,7 @@ using FrameBytes = std::array<std::uint8_t, 24>;
   put(f.message.epoch, 4);
   put(f.message.a, 2), put(f.message.b, 2);
   for (const std::uint16_t n : f.message.neighbours) put(n, 2);
-  put(detail::crc32(std::span(out).first<20>()), 4);
+  put(detail::crc32_of_frame(std::span(out).first<20>()), 4);
   return out;
 }
 
@@ -116,7 +116,7 @@ using FrameBytes = std::array<std::uint8_t, 24>;
   f.message.epoch = take(4);
   f.message.a = std::uint16_t(take(2)), f.message.b = std::uint16_t(take(2));
   for (std::uint16_t& n : f.message.neighbours) n = std::uint16_t(take(2));
-  if (take(4) != detail::crc32(bytes.first<20>())) return {};
+  if (take(4) != detail::crc32_of_frame(bytes.first<20>())) return {};
   return f;
 }
 

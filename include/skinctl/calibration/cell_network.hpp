@@ -236,7 +236,7 @@ struct CellAtWork {
                 std::has_unique_object_representations_v<CellMemory>);
   std::array<std::uint8_t, sizeof(CellMemory)> bytes;
   std::memcpy(bytes.data(), &m, sizeof m);
-  return detail::crc32(bytes);
+  return detail::crc32_of_frame(bytes);
 }
 
 /// The memory of a cell that has lost it.

@@ -27,7 +27,7 @@ template <class W, class A>
 
 /// What a `LargeSkin` has to say to one cycle: small, whatever the number of its cells.
 template <class W>
-struct SkinReport {
+struct LargeSkinReport {
   using Total = LinkWrenches<typename W::model_type, W::links, double>;
   Nanoseconds from = Nanoseconds::min();  ///< end of the report before it
   Nanoseconds to = Nanoseconds::min();    ///< end of the time that it is about; `min`: of no time
@@ -62,7 +62,7 @@ class LargeSkin {
 
  public:
   using Wrenches = typename Cells::Wrenches;
-  using Report = SkinReport<Wrenches>;
+  using Report = LargeSkinReport<Wrenches>;
 
   /// Throws `ConfigurationError` for what `SkinOf` refuses, except numbers of cells and patches: of cells there
   /// may be as many as ids, 2^20.
@@ -122,7 +122,7 @@ class LargeSkinTouch : public sensor_sums::Summand {
   using scalar = T;
   using Wrenches = LinkWrenches<M, Links, T>;
   using Touch = TouchWrenches<Wrenches>;
-  using Sensed = SkinReport<Wrenches>;
+  using Sensed = LargeSkinReport<Wrenches>;
   static constexpr LinkMask links = Links;
   struct Memory {
     Nanoseconds to = Nanoseconds::min();  ///< end of the last report; `min`: nothing is felt
