@@ -281,7 +281,7 @@ template <std::size_t N, Real T, class... Parts>
   static_assert(sizeof...(Parts) > 0, "a governor without parts: leave it out of the cycle");
   detail::check_parts<Parts...>();
   return detail::with_parts(
-      [&]<class... P>(const P&... part) { return Governor<N, T, P...>(limits, part...); }, parts...);
+      [&]<class... P>(const P&... given) { return Governor<N, T, P...>(limits, given...); }, parts...);
 }
 
 SKINCTL_END_NAMESPACE

@@ -231,7 +231,7 @@ template <class Sets, std::size_t N, Real T, class... Parts>
 [[nodiscard]] auto make_group_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
   detail::check_parts<Parts...>();
   return detail::with_parts(
-      [&]<class... P>(const P&... part) { return GroupGovernor<Sets, N, T, P...>(limits, part...); },
+      [&]<class... P>(const P&... given) { return GroupGovernor<Sets, N, T, P...>(limits, given...); },
       parts...);
 }
 
