@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/command.hpp"
+#include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/limits/detail/parts.hpp"
 #include "skinctl/robot/joint_limits.hpp"
