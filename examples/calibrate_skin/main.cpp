@@ -9,7 +9,6 @@
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/support/job.hpp"
 #include "skinctl/core/contract.hpp"
-#include "skinctl/io/skin_file.hpp"
 
 namespace {
 
@@ -111,9 +110,8 @@ int run(int argc, char** argv) {
     return job::code(job::Exit::fine);
   }
   write_results(options);
-  const auto file = skinctl::read_skin_file((options.folder / "skin.json").string());
-  if (!truth.empty()) skinctl::write_skin_file(true_skin_file(file, world), truth);
-  options.say(folder + ": skin.json with " + std::to_string(file.cells()) +
+  if (!truth.empty()) write_truth(options.folder, world, truth);
+  options.say(folder + ": skin.json with " + std::to_string(cells_in(options.folder)) +
               " cells, model.urdf, dh.txt; report.html says what is not known, and what would show it");
   return job::code(job::Exit::fine);
 }

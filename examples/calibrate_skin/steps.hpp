@@ -59,6 +59,10 @@ void write_json(const fs::path& path, const Json& value);
 [[nodiscard]] skinctl::SkinFile skin_file_of(const Json& result);
 /// The same cells where they truly are: for judging only.
 [[nodiscard]] skinctl::SkinFile true_skin_file(skinctl::SkinFile found, const World& world);
+/// Writes that of the `skin.json` in `folder`.
+void write_truth(const fs::path& folder, const World& world, const std::string& path);
+/// How many cells the `skin.json` in `folder` has.
+[[nodiscard]] std::size_t cells_in(const fs::path& folder);
 
 /// `{p, q}`, and back.
 [[nodiscard]] Json json_of(const skinctl::FitPose& X);
