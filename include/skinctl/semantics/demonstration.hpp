@@ -48,8 +48,7 @@ struct DemonstrationSettings {
   Nanoseconds led = 300ms;    ///< after it was touched for this long in one go, since the last goal or switch
   double apart = 0.05;        ///< from the last goal [m]
   double near_object = 0.08;  ///< a goal nearer than this to an object is relative to it [m], ...
-  double at_rest =
-      0.01;  ///< ... if that was not seen to move by more than this while the robot was left alone [m]
+  double at_rest = 0.01;      ///< ... unless it moved by more than this while the robot was left alone [m]
   Bit<>::Settings touches{2, 1, 24ms, 24ms};  ///< of `pressed`: something is touched [N]
   double came = 0.03;                         ///< the way to it is that of its last so many metres [m]
   SpeedEstimate<>::Settings speed{};

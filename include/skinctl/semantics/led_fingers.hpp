@@ -34,10 +34,10 @@ struct TaughtFingers {
 
 /// Numbers of a `LedFingersReader`.
 struct LedFingersSettings {
-  Bit<>::Settings holds{0.5, 0.25, 16ms,
-                        32ms};  ///< of the force of the fingertip that touches second most [N]
-  double within = 0.02;         ///< joints that stay this near to where they were stand [rad], ...
-  Nanoseconds least = 200ms;    ///< ... after this long
+  /// Of the force of the fingertip that presses second most [N]: above it, the hand holds something.
+  Bit<>::Settings holds{0.5, 0.25, 16ms, 32ms};
+  double within = 0.02;       ///< fingers stand while no joint moves by more than this [rad], ...
+  Nanoseconds least = 200ms;  ///< ... for at least this long
 };
 
 /// Reads how fingers are led, cycle by cycle.
@@ -47,9 +47,9 @@ struct LedFingersSettings {
 ///   a button, and the two readers agree on when something was taken.
 /// - The fingers stand while no joint leaves `within` for `least`. Their posture is the median of that stretch, joint by
 ///   joint.
-/// - Taking ends with the first stand of the closed hand, with the median force of each fingertip; letting go with the
-///   first of the open one. What a hand does that never comes to a stand, closed, is not taught, and nothing is if it did
-///   not stand before.
+/// - Taking is taught by the first stand of the closed hand, with the median force of each fingertip; letting go by the
+///   first stand of the open hand. A hand that did not stand before it closed or opened, or does not stand afterwards,
+///   teaches nothing.
 ///
 /// It keeps the samples of a stretch: it allocates, and belongs beside the loop.
 template <std::size_t N, std::size_t F>
