@@ -26,6 +26,7 @@ using namespace skinctl::testing;
 namespace {
 
 constexpr int scenes = static_cast<int>(AsItComesScene::count);
+constexpr std::uint64_t further_twins = 4;  // of a case that is not as promised beside one
 
 struct Row {
   int cases = 0, moved = 0, early = 0, late = 0, goal = 0, away = 0, silent = 0, consents = 0;
@@ -144,16 +145,22 @@ int main(int argc, char** argv) {
   int by_reason[static_cast<int>(Reason::count)] = {};
   std::vector<double> ratios[scenes], forces[scenes], twin_forces[scenes];
   std::vector<std::string> bad;
-  int led_further = 0;
+  int led_further = 0, first_harder = 0, beside_too = 0;
   double most_alone = 0;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
     const AsItComes c(seed);
-    const auto r = run_as_it_comes(c, false), twin = run_as_it_comes(c, true);
+    const auto r = run_as_it_comes(c, false);
+    auto twin = run_as_it_comes(c, true);
+    const auto again = run_as_it_comes(started_aside(c, {}, 0.001, further_twins + 1), true);
+    twins.add(AsItComesVerdict(c, again, twin), again);
+    const AsItComesVerdict first_verdict(c, r, twin);
+    first_harder += first_verdict.late;
+    if (!first_verdict.good()) twin = worst_twin(c, twin, further_twins);
     const AsItComesVerdict v(c, r, twin);
+    beside_too += v.goal && twin.goal_error > 0.01;
     all.add(v, r);
     led_further += v.led_further;
     most_alone = std::max(most_alone, r.alone);
-    twins.add(AsItComesVerdict(c, twin, twin), twin);
     by_scene[static_cast<int>(c.scene)].add(v, r);
     for (std::size_t k = 0; k < std::size(causes); ++k)
       if (causes[k].in(c)) by_cause[k].add(v, r);
@@ -181,7 +188,7 @@ int main(int argc, char** argv) {
   head("scene");
   for (int k = 0; k < scenes; ++k) by_scene[k].print(as_it_comes_scenes[k]);
   all.print("all");
-  twins.print("their twins");
+  twins.print("their twins, 1 mrad aside");
   head("cause, alone or with others");
   for (std::size_t k = 0; k < std::size(causes); ++k) by_cause[k].print(causes[k].name);
   std::printf(
@@ -203,6 +210,11 @@ int main(int argc, char** argv) {
   for (int k = 0; k < static_cast<int>(Reason::count); ++k)
     if (by_reason[k] > 0)
       std::printf("| %s | %d |\n", skinctl::describe(static_cast<Reason>(k)), by_reason[k]);
+  std::printf(
+      "\nharder than one twin: %d, than the hardest of five that start within the gap: %d; beside the goal: "
+      "%d, a "
+      "twin too in %d of them\n",
+      first_harder, all.late, all.goal, beside_too);
   std::printf(
       "\nmost way of a joint on which no hand led it: %.3f rad; led by more than 0.5 rad further than the "
       "twin: %d\n",

@@ -233,6 +233,42 @@ TEST_CASE("Displaced robot: lag beyond the declared one is no gap and no obstacl
   }
 }
 
+TEST_CASE("Displaced robot: a gap within the dead band is met before anything moves") {
+  for (const double gap : {0.045, -0.045, 0.03}) {
+    JointTruth<6> truth;
+    truth.delay = truth.lag = 0.008;
+    truth.gap[0] = gap;
+    Loop<Interface::position> loop(declared(), truth);
+    loop.run(2.5);
+    CHECK(loop.furthest <= std::abs(gap) + 1e-9);
+    CHECK(loop.status == Status{});
+    CHECK(loop.memory.gap[0] == doctest::Approx(gap).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("Displaced robot: what stops commands soon after the start is an obstacle, and no gap") {
+  for (const double at : {0.0, 0.3, 1.0}) {
+    JointTruth<6> truth;
+    truth.delay = truth.lag = 0.008;
+    Loop<Interface::position> loop(declared(), truth);
+    loop.run(at);
+    loop.joints.hold_fast(0, true);
+    loop.run(3, [](double, const Row&) { return Row{25}; });
+    CAPTURE(at);
+    CHECK(loop.status.has(Reason::blocked));
+    CHECK(std::abs(loop.memory.gap[0]) < 1e-5);
+    // A hand that holds an arm aside for a while, and lets it go: nothing moves for it.
+    Loop<Interface::position> held(declared(), truth);
+    held.run(0.2);
+    held.joints.truth().gap[0] = 0.02;
+    held.run(at);
+    held.joints.truth().gap[0] = 0;
+    held.run(3);
+    CHECK(held.furthest <= 0.02 + 1e-9);
+    CHECK(held.status == Status{});
+  }
+}
+
 TEST_CASE("Displaced robot: an obstacle is no gap") {
   JointTruth<6> truth;
   truth.delay = truth.lag = 0.008;
@@ -255,30 +291,38 @@ TEST_CASE("Displaced robot: an obstacle is no gap") {
   CHECK(std::abs(loop.joints.dq()[0]) > 0.5);
 }
 
-TEST_CASE("Displaced robot: a finger is not pressed harder for a lag that was declared too small") {
-  const auto peak = [](double declared_lag, double lag) {
+TEST_CASE(
+    "Displaced robot: a finger is not pressed harder for a lag that was declared too small, beside a gap or "
+    "none") {
+  const auto peak = [](double declared_lag, double lag, double gap = 0) {
     auto c = declared();
     c.lag = nanoseconds(declared_lag);
     JointTruth<6> truth;
     truth.delay = 0.008;
     truth.lag = lag;
+    truth.gap[0] = gap;
     Loop<Interface::position> loop(c, truth);
+    loop.run(2);
+    const double at = loop.joints.q()[0];
     // A finger of 1 kN/m comes 80 mm at up to 0.3 m/s, 0.5 m from the axis of joint 0.
     double most = 0;
     loop.run(4, [&](double t, const Row& q) {
-      const double s = std::clamp((t - 0.2) / 0.5, 0.0, 1.0);
+      const double s = std::clamp((t - 2.2) / 0.5, 0.0, 1.0);
       const double x = 0.08 * s * s * s * (10 - 15 * s + 6 * s * s),
-                   F = std::max(0.0, 1000 * (x - 0.5 * (q[0] - pose[0])));
+                   F = std::max(0.0, 1000 * (x - 0.5 * (q[0] - at)));
       most = std::max(most, F);
       return Row{0.5 * F};
     });
     return most;
   };
   for (const double lag : {0.008, 0.018, 0.038, 0.058}) {
-    const double as_declared = peak(lag, lag), too_small = peak(0.008, lag);
+    const double as_declared = peak(lag, lag);
     CAPTURE(lag);
     CAPTURE(as_declared);
-    CHECK(too_small <= 1.5 * as_declared);
+    for (const double gap : {0.0, -0.045, 0.045}) {
+      CAPTURE(gap);
+      CHECK(peak(0.008, lag, gap) <= 1.5 * as_declared);
+    }
   }
 }
 

@@ -50,6 +50,7 @@ struct VirtualJointsMemory {
   ResidualWatch<T> watch[N];           ///< of joints that are off
   T off_for[N] = {};                   ///< how long r has been beyond the dead band [s]
   T mode_for = T(0);                   ///< how long the present mode has lasted [s]
+  T settles_for = T(0);                ///< how long r is still that of commands that never moved [s]
   T command_span = T(0);               ///< time in which a position command is to be reached [s]
   bool watched = false;                ///< a residual has left the dead band
   bool behind = false;                 ///< the sent position has yet to catch up with q^

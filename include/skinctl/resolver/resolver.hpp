@@ -61,6 +61,9 @@ struct Asked {
 /// - A robot that stands beside its commands by a gap that they do not explain is displaced: v is braked to
 ///   zero and the law's memory does not change until `resume`, which takes the gap, up to `largest_gap`, off the
 ///   measurements.
+/// - A gap within the dead band is taken off the measurements without consent, but only until the first command
+///   moves, for two seconds at most from the start or from `resume` (position interface): commands that have not
+///   moved cannot have met an obstacle.
 /// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory does not change.
 /// - `Keeper` names further parts that watch over energy and contacts: see `Passivity`.
 /// - `Tool`: virtual inertia and friction at the tool; see `ToolShape`.

@@ -221,4 +221,28 @@ inline AsItComesResult run_as_it_comes(const AsItComes& c, bool truly) {
   return run_as_it_comes(c, truly, [](auto&&...) {});
 }
 
+/// The case with other noise, that starts elsewhere: each joint by a random share of `gaps`, and by up to `aside`.
+[[nodiscard]] inline AsItComes started_aside(AsItComes c, const std::array<double, 6>& gaps, double aside,
+                                             std::uint64_t number) {
+  Random random = seeded(c.seed ^ (number << 40));
+  for (std::size_t i = 0; i < 6; ++i)
+    c.pose[i] += gaps[i] * uniform(random, 0.0, 1.0) + aside * uniform(random, -1.0, 1.0);
+  c.seed += number << 40;
+  return c;
+}
+
+/// The worst of several twins. What a hand meets that slides along a link, and when a plan waits for it, hangs on
+/// millimetres: a robot declared truly parts from itself, too. Twins therefore start where the robot as it comes may
+/// stand, up to its gap and 5 mrad away.
+inline AsItComesResult worst_twin(const AsItComes& c, AsItComesResult worst, std::uint64_t further) {
+  for (std::uint64_t k = 1; k <= further; ++k) {
+    const auto twin = run_as_it_comes(started_aside(c, c.truth.gap, 0.005, k), true);
+    worst.early = std::max(worst.early, twin.early);
+    worst.late = std::max(worst.late, twin.late);
+    worst.goal_error = std::max(worst.goal_error, twin.goal_error);
+    worst.outside = std::max(worst.outside, twin.outside);
+  }
+  return worst;
+}
+
 }  // namespace skinctl::testing

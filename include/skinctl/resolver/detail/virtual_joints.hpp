@@ -9,6 +9,10 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
+/// How long the gap of commands that have not moved yet is learnt [s].
+template <Real T>
+inline constexpr T settling_time = T(2);
+
 /// The resolver's treatment of joints that take positions or velocities, without the laws: the observer with
 /// the declared delay and lag, limits and max lead, the modes, the command. It has no model, so that it
 /// serves a part of a robot's joints while the others take torques.
@@ -78,6 +82,8 @@ class VirtualJoints {
   template <class Check>
   SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now,
                                 const Check& check) const noexcept;
+  /// The gap of a robot whose commands have not moved yet.
+  SKINCTL_COLD void settle(Memory& m, const T& dt) const noexcept;
   SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
   /// A clock that leapt, or was set.
   SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept;

@@ -26,10 +26,29 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const Sta
   return status;
 }
 
+// No obstacle is in the way of commands that stand still from the beginning: what the robot stands beside them is its
+// gap. A dead band that held it would be missing for lag later.
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::settle(Memory& m, const T& dt) const noexcept {
+  constexpr T still = T(1e-3);  // [rad/s]
+  const bool rests = m.mode == ResolverMode::following && all(magnitude(Row(m.rate)) <= Row(still));
+  m.settles_for = rests ? T(m.settles_for - dt) : T(0);
+  if (!rests) return;
+  const Row most = p_.largest_gap, before = m.gap;
+  const Row gap = clamp(before + T(dt / (p_.settle + dt)) * Row(m.residual), -most, most),
+            taken = gap - before;
+  gap.store(m.gap);
+  (Row(m.measured.q) - taken).store(m.measured.q);
+  (Row(m.residual) - taken).store(m.residual);
+}
+
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds now,
                                                           const T& dt) const noexcept -> Correction {
   const bool fresh = now - m.measured.time <= p_.fresh_for;
+  if constexpr (I == Interface::position)
+    if (fresh && m.settles_for > T(0)) [[unlikely]]
+      settle(m, dt);
   // An old measurement does not show the present position of the robot: its residual is not used again.
   const Row r = fresh ? Row(m.residual) : Row(T(0)), dead_band = p_.dead_band;
   const Row rho = r - clamp(r, -dead_band, dead_band);
@@ -135,6 +154,7 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::resume(Memory& m) const noexcept
   m.watched = false;
   m.mode = ResolverMode::following;
   m.mode_for = T(0);
+  m.settles_for = settling_time<T>;
 }
 
 SKINCTL_VIRTUAL_JOINTS
