@@ -69,7 +69,8 @@ inline auto trusted_skin(const Settings& s) {
     trust.lone_force = lone;
     trust.noise = noise;
   }
-  return TrustedSkin(UrSkin(patches, settings), trust, FillIn(skin_graph(s, patches)), patches);
+  const UrSkin skin(patches, settings);
+  return TrustedSkin(skin, trust, FillIn(skin_graph(s, patches), skin.places()), patches);
 }
 
 /// The robot's numbers, from the settings.

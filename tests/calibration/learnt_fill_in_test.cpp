@@ -5,18 +5,13 @@
 #include <cmath>
 
 #include "skinctl/testing/random.hpp"
+#include "tests/support/square_of_cells.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
 
 namespace {
 
-/// A square of n x n cells, 1 apart.
-CellGraph square(std::size_t n) {
-  std::vector<CellPlace> cells(n * n);
-  for (std::size_t i = 0; i < n * n; ++i) cells[i].place = {0.03 * double(i % n), 0.03 * double(i / n), 0.0};
-  return CellGraph(cells, 1.5);
-}
 /// What the weights of cell i cost: squared errors and ridge.
 double cost(const CellGraph& g, const std::vector<float>& frames, std::size_t i, const std::vector<double>& w,
             double ridge) {
@@ -37,7 +32,7 @@ double cost(const CellGraph& g, const std::vector<float>& frames, std::size_t i,
 }  // namespace
 
 TEST_CASE("learnt_fill_in: weights are the best that are >= 0, and fill in what they have learnt") {
-  const CellGraph g = square(4);
+  const CellGraph g = square_graph(4);
   Random rng = seeded(4);
   std::vector<float> frames;
   for (int f = 0; f < 300; ++f) {
@@ -71,7 +66,7 @@ TEST_CASE("learnt_fill_in: weights are the best that are >= 0, and fill in what 
 }
 
 TEST_CASE("learnt_fill_in: a cell that was never touched takes the mean; wrong recordings are refused") {
-  const CellGraph g = square(3);
+  const CellGraph g = square_graph(3);
   const FillIn learnt = learnt_fill_in(g, std::vector<float>(90, 0.0f)), mean(g);
   for (std::size_t i = 0; i < 9; ++i)
     for (std::size_t k = 0; k < g.neighbours(i).size(); ++k) CHECK(learnt.weight(i, k) == mean.weight(i, k));

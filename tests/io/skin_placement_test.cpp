@@ -240,7 +240,8 @@ TEST_CASE("Skin on a robot: a masked cell is no part of what feels, and is fille
   CHECK(skin.coverage(m).usable == 59);
   CHECK(skin.coverage(m).cells == 60);
   CHECK(skin.coverage(m).least == doctest::Approx(1 - 1.0 / double(cells.size())));
-  const TrustedSkin trusted(skin, trust, FillIn(cell_graph(file, placed)), skin_patches(file, placed));
+  const TrustedSkin trusted(skin, trust, FillIn(cell_graph(file, placed), skin.places()),
+                            skin_patches(file, placed));
   const auto t = heard(trusted, trusted.start(0ns), filled);
   CHECK(trusted.usable(t) == 59);
   CHECK(trusted.coverage(t).usable == 59);

@@ -116,6 +116,13 @@ TEST_CASE(
               c.force = 20 + 300 * (1 - std::cos(10 * seconds<double>(since)));
             },
             nobody) == 0);
+  // A tap that nobody else feels, each of whose two edges takes two samples, jumps twice.
+  CHECK(found_after(
+            0.7, 4ms, 1, CellFault::blinking,
+            [](Sensed& c, Nanoseconds since) {
+              c.force = since < 4ms ? 58 : since < 48ms ? 220 : since < 52ms ? 182 : 20;
+            },
+            nobody) == 0);
   // A sensor whose rest is 0 sends exact zeros while it is healthy.
   const SensorNoise clipped{.force = 0.4f, .rest = 0};
   const Health health({}, std::span(&clipped, 1));

@@ -20,7 +20,7 @@ SKINCTL_BEGIN_NAMESPACE
 ///   its own F_1, is at most 1, so that however many there are give no joint more than one alone may. A cell whose force
 ///   steps within one sample, as no body presses (`CellHealth`), and which saw nothing come, is nobody's witness for
 ///   `doubt`, and its neighbours' forces are not its own: cells that fail together do not vouch for each other.
-/// - **Filling in.** A cell that is masked, or silent, counts as `FillIn` makes it from its neighbours.
+/// - **Filling in.** A cell that is masked, or silent, counts as `FillIn` makes it from the cells around it.
 ///
 /// Everything is a function of the samples and the intervals: a recording is replayed bit for bit. Per call, time is
 /// bounded: a scan of all cells every `period` of the samples, and a constant for each sample, each cell that pushes
@@ -42,17 +42,17 @@ class TrustedSkin : private detail::TrustCore<S> {
   static constexpr std::size_t patches = Core::patches, cells = Core::cells;
 
   /// @param skin   made of these patches.
-  /// @param fill   from `FillIn(graph)` or learnt; its graph says which cells are neighbours.
+  /// @param fill   from `FillIn(graph, places)` or learnt; its graph says which cells are neighbours.
   /// Throws `ConfigurationError` for settings out of their range, and a graph of another number of cells.
   template <std::size_t... I, std::size_t... N>
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
                            const Patch<I, N>&... patch)
       : Core(skin, settings, fill, detail::trust_cells(settings, skin.settings(), skin.size(), patch...)) {}
-  /// The same for patches in a tuple, with neighbours within 1.3 pitches, whose mean fills in.
+  /// The same for patches in a tuple, with neighbours within 1.3 pitches, which fill in with theirs.
   template <std::size_t... I, std::size_t... N>
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings,
                            const std::tuple<Patch<I, N>...>& all)
-      : TrustedSkin(skin, settings, FillIn(CellGraph(cell_places(all))), all) {}
+      : TrustedSkin(skin, settings, FillIn(CellGraph(cell_places(all)), cell_places(all)), all) {}
   template <std::size_t... I, std::size_t... N>
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
                            const std::tuple<Patch<I, N>...>& all)
@@ -65,7 +65,7 @@ class TrustedSkin : private detail::TrustCore<S> {
 
   /// The same for a `SkinOf`.
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const std::vector<SkinPatch>& all)
-      : TrustedSkin(skin, settings, FillIn(CellGraph(skin.places())), all) {}
+      : TrustedSkin(skin, settings, FillIn(CellGraph(skin.places()), skin.places()), all) {}
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
                            const std::vector<SkinPatch>& all)
       : Core(skin, settings, fill, detail::trust_cells(settings, skin.settings(), skin.size(), all)) {}
@@ -113,9 +113,10 @@ class TrustedSkin : private detail::TrustCore<S> {
   [[nodiscard]] Pressed pressed(const Memory& m, const auto&) const noexcept { return pressed(m); }
   [[nodiscard]] Pressed pressed(const Memory& m) const noexcept {
     Pressed areas = skin_.pressed(m.skin);
+    typename Core::Filled filled(*this, m);
     this->each_filled(m, [&](std::size_t i, double share) {
       const detail::TrustCell& c = cell_[i];
-      const T push = T(share * c.force_gain * CellCounts::force_unit * this->template filled<true>(m, i));
+      const T push = T(share * c.force_gain * CellCounts::force_unit * double(filled(i)[0]));
       if (push > T(0)) areas.add(c.link, {T(c.place[0]), T(c.place[1]), T(c.place[2])}, c.unit, push);
     });
     return areas;
@@ -123,8 +124,9 @@ class TrustedSkin : private detail::TrustCore<S> {
   /// Calls `f(i, push)` for each cell that is pressed or filled in, with its push > 0 [N].
   template <class F>
   void each_pressed(const Memory& m, F&& f) const noexcept {
+    typename Core::Filled filled(*this, m);
     const auto filled_in = [&](std::size_t i, double share) {
-      return T(share * cell_[i].force_gain * CellCounts::force_unit * this->template filled<true>(m, i));
+      return T(share * cell_[i].force_gain * CellCounts::force_unit * double(filled(i)[0]));
     };
     skin_.each_pressed(m.skin, [&](std::size_t i, const T& push) {
       const double share = this->share_filled(m, i);

@@ -102,8 +102,9 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
       const auto moves_on = fresh & (before > get(c.jump)) &
                             ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
       doubt = select(steps, L(k.doubt), select(moves_on, zero, doubt));
-      // What goes on as fast as before is a fast movement, and no jump.
-      jumped = jumped & (before * d < L(0.25f) * d * d);
+      // What goes on as fast as before is a fast movement, and no jump; an edge that takes two samples is one.
+      const auto goes_on = (before * d > zero) & (abs(before) > get(c.jump));
+      jumped = jumped & (before * d < L(0.25f) * d * d) & !goes_on;
     }
     const L p = get(r.proximity), dp = select(fresh, abs(p - get(r.last_proximity)), zero);
     const auto p_moved = (dp > get(c.proximity)) & (dp <= L(0.3f) * slow);

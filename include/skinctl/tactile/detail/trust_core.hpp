@@ -1,6 +1,7 @@
 // What a reading of a trusted skin is worth.
 #pragma once
 
+#include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/tactile/detail/trust_frames.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -43,19 +44,37 @@ class TrustCore : protected TrustFrames<S> {
     }
   };
 
-  /// What cell `i` would read after the gates, from its neighbours, in counts. What they count without a witness is
-  /// not passed on: it would be more than their lone force.
-  template <bool Force>
-  [[nodiscard]] double filled(const Memory& m, std::size_t i) const noexcept {
-    return fill_.filled(
-        i,
-        [&](std::size_t n) {
-          const CellCounts c = skin_.held(m.skin, n);
-          return (has_lone(n) ? double(quantised(m.health.row[n / 16].trust[n % 16])) : 1.0) *
-                 static_cast<double>(Force ? c.force : c.proximity);
-        },
-        [&](std::size_t n) { return counts(m, n); });
-  }
+  /// What cells would read after the gates, from those around them, in counts: force and proximity. What these count
+  /// without a witness is not passed on: it would be more than their lone force. What is found of a cell is kept for the
+  /// others that it is around of.
+  class Filled {
+   public:
+    using Values = std::array<float, 2>;
+    SKINCTL_INLINE Filled(const TrustCore& t, const Memory& m) noexcept : t_(t), m_(m) {}
+    [[nodiscard]] Values operator()(std::size_t i) noexcept {
+      const auto counts = [this](std::size_t n) { return (state(n) & counted) != 0; };
+      const auto readings = [this](std::size_t n) {
+        const CellCounts c = t_.skin_.held(m_.skin, n);
+        const float trust = t_.has_lone(n) ? t_.quantised(m_.health.row[n / 16].trust[n % 16]) : 1.0f;
+        return Values{trust * static_cast<float>(c.force), trust * static_cast<float>(c.proximity)};
+      };
+      return t_.fill_.filled_with(i, counts, [&](std::size_t n) {
+        if ((state(n) & read) == 0) value_.data[n] = t_.fill_.read_as(n, readings, counts), state_[n] |= read;
+        return value_.data[n];
+      });
+    }
+
+   private:
+    static constexpr std::uint8_t judged = 1, counted = 2, read = 4;
+    [[nodiscard]] SKINCTL_INLINE std::uint8_t state(std::size_t n) noexcept {
+      if (state_[n] == 0) state_[n] = static_cast<std::uint8_t>(judged | (t_.counts(m_, n) ? counted : 0));
+      return state_[n];
+    }
+    const TrustCore& t_;
+    const Memory& m_;
+    std::array<std::uint8_t, cells> state_{};
+    Unwritten<Values, cells> value_;
+  };
   /// How much of cell `i` is filled in, 0 to 1.
   [[nodiscard]] double share_filled(const Memory& m, std::size_t i) const noexcept {
     const bool heard = m.skin.hears(i) && !cell_[i].masked;
@@ -188,10 +207,12 @@ class TrustCore : protected TrustFrames<S> {
       }
     }
     m.filled = {};
+    Filled filled(*this, m);
     each_filled(m, [&](std::size_t i, double share) {
       const TrustCell& c = cell_[i];
-      const double force = share * c.force_gain * CellCounts::force_unit * filled<true>(m, i);
-      const double proximity = share * c.proximity_gain * CellCounts::proximity_unit * filled<false>(m, i);
+      const typename Filled::Values both = filled(i);
+      const double force = share * c.force_gain * CellCounts::force_unit * double(both[0]);
+      const double proximity = share * c.proximity_gain * CellCounts::proximity_unit * double(both[1]);
       const std::size_t slot = Touch::Wrenches::slot(c.link);
       T *f = m.filled.force.data[slot], *p = m.filled.proximity.data[slot];
       for (std::size_t r = 0; r < 6; ++r)
