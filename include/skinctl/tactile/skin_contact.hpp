@@ -7,6 +7,7 @@
 #include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/core/time.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
+#include "skinctl/tactile/detail/cell_table.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/region.hpp"
 
@@ -82,9 +83,9 @@ class ContactFinder {
       const double p = pitch[c.patch], hexagon = p - p == 0 ? 0.8660254037844386 * p * p : 0;
       const auto number = [](double x) { return static_cast<float>(x); };
       const Xyz<double>&q = c.place, &z = c.normal;
-      cells_.push_back({{number(-z.x), number(-z.y), number(-z.z)},
-                        {number(-moment.x), number(-moment.y), number(-moment.z)},
-                        {number(q.x), number(q.y), number(q.z)},
+      cells_.push_back({{number(-moment.x), number(-moment.y), number(-moment.z), 1.0f},
+                        {number(q.x), number(q.y), number(q.z), 0.0f},
+                        {number(-z.x), number(-z.y), number(-z.z)},
                         number(hexagon),
                         static_cast<std::uint32_t>(c.link),
                         0});
@@ -130,14 +131,24 @@ class ContactFinder {
 
  private:
   static constexpr std::uint32_t bottom = ContactRow::none - 1;
-  struct Cell {
-    float force[3], moment[3];  ///< for one newton
-    float place[3];
+  /// A line of the cache. Rows of four are registers.
+  struct alignas(64) Cell {
+    float moment[4];  ///< for one newton, and 1: the sum of pushes beside that of moments
+    float place[4];   ///< and 0
+    float force[3];   ///< for one newton
     float area;
     std::uint32_t link;
     RegionMask regions;
   };
-  static SKINCTL_INLINE Xyz<T> vector(const float (&x)[3]) noexcept { return {T(x[0]), T(x[1]), T(x[2])}; }
+  template <class Number, std::size_t N>
+  static SKINCTL_INLINE Xyz<T> vector(const Number (&x)[N]) noexcept {
+    return {T(x[0]), T(x[1]), T(x[2])};
+  }
+  /// Sums over the cells of one side of a contact.
+  struct alignas(32) Side {
+    T moment[4] = {}, place[4] = {};  ///< and the sum of pushes, times place
+    PressedArea<T> area;              ///< of which only the force is summed up before the end
+  };
   /// The strongest `Most` contacts of a frame, and one to be compared with them.
   template <std::size_t Most>
   struct Found {
@@ -167,8 +178,8 @@ class ContactFinder {
   template <class Memory, class One, class Areas>
   void flood(Memory& m, std::uint32_t seed, std::uint32_t label, One& out, Areas& areas) const noexcept {
     constexpr std::size_t most_sides = 4;
-    PressedArea<T> sides[most_sides];  // `place` sums up place times push until the end
-    PressedArea<T> last;               // the side of the last cell, of which only the force: in registers
+    Side sides[most_sides];
+    PressedArea<T> last;  // the side of the last cell, of which only the force: in registers
     std::size_t count = 0, k = 0;
     SkinContact<T>& c = out.contact = {};
     std::uint32_t& heir = out.heir;
@@ -197,22 +208,20 @@ class ContactFinder {
       const Xyz<T> force = vector(cell.force);
       if (count == 0 || !last.same_side(force)) {
         unsigned same = 0;  // a bit a side: without a branch, cells at an edge go to and fro
-        for (std::size_t s = 0; s < most_sides; ++s) same |= unsigned(sides[s].same_side(force)) << s;
+        for (std::size_t s = 0; s < most_sides; ++s) same |= unsigned(sides[s].area.same_side(force)) << s;
         same &= ~(1u << k);  // as it was when it was left
-        sides[k].force = last.force;
+        sides[k].area.force = last.force;
         if (same != 0) {
           k = static_cast<std::size_t>(std::countr_zero(same));
         } else {
           k = count < most_sides ? count++ : most_sides - 1;
         }
-        last.force = sides[k].force;
+        last.force = sides[k].area.force;
       }
       const T push = static_cast<T>(row.push);
       last.force = last.force + push * force;
-      PressedArea<T>& side = sides[k];
-      side.pushed = side.pushed + push;
-      side.moment = side.moment + push * vector(cell.moment);
-      side.place = side.place + push * vector(cell.place);
+      detail::multiply_add<4>(sides[k].moment, push, cell.moment);
+      detail::multiply_add<4>(sides[k].place, push, cell.place);
       area = area + T(cell.area);
       ++cells;
       regions |= cell.regions;
@@ -221,13 +230,14 @@ class ContactFinder {
         sum = sum + push;
       }
     }
-    sides[k].force = last.force;
+    sides[k].area.force = last.force;
     PressedArea<T> all{.link = c.link};
     for (k = 0; k < count; ++k) {
-      sides[k].link = c.link;
-      sides[k].place = (T(1) / sides[k].pushed) * sides[k].place;
-      all.add(sides[k]);
-      areas.add(sides[k]);
+      PressedArea<T>& side = sides[k].area;
+      side.link = c.link, side.pushed = sides[k].moment[3], side.moment = vector(sides[k].moment);
+      side.place = (T(1) / side.pushed) * vector(sides[k].place);
+      all.add(side);
+      areas.add(side);
     }
     c.pushed = all.pushed, c.force = all.force, c.moment = all.moment, c.place = all.place;
     c.area = area, c.cells = cells, c.regions = regions;
