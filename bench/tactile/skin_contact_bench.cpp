@@ -42,6 +42,37 @@ void find(benchmark::State& state, Pressed pressed) {
   state.counters["contacts"] = double(memory->count);
 }
 
+/// The way through the graph alone, all cells pressed: the floor of clusters.
+template <std::size_t Cells>
+void way(benchmark::State& state) {
+  const CellGraph graph(cell_places(ur5::skin_patches<Cells>()));
+  std::vector<ContactRow> rows(Cells);
+  std::uint32_t frame = 0, clusters = 0;
+  const bench::CountAllocations counted(state);
+  for (auto _ : state) {
+    frame += 2, clusters = 0;
+    for (ContactRow& row : rows) row.frame = frame;
+    for (std::uint32_t seed = 0; seed < Cells; ++seed) {
+      if (rows[seed].frame != frame) continue;
+      rows[seed].frame = frame + 1, rows[seed].next = ContactRow::none;
+      for (std::uint32_t top = seed; top != ContactRow::none;) {
+        const std::uint32_t i = top;
+        top = rows[i].next;
+        rows[i].label = clusters;
+        for (const std::uint32_t j : graph.neighbours(i)) {
+          if (rows[j].frame != frame) continue;
+          rows[j].frame = frame + 1, rows[j].next = top;
+          top = j;
+        }
+      }
+      ++clusters;
+    }
+    benchmark::DoNotOptimize(rows.data());
+    benchmark::ClobberMemory();
+  }
+  state.counters["contacts"] = clusters;
+}
+
 const int registered = [] {
   const auto add = [](const char* name, auto run, Pressed pressed) {
     benchmark::RegisterBenchmark(name, [=](benchmark::State& s) { run(s, pressed); });
@@ -51,6 +82,7 @@ const int registered = [] {
   add("tactile/contacts/all_1260/skinctl/double", find<1260>, Pressed::all);
   add("tactile/contacts/three_10000/skinctl/double", find<10000>, Pressed::usual);
   add("tactile/contacts/all_10000/skinctl/double", find<10000>, Pressed::all);
+  benchmark::RegisterBenchmark("tactile/contacts/all_1260/way_alone/double", way<1260>);
   return 0;
 }();
 
