@@ -142,6 +142,7 @@
 #include "skinctl/tactile/patch.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/region.hpp"
+#include "skinctl/tactile/retreat.hpp"
 #include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_of.hpp"
@@ -207,6 +208,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/control/take_over.hpp"
+#include "skinctl/control/velocity_control.hpp"
 
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/contact_gate.hpp"

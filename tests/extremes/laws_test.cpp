@@ -18,6 +18,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/control/take_over.hpp"
+#include "skinctl/control/velocity_control.hpp"
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/describe.hpp"
 #include "skinctl/fusion/expression.hpp"
@@ -65,6 +66,7 @@ Goal goal_of(T x) {
   if constexpr (requires { goal.q_g; }) goal.q_g = JointPosition<6, T>::constant(x);
   if constexpr (requires { goal.q_d; }) goal.q_d = JointPosition<6, T>::constant(x);
   if constexpr (requires { goal.X_BP.translated(x, x, x); }) goal.X_BP = goal.X_BP.translated(x, x, x);
+  if constexpr (requires { goal.velocity; }) goal.velocity = JointVelocity<6, T>::constant(x);
   if constexpr (requires { goal.direction; }) goal.direction = {x, T(0), T(0)}, goal.force = x;
   return goal;
 }
@@ -125,6 +127,7 @@ TEST_CASE_TEMPLATE("extremes: laws of joints", T, float, double) {
   attack<T>("JointLimitLaw", JointLimitLaw<6, T>());
   attack<T>("FrictionControl",
             FrictionControl<6, T>(JointFriction<6, T>({{}, JointTorque<6, T>::constant(T(2)), {}})));
+  attack<T>("VelocityControl", VelocityControl<6, T>());
   attack<T>("SkinJointControl: StatelessLaw", SkinJointControl{});
   const auto sum = T(0.5) * spline + SkinJointControl{} + GravityControl{};
   attack<T>("Fused", sum);

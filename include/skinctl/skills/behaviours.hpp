@@ -20,6 +20,7 @@ struct SkinJoint {};          ///< Skin Joint Control
 struct SkinCartesian {};      ///< Skin Cartesian Control
 struct Gravity {};            ///< G Control
 struct Force {};              ///< force control in Cartesian space, for section 6
+struct Velocity {};           ///< Velocity Control
 }  // namespace controller
 
 /// Names of behaviours: the rows of Fig. 7, and the activities of section 6.
