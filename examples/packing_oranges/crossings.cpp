@@ -1,5 +1,5 @@
 // A study: two arms cross each other's way, and something else crosses theirs, a thousand times.
-// `crossings [how many] [first seed] [seen|unseen] [newtons of a cell that sees something at no distance]`: every second one with a rod or a ball that flies through at up to 0.3 m/s.
+// `crossings [how many] [first seed] [seen|unseen]`: every second one with a rod or a ball that flies through at up to 0.3 m/s.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +12,8 @@
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/world.hpp"
 #include "skinctl/control/spline_joint.hpp"
+#include "skinctl/control/velocity_control.hpp"
+#include "skinctl/tactile/retreat.hpp"
 #include "skinctl/tactile/sightings.hpp"
 
 namespace packing {
@@ -42,7 +44,7 @@ Capsule<> shape(std::size_t k) {
   return k < 6 ? R::shapes[k]
                : Capsule<>{{0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.08};
 }
-CellGains gains{.force = newtons_per_reading, .proximity = 8};
+constexpr CellGains gains{.force = newtons_per_reading};
 template <std::size_t K, std::size_t I = (K < 6 ? K : 5)>
 Patch<I, counts[K]> patch() {
   std::uint32_t first = 1;
@@ -55,7 +57,7 @@ Patch<I, counts[K]> patch() {
   return Patch<I, counts[K]>(all, gains);
 }
 
-/// What is seen and not known is given way to by the whole arm: without a goal, the push of the cells moves every joint.
+/// What is seen and not known is given way to by the whole arm: every joint moves as `Retreat` plans anew each cycle.
 struct GiveWay {
   static constexpr const char* name = "give_way";
 };
@@ -69,7 +71,8 @@ constexpr auto skills = boost::hana::make_map(
             .when({.finish = SkillFinish::settled, .hold = 16ms})),
     skill<behaviour::Reaching>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>(),
                                       load<controller::SplineOperational>())),
-    skill<GiveWay>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>())));
+    skill<GiveWay>(
+        recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Velocity>())));
 
 /// What an arm keeps clear of by itself: its own links, the table, and the walls of the trays on it.
 auto clearance() {
@@ -107,6 +110,7 @@ auto scene() {
              skill_set<GiveWay>(
                  skills, {.bumpless_transfer = 40ms}, skill_controller<controller::Gravity>(GravityControl{}),
                  skill_controller<controller::SkinJoint>(SkinJointControl{}),
+                 skill_controller<controller::Velocity>(VelocityControl<6>{}),
                  skill_controller<controller::SplineJoint>(SplineJoint(arm)),
                  skill_controller<controller::SplineOperational>(SplineOperational(A::tool(), o))))
       .with(clearance());
@@ -143,6 +147,7 @@ class Mover {
         memory_(std::make_unique<Scene::Memory>()),
         sight_(Model{}, scene.skin().places(), {.range = range, .half_angle = sight_cone, .error = 0.01}),
         eyes_(scene.skin().places(), seed),
+        retreat_(Model{}, clearance(), A::home()),
         samples_(eyes_.cells().size()) {
     for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].cell = static_cast<std::uint32_t>(i + 1);
     scene_.start(*memory_, measured);
@@ -258,6 +263,15 @@ class Mover {
           },
           input_.around);
     }
+    if (gives_way) {
+      const bool by_arm = now_ - pressed_at_ < 300ms;
+      if (!input_.has_goal) input_.goal = {};
+      auto& wish = input_.goal.goals.template of<VelocityGoal<6>>();
+      input_.has_goal = wish.has = true;
+      wish.goal.velocity =
+          retreat_(measured.q, input_.around,
+                   by_arm ? decltype(retreat_)::Others::press : decltype(retreat_)::Others::stay);
+    }
     input_.samples = samples;
     // A person sets right an arm that something pushed off its place.
     const bool free = measured.time - seen_at_ > 1s;
@@ -294,6 +308,7 @@ class Mover {
   std::unique_ptr<Scene::Memory> memory_;
   Sightings<Model> sight_;
   Eyes eyes_;
+  Retreat<Model, near_most> retreat_;
   std::vector<CellSample> samples_;
   Scene::Input input_;
   Transform<skinctl::World, Tool> X_WH_;
@@ -472,6 +487,5 @@ int study(int number, std::uint64_t seed, bool sees) {
 int main(int count, char** arguments) {
   const int number = count > 1 ? std::atoi(arguments[1]) : 1000;
   const std::uint64_t seed = count > 2 ? std::strtoull(arguments[2], nullptr, 10) : 1;
-  if (count > 4) packing::gains.proximity = std::atof(arguments[4]);
   return packing::study(number, seed, count <= 3 || std::strcmp(arguments[3], "unseen") != 0);
 }

@@ -22,10 +22,10 @@ struct LinkPart {
   std::size_t link;
   skinctl::Capsule<> shape;
 };
-/// Cells all around capsules of link `I`, ends included, 1.6 times as long as TUM's; ids from `first` on.
+/// Cells all around capsules of link `I`, ends included, `size` times as long as TUM's; ids from `first` on.
 template <std::size_t I>
 [[nodiscard]] std::vector<skinctl::PlacedCell<I>> cells_around(
-    std::initializer_list<skinctl::Capsule<>> shapes, std::uint32_t first) {
+    std::initializer_list<skinctl::Capsule<>> shapes, std::uint32_t first, double size = 1.6) {
   using namespace skinctl;
   std::vector<PlacedCell<I>> out;
   for (const Capsule<>& s : shapes) {
@@ -35,7 +35,7 @@ template <std::size_t I>
                       a = std::abs(z.x) < 0.5 ? Xyz<double>{1, 0, 0} : Xyz<double>{0, 1, 0};
     const Xyz<double> across = cross(z, a), y = (1 / norm(across)) * across;
     const Transform<Link<I>, Surface> X_LS({cross(y, z), y, z}, 0.5 * (s.from + s.to));
-    for (const auto& X_SC : full_cover(CapsuleSurface{s.radius, length}, {1.6}))
+    for (const auto& X_SC : full_cover(CapsuleSurface{s.radius, length}, {size}))
       out.push_back({first++, (X_LS * X_SC).template renamed<Link<I>, Cell>()});
   }
   return out;

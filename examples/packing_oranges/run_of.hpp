@@ -61,7 +61,7 @@ class Run {
   explicit Run(const RunSettings& s)
       : s_(s),
         world_(bodies(s), worlds(s), s.seed * 7919 + 1),
-        supply_(s.supply, s.seed * 7919 + 2),
+        supply_(supplies(s), s.seed * 7919 + 2),
         detector_(s.detector, s.seed * 7919 + 3),
         scene_(A::scene()),
         box_(60s),
@@ -125,6 +125,11 @@ class Run {
   [[nodiscard]] static WorldSettings worlds(const RunSettings& s) {
     WorldSettings out = s.world;
     out.wrists = s.work.shown && s.work.shown->until_touched;
+    return out;
+  }
+  [[nodiscard]] static SupplySettings supplies(const RunSettings& s) {
+    SupplySettings out = s.supply;
+    out.waits = s.obstacle > 0;  // an arm that gives way comes back to where it takes an orange
     return out;
   }
   [[nodiscard]] static Grasp grasp(const RunSettings& s) {
@@ -208,6 +213,7 @@ class Run {
       const bool resume = w.asks() && answers(a);
       w.goes_first(places_.holder[0] == a || (places_.holder[0] != 1 - a && a == 0));
       w.other_waits(workers_[1 - a]->waits());
+      w.other_presses(workers_[1 - a]->presses());
       if (s_.see_each_other)
         w.keep_clear_of(world_.now(), workers_[1 - a]->occupied());
       else

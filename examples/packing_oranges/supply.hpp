@@ -13,6 +13,7 @@ struct SupplySettings {
   double good = 6000, bad = 2500;  ///< stiffness [N/m]
   double spread = 0.1;             ///< relative deviation of an orange from its kind
   double share = 0.5;              ///< of good ones
+  bool waits = false;  ///< a place is filled again when its orange was let go elsewhere, not when it is taken
 };
 
 /// Where an orange has ended.
@@ -61,7 +62,7 @@ class Supply {
     if (held || norm(world.orange_velocity(k)) > 0.05) o.lies = now;
     const bool waits = feed_tray(arm).holds(p);
     for (auto& place : at_[arm])
-      if (place == k && (!waits || p.z > 0.1)) place = nobody;
+      if (place == k && (s_.waits ? !waits && !held : !waits || p.z > 0.1)) place = nobody;
     if (waits || held) return;
     const bool in_box = box_tray.holds(p);
     bool in_bin = false;

@@ -12,6 +12,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
+#include "skinctl/control/velocity_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/describe.hpp"
 #include "skinctl/limits/clearance_limits.hpp"
@@ -34,8 +35,8 @@ struct Ur5 {
   static constexpr double flange = Description::d6;
   static constexpr double stands = 0.6;  ///< from the middle of the box [m]
   static constexpr double reach = 1.3;   ///< of the hand, from any joint axis [m], at most
-  /// Cells on the upper arm, both inner wrists, and the last link with the hand; beside those of the forearm.
-  static constexpr std::size_t cells[] = {63, 18, 18, 74};
+  /// Cells on the upper arm, both inner wrists, the last link with the hand, and those of the forearm that only see.
+  static constexpr std::size_t cells[] = {63, 18, 18, 74, 77};
   /// The tubes that skin covers; the half spheres at the ends of a capsule take 30 mm of the wrists.
   static constexpr auto shapes = [] {
     std::array<skinctl::Capsule<>, 6> out{};
@@ -58,7 +59,7 @@ struct Grasp {
 struct LetGo {
   static constexpr const char* name = "let_go";
 };
-/// What is seen and not known is given way to by the whole arm: without a goal, the push of the cells moves every joint.
+/// What is seen and not known is given way to by the whole arm: every joint moves as `Retreat` plans anew each cycle.
 struct GiveWay {
   static constexpr const char* name = "give_way";
 };
@@ -86,7 +87,8 @@ inline constexpr auto skills_of_tomm = [] {
       skill<behaviour::Grasp>(law.gripping({0, 0.8, 0.08}).when(gripped)),
       skill<behaviour::Squeezing>(law.gripping({0, 6.8, 0.015}).when(gripped)),
       skill<behaviour::LetGo>(law.gripping({0.11, 5, 0.15}).when(opened)),
-      skill<behaviour::GiveWay>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>())),
+      skill<behaviour::GiveWay>(
+          recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Velocity>())),
       skill<behaviour::Return>(
           recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::SplineJoint>())
               .when(there)));
@@ -251,17 +253,19 @@ struct Arm {
     using namespace skinctl;
     SkinSettings settings;
     settings.force = EventGate<>::dead_band(0.02);
-    const CellGains gains{.force = newtons_per_reading, .proximity = 16};
+    const CellGains gains{.force = newtons_per_reading, .proximity = 0};
     constexpr auto& c = R::cells;
     const auto first = [](std::size_t before) { return static_cast<std::uint32_t>(before + 1); };
-    constexpr std::size_t inner = c[0] + forearm_cells, outer = inner + c[1], last = outer + c[2];
+    constexpr std::size_t inner = c[0] + forearm_cells, outer = inner + c[1], last = outer + c[2],
+                          more = last + c[3];
     return Skin<Model, double, Patch<1, c[0]>, Patch<forearm, forearm_cells>, Patch<3, c[1]>, Patch<4, c[2]>,
-                Patch<5, c[3]>>(
+                Patch<5, c[3]>, Patch<forearm, c[4]>>(
         Patch<1, c[0]>(cells_around<1>({R::shapes[1]}, first(0)), gains),
         Patch<forearm, forearm_cells>(cells(), gains),
         Patch<3, c[1]>(cells_around<3>({R::shapes[3]}, first(inner)), gains),
         Patch<4, c[2]>(cells_around<4>({R::shapes[4]}, first(outer)), gains),
-        Patch<5, c[3]>(cells_around<5>({R::shapes[5], around_hand}, first(last)), gains), settings);
+        Patch<5, c[3]>(cells_around<5>({R::shapes[5], around_hand}, first(last)), gains),
+        Patch<forearm, c[4]>(cells_around<forearm>({R::shapes[forearm]}, first(more), 1.2), gains), settings);
   }
   static auto scene() {
     using namespace skinctl;
@@ -278,6 +282,7 @@ struct Arm {
                      skills_of_tomm, {.bumpless_transfer = 40ms}, OneGripper(gripper_range),
                      skill_controller<controller::Gravity>(GravityControl{}),
                      skill_controller<controller::SkinJoint>(SkinJointControl{}),
+                     skill_controller<controller::Velocity>(VelocityControl<6>{}),
                      skill_controller<controller::SplineJoint>(SplineJoint(arm)),
                      skill_controller<controller::SplineOperational>(SplineOperational(tool(), o))))
         .with(clear);

@@ -12,7 +12,7 @@ struct Ur10e {
   static constexpr double flange = Description::flange[2];
   static constexpr double stands = 0.8;
   static constexpr double reach = 1.6;
-  static constexpr std::size_t cells[] = {132, 28, 28, 87};
+  static constexpr std::size_t cells[] = {132, 28, 28, 87, 180};
   static constexpr std::array<skinctl::Capsule<>, 6> shapes = {{{{0, 0, 0.04}, {0, 0, 0.18}, 0.075},
                                                                 {{-0.07, 0, 0.176}, {-0.54, 0, 0.176}, 0.067},
                                                                 {{-0.07, 0, 0.04}, {-0.51, 0, 0.04}, 0.055},

@@ -1,6 +1,7 @@
 // One arm at work: what it knows of the world, its place in the plan, and the requests to its skills that follow.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <memory>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
 #include "skinctl/semantics/resources.hpp"
+#include "skinctl/tactile/retreat.hpp"
 #include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/squeeze.hpp"
 
@@ -47,6 +49,7 @@ class Worker {
         known_(objects_.start()),
         X_WB_(A::base(arm)),
         sight_(typename A::Model{}, scene.skin().places(), {.range = sight_range, .half_angle = sight_cone}),
+        retreat_(typename A::Model{}, A::clearance_at_work(), A::home()),
         memory_(std::make_unique<typename Scene::Memory>()) {
     scene_.start(*memory_, measured);
     plan_ = executor_.start(measured.time);
@@ -92,6 +95,11 @@ class Worker {
     return (kept_ && asked_ && way_.waited() > 250ms) || (gives_way_ && kept_);
   }
   void other_waits(bool waits) { other_waits_ = waits; }
+  /// Whether it gives way to something that is seen, and the other arm is in its way: the other arm gives way to it then.
+  [[nodiscard]] bool presses() const { return gives_way_ && kept_ && now_ - seen_at_ < hesitates; }
+  void other_presses(bool presses) {
+    if (presses) pressed_at_ = now_;
+  }
   /// How often it went aside for the other arm.
   [[nodiscard]] int went_aside() const { return way_.times(); }
   /// What its links and hand may fill until it stands, if it brakes now; and what the other arm may fill.
@@ -273,19 +281,27 @@ class Worker {
   bool gives_way(const skinctl::JointPosition<6>& q) {
     using namespace skinctl;
     const auto told = Set::report_of(memory_->law, ticket_);
-    const bool done = told.ticket == ticket_ && told.phase != SkillPhase::running;
-    if (now_ - seen_at_ < 300ms) {
+    const bool done =
+        told.ticket == ticket_ && (told.phase == SkillPhase::finished || told.phase == SkillPhase::failed);
+    const bool pressed = now_ - pressed_at_ < hesitates;
+    if (now_ - seen_at_ < hesitates || pressed) {
       if (way_back_ == WayBack::none) from_ = X_WH_.origin();
       if (!gives_way_) {
         ++gave_way_;
         // Fingers that are around an orange close and take it along: it is back in its place when the arm is.
-        const bool holds = features_.in_hand || plan_.step == step::take;
+        const bool holds = features_.in_hand || (plan_.step == step::take && gripper_.opening < 0.095);
         Goal away = Set::start_skill(Set::template index<behaviour::GiveWay>());
         auto& grip = away.goals.template of<GripperGoal>();
         grip.has = true;
-        grip.goal = holds ? GripperGoal{0, s_.hold, 0.02} : GripperGoal{gripper_range.opening, 5, 0.15};
+        grip.goal = holds ? GripperGoal{0, 1.4 * s_.hold, 0.1} : GripperGoal{gripper_range.opening, 5, 0.15};
         send(away);
       }
+      using Plan = decltype(retreat_);
+      const auto others = pressed ? Plan::Others::press : Plan::Others::stay;
+      auto& wish = input_.goal.goals.template of<VelocityGoal<6>>();
+      if (gives_way_) input_.goal = {};
+      input_.has_goal = wish.has = true;
+      wish.goal.velocity = retreat_(q, input_.around, others, up(q));
       gives_way_ = true;
       way_back_ = WayBack::up;
       tries_ = 0;
@@ -296,6 +312,13 @@ class Worker {
     // Joints that are not reached are tried again: from there a hand cannot go straight.
     const bool again = way_back_ == WayBack::joints && told.phase != SkillPhase::finished && ++tries_ < 5;
     if (!gives_way_) way_back_ = again ? WayBack::up : next(way_back_);
+    // From above an orange that is judged goes on, and an empty hand looks anew where its orange is.
+    const bool at_orange =
+        plan_.step == step::reach || plan_.step == step::take || plan_.step == step::squeeze;
+    if (way_back_ == WayBack::down && features_.in_hand != at_orange) {
+      way_back_ = WayBack::none;
+      if (at_orange) end(false);
+    }
     gives_way_ = asked_ = false;
     squeezed_ = {};
     if (way_back_ == WayBack::none) return false;
@@ -313,11 +336,32 @@ class Worker {
                 : way_back_ == WayBack::over ? at(from_, std::max(from_.z, s_.carry))
                                              : from_};
       back.request.tolerance = {.position = 0.003, .orientation = 0.05};
+      if (way_back_ == WayBack::up && !features_.in_hand) {
+        auto& grip = back.request.goals.template of<GripperGoal>();
+        grip.has = true;
+        grip.goal = {gripper_range.opening, 5, 0.15};
+      }
       ask(back);
     }
     asked_ = false;
     return_by_ = now_ + (way_back_ == WayBack::up ? 1s : 5s);
     return true;
+  }
+  static constexpr skinctl::Nanoseconds hesitates = 300ms;  ///< after it saw something for the last time
+  /// A hand that is low among oranges and walls would rather go up.
+  [[nodiscard]] skinctl::JointVelocity<6> up(const skinctl::JointPosition<6>& q) const {
+    skinctl::JointVelocity<6> out;
+    if (X_WH_.origin().z >= s_.carry) return out;
+    Eigen::Matrix<double, 3, 6> J;
+    skinctl::jacobian<5>(skinctl::link_poses(typename A::Model{}, q), A::tool())
+        .for_each([&](auto j, const auto& c) {
+          J.col(static_cast<Eigen::Index>(j.value)) << c.linear.x, c.linear.y, c.linear.z;
+        });
+    const Eigen::Vector3d v(0, 0, 0.6);
+    const Eigen::Matrix3d square = J * J.transpose() + 0.01 * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix<double, 6, 1> dq = J.transpose() * square.ldlt().solve(v);
+    for (std::size_t i = 0; i < 6; ++i) out[i] = dq[static_cast<Eigen::Index>(i)];
+    return out;
   }
   /// Where an arm that gave way is on its way back.
   enum class WayBack : unsigned char { none, up, joints, over, down };
@@ -496,6 +540,7 @@ class Worker {
   skinctl::Rotation<double> R_;           ///< of the hand: it points down, or as it was shown
   skinctl::Xyz<double> beside_{0, 0, 0};  ///< the hand's place beside an orange that it takes
   skinctl::Sightings<typename A::Model> sight_;
+  skinctl::Retreat<typename A::Model, near_most> retreat_;
   std::unique_ptr<typename Scene::Memory> memory_;
   typename Scene::Input input_;
   typename Executor::Memory plan_;
@@ -512,7 +557,7 @@ class Worker {
   int gave_way_ = 0, set_right_ = 0, tries_ = 0;
   skinctl::JointPosition<6> high_ = A::home();
   skinctl::Xyz<double> from_{0, 0, 0};
-  skinctl::Nanoseconds seen_at_{-1s}, return_by_{}, given_way_{};
+  skinctl::Nanoseconds seen_at_{-1s}, pressed_at_{-1s}, return_by_{}, given_way_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
   skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{}, asked_at_{};
