@@ -1,0 +1,108 @@
+// What an arm at work keeps clear of by itself, without a world around it.
+#include <doctest/doctest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "examples/packing_oranges/tomm.hpp"
+#include "skinctl/testing/random.hpp"
+
+using namespace skinctl;
+using namespace packing;
+
+namespace {
+using A = Arm<Ur5>;
+using Model = A::Model;
+using Limits = ClearanceLimits<Model, double, near_most>;
+constexpr double dt = 0.008;
+
+/// Of a point in the world from the table and from the trays' walls, boxes of 8 mm on it.
+double from_table(const Xyz<double>& p) {
+  double least = p.z;
+  constexpr double half = 0.004;
+  const auto box = [&](double x, double y, double half_x, double half_y, double wall) {
+    const double dx = std::max(0.0, std::abs(p.x - x) - half_x),
+                 dy = std::max(0.0, std::abs(p.y - y) - half_y), dz = std::max(0.0, p.z - wall);
+    least = std::min(least, std::hypot(dx, dy, dz));
+  };
+  for (const Tray& t : {box_tray, bin_tray(0), bin_tray(1)})
+    for (const double side : {-1.0, 1.0}) {
+      box(t.x + side * (t.half_x + half), t.y, half, t.half_y + 2 * half, t.wall);
+      box(t.x, t.y + side * (t.half_y + half), t.half_x + 2 * half, half, t.wall);
+    }
+  return least;
+}
+/// The same of the fingers, 110 mm apart, and of the forearm and wrists: points along them, less their radii.
+double from_table(const JointPosition<6>& q) {
+  double least = 1e9;
+  const auto along = [&](const Capsule<>& c) {
+    for (int n = 0; n <= 20; ++n)
+      least = std::min(least, from_table(Xyz<double>(c.from + n / 20.0 * (c.to - c.from))) - c.radius);
+  };
+  for (const Capsule<>& c : A::fingers(0, q, gripper_range.opening)) along(c);
+  const auto parts = A::parts(0, q);
+  for (std::size_t k = 2; k < parts.size(); ++k) along(parts[k]);
+  return least;
+}
+/// A hand that is led to somewhere below the table at 0.6 m/s, turning as it likes: the least distance on its way.
+double lead_down(const Limits& limits, const JointLimits<6>& joints, const Xyz<double>& to) {
+  JointPosition<6> q = A::home();
+  JointVelocity<6> u;
+  typename Limits::Memory seen;
+  double least = 1e9;
+  for (int n = 0; n < 200; ++n) {
+    const auto p = (A::base(0) * A::hand(q)).origin();
+    const Xyz<double> way = to - p;
+    const auto v_B = turn_back(A::base(0).axes(), Xyz<double>(0.6 / std::max(0.05, norm(way)) * way));
+    Eigen::Matrix<double, 3, 6> J;
+    jacobian<5>(link_poses(Model{}, q), A::tool()).for_each([&](auto j, const auto& c) {
+      J.col(static_cast<Eigen::Index>(j.value)) << c.linear.x, c.linear.y, c.linear.z;
+    });
+    const Eigen::Matrix3d square = J * J.transpose() + 0.01 * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix<double, 6, 1> wish =
+        J.transpose() * square.ldlt().solve(Eigen::Vector3d(v_B.x, v_B.y, v_B.z));
+    JointVelocity<6> want;
+    for (std::size_t i = 0; i < 6; ++i)
+      want[i] = std::clamp(wish[static_cast<Eigen::Index>(i)], u[i] - 15 * dt, u[i] + 15 * dt);
+    limits.see(seen, {}, q, 0ns);
+    const auto next =
+        limits.within(seen, q, joints.room(q), u, want, dt, [](const auto&) { return true; }).velocity;
+    q = integrate(q, u + next, 0.5 * dt);
+    u = next;
+    least = std::min(least, from_table(q));
+  }
+  return least;
+}
+}  // namespace
+
+TEST_CASE(
+    "packing_oranges: wherever it is led, an arm at work meets neither table nor walls; without its "
+    "clearance it does") {
+  const auto joints = A::robot().limits();
+  const Limits at_work(Model{}, joints, A::clearance_at_work()), without(Model{}, joints, A::clearance());
+  auto rng = testing::seeded(3);
+  double least = 1e9;
+  int met = 0, walls = 0;
+  constexpr int ways = 30;
+  for (int n = 0; n < ways; ++n) {
+    // Every second one to the walls of a tray.
+    const Tray& t = n % 4 == 1 ? box_tray : bin_tray(0);
+    const double a = testing::uniform(rng, -M_PI, M_PI), r = testing::uniform(rng, 0.35, 0.7);
+    const Xyz<double> to =
+        n % 2 == 0 ? Xyz<double>{-Ur5::stands + r * std::cos(a), r * std::sin(a), -0.3}
+                   : Xyz<double>{t.x + t.half_x, t.y + testing::uniform(rng, -1.0, 1.0) * t.half_y, 0};
+    const double d = lead_down(at_work, joints, to);
+    CAPTURE(n);
+    CAPTURE(to.x);
+    CAPTURE(to.y);
+    CHECK(d > -0.001);  // a fingertip's round end, where the hand is tilted over the table
+    least = std::min(least, d);
+    const bool meets = lead_down(without, joints, to) < 0;
+    met += meets, walls += meets && n % 2 == 1;
+  }
+  MESSAGE("nearest " << least << " m; without " << met << " of " << ways << " ways meet something, " << walls
+                     << " at walls");
+  CHECK(met > ways / 2);
+  CHECK(walls > ways / 4);
+}
