@@ -217,8 +217,8 @@ class Resolver {
   SKINCTL_INLINE bool affords(const Memory& m, Velocity& v) const noexcept;
   Torque weight(const Memory& m) const noexcept;
   template <class L, class Touch>
-  Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
-                  const State<joints, T>& state, const JointAcceleration<joints, T>& pull, const T& h,
+  Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory, Nanoseconds at,
+                  const Velocity& v, const JointAcceleration<joints, T>& pull, const T& h,
                   const Touch& touch) const noexcept;
 
   [[no_unique_address]] M model_;

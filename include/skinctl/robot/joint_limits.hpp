@@ -138,35 +138,43 @@ class JointLimits {
                                                         const JointVelocity<N, T>& u0,
                                                         const JointVelocity<N, T>& target,
                                                         const T& h) const noexcept {
+    return move_inlined(room, u0, target, h);
+  }
+  /// `move`, where the next state waits for it: through a call its numbers go by memory, twice.
+  [[nodiscard]] SKINCTL_INLINE JointMotion<N, T> move_inlined(const JointRoom<N, T>& room,
+                                                              const JointVelocity<N, T>& u0,
+                                                              const JointVelocity<N, T>& target,
+                                                              const T& h) const noexcept {
     using R = detail::Row<N, T>;
     const R limit = values_.velocity, a = values_.acceleration, from = u0, zero = T(0);
     const R dv = a * R(h), half = T(0.5) * h, rounding = T(1) / braking_share<T>;
     const R wish = select(R(target) == R(target), target, zero);
     R u = clamp(wish, -limit, limit);
-    JointMotion<N, T> out;
-    if (any(u != wish)) out.status |= Reason::velocity_limited;
+    Status status;
+    std::uint64_t braked = 0;
+    if (any(u != wish)) status |= Reason::velocity_limited;
     // Braking is computed only where the highest speed that this step can reach may not stop in time.
     const R up = from + dv, down = dv - from, above = room.above, below = room.below;
     const auto near_above = (up > zero) & !(half * (from + up) + rounding * stopping_distance(up) < above);
     const auto near_below =
         (down > zero) & !(half * (down - from) + rounding * stopping_distance(down) < below);
     if (any(near_above | near_below)) [[unlikely]] {
-      u.store(out.velocity);
-      out.braked = slow_down(near_above.bits(), near_below.bits(), room, u0, h, out.velocity);
-      if (out.braked != 0) out.status |= Reason::position_limited;
-      u = out.velocity;
+      JointVelocity<N, T> slowed(u);
+      braked = slow_down(near_above.bits(), near_below.bits(), room, u0, h, slowed);
+      if (braked != 0) status |= Reason::position_limited;
+      u = slowed;
     }
     const R reached = clamp(u, from - dv, up);
-    if (any(reached != u)) out.status |= Reason::acceleration_limited;
+    if (any(reached != u)) status |= Reason::acceleration_limited;
     // A joint that stops within the step may stop earlier than at the end of a straight velocity profile.
     const R stop = stopping_distance(from);
     const R most = select((from > zero) & (stop > above), stop, select(above > zero, above, zero));
     const R least = select((from < zero) & (stop > below), stop, select(below > zero, below, zero));
-    clamp(half * (from + reached), -least, most).store(out.displacement);
     // Squares of tiny speeds are denormal numbers, which are slow.
     const R tiny = T(std::same_as<T, float> ? 1e-17 : 1e-150);
-    select(magnitude(reached) > tiny, reached, zero).store(out.velocity);
-    return out;
+    // Built in place: GCC would first zero it, by an instruction that starts slowly.
+    return {JointPosition<N, T>(clamp(half * (from + reached), -least, most)),
+            JointVelocity<N, T>(select(magnitude(reached) > tiny, reached, zero)), status, braked};
   }
 
  private:

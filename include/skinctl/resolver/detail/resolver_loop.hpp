@@ -67,10 +67,11 @@ SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::weight(const Memory& m) const noexcept
 SKINCTL_RESOLVER
 template <class L, class Touch>
 SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
-                                                    const typename L::Memory& law_memory,
-                                                    const State<joints, T>& state,
+                                                    const typename L::Memory& law_memory, Nanoseconds at,
+                                                    const Velocity& v,
                                                     const JointAcceleration<joints, T>& pull, const T& h,
                                                     const Touch& touch) const noexcept -> Driven<L> {
+  const State<joints, T> state{at, Position(Row(m.q.value)), Velocity(Row(v))};
   const auto& total = total_of(touch);
   const Knows<L, LawTouch<Touch>> known = this->template known<L>(state, h, total);
   Driven<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
@@ -138,8 +139,8 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
     const T h = seconds<T>(interval.at(j + 1) - interval.at(j));
     Velocity v1;
     if (m.mode == ResolverMode::following) {
-      const State<joints, T> here{interval.at(j), Position(Row(m.q.value)), Velocity(Row(m.v))};
-      const auto driven = drive(m, law, law_memory, here, begun.correction.pull, h, touches[j]);
+      const auto driven =
+          drive(m, law, law_memory, interval.at(j), m.v, begun.correction.pull, h, touches[j]);
       status |= driven.status;
       detail::copy_row(driven.torque, torque);
       detail::copy_row(driven.velocity, v1);
@@ -158,8 +159,8 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
   }
   m.time = interval.to;
   if (m.mode == ResolverMode::blocked && !m.stop) {
-    const auto driven = drive(m, law, law_memory, {m.time, m.q.value, Velocity{}}, {},
-                              seconds<T>(parameters().period), touches[interval.substeps - 1]);
+    const auto driven = drive(m, law, law_memory, m.time, Velocity{}, {}, seconds<T>(parameters().period),
+                              touches[interval.substeps - 1]);
     status |= Reason::blocked;
     if (!driven.status.has(Reason::torque_not_finite)) {
       torque = driven.torque;

@@ -123,7 +123,7 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::shift(Memory& m, const Corre
     v = clamp(v, c.speed.least, c.speed.most);
   }
   if (any((v > most) | (v < least))) status |= Reason::lead_limited;
-  auto motion = p_.limits.move(room, m.v, Velocity(clamp(v, least, most)), h);
+  auto motion = p_.limits.move_inlined(room, m.v, Velocity(clamp(v, least, most)), h);
   const Row last = m.v, own = motion.velocity;
   ((own - last) * T(T(1) / h)).store(m.last);
   own.store(m.v);
