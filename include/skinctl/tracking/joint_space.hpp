@@ -18,7 +18,7 @@ struct JointGoal {
 /// The joints as the coordinates of a tracking law: the members that `Tracking` uses of a space, at no cost.
 ///
 /// A space has `joints` and `coordinates`, `Settings` (from which `tracking` picks the gains), a `Memory` of
-/// its own, `needs`. For plans:
+/// its own, `needs`, and `brief`: whether its surface costs so little that a call would show. For plans:
 /// - `Where`, `where`, `place`: a place, that of a state, that of a goal;
 /// - goals and their `shortest_time`, a `spline`;
 /// - `ahead` and `slow`: a reference later, and with its time slowed down; `stands`: whether it is at rest;
@@ -43,6 +43,7 @@ class JointSpace {
   static constexpr std::size_t joints = N;
   static constexpr std::size_t coordinates = N;
   static constexpr Needs needs = {};
+  static constexpr bool brief = true;
   using scalar = T;
   using Settings = JointControlSettings<N, T>;
   template <class Robot>

@@ -33,6 +33,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   static constexpr std::size_t joints = N;
   using Targets::coordinates;
   static constexpr Needs needs = {.jacobians = link_bit<I>};
+  static constexpr bool brief = false;
   using scalar = T;
   using Placement = Transform<Link<I>, P, T>;  ///< of the frame in its link
   using typename Targets::Errors;

@@ -264,21 +264,46 @@ class Tracking : public Composable {
   }
   using Rates = JointVelocity<Space::coordinates, T>;
   static inline const Rates no_rates{};
-  /// The middle of the interval, as the law predicts it.
+  /// The middle of the interval, as the law predicts it. Built where it stays: a copy in other pieces than it was
+  /// written in would have to wait for them.
   struct Middle {
-    detail::Row<N, T> damped;  ///< `M^-1 K_d S_q`
-    detail::Row<N, T> a;       ///< `ddq_r - damped`, both at its beginning
+    using R = detail::Row<N, T>;
+    template <class K>
+    SKINCTL_INLINE Middle(const Tracking& law, const Memory& memory, const K& known, const Surface& at_t,
+                          const T& h) noexcept
+        : damped(law.damping_.acceleration(known, at_t.S_q)),
+          a(at_t.ddq_r - damped),
+          q(known.q() + h * (known.dq() + T(T(0.5) * h) * a)),
+          dq(known.dq() + h * a),
+          inputs(law.inputs(memory, h, at_t.dI1, at_t.dI2)),
+          surface(
+              law.space_.surface(law.gains_, inputs, law.space_.site(known.model(), q, dq), memory.space)) {}
+
+    R damped;  ///< `M^-1 K_d S_q`
+    R a;       ///< `ddq_r - damped`, both at its beginning
     JointPosition<N, T> q;
     JointVelocity<N, T> dq;
-    Gain<T> K_p;
+    typename Space::Inputs inputs;
     Surface surface;
   };
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE Middle middle(const Memory& memory, const K& known,
-                                             const Surface& at_t) const noexcept;
-  [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
-                                                               const Rates& dI1,
-                                                               const Rates& dI2) const noexcept;
+  /// Part of its caller where a call costs much of what the law costs; elsewhere one copy for all callers.
+  [[nodiscard]] SKINCTL_INLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
+                                                             const Rates& dI1,
+                                                             const Rates& dI2) const noexcept {
+    if constexpr (Space::brief) {
+      return inputs_here(memory, x, dI1, dI2);
+    } else {
+      return inputs_called(memory, x, dI1, dI2);
+    }
+  }
+  [[nodiscard]] SKINCTL_INLINE typename Space::Inputs inputs_here(const Memory& memory, const T& x,
+                                                                  const Rates& dI1,
+                                                                  const Rates& dI2) const noexcept;
+  [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs_called(const Memory& memory, const T& x,
+                                                                      const Rates& dI1,
+                                                                      const Rates& dI2) const noexcept {
+    return inputs_here(memory, x, dI1, dI2);
+  }
   [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
                                               const T& dt) const noexcept;
   template <class K>
@@ -292,7 +317,7 @@ class Tracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_COLD Surface look_ahead(const Memory& memory, const K& known,
                                                 const Surface& at_t) const noexcept {
-    return middle(memory, known, at_t).surface;
+    return Middle(*this, memory, known, at_t, T(T(0.5) * known.dt())).surface;
   }
   template <class K>
   SKINCTL_COLD Status begin_gain(Memory& memory, const K& known) const noexcept;

@@ -7,7 +7,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The inputs of the surface `x` seconds from now, with the integrals going on at the given rates.
 template <class Space, class Plan, class Damping, class Sign>
-SKINCTL_NOINLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::inputs(
+SKINCTL_INLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::inputs_here(
     const Memory& memory, const T& x, const Rates& dI1, const Rates& dI2) const noexcept {
   using R = detail::Row<Space::coordinates, T>;
   // Built in place: a copy right after writes of another width would stall on store forwarding.
@@ -37,23 +37,6 @@ SKINCTL_INLINE TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, 
           space_.advanced(memory.space, at_t, dt)};
 }
 
-/// The middle of the interval, as the law itself predicts it.
-template <class Space, class Plan, class Damping, class Sign>
-template <class K>
-SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::middle(const Memory& memory, const K& known,
-                                                                 const Surface& at_t) const noexcept
-    -> Middle {
-  using R = detail::Row<N, T>;
-  const T h = T(0.5) * known.dt();
-  const R damped(damping_.acceleration(known, at_t.S_q));
-  const R a = at_t.ddq_r - damped;
-  const JointPosition<N, T> q(known.q() + h * (known.dq() + T(T(0.5) * h) * a));
-  const JointVelocity<N, T> dq(known.dq() + h * a);
-  const auto ahead = inputs(memory, h, at_t.dI1, at_t.dI2);
-  return {damped, a,         q,
-          dq,     ahead.K_p, space_.surface(gains_, ahead, space_.site(known.model(), q, dq), memory.space)};
-}
-
 /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
 /// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
 template <class Space, class Plan, class Damping, class Sign>
@@ -65,9 +48,9 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
   using M = typename K::model_type;
   using R = detail::Row<N, T>;
   const T h = T(0.5) * known.dt();
-  const auto mid = middle(memory, known, at_t);
+  const Middle mid(*this, memory, known, at_t, h);
   const R damped = mid.damped, asked = mid.surface.ddq_r;
-  const auto& K_p = mid.K_p;
+  const auto& K_p = mid.inputs.K_p;
   // The held acceleration is the one that the surface gives at the middle: the state there is computed once
   // more with it.
   const R dv = h * (asked - damped - mid.a), dx = T(T(0.5) * h) * dv;
