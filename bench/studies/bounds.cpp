@@ -17,6 +17,7 @@
 #include "bench/studies/bounds/one_cycle.hpp"
 #include "bench/studies/bounds/program.hpp"
 #include "bench/studies/bounds/quantities.hpp"
+#include "bench/studies/bounds/sign_symmetries.hpp"
 #include "bench/studies/bounds/worst_found.hpp"
 #include "skinctl/math/traced.hpp"
 #include "skinctl/model/allegro.hpp"
@@ -108,7 +109,11 @@ class Quest {
     math::Tape tape, other;
     math::undecided() = 0;
     in_double.record(other);
-    for (const auto node : in_float.record(tape)) quest->outputs_.emplace_back(tape, node);
+    std::vector<std::vector<Range>> parts;
+    for (const auto node : in_float.record(tape)) {
+      quest->outputs_.emplace_back(tape, node);
+      parts.push_back(SignSymmetries(tape, node, quest->ranges_).reduced(quest->ranges_));
+    }
     if (!same_program(tape, other) || math::undecided() != 0) {
       std::printf("%-18s float and double run different operations: not bounded\n", named(Q).name);
       return nullptr;
@@ -121,7 +126,7 @@ class Quest {
       quest->of_float_.more = factorisation_error(diagonal, N, 0x1p-24, rates.acceleration);
       quest->of_double_.more = factorisation_error(diagonal, N, 0x1p-53, rates.acceleration);
     }
-    quest->boxes_ = std::make_unique<BoxSearch>(quest->outputs_, quest->ranges_);
+    quest->boxes_ = std::make_unique<BoxSearch>(quest->outputs_, std::move(parts));
     return quest;
   }
 

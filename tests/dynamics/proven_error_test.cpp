@@ -8,6 +8,7 @@
 
 #include "bench/studies/bounds/program.hpp"
 #include "bench/studies/bounds/quantities.hpp"
+#include "bench/studies/bounds/sign_symmetries.hpp"
 #include "skinctl/math/traced_output.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/robot_table.hpp"
@@ -58,7 +59,11 @@ void check() {
   };
   math::undecided() = 0;
   record(other, 0.0);
-  for (const auto node : record(tape, 0.0f)) outputs.emplace_back(tape, node);
+  std::vector<SignSymmetries> symmetries;
+  for (const auto node : record(tape, 0.0f)) {
+    outputs.emplace_back(tape, node);
+    symmetries.emplace_back(tape, node, ranges_of(Q, 6, Rates{}));
+  }
   CHECK(math::undecided() == 0);
   CHECK(math::same_program(tape, other));
   oracle::Random random(7);
@@ -85,6 +90,21 @@ void check() {
       CHECK(bound.in_float[0] <= promised(Q).in_float);
       CHECK(bound.in_double[0] <= promised(Q).in_double);
       proven = std::max(proven, bound.in_float[0]);
+      if (k % 6 > 0) continue;
+      // The part of the states that is bounded for all has one with the same bound.
+      CHECK((symmetries[n].count() > 0 || outputs[n].inputs().empty()));
+      const auto part = symmetries[n].reduced(ranges_of(Q, 6, Rates{}));
+      std::vector<double> state(inputs);
+      for (std::size_t i = 0; i < inputs; ++i) state[i] = 0.5 * (low[i] + high[i]);
+      const auto image = symmetries[n].image(state);
+      std::size_t row = 0;
+      for (const std::size_t i : outputs[n].inputs()) {
+        CHECK(image[i] == doctest::Approx(std::clamp(image[i], part[i].whole.low, part[i].whole.high)));
+        from[row] = image[i] - 0.5 * (high[i] - low[i]), to[row++] = image[i] + 0.5 * (high[i] - low[i]);
+      }
+      const auto there = outputs[n](from.data(), to.data());
+      CHECK(there.in_float[0] == doctest::Approx(bound.in_float[0]).epsilon(1e-12));
+      CHECK(there.in_double[0] == doctest::Approx(bound.in_double[0]).epsilon(1e-12));
     }
   }
   CHECK(proven > promised(Q).in_float / 30);  // the promise is not idle

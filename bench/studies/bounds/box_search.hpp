@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <ctime>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "skinctl/math/traced_output.hpp"
@@ -53,9 +54,10 @@ class BoxSearch {
   using L = Output::L;
   static constexpr std::size_t lanes = Output::lanes;
 
-  BoxSearch(std::vector<Output>& outputs, const std::vector<Range>& ranges)
+  /// @param ranges  of the inputs, for each output.
+  BoxSearch(std::vector<Output>& outputs, std::vector<std::vector<Range>> ranges)
       : outputs_(outputs),
-        ranges_(ranges),
+        ranges_(std::move(ranges)),
         heaps_(outputs.size()),
         gains_(outputs.size()),
         weights_(outputs.size()) {
@@ -64,10 +66,10 @@ class BoxSearch {
       whole.output = k;
       std::size_t at = 0;
       for (const std::size_t i : outputs_[k].inputs())
-        if (ranges_[i].split && at < 2 * most_split) {
-          whole.ends[at++] = static_cast<float>(ranges_[i].whole.low);
-          whole.ends[at++] = static_cast<float>(ranges_[i].whole.high);
-          weights_[k][at / 2 - 1] = ranges_[i].weight;
+        if (const Range& range = ranges_[k][i]; range.split && at < 2 * most_split) {
+          whole.ends[at++] = -above(-range.whole.low);
+          whole.ends[at++] = above(range.whole.high);
+          weights_[k][at / 2 - 1] = range.weight;
         }
       joints_.push_back(at / 2);
       for (auto& gain : gains_[k]) gain.fill(-1);
@@ -130,6 +132,10 @@ class BoxSearch {
   };
   static constexpr std::size_t levels = 40;
 
+  static float above(double x) noexcept {
+    const auto y = static_cast<float>(x);
+    return static_cast<double>(y) < x ? std::nextafter(y, std::numeric_limits<float>::infinity()) : y;
+  }
   static bool less(const Piece& a, const Piece& b) noexcept { return a.key < b.key; }
   /// How often input `j` of a box has been halved.
   [[nodiscard]] static std::size_t level(const Piece& p, std::size_t j) noexcept {
@@ -201,13 +207,14 @@ class BoxSearch {
   /// Errors of the batch, all of the same result.
   void evaluate() {
     Output& output = outputs_[batch_[0].output];
+    const auto& ranges = ranges_[batch_[0].output];
     const auto& inputs = output.inputs();
     lows_.resize(inputs.size()), highs_.resize(inputs.size());
     for (std::size_t from = 0; from < batch_.size(); from += lanes) {
       const std::size_t held = std::min(lanes, batch_.size() - from);
       std::size_t split = 0;
       for (std::size_t i = 0; i < inputs.size(); ++i) {
-        const Range& range = ranges_[inputs[i]];
+        const Range& range = ranges[inputs[i]];
         const bool halved = range.split && split < most_split;
         double low[lanes], high[lanes];
         for (std::size_t w = 0; w < lanes; ++w) {
@@ -227,7 +234,7 @@ class BoxSearch {
   }
 
   std::vector<Output>& outputs_;
-  const std::vector<Range>& ranges_;
+  std::vector<std::vector<Range>> ranges_;
   std::vector<std::size_t> joints_;
   std::vector<std::vector<Piece>> heaps_;  // of each result
   std::vector<std::array<std::array<float, levels>, most_split>> gains_;

@@ -18,16 +18,13 @@ namespace skinctl::bounds {
 inline constexpr double half_turn = 3.1416;
 
 /// The states: joint by joint its angle and its rates, of which the velocities are split.
-///
-/// The signs of all rates at once change no torque, and no error of one (products of two of them are what occurs): the first
-/// joint's velocity is not negative.
 inline std::vector<Range> ranges_of(Quantity q, std::size_t joints, const Rates& rates) {
   std::vector<Range> out;
   for (std::size_t i = 0; i < joints; ++i) {
     out.push_back({{-half_turn, half_turn}, true});
     for (std::size_t k = 0; k < named(q).rates; ++k) {
       const double most = k == 1 ? rates.acceleration : rates.velocity;
-      out.push_back({{k == 0 && i == 0 ? 0 : -most, most}, k == 0, 0.06f});
+      out.push_back({{-most, most}, k == 0, 0.06f});
     }
   }
   return out;
