@@ -145,7 +145,7 @@ class Quest {
   void print() const {
     std::printf("%-17s %-6s", about_.name, about_.unit);
     for (const Ends& e : {of_float_, of_double_})
-      std::printf(" [%.2e, %.2e] %5.1fx ", e.found, e.proven, e.ratio());
+      std::printf(" [%.2e, %.2e] %5.1fx ", e.found, rounded_up(e.proven), e.ratio());
     std::printf(" %3.0fx %s %8zu %5.1f\n", goal_.ratio, off() <= 1 ? "met   " : "missed", count_, seconds_);
     std::fflush(stdout);
   }

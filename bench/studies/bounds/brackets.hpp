@@ -1,6 +1,7 @@
 // What is proven of each robot and quantity, as a file: written by `bounds --csv`, read by the trade page and by tests.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -36,20 +37,27 @@ inline constexpr const char* bracket_columns =
   });
   return out;
 }
+/// `x` in three digits, not less than it; what has three digits stays.
+[[nodiscard]] inline double rounded_up(double x) {
+  if (!(x > 0) || !std::isfinite(x)) return x;
+  const double step = std::pow(10.0, std::floor(std::log10(x)) - 2);
+  return std::ceil(x / step * (1 - 1e-12)) * step;
+}
 /// In place of those of the same robot, if the file is there.
 inline void write_brackets(const std::string& file, const std::vector<Bracket>& rows) {
   std::vector<Bracket> all;
-  if (std::ifstream(file).good())
-    for (const Bracket& b : read_brackets(file))
-      if (rows.empty() || b.robot != rows.front().robot) all.push_back(b);
-  all.insert(all.end(), rows.begin(), rows.end());
+  if (std::ifstream(file).good()) all = read_brackets(file);
+  const auto same_robot = [&](const Bracket& b) { return !rows.empty() && b.robot == rows.front().robot; };
+  const auto place = std::find_if(all.begin(), all.end(), same_robot) - all.begin();
+  std::erase_if(all, same_robot);
+  all.insert(all.begin() + place, rows.begin(), rows.end());
   std::ofstream out(file);
   out << bracket_columns << '\n';
   for (const Bracket& b : all) {
     char line[320];
     std::snprintf(line, sizeof line, "%s,%s,%s,%g,%g,%.3g,%.3g,%.3g,%.3g,%.1f\n", b.robot.c_str(),
                   b.quantity.c_str(), b.unit.c_str(), b.velocity, b.acceleration, b.float_found,
-                  b.float_proven * 1.006, b.double_found, b.double_proven * 1.006, b.seconds);
+                  rounded_up(b.float_proven), b.double_found, rounded_up(b.double_proven), b.seconds);
     out << line;
   }
   out.flush();

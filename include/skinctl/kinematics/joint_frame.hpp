@@ -67,6 +67,9 @@ struct JointAngles {
       : JointAngles(model, q, nullptr) {}
 
  private:
+  template <RobotModel, Scalar>
+  friend struct TwoJointAngles;
+  JointAngles() = default;
   /// @param row  the same angles in registers, or null.
   template <class Row>
   SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q, const Row& row) noexcept {
@@ -93,6 +96,25 @@ struct JointAngles {
                 SKINCTL_INLINE_LAMBDA { return position(std::integral_constant<std::size_t, i + first>{}); },
             sin + first, cos + first);
       }
+    }
+  }
+};
+
+/// Those of two positions at once: six joints fill one and a half of a processor's registers, twelve three.
+template <RobotModel M, Scalar T>
+struct TwoJointAngles {
+  JointAngles<M, T> first, second;
+
+  template <Real U>
+    requires std::same_as<U, T>
+  SKINCTL_INLINE TwoJointAngles(const M& model, const detail::Row<M::joints, U>& q,
+                                const detail::Row<M::joints, U>& other) noexcept {
+    constexpr LinkMask all = all_links(M::joints);
+    if constexpr (M::joints > 1 && detail::no_offsets<M, T, M::joints>() &&
+                  !detail::any_of_kind<M, all>(JointKind::prismatic)) {
+      math::sincos(q, first.sin, first.cos, other, second.sin, second.cos);
+    } else {
+      first = JointAngles<M, T>(model, q), second = JointAngles<M, T>(model, other);
     }
   }
 };

@@ -157,6 +157,43 @@ SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin, T* cos) 
   }
 }
 
+/// Of two rows at once: where the last blocks are half full, one register takes both.
+template <std::size_t N, Real T>
+SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin_x, T* cos_x,
+                           const skinctl::detail::Row<N, T>& y, T* sin_y, T* cos_y) noexcept {
+  using Shape = skinctl::detail::RowShape<N, T>;
+  constexpr std::size_t whole = Shape::blocks - 1;
+  if constexpr (!detail::has_kernel<T> || Shape::last == 1 || 2 * Shape::last != Shape::width) {
+    sincos(x, sin_x, cos_x);
+    sincos(y, sin_y, cos_y);
+  } else {
+    using Block = typename Shape::Block;
+    Block angles[2 * whole + 1], sin[2 * whole + 1], cos[2 * whole + 1];
+    skinctl::detail::unrolled<whole>([&](auto k) SKINCTL_INLINE_LAMBDA {
+      angles[k] = x.block[k];
+      angles[whole + k] = y.block[k];
+    });
+    angles[2 * whole] = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      return Block(__builtin_shufflevector(x.block[whole].vector(), y.block[whole].vector(),
+                                           int(I < Shape::last ? I : I + Shape::last)...));
+    }(std::make_index_sequence<Shape::width>{});
+    detail::sincos_lanes(angles, sin, cos);
+    skinctl::detail::unrolled<whole>([&](auto k) SKINCTL_INLINE_LAMBDA {
+      constexpr std::size_t at = k * Shape::width;
+      sin[k].store(sin_x + at), cos[k].store(cos_x + at);
+      sin[whole + k].store(sin_y + at), cos[whole + k].store(cos_y + at);
+    });
+    using Half = Lane<T, Shape::last>;
+    const auto store = [](const Block& both, T* to_x, T* to_y) SKINCTL_INLINE_LAMBDA {
+      using namespace skinctl::detail;
+      Half(half<T, Shape::width>(both.vector(), Lower{})).store(to_x + whole * Shape::width);
+      Half(half<T, Shape::width>(both.vector(), Upper{})).store(to_y + whole * Shape::width);
+    };
+    store(sin[2 * whole], sin_x, sin_y);
+    store(cos[2 * whole], cos_x, cos_y);
+  }
+}
+
 /// Sines and cosines of an array of angles; the outputs may not be the angles.
 template <class Policy = Fast, Scalar T, std::size_t N>
 SKINCTL_INLINE void sincos(const std::array<T, N>& x, std::array<T, N>& sin, std::array<T, N>& cos) noexcept {
