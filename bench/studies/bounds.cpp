@@ -6,6 +6,8 @@
 // their unit and in metres, torques in N m; forward dynamics as the torque that would explain the error of the
 // acceleration. The quantity that is farthest off its goal, which is a ratio of proven to found, has the processor.
 // A cycle is bounded at single states (`Bound`), with the configuration as the program holds it.
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -112,7 +114,11 @@ class Quest {
     std::vector<std::vector<Range>> parts;
     for (const auto node : in_float.record(tape)) {
       quest->outputs_.emplace_back(tape, node);
-      parts.push_back(SignSymmetries(tape, node, quest->ranges_).reduced(quest->ranges_));
+      const SignSymmetries symmetries(tape, node, quest->ranges_);
+      parts.push_back(symmetries.reduced(quest->ranges_));
+      if (quest->outputs_.back().inputs().empty()) continue;
+      quest->fewest_ = std::min(quest->fewest_, symmetries.count());
+      quest->most_ = std::max(quest->most_, symmetries.count());
     }
     if (!same_program(tape, other) || math::undecided() != 0) {
       std::printf("%-18s float and double run different operations: not bounded\n", named(Q).name);
@@ -146,7 +152,8 @@ class Quest {
     std::printf("%-17s %-6s", about_.name, about_.unit);
     for (const Ends& e : {of_float_, of_double_})
       std::printf(" [%.2e, %.2e] %5.1fx ", e.found, rounded_up(e.proven), e.ratio());
-    std::printf(" %3.0fx %s %8zu %5.1f\n", goal_.ratio, off() <= 1 ? "met   " : "missed", count_, seconds_);
+    std::printf(" %3.0fx %s %8zu %5.1f  %zu to %zu\n", goal_.ratio, off() <= 1 ? "met   " : "missed", count_,
+                seconds_, fewest_, most_);
     std::fflush(stdout);
   }
   [[nodiscard]] Bracket bracket(const char* robot, const Rates& rates) const {
@@ -184,6 +191,7 @@ class Quest {
   std::unique_ptr<BoxSearch> boxes_;
   Ends of_float_, of_double_;
   std::size_t count_ = 0;
+  std::size_t fewest_ = SIZE_MAX, most_ = 0;  ///< symmetries of a result
   double seconds_ = 0;
 };
 
@@ -191,7 +199,10 @@ class Quest {
 /// off its goal has the next quarter of a second.
 template <class Robot>
 void bound_all(const char* name, double seconds, const Rates& rates, const char* only, const char* csv) {
-  std::printf("\n%s: [worst found, worst proven] and their ratio; goal; boxes; processor time [s]\n", name);
+  std::printf(
+      "\n%s: [worst found, worst proven] and their ratio; goal; boxes; processor time [s]; symmetries of a "
+      "result\n",
+      name);
   std::printf("%-24s %-30s %-30s\n", "", "float", "double");
   const double start = processor_seconds(), search = 0.25 * seconds;
   std::vector<std::unique_ptr<Quest>> quests;

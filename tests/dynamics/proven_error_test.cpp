@@ -24,19 +24,19 @@ struct Promised {
 constexpr Promised promised(Quantity q) {
   switch (q) {
     case Quantity::pose:
-      return {2.5e-6, 4.6e-15};
+      return {1.5e-6, 2.8e-15};
     case Quantity::jacobian:
-      return {1.8e-6, 3.4e-15};
+      return {1.2e-6, 2.2e-15};
     case Quantity::gravity:
       return {3.0e-5, 4.7e-14};
     case Quantity::inverse_dynamics:
-      return {3.9e-4, 7.1e-13};
+      return {3.2e-4, 5.7e-13};
     case Quantity::yr_theta:
-      return {3.5e-4, 6.4e-13};
+      return {3.2e-4, 5.8e-13};
     case Quantity::mass:
-      return {3.5e-6, 6.1e-15};
+      return {3.5e-6, 6.2e-15};
     case Quantity::forward_dynamics:
-      return {4.2e-4, 7.6e-13};
+      return {3.6e-4, 6.6e-13};
   }
   return {};
 }

@@ -158,7 +158,7 @@ class MassFactors {
 /// place of the links' torques. The error of the acceleration is that times the condition number of M: some
 /// 500 units for a UR5, 1200 for two arms with hands; where light links carry masses 1e12 times their own the
 /// accelerations keep 8 digits in double and none in float. For a UR5 with rates within 3 rad/s and 3 rad/s^2 that torque
-/// is within 7.6e-13 N m (float: 4.2e-4) of `tau` (proven, `bench/studies/bounds`; found: 9.9e-14, 5.1e-5).
+/// is within 6.6e-13 N m (float: 3.6e-4) of `tau` (proven, `bench/studies/bounds`; found: 9.7e-14, 4.9e-5).
 template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE ForwardDynamics<M::joints, T> forward_dynamics(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,

@@ -10,8 +10,8 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// For any tree. Relative to the largest torque that occurs, the error is a few units in the last place times
 /// the number of joints; no branch, so the cost does not depend on the state. A NaN in any input gives NaN
-/// torques. Of a UR5 within 7.1e-13 N m (float: 3.9e-4) of the exact ones at every position and with rates within 3 rad/s
-/// and 3 rad/s^2 (proven, `bench/studies/bounds`; found: 1.2e-13, 6.0e-5).
+/// torques. Of a UR5 within 5.7e-13 N m (float: 3.2e-4) of the exact ones at every position and with rates within 3 rad/s
+/// and 3 rad/s^2 (proven, `bench/studies/bounds`; found: 1.2e-13, 5.4e-5).
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> inverse_dynamics(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq,
@@ -57,7 +57,7 @@ template <RobotModel M, Scalar T, LinkMask Mask>
 
 /// `Y_r Theta = M(q) ddq_r + C(q, dq) dq_r [+ G(q)]` of eq. (8) [N m], with Christoffel's C: `dM/dt - 2C` is
 /// skew-symmetric, on which the passivity of the sliding-mode laws depends. One recursion at the cost of
-/// inverse dynamics; of a UR5, at rates within 3, within 6.4e-13 N m (float: 3.5e-4; proven).
+/// inverse dynamics; of a UR5, at rates within 3, within 5.8e-13 N m (float: 3.2e-4; proven).
 template <GravityTerm Gravity = GravityTerm::included, RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> yr_theta(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq,

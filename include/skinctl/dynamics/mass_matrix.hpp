@@ -153,7 +153,7 @@ SKINCTL_INLINE MassMatrix<M::joints, T> empty_mass() noexcept {
 /// `M(q)` [kg m^2], symmetric positive definite for links with mass: the composite-rigid-body recursion in
 /// link frames, where an entry is simply the z component of a moment. Joints in different branches are not
 /// coupled: those entries are exact zeros. Relative to the largest entry, the error is a few units in the
-/// last place times the depth of the tree; of a UR5 within 6.1e-15 kg m^2 (float: 3.5e-6) at every state (proven,
+/// last place times the depth of the tree; of a UR5 within 6.2e-15 kg m^2 (float: 3.5e-6) at every state (proven,
 /// `bench/studies/bounds`).
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<M::joints, T> mass_matrix(

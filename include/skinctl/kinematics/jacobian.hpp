@@ -17,8 +17,8 @@ class Transposed;
 /// at 1 rad/s (1 m/s).
 ///
 /// `Columns` are the joints on the way from the base to the body, known from the topology. The other columns
-/// are zero; they are neither stored nor multiplied. Every number of that of a UR5's tool is within 3.4e-15
-/// (float: 1.8e-6) of the exact one at every state (proven, `bench/studies/bounds`).
+/// are zero; they are neither stored nor multiplied. Every number of that of a UR5's tool is within 2.2e-15
+/// (float: 1.2e-6) of the exact one at every state (proven, `bench/studies/bounds`).
 template <Topology M, LinkMask Columns, Frame Body, Frame At = Body, Frame Axes = Base, Scalar T = double>
 class Jacobian {
  public:
