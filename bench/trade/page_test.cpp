@@ -197,13 +197,13 @@ TEST_CASE("Trade: headers promise of a UR5 what is proven, and hardly more") {
     const char *quantity, *header, *in_float, *in_double;
   };
   const auto proven = skinctl::bounds::read_brackets(TRADE_PROVEN);
-  for (const Promise& p : {Promise{"pose", "kinematics/poses.hpp", "2.5e-6", "4.6e-15"},
-                           {"Jacobian", "kinematics/jacobian.hpp", "1.8e-6", "3.4e-15"},
+  for (const Promise& p : {Promise{"pose", "kinematics/poses.hpp", "1.5e-6", "2.8e-15"},
+                           {"Jacobian", "kinematics/jacobian.hpp", "1.2e-6", "2.2e-15"},
                            {"G", "dynamics/gravity.hpp", "3.0e-5", "4.7e-14"},
-                           {"inverse dynamics", "dynamics/inverse_dynamics.hpp", "3.9e-4", "7.1e-13"},
-                           {"Y_r Theta", "dynamics/inverse_dynamics.hpp", "3.5e-4", "6.4e-13"},
-                           {"M", "dynamics/mass_matrix.hpp", "3.5e-6", "6.1e-15"},
-                           {"forward dynamics", "dynamics/forward_dynamics.hpp", "4.2e-4", "7.6e-13"}}) {
+                           {"inverse dynamics", "dynamics/inverse_dynamics.hpp", "3.2e-4", "5.7e-13"},
+                           {"Y_r Theta", "dynamics/inverse_dynamics.hpp", "3.2e-4", "5.8e-13"},
+                           {"M", "dynamics/mass_matrix.hpp", "3.5e-6", "6.2e-15"},
+                           {"forward dynamics", "dynamics/forward_dynamics.hpp", "3.6e-4", "6.6e-13"}}) {
     CAPTURE(p.quantity);
     std::ifstream in(std::string(SKINCTL_HEADERS) + "/" + p.header);
     std::ostringstream text;

@@ -90,7 +90,7 @@ class Quantities {
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
         middle_([&](auto) SKINCTL_INLINE_LAMBDA { return Middle(model_, ahead()); }),
         both_([&](auto) SKINCTL_INLINE_LAMBDA {
-          return TwoJointAngles<M, T>(model_, detail::Row<joints, T>(state_.q), ahead());
+          return detail::TwoJointAngles<M, T>(model_, detail::Row<joints, T>(state_.q), ahead());
         }),
         poses_([&](auto) SKINCTL_INLINE_LAMBDA { return Poses<M, needs.poses, T>(model_, angles()); }),
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
@@ -223,7 +223,7 @@ class Quantities {
   [[no_unique_address]] detail::Computed<has_torque_limits, const JointTorque<joints, T>*> limits_;
   [[no_unique_address]] detail::Computed<needs.angles && !at_once, Angles> angles_;
   [[no_unique_address]] detail::Computed<needs.middle && !at_once, Middle> middle_;
-  [[no_unique_address]] detail::Computed<at_once, TwoJointAngles<M, T>> both_;
+  [[no_unique_address]] detail::Computed<at_once, detail::TwoJointAngles<M, T>> both_;
   [[no_unique_address]] detail::Computed<needs.poses != 0, Poses<M, needs.poses, T>> poses_;
   [[no_unique_address]] detail::Computed<needs.gravity, JointTorque<joints, T>> gravity_;
   [[no_unique_address]] detail::Computed<needs.mass, MassMatrix<joints, T>> mass_;

@@ -43,6 +43,9 @@ constexpr bool no_offsets() noexcept {
   }(std::make_index_sequence<Count>{});
 }
 
+template <RobotModel M, Scalar T>
+struct TwoJointAngles;
+
 }  // namespace detail
 
 /// Sines and cosines of all joint angles, offsets included, computed at once on native lanes: the only
@@ -68,7 +71,7 @@ struct JointAngles {
 
  private:
   template <RobotModel, Scalar>
-  friend struct TwoJointAngles;
+  friend struct detail::TwoJointAngles;
   JointAngles() = default;
   /// @param row  the same angles in registers, or null.
   template <class Row>
@@ -100,24 +103,26 @@ struct JointAngles {
   }
 };
 
-/// Those of two positions at once: six joints fill one and a half of a processor's registers, twelve three.
+namespace detail {
+/// The angles of two positions at once: six joints fill one and a half of a processor's registers, twelve three.
 template <RobotModel M, Scalar T>
 struct TwoJointAngles {
   JointAngles<M, T> first, second;
 
   template <Real U>
     requires std::same_as<U, T>
-  SKINCTL_INLINE TwoJointAngles(const M& model, const detail::Row<M::joints, U>& q,
-                                const detail::Row<M::joints, U>& other) noexcept {
+  SKINCTL_INLINE TwoJointAngles(const M& model, const Row<M::joints, U>& q,
+                                const Row<M::joints, U>& other) noexcept {
     constexpr LinkMask all = all_links(M::joints);
-    if constexpr (M::joints > 1 && detail::no_offsets<M, T, M::joints>() &&
-                  !detail::any_of_kind<M, all>(JointKind::prismatic)) {
+    if constexpr (M::joints > 1 && no_offsets<M, T, M::joints>() &&
+                  !any_of_kind<M, all>(JointKind::prismatic)) {
       math::sincos(q, first.sin, first.cos, other, second.sin, second.cos);
     } else {
       first = JointAngles<M, T>(model, q), second = JointAngles<M, T>(model, other);
     }
   }
 };
+}  // namespace detail
 
 /// The placement of link `I` in its parent: rotation `Rz(gamma) Rx(alpha) Rz(theta)` and origin, factor by
 /// factor, so that a vector is rotated by at most three plane rotations and typed zeros and ones cost
