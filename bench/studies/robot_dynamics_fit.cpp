@@ -8,6 +8,7 @@
 
 #include "skinctl/calibration/dynamics_excitation.hpp"
 #include "skinctl/calibration/inertial_fit.hpp"
+#include "skinctl/calibration/nees.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/other_bodies.hpp"

@@ -91,12 +91,6 @@ SkinFile true_skin_file(SkinFile file, const World& world) {
   file.check();
   return file;
 }
-void write_truth(const fs::path& folder, const World& world, const std::string& path) {
-  write_skin_file(true_skin_file(read_skin_file((folder / "skin.json").string()), world), path);
-}
-std::size_t cells_in(const fs::path& folder) {
-  return read_skin_file((folder / "skin.json").string()).cells();
-}
 
 FoundAxes axes_of(const Json& moved) {
   if (!moved.at("complete").get<bool>()) return {{}, "not all axes are known: no table, and no model\n"};

@@ -1,5 +1,6 @@
 #include "examples/calibrate_skin/judge.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
@@ -82,7 +83,7 @@ MassError mass_error(const fs::path& folder, const World& world) {
     const auto M = mass_of(truth, world.robot(), q), of_found = mass_of(calibrated, found, q);
     out.found += (of_found - M).squaredNorm() / M.squaredNorm() / 100;
     out.maker += (mass_of(maker, {}, q) - M).squaredNorm() / M.squaredNorm() / 100;
-    out.not_positive += !detail::Cholesky(of_found).positive();
+    out.not_positive += of_found.llt().info() != Eigen::Success;
   }
   out.found = std::sqrt(out.found), out.maker = std::sqrt(out.maker);
   return out;

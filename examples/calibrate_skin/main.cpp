@@ -5,8 +5,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "examples/calibrate_skin/steps.hpp"
-#include "examples/calibrate_skin/world.hpp"
+#include "examples/calibrate_skin/calibration.hpp"
 #include "examples/support/job.hpp"
 #include "skinctl/core/contract.hpp"
 
@@ -93,26 +92,11 @@ int run(int argc, char** argv) {
     return std::getline(std::cin, answer) && answer == "yes";
   };
 
-  fs::create_directories(options.folder);
-  const Json which = {{"seed", seed},
-                      {"shoulder_by_hand", options.shoulder_by_hand},
-                      {"camera", options.camera},
-                      {"masses", options.masses},
-                      {"robot", options.arm.host}};
-  const fs::path described = options.folder / "which.json";
-  if (fs::exists(described) && read_json(described) != which)
-    throw skinctl::ConfigurationError(options.folder.string() +
-                                      " holds a calibration with other options: choose another folder");
-  write_json(described, which);
-  const World world(seed);
-  if (run_steps(options, world, again, until)) {
-    options.say("ended behind the step " + until);
-    return job::code(job::Exit::fine);
-  }
-  write_results(options);
-  if (!truth.empty()) write_truth(options.folder, world, truth);
-  options.say(folder + ": skin.json with " + std::to_string(cells_in(options.folder)) +
-              " cells, model.urdf, dh.txt; report.html says what is not known, and what would show it");
+  const auto cells = calibrate(options, seed, again, until, truth);
+  options.say(
+      cells ? folder + ": skin.json with " + std::to_string(*cells) +
+                  " cells, model.urdf, dh.txt; report.html says what is not known, and what would show it"
+            : "ended behind the step " + until);
   return job::code(job::Exit::fine);
 }
 

@@ -5,6 +5,7 @@
 #include "examples/calibrate_skin/step_functions.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/support/text.hpp"
+#include "skinctl/io/skin_file.hpp"
 
 namespace calibrate_skin {
 
@@ -75,6 +76,27 @@ bool run_steps(const Options& options, const World& world, const std::string& ag
     }
   }
   return false;
+}
+
+std::optional<std::size_t> calibrate(const Options& options, std::uint64_t seed, const std::string& again,
+                                     const std::string& until, const std::string& truth) {
+  fs::create_directories(options.folder);
+  const Json which = {{"seed", seed},
+                      {"shoulder_by_hand", options.shoulder_by_hand},
+                      {"camera", options.camera},
+                      {"masses", options.masses},
+                      {"robot", options.arm.host}};
+  const fs::path described = options.folder / "which.json";
+  if (fs::exists(described) && read_json(described) != which)
+    throw ConfigurationError(options.folder.string() +
+                             " holds a calibration with other options: choose another folder");
+  write_json(described, which);
+  const World world(seed);
+  if (run_steps(options, world, again, until)) return std::nullopt;
+  write_results(options);
+  const SkinFile skin = read_skin_file((options.folder / "skin.json").string());
+  if (!truth.empty()) write_skin_file(true_skin_file(skin, world), truth);
+  return skin.cells();
 }
 
 }  // namespace calibrate_skin

@@ -1,13 +1,12 @@
 // The steps of a skin's calibration, each from files to a file: what has been done is kept.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "examples/calibrate_skin/arm.hpp"
+#include "examples/calibrate_skin/calibration.hpp"
 #include "skinctl/calibration/sighting_types.hpp"
 #include "skinctl/io/skin_contents.hpp"
 
@@ -15,21 +14,6 @@ namespace calibrate_skin {
 
 class World;
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
-
-struct Options {
-  fs::path folder;
-  bool shoulder_by_hand = false;  ///< the first link's patch was turned by hand before it was glued on
-  bool camera = true;   ///< false: patches are placed by motion alone; the first link's then has no place
-  bool images = false;  ///< lights are found in rendered images, by OpenCV, not told with errors
-  fs::path placed;  ///< a skin file in which first cells of patches lie as somebody placed them; may be empty
-  bool masses = true;  ///< false: the model has axes only
-  ArmOptions arm{};
-  std::function<void(const std::string&)> say = [](const std::string&) {};
-  /// Told what is going to move before it moves; false: nobody agreed, and nothing moves.
-  std::function<bool(const std::vector<std::string>& announcement)> agreed =
-      [](const std::vector<std::string>&) { return true; };
-};
 
 /// A step: its name, the file it writes, and what it is for. Each reads what those before it wrote; a text in `"said"` of its
 /// result is for the user.
@@ -59,10 +43,6 @@ void write_json(const fs::path& path, const Json& value);
 [[nodiscard]] skinctl::SkinFile skin_file_of(const Json& result);
 /// The same cells where they truly are: for judging only.
 [[nodiscard]] skinctl::SkinFile true_skin_file(skinctl::SkinFile found, const World& world);
-/// Writes that of the `skin.json` in `folder`.
-void write_truth(const fs::path& folder, const World& world, const std::string& path);
-/// How many cells the `skin.json` in `folder` has.
-[[nodiscard]] std::size_t cells_in(const fs::path& folder);
 
 /// `{p, q}`, and back.
 [[nodiscard]] Json json_of(const skinctl::FitPose& X);

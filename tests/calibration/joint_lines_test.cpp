@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/calibration/excitation.hpp"
+#include "skinctl/calibration/nees.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/moved_skin.hpp"
 #include "skinctl/testing/robot_table.hpp"

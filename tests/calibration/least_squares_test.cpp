@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "skinctl/calibration/accelerometer.hpp"
-#include "skinctl/calibration/estimate.hpp"
+#include "skinctl/calibration/nees.hpp"
 #include "skinctl/calibration/sparse_inverse.hpp"
 #include "skinctl/testing/derivatives.hpp"
 #include "skinctl/testing/random.hpp"

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/core/config.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -42,12 +41,5 @@ struct EstimateOf {
 
   [[nodiscard]] bool known() const noexcept { return unobservable.empty(); }
 };
-
-/// Normalised estimation error squared, `e' C^-1 e`: of a covariance that tells the truth its mean is the length of `e`.
-/// NaN if `C` is not positive definite.
-[[nodiscard]] inline double nees(const Eigen::VectorXd& e, const Eigen::MatrixXd& C) {
-  const detail::Cholesky factor(C);
-  return factor.positive() ? factor.squared(e) : std::numeric_limits<double>::quiet_NaN();
-}
 
 SKINCTL_END_NAMESPACE

@@ -8,20 +8,10 @@
 #include <vector>
 
 #include "skinctl/calibration/detail/eigen_only.hpp"
+#include "skinctl/calibration/joint_recording.hpp"
 #include "skinctl/core/contract.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// Positions of joints as their encoders reported them.
-struct JointRecording {
-  std::vector<double> time;  ///< stamps [s], increasing
-  Eigen::MatrixXd q;         ///< a row per stamp, a column per joint [rad]
-};
-
-/// Position, velocity and acceleration of all joints [rad, rad/s, rad/s^2].
-struct JointPoint {
-  Eigen::VectorXd q, dq, ddq;
-};
 
 namespace detail::fit {
 

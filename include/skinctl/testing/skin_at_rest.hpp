@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "skinctl/calibration/nees.hpp"
 #include "skinctl/calibration/reconstruction_types.hpp"
 #include "skinctl/tactile/cover.hpp"
 #include "skinctl/testing/random.hpp"

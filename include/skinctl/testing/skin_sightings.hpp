@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "skinctl/calibration/nees.hpp"
 #include "skinctl/calibration/sighting.hpp"
 #include "skinctl/testing/skin_at_rest.hpp"
 
