@@ -5,6 +5,8 @@
 #include <fstream>
 #include <string_view>
 
+#include "skinctl/core/contract.hpp"
+
 namespace identify_robot {
 namespace {
 

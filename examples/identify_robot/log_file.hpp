@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "skinctl/calibration/robot_response.hpp"
+#include "skinctl/calibration/robot_response_types.hpp"
 
 namespace identify_robot {
 

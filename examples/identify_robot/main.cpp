@@ -9,6 +9,7 @@
 #include "examples/identify_robot/result.hpp"
 #include "examples/support/job.hpp"
 #include "skinctl/calibration/response_motion.hpp"
+#include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "examples/support/text.hpp"
+#include "skinctl/calibration/robot_response.hpp"
 #include "skinctl/model/ur5.hpp"
 
 namespace identify_robot {

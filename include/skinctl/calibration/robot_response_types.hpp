@@ -1,0 +1,45 @@
+// What an identification of a robot's response takes and gives.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "skinctl/calibration/estimate.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// Commands and measurements of a motion, times in seconds of one clock, in their order.
+template <std::size_t N>
+struct ResponseLog {
+  struct Entry {
+    double time = 0;
+    std::array<double, N> q{};  ///< [rad]
+  };
+  std::vector<Entry> sent;      ///< held until the next one
+  std::vector<Entry> measured;  ///< by their stamps
+};
+
+/// What a robot by position is. In `measured = H(command) + gap - compliance G(q) - hysteresis sign(dq)` H is a
+/// pure delay and a lag of first order.
+template <std::size_t N>
+struct RobotResponse {
+  Estimate delay;  ///< [s]
+  Estimate lag;    ///< [s]
+  Estimate both;   ///< delay + lag, which is known better than each [s]
+  struct Joint {
+    Estimate
+        gap;  ///< measured minus true position [rad], of a joint that goes where it is told but for its load
+    Estimate compliance;    ///< one over the servo's stiffness [rad/(N m)]; known if gravity changed
+    Estimate hysteresis;    ///< half of the dead zone of a joint that reverses, by friction or play [rad]
+    double noise = 0;       ///< standard deviation of a measurement, after the fit [rad]
+    double resolution = 0;  ///< step of the encoder [rad]; 0: not seen
+    double speed = 0;       ///< fastest measured [rad/s]
+  };
+  std::array<Joint, N> joint;
+  double period = 0;   ///< between two measurements, the median [s]
+  double jitter = 0;   ///< standard deviation of the measurements' intervals, lost ones apart [s]
+  double skipped = 0;  ///< share of the measurements that did not come
+};
+
+SKINCTL_END_NAMESPACE
