@@ -1,5 +1,6 @@
 #include "examples/calibrate_skin/report.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,6 @@
 #include "examples/calibrate_skin/world.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>

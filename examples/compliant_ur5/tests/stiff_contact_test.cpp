@@ -1,3 +1,4 @@
+// not sanitized: the main job's test runs the same scene, and tests/passivity/ the touched arm
 // The main job's gains against what is stiff: the finger that pressed is held, and the arm comes to rest.
 #include <doctest/doctest.h>
 
