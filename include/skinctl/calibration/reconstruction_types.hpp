@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "skinctl/calibration/accelerometer.hpp"
+#include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/estimate.hpp"
 #include "skinctl/calibration/fit_end.hpp"
 #include "skinctl/calibration/patch_graph.hpp"
