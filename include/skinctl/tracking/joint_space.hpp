@@ -176,7 +176,7 @@ class JointSpace {
     return error;
   }
   template <class Gains>
-  [[nodiscard]] SKINCTL_NOINLINE Surface surface(const Gains& gains, const Inputs& in, const Site& at,
+  [[nodiscard]] SKINCTL_INLINE Surface surface(const Gains& gains, const Inputs& in, const Site& at,
                                                  const Memory& memory) const noexcept {
     return sliding_surface(gains, in, errors(in.target, at, memory),
                            [&](const Row& dq_r)
