@@ -97,6 +97,9 @@ inline constexpr bool has_parts =
 template <class L, class K>
 inline constexpr bool has_stateless_parts =
     std::is_empty_v<typename L::Memory> && requires(const L& law, const K& known) { law.parts(known); };
+/// The memory with which a law begins is the same in every state: there is none, or the law says so.
+template <class L>
+concept StartsBlank = std::is_empty_v<typename L::Memory> || requires { requires L::starts_blank; };
 template <class L, class K>
 inline constexpr bool has_weighted_torque = requires(
     const L& law, const typename L::Memory& m, const K& known, const LawShare<typename K::scalar>& share) {

@@ -91,18 +91,18 @@ class Cycle {
   /// @param robot  a description (`by_position(...)`), or a resolver built by hand.
   /// Throws `ConfigurationError` where settings of law or guard differ from the robot's description.
   template <class Robot>
-  Cycle(const Robot& robot, const Skin& skin, const L& law)
-      : Cycle(Whole{}, robot, skin, law, detail::default_guard<Resolver>,
+  Cycle(const Robot& robot, Skin skin, const L& law)
+      : Cycle(Whole{}, robot, std::move(skin), law, detail::default_guard<Resolver>,
               detail::default_governor<Resolver>) {}
   template <class Robot>
-  Cycle(const Robot& robot, const Skin& skin, const L& law, const Watchman& guard)
-      : Cycle(Whole{}, robot, skin, law, given(guard), detail::default_governor<Resolver>) {}
+  Cycle(const Robot& robot, Skin skin, const L& law, const Watchman& guard)
+      : Cycle(Whole{}, robot, std::move(skin), law, given(guard), detail::default_governor<Resolver>) {}
   template <class Robot>
-  Cycle(const Robot& robot, const Skin& skin, const L& law, const Overseer& governor)
-      : Cycle(Whole{}, robot, skin, law, detail::default_guard<Resolver>, given(governor)) {}
+  Cycle(const Robot& robot, Skin skin, const L& law, const Overseer& governor)
+      : Cycle(Whole{}, robot, std::move(skin), law, detail::default_guard<Resolver>, given(governor)) {}
   template <class Robot>
-  Cycle(const Robot& robot, const Skin& skin, const L& law, const Watchman& guard, const Overseer& governor)
-      : Cycle(Whole{}, robot, skin, law, given(guard), given(governor)) {}
+  Cycle(const Robot& robot, Skin skin, const L& law, const Watchman& guard, const Overseer& governor)
+      : Cycle(Whole{}, robot, std::move(skin), law, given(guard), given(governor)) {}
   /// Without skin.
   template <class Robot>
     requires std::is_same_v<Skin, NoSkin>
@@ -223,9 +223,13 @@ class Cycle {
     m.skin = skin_.start(measured.time);
     m.guard = guard_.start(m.robot.command, measured);
     m.governor = {};
-    const auto state = resolver_.state(m.robot);
-    const Wrenches touch = skin_.wrenches(m.skin);
-    m.law = law_.start(resolver_.template known<L>(state, period(), touch));
+    if constexpr (detail::StartsBlank<L>) {
+      m.law = {};
+    } else {
+      const auto state = resolver_.state(m.robot);
+      const Wrenches touch = skin_.wrenches(m.skin);
+      m.law = law_.start(resolver_.template known<L>(state, period(), touch));
+    }
   }
 
   template <class, std::size_t>
@@ -255,17 +259,17 @@ class Cycle {
     return [&value](const Resolver&) -> const V& { return value; };
   }
   template <class Robot, class MakeGuard, class MakeGovernor>
-  Cycle(Whole, const Robot& robot, const Skin& skin, const L& law, const MakeGuard& guard,
+  Cycle(Whole, const Robot& robot, Skin&& skin, const L& law, const MakeGuard& guard,
         const MakeGovernor& governor)
       : resolver_(detail::as_resolver(robot)),
         law_(law),
         guard_(guard(resolver_)),
-        skin_(skin),
+        skin_(std::move(skin)),
         governor_(governor(resolver_)) {
     if constexpr (detail::Described<Robot>) {
       detail::check_holders<Robot, L>();
       detail::check_settings(robot, law);
-      detail::check_contacts(robot, skin);
+      detail::check_contacts(robot, skin_);
     }
     if constexpr (requires { law.waits_for_contacts(); } && !requires { typename Skin::Found; })
       require(!law.waits_for_contacts(), "skills that wait for contacts, on a skin that finds none", 1,

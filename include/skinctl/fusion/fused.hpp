@@ -57,6 +57,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     detail::Memories<typename L::Memory...> laws;
     OppositionDetector::Memory opposition;
   };
+  static constexpr bool starts_blank = (detail::StartsBlank<L> && ...);
 
   /// @param weights  of the laws in their order: finite, > 0, and 1 for gravity. Throws `ConfigurationError`.
   explicit Fused(const std::tuple<L...>& laws, const std::array<double, terms>& weights,

@@ -177,7 +177,7 @@ class JointSpace {
   }
   template <class Gains>
   [[nodiscard]] SKINCTL_INLINE Surface surface(const Gains& gains, const Inputs& in, const Site& at,
-                                                 const Memory& memory) const noexcept {
+                                               const Memory& memory) const noexcept {
     return sliding_surface(gains, in, errors(in.target, at, memory),
                            [&](const Row& dq_r)
                                SKINCTL_INLINE_LAMBDA { return JointVelocity<N, T>(at.dq - dq_r); });

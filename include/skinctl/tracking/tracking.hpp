@@ -268,14 +268,14 @@ class Tracking : public Composable {
   /// written in would have to wait for them.
   struct Middle {
     using R = detail::Row<N, T>;
-    template <class K>
+    template <class K, bool Brief = Space::brief>
     SKINCTL_INLINE Middle(const Tracking& law, const Memory& memory, const K& known, const Surface& at_t,
-                          const T& h) noexcept
+                          const T& h, std::bool_constant<Brief> = {}) noexcept
         : damped(law.damping_.acceleration(known, at_t.S_q)),
           a(at_t.ddq_r - damped),
           q(known.q() + h * (known.dq() + T(T(0.5) * h) * a)),
           dq(known.dq() + h * a),
-          inputs(law.inputs(memory, h, at_t.dI1, at_t.dI2)),
+          inputs(law.template inputs<Brief>(memory, h, at_t.dI1, at_t.dI2)),
           surface(
               law.space_.surface(law.gains_, inputs, law.space_.site(known.model(), q, dq), memory.space)) {}
 
@@ -287,10 +287,11 @@ class Tracking : public Composable {
     Surface surface;
   };
   /// Part of its caller where a call costs much of what the law costs; elsewhere one copy for all callers.
+  template <bool Brief = Space::brief>
   [[nodiscard]] SKINCTL_INLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
                                                              const Rates& dI1,
                                                              const Rates& dI2) const noexcept {
-    if constexpr (Space::brief) {
+    if constexpr (Brief) {
       return inputs_here(memory, x, dI1, dI2);
     } else {
       return inputs_called(memory, x, dI1, dI2);
@@ -309,15 +310,16 @@ class Tracking : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory switched(const Memory& memory, const K& known, const T& dt,
                                              Opposition opposition) const noexcept;
-  /// `now` and `middle` for rare calls: one copy of each.
+  /// `now` and the middle for rare calls: one copy of each.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Surface look(const Memory& memory, const K& known) const noexcept {
-    return now(memory, known);
+    return space_.surface(gains_, inputs_called(memory, T(0), no_rates, no_rates), space_.site(known),
+                          memory.space);
   }
   template <class K>
   [[nodiscard]] SKINCTL_COLD Surface look_ahead(const Memory& memory, const K& known,
                                                 const Surface& at_t) const noexcept {
-    return Middle(*this, memory, known, at_t, T(T(0.5) * known.dt())).surface;
+    return Middle(*this, memory, known, at_t, T(T(0.5) * known.dt()), std::false_type{}).surface;
   }
   template <class K>
   SKINCTL_COLD Status begin_gain(Memory& memory, const K& known) const noexcept;

@@ -10,8 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// How long the gap of commands that have not moved yet is learnt [s].
-template <Real T>
-inline constexpr T settling_time = T(2);
+inline constexpr double settling_time = 2;
 
 /// The resolver's treatment of joints that take positions or velocities, without the laws: the observer with
 /// the declared delay and lag, limits and max lead, the modes, the command. It has no model, so that it

@@ -29,7 +29,7 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
     m.sent.set(i, command[i]);
   }
   m.rate = m.v;
-  m.settles_for = settling_time<T>;
+  m.settles_for = T(settling_time);
   m.under_way = servo_.start(measured.time, measured.q, m.v);
   m.command.time = m.time;
   m.command.position = command;
