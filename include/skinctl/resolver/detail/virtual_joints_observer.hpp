@@ -30,7 +30,7 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const Sta
 // gap. A dead band that held it would be missing for lag later.
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::settle(Memory& m, const T& dt) const noexcept {
-  const T still(1e-3);  // [rad/s]
+  const T still = T(1e-3);  // [rad/s]
   const bool rests = m.mode == ResolverMode::following && all(magnitude(Row(m.rate)) <= Row(still));
   m.settles_for = rests ? T(m.settles_for - dt) : T(0);
   if (!rests) return;
