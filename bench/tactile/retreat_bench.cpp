@@ -1,8 +1,8 @@
 // What it costs to plan a retreat from obstacles: once a cycle, while a robot has nothing else to do.
 #include "bench/support/bench.hpp"
 #include "skinctl/tactile/retreat.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/random.hpp"
+#include "skinctl/testing/ur5_clearance.hpp"
 
 using namespace skinctl;
 
@@ -10,22 +10,10 @@ namespace {
 
 constexpr std::size_t most = 8;
 
-ClearanceAround<most> clearance() {
-  ClearanceAround<most> c;
-  for (std::size_t i = 0; i < 6; ++i)
-    c.own.capsules.push_back({i, {ur5::tubes[i].from, ur5::tubes[i].to, ur5::tubes[i].radius}});
-  c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
-  c.own.pairs = {{0, 4}, {0, 5}, {1, 4}, {1, 5}, {2, 6}, {4, 6}, {5, 6}};
-  c.own.margin = 0.02;
-  c.own.reach = 1.2;
-  c.exposed = {1, 2, 3, 4, 5};
-  return c;
-}
-
 /// Balls at 0.3 m/s, a little beside the forearm, at `home` and poses around it.
 void plan(benchmark::State& state, std::size_t obstacles) {
   const JointPosition<6> home{0.1, -1.2, 1.2, -1.0, -1.5, 0.3};
-  const Retreat<ur5::Model, most> retreat(ur5::Model{}, clearance(), home);
+  const Retreat<ur5::Model, most> retreat(ur5::Model{}, testing::ur5_clearance<most>(), home);
   auto random = testing::seeded(1);
   std::array<JointPosition<6>, 64> poses;
   std::array<Surroundings<most, Base, double>, 64> around;
@@ -47,7 +35,7 @@ void plan(benchmark::State& state, std::size_t obstacles) {
 }
 
 const int registered = [] {
-  for (const std::size_t obstacles : {0, 1, 2, 8})
+  for (const std::size_t obstacles : {0u, 1u, 2u, 8u})
     benchmark::RegisterBenchmark(
         ("tactile/retreat/ur5-obstacles-" + std::to_string(obstacles) + "/skinctl/double").c_str(),
         [=](benchmark::State& s) { plan(s, obstacles); });

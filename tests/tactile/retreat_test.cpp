@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
+#include "skinctl/testing/ur5_clearance.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -17,17 +17,6 @@ using Arm = ur5::Model;
 using Plan = Retreat<Arm, 4>;
 constexpr double dt = 0.008;
 
-ClearanceAround<4> clearance() {
-  ClearanceAround<4> c;
-  for (std::size_t i = 0; i < 6; ++i)
-    c.own.capsules.push_back({i, {ur5::tubes[i].from, ur5::tubes[i].to, ur5::tubes[i].radius}});
-  c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
-  c.own.pairs = {{0, 4}, {0, 5}, {1, 4}, {1, 5}, {2, 6}, {4, 6}, {5, 6}};
-  c.own.margin = 0.02;
-  c.own.reach = 1.2;
-  c.exposed = {1, 2, 3, 4, 5};
-  return c;
-}
 Obstacle<Base> ball(const Xyz<double>& p, double approach = 0.3) {
   return {{p, p, 0.04}, approach};
 }
@@ -60,8 +49,8 @@ TEST_CASE(
     "Retreat: a ball that flies at any point of the arm at 0.3 m/s meets it in 2 of 200, an arm that stands "
     "in all") {
   const JointPosition<6> home{-0.5, -1.5, 1.7, -1.72, -1.57, -0.5};
-  const Plan plan(Arm{}, clearance(), home);
-  const Clearances<Arm, double, 4> own(Arm{}, clearance().own, clearance().exposed);
+  const Plan plan(Arm{}, ur5_clearance<4>(), home);
+  const Clearances<Arm, double, 4> own(Arm{}, ur5_clearance<4>().own, ur5_clearance<4>().exposed);
   auto rng = seeded(7);
   int met = 0, met_standing = 0, scenes = 0;
   double nearest = 1e9, own_nearest = 1e9, fastest = 0;
@@ -109,7 +98,7 @@ TEST_CASE(
 
 TEST_CASE("Retreat: what is far, or stands, moves nothing; what presses does; no number gives no motion") {
   const JointPosition<6> home{-0.5, -1.5, 1.7, -1.72, -1.57, -0.5};
-  const Plan plan(Arm{}, clearance(), home);
+  const Plan plan(Arm{}, ur5_clearance<4>(), home);
   const auto size = [](const JointVelocity<6>& u) {
     double most = 0;
     for (const double v : u) most = std::max(most, std::abs(v));
@@ -144,7 +133,7 @@ TEST_CASE("Retreat: what is far, or stands, moves nothing; what presses does; no
   const auto allocations = guard.count();
   CHECK(allocations == 0);
   CHECK(size(once) > 0.1);
-  CHECK_THROWS_AS(Plan(Arm{}, clearance(), home, {.speed = 0}), ConfigurationError);
-  CHECK_THROWS_AS(Plan(Arm{}, clearance(), home, {.near = 0.3, .far = 0.2}), ConfigurationError);
-  CHECK_THROWS_AS(Plan(Arm{}, clearance(), home, {.return_rate = 2}), ConfigurationError);
+  CHECK_THROWS_AS(Plan(Arm{}, ur5_clearance<4>(), home, {.speed = 0}), ConfigurationError);
+  CHECK_THROWS_AS(Plan(Arm{}, ur5_clearance<4>(), home, {.near = 0.3, .far = 0.2}), ConfigurationError);
+  CHECK_THROWS_AS(Plan(Arm{}, ur5_clearance<4>(), home, {.return_rate = 2}), ConfigurationError);
 }

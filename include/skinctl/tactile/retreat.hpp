@@ -23,9 +23,8 @@ struct RetreatSettings {
 ///
 /// g_k the gradient of the distance d_k, `b_k = speed (far - d_k) / (far - near)`, at most `speed`, for an obstacle that
 /// approaches, `b_k = -rate (d_k - margin)` for all other pairs, dq_p slowly back to a posture, so that the robot does not
-/// fold while it is driven. What cannot be had at once is a compromise, in
-/// which the robot's own pairs weigh most. A push of the cells, by contrast, gives a link
-/// the speed that its mass and the number of cells that see allow.
+/// fold while it is driven. What cannot be had at once is a compromise, in which the robot's own pairs weigh most. A push of
+/// the cells, by contrast, gives a link the speed that its mass and the number of cells that see allow.
 ///
 /// It is a wish, for `VelocityControl`; what holds is the limit `ClearanceLimits`. Immutable; a fixed number of rounds.
 template <RobotModel M, std::size_t Around, Real T = double>
