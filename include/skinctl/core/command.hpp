@@ -1,6 +1,7 @@
 // The command for a robot: one number per joint, for one of three interfaces.
 #pragma once
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/time.hpp"
 
@@ -26,17 +27,23 @@ struct JointCommand {
   JointAcceleration<N, T> acceleration;
   JointTorque<N, T> torque;
 
-  /// `*this = other`, number by number: GCC copies the whole struct with an instruction that starts slowly.
+  /// `*this = other`, in the blocks in which it is written and read: see `copy_row`.
   SKINCTL_INLINE void assign(const JointCommand& other) noexcept {
     time = other.time;
     valid = other.valid;
-    position = other.position;
-    velocity = other.velocity;
-    acceleration = other.acceleration;
-    torque = other.torque;
+    detail::copy_row(other.position, position);
+    detail::copy_row(other.velocity, velocity);
+    detail::copy_row(other.acceleration, acceleration);
+    detail::copy_row(other.torque, torque);
   }
   [[nodiscard]] SKINCTL_INLINE JointCommand copy() const noexcept {
-    return {time, valid, position, velocity, acceleration, torque};
+    using Row = detail::Row<N, T>;
+    return {time,
+            valid,
+            JointPosition<N, T>(Row(position)),
+            JointVelocity<N, T>(Row(velocity)),
+            JointAcceleration<N, T>(Row(acceleration)),
+            JointTorque<N, T>(Row(torque))};
   }
 };
 

@@ -16,6 +16,12 @@ struct CycleOutput {
   Status status;                                ///< reasons for limits, holds and refusals
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
   [[no_unique_address]] Gripper gripper{};      ///< what the gripper is asked for, where the law has one
+
+  CycleOutput() = default;
+  /// Each member once: GCC would zero all of them before they are written, by an instruction that starts slowly.
+  SKINCTL_INLINE CycleOutput(const JointCommand<N, T>& given, Status found,
+                             const std::array<JointTorque<N, T>, Terms>& parts) noexcept
+      : command(given.copy()), status(found), shares(parts) {}
 };
 
 SKINCTL_END_NAMESPACE

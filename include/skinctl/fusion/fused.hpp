@@ -243,8 +243,12 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     }
     // Each memory is written once, in place: a copy right after the writes would stall on store forwarding.
     return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+      using Row = detail::Row<K::joints, T>;  // as it is read: see `copy_row`
       return Evaluation<K::joints, T, Memory, terms>{
-          total, {advanced<0>(memory, known, dt, opposition, now), watched}, {shares[I]...}, status};
+          Torque(Row(total)),
+          {advanced<0>(memory, known, dt, opposition, now), watched},
+          {Torque(Row(shares[I]))...},
+          status};
     }(std::index_sequence_for<L...>{});
   }
 

@@ -21,7 +21,7 @@ struct OppositionSettings {
 
 /// The largest torques of the joints as far as they are known; 100 N m otherwise.
 template <class K>
-[[nodiscard]] SKINCTL_INLINE auto torque_scale(const K& known) noexcept {
+[[nodiscard]] SKINCTL_INLINE decltype(auto) torque_scale(const K& known) noexcept {
   if constexpr (requires { known.torque_limits(); }) {
     return known.torque_limits();
   } else {

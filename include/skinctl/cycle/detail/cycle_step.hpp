@@ -11,27 +11,27 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
     Memory& m, const Input& input, Watch& watch, const Change& change) const noexcept -> Output {
   const RealTimeScope real_time;
   watch.begin();
-  Output out;
+  Status status;
   if (input.request == CycleRequest::stop) resolver_.stop(m.robot);
   if (input.request == CycleRequest::resume) {
     resolver_.resume(m.robot);
     guard_.acknowledge(m.guard);
   }
-  if (input.has_goal) out.status |= change.receive(*this, m, [&] { return receive(m, input); });
+  if (input.has_goal) status |= change.receive(*this, m, [&] { return receive(m, input); });
 
   const Interval interval = resolver_.interval(m.robot, input.now);
   detail::Unwritten<Touch, max_substeps> touches;
   const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
-  out.status |= interval.status;
+  status |= interval.status;
   const auto measured = [&]() SKINCTL_INLINE_LAMBDA -> const State<joints, scalar>& {
     return detail::believed(input.measured, m.robot.measured, guard_);
   };
-  out.status |= detail::receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
+  status |= detail::receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
   const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
   bool pause = false;
   if constexpr (detail::watches_skin<Overseer>) {
-    out.status |= governor_.watch().look(m.governor.watch, detail::coverage_of(skin_, m.skin),
-                                         seconds<scalar>(interval.to - interval.from));
+    status |= governor_.watch().look(m.governor.watch, detail::coverage_of(skin_, m.skin),
+                                     seconds<scalar>(interval.to - interval.from));
     pause = pauses(m);
     if (pause) resolver_.stop(m.robot);
   }
@@ -57,8 +57,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
       resolved.status = Status::from_bits(resolved.status.bits() & ~Status(Reason::stopping).bits());
     }
   }
-  out.status |= resolved.status;
-  out.shares = resolved.shares;
+  status |= resolved.status;
   watch.end(CycleStage::resolve);
 
   Status found = input.observed;
@@ -66,24 +65,24 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
   if constexpr (governed) {
     if (interval.substeps != 0) {
       const auto given = govern(m, resolved, pressed, interval);
-      out.status |= given.status;
+      status |= given.status;
       found |= given.status;
       slowed = given.altered;
       resolved.command = given.command;
       if constexpr (requires { given.hold; }) resolved.fallback = given.hold;
     }
   }
-  const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured, input.now, resolved.fallback,
-                                   found | out.status);
-  out.status |= guarded.status | input.observed;
-  out.command.assign(guarded.command);
+  const auto guarded =
+      guard_.step(m.guard, resolved.command, m.robot.measured, input.now, resolved.fallback, found | status);
+  status |= guarded.status | input.observed;
   if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
   if constexpr (governed) {
     if (guarded.altered && detail::commands_motion<Resolver>) governor_.sent(m.governor, guarded.command);
   }
   if (guard_.waits(m.guard)) resolver_.stop(m.robot);
-  if constexpr (has_gripper) out.gripper = L::gripper(m.law);
   watch.end(CycleStage::guard);
+  Output out(guarded.command, status, resolved.shares);
+  if constexpr (has_gripper) out.gripper = L::gripper(m.law);
   return out;
 }
 

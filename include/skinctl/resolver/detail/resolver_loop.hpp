@@ -1,7 +1,9 @@
 // The loop of the resolver, declared in resolver.hpp.
 #pragma once
 
+#include "skinctl/core/detail/copy_whole.hpp"
 #include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/resolver/detail/affordable.hpp"
 #include "skinctl/resolver/resolver.hpp"
 
@@ -125,7 +127,9 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
     return {m.command, interval.status, {}};
   }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
-  std::array<Torque, terms_of<L>> shares{};
+  // GCC zeroes them with an instruction that starts slowly: only where no law shows its own.
+  detail::Unwritten<std::array<Torque, terms_of<L>>, 1> shares;
+  bool shown = false;
   const auto begun = virtual_.begin(m, measured, interval, check);
   Status status = begun.status;
   if constexpr (std::is_same_v<Pressed, PressedUnknown>) {
@@ -147,8 +151,9 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
       if (!affords(m, v1)) [[unlikely]]
         status |= Reason::energy_held;
       if (!driven.status.has(Reason::torque_not_finite)) [[likely]] {
-        law_memory = driven.law.memory;
-        shares = driven.law.shares;
+        detail::copy_whole(driven.law.memory, law_memory);
+        detail::copy_whole(driven.law.shares, shares.data[0]);
+        shown = true;
       }
     }
     const Position from(Row(m.q.value));
@@ -168,7 +173,9 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
     }
   }
   status |= virtual_.end(m, begun, torque);
-  return {m.command, status, shares};
+  if (!shown) [[unlikely]]
+    shares.data[0] = {};
+  return {m.command, status, shares.data[0]};
 }
 
 SKINCTL_RESOLVER

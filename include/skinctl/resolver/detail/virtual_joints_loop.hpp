@@ -244,7 +244,7 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::publish(Memory& m, const Cor
   command.time = m.time;
   copy_row(I == Interface::position ? m.sent.value : m.q.value, command.position);
   ((Row(command.velocity) - last) / Row(dt)).store(command.acceleration);
-  command.torque = torque;
+  copy_row(torque, command.torque);
   command.valid = true;
   servo_.send(m.under_way, m.time, m.sent.value, I == Interface::velocity ? command.velocity : Velocity{});
   return status;
