@@ -24,7 +24,6 @@ class EventFloor {
 #endif
   static constexpr std::size_t parts = 8 / width;
   typedef double Part __attribute__((vector_size(8 * width)));
-  typedef float Narrow __attribute__((vector_size(4 * width), aligned(4), may_alias));
   typedef float Four __attribute__((vector_size(16)));
   typedef float FourAnywhere __attribute__((vector_size(16), aligned(4), may_alias));
   typedef std::int32_t Ints __attribute__((vector_size(16)));
@@ -106,8 +105,7 @@ class EventFloor {
       const double mean = share * (gain_[0] * force + gain_[1] * proximity);
       Sums& s = sums[key.sums];
       for (std::size_t k = 0; k < parts; ++k) {
-        const Part u = __builtin_convertvector(
-            *reinterpret_cast<const Narrow*>(units_[key.index].row + k * width), Part);
+        const Part u = skinctl::detail::widened<double>(units_[key.index].row + k * width);
         s.force[k] += force * u;
         s.proximity[k] += proximity * u;
         s.mean[k] += mean * u;

@@ -496,6 +496,46 @@ TEST_CASE(
   CHECK(one.push({}, 200ms, 210ms) == doctest::Approx(15).epsilon(1e-12));
 }
 
+TEST_CASE(
+    "Skin: what is pressed is what holds a force, however many cells began or ceased to be in one "
+    "reception") {
+  for (const Nanoseconds max_age :
+       {250ms, 60ms}) {  // 60: held for 10 ms, less than the time that is caught up
+    SkinSettings settings;
+    settings.max_age = max_age;
+    const auto skin = ur5_skin<260>({10, 3}, settings);
+    auto memory = skin.start(0ns);
+    Random rng = seeded(12);
+    Nanoseconds now = 0ns;
+    int pressed = 0;
+    for (int k = 0; k < 60; ++k) {
+      now += 8ms;
+      std::vector<CellSample> samples;
+      for (int n = 0; n < 500;
+           ++n) {  // each cell about twice, every other time across the thresholds; some unknown
+        const auto id = static_cast<std::uint32_t>(rng() % 265 + 1);
+        const float force = rng() % 2 == 0 ? 0.0f : 0.5f, proximity = rng() % 2 == 0 ? 0.0f : 0.5f;
+        samples.push_back(
+            {.time = now - 8ms + n * 16us, .cell = id, .force = {force, 0, 0}, .proximity = proximity});
+      }
+      decltype(skin)::Wrenches mean;
+      skin.receive(memory, samples, now - 8ms, now, 1, &mean);
+      std::vector<std::size_t> found, holds;
+      skin.each_pressed(memory, [&](std::size_t i, double) { found.push_back(i); });
+      for (std::size_t i = 0; i < 260; ++i) {
+        const CellCounts held = skin.held(memory, i);
+        if (held.force != 0) holds.push_back(i);
+        const bool seeing = (memory.states[i / 64].seeing >> (i % 64) & 1u) != 0;
+        CHECK(seeing == (held.proximity != 0));
+      }
+      CHECK(found == holds);
+      pressed += static_cast<int>(found.size());
+    }
+    CHECK(pressed > 60 * 100);
+    CHECK(skin.recomputed(memory) == memory);
+  }
+}
+
 TEST_CASE("Skin: an interval that goes backwards is one without length") {
   OneCell one;
   Status status;

@@ -54,7 +54,12 @@ class LaneMask {
       return detail::any_bit(a.bits_);
   }
   /// True if the comparison holds in every lane.
-  [[nodiscard]] SKINCTL_INLINE friend bool all(LaneMask a) noexcept { return !any(!a); }
+  [[nodiscard]] SKINCTL_INLINE friend bool all(LaneMask a) noexcept {
+    if constexpr (W == 1)
+      return a.bits_;
+    else
+      return detail::every_bit(a.bits_);
+  }
 
  private:
   Bits bits_;

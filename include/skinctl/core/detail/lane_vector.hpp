@@ -122,6 +122,25 @@ template <class Bits>
   }
 }
 
+/// Whether a comparison holds in every lane: from the signs as they are, not from those of its opposite, which compilers
+/// put together in three steps more.
+template <class Bits>
+[[nodiscard]] SKINCTL_INLINE bool every_bit(Bits bits) noexcept {
+#if defined(__AVX__)
+  if constexpr (sizeof(Bits) == 32) {
+    if constexpr (sizeof(bits[0]) == 8)
+      return __builtin_ia32_movmskpd256(__builtin_bit_cast(LaneVector<double, 4>, bits)) == 0xF;
+    else
+      return __builtin_ia32_movmskps256(__builtin_bit_cast(LaneVector<float, 8>, bits)) == 0xFF;
+  }
+#endif
+#if defined(__SSE2__)
+  if constexpr (sizeof(Bits) == 16)
+    return __builtin_ia32_movmskps(__builtin_bit_cast(LaneVector<float, 4>, bits)) == 0xF;
+#endif
+  return !any_bit(~bits);
+}
+
 /// A loop over `__builtin_sqrt` becomes scalar code with calls (errno), on both compilers: hence the vector
 /// built-ins.
 template <class T, std::size_t W>

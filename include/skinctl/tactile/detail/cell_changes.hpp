@@ -62,7 +62,7 @@ class CellChanges {
     const CellCounts old = cell.held, passed = tables_.pass(i, raw, old);
     if (passed == old) return;
     cell.held = passed;
-    if (const std::uint32_t state = CellRecord::state_of(CountPair(passed)); state != cell.state)
+    if (const std::uint32_t state = CellRecord::state_of(passed); state != cell.state)
       memory_.enter(i, state);
     const CellSeat seat = tables_.cells.seat(i);
     const CellCounts was = tables_.weigh(i, old), is = tables_.weigh(i, passed);
@@ -99,7 +99,7 @@ class CellChanges {
     const bool lapsed = span(last, parts_.to) > hold_;
     const CellCounts old = was_heard || lapsed ? cell.held : CellCounts{};
     cell.held = passed;
-    if (const std::uint32_t state = CellRecord::state_of(CountPair(passed)); state != cell.state)
+    if (const std::uint32_t state = CellRecord::state_of(passed); state != cell.state)
       memory_.enter(i, state);
     const bool fading = lapsed && old != CellCounts{};
     if (passed == old && !fading) return;
@@ -120,7 +120,7 @@ class CellChanges {
   }
 
   /// The means of a change of cell `i` along a ramp from `last` to `time`, in any interval.
-  SKINCTL_NOINLINE void spread(std::size_t i, CountPair change_of_counts, Nanoseconds last,
+  SKINCTL_NOINLINE void spread(std::size_t i, WideCounts change_of_counts, Nanoseconds last,
                                Nanoseconds time) const noexcept {
     const PatchRow<T>& patch = tables_.patches[tables_.cells.seat(i).sums];
     const Ramp<T> ramp = ramp_between(last, time);
@@ -163,6 +163,7 @@ class CellChanges {
     if (parts_.from == parts_.to) [[unlikely]] {
       auto& owed = R == Reading::proximity ? memory_.owed.proximity : memory_.owed.force;
       unit.add_to(owed.data[slot], made_up);
+      memory_.owes = true;
       return;
     }
     const T evenly = made_up * parts_.per_whole;

@@ -180,28 +180,23 @@ struct CellSeat {
   std::uint16_t slot = 0;  ///< index of its link in the link wrenches
   friend bool operator==(const CellSeat&, const CellSeat&) noexcept = default;
 };
-/// All that an event looks up by its cell's id, in one word.
+/// All that an event looks up by its cell's id, in eight bytes.
 class CellKey {
  public:
   /// Of an unknown cell: its index is beyond all cells.
   constexpr CellKey() noexcept = default;
-  constexpr CellKey(std::uint32_t index, CellSeat seat) noexcept
-      : word_(index | std::uint64_t(seat.sums) << 32 | std::uint64_t(seat.slot) << 48) {}
+  constexpr CellKey(std::uint32_t index, CellSeat seat) noexcept : index_(index), seat_(seat) {}
   /// In the order of the patches.
-  [[nodiscard]] SKINCTL_INLINE constexpr std::size_t index() const noexcept {
-    return static_cast<std::uint32_t>(word_);
-  }
-  [[nodiscard]] SKINCTL_INLINE constexpr std::size_t sums() const noexcept {
-    return static_cast<std::size_t>(word_ >> 32 & 0xFFFFu);
-  }
-  [[nodiscard]] SKINCTL_INLINE constexpr std::size_t slot() const noexcept {
-    return static_cast<std::size_t>(word_ >> 48);
-  }
-  friend constexpr bool operator==(CellKey, CellKey) noexcept = default;
+  [[nodiscard]] SKINCTL_INLINE constexpr std::size_t index() const noexcept { return index_; }
+  [[nodiscard]] SKINCTL_INLINE constexpr std::size_t sums() const noexcept { return seat_.sums; }
+  [[nodiscard]] SKINCTL_INLINE constexpr std::size_t slot() const noexcept { return seat_.slot; }
+  friend constexpr bool operator==(const CellKey&, const CellKey&) noexcept = default;
 
  private:
-  std::uint64_t word_ = ~std::uint32_t(0);
+  std::uint32_t index_ = ~std::uint32_t(0);
+  CellSeat seat_;
 };
+static_assert(sizeof(CellKey) == 8);
 
 /// All cells in the order of their patches, and the map from ids to indices in that order.
 class CellTable {

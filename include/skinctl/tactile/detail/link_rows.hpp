@@ -19,15 +19,13 @@ struct LinkRows {
     for (std::size_t r = 0; r < row_used<T>; ++r)
       row[slot][r] = row[slot][r] + factor * ExactSums::at<T>(sums, r, cell);
   }
-  SKINCTL_INLINE void add_to(W& wrenches) const noexcept {
+  SKINCTL_INLINE void add_to(W& wrenches, const T& factor) const noexcept {
     for (std::size_t k = 0; k < W::count; ++k)
-      for (std::size_t r = 0; r < 6; ++r) wrenches.data[k][r] = wrenches.data[k][r] + row[k][r];
+      for (std::size_t r = 0; r < 6; ++r) wrenches.data[k][r] = wrenches.data[k][r] + factor * row[k][r];
   }
-  [[nodiscard]] SKINCTL_INLINE W wrenches() const noexcept {
-    W out;
+  SKINCTL_INLINE void write(W& wrenches) const noexcept {
     for (std::size_t k = 0; k < W::count; ++k)
-      for (std::size_t r = 0; r < 6; ++r) out.data[k][r] = row[k][r];
-    return out;
+      for (std::size_t r = 0; r < 6; ++r) wrenches.data[k][r] = row[k][r];
   }
 };
 

@@ -21,7 +21,7 @@ struct AsSent {
 ///
 /// The usual sample is taken on a path of its own: of a cell that is heard and not fading, not ahead of the
 /// interval's end, with a ramp that began within the time for which missing impulse is added. The mean over an interval of one part is then
-/// `jump (2 (to - t) + min(gap, ramp)) / 2h`, without a division, and the pushes add up for each link until
+/// `jump (2 (to - t) + min(gap, ramp)) / 2h`, without a division, and `jump (...)` add up for each link until
 /// all samples have been taken. What is not usual is taken out of line, by the same rules one by one.
 template <Real T, class Tables, class Memory, class Means>
 class Reception : public CellChanges<T, Tables, Memory, Means> {
@@ -48,18 +48,24 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
     }
     Pushes pushes[apart ? 2 : 1];
     const Usual usual(*this);
-    const auto keys = tables_.cells.keys();
-    for (const CellSample& sample : samples) {
-      if constexpr (Ahead > 0)
-        fetch<Ahead>(keys, samples, static_cast<std::size_t>(&sample - samples.data()));
-      if (!take_usual(usual, keys, sample, front, pushes)) [[unlikely]]
-        status |= take_any(sample, front);
+    for (std::size_t first = 0; first < samples.size(); first += Crossed::most) {
+      const std::size_t rest = samples.size() - first;
+      Crossed crossed;
+      for (const CellSample& sample : samples.subspan(first, rest < Crossed::most ? rest : Crossed::most)) {
+        if constexpr (Ahead > 0)
+          fetch<Ahead>(usual.keys, samples, static_cast<std::size_t>(&sample - samples.data()));
+        if (!take_usual(usual, sample, front, pushes, crossed)) [[unlikely]]
+          status |= take_any(sample, front);
+      }
+      for (std::size_t k = 0; k < crossed.count; ++k)
+        memory_.enter(crossed.cell[k], CellRecord::state_of(usual.records[crossed.cell[k]].held));
     }
+    const T share = T(0.5e-9) * parts_.per_whole;
     if constexpr (apart) {
-      pushes[0].add_to(means_->force);
-      pushes[1].add_to(means_->proximity);
+      pushes[0].add_to(means_->force, share);
+      pushes[1].add_to(means_->proximity, share);
     } else {
-      pushes[0].add_to(*means_);
+      pushes[0].add_to(*means_, share);
     }
     return status;
   }
@@ -74,57 +80,82 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
            max_age_ < far;
   }
 
-  /// What the usual path compares with, [ns].
+  /// What the usual path reads, as values of its own: nothing that it writes can change them, so they stay in registers.
   struct Usual {
-    std::uint64_t to, latest, hold, ramp;
-    T share;
+    CellTable::Keys keys;
+    std::size_t cells;
+    const CellUnit* units;
+    const PatchRow<T>* patches;
+    CellRecord* records;
+    ExactSums* sums;
+    GatePair gates;
+    std::uint64_t to, latest, longest, ramp;  ///< [ns]
+    bool whole;                               ///< the interval is one part
     SKINCTL_INLINE explicit Usual(const Reception& r) noexcept
-        : to(static_cast<std::uint64_t>(r.parts_.to.count())),
-          latest(r.parts_.reach - r.ramp_),
-          hold(r.hold_),
+        : keys(r.tables_.cells.keys()),
+          cells(r.cells_),
+          units(&r.tables_.cells[0]),
+          patches(r.tables_.patches.data()),
+          records(r.memory_.records.data()),
+          sums(r.memory_.sums.data()),
+          gates(r.tables_.gates),
+          to(static_cast<std::uint64_t>(r.parts_.to.count())),
+          latest(r.parts_.reach - r.ramp_ < r.hold_ / 2 ? r.parts_.reach - r.ramp_ : r.hold_ / 2),
+          longest(r.hold_ - latest),
           ramp(r.ramp_),
-          share(T(0.5e-9) * r.parts_.per_whole) {}
+          whole(r.parts_.count == 1) {}
+  };
+  /// Cells that began or ceased to be pressed or to see, whose states are brought up to date after some samples: noted
+  /// without a branch, which would come as the readings like.
+  struct Crossed {
+    static constexpr std::size_t most = 64;
+    std::uint32_t cell[most];
+    std::size_t count = 0;
+    SKINCTL_INLINE void note(std::size_t i, bool crosses) noexcept {
+      cell[count] = static_cast<std::uint32_t>(i);
+      count += crosses ? 1u : 0u;
+    }
   };
   template <class Front>
-  [[nodiscard]] SKINCTL_INLINE bool take_usual(const Usual& at, const CellTable::Keys& keys,
-                                               const CellSample& sample, Front& front,
-                                               Pushes* pushes) const noexcept {
-    const CellKey key = keys.of(sample.cell);
+  [[nodiscard]] SKINCTL_INLINE bool take_usual(const Usual& at, const CellSample& sample, Front& front,
+                                               Pushes* pushes, Crossed& crossed) const noexcept {
+    if (sample.cell >= at.keys.last) [[unlikely]]
+      return false;
+    const CellKey& key = at.keys.first[sample.cell];
     const std::size_t i = key.index();
-    if (i >= cells_ || !believable(sample)) [[unlikely]]
+    if (i >= at.cells || !believable(sample)) [[unlikely]]
       return false;
-    CellRecord& cell = memory_.records[i];
-    // Neither ahead nor so late that its ramp began too early; after the last one, which is neither fading nor
-    // of a later time.
-    const std::uint64_t late = at.to - static_cast<std::uint64_t>(sample.time.count());
-    const std::uint64_t silence = at.to - static_cast<std::uint64_t>(cell.stamp.count());
-    if (late > at.latest || silence <= late || silence > at.hold || cell.state < CellRecord::heard)
-        [[unlikely]]
+    CellRecord& cell = at.records[i];
+    // Neither ahead nor so late that its ramp began too early; after the last one, which was not fading by the end
+    // however late this one is, and is not of a later time.
+    const auto time = static_cast<std::uint64_t>(sample.time.count());
+    const std::uint64_t late = at.to - time, gap = time - static_cast<std::uint64_t>(cell.stamp.count());
+    if (late > at.latest) [[unlikely]]
       return false;
-    const Nanoseconds last = cell.stamp;
+    if (gap - 1 >= at.longest) [[unlikely]]
+      return false;
+    if (cell.state < CellRecord::heard) [[unlikely]]
+      return false;
     cell.stamp = sample.time;
-    const CountPair old(cell.held), now = tables_.pass(i, reading(i, sample, front), old);
+    const CountPair old(cell.held), now = pass(at, i, reading(i, sample, front), old);
     const CellCounts passed = now.counts_of();
     if (std::bit_cast<std::uint32_t>(passed) == std::bit_cast<std::uint32_t>(cell.held)) return true;
     cell.held = passed;
-    const std::uint32_t state = CellRecord::state_of(now);
-    if (state != cell.state) [[unlikely]]
-      memory_.enter(i, state);
-    const CountPair change = tables_.weigh(i, now) - tables_.weigh(i, old);
-    const float* const row = tables_.cells[i].row;
-    const WideUnit<std::conditional_t<ExactSums::in_steps, T, double>> unit(row);
+    crossed.note(i, !now.open_as(old));
+    const WideCounts change = tables_.weigh(i, now) - tables_.weigh(i, old);
+    const CellUnit& cell_unit = at.units[i];
+    const WideUnit<std::conditional_t<ExactSums::in_steps, T, double>> unit(cell_unit.row);
     if constexpr (ExactSums::in_steps) {
-      memory_.sums[key.sums()].add(tables_.cells[i], change.force(), change.proximity());
+      at.sums[key.sums()].add(cell_unit, change.force(), change.proximity());
     } else {
-      memory_.sums[key.sums()].add(unit, change.template as<0, double>(), change.template as<1, double>());
+      at.sums[key.sums()].add(unit, change.template as<0, double>(), change.template as<1, double>());
     }
-    const PatchRow<T>& patch = tables_.patches[key.sums()];
-    if (parts_.count != 1) [[unlikely]] {
-      this->spread(i, change, last, sample.time);
+    if (!at.whole) [[unlikely]] {
+      this->spread(i, change, Nanoseconds(sample.time.count() - static_cast<std::int64_t>(gap)), sample.time);
       return true;
     }
-    const std::uint64_t turn = late + at.ramp, begun = turn < silence ? turn : silence;  // before the end
-    const T share = static_cast<T>(static_cast<std::int64_t>(late + begun)) * at.share;
+    const PatchRow<T>& patch = at.patches[key.sums()];
+    const T share = static_cast<T>(static_cast<std::int64_t>(2 * late + (gap < at.ramp ? gap : at.ramp)));
     const T force = patch.force_gain * change.template as<0, T>();
     const T proximity = patch.proximity_gain * change.template as<1, T>();
     const std::size_t slot = key.slot();
@@ -139,9 +170,16 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
     if constexpr (std::is_same_v<T, double> || ExactSums::in_steps) {
       add(unit);
     } else {
-      add(WideUnit<T>(row));
+      add(WideUnit<T>(cell_unit.row));
     }
     return true;
+  }
+  SKINCTL_INLINE CountPair pass(const Usual& at, std::size_t i, CountPair raw, CountPair old) const noexcept {
+    if constexpr (Tables::tuned) {
+      return static_cast<void>(at), tables_.pass(i, raw, old);
+    } else {
+      return static_cast<void>(i), at.gates.pass(raw, old);
+    }
   }
   template <class Front>
   static SKINCTL_INLINE CountPair reading(std::size_t i, const CellSample& sample, Front& front) noexcept {

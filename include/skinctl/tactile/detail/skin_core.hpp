@@ -71,18 +71,9 @@ class SkinCore {
     SKINCTL_EXPECTS(substeps > 0 && means != nullptr, "at least one part of the interval");
     const Nanoseconds known = elapsed(memory.begin, from), back = settings().catch_up;
     const auto parts = Parts<T>::of(from, to, substeps, known < back ? known : back);
-    Means before = held_as<Means>(memory);
-    if (parts.from != parts.to) {
-      if constexpr (std::is_same_v<Means, Touch>) {
-        before.force += parts.per_whole * memory.owed.force;
-        before.proximity += parts.per_whole * memory.owed.proximity;
-        memory.owed.proximity = {};
-      } else {
-        before += parts.per_whole * memory.owed.force;
-      }
-      memory.owed.force = {};
-    }
-    for (std::size_t j = 0; j < substeps; ++j) means[j] = before;
+    write_held(memory, means, substeps);
+    if (memory.owes && parts.from != parts.to) [[unlikely]]
+      pay(memory, parts.per_whole, means, substeps);
     const Reception<T, SkinTables<T, Tuned>, Memory, Means> reception(tables_, memory, size(), parts, means);
     const AsSent as_sent;
     auto& judge = either(front..., as_sent);
@@ -102,25 +93,15 @@ class SkinCore {
   /// The wrenches of the held readings, as after the last `receive`; fading cells count fully until they are
   /// silent.
   [[nodiscard]] Wrenches wrenches(const Memory& memory) const noexcept {
-    LinkRows<Wrenches> total;
-    const ExactSums* sums = memory.sums.data();
-    for (const PatchRow<T>& patch : tables_.patches) {
-      total.add(patch.slot, patch.force_gain, sums->force, tables_.cells[patch.first]);
-      total.add(patch.slot, patch.proximity_gain, sums->proximity, tables_.cells[patch.first]);
-      ++sums;
-    }
-    return total.wrenches();
+    Wrenches out;
+    write_held(memory, &out, 1);
+    return out;
   }
   /// The same, forces and proximities apart.
   [[nodiscard]] Touch touch(const Memory& memory) const noexcept {
-    LinkRows<Wrenches> force, proximity;
-    const ExactSums* sums = memory.sums.data();
-    for (const PatchRow<T>& patch : tables_.patches) {
-      force.add(patch.slot, patch.force_gain, sums->force, tables_.cells[patch.first]);
-      proximity.add(patch.slot, patch.proximity_gain, sums->proximity, tables_.cells[patch.first]);
-      ++sums;
-    }
-    return {force.wrenches(), proximity.wrenches()};
+    Touch out;
+    write_held(memory, &out, 1);
+    return out;
   }
   /// The memory with its sums computed anew, cell by cell: bit for bit those of the events.
   [[nodiscard]] Memory recomputed(const Memory& given) const noexcept(Store::fixed) {
@@ -262,13 +243,41 @@ class SkinCore {
   static SKINCTL_INLINE auto& either(Front& front, Rest&...) noexcept {
     return front;
   }
+  /// The wrenches of the held readings to each of `count` parts.
   template <class Means>
-  [[nodiscard]] SKINCTL_INLINE Means held_as(const Memory& memory) const noexcept {
-    if constexpr (std::is_same_v<Means, Touch>) {
-      return touch(memory);
-    } else {
-      return wrenches(memory);
+  SKINCTL_INLINE void write_held(const Memory& memory, Means* means, std::size_t count) const noexcept {
+    constexpr bool apart = std::is_same_v<Means, Touch>;
+    LinkRows<Wrenches> force, proximity;
+    const ExactSums* sums = memory.sums.data();
+    for (const PatchRow<T>& patch : tables_.patches) {
+      const CellUnit& any = tables_.cells[patch.first];
+      force.add(patch.slot, patch.force_gain, sums->force, any);
+      (apart ? proximity : force).add(patch.slot, patch.proximity_gain, sums->proximity, any);
+      ++sums;
     }
+    for (std::size_t j = 0; j < count; ++j) {
+      if constexpr (apart) {
+        force.write(means[j].force);
+        proximity.write(means[j].proximity);
+      } else {
+        force.write(means[j]);
+      }
+    }
+  }
+  /// Adds the impulse that is owed to each of `count` parts of an interval.
+  template <class Means>
+  static SKINCTL_NOINLINE void pay(Memory& memory, const T& per_whole, Means* means,
+                                   std::size_t count) noexcept {
+    for (std::size_t j = 0; j < count; ++j) {
+      if constexpr (std::is_same_v<Means, Touch>) {
+        means[j].force += per_whole * memory.owed.force;
+        means[j].proximity += per_whole * memory.owed.proximity;
+      } else {
+        means[j] += per_whole * memory.owed.force;
+      }
+    }
+    memory.owed = {};
+    memory.owes = false;
   }
 };
 

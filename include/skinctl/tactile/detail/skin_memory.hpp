@@ -6,7 +6,6 @@
 
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/tactile/detail/cell_table.hpp"
-#include "skinctl/tactile/detail/count_pair.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -21,8 +20,8 @@ struct alignas(16) CellRecord {
   static constexpr std::uint32_t pressed = 1;  ///< its force is not 0
   static constexpr std::uint32_t seeing = 2;   ///< its proximity is not 0
   static constexpr std::uint32_t heard = 4;    ///< its reading is in the sums
-  [[nodiscard]] static SKINCTL_INLINE std::uint32_t state_of(CountPair held) noexcept {
-    return heard | held.positive();
+  [[nodiscard]] static SKINCTL_INLINE std::uint32_t state_of(CellCounts held) noexcept {
+    return heard | (held.force != 0 ? pressed : 0u) | (held.proximity != 0 ? seeing : 0u);
   }
   friend bool operator==(const CellRecord&, const CellRecord&) noexcept = default;
 };
@@ -50,6 +49,7 @@ struct SkinMemoryOf : Store {
   using Store::sums;     // over the cells that are not silent
 
   std::uint32_t heard = 0;                 ///< number of cells that are not silent
+  bool owes = false;                       ///< whether impulse is `owed`
   Nanoseconds begin = Nanoseconds::min();  ///< no missing impulse is added before this time
   /// Impulse to be added in the next interval [N s], [N m s]; in `force` where the two are not told apart.
   TouchWrenches<Wrenches> owed{};

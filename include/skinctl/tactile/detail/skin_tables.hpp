@@ -56,6 +56,7 @@ static_assert(sizeof(CellTuning) == 16);
 template <Real T, bool Tuned = false>
 struct SkinTables {
   using scalar = T;
+  static constexpr bool tuned = Tuned;
   SkinSettings settings;
   CellTuning common;  ///< of all cells, unless `Tuned`
   GatePair gates;
@@ -114,16 +115,21 @@ struct SkinTables {
     return pass(i, CountPair(raw), CountPair(old)).counts_of();
   }
   /// Counts of cell `i` as shares of its patch's gains.
-  SKINCTL_INLINE CountPair weigh(std::size_t i, CountPair c) const noexcept {
+  SKINCTL_INLINE WideCounts weigh(std::size_t i, CountPair c) const noexcept {
     if constexpr (Tuned) {
-      return CountPair((c.row() * CountPair(tuning[i].share).row() + CellTuning::whole / 2) >>
-                       CellTuning::whole_bits);
+      return WideCounts((c.wide().row() * CountPair(tuning[i].share).wide().row() + CellTuning::whole / 2) >>
+                        CellTuning::whole_bits);
     } else {
-      return static_cast<void>(i), c;
+      return static_cast<void>(i), c.wide();
     }
   }
   SKINCTL_INLINE CellCounts weigh(std::size_t i, CellCounts c) const noexcept {
-    return weigh(i, CountPair(c)).counts_of();
+    if constexpr (Tuned) {
+      const WideCounts weighed = weigh(i, CountPair(c));
+      return {static_cast<std::uint16_t>(weighed.force()), static_cast<std::uint16_t>(weighed.proximity())};
+    } else {
+      return static_cast<void>(i), c;
+    }
   }
   SKINCTL_INLINE const PatchRow<T>& patch_of(std::size_t i) const noexcept {
     return patches[cells.seat(i).sums];
