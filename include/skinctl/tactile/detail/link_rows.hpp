@@ -1,6 +1,7 @@
 // Wrenches of links while they are summed.
 #pragma once
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/tactile/detail/cell_table.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -11,7 +12,21 @@ namespace detail {
 template <class W>
 struct LinkRows {
   using T = typename W::scalar;
-  alignas(64) T row[W::count == 0 ? 1 : W::count][row_size] = {};
+  using Six = Row<6, T>;
+  static constexpr std::size_t rows = W::count == 0 ? 1 : W::count;
+  alignas(64) T row[rows][row_size];
+
+  /// All 0, register by register: GCC zeroes an array with an instruction that starts slowly, and behind which loads wait.
+  SKINCTL_INLINE LinkRows() noexcept {
+    if constexpr (row_lanes<T> == 1 || rows > 8) {
+      for (auto& one : row)
+        for (T& x : one) x = T(0);
+    } else {
+      each_index<rows * row_size / row_lanes<T>>([&](auto k) SKINCTL_INLINE_LAMBDA {
+        Lane<T, row_lanes<T>>(T(0)).store(row[0] + k.value * row_lanes<T>);
+      });
+    }
+  }
 
   /// `wrench of the link += factor sums`, for a row of sums of unit wrenches; `cell` is any of theirs.
   SKINCTL_INLINE void add(std::size_t slot, const T& factor, const auto* sums,
@@ -19,13 +34,13 @@ struct LinkRows {
     for (std::size_t r = 0; r < row_used<T>; ++r)
       row[slot][r] = row[slot][r] + factor * ExactSums::at<T>(sums, r, cell);
   }
+  // By rows: GCC would put numbers of two links into one register, from stores of two.
   SKINCTL_INLINE void add_to(W& wrenches, const T& factor) const noexcept {
     for (std::size_t k = 0; k < W::count; ++k)
-      for (std::size_t r = 0; r < 6; ++r) wrenches.data[k][r] = wrenches.data[k][r] + factor * row[k][r];
+      (Six(wrenches.data[k]) + Six(factor) * Six(row[k])).store(wrenches.data[k]);
   }
   SKINCTL_INLINE void write(W& wrenches) const noexcept {
-    for (std::size_t k = 0; k < W::count; ++k)
-      for (std::size_t r = 0; r < 6; ++r) wrenches.data[k][r] = row[k][r];
+    for (std::size_t k = 0; k < W::count; ++k) Six(row[k]).store(wrenches.data[k]);
   }
 };
 
