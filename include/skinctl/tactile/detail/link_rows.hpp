@@ -23,7 +23,8 @@ struct LinkRows {
         for (T& x : one) x = T(0);
     } else {
       each_index<rows * row_size / row_lanes<T>>([&](auto k) SKINCTL_INLINE_LAMBDA {
-        Lane<T, row_lanes<T>>(T(0)).store(row[0] + k.value * row_lanes<T>);
+        using Part = typename LaneTypes<T, row_lanes<T>>::Anywhere;
+        *reinterpret_cast<Part*>(row[0] + k.value * row_lanes<T>) = Part{};
       });
     }
   }
