@@ -243,11 +243,15 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     }
     // Each memory is written once, in place: a copy right after the writes would stall on store forwarding.
     return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      using Row = detail::Row<K::joints, T>;  // as it is read: see `copy_row`
+      using Row = detail::Row<K::joints, T>;
+      // Some laws write number by number, what follows reads rows: see `copy_row`.
+      const auto row = [](const Torque& torque) SKINCTL_INLINE_LAMBDA {
+        return Torque(Row::of([&](auto i) SKINCTL_INLINE_LAMBDA { return torque[i.value]; }));
+      };
       return Evaluation<K::joints, T, Memory, terms>{
-          Torque(Row(total)),
+          row(total),
           {advanced<0>(memory, known, dt, opposition, now), watched},
-          {Torque(Row(shares[I]))...},
+          {row(shares[I])...},
           status};
     }(std::index_sequence_for<L...>{});
   }

@@ -87,7 +87,7 @@ class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, 
   SKINCTL_INLINE Governed<N, T> step(Memory& m, const JointCommand<N, T>& last,
                                      const JointCommand<N, T>& wish, const State<N, T>& measured,
                                      const Touch& touch, const Nearest& nearest, const T& dt) const noexcept {
-    Governed<N, T> out{wish, {}, false};
+    Governed<N, T> out{wish.copy(), {}, false};
     if (!last.valid || !wish.valid || !detail::is_plausible(wish) || !(dt > T(0))) {
       m.acceleration = {};
       return out;

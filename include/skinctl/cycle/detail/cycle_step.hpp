@@ -68,7 +68,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
       status |= given.status;
       found |= given.status;
       slowed = given.altered;
-      resolved.command = given.command;
+      resolved.command.assign(given.command);
       if constexpr (requires { given.hold; }) resolved.fallback = given.hold;
     }
   }
