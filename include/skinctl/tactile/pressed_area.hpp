@@ -29,7 +29,9 @@ struct PressedArea {
     if (pushed > T(0)) place = place + (b.pushed / pushed) * (b.place - place);
   }
   /// Whether a push along `n`, of unit length, is within 60 degrees of this area's.
-  [[nodiscard]] SKINCTL_INLINE bool same_side(const Xyz<T>& n) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE bool same_side(const Xyz<T>& n) const noexcept { return same_side(force, n); }
+  /// The same of an area that pushes with `force`.
+  [[nodiscard]] static SKINCTL_INLINE bool same_side(const Xyz<T>& force, const Xyz<T>& n) noexcept {
     const T along = dot(n, force);
     return (along > T(0)) & (along * along >= T(0.25) * dot(force, force));
   }

@@ -7,7 +7,7 @@
 #include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/core/time.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
-#include "skinctl/tactile/detail/cell_table.hpp"
+#include "skinctl/tactile/detail/four_sums.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/region.hpp"
 
@@ -144,10 +144,9 @@ class ContactFinder {
   static SKINCTL_INLINE Xyz<T> vector(const Number (&x)[N]) noexcept {
     return {T(x[0]), T(x[1]), T(x[2])};
   }
-  /// Sums over the cells of one side of a contact.
-  struct alignas(32) Side {
-    T moment[4] = {}, place[4] = {};  ///< and the sum of pushes, times place
-    PressedArea<T> area;              ///< of which only the force is summed up before the end
+  /// Sums over the cells of one side of a contact, beside that of forces.
+  struct Side {
+    detail::FourSums<T> moment, place;  ///< and the sum of pushes, times place
   };
   /// The strongest `Most` contacts of a frame, and one to be compared with them.
   template <std::size_t Most>
@@ -178,8 +177,12 @@ class ContactFinder {
   template <class Memory, class One, class Areas>
   void flood(Memory& m, std::uint32_t seed, std::uint32_t label, One& out, Areas& areas) const noexcept {
     constexpr std::size_t most_sides = 4;
-    Side sides[most_sides];
-    PressedArea<T> last;  // the side of the last cell, of which only the force: in registers
+    detail::Unwritten<Side, most_sides> room;
+    Side* const sides = room.data;
+    Xyz<T> forces[most_sides] = {};
+    Side last{};  // that of the last cell, and its force: in registers
+    Xyz<T> pushes{T(0), T(0), T(0)};
+    std::uint32_t strongest = seed;
     std::size_t count = 0, k = 0;
     SkinContact<T>& c = out.contact = {};
     std::uint32_t& heir = out.heir;
@@ -203,25 +206,28 @@ class ContactFinder {
         top = j;
       }
       if (row.label != ContactRow::none && row.push > inherits) inherits = row.push, heir = row.label;
-      if (row.push > peak) peak = row.push, c.strongest = i;
+      if (row.push > peak) peak = row.push, strongest = i;
       row.label = label;
       const Xyz<T> force = vector(cell.force);
-      if (count == 0 || !last.same_side(force)) {
+      if (count == 0 || !PressedArea<T>::same_side(pushes, force)) {
         unsigned same = 0;  // a bit a side: without a branch, cells at an edge go to and fro
-        for (std::size_t s = 0; s < most_sides; ++s) same |= unsigned(sides[s].area.same_side(force)) << s;
+        for (std::size_t s = 0; s < most_sides; ++s)
+          same |= unsigned(PressedArea<T>::same_side(forces[s], force)) << s;
         same &= ~(1u << k);  // as it was when it was left
-        sides[k].area.force = last.force;
-        if (same != 0) {
-          k = static_cast<std::size_t>(std::countr_zero(same));
+        sides[k] = last, forces[k] = pushes;
+        if (same == 0 && count < most_sides) {
+          k = count++;
+          last = Side{};
         } else {
-          k = count < most_sides ? count++ : most_sides - 1;
+          k = same != 0 ? static_cast<std::size_t>(std::countr_zero(same)) : most_sides - 1;
+          last = sides[k];
         }
-        last.force = sides[k].area.force;
+        pushes = forces[k];
       }
       const T push = static_cast<T>(row.push);
-      last.force = last.force + push * force;
-      detail::multiply_add<4>(sides[k].moment, push, cell.moment);
-      detail::multiply_add<4>(sides[k].place, push, cell.place);
+      pushes = pushes + push * force;
+      last.moment.add(push, cell.moment);
+      last.place.add(push, cell.place);
       area = area + T(cell.area);
       ++cells;
       regions |= cell.regions;
@@ -230,18 +236,18 @@ class ContactFinder {
         sum = sum + push;
       }
     }
-    sides[k].area.force = last.force;
+    sides[k] = last, forces[k] = pushes;
     PressedArea<T> all{.link = c.link};
     for (k = 0; k < count; ++k) {
-      PressedArea<T>& side = sides[k].area;
-      side.link = c.link, side.pushed = sides[k].moment[3], side.moment = vector(sides[k].moment);
-      side.place = (T(1) / side.pushed) * vector(sides[k].place);
+      PressedArea<T> side{.link = c.link};
+      side.pushed = sides[k].moment[3], side.force = forces[k], side.moment = sides[k].moment.first();
+      side.place = (T(1) / side.pushed) * sides[k].place.first();
       all.add(side);
       areas.add(side);
     }
     c.pushed = all.pushed, c.force = all.force, c.moment = all.moment, c.place = all.place;
     c.area = area, c.cells = cells, c.regions = regions;
-    c.peak = static_cast<T>(peak);
+    c.peak = static_cast<T>(peak), c.strongest = strongest;
     using std::sqrt;
     const T size = sqrt(dot(c.force, c.force));
     c.normal = size > T(0.5) * c.pushed ? T(T(-1) / size) * c.force : -vector(cells_[c.strongest].force);
