@@ -22,7 +22,7 @@ class WideCounts {
   /// Force (K = 0) or proximity (K = 1) as a scalar. Both are converted at once.
   template <std::size_t K, Real T>
   [[nodiscard]] SKINCTL_INLINE T as() const noexcept {
-#if defined(__SSE2__) && !defined(__clang__)
+#if defined(__SSE2__) && !defined(__clang__)  // GCC converts them one by one
     if constexpr (std::is_same_v<T, double>) return __builtin_ia32_cvtdq2pd(row_)[K];
 #endif
     if constexpr (std::is_same_v<T, double>) {
