@@ -76,12 +76,12 @@ class CountPair {
     return std::bit_cast<CellCounts>(__builtin_bit_cast(Words, row_)[0]);
   }
   [[nodiscard]] SKINCTL_INLINE WideCounts wide() const noexcept {
-    if constexpr (lanes == 8) {
-      return WideCounts(__builtin_bit_cast(WideCounts::Row,
-                                           __builtin_shufflevector(row_, Row{}, 0, 8, 1, 9, 2, 10, 3, 11)));
-    } else {
-      return WideCounts(WideCounts::Row{row_[0], row_[1], 0, 0});
-    }
+#if defined(__SSE2__) || (defined(__ARM_NEON) && defined(__aarch64__))
+    return WideCounts(
+        __builtin_bit_cast(WideCounts::Row, __builtin_shufflevector(row_, Row{}, 0, 8, 1, 9, 2, 10, 3, 11)));
+#else
+    return WideCounts(WideCounts::Row{row_[0], row_[1], 0, 0});
+#endif
   }
   /// Whether force and proximity are 0 where those of `other` are, and not elsewhere.
   [[nodiscard]] SKINCTL_INLINE bool open_as(CountPair other) const noexcept {
