@@ -74,24 +74,6 @@ constexpr auto skills = boost::hana::make_map(
     skill<GiveWay>(
         recipe(load<controller::Gravity>(), load<controller::SkinJoint>(), load<controller::Velocity>())));
 
-/// What an arm keeps clear of by itself: its own links, the table, and the walls of the trays on it.
-auto clearance() {
-  auto c = A::clearance();
-  c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
-  c.own.pairs = {{0, 2}, {0, 4}, {0, 5}, {0, 6}, {1, 4}, {1, 5},
-                 {1, 6}, {2, 7}, {3, 7}, {4, 7}, {5, 7}, {6, 7}};
-  const auto wall = [&](const Tray& t, double x0, double y0, double x1, double y1) {
-    const auto X_BW = A::base(0).inverse();  // the other arm has its trays at the same places
-    const auto at = [&](double x, double y) {
-      return X_BW.origin() + X_BW.axes() * Xyz<double>{t.x + x * t.half_x, t.y + y * t.half_y, t.wall / 2};
-    };
-    for (const std::size_t part : {4u, 5u, 6u}) c.own.pairs.push_back({part, c.own.capsules.size()});
-    c.own.capsules.push_back({LinkCapsule::fixed, {at(x0, y0), at(x1, y1), t.wall / 2}});
-  };
-  for (const Tray& t : {box_tray, bin_tray(0), bin_tray(1)})
-    wall(t, -1, -1, 1, -1), wall(t, 1, -1, 1, 1), wall(t, 1, 1, -1, 1), wall(t, -1, 1, -1, -1);
-  return c;
-}
 auto scene() {
   const auto arm = A::robot();
   SkinSettings settings;
@@ -113,7 +95,7 @@ auto scene() {
                  skill_controller<controller::Velocity>(VelocityControl<6>{}),
                  skill_controller<controller::SplineJoint>(SplineJoint(arm)),
                  skill_controller<controller::SplineOperational>(SplineOperational(A::tool(), o))))
-      .with(clearance());
+      .with(A::clearance_empty_handed());
 }
 using Scene = decltype(scene());
 using Set = Scene::law_type;
@@ -147,7 +129,7 @@ class Mover {
         memory_(std::make_unique<Scene::Memory>()),
         sight_(Model{}, scene.skin().places(), {.range = range, .half_angle = sight_cone, .error = 0.01}),
         eyes_(scene.skin().places(), seed),
-        retreat_(Model{}, clearance(), A::home()),
+        retreat_(Model{}, A::clearance_empty_handed(), A::home()),
         samples_(eyes_.cells().size()) {
     for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].cell = static_cast<std::uint32_t>(i + 1);
     scene_.start(*memory_, measured);
@@ -216,12 +198,15 @@ class Mover {
       for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(before_[i] - measured.q[i]));
       to.goal = {before_, nanoseconds(std::max(0.5, 1.9 * way / 1.5))};
       return_by_ = measured.time + to.goal.duration + 4s;
+      free_at_ = measured.time;
       input_.goal.ticket = ++ticket_;
       input_.has_goal = true;
     } else if (returns_) {
       const auto told = Set::report_of(memory_->law, ticket_);
       const bool done = told.phase == SkillPhase::finished && told.ticket == ticket_;
-      if (done || measured.time > return_by_) returns_ = false;
+      if (!kept_) free_at_ = measured.time;
+      // Its time goes on while the other arm keeps it from its way: then it goes for its goal, and who waits goes aside.
+      if (done || measured.time > return_by_ || measured.time - free_at_ > 400ms) returns_ = false;
     } else if (back_ && !other_waits) {
       back_ = false;
       ask(goal_);
@@ -322,14 +307,14 @@ class Mover {
   int gave_ = 0, tries_ = 0;
   bool returns_ = false;
   JointPosition<6> before_;
-  Nanoseconds return_by_{}, reach_by_{}, now_{};
+  Nanoseconds return_by_{}, reach_by_{}, free_at_{}, now_{};
   std::uint16_t ticket_ = 0;
   std::size_t seen_ = 0;
   double time_ = 0;
 };
 
 struct Result {
-  int crossings = 0, waited = 0, aside = 0, stuck = 0, met = 0, own_fault = 0;
+  int crossings = 0, waited = 0, aside = 0, stuck = 0, met = 0, own_fault = 0, at_walls = 0;
   std::array<int, 6> near{};  // nearest: below 0, 10, 20, 50, 100 mm, above
   double least = 1e9, longest = 0, time = 0, fastest_into = 0;
 
@@ -343,8 +328,11 @@ struct Result {
                 crossings, met, own_fault, fastest_into);
     std::printf("  nearest %.1f mm; below 0: %d, to 10 mm: %d, to 20: %d, to 50: %d, to 100: %d, more: %d\n",
                 1e3 * least, near[0], near[1], near[2], near[3], near[4], near[5]);
-    std::printf("  waited out %d, went aside in %d, not ended within 30 s: %d; longest %.1f s, mean %.2f s\n",
-                waited, aside, stuck, longest, time / std::max(1, crossings));
+    std::printf(
+        "  waited out %d, went aside in %d, not ended within 30 s: %d; longest %.1f s, mean %.2f s; at table "
+        "or "
+        "walls in %d\n",
+        waited, aside, stuck, longest, time / std::max(1, crossings), at_walls);
   }
 };
 
@@ -443,6 +431,8 @@ int study(int number, std::uint64_t seed, bool sees) {
       over = mover[0]->reached() && mover[1]->reached() && (!thing || way > 1.8);
     }
     world.put_obstacle({{0, 0, 0}, {0, 0, 0}, 0});
+    const std::uint64_t walls =
+        world.record(0).walls + world.record(1).walls - before[0].walls - before[1].walls;
     const double lasted = seconds<double>(world.now() - begun);
     const auto note = [&](Result& r, double near, bool touched, double own) {
       ++r.crossings;
@@ -450,6 +440,7 @@ int study(int number, std::uint64_t seed, bool sees) {
       r.waited += kept > 0.2;
       r.aside += mover[0]->asides() + mover[1]->asides() > asides[0] + asides[1];
       r.stuck += !over;
+      r.at_walls += walls > 0;
       r.longest = std::max(r.longest, lasted);
       r.time += lasted;
       if (!touched) return;
@@ -461,12 +452,13 @@ int study(int number, std::uint64_t seed, bool sees) {
     const bool met = std::max(into[0], into[1]) >= 0, met_thing = std::max(into_thing[0], into_thing[1]) >= 0;
     note(pairs, nearest, met, most(into));
     if (thing) note(things, nearest_thing, met_thing, most(into_thing));
-    if (met || met_thing || !over)
+    if (met || met_thing || !over || walls > 0 || nearest < 0.019)
       std::printf(
-          "crossing %d: %s%s%s after %.1f s (nearest %.0f mm, %.0f mm; own speed %.3f, %.3f m/s; thing %.2f "
-          "m/s)\n",
+          "crossing %d: %s%s%safter %.1f s (nearest %.0f mm, %.0f mm; own speed %.3f, %.3f m/s; thing %.2f "
+          "m/s; table or walls %.3f s)\n",
           n, met ? "arms meet " : "", met_thing ? "thing met " : "", over ? "" : "not ended ", lasted,
-          1e3 * nearest, thing ? 1e3 * nearest_thing : 0.0, most(into), most(into_thing), speed);
+          1e3 * nearest, thing ? 1e3 * nearest_thing : 0.0, most(into), most(into_thing), speed,
+          1e-3 * static_cast<double>(walls));
     if (n % 50 == 49 && n + 1 < number) {
       std::printf("after %d:\n", n + 1);
       pairs.print("arm and arm"), things.print("arms and a thing");

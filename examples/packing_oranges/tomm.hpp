@@ -190,6 +190,25 @@ struct Arm {
       edge(t, -1, -1, 1, -1), edge(t, 1, -1, 1, 1), edge(t, 1, 1, -1, 1), edge(t, -1, 1, -1, -1);
     return c;
   }
+  /// The same for an arm whose hand is one capsule and goes nowhere between walls. OLD.
+  static skinctl::ClearanceAround<near_most> clearance_empty_handed() {
+    using namespace skinctl;
+    auto c = clearance();
+    c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
+    c.own.pairs = {{0, 2}, {0, 4}, {0, 5}, {0, 6}, {1, 4}, {1, 5},
+                   {1, 6}, {2, 7}, {3, 7}, {4, 7}, {5, 7}, {6, 7}};
+    const auto wall = [&](const Tray& t, double x0, double y0, double x1, double y1) {
+      const auto X_BW = base(0).inverse();  // the other arm has its trays at the same places
+      const auto at = [&](double x, double y) {
+        return X_BW.origin() + X_BW.axes() * Xyz<double>{t.x + x * t.half_x, t.y + y * t.half_y, t.wall / 2};
+      };
+      for (const std::size_t part : {4u, 5u, 6u}) c.own.pairs.push_back({part, c.own.capsules.size()});
+      c.own.capsules.push_back({LinkCapsule::fixed, {at(x0, y0), at(x1, y1), t.wall / 2}});
+    };
+    for (const Tray& t : {box_tray, bin_tray(0), bin_tray(1)})
+      wall(t, -1, -1, 1, -1), wall(t, 1, -1, 1, 1), wall(t, 1, 1, -1, 1), wall(t, -1, 1, -1, -1);
+    return c;
+  }
   /// Where the links are in the world; and their shapes, and the hand's.
   using LinkPlaces = std::array<skinctl::Transform<skinctl::World, skinctl::Tool>, 6>;
   static LinkPlaces link_places(std::size_t arm, const skinctl::JointPosition<6>& q) {

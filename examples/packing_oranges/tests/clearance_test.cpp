@@ -106,3 +106,50 @@ TEST_CASE(
   CHECK(met > ways / 2);
   CHECK(walls > ways / 4);
 }
+
+TEST_CASE(
+    "packing_oranges: however its joints are driven, no link of an empty-handed arm meets table or walls") {
+  const auto joints = A::robot().limits();
+  const Limits limits(Model{}, joints, A::clearance_empty_handed());
+  auto rng = testing::seeded(5);
+  const auto nearest = [](const JointPosition<6>& q) {
+    const auto parts = A::parts(0, q);
+    std::array<double, 7> out;
+    for (std::size_t k = 1; k < parts.size(); ++k) {
+      out[k] = 1e9;
+      for (int n = 0; n <= 20; ++n) {
+        const Capsule<>& c = parts[k];
+        out[k] = std::min(out[k], from_table(Xyz<double>(c.from + n / 20.0 * (c.to - c.from))) - c.radius);
+      }
+    }
+    return out;
+  };
+  std::array<double, 7> least;
+  least.fill(1e9);
+  for (int scene = 0; scene < 40; ++scene) {
+    JointPosition<6> q = A::home();
+    JointVelocity<6> u, drive;
+    typename Limits::Memory seen;
+    for (int n = 0; n < 250; ++n) {
+      // Mostly down: shoulder and elbow stretch, the base turns over the trays.
+      if (n % 50 == 0) {
+        for (auto& v : drive) v = testing::uniform(rng, -1.0, 1.0);
+        drive[1] = testing::uniform(rng, -0.2, -1.0);
+        if (scene % 2 == 0) drive[1] = testing::uniform(rng, 0.2, 1.0);
+      }
+      JointVelocity<6> want;
+      for (std::size_t i = 0; i < 6; ++i) want[i] = std::clamp(drive[i], u[i] - 15 * dt, u[i] + 15 * dt);
+      limits.see(seen, {}, q, 0ns);
+      const auto next =
+          limits.within(seen, q, joints.room(q), u, want, dt, [](const auto&) { return true; }).velocity;
+      q = integrate(q, u + next, 0.5 * dt), u = next;
+      const auto now = nearest(q);
+      for (std::size_t k = 1; k < now.size(); ++k) least[k] = std::min(least[k], now[k]);
+    }
+  }
+  for (std::size_t k = 1; k < least.size(); ++k) {
+    CAPTURE(k);
+    MESSAGE("link " << k << ": " << 1e3 * least[k] << " mm");
+    CHECK(least[k] > 0);
+  }
+}

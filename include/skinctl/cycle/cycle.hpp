@@ -180,11 +180,13 @@ class Cycle {
     requires has_surroundings
   {
     Surroundings<most_exposed_capsules, World, scalar> out;
+    auto is = m.robot.measured;
+    if constexpr (requires { m.robot.gap; }) is.q += m.robot.gap;  // where it really is
     const auto filled = [&] {
       if constexpr (detail::has_one_interface<Resolver>) {
-        return governor_.clearance().occupied(m.guard.command, m.robot.measured);
+        return governor_.clearance().occupied(m.guard.command, is);
       } else {
-        return governor_.clearance().occupied(guard_.last(m.guard), m.robot.measured);
+        return governor_.clearance().occupied(guard_.last(m.guard), is);
       }
     }();
     out.time = filled.time;

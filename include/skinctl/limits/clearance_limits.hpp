@@ -30,6 +30,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// `occupied` until it stands, and that decide one after the other, may always go on braking within what the other one
 /// left free; so what a robot may fill stays clear of that of the other by a quarter of the margin, and it slows down
 /// beside it. Where the two volumes are nearer already, only coming nearer is refused.
+///
+/// **A robot that does not follow**, because something holds or pushes it, stands off its commands (`stand_off`). The same
+/// then holds twice: for where it was told to be, and for where it is. What its points move by is ignored up to a tenth of
+/// the margin.
 template <RobotModel M, Real T = double, std::size_t Around = 0>
 class ClearanceLimits {
  public:
@@ -42,15 +46,20 @@ class ClearanceLimits {
   using Position = JointPosition<joints, T>;
 
   using Near = typename Clearances<M, T, Around>::Near;
-  /// What is around, from the input; empty without obstacles. Trivially copyable.
-  struct Nothing {};
-  struct Seen {
+  using Here = detail::ClearanceWays<ClearanceLimits>;  ///< the distances at a position, for several queries
+  /// Where the robot is beside its commands. Trivially copyable.
+  struct Beside {
+    Position off{};
+    bool is_off = false;  ///< by more than is ignored
+  };
+  /// The same, and what is around, from the input.
+  struct Seen : Beside {
     Near near{};
     Position measured{};  ///< where the robot is
     T age = T(0);         ///< of the obstacles, now [s]
     bool blind = true;    ///< they are too old, too many or no numbers
   };
-  using Memory = std::conditional_t<(Around > 0), Seen, Nothing>;
+  using Memory = std::conditional_t<(Around > 0), Seen, Beside>;
 
   /// Throws `ConfigurationError` as `Clearances` does.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits, const Clearance& given)
@@ -92,6 +101,13 @@ class ClearanceLimits {
                 !(o.approach <= T(100));
     }
   }
+  /// The robot is `off` its commands: measured less expected positions. No number counts as nothing.
+  SKINCTL_INLINE void stand_off(Memory& m, const Position& off) const noexcept {
+    T sum(0);
+    for (std::size_t i = 0; i < joints; ++i) sum = sum + Here::size(off[i]);
+    m.off = off;
+    m.is_off = reach_ * sum > T(0.1) * margin_ && sum - sum == T(0);
+  }
   /// What the exposed capsules may fill from now on until the robot stands, if it brakes: along the way from
   /// `measured` to the last command, and from there to where all joints are at rest, however they brake together.
   [[nodiscard]] Surroundings<most_exposed_capsules, Base, T> occupied(
@@ -103,8 +119,6 @@ class ClearanceLimits {
     return out;
   }
 
-  /// The distances at a position, for several queries.
-  using Here = detail::ClearanceWays<ClearanceLimits>;
   [[nodiscard]] Here at(const Position& q) const noexcept
     requires(Around == 0)
   {

@@ -141,6 +141,15 @@ class GroupResolver {
     m.own.known = false;
     if constexpr (has_driven) m.driven.own.known = false;
   }
+  /// As `Resolver::off`; zero for the driven joints.
+  [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> off(const Memory& m) noexcept {
+    JointPosition<joints, T> out;
+    each([&](auto k) {
+      const auto& g = m.template group<k.value>();
+      Part<k.value>::put(g.residual + g.gap, out);
+    });
+    return out;
+  }
   /// Begins a stop.
   void stop(Memory& m) const noexcept {
     m.stop = true;

@@ -185,6 +185,11 @@ class Resolver {
     virtual_.sent(m, command);
   }
 
+  /// By what the robot stands beside its commands: the measured position less that which they should have brought, r + g.
+  [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> off(const Memory& m) noexcept {
+    return m.residual + m.gap;
+  }
+
   /// Tells that another configuration has taken over: a torque that differs is no jump of its laws.
   void changed(Memory& m) const noexcept { m.own.known = false; }
   /// Begins a stop.

@@ -64,6 +64,8 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
   bool slowed = false;
   if constexpr (governed) {
     if (interval.substeps != 0) {
+      if constexpr (Overseer::has_clearance && requires { resolver_.off(m.robot); })
+        governor_.clearance().stand_off(m.governor.around, resolver_.off(m.robot));
       const auto given = govern(m, resolved, pressed, interval);
       status |= given.status;
       found |= given.status;

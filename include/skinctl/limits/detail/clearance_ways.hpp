@@ -60,24 +60,13 @@ class ClearanceWays {
   /// gradient until the robot stands, because a motion along the margin would not be kept.
   [[nodiscard]] Velocity slid(Velocity u, const T& h) const noexcept {
     constexpr T leaving(0.05);  // [m/s]
-    T gradient[most_pairs][joints];
+    T gradient[most_pairs][joints], gradient_off[most_pairs][joints];
     of_.clearances_.gradients(q_, near(), gradient);
-    for (int round = 0; round < 4; ++round)
-      for (std::size_t k = 0; k < count_; ++k) {
-        const T longest = of_.time_to_rest(u);
-        T closing(0), square(0), sum(0), rate = std::numeric_limits<T>::infinity();
-        for (std::size_t i = 0; i < joints; ++i) {
-          const T g = gradient[k][i];
-          closing = closing - g * u[i], square = square + g * g, sum = sum + size(u[i]);
-          if (size(g) * rate > of_.brake(i) * square) rate = of_.brake(i) * size(g);
-        }
-        const T room = distance_[k] - margin(k, T(0)), bend = of_.reach_ * sum * sum * (h + longest);
-        const T most = (room > T(0) ? speed_to_stop(room, T(0.02), T(rate > T(0) ? rate : T(1e-3))) : T(0)) -
-                       (bend < leaving ? bend : leaving);
-        if (!(closing > most) || !(square > T(1e-8))) continue;
-        const T share = (closing - most) / square;
-        for (std::size_t i = 0; i < joints; ++i) u[i] = u[i] + share * gradient[k][i];
-      }
+    if (seen_.is_off) of_.clearances_.gradients(q_ + seen_.off, near(), gradient_off);
+    for (int round = 0; round < 4; ++round) {
+      open(u, h, leaving, gradient, distance_);
+      if (seen_.is_off) open(u, h, leaving, gradient_off, distance_off_);
+    }
     return u;
   }
 
@@ -85,6 +74,25 @@ class ClearanceWays {
   friend Limits;
   static SKINCTL_INLINE T size(const T& x) noexcept { return x < T(0) ? T(-x) : x; }
 
+  /// A round of `slid`.
+  void open(Velocity& u, const T& h, const T& leaving, const T (&gradient)[most_pairs][joints],
+            const T (&distance)[most_pairs]) const noexcept {
+    for (std::size_t k = 0; k < count_; ++k) {
+      const T longest = of_.time_to_rest(u);
+      T closing(0), square(0), sum(0), rate = std::numeric_limits<T>::infinity();
+      for (std::size_t i = 0; i < joints; ++i) {
+        const T g = gradient[k][i];
+        closing = closing - g * u[i], square = square + g * g, sum = sum + size(u[i]);
+        if (size(g) * rate > of_.brake(i) * square) rate = of_.brake(i) * size(g);
+      }
+      const T room = distance[k] - margin(k, T(0)), bend = of_.reach_ * sum * sum * (h + longest);
+      const T most = (room > T(0) ? speed_to_stop(room, T(0.02), T(rate > T(0) ? rate : T(1e-3))) : T(0)) -
+                     (bend < leaving ? bend : leaving);
+      if (!(closing > most) || !(square > T(1e-8))) continue;
+      const T share = (closing - most) / square;
+      for (std::size_t i = 0; i < joints; ++i) u[i] = u[i] + share * gradient[k][i];
+    }
+  }
   [[nodiscard]] SKINCTL_INLINE const Near& near() const noexcept {
     if constexpr (Limits::around > 0) {
       return seen_.near;
@@ -141,24 +149,31 @@ class ClearanceWays {
   [[nodiscard]] bool clear_along(const Position& moved, const T& time, const Way& way) const noexcept {
     if constexpr (Limits::around > 0)
       if (seen_.blind) return false;
+    return clear_from(q_, distance_, moved, time, way) &&
+           (!seen_.is_off || clear_from(q_ + seen_.off, distance_off_, moved, time, way));
+  }
+  /// The same from `q`, where the distances are `here`.
+  template <class Way>
+  [[nodiscard]] bool clear_from(const Position& q, const T (&here)[most_pairs], const Position& moved,
+                                const T& time, const Way& way) const noexcept {
     Position x = moved, before;
     T all(0);
     for (std::size_t i = 0; i < joints; ++i) all = all + size(moved[i]) + size(way(T(1))[i]);
     bool close[most_pairs], any = false;
     for (std::size_t k = 0; k < count_; ++k)
-      any = (close[k] = !(distance_[k] - margin(k, time) > of_.reach_ * all)) || any;
+      any = (close[k] = !(here[k] - margin(k, time) > of_.reach_ * all)) || any;
     if (!any) return true;
     for (int n = 0; n <= looks; ++n) {
       const T part = T(n) / T(looks);
       if (n > 0) x = moved + way(part);
       T distance[most_pairs];
-      of_.clearances_.distances(q_ + x, near(), distance, [&](std::size_t k) { return close[k]; });
+      of_.clearances_.distances(q + x, near(), distance, [&](std::size_t k) { return close[k]; });
       for (std::size_t k = 0; k < count_; ++k) {
         if (!close[k]) continue;
         T step(0);
         for (std::size_t i = 0; i < joints; ++i)
           if ((of_.clearances_.between(k, near()) >> i) & 1u) step = step + size(x[i] - before[i]);
-        const T wanted = margin(k, part * time), least = distance_[k] < wanted ? distance_[k] : wanted;
+        const T wanted = margin(k, part * time), least = here[k] < wanted ? here[k] : wanted;
         if (!(distance[k] >= least + of_.reach_ * step * step)) return false;
       }
       before = x;
@@ -168,13 +183,16 @@ class ClearanceWays {
 
   ClearanceWays(const Limits& of, const Memory& seen, const Position& q) noexcept
       : of_(of), seen_(seen), q_(q), count_(of.clearances_.size(near())) {
-    of.clearances_.distances(q, near(), distance_, [](std::size_t) { return true; });
+    const auto all = [](std::size_t) { return true; };
+    of.clearances_.distances(q, near(), distance_, all);
+    if (seen.is_off) of.clearances_.distances(q + seen.off, near(), distance_off_, all);
   }
   const Limits& of_;
   const Memory& seen_;
   Position q_;
   std::size_t count_;
   T distance_[most_pairs];
+  T distance_off_[most_pairs];  ///< of a robot that stands off its commands, where it is
 };
 
 }  // namespace detail
