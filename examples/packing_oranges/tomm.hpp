@@ -190,13 +190,15 @@ struct Arm {
       edge(t, -1, -1, 1, -1), edge(t, 1, -1, 1, 1), edge(t, 1, 1, -1, 1), edge(t, -1, 1, -1, -1);
     return c;
   }
-  /// The same for an arm whose hand is one capsule and goes nowhere between walls. OLD.
+  /// The same for an arm that holds nothing and goes nowhere between walls: its hand is one capsule, and its forearm and
+  /// first wrist stay above the walls of all trays.
   static skinctl::ClearanceAround<near_most> clearance_empty_handed() {
     using namespace skinctl;
     auto c = clearance();
-    c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, -100}, {0, 0, -100}, 100}});  // the table
-    c.own.pairs = {{0, 2}, {0, 4}, {0, 5}, {0, 6}, {1, 4}, {1, 5},
-                   {1, 6}, {2, 7}, {3, 7}, {4, 7}, {5, 7}, {6, 7}};
+    for (const double z : {0.0, box_tray.wall})  // the table, and all that is on it
+      c.own.capsules.push_back({LinkCapsule::fixed, {{0, 0, z - 100}, {0, 0, z - 100}, 100}});
+    c.own.pairs = {{0, 2}, {0, 4}, {0, 5}, {0, 6}, {1, 4}, {1, 5}, {1, 6},
+                   {1, 7}, {2, 8}, {3, 8}, {4, 7}, {5, 7}, {6, 7}};
     const auto wall = [&](const Tray& t, double x0, double y0, double x1, double y1) {
       const auto X_BW = base(0).inverse();  // the other arm has its trays at the same places
       const auto at = [&](double x, double y) {

@@ -128,14 +128,23 @@ TEST_CASE(
   least.fill(1e9);
   for (int scene = 0; scene < 40; ++scene) {
     JointPosition<6> q = A::home();
-    JointVelocity<6> u, drive;
+    JointVelocity<6> u, drive, wander;
     typename Limits::Memory seen;
+    const std::size_t hunts =
+        1 + static_cast<std::size_t>(scene) % 5;  // the link that goes for what is nearest
     for (int n = 0; n < 250; ++n) {
-      // Mostly down: shoulder and elbow stretch, the base turns over the trays.
-      if (n % 50 == 0) {
-        for (auto& v : drive) v = testing::uniform(rng, -1.0, 1.0);
-        drive[1] = testing::uniform(rng, -0.2, -1.0);
-        if (scene % 2 == 0) drive[1] = testing::uniform(rng, 0.2, 1.0);
+      if (n % 50 == 0)
+        for (auto& v : wander) v = testing::uniform(rng, -0.5, 0.5);
+      if (n % 5 == 0) {
+        const double d = nearest(q)[hunts];
+        double most = 1e-9;
+        for (std::size_t i = 0; i < 6; ++i) {
+          auto moved = q;
+          moved[i] += 1e-4;
+          drive[i] = d - nearest(moved)[hunts];
+          most = std::max(most, std::abs(drive[i]));
+        }
+        for (std::size_t i = 0; i < 6; ++i) drive[i] = drive[i] / most + wander[i];
       }
       JointVelocity<6> want;
       for (std::size_t i = 0; i < 6; ++i) want[i] = std::clamp(drive[i], u[i] - 15 * dt, u[i] + 15 * dt);
