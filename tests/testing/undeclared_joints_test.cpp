@@ -193,6 +193,25 @@ TEST_CASE("A servo at its limit of torque goes to a step without flying past it"
   }
 }
 
+TEST_CASE(
+    "A servo with next to no lag goes the way of positions that are held for a while, and not the other "
+    "way") {
+  for (const double lag : {0.0005, 0.0025, 0.01})
+    for (const double speed : {0.2, 1.0}) {
+      CAPTURE(lag);
+      CAPTURE(speed);
+      Truth truth{.lag = lag, .stiffness = {900}, .inertia = {3}, .torque_limit = {150}};
+      Joints joints(Kind::position, truth, {0});
+      double t = 0;
+      for (int k = 1; k < 100; ++k) {
+        joints.command(t, {speed * 0.008 * k});
+        run_to(joints, t += 0.008);
+        REQUIRE(joints.q()[0] > -1e-6);
+        REQUIRE(std::abs(joints.q()[0] - joints.reference()[0]) < 0.1 * speed);
+      }
+    }
+}
+
 TEST_CASE("Encoders: gap, steps, noise, repetitions and stamps") {
   const double gap = 6.283185307179586 + 0.025;
   Joints exact(Kind::position, {.gap = {gap}}, {0.1});

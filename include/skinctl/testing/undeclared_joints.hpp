@@ -32,6 +32,8 @@ struct JointTruth {
 
   // The servo, `I ddq = I ddr + k (r - q) + d (dr - dq) + k/T_i integral(r - q) + external - friction`, with
   // `d = 2 damping_ratio sqrt(k I)`: a constant torque moves the joint by `external / k` from its reference r.
+  // I ddr takes half of the torque limit at most: of a reference that steps (a position that is held, with next to
+  // no lag) the servo would otherwise lose the kick to its limit, keep the braking after it, and go backwards.
   Row stiffness = all(infinite);     ///< k [N m/rad]; infinite: the joint is at its reference
   double integral_time = infinite;   ///< T_i [s], > I/d or the servo oscillates by itself
   Row inertia = all(1);              ///< I [kg m^2]
@@ -159,9 +161,9 @@ class UndeclaredJoints {
                                        : (a > 0 ? decay_a : 0);
     for (int k = 0; k < static_cast<int>(steps); ++k)
       for (std::size_t i = 0; i < N; ++i) {
-        const double before = reference_[i], rate = rate_[i];
+        const double before = reference_[i];
         follow(i, dt, clock, decay_a, decay_b, both);
-        servo(i, dt, before, rate);
+        servo(i, dt, before);
       }
     time_ = t;
   }
@@ -191,9 +193,11 @@ class UndeclaredJoints {
   }
 
   /// The joint after `dt`, implicit in its servo and its friction: stable for any stiffness and step.
-  void servo(std::size_t i, double dt, double before, double rate) {
+  void servo(std::size_t i, double dt, double before) {
     const double k = truth_.stiffness[i], limit = truth_.torque_limit[i];
     const bool stiff = !(k < truth_.infinite);
+    const double rate = fed_[i], faster = 0.5 * limit / truth_.inertia[i] * dt;
+    fed_[i] += std::clamp(rate_[i] - rate, -faster, faster);
     if (stuck_[i]) {
       dq_[i] = 0;
       // Its servo pushes with no more than it has; a stiff joint's lags begin where it stands.
@@ -213,7 +217,7 @@ class UndeclaredJoints {
     // The reference's motion within the step as its mean, so that a reference that jumps is followed.
     const double mean = (reference_[i] - before) / dt;
     const double rest = I + dt * d + dt * dt * (k + dt * ki);
-    const double push = I * (rate_[i] - rate) + dt * (k * gap + d * mean + ki * (integral_[i] + dt * gap));
+    const double push = I * (fed_[i] - rate) + dt * (k * gap + d * mean + ki * (integral_[i] + dt * gap));
     double v = (I * v0 + push + dt * external_[i]) / rest;
     const double servo_torque = I * (v - v0) / dt - external_[i];  // what this takes
     const bool weak = std::abs(servo_torque) > limit;
@@ -236,7 +240,8 @@ class UndeclaredJoints {
 
   Kind kind_;
   JointTruth<N> truth_;
-  Row q_, dq_{}, reference_, rate_{}, target_{}, first_{}, second_{}, external_{}, integral_{}, damping_{};
+  Row q_, dq_{}, reference_, rate_{}, fed_{}, target_{}, first_{}, second_{}, external_{}, integral_{},
+      damping_{};
   std::array<bool, N> stuck_{};
   bool rigid_ = true;
   double slider_ = 1, time_ = 0;
