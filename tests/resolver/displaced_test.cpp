@@ -368,3 +368,99 @@ TEST_CASE("Displaced robot: told where it was sent, it starts without a step and
   Loop<Interface::position> loop(declared(), truth);
   CHECK_FALSE(loop.robot.start(loop.measure(0ns), JointPosition<6>(pose)).started);
 }
+
+namespace {
+
+struct Led {
+  double early = 0, late = 0;  // largest force in the first 10 s, and after them [N]
+  Status early_status, late_status;
+};
+
+// Joint 0, a servo that gives way and sticks, is led to and fro by a hand of 1.5 kN/m, 0.5 m from its axis.
+Led lead_sticky(const RobotConfiguration<6>& c, double stiffness, double friction, double lag) {
+  JointTruth<6> truth;
+  truth.delay = 0.008;
+  truth.lag = lag;
+  truth.stiffness = truth.all(stiffness);
+  truth.inertia = {3, 3, 1.5, 0.3, 0.3, 0.3};
+  truth.stiction[0] = friction;
+  truth.coulomb[0] = 0.9 * friction;
+  truth.gap[0] = 0.03;  // friction hides it at the start
+  Loop<Interface::position> loop(c, truth);
+  Led out;
+  double force = 0;
+  while (loop.now < 20s) {
+    loop.joints.external({0.5 * force});
+    const double x = 0.06 * std::sin(1.5 * seconds<double>(loop.now));
+    loop.step([&](double, const Row& q) {
+      force = 1500 * (x - 0.5 * (q[0] - pose[0]));
+      return Row{0.5 * force};
+    });
+    const bool early = loop.now < 10s;
+    (early ? out.early_status : out.late_status) |= loop.status;
+    double& peak = early ? out.early : out.late;
+    peak = std::max(peak, std::abs(force));
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "Displaced robot: friction of a servo that gives way is no obstacle, as soon as it has shown itself") {
+  for (const auto& servo : {std::pair{600.0, 20.0}, {800.0, 25.0}, {1100.0, 28.0}})
+    for (const double lag : {0.001, 0.008, 0.03}) {
+      const double stiffness = servo.first, friction = servo.second;
+      auto wide = declared();
+      wide.dead_band = JointPosition<6>::constant(0.1);
+      const auto r = lead_sticky(declared(), stiffness, friction, lag),
+                 known = lead_sticky(wide, stiffness, friction, lag);
+      CAPTURE(stiffness);
+      CAPTURE(friction);
+      CAPTURE(lag);
+      CAPTURE(r.early);
+      CAPTURE(known.late);
+      CHECK(r.late <= 1.5 * known.late);
+      CHECK_FALSE(r.late_status.has(Reason::blocked));
+      CHECK_FALSE(r.late_status.has(Reason::displaced));
+    }
+}
+
+TEST_CASE("Displaced robot: after it has shown friction it still meets obstacles, and leads by no more") {
+  JointTruth<6> truth;
+  truth.delay = truth.lag = 0.008;
+  truth.stiffness = truth.all(500);
+  truth.stiction[0] = truth.coulomb[0] = 30;
+  Loop<Interface::position> loop(declared(), truth);
+  loop.run(10, [](double t, const Row&) { return Row{20 * std::sin(1.5 * t)}; });
+  CHECK(loop.memory.watch[0].slack > 0);
+  CHECK(loop.memory.watch[1].slack == 0);
+  loop.joints.hold_fast(0, true);
+  double lead = 0;
+  Status seen;
+  for (const auto end = loop.now + 6s; loop.now < end;) {
+    loop.step([](double, const Row&) { return Row{25}; });
+    seen |= loop.status;
+    lead = std::max(lead, std::abs(loop.command.position[0] - loop.memory.measured.q[0]));
+  }
+  CHECK(lead <= loop.robot.max_lead(0) * (1 + 1e-9));
+  CHECK(seen.has(Reason::blocked));
+  CHECK_FALSE(seen.has(Reason::displaced));
+}
+
+TEST_CASE("Displaced robot: what lets a blocked joint go on is no obstacle") {
+  JointTruth<6> truth;
+  truth.delay = truth.lag = 0.008;
+  truth.stiffness = truth.all(2000);
+  Loop<Interface::position> loop(declared(), truth);
+  const auto push = [](double, const Row&) { return Row{25}; };
+  loop.run(0.5, push);
+  loop.joints.hold_fast(0, true);
+  while (loop.now < 3s && !loop.status.has(Reason::blocked)) loop.step(push);
+  loop.run(0.2, push);
+  REQUIRE(loop.status.has(Reason::blocked));
+  loop.joints.hold_fast(0, false);
+  loop.joints.external({40});  // a hand takes it along
+  loop.run(0.3, push);
+  CHECK_FALSE(loop.status.has(Reason::blocked));
+}

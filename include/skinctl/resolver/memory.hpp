@@ -29,6 +29,8 @@ struct ResidualWatch {
   T robot = T(0);  ///< measured position then
   T told = T(0);   ///< H(commands) then
   T joint = T(0);  ///< q^ then
+  T slack =
+      T(0);  ///< by which the dead band is wider: the robot moved with commands that far ahead of it [rad]
 };
 
 /// The virtual robot's joints, the commands under way, the last good measurement. Trivially copyable; a

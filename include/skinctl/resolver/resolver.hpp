@@ -57,7 +57,10 @@ struct Asked {
 ///   `|q^ - q| <= max_lead v_max T`.
 /// - A robot that stays beyond the dead band for 5 T is blocked: q^ goes to q, v is zero, the law's memory
 ///   does not change. It ends when the robot is back with q^ and is no longer pushed in the blocked
-///   direction, or after `retry`.
+///   direction, or went on in it, or after `retry`.
+/// - Friction of a servo that gives way shows as a joint that moves with commands which are ahead of it by more than
+///   the dead band, or that stays when it is tried again: that joint's dead band grows, up to two thirds of the max
+///   lead, and shrinks again with a time constant of a minute.
 /// - A robot that stands beside its commands by a gap that they do not explain is displaced: v is braked to
 ///   zero and the law's memory does not change until `resume`, which takes the gap, up to `largest_gap`, off the
 ///   measurements.

@@ -87,8 +87,16 @@ class VirtualJoints {
   /// A clock that leapt, or was set.
   SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept;
   /// Judges the residuals `r` that are outside of the dead band, by `rho`, and bounds the correction.
-  SKINCTL_COLD void watch(Memory& m, Correction& c, const Position& r, const Position& rho,
+  SKINCTL_COLD void watch(Memory& m, Correction& c, const Position& r, Position rho,
                           const T& dt) const noexcept;
+  /// Dead band and slack together stay within two thirds of the max lead.
+  [[nodiscard]] T most_slack(std::size_t i) const noexcept {
+    const T room = T(2) / T(3) * p_.max_lead[i] - p_.dead_band[i];
+    return room > T(0) ? room : T(0);
+  }
+  /// Leaves out what friction explains: the dead band is wider by the slack that joints have shown.
+  SKINCTL_COLD void spare_slack(Memory& m, Correction& c, const Position& r, Position& rho,
+                                const T& dt) const noexcept;
   SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
   SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,
                               const Velocity& v1, const T& h) const noexcept;

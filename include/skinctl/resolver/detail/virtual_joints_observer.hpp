@@ -80,6 +80,27 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds
   return c;
 }
 
+// Slack is forgotten within minutes, so that an elastic obstacle does not count for ever.
+SKINCTL_VIRTUAL_JOINTS
+SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::spare_slack(Memory& m, Correction& c, const Position& r,
+                                                            Position& rho, const T& dt) const noexcept {
+  constexpr double kept = 60;  // [s]
+  bool any_slack = false;
+  for (std::size_t i = 0; i < N; ++i) {
+    auto& w = m.watch[i];
+    if (w.slack == T(0)) continue;
+    any_slack = true;
+    w.slack = w.slack > T(1e-6) ? T(w.slack - T(dt / T(kept)) * w.slack) : T(0);
+    const T most = p_.dead_band[i] + w.slack;
+    rho[i] = r[i] > most ? T(r[i] - most) : (r[i] < -most ? T(r[i] + most) : T(0));
+    if (rho[i] == T(0)) m.off_for[i] = T(0);
+  }
+  if (!any_slack) return;
+  c.rate = Velocity(p_.L1 * Row(rho));
+  c.pull = JointAcceleration<N, T>(p_.L2 * Row(rho));
+  c.off = any(Row(rho) != Row(T(0)));
+}
+
 // Three robots have a residual that stays. One that is blocked stands still, and its residual shrinks as the
 // virtual robot comes back. One that lags moves with the commands, against the correction. One that stands beside
 // its commands by a gap (a servo that droops, an encoder with an offset) is carried along by the correction, and
@@ -87,7 +108,8 @@ SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::correct(Memory& m, Nanoseconds
 // plus that by which it has shrunk.
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, const Position& r,
-                                                      const Position& rho, const T& dt) const noexcept {
+                                                      Position rho, const T& dt) const noexcept {
+  spare_slack(m, c, r, rho, dt);
   m.watched = false;
   for (std::size_t i = 0; i < N; ++i) {
     auto& w = m.watch[i];
@@ -95,7 +117,7 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, 
       // A lag that hides a gap for some cycles does not end its observation.
       const T near = r[i] < T(0) ? T(-r[i]) : r[i];
       if (near < T(0.5) * p_.dead_band[i]) w.size = T(0);
-      m.watched = m.watched || w.size > T(0);
+      m.watched = m.watched || w.size > T(0) || w.slack > T(0);
       continue;
     }
     m.watched = true;
@@ -116,6 +138,15 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, 
     }
     const T moved = side * (m.measured.q[i] - w.robot);
     if (far > w.size) w.size = far;
+    // No obstacle lets it move with its commands: friction of a servo that gives way holds it back.
+    const T most = most_slack(i), shown = far - p_.dead_band[i];
+    if (moved <= T(-0.1) * w.size && shown > w.slack && most > w.slack) {
+      const T next = shown + T(0.25) * p_.dead_band[i];
+      w.slack = next < most ? next : most;
+      begin();
+      m.off_for[i] = T(0);
+      c.lags = true;
+    }
     // It lags, and moves with commands that go against the correction: a good way, or all of it for a while.
     const T told = side * (m.under_way.reached[i] - w.told);
     if (moved <= T(-0.5) * w.size ||
@@ -129,13 +160,13 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::watch(Memory& m, Correction& c, 
       const T way = side * (m.q.value[i] - w.joint);
       if (way < T(0)) w.joint = m.q.value[i];
       const T left = T(0.5) * w.size + (w.size - far) - (way < T(0) ? T(0) : way);
-      const T most = speed_to_stop(left, dt, T(T(0.5) * p_.limits.acceleration()[i])),
+      const T fastest = speed_to_stop(left, dt, T(T(0.5) * p_.limits.acceleration()[i])),
               rate = side * c.rate[i];
-      if (rate > most) {
-        c.pull[i] = c.pull[i] * (most / rate);
-        c.rate[i] = side * most;
+      if (rate > fastest) {
+        c.pull[i] = c.pull[i] * (fastest / rate);
+        c.rate[i] = side * fastest;
       }
-      w.most = most;
+      w.most = fastest;
     }
   }
 }
@@ -149,9 +180,12 @@ SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::resume(Memory& m) const noexcept
   gap.store(m.gap);
   m.measured.q -= m.residual;
   m.residual = {};
-  for (auto& w : m.watch) w = {};
-  for (T& t : m.off_for) t = T(0);
   m.watched = false;
+  for (auto& w : m.watch) {
+    w = {.slack = w.slack};
+    m.watched = m.watched || w.slack > T(0);
+  }
+  for (T& t : m.off_for) t = T(0);
   m.mode = ResolverMode::following;
   m.mode_for = T(0);
   m.settles_for = T(settling_time);
@@ -217,18 +251,30 @@ SKINCTL_INLINE void SKINCTL_VIRTUAL_JOINTS_CLASS::choose_mode(Memory& m, const C
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::try_to_leave(Memory& m, const Correction& c,
                                                              const Torque& net) const noexcept {
-  bool here = true;
+  bool here = true, moved_on = false;
   T push(0), scale(0);
   for (std::size_t i = 0; i < N; ++i) {
     const T e = m.q.value[i] - m.measured.q[i];
-    here &= e <= p_.dead_band[i] && -e <= p_.dead_band[i];
+    T& slack = m.watch[i].slack;
+    const T near = p_.dead_band[i] + slack;
+    here &= e <= near && -e <= near;
+    // What lets it go where it was pushed to is no obstacle.
+    if (T(m.pushed[i]) * (m.measured.q[i] - m.back[i]) > T(0.1) * p_.dead_band[i]) moved_on = true;
     push = push + T(m.pushed[i]) * net[i];
     scale = scale + p_.limits.torque()[i];
   }
-  const bool released = !(push > T(1e-4) * scale);
+  const bool released = moved_on || !(push > T(1e-4) * scale);
   if (here && !c.off && m.mode_for >= p_.total_delay && (released || m.mode_for >= p_.retry)) {
     m.mode = ResolverMode::following;
     m.mode_for = T(0);
+    // Friction that holds a joint gives way to more; an obstacle is met again.
+    for (std::size_t i = 0; i < N; ++i) {
+      if (m.pushed[i] == 0 || !(push > T(1e-4) * scale)) continue;
+      T& slack = m.watch[i].slack;
+      const T more = slack + T(0.5) * p_.dead_band[i], most = most_slack(i);
+      slack = more < most ? more : most;
+      m.watched = true;
+    }
   } else if (!here && m.mode_for >= p_.retry) {
     for (std::size_t i = 0; i < N; ++i) m.back[i] = m.off_for[i] > T(0) ? m.measured.q[i] : m.back[i];
     m.mode_for = T(0);
