@@ -8,6 +8,8 @@
 // steps up to 1e-3 rad, delay and stamps that jitter, up to a tenth of the outputs skipped, a payload of up to
 // 5 kg of which the robot does not know; by position or velocity, 125 or 500 Hz. Twins have the same servos,
 // friction, payload, noise and jitter, but their lag is declared and their encoders are calibrated.
+// They are touched at the same cells; where a case is not as promised beside one twin, one of the further twins
+// starts where the robot stands in its gap.
 #include "skinctl/testing/as_it_comes.hpp"
 
 #include <algorithm>
@@ -146,6 +148,7 @@ int main(int argc, char** argv) {
   std::vector<double> ratios[scenes], forces[scenes], twin_forces[scenes];
   std::vector<std::string> bad;
   int led_further = 0, first_harder = 0, beside_too = 0;
+  int asked = 0, asked_at_start = 0, asked_again = 0, asked_if_held = 0;
   double most_alone = 0;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
     const AsItComes c(seed);
@@ -160,6 +163,15 @@ int main(int argc, char** argv) {
     beside_too += v.goal && twin.goal_error > 0.01;
     all.add(v, r);
     led_further += v.led_further;
+    if (r.consents > 0) {
+      ++asked;
+      // Before any hand, of a gap that the dead band does not hold.
+      asked_at_start += r.consents == 1 && r.asked_at < AsItComesWorld::begins && largest_gap(c) > 0.03;
+      asked_again += r.consents > 1;
+      AsItComes held = c;
+      held.reports_held = true;
+      asked_if_held += run_as_it_comes(held, false).consents > 0;
+    }
     most_alone = std::max(most_alone, r.alone);
     by_scene[static_cast<int>(c.scene)].add(v, r);
     for (std::size_t k = 0; k < std::size(causes); ++k)
@@ -215,6 +227,11 @@ int main(int argc, char** argv) {
       "%d, a "
       "twin too in %d of them\n",
       first_harder, all.late, all.goal, beside_too);
+  std::printf(
+      "\nasked for consent: %d, of them %d once, at the start, of encoders off by more than the dead band; "
+      "more "
+      "than once: %d; where the controller reports the position that it holds: %d\n",
+      asked, asked_at_start, asked_again, asked_if_held);
   std::printf(
       "\nmost way of a joint on which no hand led it: %.3f rad; led by more than 0.5 rad further than the "
       "twin: %d\n",

@@ -24,6 +24,7 @@ struct AsItComesResult {
   Status reasons;
   bool valid = true;  ///< every command was
   int consents = 0;
+  double asked_at = -1;  ///< when consent was first asked for [s]
 };
 
 /// What is promised of a case, beside its twin.
@@ -117,7 +118,14 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   };
   read();
   input.measured.time = nanoseconds(settled);
-  scene.start(*memory, input.measured);
+  if constexpr (requires { scene.start(*memory, input.measured, input.measured.q); }) {
+    if (c.reports_held)
+      scene.start(*memory, input.measured, JointPosition<6>(joints.reference()));
+    else
+      scene.start(*memory, input.measured);
+  } else {
+    scene.start(*memory, input.measured);
+  }
   Random random = seeded(~c.seed);
   AsItComesResult out;
   std::vector<CellSample> samples;
@@ -185,9 +193,9 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     samples.clear();
     out.valid = out.valid && result.command.valid;
     out.reasons |= result.status;
-    waits = result.status.has(Reason::displaced) || result.status.has(Reason::consent_awaited)
-                ? waits + seconds<double>(c.period)
-                : 0;
+    const bool asks = result.status.has(Reason::displaced) || result.status.has(Reason::consent_awaited);
+    waits = asks ? waits + seconds<double>(c.period) : 0;
+    if (asks && out.asked_at < 0) out.asked_at = t;
     std::array<double, 6> sent{};
     for (std::size_t i = 0; i < 6; ++i)
       sent[i] = c.interface == Interface::position ? result.command.position[i] : result.command.velocity[i];
@@ -221,6 +229,12 @@ inline AsItComesResult run_as_it_comes(const AsItComes& c, bool truly) {
   return run_as_it_comes(c, truly, [](auto&&...) {});
 }
 
+/// The case where the robot stands as soon as its gap has been met: a twin there is touched like it.
+[[nodiscard]] inline AsItComes started_in_gap(AsItComes c) {
+  for (std::size_t i = 0; i < 6; ++i) c.pose[i] += c.truth.gap[i];
+  return c;
+}
+
 /// The case with other noise, that starts elsewhere: each joint by a random share of `gaps`, and by up to `aside`.
 [[nodiscard]] inline AsItComes started_aside(AsItComes c, const std::array<double, 6>& gaps, double aside,
                                              std::uint64_t number) {
@@ -233,10 +247,11 @@ inline AsItComesResult run_as_it_comes(const AsItComes& c, bool truly) {
 
 /// The worst of several twins. What a hand meets that slides along a link, and when a plan waits for it, hangs on
 /// millimetres: a robot declared truly parts from itself, too. Twins therefore start where the robot as it comes may
-/// stand, up to its gap and 5 mrad away.
+/// stand: the first in its gap, the others up to there and 5 mrad away.
 inline AsItComesResult worst_twin(const AsItComes& c, AsItComesResult worst, std::uint64_t further) {
   for (std::uint64_t k = 1; k <= further; ++k) {
-    const auto twin = run_as_it_comes(started_aside(c, c.truth.gap, 0.005, k), true);
+    const auto twin =
+        run_as_it_comes(k == 1 ? started_in_gap(c) : started_aside(c, c.truth.gap, 0.005, k), true);
     worst.early = std::max(worst.early, twin.early);
     worst.late = std::max(worst.late, twin.late);
     worst.goal_error = std::max(worst.goal_error, twin.goal_error);

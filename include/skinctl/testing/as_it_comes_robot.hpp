@@ -30,6 +30,8 @@ struct AsItComes {
   double friction = 0;  ///< as a share of the largest torques
   double payload = 0;   ///< at the flange, of which the robot does not know [kg]
   JointPosition<6> pose, goal;
+  JointPosition<6> touched_at;  ///< the pose in which the touched cells were chosen: twins have the same ones
+  bool reports_held = false;    ///< its controller reports the position that it holds (`target_q` of a UR)
   std::uint64_t seed;
   std::size_t link;        ///< that is touched
   double hand, wall, way;  ///< stiffness [N/m] of both; amplitude of the hand [m]
@@ -71,6 +73,7 @@ struct AsItComes {
       pose[i] = home[i] + u(-0.3, 0.3);
       goal[i] = pose[i] + u(-0.5, 0.5);
     }
+    touched_at = pose;
     link = scene == AsItComesScene::wall ? 3 + random() % 2 : 1 + random() % 4;
     hand = log_u(500, 3000);
     wall = log_u(2000, 10000);
@@ -90,7 +93,8 @@ struct AsItComesCell {
 /// Poses of the true robot, for contacts and loads.
 class TruePoses {
  public:
-  explicit TruePoses(const std::array<double, 6>& q) : poses_(ur5::Model{}, JointPosition<6>(q)) {
+  explicit TruePoses(const std::array<double, 6>& q) : TruePoses(JointPosition<6>(q)) {}
+  explicit TruePoses(const JointPosition<6>& q) : poses_(ur5::Model{}, q) {
     at<0>(), at<1>(), at<2>(), at<3>(), at<4>(), at<5>();
   }
   Xyz<double> point(std::size_t link, const Xyz<double>& p) const {
@@ -163,7 +167,7 @@ class AsItComesWorld {
   static constexpr double newtons = 20;  ///< of the sum of a cell's three readings
 
   AsItComesWorld(const AsItComes& c, const std::array<double, 6>& q)
-      : c_(c), cells_(opposite_cells<cells_of_skin>(TruePoses(q), c.link, c.place)) {
+      : c_(c), cells_(opposite_cells<cells_of_skin>(TruePoses(c.touched_at), c.link, c.place)) {
     take_hold(TruePoses(q));
   }
   /// Hand and wall are where the cells are now.
