@@ -14,6 +14,7 @@ WorkSettings by_hand(WorkSettings s) {
   s.judge_from = 0.9;
   s.judge_to = 3.4;
   s.judge_span = 1.8;
+  s.turns = false;
   if (s.shown) s.hold = s.shown->hold;
   return s;
 }

@@ -176,7 +176,8 @@ struct Arm {
       return add(5, {{0, y, palm}, {0, y, tips + more}, radius});
     };
     const std::size_t left = finger(0.05, 0.01, 0.015), right = finger(-0.05, 0.01, 0.015);
-    meet({finger(0.06, 0, 0.004), finger(-0.06, 0, 0.004)}, ground(0));
+    meet({finger(0.06, 0, 0.004), finger(-0.06, 0, 0.004)}, ground(0.004));
+    const std::size_t held = add(5, {{0, 0, tips}, {0, 0, tips}, 0.042});  // an orange hangs lower than the fingers
     const auto X_BW = base(0).inverse();  // the other arm has its trays at the same places
     const auto edge = [&](const Tray& t, double x0, double y0, double x1, double y1) {
       constexpr double half = 0.004;  // of the wall
@@ -184,7 +185,7 @@ struct Arm {
         return X_BW.origin() + X_BW.axes() * Xyz<double>{t.x + x * (t.half_x + half),
                                                          t.y + y * (t.half_y + half), t.wall - half};
       };
-      meet({left, right}, add(LinkCapsule::fixed, {at(x0, y0), at(x1, y1), half}));
+      meet({left, right, held}, add(LinkCapsule::fixed, {at(x0, y0), at(x1, y1), half}));
     };
     for (const Tray& t : {box_tray, bin_tray(0), bin_tray(1)})
       edge(t, -1, -1, 1, -1), edge(t, 1, -1, 1, 1), edge(t, 1, 1, -1, 1), edge(t, -1, 1, -1, -1);

@@ -36,6 +36,7 @@ struct WorkSettings {
   double judge_from = 1.2, judge_to = 5.6;  ///< forces between which a squeeze is judged [N]
   double judge_span = 3;                    ///< it must have risen by so much [N]
   double border = 3873;                     ///< good oranges are stiffer [N/m]
+  bool turns = true;  ///< the hand turns so that its open fingers come down beside what lies near an orange
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   std::optional<skinctl::Xyz<double>>
       taught{};                  ///< where in the box the first arm lets go, as it was shown [m]

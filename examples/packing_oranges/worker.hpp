@@ -1,16 +1,15 @@
 // One arm at work: what it knows of the world, its place in the plan, and the requests to its skills that follow.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <memory>
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/giving_way.hpp"
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
 #include "skinctl/semantics/resources.hpp"
-#include "skinctl/tactile/retreat.hpp"
 #include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/squeeze.hpp"
 
@@ -49,7 +48,7 @@ class Worker {
         known_(objects_.start()),
         X_WB_(A::base(arm)),
         sight_(typename A::Model{}, scene.skin().places(), {.range = sight_range, .half_angle = sight_cone}),
-        retreat_(typename A::Model{}, A::clearance_at_work(), A::home()),
+        retreat_(arm, settings.carry),
         memory_(std::make_unique<typename Scene::Memory>()) {
     scene_.start(*memory_, measured);
     plan_ = executor_.start(measured.time);
@@ -57,7 +56,7 @@ class Worker {
     const auto x = X_WH_.axis_x();
     const double size = std::hypot(x.x, x.y);
     const skinctl::Xyz<double> across{x.x / size, x.y / size, 0}, down{0, 0, -1};
-    R_ = {across, cross(down, across), down};
+    R_ = straight_ = {across, cross(down, across), down};
     if (s_.shown) {
       // Seen from its own side of the box.
       const skinctl::Rotation<double> turned{{side(arm), 0, 0}, {0, side(arm), 0}, {0, 0, 1}};
@@ -154,6 +153,10 @@ class Worker {
     if (judging_)
       squeeze_.take(squeezed_, gripper.force,
                     s_.by_time ? closing_speed * skinctl::seconds<double>(now) : -gripper.opening);
+
+    // Where the hand was high last, it comes back to from wherever it gave way to.
+    if (way_back_ == WayBack::none && X_WH_.origin().z > 0.9 * s_.carry && -X_WH_.axis_z().z > 0.99)
+      high_ = measured.q;
 
     // The plan waits while the arm gives way: nothing fails then because it takes long.
     input_.has_goal = false;
@@ -253,8 +256,14 @@ class Worker {
       asked_ = false;
     }
     if (asked_ && parts_[part_].until_touched) set_down(parts_[part_]);
+    // A finger has come down on something: no further.
+    if (asked_ && plan_.step == step::reach && plan_.phase == Executor::Phase::run && gripper_.force > stands_on) {
+      send(Set::start_skill(Set::template index<behaviour::Rest>()));
+      return end(false);
+    }
     if (!asked_) ask(parts_[part_]);
   }
+  static constexpr double stands_on = 3;  ///< force of a finger that stands on something [N]
   /// On the way of a part that ends where something is touched: there the arm stops. The wrist's weight is what it was when
   /// the hand began to be slow.
   void set_down(Part& part) {
@@ -289,19 +298,23 @@ class Worker {
       if (!gives_way_) {
         ++gave_way_;
         // Fingers that are around an orange close and take it along: it is back in its place when the arm is.
-        const bool holds = features_.in_hand || (plan_.step == step::take && gripper_.opening < 0.095);
+        const bool holds = features_.in_hand || plan_.step == step::take;
         Goal away = Set::start_skill(Set::template index<behaviour::GiveWay>());
         auto& grip = away.goals.template of<GripperGoal>();
         grip.has = true;
-        grip.goal = holds ? GripperGoal{0, 1.4 * s_.hold, 0.1} : GripperGoal{gripper_range.opening, 5, 0.15};
+        grip.goal = features_.in_hand ? GripperGoal{0, 1.4 * s_.hold, 0.02}
+                    : holds           ? GripperGoal{0, s_.hold, 0.06}
+                                      : GripperGoal{gripper_range.opening, 5, 0.15};
         send(away);
       }
-      using Plan = decltype(retreat_);
-      const auto others = pressed ? Plan::Others::press : Plan::Others::stay;
+      using Others = typename GivingWay<R>::Others;
+      std::array<skinctl::Xyz<double>, arms * slots> oranges;
+      const std::size_t count = lying(oranges);
       auto& wish = input_.goal.goals.template of<VelocityGoal<6>>();
       if (gives_way_) input_.goal = {};
       input_.has_goal = wish.has = true;
-      wish.goal.velocity = retreat_(q, input_.around, others, up(q));
+      wish.goal.velocity = retreat_(q, input_.around, std::span(oranges).first(count),
+                                    pressed ? Others::press : Others::stay);
       gives_way_ = true;
       way_back_ = WayBack::up;
       tries_ = 0;
@@ -312,6 +325,8 @@ class Worker {
     // Joints that are not reached are tried again: from there a hand cannot go straight.
     const bool again = way_back_ == WayBack::joints && told.phase != SkillPhase::finished && ++tries_ < 5;
     if (!gives_way_) way_back_ = again ? WayBack::up : next(way_back_);
+    if (way_back_ == WayBack::up && tries_ == 0 && X_WH_.origin().z > 0.95 * s_.carry) way_back_ = WayBack::joints;
+    if (way_back_ == WayBack::over && goes_on_from_anywhere()) way_back_ = WayBack::none;
     // From above an orange that is judged goes on, and an empty hand looks anew where its orange is.
     const bool at_orange =
         plan_.step == step::reach || plan_.step == step::take || plan_.step == step::squeeze;
@@ -347,22 +362,27 @@ class Worker {
     return_by_ = now_ + (way_back_ == WayBack::up ? 1s : 5s);
     return true;
   }
-  static constexpr skinctl::Nanoseconds hesitates = 300ms;  ///< after it saw something for the last time
-  /// A hand that is low among oranges and walls would rather go up.
-  [[nodiscard]] skinctl::JointVelocity<6> up(const skinctl::JointPosition<6>& q) const {
-    skinctl::JointVelocity<6> out;
-    if (X_WH_.origin().z >= s_.carry) return out;
-    Eigen::Matrix<double, 3, 6> J;
-    skinctl::jacobian<5>(skinctl::link_poses(typename A::Model{}, q), A::tool())
-        .for_each([&](auto j, const auto& c) {
-          J.col(static_cast<Eigen::Index>(j.value)) << c.linear.x, c.linear.y, c.linear.z;
-        });
-    const Eigen::Vector3d v(0, 0, 0.6);
-    const Eigen::Matrix3d square = J * J.transpose() + 0.01 * Eigen::Matrix3d::Identity();
-    const Eigen::Matrix<double, 6, 1> dq = J.transpose() * square.ldlt().solve(v);
-    for (std::size_t i = 0; i < 6; ++i) out[i] = dq[static_cast<Eigen::Index>(i)];
-    return out;
+  /// Whether it had nothing to do, or was on its way from one place above all to another one.
+  [[nodiscard]] bool goes_on_from_anywhere() const {
+    const double high = 0.7 * s_.carry;
+    return parts_.empty() || (parts_[part_].moves && parts_[part_].to.z > high && from_.z > high);
   }
+  static constexpr skinctl::Nanoseconds hesitates = 300ms;  ///< after it saw something for the last time
+  /// Middles of the oranges that lie, for an arm that gives way: not what it holds or has between its fingers.
+  [[nodiscard]] std::size_t lying(std::array<skinctl::Xyz<double>, arms * slots>& out) const {
+    std::size_t count = 0;
+    const bool goes_for_one =
+        plan_.step == step::reach || plan_.step == step::take || plan_.step == step::squeeze;
+    for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
+      const auto& o = known_.objects[k];
+      const auto p = o.X_WO.origin();
+      if (!o.known || k == known_.held || now_ - o.time > 1s) continue;
+      if (goes_for_one && k == object_ && X_WH_.origin().z < p.z + around) continue;
+      out[count++] = p;
+    }
+    return count;
+  }
+  static constexpr double around = 0.05;  ///< a hand that is less above an orange's middle has it between its fingers [m]
   /// Where an arm that gave way is on its way back.
   enum class WayBack : unsigned char { none, up, joints, over, down };
   static WayBack next(WayBack w) {
@@ -383,6 +403,7 @@ class Worker {
     asked_ = false;
     way_.go();
   }
+  static constexpr double turning = 2;  ///< of the hand, at most [rad/s]
   /// A part's request, to the cycle.
   void ask(Part& part) {
     Goal& g = part.request;
@@ -391,8 +412,9 @@ class Worker {
       auto& pose = g.goals.template of<skinctl::PoseGoal<skinctl::Tool>>();
       pose.has = true;
       const double way = norm(skinctl::Xyz<double>(part.to - X_WH_.origin()));
-      const double time =
-          std::max({0.3, part.slowest, std::sqrt(5.78 * way / s_.acceleration), 1.875 * way / s_.speed});
+      const double turns = norm(skinctl::log_so3(X_WH_.axes().transpose() * R_));
+      const double time = std::max({0.3, part.slowest, std::sqrt(5.78 * way / s_.acceleration),
+                                    1.875 * way / s_.speed, 1.875 * turns / turning});
       pose.goal = {X_WB_.inverse() * skinctl::Transform<skinctl::World, skinctl::Tool>(R_, part.to),
                    skinctl::nanoseconds(time)};
     }
@@ -432,6 +454,7 @@ class Worker {
     if (s_.shown) R_ = r.place == place::box ? s_.shown->X_WH.axes() : s_.shown->X_OH.axes();
     if (r.does == &activity::Look::rule) return;
     if (r.does == &activity::ReachAbove::rule) {
+      if (!s_.shown) R_ = turned(turned_);
       const auto p = known_.objects[object_].X_WO.origin();
       if (here.z < 0.8 * s_.carry) {
         add(skill, at(here, s_.carry), passing);
@@ -451,6 +474,7 @@ class Worker {
       add(skill, at(here, s_.carry), passing);
       grip({0, s_.hold, 0.02});
     } else if (r.does == &activity::Put::rule) {
+      if (!s_.shown) R_ = straight_;
       const auto p = drop(r.place);
       add(skill, at(p, s_.carry), passing);
       if (r.place == place::box && s_.shown && s_.shown->until_touched) {
@@ -464,6 +488,7 @@ class Worker {
       }
       add(skill, at(p, p.z > 0 ? p.z : taken_.z + s_.let_go), 0.01);
     } else if (r.does == &GoBack::rule) {
+      if (!s_.shown) R_ = straight_;
       const Tray feed = feed_tray(arm_);
       add(skill, at(here, s_.carry), passing);
       add(skill, {feed.x, feed.y, s_.carry}, 0.2);
@@ -493,21 +518,54 @@ class Worker {
     }
     return {side(arm_) * s_.taught->x, side(arm_) * s_.taught->y, std::max(s_.taught->z, taken_.z + 0.004)};
   }
+  [[nodiscard]] skinctl::Rotation<double> turned(double angle) const {
+    return skinctl::exp_so3(skinctl::Xyz<double>{0, 0, angle}) * straight_;
+  }
+  /// How the hand is to be turned over an orange, and how far the open fingers are from the middle of the next one then [m].
+  struct Room {
+    double turn, room;
+  };
+  [[nodiscard]] Room room_beside(std::uint8_t orange) const {
+    using skinctl::Xyz;
+    Room out{0, -1};
+    const auto p = known_.objects[orange].X_WO.origin() + beside_;
+    for (const double turn : {0.0, M_PI / 4, -M_PI / 4, M_PI / 2}) {
+      const Xyz<double> y = turned(turn) * Xyz<double>{0, 1, 0};
+      double room = 1;
+      for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
+        const auto& o = known_.objects[k];
+        if (k == orange || !o.known || now_ - o.time > 1s) continue;
+        auto other = o.X_WO.origin();
+        other.z = p.z;
+        for (const double side : {-1.0, 1.0})
+          room = std::min(room, skinctl::distance(other, skinctl::Capsule<>{p + side * 0.05 * y, p + side * 0.067 * y, 0.0}));
+      }
+      if (room > out.room) out = {turn, room};
+      if (room >= enough || !s_.turns) break;
+    }
+    return out;
+  }
+  static constexpr double enough = 0.062;  ///< an orange of 42 mm, half a finger, and 8 mm for the detector's error [m]
+
   /// An orange of its own that is well seen; the one nearest to the hand.
   void look() {
     // A person was asked while it held an orange: that one first goes back to where it came from.
     if (features_.in_hand) return end(false);
     const bool sees = now_ - last_picture_ < 300ms;
     if (!sees) looks_since_ = now_;
-    double best = 1e9;
+    // Where there is room for its fingers; else where there is most.
+    double best = 1e9, most = 0;
     for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
       const auto& o = known_.objects[k];
       const auto p = o.X_WO.origin();
       if (!sees || !o.known || now_ - o.time > 500ms || o.sigma > 0.003 || o.misses > 0 || p.z > 0.07 ||
           !feed_tray(arm_).holds(p))
         continue;
+      const auto [turn, room] = room_beside(k);
       const double way = norm(skinctl::Xyz<double>(p - X_WH_.origin()));
-      if (way < best) best = way, object_ = k;
+      const bool better = room < enough ? room > most : most < enough || way < best;
+      if (better) best = way, object_ = k, turned_ = turn;
+      most = std::max(most, room);
     }
     if (best < 1e9) return end(true);
     if (now_ - looks_since_ < 1500ms) return;
@@ -538,9 +596,11 @@ class Worker {
   skinctl::Transform<skinctl::World, skinctl::Base> X_WB_;
   skinctl::Transform<skinctl::World, skinctl::Tool> X_WH_;
   skinctl::Rotation<double> R_;           ///< of the hand: it points down, or as it was shown
+  skinctl::Rotation<double> straight_;    ///< it points down, turned as at first ...
+  double turned_ = 0;                     ///< ... and so about the vertical over the orange that it takes [rad]
   skinctl::Xyz<double> beside_{0, 0, 0};  ///< the hand's place beside an orange that it takes
   skinctl::Sightings<typename A::Model> sight_;
-  skinctl::Retreat<typename A::Model, near_most> retreat_;
+  GivingWay<R> retreat_;
   std::unique_ptr<typename Scene::Memory> memory_;
   typename Scene::Input input_;
   typename Executor::Memory plan_;

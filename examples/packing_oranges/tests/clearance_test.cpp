@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "examples/packing_oranges/tomm.hpp"
+#include "examples/packing_oranges/giving_way.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
@@ -161,4 +161,88 @@ TEST_CASE(
     MESSAGE("link " << k << ": " << 1e3 * least[k] << " mm");
     CHECK(least[k] > 0);
   }
+}
+
+namespace {
+/// The joints at which a hand points down there, from home on.
+JointPosition<6> standing(const Xyz<double>& p_W) {
+  JointPosition<6> q = A::home();
+  const auto X_BW = A::base(0).inverse();
+  const auto facing = A::hand(q).axes();
+  const Xyz<double> goal = X_BW.origin() + X_BW.axes() * p_W;
+  for (int n = 0; n < 200; ++n) {
+    const auto X = A::hand(q);
+    const Xyz<double> off = goal - X.origin(), turn = X.axes() * log_so3(X.axes().transpose() * facing);
+    Eigen::Matrix<double, 6, 6> J;
+    jacobian<5>(link_poses(Model{}, q), A::tool()).for_each([&](auto j, const auto& c) {
+      J.col(static_cast<Eigen::Index>(j.value)) << c.linear.x, c.linear.y, c.linear.z, c.angular.x,
+          c.angular.y, c.angular.z;
+    });
+    Eigen::Matrix<double, 6, 1> e;
+    e << off.x, off.y, off.z, turn.x, turn.y, turn.z;
+    const Eigen::Matrix<double, 6, 6> square = J * J.transpose() + 1e-4 * Eigen::Matrix<double, 6, 6>::Identity();
+    const Eigen::Matrix<double, 6, 1> dq = 0.5 * (J.transpose() * square.ldlt().solve(e));
+    for (std::size_t i = 0; i < 6; ++i) q[i] += dq[static_cast<Eigen::Index>(i)];
+  }
+  return q;
+}
+struct Passed {
+  double oranges = 1e9;  ///< least distance of the fingers' middle from an orange's, while it is as low
+  double ball = 1e9;     ///< of the ball from the arm
+};
+/// A hand low at a place of the feed gives way to a ball that comes from somewhere above, until that has passed.
+Passed passes(std::size_t at, const Xyz<double>& from, const Xyz<double>& v, bool knows) {
+  const GivingWay<Ur5> plan(0, 0.2);
+  auto place = feed_place(0, at);
+  place.z = 0.038;
+  std::vector<Xyz<double>> lying;
+  for (std::size_t k = 0; k < feed_places; ++k)
+    if (k != at) lying.push_back(feed_place(0, k) + Xyz<double>{0, 0, 0.038});
+  JointPosition<6> q = standing(place);
+  JointVelocity<6> u;
+  Passed out;
+  const auto X_BW = A::base(0).inverse();
+  for (int n = 0; n < 300; ++n) {
+    const Xyz<double> p = from + n * dt * v;
+    const Capsule<> ball{p, p, 0.045};
+    double near = 1e9;
+    for (const Capsule<>& c : A::shapes_at(A::link_places(0, q))) near = std::min(near, distance(c, ball).distance);
+    out.ball = std::min(out.ball, near);
+    const auto hand = (A::base(0) * A::hand(q)).origin();
+    if (hand.z < 0.1)
+      for (const auto& o : lying) out.oranges = std::min(out.oranges, std::hypot(hand.x - o.x, hand.y - o.y));
+    Surroundings<near_most> seen;
+    if (near < sight_range) seen.add(X_BW * Obstacle<skinctl::World>{ball, 0.3});
+    const auto want = near < sight_range ? plan(q, seen, knows ? std::span<const Xyz<double>>(lying)
+                                                               : std::span<const Xyz<double>>())
+                                         : JointVelocity<6>{};
+    JointVelocity<6> next;
+    for (std::size_t i = 0; i < 6; ++i) next[i] = std::clamp(want[i], u[i] - 15 * dt, u[i] + 15 * dt);
+    q = integrate(q, u + next, 0.5 * dt);
+    u = next;
+  }
+  return out;
+}
+}  // namespace
+
+TEST_CASE("packing_oranges: a hand low among oranges gives way without pushing them off; unaware it does") {
+  auto rng = testing::seeded(5);
+  int pushed = 0, unaware = 0, met = 0, met_unaware = 0, tried = 0;
+  while (tried < 60) {
+    const double a = testing::uniform(rng, -M_PI, M_PI);
+    const Xyz<double> v{0.3 * std::cos(a), 0.3 * std::sin(a), testing::uniform(rng, -0.04, 0.04)};
+    const Xyz<double> over{testing::uniform(rng, -0.5, -0.1), testing::uniform(rng, -0.4, 0.0),
+                           testing::uniform(rng, 0.35, 0.55)};
+    const auto at = static_cast<std::size_t>(tried) % feed_places;
+    const Xyz<double> from = over - 1.5 * v;
+    const auto knows = passes(at, from, v, true), unknown = passes(at, from, v, false);
+    ++tried;
+    pushed += knows.oranges < 0.1, unaware += unknown.oranges < 0.1;
+    met += knows.ball < 0, met_unaware += unknown.ball < 0;
+  }
+  MESSAGE("pushed off in " << pushed << " of " << tried << ", unaware in " << unaware << "; met by the ball "
+                           << met << ", unaware " << met_unaware);
+  CHECK(pushed <= tried / 30);
+  CHECK(unaware >= tried / 10);
+  CHECK(met <= met_unaware);
 }
