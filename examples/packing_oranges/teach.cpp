@@ -139,6 +139,8 @@ class Person {
     return any ? std::optional(lesson) : std::nullopt;
   }
 
+  /// Why the last lesson was refused.
+  [[nodiscard]] const std::string& why() const { return why_; }
   /// All of it, with arm and fingers.
   std::optional<HandLesson> teach_with_hand() {
     const Point feed = feed_place(0, 1);
@@ -246,11 +248,21 @@ class Person {
       }
     }
     const auto fingers = fingers_.finish();
-    if (!takes || !puts || fingers.size() != 2 || fingers[0].activity != Activity::take) return std::nullopt;
+    if (fingers.size() != 2 || fingers[0].activity != Activity::take) {
+      why_ = fingers.empty()       ? "the fingers took nothing"
+             : fingers.size() == 1 ? "the fingers took, and did not let go"
+                                   : "the fingers took and let go more than once";
+      return std::nullopt;
+    }
+    if (!takes || !puts) {
+      why_ = takes ? "no goal in the box" : "no goal around the orange";
+      return std::nullopt;
+    }
     try {
       out.shown.grasp = grasp_shown(fingers[0].before, fingers[0].q, fingers[0].force);
       static_cast<void>(Hand(out.shown.grasp, world_.fingers(0)));  // throws where they cannot follow
-    } catch (const ConfigurationError&) {
+    } catch (const ConfigurationError& error) {
+      why_ = error.what();
       return std::nullopt;
     }
     const Grasp& g = out.shown.grasp;
@@ -445,6 +457,7 @@ class Person {
   Point wrist_{0, 0, 0},
       free_{0, 0, 0};  ///< what the wrist's sensor says, and said while the hand touches nothing else
   bool onto_, weighed_ = false;
+  std::string why_;
   double grip_ = 2;  ///< two sides of the hand are held with this [N]
   std::uint64_t tick_ = 0;
   bool closed_ = false, means_ = false;
@@ -454,8 +467,11 @@ class Person {
 std::optional<Lesson> teach(std::uint64_t seed) {
   return Person(seed * 7919 + 11, false).teach();
 }
-std::optional<HandLesson> teach_with_hand(std::uint64_t seed, bool onto, double floor) {
-  return Person(seed * 7919 + 13, true, onto, floor).teach_with_hand();
+std::optional<HandLesson> teach_with_hand(std::uint64_t seed, bool onto, double floor, std::string* why) {
+  Person person(seed * 7919 + 13, true, onto, floor);
+  const auto out = person.teach_with_hand();
+  if (why != nullptr) *why = person.why();
+  return out;
 }
 
 }  // namespace packing

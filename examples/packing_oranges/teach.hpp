@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "examples/packing_oranges/work.hpp"
 #include "skinctl/semantics/demonstration.hpp"
@@ -45,7 +46,8 @@ struct HandLesson {
 /// @param onto  the person presses the orange on what lies in the box, with 5 to 9 N, before the arm is left alone: the goal ends
 ///              with that touch. Else it ends at its place.
 /// @param floor  height of what lies in the box [m].
+/// @param why  of a lesson that is refused: in words.
 [[nodiscard]] std::optional<HandLesson> teach_with_hand(std::uint64_t seed, bool onto = false,
-                                                        double floor = 0);
+                                                        double floor = 0, std::string* why = nullptr);
 
 }  // namespace packing

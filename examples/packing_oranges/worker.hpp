@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/finger_room.hpp"
 #include "examples/packing_oranges/giving_way.hpp"
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
@@ -521,31 +522,16 @@ class Worker {
   [[nodiscard]] skinctl::Rotation<double> turned(double angle) const {
     return skinctl::exp_so3(skinctl::Xyz<double>{0, 0, angle}) * straight_;
   }
-  /// How the hand is to be turned over an orange, and how far the open fingers are from the middle of the next one then [m].
-  struct Room {
-    double turn, room;
-  };
-  [[nodiscard]] Room room_beside(std::uint8_t orange) const {
-    using skinctl::Xyz;
-    Room out{0, -1};
-    const auto p = known_.objects[orange].X_WO.origin() + beside_;
-    for (const double turn : {0.0, M_PI / 4, -M_PI / 4, M_PI / 2}) {
-      const Xyz<double> y = turned(turn) * Xyz<double>{0, 1, 0};
-      double room = 1;
-      for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
-        const auto& o = known_.objects[k];
-        if (k == orange || !o.known || now_ - o.time > 1s) continue;
-        auto other = o.X_WO.origin();
-        other.z = p.z;
-        for (const double side : {-1.0, 1.0})
-          room = std::min(room, skinctl::distance(other, skinctl::Capsule<>{p + side * 0.05 * y, p + side * 0.067 * y, 0.0}));
-      }
-      if (room > out.room) out = {turn, room};
-      if (room >= enough || !s_.turns) break;
+  [[nodiscard]] FingerRoom room_beside(std::uint8_t orange) const {
+    std::array<skinctl::Xyz<double>, Objects::capacity> others;
+    std::size_t count = 0;
+    for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
+      const auto& o = known_.objects[k];
+      if (k != orange && o.known && now_ - o.time < 1s) others[count++] = o.X_WO.origin();
     }
-    return out;
+    return finger_room(known_.objects[orange].X_WO.origin() + beside_, straight_,
+                       std::span(others).first(count), s_.turns);
   }
-  static constexpr double enough = 0.062;  ///< an orange of 42 mm, half a finger, and 8 mm for the detector's error [m]
 
   /// An orange of its own that is well seen; the one nearest to the hand.
   void look() {
@@ -563,7 +549,7 @@ class Worker {
         continue;
       const auto [turn, room] = room_beside(k);
       const double way = norm(skinctl::Xyz<double>(p - X_WH_.origin()));
-      const bool better = room < enough ? room > most : most < enough || way < best;
+      const bool better = room < FingerRoom::enough ? room > most : most < FingerRoom::enough || way < best;
       if (better) best = way, object_ = k, turned_ = turn;
       most = std::max(most, room);
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "examples/packing_oranges/finger_room.hpp"
 #include "examples/packing_oranges/giving_way.hpp"
 #include "skinctl/testing/random.hpp"
 
@@ -17,9 +18,9 @@ using Model = A::Model;
 using Limits = ClearanceLimits<Model, double, near_most>;
 constexpr double dt = 0.008;
 
-/// Of a point in the world from the table and from the trays' walls, boxes of 8 mm on it.
-double from_table(const Xyz<double>& p) {
-  double least = p.z;
+/// Of a point in the world from the trays' walls, boxes of 8 mm on the table; and from both.
+double from_walls(const Xyz<double>& p) {
+  double least = 1e9;
   constexpr double half = 0.004;
   const auto box = [&](double x, double y, double half_x, double half_y, double wall) {
     const double dx = std::max(0.0, std::abs(p.x - x) - half_x),
@@ -33,7 +34,11 @@ double from_table(const Xyz<double>& p) {
     }
   return least;
 }
-/// The same of the fingers, 110 mm apart, and of the forearm and wrists: points along them, less their radii.
+double from_table(const Xyz<double>& p) {
+  return std::min(p.z, from_walls(p));
+}
+/// The same of the fingers, 110 mm apart, of the forearm and wrists, and of an orange in the hand from walls:
+/// points along them, less their radii.
 double from_table(const JointPosition<6>& q) {
   double least = 1e9;
   const auto along = [&](const Capsule<>& c) {
@@ -41,6 +46,7 @@ double from_table(const JointPosition<6>& q) {
       least = std::min(least, from_table(Xyz<double>(c.from + n / 20.0 * (c.to - c.from))) - c.radius);
   };
   for (const Capsule<>& c : A::fingers(0, q, gripper_range.opening)) along(c);
+  least = std::min(least, from_walls((A::base(0) * A::hand(q)).origin()) - 0.04);
   const auto parts = A::parts(0, q);
   for (std::size_t k = 2; k < parts.size(); ++k) along(parts[k]);
   return least;
@@ -245,4 +251,22 @@ TEST_CASE("packing_oranges: a hand low among oranges gives way without pushing t
   CHECK(pushed <= tried / 30);
   CHECK(unaware >= tried / 10);
   CHECK(met <= met_unaware);
+}
+
+TEST_CASE("finger_room: open fingers come down beside what lies near an orange, turned if need be") {
+  const Rotation<double> down{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+  const Xyz<double> p{0.1, 0.4, 0.04}, beside{0.1, 0.475, 0.04}, far{0.1, 0.55, 0.04}, across{0.175, 0.4, 0.04};
+  const auto among = [&](std::vector<Xyz<double>> others, bool turns = true) {
+    return finger_room(p, down, others, turns);
+  };
+  CHECK(among({}).turn == 0);
+  CHECK(among({far, across}).turn == 0);
+  CHECK(among({far, across}).room > FingerRoom::enough);
+  CHECK(among({beside}).turn != 0);
+  CHECK(among({beside}).room > FingerRoom::enough);
+  CHECK(among({beside}, false).turn == 0);
+  CHECK(among({beside}, false).room < 0.03);
+  // Shut in: where there is most.
+  CHECK(among({beside, across}).room > 0.03);
+  CHECK(among({beside, across}).room < FingerRoom::enough);
 }
