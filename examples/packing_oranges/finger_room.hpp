@@ -12,9 +12,10 @@ namespace packing {
 
 /// How a hand is to be turned over an orange, and how far its fingers are from the middle of the next one then.
 struct FingerRoom {
-  static constexpr double enough = 0.062;  ///< an orange of 42 mm, half a finger, 8 mm for the detector's error [m]
-  double turn = 0;                         ///< about the vertical [rad]
-  double room = -1;                        ///< [m]
+  static constexpr double enough =
+      0.062;         ///< an orange of 42 mm, half a finger, 8 mm for the detector's error [m]
+  double turn = 0;   ///< about the vertical [rad]
+  double room = -1;  ///< [m]
 };
 
 /// For fingers 110 mm apart along the y axis of a hand that stands as `straight`, with `p` between them, among the middles of

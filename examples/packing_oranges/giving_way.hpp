@@ -24,13 +24,14 @@ class GivingWay {
   explicit GivingWay(std::size_t arm, double carry)
       : X_BW_(A::base(arm).inverse()),
         carry_(carry),
-        retreat_(typename A::Model{}, {.own = A::clearance_at_work().own, .exposed = A::clearance_at_work().exposed},
-                 A::home()) {}
+        retreat_(typename A::Model{},
+                 {.own = A::clearance_at_work().own, .exposed = A::clearance_at_work().exposed}, A::home()) {}
 
   /// At `q` beside what is seen; `lying`: middles of the oranges that are neither in the hand nor between its fingers.
-  [[nodiscard]] skinctl::JointVelocity<6> operator()(
-      const skinctl::JointPosition<6>& q, const skinctl::Surroundings<near_most>& seen,
-      std::span<const skinctl::Xyz<double>> lying, Others others = Others::stay) const {
+  [[nodiscard]] skinctl::JointVelocity<6> operator()(const skinctl::JointPosition<6>& q,
+                                                     const skinctl::Surroundings<near_most>& seen,
+                                                     std::span<const skinctl::Xyz<double>> lying,
+                                                     Others others = Others::stay) const {
     using namespace skinctl;
     Surroundings<most> near;
     near.time = seen.time;

@@ -258,7 +258,8 @@ class Worker {
     }
     if (asked_ && parts_[part_].until_touched) set_down(parts_[part_]);
     // A finger has come down on something: no further.
-    if (asked_ && plan_.step == step::reach && plan_.phase == Executor::Phase::run && gripper_.force > stands_on) {
+    if (asked_ && plan_.step == step::reach && plan_.phase == Executor::Phase::run &&
+        gripper_.force > stands_on) {
       send(Set::start_skill(Set::template index<behaviour::Rest>()));
       return end(false);
     }
@@ -314,8 +315,8 @@ class Worker {
       auto& wish = input_.goal.goals.template of<VelocityGoal<6>>();
       if (gives_way_) input_.goal = {};
       input_.has_goal = wish.has = true;
-      wish.goal.velocity = retreat_(q, input_.around, std::span(oranges).first(count),
-                                    pressed ? Others::press : Others::stay);
+      wish.goal.velocity =
+          retreat_(q, input_.around, std::span(oranges).first(count), pressed ? Others::press : Others::stay);
       gives_way_ = true;
       way_back_ = WayBack::up;
       tries_ = 0;
@@ -326,7 +327,8 @@ class Worker {
     // Joints that are not reached are tried again: from there a hand cannot go straight.
     const bool again = way_back_ == WayBack::joints && told.phase != SkillPhase::finished && ++tries_ < 5;
     if (!gives_way_) way_back_ = again ? WayBack::up : next(way_back_);
-    if (way_back_ == WayBack::up && tries_ == 0 && X_WH_.origin().z > 0.95 * s_.carry) way_back_ = WayBack::joints;
+    if (way_back_ == WayBack::up && tries_ == 0 && X_WH_.origin().z > 0.95 * s_.carry)
+      way_back_ = WayBack::joints;
     if (way_back_ == WayBack::over && goes_on_from_anywhere()) way_back_ = WayBack::none;
     // From above an orange that is judged goes on, and an empty hand looks anew where its orange is.
     const bool at_orange =
@@ -383,7 +385,8 @@ class Worker {
     }
     return count;
   }
-  static constexpr double around = 0.05;  ///< a hand that is less above an orange's middle has it between its fingers [m]
+  static constexpr double around =
+      0.05;  ///< a hand that is less above an orange's middle has it between its fingers [m]
   /// Where an arm that gave way is on its way back.
   enum class WayBack : unsigned char { none, up, joints, over, down };
   static WayBack next(WayBack w) {
@@ -581,9 +584,9 @@ class Worker {
   skinctl::Squeeze<>::Memory squeezed_{};
   skinctl::Transform<skinctl::World, skinctl::Base> X_WB_;
   skinctl::Transform<skinctl::World, skinctl::Tool> X_WH_;
-  skinctl::Rotation<double> R_;           ///< of the hand: it points down, or as it was shown
-  skinctl::Rotation<double> straight_;    ///< it points down, turned as at first ...
-  double turned_ = 0;                     ///< ... and so about the vertical over the orange that it takes [rad]
+  skinctl::Rotation<double> R_;         ///< of the hand: it points down, or as it was shown
+  skinctl::Rotation<double> straight_;  ///< it points down, turned as at first ...
+  double turned_ = 0;                   ///< ... and so about the vertical over the orange that it takes [rad]
   skinctl::Xyz<double> beside_{0, 0, 0};  ///< the hand's place beside an orange that it takes
   skinctl::Sightings<typename A::Model> sight_;
   GivingWay<R> retreat_;

@@ -186,7 +186,8 @@ JointPosition<6> standing(const Xyz<double>& p_W) {
     });
     Eigen::Matrix<double, 6, 1> e;
     e << off.x, off.y, off.z, turn.x, turn.y, turn.z;
-    const Eigen::Matrix<double, 6, 6> square = J * J.transpose() + 1e-4 * Eigen::Matrix<double, 6, 6>::Identity();
+    const Eigen::Matrix<double, 6, 6> square =
+        J * J.transpose() + 1e-4 * Eigen::Matrix<double, 6, 6>::Identity();
     const Eigen::Matrix<double, 6, 1> dq = 0.5 * (J.transpose() * square.ldlt().solve(e));
     for (std::size_t i = 0; i < 6; ++i) q[i] += dq[static_cast<Eigen::Index>(i)];
   }
@@ -212,16 +213,18 @@ Passed passes(std::size_t at, const Xyz<double>& from, const Xyz<double>& v, boo
     const Xyz<double> p = from + n * dt * v;
     const Capsule<> ball{p, p, 0.045};
     double near = 1e9;
-    for (const Capsule<>& c : A::shapes_at(A::link_places(0, q))) near = std::min(near, distance(c, ball).distance);
+    for (const Capsule<>& c : A::shapes_at(A::link_places(0, q)))
+      near = std::min(near, distance(c, ball).distance);
     out.ball = std::min(out.ball, near);
     const auto hand = (A::base(0) * A::hand(q)).origin();
     if (hand.z < 0.1)
       for (const auto& o : lying) out.oranges = std::min(out.oranges, std::hypot(hand.x - o.x, hand.y - o.y));
     Surroundings<near_most> seen;
     if (near < sight_range) seen.add(X_BW * Obstacle<skinctl::World>{ball, 0.3});
-    const auto want = near < sight_range ? plan(q, seen, knows ? std::span<const Xyz<double>>(lying)
-                                                               : std::span<const Xyz<double>>())
-                                         : JointVelocity<6>{};
+    const auto want =
+        near < sight_range
+            ? plan(q, seen, knows ? std::span<const Xyz<double>>(lying) : std::span<const Xyz<double>>())
+            : JointVelocity<6>{};
     JointVelocity<6> next;
     for (std::size_t i = 0; i < 6; ++i) next[i] = std::clamp(want[i], u[i] - 15 * dt, u[i] + 15 * dt);
     q = integrate(q, u + next, 0.5 * dt);
@@ -255,7 +258,8 @@ TEST_CASE("packing_oranges: a hand low among oranges gives way without pushing t
 
 TEST_CASE("finger_room: open fingers come down beside what lies near an orange, turned if need be") {
   const Rotation<double> down{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
-  const Xyz<double> p{0.1, 0.4, 0.04}, beside{0.1, 0.475, 0.04}, far{0.1, 0.55, 0.04}, across{0.175, 0.4, 0.04};
+  const Xyz<double> p{0.1, 0.4, 0.04}, beside{0.1, 0.475, 0.04}, far{0.1, 0.55, 0.04},
+      across{0.175, 0.4, 0.04};
   const auto among = [&](std::vector<Xyz<double>> others, bool turns = true) {
     return finger_room(p, down, others, turns);
   };
