@@ -16,6 +16,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/limits/skin_watch.hpp"
+#include "skinctl/model/link_by_link.hpp"
 #include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/skin_of.hpp"
@@ -129,14 +130,16 @@ void table(const char* name, Make&& make, double seconds_long) {
   }
 }
 
+template <class Model = ur5::Model>
 auto readme_scene(Nanoseconds period) {
-  return Cycle(by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0),
-                                          .period = period,
-                                          .delay = 8ms,
-                                          .virtual_damping = 4}),
+  return Cycle(by_position(Model{}, {.limits = limits_of<ur5::Description>(15.0),
+                                     .period = period,
+                                     .delay = 8ms,
+                                     .virtual_damping = 4}),
                ur5_skin<260>({.force = 20}), SkinJointControl{} + GravityControl{});
 }
 /// The main job's: goals, trust in cells, damping of contacts that ring, a watch over the skin.
+template <class Model = ur5::Model>
 auto main_job_scene(Nanoseconds period) {
   std::vector<SkinPatch> patches;
   const auto add = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
@@ -154,7 +157,7 @@ auto main_job_scene(Nanoseconds period) {
   trust.health.delta = 2;
   trust.answer = 0.05;
   const TrustedSkin trusted(skin, trust, FillIn(CellGraph(skin.places()), skin.places()), patches);
-  const auto arm = by_position(ur5::Model{},
+  const auto arm = by_position(Model{},
                                {.limits = limits_of<ur5::Description>(30.0),
                                 .period = period,
                                 .delay = 8ms,
@@ -173,6 +176,7 @@ auto main_job_scene(Nanoseconds period) {
                       .blind = SkinReaction::report,
                       .incomplete = SkinReaction::report});
 }
+using Compact = LinkByLink<ur5::Model>;
 template <class Scene>
 void run_cycles(const Scene& scene, std::uint64_t cycles) {
   Paced robot;
@@ -190,6 +194,10 @@ int main(int argc, char** argv) {
     const auto cycles = static_cast<std::uint64_t>(std::atoll(argv[3]));
     if (argv[2][0] == '0') {
       run_cycles(readme_scene(8ms), cycles);
+    } else if (argv[2][0] == '2') {
+      run_cycles(readme_scene<Compact>(8ms), cycles);
+    } else if (argv[2][0] == '3') {
+      run_cycles(main_job_scene<Compact>(8ms), cycles);
     } else {
       run_cycles(main_job_scene(8ms), cycles);
     }
@@ -197,6 +205,12 @@ int main(int argc, char** argv) {
   }
   const double seconds_long = argc > 1 ? std::atof(argv[1]) : 20;
   table("The README's scene", [](Nanoseconds period) { return readme_scene(period); }, seconds_long);
+  table(
+      "The README's scene, link by link", [](Nanoseconds period) { return readme_scene<Compact>(period); },
+      seconds_long);
   table("The main job's scene", [](Nanoseconds period) { return main_job_scene(period); }, seconds_long);
+  table(
+      "The main job's scene, link by link",
+      [](Nanoseconds period) { return main_job_scene<Compact>(period); }, seconds_long);
   return 0;
 }
