@@ -1,14 +1,18 @@
 // What a cycle costs a loop that waits for its robot: `cold [seconds]`; `cold cycles SCENE COUNT` runs so many of the README's
-// (0) or the main job's (1), for callgrind.
+// (0) or the main job's (1), for callgrind,
+// 2 and 3 the same with recursions link by link; `cold turns ROUNDS` compares those at 125 Hz.
 //
 // A UR5 with 260 cells, as in the README and as in the main job, in a loop that sleeps until its next state is due, at 125, 500 and 1000 Hz: the time of a cycle
 // whose code and data others have pushed out of the caches meanwhile (cold), of one with a dry step before it
 // (`LoopOptions::warm`), of one right after another (hot), and of an empty loop that reads the clock as often.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
@@ -187,9 +191,36 @@ void run_cycles(const Scene& scene, std::uint64_t cycles) {
       [](const auto&, const auto&, const auto&) {}));
 }
 
+/// At 125 Hz, scene after scene in turns of two seconds, for a machine with other work: hot, and medians of cold.
+void in_turns(int rounds) {
+  const auto both = [](const auto& scene) {
+    return std::array<double, 2>{measure(scene, 0ns, 0ns, 0).median, measure(scene, 8ms, 0ns, 2).median};
+  };
+  std::array<std::array<std::vector<double>, 2>, 4> times;
+  for (int k = 0; k < rounds; ++k) {
+    const std::array<std::array<double, 2>, 4> now{both(readme_scene(8ms)), both(readme_scene<Compact>(8ms)),
+                                                   both(main_job_scene(8ms)),
+                                                   both(main_job_scene<Compact>(8ms))};
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < 2; ++j) times[i][j].push_back(now[i][j]);
+  }
+  const char* names[] = {"README's", "link by link", "main job's", "link by link"};
+  std::printf("| scene | hot, median | least | cold, median | least |\n|---|---|---|---|---|\n");
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (auto& t : times[i]) std::sort(t.begin(), t.end());
+    const auto& [hot, cold] = times[i];
+    std::printf("| %s | %.2f us | %.2f | %.2f | %.2f |\n", names[i], hot[hot.size() / 2], hot[0],
+                cold[cold.size() / 2], cold[0]);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 3) {
+    in_turns(std::atoi(argv[2]));
+    return 0;
+  }
   if (argc == 4) {
     const auto cycles = static_cast<std::uint64_t>(std::atoll(argv[3]));
     if (argv[2][0] == '0') {
