@@ -1,18 +1,14 @@
 // What a cycle costs a loop that waits for its robot: `cold [seconds]`; `cold cycles SCENE COUNT` runs so many of the README's
-// (0) or the main job's (1), for callgrind,
-// 2 and 3 the same with recursions link by link; `cold turns ROUNDS` compares those at 125 Hz.
+// (0) or the main job's (1), for callgrind.
 //
 // A UR5 with 260 cells, as in the README and as in the main job, in a loop that sleeps until its next state is due, at 125, 500 and 1000 Hz: the time of a cycle
 // whose code and data others have pushed out of the caches meanwhile (cold), of one with a dry step before it
 // (`LoopOptions::warm`), of one right after another (hot), and of an empty loop that reads the clock as often.
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <thread>
-#include <vector>
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
@@ -20,7 +16,6 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/limits/skin_watch.hpp"
-#include "skinctl/model/link_by_link.hpp"
 #include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/skin_of.hpp"
@@ -134,16 +129,14 @@ void table(const char* name, Make&& make, double seconds_long) {
   }
 }
 
-template <class Model = ur5::Model>
 auto readme_scene(Nanoseconds period) {
-  return Cycle(by_position(Model{}, {.limits = limits_of<ur5::Description>(15.0),
-                                     .period = period,
-                                     .delay = 8ms,
-                                     .virtual_damping = 4}),
+  return Cycle(by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0),
+                                          .period = period,
+                                          .delay = 8ms,
+                                          .virtual_damping = 4}),
                ur5_skin<260>({.force = 20}), SkinJointControl{} + GravityControl{});
 }
 /// The main job's: goals, trust in cells, damping of contacts that ring, a watch over the skin.
-template <class Model = ur5::Model>
 auto main_job_scene(Nanoseconds period) {
   std::vector<SkinPatch> patches;
   const auto add = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
@@ -161,7 +154,7 @@ auto main_job_scene(Nanoseconds period) {
   trust.health.delta = 2;
   trust.answer = 0.05;
   const TrustedSkin trusted(skin, trust, FillIn(CellGraph(skin.places()), skin.places()), patches);
-  const auto arm = by_position(Model{},
+  const auto arm = by_position(ur5::Model{},
                                {.limits = limits_of<ur5::Description>(30.0),
                                 .period = period,
                                 .delay = 8ms,
@@ -180,7 +173,6 @@ auto main_job_scene(Nanoseconds period) {
                       .blind = SkinReaction::report,
                       .incomplete = SkinReaction::report});
 }
-using Compact = LinkByLink<ur5::Model>;
 template <class Scene>
 void run_cycles(const Scene& scene, std::uint64_t cycles) {
   Paced robot;
@@ -191,44 +183,13 @@ void run_cycles(const Scene& scene, std::uint64_t cycles) {
       [](const auto&, const auto&, const auto&) {}));
 }
 
-/// At 125 Hz, scene after scene in turns of two seconds, for a machine with other work: hot, and medians of cold.
-void in_turns(int rounds) {
-  const auto both = [](const auto& scene) {
-    return std::array<double, 2>{measure(scene, 0ns, 0ns, 0).median, measure(scene, 8ms, 0ns, 2).median};
-  };
-  std::array<std::array<std::vector<double>, 2>, 4> times;
-  for (int k = 0; k < rounds; ++k) {
-    const std::array<std::array<double, 2>, 4> now{both(readme_scene(8ms)), both(readme_scene<Compact>(8ms)),
-                                                   both(main_job_scene(8ms)),
-                                                   both(main_job_scene<Compact>(8ms))};
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = 0; j < 2; ++j) times[i][j].push_back(now[i][j]);
-  }
-  const char* names[] = {"README's", "link by link", "main job's", "link by link"};
-  std::printf("| scene | hot, median | least | cold, median | least |\n|---|---|---|---|---|\n");
-  for (std::size_t i = 0; i < 4; ++i) {
-    for (auto& t : times[i]) std::sort(t.begin(), t.end());
-    const auto& [hot, cold] = times[i];
-    std::printf("| %s | %.2f us | %.2f | %.2f | %.2f |\n", names[i], hot[hot.size() / 2], hot[0],
-                cold[cold.size() / 2], cold[0]);
-  }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc == 3) {
-    in_turns(std::atoi(argv[2]));
-    return 0;
-  }
   if (argc == 4) {
     const auto cycles = static_cast<std::uint64_t>(std::atoll(argv[3]));
     if (argv[2][0] == '0') {
       run_cycles(readme_scene(8ms), cycles);
-    } else if (argv[2][0] == '2') {
-      run_cycles(readme_scene<Compact>(8ms), cycles);
-    } else if (argv[2][0] == '3') {
-      run_cycles(main_job_scene<Compact>(8ms), cycles);
     } else {
       run_cycles(main_job_scene(8ms), cycles);
     }
@@ -236,12 +197,6 @@ int main(int argc, char** argv) {
   }
   const double seconds_long = argc > 1 ? std::atof(argv[1]) : 20;
   table("The README's scene", [](Nanoseconds period) { return readme_scene(period); }, seconds_long);
-  table(
-      "The README's scene, link by link", [](Nanoseconds period) { return readme_scene<Compact>(period); },
-      seconds_long);
   table("The main job's scene", [](Nanoseconds period) { return main_job_scene(period); }, seconds_long);
-  table(
-      "The main job's scene, link by link",
-      [](Nanoseconds period) { return main_job_scene<Compact>(period); }, seconds_long);
   return 0;
 }

@@ -58,14 +58,6 @@
 #else
 #define SKINCTL_NOINLINE __attribute__((noinline))
 #endif
-// Before a loop that stays one: unrolled, it would be as much code as it is to save.
-#if defined(__clang__)
-#define SKINCTL_ROLLED _Pragma("clang loop unroll(disable) vectorize(disable)")
-#elif defined(__GNUC__)
-#define SKINCTL_ROLLED _Pragma("GCC unroll 1")
-#else
-#define SKINCTL_ROLLED
-#endif
 // For functions that run before the loop: compiled for size.
 #define SKINCTL_COLD __attribute__((noinline, cold))
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "skinctl/core/law.hpp"
-#include "skinctl/dynamics/detail/run_recursion.hpp"
+#include "skinctl/dynamics/detail/recursion.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

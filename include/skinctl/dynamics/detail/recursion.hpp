@@ -213,6 +213,12 @@ SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& b
     });
   }
 }
+/// The same with the model's own links.
+template <Scalar T, RobotModel M, class Angles, class V, class R, class A, class L>
+SKINCTL_INLINE constexpr void run_recursion(const M& model, const Angles& angles, const V& dq, const R& dq_r,
+                                            const A& ddq_r, const L& a0, T* tau) noexcept {
+  run_recursion_over<T>(model, ModelBodies<M>{model}, angles, dq, dq_r, ddq_r, a0, tau);
+}
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE
