@@ -177,8 +177,9 @@ struct Arm {
     };
     const std::size_t left = finger(0.05, 0.01, 0.015), right = finger(-0.05, 0.01, 0.015);
     meet({finger(0.06, 0, 0.004), finger(-0.06, 0, 0.004)}, ground(0.004));
-    const std::size_t held = add(5, {{0, 0, tips}, {0, 0, tips}, 0.042});  // an orange hangs lower than the fingers
-    const auto X_BW = base(0).inverse();  // the other arm has its trays at the same places
+    const std::size_t held =
+        add(5, {{0, 0, tips}, {0, 0, tips}, 0.042});  // an orange hangs lower than the fingers
+    const auto X_BW = base(0).inverse();              // the other arm has its trays at the same places
     const auto edge = [&](const Tray& t, double x0, double y0, double x1, double y1) {
       constexpr double half = 0.004;  // of the wall
       const auto at = [&](double x, double y) {
