@@ -15,10 +15,9 @@ namespace detail {
 /// starts slowly, and behind which loads of the copy wait.
 template <class V>
 SKINCTL_INLINE void copy_whole(const V& from, V& to) noexcept {
-  static_assert(std::is_trivially_copyable_v<V>);
 #if defined(__SSE2__)
   constexpr std::size_t wide = 32, pieces = sizeof(V) / wide, rest = sizeof(V) % wide;
-  if constexpr (pieces > 2 && pieces <= 64) {
+  if constexpr (std::is_trivially_copyable_v<V> && pieces > 2 && pieces <= 64) {
     typedef float Piece __attribute__((vector_size(wide), aligned(1), may_alias));
     const auto* const source = reinterpret_cast<const std::byte*>(&from);
     auto* const target = reinterpret_cast<std::byte*>(&to);

@@ -128,7 +128,7 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
   }
   SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
   // GCC zeroes them with an instruction that starts slowly: only where no law shows its own.
-  detail::Unwritten<std::array<Torque, terms_of<L>>, 1> shares;
+  detail::UnwrittenIfTrivial<std::array<Torque, terms_of<L>>> shares;
   bool shown = false;
   const auto begun = virtual_.begin(m, measured, interval, check);
   Status status = begun.status;

@@ -22,9 +22,9 @@ struct LinkRows {
       for (auto& one : row)
         for (T& x : one) x = T(0);
     } else {
-      each_index<rows * row_size / row_lanes<T>>([&](auto k) SKINCTL_INLINE_LAMBDA {
+      unrolled<rows * row_size / row_lanes<T>>([&](std::size_t k) SKINCTL_INLINE_LAMBDA {
         using Part = typename LaneTypes<T, row_lanes<T>>::Anywhere;
-        *reinterpret_cast<Part*>(row[0] + k.value * row_lanes<T>) = Part{};
+        *reinterpret_cast<Part*>(row[0] + k * row_lanes<T>) = Part{};
       });
     }
   }
