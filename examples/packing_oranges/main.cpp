@@ -232,6 +232,8 @@ int main(int argc, char** argv) {
     s.fault = fault_named(fault);
     if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
       throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
+    if (s.supply.oranges == 0 && (taught_lessons == 0 || gripper != "hand"))
+      throw std::runtime_error("--oranges 0: only with --lessons and --gripper hand");
     if (taught_lessons > 0 && gripper == "hand") return lessons_by_hand(taught_lessons, s, onto, quiet);
     if (taught_lessons > 0) return lessons(taught_lessons, s.seed);
     if (faults) {

@@ -124,7 +124,8 @@ TEST_CASE_TEMPLATE("extremes: cycles of an arm led by hand, with any bits in the
 }
 
 TEST_CASE(
-    "extremes: Resolver, Resolved, Governor and its limits in cycles with goals, with any bits in their "
+    "extremes: Resolver, Resolved, CycleOutput, Governor and its limits in cycles with goals, with any bits "
+    "in their "
     "input") {
   const auto limits = ur5_test_limits<double>();
   const LinkContact<2> contact{
