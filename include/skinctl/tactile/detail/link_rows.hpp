@@ -24,7 +24,8 @@ struct LinkRows {
     } else {
       unrolled<rows * row_size / row_lanes<T>>([&](std::size_t k) SKINCTL_INLINE_LAMBDA {
         using Part = typename LaneTypes<T, row_lanes<T>>::Anywhere;
-        *reinterpret_cast<Part*>(row[0] + k * row_lanes<T>) = Part{};
+        const std::size_t at = k * row_lanes<T>;
+        *reinterpret_cast<Part*>(row[at / row_size] + at % row_size) = Part{};
       });
     }
   }
