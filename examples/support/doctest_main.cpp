@@ -113,10 +113,11 @@ struct Listener : doctest::IReporter {
     failures.push_back({test_->m_name, real_time && (longest > told("SKINCTL_TOLERATED_PAUSE", 20) ||
                                                      others > told("SKINCTL_TOLERATED_SHARE", 0.2))});
     if (failures.back().starved)
-      std::fprintf(stderr,
-                   "STARVED: %s: the machine left a thread waiting for %.0f ms, and gave others %.0f %% of its "
-                   "processors\n",
-                   test_->m_name, longest, 100 * others);
+      std::fprintf(
+          stderr,
+          "STARVED: %s: the machine left a thread waiting for %.0f ms, and gave others %.0f %% of its "
+          "processors\n",
+          test_->m_name, longest, 100 * others);
   }
   void report_query(const doctest::QueryData&) override {}
   void test_run_start() override {}
