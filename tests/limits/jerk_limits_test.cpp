@@ -115,7 +115,7 @@ TEST_CASE_TEMPLATE("JerkLimits: no limit is ever crossed", T, float, double) {
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> unit(-1, 1);
   const double eps = std::numeric_limits<T>::epsilon();
-  long at_end = 0, at_speed = 0, at_acceleration = 0, gave_way = 0, cycles = 0;
+  long at_end = 0, at_speed = 0, at_acceleration = 0, gave_way = 0, cycles = 0, turned = 0;
   double worst_jerk = 0, worst_end = 0, worst_mean = 0;
   const int scenes = 200 / share;
   for (int scene = 0; scene < scenes; ++scene) {
@@ -157,6 +157,19 @@ TEST_CASE_TEMPLATE("JerkLimits: no limit is ever crossed", T, float, double) {
       // Some motion within the limits leads there: |s - (u0 h + a0 h^2/2)| <= J h^3/6.
       REQUIRE(std::abs(joint.moved - h * (double(was.u) + h * double(was.a) / 2)) <=
               J * h * h * h / 6 * (1 + 64 * eps) + 3000 * eps * (V * h + A * h * h));
+      // Where nothing intervened the jerk is constant: the joint does not turn beyond an end within the step, either.
+      const double u0 = double(was.u), a0 = double(was.a), j = (double(joint.a) - a0) / h;
+      const double discriminant = a0 * a0 - 2 * j * u0;
+      if (!joint.status.has(Reason::position_limited) && !joint.status.has(Reason::velocity_limited) &&
+          !joint.status.has(Reason::jerk_exceeded) && discriminant > 0 && j != 0)
+        for (const double root : {std::sqrt(discriminant), -std::sqrt(discriminant)}) {
+          const double t = (root - a0) / j;
+          if (!(t > 0 && t < h)) continue;
+          const double turn = was.q + t * (u0 + t * (a0 / 2 + t * j / 6));
+          turned += turn > up - 1e-3 * range || turn < low + 1e-3 * range;
+          REQUIRE(turn <= up + rounding);
+          REQUIRE(turn >= low - rounding);
+        }
       at_end += joint.q > up - 1e-3 * range || joint.q < low + 1e-3 * range;
       at_speed += std::abs(joint.u) > T(0.999) * v;
       at_acceleration += std::abs(joint.a) > T(0.99) * a_max;
@@ -166,6 +179,7 @@ TEST_CASE_TEMPLATE("JerkLimits: no limit is ever crossed", T, float, double) {
                  << ", at top acceleration " << at_acceleration << ", jerk gave way " << gave_way
                  << ", mean speed of a step at most " << worst_mean << " of the limit, excess of jerk "
                  << worst_jerk << " eps A, beyond an end " << worst_end);
+  CHECK(turned > 100 / share);
   CHECK(at_end > 10000 / share);  // the limits were used, not shunned
   CHECK(at_speed > 10000 / share);
   CHECK(at_acceleration > 1000 / share);
