@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
@@ -10,30 +12,58 @@
 using namespace skinctl;
 using namespace skinctl::testing;
 
-TEST_CASE("lone_forces: in no pose does one cell's lone force give a joint more than its share of friction") {
-  const auto patches = ur5::skin_patches<60>();
-  const auto places = cell_places(patches);
-  const JointTorque<6> coulomb{7.5, 7.5, 7.5, 1.4, 1.4, 1.4};
-  const auto force = lone_forces(ur5::Model{}, coulomb, places, 0.9);
-  REQUIRE(force.size() == 60);
+namespace {
+
+/// Largest share of its friction that each cell's lone force gives a joint, of `poses` random poses.
+template <class Patches>
+std::vector<double> largest_shares(const Patches& patches, const JointTorque<6>& coulomb, int poses) {
+  const auto force = lone_forces(ur5::Model{}, coulomb, cell_places(patches), 0.9);
+  std::vector<double> most(force.size());
   Random rng = seeded(3);
-  double worst = 0, best = 0;
-  std::array<double, 60> most{};
-  for (int pose = 0; pose < 300; ++pose) {
-    const auto poses = link_poses(ur5::Model{}, random_position<6, double>(rng));
+  for (int pose = 0; pose < poses; ++pose) {
+    const auto at = link_poses(ur5::Model{}, random_position<6, double>(rng));
     std::size_t i = 0;
     for_each_index<6>([&](auto k) {
       for (const auto& cell : std::get<k.value>(patches).placed()) {
-        const auto tau = torque_of_cell<k.value>(poses, ur5::Model{}, cell.X_LC, force[i]);
+        const auto tau = torque_of_cell<k.value>(at, ur5::Model{}, cell.X_LC, force[i]);
         for (std::size_t j = 0; j < 6; ++j) most[i] = std::max(most[i], std::abs(tau[j]) / coulomb[j]);
         ++i;
       }
     });
   }
-  for (const double share : most) worst = std::max(worst, share), best = best + share / 60;
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("lone_forces: in no pose does one cell's lone force give a joint more than its share of friction") {
+  const auto shares = largest_shares(ur5::skin_patches<60>(), {7.5, 7.5, 7.5, 1.4, 1.4, 1.4}, 300);
+  REQUIRE(shares.size() == 60);
+  double worst = 0, best = 0;
+  for (const double share : shares) worst = std::max(worst, share), best = best + share / 60;
   CHECK(worst <= 0.9 * (1 + 1e-9));
   CHECK(worst > 0.7);  // the bound is reached somewhere
   CHECK(best > 0.35);  // and is no factor of three too small on average
+}
+
+TEST_CASE("lone_forces: cells anywhere that look anywhere, each joint the weak one in turn") {
+  Random rng = seeded(7);
+  for (std::size_t weak = 0; weak < 6; ++weak) {
+    CAPTURE(weak);
+    const auto patches = random_patches(rng, {}, std::index_sequence<0, 1, 2, 3, 4, 5>{},
+                                        std::index_sequence<8, 8, 8, 8, 8, 8>{});
+    JointTorque<6> coulomb = JointTorque<6>::constant(20);
+    coulomb[weak] = 1;
+    const auto shares = largest_shares(patches, coulomb, 100);
+    const double worst = *std::max_element(shares.begin(), shares.end());
+    CHECK(worst <= 0.9 * (1 + 1e-9));
+    CHECK(worst > 0.8);
+    // Of the next link, whose joint stands still where this one's does not.
+    if (weak < 5) {
+      const auto next = shares.begin() + 8 * static_cast<std::ptrdiff_t>(weak + 1);
+      CHECK(*std::max_element(next, next + 8) > 0.6);
+    }
+  }
 }
 
 TEST_CASE("lone_forces: of a described robot, by its Coulomb friction; wrong numbers are refused") {
