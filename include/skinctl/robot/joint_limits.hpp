@@ -102,9 +102,11 @@ class JointLimits {
     return u * u * stop_per_square_;
   }
 
-  /// Distances from `q` to the position limits.
+  /// Distances from `q` to the position limits. In rows: of a difference of vectors GCC makes pieces of which the rows
+  /// that read it need several, and such a load waits for the stores.
   [[nodiscard]] SKINCTL_INLINE JointRoom<N, T> room(const JointPosition<N, T>& q) const noexcept {
-    return {q - values_.lower, values_.upper - q};
+    const detail::Row<N, T> row = q;
+    return {JointPosition<N, T>(row - values_.lower), JointPosition<N, T>(values_.upper - row)};
   }
   /// Whether every joint is within its position limits.
   [[nodiscard]] SKINCTL_INLINE bool hold(const JointPosition<N, T>& q) const noexcept {
