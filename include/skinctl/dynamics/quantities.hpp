@@ -3,6 +3,7 @@
 #pragma once
 
 #include "skinctl/core/law.hpp"
+#include "skinctl/dynamics/detail/bias_beside.hpp"
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/operational_inertia.hpp"
 #include "skinctl/kinematics/centre_of_mass.hpp"
@@ -48,6 +49,7 @@ struct Computed<false, V> {
 /// Nothing is known of the robot but its model.
 struct NothingAdded {
   static constexpr bool is_virtual = false;
+  static constexpr bool carries_bias = false;
 };
 }  // namespace detail
 
@@ -71,6 +73,8 @@ class Quantities {
   static constexpr std::size_t joints = M::joints;
   static constexpr Needs needs = complete<M>(Asked);
   static constexpr LinkMask links = links_for<M>(complete<M>(Asked));
+  /// Whether a law that runs a recursion may compute the bias of a virtual robot beside it.
+  static constexpr bool carries_bias = Added::carries_bias && needs.middle && detail::computes_in_pairs<M, T>;
   using Angles = JointAngles<M, T, links>;
   using Middle = JointAngles<M, T>;
 
@@ -86,6 +90,9 @@ class Quantities {
         dt_(dt),
         limits_([&](auto) SKINCTL_INLINE_LAMBDA {
           if constexpr (has_torque_limits) return &added.torque_limits();
+        }),
+        beside_([&](auto) SKINCTL_INLINE_LAMBDA {
+          if constexpr (carries_bias) return added.bias_beside();
         }),
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
         middle_([&](auto) SKINCTL_INLINE_LAMBDA { return Middle(model_, ahead()); }),
@@ -122,6 +129,13 @@ class Quantities {
     requires(has_torque_limits)
   {
     return *limits_.value;
+  }
+
+  /// The bias that the virtual robot will need; null: nobody asks.
+  [[nodiscard]] SKINCTL_INLINE detail::BiasBeside<joints, T>* bias_beside() const noexcept
+    requires(carries_bias)
+  {
+    return beside_.value;
   }
 
   [[nodiscard]] SKINCTL_INLINE const Angles& angles() const noexcept {
@@ -221,6 +235,7 @@ class Quantities {
   const Touch& touch_;
   T dt_;
   [[no_unique_address]] detail::Computed<has_torque_limits, const JointTorque<joints, T>*> limits_;
+  [[no_unique_address]] detail::Computed<carries_bias, detail::BiasBeside<joints, T>*> beside_;
   [[no_unique_address]] detail::Computed<needs.angles && !at_once, Angles> angles_;
   [[no_unique_address]] detail::Computed<needs.middle && !at_once, Middle> middle_;
   [[no_unique_address]] detail::Computed<at_once, detail::TwoJointAngles<M, T>> both_;

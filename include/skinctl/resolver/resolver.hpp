@@ -87,12 +87,15 @@ class Resolver {
   static constexpr bool watches_contacts = has_passivity_observer || has_damper;
   static constexpr Needs keeper_needs = {
       .angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank};
+  /// Whether laws may compute the bias of the virtual robot beside their own recursion.
+  static constexpr bool carries_bias =
+      std::same_as<Integrator, CrankNicolson> && std::same_as<Tool, NoToolShape>;
   using Memory = ResolverMemory<joints, T, History, Keeper>;
   /// The input of a law: the state of the virtual robot and the quantities that law and integrator need of
   /// it.
   template <class L, class Touch = NoTouch>
-  using Knows =
-      Quantities<M, L::needs | Integrator::needs | keeper_needs, T, Touch, VirtualMass<joints, T, Tool>>;
+  using Knows = Quantities<M, L::needs | Integrator::needs | keeper_needs, T, Touch,
+                           VirtualMass<joints, T, Tool, AllJoints<joints>, carries_bias>>;
 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
@@ -148,10 +151,11 @@ class Resolver {
 
   /// What a law knows at `state`, which must outlive it like `touch`: for a torque that is held for `dt` seconds.
   template <class L, class Touch>
-  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
-                                                     const Touch& touch) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(
+      const State<joints, T>& state, const T& dt, const Touch& touch,
+      detail::BiasBeside<joints, T>* beside = nullptr) const noexcept {
     return Knows<L, Touch>(model_, state, dt, touch,
-                           {parameters().limits.torque(), parameters().shape.inertia, tool_});
+                           {parameters().limits.torque(), parameters().shape.inertia, tool_, beside});
   }
 
   /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.

@@ -1,6 +1,7 @@
 // The inertia of a virtual robot, as its laws read it.
 #pragma once
 
+#include "skinctl/dynamics/detail/bias_beside.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -36,6 +37,7 @@ template <std::size_t N, Real T = double>
 class RealMass {
  public:
   static constexpr bool is_virtual = false;
+  static constexpr bool carries_bias = false;
   /// Both must outlive this object.
   /// @param motors  inertia of the motors, seen at the joints [kg m^2], >= 0.
   SKINCTL_INLINE RealMass(const JointTorque<N, T>& torque_limits, const JointTorque<N, T>& motors) noexcept
@@ -58,17 +60,23 @@ class RealMass {
 /// shape of its tool. With it `Quantities` gives laws the inertia of the robot that they move: projections
 /// into a null space, postures and dampers that used the bare M would disturb the task.
 ///
-/// @tparam S  the joints of the virtual robot; the others, by torque, have their model's inertia.
-template <std::size_t N, Real T = double, class Tool = NoToolShape, class S = AllJoints<N>>
+/// @tparam S        the joints of the virtual robot; the others, by torque, have their model's inertia.
+/// @tparam Carries  whether laws may compute the virtual robot's bias beside their own recursion.
+template <std::size_t N, Real T = double, class Tool = NoToolShape, class S = AllJoints<N>,
+          bool Carries = false>
 class VirtualMass {
  public:
   static constexpr bool is_virtual = true;
   static constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
+  static constexpr bool carries_bias = Carries;
+  using Beside = detail::BiasBeside<N, T>;
   /// All must outlive this object.
   /// @param inertia  of the joints [kg m^2], >= 0.
+  /// @param beside   null: nobody asks for the bias.
   SKINCTL_INLINE VirtualMass(const JointTorque<N, T>& torque_limits, const JointTorque<N, T>& inertia,
-                             const Tool& tool) noexcept
-      : torque_limits_(torque_limits), inertia_(inertia), tool_(tool) {}
+                             const Tool& tool, Beside* beside = nullptr) noexcept
+      : torque_limits_(torque_limits), inertia_(inertia), tool_(tool), beside_(beside) {}
+  [[nodiscard]] SKINCTL_INLINE Beside* bias_beside() const noexcept { return beside_; }
   [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque_limits() const noexcept {
     return torque_limits_;
   }
@@ -96,6 +104,7 @@ class VirtualMass {
   const JointTorque<N, T>& torque_limits_;
   const JointTorque<N, T>& inertia_;
   const Tool& tool_;
+  Beside* beside_;
 };
 
 SKINCTL_END_NAMESPACE

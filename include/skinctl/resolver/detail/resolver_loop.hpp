@@ -75,7 +75,9 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
                                                     const Touch& touch) const noexcept -> Driven<L> {
   const State<joints, T> state{at, Position(Row(m.q.value)), Velocity(Row(v))};
   const auto& total = total_of(touch);
-  const Knows<L, LawTouch<Touch>> known = this->template known<L>(state, h, total);
+  detail::BiasBeside<joints, T> beside;
+  beside.v = integrate(state.dq, m.last, T(T(0.5) * h));
+  const Knows<L, LawTouch<Touch>> known = this->template known<L>(state, h, total, &beside);
   Driven<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
   if (!detail::is_finite(out.law.torque)) [[unlikely]] {
     out.status |= Reason::torque_not_finite;

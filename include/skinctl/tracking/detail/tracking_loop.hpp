@@ -66,14 +66,25 @@ SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& m
   const JointAcceleration<N, T> ddq_r(decayed);
   JointTorque<N, T> tau;
   const JointAngles<M, T> angles(known.model(), R(mid.q) + dx);
-  const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
-    detail::run_recursion<T>(known.model(), angles, detail::Values<T>{dq_h.data},
-                             detail::Values<T>{dq_r.data}, detail::Values<T>{ddq_r.data}, a0, tau.data);
-  };
-  if constexpr (G == GravityTerm::included) {
-    run(T(-share.feed_forward) * known.model().template gravity<T>());
+  constexpr bool weighs = G == GravityTerm::included;
+  if constexpr (K::carries_bias) {
+    detail::BiasBeside<N, T> unasked;
+    auto* const beside = known.bias_beside();
+    detail::run_recursion_beside<weighs || !K::needs.gravity>(
+        known.model(),
+        detail::RecursionMotion<JointAngles<M, T>, N, T>{angles, dq_h, dq_r, ddq_r,
+                                                         weighs ? share.feed_forward : T(0)},
+        tau, known.middle(), K::needs.gravity ? T(0) : T(1), beside != nullptr ? *beside : unasked);
   } else {
-    run(ZeroTriple{});
+    const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
+      detail::run_recursion<T>(known.model(), angles, detail::Values<T>{dq_h.data},
+                               detail::Values<T>{dq_r.data}, detail::Values<T>{ddq_r.data}, a0, tau.data);
+    };
+    if constexpr (weighs) {
+      run(T(-share.feed_forward) * known.model().template gravity<T>());
+    } else {
+      run(ZeroTriple{});
+    }
   }
   (R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return tau[i]; }) + shaped).store(tau);
   if constexpr (!inertial) {
