@@ -284,3 +284,56 @@ TEST_CASE_TEMPLATE("JointLimits: torques are cut to their limit, and to the powe
   v.power[1] = T(0);
   CHECK_THROWS_AS((JointLimits<2, T>(v)), ConfigurationError);
 }
+
+TEST_CASE_TEMPLATE("JointLimits: torques beyond them keep their direction", T, float, double) {
+  auto v = limits_of<ur5::Description, T>(T(15)).values();
+  const T eps = std::numeric_limits<T>::epsilon();
+  std::mt19937_64 rng(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto some = [&](double size) {
+    JointTorque<6, T> tau;
+    for (std::size_t i = 0; i < 6; ++i) tau[i] = T(size * unit(rng)) * v.torque[i];
+    return tau;
+  };
+  for (int k = 0; k < 4000; ++k) {
+    if (k == 2000) v.power = JointPower<6, T>::constant(T(60));
+    const JointLimits<6, T> limits(v);
+    const double size = std::pow(10.0, 6 * unit(rng));
+    const JointTorque<6, T> tau = some(size), hold = some(0.9);
+    JointVelocity<6, T> dq;
+    for (T& x : dq) x = T(unit(rng));
+    if (k >= 2000) dq = T(0.3) * dq;  // so that `hold` is within the power
+    const auto out = limits.along(tau, hold, dq);
+    CHECK(limits.within(out, dq) == out);
+    if (limits.within(tau, dq) == tau) continue;
+    if (!(limits.within(hold, dq) == hold)) continue;
+    T share(0), scale(0);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const T drive = tau[i] - hold[i];
+      if (std::abs(drive) > scale) scale = std::abs(drive), share = (out[i] - hold[i]) / drive;
+    }
+    CHECK(share >= T(0));
+    CHECK(share <= T(1) + 8 * eps);
+    bool full = false;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const T drive = tau[i] - hold[i];
+      CHECK(std::abs(out[i] - hold[i] - share * drive) <= 64 * eps * v.torque[i]);
+      full = full ||
+             !(limits.within(hold + T(1 + 1e-4) * (out - hold), dq) == hold + T(1 + 1e-4) * (out - hold));
+    }
+    CHECK(full);  // no more would do
+  }
+  const JointLimits<6, T> limits(v);
+  const JointVelocity<6, T> still{};
+  // What weight overloads already is cut off by itself, and the others are not held back.
+  const JointTorque<6, T> heavy{T(0), T(400), T(0), T(0), T(0), T(0)},
+      tau{T(75), T(500), T(0), T(0), T(0), T(0)};
+  CHECK(limits.along(tau, heavy, still) == JointTorque<6, T>{T(75), T(150), T(0), T(0), T(0), T(0)});
+  const T nan = std::numeric_limits<T>::quiet_NaN(), most = std::numeric_limits<T>::max();
+  for (const T& x : {nan, most, T(-most)}) {
+    auto odd = heavy;
+    odd[3] = x;
+    const auto out = limits.along(tau, odd, still);
+    for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(out[i]) <= v.torque[i]);
+  }
+}

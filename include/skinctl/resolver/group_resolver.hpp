@@ -288,6 +288,18 @@ class GroupResolver {
         },
         groups);
   }
+  /// The torque of the joints `S` within their limits, along the motion that `tau` asks for; `resists`: friction that
+  /// they have beside it.
+  template <class S>
+  [[nodiscard]] SKINCTL_COLD Torque limited(const State<joints, T>& now, const Torque& tau,
+                                            const JointTorque<S::count, T>& resists) const noexcept {
+    const Torque bias = bias_torque(model_, JointAngles<M, T>(model_, now.q), now.dq);
+    Torque hold;
+    Velocity v;
+    S::put(S::of(bias) - resists, hold);
+    S::put(S::of(now.dq), v);
+    return limits_.along(tau, hold, v);
+  }
   template <class Given>
   [[nodiscard]] static SKINCTL_COLD auto limits_of_all(const Given& groups) -> JointLimits<joints, T>;
 

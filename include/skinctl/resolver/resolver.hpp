@@ -228,6 +228,7 @@ class Resolver {
   SKINCTL_INLINE Status watch(Memory& m, const Pressed& pressed, const T& dt) const noexcept;
   SKINCTL_INLINE bool affords(const Memory& m, Velocity& v) const noexcept;
   Torque weight(const Memory& m) const noexcept;
+  Torque limited(const State<joints, T>& state, const Torque& tau) const noexcept;
   template <class L, class Touch>
   Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory, Nanoseconds at,
                   const Velocity& v, const JointAcceleration<joints, T>& pull, const T& h,

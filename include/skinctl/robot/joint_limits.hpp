@@ -126,6 +126,31 @@ class JointLimits {
     return out;
   }
 
+  /// `tau` within torque and power along its own direction: `hold + s (tau - hold)`, s in [0, 1] the largest share for
+  /// which every joint keeps its limits at the speeds `dq`. So the robot accelerates as asked, but less; by torques that
+  /// are cut off joint by joint, strong joints throw light ones anywhere.
+  ///
+  /// @param hold  the torque of no acceleration: weight and Coriolis forces. A joint that it overloads already is cut
+  ///              off by itself. All are, where a number leaves the range of `T` or is none.
+  [[nodiscard]] SKINCTL_COLD JointTorque<N, T> along(const JointTorque<N, T>& tau,
+                                                     const JointTorque<N, T>& hold,
+                                                     const JointVelocity<N, T>& dq) const noexcept {
+    const JointTorque<N, T> cut = within(tau, dq);
+    T share(1);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T over = tau[i] - cut[i], drive = tau[i] - hold[i], room = cut[i] - hold[i];
+      // Within the limits, or `hold` is beyond them on that side.
+      if (!(over * room > T(0)) || !(room / drive < share)) continue;
+      share = room / drive;
+    }
+    JointTorque<N, T> out;
+    for (std::size_t i = 0; i < N; ++i) {
+      out[i] = hold[i] + share * (tau[i] - hold[i]);
+      if (!(out[i] - out[i] == T(0))) return cut;
+    }
+    return within(out, dq);
+  }
+
   /// The motion over `h` > 0 seconds from velocity `u0` towards velocity `target` that keeps the limits.
   ///
   /// Each joint's velocity changes from `u0` to the new one such that its acceleration never exceeds the

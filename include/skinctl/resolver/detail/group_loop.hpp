@@ -29,9 +29,10 @@ SKINCTL_NOINLINE auto SKINCTL_GROUPS_CLASS::drive(Memory& m, const L& law,
   Stiff::put(asked, out.torque);
   Velocity v;
   Stiff::put(Stiff::of(now.dq), v);
-  const Torque within = limits_.within(out.torque, v);
-  if (!(within == out.torque)) out.status |= Reason::torque_limited;
-  out.torque = within;
+  if (!(limits_.within(out.torque, v) == out.torque)) [[unlikely]] {
+    out.status |= Reason::torque_limited;
+    out.torque = limited<Stiff>(now, out.torque, {});
+  }
   const ContactDamping<joints, T>* damping = nullptr;
   if constexpr (has_damper) {
     const auto& d = m.keeper.template of<ContactDamper<T>>().damping;
@@ -212,6 +213,12 @@ auto SKINCTL_GROUPS_CLASS::step(Memory& m, const L& law, typename L::Memory& law
     if (!status.has(Reason::torque_not_finite)) [[likely]] {
       if constexpr (has_driven) {
         driven = given - resists;
+        Torque whole;
+        Driven::put(driven, whole);
+        if (!(limits_.within(whole, m.measured.dq) == whole)) [[unlikely]] {
+          out.status |= Reason::torque_limited;
+          driven = Driven::of(limited<Driven>(m.measured, whole, resists));
+        }
         if constexpr (has_tank) out.status |= pay(m, passive, Driven::of(gravity), driven);
       }
       if (blocked) [[unlikely]] {

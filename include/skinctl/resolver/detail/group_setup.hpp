@@ -134,7 +134,11 @@ SKINCTL_COLD auto SKINCTL_GROUPS_CLASS::lacking(
   };
   if (following(m)) {
     const StiffVelocity wanted = asks(before, [&](const Torque& tau, const auto& moved) {
-      return moved(Stiff::of(limits_.within(tau, velocity(m))));
+      Torque own;
+      Velocity v;
+      Stiff::put(Stiff::of(tau), own);
+      Stiff::put(Stiff::of(velocity(m)), v);
+      return moved(Stiff::of(limits_.within(own, v) == own ? own : limited<Stiff>(here, own, {})));
     });
     asks(next, [&](const Torque& whole, const auto& moved) {
       const StiffTorque tau = Stiff::of(whole);

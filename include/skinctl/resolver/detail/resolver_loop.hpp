@@ -65,6 +65,14 @@ SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::weight(const Memory& m) const noexcept
   return gravity_torque(model_, JointAngles<M, T>(model_, m.q.value));
 }
 
+// With Coriolis forces too: at full speed they are as large as what is left of a light joint's torque.
+SKINCTL_RESOLVER
+SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::limited(const State<joints, T>& state,
+                                                  const Torque& tau) const noexcept -> Torque {
+  return parameters().limits.along(tau, bias_torque(model_, JointAngles<M, T>(model_, state.q), state.dq),
+                                   state.dq);
+}
+
 // One function for the sub-steps and for a blocked robot: the law is the largest part of a cycle's code.
 SKINCTL_RESOLVER
 template <class L, class Touch>
@@ -87,8 +95,11 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
   if (m.own.template bound<L>(out.law.shares, parameters().torque_step(h), out.torque)) [[unlikely]]
     out.status |= Reason::torque_limited;
   const Row asked = out.torque, given = parameters().limits.within(out.torque, state.dq);
-  if (any(given != asked)) out.status |= Reason::torque_limited;
   given.store(out.torque);
+  if (any(given != asked)) [[unlikely]] {
+    out.status |= Reason::torque_limited;
+    out.torque = limited(state, Torque(asked));
+  }
   const ContactDamping<joints, T>* damping = nullptr;
   if constexpr (has_damper) {
     const auto& d = m.keeper.template of<ContactDamper<T>>().damping;
@@ -200,7 +211,8 @@ SKINCTL_COLD auto SKINCTL_RESOLVER_CLASS::lacking(
     });
   };
   const Velocity wanted = asks(before, [&](const Torque& tau, const auto& moved) {
-    return moved(parameters().limits.within(tau, m.v));
+    const bool fits = parameters().limits.within(tau, m.v) == tau;
+    return moved(fits ? tau : limited(here, tau));
   });
   return asks(next, [&](const Torque& tau, const auto& moved) {
     const Velocity given = moved(tau);

@@ -1,0 +1,157 @@
+// Laws that ask for more torque than the joints give, as those do whose robot something kept from its way.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
+#include "skinctl/limits/governor.hpp"
+#include "skinctl/testing/closed_loop.hpp"
+#include "skinctl/testing/random.hpp"
+#include "skinctl/testing/ur5_clearance.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+using Arm = ur5::Model;
+
+struct Run {
+  double kept = 0;     ///< how long the clearance kept it [s]
+  double beyond = 0;   ///< furthest beyond the goal, or back behind the start, once it was free [rad]
+  double fast = 0;     ///< how long a joint was faster than twice the plan's peak, once it was free [s]
+  double arrived = 0;  ///< after the release [s]; 0: never
+  double end = 0;      ///< from the goal at last [rad]
+  double change = 0;   ///< largest acceleration [rad/s^2]
+};
+/// A ball lies on the way of the last link for `hold`; then it is gone.
+template <class Scene>
+Run held_up(const Scene& scene, std::uint64_t seed, Nanoseconds hold) {
+  auto rng = seeded(seed);
+  const JointPosition<6> start{0.0, -1.5, 1.4, -0.2, 0.3, 0.0};
+  auto goal = start, middle = start;
+  double way = 0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double d = uniform(rng, -1.0, 1.0);
+    goal[i] += d, middle[i] += 0.6 * d;
+    way = std::max(way, std::abs(d));
+  }
+  const Nanoseconds duration = nanoseconds(1.9 * way);
+  const double peak = 1.875 * way / seconds<double>(duration);
+  const auto X = link_poses(Arm{}, middle).template get<5>();
+  const Xyz<double> ball(X.origin() + X.axes() * ur5::tubes[5].to);
+  auto memory = std::make_unique<typename Scene::Memory>();
+  State<6> at{.time = 0ns, .q = start, .dq = {}};
+  scene.start(*memory, at);
+  typename Scene::Input input;
+  JointCommand<6> last;
+  last.position = start;
+  Nanoseconds first = -1ns;
+  Run run;
+  for (int n = 1; n < 1500; ++n) {
+    at.time = n * 8ms, at.q = last.position, at.dq = last.velocity;
+    input.now = at.time, input.measured = at;
+    input.around.count = 0, input.around.time = at.time;
+    const bool free = first >= 0ns && at.time - first > hold;
+    if (!free) input.around.add({{ball, ball, 0.15}, 0.0});
+    input.has_goal = n == 10;
+    input.goal = {goal, duration};
+    const auto out = scene.step(*memory, input);
+    REQUIRE(out.command.valid);
+    double u = 0;
+    run.end = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double d = out.command.position[i] - goal[i], a = start[i] - goal[i];
+      u = std::max(u, std::abs(out.command.velocity[i]));
+      run.end = std::max(run.end, std::abs(d));
+      run.change = std::max(run.change, std::abs(out.command.velocity[i] - last.velocity[i]) / 0.008);
+      if (free) run.beyond = std::max(run.beyond, a > 0 ? -d : d);
+    }
+    last = out.command;
+    if (out.status.has(Reason::clearance_kept)) {
+      run.kept += 0.008;
+      if (first < 0ns) first = at.time;
+    }
+    if (free && u > 2 * peak) run.fast += 0.008;
+    if (run.end > 0.02)
+      run.arrived = 0;
+    else if (free && run.arrived == 0)
+      run.arrived = seconds<double>(at.time - first - hold);
+  }
+  return run;
+}
+}  // namespace
+
+TEST_CASE_TEMPLATE("Resolver: torques beyond the limits accelerate as asked, only less", T, float, double) {
+  const std::array<double, 6> pose{0.1, -1.5, 1.2, -1, -1.5, 0.3};
+  RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(4000)), .period = 8ms};
+  auto rng = seeded(3);
+  JointPosition<6, T> q;
+  for (std::size_t i = 0; i < 6; ++i) q[i] = T(pose[i]);
+  const auto mass = mass_matrix(Arm{}, q);
+  for (const double size : {1.0, 30.0, 300.0, 1e4}) {
+    JointAcceleration<6, T> asked;
+    for (T& a : asked) a = T(uniform(rng, -1.0, 1.0));
+    ClosedLoop<Interface::position, T> loop(c, pose, 0, 0);
+    const JointTorque<6, T> push = mass * asked;
+    const auto out = loop.step(2ms, [&](double t) {
+      std::array<double, 6> sum;
+      for (std::size_t i = 0; i < 6; ++i) sum[i] = size * t * static_cast<double>(push[i]);
+      return sum;
+    });
+    CHECK(out.status.has(Reason::torque_limited) == (size > 100));
+    double across = 0, along = 0, square = 0, speed = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double a = static_cast<double>(asked[i]), v = static_cast<double>(loop.memory.v[i]);
+      along += a * v, square += a * a, speed += v * v;
+    }
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double a = static_cast<double>(asked[i]), v = static_cast<double>(loop.memory.v[i]);
+      across = std::max(across, std::abs(v - along / square * a));
+    }
+    CAPTURE(size);
+    CHECK(along > 0);
+    CHECK(across < 0.02 * std::sqrt(speed));
+  }
+}
+
+// Each joint was limited by itself: the strong ones threw the light ones up to 4 rad past their goals, at full speed for
+// seconds.
+TEST_CASE("Cycle: an arm that a clearance held up goes on to its goal when the way is free") {
+  const auto arm = by_position(Arm{}, {.limits = limits_of<ur5::Description>(15.0),
+                                       .period = 8ms,
+                                       .delay = 8ms,
+                                       .lag = 2ms,
+                                       .virtual_damping = 10});
+  auto around = ur5_clearance<4>();
+  around.own.pairs.clear();
+  const auto scene = Cycle(arm, SplineJoint<6>(arm)).with(around);
+  Run worst;
+  int kept = 0;
+  for (const Nanoseconds hold : {1000ms, 2000ms, 3000ms})
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+      const Run run = held_up(scene, seed, hold);
+      CAPTURE(seed);
+      CAPTURE(seconds<double>(hold));
+      kept += run.kept > 0.5;
+      CHECK(run.arrived > 0);
+      CHECK(run.end < 1e-3);
+      worst = {0,
+               std::max(worst.beyond, run.beyond),
+               std::max(worst.fast, run.fast),
+               std::max(worst.arrived, run.arrived),
+               std::max(worst.end, run.end),
+               std::max(worst.change, run.change)};
+    }
+  MESSAGE(kept << " of 36 kept for half a second or longer; at worst " << worst.beyond << " rad beyond, "
+               << worst.fast << " s faster than twice the plan, there after " << worst.arrived << " s, "
+               << worst.change << " rad/s^2");
+  CHECK(kept > 24);
+  CHECK(worst.beyond < 0.15);
+  CHECK(worst.fast < 0.5);
+  CHECK(worst.arrived < 3);
+  CHECK(worst.change < 15.001);
+}
