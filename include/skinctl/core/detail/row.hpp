@@ -223,9 +223,11 @@ class Row {
   [[nodiscard]] friend SKINCTL_INLINE Row smaller(const Row& a, const Row& b) noexcept {
     return select(b < a, b, a);
   }
-  /// `x < low ? low : (x > high ? high : x)`.
+  /// `x < low ? low : (x > high ? high : x)`, for `low <= high`: two instructions, which keep a NaN.
   [[nodiscard]] friend SKINCTL_INLINE Row clamp(const Row& x, const Row& low, const Row& high) noexcept {
-    return select(x < low, low, select(x > high, high, x));
+    SKINCTL_EXPECTS(!any(high < low), "a clamp between ordered bounds");
+    const Row below = select(high < x, high, x);
+    return select(below < low, low, below);
   }
   [[nodiscard]] friend SKINCTL_INLINE Row magnitude(const Row& x) noexcept {
     if constexpr (Shape::wide) {
