@@ -146,7 +146,10 @@ class Mover {
   [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, A::base(arm_)); }
   [[nodiscard]] bool reached() const { return reached_; }
   /// Whether it needs room that the other one has: at once where it gives way and comes near the other one.
-  [[nodiscard]] bool waits() const { return way_.should_go() || (gave_way_ && (kept_ || room_ < 0.25)); }
+  [[nodiscard]] bool waits() const {
+    return way_.should_go() || (gave_way_ && (kept_ || room_ < 0.25)) ||
+           (returns_ && now_ - free_at_ > 200ms);
+  }
   [[nodiscard]] bool gives_way() const { return gave_way_; }
   [[nodiscard]] bool pressed() const { return now_ - pressed_at_ < 300ms; }
   [[nodiscard]] int asides() const { return way_.times(); }
@@ -205,8 +208,8 @@ class Mover {
       const auto told = Set::report_of(memory_->law, ticket_);
       const bool done = told.phase == SkillPhase::finished && told.ticket == ticket_;
       if (!kept_) free_at_ = measured.time;
-      // Its time goes on while the other arm keeps it from its way: then it goes for its goal, and who waits goes aside.
-      if (done || measured.time > return_by_ || measured.time - free_at_ > 400ms) returns_ = false;
+      // It waits while the other arm keeps it from its way; one that is at its goal makes room meanwhile.
+      if (done || measured.time > return_by_ || measured.time - free_at_ > 2s) returns_ = false;
     } else if (back_ && !other_waits) {
       back_ = false;
       ask(goal_);

@@ -20,12 +20,12 @@ namespace {
 using Arm = ur5::Model;
 
 struct Run {
-  double kept = 0;     ///< how long the clearance kept it [s]
-  double beyond = 0;   ///< furthest beyond the goal, or back behind the start, once it was free [rad]
-  double fast = 0;     ///< how long a joint was faster than twice the plan's peak, once it was free [s]
-  double arrived = 0;  ///< after the release [s]; 0: never
-  double end = 0;      ///< from the goal at last [rad]
-  double change = 0;   ///< largest acceleration [rad/s^2]
+  double kept = 0;      ///< how long the clearance kept it [s]
+  double beyond = 0;    ///< furthest beyond the goal, or back behind the start, once it was free [rad]
+  double fast = 0;      ///< fastest joint once it was free, over the plan's peak
+  double arrived = 99;  ///< within 0.02 rad, after the release and the plan's duration [s]; 99: never
+  double end = 0;       ///< from the goal at last [rad]
+  double change = 0;    ///< largest acceleration [rad/s^2]
 };
 /// A ball lies on the way of the last link for `hold`; then it is gone.
 template <class Scene>
@@ -51,7 +51,7 @@ Run held_up(const Scene& scene, std::uint64_t seed, Nanoseconds hold) {
   last.position = start;
   Nanoseconds first = -1ns;
   Run run;
-  for (int n = 1; n < 1500; ++n) {
+  for (int n = 1; n < 2000; ++n) {
     at.time = n * 8ms, at.q = last.position, at.dq = last.velocity;
     input.now = at.time, input.measured = at;
     input.around.count = 0, input.around.time = at.time;
@@ -75,11 +75,11 @@ Run held_up(const Scene& scene, std::uint64_t seed, Nanoseconds hold) {
       run.kept += 0.008;
       if (first < 0ns) first = at.time;
     }
-    if (free && u > 2 * peak) run.fast += 0.008;
+    if (free) run.fast = std::max(run.fast, u / peak);
     if (run.end > 0.02)
-      run.arrived = 0;
-    else if (free && run.arrived == 0)
-      run.arrived = seconds<double>(at.time - first - hold);
+      run.arrived = 99;
+    else if (free && run.arrived == 99)
+      run.arrived = seconds<double>(at.time - first - hold - duration);
   }
   return run;
 }
@@ -118,8 +118,8 @@ TEST_CASE_TEMPLATE("Resolver: torques beyond the limits accelerate as asked, onl
   }
 }
 
-// Each joint was limited by itself: the strong ones threw the light ones up to 4 rad past their goals, at full speed for
-// seconds.
+// The plan goes on meanwhile, and the law pulls with more torque than there is. With joints limited one by one, the strong
+// ones threw the light ones up to 4 rad past their goals, at full speed for seconds.
 TEST_CASE("Cycle: an arm that a clearance held up goes on to its goal when the way is free") {
   const auto arm = by_position(Arm{}, {.limits = limits_of<ur5::Description>(15.0),
                                        .period = 8ms,
@@ -129,16 +129,12 @@ TEST_CASE("Cycle: an arm that a clearance held up goes on to its goal when the w
   auto around = ur5_clearance<4>();
   around.own.pairs.clear();
   const auto scene = Cycle(arm, SplineJoint<6>(arm)).with(around);
-  Run worst;
+  Run worst{.arrived = -99};
   int kept = 0;
-  for (const Nanoseconds hold : {1000ms, 2000ms, 3000ms})
+  for (const Nanoseconds hold : {1000ms, 2000ms, 10'000ms})
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
       const Run run = held_up(scene, seed, hold);
-      CAPTURE(seed);
-      CAPTURE(seconds<double>(hold));
       kept += run.kept > 0.5;
-      CHECK(run.arrived > 0);
-      CHECK(run.end < 1e-3);
       worst = {0,
                std::max(worst.beyond, run.beyond),
                std::max(worst.fast, run.fast),
@@ -147,11 +143,13 @@ TEST_CASE("Cycle: an arm that a clearance held up goes on to its goal when the w
                std::max(worst.change, run.change)};
     }
   MESSAGE(kept << " of 36 kept for half a second or longer; at worst " << worst.beyond << " rad beyond, "
-               << worst.fast << " s faster than twice the plan, there after " << worst.arrived << " s, "
+               << worst.fast << " times the plan's peak, there " << worst.arrived
+               << " s later than planned from the release, at last " << worst.end << " rad off, "
                << worst.change << " rad/s^2");
   CHECK(kept > 24);
-  CHECK(worst.beyond < 0.15);
-  CHECK(worst.fast < 0.5);
-  CHECK(worst.arrived < 3);
+  CHECK(worst.beyond < 0.12);
+  CHECK(worst.fast < 2);
+  CHECK(worst.arrived < 0.8);
+  CHECK(worst.end < 1e-4);
   CHECK(worst.change < 15.001);
 }

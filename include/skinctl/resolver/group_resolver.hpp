@@ -288,16 +288,12 @@ class GroupResolver {
         },
         groups);
   }
-  /// The torque of the joints `S` within their limits, along the motion that `tau` asks for; `resists`: friction that
-  /// they have beside it.
-  template <class S>
-  [[nodiscard]] SKINCTL_COLD Torque limited(const State<joints, T>& now, const Torque& tau,
-                                            const JointTorque<S::count, T>& resists) const noexcept {
-    const Torque bias = bias_torque(model_, JointAngles<M, T>(model_, now.q), now.dq);
+  /// The virtual robot's torque within its limits, along the motion that `tau` asks for.
+  [[nodiscard]] SKINCTL_COLD Torque limited(const State<joints, T>& now, const Torque& tau) const noexcept {
     Torque hold;
     Velocity v;
-    S::put(S::of(bias) - resists, hold);
-    S::put(S::of(now.dq), v);
+    Stiff::put(Stiff::of(bias_torque(model_, JointAngles<M, T>(model_, now.q), now.dq)), hold);
+    Stiff::put(Stiff::of(now.dq), v);
     return limits_.along(tau, hold, v);
   }
   template <class Given>

@@ -53,6 +53,7 @@ struct Asked {
 ///
 /// - Position interface: q^ is sent. Velocity interface: v is sent; `L1 rho` and a slow drift move q^ only.
 /// - Gravity acts on the virtual robot: a law has to compensate it (`GravityControl`, or `Y_r Theta` with G).
+/// - Torque beyond the joints' limits accelerates as asked, but less: `JointLimits::along`.
 /// - Limits: see `JointLimits::move`; the correction obeys them too, and so does the max lead,
 ///   `|q^ - q| <= max_lead v_max T`.
 /// - A robot that stays beyond the dead band for 5 T is blocked: q^ goes to q, v is zero, the law's memory

@@ -165,10 +165,6 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
                                     torque)) [[unlikely]]
           out.status |= Reason::torque_limited;
         torque -= drag;
-        if (!(p_.limits.within(torque, m.measured.dq) == torque)) [[unlikely]] {
-          out.status |= Reason::torque_limited;
-          torque = limited(m.measured, torque, drag);
-        }
         if constexpr (has_tank) out.status |= pay(m, known, passive, gravity, torque);
       } else {
         out.status |= Reason::torque_not_finite;
@@ -262,13 +258,6 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
     if (!(share < T(1))) return {};
     torque = passive + share * active;
     return Reason::tank_empty;
-  }
-  /// Along the motion that `torque` asks for, see `JointLimits::along`.
-  [[nodiscard]] SKINCTL_COLD JointTorque<joints, T> limited(
-      const State<joints, T>& now, const JointTorque<joints, T>& torque,
-      const JointTorque<joints, T>& drag) const noexcept {
-    const JointAngles<M, T> angles(model_, now.q);
-    return p_.limits.along(torque, bias_torque(model_, angles, now.dq) - drag, now.dq);
   }
   SKINCTL_INLINE JointTorque<joints, T> friction(const State<joints, T>& robot) const noexcept {
     if (!viscous_) return {};

@@ -31,7 +31,7 @@ SKINCTL_NOINLINE auto SKINCTL_GROUPS_CLASS::drive(Memory& m, const L& law,
   Stiff::put(Stiff::of(now.dq), v);
   if (!(limits_.within(out.torque, v) == out.torque)) [[unlikely]] {
     out.status |= Reason::torque_limited;
-    out.torque = limited<Stiff>(now, out.torque, {});
+    out.torque = limited(now, out.torque);
   }
   const ContactDamping<joints, T>* damping = nullptr;
   if constexpr (has_damper) {
@@ -213,12 +213,6 @@ auto SKINCTL_GROUPS_CLASS::step(Memory& m, const L& law, typename L::Memory& law
     if (!status.has(Reason::torque_not_finite)) [[likely]] {
       if constexpr (has_driven) {
         driven = given - resists;
-        Torque whole;
-        Driven::put(driven, whole);
-        if (!(limits_.within(whole, m.measured.dq) == whole)) [[unlikely]] {
-          out.status |= Reason::torque_limited;
-          driven = Driven::of(limited<Driven>(m.measured, whole, resists));
-        }
         if constexpr (has_tank) out.status |= pay(m, passive, Driven::of(gravity), driven);
       }
       if (blocked) [[unlikely]] {

@@ -138,7 +138,7 @@ SKINCTL_COLD auto SKINCTL_GROUPS_CLASS::lacking(
       Velocity v;
       Stiff::put(Stiff::of(tau), own);
       Stiff::put(Stiff::of(velocity(m)), v);
-      return moved(Stiff::of(limits_.within(own, v) == own ? own : limited<Stiff>(here, own, {})));
+      return moved(Stiff::of(limits_.within(own, v) == own ? own : limited(here, own)));
     });
     asks(next, [&](const Torque& whole, const auto& moved) {
       const StiffTorque tau = Stiff::of(whole);
