@@ -179,7 +179,7 @@ TEST_CASE_TEMPLATE("JerkLimits: no limit is ever crossed", T, float, double) {
                  << ", at top acceleration " << at_acceleration << ", jerk gave way " << gave_way
                  << ", mean speed of a step at most " << worst_mean << " of the limit, excess of jerk "
                  << worst_jerk << " eps A, beyond an end " << worst_end);
-  CHECK(turned > 100 / share);
+  CHECK(turned > 20 / share);
   CHECK(at_end > 10000 / share);  // the limits were used, not shunned
   CHECK(at_speed > 10000 / share);
   CHECK(at_acceleration > 1000 / share);
