@@ -102,9 +102,9 @@ class JointLimits {
     return u * u * stop_per_square_;
   }
 
-  /// Distances from `q` to the position limits. In rows: of a difference of vectors GCC makes pieces of which the rows
-  /// that read it need several, and such a load waits for the stores.
+  /// Distances from `q` to the position limits.
   [[nodiscard]] SKINCTL_INLINE JointRoom<N, T> room(const JointPosition<N, T>& q) const noexcept {
+    // In rows: GCC stores a difference of vectors in pieces, and a row that loads several of them waits for the stores.
     const detail::Row<N, T> row = q;
     return {JointPosition<N, T>(row - values_.lower), JointPosition<N, T>(values_.upper - row)};
   }
@@ -127,11 +127,11 @@ class JointLimits {
   }
 
   /// `tau` within torque and power along its own direction: `hold + s (tau - hold)`, s in [0, 1] the largest share for
-  /// which every joint keeps its limits at the speeds `dq`. So the robot accelerates as asked, but less; by torques that
-  /// are cut off joint by joint, strong joints throw light ones anywhere.
+  /// which every joint keeps its limits at the speeds `dq`. The robot then accelerates in the direction asked for, but
+  /// less. Limited joint by joint, the torque of a strong joint would throw the light ones.
   ///
-  /// @param hold  the torque of no acceleration: weight and Coriolis forces. A joint that it overloads already is cut
-  ///              off by itself. All are, where a number leaves the range of `T` or is none.
+  /// @param hold  the torque of no acceleration [N m]: weight and Coriolis forces. A joint that `hold` overloads already
+  ///              is limited by itself, as `within` does. So are all of them where a result is not finite.
   [[nodiscard]] SKINCTL_COLD JointTorque<N, T> along(const JointTorque<N, T>& tau,
                                                      const JointTorque<N, T>& hold,
                                                      const JointVelocity<N, T>& dq) const noexcept {

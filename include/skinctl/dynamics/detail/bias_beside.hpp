@@ -10,18 +10,19 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `C v`, with G where no law reads it, half a sub-step ahead: of the virtual robot that a law's torque will move.
+/// The bias of the virtual robot half a sub-step ahead, for the solution that follows the laws: `C v + G`, or `C v`
+/// where a law reads G, which is then added as the law read it.
 ///
-/// A recursion of plain numbers keeps a processor's multipliers busy, and leaves half of each register empty. A law
-/// that runs one lets that of the bias ride along.
+/// A recursion of plain numbers keeps a processor's multipliers busy, and leaves half of each register empty: a law
+/// that runs one computes the bias in the other half.
 template <std::size_t N, Real T>
 struct BiasBeside {
-  JointVelocity<N, T> v;
-  JointTorque<N, T> bias;
-  bool known = false;  ///< a law has computed it
+  JointVelocity<N, T> v;   ///< half a sub-step ahead
+  JointTorque<N, T> bias;  ///< if `known`
+  bool known = false;      ///< a law has computed it
 };
 
-/// Two numbers in one register.
+/// Two numbers in one register of 16 bytes; of four floats two are not used.
 template <class T>
 inline constexpr bool pairs_up =
     (std::same_as<T, float> || std::same_as<T, double>) && native_lanes<T> * sizeof(T) >= 16;
@@ -41,7 +42,7 @@ template <class T>
   return Pair<T>(typename Pair<T>::Vector{a, b});
 }
 
-/// The motion for which a recursion is run.
+/// The motion of a law's recursion.
 template <class Angles, std::size_t N, Real T>
 struct RecursionMotion {
   const Angles& angles;
@@ -51,10 +52,10 @@ struct RecursionMotion {
   T gravity;  ///< the part of gravity that counts
 };
 
-/// `run_recursion` of a motion and of the bias, in lanes.
+/// `run_recursion` of a law's motion into `tau`, and of the bias into `beside`, in two lanes.
 /// @tparam Weighs   whether gravity counts for one of them.
-/// @param ahead     the angles of the bias.
-/// @param gravity   the part of gravity that counts for it.
+/// @param ahead     the angles at which the bias is taken.
+/// @param gravity   the part of gravity that counts for the bias.
 template <bool Weighs, RobotModel M, class Angles, class Ahead, std::size_t N, Real T>
 SKINCTL_INLINE void run_recursion_beside(const M& model, const RecursionMotion<Angles, N, T>& motion,
                                          JointTorque<N, T>& tau, const Ahead& ahead, const T& gravity,

@@ -84,8 +84,8 @@ SKINCTL_NOINLINE auto SKINCTL_RESOLVER_CLASS::drive(Memory& m, const L& law,
   const State<joints, T> state{at, Position(Row(m.q.value)), Velocity(Row(v))};
   const auto& total = total_of(touch);
   detail::BiasBeside<joints, T> beside;
-  beside.v = integrate(state.dq, m.last, T(T(0.5) * h));
   const Knows<L, LawTouch<Touch>> known = this->template known<L>(state, h, total, &beside);
+  beside.v = detail::middle_velocity<AllJoints<joints>>(known, m.last);
   Driven<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
   if (!detail::is_finite(out.law.torque)) [[unlikely]] {
     out.status |= Reason::torque_not_finite;
