@@ -145,7 +145,8 @@ class Mover {
   }
   [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, A::base(arm_)); }
   [[nodiscard]] bool reached() const { return reached_; }
-  /// Whether it needs room that the other one has: at once where it gives way and comes near the other one.
+  /// Whether it needs room that the other one has: at once where it gives way and comes near the other one, soon where
+  /// the other one holds up its return.
   [[nodiscard]] bool waits() const {
     return way_.should_go() || (gave_way_ && (kept_ || room_ < 0.25)) ||
            (returns_ && now_ - free_at_ > 200ms);
