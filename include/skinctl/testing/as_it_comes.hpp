@@ -94,7 +94,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   const auto q0 = joints.q();
   // What explains that a joint which nobody touches moves: gap, droop, friction and encoder, and what its servo
   // makes of a step by its gap.
-  std::array<double, 6> slack{}, rest = q0, led = q0, alone_to = q0;
+  std::array<double, 6> slack{}, rest = q0, led = q0, alone_to = q0, sent = alone_to;
   const auto load = world.torque(TruePoses(q0), {});
   for (std::size_t i = 0; i < 6; ++i) {
     slack[i] = std::abs(truth.gap[i]) + (std::abs(load[i]) + truth.stiction[i]) / truth.stiffness[i] +
@@ -104,9 +104,11 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   if (c.interface == Interface::position) {
     Joints alone = joints;
     alone.command(settled, alone_to);
-    for (double t = settled; t < settled + 0.5; alone.advance(t += 1e-3))
+    for (double t = settled; t < settled + 0.5; alone.advance(t += 1e-3)) {
+      alone.external(world.torque(TruePoses(alone.q()), {}));  // its weight turns with it
       for (std::size_t i = 0; i < 6; ++i)
         slack[i] = std::max(slack[i], std::abs(alone.q()[i] - q0[i]) + 2 * truth.resolution + 1e-3);
+    }
   }
 
   const auto memory = std::make_unique<typename Scene::Memory>();
@@ -133,11 +135,12 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   const bool to_goals = c.scene == AsItComesScene::held_goal;
   double waits = 0;
   int goals = 0;
+  bool rested = false;
   std::array<double, 2> forces{};
   for (int ms = 1; ms <= static_cast<int>(1000 * ends); ++ms) {
     const double t = 1e-3 * ms;
     const Nanoseconds now = nanoseconds(settled) + ms * 1ms;
-    const bool fast = c.scene == AsItComesScene::blocked && t > 12 && t < 13.5;
+    const bool fast = c.scene == AsItComesScene::blocked && t > 12 && t < c.let_go;
     for (std::size_t i = 0; i < 6; ++i) joints.hold_fast(i, fast);
     joints.advance(settled + t);
     const TruePoses poses(joints.q());
@@ -162,7 +165,18 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     for (std::size_t i = 0; i < 6; ++i)
       out.alone = std::max(out.alone, std::abs(joints.q()[i] - led[i]) - slack[i]);
     const bool before = t<world.begins, after = t> world.leaves + 1.5;
-    if (t <= world.leaves + 1.5) rest = joints.q();
+    if (!after) rest = joints.q();
+    if (after && !to_goals && !rested) {
+      rested = true;
+      // The integral of a servo goes on for a while, whatever stands still.
+      Joints still = joints;
+      still.command(settled + t, c.interface == Interface::position ? sent : std::array<double, 6>{});
+      for (double at = t; at < ends; still.advance(settled + (at += 1e-3))) {
+        still.external(world.torque(TruePoses(still.q()), {}));
+        for (std::size_t i = 0; i < 6; ++i)
+          slack[i] = std::max(slack[i], std::abs(still.q()[i] - rest[i]) + 2 * truth.resolution + 1e-3);
+      }
+    }
     for (std::size_t i = 0; i < 6; ++i) {
       const double q = joints.q()[i];
       out.outside = std::max(out.outside, std::abs(q - q0[i]));
@@ -196,7 +210,6 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     const bool asks = result.status.has(Reason::displaced) || result.status.has(Reason::consent_awaited);
     waits = asks ? waits + seconds<double>(c.period) : 0;
     if (asks && out.asked_at < 0) out.asked_at = t;
-    std::array<double, 6> sent{};
     for (std::size_t i = 0; i < 6; ++i)
       sent[i] = c.interface == Interface::position ? result.command.position[i] : result.command.velocity[i];
     joints.command(settled + t, sent);
@@ -246,12 +259,14 @@ inline AsItComesResult run_as_it_comes(const AsItComes& c, bool truly) {
 }
 
 /// The worst of several twins. What a hand meets that slides along a link, and when a plan waits for it, hangs on
-/// millimetres: a robot declared truly parts from itself, too. Twins therefore start where the robot as it comes may
-/// stand: the first in its gap, the others up to there and 5 mrad away.
+/// millimetres, and how far a blocked arm leaps that is let go, on the moment: a robot declared truly parts from itself, too.
+/// Twins therefore start where the robot as it comes may stand: the first in its gap, the others up to there and 5 mrad away;
+/// blocked ones are let go at other moments.
 inline AsItComesResult worst_twin(const AsItComes& c, AsItComesResult worst, std::uint64_t further) {
   for (std::uint64_t k = 1; k <= further; ++k) {
-    const auto twin =
-        run_as_it_comes(k == 1 ? started_in_gap(c) : started_aside(c, c.truth.gap, 0.005, k), true);
+    AsItComes aside = k == 1 ? started_in_gap(c) : started_aside(c, c.truth.gap, 0.005, k);
+    if (k > 1) aside.let_go -= 0.3 * static_cast<double>(k - 1);
+    const auto twin = run_as_it_comes(aside, true);
     worst.early = std::max(worst.early, twin.early);
     worst.late = std::max(worst.late, twin.late);
     worst.goal_error = std::max(worst.goal_error, twin.goal_error);

@@ -36,6 +36,7 @@ struct AsItComes {
   std::size_t link;        ///< that is touched
   double hand, wall, way;  ///< stiffness [N/m] of both; amplitude of the hand [m]
   double pace, place;      ///< of the hand [s]; where on the link, 0 to 1
+  double let_go = 13.5;    ///< held fast from 12 s until then, in the scene `blocked` [s]
 
   explicit AsItComes(std::uint64_t number) : seed(number) {
     Random random = seeded(number * 2654435761u + 1);
