@@ -7,6 +7,7 @@
 #include <random>
 
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/resolver/detail/velocity_step.hpp"
 #include "skinctl/testing/digits50.hpp"
 
 using namespace skinctl;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "skinctl/model/ur5.hpp"
-#include "skinctl/resolver/integrator.hpp"
+#include "skinctl/resolver/detail/velocity_step.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;

@@ -4,9 +4,11 @@
 #include <span>
 
 #include "skinctl/core/evaluate.hpp"
+#include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
 #include "skinctl/resolver/integrator.hpp"
+#include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 

@@ -1,6 +1,7 @@
 // One cycle of a resolver for groups of joints, declared in group_resolver.hpp.
 #pragma once
 
+#include "skinctl/resolver/detail/velocity_step.hpp"
 #include "skinctl/resolver/group_resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -1,6 +1,7 @@
 // A resolver for groups of joints, declared in group_resolver.hpp: its configuration, start, and changes.
 #pragma once
 
+#include "skinctl/resolver/detail/velocity_step.hpp"
 #include "skinctl/resolver/group_resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -5,6 +5,7 @@
 #include "skinctl/core/detail/plausible.hpp"
 #include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/resolver/detail/affordable.hpp"
+#include "skinctl/resolver/detail/velocity_step.hpp"
 #include "skinctl/resolver/resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
