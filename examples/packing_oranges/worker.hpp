@@ -263,7 +263,14 @@ class Worker {
       send(Set::start_skill(Set::template index<behaviour::Rest>()));
       return end(false);
     }
+    // It goes on from where it was pushed aside to, or its orange has rolled off: it looks anew.
+    if (!asked_ && plan_.step == step::reach && plan_.phase == Executor::Phase::run && !is_over(taken_))
+      return end(false);
     if (!asked_) ask(parts_[part_]);
+  }
+  /// Whether the hand can go straight down to `p`: open fingers that come from the side knock over what they are to hold.
+  [[nodiscard]] bool is_over(const skinctl::Xyz<double>& p) const {
+    return std::hypot(X_WH_.origin().x - p.x, X_WH_.origin().y - p.y) < 0.05;
   }
   static constexpr double stands_on = 3;  ///< force of a finger that stands on something [N]
   /// On the way of a part that ends where something is touched: there the arm stops. The wrist's weight is what it was when
@@ -376,10 +383,12 @@ class Worker {
     std::size_t count = 0;
     const bool goes_for_one =
         plan_.step == step::reach || plan_.step == step::take || plan_.step == step::squeeze;
+    // A finger that stands on an orange feels a force, too.
+    const bool closed = gripper_.opening < 0.95 * gripper_range.opening;
     for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
       const auto& o = known_.objects[k];
       const auto p = o.X_WO.origin();
-      if (!o.known || k == known_.held || now_ - o.time > 1s) continue;
+      if (!o.known || (k == known_.held && closed) || now_ - o.time > 1s) continue;
       if (goes_for_one && k == object_ && X_WH_.origin().z < p.z + around) continue;
       out[count++] = p;
     }
@@ -469,6 +478,7 @@ class Worker {
     } else if (r.does == &activity::Reach::rule) {
       const auto p = known_.objects[object_].X_WO.origin();
       taken_ = at(p, std::clamp(p.z, 0.032, 0.044)) + beside_;
+      if (!is_over(taken_)) return end(false);
       add(skill, taken_, 0.003);
     } else if (r.does == &activity::Squeeze::rule) {
       parts_.push_back({Set::start_skill(skill), false, {}});

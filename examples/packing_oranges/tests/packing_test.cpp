@@ -12,6 +12,7 @@
 #include "examples/packing_oranges/teach.hpp"
 #include "examples/support/run_program.hpp"
 #include "skinctl/semantics/dot.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 using namespace packing;
 
@@ -100,6 +101,20 @@ TEST_CASE("packing_oranges: what moves through the room is seen and given way to
   s.longest = 40;
   const Outcome blind = run_ur5(s);
   CHECK(blind.arm[0].obstacle + blind.arm[1].obstacle > 0);
+}
+
+TEST_CASE(
+    "packing_oranges: an orange that has rolled off meanwhile is not reached for from the side, by an open "
+    "finger") {
+  for (const std::uint64_t seed : {7u, 2u}) {
+    RunSettings s = few(6, seed);
+    s.obstacle = 0.3;
+    const Outcome o = run_ur5(s);
+    CHECK(o.over);
+    CHECK(o.right() >= 5);
+    CHECK(o.worst_force() < 20);  // 160 and 118 N before
+    if (skinctl::testing::sanitized) break;
+  }
 }
 
 TEST_CASE("packing_oranges: a servo that takes commands as steps shakes the hand more than is allowed") {
