@@ -300,14 +300,16 @@ struct Arm {
     o.tracking.max_velocity = JointVelocity<6>::constant(2.0);
     o.max_linear_velocity = 1.0;
     o.max_angular_velocity = 3.0;
-    return Cycle(arm, skin(),
-                 skill_set<behaviour::Rest>(
-                     skills_of_tomm, {.bumpless_transfer = 40ms}, OneGripper(gripper_range),
-                     skill_controller<controller::Gravity>(GravityControl{}),
-                     skill_controller<controller::SkinJoint>(SkinJointControl{}),
-                     skill_controller<controller::Velocity>(VelocityControl<6>{}),
-                     skill_controller<controller::SplineJoint>(SplineJoint(arm)),
-                     skill_controller<controller::SplineOperational>(SplineOperational(tool(), o))))
+    return Cycle(
+               arm, skin(),
+               // What comes near is given way to at once, also by an arm that pulled hard at something that held it.
+               skill_set<behaviour::Rest>(
+                   skills_of_tomm, {.bumpless_transfer = 40ms, .max_rate = 5000}, OneGripper(gripper_range),
+                   skill_controller<controller::Gravity>(GravityControl{}),
+                   skill_controller<controller::SkinJoint>(SkinJointControl{}),
+                   skill_controller<controller::Velocity>(VelocityControl<6>{}),
+                   skill_controller<controller::SplineJoint>(SplineJoint(arm)),
+                   skill_controller<controller::SplineOperational>(SplineOperational(tool(), o))))
         .with(clear);
   }
   using Scene = decltype(scene());
