@@ -113,6 +113,58 @@ TEST_CASE("EnergyTank: kinetic energy without a reason is charged") {
   CHECK(mass.memory.energy < 1);
 }
 
+// M dv = port - (damping M + viscous) v of two coupled joints, by the trapezoid: its kinetic energy changes by the work of
+// the port less that of the friction, to rounding.
+TEST_CASE(
+    "EnergyTank: friction by mass is in the ledger: it costs nothing, and hides no gain that it would "
+    "explain") {
+  const double h = 1e-3;
+  VirtualDynamics<2> shape;
+  shape.damping = 3;
+  shape.viscous = {0.5, 2.0};
+  MassMatrix<2> M;
+  M(0, 0) = 2, M(0, 1) = M(1, 0) = -0.9, M(1, 1) = 0.5;
+  const auto after = [&](const JointVelocity<2>& v, const JointTorque<2>& port) {
+    // (M + h/2 D) v1 = (M - h/2 D) v + h port, D = damping M + viscous
+    const auto with = [&](int sign, std::size_t i, std::size_t j) {
+      return M(i, j) + sign * 0.5 * h * (shape.damping * M(i, j) + (i == j ? shape.viscous[i] : 0.0));
+    };
+    double b[2];
+    for (std::size_t i = 0; i < 2; ++i) b[i] = with(-1, i, 0) * v[0] + with(-1, i, 1) * v[1] + h * port[i];
+    const double det = with(1, 0, 0) * with(1, 1, 1) - with(1, 0, 1) * with(1, 1, 0);
+    return JointVelocity<2>{(with(1, 1, 1) * b[0] - with(1, 0, 1) * b[1]) / det,
+                            (with(1, 0, 0) * b[1] - with(1, 1, 0) * b[0]) / det};
+  };
+  const auto kinetic = [&](const JointVelocity<2>& v) {
+    return 0.5 * (M(0, 0) * v[0] * v[0] + 2 * M(0, 1) * v[0] * v[1] + M(1, 1) * v[1] * v[1]);
+  };
+  for (const JointVelocity<2>& begins : {JointVelocity<2>{1.5, -1.0}, {-1.0, -2.0}, {0.0, 0.0}}) {
+    CAPTURE(begins[0]);
+    const EnergyTank<> tank({.start = 1, .max = 3});
+    auto memory = tank.start<2>();
+    JointVelocity<2> v = begins;
+    const auto step = [&](const JointTorque<2>& port) {
+      tank.charge(memory, M, v);
+      JointVelocity<2> v1 = after(v, port);
+      const JointPosition<2> dq{0.5 * h * (v[0] + v1[0]), 0.5 * h * (v[1] + v1[1])};
+      CHECK(tank.pay(memory, port, JointTorque<2>{}, v, v1, h, [&] { return v1; }) == 1);
+      tank.book(memory, dq, shape, h);
+      v = v1;
+    };
+    for (int k = 0; k < 300; ++k) step({k < 150 ? 4.0 : -1.0, k < 100 ? -3.0 : 1.0});
+    CHECK(memory.energy == doctest::Approx(1).epsilon(1e-12));  // pushed and braked: nobody pays
+    // A step of velocity that gives less than the friction takes is charged whole.
+    v = {0.4, 0.3};
+    step({});
+    const double paid = memory.energy;
+    v = {0.4, 0.3};
+    const double before = kinetic(after(v, {}));
+    CHECK(before < kinetic(v));
+    step({});
+    CHECK(paid - memory.energy == doctest::Approx(kinetic({0.4, 0.3}) - before).epsilon(1e-9));
+  }
+}
+
 TEST_CASE(
     "EnergyTank: behind a torque interface the work of what was held is booked, port and gravity apart") {
   const EnergyTank<> tank({.start = 2, .max = 3, .port_gain = 0.5});
