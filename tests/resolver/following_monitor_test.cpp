@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/testing/closed_loop.hpp"
+#include "skinctl/testing/random.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
 
 using namespace skinctl;
@@ -123,4 +124,148 @@ TEST_CASE("Following: before it has seen anything it knows nothing") {
   CHECK(found.lag == 0);
   CHECK(std::isinf(found.lag_deviation));
   CHECK_THROWS_AS(FollowingMonitor(c, 1ms), ConfigurationError);
+}
+
+namespace {
+
+// T = 10 ms, ten cycles; dead band 20 mrad.
+RobotConfiguration<2> two_joints() {
+  JointLimits<2>::Values v;
+  v.lower = JointPosition<2>::constant(-100), v.upper = JointPosition<2>::constant(100);
+  v.velocity = JointVelocity<2>::constant(3), v.acceleration = JointAcceleration<2>::constant(20);
+  v.torque = JointTorque<2>::constant(50);
+  return {.limits = JointLimits<2>(v), .period = 1ms, .delay = 5ms, .lag = 4ms};
+}
+
+// Joints that swing, with the residuals of a lag and a gap, to rounding.
+struct Swinging {
+  FollowingMonitor<2> monitor{two_joints(), 3600s};
+  FollowingMonitor<2>::Memory watched;
+  VirtualJointsMemory<2, double, 4> robot;
+  double lag = 3e-3, gap = 0;
+  bool held = false;  // fast, while its commands swing on
+
+  void cycle(Nanoseconds later = 1ms) {
+    robot.measured.time += later;
+    const double t = seconds<double>(robot.measured.time);
+    for (std::size_t i = 0; i < 2; ++i) {
+      robot.measured.q[i] = held ? 0.0 : 0.02 * std::sin(50 * t);
+      robot.residual[i] = held ? -0.05 - 0.02 * std::sin(50 * t) : gap - lag * std::cos(50 * t);
+    }
+    monitor.step(watched, robot);
+  }
+  void run(int cycles) {
+    for (int k = 0; k < cycles; ++k) cycle();
+  }
+  Following<2> found() const { return monitor.estimate(watched); }
+};
+
+}  // namespace
+
+TEST_CASE("Following: what came up to 10 T before it stopped to follow does not count") {
+  Swinging joints;
+  joints.run(1000);
+  CHECK(std::abs(joints.found().lag - 3e-3) < 3e-5);
+  CHECK(std::abs(joints.found().gap[0]) < 1e-6);
+  joints.run(200);
+  // An obstacle that gives way: still within the dead band, until it is met.
+  joints.gap = 0.01;
+  for (int k = 0; k < 5; ++k) {
+    joints.run(49);
+    joints.robot.mode = ResolverMode::blocked;
+    joints.cycle();
+    joints.robot.mode = ResolverMode::following;
+  }
+  for (const auto mode : {ResolverMode::blocked, ResolverMode::displaced, ResolverMode::braking}) {
+    joints.robot.mode = mode;
+    joints.run(400);
+  }
+  joints.robot.mode = ResolverMode::following;
+  joints.gap = 0;
+  // Beside its commands by more than the dead band, it does not move with them.
+  joints.held = true;
+  joints.run(400);
+  joints.held = false;
+  joints.run(400);
+  CHECK(std::abs(joints.found().gap[0]) < 1e-6);
+  CHECK(joints.found().observed > 1.3);
+}
+
+TEST_CASE("Following: a state that comes again, or after a pause, tells nothing") {
+  Swinging joints;
+  joints.run(500);
+  const auto before = joints.found();
+  for (int k = 0; k < 200; ++k) joints.monitor.step(joints.watched, joints.robot);
+  CHECK(joints.found().lag == before.lag);
+  CHECK(joints.found().observed == before.observed);
+  // A second in which nobody measured, and in which it came and went: seven cycles are longer than the longest interval.
+  for (int k = 0; k < 200; ++k) joints.cycle(7ms);
+  CHECK(joints.found().observed == before.observed);
+  joints.run(500);
+  CHECK(std::abs(joints.found().lag - 3e-3) < 3e-5);
+}
+
+TEST_CASE(
+    "Following: a robot that is earlier than declared is proposed less lag, then less delay, never less than "
+    "none") {
+  for (const double lag : {-3e-3, -6e-3, -12e-3}) {
+    Swinging joints;
+    joints.lag = lag;
+    joints.run(1000);
+    CAPTURE(lag);
+    CHECK(std::abs(joints.found().lag - lag) < 1e-4);
+    const auto now = two_joints(), proposed = joints.monitor.proposed(now, joints.watched);
+    const double total = std::max(0.0, 9e-3 + lag);
+    CHECK(std::abs(seconds<double>(proposed.delay + proposed.lag) - total) < 1e-4);
+    CHECK(std::abs(seconds<double>(proposed.delay) - std::min(5e-3, total)) < 1e-4);
+    CHECK(proposed.lag >= 0ns);
+    CHECK(proposed.delay >= 0ns);
+  }
+}
+
+// r = gap - lag u + noise that is another one every T; joint 0 moves on, joint 1 to and fro.
+TEST_CASE(
+    "Following: the deviations that it tells are those of its estimates, and too short a time tells "
+    "nothing") {
+  const auto c = two_joints();
+  const FollowingMonitor monitor(c, 3600s);
+  const double lag = 3e-3, gap[2] = {5e-3, -2e-3};
+  double lag_error = 0, lag_told = 0, gap_error[2] = {0, 0}, gap_told[2] = {0, 0};
+  auto random = seeded(5);
+  for (int draw = 0; draw < 2000; ++draw) {
+    decltype(monitor)::Memory watched;
+    VirtualJointsMemory<2, double, 4> robot;
+    double noise[2] = {0, 0};
+    // 5 T until it has settled, 5 T that count, and 10 T that may still be refused.
+    for (int k = 1; k <= 152; ++k) {
+      const double t = 1e-3 * k;
+      if (k % 10 == 1)
+        for (double& n : noise) n = uniform(random, -1e-3, 1e-3);
+      const double u[2] = {0.8 + 0.6 * std::cos(50 * t), 0.6 * std::cos(70 * t)};
+      robot.measured.q = {0.8 * t + 0.6 / 50 * std::sin(50 * t), 0.6 / 70 * std::sin(70 * t)};
+      for (std::size_t i = 0; i < 2; ++i) robot.residual[i] = gap[i] - lag * u[i] + noise[i];
+      robot.measured.time = k * 1ms;
+      monitor.step(watched, robot);
+      if (k == 150) CHECK(std::isinf(monitor.estimate(watched).lag_deviation));
+    }
+    const auto found = monitor.estimate(watched);
+    CHECK(found.observed == doctest::Approx(0.05));
+    const auto square = [](double x) { return x * x; };
+    lag_error += square(found.lag - lag), lag_told += square(found.lag_deviation);
+    for (std::size_t i = 0; i < 2; ++i)
+      gap_error[i] += square(found.gap[i] - gap[i]), gap_told[i] += square(found.gap_deviation[i]);
+  }
+  CHECK(std::abs(std::sqrt(lag_told / lag_error) - 1) < 0.1);
+  for (std::size_t i = 0; i < 2; ++i) {
+    CAPTURE(i);
+    CHECK(std::abs(std::sqrt(gap_told[i] / gap_error[i]) - 1) < 0.1);
+  }
+  // As many residuals as unknowns are the least.
+  decltype(monitor)::Memory little;
+  little.part[0].time = 0.014;  // 2.8 residuals for three unknowns
+  little.part[0].joint[0].uu = little.part[0].joint[0].rr = 1;
+  CHECK(std::isinf(monitor.estimate(little).lag_deviation));
+  CHECK(std::isinf(monitor.estimate(little).gap_deviation[0]));
+  little.part[0].time = 0.016;  // 3.2
+  CHECK(std::isfinite(monitor.estimate(little).lag_deviation));
 }

@@ -117,7 +117,9 @@ class FollowingMonitor {
     out.observed = all.time;
     out.lag_deviation = inf;
     out.gap_deviation = JointPosition<N, T>::constant(inf);
-    if (!(all.time > T(0))) return out;
+    // Residuals within T of each other are one. No time, or too little for gaps and lag, is not known.
+    const T freedom = T(N) * all.time / correlated_ - T(N + 1);
+    if (!(freedom > T(0))) return out;
     const T per = T(1) / all.time;
     T uu(0), ru(0), rr(0);
     for (const Sums& s : all.joint) {
@@ -125,9 +127,6 @@ class FollowingMonitor {
       ru = ru + (s.ru - per * s.r * s.u);
       rr = rr + (s.rr - per * s.r * s.r);
     }
-    // Residuals within T of each other are one.
-    const T freedom = T(N) * all.time / correlated_ - T(N + 1);
-    if (!(freedom > T(0))) return out;
     const bool moves = uu > T(1e-3) * T(N) * all.time;  // 0.03 rad/s, above the noise of encoders
     const T lag = moves ? T(-ru / uu) : T(0), left = rr + lag * ru;
     const T variance = (left > T(0) ? left : T(0)) * (T(1) / correlated_) / freedom;
