@@ -172,3 +172,48 @@ TEST_CASE("ClockOffset: any bits in two times are survived; silence begins anew;
   CHECK(at_once.hear(memory, 5s, 7s) == ClockOffset::Heard::tied);
   CHECK(ClockOffset::stamp(memory, 4s) == 6s);
 }
+
+TEST_CASE("ClockOffset: beyond 200 ppm stamps come early at most, never later than the fastest messages") {
+  // What the rate lacks makes the stamps of a slow clock early; each fast message sets those of a fast one back.
+  for (const double ppm : {-300.0, 250.0, 300.0}) {
+    SkewedClock clock({.ppm = ppm, .jitter = 200us}, 3);
+    const ClockOffset offset;
+    ClockOffset::Memory memory;
+    double latest = -1e9;
+    for (;;) {
+      const auto message = clock.next();
+      if (message.truth > 45s) break;
+      static_cast<void>(offset.hear(memory, message.sent, message.arrived));
+      if (!ClockOffset::ready(memory) || message.truth < 10s) continue;
+      latest =
+          std::max(latest, 1e6 * seconds<double>(ClockOffset::stamp(memory, message.sent) - message.truth));
+    }
+    CAPTURE(ppm);
+    CHECK(latest <= 50);
+    CHECK(std::abs(ClockOffset::rate(memory)) == ClockOffset::max_rate);
+    CHECK(memory.leaps == 0);
+  }
+}
+
+TEST_CASE("ClockOffset: a robot's clock that leaps by more than 10 s is followed with the next message") {
+  for (const Nanoseconds leap : {Nanoseconds(-11s), Nanoseconds(11s)})
+    for (const Nanoseconds at : {Nanoseconds(50ms), Nanoseconds(5s)}) {  // while it gathers, and long after
+      CAPTURE(leap.count());
+      CAPTURE(at.count());
+      const ClockOffset offset;
+      ClockOffset::Memory memory;
+      for (Nanoseconds t = 0ns; t < at; t += 1ms) static_cast<void>(offset.hear(memory, t, t + 3s));
+      CHECK(offset.hear(memory, at, at + 3s + leap) == ClockOffset::Heard::leapt);
+      for (Nanoseconds t = at; t < at + 120ms; t += 1ms)
+        static_cast<void>(offset.hear(memory, t, t + 3s + leap));
+      CHECK(memory.leaps == 1);
+      REQUIRE(ClockOffset::ready(memory));
+      CHECK(ClockOffset::stamp(memory, at + 100ms) == at + 100ms + 3s + leap);
+    }
+  // Less may be a message that was long on its way.
+  const ClockOffset offset;
+  ClockOffset::Memory memory;
+  for (Nanoseconds t = 0ns; t < 500ms; t += 1ms) static_cast<void>(offset.hear(memory, t, t + 3s));
+  CHECK(offset.hear(memory, 500ms, 500ms + 3s + 9s) == ClockOffset::Heard::tied);
+  CHECK(ClockOffset::stamp(memory, 500ms) == 500ms + 3s);
+}

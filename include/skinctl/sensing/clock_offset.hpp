@@ -24,7 +24,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// Messages may be lost, repeated or overtaken. The sender's clock is taken to have leapt, and everything
 /// begins anew with `gather`, if a message
 /// - would have arrived more than `ahead` before it was sent,
-/// - was sent more than `overtaken` before one that has arrived, or
+/// - was sent more than `overtaken` before one that has arrived,
+/// - would have been under way for more than 10 s longer or less than the oldest one that counts, or
 /// - ends a second in which none of at least 10 came within `late` of the line (a leap back of less than
 ///   `overtaken`, or another path through the network); or after a silence of 30 s.
 class ClockOffset {
