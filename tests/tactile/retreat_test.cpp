@@ -101,7 +101,10 @@ TEST_CASE("Retreat: what is far, or stands, moves nothing; what presses does; no
   const Plan plan(Arm{}, ur5_clearance<4>(), home);
   const auto size = [](const JointVelocity<6>& u) {
     double most = 0;
-    for (const double v : u) most = std::max(most, std::abs(v));
+    for (const double v : u) {
+      CHECK(std::isfinite(v));
+      most = std::max(most, std::abs(v));
+    }
     return most;
   };
   // Beyond the end of the last link, away from all others.
@@ -118,16 +121,18 @@ TEST_CASE("Retreat: what is far, or stands, moves nothing; what presses does; no
   near.obstacles[0] = ball(beside(0.12), 0);
   CHECK(size(plan(home, near)) == 0);
   CHECK(size(plan(home, near, Plan::Others::press)) > 0.1);
-  // A wish that closes is kept as far as it may close: 4 1/s of the distance beyond the margin.
-  const auto u = plan(home, near, Plan::Others::stay, {0.0, -3.0, 0.0, 0.0, 0.0, 0.0});
-  const auto later = integrate(home, u, 1e-4);
-  CHECK((apart(home, beside(0.12)) - apart(later, beside(0.12))) / 1e-4 < 1.1 * 4 * 0.1);
   for (const double bad : {std::nan(""), HUGE_VAL}) {
     near.obstacles[0] = ball({bad, 0, 0.5});
     CHECK(size(plan(home, near)) == 0);
     near.obstacles[0] = ball(beside(0.12));
     CHECK(size(plan(JointPosition<6>::constant(bad), near)) == 0);
   }
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL})
+    for (std::size_t i = 0; i < 6; ++i) {
+      JointVelocity<6> wish;
+      wish[i] = bad;
+      CHECK(size(plan(home, near, Plan::Others::stay, wish)) == 0);
+    }
   AllocationGuard guard;
   const auto once = plan(home, near);
   const auto allocations = guard.count();
@@ -136,4 +141,53 @@ TEST_CASE("Retreat: what is far, or stands, moves nothing; what presses does; no
   CHECK_THROWS_AS(Plan(Arm{}, ur5_clearance<4>(), home, {.speed = 0}), ConfigurationError);
   CHECK_THROWS_AS(Plan(Arm{}, ur5_clearance<4>(), home, {.near = 0.3, .far = 0.2}), ConfigurationError);
   CHECK_THROWS_AS(Plan(Arm{}, ur5_clearance<4>(), home, {.return_rate = 2}), ConfigurationError);
+}
+
+TEST_CASE("Retreat: a wish beyond the greatest joint speed keeps its direction, a lesser one its size") {
+  const JointPosition<6> home{-0.5, -1.5, 1.7, -1.72, -1.57, -0.5};
+  const Plan plan(Arm{}, ur5_clearance<4>(), home);
+  const JointVelocity<6> wish{0.1, -0.2, 0.3, 0.4, -0.8, 0.6};
+  for (const double times : {1.0, -1.0, 5.0, -5.0, 100.0}) {
+    const auto u = plan(home, {}, Plan::Others::stay, times * wish);
+    const double share = std::min(1.0, plan.settings().most / std::abs(times * 0.8));
+    CAPTURE(times);
+    for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(u[i] - share * times * wish[i]) < 1e-12);
+  }
+}
+
+TEST_CASE("Retreat: beside a wish it goes back to its posture, no joint faster than the return rate") {
+  const JointPosition<6> home{-0.5, -1.5, 1.7, -1.72, -1.57, -0.5};
+  const Plan plan(Arm{}, ur5_clearance<4>(), home);
+  const double most = plan.settings().return_rate;
+  const auto u = plan(home + JointPosition<6>{0.5, -0.5, 0.1, -0.1, 0.0, 0.31}, {});
+  const double back[] = {-most, most, -0.1, 0.1, 0.0, -most};
+  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(u[i] - back[i]) < 1e-12);
+}
+
+TEST_CASE(
+    "Retreat: a link leaves what comes at `speed` at most, and closes in on what stands by its distance") {
+  const JointPosition<6> home{-0.5, -1.5, 1.7, -1.72, -1.57, -0.5};
+  const Plan plan(Arm{}, ur5_clearance<4>(), home, {.most = 100});
+  const auto all = points(home);
+  const auto wrist = all.back().first, before = all[all.size() - 21].first;
+  const Xyz<double> out = 1 / norm(Xyz<double>(wrist - before)) * Xyz<double>(wrist - before);
+  const auto opens = [&](double far, double approach, const JointVelocity<6>& wish) {
+    const Xyz<double> at = wrist + (far + 0.04 + ur5::tubes[5].radius) * out;
+    typename Plan::Near near;
+    near.add(ball(at, approach));
+    const auto u = plan(home, near, Plan::Others::stay, wish);
+    return (apart(integrate(home, u, 1e-6), at) - apart(home, at)) / 1e-6;
+  };
+  // A lever of 0.1 m would give half of it away.
+  for (const double far : {0.01, 0.05, 0.1}) {
+    CAPTURE(far);
+    CHECK(opens(far, 0.3, {}) <= plan.settings().speed);
+    CHECK(opens(far, 0.3, {}) >= 0.5 * plan.settings().speed);
+  }
+  CHECK(opens(0.15, 0.3, {}) <= 0.5 * plan.settings().speed);
+  const JointVelocity<6> closing{0.0, 6.0, 0.0, 0.0, 0.0, 0.0};
+  for (const double far : {0.05, 0.1, 0.19, 0.21}) {
+    CAPTURE(far);
+    CHECK(std::abs(opens(far, 0, closing) + plan.settings().rate * (far - 0.02)) < 0.02);
+  }
 }
