@@ -464,3 +464,76 @@ TEST_CASE("Displaced robot: what lets a blocked joint go on is no obstacle") {
   loop.run(0.3, push);
   CHECK_FALSE(loop.status.has(Reason::blocked));
 }
+
+TEST_CASE(
+    "Displaced robot: slack is what friction has shown beyond the dead band, and a quarter of the band, not "
+    "more") {
+  for (const auto& servo : {std::pair{500.0, 26.0}, {500.0, 40.0}, {2000.0, 115.0}}) {
+    JointTruth<6> truth;
+    truth.delay = truth.lag = 0.008;
+    truth.stiffness = truth.all(servo.first);
+    truth.stiction[0] = truth.coulomb[0] = servo.second;
+    Loop<Interface::position> loop(declared(), truth);
+    const double band = loop.robot.parameters().dead_band[0];
+    double shown = 0, slack = 0;
+    while (loop.now < 10s) {
+      loop.step([](double t, const Row&) { return Row{20 * std::sin(1.5 * t)}; });
+      shown = std::max(shown, std::abs(loop.memory.residual[0]) - band);
+      slack = std::max(slack, loop.memory.watch[0].slack);
+    }
+    CAPTURE(servo.first);
+    CAPTURE(servo.second);
+    CHECK(slack > shown);
+    CHECK(slack <= shown + 0.25 * band + 1e-12);
+    CHECK(band + slack <= 2.0 / 3 * loop.robot.max_lead(0) + 1e-12);
+  }
+}
+
+TEST_CASE(
+    "Displaced robot: by velocity, with lag that is not declared, it passes a limit by a fifth of that lag's "
+    "way at most") {
+  for (const double side : {-1.0, 1.0}) {
+    const auto c = declared();
+    JointTruth<6> truth;
+    truth.delay = 0.008;
+    truth.lag = 0.038;
+    Loop<Interface::velocity> loop(c, truth);
+    double beyond = -1;
+    while (loop.now < 4s) {
+      loop.step([&](double, const Row&) { return Row{side * 40}; });
+      const double q = loop.joints.q()[0];
+      beyond = std::max({beyond, q - c.limits.upper()[0], c.limits.lower()[0] - q});
+    }
+    CAPTURE(side);
+    CHECK(beyond > -0.05);  // it came there
+    CHECK(beyond <= 0.2 * c.limits.velocity()[0] * 0.03);
+  }
+}
+
+TEST_CASE(
+    "Displaced robot: blocked, the virtual robot comes back to where the real one stood, and not beyond") {
+  JointTruth<6> truth;
+  truth.delay = truth.lag = 0.008;
+  const auto comes_back = [](auto loop, double side) {
+    const auto push = [&](double, const Row&) { return Row{side * 25}; };
+    loop.run(0.5, push);
+    loop.joints.hold_fast(0, true);
+    while (loop.now < 3s && !loop.status.has(Reason::blocked)) loop.step(push);
+    REQUIRE(loop.status.has(Reason::blocked));
+    const auto ahead = [&] { return side * (loop.memory.q.value[0] - loop.memory.back[0]); };
+    const double begins = ahead();
+    CHECK(begins > 0.05);
+    double least = begins;
+    for (int k = 0; k < 40; ++k) {
+      loop.step(push);
+      least = std::min(least, ahead());
+    }
+    CHECK(std::abs(ahead()) < 1e-3 * begins);
+    CHECK(least > -1e-9);
+  };
+  for (const double side : {1.0, -1.0}) {
+    CAPTURE(side);
+    comes_back(Loop<Interface::position>(declared(), truth), side);
+    comes_back(Loop<Interface::velocity>(declared(), truth), side);
+  }
+}
