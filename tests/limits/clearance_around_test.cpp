@@ -286,7 +286,7 @@ TEST_CASE("ClearanceAround: at its margin, and a little within it, an arm slides
   }
   MESSAGE(scenes << " scenes of 0.48 s: of the way along it went what takes " << sum / scenes
                  << " s in the mean, at worst " << worst << " s; nearer by " << 1e6 * nearer << " um");
-  CHECK(worst > 0.3);
+  CHECK(worst > 0.345);  // from one velocity to another at the rate of the weakest joint, not beyond it
   CHECK(nearer < 1e-7);
 }
 
