@@ -264,14 +264,103 @@ TEST_CASE_TEMPLATE("Guard: too fast to stop before the end brakes", T, float, do
 TEST_CASE_TEMPLATE("Guard: beyond an end only inward motion passes", C, MOTIONS) {
   constexpr Interface I = C::interface;
   using T = typename C::scalar;
-  for (const double way : {-1.0, 1.0}) {
-    Guard<I, 1, T> guard(configuration<T>());
-    auto memory = guard.start(command<T>(0ns, 2.1, 0), at<T>(0ns, 2.1));
-    const auto out =
-        guard.step(memory, command<T>(10ms, 2.1 + way * 0.0002, way * 0.04), at<T>(10ms, 2.1), 10ms);
-    CHECK(out.altered == (way > 0));
-    CHECK(out.status.has(Reason::outside_limits) == (way > 0));
-  }
+  for (const double side : {-1.0, 1.0})
+    for (const double way : {-1.0, 1.0})
+      for (const double u : {0.04, 0.0}) {
+        if (I == Interface::velocity && u == 0) continue;
+        CAPTURE(side);
+        CAPTURE(way);
+        CAPTURE(u);
+        Guard<I, 1, T> guard(configuration<T>());
+        auto memory = guard.start(command<T>(0ns, side * 2.1, 0), at<T>(0ns, side * 2.1));
+        const auto wish = command<T>(10ms, side * (2.1 + way * 0.0002), side * way * u);
+        const auto out = guard.step(memory, wish, at<T>(10ms, side * 2.1), 10ms);
+        CHECK(out.altered == (way > 0));
+        CHECK(out.status.has(Reason::outside_limits) == (way > 0));
+      }
+}
+
+TEST_CASE_TEMPLATE("Guard: no command is faster than its limit, and one that is only gets slower", C,
+                   MOTIONS) {
+  constexpr Interface I = C::interface;
+  using T = typename C::scalar;
+  for (const double side : {-1.0, 1.0})
+    for (const auto& speeds : {std::pair{0.95, 1.0}, {0.95, 1.01}, {1.0, 1.05}, {1.2, 1.15}, {1.2, 1.25}}) {
+      const double u0 = speeds.first, u = speeds.second;
+      CAPTURE(side);
+      CAPTURE(u0);
+      CAPTURE(u);
+      Guard<I, 1, T> guard(configuration<T>());
+      auto memory = guard.start(command<T>(0ns, 0, side * u0), at<T>(0ns, 0, side * u0));
+      const double q = side * 0.005 * (u0 + u);
+      const auto out = guard.step(memory, command<T>(10ms, q, side * u), at<T>(10ms, 0, side * u0), 10ms);
+      CHECK(out.altered == (u > 1 && u > u0));
+      CHECK(out.status.has(Reason::step_limited) == (u > 1 && u > u0));
+    }
+}
+
+TEST_CASE_TEMPLATE("Guard: a position is where some motion within the acceleration leads", T, float, double) {
+  // 10 rad/s^2 and 10 ms: 0.25 mrad aside of a steady motion, nothing aside of the fastest change of speed.
+  for (const double side : {-1.0, 1.0})
+    for (const auto& wished : {std::pair{0.5, 2.4e-4}, {0.5, 2.6e-4}, {0.6, 0.0}, {0.6, 1e-4}, {0.4, 1e-4}}) {
+      const double u = wished.first, aside = wished.second;
+      CAPTURE(side);
+      CAPTURE(u);
+      CAPTURE(aside);
+      Guard<Interface::position, 1, T> guard(configuration<T>());
+      auto memory = guard.start(command<T>(0ns, 0, 0.5), at<T>(0ns, 0, 0.5));
+      const auto wish = command<T>(10ms, 0.005 * (0.5 + u) + side * aside, u);
+      const auto out = guard.step(memory, wish, at<T>(10ms, 0, 0.5), 10ms);
+      const double most = u == 0.5 ? 2.5e-4 : 1e-6;
+      CHECK(out.altered == (aside > most));
+      CHECK(out.status.has(Reason::step_limited) == (aside > most));
+    }
+}
+
+TEST_CASE_TEMPLATE("Guard: who cannot stop before an end any more may brake as hard as the limit allows", C,
+                   MOTIONS) {
+  constexpr Interface I = C::interface;
+  using T = typename C::scalar;
+  for (const double side : {-1.0, 1.0})
+    for (const double u : {0.4, 0.42}) {
+      CAPTURE(side);
+      CAPTURE(u);
+      Guard<I, 1, T> guard(configuration<T>());
+      auto memory =
+          guard.start(command<T>(0ns, side * 1.99, side * 0.5), at<T>(0ns, side * 1.99, side * 0.5));
+      const auto wish = command<T>(10ms, side * (1.99 + 0.005 * (0.5 + u)), side * u);
+      const auto out = guard.step(memory, wish, at<T>(10ms, side * 1.995, side * 0.5), 10ms);
+      CHECK(out.altered == (u > 0.41));
+      CHECK(out.status.has(Reason::outside_limits) == (u > 0.41));
+    }
+}
+
+TEST_CASE_TEMPLATE("Guard: a robot by velocity that still leaves an end makes room for a velocity towards it",
+                   T, float, double) {
+  for (const double side : {-1.0, 1.0})
+    for (const double dq : {-0.5, 0.0, 0.5}) {
+      CAPTURE(side);
+      CAPTURE(dq);
+      Guard<Interface::velocity, 1, T> guard(configuration<T>());
+      // 0.35 rad/s need 6.1 mrad of the 5 that are left.
+      auto memory = guard.start(command<T>(0ns, 0, side * 0.3), at<T>(0ns, side * 1.995));
+      const auto out =
+          guard.step(memory, command<T>(10ms, 0, side * 0.35), at<T>(10ms, side * 1.995, side * dq), 10ms);
+      CHECK(out.altered == (dq >= 0));
+      CHECK(out.status.has(Reason::outside_limits) == (dq >= 0));
+    }
+}
+
+TEST_CASE_TEMPLATE("Guard: a position that brakes in a late cycle goes no further than in a period", T, float,
+                   double) {
+  Guard<Interface::position, 1, T> guard(configuration<T>());
+  auto memory = guard.start(command<T>(0ns, 0, 0.5), at<T>(0ns, 0, 0.5));
+  auto missing = command<T>(40ms, 0, 0);
+  missing.valid = false;
+  const auto out = guard.step(memory, missing, at<T>(40ms, 0, 0.5), 40ms);
+  CHECK(out.status.has(Reason::command_not_finite));
+  CHECK(out.command.position[0] > T(0));
+  CHECK(out.command.position[0] <= T(0.5 * 0.01));
 }
 
 TEST_CASE_TEMPLATE("Guard: a position far from the robot does not go further", T, float, double) {
@@ -279,18 +368,21 @@ TEST_CASE_TEMPLATE("Guard: a position far from the robot does not go further", T
   GuardSettings<1, T> s;
   s.lead[0] = T(0.1);
   Guard<Interface::position, 1, T> guard(c, s);
-  auto memory = guard.start(command<T>(0ns, 0, 0.5), at<T>(0ns, 0));
-  Nanoseconds now{};
-  double q = 0;
-  Guarded<1, T> out;
-  for (int k = 0; k < 100; ++k) {  // the robot does not move
-    q += 0.005;
-    now += 10ms;
-    out = guard.step(memory, command<T>(now, q, 0.5), at<T>(now, 0), now);
-    REQUIRE(out.command.position[0] <= T(0.1) * T(1.0001));
+  for (const double side : {-1.0, 1.0}) {
+    CAPTURE(side);
+    auto memory = guard.start(command<T>(0ns, 0, side * 0.5), at<T>(0ns, 0));
+    Nanoseconds now{};
+    double q = 0;
+    Guarded<1, T> out;
+    for (int k = 0; k < 100; ++k) {  // the robot does not move
+      q += side * 0.005;
+      now += 10ms;
+      out = guard.step(memory, command<T>(now, q, side * 0.5), at<T>(now, 0), now);
+      REQUIRE(T(side) * out.command.position[0] <= T(0.1) * T(1.0001));
+    }
+    CHECK(out.altered);
+    CHECK(out.command.velocity[0] == T(0));
   }
-  CHECK(out.altered);
-  CHECK(out.command.velocity[0] == T(0));
 }
 
 TEST_CASE_TEMPLATE("Guard: without a good first command nothing leaves", C, MOTIONS) {
@@ -314,6 +406,11 @@ TEST_CASE_TEMPLATE("Guard: torques are cut to the limit and to the rate", T, flo
   auto out = guard.step(memory, command<T>(10ms, 0, 0, 1.5), at<T>(10ms, 0), 10ms);
   CHECK_FALSE(out.altered);
   CHECK(out.command.torque[0] == T(1.5));
+  auto elsewhere = memory;
+  out = guard.step(elsewhere, command<T>(20ms, 0, 0, -10), at<T>(20ms, 0), 20ms);
+  CHECK(out.altered);
+  CHECK(out.status == Reason::step_limited);
+  CHECK(double(out.command.torque[0]) == doctest::Approx(-0.5));
   out = guard.step(memory, command<T>(20ms, 0, 0, 100), at<T>(20ms, 0), 20ms);
   CHECK(out.altered);
   CHECK(out.status.has(Reason::torque_limited));
@@ -462,6 +559,29 @@ TEST_CASE_TEMPLATE("Guard: acts on what other stages found, and waits for consen
   guard.acknowledge(memory);
   CHECK(guard.step(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms, {}, Reason::contact_force).altered);
   CHECK(guard.waits(memory));
+}
+
+TEST_CASE_TEMPLATE("Guard: what it found by itself waits for consent, too, where a user asks for that", C,
+                   MOTIONS) {
+  using T = typename C::scalar;
+  for (const Reason r : {Reason::interval_too_long, Reason::state_stale, Reason::command_not_finite}) {
+    const Guard<C::interface, 1, T> guard(configuration<T>(), {.consent = r});
+    auto memory = guard.start(command<T>(0ns, 0, 0), at<T>(0ns, 0));
+    Nanoseconds now = r == Reason::interval_too_long ? 100ms : 10ms;
+    auto wish = command<T>(now, 0, 0);
+    wish.valid = r != Reason::command_not_finite;
+    const auto found = guard.step(memory, wish, at<T>(r == Reason::state_stale ? now - 300ms : now, 0), now);
+    CHECK(found.altered);
+    CHECK(found.status.has(r));
+    CHECK(found.status.has(Reason::consent_awaited));
+    for (const bool agreed : {false, true}) {
+      if (agreed) guard.acknowledge(memory);
+      now += 10ms;
+      const auto out = guard.step(memory, command<T>(now, 0, 0), at<T>(now, 0), now);
+      CHECK(out.altered == !agreed);
+      CHECK(out.status.has(Reason::consent_awaited) == !agreed);
+    }
+  }
 }
 
 TEST_CASE_TEMPLATE("Guard: a state that this robot cannot have is no news of it", T, float, double) {
