@@ -32,9 +32,14 @@ struct BlockStates {
 
   SKINCTL_INLINE void set(std::size_t cell, std::uint32_t state) noexcept {
     const std::uint64_t at = cell % 64, bit = std::uint64_t(1) << at;
+    set_held(cell, state);
+    heard = (heard & ~bit) | (std::uint64_t((state >> 2) & 1u) << at);
+  }
+  /// The same for a cell that was heard before.
+  SKINCTL_INLINE void set_held(std::size_t cell, std::uint32_t state) noexcept {
+    const std::uint64_t at = cell % 64, bit = std::uint64_t(1) << at;
     pressed = (pressed & ~bit) | (std::uint64_t(state & 1u) << at);
     seeing = (seeing & ~bit) | (std::uint64_t((state >> 1) & 1u) << at);
-    heard = (heard & ~bit) | (std::uint64_t((state >> 2) & 1u) << at);
   }
   friend bool operator==(const BlockStates&, const BlockStates&) noexcept = default;
 };
@@ -84,6 +89,18 @@ struct SkinMemoryOf : Store {
     heard += state / CellRecord::heard - records[i].state / CellRecord::heard;
     records[i].state = state;
     states[i / 64].set(i, state);
+  }
+  /// The state of cell `i`, which was heard before and is, follows what it holds.
+  SKINCTL_INLINE void follow(std::size_t i) noexcept {
+    const std::uint32_t state = CellRecord::state_of(records[i].held);
+    records[i].state = state;
+    states[i / 64].set_held(i, state);
+  }
+  /// Cell `i`, which is heard, begins or ceases to be in a state.
+  SKINCTL_INLINE void cross(std::size_t i, std::uint32_t state,
+                            std::uint64_t BlockStates::* states_of) noexcept {
+    records[i].state ^= state;
+    states[i / 64].*states_of ^= std::uint64_t(1) << i % 64;
   }
   friend bool operator==(const SkinMemoryOf&, const SkinMemoryOf&) noexcept = default;
 
