@@ -119,18 +119,29 @@ class CellChanges {
     each_kind(revise);
   }
 
-  /// The means of a change of cell `i` along a ramp from `last` to `time`, in any interval.
+  /// The means of a change of cell `i` along a ramp from `last` to `time`, in an interval that has a length.
   SKINCTL_NOINLINE void spread(std::size_t i, WideCounts change_of_counts, Nanoseconds last,
                                Nanoseconds time) const noexcept {
-    const PatchRow<T>& patch = tables_.patches[tables_.cells.seat(i).sums];
+    const CellSeat seat = tables_.cells.seat(i);
+    const PatchRow<T>& patch = tables_.patches[seat.sums];
     const Ramp<T> ramp = ramp_between(last, time);
     const T force = patch.force_gain * static_cast<T>(change_of_counts.force());
     const T proximity = patch.proximity_gain * static_cast<T>(change_of_counts.proximity());
-    if constexpr (apart) {
-      change<Reading::force>(i, ramp, force);
-      change<Reading::proximity>(i, ramp, proximity);
-    } else {
-      change<Reading::both>(i, ramp, force + proximity);
+    const float* row = tables_.cells[i].row;
+    const T unit[6] = {T(row[0]), T(row[1]), T(row[2]), T(row[3]), T(row[4]), T(row[5])};
+    // Both readings share their ramp: its integrals are computed once.
+    T before = ramp.integral(T(0));
+    const T evenly = (before - ramp.integral(parts_.back)) * parts_.per_whole;
+    for (std::size_t j = 0; j < parts_.count; ++j) {
+      const T after = ramp.integral(parts_.length * static_cast<T>(j + 1));
+      const T share = evenly + (after - before) * parts_.per_length;
+      before = after;
+      if constexpr (apart) {
+        multiply_add<6>(means_[j].force.data[seat.slot], T(share * force), unit);
+        multiply_add<6>(means_[j].proximity.data[seat.slot], T(share * proximity), unit);
+      } else {
+        multiply_add<6>(means_[j].data[seat.slot], T(share * (force + proximity)), unit);
+      }
     }
   }
 
