@@ -162,6 +162,126 @@ TEST_CASE("ContactLimits: a skin that sees nobody lets the arm be faster") {
   CHECK(limits.look(memory, scene.at, scene.u, nothing, {0.0}, 0.002).scale == 0);
 }
 
+// Nobody near, so that only the contact slows the arm; the promise is checked by operational space.
+TEST_CASE("ContactLimits: into a contact no faster than its energy, its reaction and its power allow") {
+  Scene scene;
+  scene.u[0] = 2;
+  const auto poses = link_poses(scene.model, scene.at.q);
+  const auto J = jacobian<4>(poses);
+  const auto V = (J * scene.u).linear;
+  const double v = std::sqrt(dot(V, V)), F = 50;
+  const Xyz<double> n = (1 / v) * V;
+  const MassFactors<ur5::Model> mass(mass_matrix(scene.model, scene.at.q));
+  const double give = operational_mobility(J, mass).along(n);
+  const auto pressed = [&](double reading) {
+    LinkWrenches<ur5::Model, link_bit<4>> touch;
+    touch.set<4>({poses.get<4>().inverse().axes() * (-reading * n), {0, 0, 0}});
+    return touch;
+  };
+  const auto allowed = [&](auto&& change) {
+    auto c = contact<4>();
+    c.separation = separation(), c.range = 100, c.reaction = 1ms, c.region.power = 200;
+    change(c);
+    const auto touch = pressed(F / c.newton);
+    ContactMemory<1, double> memory;
+    return v * ContactLimits(scene.model, c).look(memory, scene.at, scene.u, touch, {100.0}, 0.002).scale;
+  };
+  const auto as_expected = [](double x) { return doctest::Approx(x).epsilon(1e-10); };
+  const double by_energy = std::sqrt((200 * 200 - F * F) * (1 / 4.0 + give) / 5e4);
+  CHECK(allowed([](auto&) {}) == as_expected(by_energy));
+  CHECK(allowed([](auto& c) { c.newton = 0.2; }) == as_expected(by_energy));
+  CHECK(allowed([](auto& c) { c.reaction = 10ms; }) == as_expected((100 - F) / (5e4 * 0.01)));
+  CHECK(allowed([](auto& c) { c.region.power = 5; }) == as_expected(5 / F));
+  const double reacting = allowed([](auto& c) { c.deceleration = 3; });
+  CHECK(reacting * 0.001 + reacting * reacting / 6 == as_expected((100 - F) / 5e4));
+}
+
+TEST_CASE("ContactLimits: a robot that reacts is as fast as it can stop before the region bears no more") {
+  Scene scene;
+  auto c = contact<4>();
+  c.deceleration = 3;
+  const ContactLimits limits(scene.model, c);
+  const LinkWrenches<ur5::Model, link_bit<4>> nothing;
+  const auto look = [&](double v) {
+    scene.u = {};
+    scene.u[0] = 1;
+    const auto V = jacobian<4>(link_poses(scene.model, scene.at.q)) * scene.u;
+    scene.u[0] = v / (std::sqrt(dot(V.linear, V.linear)) + 0.45 * std::sqrt(dot(V.angular, V.angular)));
+    ContactMemory<1, double> memory;
+    return limits.look(memory, scene.at, scene.u, nothing, {0.0}, 0.002);
+  };
+  const double most = std::sqrt(0.06 * 0.06 + 6 * 200 / 5e4) - 0.06;  // v reaction + v^2 / (2 a) = F_t / k
+  CHECK(look(most * (1 - 1e-9)).scale == 1);
+  CHECK(look(most).blow == doctest::Approx(200).epsilon(1e-9));
+  for (const double v : {1.01 * most, 0.3, 3.0}) {
+    CHECK(look(v).scale * v == doctest::Approx(most).epsilon(1e-10));
+    CHECK(look(v).status == Reason::contact_slowed);
+  }
+  CHECK(look(std::nan("")).scale == 0);
+}
+
+TEST_CASE("ContactLimits: of several contacts the worst counts, on whichever link and in whatever order") {
+  Scene scene;
+  scene.u[0] = 0.2;
+  scene.at.dq[0] = 0.1;
+  const auto poses = link_poses(scene.model, scene.at.q);
+  const auto V = jacobian<4>(poses) * scene.u;
+  const Xyz<double> n = (1 / std::sqrt(dot(V.linear, V.linear))) * V.linear;
+  const auto push = [&](double forearm, double hand) {
+    scene.touch = {};
+    if (forearm > 0) scene.touch.set<2>({poses.get<2>().inverse().axes() * (-forearm * n), {0, 0, 0}});
+    if (hand > 0) scene.touch.set<4>({poses.get<4>().inverse().axes() * (-hand * n), {0, 0, 0}});
+    scene.memory = {};
+    return scene.look();
+  };
+  for (const auto& [forearm, hand] : {std::pair{90.0, 20.0}, {20.0, 90.0}}) {
+    const auto one = push(forearm, 0), other = push(0, hand), both = push(forearm, hand);
+    CHECK(both.force == doctest::Approx(90).epsilon(1e-12));
+    CHECK(both.power == std::max(one.power, other.power));
+    CHECK(both.scale == std::min(one.scale, other.scale));
+  }
+  // Pushes on two links from the same side are not one: 60 N each is no 120 N.
+  CHECK(push(60, 60).force == doctest::Approx(60).epsilon(1e-12));
+  // A person holds the forearm from one side and brushes the other: for too long.
+  for (const bool strong_first : {true, false}) {
+    PressedAreas<ur5::Model, link_bit<2> | link_bit<4>> areas;
+    const float up[6] = {0, 0, 1, 0, 0, 0}, down[6] = {0, 0, -1, 0, 0, 0};
+    areas.add(2, {0, 0, -0.05}, up, strong_first ? 120 : 5);
+    areas.add(2, {0, 0, 0.05}, down, strong_first ? 5 : 120);
+    ContactMemory<2, double> memory;
+    ContactVerdict<double> verdict;
+    for (int k = 0; k < 260; ++k) {
+      verdict = scene.limits.look(memory, scene.at, scene.u, areas, {0, 0}, 0.002);
+      CHECK(verdict.force == doctest::Approx(120).epsilon(1e-6));
+      if (k < 249) CHECK_FALSE(verdict.status.has(Reason::contact_force));
+    }
+    CHECK(verdict.status.has(Reason::contact_force));
+  }
+}
+
+TEST_CASE("ContactLimits: what is felt and is no number, or beyond all numbers, stops the arm") {
+  Scene scene;
+  for (const double no_number : {std::nan(""), HUGE_VAL, -HUGE_VAL})
+    for (std::size_t link = 0; link < 2; ++link)
+      for (std::size_t i = 0; i < 6; ++i) {
+        scene.touch = {};
+        scene.touch.data[link][i] = no_number;
+        CAPTURE(i);
+        CHECK(scene.look().status.has(Reason::contact_force));
+      }
+  PressedAreas<ur5::Model, link_bit<2> | link_bit<4>> areas;
+  const float up[6] = {0, 0, 1, 0, 0, 0};
+  areas.add(2, {0, 0, -0.05}, up, 1e200);  // its square overflows
+  ContactMemory<2, double> memory;
+  const auto verdict = scene.limits.look(memory, scene.at, scene.u, areas, {0, 0}, 0.002);
+  CHECK(verdict.status.has(Reason::contact_force));
+  // Nor does a velocity that nobody knows say that a contact takes little power.
+  scene.touch = {};
+  scene.touch.data[0][2] = 50;
+  scene.at.dq[0] = std::nan("");
+  CHECK(scene.look().status.has(Reason::contact_power));
+}
+
 TEST_CASE("ContactLimits: a look allocates nothing") {
   Scene scene;
   scene.u[1] = 1;
