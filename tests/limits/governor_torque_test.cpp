@@ -132,6 +132,72 @@ TEST_CASE("Governor of torques: what keeps all limits passes to the bit, and wha
       governor.step_torque(memory, wish, wish, hold, false, false, 50, s, Touch{}, nobody_near, 0.0).altered);
 }
 
+TEST_CASE("Governor of torques: by a velocity that is too old, and without a wish, it brakes nothing") {
+  Random random(1);
+  State<6> s = pose(random);
+  s.dq[0] = 2;  // the tool is much too fast
+  JointCommand<6> wish;
+  wish.valid = true;
+  const JointTorque<6> hold = gravity_torque(Arm{}, s.q);
+  wish.torque = hold;
+  const auto step = [&](bool stale) {
+    Governors::Memory memory{};
+    return governor.step_torque(memory, wish, wish, hold, false, stale, 50, s, Touch{}, nobody_near, dt);
+  };
+  CHECK(step(false).altered);
+  const auto passes = [&](bool stale) {
+    const auto out = step(stale);
+    CHECK_FALSE(out.altered);
+    CHECK_FALSE(out.status.any());
+    CHECK(out.command.torque == wish.torque);
+    CHECK(out.command.valid == wish.valid);
+    CHECK(out.hold == hold);
+  };
+  passes(true);
+  wish.valid = false;
+  passes(false);
+}
+
+TEST_CASE(
+    "Governor of torques: in the cycle that finds a contact too strong it is held with damping at once") {
+  Random random(6);
+  State<6> s = pose(random);
+  for (double& v : s.dq) v = uniform(random, -0.5, 0.5);
+  JointCommand<6> wish;
+  wish.valid = true;
+  const JointTorque<6> hold = gravity_torque(Arm{}, s.q);
+  wish.torque = hold;
+  const auto held = [&](const LinkContact<2>& contact, const Touch& touch) {
+    Governors::Memory memory{};
+    return governing(contact).step_torque(memory, wish, wish, hold, false, false, 50, s, touch, nobody_near,
+                                          dt);
+  };
+  const auto damps = [&](const GovernedTorque<6, double>& out) {
+    double power = 0;
+    for (std::size_t i = 0; i < 6; ++i) power += (out.hold[i] - hold[i]) * s.dq[i];
+    return power < -1;
+  };
+  CHECK_FALSE(damps(held(region, Touch{})));
+  Touch hard;  // 121 N: more than the blow that the region bears, but it takes little power
+  hard.data[0][2] = 121;
+  auto bears_power = region;
+  bears_power.region.power = 1e4;
+  auto out = held(bears_power, hard);
+  CHECK(out.status.has(Reason::contact_force));
+  CHECK_FALSE(out.status.has(Reason::contact_power));
+  CHECK(damps(out));
+  auto bears_little = region;  // 10 N, and 0.01 W is more than it bears
+  bears_little.region.power = 0.01;
+  for (const double push : {10.0, -10.0}) {
+    hard.data[0][2] = push;
+    out = held(bears_little, hard);
+    if (out.status.has(Reason::contact_power)) break;
+  }
+  CHECK(out.status.has(Reason::contact_power));
+  CHECK_FALSE(out.status.has(Reason::contact_force));
+  CHECK(damps(out));
+}
+
 TEST_CASE("Governor of torques: no drive makes the tool faster than its limit, and it gets near it") {
   for (int k = 0; k < scenes; ++k) {
     CAPTURE(k);
