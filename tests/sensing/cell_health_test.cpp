@@ -295,3 +295,20 @@ TEST_CASE("CellHealth: healthy noise masks nobody; settings out of range are ref
   const std::vector<SensorNoise> three(3);
   CHECK_THROWS_AS(Health({}, three), ConfigurationError);
 }
+
+TEST_CASE("CellHealth: memories are equal only if all that they remember is") {
+  const auto differs = [](auto&& change) {
+    const auto a = std::make_unique<Health::Memory>(), b = std::make_unique<Health::Memory>();
+    CHECK(*a == *b);
+    change(*b);
+    CHECK_FALSE(*a == *b);
+    CHECK_FALSE(*b == *a);
+  };
+  differs([](auto& m) { m.time = 1ns; });
+  differs([](auto& m) { m.record[17].known = true; });
+  differs([](auto& m) { m.record[17].faults |= CellFault::stuck; });
+  differs([](auto& m) { m.suspect[1] = 2; });
+  differs([](auto& m) { m.fresh[1] = 2; });
+  differs([](auto& m) { m.at_top[1] = 2; });
+  differs([](auto& m) { m.row[1].mask[1] = 1; });
+}
