@@ -291,6 +291,23 @@ TEST_CASE("JerkLimits: braking ends at rest, the quickest way, and does not over
   }
 }
 
+// Going on with this step's jerk would pass the end, in many steps from now; a stop that begins later does not.
+TEST_CASE("JerkLimits: a joint near its end that can still stop does as it is asked") {
+  for (const double side : {1.0, -1.0}) {
+    CAPTURE(side);
+    Joint<double> joint{one_joint<double>(side > 0 ? -1 : -0.03, side > 0 ? 0.03 : 1, 2, 10, 1000)};
+    Joint<double> free{one_joint<double>(-100, 100, 2, 10, 1000)};
+    for (Joint<double>* j : {&joint, &free}) {
+      j->u = side * 0.5;  // 15 mrad from rest by the quickest stop
+      j->ask(side * 0.49, 0.01);
+    }
+    CHECK(joint.u == free.u);
+    CHECK(joint.a == free.a);
+    CHECK(joint.q == free.q);
+    CHECK_FALSE(joint.status.any());
+  }
+}
+
 TEST_CASE("JerkLimits: a motion allocates nothing") {
   Joint<double> joint{one_joint<double>(-1, 1, 1, 10, 100)};
   const testing::AllocationGuard guard;
