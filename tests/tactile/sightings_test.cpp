@@ -104,3 +104,35 @@ TEST_CASE("Sightings: the strongest ones find room, weak and impossible readings
   other[0].link = 6;
   CHECK_THROWS_AS(Sightings<Arm>(Arm{}, other), ConfigurationError);
 }
+
+TEST_CASE("Sightings: the weak ones beyond the room leave what lies beside it alone") {
+  const Sightings<Arm> sight(Arm{}, places());
+  const JointPosition<6> q{0.3, -1.0, 1.2, 0.1, 0.2, 0.3};
+  bool rising = false;  // else the strongest come first, and all later ones find no room
+  const auto reading = [&](std::size_t i) {
+    return rising ? 0.3 + 0.05 * double(i) : 0.9 - 0.05 * double(i);
+  };
+  const auto look = [&]<std::size_t Most>(std::integral_constant<std::size_t, Most>, std::uint32_t known) {
+    struct {
+      Surroundings<Most> room, beside;
+    } memory;
+    for (std::uint32_t k = 0; k < known; ++k) memory.room.add({{{5, 0, 0}, {5, 0, 0}, 0.1}, 0});
+    for (auto& o : memory.beside.obstacles) o = {{{7, 0, 0}, {7, 0, 0}, 0.7}, 0.7};
+    memory.beside.count = 1;
+    CHECK(sight.look(q, reading, memory.room) == 13);
+    CHECK(memory.room.count == Most);
+    CHECK(memory.beside.count == 1);
+    for (const auto& o : memory.beside.obstacles) {
+      CHECK(o.shape.from.x == 7);
+      CHECK(o.approach == 0.7);
+    }
+    for (std::uint32_t k = 0; k < known; ++k) CHECK(memory.room.obstacles[k].shape.from.x == 5);
+  };
+  for (const bool order : {false, true}) {
+    rising = order;
+    look(std::integral_constant<std::size_t, 1>{}, 0);
+    look(std::integral_constant<std::size_t, 2>{}, 0);
+    look(std::integral_constant<std::size_t, 2>{}, 2);
+    look(std::integral_constant<std::size_t, 3>{}, 1);
+  }
+}
