@@ -136,3 +136,13 @@ TEST_CASE("Sightings: the weak ones beyond the room leave what lies beside it al
     look(std::integral_constant<std::size_t, 3>{}, 1);
   }
 }
+
+TEST_CASE("Sightings: that some obstacles are unknown stays said: nothing may come nearer") {
+  const Sightings<Arm> sight(Arm{}, places());
+  Surroundings<3> out;
+  for (int k = 0; k < 5; ++k) out.add({{{5, 0, 0}, {5, 0, 0}, 0.1}, 0});
+  for (const double reading : {0.0, 0.5}) {
+    sight.look(JointPosition<6>{0.3, -1.0, 1.2, 0.1, 0.2, 0.3}, [&](std::size_t) { return reading; }, out);
+    CHECK(out.count == 5);
+  }
+}
