@@ -412,3 +412,17 @@ TEST_CASE("RestLevel: kappa is four deviations of the smoothed noise") {
           doctest::Approx(rest.freeze_level(20, nanoseconds(1 / rate))).epsilon(0.06));
   }
 }
+
+TEST_CASE("RestLevel: a cell that is being released is not named as unexplained, nor one that is touched") {
+  const auto named = [](double frozen, double below, double evidence) {
+    RestCell<double> cell{};
+    cell.frozen = frozen, cell.below = below, cell.evidence = evidence;
+    return unexplained(cell);
+  };
+  for (const double sign : {1.0, -1.0}) {
+    CHECK(named(sign * 60, 0, 0));
+    CHECK_FALSE(named(sign * 59.9, 0, 0));
+    CHECK_FALSE(named(sign * 60, -1, 0));
+    CHECK_FALSE(named(sign * 60, 0, -1));
+  }
+}
