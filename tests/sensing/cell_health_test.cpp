@@ -312,3 +312,19 @@ TEST_CASE("CellHealth: memories are equal only if all that they remember is") {
   differs([](auto& m) { m.at_top[1] = 2; });
   differs([](auto& m) { m.row[1].mask[1] = 1; });
 }
+
+TEST_CASE("CellHealth: a cell that blinks faster than its witnesses have time is found as well") {
+  for (const std::int64_t half : {6, 10})
+    for (const Nanoseconds period : {1ms, 2ms}) {
+      CAPTURE(half);
+      CAPTURE(period.count());
+      const double blinking = found_after(
+          0.7, period, 1, CellFault::blinking,
+          [&](Sensed& c, Nanoseconds since) {
+            c.force = since.count() / 1'000'000 / half % 2 == 0 ? 500 : 20;
+          },
+          nobody);
+      CHECK(blinking > 0);
+      CHECK(blinking <= 0.3);
+    }
+}
