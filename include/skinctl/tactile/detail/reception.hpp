@@ -5,7 +5,6 @@
 
 #include "skinctl/tactile/detail/cell_changes.hpp"
 #include "skinctl/tactile/detail/link_rows.hpp"
-#include "skinctl/tactile/detail/sample_batch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -49,28 +48,15 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
     }
     Pushes pushes[apart ? 2 : 1];
     const Usual usual(*this);
-    std::size_t singly = Crossed::most;
-    for (std::size_t first = 0; first < samples.size();) {
-      if constexpr (has_batches<Ahead, Front>) {
-        if (samples.size() - first >= least_batched && takes_batches(usual)) {
-          const std::size_t taken = take_batches<batch_lanes>(samples.subspan(first), pushes);
-          first += taken;
-          if (taken == most_batched) continue;
-          // Among the next ones, or after them, is one that is not usual. Where there are many, it is not asked each time.
-          singly = taken > 0 ? batch_lanes : singly < Crossed::most ? 2 * singly : Crossed::most;
-        } else {
-          singly = Crossed::most;
-        }
-      }
-      const std::size_t rest = samples.size() - first, count = rest < singly ? rest : singly;
+    for (std::size_t first = 0; first < samples.size(); first += Crossed::most) {
+      const std::size_t rest = samples.size() - first;
       Crossed crossed;
-      for (const CellSample& sample : samples.subspan(first, count)) {
+      for (const CellSample& sample : samples.subspan(first, rest < Crossed::most ? rest : Crossed::most)) {
         if constexpr (Ahead > 0)
           fetch<Ahead>(usual.keys, samples, static_cast<std::size_t>(&sample - samples.data()));
         if (!take_usual(usual, sample, front, pushes, crossed)) [[unlikely]]
           status |= take_any(sample, front);
       }
-      first += count;
       for (std::size_t k = 0; k < crossed.count; ++k) memory_.follow(crossed.cell[k]);
     }
     const T share = T(0.5e-9) * parts_.per_whole;
@@ -129,118 +115,6 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
       count += crosses ? 1u : 0u;
     }
   };
-  /// Whether the target has registers for samples side by side, and the samples go without a front end or tuning of their own.
-  template <std::size_t Ahead, class Front>
-  static constexpr bool has_batches =
-      batch_lanes > 1 && Ahead == 0 && std::is_same_v<std::remove_cv_t<Front>, AsSent> && !Tables::tuned &&
-      !ExactSums::in_steps && (std::is_same_v<T, float> || std::is_same_v<T, double>);
-  /// Fewer do not pay for the fetching of that code; of more, the rest is taken by another call.
-  static constexpr std::size_t least_batched = 4 * batch_lanes, most_batched = 16 * batch_lanes;
-  /// Whether samples of this interval are taken side by side: times become reals below 2^52 ns.
-  [[nodiscard]] static SKINCTL_INLINE bool takes_batches(const Usual& at) noexcept {
-    constexpr std::uint64_t most = std::uint64_t(1) << 50;
-    return at.whole && at.latest < most && at.ramp < most;
-  }
-  /// What is left to be done after the batches, noted without a branch: readings come as they like.
-  struct Batched {
-    static constexpr std::size_t room = most_batched + batch_lanes;  ///< whole registers are written
-    alignas(64) std::uint64_t key[most_batched];                     ///< bits of the `CellKey` of each sample
-    double force[most_batched], proximity[most_batched];             ///< changes of the counts
-    T share[most_batched];                                           ///< of the interval, as in `take_usual`
-    std::uint32_t changed[room];                 ///< samples with other counts than their cells' last ones
-    std::uint32_t pressing[room], seeing[room];  ///< cells that began or ceased to be pressed, or to see
-  };
-  /// What `take_usual` does, in the same order, for samples side by side: of at most `most_batched` those before the first batch
-  /// in which one is not usual or two are of one cell. Returns how many it took.
-  template <std::size_t W>
-  [[nodiscard]] SKINCTL_NOINLINE std::size_t take_batches(std::span<const CellSample> samples,
-                                                          Pushes* pushes) const noexcept {
-    using B = SampleBatch<W>;
-    using Long = typename B::Long;
-    using Word = typename B::Word;
-    const Usual at(*this);
-    const typename B::Gates gates(at.gates);
-    Batched batched;
-    // Keys first, and apart: from then on a batch waits for its records only.
-    const std::size_t all = samples.size() < most_batched ? samples.size() / W * W : most_batched;
-    for (std::size_t k = 0; k < all; k += W)
-      unrolled<W>([&](std::size_t lane) SKINCTL_INLINE_LAMBDA {
-        batched.key[k + lane] = std::bit_cast<std::uint64_t>(at.keys.of(samples[k + lane].cell));
-      });
-    Word order = B::narrow(B::lanes([](std::uint64_t k) SKINCTL_INLINE_LAMBDA { return k; }));
-    std::size_t taken = 0, changed = 0, pressing = 0, seeing = 0;
-    for (; taken < all; taken += W, order += W) {
-      const CellSample* sample = samples.data() + taken;
-      const std::uint64_t* key = batched.key + taken;
-      const Word index = B::narrow(B::load(key));
-      if (B::any_sign(index | (static_cast<std::uint32_t>(at.cells - 1) - index))) [[unlikely]]
-        break;
-
-      // With a sign: GCC would otherwise take it through a vector register.
-      const auto record = [&](std::size_t k) SKINCTL_INLINE_LAMBDA {
-        return reinterpret_cast<typename B::TwoAt*>(at.records + static_cast<std::int32_t>(key[k]));
-      };
-      const auto records = B::columns([&](std::size_t k) SKINCTL_INLINE_LAMBDA { return *record(k); });
-      const auto readings = B::readings(sample);
-      const Long time = B::lanes([&](std::size_t k) SKINCTL_INLINE_LAMBDA {
-        return static_cast<std::uint64_t>(sample[k].time.count());
-      });
-      const Long late = at.to - time, gap = time - records.first, younger = gap - 1;
-      const Long unusual =
-          late | (at.latest - late) | younger | (at.longest - 1 - younger) | ~(records.second << 29);
-      static_assert(CellRecord::heard << 29 == 1u << 31, "that of cells that are not heard is a sign");
-      if (B::any_sign(B::unbelievable(sample, readings) | B::repeated(index)) || B::any_sign(unusual))
-          [[unlikely]]
-        break;
-
-      const Word old = B::narrow(records.second), now = gates.pass(B::counts(readings), old);
-      constexpr std::uint64_t state = ~std::uint64_t(0) << 32;
-      B::each_row({time, (records.second & state) | B::wide(now)},
-                  [&](std::size_t k, auto row) SKINCTL_INLINE_LAMBDA { *record(k) = row; });
-      const auto changes = B::differ(now, old);
-      if (changes == 0) continue;
-      changed += B::append(batched.changed + changed, order, changes);
-      pressing += B::append(batched.pressing + pressing, index, B::template crosses<0>(now, old));
-      seeing += B::append(batched.seeing + seeing, index, B::template crosses<1>(now, old));
-      const Long ramp = Long{} + at.ramp;
-      B::store(batched.force + taken, B::real((now & 0xFFFFu) - (old & 0xFFFFu)));
-      B::store(batched.proximity + taken, B::real((now >> 16) - (old >> 16)));
-      B::store(batched.share + taken, B::template real<T>(2 * late + (gap < ramp ? gap : ramp)));
-    }
-    for (std::size_t n = 0; n < pressing; ++n)
-      memory_.cross(batched.pressing[n], CellRecord::pressed, &BlockStates::pressed);
-    for (std::size_t n = 0; n < seeing; ++n)
-      memory_.cross(batched.seeing[n], CellRecord::seeing, &BlockStates::seeing);
-    for (std::size_t n = 0; n < changed; ++n) {
-      const std::size_t k = batched.changed[n];
-      const auto key = std::bit_cast<CellKey>(batched.key[k]);
-      const CellUnit& cell_unit = at.units[key.index()];
-      const WideUnit<double> unit(cell_unit.row);
-      at.sums[key.sums()].add(unit, batched.force[k], batched.proximity[k]);
-      const PatchRow<T>& patch = at.patches[key.sums()];
-      add_push(pushes, key.slot(), patch.force_gain * static_cast<T>(batched.force[k]),
-               patch.proximity_gain * static_cast<T>(batched.proximity[k]), batched.share[k], unit,
-               cell_unit);
-    }
-    return taken;
-  }
-  /// The impulse of a change, twice: to the rows of its link.
-  static SKINCTL_INLINE void add_push(Pushes* pushes, std::size_t slot, const T& force, const T& proximity,
-                                      const T& share, const auto& unit, const CellUnit& cell_unit) noexcept {
-    const auto add = [&](const auto& wide) SKINCTL_INLINE_LAMBDA {
-      if constexpr (apart) {
-        wide.add_to(pushes[0].row[slot], share * force);
-        wide.add_to(pushes[1].row[slot], share * proximity);
-      } else {
-        wide.add_to(pushes[0].row[slot], share * (force + proximity));
-      }
-    };
-    if constexpr (std::is_same_v<T, double> || ExactSums::in_steps) {
-      static_cast<void>(cell_unit), add(unit);
-    } else {
-      static_cast<void>(unit), add(WideUnit<T>(cell_unit.row));
-    }
-  }
   template <class Front>
   [[nodiscard]] SKINCTL_INLINE bool take_usual(const Usual& at, const CellSample& sample, Front& front,
                                                Pushes* pushes, Crossed& crossed) const noexcept {
@@ -283,7 +157,20 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
     const T share = static_cast<T>(static_cast<std::int64_t>(2 * late + (gap < at.ramp ? gap : at.ramp)));
     const T force = patch.force_gain * change.template as<0, T>();
     const T proximity = patch.proximity_gain * change.template as<1, T>();
-    add_push(pushes, key.slot(), force, proximity, share, unit, cell_unit);
+    const std::size_t slot = key.slot();
+    const auto add = [&](const auto& wide) SKINCTL_INLINE_LAMBDA {
+      if constexpr (apart) {
+        wide.add_to(pushes[0].row[slot], share * force);
+        wide.add_to(pushes[1].row[slot], share * proximity);
+      } else {
+        wide.add_to(pushes[0].row[slot], share * (force + proximity));
+      }
+    };
+    if constexpr (std::is_same_v<T, double> || ExactSums::in_steps) {
+      add(unit);
+    } else {
+      add(WideUnit<T>(cell_unit.row));
+    }
     return true;
   }
   SKINCTL_INLINE CountPair pass(const Usual& at, std::size_t i, CountPair raw, CountPair old) const noexcept {

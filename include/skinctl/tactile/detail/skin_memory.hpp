@@ -96,12 +96,6 @@ struct SkinMemoryOf : Store {
     records[i].state = state;
     states[i / 64].set_held(i, state);
   }
-  /// Cell `i`, which is heard, begins or ceases to be in a state.
-  SKINCTL_INLINE void cross(std::size_t i, std::uint32_t state,
-                            std::uint64_t BlockStates::* states_of) noexcept {
-    records[i].state ^= state;
-    states[i / 64].*states_of ^= std::uint64_t(1) << i % 64;
-  }
   friend bool operator==(const SkinMemoryOf&, const SkinMemoryOf&) noexcept = default;
 
  private:
