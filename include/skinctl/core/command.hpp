@@ -15,7 +15,8 @@ enum class Interface : unsigned char {
 };
 
 /// A command at `time`. `position`, `velocity` and `acceleration` describe the commanded motion for every
-/// interface, so that a robot may take the others as feed-forward; `torque` is the fused torque.
+/// interface, so that a robot may take the others as feed-forward; `torque` is the fused torque, beside a motion the
+/// last finite one.
 ///
 /// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet.
 template <std::size_t N, Real T = double>

@@ -285,7 +285,6 @@ class Guard {
     const T dt = I == Interface::position && elapsed > cycle ? cycle : elapsed;
     Guarded<N, T> out{m.command, status, true};
     const auto& last = m.command;
-    out.command.torque = {};
     if constexpr (smooth) {
       const auto motion = braking_.brake(room(measured, last.position), last.velocity, last.acceleration, dt);
       out.status |= motion.status & Status(Reason::jerk_exceeded);

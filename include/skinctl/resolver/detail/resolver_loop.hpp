@@ -160,11 +160,11 @@ SKINCTL_INLINE auto SKINCTL_RESOLVER_CLASS::step(Memory& m, const L& law, typena
       const auto driven =
           drive(m, law, law_memory, interval.at(j), m.v, begun.correction.pull, h, touches[j]);
       status |= driven.status;
-      detail::copy_row(driven.torque, torque);
       detail::copy_row(driven.velocity, v1);
       if (!affords(m, v1)) [[unlikely]]
         status |= Reason::energy_held;
       if (!driven.status.has(Reason::torque_not_finite)) [[likely]] {
+        detail::copy_row(driven.torque, torque);
         detail::copy_whole(driven.law.memory, law_memory);
         detail::copy_whole(driven.law.shares, shares.data[0]);
         shown = true;
