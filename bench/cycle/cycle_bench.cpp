@@ -17,7 +17,6 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/dense_skin.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "tests/support/kdl_oracle.hpp"
 
@@ -52,6 +51,12 @@ auto resolver() {
   c.lag = 5ms;
   c.virtual_damping = T(6);
   return Resolver<Interface::position, ur5::Model, T>(ur5::Model{}, c);
+}
+template <std::size_t Cells, class T>
+auto skin() {
+  SkinSettings settings;
+  settings.max_age = 10s;
+  return ur5_skin<Cells, T>({}, settings);
 }
 /// As many samples a cycle as send-on-delta lets through: 13 % of 250 a second and cell.
 constexpr std::size_t usual_samples(std::size_t cells) {
@@ -92,43 +97,6 @@ void run(benchmark::State& state, const Scene& scene, std::size_t cells, std::si
   }
 }
 
-/// The same from whole frames of readings: one number a cell.
-template <class T, std::size_t Cells, class Policy, class Law>
-void run_dense(benchmark::State& state, const Law& control) {
-  const auto skin = std::apply(
-      [](const auto&... patch) {
-        return DenseSkin<ur5::Model, Policy, std::remove_cvref_t<decltype(patch)>...>(patch...);
-      },
-      ur5::skin_patches<Cells>());
-  using Dense = std::remove_cvref_t<decltype(skin)>;
-  const auto robot = bench::prepared([] { return resolver<T>(); });
-  auto frame = std::make_unique<typename Dense::Frame>();
-  for (std::size_t i = 0; i < ur5::skin_cells<Cells>[2]; ++i)
-    frame->template at<2>(i) = static_cast<typename Dense::Stored>(0.001 * static_cast<double>(i % 7));
-  State<6, T> measured;
-  measured.q = JointPosition<6, T>{T(0), T(-1.2), T(1.4), T(-1.8), T(-1.57), T(0.3)};
-  auto memory = bench::prepared([&] { return robot.start(measured); });
-  typename Dense::Wrenches touch = skin.wrenches(*frame);
-  const auto start = robot.state(memory);
-  auto law_memory = bench::prepared([&] {
-    return control.start(
-        robot.template known<std::remove_cvref_t<decltype(control)>>(start, robot.planned_step(), touch));
-  });
-  Nanoseconds now{};
-  const bench::CountAllocations counted(state);
-  for (auto _ : state) {
-    now += period;
-    measured.time = now;
-    benchmark::DoNotOptimize(frame.get());
-    benchmark::ClobberMemory();
-    touch = skin.wrenches(*frame);
-    const auto out = robot.step(memory, control, law_memory, measured, robot.interval(memory, now),
-                                std::span<const typename Dense::Wrenches>(&touch, 1));
-    measured.q = out.command.position;
-    benchmark::DoNotOptimize(measured);
-  }
-}
-
 template <class T>
 void skinctl_rows() {
   const std::string end = std::string("/skinctl/") + bench::scalar_name<T>;
@@ -138,12 +106,8 @@ void skinctl_rows() {
           ("cycle/evaluation/ur5-" + std::to_string(Cells) + (samples == 0 ? "-no-sample" : "") + end)
               .c_str(),
           [samples](benchmark::State& s) {
-            SkinSettings skin;
-            skin.max_age = 10s;
-            run<T>(s, bench::prepared([&] {
-                     return Cycle(resolver<T>(), ur5_skin<Cells, T>({}, skin), law<T>());
-                   }),
-                   Cells, samples);
+            run<T>(s, bench::prepared([] { return Cycle(resolver<T>(), skin<Cells, T>(), law<T>()); }), Cells,
+                   samples);
           });
   };
   benchmark::RegisterBenchmark(("cycle/evaluation/ur5" + end).c_str(), [](benchmark::State& s) {
@@ -151,16 +115,11 @@ void skinctl_rows() {
   });
   with(std::integral_constant<std::size_t, 260>{});
   with(std::integral_constant<std::size_t, 1260>{});
-  using Policy = std::conditional_t<std::is_same_v<T, double>, DoubleSum, FloatSum>;
-  benchmark::RegisterBenchmark(("cycle/evaluation/ur5-1260-frames" + end).c_str(),
-                               [](benchmark::State& s) { run_dense<T, 1260, Policy>(s, law<T>()); });
   benchmark::RegisterBenchmark(
-      ("cycle/evaluation/ur5-1260-frames-operational" + end).c_str(),
-      [](benchmark::State& s) { run_dense<T, 1260, Policy>(s, operational_law<T>()); });
-  if constexpr (std::is_same_v<T, double>)  // half the bytes a cell; the error is that of readings in float
-    benchmark::RegisterBenchmark(
-        ("cycle/evaluation/ur5-1260-frames-stored-in-float" + end).c_str(),
-        [](benchmark::State& s) { run_dense<T, 1260, FloatStoredSum>(s, law<T>()); });
+      ("cycle/evaluation/ur5-1260-operational" + end).c_str(), [](benchmark::State& s) {
+        run<T>(s, bench::prepared([] { return Cycle(resolver<T>(), skin<1260, T>(), operational_law<T>()); }),
+               1260, usual_samples(1260));
+      });
 }
 
 /// The same quantities with KDL: cell by cell or link by link, inverse dynamics, mass matrix.

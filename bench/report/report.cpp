@@ -144,8 +144,8 @@ void print_shares(const Rows& rows) {
     return found->second.at("skinctl").median();
   };
   for (const std::string scalar : {"double", "float"}) {
-    const double joints = ours("cycle/evaluation/ur5-1260-frames/" + scalar);
-    const double tool = ours("cycle/evaluation/ur5-1260-frames-operational/" + scalar);
+    const double joints = ours("cycle/evaluation/ur5-1260/" + scalar);
+    const double tool = ours("cycle/evaluation/ur5-1260-operational/" + scalar);
     if (joints <= 0 || tool <= 0) continue;
     const std::string end = "/ur5/" + scalar;
     std::printf("\n%-44s %10s %14s %14s\n", ("law alone, " + scalar).c_str(), "ns", "of the cycle",

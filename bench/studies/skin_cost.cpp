@@ -1,7 +1,7 @@
-// What a cell costs, from 1260 cells to a million: `skin_cost [most cells [repetitions]]`. Median ns, all in one
+// What a cell costs, from 1260 cells to 100 000: `skin_cost [most cells [repetitions]]`. Median ns, all in one
 // run, interleaved. An event is a sample that changes both readings, 6.5 % of the cells a cycle, stamps set
-// beforehand; a scan reads and writes 44 bytes a cell, `[block][field][16]` floats, as trust in cells does; sums
-// are dense ones. KDL: a Jacobian for each cell, and one for each link.
+// beforehand; a scan reads and writes 44 bytes a cell, `[block][field][16]` floats, as trust in cells does.
+// KDL: a Jacobian for each cell, and one for each link.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -13,8 +13,7 @@
 #include "bench/floor/event_floor.hpp"
 #include "bench/tactile/kdl_skin.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/dense_skin.hpp"
-#include "skinctl/tactile/large_skin.hpp"
+#include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/testing/random_skin.hpp"
 #include "skinctl/testing/robots.hpp"
 
@@ -97,7 +96,7 @@ SkinSettings settings() {
   return s;
 }
 
-/// Events through a `LargeSkin`, or a `SkinOf` where the number is small.
+/// Events through a skin, or the floor under it.
 template <class S, class Receive>
 Row events(const std::string& name, std::shared_ptr<Batches> batches, S skin, std::size_t cells, double bytes,
            Receive receive) {
@@ -111,26 +110,6 @@ Row events(const std::string& name, std::shared_ptr<Batches> batches, S skin, st
             return timed(double(batches->samples.size()), [&] {
               for (std::size_t c = 0; c < batches->cycles; ++c, *now += 2ms)
                 receive(*skin, batches->cycle(c), *now, *now + 2ms);
-            });
-          }};
-}
-
-template <class Policy>
-Row sums(const std::string& name, const std::vector<detail::AnyCell>& cells) {
-  auto units = std::make_shared<UnitWrenches<Policy>>(cells);
-  auto readings =
-      std::make_shared<std::vector<typename Policy::stored>>(UnitWrenches<Policy>::padded(cells.size()));
-  for (auto& x : *readings) x = typename Policy::stored(0.5);
-  const double count = double(cells.size());
-  const std::size_t times = std::max<std::size_t>(1, 300000 / cells.size());
-  return {name, double(units->bytes()) / count + sizeof(typename Policy::stored), [=] {
-            return timed(count * double(times), [&] {
-              for (std::size_t k = 0; k < times; ++k) {
-                typename Policy::summed wrench[6];
-                keep(*readings);
-                units->weigh(readings->data(), wrench);
-                keep(wrench);
-              }
             });
           }};
 }
@@ -156,111 +135,102 @@ Row scan(std::size_t cells) {
           }};
 }
 
+/// A skin with its memory, which starts at 0.
+template <std::size_t Cells>
+struct SkinWithMemory {
+  using Skin = SkinOf<ur5::Model, double, Cells>;
+  explicit SkinWithMemory(const std::vector<SkinPatch>& patches)
+      : skin(patches, settings()), memory(skin.start(0ns)) {}
+  Skin skin;
+  typename Skin::Memory memory;
+};
+
+template <std::size_t cells>
+void print_rows(std::size_t most, int repetitions) {
+  if (cells > most) return;
+  const auto patches = some_cells(cells);
+  auto busy = std::make_shared<Batches>(cells, true);
+  auto calm = std::make_shared<Batches>(cells, false);
+  std::vector<Row> rows;
+  const double event_bytes = sizeof(CellSample) + 2 * sizeof(detail::CellRecord) + sizeof(detail::CellUnit) +
+                             sizeof(detail::CellKey);
+  {
+    detail::CellTable flat(cells);
+    std::size_t number = 0;
+    for (const SkinPatch& p : patches) {
+      const auto one = any_cells({p});
+      for (std::size_t from = 0; from < one.size(); from += detail::ExactSums::most_cells)
+        flat.add(one.data() + from, std::min(one.size() - from, detail::ExactSums::most_cells), number++,
+                 p.link);
+    }
+    const std::int32_t threshold[2] = {1311, 3277};
+    const double gain[2] = {10 * CellCounts::force_unit, 3 * CellCounts::proximity_unit};
+    auto floor = std::make_shared<bench_floor::EventFloor>(
+        flat, std::uint32_t(cells + 1), number, Nanoseconds(hour).count(), Nanoseconds(6ms).count(),
+        Nanoseconds(22ms).count(), threshold, gain);
+    rows.push_back(events("event, floor", busy, floor, cells, event_bytes,
+                          [](auto& s, std::span<const CellSample> x, Nanoseconds from, Nanoseconds to) {
+                            auto refused = s.take(x, from.count(), to.count());
+                            keep(refused);
+                          }));
+  }
+  using S = SkinWithMemory<cells>;
+  const auto receive = [](S& s, std::span<const CellSample> x, Nanoseconds from, Nanoseconds to) {
+    typename S::Skin::Touch mean;
+    s.skin.receive(s.memory, x, from, to, 1, &mean);
+    keep(mean);
+  };
+  const auto skin = std::make_shared<S>(patches);
+  const double memory = double(sizeof(skin->memory)) / double(cells);
+  const double table = double(skin->skin.table_bytes()) / double(cells);
+  rows.push_back(events("event, force and proximity apart", busy, skin, cells,
+                        event_bytes + sizeof(detail::CellTuning), receive));
+  rows.push_back(events("sample that changes nothing", calm, std::make_shared<S>(patches), cells,
+                        sizeof(CellSample) + 2 * sizeof(detail::CellRecord) + sizeof(detail::CellKey) +
+                            sizeof(detail::CellTuning),
+                        receive));
+  rows.push_back(scan(cells));
+  if (cells <= 10000) {
+    std::vector<bench::KdlCell> k;
+    for (const SkinPatch& p : patches)
+      for (const SkinCell& c : p.cells) {
+        const auto u = unit_wrench(c.X_LC);
+        const auto o = c.X_LC.origin();
+        k.push_back({int(p.link),
+                     {o.x, o.y, o.z},
+                     {u.force.x, u.force.y, u.force.z, u.moment.x, u.moment.y, u.moment.z}});
+      }
+    auto kdl = std::make_shared<bench::KdlSkin>(oracle::ur5(), std::move(k));
+    auto newton = std::make_shared<std::vector<double>>(cells, 1.0);
+    const auto row = [=](auto member) {
+      return [=] {
+        const double q[6] = {0.3, -1.2, 1.4, -1.8, -1.57, 0.3};
+        double tau[6];
+        return timed(double(cells), [&] {
+          ((*kdl).*member)(q, newton->data(), tau);
+          keep(tau);
+        });
+      };
+    };
+    rows.push_back({"KDL, cell by cell", 0, row(&bench::KdlSkin::per_cell)});
+    rows.push_back({"KDL, link by link", 0, row(&bench::KdlSkin::per_link)});
+  }
+  for (int r = 0; r < repetitions; ++r)
+    for (Row& row : rows) row.found.push_back(row.once());
+  std::printf("%zu cells; of each: memory %.1f bytes, tables %.1f\n", cells, memory, table);
+  for (Row& row : rows) {
+    std::sort(row.found.begin(), row.found.end());
+    std::printf("  %-44s %8.2f ns  (least %.2f)  %5.0f bytes\n", row.name.c_str(),
+                row.found[row.found.size() / 2], row.found[0], row.bytes);
+  }
+}
+
 }  // namespace
 
 int main(int count, char** words) {
-  const std::size_t most = count > 1 ? std::strtoul(words[1], nullptr, 10) : 1000000;
+  const std::size_t most = count > 1 ? std::strtoul(words[1], nullptr, 10) : 100000;
   const int repetitions = count > 2 ? std::atoi(words[2]) : 15;
-  for (const std::size_t cells :
-       {std::size_t(1260), std::size_t(10000), std::size_t(100000), std::size_t(1000000)}) {
-    if (cells > most) break;
-    const auto patches = some_cells(cells);
-    const auto any = any_cells(patches);
-    auto busy = std::make_shared<Batches>(cells, true);
-    auto calm = std::make_shared<Batches>(cells, false);
-    std::vector<Row> rows;
-    const double event_bytes = sizeof(CellSample) + 2 * sizeof(detail::CellRecord) +
-                               sizeof(detail::CellUnit) + sizeof(detail::CellKey);
-    double table = 0, memory = 0;
-    const auto large = [](auto& s, std::span<const CellSample> x, Nanoseconds, Nanoseconds to) {
-      auto report = s.take(x, to);
-      keep(report);
-    };
-    {
-      detail::CellTable flat(cells);
-      std::size_t number = 0;
-      for (const SkinPatch& p : patches) {
-        const auto one = any_cells({p});
-        for (std::size_t from = 0; from < one.size(); from += detail::ExactSums::most_cells)
-          flat.add(one.data() + from, std::min(one.size() - from, detail::ExactSums::most_cells), number++,
-                   p.link);
-      }
-      const std::int32_t threshold[2] = {1311, 3277};
-      const double gain[2] = {10 * CellCounts::force_unit, 3 * CellCounts::proximity_unit};
-      auto floor = std::make_shared<bench_floor::EventFloor>(
-          flat, std::uint32_t(cells + 1), number, Nanoseconds(hour).count(), Nanoseconds(6ms).count(),
-          Nanoseconds(22ms).count(), threshold, gain);
-      rows.push_back(events("event, floor", busy, floor, cells, event_bytes,
-                            [](auto& s, std::span<const CellSample> x, Nanoseconds from, Nanoseconds to) {
-                              auto refused = s.take(x, from.count(), to.count());
-                              keep(refused);
-                            }));
-    }
-    if (cells == 1260) {
-      using S = SkinOf<ur5::Model, double, 1260>;
-      struct Both {
-        S skin;
-        S::Memory memory;
-      };
-      auto both = std::make_shared<Both>(Both{S(patches, settings()), {}});
-      both->memory = both->skin.start(0ns);
-      rows.push_back(events("event, SkinOf with thresholds of each cell", busy, both, cells,
-                            event_bytes + sizeof(detail::CellTuning),
-                            [](auto& s, std::span<const CellSample> x, Nanoseconds from, Nanoseconds to) {
-                              S::Wrenches mean;
-                              s.skin.receive(s.memory, x, from, to, 1, &mean);
-                              keep(mean);
-                            }));
-    }
-    {
-      auto skin = std::make_shared<LargeSkin<ur5::Model>>(patches, settings());
-      skin->start(0ns);
-      table = double(skin->cells().table_bytes()) / double(cells);
-      memory = double(skin->bytes()) / double(cells) - table;
-      rows.push_back(
-          events("event, LargeSkin, force and proximity apart", busy, skin, cells, event_bytes, large));
-      auto other = std::make_shared<LargeSkin<ur5::Model>>(patches, settings());
-      other->start(0ns);
-      rows.push_back(events("sample that changes nothing", calm, other, cells,
-                            sizeof(CellSample) + 2 * sizeof(detail::CellRecord) + sizeof(detail::CellKey),
-                            large));
-    }
-    rows.push_back(scan(cells));
-    rows.push_back(sums<DoubleSum>("sum, double", any));
-    rows.push_back(sums<FloatSum>("sum, float", any));
-    rows.push_back(sums<ShortStoredSum>("sum, 16 bits", any));
-    if (cells <= 10000) {
-      std::vector<bench::KdlCell> k;
-      for (const SkinPatch& p : patches)
-        for (const SkinCell& c : p.cells) {
-          const auto u = unit_wrench(c.X_LC);
-          const auto o = c.X_LC.origin();
-          k.push_back({int(p.link),
-                       {o.x, o.y, o.z},
-                       {u.force.x, u.force.y, u.force.z, u.moment.x, u.moment.y, u.moment.z}});
-        }
-      auto kdl = std::make_shared<bench::KdlSkin>(oracle::ur5(), std::move(k));
-      auto newton = std::make_shared<std::vector<double>>(cells, 1.0);
-      const auto row = [=](auto member) {
-        return [=] {
-          const double q[6] = {0.3, -1.2, 1.4, -1.8, -1.57, 0.3};
-          double tau[6];
-          return timed(double(cells), [&] {
-            ((*kdl).*member)(q, newton->data(), tau);
-            keep(tau);
-          });
-        };
-      };
-      rows.push_back({"KDL, cell by cell", 0, row(&bench::KdlSkin::per_cell)});
-      rows.push_back({"KDL, link by link", 0, row(&bench::KdlSkin::per_link)});
-    }
-    for (int r = 0; r < repetitions; ++r)
-      for (Row& row : rows) row.found.push_back(row.once());
-    std::printf("%zu cells; of each: memory %.1f bytes, tables %.1f\n", cells, memory, table);
-    for (Row& row : rows) {
-      std::sort(row.found.begin(), row.found.end());
-      std::printf("  %-44s %8.2f ns  (least %.2f)  %5.0f bytes\n", row.name.c_str(),
-                  row.found[row.found.size() / 2], row.found[0], row.bytes);
-    }
-  }
+  print_rows<1260>(most, repetitions);
+  print_rows<10000>(most, repetitions);
+  print_rows<100000>(most, repetitions);
 }

@@ -7,10 +7,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <vector>
 
 #include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/large_skin.hpp"
+#include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/testing/random_skin.hpp"
 
 using namespace skinctl;
@@ -33,8 +34,8 @@ std::vector<SkinPatch> some_patches(Random& rng) {
 
 /// The largest difference between the sums of `skin` and the exact ones [N], [N m].
 template <class S>
-double difference(const S& skin, const std::vector<SkinPatch>& patches) {
-  const auto touch = skin.cells().touch(skin.memory());
+double difference(const S& skin, const typename S::Memory& memory, const std::vector<SkinPatch>& patches) {
+  const auto touch = skin.touch(memory);
   double worst = 0;
   std::size_t i = 0;
   for (const SkinPatch& patch : patches) {
@@ -46,7 +47,7 @@ double difference(const S& skin, const std::vector<SkinPatch>& patches) {
     const int reach = static_cast<int>(std::ceil(std::log2(most)));
     __extension__ __int128 steps[2][6] = {};
     for (const SkinCell& cell : patch.cells) {
-      const CellCounts held = skin.cells().held(skin.memory(), i++);
+      const CellCounts held = skin.held(memory, i++);
       const auto u = unit_wrench(cell.X_LC);
       const double row[6] = {u.force.x, u.force.y, u.force.z, u.moment.x, u.moment.y, u.moment.z};
       for (std::size_t r = 0; r < 6; ++r) {
@@ -71,8 +72,9 @@ int main(int count, char** words) {
   const double updates = count > 1 ? std::strtod(words[1], nullptr) : 1e9;
   Random rng = seeded(1);
   const auto patches = some_patches(rng);
-  LargeSkin<ur5::Model> skin(patches);
-  skin.start(0ns);
+  using Large = SkinOf<ur5::Model, double, 8160>;
+  const Large skin(patches);
+  const auto memory = std::make_unique<Large::Memory>(skin.start(0ns));
   std::vector<CellSample> samples(4096);
   Nanoseconds now{};
   double done = 0, next = updates / 10, worst = 0;
@@ -81,6 +83,7 @@ int main(int count, char** words) {
   const auto start = std::chrono::steady_clock::now();
   for (std::uint64_t cycle = 0; done < updates; ++cycle) {
     const bool pause = cycle % 1000 == 999;  // long enough that cells fade, or end
+    const Nanoseconds from = now;
     now += pause ? 190ms + Nanoseconds(rng() % 80000000u) : 2ms;
     for (CellSample& s : samples) {
       const std::uint64_t a = rng(), b = rng();
@@ -92,12 +95,13 @@ int main(int count, char** words) {
       s.proximity = float((b >> 33) % 65537) / 65536;
       if ((a >> 52) % 8 == 0) s.force = {};
     }
-    seen |= skin.take(samples, now).status;
-    if (pause) ended += skin.cells().silent(skin.memory());
+    Large::Touch mean;
+    seen |= skin.receive(*memory, samples, from, now, 1, &mean);
+    if (pause) ended += skin.silent(*memory);
     done += double(samples.size());
     if (done >= next || done >= updates) {
-      const bool same = skin.cells().recomputed(skin.memory()) == skin.memory();
-      const double d = difference(skin, patches);
+      const bool same = skin.recomputed(*memory) == *memory;
+      const double d = difference(skin, *memory, patches);
       worst = std::max(worst, same ? d : 1e300);
       std::printf("%.3g updates: largest difference to the exact sums %g, the same as from scratch: %s\n",
                   done, d, same ? "yes" : "NO");

@@ -1,5 +1,5 @@
 // The floor under skin torque on a UR5: sums over flat arrays and a backward pass, written out by hand with
-// this robot's zeros, ones and lengths; and the cost of the bytes alone.
+// this robot's zeros, ones and lengths.
 #pragma once
 
 #include <cstddef>
@@ -87,27 +87,6 @@ BENCH_FLOOR_INLINE void ur5_backward(const T* sin, const T* cos, const T (*w)[6]
   turn(sin[1], cos[1], nx, ny);
   static_cast<void>(d1);
   tau[0] = w[0][5] + ny;
-}
-
-/// Reads every number of `x` once and adds them up: what the bytes cost, whatever is done with them.
-template <class T>
-BENCH_FLOOR_INLINE T stream(const T* x, std::size_t count) {
-  using L = skinctl::Lane<T>;
-  constexpr std::size_t W = skinctl::native_lanes<T>;
-  L a(0), b(0), c(0), d(0), e(0), f(0), g(0), h(0);
-  std::size_t i = 0;
-  for (; i + 8 * W <= count; i += 8 * W) {
-    a = a + L::load(x + i);
-    b = b + L::load(x + i + W);
-    c = c + L::load(x + i + 2 * W);
-    d = d + L::load(x + i + 3 * W);
-    e = e + L::load(x + i + 4 * W);
-    f = f + L::load(x + i + 5 * W);
-    g = g + L::load(x + i + 6 * W);
-    h = h + L::load(x + i + 7 * W);
-  }
-  for (; i + W <= count; i += W) a = a + L::load(x + i);
-  return sum(a + b + c + d + e + f + g + h);
 }
 
 }  // namespace bench_floor

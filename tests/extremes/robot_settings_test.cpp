@@ -16,7 +16,6 @@
 #include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
-#include "skinctl/tactile/large_skin.hpp"
 #include "skinctl/tactile/motor_touch.hpp"
 #include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/weighted_skin.hpp"
@@ -190,8 +189,6 @@ TEST_CASE("extremes: settings of what feels, learns and grasps") {
     grasp.max_force = wrong;
     CHECK(refused([&] { GraspControl<6, double, 1, 2>({}, grasp); }));
   }
-  for (const Nanoseconds wrong : {Nanoseconds::min(), Nanoseconds(0)})
-    CHECK(refused([&] { LargeSkinTouch<Arm>{wrong}; }));
 }
 
 TEST_CASE(

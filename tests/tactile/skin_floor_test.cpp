@@ -31,23 +31,20 @@ TEST_CASE_TEMPLATE("Floor of skin torque: the backward pass by hand is skinctl's
   }
 }
 
-TEST_CASE_TEMPLATE("Floor of skin torque: the sum by hand is a sum, and the stream reads everything", T,
-                   float, double) {
+TEST_CASE_TEMPLATE("Floor of skin torque: the sum by hand is a sum", T, float, double) {
   constexpr std::size_t W = native_lanes<T>, pairs = 5;
   Random rng = seeded(2);
   bench_floor::Line<T> units(12 * W * pairs), readings(2 * W * pairs);
-  T expected[6] = {}, all = 0;
+  T expected[6] = {};
   for (std::size_t i = 0; i < 2 * W * pairs; ++i) readings.data()[i] = T(int(rng() % 9));
   for (std::size_t i = 0; i < 12 * W * pairs; ++i) {
     units.data()[i] = T(int(rng() % 17) - 8);
     const std::size_t block = i / (6 * W), r = i / W % 6, lane = i % W;
     expected[r] += units.data()[i] * readings.data()[block * W + lane];
-    all += units.data()[i];
   }
   T w[6];
   bench_floor::weigh(units.data(), readings.data(), pairs, w);
   for (std::size_t r = 0; r < 6; ++r) CHECK(w[r] == expected[r]);
-  CHECK(bench_floor::stream(units.data(), units.size()) == all);
 }
 
 TEST_CASE("KDL as a peer: per cell and per link it is skinctl's torque") {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -11,7 +12,9 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random_skin.hpp"
+#include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -34,6 +37,15 @@ std::vector<SkinPatch> untyped(const Patches& patches) {
   return all;
 }
 
+SkinPatch some_patch(Random& rng, std::size_t link, std::size_t cells, std::uint32_t first_id,
+                     const CellGains& gains = {12, 3}) {
+  SkinPatch patch{link, gains, {}};
+  for (std::size_t i = 0; i < cells; ++i)
+    patch.cells.push_back(
+        {.id = first_id + static_cast<std::uint32_t>(i),
+         .X_LC = Transform<SomeLink, Cell>(random_rotation<double>(rng), random_xyz(rng, 0.3))});
+  return patch;
+}
 /// Whatever may come: cells unknown, readings out of range, stamps late, ahead, swapped, and silences.
 std::vector<CellSample> some_samples(Random& rng, std::size_t count, std::uint32_t ids, Nanoseconds to) {
   std::vector<CellSample> samples(count);
@@ -218,4 +230,61 @@ TEST_CASE("SkinOf: what does not fit is refused") {
   CHECK_THROWS_AS(Five{with([](auto& p) { p[0].cells[1].gains = CellGains{-1, 0}; })}, ConfigurationError);
   CHECK_THROWS_AS(Five{with([](auto& p) { p[0].gains.force = -1; })}, ConfigurationError);
   CHECK_THROWS_AS(Five{with([](auto& p) { p[1].cells[0].id = 1; })}, ConfigurationError);
+}
+
+TEST_CASE("SkinOf: its sums differ from the exact ones by 0, with more than 8192 cells a patch") {
+  Random rng = seeded(1);
+  const std::vector<SkinPatch> patches = {some_patch(rng, 1, 20000, 1, {16384, 65536}),
+                                          some_patch(rng, 4, 300, 30000, {16384, 65536})};
+  using Large = SkinOf<ur5::Model, double, 20300>;
+  const Large skin(patches);
+  const auto memory = std::make_unique<Large::Memory>(skin.start(0ns));
+  const std::size_t count = sanitized ? 60 : 600;
+  Nanoseconds now{};
+  for (std::size_t k = 0; k < count; ++k) {
+    const Nanoseconds from = now;
+    now += k % 100 == 99 ? 270ms : 2ms;
+    const auto samples = some_samples(rng, 3000, 30305, now);
+    Large::Touch mean;
+    const AllocationGuard guard;
+    static_cast<void>(skin.receive(*memory, samples, from, now, 1, &mean));
+    CHECK(guard.count() == 0);
+  }
+  CHECK(skin.recomputed(*memory) == *memory);
+  CHECK(skin.silent(*memory) < skin.size());
+  // The exact sums in whole steps, of 2^-24 for forces and of 2^-24 times the next power of two of the largest
+  // moment among 8192 cells. Gains make one count 1 N, so that nothing is rounded.
+  std::size_t i = 0;
+  const auto touch = skin.touch(*memory);
+  for (const SkinPatch& patch : patches) {
+    double exact[2][6] = {};
+    for (std::size_t from = 0; from < patch.cells.size(); from += 8192) {
+      const std::size_t to = std::min(from + 8192, patch.cells.size());
+      double most = 0;
+      for (std::size_t k = from; k < to; ++k) {
+        const auto m = unit_wrench(patch.cells[k].X_LC).moment;
+        most = std::max({most, std::abs(m.x), std::abs(m.y), std::abs(m.z)});
+      }
+      const int reach = static_cast<int>(std::ceil(std::log2(most)));
+      __extension__ __int128 steps[2][6] = {};
+      for (std::size_t k = from; k < to; ++k) {
+        const CellCounts held = skin.held(*memory, i++);
+        const auto u = unit_wrench(patch.cells[k].X_LC);
+        const double row[6] = {u.force.x, u.force.y, u.force.z, u.moment.x, u.moment.y, u.moment.z};
+        for (std::size_t r = 0; r < 6; ++r) {
+          const long unit = static_cast<long>(std::round(std::ldexp(row[r], 24 - (r < 3 ? 0 : reach))));
+          steps[0][r] += unit * long{held.force};
+          steps[1][r] += unit * long{held.proximity};
+        }
+      }
+      for (std::size_t kind = 0; kind < 2; ++kind)
+        for (std::size_t r = 0; r < 6; ++r)
+          exact[kind][r] += std::ldexp(static_cast<double>(steps[kind][r]), (r < 3 ? 0 : reach) - 24);
+    }
+    for (std::size_t r = 0; r < 6; ++r) {
+      CHECK(exact[0][r] != 0);
+      CHECK(touch.force.data[patch.link][r] - exact[0][r] == 0);
+      CHECK(touch.proximity.data[patch.link][r] - exact[1][r] == 0);
+    }
+  }
 }

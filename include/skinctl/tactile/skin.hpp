@@ -21,13 +21,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// **Method.** The sums of the held readings times their unit wrenches are updated event by event, in integer
 /// steps (unit wrenches to 2^-24, readings to 2^-14 and 2^-16), so they stay exact in any order.
 template <Topology M, Real T, class... Patches>
-class Skin : public detail::SkinCore<
-                 M, T, (link_bit<Patches::link> | ...),
-                 detail::FixedStore<(Patches::cells + ...), (detail::sums_of(Patches::cells) + ...)>, false> {
-  using Core =
-      detail::SkinCore<M, T, (link_bit<Patches::link> | ...),
-                       detail::FixedStore<(Patches::cells + ...), (detail::sums_of(Patches::cells) + ...)>,
-                       false>;
+class Skin : public detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Patches::cells + ...),
+                                     (detail::sums_of(Patches::cells) + ...), false> {
+  using Core = detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Patches::cells + ...),
+                                (detail::sums_of(Patches::cells) + ...), false>;
 
  public:
   static_assert(sizeof...(Patches) > 0, "a skin has at least one patch");

@@ -31,8 +31,8 @@ struct SkinPatch {
 namespace detail {
 
 /// Adds patches of a skin that is not known to the compiler to its tables.
-template <class Wrenches, Real T, bool Tuned>
-SKINCTL_COLD void add_patches(SkinTables<T, Tuned>& tables, const std::vector<SkinPatch>& patches) {
+template <class Wrenches, Real T>
+SKINCTL_COLD void add_patches(SkinTables<T, true>& tables, const std::vector<SkinPatch>& patches) {
   constexpr std::size_t joints = Wrenches::model_type::joints;
   for (const SkinPatch& patch : patches) {
     require(patch.link < joints && ((Wrenches::links >> patch.link) & 1u) != 0, "SkinOf: link of a patch",
@@ -51,17 +51,11 @@ SKINCTL_COLD void add_patches(SkinTables<T, Tuned>& tables, const std::vector<Sk
     require_patch(placed, placed.size(), patch.gains);
     tables.add(placed, most, patch.link, Wrenches::slot(patch.link));
     for (const SkinCell& cell : patch.cells) {
-      if constexpr (Tuned) {
-        const CellGains own = cell.masked ? CellGains{0, 0} : cell.gains.value_or(patch.gains);
-        tables.tune(cell.force.value_or(tables.settings.force),
-                    cell.proximity.value_or(tables.settings.proximity),
-                    most.force > 0 ? own.force / most.force : 1,
-                    most.proximity > 0 ? own.proximity / most.proximity : 1);
-      } else {
-        require(!cell.gains && !cell.force && !cell.proximity && !cell.masked,
-                "skin: cell with gains, thresholds or a mask of its own", double(cell.id),
-                "none in a skin whose type is not `Tuned`");
-      }
+      const CellGains own = cell.masked ? CellGains{0, 0} : cell.gains.value_or(patch.gains);
+      tables.tune(cell.force.value_or(tables.settings.force),
+                  cell.proximity.value_or(tables.settings.proximity),
+                  most.force > 0 ? own.force / most.force : 1,
+                  most.proximity > 0 ? own.proximity / most.proximity : 1);
     }
   }
 }
@@ -91,8 +85,8 @@ inline std::size_t count_sums(const std::vector<SkinPatch>& patches) noexcept {
 /// robot's link without cells has a wrench of zero, and `nearest` on it is 1: nothing is known of it.
 template <Topology M, Real T, std::size_t Capacity, std::size_t Patches = 32,
           LinkMask Links = all_links(M::joints)>
-class SkinOf : public detail::SkinCore<M, T, Links, detail::FixedStore<Capacity, Patches>, true> {
-  using Core = detail::SkinCore<M, T, Links, detail::FixedStore<Capacity, Patches>, true>;
+class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, true> {
+  using Core = detail::SkinCore<M, T, Links, Capacity, Patches, true>;
 
  public:
   static_assert(Capacity > 0 && Patches > 0, "room for at least one cell");

@@ -37,8 +37,8 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
       : Changes(tables, memory, cells, parts, means),
         max_ahead_(static_cast<std::uint64_t>(tables.settings.max_ahead.count())) {}
 
-  /// Takes the samples. `Ahead` > 0: what a sample touches is fetched so many samples before.
-  template <std::size_t Ahead, class Front>
+  /// Takes the samples.
+  template <class Front>
   SKINCTL_INLINE Status take(std::span<const CellSample> samples, Front& front) const noexcept {
     Status status;
     if (samples.empty()) return status;
@@ -52,8 +52,6 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
       const std::size_t rest = samples.size() - first;
       Crossed crossed;
       for (const CellSample& sample : samples.subspan(first, rest < Crossed::most ? rest : Crossed::most)) {
-        if constexpr (Ahead > 0)
-          fetch<Ahead>(usual.keys, samples, static_cast<std::size_t>(&sample - samples.data()));
         if (!take_usual(usual, sample, front, pushes, crossed)) [[unlikely]]
           status |= take_any(sample, front);
       }
@@ -187,17 +185,6 @@ class Reception : public CellChanges<T, Tables, Memory, Means> {
     } else {
       return CountPair(front.reading(i, sample));
     }
-  }
-  /// The key of a sample to come, and the record and unit wrench of a nearer one.
-  template <std::size_t Ahead>
-  SKINCTL_INLINE void fetch(const CellTable::Keys& keys, std::span<const CellSample> samples,
-                            std::size_t k) const noexcept {
-    if (k + 2 * Ahead < samples.size()) __builtin_prefetch(&keys.of(samples[k + 2 * Ahead].cell));
-    if (k + Ahead >= samples.size()) return;
-    const std::size_t i = keys.of(samples[k + Ahead].cell).index();
-    if (i >= cells_) return;
-    __builtin_prefetch(&memory_.records[i], 1);
-    __builtin_prefetch(&tables_.cells[i]);
   }
 
   /// Any sample, any interval.

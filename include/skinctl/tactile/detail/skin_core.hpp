@@ -13,9 +13,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// See `Skin`, whose rules these are. `Store` keeps the records of the cells, `Tuned` skins have gains and
+/// See `Skin`, whose rules these are. It has room for `Cells` and their `Sums`; `Tuned` skins have gains and
 /// thresholds for each cell.
-template <Topology M, Real T, LinkMask Links, class Store, bool Tuned>
+template <Topology M, Real T, LinkMask Links, std::size_t Cells, std::size_t Sums, bool Tuned>
 class SkinCore {
  public:
   using scalar = T;
@@ -26,16 +26,15 @@ class SkinCore {
 
   /// The data that change from cycle to cycle. `Memory{}` has received no cell. Only the skin reads and writes
   /// its members.
-  using Memory = SkinMemoryOf<Store, Wrenches>;
+  using Memory = SkinMemory<Cells, Sums, Wrenches>;
 
   /// Number of cells.
   [[nodiscard]] std::size_t size() const noexcept { return tables_.cells.size(); }
 
   /// The memory of a skin that starts to receive at `now`: no cell has been received, no impulse is missing,
   /// and samples add no impulse for times before `now`.
-  [[nodiscard]] Memory start(Nanoseconds now) const noexcept(Store::fixed) {
+  [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
     Memory memory{};
-    memory.make_room(size(), tables_.patches.size());
     memory.begin = now;
     return memory;
   }
@@ -77,13 +76,7 @@ class SkinCore {
     const Reception<T, SkinTables<T, Tuned>, Memory, Means> reception(tables_, memory, size(), parts, means);
     const AsSent as_sent;
     auto& judge = either(front..., as_sent);
-    Status status;
-    if constexpr (Store::fixed) {
-      status = reception.template take<Store::fetches(0) ? 12 : 0>(samples, judge);
-    } else {
-      status = Store::fetches(size()) ? reception.template take<12>(samples, judge)
-                                      : reception.template take<0>(samples, judge);
-    }
+    Status status = reception.take(samples, judge);
     (front.settle([&](std::size_t i, CellCounts raw) SKINCTL_INLINE_LAMBDA { reception.revise(i, raw); }),
      ...);
     status |= reception.age();
@@ -104,7 +97,7 @@ class SkinCore {
     return out;
   }
   /// The memory with its sums computed anew, cell by cell: bit for bit those of the events.
-  [[nodiscard]] Memory recomputed(const Memory& given) const noexcept(Store::fixed) {
+  [[nodiscard]] Memory recomputed(const Memory& given) const noexcept {
     Memory memory = given;
     for (ExactSums& sums : memory.sums) sums = {};
     for (std::size_t i = 0; i < size(); ++i) {

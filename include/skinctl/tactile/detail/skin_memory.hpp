@@ -44,14 +44,22 @@ struct BlockStates {
   friend bool operator==(const BlockStates&, const BlockStates&) noexcept = default;
 };
 
-/// What the memories of all skins share, whatever holds their records. Cells are in the order of the patches,
-/// in blocks of 64.
-template <class Store, class Wrenches>
-struct SkinMemoryOf : Store {
-  using Store::oldest;   // of each block: lower bound of the stamps of its cells that are not silent
-  using Store::records;  // a cell
-  using Store::states;   // a block
-  using Store::sums;     // over the cells that are not silent
+template <std::size_t N>
+constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
+  std::array<Nanoseconds, N> stamps{};
+  for (auto& t : stamps) t = time;
+  return stamps;
+}
+
+/// All that changes of a skin: see `Skin::Memory`. Cells are in the order of the patches, in blocks of 64.
+template <std::size_t Cells, std::size_t Sums, class Wrenches>
+struct SkinMemory {
+  static constexpr std::size_t blocks = (Cells + 63) / 64;
+  std::array<ExactSums, Sums> sums{};  ///< over the cells that are not silent
+  /// Of each block the lower bound of the stamps of its cells that are not silent.
+  std::array<Nanoseconds, blocks> oldest = all_at<blocks>(Nanoseconds::max());
+  std::array<BlockStates, blocks> states{};
+  std::array<CellRecord, Cells> records{};
 
   std::uint32_t heard = 0;                 ///< number of cells that are not silent
   bool owes = false;                       ///< whether impulse is `owed`
@@ -96,7 +104,7 @@ struct SkinMemoryOf : Store {
     records[i].state = state;
     states[i / 64].set_held(i, state);
   }
-  friend bool operator==(const SkinMemoryOf&, const SkinMemoryOf&) noexcept = default;
+  friend bool operator==(const SkinMemory&, const SkinMemory&) noexcept = default;
 
  private:
   /// The bits of block `b` that are among `count` cells from `first` on.
@@ -105,32 +113,6 @@ struct SkinMemoryOf : Store {
     return (~std::uint64_t(0) << from) & (to >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << to) - 1);
   }
 };
-
-template <std::size_t N>
-constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
-  std::array<Nanoseconds, N> stamps{};
-  for (auto& t : stamps) t = time;
-  return stamps;
-}
-
-/// Room for a number of cells and sums that is known to the compiler.
-template <std::size_t Cells, std::size_t Sums>
-struct FixedStore {
-  static constexpr std::size_t blocks = (Cells + 63) / 64;
-  std::array<ExactSums, Sums> sums{};
-  std::array<Nanoseconds, blocks> oldest = all_at<blocks>(Nanoseconds::max());
-  std::array<BlockStates, blocks> states{};
-  std::array<CellRecord, Cells> records{};
-  /// Whether they are fetched ahead, because memory is then slow.
-  static constexpr bool fetches(std::size_t) noexcept { return Cells >= 100000; }
-  static constexpr bool fixed = true;
-  void make_room(std::size_t, std::size_t) noexcept {}
-  friend bool operator==(const FixedStore&, const FixedStore&) noexcept = default;
-};
-
-/// See `Skin::Memory`.
-template <std::size_t Cells, std::size_t Sums, class Wrenches>
-using SkinMemory = SkinMemoryOf<FixedStore<Cells, Sums>, Wrenches>;
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE
