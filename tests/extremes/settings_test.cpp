@@ -13,11 +13,9 @@
 #include "skinctl/sensing/cell_health.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/event_gate.hpp"
-#include "skinctl/sensing/hampel.hpp"
 #include "skinctl/sensing/joint_history.hpp"
 #include "skinctl/sensing/low_pass.hpp"
 #include "skinctl/sensing/noise.hpp"
-#include "skinctl/sensing/notch.hpp"
 #include "skinctl/sensing/rest_level.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
@@ -67,9 +65,6 @@ TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, flo
   using Estimator = VelocityEstimator<6, 8, 2, T>;
   check_part<Estimator>("VelocityEstimator", &Estimator::Settings::period, &Estimator::Settings::longest,
                         &Estimator::Settings::step);
-  check_refusals(
-      "Hampel", Pair<T>{T(1), T(3)}, [](const Pair<T>& s) { static_cast<void>(Hampel<T>(s.a, s.b)); },
-      &Pair<T>::a, &Pair<T>::b);
   check_refusals(
       "TimeBase", Pair<T>{T(0.05), T(0.01)},
       [](const Pair<T>& s) {
@@ -132,9 +127,6 @@ TEST_CASE("extremes: settings of cells, clocks and packets") {
       &NoiseSettings::near);
   using Clock = ClockOffset::Settings;
   check_part<ClockOffset>("ClockOffset", &Clock::gather, &Clock::ahead, &Clock::overtaken, &Clock::late);
-  check_refusals(
-      "Notch", NotchSettings{}, [](const NotchSettings& s) { static_cast<void>(Notch<double>(s)); },
-      &NotchSettings::frequency, &NotchSettings::width, &NotchSettings::rate, &NotchSettings::jitter);
   struct Times {
     Nanoseconds a = 8ms, b = 6ms;
   };
