@@ -202,7 +202,6 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
-#include "skinctl/control/take_over.hpp"
 #include "skinctl/control/velocity_control.hpp"
 
 #include "skinctl/fusion/blended.hpp"

@@ -17,7 +17,6 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
-#include "skinctl/control/take_over.hpp"
 #include "skinctl/control/velocity_control.hpp"
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/describe.hpp"
@@ -122,7 +121,6 @@ TEST_CASE_TEMPLATE("extremes: laws of joints", T, float, double) {
   const SplineJoint<6, T> spline(JointControlSettings<6, T>{});
   attack<T>("SplineJoint: Tracking, JointSpace, SplinePlan", spline);
   attack<T>("ReactiveJoint: ReactivePlan", ReactiveJoint<6, T>(JointControlSettings<6, T>{}));
-  attack<T>("TakeOver", TakeOver<6, SplineJoint<6, T>, T>(spline));
   attack<T>("JointImpedance: Impedance", JointImpedance<6, T>());
   attack<T>("JointLimitLaw", JointLimitLaw<6, T>());
   attack<T>("FrictionControl",
