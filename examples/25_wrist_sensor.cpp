@@ -21,10 +21,12 @@ constexpr Xyz<double> tool_centre{0, 0.01, 0.06};
 /// 5 kg and 0.3 kg m^2 at the sensor, the same in all directions.
 auto arm_by_position() {
   using Shape = ToolShape<5>;
-  return by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms},
-                     Shape({.X_LT = tool_on_flange,
-                            .mass = Shape::diagonal({5, 5, 5, 0.3, 0.3, 0.3}),
-                            .damping = Shape::diagonal({friction, friction, friction, 3, 3, 3})}));
+  return by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 0},
+      Shape({.X_LT = tool_on_flange,
+             .mass = Shape::diagonal({5, 5, 5, 0.3, 0.3, 0.3}),
+             .damping = Shape::diagonal({friction, friction, friction, 3, 3, 3})}));
 }
 
 /// The simulated sensor with its tool: `push` along the axes of the base, on its origin.

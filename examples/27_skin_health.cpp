@@ -21,7 +21,8 @@ namespace {
 constexpr CellGains gains{.force = newtons_per_reading};
 
 auto arm_with_friction() {
-  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms};
+  RobotConfiguration<6> c{
+      .limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 0};
   c.viscous_friction = {60, 60, 40, 6, 6, 6};
   c.coulomb_friction = {7.5, 7.5, 7.5, 1.4, 1.4, 1.4};
   return by_position(ur5::Model{}, c);

@@ -30,7 +30,8 @@ auto make_cycle() {
                                 .velocity = JointVelocity<22>::constant(3),
                                 .acceleration = JointAcceleration<22>::constant(15),
                                 .torque = JointTorque<22>::constant(28)});
-  const auto arm = by_position(ur5_allegro::arm_with_hand(), {.limits = limits, .period = 8ms, .delay = 8ms});
+  const auto arm = by_position(ur5_allegro::arm_with_hand(),
+                               {.limits = limits, .period = 8ms, .delay = 8ms, .virtual_damping = 4});
   const auto tool = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.1);
   const Skin<ArmWithHand, double, Patch<1, 60>, Patch<2, 60>, Patch<3, 20>, Patch<4, 20>, Patch<5, 20>,
              Patch<9, 4>, Patch<13, 4>, Patch<17, 4>, Patch<21, 4>>

@@ -11,8 +11,9 @@ using namespace skinctl;
 
 // A whole scene: a UR5 with 260 cells that follows goals, gives way to touch and is commanded by position.
 auto make_cycle() {
-  const auto arm =
-      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
+  const auto arm = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
   return Cycle(arm, ur5_skin<260>({.force = 20}), SplineJoint(arm) + SkinJointControl{} + GravityControl{});
 }
 

@@ -16,8 +16,9 @@ using namespace skinctl;
 // The scene of ur5_cycle_spline.cpp with all ten skills of Fig. 7 and section 6: at most 0.5 s a skill. Most
 // of it are the eight controllers; a skill more of them costs some hundredths of a second.
 auto make_cycle() {
-  const auto arm =
-      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
+  const auto arm = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
   const auto tool = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.1);
   const auto skills = skill_set<behaviour::KinestheticJoint>(
       boost::hana::union_(figure_7, section_6), {}, skill_controller<controller::Gravity>(GravityControl{}),

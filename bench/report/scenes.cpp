@@ -78,8 +78,8 @@ void each(int times, F&& f) {
 /// Cycles at 500 Hz without a new sample: one evaluation of the laws, one sub-step, the guard.
 template <class L, class Skin, class... Parts>
 void cycles(int times, const L& law, const Skin& skin, const Parts&... parts) {
-  const auto robot =
-      by_position(arm, {.limits = limits_of<ur5::Description>(15.0), .period = 2ms, .delay = 8ms});
+  const auto robot = by_position(
+      arm, {.limits = limits_of<ur5::Description>(15.0), .period = 2ms, .delay = 8ms, .virtual_damping = 0});
   const auto cycle = [&] {
     if constexpr (sizeof...(parts) > 0) {
       return Cycle(robot, skin, law).with(parts...);

@@ -79,7 +79,8 @@ LinkInertia frozen(const Whole& model, const JointPosition<22>& q) {
 
 int main() {
   const auto model = ur5_allegro::arm_with_hand();
-  RobotConfiguration<6> arm{.limits = limits_of<ur5::Description>(), .period = 4ms, .delay = 8ms};
+  RobotConfiguration<6> arm{
+      .limits = limits_of<ur5::Description>(), .period = 4ms, .delay = 8ms, .virtual_damping = 0};
   arm.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   const Robot robot = resolver_of(
       by_velocity_and_torque<joints_between(6, 22)>(model, {.stiff = arm, .limits = wide<16>(0.7)}));

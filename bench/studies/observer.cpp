@@ -226,8 +226,11 @@ void jitters(const char* name, const SceneSettings& s) {
 /// 300 N at 0.4 m for 2 s on a joint that is held fast until a second later.
 template <Interface I>
 void blocked(const char* name, Nanoseconds period) {
-  RobotConfiguration<6> c{
-      .limits = limits_of<ur5::Description>(40.0), .period = period, .delay = 20ms, .lag = 8ms};
+  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(40.0),
+                          .period = period,
+                          .delay = 20ms,
+                          .lag = 8ms,
+                          .virtual_damping = 0};
   c.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   ClosedLoop<I> loop(c, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, 0.02, 0.008);
   const Impulse push = [](double t) { return std::array<double, 6>{120 * (std::clamp(t, 0.5, 2.5) - 0.5)}; };

@@ -418,7 +418,8 @@ TEST_CASE("Configurations: what they must have in common is compared, with both 
     const auto robot = by_position(ur5::Model{}, c);
     return Cycle(robot, skin_of({}), SkinJointControl{} + GravityControl{});
   };
-  const RobotConfiguration<6> usual{.limits = ur5_test_limits(), .period = 8ms, .delay = 8ms};
+  const RobotConfiguration<6> usual{
+      .limits = ur5_test_limits(), .period = 8ms, .delay = 8ms, .virtual_damping = 4};
   const auto refused = [&](const RobotConfiguration<6>& other) {
     try {
       const Configurations cycle(scene(usual), scene(other));

@@ -18,7 +18,8 @@ namespace {
 template <class L, class Wrap>
 double lag_behind_a_sine(const L& law, Wrap&& wrap) {
   const Nanoseconds period = 2ms;
-  const auto arm = by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = period});
+  const auto arm = by_position(
+      ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = period, .virtual_damping = 0});
   const Cycle cycle(arm, law);
   using Scene = std::remove_const_t<decltype(cycle)>;
   const JointPosition<6> home{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};

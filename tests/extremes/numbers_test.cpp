@@ -153,15 +153,19 @@ TEST_CASE("extremes: defaults fit every allowed period, delay and lag") {
         CAPTURE(period.count());
         CAPTURE(delay.count());
         CAPTURE(lag.count());
-        RobotConfiguration<6> c{
-            .limits = limits_of<ur5::Description>(15.0), .period = period, .delay = delay, .lag = lag};
+        RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(15.0),
+                                .period = period,
+                                .delay = delay,
+                                .lag = lag,
+                                .virtual_damping = 4};
         CHECK_NOTHROW(check(c));
         CHECK_NOTHROW(static_cast<void>(by_position(ur5::Model{}, c)));
         CHECK_NOTHROW((Guard<Interface::position, 6>(c)));
         CHECK_NOTHROW((Guard<Interface::velocity, 6>(c)));
       }
   for (const Nanoseconds wrong : {0us, 99us, 1'000'001us}) {
-    RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(15.0), .period = wrong};
+    RobotConfiguration<6> c{
+        .limits = limits_of<ur5::Description>(15.0), .period = wrong, .virtual_damping = 4};
     CHECK_THROWS_AS(check(c), ConfigurationError);
   }
 }

@@ -61,7 +61,7 @@ void check_joints(const char* name, const Settings& defaults, Make&& make, Membe
 
 TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float, double) {
   using C = RobotConfiguration<6, T>;
-  const C c{.limits = limits<T>(), .period = 8ms, .delay = 8ms};
+  const C c{.limits = limits<T>(), .period = 8ms, .delay = 8ms, .virtual_damping = T(4)};
   const auto by = [](const C& x) { static_cast<void>(by_position(Arm{}, x)); };
   check_refusals("RobotDescription, by_position", c, by, &C::period, &C::delay, &C::lag, &C::virtual_damping,
                  &C::lead, &C::max_lead, &C::substep, &C::retry, &C::torque_rate, &C::largest_gap);
@@ -198,7 +198,7 @@ TEST_CASE(
   const JointLimits<3> some({JointPosition<3>::constant(-3), JointPosition<3>::constant(3),
                              JointVelocity<3>::constant(3), JointAcceleration<3>::constant(15),
                              JointTorque<3>::constant(100)});
-  const Half c{.limits = some, .period = 8ms};
+  const Half c{.limits = some, .period = 8ms, .virtual_damping = 4};
   for (const double wrong : not_numbers<double>) {
     Half other = c;
     other.max_lead = wrong;

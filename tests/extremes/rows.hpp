@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "skinctl/core/contract.hpp"
@@ -111,6 +112,16 @@ bool refused(Make&& make) {
   return false;
 }
 
+/// The number in a field of settings, which may be left out.
+template <class Field>
+struct NumberIn {
+  using type = Field;
+};
+template <class Number>
+struct NumberIn<std::optional<Number>> {
+  using type = Number;
+};
+
 /// A class whose settings hold numbers: none of them may be NaN, infinite or beyond any range; the defaults are fine.
 template <class Make, class Settings, class... Field>
 void check_refusals(const char* name, const Settings& defaults, Make&& make, Field Settings::*... field) {
@@ -118,7 +129,7 @@ void check_refusals(const char* name, const Settings& defaults, Make&& make, Fie
   CHECK_NOTHROW(make(defaults));
   int at = 0;
   const auto one = [&](auto member) {
-    using F = std::remove_cvref_t<decltype(defaults.*member)>;
+    using F = typename NumberIn<std::remove_cvref_t<decltype(defaults.*member)>>::type;
     CAPTURE(at);
     ++at;
     Settings s = defaults;

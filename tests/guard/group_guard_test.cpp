@@ -48,7 +48,7 @@ JointLimits<N> limits(double torque) {
                          .torque = JointTorque<N>::constant(torque)});
 }
 auto scene(const Pull& law) {
-  RobotConfiguration<2> arm{.limits = limits<2>(150), .period = 4ms, .delay = 4ms};
+  RobotConfiguration<2> arm{.limits = limits<2>(150), .period = 4ms, .delay = 4ms, .virtual_damping = 0};
   arm.viscous_friction = {10, 10};
   const Robot robot =
       resolver_of(by_velocity_and_torque<0b100>(Model3{}, {.stiff = arm, .limits = limits<1>(0.7)}));

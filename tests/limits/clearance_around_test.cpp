@@ -364,7 +364,8 @@ TEST_CASE("Cycle: an arm whose base is held beside its commands keeps its cleara
 }
 
 TEST_CASE("Cycle: what is around comes with its input, is recorded, and holds an arm that hears nothing") {
-  const auto arm = by_position(Arm{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms});
+  const auto arm =
+      by_position(Arm{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .virtual_damping = 4});
   const auto scene = Cycle(arm, GravityControl{}).with(clearance());
   using Scene = std::remove_cv_t<decltype(scene)>;
   static_assert(Scene::has_surroundings && !decltype(Cycle(arm, GravityControl{}))::has_surroundings);

@@ -118,6 +118,7 @@ Rings by_torque_alone(const Parts&... parts) {
 template <class... Parts>
 Rings in_groups(const Parts&... parts) {
   auto arm = configuration<2>();
+  arm.virtual_damping = 0;
   arm.viscous_friction = {10, 10};
   return press<0b100>(resolver_of(
       by_groups(Model3{}, velocity_joints<0b011>(arm), torque_joints<0b100>(configuration<1>()), parts...)));

@@ -21,7 +21,8 @@ RobotConfiguration<6, T> configuration(Nanoseconds period, double delay = 0.008,
   RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)),
                              .period = period,
                              .delay = nanoseconds(delay),
-                             .lag = nanoseconds(lag)};
+                             .lag = nanoseconds(lag),
+                             .virtual_damping = T(0)};
   c.viscous_friction = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
   return c;
 }

@@ -61,6 +61,7 @@ RobotConfiguration<N> configuration(bool stiff, bool by_position = false) {
                                                     .acceleration = JointAcceleration<N>::constant(1e4),
                                                     .torque = JointTorque<N>::constant(1e3)}),
                           .period = 1ms,
+                          .virtual_damping = 0,
                           .substep = 1ms};
   if (stiff && by_position) c.lag = 3ms;
   if (stiff) c.viscous_friction = JointTorque<N>::constant(friction);

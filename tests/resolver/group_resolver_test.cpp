@@ -82,7 +82,8 @@ template <Interface I, class T>
 struct SmallScene {
   using Robot = SmallRobot<I, T>;
   static HybridConfiguration<2, 1, T> configuration() {
-    RobotConfiguration<2, T> arm{.limits = limits<2, T>(T(150)), .period = 4ms, .delay = 8ms};
+    RobotConfiguration<2, T> arm{
+        .limits = limits<2, T>(T(150)), .period = 4ms, .delay = 8ms, .virtual_damping = 0};
     arm.lag = I == Interface::position ? 4ms : 0ms;
     arm.viscous_friction = JointTorque<2, T>::constant(T(10));
     return {.stiff = arm, .limits = limits<1, T>(T(0.7)), .viscous = JointTorque<1, T>::constant(T(0.002))};
@@ -337,8 +338,9 @@ TEST_CASE("GroupResolver: what a guard made of one part does not disturb the oth
 }
 
 TEST_CASE("GroupResolver: refuses friction out of range") {
-  HybridConfiguration<2, 1> c{.stiff = {.limits = limits<2, double>(150), .period = 4ms},
-                              .limits = limits<1, double>(1)};
+  HybridConfiguration<2, 1> c{
+      .stiff = {.limits = limits<2, double>(150), .period = 4ms, .virtual_damping = 0},
+      .limits = limits<1, double>(1)};
   const auto make = [&] { static_cast<void>(resolver_of(by_velocity_and_torque<0b100>(SmallModel{}, c))); };
   CHECK_NOTHROW(make());
   c.viscous[0] = -1;

@@ -21,7 +21,8 @@ static_assert(std::is_base_of_v<VirtualJointsMemory<6, double, 32>, Memory>);
 static_assert(sizeof(Memory) == sizeof(VirtualJointsMemory<6, double, 32>), "no keeper, no bytes");
 
 TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no command that may be sent") {
-  const Robot robot(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 8ms});
+  const Robot robot(ur5::Model{},
+                    {.limits = limits_of<ur5::Description>(), .period = 8ms, .virtual_damping = 4});
   Robot::Memory fresh{};
   CHECK_FALSE(fresh.started);
   CHECK(fresh.mode == ResolverMode::following);
@@ -45,7 +46,8 @@ TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no comman
 }
 
 TEST_CASE("ResolverMemory: a copy by its bytes goes on as the original does") {
-  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(40.0), .period = 8ms, .delay = 8ms};
+  RobotConfiguration<6> c{
+      .limits = limits_of<ur5::Description>(40.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4};
   const detail::VirtualJoints<Interface::velocity, 6, double, 32> joints(c);
   Memory a{joints.start({0ns, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, {}}), {}}, b;
   const auto cycle = [&](Memory& m, Nanoseconds now) {

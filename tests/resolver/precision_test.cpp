@@ -12,8 +12,11 @@ namespace {
 // A push, through a robot that does what is declared, in scalar T: where the virtual robot ends.
 template <Interface I, class T>
 JointPosition<6, T> pushed() {
-  RobotConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(40)), .period = 8ms, .delay = 8ms, .lag = 15625us};
+  RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)),
+                             .period = 8ms,
+                             .delay = 8ms,
+                             .lag = 15625us,
+                             .virtual_damping = T(0)};
   for (auto& b : c.viscous_friction) b = T(8);
   const Resolver<I, ur5::Model, T> robot(ur5::Model{}, c);
   State<6, T> s;

@@ -34,8 +34,11 @@ constexpr std::array<double, 6> pose{0.1, -1.5, 1.2, -1, -1.5, 0.3};
 
 template <class T>
 RobotConfiguration<6, T> configuration(Nanoseconds period = 8ms) {
-  RobotConfiguration<6, T> c{
-      .limits = limits_of<ur5::Description, T>(T(40)), .period = period, .delay = 8ms, .lag = 8ms};
+  RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(40)),
+                             .period = period,
+                             .delay = 8ms,
+                             .lag = 8ms,
+                             .virtual_damping = T(0)};
   c.viscous_friction = {T(20), T(20), T(10), T(2), T(1), T(0.5)};
   return c;
 }

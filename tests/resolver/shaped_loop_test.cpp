@@ -24,7 +24,11 @@ Shape::Settings settings() {
           .damping = Shape::diagonal({60, 20, 40, 2, 3, 1})};
 }
 RobotConfiguration<6> configuration(Nanoseconds period) {
-  return {.limits = limits_of<ur5::Description>(200.0), .period = period, .delay = 8ms, .lag = 8ms};
+  return {.limits = limits_of<ur5::Description>(200.0),
+          .period = period,
+          .delay = 8ms,
+          .lag = 8ms,
+          .virtual_damping = 0};
 }
 // Rows of the tool's Jacobian.
 struct Rows {

@@ -15,8 +15,11 @@ namespace {
 using Joints = detail::VirtualJoints<Interface::position, 6, double, 32>;
 
 RobotConfiguration<6> configuration() {
-  RobotConfiguration<6> c{
-      .limits = limits_of<ur5::Description>(40.0), .period = 8ms, .delay = 8ms, .lag = 8ms};
+  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(40.0),
+                          .period = 8ms,
+                          .delay = 8ms,
+                          .lag = 8ms,
+                          .virtual_damping = 0};
   c.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   return c;
 }

@@ -9,6 +9,7 @@
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
+#include "skinctl/robot/joint_groups.hpp"
 
 using namespace skinctl;
 
@@ -35,8 +36,9 @@ TEST_CASE("RobotDescription: says how often laws are evaluated, as planned and w
   CHECK(arm().dt() == 2ms);
   CHECK(arm().longest_dt() == 2500us);  // five periods in sixteen sub-steps
   CHECK(arm().configuration().total_delay() == 16ms);
-  const auto fast =
-      by_velocity(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 1ms, .delay = 2ms});
+  const auto fast = by_velocity(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(), .period = 1ms, .delay = 2ms, .virtual_damping = 4});
   CHECK(fast.dt() == 1ms);
   CHECK(fast.longest_dt() == 1ms);
   const auto direct = by_torque(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 2ms});
@@ -65,8 +67,26 @@ TEST_CASE("RobotDescription: numbers that cannot be are refused where it is buil
         "skinctl: virtual damping = -1, allowed: 0 to 1e4 1/s");
 }
 
+TEST_CASE(
+    "RobotDescription: how fast free motion dies out is said, or refused where there is a virtual robot") {
+  auto c = arm().configuration();
+  c.virtual_damping.reset();
+  const auto by_groups_of = [](const auto& one) {
+    static_cast<void>(by_groups(ur5::Model{}, position_joints<0b111111>(one)));
+  };
+  const std::string expected = "skinctl: virtual damping: left out, allowed: 0 to 1e4 1/s; 4 to 10 is usual";
+  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }) == expected);
+  CHECK(refusal([&] { static_cast<void>(by_velocity(ur5::Model{}, c)); }) == expected);
+  CHECK(refusal([&] { by_groups_of(c); }) == expected);
+  CHECK(refusal([&] { static_cast<void>(by_torque(ur5::Model{}, c)); }).empty());
+  CHECK(by_torque(ur5::Model{}, c).virtual_dynamics().damping == 0);
+  c.virtual_damping = 0;  // friction of the joints or of the tool instead
+  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).empty());
+  CHECK(refusal([&] { by_groups_of(c); }).empty());
+}
+
 TEST_CASE("RobotDescription: a short delay suits a dead band only of a robot with a virtual one") {
-  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(), .period = 100us};
+  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(), .period = 100us, .virtual_damping = 0};
   CHECK(
       refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).empty());  // its own suits any delay
   c.dead_band = JointPosition<6>::constant(0.01);

@@ -57,6 +57,7 @@ RobotConfiguration<6> configuration(const JointTorque<6>& inertia) {
   return {.limits = limits_of<ur5::Description>(1e4),
           .period = 2ms,
           .delay = 4ms,
+          .virtual_damping = 0,
           .virtual_inertia = inertia,
           .substep = 2ms};
 }

@@ -53,7 +53,7 @@ JointLimits<N> limits(double torque) {
                          .torque = JointTorque<N>::constant(torque)});
 }
 RobotConfiguration<1> one(bool driven) {
-  RobotConfiguration<1> c{.limits = limits<1>(driven ? 0.7 : 150), .period = 2ms};
+  RobotConfiguration<1> c{.limits = limits<1>(driven ? 0.7 : 150), .period = 2ms, .virtual_damping = 0};
   if (!driven) c.delay = 4ms, c.lag = 4ms, c.viscous_friction[0] = 5;
   return c;
 }

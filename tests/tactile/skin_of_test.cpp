@@ -169,8 +169,9 @@ TEST_CASE_TEMPLATE("SkinOf: each cell has its threshold and its gain", T, float,
 }
 
 TEST_CASE("SkinOf: a scene takes it in place of a Skin") {
-  const auto robot =
-      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 2ms, .delay = 8ms});
+  const auto robot = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 2ms, .delay = 8ms, .virtual_damping = 4});
   const Cycle fixed(robot, ur5_skin<260>({20, 0}), SkinJointControl{} + GravityControl{});
   const Cycle loose(robot, SkinOf<ur5::Model, double, 1000>(untyped(ur5::skin_patches<260>({20, 0}))),
                     SkinJointControl{} + GravityControl{});

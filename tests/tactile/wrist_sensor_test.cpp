@@ -305,7 +305,7 @@ constexpr double mass = 5, inertia = 0.3, damping = 50, turning = 3;
 auto tool_shaped_arm() {
   using Shape = ToolShape<5, 6>;
   return by_position(
-      model, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms},
+      model, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 0},
       Shape({.X_LT = X_LS.renamed<Link<5>, Tool>(),
              .mass = Shape::diagonal({mass, mass, mass, inertia, inertia, inertia}),
              .damping = Shape::diagonal({damping, damping, damping, turning, turning, turning})}));

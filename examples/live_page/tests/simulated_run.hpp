@@ -22,8 +22,9 @@ namespace live_page {
 
 inline auto scene() {
   using namespace skinctl;
-  const auto arm =
-      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
+  const auto arm = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
   return Cycle(arm, ur5_skin<260>({.force = 20}), blended(SkinJointControl{} + GravityControl{}));
 }
 using Scene = decltype(scene());

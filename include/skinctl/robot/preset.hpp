@@ -10,6 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
 ///     using Chosen = preset::Fast;
 ///     const auto arm = by_position<Chosen::scalar>(ur5::Model{}, {.limits = limits_of<ur5::Description, Chosen::scalar>(15),
 ///                                                                 .period = 8ms,
+///                                                                 .virtual_damping = 4,
 ///                                                                 .substep = Chosen::substep});
 ///
 /// `skinctl_trade` (bench/trade) measures what each costs, and how far it leads a robot off the path of the

@@ -22,8 +22,10 @@ struct RobotConfiguration {
   Nanoseconds delay{};
   /// tau: time constant of the robot's own control loop.
   Nanoseconds lag{};
-  /// Friction of the virtual robot in proportion to its mass, `B = virtual_damping M` [1/s].
-  T virtual_damping = T(0);
+  /// Friction of the virtual robot in proportion to its mass, `B = virtual_damping M` [1/s]: free motion dies out as
+  /// `exp(-virtual_damping t)`. Without a default: with 0 and no other friction an arm glides on after a touch. 0, or
+  /// left out, for a robot by torque.
+  std::optional<T> virtual_damping = {};
   /// Viscous friction per joint [N m s/rad]: of the virtual robot, or added to the real friction of a robot
   /// by torque.
   JointTorque<N, T> viscous_friction = {};
@@ -68,7 +70,7 @@ struct RobotConfiguration {
 
   /// The virtual inertia, damping and friction together.
   [[nodiscard]] VirtualDynamics<N, T> virtual_dynamics() const noexcept {
-    return {viscous_friction, coulomb_friction, virtual_inertia, virtual_damping};
+    return {viscous_friction, coulomb_friction, virtual_inertia, virtual_damping.value_or(T(0))};
   }
   void set(const VirtualDynamics<N, T>& d) noexcept {
     viscous_friction = d.viscous;
@@ -134,8 +136,10 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(c.longest() >= c.period && c.longest() <= 1s + 10 * c.period, "longest interval", ms(c.longest()),
           ">= period, <= 1 s + 10 periods, in ms");
   require(c.stale() >= c.period && c.stale() <= 10s, "stale after", ms(c.stale()), ">= period, <= 10 000 ms");
-  require(c.virtual_damping >= T(0) && c.virtual_damping <= T(1e4), "virtual damping",
-          number(c.virtual_damping), "0 to 1e4 1/s");
+  if (has_virtual_robot && !c.virtual_damping)
+    refuse("skinctl: virtual damping: left out, allowed: 0 to 1e4 1/s; 4 to 10 is usual");
+  const T damping = c.virtual_damping.value_or(T(0));
+  require(damping >= T(0) && damping <= T(1e4), "virtual damping", number(damping), "0 to 1e4 1/s");
   const JointPosition<N, T> band = c.tolerance_of_lag(), lead = c.largest_lead();
   for (std::size_t i = 0; i < N; ++i) {
     const T lower = c.limits.lower()[i], upper = c.limits.upper()[i],

@@ -52,7 +52,8 @@ struct SkinFaultResult {
 
 /// The robot: it takes positions, and its Coulomb friction is 5 % of the joints' largest torques.
 inline auto friction_arm() {
-  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms};
+  RobotConfiguration<6> c{
+      .limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 0};
   c.viscous_friction = {20, 20, 15, 3, 3, 3};
   for (std::size_t j = 0; j < 6; ++j) c.coulomb_friction[j] = 0.05 * ur5::Description::max_torque[j];
   return by_position(ur5::Model{}, c);

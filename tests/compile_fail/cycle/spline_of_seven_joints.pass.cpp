@@ -3,7 +3,8 @@
 using namespace skinctl;
 
 auto build() {
-  const auto arm =
-      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms});
+  const auto arm = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
   return Cycle(arm, SplineJoint(arm));
 }

@@ -3,6 +3,8 @@
 using namespace skinctl;
 
 auto build() {
-  return Cycle(by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms}),
-               wrist_sensor<5>(ur5::Model{}), SkinJointControl{} + GravityControl{});
+  return Cycle(
+      by_position(ur5::Model{},
+                  {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .virtual_damping = 4}),
+      wrist_sensor<5>(ur5::Model{}), SkinJointControl{} + GravityControl{});
 }

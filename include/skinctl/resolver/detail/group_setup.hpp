@@ -19,7 +19,7 @@ SKINCTL_COLD SKINCTL_GROUPS_CLASS::GroupResolver(const M& model, const std::tupl
       limits_(limits_of_all(std::tuple_cat(stiff, driven))),
       keeper_(keeper),
       tool_(tool) {
-  shape_.damping = std::get<0>(stiff).configuration.virtual_damping;
+  shape_.damping = std::get<0>(stiff).configuration.virtual_dynamics().damping;
   torque_rate_ = std::get<0>(stiff).configuration.torque_rate;
   const auto take = [&](const auto& g) {
     using Given = std::remove_cvref_t<decltype(g)>;
@@ -28,6 +28,7 @@ SKINCTL_COLD SKINCTL_GROUPS_CLASS::GroupResolver(const M& model, const std::tupl
     Set::put(c.viscous_friction, shape_.viscous);
     Set::put(c.coulomb_friction, shape_.coulomb);
     Set::put(c.virtual_inertia, shape_.inertia);
+    const T damping = c.virtual_dynamics().damping;
     const auto number = [](const T& x) { return static_cast<double>(x); };
     if constexpr (Given::interface == Interface::torque) {
       for (std::size_t i = 0; i < Given::count; ++i) {
@@ -37,13 +38,12 @@ SKINCTL_COLD SKINCTL_GROUPS_CLASS::GroupResolver(const M& model, const std::tupl
         require(c.virtual_inertia[i] == T(0), "virtual inertia", number(c.virtual_inertia[i]),
                 "0 for joints by torque");
       }
-      require(c.virtual_damping == T(0), "virtual damping", number(c.virtual_damping),
-              "0 for joints by torque");
+      require(damping == T(0), "virtual damping", number(damping), "0 for joints by torque");
       driven_torque_rate_ = c.torque_rate;
       stale_after_ = c.stale();
     } else {
       for (const T& x : c.coulomb_friction) has_coulomb_ = has_coulomb_ || x > T(0);
-      require(c.virtual_damping == shape_.damping, "virtual damping of a group", number(c.virtual_damping),
+      require(damping == shape_.damping, "virtual damping of a group", number(damping),
               "that of the other groups: one virtual robot");
       require(c.torque_rate == torque_rate_, "torque rate of a group", number(c.torque_rate),
               "that of the other groups: one law");
