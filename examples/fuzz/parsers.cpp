@@ -146,7 +146,7 @@ void modbus(Bytes bytes) {
 }
 void robotiq(Bytes bytes) {
   simulated_gripper::RobotiqDevice device(true);
-  adapters::gripper::Lines lines;
+  adapters::gripper::Lines lines("ack");
   double now = 0;
   in_pieces(bytes, [&](Bytes piece) {
     const auto room = lines.room();

@@ -76,7 +76,7 @@ std::string RobotiqDevice::answer(std::string_view line, double now) {
     } else {
       fingers_.halt();
     }
-    return "ack\n";
+    return "ack";  // without a line end, as the device sends it
   }
   return "?\n";
 }

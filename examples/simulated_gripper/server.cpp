@@ -43,6 +43,7 @@ struct Server::Network {
         socket.close(ignored);
         return;
       }
+      if (wrong.line_end_after_ack && out == "ack") out += '\n';
       if (wrong.silent) out.clear();
       if (wrong.twice) out += out;
       if (wrong.cut_short) out.resize(out.size() / 2);

@@ -23,8 +23,10 @@ struct Misbehaviour {
   std::atomic<bool> hang_up{false};        ///< closes instead of answering
   std::atomic<bool> cut_short{false};      ///< half of each answer
   std::atomic<bool> other_version{false};  ///< answers of another version of the protocol
-  std::atomic<double> lose{0};             ///< this share of requests is not heard: no effect, no answer
-  std::atomic<int> late_ms{0};             ///< each answer after so long
+  std::atomic<bool> line_end_after_ack{
+      false};                   ///< Robotiq: "ack" and a line end, where the device sends none
+  std::atomic<double> lose{0};  ///< this share of requests is not heard: no effect, no answer
+  std::atomic<int> late_ms{0};  ///< each answer after so long
 };
 
 struct ServerConfig {

@@ -196,6 +196,7 @@ skinctl::GripperState Robotiq::poll(skinctl::Nanoseconds now) noexcept {
     for (int k = 0; k < 16 && next_line(line, Timeout(0)); ++k) hear(line, now);
     if (dialogue_.overdue()) {  // a goal or a stop that was not acknowledged may not have been heard
       dialogue_.give_up_waiting();
+      lines_.clear();  // half an answer would spoil the next one
       if (told_ && !pending_) (halted_ ? halt_ : pending_) = true;
     }
     if (!dialogue_.waiting()) ask();

@@ -71,7 +71,7 @@ class Robotiq {
 
   RobotiqConfig config_;
   Stream stream_;
-  Lines lines_;
+  Lines lines_{"ack"};  // a gripper ends no line after it, some software in between does
   Dialogue dialogue_;
   skinctl::GripperState state_;
   skinctl::GripperGoal goal_;

@@ -45,7 +45,7 @@ GripperState settled(G& gripper) {
 Robotiq robotiq_at(const Server& server) {
   RobotiqConfig config;
   config.port = server.port();
-  config.patience = {50ms, 300ms};
+  config.patience = {50ms, 300ms, 100ms};
   return Robotiq(config);
 }
 OnRobot onrobot_at(const Server& server) {
@@ -173,6 +173,41 @@ TEST_CASE("Robotiq: works") {
   CHECK_FALSE(gripper.move({}));
   gripper.connect();  // activates it
   work(gripper, server, gripper.range().opening / 255);
+}
+
+TEST_CASE(
+    "Robotiq: public clients compare the answer to SET with exactly \"ack\"; the driver takes a line end "
+    "too") {
+  Server server({.kind = Kind::robotiq, .speed = fast, .active = true});
+  adapters::Stream client;
+  client.connect("127.0.0.1", server.port(), "the gripper", 1s);
+  const std::string_view said = "SET GTO 1 SPE 255 FOR 150 POS 255\n";
+  REQUIRE(client.write({reinterpret_cast<const std::uint8_t*>(said.data()), said.size()}, 1s));
+  std::array<std::uint8_t, 64> heard{};
+  std::size_t n = 0;
+  REQUIRE(client.read_some(heard, n, 1s) == adapters::Read::some);
+  CHECK(std::string_view(reinterpret_cast<const char*>(heard.data()), n) == "ack");
+
+  for (const bool line_end : {false, true}) {
+    CAPTURE(line_end);
+    server.misbehave().line_end_after_ack = line_end;
+    Robotiq gripper = robotiq_at(server);
+    gripper.connect();
+    work(gripper, server, gripper.range().opening / 255);
+  }
+}
+
+TEST_CASE("Robotiq: half an answer does not spoil those after it") {
+  Server server({.kind = Kind::robotiq, .speed = fast, .active = true});
+  Robotiq gripper = robotiq_at(server);
+  gripper.connect();
+  server.misbehave().cut_short = true;  // "a" for "ack"
+  CHECK(gripper.move({0.02, 30, 0.1}));
+  poll(gripper, [&](const GripperState&) { return server.seen().opening < 0.03; });
+  server.misbehave().cut_short = false;
+  const GripperState s = settled(gripper);
+  CHECK(s.error == GripperError::none);
+  CHECK(s.opening == doctest::Approx(0.02).epsilon(0.02));
 }
 
 TEST_CASE("Robotiq: misbehaves") {
