@@ -38,6 +38,10 @@ int run(int argc, char** argv) {
   app.add_option("--hand", s.hand, "its number on the bus")->check(CLI::Range(0, 3));
   app.add_option("--full-torque", s.full_torque,
                  "V4: torque of 1200 PWM [N m]; not published, so measure it");
+  app.add_option(
+         "--geared", s.geared,
+         "V5: gears in joints 1, 5 and 9, yes or no; not said: the smaller torque. A V5 Sense has them")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"yes", true}, {"no", false}}));
   app.add_option("--duration", s.duration, "[s]")->check(CLI::Range(0.1, 1e6));
   app.add_option("--stiffness", s.stiffness, "of every joint [N m/rad]")->check(CLI::Range(0.0, 2.0));
   app.add_option("--force-gain", s.force_gain, "of the tactile cells [N] per unit of reading")
@@ -49,7 +53,7 @@ int run(int argc, char** argv) {
   app.add_option("--lose", s.faults.lose, "simulated: share of lost frames")->check(CLI::Range(0.0, 1.0));
   app.add_option("--report", s.report, "HTML report with plots");
   app.add_option("--json", s.json, "summary as JSON");
-  app.add_flag("--quiet", s.quiet, "print errors only");
+  app.add_flag("--quiet", s.quiet, "print errors and assumptions only");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -52,6 +52,7 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
   options.side = s.side;
   options.hand = s.hand;
   options.full_torque = s.full_torque;
+  options.geared = s.geared;
   const bool lock_step = simulated != nullptr && s.speed == 0;
   if (lock_step) options.stamps = Stamps::counted;
   Driver<Link> driver(std::move(link), options, {.give_up = adapters::Timeout(lock_step ? 4000 : 100)});
@@ -62,7 +63,14 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
               (who.side == Side::right ? ", right" : ", left") + (simulated != nullptr ? ", simulated" : "");
   if (!s.quiet)
     std::printf("%s, serial %s%s, %.0f Hz\n", log.title.c_str(), who.serial.c_str(),
-                who.geared ? ", geared" : "", 1e3 / milliseconds(driver.period()));
+                who.gears == Gears::geared ? ", geared" : "", 1e3 / milliseconds(driver.period()));
+  if (who.gears == Gears::unknown)
+    std::fprintf(
+        stderr,
+        "compliant_allegro: is this hand (%s) geared in joints 1, 5 and 9? The maker's pages and drivers "
+        "contradict each other about its letter. Assumed is the smaller torque: half the current there, and "
+        "at most half of it. --geared yes or no says it.\n",
+        who.serial.c_str());
   // A second process that outlives a crash of this one.
   std::optional<Guardian> guardian;
   if (simulated == nullptr) guardian.emplace(driver.link().handle(), driver.link().last_words());

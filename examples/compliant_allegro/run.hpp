@@ -17,6 +17,7 @@ class Palm;
 namespace compliant_allegro {
 
 using PerJoint = std::array<double, 16>;
+using adapters::allegro::Gears;
 using adapters::allegro::Generation;
 using adapters::allegro::Side;
 
@@ -34,16 +35,17 @@ struct Settings {
   std::string can;           ///< real: interface (can0) or tty of an slcan adapter (/dev/ttyACM0)
   std::string udp;           ///< real: address of a V5 Sense
   std::uint16_t udp_port = 7000;
-  bool simulate_udp = false;  ///< the simulated hand speaks UDP
-  double speed = 0;           ///< of the simulation: 0 as fast as commands come, 1 real time
-  unsigned hand = 0;          ///< its number on the bus
-  double full_torque = 0.7;   ///< V4: at 1200 PWM [N m]
-  double duration = 17;       ///< [s]
-  double stiffness = 0.8;     ///< of every joint [N m/rad]
-  double damping = 0.02;      ///< [N m s/rad]
-  double force_gain = 1.5;    ///< of the tactile cells [N] per unit of reading
-  double threshold = 0.06;    ///< on the sum of a cell's three (equal) readings
-  double grip_level = 0.6;    ///< reading from which a cell counts while the hand holds something
+  bool simulate_udp = false;   ///< the simulated hand speaks UDP
+  double speed = 0;            ///< of the simulation: 0 as fast as commands come, 1 real time
+  unsigned hand = 0;           ///< its number on the bus
+  double full_torque = 0.7;    ///< V4: at 1200 PWM [N m]
+  std::optional<bool> geared;  ///< V5: gears in joints 1, 5 and 9; none: see `adapters::allegro::gears`
+  double duration = 17;        ///< [s]
+  double stiffness = 0.8;      ///< of every joint [N m/rad]
+  double damping = 0.02;       ///< [N m s/rad]
+  double force_gain = 1.5;     ///< of the tactile cells [N] per unit of reading
+  double threshold = 0.06;     ///< on the sum of a cell's three (equal) readings
+  double grip_level = 0.6;     ///< reading from which a cell counts while the hand holds something
   bool quiet = false;
   std::string report, json;  ///< files; empty: none
   std::vector<Goal> task;

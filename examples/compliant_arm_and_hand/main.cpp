@@ -44,6 +44,10 @@ int run(int argc, char** argv) {
   app.add_option("--udp", hand.udp, "a real V5 Sense on Ethernet: its IPv4 address");
   app.add_option("--generation", hand.generation, "v4, v5 or v5_sense")
       ->transform(CLI::CheckedTransformer(generations, CLI::ignore_case));
+  app.add_option(
+         "--geared", hand.geared,
+         "V5: gears in joints 1, 5 and 9, yes or no; not said: the smaller torque. A V5 Sense has them")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"yes", true}, {"no", false}}));
   app.add_option("--duration", duration, "[s]")->check(CLI::Range(0.1, 1e6));
   app.add_option("--rate", arm.rate, "of the arm [1/s]")->check(CLI::Range(1.0, 500.0));
   app.add_option("--speed", speed, "of simulated devices: 1 real time, 0 as fast as each goes")
@@ -58,7 +62,7 @@ int run(int argc, char** argv) {
                  "simulated: a second's press of 3 N on the palm at this time [s]");
   app.add_option("--hand-unplugged-at", hand.faults.unplug_at,
                  "simulated: the hand's link goes at this time [s]");
-  app.add_flag("--quiet", quiet, "print errors only");
+  app.add_flag("--quiet", quiet, "print errors and assumptions only");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

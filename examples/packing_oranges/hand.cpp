@@ -255,7 +255,8 @@ template <class Internal>
 auto make_cycle(const Grasp& grasp, const Internal& internal) {
   const auto model = allegro::hand(side);
   const Rotation<double> palm_down{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
-  const auto scale = adapters::allegro::TorqueScale::of(adapters::allegro::Generation::v4, 0.7, false);
+  const auto scale = adapters::allegro::TorqueScale::of(adapters::allegro::Generation::v4, 0.7,
+                                                        adapters::allegro::Gears::plain);
   // The joints' own friction, which no maker states, is left alone.
   const auto robot = by_torque(Mounted<Fingers>(model, palm_down),
                                {.limits = adapters::allegro::limits(scale),

@@ -31,6 +31,7 @@ struct Faults {
 struct Config {
   Generation generation = Generation::v4;
   bool geared = false;       ///< V5: joints 1, 5 and 9; a V5 Sense is
+  char type = 'A';           ///< V5: the letter in its serial number, which says nothing sure about gears
   unsigned hand = 0;         ///< number on the bus
   double full_torque = 0.7;  ///< V4: at 1200 PWM [N m]
   /// 1: real time. 0: as fast as commands come: time stands still after each set of positions until the torques
@@ -119,8 +120,7 @@ class Body {
   [[nodiscard]] const Plant& plant() const noexcept { return plant_; }
   [[nodiscard]] Snapshot& snapshot() noexcept { return snapshot_; }
   [[nodiscard]] std::string serial() const {
-    return std::string("5T") + (config_.geared ? "A" : "B") +
-           (config_.plant.side == Side::right ? "R" : "L") + "0042";
+    return std::string("5T") + config_.type + (config_.plant.side == Side::right ? "R" : "L") + "0042";
   }
 
  private:

@@ -35,7 +35,7 @@ int run(int argc, char** argv) {
   app.add_option("--can", can, "a CAN interface, such as vcan0");
   app.add_flag("--udp", udp, "UDP on loopback (V5 Sense)");
   app.add_option("--port", port, "of UDP");
-  app.add_flag("--geared", config.geared, "type A: joints 1, 5 and 9 with another gear");
+  app.add_flag("--geared", config.geared, "V5: joints 1, 5 and 9 with another gear");
   app.add_flag("--ball", ball, "with a ball between the fingers");
   app.add_option("--duration", duration, "[s]; 0: until a signal");
   for (const auto& [name, share, words] : {std::tuple{"--lose", &f.lose, "share of lost frames"},

@@ -33,7 +33,7 @@ class CanHand {
     who.serial.assign(serial.text.begin(), serial.text.end());
     const bool v4 = options.generation == Generation::v4;
     who.side = agreed_side(options, v4 ? who.info.side : serial.side());
-    who.geared = geared(options.generation, serial);
+    who.gears = gears(options.generation, options.geared);
     condition_ = {};
     note(who.info);
     condition_.status.reset();                // its servo was off by our own command

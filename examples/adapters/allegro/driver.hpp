@@ -51,7 +51,7 @@ class Driver {
     halted_ = false;
     who_ = link_.connect(hand_);
     running_ = true;
-    scale_ = TorqueScale::of(hand_.generation, hand_.full_torque, who_.geared);
+    scale_ = TorqueScale::of(hand_.generation, hand_.full_torque, who_.gears);
     last_state_ = Clock::now() + options_.first_state - options_.give_up;
     asked_ = Clock::now();
     waited_ = true;

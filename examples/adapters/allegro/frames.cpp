@@ -114,7 +114,7 @@ Message decode(const Frame& f, Generation generation, unsigned hand, TactileFram
   return Unknown{};
 }
 
-TorqueScale TorqueScale::of(Generation generation, double full_torque, bool geared) noexcept {
+TorqueScale TorqueScale::of(Generation generation, double full_torque, Gears gears) noexcept {
   constexpr std::array<std::int16_t, 4> finger = {375, 675, 450, 285}, thumb = {525, 405, 270, 270};
   TorqueScale s;
   for (std::size_t i = 0; i < 16; ++i) {
@@ -122,8 +122,9 @@ TorqueScale TorqueScale::of(Generation generation, double full_torque, bool gear
       s.per_newton_metre[i] = 1200 / full_torque;
       s.cap[i] = i < 12 ? finger[i % 4] : thumb[i % 4];
     } else {
-      s.per_newton_metre[i] = geared && (i == 1 || i == 5 || i == 9) ? 715 : 1430;
-      s.cap[i] = 240;
+      const Gears own = i == 1 || i == 5 || i == 9 ? gears : Gears::plain;
+      s.per_newton_metre[i] = own == Gears::plain ? 1430 : 715;
+      s.cap[i] = own == Gears::unknown ? 120 : 240;
     }
   }
   return s;

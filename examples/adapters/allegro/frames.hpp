@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <variant>
 
 #include "examples/adapters/can/frame.hpp"
@@ -70,12 +71,19 @@ struct Info {
 struct Serial {
   std::array<char, 8> text{};
   [[nodiscard]] Side side() const noexcept { return text[3] == 'L' ? Side::left : Side::right; }  ///< V5
-  [[nodiscard]] bool type_a() const noexcept { return text[2] == 'A'; }                           ///< V5
 };
-/// Whether joints 1, 5 and 9 have gears of another ratio and take half the current: a V5 of type A; every V5 Sense, as the
-/// maker's drivers for it halve them without a look at the serial number.
-[[nodiscard]] inline bool geared(Generation g, const Serial& serial) noexcept {
-  return g == Generation::v5_sense || (g == Generation::v5 && serial.type_a());
+/// Joints 1, 5 and 9 of a V5: geared ones give the same torque at half the current.
+enum class Gears : std::uint8_t {
+  plain,   ///< the current of every other joint
+  geared,  ///< half the current
+  unknown  ///< half the current, and at most half of the largest: the smaller torque of both types
+};
+/// A V5 Sense is geared unless `chosen` says otherwise: all of the maker's drivers halve its current. For a V5 only
+/// `chosen` tells: the maker's pages and drivers contradict each other about the letter in the serial number.
+[[nodiscard]] constexpr Gears gears(Generation g, std::optional<bool> chosen) noexcept {
+  if (g == Generation::v4) return Gears::plain;
+  if (chosen) return *chosen ? Gears::geared : Gears::unknown;
+  return g == Generation::v5_sense ? Gears::geared : Gears::unknown;
 }
 struct Positions {
   std::uint8_t finger = 0;
@@ -125,8 +133,7 @@ struct TorqueScale {
   std::array<std::int16_t, 16> cap{};
 
   /// @param full_torque  V4: the torque of 1200 PWM [N m]; the maker publishes none. V5 does not read it.
-  /// @param geared       V5: joints 1, 5 and 9 take half the current.
-  [[nodiscard]] static TorqueScale of(Generation generation, double full_torque, bool geared) noexcept;
+  [[nodiscard]] static TorqueScale of(Generation generation, double full_torque, Gears gears) noexcept;
 
   /// The largest torque of each joint [N m].
   [[nodiscard]] skinctl::JointTorque<16> limit() const noexcept;

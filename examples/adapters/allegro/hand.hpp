@@ -28,6 +28,7 @@ struct HandOptions {
   unsigned hand = 0;                       ///< its number on the bus, 0 to 3
   std::optional<std::uint16_t> period_ms;  ///< of positions; none: 2 for V5, else 3
   double full_torque = 0.7;                ///< V4: at 1200 PWM [N m]; unverified, the maker states none
+  std::optional<bool> geared;              ///< V5: gears in joints 1, 5 and 9; none: see `gears`
   Timeout answer{1000};                    ///< to a request
   unsigned tries = 3;
   Timeout sending{2};  ///< for one frame or datagram
@@ -42,6 +43,7 @@ struct HandOptions {
     skinctl::require(period() >= 1 && period() <= 100, "period of positions", period(), "1 to 100 ms");
     skinctl::require(full_torque > 0 && full_torque <= 100, "torque at 1200 PWM", full_torque,
                      "> 0, <= 100 N m");
+    skinctl::require(!geared || generation != Generation::v4, "gears of a V4", *geared, "for a V5 only");
     skinctl::require(answer.count() >= 1 && answer.count() <= 60000, "time for an answer",
                      double(answer.count()), "1 to 60 000 ms");
     skinctl::require(tries >= 1 && tries <= 100, "tries", tries, "1 to 100");
@@ -55,7 +57,7 @@ struct Introduction {
   Info info;
   std::string serial;  ///< empty: it gave none
   Side side = Side::right;
-  bool geared = false;
+  Gears gears = Gears::plain;
 };
 
 /// Positions of one instant.

@@ -114,7 +114,7 @@ Introduction UdpHand::connect(const HandOptions& options) {
   const auto& says = std::get<Serial>(n);
   who.serial.assign(says.text.begin(), says.text.end());
   who.side = agreed_side(options, says.side());
-  who.geared = geared(options.generation, says);
+  who.gears = gears(options.generation, options.geared);
   condition_ = {};
   condition_.temperature = who.info.temperature;
   heard_ = false;

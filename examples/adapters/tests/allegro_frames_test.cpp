@@ -75,12 +75,8 @@ TEST_CASE("Allegro frames from the hand") {
   const Serial serial = as<Serial>(raw(0x220, {'5', 'T', 'A', 'L', '0', '0', '1', 7}), Generation::v5);
   CHECK(std::string_view(serial.text.data(), 8) == "5TAL001?");
   CHECK(serial.side() == Side::left);
-  CHECK(geared(Generation::v5, serial));
-  CHECK_FALSE(geared(Generation::v4, serial));
   const Serial other = as<Serial>(raw(0x220, {'5', 'T', 'B', 'R', '0', '0', '1', '7'}), Generation::v5);
   CHECK(other.side() == Side::right);
-  CHECK_FALSE(geared(Generation::v5, other));
-  CHECK(geared(Generation::v5_sense, other));
 
   for (unsigned f = 0; f < 4; ++f) {
     const auto p = as<Positions>(
@@ -148,10 +144,21 @@ TEST_CASE("Allegro frames that say nothing: other hands, requests, short ones, e
   CHECK(known > 10);
 }
 
+TEST_CASE("Allegro gears: a V4 has none, a V5 Sense has, a V5 as it is chosen") {
+  using std::nullopt;
+  CHECK(gears(Generation::v4, nullopt) == Gears::plain);
+  CHECK(gears(Generation::v5_sense, nullopt) == Gears::geared);
+  CHECK(gears(Generation::v5, nullopt) == Gears::unknown);
+  for (const auto g : {Generation::v5, Generation::v5_sense}) {
+    CHECK(gears(g, true) == Gears::geared);
+    CHECK(gears(g, false) == Gears::plain);
+  }
+}
+
 TEST_CASE("Allegro numbers: encoder steps, PWM and its caps, currents, gears, what is no number") {
   CHECK(encoder_step(Generation::v4) * 65536 == doctest::Approx(5.8171825967));  // 333.3 degrees
   CHECK(encoder_step(Generation::v5) * 180 / 3.14159265358979 == doctest::Approx(0.088));
-  const auto v4 = TorqueScale::of(Generation::v4, 0.7, false);
+  const auto v4 = TorqueScale::of(Generation::v4, 0.7, Gears::plain);
   skinctl::JointTorque<16> tau;
   tau[0] = 0.07;
   tau[1] = -0.0700001;
@@ -162,12 +169,17 @@ TEST_CASE("Allegro numbers: encoder steps, PWM and its caps, currents, gears, wh
   CHECK(v4.encode(tau) == std::array<std::int16_t, 16>{120, -120, 450, -285, 0, 675, 450, 285, 375, 675, 450,
                                                        285, 525, 405, 270, 270});
   CHECK(v4.limit()[1] == doctest::Approx(675 * 0.7 / 1200));
-  const auto v5 = TorqueScale::of(Generation::v5, 0.7, true),
-             plain_v5 = TorqueScale::of(Generation::v5, 0.7, false);
+  const auto v5 = TorqueScale::of(Generation::v5, 0.7, Gears::geared),
+             plain_v5 = TorqueScale::of(Generation::v5, 0.7, Gears::plain),
+             unknown_v5 = TorqueScale::of(Generation::v5, 0.7, Gears::unknown);
   tau = skinctl::JointTorque<16>::constant(0.1);
   for (std::size_t i = 0; i < 16; ++i) {
     CHECK(plain_v5.encode(tau)[i] == 143);
-    CHECK(v5.encode(tau)[i] == (i == 1 || i == 5 || i == 9 ? 71 : 143));
+    const bool gear = i == 1 || i == 5 || i == 9;
+    CHECK(v5.encode(tau)[i] == (gear ? 71 : 143));
+    CHECK(unknown_v5.encode(tau)[i] == (gear ? 71 : 143));
+    CHECK(unknown_v5.encode(skinctl::JointTorque<16>::constant(9))[i] == (gear ? 120 : 240));
+    CHECK(unknown_v5.limit()[i] == doctest::Approx(240.0 / 1430));  // of the type that gives less
     CHECK(v5.encode(skinctl::JointTorque<16>::constant(-9))[i] == -240);
   }
 }

@@ -94,6 +94,18 @@ TEST_CASE("The report is whole, says what happened and needs nothing else") {
   CHECK(report(empty).find("<b>") == std::string::npos);
 }
 
+TEST_CASE("The program: says what it assumed of a V5's gears, unless they are chosen") {
+  const auto says = [](const std::string& arguments) {
+    return examples::run_program(COMPLIANT_ALLEGRO_PROGRAM, arguments + " --duration 0.3 --quiet", 0);
+  };
+  CHECK(says("--generation v5").find("(5TAR0042) geared in joints 1, 5 and 9?") != std::string::npos);
+  for (const char* said : {"--generation v5 --geared yes", "--generation v5 --geared no", "--generation v4",
+                           "--generation v5_sense", "--generation v5_sense --geared no"})
+    CHECK_MESSAGE(says(said).empty(), said);
+  CHECK(program({"--generation", "v4", "--geared", "no"}) == 2);
+  CHECK(program({"--generation", "v5", "--geared", "perhaps"}) == 2);
+}
+
 TEST_CASE("The program: help, wrong options, no device, signals") {
   CHECK(program({"--help"}) == 0);
   CHECK(program({"--no-such-option"}) == 2);

@@ -226,17 +226,17 @@ TEST_CASE("Guardian: a program that is killed leaves no torque behind, on every 
 TEST_CASE("Driver: torques reach the joints in N m, gears included, and are cut at the caps") {
   struct Case {
     Generation generation;
-    bool type_a, geared;
+    bool geared;
   };
-  for (const auto& [generation, type_a, geared] : {Case{Generation::v5, false, false},
-                                                   {Generation::v5, true, true},
-                                                   {Generation::v5_sense, false, true}}) {
+  for (const auto& [generation, geared] :
+       {Case{Generation::v5, false}, {Generation::v5, true}, {Generation::v5_sense, true}}) {
     auto c = quick(generation);
-    c.geared = type_a;
+    c.geared = geared;
     SimulatedHand hand(c);
-    Driver driver(CanHand(hand.pair()), options(generation), patient);
+    auto with = options(generation);
+    if (generation == Generation::v5) with.geared = geared;
+    Driver driver(CanHand(hand.pair()), with, patient);
     driver.connect();
-    CHECK(driver.introduction().geared == geared);
     skinctl::State<16> state;
     skinctl::JointTorque<16> tau;
     for (std::size_t i = 0; i < 16; ++i) tau[i] = i % 2 == 0 ? 0.05 : 10;
@@ -251,6 +251,35 @@ TEST_CASE("Driver: torques reach the joints in N m, gears included, and are cut 
       CHECK(at[i] == doctest::Approx(i % 2 == 0 ? 0.05 : most).epsilon(0.02));
     }
   }
+}
+
+TEST_CASE("Driver: a V5 whose gears nobody chose never gets more torque than asked, whatever its letter") {
+  for (const char type : {'A', 'B'})
+    for (const bool geared : {false, true}) {
+      CAPTURE(type);
+      CAPTURE(geared);
+      auto c = quick(Generation::v5);
+      c.type = type;
+      c.geared = geared;
+      SimulatedHand hand(c);
+      Driver driver(CanHand(hand.pair()), options(Generation::v5), patient);
+      driver.connect();
+      skinctl::State<16> state;
+      REQUIRE(driver.wait(state) == Heard::state);
+      for (const double tau : {0.1, 10.0}) {
+        for (int k = 0; k < 3; ++k) {
+          REQUIRE(driver.send(command(skinctl::JointTorque<16>::constant(tau))));
+          REQUIRE(driver.wait(state) == Heard::state);
+        }
+        const auto at = hand.snapshot().torque;
+        const double most = std::min(tau, driver.scale().limit()[0]);
+        for (const std::size_t i : {1u, 5u, 9u}) {
+          CHECK(at[i] <= most);
+          CHECK(at[i] >= 0.48 * most);
+        }
+        CHECK(at[0] == doctest::Approx(most).epsilon(0.02));
+      }
+    }
 }
 
 TEST_CASE("Tactile cells: a touch shows on its cell only, over CAN and UDP, with a fresh stamp") {
