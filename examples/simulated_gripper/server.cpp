@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "examples/support/web_guard.hpp"
+
 namespace simulated_gripper {
 namespace {
 
@@ -30,6 +32,10 @@ struct Server::Network {
                              });
     }
     void take(std::size_t n) {
+      // An OnRobot's frames end a web page's request by themselves, and a Lacquey connects to the computer.
+      if (server.config_.kind == Kind::robotiq &&
+          guard.refuses({reinterpret_cast<const std::uint8_t*>(chunk.data()), n}))
+        return close();
       in.append(chunk.data(), n);
       out.clear();
       auto& wrong = server.misbehaviour_;
@@ -38,11 +44,7 @@ struct Server::Network {
         return read();
       }
       const bool good = server.answer(in, out) && in.size() < longest_request;
-      if (wrong.hang_up || !good) {
-        boost::system::error_code ignored;
-        socket.close(ignored);
-        return;
-      }
+      if (wrong.hang_up || !good) return close();
       if (wrong.line_end_after_ack && out == "ack") out += '\n';
       if (wrong.silent) out.clear();
       if (wrong.twice) out += out;
@@ -63,6 +65,10 @@ struct Server::Network {
           if (c != '\n') c = static_cast<char>(c ^ 0x5a);
       write(0);
     }
+    void close() {
+      boost::system::error_code ignored;
+      socket.close(ignored);
+    }
     void write(std::size_t from) {
       if (from == out.size()) return read();
       const std::size_t n = server.misbehaviour_.byte_by_byte ? 1 : out.size() - from;
@@ -76,6 +82,7 @@ struct Server::Network {
     tcp::socket socket;
     boost::asio::steady_timer later;
     std::mt19937 random{1};
+    examples::WebGuard guard;
     std::array<char, 256> chunk{};
     std::string in, out;
   };

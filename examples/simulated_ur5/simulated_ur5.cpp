@@ -19,6 +19,7 @@
 #include "examples/simulated_ur5/reverse.hpp"
 #include "examples/simulated_ur5/script_sockets.hpp"
 #include "examples/simulated_ur5/version.hpp"
+#include "examples/support/web_guard.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace simulated_ur5 {
@@ -270,11 +271,20 @@ class SimulatedUr5::Network {
     return connection;
   }
 
+  /// Whether the client is a web page: it is told nothing and closed.
+  bool web(examples::WebGuard& guard, std::span<const std::uint8_t> bytes, const char* port) {
+    const bool refused = guard.refuses(bytes);
+    if (refused) log(LogLevel::warning, std::string(port) + ": a web page's request; client closed");
+    return refused;
+  }
+
   void accept_dashboard(tcp::socket socket) {
     auto connection = admit(dashboard_, std::move(socket), text_queue, "dashboard");
     auto session = std::make_shared<DashboardSession>(controller_, config_.programs, panel_);
     Connection* raw = connection.get();
-    connection->on_bytes = [this, session, raw](std::span<const std::uint8_t> bytes) {
+    connection->on_bytes = [this, session, raw,
+                            guard = examples::WebGuard()](std::span<const std::uint8_t> bytes) mutable {
+      if (web(guard, bytes, "dashboard")) return false;
       std::string out;
       const bool stay = session->receive(bytes, out);
       raw->send({reinterpret_cast<const std::uint8_t*>(out.data()), out.size()});
@@ -302,7 +312,9 @@ class SimulatedUr5::Network {
     socket.set_option(tcp::socket::send_buffer_size(static_cast<int>(rtde_kernel_queue)), ignored);
     auto connection = admit(server, std::move(socket), text_queue, name);
     auto reader = std::make_shared<ScriptReader>();
-    connection->on_bytes = [this, reader, name](std::span<const std::uint8_t> bytes) {
+    connection->on_bytes = [this, reader, name,
+                            guard = examples::WebGuard()](std::span<const std::uint8_t> bytes) mutable {
+      if (web(guard, bytes, name)) return false;
       std::vector<std::string> programs;
       const bool readable = reader->feed(bytes, programs);
       for (const std::string& program : programs) {

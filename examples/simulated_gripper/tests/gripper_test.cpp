@@ -197,6 +197,25 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("Grippers: a web page moves none") {
+  for (const Kind kind : {Kind::robotiq, Kind::onrobot}) {
+    Server server({.kind = kind, .speed = fast, .active = true});
+    const double before = server.seen().opening;
+    for (const std::string_view request :
+         {"POST / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\nSET GTO 1 SPE 255 FOR 150 POS 255\n",
+          "\x16\x03\x01\nSET GTO 1 SPE 255 FOR 150 POS 255\n"}) {
+      adapters::Stream client;
+      client.connect("127.0.0.1", server.port(), "the gripper", 1s);
+      REQUIRE(client.write({reinterpret_cast<const std::uint8_t*>(request.data()), request.size()}, 1s));
+      std::array<std::uint8_t, 64> heard{};
+      std::size_t n = 0;
+      CHECK(client.read_some(heard, n, 1s) == adapters::Read::closed);
+    }
+    std::this_thread::sleep_for(50ms);
+    CHECK(server.seen().opening == before);
+  }
+}
+
 TEST_CASE("Robotiq: half an answer does not spoil those after it") {
   Server server({.kind = Kind::robotiq, .speed = fast, .active = true});
   Robotiq gripper = robotiq_at(server);

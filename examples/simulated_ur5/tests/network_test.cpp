@@ -87,6 +87,43 @@ TEST_CASE("Network: RTDE streams at the controller's rate and answers in order")
   }
 }
 
+TEST_CASE("Network: no port takes orders from a web page") {
+  const std::string script = "def move():\n  movej([0, -1, 1, 0, 0, 0])\nend\n";
+  const std::string panel = "shutdown\npower off\n";
+  const auto posted = [](const std::string& body) {
+    return "POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: text/plain\r\nContent-Length: " +
+           std::to_string(body.size()) + "\r\n\r\n" + body;
+  };
+  SimulatedUr5 robot(quiet());
+  robot.start();
+  const Ports ports = robot.ports();
+  const auto begin = robot.snapshot().true_q;
+  for (const std::uint16_t port :
+       {ports.dashboard, ports.primary, ports.secondary, ports.realtime, ports.rtde}) {
+    const std::string& body = port == ports.dashboard ? panel : script;
+    for (const std::string& request :
+         {posted(body), "GET /" + std::string(5000, 'x') + " HTTP/1.0\r\n\r\n" + body,
+          "OPTIONS * HTTP/1.1\r\n\r\n" + body, "PUT http://127.0.0.1/ HTTP/1.1\r\n\r\n" + body,
+          "\x16\x03\x01\n" + body})
+      for (const bool in_pieces : {false, true}) {
+        CAPTURE(request);
+        raw::Tcp tcp(port);
+        for (std::size_t at = 0; at < request.size(); at += in_pieces ? 1 : request.size())
+          if (!tcp.send(std::string_view(request).substr(at, in_pieces ? 1 : request.size()))) break;
+        CHECK(tcp.closes());
+      }
+  }
+  const Snapshot after = robot.snapshot();
+  CHECK(after.counters.programs == 0);
+  CHECK(after.state.robot_mode == RobotMode::running);
+  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(after.true_q[i] - begin[i]) < 1e-6);
+
+  raw::Tcp dashboard(ports.dashboard);  // who is no web page is answered as ever
+  CHECK(dashboard.line().find("Connected") == 0);
+  dashboard.send("robotmode\n");
+  CHECK(dashboard.line() == "Robotmode: RUNNING");
+}
+
 TEST_CASE("Network: a program connects back and the arm follows servoj and speedj") {
   SimulatedUr5 robot(quiet());
   robot.start();
