@@ -130,7 +130,6 @@ void skinctl_rows() {
   };
   constexpr auto position = Interface::position;
   add("ur5", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms); });
-  add("ur5-implicit-friction", [](auto& s) { cycles<position, T, ImplicitFriction>(s, 2ms); });
   add("ur5-semi-implicit-euler", [](auto& s) { cycles<position, T, SemiImplicitEuler>(s, 2ms); });
   add("ur5-dry-friction", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0.5)); });
   add("ur5-lead", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0), 18ms); });

@@ -226,9 +226,7 @@ int main(int argc, char** argv) {
     for (const Cycles& how : {Cycles{"as planned"}, Cycles{"10 % skipped", 0.1},
                               Cycles{"+-40 % jitter", 0, 0.8}, Cycles{"both", 0.1, 0.8}}) {
       rows(CrankNicolson{}, "Crank-Nicolson", period, how);
-      rows(ImplicitFriction{}, "implicit friction", period, how);
       rows(SemiImplicitEuler{}, "semi-implicit Euler", period, how);
-      rows(RungeKutta4{}, "Runge-Kutta 4", period, how);
       row("damping per cycle", period, how, per_cycle_path(push, period, how), nullptr);
     }
 }

@@ -1,6 +1,6 @@
 // How well a joint law tracks on a UR5: the time base against its closed form, wrong inertial parameters and
-// a cycle of delay against computed torque with PD and PID, and the ways to take a sign. `tracking [FOLDER]`, a few
-// seconds; with a folder also three pictures of the tables: time_base.svg, parameters.svg, signs.svg.
+// a cycle of delay against computed torque with PD and PID. `tracking [FOLDER]`, a few seconds; with a folder also two
+// pictures of the tables: time_base.svg, parameters.svg.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -192,72 +192,10 @@ void parameters() {
     }
   draw("parameters.svg", "Tracking with wrong parameters", plots);
 }
-
-/// Of each way to take a sign: chattering, error and cost over the rate.
-std::vector<plotting::Plot> sign_plots{axes("Chattering", "rate [Hz]", "change of slope / change"),
-                                       axes("Tracking error", "rate [Hz]", "largest [mrad]"),
-                                       axes("Cost of an evaluation", "rate [Hz]", "[ns]")};
-template <class Sign>
-void sign_row(const char* name) {
-  for (auto& plot : sign_plots) plot.series.push_back({name, {}, {}});
-  for (const double rate : {125.0, 500.0, 1000.0}) {
-    const double dt = 1 / rate;
-    const JointControl<6, double, InertialDamping<double>, Sign> law(
-        {.dt = nanoseconds(dt), .K_i1 = 1, .K_i2 = 0.2, .mu = 20, .tb = 0s, .K_c = 8});
-    const auto plant = wrong(1.1);
-    JointTorque<6> last, before;
-    double rough = 0, size = 0;
-    State<6> x0{0ns, home, {}};
-    auto memory = law.start(K(model, x0, dt, none));
-    int n = 0;
-    const auto e = follow(plant, dt, 1, [&](const State<6>& x, const JointReference<6>& target) {
-      const K known(model, x, dt, none);
-      memory = law.with_target(memory, target);
-      const auto tau = law.torque(memory, known);
-      memory = law.advance(memory, known, dt, Opposition::none);
-      if (++n > 4 * static_cast<int>(rate))
-        for (std::size_t j = 0; j < 6; ++j) {
-          rough += std::abs(tau[j] - 2 * last[j] + before[j]);
-          size += std::abs(tau[j] - last[j]);
-        }
-      before = last, last = tau;
-      return tau;
-    });
-    // The cost: evaluations of the law on its own, the fastest of many batches.
-    const State<6> x{0ns, home, JointVelocity<6>::constant(0.1)};
-    double sum = 0, ns = 1e9;
-    for (int batch = 0; batch < 40; ++batch) {
-      const auto start = std::chrono::steady_clock::now();
-      for (int i = 0; i < 1000; ++i) {
-        const auto out = evaluate(law, memory, K(model, x, dt, none), dt);
-        memory = out.memory;
-        sum += out.torque[0];
-      }
-      const auto taken = std::chrono::steady_clock::now() - start;
-      ns = std::min(ns, std::chrono::duration<double, std::nano>(taken).count() / 1000);
-    }
-    std::printf("%-16s %6g Hz %14.4f %12.4f %12.4f %8.0f%s\n", name, rate, rough / size, 1e3 * e.rms,
-                1e3 * e.largest, ns, sum == 0.5 ? "!" : "");
-    const double values[] = {rough / size, 1e3 * e.largest, ns};
-    for (std::size_t k = 0; k < 3; ++k) {
-      sign_plots[k].series.back().x.push_back(rate);
-      sign_plots[k].series.back().y.push_back(values[k]);
-    }
-  }
-}
 }  // namespace
 
 int main(int count, char** arguments) {
   if (count > 1) folder = arguments[1];
   time_base();
   parameters();
-  std::printf(
-      "\nsigns, masses 10 %% wrong and a cycle of delay; chattering: changes of the torque's slope over\n"
-      "changes of the torque\n%-16s %9s %14s %12s %12s %8s\n",
-      "", "rate", "chattering", "rms [mrad]", "max [mrad]", "ns");
-  sign_row<TanhSign>("tanh");
-  sign_row<SaturationSign>("saturation");
-  sign_row<ImplicitSign>("implicit");
-  sign_row<SuperTwistingSign>("super-twisting");
-  draw("signs.svg", "Ways to take a sign", sign_plots);
 }

@@ -1,5 +1,4 @@
-// What the trade study leaves open, measured: why an integrator of fourth order gains nothing, what long sub-steps do to stiff
-// contacts, the degree of the sines' polynomials, and the order of the velocity estimator.
+// What the trade study leaves open, measured: what long sub-steps do to stiff contacts, the degree of the sines' polynomials, and the order of the velocity estimator.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -26,53 +25,6 @@ RobotConfiguration<6> arm(Nanoseconds substep, double viscous) {
   c.dead_band = JointPosition<6>::constant(0.02);
   c.substep = substep;
   return c;
-}
-
-/// Velocities and positions after torques of joints that are given, so that no law adds an error of its own.
-template <class Integrator>
-auto pushed(Nanoseconds substep, double viscous) {
-  ClosedLoop<Interface::position, double, Integrator> loop(arm(substep, viscous), home, 0.008, 0.008);
-  const Impulse impulse = [](double t) {
-    std::array<double, 6> out{};
-    for (std::size_t i = 0; i < 6; ++i) {
-      const double x = std::min(t, 0.4),
-                   w = 5 * std::numbers::pi;  // the integral of 1 - cos(w t), one period of it
-      out[i] = (i < 3 ? 4 : 0.2) * (x - std::sin(w * x) / w);
-    }
-    return out;
-  };
-  for (Nanoseconds now = 8ms; now <= 480ms; now += 8ms) loop.step(now, impulse);
-  return std::pair(loop.memory.q.value, loop.memory.v);
-}
-template <class A>
-double apart(const A& a, const A& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < 6; ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
-}
-
-void fourth_order() {
-  std::puts(
-      "Why an integrator of fourth order gains nothing. Torques of joints are given; error of positions "
-      "after 0.48 s [rad]\n");
-  std::puts(
-      "| sub-step [ms] | Crank-Nicolson | fourth order | Crank-Nicolson, 2 N m s/rad | fourth order, 2 N m "
-      "s/rad |");
-  std::puts("|---|---|---|---|---|");
-  const auto exact = pushed<RungeKutta4>(500us, 0), slow = pushed<RungeKutta4>(500us, 2);
-  for (const Nanoseconds h : {Nanoseconds(1ms), Nanoseconds(2ms), Nanoseconds(4ms), Nanoseconds(8ms)}) {
-    std::printf("| %.0f | %.2g | %.2g | %.2g | %.2g |\n", milliseconds(h),
-                apart(pushed<CrankNicolson>(h, 0).first, exact.first),
-                apart(pushed<RungeKutta4>(h, 0).first, exact.first),
-                apart(pushed<CrankNicolson>(h, 2).first, slow.first),
-                apart(pushed<RungeKutta4>(h, 2).first, slow.first));
-  }
-  std::puts(
-      "\nThe same of velocities [rad/s]\n\n| sub-step [ms] | Crank-Nicolson | fourth order |\n|---|---|---|");
-  for (const Nanoseconds h : {Nanoseconds(1ms), Nanoseconds(2ms), Nanoseconds(4ms), Nanoseconds(8ms)})
-    std::printf("| %.0f | %.2g | %.2g |\n", milliseconds(h),
-                apart(pushed<CrankNicolson>(h, 0).second, exact.second),
-                apart(pushed<RungeKutta4>(h, 0).second, exact.second));
 }
 
 void stiff_contact() {
@@ -185,7 +137,6 @@ void estimator(const char* name) {
 }  // namespace
 
 int main() {
-  fourth_order();
   stiff_contact();
   std::puts(
       "\nDegree of the polynomials for sine and cosine, in double: error, what that is at a tool 1.3 m away "

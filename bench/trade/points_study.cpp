@@ -21,11 +21,7 @@ std::vector<Point> study_points() {
         {.scene = "UR5, 260 cells", .policy = policy, .value = value, .choices = choices, .make = make});
   };
   using Skin = SkinJointControl;
-  const Choices usual{.event = 0}, long_steps{.substep = 8ms, .event = 0};
-  add("integrator", "fourth order, 2 ms", usual, with<Skin>(RungeKutta4{}));
-  add("integrator", "fourth order, 8 ms", long_steps, with<Skin>(RungeKutta4{}));
-  add("integrator", "implicit friction, 2 ms", usual, with<Skin>(ImplicitFriction{}));
-  add("integrator", "implicit friction, 8 ms", long_steps, with<Skin>(ImplicitFriction{}));
+  const Choices usual{.event = 0};
   add("integrator", "semi-implicit Euler, 2 ms", usual, with<Skin>(SemiImplicitEuler{}));
   add("model", "mass matrix once a cycle", usual, with<Skin, Abridged<Arm, Abridgement::mass_once, 4>>());
   add("model", "mass matrix every 20 sub-steps", usual,
@@ -38,12 +34,6 @@ std::vector<Point> study_points() {
   add("readings", "8 bits", {.event = 0, .bits = 8}, with<Skin>());
   add("unit wrenches", "float: 6e-8", {.event = 0, .gain = 1 + 6e-8}, with<Skin>());
   add("unit wrenches", "16 bits: 1.5e-5", {.event = 0, .gain = 1 + 1.53e-5}, with<Skin>());
-  const auto sign = [&](const char* value, const auto& make) {
-    points.push_back(
-        {.scene = "UR5", .policy = "sign", .value = value, .choices = {.event = 0}, .make = make});
-  };
-  sign("saturation", [](const Choices& c) { return bare_arm<double, SaturationSign>(c); });
-  sign("implicit", [](const Choices& c) { return bare_arm<double, ImplicitSign>(c); });
   return points;
 }
 

@@ -55,14 +55,14 @@ inline Places<ur5::Model, 5> arm_places() {
 }
 
 /// A UR5 without skin goes to a goal.
-template <class T, class Sign = TanhSign, class M = ur5::Model, class... Parts>
+template <class T, class M = ur5::Model, class... Parts>
 std::unique_ptr<Runner> bare_arm(const Choices& c, const Parts&... parts) {
   const auto arm = by_position<T>(M{}, configuration<T>(limits_of<ur5::Description, T>(T(15)), c), parts...);
   auto settings = JointControlSettings<6, T>{.dt = 8ms};
   settings.lambda = T(12);
   settings.K_c = T(2);
   settings.virtual_dynamics = arm.virtual_dynamics();
-  const Cycle scene(arm, NoSkin{}, SplineJoint<6, T, InertialDamping<T>, Sign>(settings) + GravityControl{});
+  const Cycle scene(arm, NoSkin{}, SplineJoint<6, T>(settings) + GravityControl{});
   const auto goal = [](auto& input, double t) {
     if (t > 0.099 || t < 0.091) return;
     input.has_goal = true;

@@ -176,7 +176,6 @@
 #include "skinctl/tracking/reactive_plan.hpp"
 #include "skinctl/tracking/redundancy.hpp"
 #include "skinctl/tracking/settings.hpp"
-#include "skinctl/tracking/sign.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
 #include "skinctl/tracking/singular_rest.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"

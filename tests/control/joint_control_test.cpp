@@ -189,3 +189,28 @@ TEST_CASE("JointControl: with a constant gain a large step is slow enough from t
   CHECK(fastest < 0.6 * 1.34);
   for (std::size_t i = 0; i < 6; ++i) CHECK(x.q[i] == doctest::Approx(goal[i]).epsilon(1e-3));
 }
+
+TEST_CASE("JointControl: a wrong payload is worked against, without chattering") {
+  const double dt = 0.002;
+  JointControlSettings<6> s{.dt = nanoseconds(dt), .K_i1 = 5, .K_i2 = 0.5, .tb = 0s};
+  const JointControl<6> law(s);
+  State<6> x{0ns, {0.3, -1.2, 1.4, -1.8, -1.4, 0.3}, {}};
+  auto memory = law.start(KnownAt<double>(model, x, dt, none));
+  const auto home = x.q;
+  double rough = 0;
+  JointTorque<6> last, before;
+  for (int i = 0; i < 3000; ++i) {
+    const auto out = evaluate(law, memory, KnownAt<double>(model, x, dt, none), dt);
+    memory = out.memory;
+    if (i > 2500)
+      for (std::size_t j = 0; j < 6; ++j)
+        rough = std::max(rough, std::abs(out.torque[j] - 2 * last[j] + before[j]));
+    before = last, last = out.torque;
+    x = simulate(model, x, out.torque + mass_matrix(model, x.q) * JointAcceleration<6>{2, -3, 1, 4, 2, -2},
+                 dt, 1);
+  }
+  double e = 0;
+  for (std::size_t j = 0; j < 6; ++j) e = std::max(e, std::abs(x.q[j] - home[j]));
+  CHECK(e < 0.004);
+  CHECK(rough < 1e-3);
+}

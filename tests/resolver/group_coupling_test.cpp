@@ -201,17 +201,16 @@ TEST_CASE("GroupResolver: joints of any mixture, in any order, move as the robot
     }
 }
 
-TEST_CASE_TEMPLATE("GroupResolver: with every integrator too", Integrator, ImplicitFriction,
-                   SemiImplicitEuler, RungeKutta4) {
+TEST_CASE("GroupResolver: with semi-implicit Euler too") {
   for (double until : {0.15, 0.3, 0.6}) {
-    compare<0b011, 0b100>(until, push_arm, 0.02, Integrator{});
-    compare<0b011, 0b100>(until, close_finger, 0.02, Integrator{});
+    compare<0b011, 0b100>(until, push_arm, 0.02, SemiImplicitEuler{});
+    compare<0b011, 0b100>(until, close_finger, 0.02, SemiImplicitEuler{});
   }
 }
 
 TEST_CASE_TEMPLATE(
     "GroupResolver: the end of an arm feels like the mass of its tool shape, with the finger on it",
-    Integrator, CrankNicolson, ImplicitFriction, SemiImplicitEuler) {
+    Integrator, CrankNicolson, SemiImplicitEuler) {
   using Shape = ToolShape<1, 3>;
   // The arm's two joints move a point of its link in two directions; a push in these.
   const Shape shape({.X_LT = {{}, {0.4, 0, 0}}, .mass = Shape::diagonal({5, 5, 5}), .damping = {}});

@@ -19,8 +19,8 @@ static_assert(std::is_same_v<decltype(made()), Resolver<Interface::position, ur5
 static_assert(decltype(made(EnergyTank<>(), PassivityObserver<>()))::has_tank);
 static_assert(decltype(made(EnergyTank<>(), PassivityObserver<>()))::has_passivity_observer);
 static_assert(!decltype(made(EnergyTank<>()))::has_damper);
-static_assert(std::is_same_v<decltype(made(ImplicitFriction{})),
-                             Resolver<Interface::position, ur5::Model, double, ImplicitFriction>>);
+static_assert(std::is_same_v<decltype(made(SemiImplicitEuler{})),
+                             Resolver<Interface::position, ur5::Model, double, SemiImplicitEuler>>);
 
 TEST_CASE("resolver_of: parts of a description become those of its resolver, in any order") {
   const auto kept = made(ContactDamper<>({.max = 70}), SemiImplicitEuler{}, EnergyTank<>({.start = 3}));

@@ -116,9 +116,10 @@ void for_each_robot(F&& f) {
   f("bare", by_position(Arm{}, configuration({})));
   f("virtual inertia", by_position(Arm{}, configuration(heavy)));
   f("virtual inertia, by velocity", by_velocity(Arm{}, configuration(heavy)));
-  f("virtual inertia, implicit friction", by_position(Arm{}, configuration(heavy), ImplicitFriction{}));
+  f("virtual inertia, semi-implicit Euler", by_position(Arm{}, configuration(heavy), SemiImplicitEuler{}));
   f("tool shape", by_position(Arm{}, configuration(heavy), shape()));
-  f("tool shape, implicit friction", by_position(Arm{}, configuration(heavy), shape(), ImplicitFriction{}));
+  f("tool shape, semi-implicit Euler",
+    by_position(Arm{}, configuration(heavy), shape(), SemiImplicitEuler{}));
 }
 }  // namespace
 

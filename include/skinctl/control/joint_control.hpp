@@ -8,10 +8,10 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) with a target from outside. A goal is a `JointReference`: `receive` starts the time base for
 /// it, `follow` takes the next sample of a moving target. `JointControl(arm)` for a described robot.
-template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
-class JointControl : public Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping, Sign> {
+template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
+class JointControl : public Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping> {
  public:
-  using Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping, Sign>::Tracking;
+  using Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping>::Tracking;
 };
 template <DescribedRobot R>
 JointControl(const R&) -> JointControl<R::joints, typename R::scalar>;

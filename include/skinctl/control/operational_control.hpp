@@ -11,13 +11,13 @@ SKINCTL_BEGIN_NAMESPACE
 /// `receive` starts the time base for it, `follow` takes the next sample of a moving target.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
-          class Damping = InertialDamping<T>, class Sign = TanhSign>
+          class Damping = InertialDamping<T>>
 class OperationalControl
     : public Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                      TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign> {
+                      TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping> {
  public:
   using Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                 TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>::Tracking;
+                 TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
 /// `OperationalControl(arm, X_LT)`: of the tool at `X_LT` on its link, for a described robot.
 template <DescribedRobot R, std::size_t I, Frame P>

@@ -8,10 +8,10 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) for a `JointReference` from a sensor: see `ReactivePlan`.
-template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
-class ReactiveJoint : public Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<N, T>>, Damping, Sign> {
+template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
+class ReactiveJoint : public Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<N, T>>, Damping> {
  public:
-  using Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<N, T>>, Damping, Sign>::Tracking;
+  using Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<N, T>>, Damping>::Tracking;
 };
 template <DescribedRobot R>
 ReactiveJoint(const R&) -> ReactiveJoint<R::joints, typename R::scalar>;
@@ -19,14 +19,13 @@ ReactiveJoint(const R&) -> ReactiveJoint<R::joints, typename R::scalar>;
 /// Eqs. (15)-(21) for a `PoseReference` of the tool `P` on link `I` from a sensor.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
-          class Damping = InertialDamping<T>, class Sign = TanhSign>
+          class Damping = InertialDamping<T>>
 class ReactiveOperational
     : public Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                      ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign> {
+                      ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping> {
  public:
   using Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                 ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping,
-                 Sign>::Tracking;
+                 ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
 template <DescribedRobot R, std::size_t I, Frame P>
 ReactiveOperational(const R&, const Transform<Link<I>, P, typename R::scalar>&)

@@ -8,10 +8,10 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8)-(14) along the spline (22). A goal is a `JointGoal`: a position, with or without a duration.
 /// `SplineJoint(arm)` for a described robot.
-template <std::size_t N, Real T = double, class Damping = InertialDamping<T>, class Sign = TanhSign>
-class SplineJoint : public Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping, Sign> {
+template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
+class SplineJoint : public Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping> {
  public:
-  using Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping, Sign>::Tracking;
+  using Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping>::Tracking;
 };
 template <DescribedRobot R>
 SplineJoint(const R&) -> SplineJoint<R::joints, typename R::scalar>;

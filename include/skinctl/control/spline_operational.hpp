@@ -11,13 +11,13 @@ SKINCTL_BEGIN_NAMESPACE
 /// `PoseGoal`: a pose of the tool `P` on link `I`, with or without a duration.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
-          class Damping = InertialDamping<T>, class Sign = TanhSign>
+          class Damping = InertialDamping<T>>
 class SplineOperational
     : public Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                      SplinePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign> {
+                      SplinePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping> {
  public:
   using Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                 SplinePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping, Sign>::Tracking;
+                 SplinePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
 /// `SplineOperational(arm, X_LT)`: of the tool at `X_LT` on its link, for a described robot.
 template <DescribedRobot R, std::size_t I, Frame P>

@@ -24,18 +24,6 @@ struct CrankNicolson {
   }
 };
 
-/// M, C and G at the start of the sub-step, friction by the new velocity: first order, never rings. Shares
-/// the quantities that laws need. For sub-steps up to 2 ms.
-struct ImplicitFriction {
-  using RobotPart = detail::IntegratorPart;
-  static constexpr Needs needs{.angles = true};
-  static constexpr bool midpoint = false;
-  template <class Z>
-  static SKINCTL_INLINE Z weight(const Z&, const Z&) noexcept {
-    return Z(1);
-  }
-};
-
 /// Everything at the start of the sub-step, friction by the old velocity: semi-implicit Euler as commonly
 /// understood. First order. Where that would ring (`z = h B/M > 1`) friction stops the joint instead: weight
 /// `1 - 1/z`. Shares the quantities that laws need.
@@ -49,11 +37,5 @@ struct SemiImplicitEuler {
     return select(fast, Z(1) - m / select(fast, b, Z(1)), Z(0.0));
   }
 };
-
-/// Classical Runge-Kutta for the velocity, fourth order; the pose follows by the trapezoid, as with the
-/// others. Friction that is fast against the sub-step is integrated in up to eight parts. Faster friction,
-/// dry friction and damped contacts fall back to `CrankNicolson`. At least five times its cost: for studies
-/// and comparisons.
-struct RungeKutta4 : CrankNicolson {};
 
 SKINCTL_END_NAMESPACE

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "skinctl/math/sum.hpp"
+#include "skinctl/math/tanh.hpp"
 #include "skinctl/tracking/settings.hpp"
-#include "skinctl/tracking/sign.hpp"
 #include "skinctl/tracking/surface_bias.hpp"
 #include "skinctl/trajectory/spline.hpp"
 
@@ -52,28 +52,22 @@ struct SurfaceInputs {
   BiasNow<N, T> bias;
   JointVelocity<N, T> I1;  ///< the integrals themselves
   JointVelocity<N, T> I2;
-  bool held;                 ///< the integrals are stopped
-  const T* twist = nullptr;  ///< the own integral of the sign
+  bool held;  ///< the integrals are stopped
 };
 
 /// Gains of the surface, in the form in which the loop reads them.
-template <Real T = double, class Sign = TanhSign>
+template <Real T = double>
 struct SurfaceGains {
   T K_i1, K_i2, mu;
-  T slope;               ///< the largest slope of the sign
   T I1_limit, I2_limit;  ///< bounds of the integrals
-  T twist = T(0);        ///< the largest slope of the rate of the sign's own integral
 
   template <std::size_t N>
   explicit SurfaceGains(const JointControlSettings<N, T>& s) noexcept
       : K_i1(s.K_i1),
         K_i2(s.K_i2),
         mu(s.mu),
-        slope(Sign::slope(s.mu, s.K_i2, seconds<T>(s.dt))),
         I1_limit(s.K_i1 > T(0) ? T(s.integral_limit / s.K_i1) : T(1)),
-        I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {
-    if constexpr (Sign::twists) twist = Sign::twist(s.mu, s.K_i1, s.K_i2, slope, seconds<T>(s.dt));
-  }
+        I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {}
 
   /// The part of its rate that an integral takes: all of it up to half the limit and on the way back, then
   /// smoothly less, and none at the limit.
@@ -118,8 +112,8 @@ struct SurfaceErrorRows {
 };
 
 /// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `rest(dq_r)` gives `S_q`. NaN in, NaN out.
-template <std::size_t N, Real T, class Sign, class Target, class Errors, class Rest>
-[[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T, Sign>& gains,
+template <std::size_t N, Real T, class Target, class Errors, class Rest>
+[[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T>& gains,
                                                                   const SurfaceInputs<N, T, Target>& in,
                                                                   const Errors& error, Rest&& rest) noexcept {
   using R = detail::Row<N, T>;
@@ -129,7 +123,7 @@ template <std::size_t N, Real T, class Sign, class Target, class Errors, class R
   R dI1 = T(0), dI2 = T(0);
   if (!in.held) [[likely]] {
     dI1 = gains.taken(in.I1, S_delta, gains.I1_limit);
-    dI2 = gains.taken(in.I2, Sign::rate(S_delta, gains.slope, gains.mu, in.twist), gains.I2_limit);
+    dI2 = gains.taken(in.I2, math::tanh(gains.mu * S_delta), gains.I2_limit);
   }
   const R dq_r = v_d - K * e + S_d - K_i1 * in.I1 - K_i2 * in.I2;
   const R ddq_r = a_d - K * slope - in.K_p.dK * e + in.bias.dS_d - K_i1 * dI1 - K_i2 * dI2;

@@ -24,7 +24,7 @@ using PlacementOf = typename PlacementIn<Space>::type;
 }  // namespace detail
 
 /// The memory of a tracking law; trivially copyable.
-template <class Space, class Plan, class Sign = TanhSign>
+template <class Space, class Plan>
 struct TrackingMemory {
   using T = typename Space::scalar;
   Nanoseconds since_reset{};
@@ -35,7 +35,6 @@ struct TrackingMemory {
   Integrals<Space::coordinates, T> I2;  ///< of its sign [s]
   T tb = T(0);                          ///< convergence time [s], stretched if need be; 0: no time base
   T K_from = T(0);                      ///< without one: the gain at the reset [1/s]
-  [[no_unique_address]] SignMemory<Sign, Space::coordinates, T> sign = {};
   [[no_unique_address]] typename Space::Memory space = {};  ///< the space's own
 };
 
@@ -49,9 +48,7 @@ struct TrackingMemory {
 ///
 /// @tparam Space  the coordinates: `JointSpace` or `OperationalSpace`.
 /// @tparam Plan   the source of targets: a spline to a goal, or samples from outside.
-/// @tparam Sign   the sign of the second integral: tracking/sign.hpp.
-template <class Space, class Plan, class Damping = InertialDamping<typename Space::scalar>,
-          class Sign = TanhSign>
+template <class Space, class Plan, class Damping = InertialDamping<typename Space::scalar>>
 class Tracking : public Composable {
  public:
   static constexpr std::size_t N = Space::joints;
@@ -59,7 +56,7 @@ class Tracking : public Composable {
   static constexpr std::size_t coordinates = Space::coordinates;
   using scalar = typename Space::scalar;
   using T = typename Space::scalar;
-  using Memory = TrackingMemory<Space, Plan, Sign>;
+  using Memory = TrackingMemory<Space, Plan>;
   using Goal = typename Plan::Goal;
   using Surface = typename Space::Surface;
   using Settings = typename Space::Settings;
@@ -100,7 +97,7 @@ class Tracking : public Composable {
         gains_(Space::tracking(settings)),
         schedule_(gains().K_c, gains().base, gains().settle),
         decay_(gains().kappa, seconds<T>(gains().dt)) {
-    check(gains(), damping.fastest(), gains_.slope);
+    check(gains(), damping.fastest(), gains_.mu);
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
   /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot.
@@ -134,7 +131,6 @@ class Tracking : public Composable {
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};
     out.memory.I1 = out.memory.I2 = Integrals<Space::coordinates, T>();
-    out.memory.sign = {};
     begin_bias(out.memory, known);
     bumpless_transfer(out.memory, memory, known);
     return out;
@@ -333,7 +329,7 @@ class Tracking : public Composable {
   [[no_unique_address]] Space space_;
   Settings settings_;
   Damping damping_;
-  SurfaceGains<T, Sign> gains_;
+  SurfaceGains<T> gains_;
   GainSchedule<T> schedule_;
   detail::Decay<T> decay_;  ///< of the bias
 };

@@ -5,7 +5,6 @@
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/math/detail/block_ldlt.hpp"
 #include "skinctl/passivity/contact_damper.hpp"
-#include "skinctl/resolver/detail/runge_kutta.hpp"
 #include "skinctl/resolver/detail/stick_or_slip.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/robot/tool_shape.hpp"
@@ -236,11 +235,6 @@ template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
   constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
   const auto& v = S::of(known.dq());
   const T h = known.dt();
-  if constexpr (std::same_as<Policy, RungeKutta4> && !shaped) {
-    VelocityStep<n, T> out;
-    if (!has_coulomb && damping == nullptr && runge_kutta<S>(known, shape, tau, pull, driven, out.velocity))
-      return out;
-  }
   JointTorque<n, T> bias;
   if constexpr (!shaped) bias = S::of(bias_where<Policy, S, K, T>(known, last));
   MassMatrix<K::joints, T> whole = mass_where<Policy, shaped>(known);

@@ -6,8 +6,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The inputs of the surface `x` seconds from now, with the integrals going on at the given rates.
-template <class Space, class Plan, class Damping, class Sign>
-SKINCTL_INLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::inputs_here(
+template <class Space, class Plan, class Damping>
+SKINCTL_INLINE typename Space::Inputs Tracking<Space, Plan, Damping>::inputs_here(
     const Memory& memory, const T& x, const Rates& dI1, const Rates& dI2) const noexcept {
   using R = detail::Row<Space::coordinates, T>;
   // Built in place: a copy right after writes of another width would stall on store forwarding.
@@ -16,13 +16,12 @@ SKINCTL_INLINE typename Space::Inputs Tracking<Space, Plan, Damping, Sign>::inpu
           memory.bias.at(x, decay_, seconds<T>(gains().bumpless_transfer)),
           Rates(R(memory.I1.sum) + x * R(dI1)),
           Rates(R(memory.I2.sum) + x * R(dI2)),
-          memory.held,
-          memory.sign.data()};
+          memory.held};
 }
 
 /// The memory `dt` seconds later.
-template <class Space, class Plan, class Damping, class Sign>
-SKINCTL_INLINE TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Sign>::stepped(
+template <class Space, class Plan, class Damping>
+SKINCTL_INLINE TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::stepped(
     const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
   const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
   return {later(memory.since_reset, ns),
@@ -33,17 +32,16 @@ SKINCTL_INLINE TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, 
           memory.I2.advanced(at_t.dI2, dt),
           memory.tb,
           memory.K_from,
-          memory.sign.advanced(at_t.S_delta.data, gains_, dt, memory.held),
           space_.advanced(memory.space, at_t, dt)};
 }
 
 /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
 /// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
-template <class Space, class Plan, class Damping, class Sign>
+template <class Space, class Plan, class Damping>
 template <GravityTerm G, class K>
-SKINCTL_INLINE auto Tracking<Space, Plan, Damping, Sign>::torque(const Memory& memory, const K& known,
-                                                                 const LawShare<T>& share,
-                                                                 const Surface& at_t) const noexcept
+SKINCTL_INLINE auto Tracking<Space, Plan, Damping>::torque(const Memory& memory, const K& known,
+                                                           const LawShare<T>& share,
+                                                           const Surface& at_t) const noexcept
     -> JointTorque<N, T> {
   using M = typename K::model_type;
   using R = detail::Row<N, T>;

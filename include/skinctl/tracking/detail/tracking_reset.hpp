@@ -6,10 +6,10 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The gain from now on, as slow as the largest error needs.
-template <class Space, class Plan, class Damping, class Sign>
+template <class Space, class Plan, class Damping>
 template <class K>
-SKINCTL_COLD Status Tracking<Space, Plan, Damping, Sign>::begin_gain(Memory& memory,
-                                                                     const K& known) const noexcept {
+SKINCTL_COLD Status Tracking<Space, Plan, Damping>::begin_gain(Memory& memory,
+                                                               const K& known) const noexcept {
   memory.since_reset = 0ns;
   memory.tb = seconds<T>(gains().tb);
   memory.K_from = schedule_.K_c();
@@ -28,10 +28,9 @@ SKINCTL_COLD Status Tracking<Space, Plan, Damping, Sign>::begin_gain(Memory& mem
 }
 
 /// Without a time base: a gain at which the largest error decays no faster than `max_velocity`.
-template <class Space, class Plan, class Damping, class Sign>
+template <class Space, class Plan, class Damping>
 template <class K>
-SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::slow_gain(Memory& memory,
-                                                                  const K& known) const noexcept {
+SKINCTL_COLD void Tracking<Space, Plan, Damping>::slow_gain(Memory& memory, const K& known) const noexcept {
   memory.tb = T(0);
   memory.K_from = schedule_.K_c();
   auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
@@ -41,10 +40,9 @@ SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::slow_gain(Memory& memory
 }
 
 /// `S_d = S`, so that S_delta is zero.
-template <class Space, class Plan, class Damping, class Sign>
+template <class Space, class Plan, class Damping>
 template <class K>
-SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::begin_bias(Memory& memory,
-                                                                   const K& known) const noexcept {
+SKINCTL_COLD void Tracking<Space, Plan, Damping>::begin_bias(Memory& memory, const K& known) const noexcept {
   const auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
   const auto K_p = gain(memory, T(0));
   memory.bias = {};
@@ -54,9 +52,9 @@ SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::begin_bias(Memory& memor
 
 /// The skin begins or ceases to push against this law. At the release S_d is zero but for the bumpless
 /// transfer, and the gain is constant: the error decays without changing its sign.
-template <class Space, class Plan, class Damping, class Sign>
+template <class Space, class Plan, class Damping>
 template <class K>
-SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Sign>::switched(
+SKINCTL_COLD TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::switched(
     const Memory& memory, const K& known, const T& dt, Opposition opposition) const noexcept {
   Memory next = memory;
   next.held = opposition == Opposition::lasting;
@@ -74,10 +72,10 @@ SKINCTL_COLD TrackingMemory<Space, Plan, Sign> Tracking<Space, Plan, Damping, Si
 /// Makes the reference of `next` continue that of `before` at this state: in velocity, in acceleration, and
 /// in the change of acceleration until the middle of the interval, where the torque reads it. The last is
 /// left out where `before` is at rest: a plan begins as smoothly as it was planned, and arrives in time.
-template <class Space, class Plan, class Damping, class Sign>
+template <class Space, class Plan, class Damping>
 template <class K>
-SKINCTL_COLD void Tracking<Space, Plan, Damping, Sign>::bumpless_transfer(Memory& next, const Memory& before,
-                                                                          const K& known) const noexcept {
+SKINCTL_COLD void Tracking<Space, Plan, Damping>::bumpless_transfer(Memory& next, const Memory& before,
+                                                                    const K& known) const noexcept {
   auto& bias = next.bias;
   const auto old = look(before, known);
   bias.elapsed = clock_end;
