@@ -112,6 +112,7 @@
 #include "skinctl/sensing/low_pass.hpp"
 #include "skinctl/sensing/noise.hpp"
 #include "skinctl/sensing/rest_level.hpp"
+#include "skinctl/sensing/sample_span.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/unexplained_cells.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"

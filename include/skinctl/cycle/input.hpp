@@ -1,12 +1,11 @@
 // The input of a cycle.
 #pragma once
 
-#include <span>
-
 #include "skinctl/core/gripper.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/sample_span.hpp"
 #include "skinctl/tactile/surroundings.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -31,9 +30,9 @@ struct NoSensors {};
 template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors,
           class Gripper = NoGripper, class Around = NoSurroundings>
 struct CycleInput {
-  Nanoseconds now{};                    ///< the robot's clock: the end of the interval that is integrated
-  State<N, T> measured;                 ///< the newest state, with its own stamp
-  std::span<const CellSample> samples;  ///< arrived since the last cycle
+  Nanoseconds now{};               ///< the robot's clock: the end of the interval that is integrated
+  State<N, T> measured;            ///< the newest state, with its own stamp
+  SampleSpan<CellSample> samples;  ///< arrived since the last cycle
   CycleRequest request = CycleRequest::none;
   Status observed;  ///< faults that the loop found before this cycle: see `TimeBudget`, `PacketWatch`
   bool has_goal = false;

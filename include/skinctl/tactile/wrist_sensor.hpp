@@ -10,6 +10,7 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/sensing/sample_span.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 #include "skinctl/tactile/detail/sampled_row.hpp"
 #include "skinctl/tactile/detail/summand.hpp"
@@ -42,7 +43,7 @@ struct WristSensorSettings {
 
 /// What a wrist sensor adds to the input of a cycle.
 struct WristInput {
-  std::span<const WrenchSample> wrenches;  ///< arrived since the last cycle, in the order of their stamps
+  SampleSpan<WrenchSample> wrenches;  ///< arrived since the last cycle, in the order of their stamps
 };
 
 /// A force-torque sensor on link `I` of the model `M`, in place of a skin or beside one:
