@@ -52,26 +52,16 @@ struct SkinOnRobotClock {
   }
 };
 
-/// The driver, which remembers how the scene was started: a recording begins there.
-struct RecordedDriver {
+/// The driver, which sends no torque for a state that nobody knows: it would accelerate, and the robot's program brakes
+/// by itself.
+struct JobDriver {
   adapters::ur5::Driver& driver;
   bool by_torque = false;
-  State<6> measured{};
-  JointPosition<6> began_told{};
-  State<6> began{};
   Heard heard = Heard::state;
 
-  Heard wait(State<6>& state) noexcept {
-    heard = driver.wait(state);
-    measured = state;
-    return heard;
-  }
-  JointPosition<6> told() noexcept {
-    began = measured;
-    return began_told = driver.told();
-  }
+  Heard wait(State<6>& state) noexcept { return heard = driver.wait(state); }
+  JointPosition<6> told() noexcept { return driver.told(); }
   bool send(const JointCommand<6>& command) noexcept {
-    // A torque for a state that nobody knows accelerates: the robot's program brakes by itself instead.
     if (by_torque && heard == Heard::silent) return true;
     return driver.send(command);
   }
@@ -187,7 +177,6 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   JointVelocity<6> last_velocity;
   Nanoseconds last_time{};
   Status all, last_status;
-  bool recording_started = false;
 
   examples::job::Progress progress(s.quiet);
   SkinOnRobotClock skin{receiver, driver};
@@ -195,22 +184,13 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     skin.palm = s.hand->reading;
     skin.both.resize(16385);  // most of one poll, and one
   }
-  RecordedDriver robot{driver, by_torque};
+  JobDriver robot{driver, by_torque};
   std::array<double, Scene::law_type::terms> weights;
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
     if (first == 0ns) first = input.now;
     const double t = seconds<double>(input.now - first);
     input.request = live.take();
     input.goal = {};
-    if (!recording_started) {
-      // The scene was started at the state before this one: that is what a replay starts from.
-      if constexpr (I == Interface::position) {
-        recording.start(robot.began, robot.began_told);
-      } else {
-        recording.start(m.robot.measured);
-      }
-      recording_started = true;
-    }
     // The scene stops by itself where too little of the skin reports; the job ends then, and says why.
     // What others send to the skin's port is dropped, and so is what the skin itself garbles: then it is silent.
     if (ending == Ending::finished) {
@@ -250,7 +230,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     return true;
   };
   const auto after = [&](const typename Scene::Input& input, const typename Scene::Output& out,
-                         const Stopwatch& watch) {
+                         const Stopwatch&) {
     const double t = seconds<double>(input.now - first);
     const auto& reach = std::get<0>(scene.law().sum().laws());
     const auto& reached = Scene::law_type::template memory<0>(memory->law);
@@ -292,7 +272,6 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     last_velocity = out.command.velocity;
     last_time = out.command.time;
     if (log.entries.size() < log.entries.capacity()) log.entries.push_back(entry);
-    recording(input, out, watch);
     if (progress.due(t))
       progress.show("%5.0f s  force %5.1f N  deflection %6.3f rad  touches %zu", t, observer.force(),
                     entry.deflection, observer.touches().size());
@@ -302,7 +281,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   options.cycles = planned;
   options.period = period;
   options.stop = &stop;
-  const auto report = run_loop(scene, *memory, robot, skin, options, before, after);
+  const auto report = run_loop(scene, *memory, robot, skin, options, before, after, recording);
   progress.clear();
 
   if (key && receiver.session() > last_session) write_session(s.skin_key, receiver.session());
@@ -398,14 +377,8 @@ Outcome replay_with(const Settings& given) {
     std::printf("%llu cycles found no room when it was recorded: replayed up to the first of them\n",
                 static_cast<unsigned long long>(result.missing));
   std::printf("replayed %llu cycles: ", static_cast<unsigned long long>(result.cycles));
-  if (result.different == 0) {
-    std::printf("every command is the same to the bit\n");
-    return Outcome::fine;
-  }
-  std::printf("%llu commands differ, the first in cycle %llu\n",
-              static_cast<unsigned long long>(result.different),
-              static_cast<unsigned long long>(result.first_different));
-  return Outcome::broken;
+  std::printf("%s\n", in_words(result).c_str());
+  return result.different == 0 ? Outcome::fine : Outcome::broken;
 }
 
 }  // namespace

@@ -107,6 +107,9 @@ TEST_CASE("recording: a replay gives every command bit for bit, also from the fi
     const auto differs = replay(reaching_scene(other), recording);
     CHECK(differs.different > 0);
     CHECK(differs.first_different < differs.cycles);
+    CHECK(differs.started_at == 0ms);
+    CHECK(differs.first_state_at == 8ms);
+    CHECK(in_words(differs).find("run_loop") == std::string::npos);
   }
   SUBCASE("damaged files are refused") {
     const auto all = recording.bytes();
@@ -122,6 +125,30 @@ TEST_CASE("recording: a replay gives every command bit for bit, also from the fi
     CHECK_THROWS_AS(static_cast<void>(Recording<Scene>::load("/nowhere/at/all")), ConfigurationError);
   }
   std::filesystem::remove(path);
+}
+
+TEST_CASE("recording: a replay says how the recorded start and the first state differ") {
+  const auto scene = reaching_scene();
+  auto memory = std::make_unique<Scene::Memory>();
+  State<6> first{8ms, home_position(), {}}, elsewhere{0ms, home_position(), {}};
+  elsewhere.q[3] += 0.25;
+  scene.start(*memory, first);
+  Recording<Scene> recording(1 << 20);
+  recording.start(elsewhere);
+  for (int k = 2; k < 100; ++k) {
+    Scene::Input input;
+    input.now = k * 8ms;
+    input.measured = {input.now, home_position(), {}};
+    recording.add(input, scene.step(*memory, input).command);
+  }
+  const auto differs = replay(scene, recording);
+  CHECK(differs.different == 98);
+  CHECK(differs.first_step == doctest::Approx(0.25));
+  CHECK(differs.first_step_joint == 4);
+  CHECK(in_words(differs) ==
+        "98 commands differ, the first in cycle 0; recorded start at 0.000000 s, first state at 0.016000 s, "
+        "apart by "
+        "at most 0.250000 (joint 4)");
 }
 
 TEST_CASE("recording: without room it stops, and says so") {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "skinctl/cycle/recording.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/scene.hpp"
 
@@ -337,4 +338,55 @@ TEST_CASE("loop: a dry step before each state changes no command") {
   for (std::size_t k = 0; k < cold.size(); ++k) CHECK(cold[k] == warmed[k]);
   CHECK_FALSE(cold.front() == cold.back());           // it has been touched
   CHECK(run({}, {.cycles = 50}).report.warmed == 0);  // nobody waits for this robot
+}
+
+namespace {
+/// Records a run with a touch, by the loop (`by_loop`), or from its first `before` on. A replay of the recording.
+template <class Robot>
+Replayed recorded(Robot robot, FastRobot& joints, bool by_loop) {
+  const auto scene = reaching_scene();
+  auto memory = std::make_unique<Scene::Memory>();
+  OneTouch skin{{}, &joints};
+  Recording<Scene> recording, late;
+  const auto report = run_loop(
+      scene, *memory, robot, skin, {.cycles = 500},
+      [&](auto& input, auto&) {
+        if (late.bytes().empty()) late.start(input.measured);
+        input.has_goal = input.now > 2s && input.now < 2s + 10ms;
+        input.goal.q_g = home_position() + JointPosition<6>::constant(0.1);
+        return true;
+      },
+      [&](const auto& input, const auto& out, const auto&) { late.add(input, out.command); }, recording);
+  CHECK(report.cycles == 500);
+  CHECK(recording.cycles() == 500);
+  return replay(scene, by_loop ? recording : late);
+}
+template <class Robot>
+struct Reference {
+  Robot& robot;
+  Heard wait(State<6>& state) noexcept { return robot.wait(state); }
+  bool send(const JointCommand<6>& command) noexcept { return robot.send(command); }
+  void stop() noexcept { robot.stop(); }
+  [[nodiscard]] auto told() const noexcept
+    requires requires(Robot& r) { r.told(); }
+  {
+    return robot.told();
+  }
+};
+}  // namespace
+
+TEST_CASE(
+    "loop: what it records replays to the bit, also of a robot that droops; what is begun later says so") {
+  FastRobot plain;
+  CHECK(recorded(Reference<FastRobot>{plain}, plain, true).different == 0);
+  DroopingRobot drooping;
+  CHECK(recorded(Reference<DroopingRobot>{drooping}, drooping.robot, true).different == 0);
+
+  FastRobot again;
+  const auto late = recorded(Reference<FastRobot>{again}, again, false);
+  CHECK(late.different > 400);
+  CHECK(late.started_at == 16ms);
+  CHECK(late.first_state_at == 16ms);
+  const auto words = in_words(late);
+  CHECK(words.find("let run_loop begin the recording") != std::string::npos);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -20,7 +21,8 @@ concept StartsWith = requires(const C& cycle, typename C::Memory& memory, const 
 
 }  // namespace detail
 
-/// A recorded run of `C`: the state at its start, then every input with its command.
+/// A recorded run of `C`: the state at its start, then every input with its command. `run_loop` begins and fills the
+/// recordings that it is given; a loop of your own calls `start` with what it starts the scene with, then `add`.
 template <class C>
 class Recording {
  public:
@@ -44,6 +46,11 @@ class Recording {
     if (full_) return;
     Format::write(bytes_, input, command);
     ++cycles_;
+  }
+  /// The same as `run_loop` hands a cycle over.
+  template <class Output, class Watch>
+  void operator()(const Input& input, const Output& output, const Watch&) noexcept {
+    add(input, output.command);
   }
   /// The start from bytes that `CycleBytes` wrote. Discards the earlier recording; false, and nothing is left of it,
   /// for bytes that are no start.
@@ -165,7 +172,26 @@ struct Replayed {
   std::uint64_t cycles = 0;
   std::uint64_t different = 0;        ///< number of cycles whose command is not the same to the bit
   std::uint64_t first_different = 0;  ///< the first of them
+  Nanoseconds started_at{};           ///< stamp of the recorded start
+  Nanoseconds first_state_at{};       ///< stamp of the first cycle's measured state
+  double first_step = 0;              ///< largest distance of a joint between these two states [rad] or [m]
+  std::size_t first_step_joint = 0;   ///< joint of that distance, counted from 1; 0: the states are the same
 };
+
+/// A sentence about a replay: the number of commands that differ, and then how the recorded start and the first state
+/// differ. A recording that was not begun where its scene was started shows there.
+[[nodiscard]] inline std::string in_words(const Replayed& r) {
+  if (r.different == 0) return "every command is the same to the bit";
+  char states[160];
+  std::snprintf(states, sizeof states,
+                "; recorded start at %.6f s, first state at %.6f s, apart by at most %.6f (joint %zu)",
+                seconds<double>(r.started_at), seconds<double>(r.first_state_at), r.first_step,
+                r.first_step_joint);
+  const std::string words = std::to_string(r.different) + " commands differ, the first in cycle " +
+                            std::to_string(r.first_different) + states;
+  if (r.started_at < r.first_state_at) return words;
+  return words + ": that is no start of the scene, which came before; let run_loop begin the recording";
+}
 
 /// Runs a recording through `cycle` and compares every command to the bit. The same program gives the same
 /// bits; another compiler or instruction set rounds differently.
@@ -179,11 +205,21 @@ template <class C>
     each_number(b, [&](const auto& v) { y.put(v); });
     return x.bytes() == y.bytes();
   };
+  typename Recording<C>::State started;
   // A file that says where the robot was told to be, of a scene that does not ask for it, is no recording of it.
-  const auto start = [&]<class... Begin>(const Begin&... begin) {
-    if constexpr (detail::StartsWith<C, Begin...>) cycle.start(*memory, begin...);
+  const auto start = [&]<class... Told>(const auto& measured, const Told&... told) {
+    started = measured;
+    if constexpr (detail::StartsWith<C, decltype(measured), Told...>) cycle.start(*memory, measured, told...);
   };
   recording.visit(start, [&](const auto& input, const auto& command) {
+    if (result.cycles == 0) {
+      result.started_at = started.time;
+      result.first_state_at = input.measured.time;
+      for (std::size_t i = 0; i < C::joints; ++i) {
+        const auto step = static_cast<double>(std::abs(input.measured.q[i] - started.q[i]));
+        if (step > result.first_step) result.first_step = step, result.first_step_joint = i + 1;
+      }
+    }
     const auto out = cycle.step(*memory, input);
     if (!same_bits(out.command, command) && result.different++ == 0) result.first_different = result.cycles;
     ++result.cycles;

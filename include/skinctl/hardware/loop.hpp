@@ -82,10 +82,14 @@ concept TellsPosition = requires(const C& cycle, typename C::Memory& memory, con
 /// send, then `after(input, output, watch)`. However it ends, the robot is stopped. Both functions read in
 /// `input.observed` whether to leave optional work out (`work_skipped`).
 ///
+/// `recorders` are what replays: a `Recording`, a `CycleThread`, or your own with `start(state)`, `start(state, told)` for
+/// a robot that tells it, and `recorder(input, output, watch)`. The loop starts them where it starts the scene, and
+/// hands them each cycle after `send`, before `after`.
+///
 /// All allocations (the report, the copy of the worst cycle) happen before the first cycle.
-template <class C, class Robot, class Source, class Before, class After>
+template <class C, class Robot, class Source, class Before, class After, class... Recorders>
 LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot, Source& skin,
-                       const LoopOptions& options, Before&& before, After&& after) {
+                       const LoopOptions& options, Before&& before, After&& after, Recorders&... recorders) {
   static_assert(RobotDriver<Robot, C::joints, typename C::scalar>,
                 "a robot has wait, send and stop: see RobotDriver");
   static_assert(SkinSource<Source>, "a skin has poll: see SkinSource");
@@ -110,14 +114,17 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     return report;
   }
   if constexpr (detail::TellsPosition<Robot, C>) {
-    cycle.start(memory, input.measured, robot.told());
+    const auto told = robot.told();
+    cycle.start(memory, input.measured, told);
     if (!memory.robot.started) {
       report.ended = LoopEnd::displaced;
       robot.stop();
       return report;
     }
+    (recorders.start(input.measured, told), ...);
   } else {
     cycle.start(memory, input.measured);
+    (recorders.start(input.measured), ...);
   }
   static_cast<void>(skin.poll());  // samples from before the start are old
   Nanoseconds heard_at = Stopwatch::now(), later_at = heard_at;
@@ -174,8 +181,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     report.samples += input.samples.size();
     if constexpr (has_wrenches) {
       input.sensed.wrenches = {};
-      if constexpr (requires { input.sensed.wrenches = robot.wrenches(); })
-        input.sensed.wrenches = robot.wrenches();
+      if constexpr (requires { robot.wrenches(); }) input.sensed.wrenches = robot.wrenches();
     }
     if constexpr (has_motors) {
       if constexpr (requires { input.sensed.motor_torque = robot.motor_torque(); })
@@ -212,6 +218,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
       }
     }
     report.whole.record(watch.total());
+    (recorders(input, output, watch), ...);
     after(input, output, watch);
     const Nanoseconds load = Stopwatch::now() - now;
     report.load.record(load);

@@ -23,8 +23,8 @@ struct CycleRecord {
   std::span<const unsigned char> bytes;          ///< the cycle as `CycleBytes` has it
 };
 
-/// Puts cycles of `C` into a ring, and takes them out elsewhere. In the loop: `start` once, then the object itself as
-/// `run_loop`'s `after`. In one thread beside it: `consume`.
+/// Puts cycles of `C` into a ring, and takes them out elsewhere. In the loop it is a recorder of
+/// `run_loop`, or `start` once, then the object itself. In one thread beside it: `consume`.
 ///
 /// The loop pays for copying: nothing is encoded, allocated or waited for. Without room a cycle is dropped and counted.
 template <class C>

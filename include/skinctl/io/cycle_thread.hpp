@@ -25,8 +25,8 @@ class CycleConsumer {
   virtual void pause(std::uint64_t dropped) { static_cast<void>(dropped); }
 };
 
-/// Hands the cycles of a loop to consumers, in a thread of its own. The object is called by the loop: `start` once, then
-/// itself as `run_loop`'s `after`.
+/// Hands the cycles of a loop to consumers, in a thread of its own. In the loop it is a recorder of
+/// `run_loop`, or `start` once, then the object itself.
 template <class C>
 class CycleThread {
  public:
