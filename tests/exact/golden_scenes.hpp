@@ -321,7 +321,7 @@ void each_scene(const Tell& tell) {
   tell("configurations", Configurations(loaded(0.1, 10), loaded(3, 20)), all_take<position>, 8ms, at,
        [](int k, auto& run) {
          send_goals(k, run);
-         run.input.configuration = static_cast<std::size_t>(k / 600 % 2);
+         run.input.configuration = static_cast<std::uint32_t>(k / 600 % 2);
        });
   const auto settings = tracking_settings(arm(p, 8ms));
   const auto skills = skill_set<behaviour::KinestheticJoint>(
