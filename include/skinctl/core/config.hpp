@@ -6,8 +6,16 @@
 #include "skinctl: stops here without -std=c++20"  // a missing include ends the list of errors
 #endif
 
+// Range reduction and compensated sums need each operation rounded to its type, in the order in which it is
+// written; the guard needs NaN.
 #if defined(__FAST_MATH__)
 #error "skinctl: -ffast-math breaks range reduction, NaN checks and compensated sums. Compile without it."
+#elif defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "skinctl: -funsafe-math-optimizations and its parts break range reduction. Compile without them."
+#elif defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0
+#error "skinctl: -ffinite-math-only drops the checks for NaN. Compile without it."
+#elif defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0
+#error "skinctl: 80-bit registers break range reduction. Compile with -mfpmath=sse (32 bits: -msse2 as well)."
 #endif
 
 /// Files compiled for different instruction sets hold different code under the same name, and a linker would
@@ -34,12 +42,24 @@
 #define SKINCTL_ABI SKINCTL_ABI_OF(generic)
 #endif
 
+/// Clang shows -fassociative-math in no macro: the library's own sums and products keep the order in which they
+/// are written, whatever the flags.
+#if defined(__clang__)
+#define SKINCTL_IN_ORDER _Pragma("float_control(push)") _Pragma("clang fp reassociate(off)")
+#define SKINCTL_ANY_ORDER _Pragma("float_control(pop)")
+#else
+#define SKINCTL_IN_ORDER
+#define SKINCTL_ANY_ORDER
+#endif
+
 #define SKINCTL_BEGIN_NAMESPACE \
+  SKINCTL_IN_ORDER              \
   namespace skinctl {           \
   inline namespace SKINCTL_ABI {
 #define SKINCTL_END_NAMESPACE \
   }                           \
-  }
+  }                           \
+  SKINCTL_ANY_ORDER
 
 /// For operators, lambdas and recursion in the loop: GCC's own choice of inlining is four times slower there.
 /// Define SKINCTL_NO_FORCED_INLINE where compile time and readable stack traces matter more: sanitizer builds.
@@ -63,8 +83,9 @@
 
 /// In the body of an operator: lets the compiler fuse a multiplication with an addition of another operator,
 /// as GCC does by default; Clang would otherwise fuse only within one expression. SKINCTL_NO_CONTRACT forbids
-/// this fusion; with the compilers' own -ffp-contract=off beside it every level of optimisation, every instruction set
-/// and both compilers give the same bits: the CMake target `skinctl::exact` sets both.
+/// this fusion; with the compilers' own -ffp-contract=off and GCC's -fno-tree-vectorize beside it every level of
+/// optimisation, every instruction set and both compilers give the same bits: the CMake target `skinctl::exact`
+/// sets all of them.
 #if defined(__clang__) && !defined(SKINCTL_NO_CONTRACT)
 #define SKINCTL_CONTRACT _Pragma("clang fp contract(fast)")
 #else

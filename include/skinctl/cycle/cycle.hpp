@@ -6,6 +6,7 @@
 
 #include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/real_time.hpp"
+#include "skinctl/cycle/detail/check_arithmetic.hpp"
 #include "skinctl/cycle/detail/check_scene.hpp"
 #include "skinctl/cycle/detail/dry_step.hpp"
 #include "skinctl/cycle/detail/scene_traits.hpp"
@@ -255,7 +256,10 @@ class Cycle {
     }
   }
 
-  struct Whole {};
+  /// Made by every public constructor before anything else of a scene.
+  struct Whole {
+    Whole() { detail::check_arithmetic<scalar>(); }
+  };
   template <class V>
   [[nodiscard]] static auto given(const V& value) {
     return [&value](const Resolver&) -> const V& { return value; };
