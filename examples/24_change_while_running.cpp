@@ -12,7 +12,9 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/recording.hpp"
-#include "skinctl/dynamics/forward_dynamics.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/math/ldlt.hpp"
 #include "skinctl/model/loaded.hpp"
 #include "support/arm.hpp"
 
@@ -21,9 +23,14 @@ using namespace examples;
 using Carrier = Loaded<ur5::Model, 5>;
 constexpr LinkInertia part{.mass = 3, .c = {0, 0, 0.1}, .xx = 0.01, .yy = 0.01, .zz = 0.01};
 
+// Rotors of the motors, seen at the joints [kg m^2]. They bound how much lighter the wrist is without the payload, for
+// which the gains have to be small enough.
+const JointTorque<6> rotors = JointTorque<6>::constant(0.1);
+
 auto scene(const LinkInertia& load, double share_of_gains) {
   const auto arm =
-      by_torque(Carrier(ur5::Model{}, load), {.limits = limits_of<ur5::Description>(15.0), .period = 2ms},
+      by_torque(Carrier(ur5::Model{}, load),
+                {.limits = limits_of<ur5::Description>(15.0), .period = 2ms, .virtual_inertia = rotors},
                 RobotCompensatesFriction{});
   auto gains = tracking_settings(arm);
   gains.lambda = 30 * share_of_gains;
@@ -42,7 +49,11 @@ struct SimulatedArm {
     auto tau = sent;
     tau[1] += push;
     for (int k = 0; k < 8; ++k) {
-      const auto ddq = forward_dynamics(arm, robot.q, robot.dq, tau).acceleration;
+      auto mass = mass_matrix(arm, robot.q);
+      for (std::size_t i = 0; i < 6; ++i) mass(i, i) += rotors[i];
+      const auto drives = tau - inverse_dynamics(arm, robot.q, robot.dq, JointAcceleration<6>{});
+      JointAcceleration<6> ddq;
+      math::Ldlt<6>(mass.data).solve(drives.data, ddq.data);
       robot.dq = integrate(robot.dq, ddq, 0.00025);
       robot.q = integrate(robot.q, robot.dq, 0.00025);
     }

@@ -87,6 +87,7 @@
 #include "skinctl/dynamics/loop_dynamics.hpp"
 #include "skinctl/dynamics/loop_forward_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/dynamics/mass_ratio.hpp"
 #include "skinctl/dynamics/momentum_rate.hpp"
 #include "skinctl/dynamics/operational_inertia.hpp"
 #include "skinctl/dynamics/quantities.hpp"

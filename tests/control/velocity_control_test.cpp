@@ -83,4 +83,6 @@ TEST_CASE("VelocityControl: what is no number is refused, and the last goal kept
   CHECK_THROWS_AS(Velocity(20.0, 0ns), ConfigurationError);
   CHECK_NOTHROW(s.law.check_for(LawTerms<6, double>{8ms, {}}));
   CHECK_THROWS_AS(s.law.check_for(LawTerms<6, double>{12ms, {}}), ConfigurationError);
+  CHECK_THROWS_AS(s.law.check_for(LawTerms<6, double>{2ms, {}, 13ms}),
+                  ConfigurationError);  // the delay by torque
 }

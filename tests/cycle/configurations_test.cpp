@@ -12,10 +12,10 @@
 
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/cycle/recording.hpp"
-#include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
 
@@ -35,11 +35,14 @@ struct Setting {
 
 template <Interface I>
 constexpr Nanoseconds period = I == Interface::torque ? Nanoseconds(2ms) : Nanoseconds(8ms);
+const JointTorque<6> rotors =
+    JointTorque<6>::constant(0.1);  // they bound how much lighter the arm is without `part`
 
 template <Interface I>
 auto robot_of(const Setting& s) {
   RobotConfiguration<6> c{.limits = ur5_test_limits(), .period = period<I>, .delay = period<I>};
   if constexpr (I == Interface::torque) {
+    c.virtual_inertia = rotors;
     return by_torque(Arm(ur5::Model{}, s.load), c, FrictionUncompensated{});
   } else {
     c.virtual_damping = 4;
@@ -88,7 +91,7 @@ struct Plant {
     if constexpr (I == Interface::torque) {
       constexpr int parts = 8;
       for (int k = 0; k < parts; ++k) {
-        const auto a = forward_dynamics(arm, state.q, state.dq, sent.torque).acceleration;
+        const auto a = acceleration(arm, state, sent.torque, rotors);
         for (std::size_t i = 0; i < 6; ++i) {
           state.dq[i] += a[i] * T / parts;
           state.q[i] += state.dq[i] * T / parts;
@@ -282,6 +285,33 @@ TEST_CASE("Configurations: a torque robot that picks up 3 kg and puts them down"
     CHECK(std::abs(stays.end.q[i] - without.end.q[i]) < 1e-3);
     CHECK(std::abs(returns.end.q[i] - without.end.q[i]) < 1e-3);
   }
+}
+
+TEST_CASE("Configurations: by torque gains that another configuration's arm makes unstable are refused") {
+  const auto refused = [](double lambda, const JointTorque<6>& inertia) -> std::string {
+    const auto scene = [&](const LinkInertia& load) {
+      const auto arm =
+          by_torque(Arm(ur5::Model{}, load),
+                    {.limits = ur5_test_limits(), .period = 2ms, .delay = 8ms, .virtual_inertia = inertia},
+                    FrictionUncompensated{});
+      auto gains = tracking_settings(arm);
+      gains.lambda = lambda, gains.K_c = 2, gains.tb = {};
+      return Cycle(arm, SplineJoint<6>(gains) + GravityControl{});
+    };
+    try {
+      const Configurations cycle(scene({}), scene(part));
+    } catch (const ConfigurationError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  CHECK(refused(25, rotors).empty());
+  // (2 + 40 + 1 + 10 * 0.1) 0.011 = 0.484: below 0.5 for the arm itself, but without the 3 kg its joints are lighter.
+  const std::string light = refused(40, rotors);
+  CAPTURE(light);
+  CHECK(light.find("D = 0.484, allowed: <= 0.") != std::string::npos);
+  CHECK(light.find("stable up to 0.") != std::string::npos);
+  CHECK(refused(25, {}).find("1 to 4: declare the rotors' inertia") != std::string::npos);
 }
 
 TEST_CASE("Configurations: another tool goes to the goal that comes with it") {

@@ -130,10 +130,16 @@ TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float
   JointControlSettings<6, T> law;
   const auto law_of = [](const JointControlSettings<6, T>& s) { static_cast<void>(SplineJoint<6, T>(s)); };
   using S = JointControlSettings<6, T>;
-  check_refusals("JointControlSettings", law, law_of, &S::dt, &S::lambda, &S::kappa, &S::K_i1, &S::K_i2,
-                 &S::mu, &S::integral_limit, &S::tb, &S::K_c, &S::settle, &S::bumpless_transfer,
-                 &S::target_age, &S::max_acceleration, &S::max_jerk);
+  check_refusals("JointControlSettings", law, law_of, &S::dt, &S::loop_delay, &S::mass_ratio, &S::lambda,
+                 &S::kappa, &S::K_i1, &S::K_i2, &S::mu, &S::integral_limit, &S::tb, &S::K_c, &S::settle,
+                 &S::bumpless_transfer, &S::target_age, &S::max_acceleration, &S::max_jerk);
   check_joints("max_velocity", law, law_of, &S::max_velocity);
+  const auto by_torque_arm = by_torque(Arm{}, c, FrictionUncompensated{});
+  for (const T x : not_numbers<T>) {
+    CAPTURE(x);
+    CHECK(refused([&] { static_cast<void>(tracking_settings(by_torque_arm, x)); }));
+    CHECK(refused([&] { static_cast<void>(operational_settings(by_torque_arm, x)); }));
+  }
   const LawTerms<6, T> terms{.dt = law.dt, .virtual_dynamics = {}};
   CHECK_NOTHROW(check_for(law, terms));
   law.virtual_dynamics.damping = std::numeric_limits<T>::quiet_NaN();

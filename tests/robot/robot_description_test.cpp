@@ -5,8 +5,11 @@
 #include <string>
 
 #include "skinctl/control/force_control.hpp"
+#include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/robot/joint_groups.hpp"
@@ -44,6 +47,16 @@ TEST_CASE("RobotDescription: says how often laws are evaluated, as planned and w
   const auto direct = by_torque(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 2ms});
   CHECK(direct.dt() == 2ms);
   CHECK(direct.longest_dt() == 2ms);
+}
+
+TEST_CASE(
+    "RobotDescription: the delay of a law's loop is that of the robot by torque, a sub-step of a virtual "
+    "one") {
+  CHECK(arm().loop_delay() == arm().longest_dt());
+  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(), .period = 2ms, .delay = 8ms, .lag = 1ms};
+  CHECK(by_torque(ur5::Model{}, c).loop_delay() == 12ms);
+  c.longest_interval = 40ms;  // a torque is held as long as the cycle is late, which is no plan
+  CHECK(by_torque(ur5::Model{}, c).loop_delay() == 12ms);
 }
 
 TEST_CASE("RobotDescription: knows its parts by their types") {
@@ -113,6 +126,46 @@ TEST_CASE("tracking_settings: times, virtual dynamics and speeds are the robot's
                                                             .period = 8ms,
                                                             .virtual_damping = 2}))
             .virtual_dynamics.damping == 2.0f);
+}
+
+TEST_CASE(
+    "tracking_settings: by torque they follow the delay and the lightest robot, and are always accepted") {
+  struct Loop {
+    Nanoseconds period, delay;
+  };
+  for (const auto& loop : {Loop{100us, 0us}, {1ms, 6ms}, {2ms, 12ms}, {8ms, 20ms}, {8ms, 300ms}})
+    for (const double ratio : {1.0, 1.9, 2.5, 4.0}) {
+      CAPTURE(loop.delay.count());
+      CAPTURE(ratio);
+      const auto robot =
+          by_torque(ur5::Model{},
+                    {.limits = limits_of<ur5::Description>(), .period = loop.period, .delay = loop.delay});
+      const auto s = tracking_settings(robot, ratio);
+      const double D = seconds<double>(loop.delay + 3 * loop.period / 2);
+      CHECK(s.lambda == doctest::Approx(0.3 / (D * std::max(1.0, ratio / 2))));
+      CHECK(s.mass_ratio == ratio);
+      CHECK_NOTHROW(check(s, s.lambda));
+      CHECK_NOTHROW(SplineJoint<6>{s});
+    }
+  const auto robot =
+      by_torque(ur5::Model{}, {.limits = limits_of<ur5::Description>(), .period = 2ms, .delay = 2ms});
+  const auto fast = tracking_settings(robot);  // short delays leave the other gains as they are
+  CHECK(fast.K_c == 10);
+  CHECK(fast.K_i1 == 1);
+  CHECK(fast.K_i2 == 0.1);
+  CHECK(fast.tb == 1s);
+  CHECK_NOTHROW(Cycle(by_torque(ur5::Model{}, robot.configuration(), FrictionUncompensated{}),
+                      SplineJoint<6>(fast) + GravityControl{}));
+  // A law made for no robot by torque, or for another delay.
+  CHECK(refusal([&] {
+          auto c = robot.configuration();
+          c.delay = 3ms;
+          Cycle(by_torque(ur5::Model{}, c, FrictionUncompensated{}), SplineJoint<6>(fast) + GravityControl{});
+        }) ==
+        "skinctl: loop_delay: 5 ms in the law, 6 ms by the robot's description: tracking_settings(robot) "
+        "takes it "
+        "from there");
+  CHECK(operational_settings(robot, 2.0).tracking.mass_ratio == 2);
 }
 
 TEST_CASE("Laws of a described robot have its settings") {

@@ -38,6 +38,47 @@ TEST_CASE("JointControlSettings: gains beyond the bound of sampled time are refu
   CHECK_THROWS_AS(accept({.dt = 8ms, .kappa = 38}), ConfigurationError);  // kappa dt > 0.3
 }
 
+TEST_CASE(
+    "JointControlSettings: gains beyond what the loop's delay allows are refused, with the margin that is "
+    "left") {
+  // (10 + 27 + 1 + 10 * 0.1) 0.011 = 0.429
+  const S by_torque{.dt = 2ms, .loop_delay = 11ms, .lambda = 27, .tb = 0s};
+  CHECK_NOTHROW(accept(by_torque));
+  S fast = by_torque;
+  fast.lambda = (0.5 - 1e-9) / 0.011 - 12;
+  CHECK_NOTHROW(accept(fast));
+  fast.lambda = 0.51 / 0.011 - 12;
+  CHECK_THROWS_WITH_AS(accept(fast),
+                       "skinctl: (K_p + lambda + K_i1 + mu K_i2) D = 0.51, allowed: <= 0.5, with D = 11 ms "
+                       "and joints up to 1 times "
+                       "lighter: stable up to 1.96 times the gain, or joints 1.96 times lighter. Lower the "
+                       "gains, lengthen tb (K_p peaks "
+                       "at 14.5 / tb) or shorten the delay",
+                       ConfigurationError);
+  // Times the mass ratio at most 1.
+  S light = by_torque;
+  light.mass_ratio = 2;
+  CHECK_NOTHROW(accept(light));
+  light.mass_ratio = 2.5;
+  CHECK_THROWS_WITH_AS(accept(light),
+                       "skinctl: (K_p + lambda + K_i1 + mu K_i2) D = 0.429, allowed: <= 0.4, with D = 11 ms "
+                       "and joints up to 2.5 times "
+                       "lighter: stable up to 0.932 times the gain, or joints 2.33 times lighter. Lower the "
+                       "gains, lengthen tb (K_p peaks "
+                       "at 14.5 / tb) or shorten the delay",
+                       ConfigurationError);
+  S unknown = by_torque;
+  unknown.lambda = 1;
+  for (const double bad : {0.99, 4.01, std::numeric_limits<double>::infinity()}) {
+    CAPTURE(bad);
+    unknown.mass_ratio = bad;
+    CHECK_THROWS_AS(accept(unknown), ConfigurationError);
+  }
+  CHECK_NOTHROW(accept({.dt = 8ms, .loop_delay = 1ms}));  // at least dt
+  CHECK_THROWS_WITH_AS(accept({.dt = 8ms, .loop_delay = -1ms}),
+                       "skinctl: loop_delay = -1, allowed: 0 to 10 000 ms", ConfigurationError);
+}
+
 TEST_CASE("JointControlSettings: numbers that mean nothing are refused, NaN as well") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double bad : {-1.0, nan, std::numeric_limits<double>::infinity()}) {

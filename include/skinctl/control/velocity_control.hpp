@@ -36,7 +36,7 @@ class VelocityControl : public Composable {
     T left = T(0);  ///< for which the goal holds [s]
   };
 
-  /// @param rate   [1/s], > 0, at most 1/4 of an evaluation's rate.
+  /// @param rate   [1/s], > 0, at most 0.25 / D: see `check_for`.
   /// @param lasts  > 0. Throws `ConfigurationError`.
   explicit VelocityControl(const T& rate = T(20), Nanoseconds lasts = 50ms)
       : rate_(rate), lasts_(seconds<T>(lasts)) {
@@ -45,12 +45,12 @@ class VelocityControl : public Composable {
     require(lasts > 0ns && lasts <= 10s, "velocity control: how long a goal lasts", milliseconds(lasts),
             "> 0, <= 10 000 ms");
   }
-  /// Throws `ConfigurationError` for a rate above 1/4 of that of the evaluations.
+  /// Throws `ConfigurationError` for a rate above 0.25 / D, D the loop's delay: see `RobotDescription::loop_delay`.
   template <class Terms>
   void check_for(const Terms& robot) const {
-    const double most = 0.25 / seconds<double>(robot.dt);
+    const double most = 0.25 / seconds<double>(robot.loop_delay);
     require(static_cast<double>(rate_) <= most, "rate of a velocity control", static_cast<double>(rate_),
-            "at most 1/4 of an evaluation's rate [1/s]");
+            "at most 0.25 / D [1/s], D = delay + lag + 1.5 period by torque, else a sub-step");
   }
 
   template <class K>

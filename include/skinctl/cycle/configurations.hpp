@@ -4,6 +4,7 @@
 #include <array>
 
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/dynamics/mass_ratio.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/trajectory/detail/carrying_law.hpp"
 
@@ -117,8 +118,9 @@ class Configurations {
   };
 
   /// Number 0, which is active first, and the others. Throws `ConfigurationError` with both numbers where
-  /// they differ in limits, period, longest interval, delay, lag or Coulomb friction, and where a skin's
-  /// cells are not the same.
+  /// they differ in limits, period, longest interval, delay, lag or Coulomb friction, where a skin's
+  /// cells are not the same, and by torque where the gains of a tracking law are too large for a robot as light as
+  /// another configuration says: see `mass_ratio` and `tracking_settings(robot, lightest)`.
   template <std::same_as<C>... Others>
   explicit Configurations(const C& first, const Others&... others)
       : Configurations(Ramp<scalar>(), first, others...) {}
@@ -128,6 +130,7 @@ class Configurations {
       : scenes_{carrying(transfer, first), carrying(transfer, others)...} {
     static_assert(sizeof...(Others) + 1 == Count, "as many configurations as the type says");
     (check(first, others), ...);
+    check_masses({&first, &others...});
   }
 
   /// The configuration `i` as it is used.
@@ -218,6 +221,25 @@ class Configurations {
     if constexpr (requires { first.skin().same_cells(other.skin()); })
       if (!first.skin().same_cells(other.skin()))
         refuse("skinctl: the skins of two configurations have other cells, or the same elsewhere");
+  }
+
+  // The active configuration may be another than the payload: by torque each law's gains are checked for the lightest.
+  SKINCTL_COLD static void check_masses(const std::array<const C*, Count>& all) {
+    using Robot = std::remove_cvref_t<decltype(all[0]->resolver())>;
+    if constexpr (detail::has_one_interface<Robot>) {
+      if constexpr (Robot::interface == Interface::torque) {
+        for (const C* told : all) {
+          const auto& p = told->resolver().parameters();
+          LawTerms<joints, scalar> terms{p.period, p.shape};
+          for (const C* real : all)
+            if (const scalar ratio =
+                    mass_ratio(told->resolver().model(), real->resolver().model(), p.shape.inertia);
+                ratio > terms.mass_ratio)
+              terms.mass_ratio = ratio;
+          if constexpr (requires { told->law().check_for(terms); }) told->law().check_for(terms);
+        }
+      }
+    }
   }
 
   std::array<Scene, Count> scenes_;

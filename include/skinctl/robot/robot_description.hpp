@@ -83,6 +83,13 @@ class RobotDescription {
     const Nanoseconds late = configuration_.longest() / max_substeps;
     return I != Interface::torque && late > dt() ? late : dt();
   }
+  /// D: the mean time from a state that a law reads until its torque acts. By torque the declared delay and lag, and
+  /// 1.5 periods: one until the next state, half of the next, for which the torque is held. A virtual robot answers
+  /// within a sub-step, so there it is `longest_dt()`.
+  [[nodiscard]] Nanoseconds loop_delay() const noexcept {
+    if constexpr (I != Interface::torque) return longest_dt();
+    return configuration_.delay + configuration_.lag + 3 * period() / 2;
+  }
   [[nodiscard]] VirtualDynamics<joints, T> virtual_dynamics() const noexcept {
     return configuration_.virtual_dynamics();
   }
@@ -143,6 +150,8 @@ template <std::size_t N, Real T>
 struct LawTerms {
   Nanoseconds dt;                          ///< longest time between two evaluations, in late cycles too
   VirtualDynamics<N, T> virtual_dynamics;  ///< of the virtual robot, or of the robot by torque
+  Nanoseconds loop_delay = dt;             ///< D: see `RobotDescription::loop_delay`
+  T mass_ratio = T(1);  ///< how many times lighter the robot may be, as other configurations describe it
 };
 
 SKINCTL_END_NAMESPACE

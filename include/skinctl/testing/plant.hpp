@@ -3,10 +3,26 @@
 #pragma once
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/math/ldlt.hpp"
 #include "skinctl/testing/random.hpp"
 
 namespace skinctl::testing {
+
+/// The acceleration under a torque of a robot whose motors add `rotors` [kg m^2] to its mass matrix.
+template <class M, Real T>
+JointAcceleration<M::joints, T> acceleration(const M& model, const State<M::joints, T>& x,
+                                             const JointTorque<M::joints, T>& tau,
+                                             const JointTorque<M::joints, T>& rotors) {
+  auto mass = mass_matrix(model, x.q);
+  for (std::size_t i = 0; i < M::joints; ++i) mass(i, i) += rotors[i];
+  const auto drive = tau - inverse_dynamics(model, x.q, x.dq, JointAcceleration<M::joints, T>{});
+  JointAcceleration<M::joints, T> out;
+  math::Ldlt<M::joints, T>(mass.data).solve(drive.data, out.data);
+  return out;
+}
 
 /// The state `dt` seconds later under a held torque: Runge-Kutta of fourth order in `steps` steps.
 template <class M, Real T>

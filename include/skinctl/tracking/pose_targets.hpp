@@ -31,10 +31,12 @@ struct OperationalSettings {
 };
 
 /// Settings of an operational law for this robot: see `tracking_settings`.
-template <class Robot>
+///
+/// @param lighter  nothing, a mass ratio, or the description of the lightest robot.
+template <class Robot, class... Lighter>
 [[nodiscard]] OperationalSettings<Robot::joints, typename Robot::scalar> operational_settings(
-    const Robot& robot) {
-  return {.tracking = tracking_settings(robot)};
+    const Robot& robot, const Lighter&... lighter) {
+  return {.tracking = tracking_settings(robot, lighter...)};
 }
 
 /// A goal pose of a frame and the time to reach it.

@@ -3,6 +3,7 @@
 
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/time.hpp"
+#include "skinctl/dynamics/mass_ratio.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/trajectory/gain_schedule.hpp"
 #include "skinctl/trajectory/pursuit.hpp"
@@ -16,10 +17,12 @@ enum class GoalPolicy : unsigned char {
 };
 
 /// Gains and times of eqs. (8)-(14). Defaults follow `dt`, the longest interval for which a torque will be
-/// held; everything is checked by the law's constructor, which throws `ConfigurationError`.
+/// held, and suit a virtual robot; those for a robot by torque, whose delay is in the loop, are made by
+/// `tracking_settings`. Everything is checked by the law's constructor, which throws `ConfigurationError`.
 template <std::size_t N, Real T = double>
 struct JointControlSettings {
-  Nanoseconds dt = 2ms;                 ///< longest interval between two evaluations
+  Nanoseconds dt = 2ms;      ///< longest interval between two evaluations
+  Nanoseconds loop_delay{};  ///< mean time from a state until the torque that answers it acts; dt if less
   T lambda = T(0.25) / seconds<T>(dt);  ///< `K_d = lambda M(q)` [1/s]; 20-40 at 125 Hz, 50-150 at 500 Hz
   T kappa = T(10);                      ///< decay of S_d [1/s]
   T K_i1 = T(1);                        ///< gain of the integral of S_delta [1/s]
@@ -40,22 +43,69 @@ struct JointControlSettings {
   /// Of the robot that carries the torque, as in its resolver: `Y_r Theta` compensates its inertia and
   /// friction, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.
   VirtualDynamics<N, T> virtual_dynamics = {};
+  T mass_ratio = T(1);  ///< how many times lighter the robot may be than the law's model, see `mass_ratio`
   JointVelocity<N, T> max_velocity = JointVelocity<N, T>::constant(T(1));  ///< of any motion to a goal
+
+  /// D, for which the gains must be small enough: `loop_delay`, at least `dt`.
+  [[nodiscard]] constexpr Nanoseconds delay_in_loop() const noexcept {
+    return loop_delay < dt ? dt : loop_delay;
+  }
 };
 
-/// The largest `(K_p + lambda + K_i1 + mu K_i2) dt` that is accepted. 2 is the bound of stability in sampled
-/// time, 0.84 with one cycle of delay.
+/// The largest `(K_p + lambda + K_i1 + mu K_i2) D` that is accepted, D the loop's delay. Alone, `lambda D` is stable to
+/// 1.0: a gain margin of 2. A virtual robot is stable to 2.
 template <Real T>
 inline const T largest_gain_product = T(0.5);
+/// The same for the lightest robot, whose mass ratio multiplies the gains: that it is stable.
+template <Real T>
+inline const T largest_product_when_light = T(1);
+/// The largest mass ratio that is accepted. Beyond it no gains are stable for the light robot and hold the heavy one. A
+/// UR5 that may have lost 5 kg has 77 to 115 without the inertia of its rotors, 4 with 0.1 kg m^2 at each joint.
+template <Real T>
+inline const T largest_mass_ratio = T(4);
+
+namespace detail {
+template <Real T>
+SKINCTL_COLD void check_mass_ratio(const T& mass_ratio) {
+  require(mass_ratio >= T(1) && mass_ratio <= largest_mass_ratio<T>, "mass ratio",
+          static_cast<double>(mass_ratio),
+          "1 to 4: declare the rotors' inertia (virtual_inertia), which is in both masses");
+}
+/// Throws with the numbers for gains too large for the loop's delay or for a robot lighter by `mass_ratio`, and for a
+/// mass ratio out of its range. Arguments as of `check`.
+template <std::size_t N, Real T>
+SKINCTL_COLD void check_gains(const JointControlSettings<N, T>& s, const T& lambda, const T& mass_ratio) {
+  const auto number = [](const T& x) { return static_cast<double>(x); };
+  check_mass_ratio(mass_ratio);
+  const T K_p = GainSchedule<T>(s.K_c, s.base, s.settle).largest(seconds<T>(s.tb));
+  const T product = (K_p + lambda + s.K_i1 + s.mu * s.K_i2) * seconds<T>(s.delay_in_loop());
+  const T light = largest_product_when_light<T> / mass_ratio;
+  const T largest = light < largest_gain_product<T> ? light : largest_gain_product<T>;
+  if (s.delay_in_loop() == s.dt)
+    require(product <= largest, "(K_p + lambda + K_i1 + mu K_i2) dt", number(product),
+            "<= 0.5: lower the gains, lengthen tb (K_p peaks at 14.5 / tb) or shorten dt");
+  if (product <= largest) return;
+  char text[384];
+  std::snprintf(
+      text, sizeof text,
+      "skinctl: (K_p + lambda + K_i1 + mu K_i2) D = %.9g, allowed: <= %.3g, with D = %.9g ms and joints up "
+      "to %.3g times lighter: stable up to %.3g times the gain, or joints %.3g times lighter. Lower the "
+      "gains, lengthen tb (K_p peaks at 14.5 / tb) or shorten the delay",
+      number(product), number(largest), milliseconds(s.delay_in_loop()), number(mass_ratio),
+      number(T(light / product)), number(T(T(1) / product)));
+  refuse(text);
+}
+}  // namespace detail
 
 /// Throws `ConfigurationError` with the number and the range, if a setting cannot work.
 /// @param lambda  the largest rate [1/s] at which K_d alone stops the robot: lambda, or the largest
 ///                eigenvalue of M^-1 K_d.
-/// @param slope   the steepest of the sign, mu for tanh [s/rad].
 template <std::size_t N, Real T>
-SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda, const T& slope) {
+SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
   const auto number = [](const T& x) { return static_cast<double>(x); };
   require(s.dt > 0ns && s.dt <= 1s, "dt", milliseconds(s.dt), "> 0 and <= 1000 ms");
+  require(s.loop_delay >= 0ns && s.loop_delay <= 10s, "loop_delay", milliseconds(s.loop_delay),
+          "0 to 10 000 ms");
   require(lambda > T(0) && lambda <= T(1e6), "lambda", number(lambda), "> 0 1/s");
   require(s.K_i1 >= T(0) && s.K_i1 <= T(1e6), "K_i1", number(s.K_i1), ">= 0 1/s");
   require(s.K_i2 >= T(0) && s.K_i2 <= T(1e6), "K_i2", number(s.K_i2), ">= 0 rad/s^2");
@@ -80,24 +130,48 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda, co
   }
   check(PursuitLimits<T>{T(1), s.max_acceleration, s.max_jerk});
   for (const T& v : s.max_velocity) require(v > T(0) && v <= T(1e6), "max_velocity", number(v), "> 0 rad/s");
-  const T K_p = GainSchedule<T>(s.K_c, s.base, s.settle).largest(seconds<T>(s.tb));
-  const T product = (K_p + lambda + s.K_i1 + slope * s.K_i2) * dt;
-  require(product <= largest_gain_product<T>, "(K_p + lambda + K_i1 + mu K_i2) dt", number(product),
-          "<= 0.5: lower the gains, lengthen tb (K_p peaks at 14.5 / tb) or shorten dt");
+  detail::check_gains(s, lambda, s.mass_ratio);
 }
 
 /// Settings of a tracking law for this robot: times, virtual dynamics and speeds follow its description.
 ///
-/// `dt` is the longest sub-step, that of a late cycle, so that the default `lambda` suits it too.
+/// By position or velocity `dt` is the longest sub-step, that of a late cycle, so that the default `lambda` suits it too.
+/// By torque the gains follow the loop's delay D: `lambda = 0.3 / (D max(1, mass_ratio / 2))`, and the others are
+/// lowered, tb lengthened, as far as the bounds ask. Both bounds leave two thirds of lambda for the other gains; 0.65 is
+/// used.
+///
+/// @param mass_ratio  how many times lighter the robot may be than its model; by torque 1 to 4, else throws
+///                    `ConfigurationError`; not read by position or velocity.
 template <class Robot>
 [[nodiscard]] JointControlSettings<Robot::joints, typename Robot::scalar> tracking_settings(
-    const Robot& robot) {
+    const Robot& robot, const typename Robot::scalar& mass_ratio = typename Robot::scalar(1)) {
   using T = typename Robot::scalar;
   JointControlSettings<Robot::joints, T> s{.dt = robot.longest_dt()};
   s.virtual_dynamics = robot.virtual_dynamics();
   for (std::size_t i = 0; i < Robot::joints; ++i)
     if (robot.limits().velocity()[i] < s.max_velocity[i]) s.max_velocity[i] = robot.limits().velocity()[i];
+  if constexpr (Robot::interface == Interface::torque) {
+    const auto lower = [](T& x, const T& bound) { x = x < bound ? x : bound; };
+    detail::check_mass_ratio(mass_ratio);
+    const T half = T(0.5) * mass_ratio;
+    s.loop_delay = robot.loop_delay();
+    s.mass_ratio = mass_ratio;
+    s.lambda = T(0.3) / (seconds<T>(s.delay_in_loop()) * (half > T(1) ? half : T(1)));
+    lower(s.K_i1, T(0.25) * s.lambda);
+    lower(s.K_i2, T(0.125) * s.lambda / s.mu);
+    const T K_p = T(0.65) * s.lambda - s.K_i1 - s.mu * s.K_i2, peak = s.base.peak_gain();
+    lower(s.K_c, K_p);
+    if (peak > K_p * seconds<T>(s.tb)) s.tb = nanoseconds(static_cast<double>(peak / K_p));
+  }
   return s;
+}
+/// The same by torque for a robot that may carry less than `robot` says: `lightest` describes it without its payload.
+template <DescribedRobot Robot, DescribedRobot Lightest>
+  requires(Robot::interface == Interface::torque && Robot::joints == Lightest::joints)
+[[nodiscard]] JointControlSettings<Robot::joints, typename Robot::scalar> tracking_settings(
+    const Robot& robot, const Lightest& lightest) {
+  return tracking_settings(robot,
+                           mass_ratio(robot.model(), lightest.model(), robot.virtual_dynamics().inertia));
 }
 
 /// Throws `ConfigurationError` with both numbers if a law's settings differ from those of the robot that
@@ -122,18 +196,20 @@ SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const LawTerms<
                   milliseconds(s.dt), milliseconds(robot.dt));
     refuse(text);
   }
+  if (s.delay_in_loop() < robot.loop_delay) {
+    char text[192];
+    std::snprintf(text, sizeof text,
+                  "skinctl: loop_delay: %.9g ms in the law, %.9g ms by the robot's description: "
+                  "tracking_settings(robot) takes it from there",
+                  milliseconds(s.delay_in_loop()), milliseconds(robot.loop_delay));
+    refuse(text);
+  }
   const auto &ours = s.virtual_dynamics, &theirs = robot.virtual_dynamics;
   same("virtual damping", ours.damping, theirs.damping);
   for (std::size_t i = 0; i < N; ++i) {
     same("virtual inertia", ours.inertia[i], theirs.inertia[i]);
     same("viscous friction", ours.viscous[i], theirs.viscous[i]);
   }
-}
-
-/// The same with the sign by tanh.
-template <std::size_t N, Real T>
-SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
-  check(s, lambda, s.mu);
 }
 
 SKINCTL_END_NAMESPACE

@@ -97,11 +97,16 @@ class Tracking : public Composable {
         gains_(Space::tracking(settings)),
         schedule_(gains().K_c, gains().base, gains().settle),
         decay_(gains().kappa, seconds<T>(gains().dt)) {
-    check(gains(), damping.fastest(), gains_.mu);
+    check(gains(), damping.fastest());
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
-  /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot.
-  void check_for(const LawTerms<N, T>& robot) const { skinctl::check_for(gains(), robot); }
+  /// Throws `ConfigurationError` where times or virtual dynamics are not those of the robot, and where the gains are too
+  /// large for the lightest of its configurations.
+  void check_for(const LawTerms<N, T>& robot) const {
+    skinctl::check_for(gains(), robot);
+    if (robot.mass_ratio > gains().mass_ratio)
+      detail::check_gains(gains(), damping_.fastest(), robot.mass_ratio);
+  }
   [[nodiscard]] const Space& space() const noexcept { return space_; }
 
   /// Takes over at the known state: the target is the robot's position, `S_d` takes up its velocity, S_q is

@@ -215,7 +215,8 @@ constexpr void check_holders() {
 template <class Robot, class L>
 SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
   if constexpr (requires { robot.virtual_dynamics(); }) {
-    const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics()};
+    const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics(),
+                                                                robot.loop_delay()};
     if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
   }
 }
