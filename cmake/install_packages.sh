@@ -20,11 +20,12 @@ install_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
 }
 
-# phase NAME COMMAND...: runs it and says how long it took.
+# phase NAME COMMAND...: runs it, says how long it took, and returns what it returned.
 phase() {
-  local name=$1 start=$SECONDS
+  local name=$1 start=$SECONDS status=0
   shift
   echo "== $name"
-  "$@"
+  "$@" || status=$?
   echo "== $name: $((SECONDS - start)) s"
+  return $status
 }

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# cmake/test.sh with commands that build and test nothing: each phase runs whatever the others do, what failed stands in the last
+# lines, and the command fails. `test_command.sh SOURCE SCRATCH`
+set -euo pipefail
+source=$1 scratch=$2
+rm -rf "$scratch"
+mkdir -p "$scratch"
+for name in cmake ctest; do
+  printf '#!/bin/sh\necho "%s $*" >>"$LOG"\ncase "%s $*" in $FAILS) exit 1;; esac\n' $name $name >"$scratch/$name"
+done
+printf '#!/bin/sh\necho installed\n' >"$scratch/dpkg-query"
+chmod +x "$scratch"/*
+
+# expect FAILS STATUS LINES STEPS: the command line that fails (a pattern), how test.sh ends, its last lines, and how many steps it took.
+expect() {
+  local fails=$1 status=$2 lines=$3 steps=$4 ended=0
+  : >"$scratch/log"
+  PATH=$scratch:$PATH LOG=$scratch/log FAILS=$fails "$source/cmake/test.sh" >"$scratch/out" 2>&1 || ended=$?
+  local last
+  last=$(sed -n '/^== failed:/,$p' "$scratch/out")
+  if [[ $ended -ne $status || $last != "$lines" || $(wc -l <"$scratch/log") -ne $steps ]]; then
+    echo "'$fails' fails: exit $ended in place of $status, last lines:"
+    echo "$last"
+    cat "$scratch/log"
+    exit 1
+  fi
+}
+expect none 0 "" 6
+expect "ctest --preset release*" 1 $'== failed:\ntests, GCC' 6
+expect "ctest *" 1 $'== failed:\ntests, GCC\ntests, Clang with sanitizers' 6
+expect "cmake --build --preset release*" 1 $'== failed:\nbuild, GCC\ntests, GCC: not run' 5
+expect "cmake --build *" 1 "$(printf '%s\n' '== failed:' 'build, GCC' 'tests, GCC: not run' \
+  'build, Clang with sanitizers' 'tests, Clang with sanitizers: not run')" 4
