@@ -187,7 +187,6 @@
 #include "skinctl/tracking/target_plan.hpp"
 #include "skinctl/tracking/tracking.hpp"
 
-#include "skinctl/control/clearance_control.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/friction_control.hpp"
 #include "skinctl/control/grasp_control.hpp"

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "skinctl/control/clearance_control.hpp"
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/friction_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
@@ -151,5 +150,4 @@ TEST_CASE("extremes: laws of a tool") {
     other.margin = wrong;
     CHECK(refused([&] { static_cast<void>(part_for(Arm{}, limits, other)); }));  // ClearanceLimits
   }
-  attack<double>("ClearanceControl: Clearances", ClearanceControl<Arm>(Arm{}, wall, {}));
 }

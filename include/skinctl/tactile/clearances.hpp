@@ -11,8 +11,7 @@ struct CapsulePair {
   std::size_t a = 0, b = 0;
 };
 
-/// Capsules, and which of them stay clear of each other: a part of `Cycle::with` (see `ClearanceLimits`), and of a
-/// `ClearanceControl`.
+/// Capsules, and which of them stay clear of each other: a part of `Cycle::with` (see `ClearanceLimits`).
 struct Clearance {
   std::vector<LinkCapsule> capsules;
   std::vector<CapsulePair> pairs;
