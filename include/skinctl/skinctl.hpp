@@ -28,7 +28,6 @@
 
 #include "skinctl/math/bound.hpp"
 #include "skinctl/math/enclosure.hpp"
-#include "skinctl/math/exact_sum.hpp"
 #include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"

@@ -19,9 +19,9 @@
 #include "skinctl/frames/wrench.hpp"
 #include "skinctl/hardware/gripper.hpp"
 #include "skinctl/math/bound.hpp"
-#include "skinctl/math/exact_sum.hpp"
 #include "skinctl/math/fixed.hpp"
 #include "skinctl/math/sincos.hpp"
+#include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
 #include "skinctl/math/traced.hpp"
 #include "skinctl/math/traced_output.hpp"
@@ -160,24 +160,11 @@ TEST_CASE_TEMPLATE("extremes: vectors, frames and inertias", T, float, double) {
          return Results<T>(X.axes());
        }},
       {"gravity_in_base", 1, shows, shows, [](T x) { return Results<T>(gravity_in_base(turned<T>(), x)); }},
-      {"fast_two_sum", 1, shows, shows,
-       [](T x) {
-         const auto s = math::fast_two_sum(x, T(x / 3));
-         return Results<T>(s.value, s.error);
-       }},
       {"add_compensated", 1, shows, shows,
        [](T x) {
          T value(1), rest(0);
          math::add_compensated(value, rest, x);
          return Results<T>(value, rest);
-       }},
-      {"Sum", 1, shows, shows,
-       [](T x) {
-         math::Sum<T, math::Exact> s(x);
-         s += T(1), s += -x;
-         const T left = s.value();
-         if (std::isfinite(x)) CHECK(left == T(1));
-         return Results<T>(left);
        }},
   };
   check_rows(rows);
