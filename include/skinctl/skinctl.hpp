@@ -41,8 +41,6 @@
 
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/momentum.hpp"
 #include "skinctl/frames/named_frame.hpp"
 #include "skinctl/frames/point.hpp"
 #include "skinctl/frames/rotation.hpp"

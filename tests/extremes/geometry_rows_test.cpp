@@ -11,8 +11,6 @@
 #include "skinctl/core/measurement.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/frames/acceleration.hpp"
-#include "skinctl/frames/inertia.hpp"
-#include "skinctl/frames/momentum.hpp"
 #include "skinctl/frames/named_frame.hpp"
 #include "skinctl/frames/transform.hpp"
 #include "skinctl/frames/twist.hpp"
@@ -139,18 +137,8 @@ TEST_CASE_TEMPLATE("extremes: vectors, frames and inertias", T, float, double) {
        }},
       {"Wrench: the place", 1, shows, shows,
        [](T x) { return Results<T>(transformed(pose<T>(x), Wrench<B, B, B, T>{along(T(1)), along(T(2))})); }},
-      {"Momentum", 1, shows, shows,
-       [](T x) {
-         return Results<T>(
-             transformed(pose<T>(), Momentum<B, A, B, B, T>::from_eigen(Six::Constant(x).eval())));
-       }},
       {"Acceleration", 0, shows, shows,
        [](T x) { return Results<T>(Acceleration<B, A, B, B, T>::from_eigen(Six::Constant(x).eval())); }},
-      {"Inertia at a place", 2, shows, shows,
-       [](T x) {
-         const auto M = transformed(pose<T>(x), Inertia<C, B, T>::sphere(T(3), T(0.1)));
-         return Results<T>(M.about_origin(), M.centre());
-       }},
       {"Transform: a translation", 1, shows, shows,
        [](T x) { return Results<T>(pose<T>().translated(x, x, x).origin()); }},
       {"Transform: a turn, and turned", 0, shows, shows,
@@ -252,10 +240,6 @@ TEST_CASE("extremes: numbers of a gripper, of a link and of a table of joints") 
     using X = Transform<A, B, double>;
     CHECK(refused([&] { static_cast<void>(X::nearest({{wrong, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0})); }));
     CHECK(refused([&] { static_cast<void>(X::nearest({}, {wrong, 0, 0})); }));
-    CHECK(refused([&] { static_cast<void>(Inertia<A>(wrong, Xyz<double>{0, 0, 0}, {})); }));
-    CHECK(refused([&] { static_cast<void>(Inertia<A>::point(1, {wrong, 0, 0})); }));
-    CHECK(refused([&] { static_cast<void>(Inertia<A>::box(1, wrong, 1, 1)); }));
-    CHECK(refused([&] { static_cast<void>(Inertia<A>::cylinder_z(1, wrong, 1)); }));
   }
   static_assert(std::string_view(FrameName("gripper").view()) == "gripper");
 }

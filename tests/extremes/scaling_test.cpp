@@ -14,7 +14,6 @@
 #include "skinctl/dynamics/momentum_rate.hpp"
 #include "skinctl/dynamics/operational_inertia.hpp"
 #include "skinctl/dynamics/regressor.hpp"
-#include "skinctl/frames/inertia.hpp"
 #include "skinctl/frames/symmetric.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
