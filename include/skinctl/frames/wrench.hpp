@@ -73,13 +73,6 @@ struct Wrench {
   // clang-format on
 };
 
-template <class F>
-inline constexpr bool is_wrench = false;
-template <class B, class P, class E, class T>
-inline constexpr bool is_wrench<Wrench<B, P, E, T>> = true;
-template <class F>
-concept AnyWrench = is_wrench<F>;
-
 /// Changes point and axes: from the origin and axes of P to those of Q. `X_LC * F` is a cell's load on its
 /// link.
 template <class B, class P, class Q, class T>

@@ -68,11 +68,7 @@ inline Transform<skinctl::detail::AnyLink, Surface> tube_pose(const Tube& t) noe
 }
 }  // namespace detail
 
-/// The pose of link `I`'s cylinder: z along the tube.
-template <std::size_t I>
-[[nodiscard]] Transform<Link<I>, Surface> surface_pose() {
-  return detail::tube_pose(tubes[I]).renamed<Link<I>, Surface>();
-}
+/// The cylinder of link `I`.
 template <std::size_t I>
 [[nodiscard]] constexpr CylinderSurface surface() noexcept {
   return {tubes[I].radius, detail::length(tubes[I])};

@@ -74,14 +74,6 @@ std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointP
   return path;
 }
 
-inline std::vector<double> tied_to_a_spring(const RobotConfiguration<6>& c, const JointPosition<6>& q0,
-                                            const double (&row)[6], double stiffness, double damping,
-                                            double seconds_long, double kick = 1e-7) {
-  double rows[1][6];
-  std::copy(std::begin(row), std::end(row), rows[0]);
-  return tied_to_springs(c, q0, rows, stiffness, damping, seconds_long, kick);
-}
-
 /// Whether the oscillation decays.
 template <std::size_t K>
 bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q0, const double (&rows)[K][6],

@@ -23,14 +23,6 @@ struct NoValues {
     return {};
   }
 };
-/// One at joint `K`, typed zero elsewhere: a column of a matrix.
-template <std::size_t K>
-struct UnitValue {
-  template <std::size_t I>
-  SKINCTL_INLINE constexpr TypedConstant<I == K ? 1 : 0> get() const noexcept {
-    return {};
-  }
-};
 
 /// The 3 x 3 matrix `E = [alpha]x + w w_r' - (w . w_r) 1`, by rows. `E r = alpha x r + w_r x (w x r)` is the
 /// acceleration, relative to the link's origin, of the point at `r`.
