@@ -10,7 +10,8 @@ macro(skinctl_find package version debian)
   endif()
 endmacro()
 
-skinctl_find(Eigen3 3.4 libeigen3-dev)
+# No version asked: the package of Eigen 3.4.0 refuses ranges of two majors, that of 5 a plain 3.4. It is looked at below.
+skinctl_find(Eigen3 "" libeigen3-dev)
 skinctl_find(Boost 1.74 libboost-dev)
 if(SKINCTL_BUILD_TESTS)
   skinctl_find(doctest 2.4 doctest-dev)
@@ -31,6 +32,11 @@ list(REMOVE_DUPLICATES skinctl_missing_packages)
 if(skinctl_missing_packages)
   list(JOIN skinctl_missing_packages " " packages)
   message(FATAL_ERROR "skinctl: missing packages. On Debian 12: sudo apt-get install ${packages}")
+endif()
+
+if(Eigen3_VERSION VERSION_LESS 3.4 OR NOT Eigen3_VERSION VERSION_LESS 6)
+  message(FATAL_ERROR
+    "skinctl: needs Eigen 3.4 or 5, ${Eigen3_DIR} is ${Eigen3_VERSION}; -DEigen3_DIR=FOLDER names another")
 endif()
 
 # Optional: parsers of XML (io/urdf.hpp, io/skin_xml.hpp) and of JSON (io/skin_file.hpp). What needs one that is missing is neither

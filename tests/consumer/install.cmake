@@ -4,3 +4,4 @@ execute_process(COMMAND "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${PREF
 if(failed)
   message(FATAL_ERROR "cmake --install: ${failed}")
 endif()
+include("${CMAKE_CURRENT_LIST_DIR}/eigen_versions.cmake")

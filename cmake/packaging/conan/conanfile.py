@@ -22,7 +22,7 @@ class Skinctl(ConanFile):
             copy(self, part, src=root, dst=self.export_sources_folder)
 
     def requirements(self):
-        self.requires("eigen/3.4.0")
+        self.requires("eigen/[>=3.4.0 <6]")
         self.requires("boost/1.83.0", options={"header_only": True})
 
     def validate(self):
