@@ -7,6 +7,7 @@
 
 #include "examples/calibrate_skin/calibration.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/output_file.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace {
@@ -67,6 +68,7 @@ int run(int argc, char** argv) {
   }
   const job::StopSignals signals;
   options.folder = folder;
+  examples::refuse_own_input((options.folder / "skin.json").string(), {options.placed.string()});
   options.camera = !no_camera, options.masses = !no_masses;
   options.arm.stop = &signals.asked();
   options.arm.quiet = quiet;

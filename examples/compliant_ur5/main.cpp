@@ -8,6 +8,7 @@
 #include "examples/compliant_ur5/endings.hpp"
 #include "examples/compliant_ur5/report.hpp"
 #include "examples/compliant_ur5/run.hpp"
+#include "examples/support/output_file.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace {
@@ -121,6 +122,9 @@ int run(int argc, char** argv) {
     std::fputs(compliant_ur5::endings_as_markdown().c_str(), stdout);
     return 0;
   }
+  for (const std::string& file : {s.record, s.report, s.json, picture})
+    examples::refuse_own_input(file,
+                               {s.skin, s.simulated_skin, s.skin_key, s.scenario, s.touch_profile, s.replay});
   if (!robot.empty()) s.robot = robot;
   if (s.live && app.count("--speed") == 0) s.speed = 1;
   if (interface == "velocity") s.interface = skinctl::Interface::velocity;

@@ -8,6 +8,7 @@
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/identify_robot/result.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/output_file.hpp"
 #include "skinctl/calibration/response_motion.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/model/ur5.hpp"
@@ -139,6 +140,7 @@ int main(int argc, char** argv) {
   }
   const job::StopSignals signals;
   try {
+    for (const std::string& file : {save, output}) examples::refuse_own_input(file, {read});
     if (robot.empty() && read.empty()) std::printf("a simulated arm moves for %.0f s\n\n", motion.duration);
     if (!robot.empty()) {
       std::printf("%s moves for %.0f s, %.2f rad to both sides of where it stands, at most %.2f rad/s\n\n",

@@ -16,6 +16,7 @@
 #include "examples/adapters/skin/ros1.hpp"
 #include "examples/adapters/skin/sender.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/output_file.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 
@@ -214,6 +215,7 @@ job::Exit run(const Options& o) {
     sender = std::make_unique<skin::Sender>(host, port, key);
     sink = [&](auto samples, Nanoseconds t) { sender->send(samples, t); };
   } else if (const auto file = after(o.to, "bag:")) {
+    examples::refuse_own_input(*file, {after(o.from, "bag:").value_or(""), o.key_file});
     writer =
         std::make_unique<skin::BagWriter>(*file, o.topic.empty() ? "/skin" : o.topic, skin::skin_message_type,
                                           skin::skin_message_definition, skin::skin_message_md5);

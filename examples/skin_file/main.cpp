@@ -4,6 +4,7 @@
 #include <exception>
 
 #include "examples/skin_file/picture.hpp"
+#include "examples/support/output_file.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
@@ -85,6 +86,7 @@ int run(int argc, char** argv) {
     for (const std::string& text : patches) {
       const std::size_t at = text.find('=');
       const std::string path = at == std::string::npos ? text : text.substr(at + 1);
+      examples::refuse_own_input(output, {path});
       const std::size_t slash = path.rfind('/') + 1, dot = path.rfind('.');
       SkinXmlOptions how;
       how.name = at == std::string::npos ? path.substr(slash, dot > slash ? dot - slash : path.npos)
@@ -97,6 +99,7 @@ int run(int argc, char** argv) {
     return 0;
   }
 
+  examples::refuse_own_input(output, {file, urdf_file});
   const SkinFile skin = read_skin_file(file);
   std::vector<PlacedSkinPatch> placed;
   skin_file::Pose pose;

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "examples/skinctl_record/csv.hpp"
+#include "examples/support/output_file.hpp"
 #include "skinctl/io/mcap_file.hpp"
 
 namespace {
@@ -66,6 +67,7 @@ int run(int argc, char** argv) {
             : ("ended behind its last whole chunk, " + std::to_string(done.cut) + " bytes cut").c_str());
     return 0;
   }
+  examples::refuse_own_input(output, {file});
   const MappedFile mapped(file);
   if (output.empty()) {
     skinctl_record::write_csv(mapped.bytes(), topic, std::cout);

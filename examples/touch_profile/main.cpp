@@ -7,6 +7,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "examples/support/output_file.hpp"
 #include "examples/touch_profile/profile.hpp"
 
 namespace {
@@ -39,6 +40,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (!generate && recording.empty()) throw CLI::RequiredError("recording (or --generate)");
+    examples::refuse_own_input(out, {recording});
     if (!taxels.empty()) mapping.taxels = touch_profile::parse_taxels(taxels);
     const auto profile =
         generate ? touch_profile::synthetic_push(mapping.peak)

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <vector>
 
+#include "examples/support/output_file.hpp"
 #include "write_model.hpp"
 
 namespace {
@@ -55,6 +56,7 @@ int main(int argc, char** argv) try {
   for (std::size_t k = 0; k < gravity.size(); ++k) settings.gravity[k] = gravity[k];
 
   for (const std::string& lock : locks) add_lock(options, lock);
+  examples::refuse_own_input(output, {urdf});
   const skinctl::Urdf robot = skinctl::read_urdf(urdf, options);
   for (const std::string& warning : robot.warnings) std::fprintf(stderr, "%s\n", warning.c_str());
   const std::string text = urdf_to_model::header(robot, settings);

@@ -7,12 +7,14 @@
 
 #include <chrono>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "examples/compliant_ur5/endings.hpp"
+#include "examples/support/own_input.hpp"
 
 using examples::job::Exit;
 
@@ -122,6 +124,17 @@ TEST_CASE("program: SIGINT, SIGTERM and SIGHUP stop it cleanly, within a second"
     CHECK(ran.seconds < 1);
     CHECK(ran.out.find("stopped: interrupted (exit code 130") != std::string::npos);
   }
+}
+
+TEST_CASE("program: nothing that it writes is a file that it reads") {
+  std::ifstream file(COMPLIANT_UR5_SCENARIO);
+  const std::string scenario{std::istreambuf_iterator<char>(file), {}};
+  for (const char* option : {"--report", "--json", "--picture", "--record"})
+    examples::check_own_input_is_kept(COMPLIANT_UR5_PROGRAM,
+                                      std::string("--cycles 5 --quiet --scenario IN ") + option + " OUT",
+                                      scenario, 2);
+  examples::check_own_input_is_kept(COMPLIANT_UR5_PROGRAM, "--cycles 5 --quiet --touch IN --json OUT",
+                                    "0,0\n0.1,5\n0.2,0\n", 2);
 }
 
 TEST_CASE("program: wrong options are refused, a robot that is not there is told, a reader may leave") {

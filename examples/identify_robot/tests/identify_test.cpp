@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "examples/identify_robot/result.hpp"
+#include "examples/support/own_input.hpp"
 #include "skinctl/model/ur5.hpp"
 
 using namespace identify_robot;
@@ -58,6 +59,12 @@ TEST_CASE("identify_robot: finds what the simulated arm was told to be, and its 
   CHECK(text_of(again).size() > 200);
   CHECK(std::abs(number(text_of(again), "delay_and_lag") - number(found, "delay_and_lag")) < 1e-6);
   for (const auto& file : {log, toml, again}) std::remove(file.c_str());
+}
+
+TEST_CASE("identify_robot: neither result nor log is written onto the log that it reads") {
+  const std::string line = "sent,0,1,2,3,4,5,6\n";
+  for (const char* option : {" --output OUT", " --save-log OUT"})
+    examples::check_own_input_is_kept(IDENTIFY_ROBOT_PROGRAM, std::string("--log IN") + option, line, 2);
 }
 
 TEST_CASE("identify_robot: a bad log is refused with its line, bad options with words") {

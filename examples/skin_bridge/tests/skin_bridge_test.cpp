@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <thread>
 
@@ -16,6 +17,7 @@
 #include "examples/adapters/skin/ros1.hpp"
 #include "examples/adapters/skin/sender.hpp"
 #include "examples/adapters/tests/ros1_peer.hpp"
+#include "examples/support/own_input.hpp"
 
 using namespace std::chrono_literals;
 using namespace adapters::skin;
@@ -213,6 +215,22 @@ TEST_CASE("skin_bridge: ROS's own master and publisher are heard, message by mes
 }
 
 TEST_SUITE_END();
+
+TEST_CASE("skin_bridge: a bag is not written onto itself, nor onto the key") {
+  const std::string file = temporary("whole.bag");
+  {
+    BagWriter bag(file, "/skin", skin_message_type, skin_message_definition, skin_message_md5);
+    for (int k = 0; k < 50; ++k) bag.write(now() + k * 1ms, ros1_message(touch(k, now())));
+    bag.close();
+  }
+  std::ifstream in(file, std::ios::binary);
+  const std::string content{std::istreambuf_iterator<char>(in), {}};
+  REQUIRE(content.size() > 50'000);
+  examples::check_own_input_is_kept(SKIN_BRIDGE_PROGRAM, "-q --from bag:IN --to bag:OUT", content, 2);
+  examples::check_own_input_is_kept(SKIN_BRIDGE_PROGRAM, "-q --from udp:0 --key IN --to bag:OUT",
+                                    std::string(64, 'a') + "\n", 2);
+  std::filesystem::remove(file);
+}
 
 TEST_CASE("skin_bridge: what cannot be has words and an exit code") {
   for (const auto& [arguments, exit, words] :

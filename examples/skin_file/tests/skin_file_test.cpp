@@ -11,6 +11,7 @@
 #include <random>
 
 #include "examples/skin_file/picture.hpp"
+#include "examples/support/own_input.hpp"
 #include "skinctl/io/urdf.hpp"
 #include "skinctl/kinematics/poses.hpp"
 
@@ -38,6 +39,15 @@ TEST_CASE("skin_file: the UR5's shipped file and picture are those that the prog
   CHECK(output("ur5") == content(file));
   CHECK(output("draw " + file) == content(EXAMPLES_PICTURES "/ur5_skin.svg"));
   CHECK(output("check " + file).find("260 cells, 0 of them masked, 0 regions") != std::string::npos);
+}
+
+TEST_CASE("skin_file: a picture is not drawn over its skin, nor a skin over its patches") {
+  examples::check_own_input_is_kept(SKIN_FILE_PROGRAM, "draw IN -o OUT",
+                                    content(EXAMPLES_DATA "/ur5_skin.json"), 2);
+  examples::check_own_input_is_kept(SKIN_FILE_PROGRAM,
+                                    "draw " EXAMPLES_DATA "/arm7_skin.json --urdf IN -o OUT",
+                                    content(EXAMPLES_DATA "/arm7.urdf"), 2);
+  examples::check_own_input_is_kept(SKIN_FILE_PROGRAM, "convert arm=IN -o OUT", "<SkinConfig/>", 2);
 }
 
 TEST_CASE("skin_file: what is wrong is said, with exit code 2") {

@@ -5,11 +5,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
 
 #include "examples/skinctl_record/csv.hpp"
+#include "examples/support/own_input.hpp"
 #include "skinctl/io/contact_cloud.hpp"
 #include "skinctl/io/mcap_file.hpp"
 #include "skinctl/io/skin_cloud.hpp"
@@ -269,6 +271,15 @@ TEST_CASE("readers: @mcap/core and rosmsg2-serialization, by the index: every fi
   const auto read = run(std::string("node ") + RECORD_READERS + "/read.mjs " + folder + " " + path);
   REQUIRE_MESSAGE(read.exit == 0, read.out);
   check_lines(read.out, expected);
+  fs::remove(path);
+}
+
+TEST_CASE("skinctl_record: a table is not written onto its recording") {
+  const auto path = path_of("own.mcap");
+  static_cast<void>(write_file(path));
+  std::ifstream in(path, std::ios::binary);
+  const std::string content{std::istreambuf_iterator<char>(in), {}};
+  examples::check_own_input_is_kept(RECORD_PROGRAM, "csv IN /joint_states --output OUT", content, 2);
   fs::remove(path);
 }
 

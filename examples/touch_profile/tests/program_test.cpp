@@ -9,6 +9,7 @@
 #include <string>
 
 #include "examples/simulated_ur5/contact.hpp"
+#include "examples/support/own_input.hpp"
 
 namespace {
 
@@ -76,6 +77,10 @@ TEST_CASE("touch_profile: recording in, profile out") {
   CHECK(printed.text.find("over 15 taxels") != std::string::npos);
   std::istringstream rows(run("--generate").text);
   CHECK(simulated_ur5::read_profile(rows, "generated").duration() == doctest::Approx(1.6));
+}
+
+TEST_CASE("touch_profile: a profile is not written onto its recording") {
+  examples::check_own_input_is_kept(TOUCH_PROFILE_PROGRAM, "IN --peak 24 --rate 5 --out OUT", grasp(), 2);
 }
 
 TEST_CASE("touch_profile: what cannot be is said and ends with a code") {

@@ -1,5 +1,10 @@
 #include <doctest/doctest.h>
 
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "examples/support/own_input.hpp"
 #include "write_model.hpp"
 
 using namespace urdf_to_model;
@@ -55,6 +60,13 @@ TEST_CASE("header: no robot's name makes a namespace that C++ does not allow") {
                     skinctl::ConfigurationError);
   }
   CHECK(has(header(skinctl::parse_urdf(robot("a", 1)), {.name_space = "lab::arm"}), "namespace lab::arm {"));
+}
+
+TEST_CASE("urdf_to_model: a header is not written onto its URDF") {
+  std::ifstream in(URDF_TO_MODEL_CRANE);
+  const std::string content{std::istreambuf_iterator<char>(in), {}};
+  REQUIRE(content.size() > 1000);
+  examples::check_own_input_is_kept(URDF_TO_MODEL_PROGRAM, "IN -o OUT", content, 1);
 }
 
 TEST_CASE("header: right angles become exact when asked for") {
