@@ -105,10 +105,8 @@ TEST_CASE("Cycle::with: limits by name, the guard brakes within the same jerk, s
   const auto arm = by_position(ur5::Model{}, stated);
   const Cycle plain(arm, ur5_skin<260>({.force = 20}), SkinJointControl{} + GravityControl{});
   const auto scene =
-      plain.with(MaxJerk{JointJerk<6>::constant(300)}, MaxToolSpeed<5>{.speed = 0.2, .reach = 1.3},
-                 GuardSettings<6>{.consent = Reason::state_stale});
+      plain.with(MaxJerk{JointJerk<6>::constant(300)}, GuardSettings<6>{.consent = Reason::state_stale});
   CHECK(scene.governor().jerk().jerk()[0] == 300);
-  CHECK(scene.governor().tool().limit() == 0.2);
   CHECK(scene.guard().settings().consent == Status(Reason::state_stale));
   static_assert(std::remove_cvref_t<decltype(scene.guard())>::smooth);
   const auto later = scene.with(MaxToolSpeed<5>{.speed = 0.1, .reach = 1.3});

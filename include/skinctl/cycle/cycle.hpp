@@ -115,27 +115,24 @@ class Cycle {
   Cycle(const Robot& robot, const L& law, const ByHand&... guard_and_governor)
       : Cycle(robot, NoSkin{}, law, guard_and_governor...) {}
 
-  /// The same scene with limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`,
-  /// `SkinWatch`) and settings of its guard (`GuardSettings`), in any order. They replace those given before.
+  /// The same scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`,
+  /// `Clearance`, `ClearanceAround`, `SkinWatch`) or with settings of its guard (`GuardSettings`). The order and the
+  /// number of calls make no difference: `.with(a).with(b)` is `.with(a, b)`. A scene has one part of each kind, of
+  /// `LinkContact` one for each link. Throws `ConfigurationError` for a number out of its range.
   template <class... Parts>
   [[nodiscard]] auto with(const Parts&... parts) const {
-    const auto made = std::tuple_cat(limit_of(parts)...);
-    const auto contacts = std::tuple_cat(contact_of(parts)...);
-    const auto all = std::apply(
-        [&](const auto&... c) {
-          if constexpr (sizeof...(c) > 0) {
-            return std::tuple_cat(made, std::make_tuple(contact_limits<scalar>(resolver_.model(), c...)));
-          } else {
-            return made;
-          }
-        },
-        contacts);
-    const auto governor = detail::governor_of(resolver_, all);
-    using Limits = std::remove_cvref_t<decltype(governor)>;
-    const auto guard =
-        detail::guard_for(resolver_, detail::guard_settings_in(guard_.settings(), parts...), governor);
-    return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>, Limits>(resolver_, skin_, law_, guard,
-                                                                               governor);
+    const auto all = std::tuple_cat(detail::parts_in(guard_), detail::parts_in(governor_),
+                                    detail::single(detail::made_for(resolver_, parts))...);
+    constexpr bool once = detail::each_kind_once<std::remove_cv_t<decltype(all)>>;
+    static_assert(once, "with: the scene has a part of this kind already, and takes one of each kind");
+    if constexpr (once) {
+      const auto governor = detail::governor_of(resolver_, all);
+      const auto guard = detail::guard_of(resolver_, all, governor);
+      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>,
+                   std::remove_cv_t<decltype(governor)>>(resolver_, skin_, law_, guard, governor);
+    } else {
+      return *this;
+    }
   }
 
   [[nodiscard]] const Resolver& resolver() const noexcept { return resolver_; }
@@ -281,23 +278,6 @@ class Cycle {
       require(!law.waits_for_contacts(), "skills that wait for contacts, on a skin that finds none", 1,
               "a ContactSkin");
     detail::compare(guard_, resolver_);
-  }
-  // The kind of a part of `with`: a limit of the governor, a contact, or neither.
-  template <class Part>
-  [[nodiscard]] auto limit_of(const Part& part) const {
-    if constexpr (detail::is_guard_settings<Part> || detail::is_link_contact<Part>) {
-      return std::tuple<>();
-    } else {
-      return std::make_tuple(detail::made_for(resolver_, part));
-    }
-  }
-  template <class Part>
-  [[nodiscard]] auto contact_of(const Part& part) const {
-    if constexpr (detail::is_link_contact<Part>) {
-      return std::make_tuple(part);
-    } else {
-      return std::tuple<>();
-    }
   }
   /// The planned interval [s], for the laws that start or take goals between two evaluations.
   [[nodiscard]] scalar period() const noexcept { return resolver_.planned_step(); }

@@ -2,6 +2,9 @@
 // hand with that description.
 #pragma once
 
+#include <array>
+#include <tuple>
+
 #include "skinctl/guard/guard.hpp"
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/limits/motion_limits.hpp"
@@ -47,11 +50,16 @@ struct SceneParts {
   }
 };
 
+/// A guard whose settings nobody has given yet: `Cycle::with` still takes some.
+template <class Guard>
+struct WithDefaults : Guard {
+  explicit WithDefaults(const Guard& guard) : Guard(guard) {}
+};
 template <class Resolver>
-using DefaultGuard = typename SceneParts<Resolver>::template Guard<>;
+using DefaultGuard = WithDefaults<typename SceneParts<Resolver>::template Guard<>>;
 template <class Resolver>
 [[nodiscard]] auto default_guard(const Resolver& r) {
-  return SceneParts<Resolver>::guard(r);
+  return WithDefaults(SceneParts<Resolver>::guard(r));
 }
 template <class Resolver>
 [[nodiscard]] auto default_governor(const Resolver& r) {
@@ -59,16 +67,6 @@ template <class Resolver>
 }
 template <class Resolver>
 using DefaultGovernor = decltype(default_governor(std::declval<const Resolver&>()));
-/// A guard with these settings; it brakes within the limits of jerk of `limits`, if that governor has some.
-template <class Resolver, class Settings, class Limits>
-[[nodiscard]] auto guard_for(const Resolver& r, const Settings& settings, const Limits& limits) {
-  if constexpr (requires { requires Limits::has_jerk; }) {
-    using Smooth = std::remove_cvref_t<decltype(limits.jerk())>;
-    return SceneParts<Resolver>::template guard<Smooth>(r, settings, limits.jerk());
-  } else {
-    return SceneParts<Resolver>::guard(r, settings);
-  }
-}
 
 // A part of `with`, built for this robot by its `part_for`, which lies beside it. A part that is built already passes.
 template <class Resolver, class Part>
@@ -84,25 +82,115 @@ inline constexpr bool is_guard_settings = false;
 template <std::size_t N, Real T>
 inline constexpr bool is_guard_settings<GuardSettings<N, T>> = true;
 
-/// The settings of the guard among the parts, or the default.
-template <class Settings>
-[[nodiscard]] Settings guard_settings_in(const Settings& otherwise) {
-  return otherwise;
-}
-template <class Settings, class First, class... Rest>
-[[nodiscard]] Settings guard_settings_in(const Settings& otherwise, const First& first, const Rest&... rest) {
-  if constexpr (is_guard_settings<First>) {
-    static_assert(std::is_same_v<First, Settings>, "GuardSettings: of another robot or scalar");
-    return first;
+/// A part as a list of single parts: contact limits are one for each link; none for `NoPart`.
+template <class Part>
+[[nodiscard]] auto single(const Part& part) {
+  if constexpr (std::is_same_v<Part, NoPart>) {
+    return std::tuple<>();
+  } else if constexpr (ContactPart<Part>) {
+    return part.settings();
   } else {
-    return guard_settings_in(otherwise, rest...);
+    return std::tuple(part);
   }
 }
+/// The parts that a guard or a governor has been given. Limits of a motion by torque belong to the robot.
+template <class Stage>
+[[nodiscard]] auto parts_in(const Stage& stage) {
+  if constexpr (requires { stage.clearance(); }) {
+    return std::tuple_cat(single(stage.jerk()), single(stage.tool()), single(stage.contact()),
+                          single(stage.watch()), single(stage.clearance()));
+  } else if constexpr (requires { stage.settings(); }) {
+    return std::tuple(stage.settings());
+  } else {
+    return std::tuple<>();
+  }
+}
+template <class Guard>
+[[nodiscard]] std::tuple<> parts_in(const WithDefaults<Guard>&) {
+  return {};
+}
 
-/// A governor of the parts, the contacts of the links joined into one.
-template <class Resolver, class... Made>
-[[nodiscard]] auto governor_of(const Resolver& r, const std::tuple<Made...>& made) {
-  return std::apply([&](const auto&... p) { return SceneParts<Resolver>::governor(r, p...); }, made);
+/// Whether both are of one kind, of which a scene has at most one.
+template <class A, class B>
+inline constexpr bool same_kind = [] {
+  if constexpr (is_link_contact<A> && is_link_contact<B>) {
+    return A::link == B::link;
+  } else {
+    return (JerkPart<A> && JerkPart<B>) || (ToolPart<A> && ToolPart<B>) || (WatchPart<A> && WatchPart<B>) ||
+           (ClearancePart<A> && ClearancePart<B>) || (is_guard_settings<A> && is_guard_settings<B>);
+  }
+}();
+template <class Part, class... All>
+inline constexpr int count_of_kind = (0 + ... + int(same_kind<Part, All>));
+template <class Parts>
+inline constexpr bool each_kind_once = false;
+template <class... Parts>
+inline constexpr bool each_kind_once<std::tuple<Parts...>> = ((count_of_kind<Parts, Parts...> <= 1) && ...);
+
+/// A list of the part, if `Take` says so; else an empty one.
+template <bool Take, class Part>
+[[nodiscard]] auto if_taken([[maybe_unused]] const Part& part) {
+  if constexpr (Take) {
+    return std::tuple(part);
+  } else {
+    return std::tuple<>();
+  }
+}
+/// Contact limits of the links, in their order; no part without links.
+template <class Resolver, class... Contacts>
+[[nodiscard]] auto joined(const Resolver& r, const std::tuple<Contacts...>& contacts) {
+  if constexpr (sizeof...(Contacts) == 0) {
+    return contacts;
+  } else {
+    constexpr auto order = [] {
+      constexpr std::array<std::size_t, sizeof...(Contacts)> links{Contacts::link...};
+      std::array<std::size_t, sizeof...(Contacts)> out{};
+      for (std::size_t i = 0; i < links.size(); ++i) {
+        std::size_t before = 0;
+        for (const std::size_t link : links)
+          if (link < links[i]) ++before;
+        out[before] = i;
+      }
+      return out;
+    }();
+    return [&]<std::size_t... K>(std::index_sequence<K...>) {
+      return std::tuple(
+          contact_limits<typename Resolver::scalar>(r.model(), std::get<order[K]>(contacts)...));
+    }(std::index_sequence_for<Contacts...>{});
+  }
+}
+/// A governor of the parts that are limits, the contacts of all links joined into one.
+template <class Resolver, class... Parts>
+[[nodiscard]] auto governor_of(const Resolver& r, const std::tuple<Parts...>& parts) {
+  return std::apply(
+      [&](const auto&... p) {
+        const auto contacts = std::tuple_cat(if_taken<is_link_contact<Parts>>(p)...);
+        const auto others =
+            std::tuple_cat(if_taken < !is_link_contact<Parts> && !is_guard_settings < Parts >> (p)...);
+        return std::apply([&](const auto&... limit) { return SceneParts<Resolver>::governor(r, limit...); },
+                          std::tuple_cat(others, joined(r, contacts)));
+      },
+      parts);
+}
+/// A guard with the settings among the parts; it brakes within the limits of jerk of `governor`, if there are some.
+template <class Resolver, class... Parts, class Governor>
+[[nodiscard]] auto guard_of(const Resolver& r, const std::tuple<Parts...>& parts, const Governor& governor) {
+  using Settings = typename SceneParts<Resolver>::template Guard<>::Settings;
+  static_assert(((!is_guard_settings<Parts> || std::is_same_v<Parts, Settings>) && ...),
+                "GuardSettings: of another robot or scalar");
+  const auto with = [&](const Settings& settings) {
+    if constexpr (requires { requires Governor::has_jerk; }) {
+      using Smooth = std::remove_cvref_t<decltype(governor.jerk())>;
+      return SceneParts<Resolver>::template guard<Smooth>(r, settings, governor.jerk());
+    } else {
+      return SceneParts<Resolver>::guard(r, settings);
+    }
+  };
+  if constexpr ((std::is_same_v<Parts, Settings> || ...)) {
+    return with(std::get<Settings>(parts));
+  } else {
+    return WithDefaults(with(Settings{}));
+  }
 }
 
 /// Faults of a guard that is given by hand.

@@ -76,9 +76,10 @@ class ContactLimits {
 
   /// Throws `ConfigurationError` for a number that is out of its range, or was not given.
   SKINCTL_COLD explicit ContactLimits(const M& model, const LinkContact<I>&... link)
-      : model_(model), at_{Link(link)...} {}
+      : model_(model), given_(link...), at_{Link(link)...} {}
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
+  [[nodiscard]] const std::tuple<LinkContact<I>...>& settings() const noexcept { return given_; }
 
   /// The distances that follow from the strongest proximity reading in [0, 1] of each link.
   [[nodiscard]] SKINCTL_INLINE Distances distances(const std::array<T, count>& nearest) const noexcept {
@@ -269,6 +270,7 @@ class ContactLimits {
   }
 
   [[no_unique_address]] M model_;
+  std::tuple<LinkContact<I>...> given_;
   Link at_[count];
 };
 template <RobotModel M, std::size_t... I>

@@ -1,0 +1,11 @@
+// expect: with: the scene has a part of this kind already, and takes one of each kind
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+using Arm = Resolver<Interface::torque, ur5::Model>;
+
+auto scene(const Cycle<Arm, GravityControl>& plain, const GuardSettings<6>& one,
+           const GuardSettings<6>& two) {
+  return plain.with(one).with(two);
+}

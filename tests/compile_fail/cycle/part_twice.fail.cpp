@@ -1,0 +1,10 @@
+// expect: with: the scene has a part of this kind already, and takes one of each kind
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+using Arm = Resolver<Interface::position, ur5::Model>;
+
+auto scene(const Cycle<Arm, GravityControl>& plain, const MaxJerk<6>& jerk, const MaxJerk<6>& gentle) {
+  return plain.with(jerk).with(gentle);
+}
