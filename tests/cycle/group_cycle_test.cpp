@@ -177,3 +177,18 @@ TEST_CASE("Configurations: of a robot in groups, gains change without a jump of 
   input.configuration = 0;
   CHECK(run.cycle(input).status.has(Reason::configuration_refused));
 }
+
+TEST_CASE("Groups: configurations that differ in the delay of a group are refused with both numbers") {
+  auto other = one(false);
+  other.delay = 2ms;
+  const Cycle first(robot(), Pull{});
+  const Cycle second(by_groups(Model3{}, velocity_joints<0b001>([] {
+                                 auto column = one(false);
+                                 column.lag = 0ms;
+                                 return column;
+                               }()),
+                               position_joints<0b010>(other), torque_joints<0b100>(one(true))),
+                     Pull{});
+  CHECK_THROWS_WITH_AS(Configurations(first, second),
+                       "skinctl: delay: 2 ms in a configuration, 4 ms in the first one", ConfigurationError);
+}

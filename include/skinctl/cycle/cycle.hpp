@@ -242,7 +242,7 @@ class Cycle {
   SKINCTL_INLINE Output run(Memory& m, const Input& input, Watch& watch, const Change& change) const noexcept;
   template <class Resolved, class Pressed>
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
-                             const Interval& interval) const noexcept;
+                             const Interval& interval, bool hard) const noexcept;
   SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept;
   /// Whether the watch over the skin holds a robot that nobody else has stopped.
   [[nodiscard]] SKINCTL_INLINE bool pauses(const Memory& m) const noexcept {
@@ -277,6 +277,7 @@ class Cycle {
     if constexpr (requires { law.waits_for_contacts(); } && !requires { typename Skin::Found; })
       require(!law.waits_for_contacts(), "skills that wait for contacts, on a skin that finds none", 1,
               "a ContactSkin");
+    if constexpr (detail::limits_jerk<Overseer>) detail::check_no_lead(resolver_);
     detail::compare(guard_, resolver_);
   }
   /// The planned interval [s], for the laws that start or take goals between two evaluations.

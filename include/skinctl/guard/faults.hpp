@@ -103,7 +103,7 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::jerk_limited, "jerk_limited", FaultFinder::governor, Reaction::limit, Reaction::none,
      WayBack::at_once, "the jerk of a joint was cut to its limit"},
     {Reason::jerk_exceeded, "jerk_exceeded", FaultFinder::governor, Reaction::report, Reaction::none,
-     WayBack::at_once, "the jerk limit gave way: another limit could not be kept otherwise"},
+     WayBack::at_once, "the jerk limit gave way: to another limit, to a stop, or while a joint is held"},
     {Reason::tool_speed_limited, "tool_speed_limited", FaultFinder::governor, Reaction::limit,
      Reaction::limit, WayBack::at_once, "all joints were slowed for the speed of the tool"},
     {Reason::clearance_kept, "clearance_kept", FaultFinder::governor, Reaction::limit, Reaction::limit,

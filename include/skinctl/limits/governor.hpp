@@ -38,7 +38,8 @@ struct GovernedTorque : Governed<N, T> {
 /// **Positions and velocities.** A command within the limits passes to the bit. Otherwise all joints are
 /// slowed alike (contact, tool), a motion from the last command to the slowed one is computed within the
 /// limits of the joints (and of jerk), and the resolver learns what was sent: its virtual robot goes on from
-/// there, so nothing is caught up later. With a limit of jerk every command is computed anew.
+/// there, so nothing is caught up later. With a limit of jerk every command is computed anew, except while the robot
+/// stops or is held: then the resolver's own braking passes, and jerk gives way.
 ///
 /// Where the limits conflict, the last in this order gives way first: acceleration, position, velocity of the
 /// joints; clearances; the tool's speed; jerk; contact (for a person who steps in the robot brakes as hard as the other
@@ -82,11 +83,13 @@ class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, 
   /// @param touch     the contacts: `PressedAreas`, or wrenches on the links.
   /// @param nearest   strongest proximity reading for each link of the contact limits; both are read only
   ///                  with contact limits.
+  /// @param hard      whether jerk gives way, see `Resolver::stops_or_corrects`.
   /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.
   template <class Touch, class Nearest>
   SKINCTL_INLINE Governed<N, T> step(Memory& m, const JointCommand<N, T>& last,
                                      const JointCommand<N, T>& wish, const State<N, T>& measured,
-                                     const Touch& touch, const Nearest& nearest, const T& dt) const noexcept {
+                                     const Touch& touch, const Nearest& nearest, const T& dt,
+                                     bool hard = false) const noexcept {
     Governed<N, T> out{wish.copy(), {}, false};
     if (!last.valid || !wish.valid || !detail::is_plausible(wish) || !(dt > T(0))) {
       m.acceleration = {};
@@ -98,19 +101,24 @@ class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, 
     this->keep_clear(m, last.position, room, last.velocity, dt, left);
     out.status |= left.status;
     if constexpr (has_jerk) {
-      const auto motion = jerk_.move(room, last.velocity, m.acceleration, left.velocity, dt);
-      // A jerk limit that would make the tool too fast, or bring links too close, gives way.
-      const Status broken = this->broken(m, last.position, room, motion.velocity, motion.displacement);
-      if (broken.any()) {
-        out.status |= broken | Status(Reason::jerk_exceeded);
-        const auto hard = limits_.move(room, last.velocity, left.velocity, dt);
-        for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (hard.velocity[i] - last.velocity[i]) / dt;
-        make(m, last, hard, dt, out);
-        return out;
+      if (hard) [[unlikely]] {
+        // Jerk is limited again from no acceleration on: that of hard braking would lead beyond rest.
+        if (left.slowed) follow<false>(m, last, left.velocity, dt, out);
+        m.acceleration = {};
+      } else {
+        const auto motion = jerk_.move(room, last.velocity, m.acceleration, left.velocity, dt);
+        // A jerk limit that would make the tool too fast, or bring links too close, gives way.
+        const Status broken = this->broken(m, last.position, room, motion.velocity, motion.displacement);
+        if (broken.any()) {
+          out.status |= broken;
+          follow<false>(m, last, left.velocity, dt, out);
+        } else {
+          out.status |= motion.status;
+          m.acceleration = motion.acceleration;
+          make(m, last, motion, dt, out);
+        }
       }
-      out.status |= motion.status;
-      m.acceleration = motion.acceleration;
-      make(m, last, motion, dt, out);
+      out.status |= exceeded(last, out.command, dt);
     } else if (left.slowed) {
       const auto motion = limits_.move(room, last.velocity, left.velocity, dt);
       out.status |= Status::from_bits(motion.status.bits() & ~Status(Reason::acceleration_limited).bits());
@@ -225,6 +233,17 @@ class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, 
         for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
       make(m, last, motion, dt, out);
     }
+  }
+
+  /// `jerk_exceeded`, if the acceleration has changed faster than the limit allows.
+  [[nodiscard]] SKINCTL_INLINE Status exceeded(const JointCommand<N, T>& last,
+                                               const JointCommand<N, T>& command, const T& dt) const noexcept
+    requires has_jerk
+  {
+    using R = detail::Row<N, T>;
+    const R change = R(command.acceleration) - last.acceleration, most = R(jerk_.jerk()) * R(dt);
+    const R rounding = T(16) * std::numeric_limits<T>::epsilon() * R(limits_.acceleration());
+    return any(magnitude(change) > most + rounding) ? Status(Reason::jerk_exceeded) : Status();
   }
 
   /// The guard sent `command` instead.

@@ -91,13 +91,14 @@ class GroupGovernor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Ra
   /// @param rate      fastest change of a torque that the guard allows, see `MotionLimits`.
   /// @param spans     the time to the command of each group by position or velocity [s].
   /// @param dt        seconds since the last cycle.
+  /// @param hard      whether jerk gives way, see `Resolver::stops_or_corrects`.
   template <class Touch, class Nearest>
   SKINCTL_NOINLINE GovernedTorque<N, T> step(Memory& m, const JointCommand<N, T>& last,
                                              const JointCommand<N, T>& wish, const JointTorque<N, T>& hold,
                                              bool stopping, bool stale, const T& rate,
                                              const State<N, T>& measured, const Touch& touch,
                                              const Nearest& nearest, const std::array<T, stiff_groups>& spans,
-                                             const T& dt) const noexcept {
+                                             const T& dt, bool hard = false) const noexcept {
     GovernedTorque<N, T> out{{wish, {}, false}, hold};
     if (!last.valid || !wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) ||
         !(dt > T(0))) {
@@ -149,11 +150,14 @@ class GroupGovernor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Ra
     this->keep_clear(m, q, room, from, dt, left);
     u = left.velocity;
     out.status |= left.status;
-    if (has_jerk || left.slowed) {
-      const Memory before = m;
-      const Status given = out.status;
-      follow<has_jerk>(m, last, u, spans, out);
-      if constexpr ((has_tool || has_clearance) && has_jerk) {
+    if constexpr (has_jerk) {
+      if (hard) [[unlikely]] {
+        if (left.slowed) follow<false>(m, last, u, spans, out);
+        each([&](auto k) { memory<k.value>(m).acceleration = {}; });
+      } else {
+        const Memory before = m;
+        const Status given = out.status;
+        follow<true>(m, last, u, spans, out);
         // A jerk limit that would make the tool too fast, or bring links too close, gives way.
         JointPosition<N, T> way = this->half_way(from, u, dt);
         JointVelocity<N, T> v = u;
@@ -164,10 +168,17 @@ class GroupGovernor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Ra
         const Status broken = this->broken(m, q, room, v, way);
         if (broken.any()) {
           m.stiff = before.stiff;
-          out.status = given | broken | Status(Reason::jerk_exceeded);
+          out.status = given | broken;
           follow<false>(m, last, u, spans, out);
         }
       }
+      each([&](auto k) {
+        using S = Set<k.value>;
+        out.status |=
+            std::get<k.value>(parts_).exceeded(part_of<S>(last), part_of<S>(out.command), spans[k.value]);
+      });
+    } else if (left.slowed) {
+      follow<false>(m, last, u, spans, out);
     }
     if constexpr (has_driven) {
       if (stale) return out;

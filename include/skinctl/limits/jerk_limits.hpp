@@ -256,7 +256,9 @@ class JerkLimits {
 };
 
 /// For `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the guard's
-/// braking.
+/// braking. It gives way (`jerk_exceeded`) while the robot stops, and while a joint is farther from its command than the
+/// dead band, as one that is held: the limits of acceleration, velocity and position are kept. A scene of a robot with
+/// `lead` > 0 throws `ConfigurationError`.
 template <std::size_t N, Real T = double>
 struct MaxJerk {
   JointJerk<N, T> jerk;

@@ -141,6 +141,15 @@ class GroupResolver {
     m.own.known = false;
     if constexpr (has_driven) m.driven.own.known = false;
   }
+  /// As `Resolver::stops_or_corrects`, for any group.
+  [[nodiscard]] static SKINCTL_INLINE bool stops_or_corrects(const Memory& m) noexcept {
+    bool any = false;
+    each([&](auto k) {
+      const auto& group = m.template group<k.value>();
+      any = any || std::tuple_element_t<k.value, decltype(virtual_)>::stops_or_corrects(group);
+    });
+    return any;
+  }
   /// As `Resolver::off`; zero for the driven joints.
   [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> off(const Memory& m) noexcept {
     JointPosition<joints, T> out;
@@ -179,7 +188,7 @@ class GroupResolver {
   using Part = JointSubset<joints, Group<K>::set>;
   /// Calls `f(std::integral_constant<std::size_t, K>)` for each stiff group.
   template <class F>
-  static SKINCTL_INLINE void each(F&& f) noexcept {
+  static SKINCTL_INLINE void each(F&& f) {
     [&]<std::size_t... K>(std::index_sequence<K...>) {
       (f(std::integral_constant<std::size_t, K>{}), ...);
     }(std::make_index_sequence<stiff_groups>{});

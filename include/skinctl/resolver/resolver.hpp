@@ -200,6 +200,13 @@ class Resolver {
     return m.residual + m.gap;
   }
 
+  /// Whether the robot stops, or is beside its commands by more than the dead band, as one that is held fast. Braking and
+  /// correction then have to be sent as they are: what is smoothed behind the resolver changes its velocity, and the
+  /// robot swings for ever.
+  [[nodiscard]] static SKINCTL_INLINE bool stops_or_corrects(const Memory& m) noexcept {
+    return decltype(virtual_)::stops_or_corrects(m);
+  }
+
   /// Tells that another configuration has taken over: a torque that differs is no jump of its laws.
   void changed(Memory& m) const noexcept { m.own.known = false; }
   /// Begins a stop.

@@ -83,6 +83,12 @@ class GroupedPlant {
     }
   }
 
+  /// Joint `i`, by position or velocity, cannot move any more.
+  void hold_fast(std::size_t i) {
+    positions_.hold_fast(i, true);
+    velocities_.hold_fast(i, true);
+  }
+
   [[nodiscard]] const JointPosition<joints>& q() const { return q_; }
   [[nodiscard]] const JointVelocity<joints>& dq() const { return dq_; }
 

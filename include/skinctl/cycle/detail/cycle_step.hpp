@@ -43,6 +43,8 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
   watch.end(CycleStage::sense);
 
   change.carry(*this, m, input.measured, interval);
+  [[maybe_unused]] bool hard = false;  // before the step and after it: the last one ends with hard braking
+  if constexpr (detail::limits_jerk<Overseer>) hard = resolver_.stops_or_corrects(m.robot);
   const std::span<const Touch> felt(touches.data, parts);
   auto resolved = [&] {
     if constexpr (detail::watches_contacts<Resolver>) {
@@ -58,6 +60,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
     }
   }
   status |= resolved.status;
+  if constexpr (detail::limits_jerk<Overseer>) hard = hard || resolver_.stops_or_corrects(m.robot);
   watch.end(CycleStage::resolve);
 
   Status found = input.observed;
@@ -66,7 +69,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
     if (interval.substeps != 0) {
       if constexpr (Overseer::has_clearance && requires { resolver_.off(m.robot); })
         governor_.clearance().stand_off(m.governor.around, resolver_.off(m.robot));
-      const auto given = govern(m, resolved, pressed, interval);
+      const auto given = govern(m, resolved, pressed, interval, hard);
       status |= given.status;
       found |= given.status;
       slowed = given.altered;
@@ -91,7 +94,8 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
 template <class Resolver, class GivenLaw, class GivenSkin, class Watchman, class Overseer>
 template <class Resolved, class Pressed>
 SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::govern(
-    Memory& m, const Resolved& resolved, const Pressed& pressed, const Interval& interval) const noexcept {
+    Memory& m, const Resolved& resolved, const Pressed& pressed, const Interval& interval,
+    [[maybe_unused]] bool hard) const noexcept {
   scalar dt = seconds<scalar>(interval.to - interval.from);
   if constexpr (detail::takes_positions<Resolver>) dt = m.robot.command_span;
   const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
@@ -101,7 +105,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::go
     return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
                           guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
                           scalar(guard_.settings().torque_rate), m.robot.measured, pressed, nearest, spans,
-                          dt);
+                          dt, hard);
   } else if constexpr (Resolver::interface == Interface::torque) {
     return governor_.step_torque(m.governor, m.guard.command, resolved.command, resolved.fallback,
                                  guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
@@ -109,7 +113,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::go
                                  dt);
   } else {
     return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, pressed, nearest,
-                          dt);
+                          dt, hard);
   }
 }
 

@@ -220,6 +220,19 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
     if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
   }
 }
+/// Throws `ConfigurationError` for a lead beside a limit of jerk: it is extrapolated from velocities that the governor
+/// then smooths, and the two swing.
+template <class Resolver>
+SKINCTL_COLD void check_no_lead(const Resolver& r) {
+  const auto check = [](const auto& parameters) {
+    require(parameters.lead == 0, "lead beside MaxJerk", 1e3 * static_cast<double>(parameters.lead), "0 ms");
+  };
+  if constexpr (has_one_interface<Resolver>) {
+    check(r.parameters());
+  } else {
+    Resolver::each([&](auto k) { check(r.template parameters<k.value>()); });
+  }
+}
 /// Checks that the stiffest contact that a description names comes to rest on this skin.
 template <class Robot, class Skin>
 SKINCTL_COLD void check_contacts(const Robot& robot, const Skin& skin) {

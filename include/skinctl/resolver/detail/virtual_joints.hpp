@@ -74,6 +74,13 @@ class VirtualJoints {
   /// gap, if it is at most `largest_gap`; otherwise it stays displaced.
   SKINCTL_COLD void resume(Memory& m) const noexcept;
 
+  /// See `Resolver::stops_or_corrects`.
+  [[nodiscard]] static SKINCTL_INLINE bool stops_or_corrects(const Memory& m) noexcept {
+    bool any = m.mode != ResolverMode::following || m.rate != m.v;
+    for (const T& t : m.off_for) any = any || t > T(0);
+    return any;
+  }
+
   /// `command` was sent instead of the last one.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept;
 

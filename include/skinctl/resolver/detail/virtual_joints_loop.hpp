@@ -257,7 +257,12 @@ SKINCTL_INLINE void SKINCTL_VIRTUAL_JOINTS_CLASS::sent(Memory& m,
   m.command = command;
   m.command.time = m.time;
   m.behind = false;
-  m.rate = m.v = command.velocity;
+  // A correction is no velocity of the virtual robot's own: it keeps what it had of the velocity that was sent.
+  for (std::size_t i = 0; i < N; ++i) {
+    const T u = command.velocity[i];
+    m.v[i] = m.v[i] == m.rate[i] ? u : (u < T(0) ? clamp(m.v[i], u, T(0)) : clamp(m.v[i], T(0), u));
+  }
+  m.rate = command.velocity;
   m.last = {};
   const T ahead = p_.lead - (I == Interface::velocity ? T(0.5) * seconds<T>(p_.period) : T(0));
   for (std::size_t i = 0; i < N; ++i) {

@@ -1,0 +1,217 @@
+// A stop always ends, whatever limits a scene has and whichever joint is held fast; so does what follows a touch.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/model/ur5.hpp"
+#include "tests/support/grouped_scene.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+/// Torques that turn, until `until`.
+struct Push {
+  struct Memory {};
+  static constexpr Needs needs{};
+  static constexpr LawRole role = LawRole::reactive;
+  JointTorque<6> tau;
+  JointVelocity<6> turn;
+  double until = 0;
+  template <class K>
+  Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <class K>
+  JointTorque<6> torque(const Memory&, const K& known) const noexcept {
+    const double t = seconds<double>(known.time());
+    JointTorque<6> out;
+    for (std::size_t i = 0; i < 6 && t < until; ++i) out[i] = tau[i] * std::cos(turn[i] * t);
+    return out;
+  }
+  template <class K>
+  Memory advance(const Memory& m, const K&, double, Opposition) const noexcept {
+    return m;
+  }
+};
+
+enum class Ends { by_stop, by_law };  ///< a request, or the torque ends
+constexpr double rest_after = 9;      ///< time until all has to be at rest [s]
+constexpr double rests = 1e-3;        ///< speed of a joint at rest [rad/s]
+
+struct Ending {
+  double speed = 0;          ///< fastest joint of the commands after `rest_after`
+  Status before, during;     ///< until the end, and after it
+  bool keeps_limits = true;  ///< velocity and acceleration
+};
+
+/// A UR5 with random configuration, limits and torques.
+template <Interface I, bool Tool>
+Ending end_of(std::uint64_t seed, Ends ends, bool held) {
+  std::mt19937_64 rng(seed);
+  const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
+  constexpr Nanoseconds periods[] = {1ms, 2ms, 4ms, 8ms, 10ms};
+  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(roll(3, 40)),
+                          .period = periods[rng() % 5],
+                          .delay = nanoseconds(roll(0, 0.02)),
+                          .lag = nanoseconds(roll(0, 0.02)),
+                          .virtual_damping = roll(1, 6)};
+  MaxJerk<6> jerk{};
+  for (double& j : jerk.jerk) j = 20 * std::pow(5000.0, roll(0, 1));
+  Push push;
+  for (std::size_t i = 0; i < 6; ++i)
+    push.tau[i] = c.limits.torque()[i] * roll(-0.5, 0.5), push.turn[i] = roll(0, 6);
+  const std::size_t joint = rng() % 6;
+  const double end = roll(0.3, 2), holds = roll(0.1, end);
+  push.until = ends == Ends::by_law ? end : 1e9;
+  const auto law = push + GravityControl{};
+  const auto scene = [&] {
+    const auto plain = [&] {
+      if constexpr (I == Interface::position) {
+        return Cycle(by_position(ur5::Model{}, c), law);
+      } else {
+        return Cycle(by_velocity(ur5::Model{}, c), law);
+      }
+    }();
+    const MaxToolSpeed<5> tool{.speed = roll(0.02, 0.3), .reach = 1.3};
+    if constexpr (Tool) {
+      return plain.with(jerk, tool);
+    } else {
+      return plain.with(jerk);
+    }
+  }();
+  using Joints = SimulatedJoints<6>;
+  const Joints::Row home{0, -1.2, 1.4, -1.8, -1.57, 0.3};
+  Joints robot(I == Interface::position ? Joints::Kind::position : Joints::Kind::velocity,
+               seconds<double>(c.delay), seconds<double>(c.lag), home);
+  State<6> measured;
+  const auto measure = [&](Nanoseconds now) {
+    measured.time = now;
+    for (std::size_t i = 0; i < 6; ++i) measured.q[i] = robot.q()[i], measured.dq[i] = robot.dq()[i];
+  };
+  measure(0ns);
+  auto memory = scene.start(measured);
+  Ending out;
+  JointVelocity<6> last;
+  bool stopped = ends == Ends::by_law;
+  for (Nanoseconds now = c.period; seconds<double>(now) < end + rest_after + 1; now += c.period) {
+    const double t = seconds<double>(now), dt = seconds<double>(c.period);
+    robot.advance(t);
+    if (held && t > holds) robot.hold_fast(joint, true);
+    measure(now);
+    typename std::remove_cvref_t<decltype(scene)>::Input input;
+    input.now = now;
+    input.measured = measured;
+    if (t > end && !stopped) input.request = CycleRequest::stop, stopped = true;
+    const auto result = scene.step(memory, input);
+    const auto& v = result.command.velocity;
+    (t > end ? out.during : out.before) |= result.status;
+    Joints::Row sent{};
+    for (std::size_t i = 0; i < 6; ++i) {
+      sent[i] = I == Interface::position ? result.command.position[i] : v[i];
+      out.keeps_limits = out.keeps_limits && std::abs(v[i]) <= 1.0001 * c.limits.velocity()[i] &&
+                         std::abs(v[i] - last[i]) <= 1.0001 * c.limits.acceleration()[i] * dt;
+      if (t > end + rest_after) out.speed = std::max(out.speed, std::abs(v[i]));
+    }
+    last = v;
+    robot.command(t, sent);
+  }
+  return out;
+}
+
+template <class F>
+std::string refusal(F&& build) {
+  try {
+    build();
+  } catch (const ConfigurationError& e) {
+    return e.what();
+  }
+  return "";
+}
+}  // namespace
+
+TEST_CASE_TEMPLATE("Cycle: with limits of jerk and tool speed every stop ends, whichever joint is held", C,
+                   std::integral_constant<Interface, Interface::position>,
+                   std::integral_constant<Interface, Interface::velocity>) {
+  int exceeded = 0;
+  for (std::uint64_t seed = 1; seed <= 32; ++seed)
+    for (const Ends ends : {Ends::by_stop, Ends::by_law})
+      for (const bool held : {false, true}) {
+        if (ends == Ends::by_law && !held) continue;  // a free robot's law decides when it rests
+        CAPTURE(seed);
+        CAPTURE(ends == Ends::by_stop);
+        CAPTURE(held);
+        const auto with_jerk = end_of<C::value, false>(seed, ends, held);
+        const auto with_both = end_of<C::value, true>(seed, ends, held);
+        for (const auto& e : {with_jerk, with_both}) {
+          CHECK(e.speed < rests);
+          CHECK(e.keeps_limits);
+        }
+        // Jerk gives way in the stop, not before.
+        if (!held) CHECK_FALSE(with_jerk.before.has(Reason::jerk_exceeded));
+        if (!held) exceeded += with_jerk.during.has(Reason::jerk_exceeded);
+      }
+  CHECK(exceeded > 16);
+}
+
+TEST_CASE("Groups: with a limit of jerk every stop ends, whichever joint is held") {
+  for (std::uint64_t seed = 1; seed <= 32; ++seed) {
+    CAPTURE(seed);
+    std::mt19937_64 rng(seed);
+    const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
+    const auto joint = [&](bool driven) {
+      auto c = one(driven);
+      auto v = c.limits.values();
+      v.acceleration[0] = roll(3, 40);
+      c.limits = JointLimits<1>(v);
+      return c;
+    };
+    auto column = joint(false);
+    column.lag = 0ms;
+    const auto arm = by_groups(Model3{}, velocity_joints<0b001>(column), position_joints<0b010>(joint(false)),
+                               torque_joints<0b100>(one(true)));
+    MaxJerk<3> jerk{};
+    for (double& j : jerk.jerk) j = 20 * std::pow(5000.0, roll(0, 1));
+    Run run{Cycle(arm, Pull{{roll(-8, 8), roll(-8, 8), roll(-0.2, 0.2)}, {}, {}}).with(jerk)};
+    const std::size_t held = rng() % 3;  // 2: none
+    for (int k = 0; k < 150 + int(rng() % 150); ++k) {
+      if (k == 100 && held < 2) run.plant.hold_fast(held);
+      run.cycle();
+    }
+    decltype(run.scene)::Input input;
+    input.request = CycleRequest::stop;
+    run.cycle(input);
+    double speed = 0;
+    for (int k = 0; k < 3000; ++k) {
+      const auto& v = run.cycle().command.velocity;
+      if (k > 2500) speed = std::max(speed, std::max(std::abs(v[0]), std::abs(v[1])));
+    }
+    CHECK(speed < rests);
+  }
+}
+
+TEST_CASE("Cycle: a lead beside a limit of jerk is refused with its number, in a group of joints too") {
+  const RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(),
+                                .period = 8ms,
+                                .delay = 8ms,
+                                .virtual_damping = 4,
+                                .lead = 12ms};
+  const MaxJerk jerk{JointJerk<6>::constant(400)};
+  const Cycle plain(by_position(ur5::Model{}, c), GravityControl{});
+  CHECK(refusal([&] { static_cast<void>(plain.with(jerk)); }) ==
+        "skinctl: lead beside MaxJerk = 12, allowed: 0 ms");
+  const Cycle speeds(by_velocity(ur5::Model{}, c), GravityControl{});
+  CHECK(refusal([&] { static_cast<void>(speeds.with(jerk)); }).find("= 12") != std::string::npos);
+  auto second = one(false);
+  second.lead = 4ms;
+  const auto arm = by_groups(Model3{}, velocity_joints<0b001>(one(false)), position_joints<0b010>(second),
+                             torque_joints<0b100>(one(true)));
+  const Cycle grouped(arm, Pull{});
+  CHECK(refusal([&] { static_cast<void>(grouped.with(MaxJerk{JointJerk<3>::constant(400)})); }) ==
+        "skinctl: lead beside MaxJerk = 4, allowed: 0 ms");
+}
