@@ -328,3 +328,46 @@ TEST_CASE("CellHealth: a cell that blinks faster than its witnesses have time is
       CHECK(blinking <= 0.3);
     }
 }
+
+TEST_CASE("CellHealth: a force that steps is in doubt until it has moved, and one that stands is no hand's") {
+  const SensorNoise noise{.force = 0.7f, .rest = 20};
+  // What the sensors read from 1 s on, by the time since then [s]; when its doubt is over [s], and whether it stands.
+  const auto judge = [&](bool changes, bool seen, Nanoseconds first, const auto& force) {
+    const Health health({.delta = changes ? 2.0 : 0.0}, std::span(&noise, 1));
+    Health::Memory m;
+    SendOnDelta::Memory sent;
+    const SendOnDelta sender({});
+    Sensed cell(0.7);
+    double over = -1;
+    for (Nanoseconds t = 4ms; t <= 4s; t += 4ms) {
+      const double since = seconds<double>(t) - 1;
+      cell.force = since < 0 ? 20 : force(since);
+      CellSample s = cell.at(t);
+      for (float& a : s.acceleration) a *= 0.02f;
+      if (t >= first && (!changes || sender.send(sent, s))) health.take(m, 3, s);
+      health.scan(m, t, [&](std::size_t) { return Health::Witness{.touched = seen, .seen = seen}; });
+      if (since < 0) REQUIRE_FALSE(Health::in_doubt(m, 3));
+      if (Health::in_doubt(m, 3)) over = since + 0.004;
+    }
+    return std::pair(over, Health::stands(m, 3));
+  };
+  const auto stuck = [](double) { return 500.0; };
+  const auto hand = [](double t) { return 500 + 20 * std::sin(50 * t); };
+  const auto creeps = [](double t) { return 500 + 7 * t; };
+  const auto late = [](double t) { return t < 2 ? 500.0 : 500 + 20 * std::sin(50 * t); };
+  for (const bool changes : {false, true})
+    for (const Nanoseconds first : {Nanoseconds(4ms), Nanoseconds(1s)}) {
+      CAPTURE(changes);
+      CAPTURE(first.count());
+      CHECK(judge(changes, false, first, stuck).second);
+      CHECK(judge(changes, false, first, creeps).second);
+      const auto alive = judge(changes, false, first, hand);
+      CHECK(alive.first == doctest::Approx(0.5).epsilon(0.02));
+      CHECK_FALSE(alive.second);
+      const auto woken = judge(changes, false, first, late);
+      CHECK(woken.first > 1.99);
+      CHECK(woken.first < 2.05);
+    }
+  CHECK(judge(false, true, 4ms, stuck).first < 0);
+  CHECK(judge(true, true, 4ms, stuck).first < 0);
+}

@@ -147,6 +147,32 @@ TEST_CASE("TrustedSkin: many cells that fail at once do not move the arm, next t
 }
 
 TEST_CASE(
+    "TrustedSkin: neighbours that fail in one moment do not move the arm, whether they stream or send "
+    "changes, "
+    "from the start too") {
+  for (const bool changes : {false, true})
+    for (const Nanoseconds begins : {0ms, 300ms})
+      for (const CellFault fault : {CellFault::stuck, CellFault::saturated, CellFault::blinking})
+        for (const std::size_t together : {2u, 9u}) {
+          if (sanitized && together == 9) continue;
+          SkinFaultRun some;
+          some.fault = {.fault = fault};
+          some.together = together, some.changes = changes, some.touched = false, some.moves = true;
+          some.begins = begins, some.length = sanitized ? begins + 800ms : begins + 2s;
+          const SkinFaultResult r = run(some);
+          CAPTURE(changes);
+          CAPTURE(begins.count());
+          CAPTURE(name(fault));
+          CAPTURE(together);
+          CHECK(r.motion == 0);
+          CHECK(r.plain > 0.5);
+          CHECK(r.false_masks == 0);
+          if (fault == CellFault::stuck) CHECK(r.found == together);
+          if (fault == CellFault::stuck) CHECK(r.percentile(1) < 0.6);
+        }
+}
+
+TEST_CASE(
     "TrustedSkin: a fast touch is felt at once: seen, however fast; unseen, if it takes more than a sample") {
   const auto pitch = patch_pitches(places);
   const auto impulse = [&](std::uint64_t seed, Nanoseconds rise, bool seen, Nanoseconds doubt) {

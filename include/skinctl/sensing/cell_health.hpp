@@ -47,8 +47,8 @@ struct CellHealthSettings {
   Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< of masks
   Nanoseconds hold = 2s, hold_blinking = 10s;    ///< a mask stays for so long after the last finding
   Nanoseconds witnessed_within = 12ms;           ///< before or after a jump
-  Nanoseconds doubt =
-      500ms;  ///< a force that steps is no touch for so long: until the rules have found its fault
+  /// A force that steps is no touch for so long, in which the rules find its fault, and not before it has moved since.
+  Nanoseconds doubt = 500ms;
 
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD void check() const {
@@ -93,7 +93,7 @@ typedef std::int32_t FourNumbers __attribute__((vector_size(16)));
 ///
 /// | fault      | found when                                                                                  |
 /// |------------|---------------------------------------------------------------------------------------------|
-/// | stuck      | one force sensor sends n equal readings, n = 23 / -ln erf(1/(2 sqrt2 noise)): 1 in 1e10 by chance. At 0 only where its rest is above 4 noise + 1 step, at the top only without witness. Or `equal_messages` |
+/// | stuck      | one force sensor sends n equal readings, n = 23 / -ln erf(1/(2 sqrt2 noise)): 1 in 1e10 by chance. At 0 only where its rest is above 4 noise + 1 step, at the top only without witness. Or `equal_messages`. A `TrustedSkin` also masks what `stands` |
 /// | saturated  | a force sensor at its top for `saturated_for`, without witness (else it is an overload)      |
 /// | blinking   | jumps by max(12 sigma, 0.1 of the range) in 6 ms, no witness moving within 12 ms: more than 2.5, leaking over 1 s |
 /// | noisy      | squared second differences over 0.2 s where the force turns, each capped at (16 sigma)^2: > 40 sigma^2, and uncapped > 1.5 times the squared first differences |
@@ -114,9 +114,10 @@ class CellHealth {
     std::array<std::uint16_t, rows> fresh{};    ///< a sample has come since the last frame
     std::array<std::uint16_t, rows> at_top{};   ///< a force sensor is at its top
     Nanoseconds time = Nanoseconds::min();      ///< end of the last frame
+    Nanoseconds window = Nanoseconds::min();    ///< begin of the window of movements
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
-      return a.time == b.time && a.record == b.record && a.suspect == b.suspect && a.fresh == b.fresh &&
-             a.at_top == b.at_top &&
+      return a.time == b.time && a.window == b.window && a.record == b.record && a.suspect == b.suspect &&
+             a.fresh == b.fresh && a.at_top == b.at_top &&
              std::equal(a.row.begin(), a.row.end(), b.row.begin(), [](const auto& x, const auto& y) {
                return std::bit_cast<std::array<std::uint32_t, sizeof(x) / 4>>(x) ==
                       std::bit_cast<std::array<std::uint32_t, sizeof(y) / 4>>(y);
@@ -148,12 +149,13 @@ class CellHealth {
       auto& limits = limits_[i / 16];
       limits.per_sigma[i % 16] = static_cast<float>(1 / std::sqrt(sigma * sigma + 3 * s_.delta * s_.delta));
       limits.jump[i % 16] = static_cast<float>(std::max(12 * sigma, 0.1 / s_.step));
+      limits.moves[i % 16] = static_cast<float>(12 * sigma + 3 * s_.delta);
       limits.proximity[i % 16] =
           static_cast<float>(6 * s_.step * std::sqrt(double(n.proximity) * double(n.proximity) + 1.0 / 12));
       const double p = std::erf(1 / (2 * std::sqrt(2.0) * std::max(double(n.force), 0.05)));
       const double needed = p < 1 && !n.repeats ? std::ceil(23 / -std::log(p)) : 1e9;
       cell_[i] = {static_cast<float>(sigma), static_cast<std::uint16_t>(needed < 60000 ? needed : 65535),
-                  double(n.rest) > 4 * double(n.force) + 1};
+                  double(n.rest) > 4 * double(n.force) + 1, 3 * n.rest};
     }
     most_messages_ = s_.equal_messages > 0 ? static_cast<std::int32_t>(s_.equal_messages) : 65535;
     per_step_ = static_cast<float>(1 / s_.step),
@@ -206,8 +208,12 @@ class CellHealth {
     row.force[k] = steps(s), row.proximity[k] = s.proximity;
     // A message that repeats sees nothing, and the first one after a silence has no predecessor.
     if (s_.equal_messages > 0 && messages >= 3) row.seen[k] = 0;
-    if (!r.known || row.gap[k] > 0.5f)
+    if (!r.known || row.gap[k] > 0.5f) {
       row.last[k] = row.force[k], row.last_proximity[k] = s.proximity, row.change[k] = 0, row.gap[k] = 0;
+      row.anchor[k] = row.force[k], row.life[k] = 0;
+      // Nobody knows how it came to be pressed.
+      if (row.force[k] - cell_[i].rest > limits_[b].jump[k]) row.doubt[k] = seconds<float>(s_.doubt);
+    }
     r.known = true;
   }
 
@@ -222,12 +228,19 @@ class CellHealth {
     detail::HealthStep k;
     k.dt = seconds<float>(dt), k.leak = std::exp(-k.dt), k.saturated = seconds<float>(s_.saturated_for);
     k.doubt = seconds<float>(s_.doubt);
+    k.anchors = m.window == Nanoseconds::min() || until < m.window || until - m.window >= movement_window;
+    if (k.anchors) m.window = until;
     // What a cell that sends changes has not sent has not moved.
     if (s_.delta > 0) k.per_gap = 0;
     k.rise = k.dt / seconds<float>(s_.fade_in), k.fall = k.dt / seconds<float>(s_.fade_out);
     for (std::size_t b = 0; 16 * b < count; ++b) {
       const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k, m.fresh[b], m.at_top[b]);
       m.fresh[b] = 0;
+      // What steps up before eyes is a touch.
+      for (std::uint32_t stepped = bits.stepped; stepped != 0; stepped &= stepped - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(stepped));
+        if (16 * b + lane < count && witness(16 * b + lane).seen) m.row[b].doubt[lane] = 0;
+      }
       if (!judges) continue;
       for (std::uint32_t look = bits.look | m.suspect[b]; look != 0; look &= look - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(look));
@@ -245,6 +258,16 @@ class CellHealth {
     m.record[i].faults |= fault;
   }
 
+  /// Whether the force of cell `i` has stepped, and neither was it seen to come nor has it moved since for so long that
+  /// it may be a touch.
+  [[nodiscard]] static SKINCTL_INLINE bool in_doubt(const Memory& m, std::size_t i) noexcept {
+    return m.row[i / 16].doubt[i % 16] > 0;
+  }
+  /// Whether it has stood for all of `doubt` since its step: no hand does.
+  [[nodiscard]] static SKINCTL_INLINE bool stands(const Memory& m, std::size_t i) noexcept {
+    return in_doubt(m, i) && m.row[i / 16].doubt[i % 16] <= detail::HealthRow::overdue;
+  }
+
   /// 0: the cell counts; 1: it does not.
   [[nodiscard]] static float mask(const Memory& m, std::size_t i) noexcept {
     return m.row[i / 16].mask[i % 16];
@@ -256,10 +279,13 @@ class CellHealth {
 
  private:
   static constexpr SensorNoise usual_noise{};
+  /// Time within which a movement counts: three quarters of the period of a hand's tremor, 8 Hz.
+  static constexpr Nanoseconds movement_window = 96ms;
   struct Constants {
     float sigma = 1;
     std::uint16_t equal = 65535;  ///< n of the first rule
     bool rests_above_zero = false;
+    float rest = 0;  ///< of the sum of the forces [steps]
   };
 
   template <class Ask>

@@ -18,8 +18,9 @@ SKINCTL_BEGIN_NAMESPACE
 ///   something. A cell that has lost its witness fades to `lone_force` within 0.1 s.
 /// - **Many at once.** All cells without a witness share one lone force: the sum of their pushes, each as a share of
 ///   its own F_1, is at most 1, so that however many there are give no joint more than one alone may. A cell whose force
-///   steps within one sample, as no body presses (`CellHealth`), and which saw nothing come, is nobody's witness for
-///   `doubt`, and its neighbours' forces are not its own: cells that fail together do not vouch for each other.
+///   steps within one sample, as no body presses (`CellHealth`), or which is pressed when it is first heard, and which saw
+///   nothing come, is nobody's witness for `doubt` and until its force moves, and its neighbours' forces are not its
+///   own: cells that fail together do not vouch for each other. One that has not moved for `doubt` is masked as stuck.
 /// - **Filling in.** A cell that is masked, or silent, counts as `FillIn` makes it from the cells around it.
 ///
 /// Everything is a function of the samples and the intervals: a recording is replayed bit for bit. Per call, time is

@@ -10,6 +10,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/tactile/lone_cell.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
@@ -21,11 +22,13 @@
 namespace skinctl::testing {
 
 struct SkinFaultRun {
-  FaultyCell fault;     ///< of each faulty cell; `cell`, `source` and `from` are set by the run
-  double share = 0;     ///< of the cells; 0: one cell
-  bool touched = true;  ///< hands press the arm at three places, one of them on the first faulty cell
-  double radius = 1.6;  ///< of each touch [pitches]
-  bool moves = false;   ///< the arm gives way
+  FaultyCell fault;          ///< of each faulty cell; `cell`, `source` and `from` are set by the run
+  double share = 0;          ///< of the cells; 0: one cell and its neighbours
+  std::size_t together = 1;  ///< number of neighbouring cells that fail in one moment, where `share` is 0
+  bool changes = false;      ///< cells send changes and, every 100 ms, keep-alives; else all that they read
+  bool touched = true;       ///< hands press the arm at three places, one of them on the first faulty cell
+  double radius = 1.6;       ///< of each touch [pitches]
+  bool moves = false;        ///< the arm gives way
   Nanoseconds length = 6s, begins = 2s;
   std::uint64_t seed = 1;
 };
@@ -62,8 +65,10 @@ inline auto friction_arm() {
 inline constexpr CellGains fault_gains{.force = 20, .proximity = 0};
 
 /// What the run trusts with.
-inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<const CellPlace> places) {
+inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<const CellPlace> places,
+                                 bool changes = false) {
   TrustSettings t;
+  if (changes) t.health.delta = SendOnDelta::Deltas{}.force / signals.step;
   t.noise = {{.force = static_cast<float>(signals.noise),
               .proximity = static_cast<float>(signals.noise),
               .rest = static_cast<float>(signals.rest / signals.step)}};
@@ -71,19 +76,36 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
   return t;
 }
 
+/// The first `count` cells of a walk over the graph from `start` on, neighbours first.
+[[nodiscard]] inline std::vector<std::size_t> cells_around(const CellGraph& graph, std::size_t start,
+                                                           std::size_t count) {
+  std::vector<std::size_t> found{start};
+  for (std::size_t k = 0; k < found.size() && found.size() < count; ++k)
+    for (const std::size_t n : graph.neighbours(found[k]))
+      if (found.size() < count && std::find(found.begin(), found.end(), n) == found.end()) found.push_back(n);
+  return found;
+}
+
 [[nodiscard]] inline SkinFaultResult run(const SkinFaultRun& r) {
   const auto patches = ur5::skin_patches<260>(fault_gains);
   const auto places = cell_places(patches);
   const auto plain = ur5_skin<260>(fault_gains);
   SkinSignals signals(places, {}, r.seed);
-  const TrustedSkin trusted(plain, fault_trust(signals.settings(), places), patches);
+  const TrustedSkin trusted(plain, fault_trust(signals.settings(), places, r.changes), patches);
   std::vector<std::uint32_t> ids;
   for (std::uint32_t i = 1; i <= 260; ++i) ids.push_back(i);
   FaultyCell like = r.fault;
   like.from = r.begins;
   std::vector<FaultyCell> faults =
       SkinFaults::of_share(r.share > 0 ? r.share : 1.0 / 260, ids, like, r.seed + 7);
-  if (r.share == 0) faults[0].cell = 41 + static_cast<std::uint32_t>(r.seed * 67 % 210);  // links 1 to 4
+  if (r.share == 0) {
+    const FaultyCell one = faults[0];
+    faults.clear();
+    for (const std::size_t i : cells_around(trusted.fill().graph(), 40 + r.seed * 67 % 210, r.together)) {
+      faults.push_back(one);  // links 1 to 4
+      faults.back().cell = ids[i];
+    }
+  }
   if (r.touched) {
     const auto pitch = patch_pitches(places);
     Normal normal(r.seed);
@@ -126,12 +148,18 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
   std::vector<double> found(260, -1);
   std::vector<bool> falsely(260);
   std::vector<CellSample> samples, spoilt;
+  const SendOnDelta sender(SendOnDelta::Deltas{});
+  std::vector<SendOnDelta::Memory> told(260), spoilt_told(260);
+  const auto only_changes = [&](std::vector<SendOnDelta::Memory>& of, std::vector<CellSample>& all) {
+    if (r.changes) std::erase_if(all, [&](const CellSample& s) { return !sender.send(of[s.cell - 1], s); });
+  };
   double cycles = 0, later = 0;
   auto begin = link_poses(model, rest_at).template get<5>().origin();
   for (Nanoseconds to = 8ms; to <= r.length; to += 8ms) {
     signals.samples(to, samples);
     spoilt = samples;
     spoil.apply(spoilt, to);
+    only_changes(told, samples), only_changes(spoilt_told, spoilt);
     if (r.moves) {
       const auto step = [&](auto& memory, State<6>& at, std::span<const CellSample> sent) {
         typename decltype(arm)::Input input;

@@ -31,24 +31,30 @@ struct alignas(64) HealthRow {
   Row seen{};                       ///< for so long the proximity has been above 0.1; -10 at a jump
   Row hold{}, mask{};               ///< time left for the mask; the mask, 0 to 1
   Row trust{};                      ///< 1: witnessed, 0: not for 0.1 s
-  Row doubt{};                      ///< time left for which a step of the force is no touch
+  Row doubt{};   ///< time left for which a step of the force is no touch; `overdue`: until the force moves
+  Row anchor{};  ///< reading that the force is compared with to see whether it moves
+  Row life{};    ///< time left for which the last movement of the force counts
+  static constexpr float overdue = 1e-6f;
 };
 /// Constants of the cells of a row.
 struct alignas(64) HealthLimitsRow {
   HealthRow::Row per_sigma{};  ///< 1 over the standard deviation of the force [1/step]
   HealthRow::Row jump{};       ///< of the force within 6 ms [steps]
   HealthRow::Row proximity{};  ///< six standard deviations of the proximity
+  HealthRow::Row moves{};      ///< smallest movement of the force that no noise makes [steps]
 };
 /// What a frame of length `dt` multiplies with.
 struct HealthStep {
   float dt = 0, leak = 1, rise = 0, fall = 0;  ///< of the jumps' count, and of the masks
   float saturated = 0.2f, doubt = 0.5f;
   float per_gap = 1 / 0.006f;  ///< how much more a cell may move in a longer gap [1/s]
+  bool anchors = false;        ///< whether a new window of movements begins
 };
 
 /// A bit for each of 16 cells.
 struct HealthBits {
   std::uint32_t jumped = 0;   ///< in this frame
+  std::uint32_t stepped = 0;  ///< up, in this frame, as no body presses
   std::uint32_t expired = 0;  ///< the time for a witness of the last jump is over
   std::uint32_t look = 0;     ///< worth a look: one of these, or a mask, noise, a sensor at its top
 };
@@ -75,8 +81,9 @@ template <std::size_t W = native_lanes<float>>
 /// 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in 6 ms has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
 ///
 /// A force that rises by a jump in a single sample, and neither before nor after it by a tenth as much, does so as no
-/// body does that is pressed on: it is in doubt for a while. One that moves on with the next sample, up by a tenth
-/// or down by a tenth to seven, is not.
+/// body does that is pressed on: it is in doubt for a while, and from then on until it moves within a window and not
+/// by a jump: a hand trembles. One that moves on with the next sample, up by a tenth or down by a tenth to seven, is
+/// not in doubt.
 SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k,
                                      std::uint32_t spoke, std::uint32_t at_top) noexcept {
   using L = Lane<float>;
@@ -96,16 +103,22 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
         fresh, capped + share * (select(a * before < zero, min(bb, L(256.0f)), zero) - capped), capped);
     const L limit = get(c.jump) * slow, held = get(r.doubt);
     auto jumped = size > limit;
-    L doubt = max(held - dt, zero);
+    LaneMask<float, L::lanes> step{}, settled{};
     if (any(jumped | (before > get(c.jump)))) [[unlikely]] {
-      const auto steps = jumped & (d > zero) & (before < L(0.1f) * d);
-      const auto moves_on = fresh & (before > get(c.jump)) &
-                            ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
-      doubt = select(steps, L(k.doubt), select(moves_on, zero, doubt));
+      step = jumped & (d > zero) & (before < L(0.1f) * d);
+      settled = fresh & (before > get(c.jump)) &
+                ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
       // What goes on as fast as before is a fast movement, and no jump; an edge that takes two samples is one.
       const auto goes_on = (before * d > zero) & (abs(before) > get(c.jump));
       jumped = jumped & (before * d < L(0.25f) * d * d) & !goes_on;
     }
+    // A jump alone proves no life: its end is what further movements are compared with.
+    const L anchor = get(r.anchor), left = max(get(r.life) - dt, zero);
+    const auto moves = abs(force - anchor) > get(c.moves);
+    const L life = select(step, zero, select(moves & !jumped, L(k.doubt), left));
+    const L over = select(life > zero, zero, min(held, L(HealthRow::overdue)));
+    const L waits = select(held - dt > L(HealthRow::overdue), held - dt, over);
+    const L doubt = select(step, L(k.doubt), select(settled, zero, waits));
     const L p = get(r.proximity), dp = select(fresh, abs(p - get(r.last_proximity)), zero);
     const auto p_moved = (dp > get(c.proximity)) & (dp <= L(0.3f) * slow);
     const L still = select(abs(a) > L(6.0f), zero, get(r.still) + dt);
@@ -132,10 +145,13 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
         (get(r.jumps) * L(k.leak)).store(r.jumps.data() + i);
     hold.store(r.hold.data() + i), max(min(mask, one), zero).store(r.mask.data() + i);
     max(get(r.trust) - dt * L(10.0f), zero).store(r.trust.data() + i), doubt.store(r.doubt.data() + i);
+    life.store(r.life.data() + i),
+        (k.anchors ? force : select(moves | jumped, force, anchor)).store(r.anchor.data() + i);
 
-    if (any(look))
+    if (any(look | step))
       for (std::size_t lane = 0; lane < L::lanes; ++lane)
-        bits.jumped |= jumped[lane] ? 1u << (i + lane) : 0u,
+        bits.stepped |= step[lane] ? 1u << (i + lane) : 0u,
+            bits.jumped |= jumped[lane] ? 1u << (i + lane) : 0u,
             bits.expired |= expired[lane] ? 1u << (i + lane) : 0u,
             bits.look |= look[lane] ? 1u << (i + lane) : 0u;
   }

@@ -21,8 +21,8 @@ class TrustCore : protected TrustFrames<S> {
 
  protected:
   using Frames::above, Frames::cell_, Frames::counts, Frames::fill_, Frames::has_lone, Frames::health_,
-      Frames::in_doubt, Frames::low_force_, Frames::low_proximity_, Frames::masked_, Frames::near,
-      Frames::per_step_, Frames::quantised, Frames::s_, Frames::skin_, Frames::talk_unit_, Frames::witness;
+      Frames::low_force_, Frames::low_proximity_, Frames::masked_, Frames::near, Frames::per_step_,
+      Frames::quantised, Frames::s_, Frames::skin_, Frames::talk_unit_, Frames::witness;
 
   /// The front end of one call.
   struct Front {
@@ -177,11 +177,12 @@ class TrustCore : protected TrustFrames<S> {
         const auto k = static_cast<std::size_t>(std::countr_zero(rest));
         const std::size_t i = 16 * b + k;
         if (i >= size()) break;
-        const typename Health::Witness w = witness(m, i);
-        if (w.seen || (w.touched && !in_doubt(row, k))) {
-          row.trust[k] = 1;
-        } else if (in_doubt(row, k)) {
+        if (Health::in_doubt(m.health, i)) {
           row.trust[k] = 0;
+          if (s_.find_faults && has_lone(i) && Health::stands(m.health, i))
+            health_.hold(m.health, i, CellFault::stuck);
+        } else if (witness(m, i).touched) {
+          row.trust[k] = 1;
         }
         all += alone(m, i);
       }

@@ -159,12 +159,6 @@ class TrustFrames {
     }
   }
 
-  /// Whether a cell's force has stepped, with nothing seen before: nobody's witness, and in need of one itself.
-  [[nodiscard]] SKINCTL_INLINE bool in_doubt(const HealthRow& row, std::size_t k) const noexcept {
-    return row.doubt[k] > 0 &&
-           !(s_.proximity && row.seen[k] >= seconds<float>(s_.seen_for) && row.proximity[k] > 0.1f);
-  }
-
   /// What others say of cell `i`.
   [[nodiscard]] typename Health::Witness witness(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& own = m.health.row[i / 16];
@@ -182,8 +176,9 @@ class TrustFrames {
       const std::size_t l = n % 16;
       const float other = above(m, n);
       w.moved = w.moved || row.still[l] < within || (s_.proximity && row.still_proximity[l] < within);
-      w.touched = w.touched || (other > 6 * health_.sigma(n) &&
-                                other >= static_cast<float>(s_.answer) * force && !in_doubt(row, l));
+      w.touched =
+          w.touched || (other > 6 * health_.sigma(n) && other >= static_cast<float>(s_.answer) * force &&
+                        !Health::in_doubt(m.health, n));
       w.seen = w.seen || (s_.proximity && row.seen[l] >= seen &&
                           row.proximity[l] > static_cast<float>(s_.other_proximity));
     }
