@@ -61,6 +61,17 @@ TEST_CASE("CoverageLimits: states, reasons and the way back") {
   CHECK(look(of(100, 1)) == Status());
 }
 
+TEST_CASE("CoverageLimits: a skin with a hole is blind however many of its cells report") {
+  const Limits limits(ur5_test_limits(), {.settle = 0ns});
+  Limits::Memory m;
+  Coverage holed = of(99, 0.98);
+  holed.hole = 17;
+  CHECK(limits.look(m, holed, 0.008) == (Status(Reason::skin_unheard) | Reason::skin_held));
+  CHECK(limits.look(m, of(99, 0.98), 0.008) == Status(Reason::skin_incomplete));
+  CHECK(limits.look(m, holed, 0.008) == (Status(Reason::skin_blind) | Reason::skin_stopped));
+  CHECK(limits.holds(m));
+}
+
 TEST_CASE("CoverageLimits: slowed by and by, to the stated speed, and back") {
   const auto joints = ur5_test_limits();
   const double fastest = joints.velocity()[0];

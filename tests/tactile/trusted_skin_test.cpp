@@ -394,3 +394,44 @@ TEST_CASE("TrustedSkin: the skin of a cycle with contact limits, and one summand
   CHECK(moved(scene, signals) == 0);
   CHECK(moved(sum, signals) == 0);
 }
+
+TEST_CASE("TrustedSkin: a cable of cells that fall silent leaves a hole, a cell here and there does not") {
+  constexpr double reach = 0.04;
+  TrustSettings settings = trusting();
+  settings.reach = reach;
+  const Trusted trusted(base, settings, patches);
+  const CellGraph near(places);
+  const auto hole = [&](const std::vector<std::size_t>& silent) {
+    SkinSignals signals(places, {}, 3);
+    auto m = trusted.start(0ns);
+    std::vector<CellSample> samples;
+    Plain::Wrenches w;
+    for (Nanoseconds to = 8ms; to <= 400ms; to += 8ms) {
+      signals.samples(to, samples);
+      std::erase_if(samples, [&](const CellSample& s) {
+        return std::find(silent.begin(), silent.end(), s.cell - 1) != silent.end();
+      });
+      trusted.receive(m, samples, to - 8ms, to, 1, &w);
+    }
+    CHECK(trusted.coverage(m).usable == 260 - silent.size());
+    return trusted.coverage(m).hole;
+  };
+  CHECK(hole({}) == Coverage::whole);
+  std::vector<std::size_t> every_eighth;
+  for (std::size_t i = 0; i < 260; i += 8) every_eighth.push_back(i);
+  CHECK(hole(every_eighth) == Coverage::whole);
+  const std::vector<std::size_t> cable = cells_around(near, 169, 25);
+  const std::size_t found = hole(cable);
+  REQUIRE(found != Coverage::whole);
+  double nearest = 1;
+  for (std::size_t i = 0; i < 260; ++i) {
+    if (places[i].patch != places[169].patch || std::find(cable.begin(), cable.end(), i) != cable.end())
+      continue;
+    const auto way = places[i].place - places[found].place;
+    nearest = std::min(nearest, std::sqrt(dot(way, way)));
+  }
+  CHECK(nearest > reach);
+  CHECK(std::find(cable.begin(), cable.end(), found) != cable.end());
+  settings.reach = 0;
+  CHECK_THROWS_AS(Trusted(base, settings, patches), ConfigurationError);
+}

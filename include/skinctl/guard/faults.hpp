@@ -142,7 +142,7 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::skin_unheard, "skin_unheard", FaultFinder::skin, Reaction::report, Reaction::report,
      WayBack::by_itself, "the skin has not been heard yet: see its watch"},
     {Reason::skin_blind, "skin_blind", FaultFinder::skin, Reaction::report, Reaction::report,
-     WayBack::by_itself, "too few cells of a patch report: see its watch"},
+     WayBack::by_itself, "too few cells of a patch report, or none near one of its places: see its watch"},
     {Reason::skin_incomplete, "skin_incomplete", FaultFinder::skin, Reaction::report, Reaction::report,
      WayBack::by_itself, "some cells do not report: see its watch"},
     {Reason::skin_slowed, "skin_slowed", FaultFinder::governor, Reaction::limit, Reaction::limit,

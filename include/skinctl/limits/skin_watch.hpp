@@ -23,7 +23,8 @@ enum class SkinReaction : unsigned char {
 /// For `Cycle::with`: a blind skin is no untouched one. In one of three states a scene reacts as declared; with
 /// the defaults it does not move before its skin is heard, and stops when a patch falls silent.
 ///
-/// A cell counts while its newest sample is younger than `SkinSettings::max_age` and nothing masks it. The
+/// A cell counts while its newest sample is younger than `SkinSettings::max_age` and nothing masks it. Too few count also
+/// while the skin has a hole (`TrustSettings::reach`): many cells are no use to a place that none of them feels. The
 /// reasons are those of the state (`skin_unheard`, `skin_blind`, `skin_incomplete`) and of what is done
 /// (`skin_slowed`, `skin_held`, `skin_stopped`). With `slow_down` the speed falls to `slow` within 0.25 s and as
 /// fast as the joints can brake; a robot by torque is braked to it, by its torques, and also if it is pushed.
@@ -72,7 +73,7 @@ class CoverageLimits {
 
   /// Judges the skin once a cycle of `dt` >= 0 seconds.
   SKINCTL_INLINE Status look(Memory& m, const Coverage& now, const T& dt) const noexcept {
-    const bool enough = now.least >= watch_.enough;
+    const bool enough = now.least >= watch_.enough && now.hole == Coverage::whole;
     const bool states[3] = {!m.heard && !enough, m.heard && !enough, enough && now.usable < now.cells};
     m.heard = m.heard || enough;
     const SkinReaction declared[3] = {watch_.unheard, watch_.blind, watch_.incomplete};

@@ -11,6 +11,9 @@ SKINCTL_BEGIN_NAMESPACE
 struct Coverage {
   std::size_t usable = 0, cells = 0;
   double least = 1;  ///< share of usable cells of the patch that has the smallest, in [0, 1]
+  static constexpr std::size_t whole = static_cast<std::size_t>(-1);
+  /// Index of a cell that is neither usable nor within `TrustSettings::reach` of a usable one of its patch; `whole`: none.
+  std::size_t hole = whole;
 
   /// One more patch of `of` > 0 cells.
   SKINCTL_INLINE constexpr void add(std::size_t usable_of_it, std::size_t of) noexcept {

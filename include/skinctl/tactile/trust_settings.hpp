@@ -1,6 +1,7 @@
 // What a trusted skin is told of its cells.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,9 @@ struct TrustSettings {
   double explained_far = 0.25;   ///< the same if its own proximity is below 0.05
   CellHealthSettings health;
   RestSettings rest;
+  /// Greatest distance of a cell that does not count from one of its patch that does [m]; beyond it, `Coverage` has a
+  /// hole. Infinity: holes are not looked for.
+  double reach = std::numeric_limits<double>::infinity();
   bool find_faults = true;  ///< false: no cell is masked
   bool follow_rest = true;  ///< false: readings have no drift, their rest levels stay those of `noise`
 
@@ -41,6 +45,7 @@ struct TrustSettings {
     require(period >= 100us && period <= 50ms, "TrustSettings: period", milliseconds(period), "0.1 to 50 ms");
     require(seen_for >= 0ns && seen_for <= 1s, "TrustSettings: seen_for", milliseconds(seen_for),
             "0 to 1000 ms");
+    require(reach > 0, "TrustSettings: reach", reach, "> 0 m");
     const auto share = [](double x, const char* name) { require(x >= 0 && x <= 1, name, x, "0 to 1"); };
     share(answer, "TrustSettings: answer"), share(other_proximity, "TrustSettings: other_proximity");
     share(explained, "TrustSettings: explained"), share(explained_far, "TrustSettings: explained_far");

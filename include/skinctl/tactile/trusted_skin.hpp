@@ -167,13 +167,16 @@ class TrustedSkin : private detail::TrustCore<S> {
     for (std::size_t i = 0; i < size(); ++i) n += this->counts(m, i) ? 1u : 0u;
     return n;
   }
-  /// How much of the skin feels, also of its worst patch.
+  /// How much of the skin feels, also of its worst patch, and a place where nothing is felt.
   [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
     Coverage out;
     for (std::size_t i = 0; i < size();) {
       const std::uint32_t patch = cell_[i].patch;
       std::size_t count = 0, of = 0;
-      for (; i < size() && cell_[i].patch == patch; ++i, ++of) count += this->counts(m, i) ? 1u : 0u;
+      for (; i < size() && cell_[i].patch == patch; ++i, ++of) {
+        count += this->counts(m, i) ? 1u : 0u;
+        if (out.hole == Coverage::whole && this->in_hole(m, i)) out.hole = i;
+      }
       out.add(count, of);
     }
     return out;

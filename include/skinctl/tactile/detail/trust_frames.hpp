@@ -66,6 +66,7 @@ class TrustFrames {
         lone_(rows),
         per_step_(static_cast<float>(settings.health.step / CellCounts::force_unit)),
         talk_unit_(std::min(1.0f, static_cast<float>(Cross::most * settings.health.step / 3))) {
+    if (s_.reach < std::numeric_limits<double>::infinity()) within_ = cells_within(skin.places(), s_.reach);
     require(fill.graph().size() == size(), "TrustedSkin: cells of the graph", double(fill.graph().size()),
             "those of the skin");
     for (std::size_t i = 0; i < size(); ++i) {
@@ -186,12 +187,17 @@ class TrustFrames {
     return w;
   }
 
+  /// Whether cell `i` is in a hole: see `Coverage`.
+  [[nodiscard]] bool in_hole(const Memory& m, std::size_t i) const noexcept {
+    return within_.size() > 0 && is_hole(within_, i, [&](std::size_t j) { return counts(m, j); });
+  }
   [[nodiscard]] SKINCTL_INLINE bool has_lone(std::size_t i) const noexcept {
     return ((lone_[i / 16] >> (i % 16)) & 1u) != 0;
   }
   S skin_;
   TrustSettings s_;
   FillIn fill_;
+  CellGraph within_;  ///< cells within reach of each other; of no cell: holes are not looked for
   Health health_;
   RestLevel rest_;
   std::vector<TrustCell> cell_;
