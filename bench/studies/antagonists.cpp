@@ -7,13 +7,13 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "bench/studies/worlds/touches.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/fusion/describe.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/testing/touches.hpp"
 
 using namespace skinctl;
 

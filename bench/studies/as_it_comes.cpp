@@ -10,7 +10,7 @@
 // friction, payload, noise and jitter, but their lag is declared and their encoders are calibrated.
 // They are touched at the same cells; where a case is not as promised beside one twin, four further twins start where
 // the robot may stand in its gap, and those that are held fast are let go at other moments.
-#include "skinctl/testing/as_it_comes.hpp"
+#include "bench/studies/worlds/as_it_comes.hpp"
 
 #include <algorithm>
 #include <cstdio>

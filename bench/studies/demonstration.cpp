@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "skinctl/testing/led_arm.hpp"
+#include "bench/studies/worlds/led_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

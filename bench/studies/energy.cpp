@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "skinctl/testing/torque_passivity.hpp"
+#include "bench/studies/worlds/torque_passivity.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

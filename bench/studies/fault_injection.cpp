@@ -6,7 +6,7 @@
 // reason, answered as the table says (brakes and stops checked joint by joint; what is refused leaves the
 // command as it is without it, to the bit), and ended as the table says with the skill that was asked for;
 // and commands beyond a limit, not finite, or further than a cycle may step.
-#include "skinctl/testing/fault_injection.hpp"
+#include "bench/studies/worlds/fault_injection.hpp"
 
 #include <cstdio>
 #include <cstdlib>

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "skinctl/testing/skilled_scene.hpp"
+#include "bench/studies/worlds/skilled_scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

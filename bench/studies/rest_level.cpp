@@ -13,10 +13,10 @@
 #include <numeric>
 #include <string>
 
+#include "bench/studies/worlds/recorded_grasps.hpp"
+#include "bench/studies/worlds/skin_drifts.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/sensing/evidence.hpp"
-#include "skinctl/testing/recorded_grasps.hpp"
-#include "skinctl/testing/skin_drifts.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -14,8 +14,8 @@
 #include <ctime>
 #include <memory>
 
+#include "bench/studies/worlds/stochastic.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "skinctl/testing/stochastic.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -15,7 +15,7 @@
 #include <cstdlib>
 
 #include "bench/studies/median_and_worst.hpp"
-#include "skinctl/testing/skin_sightings.hpp"
+#include "bench/studies/worlds/skin_sightings.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

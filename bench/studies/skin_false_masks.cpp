@@ -12,8 +12,8 @@
 #include <cstring>
 #include <memory>
 
-#include "skinctl/testing/skin_drifts.hpp"
-#include "skinctl/testing/skin_fault_run.hpp"
+#include "bench/studies/worlds/skin_drifts.hpp"
+#include "bench/studies/worlds/skin_fault_run.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "skinctl/testing/skin_fault_run.hpp"
+#include "bench/studies/worlds/skin_fault_run.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -9,11 +9,11 @@
 #include <cstdlib>
 #include <memory>
 
+#include "bench/studies/worlds/recorded_grasps.hpp"
 #include "skinctl/calibration/learnt_fill_in.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
-#include "skinctl/testing/recorded_grasps.hpp"
 #include "skinctl/testing/skin_signals.hpp"
 
 using namespace skinctl;

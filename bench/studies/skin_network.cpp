@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "skinctl/testing/skin_network_oracle.hpp"
+#include "bench/studies/worlds/skin_network_oracle.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bench/studies/worlds/spring_wall.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
-#include "skinctl/testing/spring_wall.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

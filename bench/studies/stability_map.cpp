@@ -7,9 +7,9 @@
 #include <random>
 #include <string>
 
+#include "bench/studies/worlds/wall_contact.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/passivity/contact_stability.hpp"
-#include "skinctl/testing/wall_contact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

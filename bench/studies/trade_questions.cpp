@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <numbers>
 
+#include "bench/studies/worlds/wall_contact.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/testing/closed_loop.hpp"
 #include "skinctl/testing/scene.hpp"
-#include "skinctl/testing/wall_contact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "bench/studies/worlds/skin_network_oracle.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/skin_network_oracle.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/studies/worlds/skin_sightings.hpp"
 #include "skinctl/calibration/reconstruction.hpp"
 #include "skinctl/calibration/sighting.hpp"
 #include "skinctl/testing/skin_at_rest.hpp"
-#include "skinctl/testing/skin_sightings.hpp"
 #include "support/ceres_oracle.hpp"
 
 using namespace skinctl;

@@ -3,9 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include "bench/studies/worlds/skin_sightings.hpp"
 #include "skinctl/testing/derivatives.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/skin_sightings.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -1,5 +1,5 @@
 // Robots that are not as declared; the study as_it_comes runs ten thousand of them.
-#include "skinctl/testing/as_it_comes.hpp"
+#include "bench/studies/worlds/as_it_comes.hpp"
 
 #include <doctest/doctest.h>
 

@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "bench/studies/worlds/touches.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/joint_limits.hpp"
@@ -13,7 +14,6 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/touches.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "skinctl/testing/fault_injection.hpp"
+#include "bench/studies/worlds/fault_injection.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -4,7 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "skinctl/testing/wall_contact.hpp"
+#include "bench/studies/worlds/wall_contact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

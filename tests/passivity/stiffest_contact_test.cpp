@@ -8,8 +8,8 @@
 #include <random>
 #include <string>
 
-#include "skinctl/testing/spring_wall.hpp"
-#include "skinctl/testing/wall_contact.hpp"
+#include "bench/studies/worlds/spring_wall.hpp"
+#include "bench/studies/worlds/wall_contact.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -1,4 +1,4 @@
-#include "skinctl/testing/torque_passivity.hpp"
+#include "bench/studies/worlds/torque_passivity.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // A sample of the study `demonstration`: people teach a UR5 on its real cycle.
-#include "skinctl/testing/led_arm.hpp"
+#include "bench/studies/worlds/led_arm.hpp"
 
 #include <doctest/doctest.h>
 

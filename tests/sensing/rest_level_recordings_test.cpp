@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <vector>
 
+#include "bench/studies/worlds/recorded_grasps.hpp"
+#include "bench/studies/worlds/skin_drifts.hpp"
 #include "skinctl/sensing/rest_level.hpp"
-#include "skinctl/testing/recorded_grasps.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/skin_drifts.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "bench/studies/worlds/skin_drifts.hpp"
 #include "skinctl/sensing/evidence.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/skin_drifts.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

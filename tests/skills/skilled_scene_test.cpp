@@ -1,4 +1,4 @@
-#include "skinctl/testing/skilled_scene.hpp"
+#include "bench/studies/worlds/skilled_scene.hpp"
 
 #include <doctest/doctest.h>
 

@@ -4,13 +4,13 @@
 
 #include <limits>
 
+#include "bench/studies/worlds/skin_fault_run.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/skin_fault_run.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -1,4 +1,4 @@
-#include "skinctl/testing/recorded_grasps.hpp"
+#include "bench/studies/worlds/recorded_grasps.hpp"
 
 #include <doctest/doctest.h>
 

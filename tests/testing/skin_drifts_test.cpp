@@ -1,4 +1,4 @@
-#include "skinctl/testing/skin_drifts.hpp"
+#include "bench/studies/worlds/skin_drifts.hpp"
 
 #include <doctest/doctest.h>
 

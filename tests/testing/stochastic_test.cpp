@@ -1,4 +1,4 @@
-#include "skinctl/testing/stochastic.hpp"
+#include "bench/studies/worlds/stochastic.hpp"
 
 #include <doctest/doctest.h>
 

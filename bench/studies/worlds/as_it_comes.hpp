@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "skinctl/testing/as_it_comes_robot.hpp"
+#include "bench/studies/worlds/as_it_comes_robot.hpp"
 
 namespace skinctl::testing {
 
