@@ -7,6 +7,7 @@
 
 #include "examples/compliant_allegro/run.hpp"
 #include "skinctl/core/contract.hpp"
+#include "skinctl/io/formatted.hpp"
 
 namespace {
 
@@ -97,9 +98,7 @@ int run(int argc, char** argv) {
     if (!s.quiet) std::printf("\nreport: %s\n", s.report.c_str());
   }
   if (!s.json.empty()) {
-    char line[512];
-    std::snprintf(
-        line, sizeof line,
+    const std::string line = skinctl::formatted(
         "{\"exit\": %d, \"cycles\": %llu, \"silent\": %llu, \"missed\": %llu, \"incomplete\": %llu, "
         "\"touches\": %zu, \"cycle_us\": {\"median\": %.2f, \"p99\": %.2f, \"max\": %.2f}}\n",
         examples::job::code(end), static_cast<unsigned long long>(log.cycles),

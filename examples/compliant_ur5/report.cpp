@@ -21,6 +21,7 @@
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/core/xml_text.hpp"
 #include "skinctl/guard/faults.hpp"
+#include "skinctl/io/formatted.hpp"
 
 namespace compliant_ur5 {
 namespace {
@@ -411,13 +412,8 @@ std::string field(const std::string& text) {
 /// The shortest number with so many decimals at most; empty when it is not finite.
 std::string plain(double v, int decimals) {
   if (!std::isfinite(v)) return {};
-  char text[64];
-  if (std::abs(v) >= 1e15) {
-    std::snprintf(text, sizeof text, "%.6g", v);
-    return text;
-  }
-  std::snprintf(text, sizeof text, "%.*f", decimals, v);
-  std::string out = text;
+  if (std::abs(v) >= 1e15) return skinctl::formatted("%.6g", v);
+  std::string out = skinctl::formatted("%.*f", decimals, v);
   out.erase(out.find_last_not_of('0') + 1);
   if (out.back() == '.') out.pop_back();
   return out == "-0" || out.empty() ? "0" : out;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "skinctl/core/contract.hpp"
+#include "skinctl/io/formatted.hpp"
 
 namespace identify_robot {
 namespace {
@@ -54,8 +55,8 @@ void write_log(const std::string& file, const Log& log) {
   std::fputs("# time [s], six angles [rad]\n", out);
   const auto write = [&](const char* what, const auto& entries) {
     for (const auto& e : entries) {
-      std::fprintf(out, "%s,%.9f", what, e.time);
-      for (const double q : e.q) std::fprintf(out, ",%.9f", q);
+      std::fputs(skinctl::formatted("%s,%.9f", what, e.time).c_str(), out);
+      for (const double q : e.q) std::fputs(skinctl::formatted(",%.9f", q).c_str(), out);
       std::fputc('\n', out);
     }
   };

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <locale>
 #include <sstream>
 #include <stdexcept>
 
@@ -44,6 +45,7 @@ Recording record(const LedRun& run, std::uint64_t seed) {
 
 void write(const Recording& recording, const std::string& file) {
   std::ofstream out(file);
+  out.imbue(std::locale::classic());
   out.precision(9);
   for (const auto kind : recording.kinds) out << "thing " << int(kind) << '\n';
   for (const auto& l : recording.lines)
@@ -71,6 +73,7 @@ Recording read(const std::string& file) {
     if (text.empty() || text[0] == '#') continue;
     if (text.size() > 300) wrong("too long a line");
     std::istringstream words(text);
+    words.imbue(std::locale::classic());
     std::string what;
     words >> what;
     if (what == "thing") {

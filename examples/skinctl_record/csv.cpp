@@ -7,6 +7,7 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/io/cdr.hpp"
+#include "skinctl/io/formatted.hpp"
 #include "skinctl/io/mcap_reader.hpp"
 
 namespace skinctl_record {
@@ -19,11 +20,7 @@ struct Row {
   void add(std::string name, std::string value) {
     names.push_back(std::move(name)), values.push_back(std::move(value));
   }
-  void add(std::string name, double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.17g", value);
-    add(std::move(name), std::string(text));
-  }
+  void add(std::string name, double value) { add(std::move(name), formatted("%.17g", value)); }
   void add_text(std::string name, std::string_view text) {
     std::string quoted = "\"";
     for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -33,9 +30,7 @@ struct Row {
 using Rows = std::function<void(const Row&)>;
 
 std::string seconds_text(std::int64_t s, std::uint32_t ns) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%lld.%09u", static_cast<long long>(s), ns);
-  return text;
+  return formatted("%lld.%09u", static_cast<long long>(s), ns);
 }
 void add_stamp(CdrReader& r, Row& row, const char* name) {
   const auto s = r.get<std::int32_t>();

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "skinctl/core/xml_text.hpp"
+#include "skinctl/io/formatted.hpp"
 
 namespace plotting {
 namespace {
@@ -26,9 +27,7 @@ bool shown(double v) {
 }
 
 std::string fixed(double v, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", std::clamp(decimals, 0, 15), v);
-  return text;
+  return skinctl::formatted("%.*f", std::clamp(decimals, 0, 15), v);
 }
 std::string coordinate(double v) {
   return fixed(v, 1);
@@ -457,15 +456,11 @@ std::string decimal(double value, int decimals) {
 std::string significant(double value, int digits) {
   if (!std::isfinite(value)) return "\u2013";
   const double size = std::abs(value);
-  char number[64];
-  if (size >= 1e7 || (size > 0 && size < 1e-6)) {
-    std::snprintf(number, sizeof number, "%.*e", std::max(digits - 1, 0), size);
-  } else {
+  std::string number = skinctl::formatted("%.*e", std::max(digits - 1, 0), size);
+  if (size == 0 || (size >= 1e-6 && size < 1e7)) {
     // Rounding may carry into a new digit: 9.996 with three digits is 10.0.
-    std::snprintf(number, sizeof number, "%.*e", std::max(digits - 1, 0), size);
-    const int exponent =
-        size > 0 ? std::atoi(std::string(number).substr(std::string(number).find('e') + 1).c_str()) : 0;
-    std::snprintf(number, sizeof number, "%.*f", std::max(digits - 1 - exponent, 0), size);
+    const int exponent = size > 0 ? std::atoi(number.substr(number.find('e') + 1).c_str()) : 0;
+    number = skinctl::formatted("%.*f", std::max(digits - 1 - exponent, 0), size);
   }
   return value < 0 ? std::string("\u2212") + number : number;
 }

@@ -2,21 +2,18 @@
 #pragma once
 
 #include <cstdarg>
-#include <cstdio>
 #include <string>
+
+#include "skinctl/io/formatted.hpp"
 
 namespace examples {
 
-/// What printf would print.
+/// As `skinctl::formatted`.
 [[nodiscard, gnu::format(printf, 1, 2)]] inline std::string text(const char* format, ...) {
-  std::va_list values, again;
-  va_start(values, format);
-  va_copy(again, values);
-  const int length = std::vsnprintf(nullptr, 0, format, values);
-  va_end(values);
-  std::string out(length > 0 ? static_cast<std::size_t>(length) : 0, '\0');
-  std::vsnprintf(out.data(), out.size() + 1, format, again);
-  va_end(again);
+  skinctl::detail::FormatArguments values;
+  va_start(values.list, format);
+  std::string out = skinctl::detail::formatted_list(format, values);
+  va_end(values.list);
   return out;
 }
 

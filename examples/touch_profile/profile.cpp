@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <numeric>
 #include <ostream>
 #include <set>
 
 #include "skinctl/core/contract.hpp"
+#include "skinctl/io/formatted.hpp"
 
 namespace touch_profile {
 namespace {
@@ -19,12 +19,6 @@ using skinctl::require;
 /// Rounded as it is written, so that what was checked is what is read.
 double rounded(double v) {
   return std::round(v * 1e4) / 1e4;
-}
-
-std::string text(const char* format, double a) {
-  char out[160];
-  std::snprintf(out, sizeof out, format, a);
-  return out;
 }
 
 /// The name without folders and control characters: it becomes a comment line.
@@ -74,8 +68,8 @@ Profile profile_of(const Recording& recording, const Mapping& m) {
   const double largest = *std::max_element(rest_end, rise.end());
   if (!(largest >= m.threshold))
     skinctl::refuse(recording.name + ": no touch: the sum over " + std::to_string(taxels.size()) +
-                    " taxels rises by " + text("%.4g", largest) + " counts, a touch needs " +
-                    text("%.4g", m.threshold) + " (--threshold)");
+                    " taxels rises by " + skinctl::formatted("%.4g", largest) + " counts, a touch needs " +
+                    skinctl::formatted("%.4g", m.threshold) + " (--threshold)");
 
   Profile profile;
   profile.comments = {
@@ -85,11 +79,14 @@ Profile profile_of(const Recording& recording, const Mapping& m) {
       "Please cite: H. Soh, Y. Su, Y. Demiris, Online Spatio-Temporal Gaussian Process Experts with "
       "Application to",
       "Tactile Classification, IEEE/RSJ International Conference on Intelligent Robots and Systems, 2012.",
-      "force = " + text("%.6g", m.peak / largest) + " N per count: sum of (255 - reading) over " +
-          std::to_string(taxels.size()) + " taxels, less the first " + std::to_string(m.rest) +
-          " slice(s), scaled to a peak of " + text("%g", m.peak) + " N. The taxels are not calibrated.",
-      "time: " + text("%g", m.rate) + " slices per second, assumed: the dataset does not state its rate.",
-      "The recording ends in the grasp; the last " + text("%g", m.release) + " s let go and are computed."};
+      "force = " + skinctl::formatted("%.6g", m.peak / largest) +
+          " N per count: sum of (255 - reading) over " + std::to_string(taxels.size()) +
+          " taxels, less the first " + std::to_string(m.rest) + " slice(s), scaled to a peak of " +
+          skinctl::formatted("%g", m.peak) + " N. The taxels are not calibrated.",
+      "time: " + skinctl::formatted("%g", m.rate) +
+          " slices per second, assumed: the dataset does not state its rate.",
+      "The recording ends in the grasp; the last " + skinctl::formatted("%g", m.release) +
+          " s let go and are computed."};
   for (std::size_t k = 0; k < rise.size(); ++k) {
     profile.time.push_back(static_cast<double>(k) / m.rate);
     profile.force.push_back(k < m.rest ? 0 : rounded(m.peak * std::max(0.0, rise[k]) / largest));
@@ -108,7 +105,8 @@ Profile synthetic_push(double peak) {
   constexpr int rows = 160;
   Profile profile;
   profile.comments = {
-      "A push that was computed, not recorded: touch_profile --generate --peak " + text("%g", peak),
+      "A push that was computed, not recorded: touch_profile --generate --peak " +
+          skinctl::formatted("%g", peak),
       "f(t) = c s(t/0.35) (1 - s((t - 1.15)/0.45)) (1 + 0.04 sin(2 pi 9 t)), s(x) = x^3 (10 - 15 x + 6 x^2) "
       "on [0, 1]:",
       "minimum-jerk rise, hold with tremor, minimum-jerk release; c such that the largest row is the peak."};
@@ -128,7 +126,8 @@ void write_profile(std::ostream& out, const Profile& profile) {
   for (const std::string& comment : profile.comments) out << "# " << comment << '\n';
   out << "time,force\n";
   for (std::size_t i = 0; i < profile.time.size(); ++i)
-    out << text("%.6f", profile.time[i]) << text(",%.4f", profile.force[i]) << '\n';
+    out << skinctl::formatted("%.6f", profile.time[i]) << skinctl::formatted(",%.4f", profile.force[i])
+        << '\n';
 }
 
 std::vector<std::size_t> parse_taxels(const std::string& list) {

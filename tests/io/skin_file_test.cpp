@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "skinctl/testing/comma_locale.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "support/wrong_text.hpp"
@@ -170,6 +171,8 @@ TEST_CASE("Skin file: written and read, it is the same to the bit; written again
     const std::string text = skin_file_text(file);
     const SkinFile again = without_lines(parse_skin_file(text));
     REQUIRE(same(again, file));
+    REQUIRE(skin_file_text(again) == text);
+    const CommaLocale comma;  // in every locale
     REQUIRE(skin_file_text(again) == text);
   }
   const SkinFile file = parse_skin_file(good);

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/testing/comma_locale.hpp"
 #include "skinctl/testing/skin_faults.hpp"
 #include "skinctl/testing/skin_signals.hpp"
 
@@ -71,6 +72,11 @@ TEST_CASE("SkinReport: names each faulty cell in words, as JSON, and in the pict
   CHECK(words.find(": stuck, masked by 100 %") != std::string::npos);
   CHECK(words.find("cell 50 on link ") != std::string::npos);
   CHECK(balanced(json));
+  {
+    const CommaLocale comma;
+    CHECK(as_json(report) == json);
+    CHECK((as_svg(report) == picture));
+  }
   CHECK(times(json, "\"id\"") == 3);
   CHECK(times(json, "{\"id\": 33, \"link\": ") == 1);
   CHECK(times(json, "\"usable\": 57") == 1);

@@ -11,6 +11,7 @@
 #include "skinctl/model/universal_robots.hpp"
 #include "skinctl/model/ur5_allegro.hpp"
 #include "skinctl/model/ur5_links.hpp"
+#include "skinctl/testing/comma_locale.hpp"
 
 using namespace skinctl;
 
@@ -65,6 +66,12 @@ TEST_CASE("URDF writer: every robot that is shipped comes back with the same mot
   check_round_trip<allegro::Tree>("Allegro, right", allegro::hand<double>(allegro::Side::right));
   check_round_trip<allegro::Tree>("Allegro, left", allegro::hand<double>(allegro::Side::left));
   check_round_trip<ur5_allegro::Model<>>("UR5 with an Allegro hand", ur5_allegro::arm_with_hand());
+}
+
+TEST_CASE("URDF writer: the same characters in every locale") {
+  const std::string text = urdf_text(ur5::Model{});
+  const testing::CommaLocale comma;
+  CHECK((urdf_text(ur5::Model{}) == text));
 }
 
 TEST_CASE("URDF writer: names, limits, capsules and frames are in the file, and marks of XML are escaped") {

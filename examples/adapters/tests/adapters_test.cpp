@@ -7,6 +7,7 @@
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/socket.hpp"
 #include "examples/adapters/ur5/driver.hpp"
+#include "skinctl/testing/comma_locale.hpp"
 #include "skinctl/testing/robot_table.hpp"
 
 using namespace adapters;
@@ -98,6 +99,10 @@ TEST_CASE("reverse socket: the message is eight big-endian integers, in milliont
 
 TEST_CASE("program: names the address and port it was given, and stops by itself") {
   const auto text = ur5::program({.address = "10.0.0.7", .port = 50001, .rate = 125});
+  {
+    const skinctl::testing::CommaLocale comma;
+    CHECK(ur5::program({.address = "10.0.0.7", .port = 50001, .rate = 125}) == text);
+  }
   CHECK(text.find("socket_open(\"10.0.0.7\", 50001, \"reverse_socket\")") != std::string::npos);
   CHECK(text.find("steptime = 0.008") != std::string::npos);
   CHECK(text.find("stopj(4.0)") != std::string::npos);

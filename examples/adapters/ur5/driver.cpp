@@ -1,9 +1,9 @@
 #include "examples/adapters/ur5/driver.hpp"
 
-#include <cstdio>
 #include <future>
 
 #include "examples/adapters/ur5/panel.hpp"
+#include "skinctl/io/formatted.hpp"
 
 namespace adapters::ur5 {
 namespace {
@@ -187,12 +187,10 @@ bool Driver::set_payload(double mass, const std::array<double, 3>& centre) {
   skinctl::require(mass >= 0 && mass <= 50, "payload", mass, "0 to 50 kg");
   for (const double x : centre)
     skinctl::require(x >= -1 && x <= 1, "payload's centre of mass", x, "-1 to 1 m");
-  char text[200];
-  const int n = std::snprintf(text, sizeof text,
-                              "sec skinctl_payload():\n  set_payload(%.4f, [%.5f, %.5f, %.5f])\nend\n", mass,
-                              centre[0], centre[1], centre[2]);
-  return script_.write({reinterpret_cast<const std::uint8_t*>(text), static_cast<std::size_t>(n)},
-                       Timeout(1000));
+  const std::string text =
+      skinctl::formatted("sec skinctl_payload():\n  set_payload(%.4f, [%.5f, %.5f, %.5f])\nend\n", mass,
+                         centre[0], centre[1], centre[2]);
+  return script_.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, Timeout(1000));
 }
 
 }  // namespace adapters::ur5

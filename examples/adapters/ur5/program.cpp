@@ -1,16 +1,14 @@
 #include "examples/adapters/ur5/program.hpp"
 
 #include <cmath>
-#include <cstdio>
+
+#include "skinctl/io/formatted.hpp"
 
 namespace adapters::ur5 {
 namespace {
 
 std::string six(const std::array<double, 6>& x) {
-  char text[120];
-  std::snprintf(text, sizeof text, "[%.3f, %.3f, %.3f, %.3f, %.3f, %.3f]", x[0], x[1], x[2], x[3], x[4],
-                x[5]);
-  return text;
+  return skinctl::formatted("[%.3f, %.3f, %.3f, %.3f, %.3f, %.3f]", x[0], x[1], x[2], x[3], x[4], x[5]);
 }
 
 /// The call of `direct_torque`, in the form that the version knows.
@@ -25,11 +23,10 @@ std::string torque_call(const ProgramSettings& s) {
 }  // namespace
 
 std::string program(const ProgramSettings& s) {
-  char text[3600];
   const bool by_torque = s.interface == skinctl::Interface::torque;
   const std::string torque = by_torque ? "      elif m == 8:\n        " + torque_call(s) + "\n" : "";
   // One thread moves, the other reads; what is read counts until the next message or the time-out in it.
-  std::snprintf(text, sizeof text, R"(def skinctl():
+  return skinctl::formatted(R"(def skinctl():
   steptime = %.6f
   global target = [0, 0, 0, 0, 0, 0]
   global mode = 0
@@ -74,9 +71,8 @@ std::string program(const ProgramSettings& s) {
   socket_close("reverse_socket")
 end
 )",
-                1 / s.rate, servoj_lookahead, torque.c_str(), s.address.c_str(),
-                static_cast<unsigned>(s.port));
-  return text;
+                            1 / s.rate, servoj_lookahead, torque.c_str(), s.address.c_str(),
+                            static_cast<unsigned>(s.port));
 }
 
 std::array<std::uint8_t, 32> message(std::int32_t timeout_ms, const std::array<double, 6>& values,

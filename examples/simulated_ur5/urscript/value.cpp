@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "skinctl/io/formatted.hpp"
 
 namespace simulated_ur5::urscript {
 namespace {
@@ -10,9 +11,7 @@ namespace {
 std::string text_of(double d) {
   if (std::isnan(d)) return "nan";
   if (std::isinf(d)) return d > 0 ? "inf" : "-inf";
-  std::array<char, 40> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%.6g", d);
-  return buffer.data();
+  return skinctl::formatted("%.6g", d);
 }
 
 template <class Items, class Write>

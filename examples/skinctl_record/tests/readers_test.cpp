@@ -15,6 +15,7 @@
 #include "skinctl/io/contact_cloud.hpp"
 #include "skinctl/io/mcap_file.hpp"
 #include "skinctl/io/skin_cloud.hpp"
+#include "skinctl/testing/comma_locale.hpp"
 
 using namespace skinctl;
 using nlohmann::json;
@@ -307,6 +308,11 @@ TEST_CASE("skinctl_record: info, recover and csv of a file, and words for what i
       "time,stamp,x,y,z,force,proximity,temperature,cell,status,force1,force2,force3,age,ax,ay,az\n"));
   const auto [joints, states] = table("/joint_states");
   CHECK(joints == 60);
+  {
+    const skinctl::testing::CommaLocale comma;
+    CHECK((table("/joint_states").second == states));
+    CHECK((table("/skin/cells").second == text));
+  }
   std::istringstream lines(states);
   std::string head, first;
   std::getline(lines, head), std::getline(lines, first);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/io/contact_picture.hpp"
 #include "skinctl/io/cycle_hand_over.hpp"
+#include "skinctl/io/formatted.hpp"
 #include "skinctl/io/run_description.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -100,10 +100,9 @@ class CycleMessages {
       between = ",";
     });
     text += "],\"times_us\":{";
-    char number[48];
     for (std::size_t s = 0; s < stage_count; ++s) {
-      std::snprintf(number, sizeof number, "%.3f", 1e-3 * static_cast<double>(r.times[s].count()));
-      text += std::string(s > 0 ? "," : "") + "\"" + name(static_cast<CycleStage>(s)) + "\":" + number;
+      text += formatted("%s\"%s\":%.3f", s > 0 ? "," : "", name(static_cast<CycleStage>(s)),
+                        1e-3 * static_cast<double>(r.times[s].count()));
     }
     text += "},\"dropped\":" + std::to_string(dropped) + "}";
     return encoded(ros::String{text});

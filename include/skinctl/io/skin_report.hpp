@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "skinctl/io/formatted.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -61,32 +61,26 @@ namespace detail {
 inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
     CellFault::stuck,      CellFault::saturated, CellFault::blinking, CellFault::noisy,
     CellFault::cross_talk, CellFault::discharge, CellFault::unheard};
-template <class... X>
-[[nodiscard]] std::string formatted(const char* format, X... x) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, x...);
-  return text;
-}
 }  // namespace detail
 
 /// In words: a line with the numbers, then one for each cell that is not healthy. "258 of 260 cells count; stuck: 2"
 [[nodiscard]] SKINCTL_COLD inline std::string in_words(const SkinReport& report) {
-  std::string out = detail::formatted("%zu of %zu cells count", report.usable, report.cells.size());
+  std::string out = formatted("%zu of %zu cells count", report.usable, report.cells.size());
   for (const CellFault f : detail::all_cell_faults)
-    if (const std::size_t n = report.count(f); n > 0) out += detail::formatted("; %s: %zu", name(f), n);
+    if (const std::size_t n = report.count(f); n > 0) out += formatted("; %s: %zu", name(f), n);
   if (const std::size_t n = report.unexplained(); n > 0)
-    out += detail::formatted("; reading something that nobody can explain: %zu", n);
+    out += formatted("; reading something that nobody can explain: %zu", n);
   out += "\n";
   for (const CellReport& c : report.cells) {
     if (!c.faults.any() && !c.unexplained && c.mask == 0) continue;
-    out += detail::formatted("cell %u on link %zu:", c.id, c.link);
+    out += formatted("cell %u on link %zu:", c.id, c.link);
     const char* comma = " ";
     for (const CellFault f : detail::all_cell_faults)
       if (c.faults.has(f)) out += std::string(comma) + name(f), comma = ", ";
     if (c.unexplained) out += std::string(comma) + "drift or contact, nobody can tell", comma = ", ";
     if (!c.faults.any() && !c.unexplained) out += " comes back";
-    if (c.mask > 0) out += detail::formatted(", masked by %.0f %%", 100 * c.mask);
-    out += detail::formatted(", rest level %.3f\n", c.rest);
+    if (c.mask > 0) out += formatted(", masked by %.0f %%", 100 * c.mask);
+    out += formatted(", rest level %.3f\n", c.rest);
   }
   return out;
 }
@@ -94,21 +88,21 @@ template <class... X>
 /// As JSON: `{"cells": 260, "usable": 258, "faults": {"stuck": 2, ...}, "unexplained": 0, "unhealthy": [{"id": 7,
 /// "link": 2, "faults": ["stuck"], "mask": 1, "rest": 0.06, "unexplained": false}, ...]}`.
 [[nodiscard]] SKINCTL_COLD inline std::string as_json(const SkinReport& report) {
-  std::string out = detail::formatted("{\"cells\": %zu, \"usable\": %zu, \"faults\": {", report.cells.size(),
-                                      report.usable);
+  std::string out =
+      formatted("{\"cells\": %zu, \"usable\": %zu, \"faults\": {", report.cells.size(), report.usable);
   const char* comma = "";
   for (const CellFault f : detail::all_cell_faults)
-    out += detail::formatted("%s\"%s\": %zu", comma, name(f), report.count(f)), comma = ", ";
-  out += detail::formatted("}, \"unexplained\": %zu, \"unhealthy\": [", report.unexplained());
+    out += formatted("%s\"%s\": %zu", comma, name(f), report.count(f)), comma = ", ";
+  out += formatted("}, \"unexplained\": %zu, \"unhealthy\": [", report.unexplained());
   comma = "";
   for (const CellReport& c : report.cells) {
     if (!c.faults.any() && !c.unexplained && c.mask == 0) continue;
-    out += detail::formatted("%s\n  {\"id\": %u, \"link\": %zu, \"faults\": [", comma, c.id, c.link);
+    out += formatted("%s\n  {\"id\": %u, \"link\": %zu, \"faults\": [", comma, c.id, c.link);
     comma = "";
     for (const CellFault f : detail::all_cell_faults)
-      if (c.faults.has(f)) out += detail::formatted("%s\"%s\"", comma, name(f)), comma = ", ";
-    out += detail::formatted("], \"mask\": %.3f, \"rest\": %.4f, \"unexplained\": %s}", c.mask, c.rest,
-                             c.unexplained ? "true" : "false");
+      if (c.faults.has(f)) out += formatted("%s\"%s\"", comma, name(f)), comma = ", ";
+    out += formatted("], \"mask\": %.3f, \"rest\": %.4f, \"unexplained\": %s}", c.mask, c.rest,
+                     c.unexplained ? "true" : "false");
     comma = ",";
   }
   return out + "]}\n";
@@ -181,19 +175,19 @@ struct CellLook {
       for (std::size_t b = 0; b < a; ++b)
         nearest = std::min(nearest, std::hypot(u.along[a] - u.along[b], u.around[a] - u.around[b]));
     const double r = std::clamp(0.46 * scale * nearest, 2.0, 11.0);
-    body += detail::formatted("<text x=\"%.1f\" y=\"%.1f\" class=\"t\">link %zu</text>\n", x, top - 16, link);
+    body += formatted("<text x=\"%.1f\" y=\"%.1f\" class=\"t\">link %zu</text>\n", x, top - 16, link);
     for (std::size_t k = 0; k < u.cells.size(); ++k) {
       const CellReport& c = *u.cells[k];
       const auto look = detail::look_of(c.faults, c.unexplained);
       const double cx = x + r + scale * (u.around[k] - u.left), cy = top + r + scale * (u.high - u.along[k]);
-      body += detail::formatted(
+      body += formatted(
           "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"%s\" stroke=\"#777777\"><title>cell "
           "%u</title></circle>\n",
           cx, cy, r, look.fill, c.id);
       if (look.letter[0] != 0)
-        body += detail::formatted(
-            "<text x=\"%.1f\" y=\"%.1f\" class=\"c\" fill=\"%s\" font-size=\"%.1f\">%s</text>\n", cx,
-            cy + 0.45 * r, look.text, 1.3 * r, look.letter);
+        body +=
+            formatted("<text x=\"%.1f\" y=\"%.1f\" class=\"c\" fill=\"%s\" font-size=\"%.1f\">%s</text>\n",
+                      cx, cy + 0.45 * r, look.text, 1.3 * r, look.letter);
       height = std::max(height, cy + r);
     }
     x += scale * (u.right - u.left) + 2 * r + gap;
@@ -203,29 +197,28 @@ struct CellLook {
   std::string legend;
   const auto entry = [&](CellFaults found, bool unexplained, const std::string& label) {
     const auto look = detail::look_of(found, unexplained);
-    legend += detail::formatted(
-        "<rect x=\"%.1f\" y=\"%.1f\" width=\"16\" height=\"16\" fill=\"%s\" stroke=\"#777777\"/>\n", at,
-        height + 24, look.fill);
     legend +=
-        detail::formatted("<text x=\"%.1f\" y=\"%.1f\" class=\"c\" fill=\"%s\" font-size=\"12\">%s</text>\n",
-                          at + 8, height + 36.5, look.text, look.letter);
-    legend += detail::formatted("<text x=\"%.1f\" y=\"%.1f\" class=\"l\">%s</text>\n", at + 21, height + 36.5,
-                                label.c_str());
+        formatted("<rect x=\"%.1f\" y=\"%.1f\" width=\"16\" height=\"16\" fill=\"%s\" stroke=\"#777777\"/>\n",
+                  at, height + 24, look.fill);
+    legend += formatted("<text x=\"%.1f\" y=\"%.1f\" class=\"c\" fill=\"%s\" font-size=\"12\">%s</text>\n",
+                        at + 8, height + 36.5, look.text, look.letter);
+    legend += formatted("<text x=\"%.1f\" y=\"%.1f\" class=\"l\">%s</text>\n", at + 21, height + 36.5,
+                        label.c_str());
     at += 32 + 6.6 * static_cast<double>(label.size());
   };
   entry({}, false, "healthy");
   for (const CellFault f : detail::all_cell_faults) entry(f, false, name(f));
   entry({}, true, "drift or contact?");
-  std::string out = detail::formatted(
+  std::string out = formatted(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" font-family=\"sans-serif\">\n",
       std::max(width, at), height + 60);
   out +=
       "<style>.t{font-size:15px;fill:#222}.c{text-anchor:middle;font-weight:bold}.l{font-size:12px;fill:#222}"
       "</style>\n"
       "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
-  out += detail::formatted(
-      "<text x=\"%.0f\" y=\"24\" class=\"t\" font-weight=\"bold\">%zu of %zu cells count</text>\n", gap,
-      report.usable, report.cells.size());
+  out +=
+      formatted("<text x=\"%.0f\" y=\"24\" class=\"t\" font-weight=\"bold\">%zu of %zu cells count</text>\n",
+                gap, report.usable, report.cells.size());
   return out + body + legend + "</svg>\n";
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <string>
 #include <vector>
@@ -11,6 +11,7 @@
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/xml_text.hpp"
 #include "skinctl/frames/rotation.hpp"
+#include "skinctl/io/formatted.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/model/named_links.hpp"
 #include "skinctl/tactile/capsule.hpp"
@@ -106,12 +107,14 @@ class UrdfBuilder {
   static std::string list(std::initializer_list<double> values) {
     std::string out;
     for (const double v : values) {
-      char digits[32];
+      std::string digits;
       for (int n = 6; n <= 17; ++n) {
-        std::snprintf(digits, sizeof digits, "%.*g", n, v == 0 ? 0.0 : v);
-        if (std::strtod(digits, nullptr) == v) break;
+        digits = formatted("%.*g", n, v == 0 ? 0.0 : v);
+        double again = 0;
+        std::from_chars(digits.data(), digits.data() + digits.size(), again);
+        if (again == v) break;
       }
-      out += (out.empty() ? "" : " ") + std::string(digits);
+      out += (out.empty() ? "" : " ") + digits;
     }
     return out;
   }

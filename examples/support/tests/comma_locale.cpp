@@ -1,0 +1,6 @@
+// A library for LD_PRELOAD: the program runs in a locale that writes commas.
+#include "skinctl/testing/comma_locale.hpp"
+
+namespace {
+const skinctl::testing::CommaLocale comma;
+}
