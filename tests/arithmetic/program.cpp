@@ -4,6 +4,7 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
 #include "skinctl/model/ur5.hpp"
 
@@ -15,12 +16,12 @@ template <class T>
 void print() {
   const volatile T start = T(-100), tenth = T(0.1), eighths = T(0.375);
   const T step = tenth, share = eighths;
-  math::Sum<T> sum{T(start)};
+  T sum = start, rest = 0;
   const auto put = [](T x) { std::printf("%a ", double(x)); };
   for (int k = 0; k < 1000; ++k) {
     JointPosition<6, T> q;
     T sines[6], cosines[6], slopes[6];
-    for (T& x : q) x = sum.value() * share, sum += step;
+    for (T& x : q) x = sum * share, math::add_compensated(sum, rest, step);
     math::sincos<6>(q.data, sines, cosines);
     math::tanh<6>(q.data, slopes);
     for (int i = 0; i < 6; ++i) put(sines[i]), put(cosines[i]), put(slopes[i]);
