@@ -8,7 +8,9 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/model/ur5.hpp"
+#include "skinctl/testing/ur5_clearance.hpp"
 #include "tests/support/grouped_scene.hpp"
 
 using namespace skinctl;
@@ -51,7 +53,8 @@ struct Ending {
 };
 
 /// A UR5 with random configuration, limits and torques.
-template <Interface I, bool Tool>
+enum class Parts { jerk, jerk_and_tool, clearance };
+template <Interface I, Parts P>
 Ending end_of(std::uint64_t seed, Ends ends, bool held) {
   std::mt19937_64 rng(seed);
   const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
@@ -79,7 +82,9 @@ Ending end_of(std::uint64_t seed, Ends ends, bool held) {
       }
     }();
     const MaxToolSpeed<5> tool{.speed = roll(0.02, 0.3), .reach = 1.3};
-    if constexpr (Tool) {
+    if constexpr (P == Parts::clearance) {
+      return plain.with(ur5_clearance<1>().own);
+    } else if constexpr (P == Parts::jerk_and_tool) {
       return plain.with(jerk, tool);
     } else {
       return plain.with(jerk);
@@ -146,8 +151,8 @@ TEST_CASE_TEMPLATE("Cycle: with limits of jerk and tool speed every stop ends, w
         CAPTURE(seed);
         CAPTURE(ends == Ends::by_stop);
         CAPTURE(held);
-        const auto with_jerk = end_of<C::value, false>(seed, ends, held);
-        const auto with_both = end_of<C::value, true>(seed, ends, held);
+        const auto with_jerk = end_of<C::value, Parts::jerk>(seed, ends, held);
+        const auto with_both = end_of<C::value, Parts::jerk_and_tool>(seed, ends, held);
         for (const auto& e : {with_jerk, with_both}) {
           CHECK(e.speed < rests);
           CHECK(e.keeps_limits);
@@ -157,6 +162,15 @@ TEST_CASE_TEMPLATE("Cycle: with limits of jerk and tool speed every stop ends, w
         if (!held) exceeded += with_jerk.during.has(Reason::jerk_exceeded);
       }
   CHECK(exceeded > 16);
+}
+
+TEST_CASE("Cycle: a stop beside a clearance ends, whichever joint is held") {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    CAPTURE(seed);
+    const auto e = end_of<Interface::position, Parts::clearance>(seed, Ends::by_stop, true);
+    CHECK(e.speed < rests);
+    CHECK(e.keeps_limits);
+  }
 }
 
 TEST_CASE("Groups: with a limit of jerk every stop ends, whichever joint is held") {

@@ -242,7 +242,7 @@ class Cycle {
   SKINCTL_INLINE Output run(Memory& m, const Input& input, Watch& watch, const Change& change) const noexcept;
   template <class Resolved, class Pressed>
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
-                             const Interval& interval, bool hard) const noexcept;
+                             const Interval& interval, bool hard, bool stops) const noexcept;
   SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept;
   /// Whether the watch over the skin holds a robot that nobody else has stopped.
   [[nodiscard]] SKINCTL_INLINE bool pauses(const Memory& m) const noexcept {

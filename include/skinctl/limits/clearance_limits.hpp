@@ -132,12 +132,13 @@ class ClearanceLimits {
     Velocity velocity;
     bool limited;
   };
-  /// The step from `u0` to `u1` over `h` seconds, as far as the clearances and `also(u)` are kept: `u1` if so.
+  /// The step from `u0` to `u1` over `h` seconds, as far as the clearances and `also(u)` are kept: `u1` if so. What is
+  /// left of it goes along the margin if it `slides`, otherwise straight on, so that it ends there.
   template <class Also>
   [[nodiscard]] SKINCTL_NOINLINE Kept within(const Memory& seen, const Position& q,
                                              const JointRoom<joints, T>& room, const Velocity& u0,
-                                             const Velocity& u1, const T& h,
-                                             const Also& also) const noexcept {
+                                             const Velocity& u1, const T& h, const Also& also,
+                                             bool slides = true) const noexcept {
     const Here here = at(seen, q);
     const auto keeps = [&](const Velocity& u) {
       return here.keeps(u, integrate(Position(), u0 + u, T(T(0.5) * h)), room) && also(u);
@@ -151,7 +152,7 @@ class ClearanceLimits {
     }
     const T left = stop > h ? T(T(1) - h / stop) : T(0);
     Velocity brake = left * u0;
-    const Velocity slid = here.slid(u1, h);
+    const Velocity slid = slides ? here.slid(u1, h) : u1;
     Velocity wish = limits_.move(room, u0, slid, h).velocity;
     if (keeps(wish)) return {wish, true};
     // The limits of single joints turn a motion along the margin into it; all joints at one rate do not.

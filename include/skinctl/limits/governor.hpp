@@ -84,12 +84,13 @@ class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, 
   /// @param nearest   strongest proximity reading for each link of the contact limits; both are read only
   ///                  with contact limits.
   /// @param hard      whether jerk gives way, see `Resolver::stops_or_corrects`.
+  /// @param stops     whether a stop was requested: it ends at a clearance, and does not slide along.
   /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.
   template <class Touch, class Nearest>
   SKINCTL_INLINE Governed<N, T> step(Memory& m, const JointCommand<N, T>& last,
                                      const JointCommand<N, T>& wish, const State<N, T>& measured,
                                      const Touch& touch, const Nearest& nearest, const T& dt,
-                                     bool hard = false) const noexcept {
+                                     bool hard = false, bool stops = false) const noexcept {
     Governed<N, T> out{wish.copy(), {}, false};
     if (!last.valid || !wish.valid || !detail::is_plausible(wish) || !(dt > T(0))) {
       m.acceleration = {};
@@ -98,7 +99,7 @@ class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, 
     detail::Slowed<N, T> left = this->felt(m, measured, wish.velocity, touch, nearest, dt);
     const auto room = limits_.room(last.position);
     this->keep_tool_speed(last.position, room, last.velocity, dt, left);
-    this->keep_clear(m, last.position, room, last.velocity, dt, left);
+    this->keep_clear(m, last.position, room, last.velocity, dt, left, !stops);
     out.status |= left.status;
     if constexpr (has_jerk) {
       if (hard) [[unlikely]] {

@@ -92,13 +92,15 @@ class GroupGovernor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Ra
   /// @param spans     the time to the command of each group by position or velocity [s].
   /// @param dt        seconds since the last cycle.
   /// @param hard      whether jerk gives way, see `Resolver::stops_or_corrects`.
+  /// @param stops     whether a stop was requested: it ends at a clearance, and does not slide along.
   template <class Touch, class Nearest>
   SKINCTL_NOINLINE GovernedTorque<N, T> step(Memory& m, const JointCommand<N, T>& last,
                                              const JointCommand<N, T>& wish, const JointTorque<N, T>& hold,
                                              bool stopping, bool stale, const T& rate,
                                              const State<N, T>& measured, const Touch& touch,
                                              const Nearest& nearest, const std::array<T, stiff_groups>& spans,
-                                             const T& dt, bool hard = false) const noexcept {
+                                             const T& dt, bool hard = false,
+                                             bool stops = false) const noexcept {
     GovernedTorque<N, T> out{{wish, {}, false}, hold};
     if (!last.valid || !wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) ||
         !(dt > T(0))) {
@@ -147,7 +149,7 @@ class GroupGovernor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Ra
       if (share < T(1)) left.status |= Reason::clearance_kept;
       left.by(share);
     }
-    this->keep_clear(m, q, room, from, dt, left);
+    this->keep_clear(m, q, room, from, dt, left, !stops);
     u = left.velocity;
     out.status |= left.status;
     if constexpr (has_jerk) {

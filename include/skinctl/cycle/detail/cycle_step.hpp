@@ -53,6 +53,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
       return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_);
     }
   }();
+  [[maybe_unused]] const bool stops = resolver_.stops(m.robot);
   if constexpr (detail::watches_skin<Overseer>) {
     if (pause) {
       resolver_.go_on(m.robot);
@@ -69,7 +70,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
     if (interval.substeps != 0) {
       if constexpr (Overseer::has_clearance && requires { resolver_.off(m.robot); })
         governor_.clearance().stand_off(m.governor.around, resolver_.off(m.robot));
-      const auto given = govern(m, resolved, pressed, interval, hard);
+      const auto given = govern(m, resolved, pressed, interval, hard, stops);
       status |= given.status;
       found |= given.status;
       slowed = given.altered;
@@ -95,7 +96,7 @@ template <class Resolver, class GivenLaw, class GivenSkin, class Watchman, class
 template <class Resolved, class Pressed>
 SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::govern(
     Memory& m, const Resolved& resolved, const Pressed& pressed, const Interval& interval,
-    [[maybe_unused]] bool hard) const noexcept {
+    [[maybe_unused]] bool hard, [[maybe_unused]] bool stops) const noexcept {
   scalar dt = seconds<scalar>(interval.to - interval.from);
   if constexpr (detail::takes_positions<Resolver>) dt = m.robot.command_span;
   const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
@@ -105,7 +106,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::go
     return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
                           guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
                           scalar(guard_.settings().torque_rate), m.robot.measured, pressed, nearest, spans,
-                          dt, hard);
+                          dt, hard, stops);
   } else if constexpr (Resolver::interface == Interface::torque) {
     return governor_.step_torque(m.governor, m.guard.command, resolved.command, resolved.fallback,
                                  guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
@@ -113,7 +114,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::go
                                  dt);
   } else {
     return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, pressed, nearest,
-                          dt, hard);
+                          dt, hard, stops);
   }
 }
 

@@ -90,10 +90,10 @@ class GovernorParts {
       if (kept.limited) s.status |= Reason::tool_speed_limited, s.slowed = true;
     }
   }
-  /// The same for clearances; where these turn the motion aside, the tool keeps its speed.
+  /// The same for clearances; where these turn a motion that `slides` aside, the tool keeps its speed.
   SKINCTL_INLINE void keep_clear(const Memory& m, const JointPosition<N, T>& q, const JointRoom<N, T>& room,
-                                 const JointVelocity<N, T>& from, const T& dt,
-                                 Slowed<N, T>& s) const noexcept {
+                                 const JointVelocity<N, T>& from, const T& dt, Slowed<N, T>& s,
+                                 bool slides) const noexcept {
     if constexpr (has_clearance) {
       const auto tool_keeps = [&](const JointVelocity<N, T>& v) {
         if constexpr (has_tool) {
@@ -103,7 +103,7 @@ class GovernorParts {
         }
       };
       const auto kept =
-          clearance_.within(m.around, q, room, from, reached(room, from, dt, s), dt, tool_keeps);
+          clearance_.within(m.around, q, room, from, reached(room, from, dt, s), dt, tool_keeps, slides);
       s.velocity = kept.velocity;
       if (kept.limited) s.status |= Reason::clearance_kept, s.slowed = true;
     }
