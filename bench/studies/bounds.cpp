@@ -21,7 +21,7 @@
 #include "bench/studies/bounds/quantities.hpp"
 #include "bench/studies/bounds/sign_symmetries.hpp"
 #include "bench/studies/bounds/worst_found.hpp"
-#include "skinctl/math/traced.hpp"
+#include "bench/studies/proofs/traced.hpp"
 #include "skinctl/model/allegro.hpp"
 #include "skinctl/model/universal_robots.hpp"
 #include "skinctl/model/ur5.hpp"

@@ -26,8 +26,6 @@
 #include "skinctl/core/version.hpp"
 #include "skinctl/core/xml_text.hpp"
 
-#include "skinctl/math/bound.hpp"
-#include "skinctl/math/enclosure.hpp"
 #include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
@@ -35,9 +33,6 @@
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
-#include "skinctl/math/tape.hpp"
-#include "skinctl/math/traced.hpp"
-#include "skinctl/math/traced_output.hpp"
 
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"

@@ -9,7 +9,7 @@
 #include "bench/studies/bounds/program.hpp"
 #include "bench/studies/bounds/quantities.hpp"
 #include "bench/studies/bounds/sign_symmetries.hpp"
-#include "skinctl/math/traced_output.hpp"
+#include "bench/studies/proofs/traced_output.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/robot_table.hpp"
 

@@ -3,6 +3,9 @@
 
 #include <Eigen/Core>
 
+#include "bench/studies/proofs/bound.hpp"
+#include "bench/studies/proofs/traced.hpp"
+#include "bench/studies/proofs/traced_output.hpp"
 #include "skinctl/core/eigen.hpp"
 #include "skinctl/core/gripper.hpp"
 #include "skinctl/core/joint.hpp"
@@ -16,13 +19,10 @@
 #include "skinctl/frames/twist.hpp"
 #include "skinctl/frames/wrench.hpp"
 #include "skinctl/hardware/gripper.hpp"
-#include "skinctl/math/bound.hpp"
 #include "skinctl/math/fixed.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
-#include "skinctl/math/traced.hpp"
-#include "skinctl/math/traced_output.hpp"
 #include "skinctl/model/dh.hpp"
 #include "skinctl/model/mounted.hpp"
 #include "skinctl/model/placement.hpp"

@@ -1,15 +1,15 @@
-#include "skinctl/math/bound.hpp"
+#include "bench/studies/proofs/bound.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "bench/studies/proofs/traced.hpp"
+#include "bench/studies/proofs/traced_output.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/tanh.hpp"
-#include "skinctl/math/traced.hpp"
-#include "skinctl/math/traced_output.hpp"
 #include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/sanitized.hpp"

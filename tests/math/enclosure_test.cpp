@@ -1,4 +1,4 @@
-#include "skinctl/math/enclosure.hpp"
+#include "bench/studies/proofs/enclosure.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "skinctl/math/detail/lane_form.hpp"
+#include "bench/studies/proofs/lane_form.hpp"
 #include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/robot_table.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "skinctl/math/detail/rounding_unit.hpp"
+#include "bench/studies/proofs/rounding_unit.hpp"
 #include "tests/math/kernel_scripts.hpp"
 
 using namespace skinctl;

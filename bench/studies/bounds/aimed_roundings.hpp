@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "bench/studies/proofs/tape.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/tanh.hpp"
-#include "skinctl/math/tape.hpp"
 
 namespace skinctl::bounds {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "skinctl/math/traced_output.hpp"
+#include "bench/studies/proofs/traced_output.hpp"
 
 namespace skinctl::bounds {
 

@@ -7,12 +7,12 @@
 #include <memory>
 #include <random>
 
+#include "bench/studies/proofs/bound.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/math/bound.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/testing/scene.hpp"
 

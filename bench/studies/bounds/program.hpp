@@ -10,7 +10,7 @@
 #include "bench/studies/bounds/aimed_roundings.hpp"
 #include "bench/studies/bounds/box_search.hpp"
 #include "bench/studies/bounds/quantities.hpp"
-#include "skinctl/math/traced.hpp"
+#include "bench/studies/proofs/traced.hpp"
 
 namespace skinctl::bounds {
 

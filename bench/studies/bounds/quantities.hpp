@@ -5,11 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "bench/studies/proofs/tape.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/math/tape.hpp"
 
 namespace skinctl::bounds {
 

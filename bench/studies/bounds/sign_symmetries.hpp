@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/studies/bounds/box_search.hpp"
-#include "skinctl/math/tape.hpp"
+#include "bench/studies/proofs/tape.hpp"
 
 namespace skinctl::bounds {
 

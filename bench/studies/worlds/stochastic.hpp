@@ -6,8 +6,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "bench/studies/proofs/limits_like.hpp"
 #include "skinctl/core/config.hpp"
-#include "skinctl/math/detail/limits_like.hpp"
 
 namespace skinctl::testing {
 

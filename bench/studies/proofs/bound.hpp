@@ -6,9 +6,9 @@
 #include <limits>
 #include <type_traits>
 
-#include "skinctl/math/detail/limits_like.hpp"
-#include "skinctl/math/detail/rounding_unit.hpp"
-#include "skinctl/math/enclosure.hpp"
+#include "bench/studies/proofs/enclosure.hpp"
+#include "bench/studies/proofs/limits_like.hpp"
+#include "bench/studies/proofs/rounding_unit.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
@@ -26,7 +26,7 @@ inline std::uint64_t& undecided() noexcept {
 ///
 /// The bound is the running error of every operation: `e(a + b) = e(a) + e(b) + u(|a + b| + e(a) + e(b))`, and
 /// so on, where `u(x)` is half a unit in the last place of x; a fused multiplication and addition only lowers
-/// it. Sines, cosines and tanh have the error that their kernels are proven to have (`detail/rounding_unit.hpp`);
+/// it. Sines, cosines and tanh have the error that their kernels are proven to have (`rounding_unit.hpp`);
 /// other functions of the C library are taken to be accurate to one unit in the last place. A number from a
 /// double starts with the error of its rounding to `R`; the exact value is the double itself.
 ///

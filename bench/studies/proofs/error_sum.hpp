@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "skinctl/math/detail/lane_form.hpp"
+#include "bench/studies/proofs/lane_form.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {

@@ -1,9 +1,9 @@
 // Enclosures in lanes: several boxes at once.
 #pragma once
 
+#include "bench/studies/proofs/enclosure.hpp"
+#include "bench/studies/proofs/rounding_unit.hpp"
 #include "skinctl/core/lane.hpp"
-#include "skinctl/math/detail/rounding_unit.hpp"
-#include "skinctl/math/enclosure.hpp"
 #include "skinctl/math/sincos.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

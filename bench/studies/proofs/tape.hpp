@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "skinctl/math/detail/rounding_unit.hpp"
-#include "skinctl/math/enclosure.hpp"
+#include "bench/studies/proofs/enclosure.hpp"
+#include "bench/studies/proofs/rounding_unit.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace math {

@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include "skinctl/math/bound.hpp"
-#include "skinctl/math/detail/lane_form.hpp"
-#include "skinctl/math/tape.hpp"
+#include "bench/studies/proofs/bound.hpp"
+#include "bench/studies/proofs/lane_form.hpp"
+#include "bench/studies/proofs/tape.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {

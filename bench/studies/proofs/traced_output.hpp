@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "skinctl/math/detail/error_sum.hpp"
-#include "skinctl/math/detail/tape_slice.hpp"
+#include "bench/studies/proofs/error_sum.hpp"
+#include "bench/studies/proofs/tape_slice.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace math {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <type_traits>
 
-#include "skinctl/math/bound.hpp"
-#include "skinctl/math/detail/limits_like.hpp"
-#include "skinctl/math/tape.hpp"
+#include "bench/studies/proofs/bound.hpp"
+#include "bench/studies/proofs/limits_like.hpp"
+#include "bench/studies/proofs/tape.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace math {

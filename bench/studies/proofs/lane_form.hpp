@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "skinctl/math/detail/lane_enclosure.hpp"
+#include "bench/studies/proofs/lane_enclosure.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {
