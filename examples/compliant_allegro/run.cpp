@@ -206,6 +206,8 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
     log.reason = driver.error();
     return driver.halted() ? Exit::halted : Exit::lost;
   }
+  if (result.ended == LoopEnd::displaced)
+    return log.reason = "the hand stood elsewhere than its first state said", Exit::not_following;
   if (blind) return log.reason = "the tactile cells have fallen silent", Exit::blind;
   return Exit::fine;
 }

@@ -55,6 +55,22 @@ State<1, T> at(Nanoseconds time, double q, double dq = 0) {
   return s;
 }
 
+// A guard whose robot has shown itself where it was started, in the midst of a motion.
+template <class G>
+typename G::Memory begun(const G& guard, const JointCommand<1, typename G::scalar>& command,
+                         const State<1, typename G::scalar>& measured) {
+  auto memory = guard.start(command, measured);
+  memory.begun = true;
+  return memory;
+}
+// A distance that no command reaches.
+template <class T>
+GuardSettings<1, T> any_lead() {
+  GuardSettings<1, T> s;
+  s.lead = JointPosition<1, T>::constant(T(100));
+  return s;
+}
+
 // A guard under a steady motion at 0.5 rad/s that began at zero.
 template <Interface I, class T>
 struct Moving {
@@ -111,7 +127,7 @@ TEST_CASE("Guard: refuses configurations that cannot work, with the number and t
   CHECK(refusal([](auto& c, auto&) { c.longest_interval = 1ms; }).find("longest interval = 1") !=
         std::string::npos);
   CHECK(refusal([](auto&, auto& s) { s.stale_after = 1ms; }).find("stale after = 1") != std::string::npos);
-  CHECK(refusal([](auto&, auto& s) { s.lead[0] = 0; }).find("lead = 0") != std::string::npos);
+  CHECK(refusal([](auto&, auto& s) { s.lead = JointPosition<1>(); }).find("lead = 0") != std::string::npos);
   CHECK(refusal([](auto&, auto& s) { s.torque_rate = std::nan(""); }).find("torque rate = nan") !=
         std::string::npos);
 }
@@ -178,7 +194,8 @@ TEST_CASE_TEMPLATE("Guard: a command that is not renewed brakes", C, MOTIONS) {
 TEST_CASE_TEMPLATE("Guard: a silent robot brakes the command, news let it go on", C, MOTIONS) {
   using T = typename C::scalar;
   Moving<C::interface, T> m;
-  const auto last = at<T>(m.now, 0);
+  m.guard = Guard<C::interface, 1, T>(configuration<T>(), any_lead<T>());
+  const auto last = m.good;
   for (int k = 1; k <= 25; ++k) CHECK_FALSE(m.step(as_it_is, [&](auto& s) { s = last; }).altered);
   auto out = m.step(as_it_is, [&](auto& s) { s = last; });
   CHECK(out.status.has(Reason::state_stale));
@@ -252,8 +269,8 @@ TEST_CASE_TEMPLATE("Guard: a long pause gives no credit for a long step", C, MOT
 TEST_CASE_TEMPLATE("Guard: too fast to stop before the end brakes", T, float, double) {
   // 0.5 rad/s needs 0.0125 rad at 10 rad/s^2.
   for (const double room : {0.02, 0.012}) {
-    Guard<Interface::position, 1, T> guard(configuration<T>());
-    auto memory = guard.start(command<T>(0ns, 1.995 - room, 0.5), at<T>(0ns, 1.995 - room));
+    Guard<Interface::position, 1, T> guard(configuration<T>(), any_lead<T>());
+    auto memory = begun(guard, command<T>(0ns, 1.995 - room, 0.5), at<T>(0ns, 1.995 - room));
     const auto out = guard.step(memory, command<T>(10ms, 2 - room, 0.5), at<T>(10ms, 1.99 - room), 10ms);
     CHECK(out.altered == (room < 0.0125));
     CHECK(out.status.has(Reason::outside_limits) == (room < 0.0125));
@@ -290,8 +307,8 @@ TEST_CASE_TEMPLATE("Guard: no command is faster than its limit, and one that is 
       CAPTURE(side);
       CAPTURE(u0);
       CAPTURE(u);
-      Guard<I, 1, T> guard(configuration<T>());
-      auto memory = guard.start(command<T>(0ns, 0, side * u0), at<T>(0ns, 0, side * u0));
+      Guard<I, 1, T> guard(configuration<T>(), any_lead<T>());
+      auto memory = begun(guard, command<T>(0ns, 0, side * u0), at<T>(0ns, 0, side * u0));
       const double q = side * 0.005 * (u0 + u);
       const auto out = guard.step(memory, command<T>(10ms, q, side * u), at<T>(10ms, 0, side * u0), 10ms);
       CHECK(out.altered == (u > 1 && u > u0));
@@ -327,7 +344,7 @@ TEST_CASE_TEMPLATE("Guard: who cannot stop before an end any more may brake as h
       CAPTURE(u);
       Guard<I, 1, T> guard(configuration<T>());
       auto memory =
-          guard.start(command<T>(0ns, side * 1.99, side * 0.5), at<T>(0ns, side * 1.99, side * 0.5));
+          begun(guard, command<T>(0ns, side * 1.99, side * 0.5), at<T>(0ns, side * 1.99, side * 0.5));
       const auto wish = command<T>(10ms, side * (1.99 + 0.005 * (0.5 + u)), side * u);
       const auto out = guard.step(memory, wish, at<T>(10ms, side * 1.995, side * 0.5), 10ms);
       CHECK(out.altered == (u > 0.41));
@@ -343,7 +360,7 @@ TEST_CASE_TEMPLATE("Guard: a robot by velocity that still leaves an end makes ro
       CAPTURE(dq);
       Guard<Interface::velocity, 1, T> guard(configuration<T>());
       // 0.35 rad/s need 6.1 mrad of the 5 that are left.
-      auto memory = guard.start(command<T>(0ns, 0, side * 0.3), at<T>(0ns, side * 1.995));
+      auto memory = begun(guard, command<T>(0ns, 0, side * 0.3), at<T>(0ns, side * 1.995));
       const auto out =
           guard.step(memory, command<T>(10ms, 0, side * 0.35), at<T>(10ms, side * 1.995, side * dq), 10ms);
       CHECK(out.altered == (dq >= 0));
@@ -364,25 +381,30 @@ TEST_CASE_TEMPLATE("Guard: a position that brakes in a late cycle goes no furthe
 }
 
 TEST_CASE_TEMPLATE("Guard: a position far from the robot does not go further", T, float, double) {
-  const auto c = configuration<T>();
+  auto c = configuration<T>();
+  c.delay = 20ms, c.lag = 10ms;
   GuardSettings<1, T> s;
-  s.lead[0] = T(0.1);
-  Guard<Interface::position, 1, T> guard(c, s);
-  for (const double side : {-1.0, 1.0}) {
-    CAPTURE(side);
-    auto memory = guard.start(command<T>(0ns, 0, side * 0.5), at<T>(0ns, 0));
-    Nanoseconds now{};
-    double q = 0;
-    Guarded<1, T> out;
-    for (int k = 0; k < 100; ++k) {  // the robot does not move
-      q += side * 0.005;
-      now += 10ms;
-      out = guard.step(memory, command<T>(now, q, side * 0.5), at<T>(now, 0), now);
-      REQUIRE(T(side) * out.command.position[0] <= T(0.1) * T(1.0001));
+  s.lead = JointPosition<1, T>::constant(T(0.15));
+  // By default the largest lead, 2 v_max T, the dead band, a third of it, and v_max^2/(2 a).
+  for (const auto& [guard, most] : {std::pair{Guard<Interface::position, 1, T>(c, s), 0.15},
+                                    {Guard<Interface::position, 1, T>(c), 0.08 * 4 / 3 + 0.05}})
+    for (const double side : {-1.0, 1.0}) {
+      CAPTURE(side);
+      CAPTURE(most);
+      auto memory = begun(guard, command<T>(0ns, 0, side * 0.5), at<T>(0ns, 0));
+      Nanoseconds now{};
+      double q = 0;
+      Guarded<1, T> out;
+      for (int k = 0; k < 100; ++k) {  // the robot does not move
+        q += side * 0.005;
+        now += 10ms;
+        out = guard.step(memory, command<T>(now, q, side * 0.5), at<T>(now, 0), now);
+        REQUIRE(T(side) * out.command.position[0] <= T(most) * T(1.0001));
+      }
+      CHECK(T(side) * out.command.position[0] > T(0.7 * most));
+      CHECK(out.altered);
+      CHECK(out.command.velocity[0] == T(0));
     }
-    CHECK(out.altered);
-    CHECK(out.command.velocity[0] == T(0));
-  }
 }
 
 TEST_CASE_TEMPLATE("Guard: without a good first command nothing leaves", C, MOTIONS) {
@@ -396,6 +418,58 @@ TEST_CASE_TEMPLATE("Guard: without a good first command nothing leaves", C, MOTI
         guard.start(command<T>(0ns, 0, 0), at<T>(0ns, nan)), GuardMemory<1, T>{}}) {
     const auto out = guard.step(memory, command<T>(10ms, 0, 0), at<T>(10ms, 0), 10ms);
     CHECK_FALSE(out.command.valid);
+  }
+}
+
+TEST_CASE_TEMPLATE("Guard: nothing leaves before a good state shows the robot where it was started", C,
+                   MOTIONS, Case<Interface::torque, double>) {
+  using T = typename C::scalar;
+  const Guard<C::interface, 1, T> guard(configuration<T>(), {.consent = Reason::state_out_of_range});
+  // T is 10 ms: the largest lead and the dead band are 26.7 mrad, of a start beyond an end 6.7 mrad; speeds may
+  // differ by 0.1 + 0.133 rad/s.
+  struct Start {
+    double q, dq, seen_q, seen_dq;
+    bool good;
+  };
+  for (const auto& s : {Start{0, 0, 0.026, 0, true},
+                        {0, 0, -0.028, 0, false},
+                        {0, 0, 1.8, 0, false},
+                        {1.99, 0, 2.01, 0, true},
+                        {2.01, 0, 2.005, 0, true},
+                        {2.01, 0, 1.99, 0, false},
+                        {2.5, 0, 2.5, 0, true},
+                        {9, 0, 9, 0, false},
+                        {0, 0.5, 0.005, 0.5, true},
+                        {0, 0.5, 0.005, 0.3, true},
+                        {0, 0.5, 0.005, 0.2, false},
+                        {0, 0, 0, 0.3, false},
+                        {0, 11, 0, 11, false}}) {
+    CAPTURE(s.q);
+    CAPTURE(s.dq);
+    CAPTURE(s.seen_q);
+    CAPTURE(s.seen_dq);
+    auto memory = guard.start(command<T>(1s, s.q, s.dq), at<T>(1s, s.q, s.dq));
+    Nanoseconds now = 1s;
+    const bool known_wrong = guard.refuses_start(memory);
+    const auto step = [&](Status found) {
+      now += 10ms;
+      auto out = guard.step(memory, command<T>(now, s.q + 0.005 * s.dq, s.dq),
+                            at<T>(found.any() ? 1s : now, s.seen_q, s.seen_dq), now, {}, found);
+      CHECK(out.command.valid == (s.good && !found.any()));
+      if (!out.command.valid) CHECK(out.altered);
+      return out.status;
+    };
+    for (const Reason r : {Reason::state_not_finite, Reason::state_out_of_range, Reason::time_backwards}) {
+      const Status status = step(r);
+      CHECK(status.has(Reason::start_refused) == known_wrong);
+      CHECK(status.has(Reason::consent_awaited) == (r != Reason::state_not_finite));  // it is not forgotten
+    }
+    CHECK(guard.waits(memory));
+    guard.acknowledge(memory);
+    CHECK(step({}).has(Reason::start_refused) == !s.good);
+    CHECK(guard.refuses_start(memory) == !s.good);
+    guard.acknowledge(memory);
+    CHECK(step({}).has(Reason::start_refused) == !s.good);  // an acknowledgement is no start
   }
 }
 
@@ -461,7 +535,7 @@ TEST_CASE_TEMPLATE("Guard: whatever comes in, what goes out is finite, within li
   const Guard<I, 1, T> guard(configuration<T>());
   const bool ok = rc::check([&] {
     State<1, T> known = at<T>(0ns, 0);
-    auto memory = guard.start(command<T>(0ns, 0, 0), known);
+    auto memory = begun(guard, command<T>(0ns, 0, 0), known);
     const int cycles = *rc::gen::inRange(1, 100);
     for (int k = 0; k < cycles; ++k) {
       const auto bits = [] { return *rc::gen::arbitrary<std::uint64_t>(); };
@@ -566,7 +640,7 @@ TEST_CASE_TEMPLATE("Guard: what it found by itself waits for consent, too, where
   using T = typename C::scalar;
   for (const Reason r : {Reason::interval_too_long, Reason::state_stale, Reason::command_not_finite}) {
     const Guard<C::interface, 1, T> guard(configuration<T>(), {.consent = r});
-    auto memory = guard.start(command<T>(0ns, 0, 0), at<T>(0ns, 0));
+    auto memory = begun(guard, command<T>(0ns, 0, 0), at<T>(0ns, 0));
     Nanoseconds now = r == Reason::interval_too_long ? 100ms : 10ms;
     auto wish = command<T>(now, 0, 0);
     wish.valid = r != Reason::command_not_finite;
@@ -605,7 +679,7 @@ TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever i
   const auto c = configuration<T>();
   const double J = 80, A = 10, V = 1, dt = 0.01;
   const JerkLimits<1, T> smooth(c.limits, JointJerk<1, T>::constant(T(J)));
-  const Guard<I, 1, T, JerkLimits<1, T>> guard(c, {}, smooth);
+  const Guard<I, 1, T, JerkLimits<1, T>> guard(c, any_lead<T>(), smooth);
   auto random = [state = std::uint64_t(7)]() mutable {
     state = state * 6364136223846793005u + 1442695040888963407u;
     return static_cast<double>(state >> 11) * 0x1p-53;
@@ -653,9 +727,9 @@ TEST_CASE_TEMPLATE("Guard: with limits of jerk it brakes within them, whenever i
 TEST_CASE("Guard: what cannot be braked within the jerk is braked harder, and said so") {
   const auto c = configuration<double>();
   const Guard<Interface::position, 1, double, JerkLimits<1>> guard(
-      c, {}, JerkLimits<1>(c.limits, JointJerk<1>::constant(30)));
+      c, any_lead<double>(), JerkLimits<1>(c.limits, JointJerk<1>::constant(30)));
   // 0.9 rad/s at 0.05 rad before the end: 10 rad/s^2 stop it in 0.04 rad, 30 rad/s^3 do not.
-  auto m = guard.start(command<double>(0ns, 1.95, 0.9), at<double>(0ns, 1.95));
+  auto m = begun(guard, command<double>(0ns, 1.95, 0.9), at<double>(0ns, 1.95));
   Status seen;
   double farthest = 0;
   for (int k = 1; k < 60; ++k) {

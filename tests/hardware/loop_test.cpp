@@ -212,6 +212,39 @@ TEST_CASE("loop: a robot that droops is told to stay where it was told to be; on
 }
 
 namespace {
+/// Its first state is `first`; then it stands at home.
+struct LeapingRobot {
+  FastRobot robot;
+  JointPosition<6> first;
+  Heard wait(State<6>& state) noexcept {
+    const Heard heard = robot.wait(state);
+    if (robot.waits == 1) state.q = first;
+    return heard;
+  }
+  bool send(const JointCommand<6>& command) noexcept { return robot.send(command); }
+  void stop() noexcept { robot.stop(); }
+};
+}  // namespace
+
+TEST_CASE("loop: a robot that does not stand where its first state says is not moved, and the run says so") {
+  const auto scene = reaching_scene();
+  auto memory = std::make_unique<Scene::Memory>();
+  NoSkin skin;
+  auto no_number = home_position();
+  no_number[2] = std::nan("");
+  for (const auto& first : {JointPosition<6>(), no_number, home_position()}) {
+    LeapingRobot robot{{}, first};
+    const auto report = run_loop(
+        scene, *memory, robot, skin, {.cycles = 50}, [](auto&, auto&) { return true; },
+        [](const auto&, const auto&, const auto&) {});
+    const bool here = first == home_position();
+    CHECK(report.ended == (here ? LoopEnd::finished : LoopEnd::displaced));
+    CHECK(robot.robot.sends == (here ? 50 : 0));
+    CHECK(robot.robot.stops == 1);
+  }
+}
+
+namespace {
 /// Numbers its packets; every second one is lost on the way from the 100th to the 150th.
 struct NumberedRobot : FastRobot {
   std::uint32_t number = 0;

@@ -291,6 +291,7 @@ TEST_CASE("governor: whatever bits come in, commands stay finite, within limits 
     state.q = home_position();
     scene.start(*memory, state);
     auto last = memory->robot.command;
+    bool begun = false;
     Nanoseconds now{};
     for (int k = 0; k < 100; ++k) {
       now += 8ms;
@@ -311,7 +312,12 @@ TEST_CASE("governor: whatever bits come in, commands stay finite, within limits 
       input.request = random.index(10) == 0 ? CycleRequest::resume : CycleRequest::none;
       const auto out = scene.step(*memory, input);
       seen |= out.status;
-      bad += !out.command.valid;
+      begun = begun || out.command.valid;
+      bad += out.command.valid != begun;
+      if (!begun) {  // no state yet, or one elsewhere; then it begins where it is asked to
+        last = memory->guard.command;
+        continue;
+      }
       for (std::size_t i = 0; i < 6; ++i) {
         const double q = out.command.position[i], v = out.command.velocity[i];
         bad += !(q >= limits.lower()[i] && q <= limits.upper()[i]);

@@ -18,7 +18,8 @@ enum class Interface : unsigned char {
 /// interface, so that a robot may take the others as feed-forward; `torque` is the fused torque, beside a motion the
 /// last finite one.
 ///
-/// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet.
+/// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or it
+/// shows the robot elsewhere than where it was started.
 template <std::size_t N, Real T = double>
 struct JointCommand {
   Nanoseconds time{};

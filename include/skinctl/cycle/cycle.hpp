@@ -141,8 +141,12 @@ class Cycle {
   [[nodiscard]] const Watchman& guard() const noexcept { return guard_; }
   [[nodiscard]] const Overseer& governor() const noexcept { return governor_; }
 
-  /// The memory with which the scene takes over a robot that reports `measured`: the robot stays there. A
-  /// state that is not finite gives a memory whose cycles command nothing (`command.valid` is false).
+  /// The memory with which the scene takes over a robot that reports `measured`: the robot stays there. It is not
+  /// believed: the first good state in the input of a cycle decides. A robot that stands elsewhere than `measured` says
+  /// (see `Guard`), a state that is not finite, and one that this robot cannot have give a memory whose cycles command
+  /// nothing: `command.valid` is false, and the status says `start_refused`. The way on is another start, or
+  /// `CycleRequest::resume`, which starts at the measured state of its cycle. Goals from before are gone; one in the
+  /// same input counts.
   [[nodiscard]] Memory start(const State<joints, scalar>& measured) const noexcept {
     Memory m{};
     start(m, measured);
@@ -240,6 +244,7 @@ class Cycle {
   /// @param change  the configuration of the last cycle, or `NoChange`.
   template <class Watch, class Change>
   SKINCTL_INLINE Output run(Memory& m, const Input& input, Watch& watch, const Change& change) const noexcept;
+  SKINCTL_COLD void start_anew(Memory& m, const Input& input) const noexcept;
   template <class Resolved, class Pressed>
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
                              const Interval& interval, bool hard, bool stops) const noexcept;

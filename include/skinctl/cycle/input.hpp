@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 enum class CycleRequest : unsigned char {
   none,
   stop,   ///< brake and hold, until `resume`
-  resume  ///< go on after a stop, also where the guard waits for consent
+  resume  ///< go on after a stop, also where the guard waits for consent; after `start_refused`: start here
 };
 
 /// No law of the scene takes goals.

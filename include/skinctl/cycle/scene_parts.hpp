@@ -30,11 +30,7 @@ struct SceneParts {
   /// @param more  settings of the guard, then limits of jerk.
   template <class Smooth = NoPart, class... More>
   [[nodiscard]] static Guard<Smooth> guard(const Resolver& r, const More&... more) {
-    const auto& p = r.parameters();
-    return Guard<Smooth>(
-        RobotConfiguration<joints, T>{
-            .limits = p.limits, .period = p.period, .longest_interval = p.longest_interval},
-        more...);
+    return Guard<Smooth>(r.parameters().for_guard(), more...);
   }
   /// By torque the limits of the motion are added.
   template <class... Limits>

@@ -151,6 +151,8 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
      WayBack::by_itself, "brakes and holds until cells report again"},
     {Reason::skin_stopped, "skin_stopped", FaultFinder::governor, Reaction::stop, Reaction::stop,
      WayBack::on_request, "cells do not report: stops"},
+    {Reason::start_refused, "start_refused", FaultFinder::guard, Reaction::stop, Reaction::stop,
+     WayBack::on_request, "the robot does not stand where it was started: nothing is commanded"},
 }};
 static_assert(
     [] {
@@ -179,6 +181,9 @@ template <class Test>
 }
 
 namespace detail {
+/// With one of these a cycle has no new state of the robot.
+inline constexpr Status no_new_state = Status(Reason::state_not_finite) | Reason::state_out_of_range |
+                                       Reason::state_stale | Reason::time_backwards | Reason::interval_empty;
 /// Whether the guard carries out the reaction. The other stages carry out theirs themselves, and report it.
 constexpr bool is_left_to_guard(const Fault& f) noexcept {
   return f.finder == FaultFinder::loop || f.finder == FaultFinder::governor;

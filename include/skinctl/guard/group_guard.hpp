@@ -43,7 +43,8 @@ class GroupGuard {
     using Memory = detail::PlainTuple<std::index_sequence<K...>, GuardMemory<Set<K>::count, T>...>;
     template <class Braking>
     static Guards make(const Robot& r, const Settings& s, const Braking& braking) {
-      return Guards(Stiff<K>(configuration<Set<K>>(r), part<Set<K>>(s), braking.template of<Set<K>>())...);
+      return Guards(Stiff<K>(r.template parameters<K>().for_guard(), part<Set<K>>(s),
+                             braking.template of<Set<K>>())...);
     }
   };
   using All = Each<std::make_index_sequence<Robot::stiff_groups>>;
@@ -146,6 +147,12 @@ class GroupGuard {
     if constexpr (Robot::has_driven) any = any || DrivenGuard::waits(m.driven);
     return any;
   }
+  [[nodiscard]] static bool refuses_start(const Memory& m) noexcept {
+    bool any = false;
+    each([&](auto k) { any = any || Stiff<k.value>::refuses_start(detail::element<k.value>(m.stiff)); });
+    if constexpr (Robot::has_driven) any = any || DrivenGuard::refuses_start(m.driven);
+    return any;
+  }
   /// Whether this robot can be in the state `s`.
   [[nodiscard]] bool believes(const State<joints, T>& s) const noexcept {
     bool all = true;
@@ -167,26 +174,24 @@ class GroupGuard {
   [[nodiscard]] static DrivenGuard driven_of([[maybe_unused]] const Robot& robot,
                                              [[maybe_unused]] const Settings& settings) {
     if constexpr (Robot::has_driven) {
-      return DrivenGuard(configuration<Driven>(robot), part<Driven>(settings));
+      return DrivenGuard(
+          RobotConfiguration<Driven::count, T>{.limits = detail::limits_of_part<Driven>(robot.limits()),
+                                               .period = robot.period(),
+                                               .longest_interval = robot.parameters().longest_interval},
+          part<Driven>(settings));
     } else {
       return {};
     }
   }
   template <class S>
-  [[nodiscard]] static auto configuration(const Robot& r) {
-    return RobotConfiguration<S::count, T>{.limits = detail::limits_of_part<S>(r.limits()),
-                                           .period = r.period(),
-                                           .longest_interval = r.parameters().longest_interval};
-  }
-  template <class S>
   [[nodiscard]] static GuardSettings<S::count, T> part(const Settings& s) {
-    GuardSettings<S::count, T> out{.lead = S::of(s.lead),
-                                   .torque_rate = s.torque_rate,
+    GuardSettings<S::count, T> out{.torque_rate = s.torque_rate,
                                    .beyond = s.beyond,
                                    .overspeed = s.overspeed,
                                    .brakes_on = s.brakes_on,
                                    .consent = s.consent};
     if (s.stale_after) out.stale_after = *s.stale_after;  // GCC 12 takes a copy of an empty one for a use
+    if (s.lead) out.lead = S::of(*s.lead);
     return out;
   }
   template <class F>

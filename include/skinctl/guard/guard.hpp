@@ -19,8 +19,10 @@ template <std::size_t N, Real T = double>
 struct GuardSettings {
   /// Age of the robot's newest state at which the command begins to brake; default: 25 periods.
   std::optional<Nanoseconds> stale_after = {};
-  /// Position interface: largest distance of a command from the measured position [rad].
-  JointPosition<N, T> lead = JointPosition<N, T>::constant(std::numeric_limits<T>::infinity());
+  /// Largest distance [rad] of a start from the first measured position, and by position of every command from the
+  /// measured one. Default: the largest lead and the dead band, e_max + r_tol; for commands, which have to be able to
+  /// stop within it, the way of a stop from top speed more.
+  std::optional<JointPosition<N, T>> lead = {};
   /// Torque interface: fastest change of a torque, in units of the torque limit per second; also the rate of
   /// the change to the fallback.
   T torque_rate = T(50);
@@ -41,8 +43,9 @@ template <std::size_t N, Real T = double>
 struct GuardMemory {
   Nanoseconds time{};
   Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
-  JointCommand<N, T> command;
-  Status latched;  ///< faults that wait for the user's consent
+  JointCommand<N, T> command;         ///< the last one; not valid after a start that is refused
+  Status latched;                     ///< faults that wait for the user's consent
+  bool begun = false;                 ///< a measured state has shown the robot where it was started
 };
 
 /// The command that the guard passes; `altered` means that it differs from the one given (the resolver must
@@ -67,6 +70,14 @@ struct Guarded {
 /// Most reactions end by themselves, once the given command can be reached within the limits; the resolver
 /// goes on from the command that was sent. After a `stop` the guard waits for `acknowledge`
 /// (`consent_awaited`). It never steps and never gives a number that is not finite, whatever the input.
+///
+/// A start is not believed: no command is valid before the first good and fresh state of the robot, which decides. The
+/// start is refused (`start_refused`), and no command is valid until a guard is started again, if a joint
+///
+/// - is further than e_max + r_tol (`GuardSettings::lead`) from where it was started, or than r_tol if that is beyond a
+///   position limit;
+/// - has another speed than that of the start, by more than its acceleration changes in T and what counts as rest
+///   (`RobotConfiguration::resting_speed`).
 template <Interface I, std::size_t N, Real T = double, class Smooth = detail::NoPart>
 class Guard {
  public:
@@ -92,7 +103,12 @@ class Guard {
         longest_(robot.longest()),
         stale_after_(c.stale_after.value_or(robot.period < 400ms ? 25 * robot.period : Nanoseconds(10s))),
         settings_(c),
-        lead_(c.lead),
+        start_distance_(c.lead.value_or(robot.largest_distance())),
+        lead_(c.lead ? start_distance_
+                     : start_distance_ + Distance(limits_.stopping_distance(limits_.velocity()))),
+        dead_band_(robot.tolerance_of_lag()),
+        speed_change_(
+            integrate(robot.resting_speed(), robot.limits.acceleration(), seconds<T>(robot.total_delay()))),
         torque_rate_(c.torque_rate),
         beyond_(c.beyond),
         overspeed_(c.overspeed),
@@ -118,14 +134,15 @@ class Guard {
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
 
   /// Takes over a robot with the command `command` in the state `measured`. For a command that is not valid
-  /// or not plausible, nothing passes until a guard is started with a good one.
+  /// or not plausible, or a state that this robot cannot have, nothing passes until a guard is started with good ones.
   [[nodiscard]] SKINCTL_COLD Memory start(const JointCommand<N, T>& command,
                                           const State<N, T>& measured) const noexcept {
     Memory m;
     m.command = command;
     m.time = command.time;
     m.command.valid = command.valid && detail::is_plausible(command) && detail::is_plausible(measured) &&
-                      detail::is_plausible(command.time) && detail::is_plausible(measured.time);
+                      believes(measured) && detail::is_plausible(command.time) &&
+                      detail::is_plausible(measured.time);
     return m;
   }
 
@@ -138,10 +155,10 @@ class Guard {
   SKINCTL_INLINE Guarded<N, T> step(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
                                     Nanoseconds now, const JointTorque<N, T>& fallback = {},
                                     Status found = {}) const noexcept {
-    if (!m.command.valid) [[unlikely]]
-      return {m.command, {}, true};
-    SKINCTL_EXPECTS(detail::is_plausible(measured), "the last good state: see take_measurement");
     m.latched |= found & consent_;
+    if (!m.begun) [[unlikely]]
+      if (const auto refused = begin(m, measured, now, found); !m.begun) return refused;
+    SKINCTL_EXPECTS(detail::is_plausible(measured), "the last good state: see take_measurement");
     Status status;
     if (now == m.time) [[unlikely]] {
       if (m.latched.any()) status |= Reason::consent_awaited;
@@ -177,6 +194,8 @@ class Guard {
   void acknowledge(Memory& m) const noexcept { m.latched = {}; }
   /// Whether the command waits for consent.
   [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
+  /// Whether nothing passes until a guard is started anew.
+  [[nodiscard]] static bool refuses_start(const Memory& m) noexcept { return !m.command.valid; }
 
   /// Whether this robot can be in the state `s`: within `beyond` of its ends, below `overspeed`. NaN:
   /// false.
@@ -190,6 +209,33 @@ class Guard {
 
  private:
   using Size = std::size_t;
+  using Distance = JointPosition<N, T>;
+  // The first good state of the robot decides whether it stands where it was started.
+  SKINCTL_COLD Guarded<N, T> begin(Memory& m, const State<N, T>& measured, Nanoseconds now,
+                                   Status found) const noexcept {
+    Guarded<N, T> out{m.command, {}, true};
+    out.command.valid = false;
+    if (!detail::is_plausible(now)) {
+      out.status = Reason::time_backwards;
+    } else if (now - measured.time > stale_after_) {
+      out.status = Reason::state_stale;
+    }
+    if (!((found | out.status) & detail::no_new_state).any())
+      m.command.valid = m.begun = m.command.valid && stands_at(m.command, measured);
+    if (!m.command.valid) out.status |= Reason::start_refused;
+    m.latched |= out.status & consent_;
+    if (m.latched.any()) out.status |= Reason::consent_awaited;
+    return out;
+  }
+  SKINCTL_COLD bool stands_at(const JointCommand<N, T>& start, const State<N, T>& measured) const noexcept {
+    using R = detail::Row<N, T>;
+    const R at = start.position, u = start.velocity, q = measured.q, dq = measured.dq, far = start_distance_;
+    const R next = at + R(seconds<T>(period_)) * u;  // the first command is between
+    const auto outside = (at > R(limits_.upper())) | (at < R(limits_.lower()));
+    const R most = select(outside, smaller(far, R(dead_band_)), far);
+    return all((magnitude(at - q) <= most) & (magnitude(next - q) <= most) &
+               (magnitude(u - dq) <= R(speed_change_)));
+  }
   /// Factor for rounding at a limit.
   static SKINCTL_INLINE T slack() noexcept { return T(1) + T(1024) * std::numeric_limits<T>::epsilon(); }
 
@@ -330,7 +376,8 @@ class Guard {
   JointLimits<N, T> limits_;
   Nanoseconds period_, longest_, stale_after_;
   Settings settings_;
-  JointPosition<N, T> lead_;
+  Distance start_distance_, lead_, dead_band_;
+  JointVelocity<N, T> speed_change_;  ///< in T
   T torque_rate_, beyond_, overspeed_;
   Status acts_on_;  ///< reasons of other stages on which it brakes
   Status consent_;  ///< reasons that wait for `acknowledge`

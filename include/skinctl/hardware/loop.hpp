@@ -25,7 +25,8 @@ enum class LoopEnd : unsigned char {
   interrupted,  ///< the stop flag was set
   lost,         ///< the robot's connection is gone, or a command could not be sent
   no_state,     ///< no state arrived at the beginning
-  displaced     ///< at the beginning the robot stood too far from where it was told to be, or at no number
+  displaced  ///< at the beginning the robot stood too far from where it was told to be, at no number, or elsewhere
+             ///< than a state before (`start_refused`); a run that is begun again starts where it stands
 };
 
 /// The times of a run, per stage of the cycle; `whole` is all stages.
@@ -227,6 +228,10 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     report.lost_packets = packets.lost;
     if (!sent) {
       report.ended = LoopEnd::lost;
+      break;
+    }
+    if (output.status.has(Reason::start_refused)) {
+      report.ended = LoopEnd::displaced;
       break;
     }
     if (options.cycles != 0 && report.cycles >= options.cycles) break;

@@ -49,6 +49,7 @@ struct VirtualJointsMemory {
   State<N, T> measured;                ///< the last good measurement, less the gap
   JointPosition<N, T> residual;        ///< r: measured position minus that brought by the commands
   JointPosition<N, T> gap;             ///< g: a residual to which the user has agreed; taken off measurements
+  bool gap_told = false;               ///< g began as the gap to where the robot says that it was told to be
   ResidualWatch<T> watch[N];           ///< of joints that are off
   T off_for[N] = {};                   ///< how long r has been beyond the dead band [s]
   T mode_for = T(0);                   ///< how long the present mode has lasted [s]

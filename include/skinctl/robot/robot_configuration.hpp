@@ -98,6 +98,18 @@ struct RobotConfiguration {
   [[nodiscard]] JointPosition<N, T> tolerance_of_lag() const noexcept {
     return dead_band ? *dead_band : T(1) / T(3) * largest_lead();
   }
+  /// Largest distance of a command from the measured position [rad] that following, lag and obstacles explain: e_max,
+  /// and r_tol, within which a difference does not count.
+  [[nodiscard]] JointPosition<N, T> largest_distance() const noexcept {
+    return largest_lead() + tolerance_of_lag();
+  }
+  /// Speed of a joint that starts as if at rest [rad/s]: in T it covers a fifth of r_tol.
+  [[nodiscard]] JointVelocity<N, T> resting_speed() const noexcept {
+    const JointPosition<N, T> band = tolerance_of_lag();
+    JointVelocity<N, T> u;
+    for (std::size_t i = 0; i < N; ++i) u[i] = T(0.2) * band[i] / seconds<T>(total_delay());
+    return u;
+  }
 };
 
 /// Maximum number of sub-steps of one interval.

@@ -14,8 +14,12 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
   Status status;
   if (input.request == CycleRequest::stop) resolver_.stop(m.robot);
   if (input.request == CycleRequest::resume) {
-    resolver_.resume(m.robot);
-    guard_.acknowledge(m.guard);
+    if (guard_.refuses_start(m.guard)) [[unlikely]] {
+      start_anew(m, input);
+    } else {
+      resolver_.resume(m.robot);
+      guard_.acknowledge(m.guard);
+    }
   }
   if (input.has_goal) status |= change.receive(*this, m, [&] { return receive(m, input); });
 
@@ -133,11 +137,24 @@ SKINCTL_COLD Status Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::re
   }
 }
 
+// A robot that was told to be elsewhere by a gap still is.
+template <class Resolver, class GivenLaw, class GivenSkin, class Watchman, class Overseer>
+SKINCTL_COLD void Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::start_anew(
+    Memory& m, const Input& input) const noexcept {
+  State<joints, scalar> measured = input.measured;
+  if (measured.time > input.now) measured.time = input.now;
+  if (!guard_.believes(measured)) return;
+  if constexpr (detail::takes_positions<Resolver>)
+    if (m.robot.gap_told) return start(m, measured, measured.q - m.robot.gap);
+  start(m, measured);
+}
+
 // For `Configurations`.
 
 template <class Resolver, class GivenLaw, class GivenSkin, class Watchman, class Overseer>
 bool Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::may_change(const Memory& m,
                                                                           const Input& input) const noexcept {
+  if (guard_.refuses_start(m.guard)) return false;
   if constexpr (requires { resolver_.asks_law(m.robot, input.measured, input.now, guard_); }) {
     auto robot = m.robot;
     if (input.request == CycleRequest::stop) resolver_.stop(robot);

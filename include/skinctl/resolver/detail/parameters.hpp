@@ -12,6 +12,7 @@ struct ResolverParameters {
   VirtualDynamics<N, T> shape;
   JointPosition<N, T> dead_band;
   JointPosition<N, T> max_lead;  ///< e_max
+  JointVelocity<N, T> resting_speed;
   Nanoseconds period, delay, substep, longest_interval, stale_after;
   Nanoseconds fresh_for;  ///< age up to which the residual of a measurement is used
   T cycle;                ///< the period [s]
@@ -33,6 +34,7 @@ struct ResolverParameters {
         shape(c.virtual_dynamics()),
         dead_band(c.tolerance_of_lag()),
         max_lead(c.largest_lead()),
+        resting_speed(c.resting_speed()),
         period(c.period),
         delay(c.delay),
         substep(c.substep),
@@ -42,7 +44,9 @@ struct ResolverParameters {
         largest_gap(c.largest_gap),
         lag(seconds<T>(c.lag)),
         lead(seconds<T>(c.lead)),
-        retry(seconds<T>(c.retry)) {
+        retry(seconds<T>(c.retry)),
+        lag_of_robot_(c.lag),
+        lead_of_robot_(c.max_lead) {
     check(c, has_virtual_robot);
     total_delay = seconds<T>(c.total_delay());
     per_delay = T(1) / total_delay;
@@ -59,6 +63,21 @@ struct ResolverParameters {
       has_coulomb = has_coulomb || shape.coulomb[i] > T(0);
     }
   }
+
+  /// The part of the robot's configuration that a guard reads.
+  [[nodiscard]] RobotConfiguration<N, T> for_guard() const {
+    return {.limits = limits,
+            .period = period,
+            .delay = delay,
+            .lag = lag_of_robot_,
+            .dead_band = dead_band,
+            .max_lead = lead_of_robot_,
+            .longest_interval = longest_interval};
+  }
+
+ private:
+  Nanoseconds lag_of_robot_;
+  T lead_of_robot_;
 };
 
 }  // namespace detail

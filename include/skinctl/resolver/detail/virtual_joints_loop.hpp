@@ -21,7 +21,7 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
   for (std::size_t i = 0; i < N; ++i) {
     const T most = p_.limits.velocity()[i];
     const T dq = clamp(measured.dq[i], T(-most), most);
-    if ((dq < T(0) ? -dq : dq) * p_.total_delay > T(0.2) * p_.dead_band[i]) {
+    if ((dq < T(0) ? -dq : dq) > p_.resting_speed[i]) {
       m.v[i] = dq;
       command[i] = measured.q[i] + dq * ahead;
     }
@@ -42,9 +42,11 @@ SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measured,
                                                       const Position& told) const noexcept -> Memory {
   const Row gap = Row(measured.q) - told;
-  if (any(!(magnitude(gap) <= Row(p_.largest_gap)))) return {};
-  Memory m = start(State<N, T>{measured.time, told, measured.dq});
+  if (!all(magnitude(gap) <= Row(T(plausible)))) return {};
+  Memory m;
+  if (all(magnitude(gap) <= Row(p_.largest_gap))) m = start(State<N, T>{measured.time, told, measured.dq});
   gap.store(m.gap);
+  m.gap_told = true;
   return m;
 }
 

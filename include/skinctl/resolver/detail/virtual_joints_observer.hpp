@@ -31,7 +31,8 @@ SKINCTL_INLINE Status SKINCTL_VIRTUAL_JOINTS_CLASS::measure(Memory& m, const Sta
 SKINCTL_VIRTUAL_JOINTS
 SKINCTL_COLD void SKINCTL_VIRTUAL_JOINTS_CLASS::settle(Memory& m, const T& dt) const noexcept {
   const T still = T(1e-3);  // [rad/s]
-  const bool rests = m.mode == ResolverMode::following && all(magnitude(Row(m.rate)) <= Row(still));
+  const bool rests = m.mode == ResolverMode::following && all(magnitude(Row(m.rate)) <= Row(still)) &&
+                     all(magnitude(Row(m.residual)) <= Row(p_.dead_band));
   m.settles_for = rests ? T(m.settles_for - dt) : T(0);
   if (!rests) return;
   const Row most = p_.largest_gap, before = m.gap;
