@@ -25,9 +25,10 @@ expect() {
     exit 1
   fi
 }
-expect none 0 "" 6
-expect "ctest --preset release*" 1 $'== failed:\ntests, GCC' 6
-expect "ctest *" 1 $'== failed:\ntests, GCC\ntests, Clang with sanitizers' 6
-expect "cmake --build --preset release*" 1 $'== failed:\nbuild, GCC\ntests, GCC: not run' 5
-expect "cmake --build *" 1 "$(printf '%s\n' '== failed:' 'build, GCC' 'tests, GCC: not run' \
-  'build, Clang with sanitizers' 'tests, Clang with sanitizers: not run')" 4
+expect none 0 "" 9
+expect "ctest --preset release*" 1 $'== failed:\ntests, GCC' 9
+expect "ctest *" 1 $'== failed:\ntests, GCC\ntests, GCC as users compile\ntests, Clang with sanitizers' 9
+expect "cmake --build --preset release*" 1 $'== failed:\nbuild, GCC\ntests, GCC: not run' 8
+expect "cmake --preset users*" 1 $'== failed:\nbuild, GCC as users compile\ntests, GCC as users compile: not run' 7
+expect "cmake --build *" 1 "$(printf '%s\n' '== failed:' 'build, GCC' 'tests, GCC: not run' 'build, GCC as users compile' \
+  'tests, GCC as users compile: not run' 'build, Clang with sanitizers' 'tests, Clang with sanitizers: not run')" 6
