@@ -126,12 +126,18 @@ function ask(question) {
   $('ask').showModal();
   return new Promise(done => $('ask').addEventListener('close', () => done($('ask').returnValue === 'yes'), {once: true}));
 }
-async function stop() { const a = await state.stream.call('/skinctl/stop'); $('reasons').textContent = a.done ? 'stop asked: ' + a.words : 'not stopped: ' + a.words; }
-async function resume() {
-  if (!await ask('The robot will move again. Is everybody clear of it?')) return;
-  const a = await state.stream.call('/skinctl/resume');
-  $('reasons').textContent = a.done ? 'resume asked: ' + a.words : 'not resumed: ' + a.words;
+/// What the job says to the person at the page, with the time of day; it stays until the next.
+function answer(words, good) { $('answer').textContent = `${new Date().toTimeString().slice(0, 8)} ${words}`, $('answer').className = good ? '' : 'bad'; }
+async function request(name) {
+  answer(name + ': no answer yet', false);
+  const a = state.stream ? await state.stream.call('/skinctl/' + name.toLowerCase()) : {done: false, words: 'not connected'};
+  answer(`${name}: ${a.done ? '' : 'refused, '}${a.words}`, a.done);
 }
+function stop() {
+  if ($('ask').open) $('ask').close('no');
+  request('Stop');
+}
+async function resume() { if (await ask('The robot will move again. Is everybody clear of it?')) request('Resume'); }
 
 /// Sliders. A new value counts when it has been agreed to: asked once a slider is let go.
 function parameters(list) {
@@ -185,7 +191,7 @@ RobotView.create($('robot')).then(view => {
 });
 if (location.protocol.startsWith('http')) {
   state.stream = new Stream(`ws://${location.host}/`, topics, {
-    state: chip, channels: () => {}, message: feed, status: text => { $('reasons').textContent = text; },
+    state: chip, channels: () => {}, message: feed, status: text => answer(text, false),
     services: () => {}, parameters, control});
 } else {
   chip('open an .mcap file', false);
@@ -199,10 +205,12 @@ addEventListener('dragover', e => { e.preventDefault(); document.body.classList.
 addEventListener('dragleave', () => document.body.classList.remove('drop'));
 addEventListener('drop', e => { e.preventDefault(); document.body.classList.remove('drop'); if (e.dataTransfer.files[0]) open(e.dataTransfer.files[0]); });
 addEventListener('keydown', e => {
-  if (e.target.tagName === 'INPUT' || $('ask').open || e.ctrlKey || e.metaKey || e.altKey) return;
-  if (e.key === 's' || e.key === 'S') stop();
+  if (e.repeat || e.ctrlKey || e.metaKey || e.altKey) return;
+  const stops = e.key === 's' || e.key === 'S' || (e.code === 'KeyS' && !/^[a-z]$/i.test(e.key));  // other alphabets
+  if (stops) return stop();  // whatever has the focus, a question among them
+  if (e.target.tagName === 'INPUT' || $('ask').open) return;
   if ((e.key === 'r' || e.key === 'R') && !$('resume').disabled) resume();
   if (e.key === 'l' || e.key === 'L') $('live').click();
-});
+}, true);
 state.open = open;
 requestAnimationFrame(frame);

@@ -267,6 +267,68 @@ TEST_CASE(
   CHECK(page.errors() == "");
 }
 
+TEST_CASE("The live page: answers to Stop and Resume stay, and key S stops whatever has the focus") {
+  const browser::Folder folder;
+  Served served(true);
+  browser::Page page(chromium, folder);
+  page.window(1000, 800);
+  page.go(served.server->url());
+  REQUIRE(page.until("skinctl.timeline.list('/skinctl/status').length > 2"));
+  REQUIRE(page.until("document.querySelector('#weights input') && (skinctl.view || skinctl.no3d)"));
+  page.evaluate(
+      "skinctl.view = null");  // no picture is looked at, and drawn in software it takes all of a busy machine
+  const std::string stopping = last_reasons + ".includes('stopping')", moving = "!" + stopping;
+  const auto answered = [&](const char* to) {
+    CAPTURE(to);
+    const std::string field = "document.getElementById('answer')";
+    REQUIRE(page.until(field + " && / " + to + ": (?!no answer)/.test(" + field + ".textContent)"));
+    const std::string words = page.evaluate(field + ".textContent");
+    // Ten states a second come meanwhile.
+    const int states = page.evaluate("skinctl.timeline.list('/skinctl/status').length");
+    REQUIRE(page.until("skinctl.timeline.list('/skinctl/status').length > " + std::to_string(states + 15)));
+    CHECK(page.evaluate(field + ".textContent") == words);
+    CHECK(page.evaluate("document.getElementById('reasons').textContent.includes('answer')") == false);
+  };
+  const auto resumed = [&] {
+    page.evaluate("skinctl.stream.call('/skinctl/resume')");
+    CHECK(page.until(moving));
+  };
+  page.evaluate("document.getElementById('stop').click()");
+  CHECK(page.until(stopping));
+  answered("Stop");
+  page.evaluate("document.getElementById('resume').click()");
+  page.evaluate("document.querySelector('#ask button[value=yes]').click()");
+  CHECK(page.until(moving));
+  answered("Resume");
+
+  page.evaluate(
+      "document.querySelector('main').append(Object.assign(document.createElement('input'), {id: 'words'}))");
+  page.evaluate(
+      "for (const e of document.querySelectorAll('canvas, input')) e.addEventListener('keydown', k => "
+      "k.stopPropagation())");
+  for (const std::string selector :
+       {"#stop", "#resume", "#live", "a", "#scrub", "#file", "#weights input", "#robot", "#words"}) {
+    CAPTURE(selector);
+    const std::string element = "document.querySelector('" + selector + "')";
+    if (page.evaluate(element + ".hidden") == true) continue;  // no picture of the robot here
+    page.evaluate(element + ".focus()");
+    CHECK(page.evaluate("document.activeElement === " + element) == true);
+    page.key(selector == "#words" ? "S" : "s");
+    CHECK(page.until(stopping));
+    resumed();
+  }
+  // Not even a question stands in its way, and it is answered with no.
+  page.evaluate("document.getElementById('resume').click()");
+  CHECK(page.evaluate("document.getElementById('ask').open") == true);
+  page.key("s");
+  CHECK(page.until(stopping));
+  CHECK(page.evaluate("document.getElementById('ask').open") == false);
+  ::usleep(400'000);
+  CHECK(page.evaluate(stopping) == true);
+  CHECK(page.evaluate(overflow) == "");
+  CHECK(page.errors() == "");
+}
+
 TEST_CASE("The live page: without consent of the server nothing is controlled but the stop") {
   const browser::Folder folder;
   Served served(false);
