@@ -19,6 +19,7 @@
 #include "examples/compliant_ur5/skin_session.hpp"
 #include "examples/compliant_ur5/summary.hpp"
 #include "examples/compliant_ur5/touch_observer.hpp"
+#include "examples/support/text.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
@@ -31,6 +32,20 @@ using namespace skinctl;
 /// How many cells report, in words.
 std::string in_words(const Coverage& c) {
   return std::to_string(c.usable) + " of " + std::to_string(c.cells);
+}
+/// The same for an ending, with the place where nothing is felt.
+template <class Skin>
+std::string in_words(const Coverage& c, const Skin& skin, double reach) {
+  const std::string report = in_words(c) + " cells report";
+  if (c.hole >= skin.table().size()) return report;
+  constexpr const char* links[] = {"shoulder", "upper arm", "forearm", "wrist 1", "wrist 2", "wrist 3"};
+  const auto& cell = skin.table()[c.hole];
+  const auto mm = [&](std::size_t k) { return 1e3 * static_cast<double>(cell.place[k]); };
+  return examples::text(
+             "%s, %.0f mm from its joint, at cell %u (%.0f, %.0f, %.0f mm in its frame): none within %.0f mm "
+             "feels; ",
+             links[cell.link], std::hypot(mm(0), mm(1), mm(2)), cell.id, mm(0), mm(1), mm(2), 1e3 * reach) +
+         report;
 }
 
 /// The receiver as a source of samples on the robot's clock.
@@ -194,7 +209,9 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     // The scene stops by itself where too little of the skin reports; the job ends then, and says why.
     // What others send to the skin's port is dropped, and so is what the skin itself garbles: then it is silent.
     if (ending == Ending::finished) {
-      const auto cells_in_words = [&] { return in_words(scene.skin().coverage(m.skin)) + " cells report"; };
+      const auto cells_in_words = [&] {
+        return in_words(scene.skin().coverage(m.skin), scene.skin(), s.control.skin_reach);
+      };
       if (!m.governor.watch.heard && t > s.control.skin_patience) {
         ending = Ending::skin_unheard;
         detail = cells_in_words();

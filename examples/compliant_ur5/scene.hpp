@@ -53,8 +53,9 @@ inline auto trusted_skin(const Settings& s) {
   trust.lone_force = {s.trust_all_cells ? std::numeric_limits<double>::infinity() : 0.0};
   trust.follow_rest = trust.find_faults = !s.trust_all_cells;
   trust.noise = {{.force = 0.4f, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
-  trust.health.delta = 2;  // of the simulated cells, and of TUM's
-  trust.answer = 0.05;     // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
+  trust.health.delta = s.force_delta / trust.health.step;
+  trust.reach = s.control.skin_reach;
+  trust.answer = 0.05;  // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
   const auto patches = skin_patches(s);
   if (!s.trust_all_cells && s.hand) {  // a palm has one cell: nobody else can be its witness
     std::vector<double> lone;

@@ -87,6 +87,7 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("force_threshold", c.force_threshold);
     t.number("max_velocity", c.max_velocity);
     t.number("skin_enough", c.skin_enough);
+    t.number("skin_reach", c.skin_reach);
     t.number("skin_patience", c.skin_patience);
     t.number("velocity_limit", c.velocity_limit);
     t.number("acceleration_limit", c.acceleration_limit);
@@ -114,6 +115,7 @@ void read_scenario(const std::string& file, Settings& settings) {
           root["skin"].as_table()) {  // the simulation reads the same table and checks its keys
     settings.newtons_per_reading = (*skin)["newtons_per_reading"].value_or(settings.newtons_per_reading);
     settings.rest_reading = (*skin)["rest_reading"].value_or(settings.rest_reading);
+    settings.force_delta = (*skin)["force_delta"].value_or(settings.force_delta);
   }
   if (const auto* goals = root["goal"].as_array()) {
     for (const auto& node : *goals) {

@@ -40,6 +40,8 @@ struct ControlSettings {
   double proximity_gain = 0;       ///< w_p [N per unit of proximity]
   double force_threshold = 0.068;  ///< on the sum of the three force readings, above their rest level
   double skin_enough = 0.6;        ///< share of each patch's cells that must report, or the arm does not move
+  double skin_reach =
+      0.04;  ///< of the cells: each place has one that counts so near [m], or the arm does not move
   double skin_patience = 2;        ///< after so long without them the job ends [s]
   double max_velocity = 0.5;       ///< of motions to goals [rad/s]
   double velocity_limit = 3;       ///< of commands [rad/s]
@@ -106,6 +108,8 @@ struct Settings {
   double duration = 60;             ///< [s], from the scenario
   double newtons_per_reading = 20;  ///< of the skin, from the scenario's [skin]
   double rest_reading = 0.004;      ///< of each force sensor, likewise
+  double force_delta =
+      2.0 / 1024;  ///< smallest change of a reading that a cell sends, likewise; 0: all are sent
   ControlSettings control;
   TorqueControl torque;
   std::optional<CarriedHand> hand;

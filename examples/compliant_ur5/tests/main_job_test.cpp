@@ -11,6 +11,7 @@
 #include <fstream>
 #include <thread>
 
+#include "examples/compliant_ur5/fault_runs.hpp"
 #include "examples/compliant_ur5/run.hpp"
 #include "examples/compliant_ur5/scene.hpp"
 #include "examples/compliant_ur5/tests/beside.hpp"
@@ -298,6 +299,65 @@ TEST_CASE(
                        doctest::Contains("SkinOf: cells = 560, allowed: at most its capacity of 512"),
                        skinctl::ConfigurationError);
   std::filesystem::remove(path);
+}
+
+TEST_CASE("main job: neighbouring cells that fail in one moment move the untouched arm by 30 mm at most") {
+  using skinctl::Interface;
+  for (const auto& [interface, streams] :
+       {std::pair{Interface::position, false}, {Interface::position, true}, {Interface::torque, false}}) {
+    FaultRun r{.interface = interface, .streams = streams, .duration = 4};
+    const auto healthy = run_with_faults(settings(), r);
+    REQUIRE_MESSAGE(healthy.outcome == Outcome::fine, healthy.log.words);
+    for (const char* fault : {"stuck", "saturated", "blinking", "noisy"}) {
+      r.faults = faults_of(fault, {170, 171}, 0.5);
+      const auto faulty = run_with_faults(settings(), r);
+      CAPTURE(r.faults);
+      CAPTURE(r.streams);
+      CHECK(faulty.outcome == Outcome::fine);
+      CHECK(farthest_apart(faulty.log, healthy.log) < 0.03);
+      if (skinctl::testing::sanitized || interface == Interface::torque) break;
+    }
+  }
+}
+
+TEST_CASE("main job: cells that stick are no worse for a finger on them, or elsewhere, than silent ones") {
+  for (const int touched : {170, 129}) {  // on them, and elsewhere
+    FaultRun r{.touched = touched, .duration = 5};
+    r.faults = faults_of("unheard", {170, 171}, 0.5);
+    const auto silent = run_with_faults(settings(), r);
+    r.faults = faults_of("stuck", {170, 171}, 0.5);
+    const auto stuck = run_with_faults(settings(), r);
+    CAPTURE(touched);
+    CHECK(silent.outcome == Outcome::fine);
+    CHECK(stuck.outcome == Outcome::fine);
+    CHECK(stuck.log.peak_force < 60);  // 25 N on a healthy skin, 26 N elsewhere; 182 N on a rigid arm
+    CHECK(stuck.log.peak_force < 1.05 * silent.log.peak_force);
+    CHECK(farthest_apart(stuck.log, silent.log) < 0.03);
+    if (skinctl::testing::sanitized) break;
+  }
+}
+
+TEST_CASE("main job: a cable of silent cells stops it before the finger comes, and it says where") {
+  std::vector<std::uint32_t> cable;
+  for (std::uint32_t id = 158; id <= 182; ++id) cable.push_back(id);
+  FaultRun r{.faults = faults_of("unheard", cable, 0.5), .touched = 170, .touched_at = 2};
+  const auto holed = run_with_faults(settings(), r);
+  CHECK(holed.outcome == Outcome::blind);
+  CHECK(holed.log.ending == std::string("skin_deaf"));
+  CHECK(holed.log.peak_force == 0);
+  CHECK(holed.log.entries.back().time < 1.5);
+  for (const char* word :
+       {"forearm, ", "mm from its joint, at cell 1", "none within 40 mm feels", " of 260 cells report"}) {
+    CAPTURE(holed.log.words);
+    CHECK(holed.log.words.find(word) != std::string::npos);
+  }
+  // As many cells, but none beside another.
+  std::vector<std::uint32_t> scattered;
+  for (std::uint32_t id = 6; id < 260; id += 10) scattered.push_back(id);
+  r.faults = faults_of("unheard", scattered, 0.5);
+  const auto whole = run_with_faults(settings(), r);
+  CHECK_MESSAGE(whole.outcome == Outcome::fine, whole.log.words);
+  CHECK(whole.log.touches.size() == 1);
 }
 
 TEST_CASE("main job: a recording replays bit for bit") {
